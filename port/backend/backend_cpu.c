@@ -1,4 +1,4 @@
-/* The processor: every stage by the kernels that it has. */
+/* The processor's back end: every stage by the fastest kernels for its instruction sets. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,4 +1,4 @@
-/* The CUDA back end (kernels/cuda) in the table of src/include/fixsplat/backend.h. */
+/* Fills in the table of backend.h for the CUDA back end (kernels/cuda). */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* OpenGL in place of blend and resolve: by EGL, exact (by lists or by framebuffer fetch) or as quads, and by OSMesa. */
+/* The OpenGL back ends, which draw in place of blend and resolve: by EGL, exact (with lists or framebuffer fetch) or as
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,10 +26,10 @@ typedef int fxs_gl_load_fn;
 #define OSMESA 0, 0, 0, 0
 #endif
 
-/* What draws: FASTER is LISTS or FETCH, which are both exact. */
+/* The ways of drawing: FASTER chooses LISTS or FETCH, which are both exact. */
 enum way { LISTS, FETCH, QUADS, FASTER };
 
-/* Where the context comes from, and what draws in it. */
+/* The source of the context, and the way of drawing in it. */
 typedef struct kind {
     const char *name, *packages;
     enum way way;
@@ -53,9 +53,9 @@ typedef struct gl_backend {
     struct fxs_gles *gles;
     fxs_processor processor;
     int processor_open;
-    unsigned frames;               /* of FASTER: drawn so far, up to MEASURED */
+    unsigned frames;               /* frames that FASTER has drawn so far, up to MEASURED */
     uint64_t times[2];             /* nanoseconds of a frame: LISTS, FETCH */
-    char lost[512];                /* why fetch is not taken: not there, or it failed; else empty */
+    char lost[512];                /* why fetch is not used: missing or failed; else empty */
 } gl_backend;
 
 #ifdef FXS_WITH_GLES
@@ -142,7 +142,7 @@ static void close_gl(void *self)
     free(b);
 }
 
-/* The context alone. */
+/* Opens only the context. */
 static int open_context(gl_backend **out, const kind *k, int device, fxs_message *why)
 {
     *out = 0;
@@ -163,7 +163,7 @@ static int open_context(gl_backend **out, const kind *k, int device, fxs_message
     return error;
 }
 
-/* How the next frame is drawn. */
+/* The way in which the next frame is drawn. */
 static enum way way_of(const gl_backend *b)
 {
     if (b->kind->way != FASTER)
@@ -203,7 +203,7 @@ static int is_of_device(int error)
     return error == FXS_ERR_DEVICE || error == FXS_ERR_MEMORY;
 }
 
-/* FASTER: where fetch fails on the device, lists draw this frame and those to come. */
+/* FASTER: where fetch fails on the device, lists draw this frame and all later ones. */
 static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
     gl_backend *b = self;
@@ -231,7 +231,7 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
 
 enum { TRIAL = 4096, TRIAL_WIDTH = 640, TRIAL_HEIGHT = 360 };
 
-/* Gaussians in a box, spread by an irrational step. */
+/* Makes Gaussians in a box, spread by an irrational step. */
 static long read_trial(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
 {
     (void)argument;
@@ -260,7 +260,7 @@ static int pack_trial(fxs_packed_scene *packed, fxs_message *why)
     return error;
 }
 
-/* Draws the trial's frames, after which way_of tells. */
+/* Draws the frames of the trial, after which way_of knows the faster way. */
 static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *why)
 {
     static const double eye[3] = {2, 2, -6}, look[3] = {2, 2, 2}, up[3] = {0, -1, 0};
@@ -282,7 +282,7 @@ static int try_both(gl_backend *b, const fxs_packed_scene *packed, fxs_message *
     return error;
 }
 
-/* What FASTER takes, and why; where it cannot be tried, nothing is said. */
+/* Says which way FASTER chooses, and why; nothing where it cannot be tried. */
 static void say_way(const kind *k, char *name, size_t size)
 {
     static const fxs_backend_options options = {0};

@@ -1,4 +1,4 @@
-/* What makes a fit's steps here: the stages of this processor's instruction set, or an engine on GPUs. */
+/* Chooses the engine of a fit: the stages for this processor's instruction sets, or GPUs. */
 #include <fixsplat/backends.h>
 #include <fixsplat/message.h>
 

@@ -6,27 +6,27 @@
 #include <fixsplat/message.h>
 #include <fixsplat/clock.h>
 
-enum { TILE = 16, ROWS = 16 /* of a job */, OPAQUE = 256 };
+enum { TILE = 16, ROWS = 16 /* in a job */, OPAQUE = 256 };
 
-/* Less than this, and that of a window may be below INT32_MIN. */
+/* A principal point below this could lie below INT32_MIN in a window. */
 #define FAR_Q12 (INT32_MIN + (FXS_MAX_SIZE << 12))
 
 /* Four channels of 8 bits in lanes of 16. */
 #define LANES UINT64_C(0x0001000100010001)
 
-/* Of the picture: x and y. */
+/* A rectangle of the whole picture, in x and y. */
 typedef struct rectangle {
     int32_t first[2], end[2];
 } rectangle;
 
-/* A picture of an eye at one rate, and where it lies in the whole one. */
+/* A ring's picture for an eye, and its place in the whole picture. */
 typedef struct layer {
     const uint8_t *pixels;         /* RGBA without gaps */
     int32_t width, height, rate;
-    int32_t x, y, end_x, end_y;    /* of the whole picture's pixels */
-    int32_t slope_q15;             /* OPAQUE over the pixels of the band */
-    int32_t fade[4];               /* pixels over which it fades at its left, top, right and lower edge */
-    rectangle inside;              /* where it does not: nothing of coarser ones shows */
+    int32_t x, y, end_x, end_y;    /* in pixels of the whole picture */
+    int32_t slope_q15;             /* OPAQUE / width of the band */
+    int32_t fade[4];               /* width of the fading at its left, top, right and lower edge */
+    rectangle inside;              /* the part without fading, which hides coarser layers */
 } layer;
 
 typedef struct composition {
@@ -63,13 +63,13 @@ static int32_t rounded_up(int32_t x, int32_t step)
     return (x + step - 1) / step * step;
 }
 
-/* Of a picture's side, in pixels of a rate. */
+/* The length of a picture's side in pixels of a rate. */
 static int32_t side_at(int32_t side, int32_t rate)
 {
     return (side + rate - 1) / rate;
 }
 
-/* The length of a window of a side of the picture, and where it begins, in its own pixels. */
+/* The length of a window along a side of the picture, and its start, in its own pixels. */
 static int32_t window_length(int32_t side, int32_t rate, int32_t radius)
 {
     return least(rounded_up(2 * radius / rate, TILE), side_at(side, rate));
@@ -81,7 +81,7 @@ static int32_t window_start(int32_t side, int32_t rate, int32_t length, int32_t 
     return (int32_t)(start < 0 ? 0 : start < most ? start : most);
 }
 
-/* Fills in where the rings lie. Returns how many there are: the last covers the picture. */
+/* Finds the places of the rings. Returns their number; the last ring covers the picture. */
 static uint32_t find_rings(fxs_ring rings[FXS_RINGS], const fxs_foveation *f, const fxs_camera *cameras, uint32_t eyes)
 {
     const int32_t width = cameras->width, height = cameras->height;
@@ -122,8 +122,8 @@ static size_t pixels_of(const fxs_ring *r)
 
 /* ---- Cameras ----------------------------------------------------------------------------------------------------- */
 
-/* The camera of a ring: a window of the picture at its rate, whose pixel (X, Y) has its centre at that of the block of
-   the picture's pixels from rate (X, Y) on. */
+/* The camera of a ring: a window of the picture at its rate. The centre of its pixel (X, Y) is the centre of the block
+   of rate x rate pixels of the picture from rate * (X, Y) on. */
 static fxs_camera camera_of(const fxs_camera *camera, const fxs_ring *r, int eye)
 {
     const int32_t rate = r->rate, half = rate / 2, x = r->x[eye] / rate, y = r->y[eye] / rate;
@@ -143,7 +143,8 @@ static fxs_camera camera_of(const fxs_camera *camera, const fxs_ring *r, int eye
     return c;
 }
 
-/* Hides from the camera of a ring what the finer one covers, but for its pixels that are enlarged beside that. */
+/* Sets the hidden part of a ring's camera: the part under the finer ring, without pixels needed for enlarging beside
+   it. */
 static void hide(fxs_camera *c, const fxs_ring *r, int eye, const rectangle *covered, const fxs_camera *whole)
 {
     const int32_t start[2] = {r->x[eye], r->y[eye]}, size[2] = {c->width, c->height};
@@ -164,7 +165,7 @@ static void hide(fxs_camera *c, const fxs_ring *r, int eye, const rectangle *cov
     c->hidden_height = length[1];
 }
 
-/* `finer`: the ring before it, null for the first. */
+/* `finer`: the next finer ring, null for the first. */
 static int render_ring(const fxs_backend *backend, void *self, const fxs_request *request, fxs_ring *r,
                        const fxs_ring *finer, int32_t band, uint8_t *pixels, fxs_message *why)
 {
@@ -198,7 +199,7 @@ static void add_stats(fxs_foveated *all, const fxs_ring *r)
 
 /* ---- Putting them together --------------------------------------------------------------------------------------- */
 
-/* Channels in the order 0, 2, 1, 3, or back to front. */
+/* Loads a pixel to lanes, in the order of channels 0, 2, 1, 3, or reversed. */
 static inline uint64_t load(const uint8_t *pixel)
 {
     uint32_t rgba;
@@ -212,16 +213,16 @@ static inline void store(uint8_t *pixel, uint64_t lanes)
     memcpy(pixel, &rgba, 4);
 }
 
-/* Lanes of 16 bits over 2^shift, rounded down. */
+/* Divides lanes of 16 bits by 2^shift, rounded down. */
 static inline uint64_t over(uint64_t lanes, int shift)
 {
     return lanes >> shift & LANES * 255;
 }
 
-/* A row of a layer between two of its own: they and their weights, which add up to twice its rate. */
+/* A row interpolated between two rows of a layer, whose weights add up to twice its rate. */
 typedef struct blended_row {
     const uint8_t *above, *below;
-    uint64_t weight;               /* of the lower one */
+    uint64_t weight;               /* weight of the lower row */
 } blended_row;
 
 static inline int32_t clamped(int32_t x, int32_t end)
@@ -229,8 +230,8 @@ static inline int32_t clamped(int32_t x, int32_t end)
     return x < 0 ? 0 : x < end ? x : end - 1;
 }
 
-/* Pixel i of the picture, from the layer's edge, has its centre n / (2 rate) of the layer's pixels behind that of its
-   first one, n = 2 i + 1 - rate. Returns floor, and in *rest the remainder of n. */
+/* The centre of the picture's pixel i, counted from the layer's edge, lies n / (2 rate) pixels of the layer after the
+   centre of its first pixel, n = 2 i + 1 - rate. Returns the floor of that, and the remainder of n in *rest. */
 static int32_t place_of(int32_t i, int32_t rate, int32_t *rest)
 {
     const int32_t n = 2 * i + 1 - rate, steps = 2 * rate;
@@ -255,14 +256,14 @@ static inline uint64_t column_at(const layer *l, const blended_row *row, int32_t
     return load(row->above + at) * (2 * (uint64_t)l->rate - row->weight) + load(row->below + at) * row->weight;
 }
 
-/* How much of a layer shows a distance of pixels inside an edge, of OPAQUE: (inside + 1/2) / fade. */
+/* The opacity of a layer, of OPAQUE, at a distance inside an edge: (inside + 1/2) / fade. */
 static inline int32_t ramp(const layer *l, int32_t inside, int edge)
 {
     return inside < l->fade[edge] ? ((2 * inside + 1) * l->slope_q15) >> 16 : OPAQUE;
 }
 
-/* Puts the pixels first to end - 1 of a row of a layer over what is there; where `fading` is 0, in its place. Sums of
-   lanes, also what they grow by from pixel to pixel, are right modulo 2^64. */
+/* Blends the pixels first to end - 1 of a row of a layer over the picture; with `fading` 0 it replaces them. Sums of
+   lanes and their increments from pixel to pixel are correct modulo 2^64. */
 static inline void draw_pixels(const layer *l, const blended_row *row, int32_t rate, int fading, int32_t opacity,
                                int32_t first, int32_t end, uint8_t *to)
 {
@@ -296,14 +297,14 @@ static void draw_span(const layer *l, const blended_row *row, int32_t opacity, i
     draw_pixels(l, row, l->rate, 1, opacity, first, from, to);
     if (l->rate == 1)
         memcpy(to + 4 * (ptrdiff_t)from, row->above + 4 * (ptrdiff_t)(from - l->x), 4 * (size_t)(till - from));
-    else if (l->rate == 2)                       /* a constant: the compiler unrolls */
+    else if (l->rate == 2)                       /* a constant, so that the compiler unrolls */
         draw_pixels(l, row, 2, 0, opacity, from, till, to);
     else
         draw_pixels(l, row, 4, 0, opacity, from, till, to);
     draw_pixels(l, row, l->rate, 1, opacity, till, end, to);
 }
 
-/* A row of a layer, but for what the finer one before it hides; `finer` may be null. */
+/* Draws a row of a layer, except the part that the next finer layer hides; `finer` may be null. */
 static void draw_row(const layer *l, const layer *finer, int32_t y, uint8_t *to)
 {
     if (y < l->y || y >= l->end_y)

@@ -39,7 +39,7 @@ int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, con
     return 0;
 }
 
-/* Memory of `bytes` bytes, or of max_memory where that is less. */
+/* Makes sure of `bytes` bytes of memory, or max_memory where that is less. */
 static int make_room(fxs_processor *p, size_t bytes, const fxs_camera *camera, fxs_message *why)
 {
     if (p->max_memory && p->max_memory < bytes)
@@ -75,7 +75,7 @@ int fxs_processor_render(fxs_processor *p, const fxs_request *q, fxs_stats *stat
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%" PRIu32 " eyes: expected 1 or 2", q->eyes);
     stats = stats ? stats : &own;
     memset(stats, 0, sizeof *stats);
-    /* 0 where an argument is out of range: rendering says which. */
+    /* 0 where an argument is out of range: rendering returns the error. */
     const size_t bytes = q->eyes == 2 ? fxs_stereo_bytes(&p->context, q->objects, q->count, width, height)
                                       : fxs_frame_bytes(&p->context, q->objects, q->count, width, height, 0);
     if (make_room(p, bytes, q->cameras, why))

@@ -1,4 +1,4 @@
-/* What the back ends on the processor share: context, threads, working memory. */
+/* The common part of the back ends that use the processor: context, threads, working memory. */
 #ifndef FXS_PROCESSOR_INTERNAL_H
 #define FXS_PROCESSOR_INTERNAL_H
 
@@ -11,15 +11,15 @@ typedef struct fxs_processor {
     fxs_pool *pool;                /* null: one thread */
     void *memory, *allocation;     /* memory: aligned, memory_bytes long; it grows with the frames */
     size_t memory_bytes;
-    size_t max_memory;             /* 0: as much as a frame takes */
+    size_t max_memory;             /* 0: no limit */
 } fxs_processor;
 
-/* The threads, and the kernels that this processor has, without those that the options leave out. `drawing`: draw,
-   draw_argument and draw_unlisted are taken from it. Returns 0, or an error with nothing to close. */
+/* Starts the threads and chooses the kernels for this processor, except those that the options exclude. draw,
+   draw_argument and draw_unlisted are taken from `drawing`. Returns 0, or an error with nothing to close. */
 int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, const fxs_config *drawing,
                        fxs_message *why);
 
-/* As fxs_backend.render and .pick. */
+/* The same as render and pick of fxs_backend. */
 int fxs_processor_render(fxs_processor *p, const fxs_request *request, fxs_stats *stats, fxs_message *why);
 int fxs_processor_pick(fxs_processor *p, const fxs_request *request, int32_t x, int32_t y, fxs_pick_result *result,
                        fxs_message *why);

@@ -6,8 +6,8 @@
 
 struct fxs_renderer {
     const fxs_backend *backend;
-    void *self;                    /* the back end's */
-    void *picker;                  /* of the processor, where the back end does not pick; null until it is asked to */
+    void *self;                    /* the back end's own data */
+    void *picker;                  /* the processor's back end, if the other cannot pick; null until the first pick */
 };
 
 int fxs_renderer_create(const char *name, const fxs_backend_options *options, fxs_renderer **renderer,

@@ -1,4 +1,4 @@
-/* A picture in strips. */
+/* Renders a picture in strips. */
 #include <fixsplat/strip.h>
 
 #include <fixsplat/stage.h>

@@ -18,7 +18,7 @@ typedef struct fxs_egl {
     EGLContext context;
 } fxs_egl;
 
-/* dlsym gives a pointer to data, and POSIX that it can be one to a function. */
+/* dlsym returns a pointer to data, which POSIX allows to be a pointer to a function. */
 static function *symbol(void *library, const char *name)
 {
     function *found = 0;
@@ -34,7 +34,7 @@ void (*fxs_egl_load(void *argument, const char *name))(void)
     return found ? found : e->get_address(name);
 }
 
-/* A function of EGL: one of version 1.4 is in the library, an extension's is found by name. */
+/* Finds a function of EGL: those of version 1.4 in the library, those of extensions by eglGetProcAddress. */
 static function *egl_function(const fxs_egl *e, const char *name)
 {
     function *found = symbol(e->egl_library, name);
@@ -42,8 +42,8 @@ static function *egl_function(const fxs_egl *e, const char *name)
 }
 #define CALL(type, name) ((PFN##type##PROC)egl_function(e, #name))
 
-/* EGL does nothing for a context that is current as far as it knows; Mesa's other libraries (OSMesa, GLX) put theirs
-   in the same place without its knowledge. */
+/* The context is first released: EGL ignores a call for the context that it believes to be current, but Mesa's other
+   libraries (OSMesa, GLX) may have replaced it without EGL's knowledge. */
 int fxs_egl_use(void *egl)
 {
     const fxs_egl *e = egl;
@@ -62,7 +62,7 @@ static int make_surface(fxs_egl *e, EGLConfig config)
     return e->surface && fxs_egl_use(e) == 0;
 }
 
-/* A context of OpenGL ES 3 on a display, current. */
+/* Makes a context of OpenGL ES 3 on a display current. */
 static int make_context(fxs_egl *e, EGLDisplay display)
 {
     static const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_ES3_BIT,
@@ -90,7 +90,7 @@ static int make_context(fxs_egl *e, EGLDisplay display)
     return 0;
 }
 
-/* A driver lists its devices first, Mesa's software device is the last. */
+/* Devices of drivers are listed first, Mesa's software device last. */
 static int try_devices(fxs_egl *e)
 {
     PFNEGLQUERYDEVICESEXTPROC query_devices = CALL(EGLQUERYDEVICESEXT, eglQueryDevicesEXT);
@@ -144,6 +144,6 @@ void fxs_egl_close(void *egl)
             CALL(EGLDESTROYSURFACE, eglDestroySurface)(e->display, e->surface);
         CALL(EGLDESTROYCONTEXT, eglDestroyContext)(e->display, e->context);
     }
-    /* The libraries stay: drivers do not bear to be unloaded. */
+    /* The libraries stay loaded, as drivers may crash when they are unloaded. */
     free(e);
 }

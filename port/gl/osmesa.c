@@ -14,7 +14,7 @@ typedef struct fxs_osmesa {
     unsigned char pixel[4];        /* the context's own framebuffer */
 } fxs_osmesa;
 
-/* dlsym gives a pointer to data, and POSIX that it can be one to a function. */
+/* dlsym returns a pointer to data, which POSIX allows to be a pointer to a function. */
 static function *symbol(const fxs_osmesa *o, const char *name)
 {
     function *found = 0;
@@ -71,6 +71,6 @@ void fxs_osmesa_close(void *osmesa)
     fxs_osmesa *o = osmesa;
     if (o && o->context)
         ((void (*)(OSMesaContext))symbol(o, "OSMesaDestroyContext"))(o->context);
-    /* The library stays: drivers do not bear to be unloaded. */
+    /* The library stays loaded, as drivers may crash when they are unloaded. */
     free(o);
 }

@@ -30,12 +30,12 @@ struct fxs_http_server {
     struct MHD_Daemon *daemon;
     any_address bound;
     char *certificate, *key;                /* texts, or null */
-    char said[256];                         /* the library's last words */
+    char said[256];                         /* the last message of the library */
 };
 
 /* ---- What is asked for ------------------------------------------------------------------------------------------- */
 
-/* Letters, digits and . _ - in parts that do not begin with a point: there is no way out of the folder. */
+/* Checks that a name has letters, digits and . _ - in parts that begin with no point: it cannot leave the folder. */
 static int is_inside(const char *name)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
@@ -50,7 +50,7 @@ static int is_inside(const char *name)
     }
 }
 
-/* Not to wait for the writer of a FIFO. */
+/* O_NONBLOCK: does not wait for the writer of a FIFO. */
 static int open_path(const char *path, int flags)
 {
     return open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags);
@@ -67,7 +67,7 @@ static int open_of_folder(const char *folder, const char *name)
     return open_path(path, O_NOFOLLOW);
 }
 
-/* A descriptor of the regular file of that name, for the caller to close; -1: there is none. */
+/* Opens the regular file of that name; the caller closes the descriptor. Returns -1 where there is none. */
 static int open_named(const fxs_http_site *site, const char *name, struct stat *information)
 {
     int descriptor = -2;
@@ -84,7 +84,7 @@ static int open_named(const fxs_http_site *site, const char *name, struct stat *
     return descriptor;
 }
 
-/* Where a short address leads: "/" to the first, "/1" to the next; or null. */
+/* The target of a short address: "/" leads to the first, "/1" to the next; or null. */
 static const char *start_of(const fxs_http_site *site, const char *name)
 {
     char shorter[16] = "/";
@@ -113,7 +113,7 @@ static const char *type_of(const char *name)
 
 /* ---- Answers ----------------------------------------------------------------------------------------------------- */
 
-/* Sends it, with what every answer has, and lets go of it. */
+/* Adds the headers of every answer, sends it and frees it. */
 static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
 {
     static const char *const headers[][2] = {
@@ -131,7 +131,7 @@ static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned s
     return done;
 }
 
-/* `text` is constant. */
+/* `text` must be constant. */
 static enum MHD_Result send_words(struct MHD_Connection *connection, unsigned status, const char *text,
                                   const char *header, const char *value)
 {
@@ -145,7 +145,7 @@ static enum MHD_Result send_words(struct MHD_Connection *connection, unsigned st
     return send_answer(connection, status, response);
 }
 
-/* A number of digits that there are, and what is behind them; or null. */
+/* Reads a decimal number and returns the text after it, or null where there are no digits. */
 static const char *take_digits(const char *text, uint64_t *value)
 {
     char *end;
@@ -154,8 +154,8 @@ static const char *take_digits(const char *text, uint64_t *value)
     return *text >= '0' && *text <= '9' && !errno ? end : 0;
 }
 
-/* What a Range header asks of a file: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the part; 0
-   for all of it, also for what is not understood here, several ranges say; -1 where it has no such bytes. */
+/* Reads a Range header: "bytes=FIRST-LAST", "bytes=FIRST-" or "bytes=-LENGTH". Returns 1 and the part; 0 for the whole
+   file, also for headers that are not understood, such as several ranges; -1 where the file has no such bytes. */
 static int take_range(const char *range, uint64_t size, uint64_t *first, uint64_t *length)
 {
     uint64_t from = 0, last = UINT64_MAX;
@@ -185,7 +185,7 @@ static const char *header_of(struct MHD_Connection *connection, const char *name
     return MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
 }
 
-/* Of a file whose answer goes on to own the descriptor. */
+/* Answers with a file; the answer then owns the descriptor. */
 static enum MHD_Result send_file(struct MHD_Connection *connection, const char *name, int descriptor,
                                  const struct stat *information)
 {
@@ -226,7 +226,7 @@ static int is_local(const any_address *a)
                                         : ntohl(a->v4.sin_addr.s_addr) >> 24 == 127;
 }
 
-/* Digits, or localhost: any other name may be one that a page elsewhere has made to mean this machine, to read from it. */
+/* Only numeric addresses and localhost: a page elsewhere may have made any other name point to this machine, to read
 static int is_own_host(const char *host)
 {
     const size_t length = host ? strcspn(host, ":") : 0;
@@ -249,7 +249,7 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
         return MHD_YES;
     }
     if (*body_bytes) {
-        *body_bytes = 0;   /* read, and of no use */
+        *body_bytes = 0;   /* read and ignored */
         return MHD_YES;
     }
     if (is_local(&server->bound) && !is_own_host(header_of(connection, "Host")))
@@ -286,7 +286,7 @@ static socklen_t size_of(const any_address *a)
     return a->any.sa_family == AF_INET6 ? sizeof a->v6 : sizeof a->v4;
 }
 
-/* A socket that listens, with the port that it got in `address`. */
+/* Makes a listening socket, and writes its port to `address`. */
 static int listen_at(any_address *address, const fxs_http_options *o, fxs_message *message)
 {
     const int on = 1, off = 0;
@@ -307,7 +307,7 @@ static int listen_at(any_address *address, const fxs_http_options *o, fxs_messag
     return -1;
 }
 
-/* A small text file, with a 0 behind it. */
+/* Reads a small text file, with a final 0. */
 static int read_text(char **out, const char *path, fxs_message *message)
 {
     FILE *file = fopen(path, "rb");
@@ -409,7 +409,7 @@ static void tell(const fxs_http_server *server, const any_address *a,
     each(self, text, is_local(a));
 }
 
-/* The address of an interface, where a page's address can name it: no IPv6 address of one link alone. */
+/* The address of an interface, if a URL can name it: no link-local IPv6 address. */
 static int take_interface(any_address *a, const struct ifaddrs *i, int with_v6)
 {
     if (!i->ifa_addr || !(i->ifa_flags & IFF_UP))

@@ -1,7 +1,7 @@
-/* A small static server (libmicrohttpd): the files of one folder, and others under names of their own. Of the rest of
- * the file system there is nothing. GET and HEAD, ranges, ETags; every answer has the headers that isolate a page
- * (Cross-Origin-Opener-Policy and -Embedder-Policy), which threads in a browser need. Files are sent as they are on the
- * disk when they are asked for, never as a whole in memory. */
+/* A small static server (libmicrohttpd) for the files of one folder and for others under names of their own; the rest
+ * of the file system is not served. It has GET, HEAD, ranges and ETags. Every answer has the headers that isolate a
+ * page (Cross-Origin-Opener-Policy and -Embedder-Policy), which threads in a browser need. Files are sent from the disk
+ * as they are at the time of the request, and are never loaded completely. */
 #ifndef FXS_HTTP_SERVER_H
 #define FXS_HTTP_SERVER_H
 
@@ -9,22 +9,22 @@
 
 typedef struct fxs_http_file {
     const char *name;                       /* "/scenes/0/room.ply" */
-    const char *path;                       /* or null: */
-    int descriptor;                         /* of a file that stays open, sent from its beginning */
+    const char *path;                       /* or null for: */
+    int descriptor;                         /* a file that stays open, sent from its beginning */
 } fxs_http_file;
 
-/* What is served; it stays where it is until the server is closed. */
+/* The files that are served; must not move in memory until the server is closed. */
 typedef struct fxs_http_site {
-    const char *folder;                     /* parts of names have letters, digits and . _ -, and begin with no point */
+    const char *folder;                     /* parts of names: letters, digits and . _ -, not beginning with a point */
     const fxs_http_file *files;
     int file_count;
-    const char *const *starts;              /* addresses that "/" (the first), "/1", "/2" and so on lead to */
+    const char *const *starts;              /* targets of the addresses "/" (the first), "/1", "/2" and so on */
     int start_count;
 } fxs_http_site;
 
 typedef struct fxs_http_options {
-    const char *address;                    /* of IPv4 or IPv6, in digits; 0.0.0.0 and ::, all of this machine's */
-    uint16_t port;                          /* 0: any that is free */
+    const char *address;                    /* IPv4 or IPv6 in digits; 0.0.0.0 and ::, all of this machine's */
+    uint16_t port;                          /* 0: any free port */
     const char *certificate, *key;          /* .pem files: https; or null */
 } fxs_http_options;
 
@@ -34,12 +34,12 @@ typedef struct fxs_http_server fxs_http_server;
 int fxs_http_open(fxs_http_server **server, const fxs_http_site *site, const fxs_http_options *options,
                   fxs_message *message);
 
-/* Calls `each` with "http://HOST:PORT" for each address that the server is reached at: those of this machine's
-   interfaces where it has them all. `is_local`: from this machine alone. */
+/* Calls `each` with "http://HOST:PORT" for each address of the server; where it has all of this machine's addresses,
+   for each interface. `is_local`: only this machine reaches it. */
 void fxs_http_each_address(const fxs_http_server *server, void (*each)(void *self, const char *address, int is_local),
                            void *self);
 
-/* Ends it at once, whatever is being sent. */
+/* Ends the server at once, even while it sends. */
 void fxs_http_close(fxs_http_server *server);
 
 #endif

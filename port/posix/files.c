@@ -35,7 +35,7 @@ static int open_name(const char *name, int flags, const char *path, FILE **file,
     *file = NULL;
     if (stat(name, &status) != 0)
         return fxs_fail_errno(message, path, errno);
-    if (!S_ISREG(status.st_mode))   /* before it is opened: a device may do something then */
+    if (!S_ISREG(status.st_mode))   /* checked before: opening a device may have effects */
         return fxs_fail(message, "%s: not a regular file", path);
     int descriptor = open(name, O_RDONLY | O_NONBLOCK | O_CLOEXEC | flags);   /* does not wait for a pipe's writer */
     FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
@@ -60,7 +60,7 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
     return open_name(path, 0, path, file, facts, message);
 }
 
-/* What realpath says of the folder of a path; the caller frees it. NULL: an error. */
+/* The realpath of the folder of a path; the caller frees it. NULL: an error. */
 static char *real_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');

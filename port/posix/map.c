@@ -11,8 +11,8 @@
 
 #include "src/base/opened.h"
 
-/* What the handler for SIGBUS looks through: a signal may come at any time, so there is no lock. All but `taken` are
-   read and written atomically. */
+/* The mapped ranges, which the handler for SIGBUS searches. A signal may come at any time, so there is no lock: all
+   fields are read and written atomically. */
 enum { RANGES = 64 };
 static struct range {
     uintptr_t start, end;          /* end 0: nothing is mapped; set last, cleared first */
@@ -50,7 +50,7 @@ static void note_range(const fxs_mapping *mapping)
     __atomic_store_n(&r->end, (uintptr_t)mapping->data + mapping->bytes, __ATOMIC_RELEASE);
 }
 
-/* Zeros from the page of the fault to the end of its range. */
+/* Maps zeros from the page of the fault to the end of its range. */
 static int fill_with_zeros(uintptr_t address)
 {
     for (struct range *r = ranges; r < ranges + RANGES; r++) {
@@ -64,7 +64,7 @@ static int fill_with_zeros(uintptr_t address)
     return 0;
 }
 
-/* Of a signal that is not about a mapping. */
+/* Handles a signal that does not concern a mapping. */
 static void handle_as_before(int signal_number, siginfo_t *info, void *context)
 {
     if (before.sa_flags & SA_SIGINFO)

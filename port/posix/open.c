@@ -1,4 +1,4 @@
-/* Scene files that are opened to be rendered: mapped where they are packed, packed where they are not. */
+/* Opens scene files for rendering: maps .fxs files, and packs all others. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,7 +53,7 @@ static open_scene *create(const char *name, fxs_message *message)
     return s;
 }
 
-/* Shows the scene, once it is there, or frees it after an error. */
+/* Fills in the fields for the caller, or frees the scene after an error. */
 static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_opened **opened, fxs_message *message)
 {
     if (!error && (error = fxs_scene_open(&s->scene, data, bytes)) != 0)
@@ -67,7 +67,7 @@ static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_
 
 /* ---- Packed scenes ----------------------------------------------------------------------------------------------- */
 
-/* What the header of a packed scene says, in the words of a file that was packed here. */
+/* Fills in info and report from the header of a packed scene. */
 static void describe(open_scene *s, const void *data)
 {
     fxs_packed_header h;
@@ -101,7 +101,7 @@ static int map_file(open_scene *s, const fxs_open_options *o, fxs_opened **opene
                  : take_packed(s, s->mapping.data, s->mapping.bytes, o, opened, message);
 }
 
-/* Bytes that lie as the renderer reads them stay where they are. */
+/* Copies the bytes only where they are not aligned. */
 static int take_bytes(open_scene *s, const void *data, size_t bytes, const fxs_open_options *o, fxs_opened **opened,
                       fxs_message *message)
 {
@@ -131,7 +131,7 @@ static int pack(open_scene *s, fxs_scene_file *file, const fxs_open_options *o, 
     return error;
 }
 
-/* Closes the file. `error`: of opening it. */
+/* Packs and closes the file. `error`: the result of opening it. */
 static int pack_file(open_scene *s, int error, fxs_scene_file *file, const fxs_open_options *o, fxs_opened **opened,
                      fxs_message *message)
 {

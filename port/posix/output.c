@@ -13,14 +13,14 @@
 
 #include <fixsplat/output.h>
 
-enum { LINKS_MOST = 40 };   /* as Linux has it */
+enum { LINKS_MOST = 40 };   /* the same limit as in Linux */
 
 /* ---- Outputs under way ----------------------------------------------------------------------------------------- */
 
-static fxs_output *under_way;   /* the handler of signals reads it: only changed between enter and leave */
+static fxs_output *under_way;   /* read by the signal handler; only changed between enter and leave */
 static char taken;
 
-/* No signal comes to a thread in here, so that the handler may wait for it. */
+/* Signals are blocked from enter to leave, so the handler may wait for a thread in between. */
 static void enter(sigset_t *before)
 {
     sigset_t all;
@@ -80,7 +80,7 @@ static size_t folder_length(const char *path)
     return slash ? (size_t)(slash + 1 - path) : 0;
 }
 
-/* What the symbolic link `name` points at, or null and errno. */
+/* The target of the symbolic link `name`, or null and errno. */
 static char *read_link(const char *name)
 {
     char text[PATH_MAX];
@@ -131,11 +131,11 @@ static int create(const char *name, const struct stat *old)
     const mode_t mode = old ? old->st_mode & 0777 : 0666;
     int descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL, mode);
     if (descriptor >= 0 && old)
-        fchmod(descriptor, mode);   /* where that cannot be, they are fewer: those that umask leaves */
+        fchmod(descriptor, mode);   /* where that fails, umask may leave fewer permissions */
     return descriptor;
 }
 
-/* A new file in the folder of output->target, so that it can be renamed to that. Returns a descriptor, or -1 and
+/* Creates a file in the folder of output->target, so that it can be renamed to it. Returns a descriptor, or -1 and
    errno. */
 static int create_beside(fxs_output *output, const struct stat *old)
 {
@@ -160,7 +160,7 @@ static int create_beside(fxs_output *output, const struct stat *old)
     return descriptor;
 }
 
-/* By another name than a file's own: /dev/stdout would begin the file anew. */
+/* 1 where a symbolic link such as /dev/stdout names standard output: opening it would truncate the file. */
 static int is_standard_output(const char *path, const struct stat *status)
 {
     struct stat own, out;
@@ -212,7 +212,7 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     output->file = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
     if (output->file)
         return 0;
-    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;     /* open, but to be read */
+    const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;     /* open, but for reading only */
     const int error = fail(output->path ? output->path : path, number, message);
     if (descriptor >= 0) {
         close(descriptor);
@@ -244,13 +244,13 @@ int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_mes
     return fail(output->path, output->error, message);
 }
 
-/* Some file systems cannot be asked (EINVAL): they do what they can. */
+/* Some file systems cannot do this (EINVAL), which is no error here. */
 static int sync_file(FILE *file)
 {
     return !fsync(fileno(file)) || errno == EINVAL || errno == EROFS ? 0 : -1;
 }
 
-/* The new name on the disk too; the file is complete under it, whatever comes of this. */
+/* Puts the new name on the disk too; a failure is ignored, as the file is complete. */
 static void sync_folder(fxs_output *output)
 {
     const size_t folder = folder_length(output->target);

@@ -14,16 +14,16 @@ typedef struct batch {
     void (*job)(void *, uint32_t);
     void *argument;
     uint32_t jobs, next;                   /* next is taken atomically */
-    uint32_t helpers;                      /* the pool's threads at work on it */
+    uint32_t helpers;                      /* threads of the pool that work on it */
     struct batch *after;
 } batch;
 
 struct fxs_pool {
     pthread_mutex_t lock;
     pthread_cond_t start, done;
-    uint32_t threads;                      /* beside the callers */
+    uint32_t threads;                      /* threads of the pool, without the callers */
     int stop;
-    batch *first;                          /* those with jobs to give out, oldest first */
+    batch *first;                          /* batches with jobs that nobody has begun, oldest first */
     pthread_t handles[64];
 };
 
@@ -35,7 +35,7 @@ static void append(fxs_pool *pool, batch *b)
     *end = b;
 }
 
-/* Works at the batch until every job is given out, and takes it off the list. With the lock let go meanwhile. */
+/* Runs jobs of the batch until all are taken, then removes it from the list. Releases the lock meanwhile. */
 static void work(fxs_pool *pool, batch *b)
 {
     pthread_mutex_unlock(&pool->lock);

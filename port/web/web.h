@@ -1,4 +1,4 @@
-/* What the two modules share with fixsplat.js. */
+/* The common declarations of the two modules that fixsplat.js calls. */
 #ifndef FXS_WEB_H
 #define FXS_WEB_H
 
@@ -6,14 +6,14 @@
 
 #define EXPORT(name) __attribute__((export_name(#name)))
 
-/* Numbers go in and come out at one place, in the order that each function says; an object with 8 crops has 71. */
+/* The array for numbers in and out, in the order that each function states; an object with 8 crops has 71. */
 enum { NUMBERS = 80 };
 
-/* Of pool.c; null in a module without it. */
+/* Functions of web_pool.c; null in a module without it. */
 __attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
                                        uint32_t jobs);
 
-/* A frame of the objects and the camera that were set. */
+/* A frame of the objects and the camera that were set before. */
 typedef struct fxs_web_frame {
     const fxs_context *context;
     fxs_request request;
@@ -21,17 +21,17 @@ typedef struct fxs_web_frame {
     size_t bytes;
 } fxs_web_frame;
 
-/* With working memory, at most `limit` bytes where that is not 0, which _end frees, or the next frame where this one
-   trapped. Errors: FXS_ERR_MEMORY. */
+/* Begins a frame with working memory, at most `limit` bytes unless that is 0. _end frees the memory, or the next frame
+   where this one trapped. Errors: FXS_ERR_MEMORY. */
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit);
 
-/* Returns the frame's error, which `words` says. */
+/* Ends the frame and returns its error, with the message in `words`. */
 int fxs_web_frame_end(int error);
 
-/* Aligned to 64, as malloc is here; null, and words, where there is no memory. */
+/* Allocates memory aligned to 64, as malloc is here; null and a message where memory ran out. */
 void *fxs_web_allocate(size_t bytes);
 
-/* Where `words` are: room for what FXS_GLES_MESSAGE says. */
+/* The buffer of `words`, FXS_GLES_MESSAGE bytes long. */
 char *fxs_web_text(void);
 
 #endif

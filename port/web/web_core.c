@@ -1,5 +1,5 @@
-/* The renderer as a module: what fixsplat.js calls. Functions that can fail return a negative FXS_ERR_* or null, and
- * `words` says why. Numbers come in by `numbers`. */
+/* The renderer as a WebAssembly module for fixsplat.js. Functions that can fail return a negative FXS_ERR_* or null,
+ * and leave a message in `words`. Arguments that are numbers come in the array `numbers`. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,15 +20,15 @@ static fxs_message message;
 static fxs_context context;
 static fxs_file_view view;
 
-/* The cameras of the next frame, one or two eyes; its objects, and the boxes of each. */
+/* The next frame: cameras for one or two eyes, objects, and the crop boxes of each. */
 static fxs_camera cameras[2];
 static uint32_t eyes;
 static fxs_object *objects;
 static fxs_crop (*crops)[FXS_MAX_CROPS];
 static uint32_t object_count;
-static double low[3], high[3];     /* the box of all of them */
+static double low[3], high[3];     /* the box of all objects */
 
-static void *working;              /* the memory of the frame, also of one that trapped, until the next */
+static void *working;              /* memory of the frame; after a trap, it is kept until the next frame */
 
 static int said(int error)
 {
@@ -55,7 +55,7 @@ char *fxs_web_text(void)
     return message.text;
 }
 
-/* Aligned to 64, as malloc is here. */
+/* malloc returns blocks aligned to 64 here. */
 EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
 {
     void *block = malloc(bytes);
@@ -69,7 +69,7 @@ EXPORT(release) void fxs_web_release(void *block)
     free(block);
 }
 
-/* The browser's, as a table of pi is large. An ulp is nothing to a camera, whose numbers are rounded to 2^-12. */
+/* The browser's functions, as the table of pi for others is large. An error of an ulp does not matter: numbers of a
 double tan(double x)
 {
     return fxs_web_tan(x);
@@ -79,10 +79,10 @@ double tan(double x)
 
 typedef struct loaded {
     fxs_scene scene;
-    double low[3], high[3];        /* where it is seen */
+    double low[3], high[3];        /* bounds of its visible part */
 } loaded;
 
-/* Checks a packed scene, all of it. Out: count, SH degree, profile; low and high. */
+/* Checks a whole packed scene. Out: count, SH degree, profile; low and high. */
 EXPORT(open) loaded *fxs_web_open(const char *name, const void *data, size_t bytes)
 {
     fxs_packed_header header;
@@ -104,7 +104,7 @@ EXPORT(open) loaded *fxs_web_open(const char *name, const void *data, size_t byt
 
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
-/* Begins a frame of so many objects. */
+/* Begins a frame of `count` objects. */
 EXPORT(begin) int fxs_web_begin(uint32_t count)
 {
     free(objects);
@@ -135,8 +135,8 @@ static uint32_t id_of(double x)
     return x >= 0 && x < FXS_NOTHING ? (uint32_t)x : FXS_NOTHING;
 }
 
-/* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crops; then of
-   each its low, high and outside. */
+/* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crops; then low,
+   high and outside of each crop. */
 EXPORT(place) int fxs_web_place(const loaded *l)
 {
     fxs_placement p = {0, {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]},
@@ -157,7 +157,7 @@ EXPORT(place) int fxs_web_place(const loaded *l)
 
 /* ---- Camera ------------------------------------------------------------------------------------------------------ */
 
-/* The frame's first, or its second. */
+/* The camera of the first or second eye. */
 static int take_camera(double near)
 {
     view.near = near;
@@ -166,7 +166,7 @@ static int take_camera(double near)
     return error;
 }
 
-/* In: eye, look, up, field of view in degrees, near, or 0: that of the objects' box. */
+/* In: eye, look, up, field of view in degrees, near (0: by the box of the objects). */
 EXPORT(look_at) int fxs_web_look_at(int width, int height)
 {
     const double near = numbers[10] != 0 ? numbers[10] : fxs_near_of_box(low, high);
@@ -174,7 +174,7 @@ EXPORT(look_at) int fxs_web_look_at(int width, int height)
     return error ? error : take_camera(near);
 }
 
-/* Sees the objects whole. In: up, field of view, near, or 0. */
+/* Frames all objects. In: up, field of view, near or 0. */
 EXPORT(see_all) int fxs_web_see_all(int width, int height)
 {
     const int error = fxs_view_frame_box(&view, low, high, numbers, numbers[3], width, height, &message);
@@ -188,8 +188,8 @@ EXPORT(middle) void fxs_web_middle(void)
         numbers[i] = (low[i] + high[i]) / 2;
 }
 
-/* A camera in full, of `width` x `height` pixels, made `new_width` x `new_height` where those are others. In: fx, fy,
-   cx, cy, rotation (world to camera, rows), position, near. */
+/* Sets a complete camera of `width` x `height` pixels, resized to `new_width` x `new_height`. In: fx, fy, cx, cy,
+   rotation (world to camera, rows), position, near. */
 EXPORT(camera) int fxs_web_camera(int width, int height, int new_width, int new_height, int projection)
 {
     strcpy(view.name, "camera");
@@ -210,7 +210,7 @@ static void free_working(void)
     working = NULL;
 }
 
-/* The working memory of a frame, at most `limit` bytes of it where that is not 0. */
+/* Allocates the working memory of a frame, at most `limit` bytes unless that is 0. */
 static void *frame_memory(size_t *bytes, size_t limit)
 {
     *bytes = (eyes == 2 ? fxs_stereo_bytes(&context, objects, object_count, cameras->width, cameras->height)
@@ -242,16 +242,16 @@ int fxs_web_frame_end(int error)
     return said(error);
 }
 
-/* An image without gaps; null at 0. */
+/* An image without gaps at an address; a null image for 0. */
 static fxs_image image_at(double at, ptrdiff_t bytes)
 {
     return (fxs_image){(void *)(uintptr_t)at, bytes * cameras->width};
 }
 
-/* In: places of colour, coverage, mean and median depth, ids, occluder and backdrop, or 0. */
+/* In: addresses of colour, coverage, mean and median depth, ids, occluder and backdrop, or 0. */
 static void take_targets(fxs_targets *t, const double *at, int format, int depth_bits)
 {
-    static const uint8_t bytes[] = {4, 4, 2, 8};   /* a pixel of each format */
+    static const uint8_t bytes[] = {4, 4, 2, 8};   /* bytes of a pixel in each format */
     fxs_targets_init(t);
     t->format = (enum fxs_format)format;
     t->depth_bits = depth_bits;
@@ -264,7 +264,7 @@ static void take_targets(fxs_targets *t, const double *at, int format, int depth
     t->backdrop = image_at(at[6], 4);
 }
 
-/* Draws the objects: for each eye 7 places come in, as take_targets says. */
+/* Draws the objects. In: for each eye the 7 addresses of take_targets. */
 EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_t background, int sh_degree,
                                   int square, size_t limit)
 {
@@ -277,7 +277,7 @@ EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_
     return fxs_web_frame_end(fxs_render(&context, &f.request, f.memory, f.bytes, NULL));
 }
 
-/* What a pixel shows: 1, or 0 where that is nothing. Out: the object's place, its Gaussian, depth and position. */
+/* Finds the Gaussian at a pixel: 1, or 0 where there is none. Out: index of the object, Gaussian, depth, position. */
 EXPORT(pick) int fxs_web_pick(int x, int y, size_t limit)
 {
     fxs_web_frame f;

@@ -1,4 +1,4 @@
-/* The checksum that zlib and libzip ask for. */
+/* The CRC-32 functions that zlib and libzip call. */
 #include "src/base/crc32.h"
 
 unsigned long crc32(unsigned long crc, const unsigned char *bytes, unsigned count);

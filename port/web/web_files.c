@@ -1,4 +1,4 @@
-/* There are no files here: whoever asks for one by its path hears so. Scenes come in from memory. */
+/* A module has no files: opening one by its path fails with a message. Scenes come from memory. */
 #include <fixsplat/message.h>
 
 #include "src/base/files_internal.h"

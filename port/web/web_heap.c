@@ -1,5 +1,5 @@
-/* malloc and free of a module: few blocks, most of them large, each aligned to 64. Free ones are a list in the order of
- * their addresses; the first that is large enough is taken. */
+/* malloc and free of a module, for few, mostly large blocks, each aligned to 64. Free blocks are in a list by address;
+ * the first that is large enough is used. */
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -7,15 +7,15 @@
 
 #define PAGE 65536u
 
-/* Before each block. */
+/* The header before each block. */
 typedef struct block {
-    size_t bytes;                  /* with this; a multiple of 64 */
-    struct block *next;            /* of those that are free */
+    size_t bytes;                  /* with this header; a multiple of 64 */
+    struct block *next;            /* the next free block */
 } __attribute__((aligned(64))) block;
 
-extern unsigned char __heap_base;  /* of the linker: behind the stack and all data */
+extern unsigned char __heap_base;  /* set by the linker: after the stack and all data */
 static block *first;
-static uintptr_t end;              /* of the memory that is cut up */
+static uintptr_t end;              /* of the memory used for blocks so far */
 
 static int touch(const block *a, const block *b)
 {
@@ -41,7 +41,7 @@ static void give(block *given)
         first = given;
 }
 
-/* More memory, `bytes` at least. Returns 0 where there is none. */
+/* Gets at least `bytes` more memory. Returns 0 where there is none. */
 static int grow(size_t bytes)
 {
     const size_t pages = bytes / PAGE + 1;

@@ -1,5 +1,5 @@
-/* The readers and the packing as a module of their own: files are read by functions of fixsplat.js, an .fxs file comes
- * out, and the module is dropped with all of its memory. */
+/* Readers and packing as a WebAssembly module of their own: it reads files by functions of fixsplat.js and makes an
+ * .fxs file; then the module is dropped with all of its memory. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
 
 IMPORT(progress) void fxs_web_progress(double done);
-/* Files have numbers; 0 is the one that is opened. What is not there, file or bytes, is a negative number. */
+/* Files have numbers; 0 is the opened file. A negative number means a missing file or missing bytes. */
 IMPORT(read) int fxs_web_read(int file, double offset, void *out, size_t size);
 IMPORT(beside) int fxs_web_beside(const char *name);
 IMPORT(size) double fxs_web_size(int file);
@@ -78,7 +78,7 @@ static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profi
     return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }
 
-/* Some Gaussians of a file, without SH. */
+/* A sample of the Gaussians of a file, without SH. */
 typedef struct sample {
     fxs_gaussian *gaussians;
     size_t count, room;
@@ -90,7 +90,7 @@ static long read_sample(void *argument, uint64_t first, fxs_gaussian *out, size_
     return (long)capacity;
 }
 
-/* Every `stride`th of the Gaussians that can be read, up to the first that cannot. */
+/* Takes every `stride`th Gaussian, up to the first that cannot be read. */
 static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
 {
     enum { PART = 256 };
@@ -102,7 +102,7 @@ static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
             s->gaussians[s->count++] = part[until_next];
 }
 
-/* The fewer there are, the larger they are: together they cover what all do. */
+/* Enlarges the Gaussians of the sample so that together they cover as much as all. */
 static void enlarge(sample *s, double all)
 {
     const float more = (float)(log(all / (double)s->count) / 2);
@@ -111,8 +111,8 @@ static void enlarge(sample *s, double all)
             s->gaussians[i].scale[axis] += more;
 }
 
-/* Packs at most `most` of the Gaussians of which `there`, 0 to 1, has come. Nothing where that would take half of the
-   time for all. */
+/* Packs a sample of at most `most` Gaussians, of a file of which the part `there`, 0 to 1, has come. Does nothing where
+   that would take half of the time for all Gaussians. */
 static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, size_t most, double there)
 {
     const double readable = (double)info->count * there;
@@ -130,8 +130,8 @@ static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, si
     return error ? error : pack(opened, &own, FXS_PROFILE_DEFAULT);
 }
 
-/* Packs file 0; where `most` is not 0, only a sample of it. In: limits of Gaussians and of memory, or 0; which part of
-   the file has come. Out: where the .fxs file is, and its bytes; 0 bytes where a sample is not worth its time. */
+/* Packs file 0, or only a sample where `most` is not 0. In: limits of Gaussians and of memory, or 0; the part of the
+   file that has come. Out: address and size of the .fxs file; size 0 where a sample is not worth its time. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;

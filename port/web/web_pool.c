@@ -1,6 +1,6 @@
-/* Threads for fxs_config, of a module whose memory is shared. A helper is an instance of the same module in a worker
- * of its own (thread.js), with a stack of its own. One batch of jobs at a time, never from within a job. The caller
- * works at its own jobs and needs no helper: one that has not started yet, or never does, is not waited for. */
+/* Threads for fxs_config in a module with shared memory. A helper is an instance of the same module with its own stack
+ * in a worker (thread.js). There is one batch of jobs at a time, and jobs start no batch. The caller runs its own jobs
+ * too, so it does not wait for a helper that has not started or never does. */
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -9,13 +9,13 @@
 #define HOT __attribute__((aligned(64)))       /* in a cache line of its own */
 #define SPINS 2000u                            /* some ten microseconds, less than it takes to wake up */
 
-static HOT uint32_t turn;          /* odd: there is a batch to help with. It only grows: a late helper sees that */
-static HOT uint32_t inside;        /* helpers at work */
-static HOT uint32_t next;          /* the first job that nobody has taken */
+static HOT uint32_t turn;          /* odd: a batch needs help. It only grows, so a late helper notices a new batch */
+static HOT uint32_t inside;        /* helpers that run jobs */
+static HOT uint32_t next;          /* the next job to take */
 static HOT void (*batch_job)(void *, uint32_t);
 static void *batch_argument;
 static uint32_t batch_jobs, failed;
-static uint32_t helpers, ending;   /* helpers: that have started */
+static uint32_t helpers, ending;   /* helpers: number that has started */
 static int may_wait;               /* 0: on a page's main thread, which may only spin */
 
 static uint32_t get(const uint32_t *at)
@@ -28,7 +28,7 @@ static void add(uint32_t *at, uint32_t x)
     __atomic_fetch_add(at, x, __ATOMIC_SEQ_CST);
 }
 
-/* Until *at is no longer `value`. */
+/* Waits while *at is `value`. */
 static void wait_while(uint32_t *at, uint32_t value, int sleeps)
 {
     for (uint32_t i = 0; get(at) == value; i++)
@@ -47,7 +47,7 @@ static void work(void)
         batch_job(batch_argument, i);
 }
 
-/* Nobody joins any more; until those who did are done. */
+/* Lets no more helpers join, and waits until those inside are done. */
 EXPORT(settle) void fxs_web_settle(void)
 {
     if (get(&turn) & 1)
@@ -59,7 +59,7 @@ EXPORT(settle) void fxs_web_settle(void)
 void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument, uint32_t jobs)
 {
     (void)pool;
-    fxs_web_settle();              /* where the last one trapped */
+    fxs_web_settle();              /* after a batch that trapped */
     batch_job = job;
     batch_argument = argument;
     batch_jobs = jobs;
@@ -70,7 +70,7 @@ void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argu
     fxs_web_settle();
     if (get(&failed)) {
         failed = 0;
-        __builtin_trap();          /* as the job would have done here */
+        __builtin_trap();          /* as the helper's job did */
     }
 }
 
@@ -86,15 +86,15 @@ EXPORT(may_wait) void fxs_web_may_wait(int yes)
     may_wait = yes;
 }
 
-/* What a helper does, until it is told to end. */
+/* The loop of a helper, until it is told to end. */
 EXPORT(help) void fxs_web_help(void)
 {
     uint32_t seen;
     add(&helpers, 1);
-    while (seen = get(&turn), !get(&ending)) {     /* in this order: `end` writes them in the other */
+    while (seen = get(&turn), !get(&ending)) {     /* read in this order: `end` writes them in reverse */
         if (seen & 1) {
             add(&inside, 1);
-            if (get(&turn) == seen)            /* then the caller sees who is inside, and keeps the batch */
+            if (get(&turn) == seen)            /* if still so, the caller counts this helper and keeps the batch */
                 work();
             leave();
         }
@@ -111,13 +111,13 @@ EXPORT(trapped) void fxs_web_trapped(void)
     leave();
 }
 
-/* Threads that there are by now, with the caller. */
+/* The number of threads that have started, with the caller. */
 EXPORT(threads) uint32_t fxs_web_threads(void)
 {
     return get(&helpers) + 1;
 }
 
-/* Helpers end. */
+/* Tells the helpers to end. */
 EXPORT(end) void fxs_web_end(void)
 {
     add(&ending, 1);

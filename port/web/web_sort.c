@@ -1,12 +1,12 @@
-/* qsort as a heap sort that goes down to a leaf first and up from there: few comparisons, no memory, and no order that
- * takes longer than others. wasi-libc's takes twice as long. */
+/* qsort as a bottom-up heap sort: few comparisons, no memory, and no slow input. The qsort of wasi-libc takes twice as
+ * long. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef int compare_fn(const void *, const void *);
 
-/* Puts `value` where it belongs in the heap below `at`, whose own is done with. */
+/* Moves `value` to its place in the heap below the free place `at`. */
 static inline void sift(char *base, size_t count, size_t at, size_t width, const char *value, compare_fn *compare)
 {
     const size_t top = at;
@@ -36,7 +36,7 @@ static inline void sort(char *base, size_t count, size_t width, char *value, com
 void qsort(void *base, size_t count, size_t width, compare_fn *compare)
 {
     char value[64];
-    if (width == sizeof(uint64_t))   /* most are; copied as one */
+    if (width == sizeof(uint64_t))   /* the usual width, copied as one number */
         sort(base, count, sizeof(uint64_t), value, compare);
     else if (width <= sizeof value)
         sort(base, count, width, value, compare);

@@ -1,5 +1,5 @@
-/* The C library's functions for the text of messages, as far as they are used here: %s %d %u %c %f %g, with h, l, ll, z
- * and t before, and a precision of strings. JavaScript makes numbers into text, which takes no code here. */
+/* The C library's functions for the text of messages, as far as they are needed: %s %d %u %c %f %g, with h, l, ll, z
+ * and t, and a precision for strings. JavaScript turns numbers into text, which needs no code here. */
 #include <limits.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +12,7 @@ __attribute__((import_module("env"), import_name("real"))) double fxs_web_real(c
 
 typedef struct writer {
     char *out;
-    size_t room, length;           /* length: of the whole text, of which `room` are written, with the end */
+    size_t room, length;           /* length: of the whole text; at most `room` bytes are written, with the final 0 */
 } writer;
 
 static void put(writer *w, const char *text, size_t length)
@@ -28,7 +28,7 @@ static void put_number(writer *w, double x)
     put(w, digits, fxs_web_number(x, digits, sizeof digits));
 }
 
-/* A number of `size` bytes; those above 2^53 do not occur in messages, but for limits, which are rounded. */
+/* A number of `size` bytes. Numbers above 2^53 occur in messages only as limits, which are rounded. */
 static void put_integer(writer *w, va_list *arguments, int is_long, int is_signed)
 {
     if (is_long)
@@ -46,7 +46,7 @@ static void put_string(writer *w, const char *text, int most)
     put(w, text, length);
 }
 
-/* Digits, or a star. */
+/* Reads digits or a star. */
 static int take_precision(const char **format, va_list *arguments)
 {
     int precision = 0;
@@ -59,7 +59,7 @@ static int take_precision(const char **format, va_list *arguments)
     return precision;
 }
 
-/* From behind the per cent on. Returns what is behind it. */
+/* Formats the conversion after a percent sign. Returns the text after it. */
 static const char *put_one(writer *w, const char *format, va_list *arguments)
 {
     int precision = -1, longs = 0;
@@ -121,7 +121,7 @@ static const char *skip_digits(const char *text)
     return text;
 }
 
-/* Of decimal numbers, as JSON has them. */
+/* For decimal numbers of JSON. */
 double strtod(const char *text, char **end)
 {
     const char *begin = text + (*text == '-' || *text == '+'), *at = skip_digits(begin);

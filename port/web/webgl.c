@@ -1,4 +1,4 @@
-/* The back end of kernels/gles in WebGL 2: its functions are those of webgl.js. */
+/* The back end of kernels/gles on WebGL 2, by the functions of webgl.js. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,13 +15,13 @@ typedef struct named {
     fxs_gl_function function;
 } named;
 
-/* WebGL 2 is OpenGL ES 3.0, but for its name and those of its extensions. */
+/* WebGL 2 is OpenGL ES 3.0 with another name and other names of extensions. */
 static const GLubyte *text(GLenum name)
 {
     return (const GLubyte *)(name == GL_VERSION ? "OpenGL ES 3.0 (WebGL 2.0)" : "WebGL");
 }
 
-/* There is one, or none: GL_NUM_EXTENSIONS. */
+/* GL_NUM_EXTENSIONS: one extension or none. */
 static const GLubyte *extension(GLenum name, GLuint i)
 {
     (void)name, (void)i;
@@ -41,7 +41,7 @@ static fxs_gl_function load(void *argument, const char *name)
     return f->function;
 }
 
-/* In the context that webgl.js has as its own. */
+/* Opens the back end in the context of webgl.js. */
 EXPORT(gl_open) fxs_gles *fxs_web_gl_open(void)
 {
     fxs_gles *gles = fxs_web_allocate(fxs_gles_bytes());
@@ -58,7 +58,7 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
     free(gles);
 }
 
-/* As `render`, to a framebuffer from (x, y) on. */
+/* The same as `render`, to a framebuffer from (x, y) on. */
 EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, int x, int y, int format,
                                         uint32_t background, int sh_degree, int square, size_t limit)
 {

@@ -6,7 +6,7 @@
 
 #define POLE 0.02   /* radians left between the view and up */
 
-/* The part of an angle down from up that keeps the view clear of both poles; one that is nearer already may leave. */
+/* The part of a turn down from up that keeps the view clear of both poles; a view that is too near may move away. */
 static double clear_of_poles(const fxs_file_view *view, const double up[3], double down)
 {
     const double *forward = view->rotation + 6, pi = acos(-1);

@@ -41,7 +41,7 @@ static int bin_of(uint32_t depth)
     return (int)(log2((double)depth + 1) / 32 * BINS * (1 - 1e-9));
 }
 
-/* The bin that this many depths are below. */
+/* The bin below which this many depths lie. */
 static int quantile(const uint32_t counts[BINS], uint64_t below)
 {
     int bin = 0;
@@ -89,7 +89,7 @@ void fxs_paint_ids(const fxs_picture *picture, const fxs_id *ids)
     }
 }
 
-/* The share of a corner's pixel that is within the circle, by the distance of its centre. */
+/* The share of a corner pixel within the circle, by the distance of its centre. */
 static double corner_share(int x, int y, int radius)
 {
     return fmin(fmax(radius + 0.5 - hypot(radius - x - 0.5, radius - y - 0.5), 0), 1);
@@ -136,7 +136,7 @@ static double sum(const double stage[FXS_STAGES])
     return total;
 }
 
-/* Milliseconds of the graph's height: the first of 10, 20, 40, ... that holds every frame. */
+/* The height of the graph in milliseconds: the first of 10, 20, 40, ... that every frame fits in. */
 static double graph_top(const fxs_frame_times *times)
 {
     double top = 10;

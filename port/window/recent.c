@@ -11,8 +11,8 @@
 
 #include "src/base/output_internal.h"
 
-/* As https://specifications.freedesktop.org/basedir-spec says, what is relative is ignored. Returns 0 where there is no
-   place to keep them. */
+/* Relative paths are ignored, as https://specifications.freedesktop.org/basedir-spec says. Returns 0 where there is no
+   folder for the list. */
 static int find_list(char path[PATH_MAX])
 {
     const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
@@ -44,7 +44,7 @@ void fxs_recent_free(fxs_recent *recent)
     recent->count = 0;
 }
 
-/* The folders of a file that is to be. */
+/* Makes the folders of a file that will be written. */
 static void make_folders(char *path)
 {
     for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {

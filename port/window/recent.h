@@ -1,5 +1,5 @@
-/* The scenes that were open last, kept in $XDG_STATE_HOME/fixsplat/recent, or ~/.local/state/fixsplat/recent, a path a
-   line; nowhere without either. */
+/* The list of recently opened scenes, kept in $XDG_STATE_HOME/fixsplat/recent or ~/.local/state/fixsplat/recent, a path
+   a line. Without both folders, no list is kept. */
 #ifndef FXS_RECENT_H
 #define FXS_RECENT_H
 
@@ -13,11 +13,11 @@ typedef struct fxs_recent {
     int count;
 } fxs_recent;
 
-/* Those that are still there, to be freed by fxs_recent_free. What cannot be read is none. */
+/* Lists the scenes that still exist; fxs_recent_free frees the list. It is empty where the file cannot be read. */
 void fxs_recent_read(fxs_recent *recent);
 void fxs_recent_free(fxs_recent *recent);
 
-/* Puts a scene before the others. Returns 0, or an error and a message where they cannot be kept. */
+/* Adds a scene at the beginning. Returns 0, or an error and a message where the list cannot be written. */
 int fxs_recent_add(const char *path, fxs_message *message);
 
 #endif

@@ -13,7 +13,7 @@
 struct fxs_window {
     SDL_Window *window;
     char *dropped;
-    int moved;                      /* points since the left button went down, at least */
+    int moved;                      /* the least distance in points since the left button went down */
 };
 
 static int fail(fxs_message *message)
@@ -21,9 +21,9 @@ static int fail(fxs_message *message)
     return fxs_fail(message, "no window: %s", SDL_GetError());
 }
 
-/* Without a display SDL would fall back to drivers that show nothing, or that take the machine's console away from its
-   shell. Wayland's library writes lines of its own where it has no folder for its socket. A driver asked for by
-   SDL_VIDEODRIVER is taken as it is. */
+/* Without a display, SDL would use drivers that show nothing or take the console from the shell. Wayland's library
+   prints lines of its own where it has no folder for its socket. A driver that SDL_VIDEODRIVER names is used without a
+   check. */
 static void choose_drivers(void)
 {
     char list[256] = "";
@@ -43,7 +43,7 @@ static void choose_drivers(void)
 
 int fxs_window_open(fxs_window **window, fxs_message *message)
 {
-    /* Pictures are copied to the window without OpenGL, whose context a back end may need for itself. */
+    /* Pictures are copied to the window without OpenGL, as a back end may need the context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
     *window = calloc(1, sizeof **window);
@@ -63,8 +63,8 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     return -1;
 }
 
-/* SDL wakes a window of X by an event on a connection of its own. One that is under way when the window goes comes back
-   as an error, which ends the program: it gets the time to arrive. */
+/* SDL wakes a window of X by an event on a separate connection. An event that arrives after the window was closed would
+   end the program with an error, so it gets time to arrive before. */
 static void let_wakes_arrive(fxs_window *window)
 {
     SDL_HideWindow(window->window);
@@ -80,7 +80,7 @@ void fxs_window_close(fxs_window *window)
     }
     SDL_free(window->dropped);
     SDL_QuitSubSystem(SDL_INIT_VIDEO);
-    if (!SDL_WasInit(0))           /* there is no other window */
+    if (!SDL_WasInit(0))           /* no other window is open */
         SDL_Quit();
     free(window);
 }
@@ -118,7 +118,7 @@ void fxs_window_title(fxs_window *window, const char *title)
     SDL_SetWindowTitle(window->window, title);
 }
 
-/* A hand that clicks shakes: three points are no drag. */
+/* Up to three points of motion count as a click, as hands shake. */
 static void translate_button(fxs_window *window, const SDL_MouseButtonEvent *in, fxs_window_event *out)
 {
     const double scale = fxs_window_scale(window);
@@ -147,7 +147,7 @@ static void translate_motion(fxs_window *window, const SDL_MouseMotionEvent *in,
     window->moved += abs(in->xrel) + abs(in->yrel);
 }
 
-/* Returns 0 for what the viewer has no use for. */
+/* Returns 0 for events that the viewer does not use. */
 static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *out)
 {
     *out = (fxs_window_event){.type = FXS_EVENT_NONE};

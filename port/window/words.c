@@ -13,7 +13,7 @@ struct fxs_words {
     int pixels;
 };
 
-/* Where Debian, Fedora, Arch, openSUSE, Alpine and macOS have a font for screens. */
+/* Paths of a font for screens in Debian, Fedora, Arch, openSUSE, Alpine and macOS. */
 static const char *const fonts[] = {
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
     "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/truetype/DejaVuSans.ttf",
@@ -84,7 +84,7 @@ int fxs_words_width(const fxs_words *words, const char *text)
     return words && *text && !TTF_SizeUTF8(words->font, text, &width, 0) ? width : 0;
 }
 
-/* Over what is there, neither with alpha multiplied in: a = s + d (1 - s), c = (s cs + d (1 - s) cd) / a */
+/* Blends over the picture, neither premultiplied: a = s + d (1 - s), c = (s cs + d (1 - s) cd) / a */
 static void blend(uint8_t *below, const uint8_t colour[3], unsigned alpha)
 {
     const unsigned rest = below[3] * (255 - alpha) / 255, sum = alpha + rest;

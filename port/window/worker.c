@@ -8,7 +8,7 @@ struct fxs_worker {
     pthread_mutex_t lock;
     pthread_cond_t changed;
     void (*done)(void);
-    void (*job)(void *argument);   /* null: none */
+    void (*job)(void *argument);   /* null: no job */
     void *argument;
     double progress;
     int stop, ending;

@@ -1,4 +1,4 @@
-/* Buffered bytes of a scene file, from any offset on. Several readers may share a file. */
+/* Reads bytes of a scene file through a buffer, from any offset on. Several readers may share a file. */
 #ifndef FXS_BYTE_READER_H
 #define FXS_BYTE_READER_H
 
@@ -11,8 +11,8 @@ enum { FXS_BYTE_READER_BUFFER = 1 << 17 };
 
 typedef struct fxs_byte_reader {
     const fxs_scene_source *source;
-    const char *fault;          /* what stopped a read or a seek */
-    uint64_t offset;            /* of the buffer's end, bytes into the file */
+    const char *fault;          /* why a read or a seek failed */
+    uint64_t offset;            /* of the end of the buffer in the file, bytes */
     size_t begin, end;          /* unread bytes of the buffer */
     uint8_t buffer[FXS_BYTE_READER_BUFFER];
 } fxs_byte_reader;
@@ -20,14 +20,14 @@ typedef struct fxs_byte_reader {
 /* The next `size` bytes, at most FXS_BYTE_READER_BUFFER, valid until the next call; NULL where there are no more. */
 const uint8_t *fxs_bytes_take(fxs_byte_reader *reader, size_t size);
 
-/* 0, or FXS_ERR_FILE where the file has no such offset. */
+/* Return 0, or FXS_ERR_FILE where the file has no such offset. */
 int fxs_bytes_seek(fxs_byte_reader *reader, uint64_t offset);
 int fxs_bytes_skip(fxs_byte_reader *reader, uint64_t size);
 
 /* Sets the fault and returns FXS_ERR_FILE. */
 int fxs_bytes_fail(fxs_byte_reader *reader, const char *fault);
 
-/* Tells the fault and the row, from 0, that it stopped, and returns FXS_ERR_FILE. */
+/* Writes a message with the fault and the row, from 0, in which it occurred. Returns FXS_ERR_FILE. */
 int fxs_bytes_fail_row(const fxs_byte_reader *reader, const char *rows, uint64_t row, uint64_t count,
                        fxs_message *message);
 
@@ -48,7 +48,7 @@ static inline uint32_t fxs_load_u32(const uint8_t *bytes)
     return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
 }
 
-/* What the bits of an IEEE 754 binary16 mean. */
+/* The value of the bits of an IEEE 754 binary16. */
 static inline float fxs_half(uint32_t bits)
 {
     const int exponent = bits >> 10 & 31, fraction = bits & 1023;

@@ -1,11 +1,11 @@
-/* e^x and ln x by + - * / alone: the same bits on every machine, which those of C libraries are not. Within 2 units of
- * the last place. */
+/* e^x and ln x by + - * / alone, within 2 units in the last place. Unlike the functions of C libraries, they give the
+ * same bits on every machine. */
 #ifndef FXS_EXPONENTIAL_H
 #define FXS_EXPONENTIAL_H
 
 #include <math.h>
 
-#define FXS_LN_2_HIGH 0x1.62e42fee00000p-1    /* times a whole number up to 2^20 it is exact */
+#define FXS_LN_2_HIGH 0x1.62e42fee00000p-1    /* its product with an integer up to 2^20 is exact */
 #define FXS_LN_2_LOW 0x1.a39ef35793c76p-33
 
 /* x = n ln 2 + r, |r| <= ln 2 / 2; e^r = 1 + r (1 + r / 2 (1 + r / 3 (...))), up to r^14. */

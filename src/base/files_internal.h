@@ -1,5 +1,4 @@
-/* The files of the operating system, as the library sees them: port/posix has these functions, and port/web has no
- * files. */
+/* The library's access to files. The functions are in port/posix; port/web has no files. */
 #ifndef FXS_FILES_INTERNAL_H
 #define FXS_FILES_INTERNAL_H
 
@@ -10,10 +9,10 @@
 
 enum fxs_file_kind { FXS_FILE_NONE, FXS_FILE_REGULAR, FXS_FILE_FOLDER, FXS_FILE_OTHER };
 
-/* What lies at a path, at the end of its symbolic links. */
+/* The kind of a file, after its symbolic links are followed. */
 enum fxs_file_kind fxs_file_kind(const char *path);
 
-/* 1 where there is something of that name, which may be a symbolic link that leads nowhere. */
+/* 1 where the name exists, even as a symbolic link to a missing file, else 0. */
 int fxs_file_is_named(const char *path);
 
 typedef struct fxs_file_facts {
@@ -24,12 +23,11 @@ typedef struct fxs_file_facts {
    opened. Returns 0, or an error and a message. */
 int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message);
 
-/* The same for the file that `path` is once symbolic links are followed, which must lie in the folder of `first` or in
-   one within. */
+/* The same, but after symbolic links are followed, the file must lie in the folder of `first` or below it. */
 int fxs_file_open_within(const char *first, const char *path, FILE **file, fxs_file_facts *facts,
                          fxs_message *message);
 
-/* Reads the bytes at an offset. Returns 0, or -1. */
+/* Reads `size` bytes at an offset. Returns 0, or -1 where not all could be read. */
 int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size);
 
 #endif

@@ -7,7 +7,7 @@
 int fxs_fail_list(int error, fxs_message *message, const char *format, va_list arguments)
 {
     vsnprintf(message->text, sizeof message->text, format, arguments);
-    for (char *c = message->text; *c; c++)   /* what a file says may be in it */
+    for (char *c = message->text; *c; c++)   /* the text may quote a file */
         *c = (unsigned char)*c < ' ' || *c == 127 ? '?' : *c;
     message->bytes_needed = 0;
     return error;

@@ -1,4 +1,4 @@
-/* Which files are opened to be read: for a program that is not to write over one of them. */
+/* Reports the files that are opened for reading, for a program that must not overwrite any of them. */
 #ifndef FXS_OPENED_H
 #define FXS_OPENED_H
 
@@ -8,14 +8,14 @@
 extern "C" {
 #endif
 
-/* Is told the device and inode of a file, on the thread that has opened it. */
+/* A function that gets the device and inode of a file, on the thread that opened it. */
 typedef void fxs_opened_fn(uint64_t device, uint64_t inode);
 
-/* For a program to call once, before it reads: from then on `told` is told of each scene file, with all that belongs to
-   it, of camera files, pictures and photographs. Not of a saved fit, which may be saved over itself. */
+/* A program calls this once, before it reads. From then on, `told` is called for each scene file and the files that
+   belong to it, for camera files, pictures and photographs; but not for a saved fit, which may be saved over itself. */
 void fxs_tell_opened(fxs_opened_fn *told);
 
-/* For what opens files to call. */
+/* Called by each function that opens a file. */
 void fxs_opened(uint64_t device, uint64_t inode);
 
 #ifdef __cplusplus

@@ -18,7 +18,7 @@ static void close_file(void *argument)
     fclose(argument);
 }
 
-/* `first`: null, or the file whose folder it must lie in. */
+/* `first`: null, or the file in whose folder the new file must lie. */
 static int open_file(fxs_scene_source *source, const char *first, fxs_message *message)
 {
     fxs_file_facts facts;
@@ -48,7 +48,7 @@ fxs_scene_input fxs_memory_input(const void *data, size_t size)
 
 /* ---- Names of files beside -------------------------------------------------------------------------------------- */
 
-/* Stays in the folder, and can be shown in one line. */
+/* 1 where a name stays in the folder and can be shown in one line. */
 static int name_valid(const char *name)
 {
     for (const char *c = name; *c; c++)
@@ -137,7 +137,7 @@ static uint64_t *slot_of(uint64_t *files, size_t room, uint64_t key)
     return &files[at];
 }
 
-/* Twice the room, so that half of it is always free. */
+/* Doubles the hash table, so that half of it is always free. */
 static int grow(fxs_import *import, const fxs_allocator *allocator)
 {
     const size_t room = import->room ? 2 * import->room : 64;

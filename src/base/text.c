@@ -21,9 +21,9 @@ int fxs_text_load(const char *path, fxs_text *text, fxs_message *message)
 #include <cjson/cJSON.h>
 
 #define MAX_VALUES ((size_t)8 << 20)
-#define VALUE_BYTES 144                /* that cJSON takes for each, beside the letters of its strings */
+#define VALUE_BYTES 144                /* memory of cJSON for each value, without its strings */
 
-/* At least the number of values: each follows a comma or the bracket of its array or object. */
+/* At least the number of values: each follows a comma or an opening bracket. */
 static size_t count_separators(const fxs_text *json)
 {
     size_t count = 0;

@@ -1,4 +1,4 @@
-/* Whole files in memory, and the JSON in them. */
+/* Loads whole files into memory and parses JSON. */
 #ifndef FXS_TEXT_INTERNAL_H
 #define FXS_TEXT_INTERNAL_H
 
@@ -9,11 +9,11 @@
 
 #define FXS_TEXT_MAX ((size_t)1 << 30)
 
-/* The bytes of a file, followed by one that is zero. */
+/* The bytes of a file, followed by a zero byte. */
 typedef struct fxs_text {
     const char *path;   /* for messages */
     char *data;
-    size_t size;        /* without the zero */
+    size_t size;        /* without the zero byte */
 } fxs_text;
 
 /* Loads a regular file; the caller frees text->data. Returns 0, or an error and a message. */
@@ -25,12 +25,12 @@ struct cJSON;
 
 struct fxs_scene_source;
 
-/* Within the memory that the source (NULL: any) may take. Returns 0, or an error and a message. *root is what
-   cJSON_Delete frees, or null after an error. */
+/* Parses JSON within the memory limit of the source (NULL: no limit). Returns 0, or an error and a message.
+   cJSON_Delete frees *root, which is null after an error. */
 int fxs_json_parse(const fxs_text *json, const struct fxs_scene_source *source, struct cJSON **root,
                    fxs_message *message);
 
-/* 1 where the array holds exactly these many numbers. */
+/* 1 where the array has exactly `count` numbers, else 0. */
 int fxs_json_numbers(const struct cJSON *array, double *out, int count);
 
 /* The string of that name, or NULL. */

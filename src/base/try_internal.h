@@ -1,4 +1,4 @@
-/* Ends a function with the error of a call, where that has one (a negative FXS_ERR_*). */
+/* Returns from the calling function with the error of a call, where it has one (a negative FXS_ERR_*). */
 #ifndef FXS_TRY_INTERNAL_H
 #define FXS_TRY_INTERNAL_H
 

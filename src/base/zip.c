@@ -4,7 +4,7 @@
 
 #include <zip.h>
 
-enum { MAX_INFLATION = 1032 };   /* of deflate */
+enum { MAX_INFLATION = 1032 };   /* the most bytes that a byte of deflate stands for */
 
 struct fxs_zip {
     const fxs_scene_source *source;

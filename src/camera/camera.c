@@ -23,7 +23,7 @@ static void cross(double out[3], const double a[3], const double b[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Returns 0 where there is no direction. */
+/* Makes the length 1. Returns 0 where the vector has no direction. */
 static int normalise(double v[3])
 {
     double length = sqrt(dot(v, v));
@@ -59,7 +59,7 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
     return 0;
 }
 
-/* Half the diagonal. */
+/* Half the diagonal of a box. */
 static double radius_of(const double low[3], const double high[3])
 {
     double square = 0;
@@ -74,7 +74,7 @@ double fxs_near_of_box(const double low[3], const double high[3])
     return near > 0 ? fmax(fmin(near, 0.2), NEAR_LEAST) : 0.2;
 }
 
-/* How far from the middle of a box the camera has to be to see all its corners, within 95 % of the picture and beyond
+/* The distance from the middle of a box at which the camera sees all its corners within 95 % of the picture and beyond
    `near`. */
 static double distance_for(const fxs_file_view *view, const double half[3], double near)
 {
@@ -143,7 +143,7 @@ int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_mes
     return 0;
 }
 
-/* Rodrigues' formula; axis of length 1. */
+/* Rotates by Rodrigues' formula; the axis has length 1. */
 static void turn(double out[3], const double v[3], const double axis[3], double angle)
 {
     double across[3], c = cos(angle), s = sin(angle), along = dot(axis, v) * (1 - c);
@@ -179,8 +179,8 @@ static int rotation_valid(const double r[9])
     return determinant > 0;
 }
 
-/* The nearest rotation, by Newton's iteration for the polar decomposition: R = R (3 I - R^T R) / 2. It squares the
-   error, so that three steps take 1e-3 to the last bit. */
+/* The nearest rotation, by Newton's iteration for the polar decomposition: R <- R (3 I - R^T R) / 2. Each step squares
+   the error, so three steps reduce 1e-3 to the last bit. */
 static void orthonormalise(double r[9])
 {
     for (int step = 0; step < 3; step++) {
@@ -242,14 +242,14 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
 
 /* ---- Matrices of OpenGL ------------------------------------------------------------------------------------------ */
 
-/* Within a millionth: the matrix may come from single precision. */
+/* Equal within a millionth: the matrix may come from single precision. */
 static int is_near(double x, double wanted)
 {
     return fabs(x - wanted) <= 1e-6 * fmax(1, fabs(wanted));
 }
 
-/* The upper three rows are [R | t], of eyes with y up and z back: the camera's axes are R's x, -y and -z, its centre is
-   -R^T t. */
+/* The upper three rows of the matrix are [R | t] for an eye with y up and z backwards: the camera's axes are the rows
+   x, -y and -z of R, and its centre is -R^T t. */
 static int take_view_matrix(fxs_file_view *view, const double m[16], fxs_message *message)
 {
     double *axes = view->rotation;
@@ -269,8 +269,8 @@ static int take_view_matrix(fxs_file_view *view, const double m[16], fxs_message
     return fxs_to_rotation(axes) ? 0 : fxs_fail_as(FXS_ERR_CAMERA, message, "the view matrix scales, shears or mirrors");
 }
 
-/* The near plane, where -near c + d = -w: of perspective, w = near, d / (c - 1), of orthographic, w = 1, (d + 1) / c.
-   The far plane, where it is w, lies behind it or at infinity. */
+/* The near plane, where -near c + d = -w: d / (c - 1) in perspective, with w = near; (d + 1) / c in an orthographic
+   projection, with w = 1. The far plane, where -far c + d = w, must lie behind it or at infinity. */
 static int take_near(fxs_file_view *view, double c, double d, fxs_message *message)
 {
     const int flat = view->projection == FXS_ORTHOGRAPHIC;
@@ -281,17 +281,17 @@ static int take_near(fxs_file_view *view, double c, double d, fxs_message *messa
                                  "of -1 to 1");
 }
 
-/* x of the picture = width (x clip / w + 1) / 2, y = height (1 - y clip / w) / 2. */
+/* In the picture, x = width (x_clip / w + 1) / 2 and y = height (1 - y_clip / w) / 2. */
 static int take_projection(fxs_file_view *view, const double m[16], fxs_message *message)
 {
-    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* in either kind */
+    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* in both kinds of projection */
     const int flat = is_near(m[11], 0) && is_near(m[15], 1);
     int good = flat || (is_near(m[11], -1) && is_near(m[15], 0));
     for (int i = 0; i < 16; i++)
         good &= isfinite(m[i]);
     for (size_t i = 0; i < sizeof zeros / sizeof *zeros; i++)
         good &= is_near(m[zeros[i]], 0);
-    for (int i = 0; i < 2; i++)                        /* off the centre by z in perspective, else by a shift */
+    for (int i = 0; i < 2; i++)                        /* centre: times z in perspective, else a shift */
         good &= is_near(m[flat ? 8 + i : 12 + i], 0) && m[5 * i] > 0;
     if (!good)
         return fxs_fail_as(FXS_ERR_CAMERA, message, "the projection is neither perspective nor orthographic: expected "

@@ -1,4 +1,4 @@
-/* Which reader a camera file is for, by its name and content. */
+/* Chooses the reader of a camera file by its name and content. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,7 +81,7 @@ int fxs_view_list_read(fxs_view_list *list)
     return list->count ? 0 : fxs_fail(list->message, "%s: no views", list->path);
 }
 
-/* Takes the views out of the list. */
+/* Copies the views of the list to a new array. */
 static int take_views(const fxs_view_list *list, fxs_file_view **views)
 {
     *views = malloc(list->count * sizeof **views);

@@ -1,4 +1,4 @@
-/* cameras.json of the Inria 3D Gaussian splatting code, and transforms.json of nerfstudio and Blender. */
+/* Reads cameras.json of Inria's 3D Gaussian splatting code, and transforms.json of nerfstudio and Blender. */
 #include "camera_internal.h"
 
 #ifdef FXS_WITH_CJSON
@@ -9,14 +9,14 @@
 
 #include <cjson/cJSON.h>
 
-/* The number of that name; INFINITY where it is something else. */
+/* The number of that name; INFINITY where the value is not a number. */
 static double number(const cJSON *object, const char *name, double absent)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
     return !item ? absent : cJSON_IsNumber(item) ? item->valuedouble : INFINITY;
 }
 
-/* 1 where the array holds size rows of size numbers. */
+/* 1 where the array has `size` rows of `size` numbers, else 0. */
 static int matrix(const cJSON *array, double *out, int size)
 {
     const cJSON *row;
@@ -30,7 +30,7 @@ static int matrix(const cJSON *array, double *out, int size)
     return 1;
 }
 
-/* rotation holds the camera's axes as columns: camera to world. cx, cy and orthographic are not Inria's. */
+/* The columns of "rotation" are the camera's axes: camera to world. Inria's files have no cx, cy and orthographic. */
 static int read_inria_view(fxs_view_list *list, const cJSON *item)
 {
     double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
@@ -56,7 +56,7 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
 static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"};
 enum { LENS_NAMES = sizeof lens_names / sizeof *lens_names };
 
-/* As in the file, NAN where absent. */
+/* Numbers of the file; NAN where absent. */
 typedef struct intrinsics {
     double w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y;
     double lens[LENS_NAMES];
@@ -78,7 +78,7 @@ static double first(double a, double b)
     return isnan(a) ? b : a;
 }
 
-/* Of 0 to pi / 2, by + - * / alone: Lambert's fraction of an eighth of the angle, doubled three times. */
+/* The tangent of 0 to pi / 2 by + - * / alone: Lambert's fraction for an eighth of the angle, doubled three times. */
 static double tangent(double angle)
 {
     const double z = angle / 8, square = z * z;
@@ -110,7 +110,7 @@ static int read_lens(fxs_view_list *list, int fisheye, const intrinsics *own, co
     return 0;
 }
 
-/* A frame's own intrinsics go before those of the file. */
+/* Intrinsics of a frame override those of the file. */
 static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics *file, int fisheye)
 {
     fxs_listed_view *listed;
@@ -119,7 +119,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     FXS_TRY(fxs_view_list_add(list, fxs_json_string(frame, "file_path"), &listed));
     fxs_file_view *view = &listed->view;
     if (isnan(width) && isnan(height)) {
-        width = height = 800;   /* Blender's synthetic scenes do not say it */
+        width = height = 800;   /* Blender's synthetic scenes state no size */
         listed->sizeless = isnan(first(own.fl_x, file->fl_x));
     }
     FXS_TRY(read_lens(list, fisheye, &own, file, &listed->lens));
@@ -128,7 +128,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
         return fxs_view_list_fault(list, "\"transform_matrix\" is not four rows of four numbers");
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
         return fxs_view_list_fault(list, "the last row of \"transform_matrix\" is not 0 0 0 1");
-    /* camera to world with y up and z back: the columns are x, -y, -z and the centre */
+    /* camera to world with y up and z backwards: the columns are x, -y, -z and the centre */
     for (int i = 0; i < 3; i++) {
         view->rotation[i] = m[4 * i];
         view->rotation[3 + i] = -m[4 * i + 1];

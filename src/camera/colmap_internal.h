@@ -1,4 +1,4 @@
-/* How COLMAP's files are taken apart: little-endian values, and lines of words. */
+/* Reads the values of COLMAP's files: little-endian numbers, and words in lines. */
 #ifndef FXS_COLMAP_INTERNAL_H
 #define FXS_COLMAP_INTERNAL_H
 
@@ -9,7 +9,7 @@
 typedef struct fxs_colmap_cursor {
     const unsigned char *at;
     size_t left;
-    int short_of;   /* 1: something was read past the end, as 0 */
+    int short_of;   /* 1: a value past the end was read, as 0 */
 } fxs_colmap_cursor;
 
 static inline fxs_colmap_cursor fxs_colmap_begin(const fxs_text *text)
@@ -20,7 +20,7 @@ static inline fxs_colmap_cursor fxs_colmap_begin(const fxs_text *text)
 uint64_t fxs_colmap_take(fxs_colmap_cursor *in, size_t bytes);
 void fxs_colmap_take_doubles(fxs_colmap_cursor *in, double *out, int count);
 
-/* Leaves out `count` records; with too few of them, all of the rest. */
+/* Skips `count` records, or all of the rest where there are fewer. */
 void fxs_colmap_skip(fxs_colmap_cursor *in, uint64_t count, size_t bytes);
 
 /* Cuts the next line off and returns it without leading blanks; NULL at the end. */
@@ -32,7 +32,7 @@ char *fxs_colmap_entry(char **rest);
 /* Cuts the next word off the line; empty at its end. */
 char *fxs_colmap_word(char **line);
 
-/* Returns 0 where the words that follow are not these many finite numbers. */
+/* Reads `count` finite numbers. Returns 0 where the next words are not. */
 int fxs_colmap_numbers(char **line, double *out, int count);
 
 #endif

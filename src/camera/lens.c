@@ -40,8 +40,8 @@ void fxs_lens_bend(const fxs_lens *lens, double x, double y, double bent[2])
     bent[1] = bend * y + p[0] * (square + 2 * y * y) + 2 * p[1] * x * y;
 }
 
-/* Whether the line from the principal point to a pixel of the pinhole's border comes from within the photograph, and
-   is not folded by the lens. */
+/* 1 where the lens puts the line from the principal point to a border pixel of the pinhole picture inside the
+   photograph, without folding it. */
 static int filled_along(const fxs_lens *lens, const fxs_file_view *photograph, double x, double y)
 {
     double bent[2], last = 0;

@@ -3,14 +3,14 @@
 #include "src/base/exponential.h"
 #include <fixsplat/camera.h>
 
-/* A spline through values 0..count - 1 about value `first`: value first - 1 + k has weight[k]. */
+/* The weights of a spline between values `first` and first + 1: value first - 1 + k has weight[k]. */
 typedef struct spline {
     long first, count;
     double weight[4];
 } spline;
 
-/* Catmull-Rom: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2; before the first value and
-   behind the last is what continues the line: 2 v0 - v1. */
+/* Catmull-Rom: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2. The values before the first
+   and after the last continue the line: 2 v0 - v1. */
 static spline spline_at(long count, double at)
 {
     const long first = at >= (double)(count - 1) ? count - 2 : (long)at;
@@ -28,7 +28,7 @@ static spline spline_at(long count, double at)
     return s;
 }
 
-/* The weighted sum of `values` numbers of each key, as `get` has them. */
+/* The weighted sums of the `values` numbers that `get` gives for each key. */
 static void blend(const spline *s, const fxs_file_view *keys, int values, void (*get)(const fxs_file_view *, double *),
                   double *out)
 {
@@ -62,8 +62,9 @@ static void position_of(const fxs_file_view *view, double *v)
 
 /* ---- Rotations --------------------------------------------------------------------------------------------------- */
 
-/* Of a rotation by q = (w, v), in rows r[3 i + j], 4 q q^T has 1 + trace, 1 + r00 - r11 - r22, ... on its diagonal, and
-   sums and differences of r beside it: the row of the largest is q, but for its length. */
+/* For a rotation r[3 i + j], in rows, by the quaternion q = (w, v), the matrix 4 q q^T has 1 + trace, 1 + r00 - r11 -
+   r22, ... on its diagonal, and sums and differences of r elsewhere. Its row with the largest diagonal is parallel to
+   q. */
 static void quaternion_of(const double r[9], double q[4])
 {
     const double trace = r[0] + r[4] + r[8];
@@ -92,7 +93,7 @@ static void matrix_of(const double q[4], double r[9])
     }
 }
 
-/* q and -q are one rotation: of each key that which is nearer to the key before. */
+/* q and -q are the same rotation: for each key, the one nearer to the key before it is used. */
 static void turn_between(const spline *s, const fxs_file_view *keys, double rotation[9])
 {
     double sum[4] = {0, 0, 0, 0}, before[4] = {0, 0, 0, 0}, q[4];
@@ -112,7 +113,7 @@ static void turn_between(const spline *s, const fxs_file_view *keys, double rota
 
 /* ---- The way ----------------------------------------------------------------------------------------------------- */
 
-/* A key is itself, to the bit. */
+/* At a key, the result is that key to the last bit. */
 void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view)
 {
     double lens[5];

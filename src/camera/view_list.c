@@ -1,4 +1,4 @@
-/* The views of a camera file as its readers find them: a list that grows, and the checks of each view. */
+/* The growing list of views that camera readers fill, and the checks of each view. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* update: a step of Adam (Kingma and Ba 2015) of LANES parameters, and what the loss has beside the picture. */
+/* update: a step of Adam (Kingma and Ba 2015) for LANES parameters, and the parts of the loss beside the picture. */
 #ifndef FXS_FIT_ADAM_H
 #define FXS_FIT_ADAM_H
 
@@ -21,7 +21,7 @@ static inline void adam_step(const fxs_fit_adam *adam, float rate, real g, real 
     *at = choose(below(absolute(next), all(FXS_FIT_FARTHEST_PLACE)), next, *at);
 }
 
-/* Gradients, with those of the mean opacity and the mean scale. */
+/* Adds the gradients of the mean opacity and the mean scale. */
 static inline real opacity_regularised(const fxs_fit_adam *adam, real gradient, real logit)
 {
     const real opacity = 1.0f / (1.0f + exp_of_minus(logit));
@@ -33,7 +33,7 @@ static inline real scale_regularised(const fxs_fit_adam *adam, real gradient, re
     return least(gradient + adam->by_scale * exp_e(ln_scale), all(FXS_FIT_FARTHEST_GRADIENT));
 }
 
-/* |dL/dcentre| in halves of the picture's sides, of a loss that is a mean: half a side / (3 width height) */
+/* |dL/dcentre| with centres in half sides of the picture and L a mean: times half a side / (3 width height) */
 static inline real centre_gradient(const fxs_fit_camera *camera, const real centre[2])
 {
     const real x = centre[0] * (1.0f / (6.0f * (float)camera->height));

@@ -30,7 +30,7 @@ static void sort_axis(const fxs_fit_point *points, size_t count, int axis, float
     qsort(sorted, count, sizeof *sorted, compare_floats);
 }
 
-/* A few points far away do not decide. */
+/* The axis on which the middle three quarters of the points are widest: a few far points do not matter. */
 static int widest_axis(const fxs_fit_point *points, size_t count, float *sorted)
 {
     double widest = -1;
@@ -55,7 +55,7 @@ static size_t keep_inside(fxs_fit_point *points, size_t count, const fxs_fit_blo
     return kept;
 }
 
-/* Leaves the block's points in `points` and returns how many: 0 where many are in one place, and others have them. */
+/* Keeps the block's points in `points` and returns their number; 0 where many are in one place of another block. */
 static size_t find_bounds(fxs_fit_block *b, uint32_t index, uint32_t blocks, fxs_fit_point *points, size_t count,
                           float *sorted)
 {
@@ -96,7 +96,7 @@ static int is_seen(const fxs_file_view *view, const float place[3])
 typedef struct neighbourhood {
     const fxs_fit_point *points;   /* of the block */
     size_t count;
-    double low[3], high[3];        /* their box, widened */
+    double low[3], high[3];        /* the widened box of these points */
 } neighbourhood;
 
 static void widen(neighbourhood *n)

@@ -1,4 +1,4 @@
-/* A fit in a file: 32-bit words, little-endian. One text writes and reads it (walk), so that the two cannot differ. */
+/* Saves a fit as 32-bit little-endian words. One function, walk, both writes and reads them, so that the two agree. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,19 +11,19 @@
 #include "random.h"
 
 #define MAGIC 0x74696678u          /* "xfit" */
-#define END 0x646e6578u            /* "xend": the checksum of all before follows */
+#define END 0x646e6578u            /* "xend": the checksum of all words before it follows */
 
-/* Another number wherever a fit goes on otherwise than before: an older file would not end as if never stopped. */
+/* Grows with every change of what a fit computes: an older file would not end as if it had never been stopped. */
 #define VERSION 4u
 
 typedef struct archive {
-    fxs_output *output;            /* null: it is read */
+    fxs_output *output;            /* null: the file is read */
     FILE *input;
-    uint64_t size, fetched;        /* bytes of the input, and of those that came through the buffer */
+    uint64_t size, fetched;        /* bytes of the input, and bytes read into the buffer so far */
     uint64_t checksum;             /* of the words so far */
-    const char *fault;             /* the first: from there on words are 0, and not written */
-    int error;                     /* that goes with it */
-    size_t at, end;                /* of the buffer, bytes */
+    const char *fault;             /* the first fault: later words are read as 0 and not written */
+    int error;                     /* the code of that fault */
+    size_t at, end;                /* position and end in the buffer, bytes */
     uint8_t buffer[1 << 16];
 } archive;
 
@@ -42,7 +42,7 @@ static void damaged(archive *a, const char *fault)
 
 /* ---- Words ------------------------------------------------------------------------------------------------------- */
 
-/* What it is written to keeps the error until it is closed. */
+/* The output keeps the error until it is closed. */
 static void flush(archive *a)
 {
     fxs_message message;
@@ -102,7 +102,7 @@ static void floats(archive *a, float *values, size_t count)
     }
 }
 
-/* Whether so many things of so many words are still to come, before there is room for them. */
+/* Checks, before memory is allocated, that the file still has `count` items of `words` words. */
 static int holds(archive *a, uint64_t count, uint64_t words)
 {
     const uint64_t passed = a->fetched - (a->end - a->at);
@@ -156,7 +156,7 @@ static void walk_options(archive *a, fxs_fit_options *o)
     o->profile = (enum fxs_profile)within(a, o->profile, 0, FXS_PROFILE_SMALL);
 }
 
-/* Parameters, as far as what is computed of them relies on it: fits stay well within (FXS_FIT_FARTHEST). */
+/* Checks the ranges of parameters that later computations rely on. Fits stay well within them (FXS_FIT_FARTHEST). */
 static void check_parameters(archive *a, const fxs_fit_model *m, const float *parameters)
 {
     for (size_t k = 0; k <= FXS_FIT_OPACITY; k++) {
@@ -187,7 +187,7 @@ static void walk_model(archive *a, fxs_fit_model *m)
     check_parameters(a, m, m->parameters);
 }
 
-/* Blocks of 32-bit floats, or of bytes. */
+/* The visitors of fxs_fit_profile_walk: for blocks of floats, and of bytes. */
 static int masters_block(void *argument, void *block, size_t bytes)
 {
     floats(argument, block, bytes / sizeof(float));
@@ -225,8 +225,8 @@ static void walk_profile(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* All that a step changes and the next needs, but what follows from the options and the step. What is added to a fit is
-   added here. */
+/* All data that a step changes and the next step needs, except data that follow from the options and the step's number.
+   A new field of a fit is added here. */
 static void walk(archive *a, fxs_fit *f)
 {
     number(a, &f->step);
@@ -235,7 +235,7 @@ static void walk(archive *a, fxs_fit *f)
     walk_profile(a, f);
 }
 
-/* The checksum, which is of all before it. */
+/* The end mark, and the checksum of all words before it. */
 static void walk_end(archive *a)
 {
     uint32_t end = END;
@@ -249,7 +249,7 @@ static void walk_end(archive *a)
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
-/* The walk does not change what it writes. */
+/* With an output, walk does not change the fit. */
 static void write_all(archive *a, fxs_fit *f)
 {
     uint32_t magic = MAGIC, version = VERSION;
@@ -297,7 +297,7 @@ static int open_input(archive *a, const char *path, fxs_message *message)
     return 0;
 }
 
-/* As far as the options. Returns 0, or an error and a message. */
+/* Reads up to the end of the options. Returns 0, or an error and a message. */
 static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs_message *message)
 {
     uint32_t magic, version;

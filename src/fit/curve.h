@@ -1,11 +1,11 @@
-/* Where a Gaussian is on a Morton curve: the same text on the processor and on a device. */
+/* The place of a Gaussian on a Morton curve. The processor and CUDA compile this same text. */
 #ifndef FXS_FIT_CURVE_H
 #define FXS_FIT_CURVE_H
 
 #include "planes.h"
 
-/* Sums over all Gaussians have this order: number i goes to sum i % CURVE_SUMS, one after the other, and those sums are
-   added one after the other. */
+/* The order of sums over all Gaussians: number i is added to sum i % CURVE_SUMS, in ascending order, and then these
+   sums are added in order. */
 enum { CURVE_SUMS = 1024 };
 
 typedef struct curve {
@@ -30,13 +30,13 @@ static inline float curve_middle(double sum, size_t count)
     return (float)(sum / (double)count);
 }
 
-/* Of the sums of distances from the middle, along each axis. */
+/* The spread along each axis, from the sums of distances from the middle. */
 static inline float curve_spread(const double sums[3], size_t count)
 {
     return (float)((sums[0] + sums[1] + sums[2]) / (3 * (double)count) + 1e-6);
 }
 
-/* Ten bits, two zeros between each and the next. */
+/* Ten bits with two zeros between neighbours. */
 static inline uint32_t spread_bits(uint32_t x)
 {
     x = (x | x << 16) & 0x030000ff;
@@ -45,13 +45,13 @@ static inline uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x09249249;
 }
 
-/* What is far from the middle by many spreads shares the outer cells: x / (1 + |x|). */
+/* Centres many spreads away from the middle share the outer cells: x / (1 + |x|). */
 static inline uint32_t code_of(const fxs_fit_model *m, const curve *of, size_t i)
 {
     uint32_t code = 0;
     for (int k = 0; k < 3; k++) {
         const float x = (plane(m, FXS_FIT_POSITION + k)[i] - of->middle[k]) / of->spread, y = x / (1.0f + fabsf(x));
-        code |= spread_bits(y > -1 ? (uint32_t)((y + 1.0f) * 511.5f) : 0) << k;    /* 0 of what is no number */
+        code |= spread_bits(y > -1 ? (uint32_t)((y + 1.0f) * 511.5f) : 0) << k;    /* 0 for NaN */
     }
     return code;
 }

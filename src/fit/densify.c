@@ -1,4 +1,4 @@
-/* How the reference's Gaussians become more and fewer. */
+/* Densification of the reference recipe: clones, splits and removes Gaussians. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +17,7 @@ static int by_gradient(const void *a, const void *b)
                                       : (p->index > q->index) - (p->index < q->index);
 }
 
-/* Of those that are to be cloned and split, the `room` of the largest gradients are; of equal ones, the first. */
+/* Keeps only the `room` candidates for a clone or split with the largest gradients; among equal ones, the first. */
 static int limit(const fxs_fit_model *m, const fxs_fit_densify *d, uint8_t *fates, size_t grown, size_t room)
 {
     wanted *all_wanted = malloc(grown * sizeof *all_wanted);
@@ -34,7 +34,7 @@ static int limit(const fxs_fit_model *m, const fxs_fit_densify *d, uint8_t *fate
     return 0;
 }
 
-/* What was kept, then clones and pairs of children in the order of what they come from. */
+/* First the Gaussians that stay, then clones and pairs of children in the order of their sources. */
 static size_t set_origins(const uint8_t *fates, size_t count, fxs_fit_origin *origins, size_t *kept)
 {
     size_t n = 0;

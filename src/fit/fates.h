@@ -1,4 +1,4 @@
-/* What becomes of one Gaussian in a densification: the same text on the processor and on a device. */
+/* Densification of one Gaussian. The processor and CUDA compile this same text. */
 #ifndef FXS_FIT_FATES_H
 #define FXS_FIT_FATES_H
 
@@ -11,7 +11,7 @@ static inline float largest_scale(const fxs_fit_model *m, size_t i)
     return exp_e(fmaxf(fmaxf(x, y), z));
 }
 
-/* A child is drawn from its parent, and 1.6 times as small. */
+/* The centre of a child is drawn from its parent's distribution; its scales are the parent's over 1.6. */
 static inline void set_child(fxs_fit_model *m, size_t i, uint64_t seed, uint64_t step, uint64_t index)
 {
     float q[4], r[3][3], at[3], length = 0;
@@ -39,7 +39,7 @@ static inline void set_child(fxs_fit_model *m, size_t i, uint64_t seed, uint64_t
         plane(m, FXS_FIT_POSITION + k)[i] += (r[k][0] * at[0] + r[k][1] * at[1]) + r[k][2] * at[2];
 }
 
-/* Of a Gaussian: it goes, stays as it is, is cloned, is split. */
+/* The fates of a Gaussian: it is removed, stays, is cloned or is split. */
 enum { GOES, STAYS, CLONED, SPLIT };
 
 static inline float mean_gradient(const fxs_fit_model *m, size_t i)
@@ -65,7 +65,7 @@ static inline uint8_t fate_of(const fxs_fit_model *m, const fxs_fit_densify *d, 
     return is_split ? SPLIT : is_wanted ? CLONED : STAYS;
 }
 
-/* Of one that is wanted, when there is no room for more. */
+/* The fate of a candidate for a clone or split when there is no room for more Gaussians. */
 static inline uint8_t fate_without_room(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return largest_scale(m, i) > d->large ? GOES : STAYS;

@@ -1,4 +1,4 @@
-/* A fit: a photograph's step, and what the recipe does after it. */
+/* A fit: checks its arguments, and makes steps with the changes of the recipe after each. */
 #include "fit_internal.h"
 
 #include <float.h>
@@ -58,7 +58,7 @@ static int is_within(const double place[3])
     return fabs(place[0]) <= farthest && fabs(place[1]) <= farthest && fabs(place[2]) <= farthest;
 }
 
-/* Whether a camera looks at it: where it is on the picture does not matter. */
+/* 1 where a place is in front of a camera, in the picture or beside it. */
 static int is_before(const fxs_file_view *view, const double place[3])
 {
     double depth = 0;
@@ -84,8 +84,8 @@ static int check_points(const fxs_fit_photo *photos, size_t photo_count, const f
     return are_seen ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "all points are behind all cameras");
 }
 
-/* Single precision, each operation rounded to the nearest, and numbers that are not normal: elsewhere a fit would not
-   be that of other machines. */
+/* Checks for single precision, rounding to nearest and subnormal numbers. Otherwise a fit would differ from that of
+   other machines. */
 static int check_arithmetic(fxs_message *message)
 {
     volatile float one = 1, half_unit = 0x1p-24f, tiny = 0x1p-140f;
@@ -131,7 +131,7 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     return 0;
 }
 
-/* Of more points than there may be Gaussians, as many, evenly by their order. */
+/* Begins with the points; of more than max_gaussians, with that many, evenly spaced in their order. */
 static int begin_model(fxs_fit *f, const fxs_fit_point *points, size_t count)
 {
     const size_t most = count < f->options.max_gaussians ? count : f->options.max_gaussians;
@@ -231,7 +231,7 @@ const fxs_fit_options *fxs_fit_options_of(const fxs_fit *f)
 
 /* ---- A step ------------------------------------------------------------------------------------------------------ */
 
-/* A new permutation when all were seen (Fisher and Yates), by the number that it begins with. */
+/* A new permutation each time all photographs were used (Fisher and Yates), seeded by the number of its first. */
 void fxs_fit_set_order(fxs_fit *f, uint64_t number)
 {
     const uint32_t count = (uint32_t)f->count;
@@ -245,7 +245,7 @@ void fxs_fit_set_order(fxs_fit *f, uint64_t number)
     }
 }
 
-/* By its number in the sequence of all. */
+/* The photograph with this number in the sequence of all. */
 static const fxs_fit_photograph *choose_photograph(fxs_fit *f, uint64_t number)
 {
     if (number % f->count == 0)
@@ -296,7 +296,7 @@ static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *messa
     return error;
 }
 
-/* The photographs of the step that follows, as its plan wants them. The plan is that of the last one. */
+/* The photographs of the next step, reduced by the divisor of its plan. The plan is the one for the last of them. */
 static void choose_batch(fxs_fit *f, fxs_fit_photograph *batch, fxs_fit_plan *plan)
 {
     for (uint32_t v = 0; v < f->options.batch; v++) {

@@ -1,4 +1,4 @@
-/* The engine of the processor, whose model is the fit's. */
+/* The engine of the processor, which works on the model of the fit directly. */
 #include <stdlib.h>
 
 #include <fixsplat/message.h>
@@ -40,7 +40,7 @@ static int reset_opacity(void *self, float opacity, fxs_message *message)
     return 0;
 }
 
-/* The model is here, and what the stepper has is its own. */
+/* Nothing to do: the model is already here. */
 static int stay(void *self, fxs_message *message)
 {
     (void)self, (void)message;

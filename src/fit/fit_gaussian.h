@@ -1,18 +1,18 @@
-/* project and update: from the parameters of LANES Gaussians to splats, and back. Derivatives: Kerbl et al. 2023,
- * appendix A; Zwicker et al. 2002 for the Jacobian. */
+/* project and update: from the parameters of LANES Gaussians to splats, and from the gradients of splats to those of
+ * parameters. Derivatives: Kerbl et al. 2023, appendix A; Zwicker et al. 2002 for the Jacobian. */
 #ifndef FXS_FIT_GAUSSIAN_H
 #define FXS_FIT_GAUSSIAN_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* What project finds, and update needs again. Sigma on the picture = T T^t + 0.3, T = M R S, M = J W: the rows of M are
-   f / z (W_i - slope W_2). */
+/* Values of project that update needs again. The covariance in the picture is T T^t + 0.3, with T = M R S and M = J W:
+   the rows of M are f / z (W_i - slope W_2). */
 typedef struct shape {
     real offset[3];                /* position - eye */
     real in_camera[3], inverse_z;
-    real slope[2], cut_slope[2];   /* x / z, y / z; as the Jacobian takes them */
-    real m[2][3], rotation[3][3], length, unit[4];   /* length: one over that of the quaternion */
+    real slope[2], cut_slope[2];   /* x / z, y / z; the same, clamped for the Jacobian */
+    real m[2][3], rotation[3][3], length, unit[4];   /* length: the inverse of the quaternion's */
     real scale[3], v[2][3], t[2][3];    /* V = M R */
     real ux, uy, vy, a, b, c;
 } shape;
@@ -32,13 +32,13 @@ static inline void rotation_of(const real q[4], real r[3][3])
     r[2][0] = xz - wy, r[2][1] = yz + wx, r[2][2] = 1.0f - (xx + yy);
 }
 
-/* e^-x of a logit */
+/* e^-logit */
 static inline real exp_of_minus(real logit)
 {
     return exp_e(-least(most(logit, all(-80)), all(80)));
 }
 
-/* `at`: the Gaussians' first parameter, from plane to plane `stride`. */
+/* `at`: the Gaussians' first parameter; planes are `stride` apart. */
 static inline void find_shape(shape *s, const fxs_fit_camera *camera, const float *at, size_t stride)
 {
     real w[3][3];
@@ -70,7 +70,7 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
             s->t[i][j] = s->v[i][j] * s->scale[j];
         }
     }
-    /* det = |T_0 x T_1|^2 + 0.3 (A + C) + 0.09, where nothing cancels */
+    /* det = |T_0 x T_1|^2 + 0.3 (A + C) + 0.09, without cancellation */
     const real a = dot3(s->t[0], s->t[0]), b = dot3(s->t[0], s->t[1]), c = dot3(s->t[1], s->t[1]);
     const real cross[3] = {s->t[0][1] * s->t[1][2] - s->t[0][2] * s->t[1][1],
                            s->t[0][2] * s->t[1][0] - s->t[0][0] * s->t[1][2],
@@ -113,7 +113,7 @@ static inline void basis_of(const real d[3], int degree, real b[15])
     b[14] = -0.590043590f * x * (xx - 3.0f * yy);
 }
 
-/* Adds to `out` the derivative of the sum of weight times basis along x, y and z. */
+/* Adds to `out` the derivatives by x, y and z of the sum of weight times basis. */
 static inline void add_basis_gradient(const real d[3], int degree, const real w[15], real out[3])
 {
     const real x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -147,7 +147,7 @@ static inline void add_basis_gradient(const real d[3], int degree, const real w[
 }
 
 typedef struct look {
-    real inverse_length, direction[3], basis[15], colour[3];   /* colour: before it is cut at 0 */
+    real inverse_length, direction[3], basis[15], colour[3];   /* colour: before it is clamped at 0 */
 } look;
 
 static inline void find_look(look *l, const shape *s, int degree, const float *at, size_t stride)
@@ -167,8 +167,8 @@ static inline void find_look(look *l, const shape *s, int degree, const float *a
 
 /* ---- Back -------------------------------------------------------------------------------------------------------- */
 
-/* The gradient of LANES Gaussians from their sums over pixels. Lanes where nothing was drawn have sums of 0, and
-   gradients of 0. Of SH, it is the basis times that of the colour before it is cut, `g`. */
+/* The gradient of LANES Gaussians from their sums over pixels. Lanes where nothing was drawn have sums of 0 and
+   gradients of 0. The gradient of SH is the basis times the gradient `g` of the colour before it is clamped. */
 static inline void colour_gradient(const look *l, int degree, const float *at, size_t stride, const real sums[],
                                    real g[3], real along[3])
 {
@@ -190,7 +190,7 @@ static inline void colour_gradient(const look *l, int degree, const float *at, s
 }
 
 /* dL/dT = 2 G T, G = -Q (sum of h d d^t / 2) Q, Q = U^t U the inverse of Sigma, U d = (u, v): G = -U^t (sum of h (u, v)
-   (u, v)^t / 2) U; in the splats' u and v, which are FXS_FIT_UNIT as large. */
+   (u, v)^t / 2) U; here with the splats' u and v, which are scaled by FXS_FIT_UNIT. */
 static inline void covariance_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
     const real ux = s->ux * (1.0f / FXS_FIT_UNIT), uy = s->uy * (1.0f / FXS_FIT_UNIT),
@@ -205,7 +205,7 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
     }
 }
 
-/* dR/dq of a unit quaternion, then through its length. */
+/* dR/dq of the unit quaternion, then the derivative of the normalisation. */
 static inline void rotation_gradient(const shape *s, const real r[3][3], real out[4])
 {
     const real *q = s->unit;
@@ -222,7 +222,7 @@ static inline void rotation_gradient(const shape *s, const real r[3][3], real ou
         out[i] = (g[i] - q[i] * along) * s->length;
 }
 
-/* dL/dSlope of each axis, dL/d(1/z), and scale and rotation, from dL/dT and dL/dcentre. */
+/* From dL/dT and dL/dcentre: dL/dslope of each axis, dL/d(1/z), and the gradients of scale and rotation. */
 static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, const real by_t[2][3],
                                   const real by_centre[2], real gradient[FXS_FIT_SH], real by_position[3])
 {
@@ -256,7 +256,7 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
                          camera->rotation[6 + k] * by_camera[2];
 }
 
-/* All but SH's, which is left to l->basis and `g`. by_centre: dL/dcentre, pixels. */
+/* All gradients but those of SH, which follow from l->basis and `g`. by_centre: dL/dcentre, in pixels. */
 static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                         const real sums[FXS_FIT_SUMS], look *l, real g[3],
                                         real gradient[FXS_FIT_SH], real by_centre[2])

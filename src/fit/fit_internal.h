@@ -1,4 +1,4 @@
-/* What a fit is made of. */
+/* The state of a fit. */
 #ifndef FXS_FIT_INTERNAL_H
 #define FXS_FIT_INTERNAL_H
 
@@ -10,33 +10,32 @@
 struct fxs_fit {
     fxs_fit_options options;
     fxs_fit_photograph *photographs;
-    uint32_t *order;               /* of the photographs, for as many steps as there are */
+    uint32_t *order;               /* order of the photographs, one for each until all are used */
     size_t count;
     const fxs_fit_engine *engine;
-    void *self;                    /* the engine's */
-    fxs_fit_stepper *stepper;      /* of the processor: makes the steps where there is no device */
+    void *self;                    /* the engine's own data */
+    fxs_fit_stepper *stepper;      /* makes the steps on the processor where there is no device */
     fxs_fit_model model;
     fxs_fit_profile profile;
     float extent;
-    uint32_t step;                 /* steps that were made */
+    uint32_t step;                 /* number of steps made so far */
 };
 
-/* What fxs_fit_create and fxs_fit_resume have in common: a fit without Gaussians and extent, at step 0. */
+/* The common part of fxs_fit_create and fxs_fit_resume: a fit without Gaussians and extent, at step 0. */
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);
 
-/* The processor, whose `self` is the fit. */
+/* The engine of the processor, whose `self` is the fit. */
 extern const fxs_fit_engine fxs_fit_engine_cpu;
 
-/* The engine for the options, which the back ends choose (port/backend/fit_engines.c). Returns 0, or an error and a
-   message. */
+/* Sets the engine that the options ask for (port/backend/fit_engines.c). Returns 0, or an error and a message. */
 int fxs_fit_choose_engine(fxs_fit *fit, fxs_message *message);
 
-/* Before a step. The last tenth of them passes through the packed profile; a fit that was in it and is to have more
-   steps leaves it. Returns 0 or an error. */
+/* Called before each step. The last tenth of the steps quantises by the packed profile; a fit in that phase that gets
+   more steps leaves it. Returns 0 or an error. */
 int fxs_fit_pass_profile(fxs_fit *fit, fxs_message *message);
 
-/* Sets `order` for the photograph with this number in the sequence of all, and those up to the next permutation. */
+/* Sets `order` for the photograph with this number in the sequence of all, up to the next permutation. */
 void fxs_fit_set_order(fxs_fit *fit, uint64_t number);
 
 #endif

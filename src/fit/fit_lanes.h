@@ -1,7 +1,7 @@
-/* The operations of the fit's texts (fit_gaussian.h, tile.h, loss.h, ...) on LANES numbers. Without LANES it is the
- * instance of one, plain C. Others define LANES and MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS first, as
- * kernels/fit/fit_avx2.c: vectors of GCC and clang.
- * Every operation is that of IEEE single precision, one by one, so the instances have the same bytes. */
+/* The operations on LANES numbers that fit_gaussian.h, tile.h, loss.h and others are written in. Without LANES, they
+ * are plain C on one number. An instruction set first defines LANES, MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS,
+ * as in kernels/fit/fit_avx2.c, with vectors of GCC and clang. Every operation is one of IEEE single precision, so all
+ * instruction sets give the same bytes. */
 #ifndef FXS_FIT_LANES_H
 #define FXS_FIT_LANES_H
 
@@ -39,7 +39,7 @@ static inline real choose(mask which, real a, real b)
     return which ? a : b;
 }
 
-/* A bit for each lane. */
+/* The bits of a mask, one for each lane. */
 static inline uint32_t bits_of_mask(mask which)
 {
     return which != 0;
@@ -147,7 +147,7 @@ static inline mask either(mask a, mask b)
     return (mask)(a | b);
 }
 
-/* 0 where it is not */
+/* 0 in lanes outside the mask */
 static inline real keep(mask which, real x)
 {
     return choose(which, x, all(0));
@@ -194,8 +194,8 @@ static inline real absolute(real x)
     return real_of(bits_of(x) & 0x7fffffff);
 }
 
-/* 2^-x; x in -127..126. A whole part by the rounding of an addition, and a polynomial of the rest, -1/2 to 1/2:
-   relative error 2e-7 and rounding. */
+/* 2^-x; x in -127..126. The rounding of an addition gives the integer part, a polynomial the rest, -1/2 to 1/2:
+   relative error 2e-7 plus rounding. */
 static inline real exp_2_minus(real x)
 {
     const real n = 12582912.0f - x;

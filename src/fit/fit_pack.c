@@ -1,4 +1,4 @@
-/* The Gaussians of a fit as the renderer draws them. */
+/* Gives out and packs the Gaussians of a fit. */
 #include "src/base/run.h"
 #include "fit_internal.h"
 
@@ -10,13 +10,13 @@ static fxs_pack_options pack_options(const fxs_fit *f)
     return options;
 }
 
-/* Steps that are left when the packed profile is taken in. */
+/* The number of last steps, which quantise by the packed profile. */
 static uint32_t profile_steps(const fxs_fit *f)
 {
     return f->options.steps / 10;
 }
 
-/* Of a model that is where the engine has it. */
+/* Finds the codes anew for a model that the engine holds. */
 static int code_again(fxs_fit *f, const fxs_pack_options *options, fxs_message *message)
 {
     const int has_palette = f->profile.palette != NULL;
@@ -43,7 +43,7 @@ static int end(fxs_fit *f, fxs_message *message)
     return f->engine->give(f->self, message);
 }
 
-/* Steps and palette of the profile are found 16 times. */
+/* The code steps and the palette of the profile are found 16 times. */
 int fxs_fit_pass_profile(fxs_fit *f, fxs_message *message)
 {
     const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;

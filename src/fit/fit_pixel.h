@@ -1,4 +1,4 @@
-/* A splat and a pixel of blend and back; LANES of them (lanes.h). */
+/* The arithmetic of one splat at one pixel, in blend and in the backward pass, for LANES pixels (fit_lanes.h). */
 #ifndef FXS_FIT_PIXEL_H
 #define FXS_FIT_PIXEL_H
 
@@ -10,7 +10,7 @@ static inline mask takes_of(real level, real limit, real transmittance)
     return both(at_most(level, limit), at_most(all(FXS_FIT_CLOSED), transmittance));
 }
 
-/* T alpha, of those that take of it. */
+/* The weight T alpha, 0 for pixels that the splat does not reach. */
 static inline real weight_of(mask takes, real level, real transmittance)
 {
     return keep(takes, least(exp_2_minus(level), all(FXS_FIT_ALPHA_MOST)) * transmittance);
@@ -23,7 +23,7 @@ static inline real odds_of(real alpha)
 }
 #endif
 
-/* What has passed of a pixel: transmittance; and what lies behind, the product of dL/dcolour with its colour. */
+/* A pixel after some splats: its transmittance, and the product of dL/dcolour with the colour behind these splats. */
 typedef struct passed_pixel {
     real transmittance, behind;
 } passed_pixel;
@@ -39,7 +39,7 @@ static inline real pass_splat(mask takes, real level, real of_colour, passed_pix
     return keep(both(takes, below(exact, all(FXS_FIT_ALPHA_MOST))), p->behind * odds_of(alpha) - own);
 }
 
-/* What it adds to the splat's sums. */
+/* The pixel's terms of the splat's sums. */
 static inline void sums_of(real h, real weight, real u, real v, real red, real green, real blue,
                            real sums[FXS_FIT_SUMS])
 {

@@ -1,20 +1,20 @@
-/* project: LANES Gaussians as splats. */
+/* project: LANES Gaussians to splats. */
 #ifndef FXS_FIT_PROJECT_H
 #define FXS_FIT_PROJECT_H
 
 #include "fit_gaussian.h"
 #include "span.h"
 
-enum { SPLAT_NUMBERS = 15 };       /* of fxs_fit_splat, up to `tiles` */
+enum { SPLAT_NUMBERS = 15 };       /* floats of fxs_fit_splat, up to `tiles` */
 
-/* 3 sigma_max; the larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
+/* 3 sigma_max. The larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
 static inline real square_of(const shape *s)
 {
     const real middle = 0.5f * (s->a + s->c), half = 0.5f * (s->a - s->c);
     return 3.0f * root(middle + root(half * half + s->b * s->b));
 }
 
-/* Returns which of them are in the picture; where none is, there are no numbers. */
+/* Returns the lanes that are in the picture; where there are none, nothing is written. */
 static inline mask find_splat(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                               real numbers[SPLAT_NUMBERS])
 {
@@ -35,7 +35,7 @@ static inline mask find_splat(const fxs_fit_camera *camera, int degree, const fl
     if (!any(seen))
         return seen;
     find_look(&l, &s, degree, at, stride);
-    /* not a number, or beyond all measure: not seen, so nothing comes of it */
+    /* NaN or too large: treated as not in the picture */
     seen = both(seen, below(s.ux, all(1e6f)));
     for (int c = 0; c < 3; c++)
         seen = both(seen, below(l.colour[c], all(1e6f)));

@@ -4,10 +4,10 @@
  *   bin       splats -> for each tile of 16x16 pixels, those that touch it, near to far
  *   blend     a tile's list -> its pixels
  *   loss      pixels, photograph -> the gradient of the pixels
- *   back      a tile's list, the gradient of its pixels -> sums for each splat of the list
- *   update    those sums -> gradients of the parameters -> parameters, by Adam
+ *   back      the backward pass: a tile's list, the gradient of its pixels -> sums for each splat of the list
+ *   update    these sums -> gradients of the parameters -> parameters, by Adam
  *
- * Numbers are IEEE single precision; sums have the order that is said here, whatever the threads and lanes. */
+ * Numbers are IEEE single precision; sums are added in the order stated here, with any number of threads and lanes. */
 #ifndef FXS_FIT_STAGE_H
 #define FXS_FIT_STAGE_H
 
@@ -16,22 +16,22 @@
 
 #define FXS_FIT_TILE 16
 #define FXS_FIT_PIXELS 256
-#define FXS_FIT_BLOCKS 16          /* of 4x4 pixels, in a tile */
-#define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)   /* of a tile's pixel */
-#define FXS_FIT_GROUP 16           /* Gaussians of a job come in multiples of it */
-#define FXS_FIT_PART 256           /* Gaussians that are updated at once, at most */
+#define FXS_FIT_BLOCKS 16          /* blocks of 4x4 pixels in a tile */
+#define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)   /* index of a tile's pixel */
+#define FXS_FIT_GROUP 16           /* jobs have multiples of this number of Gaussians */
+#define FXS_FIT_PART 256           /* the most Gaussians that are updated at once */
 
-#define FXS_FIT_BATCH 8            /* photographs of a step, at most */
-#define FXS_FIT_CHUNK 256          /* Gaussians that are packed by the same steps: FXS_CHUNK */
+#define FXS_FIT_BATCH 8            /* the most photographs of a step */
+#define FXS_FIT_CHUNK 256          /* Gaussians with the same code steps: FXS_CHUNK */
 
-/* Planes of parameters, one after the other, `stride` numbers each. */
+/* Planes of parameters, `stride` numbers each. */
 enum {
     FXS_FIT_POSITION = 0,          /* 3: scene units */
     FXS_FIT_SCALE = 3,             /* 3: ln of the standard deviation */
     FXS_FIT_ROTATION = 6,          /* 4: quaternion w, x, y, z, of any length but 0 */
     FXS_FIT_OPACITY = 10,          /* logit */
     FXS_FIT_COLOUR = 11,           /* 3: SH degree 0 */
-    FXS_FIT_SH = 14,               /* 45: coefficient by coefficient, of each red, green, blue */
+    FXS_FIT_SH = 14,               /* 45: red, green, blue of each coefficient */
     FXS_FIT_PARAMETERS = 59
 };
 
@@ -39,76 +39,76 @@ typedef struct fxs_fit_camera {
     float rotation[9];             /* world to camera, rows */
     float eye[3];
     float focal[2], middle[2];     /* pixels */
-    float slope_most[2];           /* the Jacobian takes slopes up to here, either way */
+    float slope_most[2];           /* slopes are clamped to +- this for the Jacobian */
     float near;
     int32_t width, height, tiles_x, tiles_y;
-    int32_t is_square;             /* 1: the cut-off of Kerbl et al. 2023, see fxs_fit_splat's radius2 */
+    int32_t is_square;             /* 1: the square cut-off of Kerbl et al. 2023, see radius2 of fxs_fit_splat */
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
    u = ux x + uy y, v = vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level), where level <= limit. In a
-   block of 4x4 pixels u is the sum of that of its first pixel and of (ux i + uy j), i and j in 0..3; v likewise. */
+   block of 4x4 pixels, u is the sum of u at its first pixel and (ux i + uy j), i and j in 0..3; v likewise. */
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
-    /* For lists, of the ellipse, and a little more: the square of its radius in u and v, half of its height, and y
-       where it is farthest to the right. radius2 below 0: it is in all tiles that a square of half_y either way
-       touches, and all their pixels look at it. */
+    /* The ellipse for lists, slightly enlarged: the square of its radius in u and v, half of its height, and the y of
+       its rightmost point. radius2 below 0: the splat is in all tiles that a square of +-half_y touches, and all their
+       pixels test it. */
     float radius2, half_y, tip;
-    float tiles;                   /* that it touches */
-    uint32_t slot;                 /* of the first one's sums: the others follow, row by row */
+    float tiles;                   /* number of tiles that it touches */
+    uint32_t slot;                 /* of its sums over its first tile; those of the others follow, row by row */
 } fxs_fit_splat;
 
-/* A splat in a tile's list: its number, where its sums over this tile go, and, found by blend, the blocks of 4x4 pixels
-   that take of it, a bit each, row by row. */
+/* A splat in a tile's list: its number, the slot of its sums over this tile, and the blocks of 4x4 pixels that it
+   changes, found by blend, a bit each, row by row. */
 typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
 
-/* Sums over pixels of a tile, h = -alpha dL/dalpha: of the 16 places of a block p and p + 8 are added, of those
-   p and p + 4, p + 2, p + 1; those of the blocks that take of the splat are added to 0 row by row; those of a splat's
-   tiles to 0 row by row. */
+/* Sums over the pixels of a tile, with h = -alpha dL/dalpha. Their order: of the 16 places of a block, p and p + 8 are
+   added, then p and p + 4, p + 2, p + 1. The sums of the blocks that the splat changes are added to 0 row by row, and
+   then the sums of its tiles likewise. */
 enum { FXS_FIT_SUM, FXS_FIT_SUM_U, FXS_FIT_SUM_V, FXS_FIT_SUM_UU, FXS_FIT_SUM_UV, FXS_FIT_SUM_VV, FXS_FIT_RED,
        FXS_FIT_GREEN, FXS_FIT_BLUE, FXS_FIT_SUMS };
 
-/* A tile's pixels, block by block (FXS_FIT_AT): colours without background and transmittance. */
+/* A tile's pixels, block by block (FXS_FIT_AT): colours without the background, and transmittance. */
 typedef struct fxs_fit_tile {
     float colour[3][FXS_FIT_PIXELS], transmittance[FXS_FIT_PIXELS];
 } fxs_fit_tile;
 
-/* Of each pixel: dL/dcolour, and its product with the whole colour, background included. */
+/* For each pixel dL/dcolour, and its product with the whole colour, background included. */
 typedef struct fxs_fit_tile_gradient {
     float colour[3][FXS_FIT_PIXELS], whole[FXS_FIT_PIXELS];
 } fxs_fit_tile_gradient;
 
-/* Planes of pixels: rows of `stride` numbers, with FXS_FIT_MARGIN of them (and rows) beyond each edge. */
+/* A plane of pixels: rows of `stride` numbers, with a margin of FXS_FIT_MARGIN numbers or rows beyond each edge. */
 #define FXS_FIT_MARGIN 16
 typedef struct fxs_fit_plane {
-    float *first;                  /* of pixel (0, 0) */
+    float *first;                  /* the number of pixel (0, 0) */
     ptrdiff_t stride;
 } fxs_fit_plane;
 
-/* What loss needs between its passes, of a channel: sums over the windows' rows, then the derivatives of SSIM, and
-   their sums. And its results. */
+/* The data of loss for a channel: between its passes the sums over the rows of windows, then the derivatives of SSIM
+   and their sums; and the results. */
 enum { FXS_FIT_ROWS = 5, FXS_FIT_DERIVATIVES = 3 };
 typedef struct fxs_fit_loss {
     fxs_fit_plane picture, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES], gradient;
-    float *absolute, *dissimilar;  /* of each row: sums of |a - b| and of 1 - SSIM */
+    float *absolute, *dissimilar;  /* for each row the sums of |a - b| and of 1 - SSIM */
     const uint8_t *photograph;     /* bytes, `step` apart, `pitch` from row to row */
     ptrdiff_t step, pitch;
     int32_t width, height;
 } fxs_fit_loss;
 
-/* Adam's state beside a parameter, and the numbers of a step. */
+/* The numbers of Adam for one step. */
 typedef struct fxs_fit_adam {
-    float rate[FXS_FIT_PARAMETERS];        /* over the correction of the first moment */
+    float rate[FXS_FIT_PARAMETERS];        /* learning rates over the correction of the first moment */
     float correction;              /* 1 / (1 - 0.999^step) */
     float epsilon;                 /* in units of the gradient */
-    float by_opacity, by_scale;    /* d loss / d opacity, / d scale, of every Gaussian, beside the picture's */
+    float by_opacity, by_scale;    /* added to dL/dopacity and dL/dscale of every Gaussian */
 } fxs_fit_adam;
 
-/* How the Gaussians of a chunk (FXS_FIT_CHUNK of them) are quantised: what fxs_chunk says, in the units of the
-   parameters. An inverse is of the step of the profile's own codes; 0 where the step is. */
+/* How the FXS_FIT_CHUNK Gaussians of a chunk are quantised: the numbers of fxs_chunk in the units of the parameters. An
+   inverse is that of the step of the profile's own codes, or 0 for a step of 0. */
 typedef struct fxs_fit_chunk {
     float low[3], step[3], inverse[3];              /* positions */
     float scale, scale_step, scale_inverse;         /* log2(sigma) */
@@ -119,69 +119,69 @@ typedef struct fxs_fit_chunk {
 
 typedef struct fxs_fit_grid {
     int position_bits, scale_bits[3], rotation_bits, colour_bits[3];
-    int sh_degree;                 /* up to which SH are quantised by sh_step; 0 where a palette has them */
+    int sh_degree;                 /* SH are quantised by sh_step up to this degree; 0 with a palette */
     const fxs_fit_chunk *chunks;
 } fxs_fit_grid;
 
-/* Noise of positions of a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, drawn by key. */
+/* The noise of positions in a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, seeded by key. */
 typedef struct fxs_fit_noise {
     float amount;
     uint32_t key[2];
 } fxs_fit_noise;
 
-/* The versions of an instruction set. cover is a part of bin, loss_* are those of loss; noise and quantise come after
-   update, where a recipe and the profile want them. */
+/* The stages for an instruction set. `cover` is a part of bin, `loss_*` are the passes of loss. `noise` and `quantise`
+   follow update, where the recipe or the profile needs them. */
 typedef struct fxs_fit_stages {
     const char *name;
     /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_GROUP. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
-    /* The tiles of splats first..first + count, both multiples of FXS_FIT_GROUP, to their slots. */
+    /* Writes the tiles of splats first..first + count, both multiples of FXS_FIT_GROUP, to their slots. */
     void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
                   uint32_t *tiles);
-    /* A list's splats to pixels of the tile at (left, top), and the entries' blocks. Returns how many were needed. */
-    uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
-                      fxs_fit_tile *tile);
-    /* The sums of the first `count` entries, as many as blend needed, each to its slot. */
+    /* Blends a list to the pixels of the tile at (left, top), and sets the blocks of its entries. Returns how many
+       entries uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
+       int32_t top, fxs_fit_tile *tile); Writes the sums of the first `count` entries, as many as blend needed, to their
+       slots. */
     void (*back)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                  const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
-    /* A row each: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of those; the
-       gradient. */
+    /* Each works on a row: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of these
+       derivatives; the gradient. */
     void (*loss_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
-    /* Gradients of Gaussians first..first + count, of FXS_FIT_PART at most, from `sums` (of each of the batch's cameras
-       FXS_FIT_SUMS planes of FXS_FIT_PART numbers), added to 0 in their order, and a step of Adam by them of the
-       masters, which are the parameters where nothing is quantised; moments below 2^-100 are 0. by_centre: adds up the
-       length of dL/dcentre, in halves of the picture's sides, of the loss that is a mean over pixels and channels. A
-       Gaussian with a gradient that is not finite, or beyond FXS_FIT_FARTHEST_GRADIENT, gets one of 0 from that
-       camera. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that would go beyond
-       FXS_FIT_FARTHEST_PLACE, or be no number, stays as it is. */
+    /* Computes the gradients of Gaussians first..first + count, at most FXS_FIT_PART, from `sums` (FXS_FIT_SUMS planes
+       of FXS_FIT_PART numbers for each camera of the batch), adds those of the cameras to 0 in order, and makes a step
+       of Adam on the masters, which are the parameters where nothing is quantised; moments below 2^-100 become 0.
+       by_centre adds up the length of dL/dcentre, with centres in half sides of the picture and the loss a mean over
+       pixels and channels. A gradient that is not finite, or beyond FXS_FIT_FARTHEST_GRADIENT, makes that camera's
+       gradient of the Gaussian 0. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that would go beyond
+       FXS_FIT_FARTHEST_PLACE or become NaN stays unchanged. */
     void (*update)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree, const fxs_fit_adam *adam,
                    const float *parameters, float *masters, float *means, float *squares, size_t stride, size_t first,
                    size_t count, const float *sums, float *by_centre);
     /* Moves Gaussians first..first + count by noise; none beyond FXS_FIT_FARTHEST_PLACE. */
     void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
-    /* The parameters of Gaussians first..first + count become what packing makes of the masters. */
+    /* Sets the parameters of Gaussians first..first + count to the masters as packing quantises them. */
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);
 } fxs_fit_stages;
 
-/* The best version for the instruction sets in `cpu` (enum fxs_cpu) that this processor has. */
+/* The fastest stages for the instruction sets in `cpu` (enum fxs_cpu) that this processor has. */
 const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu);
 extern const fxs_fit_stages fxs_fit_stages_c;
 
 #define FXS_FIT_ALPHA_MOST 0.99f
-#define FXS_FIT_CLOSED 0.001f      /* a pixel with less transmittance takes no more */
+#define FXS_FIT_CLOSED 0.001f      /* a pixel with less transmittance is closed */
 /* Levels are in units of 2 ln 2. */
-#define FXS_FIT_UNIT 0.849321800f  /* of u and v: sqrt(1 / (2 ln 2)) */
-#define FXS_FIT_CUT 6.49212768f    /* of the Mahalanobis distance 3 */
-#define FXS_FIT_FAINT 7.99435344f  /* of the opacity 1 / 255 */
-#define FXS_FIT_WIDER 1.01f        /* the square of an ellipse's radius, for lists */
+#define FXS_FIT_UNIT 0.849321800f  /* unit of u and v: sqrt(1 / (2 ln 2)) */
+#define FXS_FIT_CUT 6.49212768f    /* the level of Mahalanobis distance 3 */
+#define FXS_FIT_FAINT 7.99435344f  /* the level of an alpha of 1 / 255 */
+#define FXS_FIT_WIDER 1.01f        /* factor of the square of an ellipse's radius, for lists */
 #define FXS_FIT_DILATION 0.3f      /* pixels^2 */
-#define FXS_FIT_FARTHEST 40.0f     /* ln scale and logit, either way */
-#define FXS_FIT_FARTHEST_PLACE 1e12f   /* coordinates */
+#define FXS_FIT_FARTHEST 40.0f     /* largest |ln scale| and |logit| */
+#define FXS_FIT_FARTHEST_PLACE 1e12f   /* largest coordinate */
 #define FXS_FIT_FARTHEST_GRADIENT 1e18f
 
 #endif

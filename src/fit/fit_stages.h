@@ -1,4 +1,4 @@
-/* The stages of an instruction set, by its LANES: see stage.h. ISA is its name. */
+/* The stages of fit_stage.h for an instruction set of LANES numbers. ISA is its name. */
 #include "adam.h"
 #include "loss.h"
 #include "noise.h"
@@ -13,7 +13,7 @@
 
 /* ---- project ----------------------------------------------------------------------------------------------------- */
 
-/* Planes of LANES numbers to LANES splats. */
+/* Transposes planes of LANES numbers to LANES splats. */
 static void put_splats(const real *numbers, int count, fxs_fit_splat *splats)
 {
     float out[16][LANES];
@@ -55,7 +55,7 @@ static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splat
     for (int i = 0; i < LANES; i++)
         depths[i] = splats[i].depth;
     const mask seen = below(all(0), load(depths));
-    if (!any(seen))                /* then project wrote nothing else of them */
+    if (!any(seen))                /* then project wrote nothing else */
         return;
     for (int i = 0; i < LANES; i++) {
         const float *from = splats[i].centre;
@@ -102,9 +102,9 @@ static inline float *at_of(const fxs_fit_plane *plane, int32_t row)
     return plane->first + row * plane->stride;
 }
 
-enum { STRIP = 256 };              /* columns at once */
+enum { STRIP = 256 };              /* columns that are worked on at once */
 
-/* Of the photograph's row, 0 to 1, from `first` on; 0 beyond its ends. */
+/* Numbers of a row of the photograph, 0 to 1, from `first` on; 0 beyond its ends. */
 static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *out)
 {
     for (int32_t i = 0; i < count; i++) {
@@ -145,7 +145,7 @@ static inline real within(int32_t x, int32_t width, real value)
     return keep(below(numbers_from(0) + (float)x, all((float)width)), value);
 }
 
-/* Sums of every 16th number, and of those c and c + 8, c + 4, c + 2, c + 1. */
+/* Sums of every 16th number; then sums c and c + 8, c + 4, c + 2, c + 1 are added. */
 static inline void add_to(float sums[16], int32_t x, real value)
 {
     store(sums + x % 16, load(sums + x % 16) + value);
@@ -207,7 +207,7 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
 
 typedef float part_planes[FXS_FIT_PARAMETERS][FXS_FIT_PART];
 
-/* Of mean opacity and mean scale. */
+/* The weights of mean opacity and mean scale. */
 static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride, float *gradients)
 {
     float *to = gradients + FXS_FIT_OPACITY * FXS_FIT_PART;
@@ -218,7 +218,7 @@ static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, s
     }
 }
 
-/* Adds a camera's gradient of LANES Gaussians to the `used` first planes. */
+/* Adds a camera's gradient of LANES Gaussians to the first `used` planes. */
 static void add_part(const fxs_fit_camera *camera, int degree, int used, const float *at, size_t stride,
                      const float *of_sums, float *by_centre, float *gradients)
 {
@@ -240,7 +240,7 @@ static void add_part(const fxs_fit_camera *camera, int degree, int used, const f
     store(by_centre, load(by_centre) + keep(is_touched, centre_gradient(camera, centre)));
 }
 
-/* `ahead`: how far the next plane is, which is fetched meanwhile. */
+/* `ahead`: distance of the next plane, which is prefetched. */
 static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, size_t count, float *at,
                               float *means, float *squares, size_t ahead)
 {
@@ -262,7 +262,7 @@ static void keep_within(float *at, size_t count)
         store(at + i, least(most(load(at + i), all(-FXS_FIT_FARTHEST)), all(FXS_FIT_FARTHEST)));
 }
 
-/* SH of degrees that are not yet drawn have no gradient, and no moments. */
+/* SH of degrees that are not drawn yet have neither gradient nor moments. */
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree,
                                         const fxs_fit_adam *adam, const float *parameters, float *masters,
                                         float *means, float *squares, size_t stride, size_t first, size_t count,

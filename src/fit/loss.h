@@ -1,5 +1,5 @@
-/* loss: 0.8 |a - b| + 0.2 (1 - SSIM(a, b)), a the picture, b the photograph; the sum over pixels and channels, and its
- * gradient. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges. */
+/* loss: the sum over pixels and channels of 0.8 |a - b| + 0.2 (1 - SSIM(a, b)), with a the picture and b the
+ * photograph, and its gradient. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges. */
 #ifndef FXS_FIT_LOSS_H
 #define FXS_FIT_LOSS_H
 
@@ -20,10 +20,10 @@ static inline real window_sum(const float *at, ptrdiff_t step)
 }
 
 typedef struct similarity {
-    real value, by_mean, by_square, by_product;   /* SSIM; its derivatives by the means of a, a^2 and ab */
+    real value, by_mean, by_square, by_product;   /* SSIM, and its derivatives by the means of a, a^2 and ab */
 } similarity;
 
-/* mean_a...: sums over the window of a, b, a^2, b^2, ab. */
+/* mean_a, ...: weighted sums over the window of a, b, a^2, b^2, ab. */
 static inline similarity similarity_of(real mean_a, real mean_b, real aa, real bb, real ab)
 {
     const real c1 = all(0.0001f), c2 = all(0.0009f);
@@ -40,7 +40,7 @@ static inline similarity similarity_of(real mean_a, real mean_b, real aa, real b
     return s;
 }
 
-/* 0.8 sign(a - b) - 0.2 (sum of by_mean + 2 a by_square + b by_product), of the sums over the windows. */
+/* 0.8 sign(a - b) - 0.2 (by_mean + 2 a by_square + b by_product), with the sums of these over the windows. */
 static inline real gradient_of(real a, real b, real by_mean, real by_square, real by_product)
 {
     const real similar = (by_mean + 2.0f * a * by_square) + b * by_product;

@@ -40,7 +40,7 @@ static void clear_rest(const fxs_fit_model *m, float *planes, size_t count)
         memset(p + m->count, 0, (m->stride - m->count) * sizeof *p);
 }
 
-/* Beyond the count there are Gaussians of no opacity and no size. */
+/* Beyond `count`, the Gaussians have no opacity and no size. */
 static void fill_rest(fxs_fit_model *m)
 {
     float *const blocks[] = {m->parameters, m->means, m->squares, m->by_centre, m->views};
@@ -121,7 +121,7 @@ void fxs_fit_model_widen(fxs_fit_model *m, float factor)
 
 /* ---- Another model ----------------------------------------------------------------------------------------------- */
 
-/* Gives the planes another stride. A wider one takes memory of its own, a narrower one none. */
+/* Changes the stride of the planes. Only a larger stride needs new memory. */
 static int set_stride(float **planes, size_t old, size_t stride)
 {
     if (stride <= old) {
@@ -139,7 +139,7 @@ static int set_stride(float **planes, size_t old, size_t stride)
     return 0;
 }
 
-/* Room for more Gaussians, in one block after the other. */
+/* Makes room for more Gaussians, one block after the other. */
 static int make_room(fxs_fit_model *m, size_t stride)
 {
     float **const blocks[3] = {&m->parameters, &m->means, &m->squares};
@@ -161,7 +161,7 @@ static void narrow(fxs_fit_model *m, size_t stride)
     m->stride = stride;
 }
 
-/* Plane by plane, by way of `spare`: `moments` leaves out what is not kept. */
+/* Rearranges plane by plane through `spare`; `moments`: new Gaussians get 0. */
 static void gather(float *planes, size_t stride, const fxs_fit_origin *origins, size_t count, int moments, float *spare)
 {
     for (float *p = planes; p < planes + FXS_FIT_PARAMETERS * stride; p += stride) {
@@ -209,7 +209,7 @@ static int by_code(const void *a, const void *b)
     return (p->index > q->index) - (p->index < q->index);
 }
 
-/* By the rule of curve.h. `middle` null: of the coordinates, else of their distances from it. */
+/* Sums in the order of curve.h: of the coordinates, or with `middle` of their distances from it. */
 static double sum_plane(const fxs_fit_model *m, int k, const float *middle)
 {
     double sums[CURVE_SUMS] = {0};

@@ -1,4 +1,4 @@
-/* The Gaussians of a fit, and how their number changes. */
+/* Changes of the model, the Gaussians of a fit, and of their number. */
 #ifndef FXS_FIT_MODEL_H
 #define FXS_FIT_MODEL_H
 
@@ -8,56 +8,56 @@
 extern "C" {
 #endif
 
-/* Room for so many, all 0. Returns 0, or FXS_ERR_MEMORY and a model that is all 0. */
+/* Makes an empty model with room for `count` Gaussians, all 0. Returns 0, or FXS_ERR_MEMORY and a model of 0. */
 int fxs_fit_model_room(fxs_fit_model *model, size_t count);
 
-/* For so many, with planes to be filled; beyond the count they are right. A model with masters keeps its count.
-   Returns 0, or FXS_ERR_MEMORY and the model as it was. */
+/* Sets the number of Gaussians. The caller fills the planes up to `count`; beyond it they are set. A model with masters
+   must keep its count. Returns 0, or FXS_ERR_MEMORY and an unchanged model. */
 int fxs_fit_model_resize(fxs_fit_model *model, size_t count);
 
-/* Begins with a Gaussian at each point: as wide as its three neighbours are far (root of their mean square), of this
-   opacity and the point's colour. Returns 0 or FXS_ERR_MEMORY. */
+/* Begins with a Gaussian at each point, with this opacity and the point's colour; its sigma is the root mean square of
+   the distances to the three nearest points. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_model_begin(fxs_fit_model *model, const fxs_fit_point *points, size_t count, float opacity);
 
-/* All scales, times a factor. */
+/* Multiplies all scales by a factor. */
 void fxs_fit_model_widen(fxs_fit_model *model, float factor);
 void fxs_fit_model_free(fxs_fit_model *model);
 
-/* Where a Gaussian of the next model comes from. */
+/* The source of a Gaussian of the new model. */
 enum { FXS_FIT_KEPT, FXS_FIT_CLONE, FXS_FIT_CHILD };
 typedef struct fxs_fit_origin {
     uint32_t source;
-    uint32_t kind;                 /* KEPT: with Adam's moments; the others with moments of 0 */
+    uint32_t kind;                 /* KEPT: Adam's moments stay; in the others they become 0 */
 } fxs_fit_origin;
 
-/* Makes it the model of these. Sums of densification become 0. Returns 0, or FXS_ERR_MEMORY and the model as it was. */
+/* Rebuilds the model from these origins; sums of densification become 0. Returns 0, or FXS_ERR_MEMORY and an unchanged
 int fxs_fit_model_rebuild(fxs_fit_model *model, const fxs_fit_origin *origins, size_t count);
 
 typedef struct fxs_fit_densify {
-    float gradient;                /* mean length of dL/dcentre, as in by_centre, from which on it is taken */
-    float small, large;            /* scene units: up to `small` it is cloned, else split; above `large` it goes */
-    float opacity;                 /* the least that stays */
-    size_t most;                   /* Gaussians: of more, those of the largest gradients are taken */
+    float gradient;                /* the least mean length of dL/dcentre (by_centre) for a clone or split */
+    float small, large;            /* scene units: cloned up to `small`, else split; removed above `large` */
+    float opacity;                 /* the least opacity that stays */
+    size_t most;                   /* the most Gaussians: the largest gradients are cloned and split first */
     uint64_t seed, step;
 } fxs_fit_densify;
 
-/* Clones and splits, and takes away those of too little opacity, too large, or without a rotation; where that would be
-   all, nothing happens. Returns 0 or FXS_ERR_MEMORY. */
+/* Clones and splits Gaussians, and removes those with too little opacity, too large a scale or no rotation; where that
+   would remove all, nothing happens. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_model_densify(fxs_fit_model *model, const fxs_fit_densify *densify);
 
-/* Opacities above this become it, and Adam forgets them. */
+/* Clamps opacities to at most this, and sets Adam's moments of opacities to 0. */
 void fxs_fit_model_reset_opacity(fxs_fit_model *model, float opacity);
 
 typedef struct fxs_fit_relocate {
-    float opacity;                 /* up to it a Gaussian is moved to where another is */
-    size_t most;                   /* Gaussians; they become a 20th more at a time */
+    float opacity;                 /* Gaussians up to this opacity are relocated */
+    size_t most;                   /* the most Gaussians; each call adds up to a 20th */
     uint64_t seed, step;
 } fxs_fit_relocate;
 
-/* Moves and adds Gaussians to places drawn by opacity (Kheradmand et al. 2024). Returns 0 or FXS_ERR_MEMORY. */
+/* Relocates and adds Gaussians at the places of others, drawn by opacity (Kheradmand et al. 2024). Returns 0 or
 int fxs_fit_model_relocate(fxs_fit_model *model, const fxs_fit_relocate *relocate);
 
-/* Puts the Gaussians along a Morton curve, so that neighbours share groups. Returns 0 or FXS_ERR_MEMORY. */
+/* Sorts the Gaussians along a Morton curve, so that neighbours share groups. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_model_order(fxs_fit_model *model);
 
 #ifdef __cplusplus

@@ -5,7 +5,7 @@
 
 #include "random.h"
 
-enum { LEAF = 8 };                 /* points of a leaf, at most */
+enum { LEAF = 8 };                 /* the most points of a leaf */
 
 typedef struct item {
     float at[3];
@@ -16,13 +16,13 @@ typedef struct box {
     float low[3], high[3];
 } box;
 
-/* Node n has the children 2 n + 1 and 2 n + 2, of the lower and the upper half of its items. */
+/* Node n has the children 2 n + 1 and 2 n + 2, with the lower and the upper half of its items. */
 typedef struct tree {
     item *items;
     box *boxes;
 } tree;
 
-/* By a coordinate, and by number where that is the same: no two are equal. */
+/* Compares by a coordinate, then by number, so no two are equal. */
 static int is_before(const item *a, const item *b, int axis)
 {
     return a->at[axis] != b->at[axis] ? a->at[axis] < b->at[axis] : a->point < b->point;
@@ -35,8 +35,8 @@ static void swap_items(item *a, item *b)
     *b = swap;
 }
 
-/* Puts the items before the one that is `middle` in order ahead of it (Hoare's quickselect). Pivots by chance: no order
-   of a file makes it slow. */
+/* Moves the item of rank `middle` to its place, the smaller ones before it (Hoare's quickselect). Random pivots: no
+   order of a file makes it slow. */
 static void select_item(item *items, size_t count, size_t middle, int axis)
 {
     size_t first = 0, end = count;
@@ -86,7 +86,7 @@ static float square_of(float x, float y, float z)
     return (x * x + y * y) + z * z;
 }
 
-/* To the box: no more than to any point in it, as each operation's rounding keeps order. */
+/* The squared distance to the box, at most that to any point in it: rounding keeps the order of numbers. */
 static float square_to(const box *b, const float p[3])
 {
     float away[3];
@@ -110,7 +110,7 @@ static void look_at_leaf(const item *items, size_t count, const item *self, floa
     }
 }
 
-/* The three least squares. */
+/* Keeps the three least squared distances. */
 static void look(const tree *t, size_t node, size_t first, size_t count, const item *self, float nearest[3])
 {
     if (count <= LEAF) {
@@ -139,7 +139,7 @@ static float mean_of(const float nearest[3])
     return found ? sum / (float)found : 1;
 }
 
-/* Halves of at most LEAF: as deep as that takes. */
+/* The depth at which repeated halves have at most LEAF points. */
 static size_t nodes_of(size_t count)
 {
     size_t nodes = 1;

@@ -1,5 +1,5 @@
-/* noise: of Kheradmand et al. 2024. Random numbers by a counter, as random.h's, but of 32 bits, so that lanes have
- * them. */
+/* noise: the noise of positions of Kheradmand et al. 2024. Random numbers come from a counter, as in random.h, but have
+ * 32 bits, so that lanes can compute them. */
 #ifndef FXS_FIT_NOISE_H
 #define FXS_FIT_NOISE_H
 
@@ -19,7 +19,7 @@ static inline bits mix_32(bits x)
     return x ^ x >> 16;
 }
 
-/* As fxs_fit_normal: the sum of twelve uniform numbers of 16 bits, less 6. */
+/* Nearly normal, as fxs_fit_normal: the sum of twelve uniform numbers of 16 bits, minus 6. */
 static inline real normal(const fxs_fit_noise *noise, bits index, uint32_t axis)
 {
     bits sum = index & 0u;
@@ -30,7 +30,7 @@ static inline real normal(const fxs_fit_noise *noise, bits index, uint32_t axis)
     return (whole_to_real((whole)sum) - 393216.0f) * 0x1p-16f;
 }
 
-/* `index`: the first Gaussian's. */
+/* `index`: number of the first Gaussian. */
 static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t stride, uint32_t index)
 {
     real q[4], r[3][3], along[3];

@@ -16,7 +16,7 @@ static int exists(const char *path)
     return fxs_file_kind(path) != FXS_FILE_NONE;
 }
 
-/* Returns 0 where it is too long. */
+/* Returns 0 where the path is too long. */
 static int join(char out[FXS_PHOTO_PATH], const char *folder, const char *name)
 {
     const int absolute = *name == '/' || !*folder;
@@ -36,7 +36,7 @@ static const char *base_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* The folder that the file or folder lies in. */
+/* Changes a path to the folder in which the file or folder lies. */
 static void parent_of(char out[FXS_PHOTO_PATH], const char *path)
 {
     size_t length = strlen(path);
@@ -74,7 +74,7 @@ static int colmap_name(const char *name)
     return 0;
 }
 
-/* In the model's folder, or in one of the two above. */
+/* Looks in the folder of the model and in the two above it. */
 static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
 {
     char folder[FXS_PHOTO_PATH], above[FXS_PHOTO_PATH];
@@ -88,7 +88,7 @@ static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
     return fxs_fail(message, "%s: no folder images beside these cameras or up to two above", list->cameras);
 }
 
-/* The first of these beside the cameras that there is. */
+/* Finds the first of these names that exists beside the cameras. */
 static void find_points(fxs_photo_list *list, const char *const *names, size_t count)
 {
     char folder[FXS_PHOTO_PATH];
@@ -99,7 +99,7 @@ static void find_points(fxs_photo_list *list, const char *const *names, size_t c
     *list->points = 0;
 }
 
-/* Its images.bin goes before its other files. */
+/* Whichever file of the model was named, its images file stands for it. */
 static int find_colmap(fxs_photo_list *list, fxs_message *message)
 {
     static const char *const binary[] = {"points3D.bin"}, *const plain[] = {"points3D.txt"};
@@ -155,7 +155,7 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
     return 0;
 }
 
-/* Moves every n-th view to those held out. */
+/* Moves every n-th view to the held-out list. */
 static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 {
     fxs_view_list *fit = &list->fit, *held = &list->held_out;
@@ -217,6 +217,6 @@ int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view
         if (exists(path))
             return 0;
     }
-    *end = 0;   /* whoever opens it says what is wrong */
+    *end = 0;   /* opening this path fails with a message */
     return 0;
 }

@@ -6,8 +6,8 @@
 
 #include <fixsplat/image_file.h>
 
-/* Colours on their way are 0 to 255 x 255: alpha is divided by at the end. */
-#define POSITION_BITS 8            /* of a pixel, between pixels */
+/* Intermediate colours are 0 to 255 x 255; the division by 255 comes at the end. */
+#define POSITION_BITS 8            /* bits of a position between two pixels */
 
 typedef struct picture {
     const uint8_t *rgba;
@@ -17,7 +17,7 @@ typedef struct picture {
 
 /* ---- The camera of the file's pixels ----------------------------------------------------------------------------- */
 
-/* The file may be of another size than its camera says, in the same proportion to a pixel. */
+/* The photograph may have another size than its camera, but the same proportions to a pixel. */
 static int same_proportion(const fxs_file_view *view, int width, int height)
 {
     const double by_width = (double)view->width * height, by_height = (double)view->height * width;
@@ -35,7 +35,7 @@ static void scale(fxs_file_view *view, int width, int height)
     view->height = height;
 }
 
-/* Of a file that says an angle alone, which is the width's. */
+/* Intrinsics for a file that states only an angle, the horizontal field of view. */
 static void set_size(fxs_file_view *view, int width, int height)
 {
     view->fx *= (double)width / view->width;
@@ -75,8 +75,8 @@ static void plain_row(const picture *p, int y, uint16_t *row)
             row[c] = (uint16_t)on_background(p, rgba, c);
 }
 
-/* Where a coordinate lies between the centres of two pixels: the first, and 0 to 255 of the way. Nothing is beyond the
-   picture's outermost centres. */
+/* The first of the two pixels between whose centres a coordinate lies, and its fraction, 0 to 255. Coordinates are
+   clamped to the outermost centres of the picture. */
 static int between(double at, int size, uint32_t *part)
 {
     const double most = (double)(size - 1) * (1 << POSITION_BITS);
@@ -101,7 +101,7 @@ static void sample(const picture *p, const double at[2], uint16_t out[3])
     }
 }
 
-/* Of the pinhole's picture, through the lens. */
+/* A row of the pinhole picture, sampled through the lens. */
 static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
                      const fxs_file_view *pinhole, int y, uint16_t *row)
 {
@@ -117,7 +117,7 @@ static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view
 
 /* ---- Averages ---------------------------------------------------------------------------------------------------- */
 
-/* The sums of a row's pixels, each by how much of it a column of the smaller picture covers: `width` for all of it. */
+/* Sums of a row's pixels for each column of the smaller picture, weighted by the overlap: `width` for a whole pixel. */
 static void add_columns(const uint16_t *row, int size, int width, uint64_t *sums)
 {
     memset(sums, 0, 3 * (size_t)width * sizeof *sums);
@@ -138,7 +138,7 @@ static void add_columns(const uint16_t *row, int size, int width, uint64_t *sums
     }
 }
 
-/* A row is added to the sums by how much of it their row covers. */
+/* Adds a row to the sums, weighted by its overlap with the row of the smaller picture. */
 static void add_row(uint64_t *sums, const uint64_t *columns, size_t values, int covered)
 {
     for (size_t i = 0; i < values; i++)
@@ -155,8 +155,8 @@ static void finish_row(uint64_t *sums, size_t values, uint64_t area, uint8_t *ou
 }
 
 typedef struct work {
-    uint16_t *row;                 /* of the file's size */
-    uint64_t *columns, *sums;      /* of the smaller one's */
+    uint16_t *row;                 /* in the size of the file */
+    uint64_t *columns, *sums;      /* in the size of the smaller picture */
 } work;
 
 static int work_allocate(work *w, int width, int smaller)
@@ -174,7 +174,7 @@ static void work_free(work *w)
     free(w->sums);
 }
 
-/* Rows as add_columns has columns. `pinhole` is null where there is no lens to undo. */
+/* Averages rows as add_columns does columns. `pinhole` is null where the lens has no distortion. */
 static void average(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
                     const fxs_file_view *pinhole, int width, int height, work *w, uint8_t *out)
 {
@@ -201,7 +201,7 @@ static void average(const picture *p, const fxs_lens *lens, const fxs_file_view 
 
 /* ---- A photograph ------------------------------------------------------------------------------------------------ */
 
-/* The other side as near as whole pixels come to the same proportion. */
+/* The other side, rounded to whole pixels of the same proportions. */
 static void smaller_size(const picture *p, int resolution, int size[2])
 {
     const int longer = p->width > p->height ? p->width : p->height;

@@ -1,15 +1,15 @@
-/* A photograph from its file to what a fit compares with: its lens undone, on its background, averaged down. */
+/* Prepares a photograph for a fit: removes distortion, puts it on the background, reduces it by averaging. */
 #ifndef FXS_FIT_PHOTO_PIXELS_H
 #define FXS_FIT_PHOTO_PIXELS_H
 
 #include "src/camera/camera_internal.h"
 
 typedef struct fxs_photo_pixels {
-    fxs_file_view view;            /* of these pixels; a pinhole's */
+    fxs_file_view view;            /* pinhole camera of these pixels */
     uint8_t *pixels;               /* RGB; the caller frees them */
 } fxs_photo_pixels;
 
-/* `resolution`: pixels of the longer side, at most. Returns 0, or an error and a message, with null pixels. */
+/* `resolution`: the largest width or height. Returns 0, or an error and a message, with null pixels. */
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
                    fxs_photo_pixels *photo, fxs_message *message);
 

@@ -10,9 +10,9 @@
 #include "random.h"
 
 #define MOST_POINTS FXS_GAUSSIANS_CEILING
-#define FARTHEST 134217728.0       /* 2^27 scene units, as the renderer has them */
+#define FARTHEST 134217728.0       /* 2^27 scene units, the renderer's limit */
 #define RANDOM_POINTS 100000
-#define RANDOM_STEP UINT64_MAX     /* no step of a fit */
+#define RANDOM_STEP UINT64_MAX     /* not the number of any step */
 #define GREY 128
 
 static int add_point(fxs_photo_points *p, const char *path, const double position[3], const double colour[3],
@@ -88,7 +88,7 @@ typedef struct ply {
     fxs_ply_header header;
 } ply;
 
-/* x, y, z, and the colour where it has one, in whole numbers. */
+/* Reads x, y, z, and the colour as integers where there is one. */
 static int find_columns(const ply *p, const fxs_ply_element *vertex, int columns[6], fxs_message *message)
 {
     static const char *const names[6] = {"x", "y", "z", "red", "green", "blue"};

@@ -1,4 +1,4 @@
-/* Where a fit begins: the points of COLMAP's points3D.bin or .txt, those of a .ply, or random ones. */
+/* The initial points of a fit: from COLMAP's points3D.bin or .txt, from a .ply, or random. */
 #ifndef FXS_FIT_PHOTO_POINTS_H
 #define FXS_FIT_PHOTO_POINTS_H
 
@@ -9,11 +9,11 @@ typedef struct fxs_photo_points {
     size_t count, capacity;
 } fxs_photo_points;
 
-/* Each returns 0, or an error and a message; points that are not finite, or not within 2^27 units, are one. */
+/* Each returns 0, or an error and a message, also for points that are not finite or not within 2^27 units. */
 int fxs_photo_points_colmap(fxs_photo_points *points, const char *path, fxs_message *message);
 int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message *message);
 
-/* 100,000 grey ones in the cube of this middle and half its side. */
+/* Makes 100,000 random grey points in the cube with this middle and half side. */
 int fxs_photo_points_random(fxs_photo_points *points, const double middle[3], double half, uint64_t seed,
                             fxs_message *message);
 

@@ -13,8 +13,8 @@
 
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
-#define BLENDER_HALF 1.3           /* Kerbl et al. 2023 begin its synthetic scenes in a cube of 2.6 units */
-#define OF_CAMERAS 3               /* and others in one three times as wide as the cameras' box */
+#define BLENDER_HALF 1.3           /* half the cube in which Kerbl et al. 2023 begin synthetic scenes */
+#define OF_CAMERAS 3               /* width of the cube for other scenes, in widths of the cameras' box */
 
 /* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
@@ -28,7 +28,7 @@ typedef struct reading {
     const fxs_photo_list *list;
     const fxs_view_list *views;
     const fxs_photos_options *options;
-    size_t first;                  /* of the batch */
+    size_t first;                  /* first photograph of the batch */
     result *results;               /* of the batch */
 } reading;
 
@@ -50,7 +50,7 @@ static void read_job(void *argument, uint32_t i)
     made->error = read_one(r, &r->views->views[r->first + i], made);
 }
 
-/* Keeps the batch's photographs up to the first that ends it, and frees the rest. */
+/* Keeps the batch's photographs up to the first with an error, and frees the rest. */
 static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t *kept, fxs_photos *all,
                 fxs_message *message)
 {
@@ -75,7 +75,7 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
     return error;
 }
 
-/* The photographs of one list; `done` of `count` in all were there before. */
+/* Reads the photographs of one list; `done` of all `count` were read before. */
 static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **photos, size_t *kept, fxs_photos *all,
                     size_t done, size_t count, fxs_message *message)
 {

@@ -1,4 +1,4 @@
-/* A Gaussian's parameters in its model, for what works on one after the other. */
+/* Access to the parameters of a single Gaussian of a model. */
 #ifndef FXS_FIT_PLANES_H
 #define FXS_FIT_PLANES_H
 

@@ -13,7 +13,7 @@
 
 enum { JOBS = 64 };
 #define FAINT_LOGIT (-2.708f)      /* opacity 1/16 */
-#define FOG 0.1                    /* of the weight: as where a file is packed */
+#define FOG 0.1                    /* share of the weight: the same as in pack.c */
 
 static float *plane(float *planes, const fxs_fit_model *m, int which)
 {
@@ -35,14 +35,14 @@ static double opacity_at(float logit)
 
 /* ---- Order ------------------------------------------------------------------------------------------------------- */
 
-/* The product of the two largest sigmas, times the opacity. */
+/* The weight: the product of the two largest sigmas times the opacity. */
 static double weight_of(const fxs_gaussian *g)
 {
     const float *s = g->scale, least_scale = fminf(fminf(s[0], s[1]), s[2]);
     return (double)exp_e(fmaxf(fminf(s[0] + s[1] + s[2] - least_scale, 40.0f), -40.0f)) * opacity_at(g->opacity);
 }
 
-/* Where much of what is seen is fog, it is put among its like. Returns how many can be drawn. */
+/* Where fog has much of the weight, its Gaussians are ordered by themselves. Returns how many can be drawn. */
 static size_t set_entries(fxs_order_entry *entries, const fxs_fit_model *m, int sh_degree)
 {
     double faint = 0, all = 0;
@@ -96,7 +96,7 @@ static float inverse_of(double step)
     return step > 0 ? (float)(1 / step) : 0;
 }
 
-/* The step of codes of `bits` bits, which are spread to `wide`. */
+/* The step of codes of `bits` bits that are extended to `wide` bits. */
 static double own_step(double step, int bits, int wide)
 {
     return step * ((1 << wide) - 1) / ((1 << bits) - 1);
@@ -124,8 +124,8 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
     to->opacity_inverse = c->opacity_law ? (float)(1 / top) : 0;
 }
 
-/* The same Gaussian with its thinnest axis last: a quarter turn about the axis that stays, q (1 + i) or q (1 + j) over
-   its length. Adam's moments turn with it, the second as if components were independent. */
+/* Turns the axes of a Gaussian so that the thinnest is last: a quarter turn about the axis that stays, q (1 + i) or
+   q (1 + j) over its length. Adam's moments turn too, the second as if components were independent. */
 static void put_thinnest_last(const fxs_fit_model *m, size_t i)
 {
     float *planes[] = {m->masters, m->means, m->squares};
@@ -150,7 +150,7 @@ static void put_thinnest_last(const fxs_fit_model *m, size_t i)
     }
 }
 
-/* What the jobs of a coding share. */
+/* The common data of the jobs that code the Gaussians. */
 typedef struct coding {
     fxs_fit_profile *profile;
     const fxs_fit_model *model;
@@ -261,7 +261,7 @@ void fxs_fit_profile_end(fxs_fit_profile *p, fxs_fit_model *m)
     m->grid = NULL;
 }
 
-/* For free. */
+/* A pointer for free(). */
 static void *aligned(size_t bytes)
 {
     void *memory = NULL;
@@ -366,7 +366,7 @@ int fxs_fit_profile_pack(const fxs_fit_profile *p, const fxs_fit_model *m, const
 
 /* ---- State ------------------------------------------------------------------------------------------------------- */
 
-/* Between this processor's order of bytes and little-endian. */
+/* Converts between this processor's byte order and little-endian. */
 static void turn(fxs_fit_profile *p)
 {
     fxs_palette *palette = p->palette;

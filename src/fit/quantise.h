@@ -1,18 +1,18 @@
-/* What packing makes of LANES Gaussians: codes, and what they stand for (docs/format.md). */
+/* Quantises LANES Gaussians as packing does: finds their codes and the values of the codes (docs/format.md). */
 #ifndef FXS_FIT_QUANTISE_H
 #define FXS_FIT_QUANTISE_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Round to the nearest, within 0..most; most below 2^22. */
+/* Rounds to the nearest integer in 0..most; most below 2^22. */
 static inline whole code_of(real x, int most_code)
 {
     const real held = least(most(x, all(0)), all((float)most_code));
     return bits_of(held + 12582912.0f) - 0x4b400000;
 }
 
-/* A code of fewer bits than `wide`, with its high width again below. */
+/* Extends a code to `wide` bits by repeating its high bits below. */
 static inline real spread_code(whole code, int width, int wide)
 {
     return whole_to_real(shifted_left(code, wide - width) | (code >> (2 * width - wide)));
@@ -25,7 +25,7 @@ static inline real quantise_evenly(real x, float low, float step, float inverse_
     return low + spread_code(*code, width, wide) * step;
 }
 
-/* high - code^2 step, octaves; from and to ln(sigma) */
+/* log2(sigma) = high - code^2 step; from and to ln(sigma) */
 static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, whole *code)
 {
     const int most_code = (1 << width) - 1;
@@ -39,7 +39,7 @@ static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, who
     return choose(is_far, of_far, of_near) * 0.693147181f;
 }
 
-/* Law 0: code / 255; else 1/255 + range ((code - 1) / 254)^2, and code 0 is 0. */
+/* The opacity of a code. Law 0: code / 255; else 1/255 + range ((code - 1) / 254)^2, and 0 for code 0. */
 static inline real opacity_of(const fxs_fit_chunk *c, whole code)
 {
     const real number = whole_to_real(code);
@@ -49,7 +49,7 @@ static inline real opacity_of(const fxs_fit_chunk *c, whole code)
     return choose(below(all(0), number), (1.0f / 255.0f) + part * part * c->opacity_range, all(0));
 }
 
-/* The opacity of a logit, and back: that of opacity 0 is -80; none is above 6.9, of opacity 0.999. */
+/* From a logit to opacity, and from opacity to a logit: -80 for 0, at most 6.9, for 0.999. */
 static inline real quantise_opacity(const fxs_fit_chunk *c, real logit, whole *code)
 {
     const real opacity = 1.0f / (1.0f + exp_e(least(-logit, all(80))));
@@ -66,8 +66,8 @@ static inline real quantise_opacity(const fxs_fit_chunk *c, real logit, whole *c
     return choose(below(all(0), said), ln(most(said, all(0.001f)) / most(1.0f - said, all(0.001f))), all(-80));
 }
 
-/* The smallest three of a quaternion, whose sign stays, so that its gradient is that of the master; codes: which is the
-   largest, and the others in order where it is positive. */
+/* Codes a quaternion by its smallest three components. Its sign stays, so that the gradient fits the master. Codes: the
+   index of the largest component, then the others in order, signed so that the largest is positive. */
 static inline void quantise_rotation(const real from[4], int width, real to[4], whole codes[4])
 {
     const float half = (float)((1 << width) - 1) * 0.5f;
@@ -94,8 +94,8 @@ static inline void quantise_rotation(const real from[4], int width, real to[4], 
     }
 }
 
-/* `from` and `to`: the Gaussians' first parameter, from plane to plane `stride`. Codes: a number each of the parameters
-   up to the colours; but in those of the rotation, which is the largest, then the others. SH stay out of it. */
+/* `from` and `to`: the Gaussians' first parameter; planes are `stride` apart. Codes: a number for each parameter up to
+   the colours; those of the rotation are the index of the largest component, then the others. SH are not coded here. */
 static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c, const float *from, float *to,
                                   ptrdiff_t stride, whole codes[FXS_FIT_SH])
 {
@@ -118,7 +118,7 @@ static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c,
     store(to + at, quantise_opacity(c, load(from + at), &codes[FXS_FIT_OPACITY]));
 }
 
-/* Of SH in bands, code in -127..127. */
+/* SH with a code step for each degree, codes in -127..127. */
 static inline real quantise_band(const fxs_fit_chunk *c, int degree, real x, whole *code)
 {
     *code = code_of(x * c->sh_inverse[degree - 1] + 127.0f, 254) - 127;

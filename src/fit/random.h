@@ -1,4 +1,4 @@
-/* Random numbers by a counter: the same for the same (seed, step, index), whoever asks first. */
+/* Random numbers from a counter: they depend only on (seed, step, index), not on the order of calls. */
 #ifndef FXS_FIT_RANDOM_H
 #define FXS_FIT_RANDOM_H
 
@@ -18,13 +18,13 @@ static inline uint64_t fxs_fit_random(uint64_t seed, uint64_t step, uint64_t ind
     return fxs_fit_mix(fxs_fit_mix(fxs_fit_mix(seed) ^ step) ^ index);
 }
 
-/* 0 to 1, without 1 */
+/* 0 <= number < 1 */
 static inline float fxs_fit_uniform(uint64_t random)
 {
     return (float)(random >> 40) * 0x1p-24f;
 }
 
-/* Nearly normal, deviation 1: the sum of twelve uniform numbers of 16 bits, less 6. `random`: three numbers. */
+/* Nearly normal, deviation 1: the sum of twelve uniform numbers of 16 bits, minus 6. `random`: three numbers. */
 static inline float fxs_fit_normal(const uint64_t random[3])
 {
     int32_t sum = -6 * 65536;

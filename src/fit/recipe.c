@@ -1,4 +1,5 @@
-/* Kerbl et al. 2023 and its reference code as of 2025; Kheradmand et al. 2024; and less of it, for less time. */
+/* The recipes: reference (Kerbl et al. 2023 and its reference code of 2025), mcmc (Kheradmand et al. 2024), and fast.
+   */
 #include "recipe.h"
 
 #include <math.h>
@@ -73,8 +74,8 @@ static int is_white(const uint8_t background[3])
     return background[0] == 255 && background[1] == 255 && background[2] == 255;
 }
 
-/* The recipe is that of 30,000 steps, and a shorter fit is its beginning; only the position's rate, over a longer one,
-   is drawn out to the end. */
+/* The recipe has 30,000 steps, and a shorter fit is its beginning. In a longer one, only the rate of positions is
+   stretched to the end. */
 static uint32_t whole_steps(const fxs_fit_options *options)
 {
     return options->steps > 30000 ? options->steps : 30000;

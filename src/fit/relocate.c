@@ -1,14 +1,14 @@
-/* Gaussians that are moved and added without a change of the picture: Kheradmand et al. 2024, "3D Gaussian Splatting as
- * Markov Chain Monte Carlo". */
+/* Relocation: moves and adds Gaussians with little change of the picture. Kheradmand et al. 2024, "3D Gaussian
+ * Splatting as Markov Chain Monte Carlo". */
 #include <stdlib.h>
 #include <string.h>
 
 #include "sharing.h"
 
-/* What draws need: sums of opacities (up to 2^24 each) up to and with each Gaussian, and how often each was drawn. */
+/* The data of draws: cumulative sums of opacities (up to 2^24 each), and how often each Gaussian was drawn. */
 typedef struct draws {
     uint64_t *sums;
-    uint32_t *times, *sources;     /* of each draw, what was drawn */
+    uint32_t *times, *sources;     /* sources: the Gaussian of each draw */
     size_t count;
 } draws;
 

@@ -1,14 +1,14 @@
-/* What becomes of one Gaussian in a relocation: the same text on the processor and on a device. */
+/* Relocation of one Gaussian. The processor and CUDA compile this same text. */
 #ifndef FXS_FIT_SHARING_H
 #define FXS_FIT_SHARING_H
 
 #include "planes.h"
 #include "random.h"
 
-enum { SHARING = 51 };             /* Gaussians that share a place, as far as it is computed */
-#define DEAD UINT32_MAX            /* instead of how often one was drawn */
+enum { SHARING = 51 };             /* the most Gaussians at one place that are computed */
+#define DEAD UINT32_MAX            /* in the place of the number of draws */
 
-/* Opacities up to `least` have no chance. */
+/* The chance of being drawn: 0 for opacities up to `least`. */
 static inline uint64_t chance_of(const fxs_fit_model *m, float least_opacity, size_t i)
 {
     const float opacity = opacity_at(m, i);
@@ -29,7 +29,7 @@ static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
     return (uint32_t)first;
 }
 
-/* Of draw k: a Gaussian, by the sums of chances up to and with each. `stream`: 0 and 1 have numbers of their own. */
+/* The Gaussian of draw k, by the cumulative sums of chances. Streams 0 and 1 have random numbers of their own. */
 static inline uint32_t drawn(const fxs_fit_relocate *r, uint64_t stream, uint64_t k, const uint64_t *sums, size_t count)
 {
     return find(sums, count, fxs_fit_random(r->seed, r->step, 2 * k + stream) % sums[count - 1]);
@@ -53,8 +53,9 @@ static inline double root_of(double x, int n)
     return y;
 }
 
-/* Of N at one place, together as opaque as one was: o' = 1 - (1 - o)^(1 / N). And of about its picture: s' = s o / sum
-   of C(N, k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N (the double sum over i and k of the paper, by columns). */
+/* The opacity of each of N Gaussians at one place that are together as opaque as the one was: o' = 1 - (1 - o)^(1 / N).
+   The scale for about the same picture: s' = s o / sum of C(N, k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N (the
+   double sum over i and k of the paper, by columns). */
 static inline void share(fxs_fit_model *m, size_t i, uint32_t times)
 {
     const int n = times + 1 < SHARING ? (int)times + 1 : SHARING;

@@ -1,11 +1,12 @@
-/* The tiles that splats' ellipses touch, row by row; LANES splats at once. */
+/* The tiles that the ellipses of LANES splats touch, row by row. */
 #ifndef FXS_FIT_SPAN_H
 #define FXS_FIT_SPAN_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Of LANES splats. radius2: that of u and v, squared; first, end: rows of tiles, none where a splat is not seen. */
+/* The ellipses of LANES splats. radius2: squared radius in u and v; first, end: rows of tiles, none for hidden splats.
+   */
 typedef struct ellipses {
     real x, y, ux, uy, vy, radius2, half_y, tip, first, end;
 } ellipses;
@@ -23,9 +24,9 @@ static inline void find_rows(const fxs_fit_camera *camera, mask seen, ellipses *
     e->end = keep(seen, tile_at((e->y + e->half_y) + FXS_FIT_TILE, camera->tiles_y));
 }
 
-/* Columns first..end of a row: u = r cos, v = r sin, x = (u - uy y) / ux, y = v / vy. x is largest where y is the tip,
-   or as near to there as the row's pixels are. With a margin of a hundredth of a pixel. Beyond the last row there are
-   none. */
+/* Columns first..end of a row: u = r cos, v = r sin, x = (u - uy y) / ux, y = v / vy. x is largest at the y of the
+   rightmost point, or at the y in the row that is nearest to it. A margin of a hundredth of a pixel is added. Beyond
+   the last row there are no columns. */
 static inline void find_columns(const fxs_fit_camera *camera, const ellipses *e, real row, real *first, real *end)
 {
     const real top = row * (float)FXS_FIT_TILE + (0.5f - e->y), bottom = top + (float)(FXS_FIT_TILE - 1);
@@ -52,7 +53,7 @@ static inline real count_tiles(const fxs_fit_camera *camera, const ellipses *e)
     return count;
 }
 
-/* The tiles of LANES splats to where `out` says for each. */
+/* Writes the tiles of LANES splats, each to its place in `out`. */
 static inline void put_tiles(const fxs_fit_camera *camera, const ellipses *e, uint32_t *out[LANES])
 {
     for (real row = e->first; any(below(row, e->end)); row = row + 1.0f) {

@@ -1,11 +1,11 @@
-/* A step of the fit: project, bin, blend, loss, back, update. */
+/* A step of the fit: project, bin, blend, loss, the backward pass (`back`), update. */
 #include "stepper.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { JOB = 4096 };               /* Gaussians of a job */
+enum { JOB = 4096 };               /* Gaussians in a job */
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
 
 typedef struct block {
@@ -21,18 +21,18 @@ struct fxs_fit_stepper {
     fxs_clock_fn *clock;
     block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, gathered;
 
-    /* of the step at work */
+    /* of the current step */
     fxs_fit_model *model;
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
-    const uint8_t *photograph;     /* of the camera's size */
+    const uint8_t *photograph;     /* in the size of the camera's picture */
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
-    uint32_t batch, view;          /* how many, and which of them */
+    uint32_t batch, view;          /* number of views in the batch, and the current one */
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];
     uint32_t tile_count, visible;
     size_t entry_count;
-    int digit;                     /* of the depths, by which they are sorted */
+    int digit;                     /* digit of the depths by which keys are sorted */
 };
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
@@ -98,13 +98,13 @@ static size_t job_count(const fxs_fit_stepper *s, uint32_t job)
     return left < JOB ? left : JOB;
 }
 
-/* What a job's Gaussians are in the picture; then of those before them. */
+/* The numbers of splats and entries of a job's Gaussians; later, of all jobs before it. */
 typedef struct seen {
     uint32_t splats;
     size_t entries;
 } seen;
 
-/* Of its Gaussians below the count. */
+/* The end of the job's Gaussians, at most the model's `count`. */
 static size_t job_end(const fxs_fit_stepper *s, uint32_t job)
 {
     const size_t first = (size_t)job * JOB, end = first + job_count(s, job);
@@ -136,13 +136,13 @@ typedef struct key {
 
 enum { DIGITS = 3, DIGIT_BITS = 11, DIGIT_VALUES = 1 << DIGIT_BITS };
 
-/* The splats in the order of depth are counted and moved in as many ranges as there are threads. */
+/* The sort by depth counts and moves splats in as many ranges as there are threads. */
 static uint32_t range_start(const fxs_fit_stepper *s, uint32_t range)
 {
     return (uint32_t)((uint64_t)s->visible * range / s->threads);
 }
 
-/* Sums before each job. */
+/* Turns counts into sums over the jobs before each. */
 static void add_jobs(fxs_fit_stepper *s)
 {
     seen *found = s->jobs.memory;
@@ -156,7 +156,7 @@ static void add_jobs(fxs_fit_stepper *s)
     }
 }
 
-/* Keys and tiles of what is seen. Depths are above 0, so their bits are in order. */
+/* Writes keys and tiles of visible splats. Depths are above 0, so their bits sort as integers. */
 static void cover_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
@@ -175,7 +175,7 @@ static void cover_job(void *argument, uint32_t job)
     s->stages->cover(s->camera, splats, (size_t)job * JOB, job_count(s, job), s->tiles.memory);
 }
 
-/* Keys of a digit go from here to there. */
+/* Moves the keys of a range by a digit. */
 static const key *keys_from(const fxs_fit_stepper *s)
 {
     return (const key *)s->keys.memory + (size_t)(s->digit % 2) * s->model->stride;
@@ -206,8 +206,8 @@ static void move_digits_job(void *argument, uint32_t range)
         to[starts[digit_of(s, &keys[k])]++] = keys[k];
 }
 
-/* Counts of each range become where its first one goes: by value, then by range. The first of each value to `starts`,
-   where that is not null. */
+/* Turns the counts of each range into the places of its first keys: by value, then by range. The place of the first key
+   of each value is written to `starts`, where that is not null. */
 static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
 {
     uint32_t *counts = s->histograms.memory, sum = 0;
@@ -224,7 +224,7 @@ static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
         starts[values] = sum;
 }
 
-/* Radix sort, stable; the keys are in the second half then. */
+/* A stable radix sort, which leaves the keys in the second half. */
 static void sort_keys(fxs_fit_stepper *s)
 {
     for (s->digit = 0; s->digit < DIGITS; s->digit++) {
@@ -234,7 +234,7 @@ static void sort_keys(fxs_fit_stepper *s)
     }
 }
 
-/* Of the splat that comes `AHEAD` keys later. */
+/* Prefetches the splat that comes `AHEAD` keys later. */
 enum { AHEAD = 8 };
 static void prefetch_tiles(const fxs_fit_stepper *s, const key *keys, uint32_t k)
 {
@@ -270,7 +270,7 @@ static void fill_entries_job(void *argument, uint32_t range)
     }
 }
 
-/* Room for the lists: `counts` has the first entry of each tile, then how many each needed. */
+/* Makes room for the lists: `counts` has the first entry of each tile, then the number that each needed. */
 static int make_room(fxs_fit_stepper *s)
 {
     const size_t values = s->tile_count > DIGIT_VALUES ? s->tile_count : DIGIT_VALUES, entries = s->entry_count + 1;
@@ -342,7 +342,7 @@ static void blend_job(void *argument, uint32_t tile)
 
 enum { PLANES = 1 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
 
-/* Planes of pixels, with margins that are 0 and stay so; the gradient's place is that of sums which it does not
+/* Makes the planes of pixels, whose margins are 0 and stay so; the gradient uses the memory of sums that it does not
    need. */
 static int make_planes(fxs_fit_stepper *s)
 {
@@ -467,7 +467,7 @@ static void back_job(void *argument, uint32_t tile)
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-/* Gaussians' sums over their tiles, in their order. */
+/* Adds the sums of each Gaussian over its tiles, in their order. */
 static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (*out)[FXS_FIT_PART])
 {
     const fxs_fit_splat *splats = (const fxs_fit_splat *)s->splats.memory + first;
@@ -485,7 +485,7 @@ static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (
     }
 }
 
-/* Planes of a view of a batch, of the whole model. */
+/* The planes of sums of one view of the batch, for the whole model. */
 static float *gathered_of(const fxs_fit_stepper *s, uint32_t view, int sum)
 {
     return (float *)s->gathered.memory + (view * FXS_FIT_SUMS + (size_t)sum) * s->model->stride;
@@ -609,7 +609,7 @@ int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_c
     return error;
 }
 
-/* The mean of divisor x divisor pixels each. */
+/* Reduces a photograph: each pixel is the mean of divisor x divisor pixels. */
 static void average_down(const fxs_fit_photograph *from, uint8_t *pixels)
 {
     const int divisor = from->divisor, all_of_them = divisor * divisor;
@@ -639,7 +639,7 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
     return 0;
 }
 
-/* A photograph of a step, up to its splats' sums. */
+/* Makes the stages for one photograph, up to the sums of its splats. */
 static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
 {
     if (draw(s, report))

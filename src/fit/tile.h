@@ -1,4 +1,4 @@
-/* blend and back: what the splats of a list do to the pixels of a tile, and back. */
+/* blend and the backward pass (`back`): from the splats of a list to the pixels of a tile, and from the gradient of the
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
 
@@ -6,11 +6,11 @@
 
 enum {
     PLACES = 16,                   /* pixels of a block */
-    BATCH = 16,                    /* entries at once */
-    EARLY = 8                 /* entries whose splats and sums are fetched before */
+    BATCH = 16,                    /* entries that are worked on at once */
+    EARLY = 8                 /* entries by which splats and sums are prefetched */
 };
 
-/* u and v of a splat at the first pixel of each of the tile's blocks. */
+/* u and v of a splat at the first pixel of each block of the tile. */
 typedef struct corners {
     float u[FXS_FIT_BLOCKS], v[FXS_FIT_BLOCKS];
 } corners;
@@ -27,7 +27,7 @@ static inline void find_corners(const fxs_fit_splat *s, int32_t left, int32_t to
     }
 }
 
-/* The blocks that its ellipse may touch: in one, u and v lie between those of its corners. */
+/* The blocks that the splat's ellipse may touch: within a block, u and v lie between their values at its corners. */
 static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
 {
     const float across = 3 * s->ux, slant = 3 * s->uy, down = 3 * s->vy;
@@ -44,7 +44,7 @@ static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
     return blocks;
 }
 
-/* What u and v are more at the places of a block, from `place` on. */
+/* The increments of u and v from a block's first pixel to its places, from `place` on. */
 static inline void find_places(const fxs_fit_splat *s, int place, real *u, real *v)
 {
     static const float along[PLACES] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
@@ -54,7 +54,7 @@ static inline void find_places(const fxs_fit_splat *s, int place, real *u, real 
     *v = y * s->vy;
 }
 
-/* Returns whether a pixel takes of it. */
+/* Blends a splat to LANES pixels. Returns whether it changes any. */
 static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int at, real u, real v)
 {
     const real t = load(tile->transmittance + at), level = (u * u + v * v) + s->offset;
@@ -68,7 +68,7 @@ static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int a
     return any(takes);
 }
 
-/* Returns those of the blocks that take of it. */
+/* Blends a splat to these blocks. Returns the blocks that it changes. */
 static inline uint32_t blend_splat(const fxs_fit_splat *from, const corners *c, uint32_t blocks, fxs_fit_tile *tile)
 {
     const fxs_fit_splat s = *from;
@@ -92,7 +92,7 @@ static inline int is_open(const fxs_fit_tile *tile)
     return 0;
 }
 
-/* Blends until all pixels are closed. Returns one past the last entry of which a pixel took. */
+/* Blends until all pixels are closed. Returns the number of entries up to the last that changed a pixel. */
 static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
                              int32_t top, fxs_fit_tile *tile)
 {
@@ -121,7 +121,7 @@ static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries
 
 /* ---- back -------------------------------------------------------------------------------------------------------- */
 
-/* Of the tile's pixels, as passed_pixel. */
+/* The fields of passed_pixel for the pixels of the tile. */
 typedef struct passed {
     float transmittance[FXS_FIT_PIXELS], behind[FXS_FIT_PIXELS];
 } passed;
@@ -146,7 +146,7 @@ static inline void find_sums(const fxs_fit_splat *s, const fxs_fit_tile_gradient
     sums_of(h, weight, u, v, g0, g1, g2, sums);
 }
 
-/* The sums of each row of places: p and p + 8, of those p and p + 4, p + 2, p + 1. */
+/* Adds the 16 numbers of each row: p and p + 8, then p and p + 4, p + 2, p + 1. */
 #if LANES == 1
 static inline void add_places(const float (*rows)[PLACES], float *sums)
 {
@@ -173,7 +173,7 @@ static inline real4 load_4(const float *from)
     return x;
 }
 
-/* The sums of four rows' last four places. */
+/* The last two of these additions for four rows of four places. */
 static inline real4 add_4(const real4 *f)
 {
     const real4 a = MIX(f[0], f[1], 0, 4, 1, 5), b = MIX(f[2], f[3], 0, 4, 1, 5);
@@ -194,7 +194,7 @@ static inline void add_places(const float (*rows)[PLACES], float *sums)
 #undef MIX
 #endif
 
-/* Of a block: its sums, added to those of the blocks before. */
+/* Adds the sums of a block to those of the blocks before it. */
 static inline void back_block(const fxs_fit_splat *s, const corners *c, int b, const real of_places[][2],
                               const fxs_fit_tile_gradient *g, passed *p, float *sums)
 {
@@ -233,7 +233,7 @@ static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const 
     memcpy(sums, all_sums, sizeof all_sums);
 }
 
-/* The first `count` entries of a list, as many as blend took, and as it left them; the sums of each to its slot. */
+/* Works on the first `count` entries of a list, with the blocks that blend found, and writes the sums of each to its
 static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                         int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
 {

@@ -1,4 +1,4 @@
-/* The arithmetic of a Gaussian's attributes: how numbers of formats become those of fxs_gaussian, and back. */
+/* Converts attributes between the numbers of file formats and those of fxs_gaussian. */
 #ifndef FXS_ATTRIBUTES_H
 #define FXS_ATTRIBUTES_H
 
@@ -9,10 +9,11 @@
 /* The SH basis of degree 0: 1 / (2 sqrt(pi)). */
 #define FXS_SH_0 0.28209479177387814
 
-/* ln of the standard deviation of what has none, across a 2D Gaussian. */
+/* ln of the standard deviation across a 2D Gaussian, which has none. */
 #define FXS_FLAT_SCALE (-20)
 
-/* ln of a standard deviation, from FXS_FLAT_SCALE on, where 0 goes. One below 0 has the covariance of its magnitude. */
+/* ln of a standard deviation, at least FXS_FLAT_SCALE, also for 0. A negative one has the covariance of its magnitude.
+   */
 static inline float fxs_log_scale(double scale)
 {
     const double size = fabs(scale);
@@ -31,19 +32,19 @@ static inline float fxs_logit_of_opacity(double opacity)
     return !(opacity > 0) ? -20 : !(opacity < 1) ? 20 : (float)fxs_log(opacity / (1 - opacity));
 }
 
-/* The same of the opacity code / 255. */
+/* The same for the opacity code / 255. */
 static inline float fxs_logit_of_code(int code)
 {
     return code <= 0 ? -20 : code >= 255 ? 20 : (float)fxs_log(code / (255.0 - code));
 }
 
-/* SH degree 0 of a colour, 0 to 1. */
+/* The coefficient of SH degree 0 for a colour, 0 to 1. */
 static inline float fxs_dc_of_colour(double colour)
 {
     return (float)((colour - 0.5) / FXS_SH_0);
 }
 
-/* The colour of SH degree 0. */
+/* The colour of a coefficient of SH degree 0. */
 static inline double fxs_colour_of_dc(double dc)
 {
     return 0.5 + FXS_SH_0 * dc;

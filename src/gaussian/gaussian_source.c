@@ -1,4 +1,4 @@
-/* Gaussians of the program, read like those of a file. What it hands over is trusted no more than a file is. */
+/* Reads Gaussians of the program like those of a file, and trusts them no more than a file. */
 #include <string.h>
 
 #include "stream_internal.h"
@@ -6,7 +6,7 @@
 typedef struct gaussians_reader {
     fxs_gaussian_source from;
     const char *name;
-    uint64_t next;                       /* Gaussian to be read */
+    uint64_t next;                       /* number of the Gaussian to be read next */
 } gaussians_reader;
 
 static int gaussians_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info,

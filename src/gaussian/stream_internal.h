@@ -1,4 +1,4 @@
-/* A stream of Gaussians: the functions of its reader, and where its bytes come from. */
+/* A stream of Gaussians: the functions of its reader and the source of its bytes. */
 #ifndef FXS_STREAM_INTERNAL_H
 #define FXS_STREAM_INTERNAL_H
 
@@ -6,26 +6,26 @@
 
 #include "src/base/source_internal.h"
 
-/* How a file begins. */
+/* The beginning of a file. */
 typedef struct fxs_head {
     const fxs_scene_source *source;
-    const char *bytes;    /* the first ones, up to 4095, and a 0 behind them */
+    const char *bytes;    /* the first bytes, up to 4095, followed by a 0 */
     size_t size;
-    const char *name;     /* the first name of a JSON object, without its quotation mark in front; or NULL */
+    const char *name;     /* the first name in a JSON object, after its opening quotation mark; or NULL */
 } fxs_head;
 
-/* What a reader of Gaussians is: of a scene format, of a program's Gaussians, or of another reader's. */
+/* A reader of Gaussians: from a scene format, from the program, or from another reader. */
 typedef struct fxs_reader {
-    /* Whether a file that begins so is of this format: 1 or 0, or an error and a message. Null: no file is. */
+    /* 1 where a file with this beginning has the reader's format, else 0, or an error and a message. Null: never. */
     int (*is)(const fxs_head *head, fxs_message *message);
-    size_t size;          /* bytes of its own data */
-    /* Is given data that are all 0 and a source that outlives them. Returns 0 with *info filled in, but for its format,
-       for its levels where there is one, and for its stored SH degree where that is its SH degree; or an error and a
-       message. Either way, close is called. */
+    size_t size;          /* bytes of the reader's own data */
+    /* Gets data that are all 0 and a source that outlives them. Returns 0 and fills in *info, or an error and a
+       message. It need not set the format, the number of levels where that is 1, and the stored SH degree where that is
+       the SH degree. `close` is called in either case. */
     int (*open)(void *data, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message);
     long (*read)(void *data, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
     int (*rewind)(void *data, fxs_message *message);
-    void (*close)(void *data);   /* frees what the reader holds; NULL: nothing */
+    void (*close)(void *data);   /* frees the reader's memory; NULL: it has none */
 } fxs_reader;
 
 struct fxs_scene_file {
@@ -35,17 +35,18 @@ struct fxs_scene_file {
     fxs_import import;
 };
 
-/* Allocates a stream without a reader. Returns NULL, and a message for FXS_ERR_MEMORY, where there is no memory. */
+/* Allocates a stream without a reader. Returns NULL, and a message for FXS_ERR_MEMORY, where memory ran out. */
 fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options *options, fxs_message *message);
 
-/* Lets the reader of a format open the stream's source. Returns 0, or an error and a message; the stream is to be closed also then. */
+/* Lets the reader of a format open the stream's source. Returns 0, or an error and a message; the stream must be closed
+   in either case. */
 int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader *reader, fxs_scene_file_info *info,
                      fxs_message *message);
 
-/* Swaps the reader of an open stream, and its data, for another whose functions read from it. */
+/* Exchanges the reader and the reader's data of an open stream for others, which may read from the old ones. */
 void fxs_stream_swap(fxs_scene_file *file, const fxs_reader **reader, void **data);
 
-/* What readers allocate from. */
+/* The allocator of the stream's reader. */
 const fxs_allocator *fxs_stream_allocator(const fxs_scene_file *file);
 
 #endif

@@ -9,7 +9,7 @@ typedef double matrix[3][3];
 
 /* ---- Rotation of spherical harmonics --------------------------------------------------------------------------- */
 
-/* Degrees 1 to 3 in direction d; signs as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting. */
+/* The SH basis of degrees 1 to 3 in direction d; signs as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting. */
 static void sh_basis(double b[15], const double d[3])
 {
     const double x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -89,7 +89,7 @@ static void polar_rotation(matrix x, matrix m)
     }
 }
 
-/* By the largest of the four components. */
+/* The quaternion of a rotation, computed from its largest component. */
 static void quaternion_of(float q[4], matrix m)
 {
     double trace = m[0][0] + m[1][1] + m[2][2], most = trace;
@@ -119,7 +119,7 @@ static double dot(matrix m, int i, int j)
     return m[0][i] * m[0][j] + m[1][i] * m[1][j] + m[2][i] * m[2][j];
 }
 
-/* Rotates columns i and j in their plane until they are orthogonal; returns 0 where they were. */
+/* Rotates columns i and j in their plane until they are orthogonal; returns 0 where they already were. */
 static int orthogonalise(matrix m, int i, int j)
 {
     double a = dot(m, i, i), b = dot(m, j, j), c = dot(m, i, j);
@@ -155,7 +155,7 @@ int fxs_transform_init(fxs_transform *transform, double rows[3][4])
     return 0;
 }
 
-/* m made orthogonal by rotations from the right (one-sided Jacobi): its columns are axes times scales then. */
+/* Makes the columns of m orthogonal by rotations from the right (one-sided Jacobi): they become axes times scales. */
 void fxs_set_axes(fxs_gaussian *g, matrix m)
 {
     for (int sweep = 0; sweep < 16; sweep++)
@@ -171,7 +171,8 @@ void fxs_set_axes(fxs_gaussian *g, matrix m)
     quaternion_of(g->rotation, m);
 }
 
-/* With M the linear part, R and S rotation and scale of the Gaussian: its axes become those of M R S. */
+/* With M the linear part of the map, and R and S the Gaussian's rotation and scales, the new axes are those of M R S.
+   */
 static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
 {
     matrix r, m;

@@ -9,7 +9,7 @@ struct fxs_film {
     fxs_output output;
 };
 
-/* Without a buffer: who reads a pipe waits for the whole frame. */
+/* The file has no buffer, as the reader of a pipe waits for whole frames. */
 int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height, int rate,
                   fxs_message *message)
 {

@@ -8,7 +8,7 @@
 
 #ifdef FXS_WITH_STB
 #if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc says it at the end of the file */
+#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc warns at the end of the file */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wsign-conversion"
@@ -112,7 +112,7 @@ static int encode_y4m(const uint8_t *rgba, int width, int height, fxs_encoded *y
 }
 
 #ifdef FXS_WITH_STB
-/* Bytes that come piece by piece. */
+/* A buffer that grows as bytes are added. */
 typedef struct growing {
     fxs_encoded *encoded;
     int failed;
@@ -152,8 +152,8 @@ static int encode_jpg(const uint8_t *rgba, int width, int height, int quality, f
 #endif
 
 #ifdef FXS_WITH_WEBP
-/* Whether a lossless picture has these pixels: libwebp 1.2.4 takes a stream that ended early, for want of memory, as the
-   smallest one, and says that all is well. Its decoder does not live through a lack of memory, so there is to be some. */
+/* 1 where a lossless picture decodes to these pixels. Without enough memory, libwebp 1.2.4 may return a stream that
+   ended early as success. Its decoder crashes without memory, so memory is tried first. */
 static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, int height)
 {
     const size_t bytes = 4 * (size_t)width * (size_t)height;
@@ -166,7 +166,7 @@ static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, i
     return same;
 }
 
-/* Without loss as little work as there is (0 of 9), and colours below an alpha of 0 as they are. */
+/* Lossless: the least effort (0 of 9), and colours are kept where alpha is 0. */
 static int encode_webp(const uint8_t *rgba, int width, int height, int quality, fxs_encoded *webp)
 {
     WebPConfig config;
@@ -186,7 +186,7 @@ static int encode_webp(const uint8_t *rgba, int width, int height, int quality, 
     picture.custom_ptr = &writer;
     const int written = WebPPictureImportRGBA(&picture, rgba, 4 * width) && WebPEncode(&config, &picture) &&
                         (quality || holds(&writer, rgba, width, height));
-    uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;   /* the writer's are WebPFree's */
+    uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;   /* the writer's memory is for WebPFree */
     if (bytes) {
         webp->bytes = memcpy(bytes, writer.mem, writer.size);
         webp->size = writer.size;

@@ -5,13 +5,13 @@
 #define ONE_Q30 ((int64_t)1 << 30)
 #define HALF_PI_Q30 1686629713
 
-/* A face, by pixels: `side` across 90 degrees, and the margin on each of its four sides. */
+/* The size of a face in pixels: `side` across 90 degrees, and the margin on each of its four sides. */
 typedef struct face {
     int side, margin, size;
 } face;
 
-/* The side is even, so that the focal length and the middle are whole. Half the panorama's width: its pixels then are
-   1 to 2 of the face's, which a bilinear sample covers. */
+/* The side is even, so the focal length and the middle are integers. It is half the panorama's width: a pixel of the
+   panorama then spans 1 to 2 pixels of the face, which a bilinear sample covers. */
 static face face_of(int width)
 {
     const int side = (width / 2 + 3) / 4 * 4, margin = side / 16 + 2;
@@ -23,7 +23,7 @@ int fxs_panorama_face_size(int width)
     return face_of(width).size;
 }
 
-/* The faces' axes right, down and forward, as those of the view: 1 is x, -3 is back along z. */
+/* The axes right, down and forward of each face, in axes of the view: 1 is x, -3 is backwards along z. */
 static const signed char axes[FXS_PANORAMA_FACES][3] = {
     {1, 2, 3}, {-3, 2, 1}, {-1, 2, -3}, {3, 2, -1}, {1, 3, -2}, {1, -3, 2}
 };
@@ -50,7 +50,7 @@ static int64_t times_q30(int64_t a, int64_t b)
     return (a * b) >> 30;
 }
 
-/* sin of 0 to a quarter turn, as its series to x^13; off by less than 2^-28 */
+/* sin of 0 to a quarter turn, by its series to x^13; the error is below 2^-28 */
 static int64_t sin_of_quarter_q30(int64_t part_q30)
 {
     static const int divisors[] = {156, 110, 72, 42, 20, 6};
@@ -76,12 +76,12 @@ static int64_t cos_q30(uint32_t turns_q32)
 
 /* ---- Samples ----------------------------------------------------------------------------------------------------- */
 
-/* Sums of what the faces have for a pixel. */
+/* Weighted sums of the samples from the faces for a pixel. */
 typedef struct samples {
     int64_t sums[4], weight;
 } samples;
 
-/* Adds `weight` times the four pixels about (x, y), the picture's coordinates of pixel centres. */
+/* Adds `weight` times the bilinear sample at (x, y), in coordinates of pixel centres. */
 static void add_sample(samples *s, const face *f, const uint8_t *rgba, int64_t x_q8, int64_t y_q8, int64_t weight)
 {
     const int64_t most_q8 = (int64_t)(f->size - 1) * 256 - 1;
@@ -100,10 +100,11 @@ static int64_t component(const int64_t d[3], int axis)
     return axis < 0 ? -d[-axis - 1] : d[axis - 1];
 }
 
-/* The pixel in direction d: each face that has it counts by how far inside it lies, so that no seam shows. */
+/* The pixel in direction d: each face that shows it is weighted by its distance from the edge, so no seam is visible.
+   */
 static void sample(uint8_t *rgba, const int64_t d_q30[3], const face *f, uint8_t *const faces[FXS_PANORAMA_FACES])
 {
-    const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;   /* the outermost sample, tangent */
+    const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;   /* outermost sample */
     const int64_t middle_q8 = (int64_t)f->size * 128 - 128, focal_q8 = (int64_t)f->side * 128;
     samples s;
     memset(&s, 0, sizeof s);

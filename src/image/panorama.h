@@ -1,5 +1,5 @@
-/* Equirectangular pictures: all around a point, from six square pictures of a cube's faces. Integers only, so the same
-   bytes everywhere. */
+/* Equirectangular panoramas from six square pictures of the faces of a cube. Integers only, so the bytes are the same
+   everywhere. */
 #ifndef FXS_PANORAMA_H
 #define FXS_PANORAMA_H
 
@@ -11,16 +11,16 @@ extern "C" {
 
 #define FXS_PANORAMA_FACES 6
 
-/* The width and height of the faces for a panorama of so many pixels across: each shows 90 degrees, and a margin in
-   which it is blended with its neighbours. */
+/* The width and height of the faces for a panorama of this width: each shows 90 degrees, and a margin that is blended
+   with its neighbours. */
 int fxs_panorama_face_size(int width);
 
-/* Face 0 to 5 of a panorama around a view's centre: ahead, right, behind, left, up, down of it. The near plane is the
-   view's. */
+/* Makes the view of face 0 to 5 of a panorama around a view: ahead, right, behind, left, up, down. The near plane is
+   the view's. */
 void fxs_panorama_face(const fxs_file_view *view, int face, int width, fxs_file_view *out);
 
 /* Writes rows first to end - 1 of a panorama of width x height pixels; the view's z axis is in its middle, its y axis
-   at the lower edge. All are RGBA without gaps; `faces`: pictures of fxs_panorama_face. */
+   at the lower edge. All pictures are RGBA without gaps; `faces` are those of the views of fxs_panorama_face. */
 void fxs_panorama_rows(uint8_t *rgba, int width, int height, uint8_t *const faces[FXS_PANORAMA_FACES], int first,
                        int end);
 

@@ -5,9 +5,9 @@
 
 #include "src/gaussian/attributes.h"
 
-#define DEGREES 57.29577951308232   /* a radian */
-#define SCALE_LIMIT 20.0f           /* of |ln(sigma)| */
-#define THINNEST 9.0f               /* ln of the largest axis over the thinnest */
+#define DEGREES 57.29577951308232   /* in a radian */
+#define SCALE_LIMIT 20.0f           /* the largest |ln(sigma)| */
+#define THINNEST 9.0f               /* the largest ln of the largest axis over the thinnest */
 
 int fxs_floor_within(double x, int low, int high)
 {
@@ -23,7 +23,7 @@ float fxs_held_scale(float scale)
     return scale > -SCALE_LIMIT ? scale < SCALE_LIMIT ? scale : SCALE_LIMIT : -SCALE_LIMIT;
 }
 
-/* One needle would stretch the range of a chunk, and with it the steps of the chunk's scales. */
+/* Without this, one needle would widen a chunk's range, and so the steps of the chunk's scales. */
 void fxs_hold_scales(fxs_gaussian *g)
 {
     const float *s = g->scale, most = s[0] > s[1] ? s[0] : s[1], least = (s[2] > most ? s[2] : most) - THINNEST;
@@ -51,7 +51,8 @@ void fxs_ranges_clear(fxs_chunk_ranges *ranges)
     *ranges = (fxs_chunk_ranges){{none, none, none}, none, {none, none, none}, {0, 0, 0}, {0, 0, 0, 0}};
 }
 
-/* x cut to low..high, towards 0: a file that changes between two passes may say anything, NaN among it, which is low. */
+/* x clamped to low..high and rounded towards 0; NaN gives low. A file that changes between two passes may have any
+   number here. */
 static int64_t cut_to(double x, double low, double high)
 {
     return (int64_t)(x > low ? x < high ? x : high : low);
@@ -80,14 +81,14 @@ double fxs_opacity(const fxs_gaussian *g)
     return fxs_opacity_of_logit(g->opacity);
 }
 
-/* 1/255 + (4^(1 - law) - 1/255) ((code - 1) / 254)^2 */
+/* The opacity of a code: 1/255 + (4^(1 - law) - 1/255) ((code - 1) / 254)^2 */
 static double opacity_of(int code, uint32_t law)
 {
     const double part = (code - 1) / 254.0, top = ldexp(1, 2 - 2 * (int)law);
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * (part * part);
 }
 
-/* The nearest code; what never reaches 1/255 is not drawn. */
+/* The nearest code; an opacity that never reaches 1/255 is not drawn. */
 static int encode_opacity(double opacity, uint32_t law)
 {
     if (law == 0)
@@ -99,7 +100,7 @@ static int encode_opacity(double opacity, uint32_t law)
     return fabs(opacity_of(next, law) - opacity) < fabs(opacity_of(code, law) - opacity) ? next : code;
 }
 
-/* The fainter a Gaussian, the more of its like lie over each other: errors count by square over opacity. */
+/* Fainter Gaussians overlap in greater numbers, so the harm of an error is its square over the opacity. */
 static void weigh_opacity(fxs_chunk_ranges *r, double opacity)
 {
     for (uint32_t law = 0; law < FXS_OPACITY_LAWS && opacity >= 1 / 255.0; law++) {
@@ -129,7 +130,7 @@ void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
     fxs_ranges_take_as(r, g, fxs_opacity(g), sh_degree);
 }
 
-/* The smallest step, in units of 2^-q, with which `codes` + 1 codes reach from low over the whole range. */
+/* The smallest step, in units of 2^-q, with which `codes` + 1 codes cover the whole range. */
 static uint32_t step_for(double reach, int codes, int q)
 {
     return (uint32_t)cut_to(ceil(ldexp(reach, q) / codes), 0, UINT32_MAX);
@@ -186,13 +187,13 @@ static void note(fxs_loss *loss, int which, double error)
     loss->squares[which] += error * error;
 }
 
-/* What the renderer makes of a code of fewer bits than `wide`: its high bits again below. */
+/* Extends a code to `wide` bits as the renderer does, by repeating its high bits below. */
 static int spread(int code, int bits, int wide)
 {
     return bits == wide ? code : code << (wide - bits) | code >> (2 * bits - wide);
 }
 
-/* The nearest code of `bits` bits for low + code step, the code spread to `wide`. */
+/* The code of `bits` bits for which low + code step is nearest, with the code extended to `wide` bits. */
 static uint32_t encode(double x, double low, double step, int bits, int wide)
 {
     const int most = (1 << bits) - 1;
@@ -200,7 +201,7 @@ static uint32_t encode(double x, double low, double step, int bits, int wide)
     return step > 0 ? (uint32_t)fxs_floor_within((x - low) / own + 0.5, 0, most) : 0;
 }
 
-/* Codes of 11 bits in small, 16 else. */
+/* Position codes have 11 bits in profile small, else 16. */
 static uint32_t encode_position(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, int axis,
                                 fxs_loss *loss)
 {
@@ -212,7 +213,7 @@ static uint32_t encode_position(const fxs_encoder *e, const fxs_chunk *chunk, co
     return code;
 }
 
-/* Nearest code with log2(sigma) = high - code^2 step; of 7 bits in small, 6 for the last axis, 10 else. */
+/* The nearest code with log2(sigma) = high - code^2 step: 7 bits in small, 6 for its last axis, else 10. */
 static uint32_t encode_scale(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, int axis,
                              fxs_loss *loss)
 {
@@ -226,8 +227,8 @@ static uint32_t encode_scale(const fxs_encoder *e, const fxs_chunk *chunk, const
     return (uint32_t)(fabs(below) < fabs(above) ? next : code);
 }
 
-/* 2 acos(|dot|), degrees. acos(x)^2 = 2 (1 - x) within 25 %, and almost where x is near 1; it is at most 2.5 (1 - x), so
-   that few angles have to be known. */
+/* Notes the angle 2 acos(|dot|), degrees. acos(x)^2 is at most 2.5 (1 - x), and about 2 (1 - x) near x = 1, so few
+   angles must be computed to find the largest. */
 static void note_angle(fxs_loss *loss, double dot)
 {
     double *largest = &loss->largest[FXS_LOSS_ROTATION];
@@ -238,7 +239,7 @@ static void note_angle(fxs_loss *loss, double dot)
 }
 
 /* Smallest three: the largest component is left out, the others are in +-1/sqrt(2), 10 bits each, 7 in small. Returns
-   which is the largest. */
+   the index of the largest. */
 static uint32_t encode_rotation(const fxs_encoder *e, const double rotation[4], uint32_t codes[3], fxs_loss *loss)
 {
     double q[4], decoded[4], norm = 0, rest = 0, dot = 0;
@@ -265,8 +266,8 @@ static uint32_t encode_rotation(const fxs_encoder *e, const double rotation[4], 
     return (uint32_t)largest;
 }
 
-/* The same Gaussian with its thinnest axis last: a quarter turn about the axis that stays, q (1 + i) or q (1 + j), up to
-   a factor; that an axis changes its sign is not seen. */
+/* Turns the axes of a Gaussian so that the thinnest is last: a quarter turn about the axis that stays, q (1 + i) or
+   q (1 + j), up to a factor. The changed sign of an axis makes no difference. */
 static void put_thinnest_last(fxs_gaussian *g, double rotation[4])
 {
     const int thinnest = g->scale[0] < g->scale[1] ? 0 : 1;
@@ -282,7 +283,7 @@ static void put_thinnest_last(fxs_gaussian *g, double rotation[4])
     rotation[3] = thinnest ? z - y : z + x;
 }
 
-/* Colours of 8 bits; in small of 7, 7 and 6. */
+/* Colour codes have 8 bits; in small 7, 7 and 6. */
 static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs_chunk *chunk, fxs_codes *codes,
                           fxs_loss *loss)
 {
@@ -301,15 +302,15 @@ static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs
 
 /* ---- SH -------------------------------------------------------------------------------------------------------- */
 
-/* round(x / step) in +-127: x is a float and step a whole number of 2^-19, so that no quotient but an exact half lies
-   within 2^-40 of a half, and adding 128.5 rounds nothing over it. */
+/* round(x / step) in +-127. x is a float and step a multiple of 2^-19, so no quotient but an exact half lies within
+   2^-40 of a half, and adding 128.5 cannot round across it. */
 static int encode_coefficient(double x, double step)
 {
     double most = 127 * step, held = x > -most ? x < most ? x : most : -most;
     return step > 0 ? (int)(held / step + 128.5) - 128 : 0;
 }
 
-/* Of the profile default. A sum for each channel, so that they do not wait for each other. */
+/* Codes SH of profile default. Each channel has its own sum, so that additions do not wait for each other. */
 static void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, unsigned char *record,
                          fxs_loss *loss)
 {
@@ -334,13 +335,13 @@ double fxs_gain(int code)
     return ldexp(8 + (code & 7), (code >> 3) - 32);
 }
 
-/* The odd number in -7..7 that times the gain is nearest to x, given half of 1 / gain. */
+/* The odd number in -7..7 whose product with the gain is nearest to x; the argument is half of 1 / gain. */
 static int nearest_odd(double x, double half_inverse)
 {
     return 2 * fxs_floor_within(x * half_inverse, -4, 3) + 1;
 }
 
-/* The gain with the least sum of squares: down to an octave and a half below the one that clips nothing. */
+/* The gain with the least sum of squared errors, down to an octave and a half below the gain that clips none. */
 static int find_gain(const double rest[FXS_PALETTE_STRIDE], int count)
 {
     double most = 0, least = INFINITY;

@@ -1,4 +1,4 @@
-/* Gaussians -> the codes of a chunk (src/include/fixsplat/packed.h). The only place where attributes are quantised. */
+/* Quantises Gaussians to the codes of a chunk (packed.h). Packing quantises attributes only here. */
 #ifndef FXS_ENCODE_H
 #define FXS_ENCODE_H
 
@@ -14,37 +14,37 @@ int fxs_floor_within(double x, int low, int high);
 /* ln(sigma) within +-20; NaN becomes -20. */
 float fxs_held_scale(float scale);
 
-/* Raises axes that are thinner than e^-9 of the largest to that, and cuts all to +-20. */
+/* Makes every axis at least e^-9 of the largest, and clamps ln(sigma) to +-20. */
 void fxs_hold_scales(fxs_gaussian *gaussian);
 
-/* Brings a centre beyond +-limit on an axis to there, towards the origin, and the axes in proportion, so that it looks
-   the same from the origin. Returns 1 where it was beyond. */
+/* Moves a centre beyond +-limit on an axis towards the origin to that limit, and shrinks the axes in proportion, so
+   that it looks the same from the origin. Returns 1 where the centre was beyond. */
 int fxs_bring_in(fxs_gaussian *gaussian, double limit);
 
 typedef struct fxs_range {
     float low, high;
 } fxs_range;
 
-/* Of the attributes of a chunk's Gaussians, before its header can be written. */
+/* The ranges of the attributes of a chunk's Gaussians, from which its header is made. */
 typedef struct fxs_chunk_ranges {
     fxs_range position[3], scale, colour[3];
     float sh[3];                     /* largest coefficient of each degree */
-    float opacity_harm[FXS_OPACITY_LAWS];   /* what rounding under each law would do to the picture */
+    float opacity_harm[FXS_OPACITY_LAWS];   /* harm that rounding by each law would do to the picture */
 } fxs_chunk_ranges;
 
 void fxs_ranges_clear(fxs_chunk_ranges *ranges);
 void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, int sh_degree);
 
-/* The same, where the opacity is known. */
+/* The same, with the opacity given. */
 void fxs_ranges_take_as(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
-/* Writes a chunk's header. Where the file's numbers are in few bits and a chunk's range allows it, codes are those of
-   the file. */
+/* Writes a chunk's header. Where the file's numbers have few bits and the chunk's range allows it, the codes have the
+   steps of the file. */
 void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges, const fxs_scene_file_info *info);
 
 enum { FXS_LOSS_POSITION, FXS_LOSS_SCALE, FXS_LOSS_ROTATION, FXS_LOSS_OPACITY, FXS_LOSS_DC, FXS_LOSS_SH, FXS_LOSSES };
 
-/* Differences between what was read and what the codes say: of each number, but of a rotation its angle. */
+/* Differences between the numbers that were read and those of the codes; for a rotation, the angle. */
 typedef struct fxs_loss {
     double largest[FXS_LOSSES], squares[FXS_LOSSES];
 } fxs_loss;
@@ -58,28 +58,28 @@ typedef struct fxs_encoder {
 /* 1 / (1 + exp(-logit)) */
 double fxs_opacity(const fxs_gaussian *gaussian);
 
-enum { FXS_RECORD_BYTES = 63 };      /* of the codes of one Gaussian, at most */
+enum { FXS_RECORD_BYTES = 63 };      /* the most bytes of the codes of a Gaussian */
 
-/* The codes of a Gaussian, as in the rows. */
+/* The codes of a Gaussian, as they are in the rows. */
 typedef struct fxs_codes {
     uint32_t position[3], scale[3];
-    uint32_t largest, rotation[3];       /* which of w, x, y, z is left out, and the others */
+    uint32_t largest, rotation[3];       /* index of the component w, x, y, z that is left out; the others */
     uint32_t colour[3], opacity;
 } fxs_codes;
 
-/* Writes them one after the other, in the order of the rows of a chunk. Returns where those of SH go. */
+/* Writes these codes one after the other, in the order of the rows of a chunk. Returns the place of the SH codes. */
 unsigned char *fxs_put_codes(const fxs_encoder *encoder, const fxs_codes *codes, unsigned char *record);
 
-/* Writes the codes of a Gaussian one after the other, in the order of the rows of its chunk, and notes what is lost. In
-   a profile with a palette not those of SH: fxs_palette_code_chunk does. */
+/* Writes the codes of a Gaussian one after the other, in the order of the rows of its chunk, and notes the losses. In a
+   profile with a palette, fxs_palette_code_chunk writes the SH codes. */
 void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
 
-/* What a code of gain stands for: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */
+/* The gain of a code: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */
 double fxs_gain(int code);
 
-/* Writes what is left of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest`
-   becomes what they leave. */
+/* Writes the residual of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest` is
+   the residual, and becomes the error of these codes. */
 void fxs_encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record);
 
 /* Turns the records of a chunk, one after the other, into its rows. */

@@ -5,10 +5,10 @@
 
 #include "src/gaussian/attributes.h"
 
-#define EDGE 0.002                   /* of the weight, left out at each end of an axis */
-#define CORE 0.05                    /* the same, of what is surely a part */
-#define SPREAD 1.5                   /* radius of the box over the core's from which on there is no outline */
-#define FAR_OUT 8                    /* distances of the half of the weight that is nearer: an outlier */
+#define EDGE 0.002                   /* share of the weight left out at each end of an axis */
+#define CORE 0.05                    /* the same for the core of the scene */
+#define SPREAD 1.5                   /* box over core, in radius, from which on the scene has no outline */
+#define FAR_OUT 8                    /* an outlier lies so many times as far as half of the weight */
 
 fxs_seen fxs_seen_of(const fxs_gaussian *g)
 {
@@ -16,7 +16,7 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
     const double largest = fmax(fmax(a, b), c), second = fmax(fmin(a, b), fmin(fmax(a, b), c));
     const double opacity = fxs_opacity_of_logit(g->opacity);
     return (fxs_seen){{g->position[0], g->position[1], g->position[2]}, (float)fxs_exp((largest + second) / 2),
-                      opacity * 255 < 0.5 ? 0 : (float)opacity};   /* 0 in 8 bits is never drawn */
+                      opacity * 255 < 0.5 ? 0 : (float)opacity};   /* an opacity of 0 in 8 bits is never drawn */
 }
 
 static int compare_places(const void *a, const void *b)
@@ -32,7 +32,7 @@ static void sort_axis(fxs_seen_place *places, const fxs_seen *seen, uint32_t cou
     qsort(places, count, sizeof *places, compare_places);
 }
 
-/* Where `share` of the weight has come, in ascending order; share above 0. */
+/* The place at which the weights, in ascending order of places, reach `share`; share above 0. */
 static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double share)
 {
     double total = 0, sum = 0;
@@ -58,7 +58,7 @@ static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_
     return sqrt(square);
 }
 
-/* Sorts `places` by distance from the middle. Returns the distance of the half of the weight that is nearer. */
+/* Sorts `places` by distance from the middle. Returns the distance within which half of the weight lies. */
 static double middle_distance(fxs_seen_place *places, const fxs_seen *seen, uint32_t count, const double middle[3])
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -73,8 +73,8 @@ static double middle_distance(fxs_seen_place *places, const fxs_seen *seen, uint
     return quantile(places, seen, count, 0.5);
 }
 
-/* Weighs by size too: by the root of the area, as the plain parts of an object are of few large Gaussians, yet one
-   large floater must not outweigh a thousand small ones. Outliers weigh nothing. */
+/* Weights Gaussians also by size, by the root of the area: the plain parts of an object have few large Gaussians, but
+   one large floater must not outweigh a thousand small ones. Outliers have no weight. */
 static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -83,7 +83,7 @@ static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t coun
     }
 }
 
-/* Of surroundings that thin out with the distance, each counts as the square of the angle it is seen under. */
+/* In surroundings that thin out with distance, the weight is the square of the angle that a Gaussian spans. */
 static void weigh_surroundings(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {

@@ -1,4 +1,4 @@
-/* The box of what is seen of a scene, for a camera that frames it. */
+/* The box of the visible part of a scene, for a camera that frames it. */
 #ifndef FXS_FRAMING_H
 #define FXS_FRAMING_H
 
@@ -6,7 +6,7 @@
 
 #include <fixsplat/gaussian.h>
 
-#define FXS_SEEN_MOST 16384          /* Gaussians of a sample, at most */
+#define FXS_SEEN_MOST 16384          /* the most Gaussians of a sample */
 
 /* A Gaussian of the sample. */
 typedef struct fxs_seen {
@@ -23,8 +23,8 @@ typedef struct fxs_seen_place {
 
 fxs_seen fxs_seen_of(const fxs_gaussian *gaussian);
 
-/* Narrows or widens low..high, the middle 90 % of the centres, to the box of what is seen. `places` has room for 4
-   `count`. `seen` is changed. Where nothing is seen the box stays. */
+/* Changes low..high, the box of the middle 90 % of the centres, to the box of the visible part. `places` has room for 4
+   `count` places. `seen` is changed. Where no Gaussian is visible, the box stays. */
 void fxs_seen_bounds(fxs_seen *seen, uint32_t count, fxs_seen_place *places, double low[3], double high[3]);
 
 #endif

@@ -1,10 +1,10 @@
-/* A k-d tree from the top down. A stretch of Gaussians is cut across one of four coordinates, x, y, z or the distance
-   from the middle of the scene, where the boxes of both sides cost least. What a box costs is the square of the
-   errors, in pixels, of positions that are coded over it, summed for a viewer around the middle. Distances set apart
-   what lies far out on all sides: sky, surroundings, strays.
+/* Builds a k-d tree from the top down. A stretch of Gaussians is cut across one of four coordinates, x, y, z or the
+   distance from the middle of the scene, where the cost of both boxes is least. The cost of a box is the sum of squared
+   errors, in pixels, of positions coded over it, for a viewer around the middle. Cuts by distance separate the
+   Gaussians that lie far out on all sides: sky, surroundings, outliers.
 
-   The order is the same on every processor: weights are whole numbers, and each sum, difference, product or quotient of
-   floats is rounded to a float by itself, which is the same where it is found in more bits. */
+   The order is the same on every processor: weights are integers, and each sum, difference, product or quotient of
+   floats is rounded to a float by itself, which gives the same even where it was computed in more bits. */
 #include "order.h"
 
 #include <math.h>
@@ -14,19 +14,19 @@
 #include <fixsplat/packed.h>
 
 enum {
-    BINS = 32,                       /* of a histogram; the cuts that are tried are between them */
+    BINS = 32,                       /* bins of a histogram; cuts are tried between them */
     AXES = 3, DISTANCE = AXES, COORDINATES,
-    WHOLE_LEVELS = 4,                /* from the root, where histograms are of all Gaussians: no stray is missed */
-    SAMPLED = 4096,                  /* of a longer stretch below, about as many */
-    FREE_LEVELS = 40,                /* from the root; below, stretches are cut in halves, to bound the depth */
+    WHOLE_LEVELS = 4,                /* levels whose histograms count all Gaussians, so no outlier is missed */
+    SAMPLED = 4096,                  /* about as many are counted of a longer stretch in lower levels */
+    FREE_LEVELS = 40,                /* levels from the root; below, stretches are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
-    SAMPLE = 16384,                  /* Gaussians that the middle is found from, at most */
-    JOBS = 128                       /* stretches that are worked on at once, at most */
+    SAMPLE = 16384,                  /* the most Gaussians from which the middle is found */
+    JOBS = 128                       /* the most stretches that are worked on at once */
 };
 
 #define AMONG_ITS_LIKE (1u << 31)     /* in an index; a scene has at most 2^30 Gaussians */
-#define LEAST_WIDTH 1e-30f           /* what is narrower is not cut by its histogram */
-#define NARROW 0.25f                 /* nor is an axis of so little of the longest's width */
+#define LEAST_WIDTH 1e-30f           /* narrower stretches are not cut by a histogram */
+#define NARROW 0.25f                 /* nor are axes narrower than this share of the widest */
 #define WEIGHT_ONE 1073741824.0f     /* 2^30 */
 
 typedef struct stretch {
@@ -37,9 +37,9 @@ typedef struct stretch {
 typedef struct order {
     fxs_order_entry *entries;
     float middle[3];
-    float near_square;               /* of the distance from the middle that half of the Gaussians are within */
+    float near_square;               /* square of the distance from the middle within which half of the Gaussians lie */
     stretch stretches[JOBS], halves[JOBS][2];
-    uint32_t stretch_count, large;   /* stretches longer than `large` are cut before they are shared out */
+    uint32_t stretch_count, large;   /* stretches longer than `large` are cut before jobs share them */
 } order;
 
 typedef struct box {
@@ -48,7 +48,7 @@ typedef struct box {
     uint32_t count;
 } box;
 
-/* Where a stretch is cut: `first` Gaussians are before it. */
+/* A cut of a stretch: `first` Gaussians are before it. */
 typedef struct cut {
     int coordinate;
     uint32_t first;
@@ -82,7 +82,7 @@ static float distance_square(const order *o, const float position[3])
                          difference(position[2], o->middle[2]));
 }
 
-/* Unsigned numbers in the order of the floats. */
+/* An unsigned number that sorts like the float. */
 static uint32_t ordered_bits(float x)
 {
     uint32_t bits;
@@ -90,7 +90,7 @@ static uint32_t ordered_bits(float x)
     return bits >> 31 ? ~bits : bits | 0x80000000u;
 }
 
-/* A distance in octaves, as the bits of a float are; but not near the middle. */
+/* A distance on a logarithmic scale, like the bits of a float, except near the middle. */
 static float octaves(const order *o, float square)
 {
     return (float)(int32_t)(ordered_bits(sum_of(square, o->near_square / 16)) >> 8);
@@ -101,7 +101,7 @@ static float coordinate_of(const order *o, const fxs_order_entry *e, int coordin
     return coordinate == DISTANCE ? distance_square(o, e->position) : e->position[coordinate];
 }
 
-/* No two are equal. */
+/* The key of an entry; no two are equal. */
 static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
 {
     return (uint64_t)ordered_bits(coordinate_of(o, e, coordinate)) << 32 | e->index;
@@ -115,8 +115,8 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* A key above some, taken from a sample, and a little beyond the k-th of `count` on the side of the more, so that these
-   are done with. */
+/* A pivot from a sample, slightly beyond the k-th of `count` keys on the side with more keys, so that these are done
+   with at once. */
 static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t count, uint32_t k, int coordinate)
 {
     enum { MOST = 64, LEAST = 5, MARGIN = 3 };
@@ -132,7 +132,7 @@ static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t cou
     return keys[rank];
 }
 
-/* Moves those of lower key than the pivot to the front. Returns how many they are. */
+/* Moves the entries with lower keys than the pivot to the front. Returns their number. */
 static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coordinate, uint64_t pivot)
 {
     uint32_t below = 0;
@@ -145,12 +145,12 @@ static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coo
     return below;
 }
 
-/* Brings the k Gaussians of lowest key to the front; 0 < k < r.count. Where some rounds do not do, the pivots of the
-   next halve the range of the keys, 2^64 at first. */
+/* Moves the k Gaussians with the lowest keys to the front; 0 < k < r.count. Where some rounds are not enough, the
+   pivots of later rounds halve the range of keys, 2^64 at first. */
 static void select_first(const order *o, stretch r, int coordinate, uint32_t k)
 {
     fxs_order_entry *e = o->entries + r.first;
-    uint32_t from = 0, to = r.count;             /* the border is in from..to */
+    uint32_t from = 0, to = r.count;             /* the k-th key is in from..to */
     uint64_t low = 0, high = UINT64_MAX;
     for (int round = 0; from < k && k < to; round++) {
         const uint64_t pivot = round < 16 ? pivot_for(o, e + from, to - from, k - from, coordinate)
@@ -201,7 +201,7 @@ static float cost_of(const box *b)
                                  difference(b->high[2], b->low[2])), (float)b->weight);
 }
 
-/* Of one seen from the nearer half: 2^30, then as the inverse square of the distance. */
+/* The weight of a Gaussian: 2^30 in the nearer half, beyond it proportional to the inverse square of the distance. */
 static uint64_t weight_of(const order *o, float distance)
 {
     const float share = distance > o->near_square ? o->near_square / distance : 1;
@@ -209,8 +209,8 @@ static uint64_t weight_of(const order *o, float distance)
 }
 
 typedef struct histogram {
-    uint32_t step;                   /* of every so many-th Gaussian */
-    float low[COORDINATES], width[COORDINATES];   /* width 0: not to be cut */
+    uint32_t step;                   /* every step-th Gaussian is counted */
+    float low[COORDINATES], width[COORDINATES];   /* width 0: no cut across it */
     box bins[COORDINATES][BINS];
 } histogram;
 
@@ -267,14 +267,14 @@ static void fill_bins(histogram *h, const order *o, const fxs_order_entry *e, ui
     }
 }
 
-/* The multiple of FXS_CHUNK that is nearest, of those that leave some on either side. */
+/* The nearest multiple of FXS_CHUNK that leaves Gaussians on both sides. */
 static uint32_t whole_chunks(uint32_t before, uint32_t count)
 {
     const uint32_t most = (count - 1) / FXS_CHUNK, chunks = (before + FXS_CHUNK / 2) / FXS_CHUNK;
     return (chunks < 1 ? 1 : chunks > most ? most : chunks) * FXS_CHUNK;
 }
 
-/* The first and the last bin are never empty. */
+/* The first and the last bin are not empty. */
 static void try_cuts(const histogram *h, int coordinate, uint32_t count, cut *best, float *least)
 {
     const box *bins = h->bins[coordinate];
@@ -332,7 +332,7 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x1249;
 }
 
-/* 5 bits an axis. */
+/* A Morton code of 5 bits an axis. */
 static uint32_t morton(const box *b, float scale, const float position[3])
 {
     uint32_t code = 0;
@@ -341,7 +341,7 @@ static uint32_t morton(const box *b, float scale, const float position[3])
     return code;
 }
 
-/* Along a Morton curve in the cube of a leaf, then by index: neighbours there are neighbours in space. */
+/* Sorts a leaf along a Morton curve in its cube, then by index, so that neighbours in the list are near in space. */
 static void sort_leaf(const order *o, stretch r)
 {
     fxs_order_entry *e = o->entries + r.first;
@@ -395,7 +395,7 @@ static void cut_job(void *argument, uint32_t i)
         cut_stretch(o, o->stretches[i], o->halves[i]);
 }
 
-/* Cuts what is large once, side by side. Returns whether anything was. */
+/* Cuts every large stretch once, all at the same time. Returns whether there was one. */
 static int cut_stretches(order *o, const fxs_pack_options *options)
 {
     const uint32_t before = o->stretch_count;
@@ -416,7 +416,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Medians of an evenly spaced sample. */
+/* The middle: medians of an evenly spaced sample. */
 static float median_coordinate(const order *o, uint32_t count, float *sample, int coordinate)
 {
     const uint32_t step = (count - 1) / SAMPLE + 1;
@@ -435,7 +435,7 @@ static void find_middle(order *o, uint32_t count, float *sample)
     o->near_square = o->near_square > LEAST_WIDTH ? o->near_square : LEAST_WIDTH;
 }
 
-/* Numbers the entries. Returns how many are not left out. */
+/* Sets the indexes of the entries. Returns how many are not left out. */
 static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t kept = 0;
@@ -452,7 +452,7 @@ static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
     return kept;
 }
 
-/* Puts those that are to be among their like last of `count`. Returns how many chunks the others need. */
+/* Moves the entries that are ordered by themselves to the end of `count`. Returns how many chunks the others need. */
 static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t others = 0;

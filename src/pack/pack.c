@@ -14,11 +14,11 @@
 #include "order.h"
 
 #define BATCH 4096                   /* Gaussians read at once */
-#define SLICE 512                    /* chunks that are finished between two notes of progress */
-#define PARTS 16                     /* of a batch, however many the threads: sums come out the same */
+#define SLICE 512                    /* chunks that are finished between two calls of progress */
+#define PARTS 16                     /* parts of a batch, for any number of threads, so that sums are the same */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
 #define FAINT_LOGIT (-2.708f)        /* opacity 1/16 */
-#define FOG 0.1                      /* of the weight of what is drawn; captured scenes without fog have 0.03 at most */
+#define FOG 0.1                      /* share of the weight; captured scenes without fog have at most 0.03 */
 
 #if defined(__GNUC__)
 #define PREFETCH(address) __builtin_prefetch(address, 1)
@@ -32,14 +32,14 @@ typedef struct batch {
     long count;                      /* 0: the end; negative: an error, with a message */
 } batch;
 
-/* What the jobs of one part found, in all batches. */
+/* The findings of the jobs of one part, in all batches. */
 typedef struct findings {
     fxs_pack_dropped dropped;
     uint64_t brought_in;
     double faint, others;            /* weights */
     fxs_loss loss;
     float low[3], high[3];
-    int changed;                     /* a centre is not where the pass before found it */
+    int changed;                     /* 1: a centre differs from an earlier pass */
 } findings;
 
 typedef struct packer packer;
@@ -53,21 +53,21 @@ struct packer {
     fxs_message *message;
     uint32_t parts;                  /* jobs that share a batch */
     findings *findings;              /* of each part */
-    batch *batches;                  /* two: one is worked on while the other is filled */
-    int ready;                       /* the one that is worked on */
+    batch *batches;                  /* two: jobs work on one while the other is filled */
+    int ready;                       /* index of the batch that jobs work on */
     part_fn *work;
-    int steps;                       /* three passes, and the palette */
+    int steps;                       /* steps of progress: three passes, and the palette */
     fxs_order_entry *entries;
     fxs_seen *seen;                  /* of every seen_step-th Gaussian of the file */
     uint64_t seen_step;
-    uint32_t *slots;                 /* where Gaussian i of the file goes, or FXS_NO_SLOT */
+    uint32_t *slots;                 /* slot of Gaussian i of the file, or FXS_NO_SLOT */
     fxs_chunk_ranges *ranges;        /* of each chunk */
     fxs_encoder encoder;
-    const fxs_coded *coded;          /* null, or how the Gaussians are coded already */
-    fxs_palette *palette;            /* null without one that is to be learned */
+    const fxs_coded *coded;          /* null, or the existing codes of the Gaussians */
+    fxs_palette *palette;            /* null where no palette is learned */
     fxs_sh_item *items;              /* of each slot, where there is a palette */
-    uint32_t slice;                  /* of the chunks, in finish_part: see finish */
-    fxs_packed_header *header;       /* of the packed scene, and its parts; headers are turned last */
+    uint32_t slice;                  /* number of the slice of chunks for finish_part: see finish */
+    fxs_packed_header *header;       /* of the packed scene; headers become little-endian last */
     fxs_chunk *chunks;
     unsigned char *rows;
 };
@@ -131,7 +131,7 @@ static int all_finite(const float *values, size_t count)
     return 1;
 }
 
-/* What is not a number counts as opaque, or as thin. */
+/* NaN counts as opaque, or as thin. */
 double fxs_weight(const fxs_gaussian *g)
 {
     const float a = fxs_held_scale(g->scale[0]), b = fxs_held_scale(g->scale[1]), c = fxs_held_scale(g->scale[2]);
@@ -165,7 +165,7 @@ static int is_far(const fxs_gaussian *g)
            fabsf(g->position[2]) > (float)POSITION_LIMIT;
 }
 
-/* Makes a drawable Gaussian what is packed of it. In each pass, one part does so. */
+/* Changes a drawable Gaussian to the one that is packed. One part does so for each in every pass. */
 static const fxs_gaussian *fit(fxs_gaussian *g)
 {
     fxs_bring_in(g, POSITION_LIMIT);
@@ -241,7 +241,7 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Bounds of the middle 90 %, as found on an evenly spaced sample. */
+/* Bounds of the middle 90 % of the centres, of an evenly spaced sample. */
 static int find_inner_bounds(packer *p)
 {
     enum { MIDDLE = 65536 };
@@ -262,7 +262,7 @@ static int find_inner_bounds(packer *p)
     return 0;
 }
 
-/* Puts the box of what is seen in the place of the middle 90 %. */
+/* Replaces the box of the middle 90 % by the box of the visible part. */
 static int find_seen_bounds(packer *p)
 {
     const uint32_t count = (uint32_t)((p->info->count - 1) / p->seen_step + 1);
@@ -276,8 +276,8 @@ static int find_seen_bounds(packer *p)
     return 0;
 }
 
-/* Where much of what is seen is fog, it has chunks of its own, so that its opacities have fine steps. Elsewhere near ones
-   are more alike than faint ones. */
+/* Where fog has much of the weight, its Gaussians get chunks of their own, for fine steps of opacity. In other scenes,
+   near Gaussians are more alike than faint ones. */
 static void part_fog(packer *p)
 {
     double faint = 0;
@@ -320,7 +320,7 @@ static int is_within(const fxs_chunk_ranges *ranges, const fxs_gaussian *g)
     return 1;
 }
 
-/* A chunk is one part's, whatever the batch. */
+/* A chunk belongs to the same part in every batch. */
 static void take_ranges(packer *p, batch *b, uint32_t part)
 {
     for (long i = 0; i < b->count; i++) {
@@ -388,8 +388,8 @@ static int find_palette(packer *p)
     return 0;
 }
 
-/* Neighbours in the file are not neighbours in a chunk: rows, a cache line each, would be fetched for one byte. So
-   the codes of a Gaussian are kept together until all are known. */
+/* Neighbours in the file are not neighbours in a chunk, so writing to rows would fetch a cache line for each byte. The
+   codes of a Gaussian are therefore kept together until all are known. */
 static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK;
@@ -418,7 +418,7 @@ static void encode_part(packer *p, batch *b, uint32_t part)
     p->findings[part].changed |= changed;
 }
 
-/* The SH of a chunk's records. */
+/* Codes the SH in the records of a chunk. */
 static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, fxs_loss *loss)
 {
     const uint32_t first = chunk * FXS_CHUNK, left = p->header->count - first;
@@ -430,7 +430,7 @@ static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, 
     loss->squares[FXS_LOSS_SH] = sh.squares;
 }
 
-/* Records to rows, in a slice of the chunks. */
+/* Turns records into rows, for a slice of the chunks. */
 static void finish_part(void *argument, uint32_t part)
 {
     const packer *p = argument;
@@ -571,7 +571,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
     FXS_TRY(find_headers(p));
     FXS_TRY(write_codes(p));
     turn_headers(p);
-    fxs_scene whole;                 /* a pass may have read other numbers than the one before */
+    fxs_scene whole;                 /* checked, as the last pass may have read other numbers */
     return fxs_scene_open(&whole, scene->data, scene->bytes) ? fail_changed(p) : 0;
 }
 

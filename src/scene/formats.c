@@ -1,4 +1,4 @@
-/* The one list of scene formats. A new one is its reader and writer, a row here, and its test. */
+/* The one list of scene formats. A new format needs a reader or writer, a row here, and a test. */
 #include "formats_internal.h"
 
 #include <stdio.h>
@@ -18,7 +18,7 @@
 #define SAYS(text) text
 #endif
 
-/* A file is of the first format that its content or its name fits: one without a magic number, and the shorter of two
+/* A file has the first format that its content or name fits, so formats without a magic number, and the shorter of two
    endings, come later. */
 static const fxs_format_row formats[] = {
     /* name, endings, about
@@ -79,7 +79,7 @@ static const char *ending_of(const fxs_scene_format *format, int i, size_t *leng
     return at;
 }
 
-/* Whether a name ends so: with something in front of a dot, with nothing or a folder in front of a whole name. */
+/* 1 where a path ends so: with other letters before a dot, with nothing or a folder before a whole name. */
 static int ends_so(const char *path, const char *ending, size_t length)
 {
     const size_t size = strlen(path);

@@ -8,7 +8,7 @@
 #include "src/base/crc32.h"
 #include "src/base/output_internal.h"
 
-/* Of the header as it lies at `data`, but for its checksum. */
+/* The checksum of the header at `data`, with its field for the checksum 0. */
 static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
 {
     fxs_packed_header blank;
@@ -22,7 +22,7 @@ static const unsigned char *rows_of(const fxs_scene *scene, uint32_t i)
     return scene->rows + (size_t)i * scene->chunk_bytes;
 }
 
-/* A chunk's header as it lies in the scene. */
+/* The header of a chunk in the byte order of the scene. */
 static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
 {
     fxs_chunk chunk;

@@ -9,7 +9,7 @@
 #define FARTHEST 0x1p28
 #define SCALE_LEAST 0x1p-16
 #define SCALE_MOST 0x1p16
-#define CROP_MOST 0x1p30           /* centres lie nearer: what is beyond is cut to it */
+#define CROP_MOST 0x1p30           /* all centres lie nearer, so farther sides are moved to it */
 
 void fxs_placement_init(fxs_placement *p, uint32_t file, uint32_t id)
 {
@@ -93,7 +93,7 @@ static int is_between(double x, double low, double high)
     return x >= low && x <= high;
 }
 
-/* The square of its length can be divided by. */
+/* Whether the square of its length can be divided by. */
 static int is_quaternion(const double q[4])
 {
     double most = 0;
@@ -194,7 +194,7 @@ void fxs_placement_matrix(const fxs_placement *p, double rows[3][4])
     }
 }
 
-/* What is left of a box within the boxes that keep, all of them together. */
+/* The part of a box that lies within all boxes that keep their inside. */
 static int crop_box(const fxs_placement *p, double low[3], double high[3])
 {
     double kept_low[3] = {INFINITY, INFINITY, INFINITY}, kept_high[3] = {-INFINITY, -INFINITY, -INFINITY};

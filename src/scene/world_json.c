@@ -1,4 +1,4 @@
-/* A world from a JSON file. */
+/* Reads a world from a JSON file. */
 #include <fixsplat/world.h>
 
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 
 #include <cjson/cJSON.h>
 
-/* What is being read. */
+/* The file that is being read. */
 typedef struct reader {
     fxs_world *world;
     const char *path;              /* of the JSON file */
@@ -23,7 +23,7 @@ static int wrong(const reader *r, const char *what)
     return FXS_ERR_FILE;
 }
 
-/* The file's path, as seen from where the program is. */
+/* The path of a scene file, relative to the program's folder. */
 static int take_file(const reader *r, const cJSON *item, fxs_placement *p)
 {
     const char *name = cJSON_GetStringValue(item), *slash = strrchr(r->path, '/');
@@ -98,7 +98,7 @@ static int take_crops(const reader *r, const cJSON *list, fxs_placement *p)
     return error;
 }
 
-/* An item of numbers, or 0 where it is none. */
+/* Reads an array of numbers. Returns 0 where the item is not one. */
 static int take_numbers(const cJSON *item, fxs_placement *p, const char **fault)
 {
     const struct {

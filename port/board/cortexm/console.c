@@ -1,4 +1,4 @@
-/* Semihosting: an operation's number in r0, its argument in r1, and an instruction that stops the processor. */
+/* Semihosting: the number of an operation in r0, its argument in r1, and an instruction that stops the processor. */
 #include "console.h"
 
 #include <string.h>

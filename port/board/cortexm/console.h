@@ -1,5 +1,5 @@
-/* A board's console: what a debugger or an emulator shows by ARM's semihosting ("Semihosting for AArch32 and AArch64",
- * Arm Ltd.). */
+/* The console of a board, which a debugger or an emulator provides by ARM's semihosting ("Semihosting for AArch32 and
+ * AArch64", Arm Ltd.). */
 #ifndef FXS_CONSOLE_H
 #define FXS_CONSOLE_H
 
@@ -9,11 +9,11 @@ void console_text(const char *text);
 void console_number(uint64_t number);
 void console_hex(uint64_t number);             /* 16 digits */
 
-/* What the program was called with: words apart by blanks, the first its name; "" where there is nothing. Into
-   `bytes` bytes. */
+/* Writes the program's command line, its name and arguments separated by blanks, to `bytes` bytes; "" where there is
+   none. */
 void console_command(char *line, int bytes);
 
-/* The value of the word name=VALUE, a number, in such a line; or `otherwise`. */
+/* The number in the word name=NUMBER of such a line; else `otherwise`. */
 uint32_t console_option(const char *line, const char *name, uint32_t otherwise);
 
 /* Ends the program: 0 for success. */

@@ -1,5 +1,5 @@
-/* A turning scene, rendered from flash in strips: what it takes is printed, and the hash of each picture, which every
- * machine has. */
+/* Renders a turning scene from flash in strips, and prints its time and memory and the hash of each picture, which is
+ * the same on every machine. */
 #include "board.h"
 #include "console.h"
 #include <fixsplat/strip.h>
@@ -12,7 +12,7 @@
 #define WIDTH_MOST 480
 #define ROWS_MOST 32
 
-/* FNV-1a of the pixels so far. */
+/* The FNV-1a hash of the pixels so far. */
 static int add_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     uint64_t *hash = argument;

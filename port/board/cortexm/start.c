@@ -1,4 +1,4 @@
-/* Cortex-M: the vector table, and what comes before main. */
+/* Cortex-M: the vector table, and the code that runs before main. */
 #include "board.h"
 
 #include <stdint.h>
@@ -15,7 +15,7 @@
 #define CLOCK_TICKS 0x1000000u                 /* SysTick counts down from below this, 24 bits */
 #define PENDSTSET (1u << 26)
 
-/* The linker script's. */
+/* Set by the linker script. */
 extern uint32_t board_stack[], board_stack_end[], board_data[], board_data_end[], board_bss[], board_bss_end[];
 extern const uint32_t board_data_in_flash[];
 
@@ -32,7 +32,7 @@ static __attribute__((used)) void say_fault(void)
     console_exit(3);
 }
 
-/* On a stack that is whole: the fault may be that there was too little of it. */
+/* Runs on a full stack, as too small a stack may have caused the fault. */
 static __attribute__((naked)) void fault(void)
 {
     __asm__("ldr r0, =board_stack_end\n\tmov sp, r0\n\tb say_fault");
@@ -42,7 +42,7 @@ void board_start(void);
 void board_start(void)
 {
 #if defined(__ARM_FEATURE_MVE)
-    CPACR |= 15u << 20;            /* vectors on */
+    CPACR |= 15u << 20;            /* enables the vector unit */
     __asm__ volatile("dsb\n\tisb");
 #endif
     memcpy(board_data, board_data_in_flash, (size_t)((char *)board_data_end - (char *)board_data));
@@ -60,7 +60,7 @@ __attribute__((section(".vectors"), used)) static const struct {
 } vectors = {board_stack_end, {board_start, fault, fault, fault, fault, fault, fault, 0, 0, 0, fault, fault, 0, fault,
                                count_wrap}};
 
-/* Read again where it wrapped in between, or just before with the interrupt still to come. */
+/* Read again if the counter wrapped in between, or just before while the interrupt is pending. */
 uint64_t board_clock(void *unused)
 {
     uint32_t before, ticks, pending;
@@ -73,7 +73,7 @@ uint64_t board_clock(void *unused)
     return ((uint64_t)before * CLOCK_TICKS + ticks) * 1000 / (BOARD_HZ / 1000000);
 }
 
-/* What lies between the stack's end and this was never used. */
+/* The stack between its end and this place was never used. */
 uint32_t board_stack_used(void)
 {
     const uint32_t *at = board_stack;

@@ -1,5 +1,5 @@
-/* A turning scene on the screen of the Versatile Express. Each strip is copied to the picture that is not shown, as it
- * would be sent to a display; a whole picture takes the place of the one that is. */
+/* Shows a turning scene on the screen of the Versatile Express. Each strip is copied to the hidden picture, as it would
+ * be sent to a display; a complete picture replaces the one shown. */
 #include <string.h>
 
 #include <fixsplat/strip.h>
@@ -24,7 +24,7 @@ void board_fault(void)
     console_exit(3);
 }
 
-/* `argument` is the screen. */
+/* `argument`: the screen. */
 static int copy_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     memcpy((uint16_t *)argument + first * WIDTH, strip->pixels, (size_t)rows * WIDTH * sizeof(uint16_t));
@@ -49,7 +49,7 @@ int main(void)
     static const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
     static fxs_request request;
     console_command(line, sizeof line);
-    const uint32_t frames = console_option(line, "frames", 0);     /* 0: without end */
+    const uint32_t frames = console_option(line, "frames", 0);     /* 0: no end */
     fxs_init(&context, &config);
     fxs_request_init(&request, &table.object, 1);
     request.options = (fxs_options){.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};

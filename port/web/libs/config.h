@@ -1,4 +1,4 @@
-/* What libzip is to find: that it is alone. */
+/* The configuration of libzip: no other library is there. */
 #include "zipconf.h"
 #define HAVE_STDBOOL_H
 #define HAVE_STRINGS_H

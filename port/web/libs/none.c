@@ -1,4 +1,4 @@
-/* What libzip and cJSON name and readers never come to: compression, encryption, writing. */
+/* Empty functions that libzip and cJSON refer to but readers never call: compression, encryption, writing. */
 #include "zipint.h"
 
 #include <zlib.h>
@@ -28,7 +28,7 @@ zip_encryption_implementation _zip_get_encryption_implementation(zip_uint16_t me
     return NULL;
 }
 
-/* There is no clock either: times of entries are not looked at. */
+/* There is no clock, as times of entries are not used. */
 time_t time(time_t *now)
 {
     return now ? *now = 0 : 0;
@@ -47,7 +47,7 @@ struct tm *localtime(const time_t *time)
     return &none;
 }
 
-/* Of cJSON's writing. */
+/* For the writing of cJSON. */
 int sscanf(const char *text, const char *format, ...)
 {
     (void)text, (void)format;

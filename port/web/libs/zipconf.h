@@ -1,4 +1,4 @@
-/* libzip's types, as its CMake would write them. */
+/* The types of libzip, as its CMake would write them. */
 #ifndef FXS_WEB_ZIPCONF_H
 #define FXS_WEB_ZIPCONF_H
 

@@ -1,8 +1,8 @@
-/* The library's back ends, by name. A program is fast from its first line with the processor's:
+/* The library's back ends, by name. Stable from version 1.0 on. A program that renders on the processor:
  *
  *     const fxs_backend *cpu = fxs_backend_find("cpu");
  *     void *self;
- *     if (cpu->open(&self, &options, &why)) ...            options: all 0
+ *     if (cpu->open(&self, &options, &why)) ...            options: all fields 0
  *     cpu->render(self, &request, NULL, &why);
  *     cpu->close(self); */
 #ifndef FXS_BACKENDS_H
@@ -10,18 +10,18 @@
 
 #include "backend.h"
 
-/* Why a build without nvcc has no CUDA. */
+/* The message of the back end "cuda" in a build without nvcc. */
 #define FXS_WITHOUT_CUDA "this build is without nvcc, the compiler of the CUDA toolkit"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* From 0 on, the processor first; null beyond the last. One that this build is without is there all the same: its
-   `device` and `open` say why, and what it would take. */
+/* The back end of that number, from 0 on, the processor first; null beyond the last. The list is the same in every
+   build: `device` and `open` of a back end that the build lacks say why it is missing. */
 const fxs_backend *fxs_backend_at(int index);
 
-/* By name: cpu, auto (the same), gles, gles-fetch, gles-quads, osmesa, cuda. Null where there is none of that name. */
+/* The back end of that name: cpu, auto (also the processor), gles, gles-fetch, gles-quads, osmesa, cuda; else null. */
 const fxs_backend *fxs_backend_find(const char *name);
 
 extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_quads,

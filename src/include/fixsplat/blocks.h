@@ -1,4 +1,5 @@
-/* A part of a fit that is too large for one machine: the photographs and points of one block of space. */
+/* Divides a fit that is too large for one machine: chooses the photographs and points of one block of space.
+ * Not stable: may change with every version. */
 #ifndef FXS_FIT_BLOCKS_H
 #define FXS_FIT_BLOCKS_H
 
@@ -12,20 +13,21 @@ extern "C" {
 
 typedef struct fxs_fit_block {
     double low[3], high[3];        /* low <= place < high; outermost blocks reach to -INFINITY and INFINITY */
-    fxs_photos photos;             /* arrays of its own; the pixels are those of the whole set */
-    float extent;                  /* of the whole set, for fxs_fit_options */
+    fxs_photos photos;             /* has its own arrays, but shares the pixels of the whole set */
+    float extent;                  /* extent of the whole set, for fxs_fit_options */
 } fxs_fit_block;
 
-/* Block `number`, 1 to `blocks`, of space. It is halved where the points' median is (for an odd number of blocks where
-   the shares are), along the axis on which the middle three quarters of them reach farthest, and each half again. The
-   order of the points does not matter. Each place is in exactly one block.
+/* Chooses block `number`, 1 to `blocks`. Space is divided in two at the median of the points (for an odd number of
+   blocks, at the place in proportion to the blocks on each side), along the axis on which the middle three quarters of
+   the points are widest, and each part again. The order of the points does not matter. Each place is in exactly one
+   block.
 
-   Its photographs, to fit and held out: those with a twentieth or more of the block's points in the picture, and those
-   with one there that were taken from within the box of these points, widened on each side by a fifth of its longest.
-   Its points: those in the widened box, and all that its photographs to fit have in the picture.
+   The block gets a photograph, to fit or held out, that shows a twentieth or more of the points in the block, or that
+   shows one of them and was taken within their widened box: the box of these points, extended on each side by a fifth
+   of its longest side. It gets the points in the widened box, and all points that its photographs to fit show.
 
-   fxs_fit_block_free frees it, before the whole set. Errors: FXS_ERR_ARGUMENT (the numbers), FXS_ERR_FILE where there
-   is no point in the block or no photograph to fit, FXS_ERR_MEMORY. */
+   fxs_fit_block_free frees it and must be called before the whole set is freed. Errors: FXS_ERR_ARGUMENT (the numbers),
+   FXS_ERR_FILE where the block has no point or no photograph to fit, FXS_ERR_MEMORY. */
 int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint32_t blocks, fxs_fit_block *block,
                          fxs_message *message);
 void fxs_fit_block_free(fxs_fit_block *block);

@@ -1,5 +1,5 @@
-/* Camera files: Inria's cameras.json, COLMAP's sparse models (.bin and .txt), transforms.json of nerfstudio and
-   Blender. */
+/* Reads camera files: Inria's cameras.json, COLMAP's sparse models (.bin and .txt), transforms.json of nerfstudio and
+ * Blender. Stable from version 1.0 on. */
 #ifndef FXS_CAMERA_FILE_H
 #define FXS_CAMERA_FILE_H
 
@@ -9,12 +9,12 @@
 extern "C" {
 #endif
 
-/* One camera, in doubles, as a file has it. Its axes: x right, y down, z forward; pixel centres at +0.5. */
+/* One camera in doubles. Its axes: x right, y down, z forward; pixel centres at +0.5. */
 typedef struct fxs_file_view {
     char name[128];          /* image name, cut to fit */
     int width, height;       /* pixels, 1 to FXS_MAX_SIZE */
-    double fx, fy, cx, cy;   /* pixels; of an orthographic camera fx and fy are pixels a unit */
-    double rotation[9];      /* world to camera, rows: the camera's x, y and z axes in the scene */
+    double fx, fy, cx, cy;   /* pixels; in an orthographic camera, fx and fy are pixels a scene unit */
+    double rotation[9];      /* world to camera; its rows are the camera's x, y and z axes in the scene */
     double position[3];      /* the camera's centre, scene units */
     double near;             /* depth of the near plane, scene units; 0: the renderer's default, 0.2 */
     enum fxs_projection projection;   /* orthographic where a cameras.json says "orthographic": true */
@@ -22,15 +22,15 @@ typedef struct fxs_file_view {
                                 those of a pinhole in its place */
 } fxs_file_view;
 
-/* Reads every camera of a file. Its content tells which kind it is: a cameras.json (an array), a transforms.json (an
-   object with "frames"), or a COLMAP model, named by its images.bin or images.txt. Of a folder it is what there is of a
-   COLMAP model in sparse/0, sparse or the folder itself, transforms.json, transforms_train.json and cameras.json, the
-   first of these. Views of COLMAP come in order of their image name.
+/* Reads every camera of a file. A file named images or cameras with the ending .bin or .txt is a COLMAP model; the
+   content of any other file tells a cameras.json (an array) from a transforms.json (an object with "frames"). From a
+   folder, the first of these is read: a COLMAP model in sparse/0, in sparse or in the folder itself, transforms.json,
+   transforms_train.json, cameras.json. Cameras of COLMAP are sorted by image name.
 
-   Returns their number, at least 1, with *views allocated by malloc, which the caller frees; or an error and a
-   message, which names the camera at fault. Errors: FXS_ERR_FILE where a file is missing, damaged, or has a camera
-   that cannot be used (a focal length that is not above 0, a rotation that is not orthonormal within 1e-3, a number
-   that is not finite, a size out of range, a camera model that is not known); FXS_ERR_UNSUPPORTED for .json where this was built
+   Returns the number of cameras, at least 1, with *views allocated by malloc, which the caller frees; or an error and a
+   message, which names the faulty camera. Errors: FXS_ERR_FILE where a file is missing, damaged, or has a camera that
+   cannot be used (a focal length that is not above 0, a rotation that is not orthonormal within 1e-3, a number that is
+   not finite, a size out of range, an unknown camera model); FXS_ERR_UNSUPPORTED for .json where fixsplat was built
    without cJSON; FXS_ERR_MEMORY. Several threads may read files at the same time. */
 long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
 

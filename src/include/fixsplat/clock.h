@@ -1,4 +1,4 @@
-/* A clock for fxs_config: nanoseconds, never backwards. */
+/* A clock for fxs_config. Stable from version 1.0 on. */
 #ifndef FXS_CLOCK_H
 #define FXS_CLOCK_H
 
@@ -8,6 +8,7 @@
 extern "C" {
 #endif
 
+/* Nanoseconds of a clock that never goes backwards. */
 uint64_t fxs_clock(void *unused);
 
 #ifdef __cplusplus

@@ -1,4 +1,5 @@
-/* What the public headers declare, for languages that call C by its declarations (cffi of Python, FFI of LuaJIT). */
+/* The declarations of the public headers as text, for languages that call C by declarations (cffi of Python, FFI of
+ * LuaJIT). Not stable: may change with every version. */
 #ifndef FXS_DECLARATIONS_H
 #define FXS_DECLARATIONS_H
 
@@ -6,8 +7,8 @@
 extern "C" {
 #endif
 
-/* All structs, functions and constants of this library as C, preprocessed: one text, static, made from the headers that
-   the library is built with (tools/declarations.sh). */
+/* All structs, functions and constants of this library as preprocessed C: one static text, made from the headers that
+   the library was built with (tools/declarations.sh). */
 const char *fxs_declarations(void);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
 /* An OpenGL ES 3.0 context without a display, for kernels/gles: EGL on a device (EGL_EXT_platform_device), Mesa without
-   a surface (EGL_MESA_platform_surfaceless), or the default display. libEGL and libGLESv2 are loaded at run time. */
+ * a surface (EGL_MESA_platform_surfaceless), or the default display. libEGL and libGLESv2 are loaded at run time.
+ * Not stable: may change with every version. */
 #ifndef FXS_EGL_H
 #define FXS_EGL_H
 
@@ -9,16 +10,16 @@
 extern "C" {
 #endif
 
-/* Makes a context, the first that can be had, and makes it current on this thread. Returns 0, or -1 and why not. */
+/* Makes a context in the first of these ways that works, current on this thread. Returns 0, or -1 and a message. */
 int fxs_egl_open(void **egl, fxs_message *message);
 
-/* Finds a function: an fxs_gl_load_fn, with what fxs_egl_open gave as argument. */
+/* Finds a function of OpenGL ES by its name: an fxs_gl_load_fn, whose argument is the context of fxs_egl_open. */
 void (*fxs_egl_load(void *egl, const char *name))(void);
 
 /* Makes the context current on this thread again. Returns 0, or -1. */
 int fxs_egl_use(void *egl);
 
-/* Ends the context; null is allowed. The display is the process's and stays: there may be other contexts on it. */
+/* Ends the context; null is allowed. The display stays open, as the process may have other contexts on it. */
 void fxs_egl_close(void *egl);
 
 #ifdef __cplusplus

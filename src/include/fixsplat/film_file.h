@@ -1,8 +1,10 @@
-/* Films: pictures of one size, one behind the other, in a file, a FIFO or on standard output.
+/* Writes films: a sequence of pictures of one size to a file, a FIFO or standard output.
  *
- * .y4m (YUV4MPEG2, which ffmpeg, mpv and encoders read): 4:4:4, 8 bits, BT.709, limited range. The format has no word
- * for the matrix. .rgba: nothing but the RGBA bytes of each frame. Any other format: files one behind the other, as
- * ffmpeg's image2pipe reads. */
+ * .y4m (YUV4MPEG2, which ffmpeg, mpv and encoders read): 4:4:4, 8 bits, BT.709, limited range; the format cannot state
+ * the matrix. .rgba: only the RGBA bytes of each frame. Any other image format: the files of the frames, one after the
+ * other, as ffmpeg's image2pipe reads them.
+ *
+ * Stable from version 1.0 on. */
 #ifndef FXS_FILM_FILE_H
 #define FXS_FILM_FILE_H
 
@@ -14,16 +16,16 @@ extern "C" {
 
 typedef struct fxs_film fxs_film;
 
-/* Begins a film of `width` x `height` pixels and `rate` frames a second, as output.h says; the path "-" is standard
-   output. Returns 0 and a film for fxs_film_close, or an error and a message, with *film null. */
+/* Begins a film of `width` x `height` pixels and `rate` frames a second, in a file as output.h says; the path "-" is
+   standard output. Returns 0 and a film for fxs_film_close, or an error and a message, with *film null. */
 int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height, int rate,
                   fxs_message *message);
 
-/* Adds a frame that fxs_image_encode has encoded in the film's format. Returns 0, or an error and a message. */
+/* Adds a frame that fxs_image_encode encoded in the film's format. Returns 0, or an error and a message. */
 int fxs_film_write(fxs_film *film, const fxs_encoded *frame, fxs_message *message);
 
-/* Ends a film and frees it; null is allowed. `complete` 0: it is to be dropped, a file of its name is as it was.
-   Returns 0, or an error and a message. */
+/* Ends a film and frees it; null is allowed. With `complete` 0 the film is dropped, and an earlier file of its name is
+   unchanged. Returns 0, or an error and a message. */
 int fxs_film_close(fxs_film *film, int complete, fxs_message *message);
 
 #ifdef __cplusplus

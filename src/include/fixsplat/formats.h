@@ -1,4 +1,5 @@
-/* The formats of scene files: the library's one list of them, for help texts, file dialogs and other languages. */
+/* The one list of scene file formats, for help texts, file dialogs and other languages.
+ * Stable from version 1.0 on. */
 #ifndef FXS_FORMATS_H
 #define FXS_FORMATS_H
 
@@ -9,25 +10,25 @@ extern "C" {
 #endif
 
 typedef struct fxs_scene_format {
-    const char *name;      /* as fxs_scene_file_info has it: "spz" */
-    const char *endings;   /* endings of file names, or whole names, separated by spaces; a file is written by the first */
-    const char *about;     /* what it is, in a few words */
-    int is_read;           /* 1: files of it are opened, where the libraries that it needs are built in */
-    int is_written;        /* the same for writing; of .fxs by fxs_file_write, of others by fxs_scene_writer_open */
-    int sh_degree;         /* the highest that is written */
+    const char *name;      /* the same as in fxs_scene_file_info: "spz" */
+    const char *endings;   /* endings of file names, or whole names, separated by spaces; the first is for writing */
+    const char *about;     /* a short description */
+    int is_read;           /* 1: such files can be opened, if the libraries that the format needs are built in */
+    int is_written;        /* the same for writing; fxs_file_write writes .fxs, fxs_scene_writer_open the others */
+    int sh_degree;         /* the highest SH degree that is written */
     int antialiased;       /* 1: a file says whether opacities were fitted with the dilation compensated */
-    const char *loses;     /* what writing it rounds or leaves out, in a few words; null: nothing that floats hold */
+    const char *loses;     /* the precision or data that writing loses, in a few words; null: none beyond floats */
 } fxs_scene_format;
 
-/* From 0 on; null beyond the last. */
+/* The format of that number, from 0 on; null beyond the last. */
 const fxs_scene_format *fxs_scene_format_at(int index);
 
-/* The format that the ending of a name says, or null. `to_write`: among those that are written, by the ending that
-   they are written by. */
+/* The format of a file name by its ending, or null. With `to_write`, only formats that can be written are considered,
+   each by its first ending. */
 const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write);
 
-/* Writes the endings of all formats that are read, or that are written, as ".fxs, .ply, .spz", cut to `size` bytes with
-   the final 0. Returns the bytes that all of them take, without the 0. */
+/* Writes the endings of all formats that can be read (with `to_write`: written) as ".fxs, .ply, .spz", cut to `size`
+   bytes with the final 0. Returns the length of the whole text in bytes, without the 0. */
 size_t fxs_scene_format_endings(char *text, size_t size, int to_write);
 
 #ifdef __cplusplus

@@ -1,12 +1,14 @@
-/* Foveated pictures: all of a picture at a quarter of its rate, a window of it at half, and one around the gaze at the
- * full rate, put together. In every window the pixels are those that the back end renders there, so the bytes are the
- * same by every exact back end; at the full rate they are those of the picture without foveation.
+/* Foveated pictures: the whole picture at a quarter of its resolution, a window at half and a smaller window around the
+ * gaze at full resolution are rendered and combined. The pixels of each are exactly those of the back end, so every
+ * exact back end gives the same bytes; those at full resolution are the same as without foveation.
  *
- * A window is a square of twice its radius about the gaze, in whole tiles of 16x16 of its own pixels, moved into the
- * picture where the gaze is near an edge. Pixels of half and quarter rate lie centred on their 2x2 and 4x4 pixels and
- * are enlarged bilinearly, in integers. In a band along its edges, inside, a window fades into the coarser one; not
- * where it ends with the picture. Gaussians that are seen only where a finer ring hides a coarser one are left out of
- * that. */
+ * A window is a square around the gaze, twice its radius wide, in whole tiles of 16x16 of its own pixels; near an edge
+ * of the picture it is moved inside. Pixels at half and quarter resolution are centred on 2x2 and 4x4 pixels of the
+ * picture and are enlarged bilinearly, in integers. In a band inside its edges, a window fades into the coarser
+ * picture, except at the edges of the whole picture. A coarser ring leaves out Gaussians that a finer one hides
+ * completely.
+ *
+ * Not stable: may change with every version. */
 #ifndef FXS_FOVEATE_H
 #define FXS_FOVEATE_H
 
@@ -16,44 +18,43 @@
 extern "C" {
 #endif
 
-#define FXS_RINGS 3                /* full, half, quarter rate */
+#define FXS_RINGS 3                /* at full, half and quarter resolution */
 
 typedef struct fxs_foveation {
-    int32_t gaze[2][2];            /* of each eye: x, y of the pixel looked at; may lie outside the picture */
-    int32_t radius[2];             /* of the full and of the half rate, pixels: 1 to FXS_MAX_SIZE, the second larger */
-    int32_t band;                  /* pixels, 0 to radius[0] */
+    int32_t gaze[2][2];            /* x, y of the pixel that each eye looks at; may lie outside the picture */
+    int32_t radius[2];             /* windows at full and half resolution, pixels: 1 to FXS_MAX_SIZE, the second larger */
+    int32_t band;                  /* width of the fading, pixels, 0 to radius[0] */
 } fxs_foveation;
 
-/* Straight ahead (the principal point, which is the middle but for asymmetric fields of view), a fifth and two fifths
-   of the picture's shorter side, a band of a quarter of the first: a quarter of the pixels at 1280x720. */
+/* Sets the gaze to the principal point, the radii to a fifth and two fifths of the picture's shorter side, and the band
+   to a quarter of the first radius. At 1280x720 a quarter of the pixels is then rendered. */
 void fxs_foveation_init(fxs_foveation *foveation, const fxs_camera *cameras, uint32_t eyes);
 
-/* What was rendered for one rate. */
+/* One of the pictures that were combined. */
 typedef struct fxs_ring {
-    int32_t rate;                  /* pixels of the picture across one of its own: 1, 2 or 4 */
-    int32_t x[2], y[2];            /* of each eye: its first pixel, in pixels of the picture */
-    int32_t width, height;         /* in its own pixels; of the picture it covers that times its rate */
+    int32_t rate;                  /* width of its pixels in pixels of the whole picture: 1, 2 or 4 */
+    int32_t x[2], y[2];            /* its first pixel for each eye, in pixels of the whole picture */
+    int32_t width, height;         /* in its own pixels; times `rate` in those of the whole picture */
     fxs_stats stats;
 } fxs_ring;
 
 typedef struct fxs_foveated {
-    uint32_t count;                /* rings: fewer where one covers the picture */
+    uint32_t count;                /* rings; fewer than FXS_RINGS where a window covers the picture */
     fxs_ring rings[FXS_RINGS];
-    fxs_stats stats;               /* counts and times of all; the memory of the largest */
-    uint64_t device_nanoseconds;   /* of the back end's device, where it has a clock */
+    fxs_stats stats;               /* sums of the rings' counts and times; memory of the largest ring */
+    uint64_t device_nanoseconds;   /* time of the back end's device, where it has a clock */
     uint64_t compose_nanoseconds;  /* included in the frame's time of `stats` */
 } fxs_foveated;
 
-/* Bytes of memory for the rings of a picture, before they are put together. 0 where an argument is out of range. */
+/* The bytes of memory that fxs_foveate needs for the rings. 0 where an argument is out of range. */
 size_t fxs_foveation_bytes(const fxs_foveation *foveation, const fxs_camera *cameras, uint32_t eyes);
 
-/* Renders a request by a back end, as its `render` does, foveated. Each eye has a colour target of FXS_FORMAT_RGBA8 or
-   RGBA8_COVERAGE, with nothing else asked for or read; else FXS_ERR_UNSUPPORTED. The pictures of two eyes are of one
-   size.
-   `memory`: `memory_bytes` bytes, aligned to 4, at least fxs_foveation_bytes. `run` and `pool` as in fxs_config: for
-   the putting together; null: this thread does. *out may be null. Errors: FXS_ERR_ARGUMENT, FXS_ERR_SIZE,
-   FXS_ERR_CAMERA, FXS_ERR_TARGET (rows longer than their stride), FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED, and those of
-   the back end; nothing is written to the targets then. */
+/* Renders a request foveated, by a back end. Each eye must have a colour target of FXS_FORMAT_RGBA8 or RGBA8_COVERAGE
+   and no other target, occluder or backdrop; else FXS_ERR_UNSUPPORTED. The pictures of two eyes must have the same
+   size. `memory` has `memory_bytes` bytes, aligned to 4, at least fxs_foveation_bytes. `run` and `pool`, as in
+   fxs_config, are for combining the rings; a null `run` uses the calling thread. `out` may be null. Errors:
+   FXS_ERR_ARGUMENT, FXS_ERR_SIZE, FXS_ERR_CAMERA, FXS_ERR_TARGET (rows longer than their stride), FXS_ERR_MEMORY,
+   FXS_ERR_UNSUPPORTED, and those of the back end. After an error the targets are unchanged. */
 int fxs_foveate(const fxs_backend *backend, void *self, const fxs_request *request, const fxs_foveation *foveation,
                 void *memory, size_t memory_bytes, fxs_run_fn *run, void *pool, fxs_foveated *out, fxs_message *why);
 

@@ -1,8 +1,10 @@
-/* Gaussians before they are packed, and streams of them: a scene file, whatever its format, or a program's own.
+/* Gaussians before they are packed, and streams of them: from a scene file of any format, or from the program.
  *
- * Functions return 0 or a count, or an error and a message: FXS_ERR_FILE where a file is damaged or has changed while it
- * was open, FXS_ERR_STOPPED where a progress function said so, FXS_ERR_MEMORY. A stream is used by one thread at a time;
- * several threads may each have streams of their own. */
+ * Functions return 0 or a count, or an error and a message: FXS_ERR_FILE where a file is damaged or has changed while
+ * it was open, FXS_ERR_STOPPED where a progress function said so, FXS_ERR_MEMORY. A stream is used by one thread at a
+ * time; several threads may each have streams of their own.
+ *
+ * Stable from version 1.0 on. */
 #ifndef FXS_GAUSSIAN_H
 #define FXS_GAUSSIAN_H
 
@@ -16,61 +18,60 @@
 extern "C" {
 #endif
 
-/* One Gaussian as an Inria .ply means it, before any quantisation. */
+/* One Gaussian, with the numbers of an Inria .ply, before any quantisation. */
 typedef struct fxs_gaussian {
     float position[3];   /* scene units */
     float scale[3];      /* natural logarithm of the standard deviation, scene units */
-    float rotation[4];   /* quaternion w, x, y, z; as in the file, not normalised */
+    float rotation[4];   /* quaternion w, x, y, z, not normalised: as it is in the file */
     float opacity;       /* logit: the opacity is 1 / (1 + exp(-opacity)) */
     float dc[3];         /* SH degree 0, r g b; the colour is 0.5 + 0.28209479177387814 dc + higher degrees */
-    float sh[45];        /* degrees 1 to 3, coefficient-major: sh[3 * k + channel]; 0 above the file's degree */
+    float sh[45];        /* SH degrees 1 to 3, coefficient-major: sh[3 * k + channel]; 0 above the file's degree */
 } fxs_gaussian;
 
 typedef struct fxs_scene_file fxs_scene_file;
 
-/* Numbers that a file holds in few bits: all are `low` plus a whole multiple of `step`. Step 0: they are not. */
+/* The values of numbers that a file stores in few bits: `low` plus a whole multiple of `step`. Step 0: any value. */
 typedef struct fxs_grid {
     double low, step;
 } fxs_grid;
 
 typedef struct fxs_scene_file_info {
-    const char *format;   /* "ply", "compressed ply", "ksplat", "lcc", "sog", "splat", "spz", "gltf", "tileset",
-                             "gaussians" (of the program); static */
+    const char *format;   /* a name of formats.h, or "gaussians" for Gaussians of the program; static */
     uint64_t count;       /* Gaussians in the file */
     int sh_degree;        /* 0 to 3 */
-    int stored_sh_degree; /* the same, or 4 where the coefficients of degree 4 are left out */
+    int stored_sh_degree; /* the same, or 4 where the file has degree 4, whose coefficients are left out */
     int antialiased;      /* 1: opacities were fitted with the dilation compensated */
-    int levels;           /* of detail that can be opened; 1 but for .lcc and streamed SOG. A leaf of the
-                             latter that lacks the level is read at the nearest that it has */
-    fxs_grid colour;      /* of 0.5 + 0.28209479177387814 dc */
-    fxs_grid sh;          /* of the coefficients above degree 0 */
+    int levels;           /* levels of detail that can be opened; 1 except for .lcc and streamed SOG. A leaf of
+                             streamed SOG that lacks the level is read at its nearest level */
+    fxs_grid colour;      /* the values of 0.5 + 0.28209479177387814 dc */
+    fxs_grid sh;          /* the values of the coefficients above degree 0 */
 } fxs_scene_file_info;
 
-/* Reads the next `capacity` Gaussians, or as many as are left and some formats have at hand. Returns their number, 0 at
-   the end, or an error and a message. */
+/* Reads the next Gaussians, at most `capacity`; some formats return fewer also before the end. Returns their number, 0
+   at the end, or an error and a message. */
 long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
 
 /* Goes back to the first Gaussian. Returns 0, or an error and a message. */
 int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message);
 
-/* Closes the file and frees the handle, which may be null. */
+/* Closes the stream and frees its handle, which may be null. */
 void fxs_scene_file_close(fxs_scene_file *file);
 
-/* Gaussians that a program has in memory, or makes as they are asked for. */
+/* Gaussians that a program has in memory or makes on demand. */
 typedef struct fxs_gaussian_source {
     uint64_t count;       /* Gaussians, up to FXS_MAX_COUNT */
     int sh_degree;        /* 0 to 3 */
     int antialiased;      /* as in fxs_scene_file_info */
-    /* Fills in Gaussians from number `first` on, 1 to `capacity` of them, in `out`, which is all 0 before; SH above
-       sh_degree become 0. Returns how many it filled in, or a negative FXS_ERR_*. `first` is 0 in the first call of
-       each pass, and then goes on where the last call ended, never to `count`. Each pass is to give the same
-       Gaussians: fxs_pack makes three, and a filter one. Calls come one at a time, but in fxs_pack from any thread of
-       its pool. */
+    /* Writes 1 to `capacity` Gaussians, from number `first` on, to `out`, which is all 0 before; SH above sh_degree
+       become 0. Returns the number that it wrote, or a negative FXS_ERR_*. `first` is 0 in the first call of each pass,
+       then the number at which the last call ended, and always less than `count`. Every pass must give the same
+       Gaussians: fxs_pack makes three passes, a filter one more. Calls come one at a time, but in fxs_pack from any
+       thread of its pool. */
     long (*read)(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity);
-    void *argument;       /* first argument of read, which must stay until the handle is closed */
+    void *argument;       /* first argument of read; must stay valid until the handle is closed */
 } fxs_gaussian_source;
 
-/* Opens the program's Gaussians as a file, which can be filtered, packed and written like any other; *gaussians is
+/* Opens the program's Gaussians as a stream, which can be filtered, packed and written like a file; *gaussians is
    copied. The packed scene has the same bytes as one from a .ply with these Gaussians. For an array:
 
        static long read_array(void *array, uint64_t first, fxs_gaussian *out, size_t capacity)
@@ -84,10 +85,10 @@ typedef struct fxs_gaussian_source {
            fxs_pack(file, &info, &packed, &report, NULL, &message))
            ...
 
-   What `read` gives is checked as a file is: NaN is left out, and counted. A number out of its range is FXS_ERR_FILE,
-   an FXS_ERR_* is returned as it is, and positions that another pass did not have are FXS_ERR_FILE in fxs_pack. There
-   is no limit on the count where options->max_gaussians is 0. Errors: FXS_ERR_ARGUMENT (no `read`, the degree),
-   FXS_ERR_FILE, FXS_ERR_MEMORY. */
+   Gaussians from `read` are checked like those of a file: fxs_pack leaves out and counts one with a NaN. Where `read`
+   returns a number outside its range, or in fxs_pack other positions than in an earlier pass, the error is
+   FXS_ERR_FILE; an FXS_ERR_* of `read` is returned as it is. Where options->max_gaussians is 0, FXS_MAX_COUNT is the
+   limit. Errors: FXS_ERR_ARGUMENT (no `read`, the degree), FXS_ERR_FILE, FXS_ERR_MEMORY. */
 int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
                                   const fxs_scene_file_options *options, fxs_scene_file **file,
                                   fxs_scene_file_info *info, fxs_message *message);

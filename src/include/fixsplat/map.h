@@ -1,4 +1,4 @@
-/* A file as read-only memory. */
+/* Maps a file into memory, read-only. Stable from version 1.0 on. */
 #ifndef FXS_MAP_H
 #define FXS_MAP_H
 
@@ -15,24 +15,25 @@ typedef struct fxs_mapping {
     void *data;                    /* aligned to a page; null: nothing is mapped */
     size_t bytes;
     int descriptor;
-    int slot;                      /* in the table of what is mapped */
-    int64_t modified[2];           /* the file's time when it was mapped: seconds, nanoseconds */
+    int slot;                      /* index in the table of mapped files */
+    int64_t modified[2];           /* the file's modification time when it was mapped: seconds, nanoseconds */
 } fxs_mapping;
 
-/* Maps a regular file of at least 1 byte. Returns 0, or FXS_ERR_FILE and a message. At most 64 files are mapped at
-   once. Threads may map, check and unmap files of their own at the same time. */
+/* Maps a regular file of at least 1 byte. Returns 0, or FXS_ERR_FILE and a message. At most 64 files can be mapped at
+   once. Several threads may map, check and unmap files of their own at the same time. */
 int fxs_map(fxs_mapping *mapping, const char *path, fxs_message *message);
 
-/* What is written to the file afterwards may show in the memory, and where the file is cut short, a read beyond its
-   end is a SIGBUS. So a program that renders from a mapping asks after each frame, before it uses the picture. Returns
-   0, or FXS_ERR_FILE and a message where the file has been written to or cut short since it was mapped. */
+/* Checks a mapped file. Later writes to the file may show in the memory, and where the file was cut short, a read
+   beyond its end raises SIGBUS. So a program that renders from a mapping calls this after each frame, before it uses
+   the picture. Returns 0, or FXS_ERR_FILE and a message where the file was written to or cut short since it was mapped.
+   */
 int fxs_map_check(const fxs_mapping *mapping, const char *path, fxs_message *message);
 
-/* Installs a handler for SIGBUS, once a process; later calls do nothing. What a mapped file has lost reads as 0 from
-   then on, on any thread, and fxs_map_check says so. Any other SIGBUS goes to the handler that was there before. */
+/* Installs a handler for SIGBUS, once in a process; later calls do nothing. Bytes that a mapped file has lost then read
+   as 0, on any thread, and fxs_map_check reports it. Any other SIGBUS goes to the handler that was installed before. */
 void fxs_map_guard(void);
 
-/* Null data is allowed. */
+/* Unmaps a file; a mapping whose data are null is allowed. */
 void fxs_unmap(fxs_mapping *mapping);
 
 #ifdef __cplusplus

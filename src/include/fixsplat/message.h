@@ -1,4 +1,5 @@
-/* How what is outside the core reports an error: its code, and one line for the person who asked (fxs_message). */
+/* Reports an error of a function outside the core: a code, and one line of text for the user (fxs_message).
+ * Stable from version 1.0 on. */
 #ifndef FXS_MESSAGE_H
 #define FXS_MESSAGE_H
 
@@ -16,18 +17,19 @@ extern "C" {
 #define FXS_PRINTF(text, first)
 #endif
 
-/* Writes a printf-formatted text, cut to fit, with bytes_needed 0. Returns FXS_ERR_FILE, so that a reader can
+/* Writes a printf-formatted text, cut to fit, and sets bytes_needed to 0. Returns FXS_ERR_FILE, so that a reader can
    `return fxs_fail(...)`. Control characters, which may come from a file, become question marks. */
 int fxs_fail(fxs_message *message, const char *format, ...) FXS_PRINTF(2, 3);
 
-/* The same for another error, which is returned. */
+/* The same, but returns `error`. */
 int fxs_fail_as(int error, fxs_message *message, const char *format, ...) FXS_PRINTF(3, 4);
 
-/* "PATH: out of memory", or without the path where that is null. `bytes` is the memory that would do, 0 where that is
-   not known. Returns FXS_ERR_MEMORY. */
+/* Writes "PATH: out of memory", or only "out of memory" where `path` is null. Sets bytes_needed to `bytes`, the memory
+   that would be enough, or 0 where that is not known. Returns FXS_ERR_MEMORY. */
 int fxs_fail_memory(fxs_message *message, const char *path, uint64_t bytes);
 
-/* "PATH: what errno says". Returns FXS_ERR_MEMORY for ENOMEM, else FXS_ERR_FILE. */
+/* Writes "PATH: " and the text of strerror for the errno `number`. Returns FXS_ERR_MEMORY for ENOMEM, else
+   FXS_ERR_FILE. */
 int fxs_fail_errno(fxs_message *message, const char *path, int number);
 
 #ifdef __cplusplus

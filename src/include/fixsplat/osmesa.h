@@ -1,5 +1,6 @@
-/* A desktop context of OpenGL 3.3 in Mesa's off-screen library, for kernels/gles: drawn by the processor, without a
-   display. libOSMesa is loaded at run time; Mesa dropped it in version 25.1. */
+/* An OpenGL 3.3 context of Mesa's off-screen library, for kernels/gles: drawn by the processor, without a display.
+ * libOSMesa is loaded at run time; Mesa dropped it in version 25.1.
+ * Not stable: may change with every version. */
 #ifndef FXS_OSMESA_H
 #define FXS_OSMESA_H
 
@@ -9,10 +10,10 @@
 extern "C" {
 #endif
 
-/* Makes a context and makes it current on this thread. Returns 0, or -1 and why not. */
+/* Makes a context and makes it current on this thread. Returns 0, or -1 and a message. */
 int fxs_osmesa_open(void **osmesa, fxs_message *message);
 
-/* Finds a function: an fxs_gl_load_fn, with what fxs_osmesa_open gave as argument. */
+/* Finds a function of OpenGL by its name: an fxs_gl_load_fn, whose argument is the context of fxs_osmesa_open. */
 void (*fxs_osmesa_load(void *osmesa, const char *name))(void);
 
 /* Makes the context current on this thread again. Returns 0, or -1. */

@@ -1,8 +1,10 @@
-/* Files that are being written: pictures, packed scenes, .ply, .splat and .spz. Each has a temporary name, beside its
-   own and with the process's number in it, until it is complete and on the disk. A file that exists keeps its
-   permissions. Of a symbolic link the target is written, whether it exists or not. A FIFO or a device is written to as
-   the bytes come, and so is standard output, as "-" or by another name (/dev/stdout): what has gone there before an
-   error has gone. Several threads may write files at the same time, each its own. */
+/* How the library writes files. Until a file is complete and on the disk, it has a temporary name in the same folder,
+ * with the process's number. An existing file keeps its permissions. For a symbolic link, its target is written, even
+ * where that does not exist yet. A FIFO, a device or standard output ("-", or another name such as /dev/stdout) gets
+ * the bytes as they come, so bytes written before an error stay there. Several threads may write at the same time, each
+ * a file of its own.
+ *
+ * Stable from version 1.0 on. */
 #ifndef FXS_OUTPUT_H
 #define FXS_OUTPUT_H
 
@@ -10,13 +12,13 @@
 extern "C" {
 #endif
 
-/* For a program to call once, as it begins: SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGXCPU and SIGXFSZ remove the temporary
-   files of this process, then end it as they would have. A signal that is ignored or handled already stays so. The
-   library never does this by itself: without it, or at any other signal, the temporary files stay behind. */
+/* A program may call this once, when it begins: SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGXCPU and SIGXFSZ then remove the
+   temporary files of this process before they end it as usual. A signal that is already ignored or handled stays so.
+   The library never calls this: without it, or at any other signal, the temporary files stay behind. */
 void fxs_output_remove_at_signals(void);
 
-/* The name of the file that an output of this name becomes: where its symbolic links end, whether there is such a file
-   or not. For free(); null and errno where they do not end, or there is no memory. */
+/* The name of the file that an output to `path` writes: the end of its symbolic links, whether that file exists or not.
+   The caller frees it with free(). Null, with errno set, where there are too many links or memory ran out. */
 char *fxs_output_target(const char *path);
 
 #ifdef __cplusplus

@@ -1,29 +1,31 @@
-/* Photographs with the cameras that took them, for a fit:
+/* Reads photographs with their cameras, for a fit:
  *
- * - COLMAP: a folder with sparse/0 or sparse (.bin or .txt) and images; or that model's folder, or a file of it, with
- *   images there or up to two folders above. Points: points3D.bin or .txt beside it.
- * - nerfstudio: a transforms.json, or a folder with one; "file_path" and "ply_file_path", its points, are relative to
- *   it.
- * - Blender: transforms_train.json, or a folder with one; transforms_test.json beside it has those held out.
- * - Inria: a cameras.json, or a folder with one, with images beside it or in images. Points: input.ply beside it.
+ * - COLMAP: a folder with images and sparse/0 or sparse (.bin or .txt); or the folder or a file of the model, with
+ *   images there or up to two folders above. The points are in points3D.bin or .txt beside it.
+ * - nerfstudio: a transforms.json, or a folder with one; the paths "file_path" and "ply_file_path" (the points) are
+ *   relative to it.
+ * - Blender: transforms_train.json, or a folder with one; transforms_test.json beside it has the held-out photographs.
+ * - Inria: a cameras.json, or a folder with one; images are beside it or in images, the points in input.ply beside it.
  *
- * In a folder with several, the first of: sparse/0, sparse, images.bin or .txt, transforms.json, transforms_train.json,
- * cameras.json. Names of images may lack their ending (.png, .jpg, .jpeg, or these in capitals).
+ * From a folder, the first of these is read: sparse/0, sparse, images.bin or .txt, transforms.json,
+ * transforms_train.json, cameras.json. Image names may lack their ending (.png, .jpg, .jpeg, or these in capitals).
  *
- * What is read is the same on every machine, for any number of threads (image_file.h says why of the pixels):
+ * The result is the same on every machine, for any number of threads (image_file.h explains why, for pixels):
  *
- * - A photograph may be of another size than its camera says, in the same proportion to a pixel; where transforms.json
- *   says no size, the photograph does.
- * - A lens (COLMAP's SIMPLE_RADIAL, RADIAL, OPENCV, OPENCV_FISHEYE and FULL_OPENCV; k1 to k6, p1 and p2 of
- *   transforms.json) is undone: each pixel of a pinhole's picture is taken from where the lens put it, between four
- *   pixels. Principal point and size stay; the focal lengths are scaled so that the picture is filled without gaps, by
- *   1/2 to 2.
- * - Alpha: colour times alpha and background times the rest, in the file's 8-bit values.
- * - Larger pictures are averaged down by area. Background and average are rounded once, half up.
+ * - A photograph may have another size than its camera, but the same proportions to a pixel; where transforms.json
+ *   states no size, the photograph's is used.
+ * - Distortion of a lens is removed (COLMAP's SIMPLE_RADIAL, RADIAL, OPENCV, OPENCV_FISHEYE and FULL_OPENCV; k1 to k6,
+ *   p1 and p2 of transforms.json): each pixel of a pinhole picture is interpolated between the four pixels around the
+ *   place where the lens put it. Principal point and size stay; the focal lengths are scaled, by 1/2 to 2, so that the
+ *   picture has no gaps.
+ * - A photograph with alpha becomes colour * alpha + background * (1 - alpha), in the 8-bit values of the file.
+ * - Larger pictures are reduced by area averaging. The background and the average are rounded once together, half up.
  *
- * Where there are no points: 100,000 grey ones, at random in the cube of -1.3 to 1.3 where transforms.json says no size
- * (Blender's synthetic scenes), else in a cube around the cameras, three times as wide as their box (Kerbl et al.
- * 2023), or 3 units wide where all are in one place. */
+ * A set without points gets 100,000 grey points at random places: in the cube from -1.3 to 1.3 where transforms.json
+ * states no size (Blender's synthetic scenes), else in a cube around the cameras, three times as wide as their box
+ * (Kerbl et al. 2023), or 3 units wide where all cameras are in one place.
+ *
+ * Stable from version 1.0 on. */
 #ifndef FXS_FIT_PHOTOS_H
 #define FXS_FIT_PHOTOS_H
 
@@ -33,18 +35,18 @@
 extern "C" {
 #endif
 
-/* Why a photograph is left out: its file's name, and what is wrong with it; one line, valid during the call. */
+/* Is told why a photograph was left out: one line with its file name and the fault, valid during the call. */
 typedef void fxs_left_out_fn(void *argument, const char *why);
 
-/* All 0: every photograph is for the fit, at its own size but at most 1600 pixels wide or high. */
+/* All fields 0: no photograph is held out; each keeps its size, but is at most 1600 pixels wide or high. */
 typedef struct fxs_photos_options {
-    int resolution;                /* pixels of the longer side, at most; 0: 1600 */
-    uint32_t hold_out;             /* 0: none is held out; else every n-th by name, from the first on, or,
-                                      whatever n is, those of transforms_test.json where there is one */
-    uint8_t background[3];         /* below photographs with alpha */
-    int skip_bad;                  /* 1: photographs that cannot be read are left out, and counted */
-    fxs_left_out_fn *left_out;     /* may be null; called as progress is, for each of them, by name in each list */
-    uint64_t seed;                 /* of the points where the files have none */
+    int resolution;                /* the largest width or height, in pixels; 0: 1600 */
+    uint32_t hold_out;             /* 0: no photograph is held out; n: every n-th by name, from the first on. Where
+                                      there is a transforms_test.json, any n holds out its photographs instead */
+    uint8_t background[3];         /* behind photographs with alpha */
+    int skip_bad;                  /* 1: photographs that cannot be read are left out and counted */
+    fxs_left_out_fn *left_out;     /* called for each of these on the thread of progress, by name; may be null */
+    uint64_t seed;                 /* for random points */
     fxs_run_fn *run;               /* null: one thread */
     void *pool;                    /* first argument of run */
     fxs_progress_fn *progress;     /* may be null; called on the thread that called fxs_photos_read */
@@ -52,24 +54,25 @@ typedef struct fxs_photos_options {
 } fxs_photos_options;
 
 typedef struct fxs_photos {
-    fxs_fit_photo *fit, *held_out; /* by name, in order of its bytes; never none to fit */
+    fxs_fit_photo *fit, *held_out; /* sorted by the bytes of their names; `fit` has at least one */
     size_t fit_count, held_out_count;
     fxs_fit_point *points;
     size_t point_count;
-    int points_are_random;         /* 1: the files had none */
-    size_t skipped;                /* photographs */
+    int points_are_random;         /* 1: the set had no points */
+    size_t skipped;                /* photographs left out by skip_bad */
 } fxs_photos;
 
-/* Each thread holds one photograph as it is in its file; kept are 3 bytes for each pixel averaged down.
+/* Reads a set of photographs. Each thread holds one photograph of its file's size; the reduced photographs take 3 bytes
+   a pixel.
 
-   Returns 0 and photographs that fxs_photos_free frees, or an error and a message, with photos all 0. Errors:
-   FXS_ERR_FILE where a file is missing or damaged (a photograph: of several, the first by name, unless skip_bad leaves
-   it out and others are left), a photograph is of another proportion than its camera, a camera cannot be drawn, is not
-   a perspective one or has a lens that is not known or cannot be undone, none would be left to fit, a point is not
-   finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED by `progress`; FXS_ERR_CAMERA
-   where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED where this was
-   built without cJSON, stb or libjpeg-turbo and the files need it; FXS_ERR_MEMORY. All-black photographs are as good
-   as others. */
+   Returns 0 and photographs that fxs_photos_free frees, or an error and a message, with *photos all 0. Errors:
+   FXS_ERR_FILE where a file is missing or damaged (of several photographs, the message names the first by name; with
+   skip_bad the others are used, if any is left), a photograph has other proportions than its camera, a camera cannot be
+   drawn, is not perspective or has an unknown lens or one that cannot be undone, no photograph is left to fit, a point
+   is not finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED by `progress`;
+   FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED
+   where the files need cJSON, stb or libjpeg-turbo and fixsplat was built without it; FXS_ERR_MEMORY. All-black photographs are
+   accepted. */
 int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos, fxs_message *message);
 void fxs_photos_free(fxs_photos *photos);
 

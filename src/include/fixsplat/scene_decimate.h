@@ -1,4 +1,5 @@
-/* Makes a scene of fewer Gaussians, whoever reads it, by merging neighbours. */
+/* Decimates a stream of Gaussians: merges neighbours until few enough are left.
+ * Stable from version 1.0 on. */
 #ifndef FXS_SCENE_DECIMATE_H
 #define FXS_SCENE_DECIMATE_H
 
@@ -11,20 +12,21 @@
 extern "C" {
 #endif
 
-/* Reads an open file from its start and merges Gaussians, which fxs_drawable has accepted, until `target` are left, 1
-   or more. From then on fxs_scene_file_read gives these, and info->count is their number. Where there are no more than
-   `target`, they stay as they are.
+/* Reads an open file from its start and merges Gaussians until `target` are left, 1 or more. fxs_drawable must accept
+   every Gaussian of the file. From then on, fxs_scene_file_read returns the merged Gaussians, and info->count is their
+   number. A scene of at most `target` Gaussians stays as it is.
 
-   Two that become one are weighted by opacity times area. Position and covariance are the mean and the covariance of
-   both together, dc and SH the mean; the opacity keeps opacity times area, up to 0.99 or what the larger of both had.
-   It goes in rounds: each finds for every Gaussian the neighbour that is the least loss, among the nearest in its chunk
-   of 256 (fxs_order), and merges pairs that share no Gaussian, those of the least loss first, up to a quarter of all.
-   The loss is Runnalls' bound (2007, "Kullback-Leibler approach to Gaussian mixture reduction") and the difference of
-   the colours. The same Gaussians give the same result on every machine.
+   The two Gaussians of a pair are weighted by opacity times area. The merged position and covariance are the mean and
+   the covariance of both together, and dc and SH their mean. The merged opacity keeps the sum of opacity times area,
+   but is at most 0.99 or the larger opacity of both. Each round pairs every Gaussian with the neighbour for which the
+   loss is least, among the nearest 16 in its chunk of 256 (fxs_order). Then it merges the pairs of the quarter with the
+   least loss, except those that share a Gaussian with a pair before them. The loss is Runnalls' bound (2007,
+   "Kullback-Leibler approach to Gaussian mixture reduction") and the difference of the colours. The result is the same
+   on every machine.
 
-   This takes 340 bytes a Gaussian, and 236 for each that is left until the file is closed. `progress` is called with
-   `argument`, and may be null. Returns 0, or an error and a message; the file is to be closed then. Errors: those of
-   fxs_scene_file_read, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the target), FXS_ERR_MEMORY. */
+   This takes 340 bytes a Gaussian, and 236 for each remaining Gaussian until the file is closed. `progress` is called
+   with `argument`, and may be null. Returns 0, or an error and a message; the caller must then close the file. Errors:
+   those of fxs_scene_file_read, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the target), FXS_ERR_MEMORY. */
 int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info, fxs_progress_fn *progress,
                             void *argument, fxs_message *message);
 

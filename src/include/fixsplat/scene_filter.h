@@ -1,4 +1,5 @@
-/* Lets only some Gaussians of a scene file through, whoever reads it. */
+/* Filters a stream of Gaussians: by position, opacity, SH degree, and for floaters.
+ * Stable from version 1.0 on. */
 #ifndef FXS_SCENE_FILTER_H
 #define FXS_SCENE_FILTER_H
 
@@ -15,36 +16,36 @@ extern "C" {
 #define FXS_FLOATER_NEIGHBOURS 8
 
 typedef struct fxs_scene_filter {
-    double low[3], high[3];   /* centres kept, scene units; -INFINITY to INFINITY: all */
-    double middle[3], radius; /* and of these those within a sphere; INFINITY: all */
-    double opacity;           /* the least kept, 0 to 1 */
-    int sh_degree;            /* the highest kept, 0 to 3 */
-    int drawable;             /* 1: what fxs_pack leaves out is left out too */
-    int floaters;             /* 1: of the rest, what floats is left out: see below */
+    double low[3], high[3];   /* keeps centres in this box, scene units; -INFINITY to INFINITY: all */
+    double middle[3], radius; /* and in this sphere; a radius of INFINITY: all */
+    double opacity;           /* the least opacity that is kept, 0 to 1 */
+    int sh_degree;            /* the highest SH degree that is kept, 0 to 3 */
+    int drawable;             /* 1: leaves out the Gaussians that fxs_pack would leave out */
+    int floaters;             /* 1: leaves out floaters among the others: see below */
 } fxs_scene_filter;
 
 typedef struct fxs_scene_filter_report {
     uint64_t read, kept;
-    uint64_t outside, faint;   /* left out by position, by opacity */
-    uint64_t floaters;         /* left out because nearly nothing is near them */
-    fxs_pack_dropped dropped;  /* left out where `drawable` is 1 */
+    uint64_t outside, faint;   /* left out by position and by opacity */
+    uint64_t floaters;         /* left out for too few neighbours */
+    fxs_pack_dropped dropped;  /* left out because `drawable` is 1 */
 } fxs_scene_filter_report;
 
-/* Lets everything through. */
+/* Sets a filter that keeps every Gaussian. */
 void fxs_scene_filter_default(fxs_scene_filter *filter);
 
-/* Puts the filter before an open file. From then on fxs_scene_file_read gives what is left, and info->count and
-   info->sh_degree are set to that. To count it, the file is read once; it is at its beginning when this returns.
-   `progress` is called with `argument`, and may be null.
+/* Puts the filter before an open file. From then on, fxs_scene_file_read returns the Gaussians that are kept, and
+   info->count and info->sh_degree describe them. The file is read once to count them, and is at its beginning when this
+   function returns. `progress` is called with `argument`, and may be null.
 
-   A Gaussian floats where fewer than FXS_FLOATER_NEIGHBOURS others have their centres in the cube of 27 cells around
-   it. The cells are those of a grid through the origin; their width is the least power of two that is 4 of the
-   Gaussian's largest sigma or more, and no less than that of the median Gaussian. So a large Gaussian of a background
-   is asked for neighbours farther away than a small one, and fine detail is asked for no more than the rest. To find
-   them, the file is read once more, and 16 bytes a Gaussian are held, 48 while they are found.
+   A Gaussian is a floater where fewer than FXS_FLOATER_NEIGHBOURS other centres lie in the cube of 27 cells around it.
+   The grid of cells goes through the origin. The width of a cell is the least power of two that is at least 4 times the
+   Gaussian's largest sigma, but no less than the width for the median Gaussian. So a large background Gaussian may have
+   its neighbours farther away than a small one, and fine detail needs no closer neighbours than the rest. To find
+   floaters, the file is read once more, and 16 bytes a Gaussian are held, 48 during the search.
 
-   Returns 0, or an error and a message; the file is to be closed then. Errors: those of
-   fxs_scene_file_read, FXS_ERR_FILE where nothing is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the degree),
+   Returns 0, or an error and a message; the caller must then close the file. Errors: those of fxs_scene_file_read,
+   FXS_ERR_FILE where no Gaussian is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the degree),
    FXS_ERR_MEMORY. */
 int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
                           fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,

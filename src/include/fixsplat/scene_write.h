@@ -1,5 +1,6 @@
-/* Writes Gaussians to a scene file, in the format that the ending of its name says (formats.h lists them), or that the
- * options name. Functions return 0, or an error and a message. A writer is used by one thread at a time. */
+/* Writes Gaussians to a scene file, in a format of formats.h that the options name or the ending of the file's name
+ * tells. Functions return 0, or an error and a message. A writer is used by one thread at a time.
+ * Stable from version 1.0 on. */
 #ifndef FXS_SCENE_WRITE_H
 #define FXS_SCENE_WRITE_H
 
@@ -15,46 +16,47 @@ extern "C" {
 typedef struct fxs_scene_writer fxs_scene_writer;
 
 typedef struct fxs_scene_write_options {
-    uint64_t count;              /* Gaussians that are to come: exactly as many */
+    uint64_t count;              /* exact number of the Gaussians that will be written */
     int sh_degree;               /* 0 to 3 */
     int antialiased;             /* 1: opacities were fitted with the dilation compensated */
-    float low[3], high[3];       /* bounds of the centres, which a .glb says first; others need none */
-    int spz_version;             /* of an .spz: 3 (gzip) or 4 (zstd); 0: 4 */
-    const char *format;          /* a name of formats.h, as "ply"; null: by the ending of the path */
+    float low[3], high[3];       /* bounds of the centres, for the header of a .glb; other formats need none */
+    int spz_version;             /* version of an .spz: 3 (gzip) or 4 (zstd); 0: 4 */
+    const char *format;          /* a name of formats.h, such as "ply"; null: by the ending of the path */
 } fxs_scene_write_options;
 
-/* How many Gaussians of an .spz had a value that the format cannot hold, by a step or more. One that is as good as flat
-   is held. Logarithms of scales are clamped to -10 to 5.9375, dc to +-3.33, and SH to +-1 in steps of 1/128. */
+/* The numbers of Gaussians in an .spz with a value that was clamped by a step of the format or more. An axis that is
+   too thin to be seen does not count. ln(scale) is clamped to -10 to 5.9375, dc to +-3.33, and SH to +-1 in steps of
+   1/128. */
 typedef struct fxs_spz_clamped {
     uint32_t position, scale, dc, sh;
-    double reach;                /* scene units: positions beyond it, on any axis, are brought to there, towards the
-                                    origin */
+    double reach;                /* scene units: a position beyond it on any axis is moved there, towards the origin */
 } fxs_spz_clamped;
 
-/* What the file does not say of what it was given. */
+/* The data that the format could not hold. */
 typedef struct fxs_scene_write_report {
-    int lost_sh;                 /* the degree of the SH that are left out, or 0 */
-    int lost_antialiased;        /* 1: it cannot say that the scene is anti-aliased */
-    fxs_spz_clamped clamped;     /* all 0 where the format is another */
+    int lost_sh;                 /* the highest SH degree that was left out, or 0 */
+    int lost_antialiased;        /* 1: the scene is anti-aliased, but the format cannot say so */
+    fxs_spz_clamped clamped;     /* all 0 for formats other than .spz */
 } fxs_scene_write_report;
 
-/* Begins a file. A .ply is Inria's, binary, all properties floats, normals 0; a scene that is anti-aliased says so in a
-   comment. A .glb has KHR_gaussian_splatting, floats. Until it is complete, it is beside `path`, under a temporary name (output.h). *writer is for
-   fxs_scene_writer_close, and null after an error. What a writer holds until then: of a .ply, .splat, .glb or .csv
-   nothing; of an .spz 44 bytes a Gaussian and one for each SH coefficient; of a .compressed.ply and .sog 56 bytes a Gaussian and 2 for each SH
-   coefficient, and to close them up to as much again. Errors: FXS_ERR_ARGUMENT (ending, degree, count, version),
-   FXS_ERR_UNSUPPORTED where this was built without a library that the format needs, FXS_ERR_FILE, FXS_ERR_MEMORY. */
+/* Begins a file. A .ply is binary, with Inria's properties as floats and normals of 0; a comment marks an anti-aliased
+   scene. A .glb has KHR_gaussian_splatting with floats. Until it is complete, the file has a temporary name
+   beside `path` (output.h). fxs_scene_writer_close frees *writer, which is null after an error. Until then, a writer
+   holds for a .ply, .splat, .glb or .csv no Gaussians; for an .spz 44 bytes a Gaussian and 1 byte for each SH
+   coefficient; for a .compressed.ply or .sog 56 bytes a Gaussian and 2 bytes for each SH coefficient, and while it is
+   closed up to as much again. Errors: FXS_ERR_ARGUMENT (ending, degree, count, version), FXS_ERR_UNSUPPORTED where
+   fixsplat was built without a library that the format needs, FXS_ERR_FILE, FXS_ERR_MEMORY. */
 int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
                           fxs_message *message);
 
-/* Adds the next n Gaussians, which fxs_drawable has accepted. Errors: FXS_ERR_FILE, and FXS_ERR_ARGUMENT where these
-   are more than announced. */
+/* Adds the next n Gaussians; fxs_drawable must have accepted each. Errors: FXS_ERR_FILE, and FXS_ERR_ARGUMENT where
+   there are more Gaussians than announced. */
 int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
 
-/* Completes the file under its name, fills in *report, which may be null, and frees the writer, which may be null. `progress` may be null.
-   Errors: FXS_ERR_FILE where something could not be written, now or earlier, FXS_ERR_STOPPED by `progress`,
-   FXS_ERR_ARGUMENT where Gaussians are missing, FXS_ERR_MEMORY. After an error nothing is left behind, and an
-   earlier file of that name is as it was. */
+/* Completes the file under its name, fills in *report and frees the writer. `writer`, `report` and `progress` may be
+   null. Errors: FXS_ERR_FILE where a write failed, now or earlier, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT
+   where Gaussians are missing, FXS_ERR_MEMORY. After an error no new file is left behind, and an earlier file of that
+   name is unchanged. */
 int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report, fxs_progress_fn *progress,
                            void *argument, fxs_message *message);
 

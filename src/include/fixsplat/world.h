@@ -1,4 +1,5 @@
-/* Scene files placed in one world, in doubles, and how they become the renderer's objects. */
+/* Places scene files in a world, in doubles, and rounds the placements to objects of the renderer.
+ * Stable from version 1.0 on. */
 #ifndef FXS_WORLD_H
 #define FXS_WORLD_H
 
@@ -11,38 +12,38 @@ extern "C" {
 /* A box in the file's own units. */
 typedef struct fxs_world_crop {
     double low[3], high[3];
-    int outside;                   /* 0: keeps what is inside. 1: leaves it out */
+    int outside;                   /* 0: keeps the Gaussians inside the box; 1: keeps those outside */
 } fxs_world_crop;
 
-/* A file in the world: world = translation + scale * rotation * position. */
+/* The placement of a file in the world: world = translation + scale * rotation * position. */
 typedef struct fxs_placement {
-    uint32_t file;                 /* its place in fxs_world.files */
+    uint32_t file;                 /* index in fxs_world.files */
     double translation[3];         /* world units, within +-2^28 */
     double rotation[4];            /* quaternion w, x, y, z, of any length but 0 */
     double scale;                  /* 2^-16 to 2^16 */
-    double opacity;                /* factor, 0 to 1 */
-    double tint[3];                /* factor of red, green, blue, 0 to 4 */
+    double opacity;                /* factor of opacities, 0 to 1 */
+    double tint[3];                /* factors of red, green, blue, 0 to 4 */
     int visible;
     uint32_t id;                   /* 0 to 2^32 - 2 */
     uint32_t crop_count;
     fxs_world_crop crops[FXS_MAX_CROPS];
 } fxs_placement;
 
-/* All 0: nothing yet. */
+/* All fields 0: an empty world. */
 typedef struct fxs_world {
-    char **files;                  /* paths, each there once */
+    char **files;                  /* different paths */
     fxs_placement *objects;
     uint32_t file_count, count, room;
 } fxs_world;
 
-/* The file as it is: at the origin, visible. */
+/* Sets a placement that changes nothing: at the origin, visible. */
 void fxs_placement_init(fxs_placement *placement, uint32_t file, uint32_t id);
 
-/* Whether it leaves the Gaussians as they are; crops are not looked at. */
+/* 1 where a placement changes no Gaussian, whatever its crops, else 0. */
 int fxs_placement_is_plain(const fxs_placement *placement);
 
-/* Adds a path, or finds it where it is there already: *file is its place. Adds an object, a copy. Return 0, or an
-   FXS_ERR_* and a message. */
+/* Adds a path, unless the world has it already, and sets *file to its index. The second function adds an object, a copy
+   of *placement. Both return 0, or an FXS_ERR_* and a message. */
 int fxs_world_add_file(fxs_world *world, const char *path, uint32_t *file, fxs_message *message);
 int fxs_world_add(fxs_world *world, const fxs_placement *placement, fxs_message *message);
 
@@ -52,22 +53,22 @@ int fxs_world_add(fxs_world *world, const fxs_placement *placement, fxs_message 
  *                   "tint": [r, g, b], "visible": true, "id": n,
  *                   "crops": [{"low": [x, y, z], "high": [x, y, z], "keep": "inside"}]}]}
  *
- * Only "file" has to be there; its path is relative to the JSON file's folder. "keep" is "inside" or "outside". Without
- * an id, it is the object's place in the list. Returns 0 and what fxs_world_free frees, or an FXS_ERR_* and a message
- * that names the object: FXS_ERR_FILE, FXS_ERR_OBJECT, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED (built without cJSON). */
+ * Only "file" is required; its path is relative to the folder of the JSON file. "keep" is "inside" or "outside". The
+ * default of "id" is the object's place in the list. Returns 0 and a world that fxs_world_free frees, or an FXS_ERR_*
+ * and a message with the object: FXS_ERR_FILE, FXS_ERR_OBJECT, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED (without cJSON). */
 int fxs_world_read(fxs_world *world, const char *path, fxs_message *message);
 
 void fxs_world_free(fxs_world *world);
 
-/* Checks a placement and rounds it to an object of the renderer. `crops` takes the object's boxes, as many as it has.
-   Returns 0, or FXS_ERR_OBJECT and what is out of range. */
+/* Checks a placement and rounds it to an object of the renderer. The object's crop_count boxes are written to `crops`.
+   Returns 0, or FXS_ERR_OBJECT and a message with the number that is out of range. */
 int fxs_object_place(fxs_object *object, const fxs_scene *scene, const fxs_placement *placement, fxs_crop *crops,
                      fxs_message *message);
 
-/* The rows of scale * rotation, and the translation; the placement is one that fxs_object_place takes. */
+/* The rows of scale * rotation, followed by the translation. fxs_object_place must accept the placement. */
 void fxs_placement_matrix(const fxs_placement *placement, double rows[3][4]);
 
-/* The world's box around that part of the file's box that the crops keep. Returns 0 where they keep nothing of it. */
+/* Finds the box in the world around the part of the file's box that the crops keep. Returns 0 where they keep none. */
 int fxs_placement_box(const fxs_placement *placement, const double low[3], const double high[3], double world_low[3],
                       double world_high[3]);
 

@@ -1,5 +1,5 @@
-/* Counts neighbours by a grid for each width of cells that a Gaussian asks for. A cell is found by hashing; its place
-   in the table has the first Gaussian in it, whose cell is compared, so the count is exact. */
+/* Counts neighbours in a grid for each cell width that some Gaussian needs. Cells are in a hash table; an entry has the
+   first Gaussian of its cell, whose cell is compared, so the count is exact. */
 #include "floaters_internal.h"
 
 #include <math.h>
@@ -13,13 +13,13 @@ enum { LEAST_LEVEL = -32, MOST_LEVEL = 40, LEVELS = MOST_LEVEL - LEAST_LEVEL + 1
 #define LOG2_E 1.4426950408889634
 
 typedef struct cell {
-    uint32_t first, count;        /* of Gaussians; count 0: there is no cell here */
+    uint32_t first, count;        /* Gaussians; count 0: the place is free */
 } cell;
 
 typedef struct grid {
     const fxs_floater *items;
     cell *cells;
-    uint32_t mask;                /* places of the table, a power of two, less 1 */
+    uint32_t mask;                /* number of places, a power of two, minus 1 */
     int level;
 } grid;
 
@@ -33,7 +33,7 @@ int fxs_floaters_init(fxs_floaters *f, uint64_t count, const fxs_allocator *allo
     return f->items ? 0 : fxs_fail_memory(message, NULL, count * sizeof *f->items);
 }
 
-/* The least with 2^level >= 4 sigma. */
+/* The least level with 2^level >= 4 sigma. */
 static int level_of(const fxs_gaussian *g)
 {
     const double most = fmax(fmax(g->scale[0], g->scale[1]), g->scale[2]);
@@ -60,14 +60,14 @@ static int is_finite(const fxs_floater *item)
     return isfinite(item->position[0]) && isfinite(item->position[1]) && isfinite(item->position[2]);
 }
 
-/* Within 2^62, far beyond any scene of 2^27 units at the least level. */
+/* Clamped to 2^62, far beyond any scene of 2^27 units at the least level. */
 static void cell_of(const fxs_floater *item, int level, int64_t at[3])
 {
     for (int i = 0; i < 3; i++)
         at[i] = (int64_t)fmin(fmax(floor(ldexp(item->position[i], -level)), -0x1p62), 0x1p62);
 }
 
-/* The place of a cell, or the one where it would be. */
+/* The place of a cell in the table, or the free place for it. */
 static cell *find(const grid *g, const int64_t at[3])
 {
     uint64_t hash = 0;
@@ -100,7 +100,7 @@ static void fill(const grid *g, uint32_t count)
     }
 }
 
-/* Whether there are enough in the 27 cells beside the Gaussian itself. */
+/* Whether the 27 cells have enough Gaussians beside this one. */
 static int has_neighbours(const grid *g, const fxs_floater *item)
 {
     int64_t middle[3];
@@ -115,7 +115,7 @@ static int has_neighbours(const grid *g, const fxs_floater *item)
 
 /* ---- All of them ------------------------------------------------------------------------------------------------- */
 
-/* That of the median Gaussian. */
+/* The level of the median Gaussian. */
 static int least_level(const fxs_floaters *f)
 {
     uint32_t counts[LEVELS] = {0}, below = 0;

@@ -1,4 +1,4 @@
-/* Gaussians that have nearly nothing near them: scene_filter.h says which. */
+/* Finds floaters, Gaussians with few neighbours, as scene_filter.h defines them. */
 #ifndef FXS_FLOATERS_INTERNAL_H
 #define FXS_FLOATERS_INTERNAL_H
 
@@ -6,7 +6,7 @@
 
 typedef struct fxs_floater {
     float position[3];
-    int16_t level;                /* of the cells, 2^level wide, that it is looked for in */
+    int16_t level;                /* its neighbours are counted in cells 2^level wide */
     uint8_t floats;
 } fxs_floater;
 
@@ -16,13 +16,13 @@ typedef struct fxs_floaters {
     int found;
 } fxs_floaters;
 
-/* For up to `count` Gaussians. Returns 0, or an error and a message. */
+/* Makes room for `count` Gaussians. Returns 0, or an error and a message. */
 int fxs_floaters_init(fxs_floaters *floaters, uint64_t count, const fxs_allocator *allocator, fxs_message *message);
 
-/* Takes the next Gaussian. Once they are found, returns whether it floats; before, 0. */
+/* Takes the next Gaussian. Returns 1 where floaters have been found and it is one, else 0. */
 int fxs_floaters_take(fxs_floaters *floaters, const fxs_gaussian *gaussian);
 
-/* Finds those that float; `next` is to be set to 0 before they are taken again. Returns 0, or an error and a
+/* Finds the floaters; `next` must be set to 0 before the Gaussians are taken again. Returns 0, or an error and a
    message. */
 int fxs_floaters_find(fxs_floaters *floaters, const fxs_allocator *allocator, fxs_message *message);
 

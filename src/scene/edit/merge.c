@@ -8,23 +8,23 @@
 #include "src/gaussian/transform_internal.h"
 
 
-/* How an object changes the Gaussians of its file. */
+/* The changes that an object makes to the Gaussians of its file. */
 typedef struct part {
     fxs_placement placement;
     double rows[3][4];
-    fxs_transform turn;            /* for the SH */
+    fxs_transform turn;            /* for rotating SH */
     double log_scale;
     int is_moved, is_turned, is_tinted;
 } part;
 
 typedef struct merge_reader {
-    const fxs_reader *reader;   /* of file 0, whose handle is that of the whole */
+    const fxs_reader *reader;   /* reader of file 0, whose handle is used for the merged file */
     void *data;
     const fxs_allocator *allocator;
-    fxs_scene_file **files;           /* the others; null: not there */
+    fxs_scene_file **files;           /* the files; null: file 0, or not needed */
     uint32_t file_count;
     part *parts;
-    uint32_t count, at;               /* parts, and the one that is read */
+    uint32_t count, at;               /* number of parts, and the part being read */
     int sh_degree;
 } merge_reader;
 
@@ -51,7 +51,7 @@ static int is_kept(const fxs_placement *p, const float position[3])
     return kept || !keeping;
 }
 
-/* a b, quaternions w, x, y, z */
+/* the product a b of quaternions w, x, y, z */
 static void multiply(double out[4], const double a[4], const double b[4])
 {
     out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
@@ -178,7 +178,7 @@ static void part_init(part *p, const fxs_placement *placement)
     fxs_placement_matrix(placement, p->rows);
     fxs_transform_init(&p->turn, p->rows);
     p->log_scale = placement->scale == 1 ? 0 : fxs_log(placement->scale);
-    int scale;                     /* that of the longest component, so that squares stay in range */
+    int scale;                     /* exponent of the largest component, so that squares stay in range */
     double square = 0, most = 0;
     for (int i = 0; i < 4; i++)
         most = fabs(q[i]) > most ? fabs(q[i]) : most;
@@ -192,7 +192,7 @@ static void part_init(part *p, const fxs_placement *placement)
     p->is_tinted = tints[0] != 1 || tints[1] != 1 || tints[2] != 1;
 }
 
-/* Lists what is visible, and sums it up. Returns 0, or an error. */
+/* Lists the visible objects and fills in *info for them together. Returns 0, or an error. */
 static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_file_info *infos,
                       fxs_scene_file_info *info, fxs_message *message)
 {
@@ -220,7 +220,7 @@ static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_f
     return FXS_ERR_OBJECT;
 }
 
-/* How many the crops leave. */
+/* Counts the Gaussians that the crops keep. */
 static int count_kept(fxs_scene_file *file, const merge_reader *r, fxs_scene_file_info *info, fxs_message *message)
 {
     enum { BATCH = 256 };

@@ -11,14 +11,14 @@
 
 enum {
     CHUNK = 256,
-    NEAREST = 16,                   /* neighbours that are looked at */
+    NEAREST = 16,                   /* neighbours that are tried */
     COEFFICIENTS = 45
 };
 
-static const double colour_weight = 20;    /* of the loss of colour beside that of shape */
-static const double thinnest = 0.1;        /* of the largest sigma: an axis thinner than that is as good as flat */
+static const double colour_weight = 20;    /* weight of the loss of colour against the loss of shape */
+static const double thinnest = 0.1;        /* share of the largest sigma: thinner axes count as this thick */
 
-/* What the loss of a merger needs of a Gaussian. */
+/* The numbers of a Gaussian for the loss of merging it. */
 typedef struct shape {
     double covariance[6];          /* xx, yy, zz, xy, xz, yz; no axis below `thinnest` */
     double log_determinant;
@@ -30,18 +30,18 @@ typedef struct pair {
     uint32_t a, b;                 /* a < b */
 } pair;
 
-/* The reader of what is left. */
+/* The reader of the decimated Gaussians. */
 typedef struct decimated {
     const fxs_reader *reader;
-    void *data;                  /* of the file before */
+    void *data;                  /* the earlier reader and its data */
     const fxs_allocator *allocator;
     fxs_gaussian *gaussians;
     uint32_t count, next;
-    /* While it is made: */
+    /* Only while Gaussians are merged: */
     shape *shapes;
     fxs_order_entry *entries;
     pair *pairs;
-    uint8_t *merged;               /* 1: this round has had it; 2: it is gone */
+    uint8_t *merged;               /* 1: merged in this round; 2: removed */
 } decimated;
 
 /* ---- Two become one ---------------------------------------------------------------------------------------------- */
@@ -51,7 +51,7 @@ static double opacity_of(const fxs_gaussian *g)
     return fxs_opacity_of_logit(g->opacity);
 }
 
-/* R S S R', R of a quaternion w, x, y, z of any length */
+/* The covariance R S S R^T, R by a quaternion w, x, y, z of any length. */
 static void find_covariance(double covariance[6], const float q[4], const double sigma[3])
 {
     static const uint8_t rows[6] = {0, 1, 2, 0, 0, 1}, columns[6] = {0, 1, 2, 1, 2, 2};
@@ -89,7 +89,7 @@ static void find_shape(shape *s, const fxs_gaussian *g)
     s->weight = fxs_weight(g);
 }
 
-/* Of two with weights v and w, sum 1: v A + w B + v w d d', d = b - a */
+/* The covariance of both, with weights v + w = 1: v A + w B + v w d d^T, d = b - a */
 static void join(double out[6], const double a[6], const double b[6], double v, double w, const float from[3],
                  const float to[3])
 {
@@ -122,7 +122,7 @@ static double loss_of(const decimated *d, uint32_t a, uint32_t b)
     return sum * (shapes / 2 + v * (1 - v) * colour_weight * colour_difference(g, h));
 }
 
-/* L with L L' = covariance; what rounding made negative is 0, and no axis is below a millionth of the largest. */
+/* L with L L^T = covariance. Numbers that rounding made negative become 0, and no axis is below a millionth of the
 static void factorise(double l[3][3], const double c[6])
 {
     const double least = 1e-12 * (c[0] + c[1] + c[2]);
@@ -135,14 +135,14 @@ static void factorise(double l[3][3], const double c[6])
     l[2][2] = sqrt(fmax(c[2] + least - l[2][0] * l[2][0] - l[2][1] * l[2][1], least));
 }
 
-/* Opacity times area is kept, from a logit of -20 on. */
+/* Sets the opacity that keeps opacity times area, at least a logit of -20. */
 static void set_opacity(fxs_gaussian *g, double weight, double most)
 {
     const double opacity = fmin(weight / (fxs_weight(g) / opacity_of(g)), most > 0.99 ? most : 0.99);
     g->opacity = opacity > 2e-9 ? (float)fxs_log(opacity / (1 - opacity)) : -20;
 }
 
-/* a becomes both. */
+/* Merges b into a. */
 static void merge(fxs_gaussian *a, const fxs_gaussian *b)
 {
     const double weight = fxs_weight(a) + fxs_weight(b), v = weight > 0 ? fxs_weight(a) / weight : 0.5, w = 1 - v;
@@ -174,7 +174,7 @@ static void run(void *pool, void (*job)(void *argument, uint32_t i), void *argum
         job(argument, i);
 }
 
-/* Puts the numbers of all in an order of neighbours. */
+/* Orders the Gaussians so that neighbours are in the same chunk. */
 static int find_order(decimated *d, fxs_message *message)
 {
     const fxs_pack_options options = {.run = run, .threads = 1, .allocator = d->allocator};
@@ -184,7 +184,7 @@ static int find_order(decimated *d, fxs_message *message)
     return fxs_order(d->entries, d->count, &options) ? fxs_fail_memory(message, NULL, 0) : 0;
 }
 
-/* The places in a chunk of the nearest to one of it, nearest first. Returns how many. */
+/* Finds the places in a chunk of the Gaussians nearest to one of them, nearest first. Returns their number. */
 static uint32_t find_nearest(uint32_t nearest[NEAREST], const fxs_order_entry *chunk, uint32_t count, uint32_t of)
 {
     float distances[NEAREST];
@@ -239,7 +239,7 @@ static int compare_pairs(const void *a, const void *b)
                               : (x->b > y->b) - (x->b < y->b);
 }
 
-/* Merges pairs that share nothing, up to a quarter of all, and closes the gaps. */
+/* Merges the pairs of the best quarter that share no Gaussian, and closes the gaps. */
 static void merge_pairs(decimated *d, uint32_t pairs, uint32_t target)
 {
     uint32_t left = d->count, kept = 0;

@@ -9,12 +9,12 @@
 
 /* The reader of a filtered file. */
 typedef struct filter_reader {
-    const fxs_reader *reader;   /* of the file's own reader */
+    const fxs_reader *reader;   /* the file's own reader */
     void *data;
-    const fxs_allocator *allocator;   /* of both readers */
+    const fxs_allocator *allocator;   /* for both readers */
     fxs_scene_filter filter;
-    fxs_scene_filter_report report;   /* since the beginning */
-    fxs_floaters floaters;            /* of what the rest of the filter leaves */
+    fxs_scene_filter_report report;   /* since the first Gaussian */
+    fxs_floaters floaters;            /* among the Gaussians that the rest of the filter keeps */
 } filter_reader;
 
 void fxs_scene_filter_default(fxs_scene_filter *filter)
@@ -23,7 +23,7 @@ void fxs_scene_filter_default(fxs_scene_filter *filter)
                                  .radius = INFINITY, .sh_degree = 3};
 }
 
-/* NaN passes, here and below: it is for the last test. */
+/* NaN passes here and below; the last test is for it. */
 static int is_inside(const fxs_scene_filter *filter, const float position[3])
 {
     for (int i = 0; i < 3; i++)
@@ -91,7 +91,7 @@ static const fxs_reader filtered = {
     NULL, sizeof(filter_reader), NULL, filter_read, filter_rewind, filter_close
 };
 
-/* Reads all, so that the report is that of the whole file. */
+/* Reads all Gaussians, so that the report is for the whole file. */
 static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, fxs_progress_fn *progress,
                  void *argument, fxs_message *message)
 {
@@ -106,7 +106,7 @@ static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, f
     return 0;
 }
 
-/* A second count, with the floaters known. */
+/* Counts again, with the floaters known. */
 static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, fxs_progress_fn *progress,
                        void *argument, fxs_message *message)
 {

@@ -1,12 +1,12 @@
-/* PlayCanvas's compressed .ply: words of 32 bits, for 256 Gaussians between the bounds of their chunk; layout as its
-   engine's gsplat-compressed-data.js reads it. */
+/* Reads PlayCanvas's compressed .ply, where words of 32 bits code 256 Gaussians between the bounds of their chunk. The
+   layout is the one that the engine's gsplat-compressed-data.js reads. */
 #include "ply_header.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
 enum { CHUNK = 256, WORDS = 4 };
 
-/* Bounds: the lower three of an attribute, then the upper three. */
+/* Bounds: the three lower bounds of an attribute, then the three upper ones. */
 enum { POSITION = 0, SCALE = 6, COLOUR = 12, BOUNDS = 18 };
 
 static const char *const bound_names[BOUNDS] = {
@@ -17,7 +17,7 @@ static const char *const bound_names[BOUNDS] = {
 
 static const char *const word_names[WORDS] = {"packed_position", "packed_rotation", "packed_scale", "packed_color"};
 
-/* An element, and the columns of it that are read. */
+/* An element of the file, and the columns that are read. */
 typedef struct rows {
     const fxs_ply_element *element;
     uint64_t start;                      /* of the first row, bytes into the file */
@@ -30,7 +30,7 @@ typedef struct compressed_reader {
     fxs_ply_header header;
     int sh_degree, stored_sh_degree;
     uint64_t read;                       /* Gaussians */
-    float bounds[BOUNDS];                /* of the chunk that is read */
+    float bounds[BOUNDS];                /* bounds of the current chunk */
     rows chunk, vertex, sh;              /* sh.element is NULL for degree 0 */
 } compressed_reader;
 
@@ -72,7 +72,7 @@ static int add_columns(const fxs_ply_header *header, rows *r, const char *const 
     return 0;
 }
 
-/* Files from before the bounds of colours have none: 0 to 1. */
+/* Older files have no bounds of colours, which are then 0 to 1. */
 static int add_bounds(compressed_reader *reader, fxs_message *message)
 {
     int has_colour = fxs_ply_find(&reader->header, reader->chunk.element, bound_names[COLOUR]) >= 0;
@@ -99,7 +99,7 @@ static int add_sh(compressed_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* Returns 0 where every element's rows have a fixed size and the elements' counts go together. */
+/* Returns 0 where the rows of every element have a fixed size and the counts of the elements match. */
 static int check_elements(const compressed_reader *reader, const char *path, fxs_message *message)
 {
     const fxs_ply_header *header = &reader->header;
@@ -179,13 +179,13 @@ static double unpack(uint32_t word, int shift, int bits)
     return (word >> shift & mask) / (double)mask;
 }
 
-/* What t, 0 to 1, stands for between bounds `low` and `low` + 3. */
+/* The value for t, 0 to 1, between bounds `low` and `low` + 3. */
 static double between(const float *bounds, int low, double t)
 {
     return (double)bounds[low] * (1 - t) + (double)bounds[low + 3] * t;
 }
 
-/* The largest component is left out, and 0 or more; the others are in +-1/sqrt(2), w first. */
+/* The largest component is left out and not negative; the others are in +-1/sqrt(2), w first. */
 static void decode_rotation(uint32_t word, float rotation[4])
 {
     int largest = (int)(word >> 30);
@@ -216,7 +216,7 @@ static void decode_words(const compressed_reader *reader, const uint8_t *row, fx
     gaussian->opacity = fxs_logit_of_code(words[3] & 255);
 }
 
-/* Codes 0 and 255 are the ends, the others the middle of their 256th of -4 to 4. */
+/* Codes 0 and 255 are -4 and 4, the others the middle of their 256th of -4 to 4. */
 static float decode_coefficient(int code)
 {
     return code == 0 ? -4 : code == 255 ? 4 : (float)(((code + 0.5) / 256 - 0.5) * 8);

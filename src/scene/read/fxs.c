@@ -1,4 +1,4 @@
-/* .fxs: the Gaussians that the codes of a packed scene stand for, as docs/format.md has them. */
+/* Reads .fxs: decodes the Gaussians of a packed scene, as docs/format.md describes. */
 #include <string.h>
 
 #include <fixsplat/message.h>
@@ -14,10 +14,10 @@ enum { MOST_PALETTE = FXS_PALETTE_STAGES * FXS_PALETTE_ENTRIES * FXS_PALETTE_STR
 typedef struct fxs_file_reader {
     const fxs_scene_source *source;
     fxs_crc32_table crc;
-    fxs_scene scene;                     /* without its bytes, but for the palette */
-    uint64_t rows_at;                    /* of the first chunk, bytes into the file */
-    uint32_t next;                       /* Gaussian */
-    fxs_chunk chunk;                     /* of that Gaussian, and its rows */
+    fxs_scene scene;                     /* without pointers to its bytes, except the palette */
+    uint64_t rows_at;                    /* offset of the first chunk's rows in the file, bytes */
+    uint32_t next;                       /* number of the next Gaussian */
+    fxs_chunk chunk;                     /* chunk of that Gaussian, and its rows */
     unsigned char rows[MOST_ROWS];
     int8_t palette[MOST_PALETTE];
 } fxs_file_reader;
@@ -33,7 +33,7 @@ static int damaged(const fxs_file_reader *r, const char *what, fxs_message *mess
     return fxs_fail(message, "%s: %s is damaged", r->source->path, what);
 }
 
-/* The checksum of bytes that hold it, for which they have 0. */
+/* Checks the checksum of bytes that contain it, computed with 0 in its place. */
 static int is_whole(const fxs_file_reader *r, uint32_t *checksum, const void *bytes, size_t size, const void *more,
                     size_t more_size)
 {
@@ -101,14 +101,14 @@ static int take_chunk(fxs_file_reader *r, uint32_t number, fxs_message *message)
 
 /* ---- Codes ------------------------------------------------------------------------------------------------------- */
 
-/* Law 0: c / 255; else 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2, but for code 0, which is 0. */
+/* Law 0: c / 255; else 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2, and 0 for code 0. */
 static double opacity_of(uint32_t code, uint32_t law)
 {
     const double part = (code - 1.0) / 254, top = ldexp(1, 2 - 2 * (int)law);
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
 }
 
-/* The three that are left as (2 c - 1023) / (1023 sqrt(2)), the largest from what is missing from 1. */
+/* Three components are (2 c - 1023) / (1023 sqrt(2)); the largest follows from the length of 1. */
 static void take_rotation(uint32_t code, float rotation[4])
 {
     const uint32_t largest = code >> 30;
@@ -129,7 +129,7 @@ static void take_bands(const fxs_file_reader *r, uint32_t g, float sh[45])
                              (double)r->chunk.sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2], -19);
 }
 
-/* Profiles compact and small: the sum of the chunk's mean and of an entry of each stage; and of compact the residual
+/* Profiles compact and small: the sum of the chunk's mean and an entry of each palette, in compact also of the residual
    (2 code + 1) gain, gain = (8 + (g mod 8)) 2^(floor(g / 8) - 32). */
 static void take_palette(const fxs_file_reader *r, uint32_t g, float sh[45])
 {

@@ -1,7 +1,7 @@
-/* .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians come in
-   the frame of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
-   Gaussians are blended before they are encoded, so that no colours blended in sRGB make the same picture. Drafts of
-   the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+/* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians get
+   the axes of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
+   Gaussians are blended in linear light, so blending in sRGB cannot give the same picture. Drafts of the extension are
+   read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
 #include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
@@ -20,16 +20,16 @@
 #include "src/gaussian/transform_internal.h"
 
 enum {
-    MAX_DEPTH = 64,              /* of nodes */
+    MAX_DEPTH = 64,              /* depth of nodes */
     MAX_BUFFERS = 64,
-    MAX_MEMBERS = 1024,          /* of an item of a list: each look-up goes through them */
+    MAX_MEMBERS = 1024,          /* members of an item: each look-up searches all */
     MAX_PARTS = 1024,            /* primitives times their nodes */
-    MAX_COUNT = 2147483647,      /* Gaussians in all */
+    MAX_COUNT = 2147483647,      /* Gaussians in a file */
     BATCH = 256,                 /* Gaussians read at a time */
     MAX_STRIDE = 252             /* bytes */
 };
 
-/* An array of the file. */
+/* An array of the JSON. */
 typedef struct list {
     const cJSON **items;
     int count;
@@ -40,8 +40,8 @@ static const char *const list_names[LISTS] = {"nodes", "meshes", "accessors", "b
 
 typedef struct buffer {
     const fxs_scene_source *source;
-    fxs_scene_source own;        /* *source where it is another file, or memory */
-    uint8_t *memory;             /* of a data: URI */
+    fxs_scene_source own;        /* the source, where it is another file or memory */
+    uint8_t *memory;             /* bytes of a data: URI */
     uint64_t memory_size;        /* bytes held */
     uint64_t offset, size;
 } buffer;
@@ -54,7 +54,7 @@ typedef struct range {
 typedef struct buffer_view {
     range bytes;
     int64_t stride;              /* 0: none is given */
-    const char *fault;           /* or NULL; told when it is used */
+    const char *fault;           /* or NULL; reported when the view is used */
 } buffer_view;
 
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
@@ -69,9 +69,9 @@ enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
 
 /* A primitive with Gaussians. */
 typedef struct splats {
-    range spz;                   /* or, where its buffer is NULL, the attributes */
-    fxs_spz *opened;             /* once a part of it was entered */
-    int first;                   /* primitive with the same .spz; of attributes, itself */
+    range spz;                   /* its .spz; where the buffer is NULL, it has attributes instead */
+    fxs_spz *opened;             /* set when the first part of it is read */
+    int first;                   /* first primitive with the same .spz; with attributes, itself */
     accessor attributes[ATTRIBUTES];
     int attribute_count;
     uint32_t count;
@@ -79,12 +79,12 @@ typedef struct splats {
     int scales_known, has_log_scales;
 } splats;
 
-/* Its primitives with Gaussians, once it is read. */
+/* The primitives of a mesh that have Gaussians, once it was read. */
 typedef struct mesh {
     int is_read, first, end;
 } mesh;
 
-/* A primitive as placed by a node. */
+/* A primitive, placed by a node. */
 typedef struct part {
     int splats;
     double rows[3][4];
@@ -93,8 +93,8 @@ typedef struct part {
 typedef struct gltf {
     const fxs_scene_source *source;
     fxs_message *message;        /* of the call */
-    double frame[3][4];          /* of what is read, from the file's */
-    list lists[LISTS];           /* until the file is open; so are the next three */
+    double frame[3][4];          /* from the axes of the file to those of the Gaussians */
+    list lists[LISTS];           /* only while the file is opened, like the next three */
     buffer_view *views;
     mesh *meshes;
     uint8_t *visited;            /* nodes */
@@ -103,7 +103,7 @@ typedef struct gltf {
     splats *splats;
     part *parts;
     int splats_count, parts_count;
-    int part;                    /* being read */
+    int part;                    /* the part that is being read */
     uint32_t next;               /* Gaussian of it */
     fxs_transform transform;     /* of it */
     fxs_spz *spz;                /* of it, or NULL */
@@ -115,7 +115,7 @@ static int fail(const gltf *g, const char *fault)
     return fxs_fail(g->message, "%s: %s", g->source->path, fault);
 }
 
-/* All 0; or NULL, and a message for FXS_ERR_MEMORY. */
+/* Allocates bytes of 0. Returns NULL, and a message for FXS_ERR_MEMORY, where memory ran out. */
 static void *allocate(const gltf *g, size_t count, size_t size)
 {
     void *block = fxs_allocate_zeroed(g->source->options.allocator, count, size);
@@ -141,7 +141,7 @@ static const cJSON *member(const cJSON *object, const char *name)
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
 
-/* A whole number from 0 to 2^53 - 1; `absent` for NULL, -1 for anything else. */
+/* An integer from 0 to 2^53 - 1; `absent` for NULL, -1 for any other item. */
 static int64_t whole(const cJSON *item, int64_t absent)
 {
     if (!item)
@@ -150,7 +150,7 @@ static int64_t whole(const cJSON *item, int64_t absent)
     return value >= 0 && value < 9007199254740992.0 && value == (double)(int64_t)value ? (int64_t)value : -1;
 }
 
-/* The index of something that exists, or -1. */
+/* The index of an existing item of a list, or -1. */
 static int index_of(const gltf *g, const cJSON *item, int which)
 {
     int64_t index = whole(item, -1);
@@ -172,10 +172,10 @@ static int make_list(gltf *g, const cJSON *root, int which)
     return 0;
 }
 
-/* The array with room for one more item, or NULL, as above. */
+/* The array with room for one more item, or NULL and a message. */
 static void *grow(const gltf *g, void *items, int count, size_t size)
 {
-    if (count & (count - 1))     /* it has the size of a power of two */
+    if (count & (count - 1))     /* its size is the next power of two */
         return items;
     void *larger = fxs_enlarge(g->source->options.allocator, items, (size_t)count, count ? 2 * (size_t)count : 1, size);
     if (!larger)
@@ -227,7 +227,7 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
 }
 
-/* Only a file beside this one: a scene from elsewhere may not choose other files to read. */
+/* Only a file beside this one: a foreign scene must not choose other files to read. */
 static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
 {
     char *name = allocate(g, strlen(uri) + 1, 1);
@@ -241,7 +241,7 @@ static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
     return result;
 }
 
-/* A buffer that has no bytes here (the fallback of a compressed one) is left empty. */
+/* A buffer without bytes (the fallback of a compressed one) is left empty. */
 static int open_buffer(gltf *g, int index)
 {
     const cJSON *item = g->lists[BUFFERS].items[index];
@@ -305,7 +305,7 @@ static int use_buffer_view(const gltf *g, int index, buffer_view *out)
     return out->fault ? fail_item(g, "bufferView", index, out->fault) : 0;
 }
 
-/* The attribute of that name; in drafts, _SCALE for KHR_gaussian_splatting:SCALE. */
+/* Finds an attribute; in drafts, _SCALE stands for KHR_gaussian_splatting:SCALE. */
 static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 {
     const cJSON *found = member(attributes, name);
@@ -463,7 +463,7 @@ static int read_sh(gltf *g, const cJSON *attributes, splats *s)
     return 0;
 }
 
-/* Opacity and SH, which a draft had as a colour of four components. */
+/* Finds opacity and SH, which in a draft were a colour of four components. */
 static int read_colours(gltf *g, const cJSON *attributes, splats *s)
 {
     static const char opacity[] = "KHR_gaussian_splatting:OPACITY";
@@ -496,7 +496,7 @@ static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
     return 0;
 }
 
-/* The drafts of a compression by .spz, in or beside the extension. */
+/* Names in drafts of the compression by .spz, in or beside the extension. */
 static const cJSON *find_spz(const cJSON *extensions)
 {
     static const char *const names[] = {
@@ -521,7 +521,7 @@ static int same_range(const range *a, const range *b)
     return a->buffer == b->buffer && a->offset == b->offset && a->size == b->size;
 }
 
-/* Whether the Gaussians are meant as they are drawn here. */
+/* Checks that the Gaussians are meant to be drawn as this renderer does. */
 static int check_splatting(const gltf *g, const cJSON *splatting)
 {
     static const char *const spaces[] = {"srgb_rec709_display", "BT.709-sRGB", "BT.709"};   /* the last two in drafts */
@@ -600,14 +600,14 @@ static int place_mesh(gltf *g, int index, double rows[3][4])
     return 0;
 }
 
-/* 1 where there is no such member, or exactly these many numbers. */
+/* 1 where the member is absent or has exactly `count` numbers. */
 static int take_numbers(const cJSON *object, const char *name, double *out, int count)
 {
     const cJSON *item = member(object, name);
     return !item || fxs_json_numbers(item, out, count);
 }
 
-/* Column by column, as glTF has it. */
+/* glTF stores matrices column by column. */
 static int local_matrix(const gltf *g, int index, double m[16])
 {
     const cJSON *node = g->lists[NODES].items[index];
@@ -672,7 +672,7 @@ static int open_spz(gltf *g, int index)
     return 0;
 }
 
-/* An fxs_import's drop: the last .spz that is decompressed, but for the one being read. So the first ones stay. */
+/* `drop` of fxs_import: frees the last decompressed .spz except the one being read, so that the first ones stay. */
 int fxs_gltf_drop(void *handle)
 {
     gltf *g = handle;
@@ -682,7 +682,7 @@ int fxs_gltf_drop(void *handle)
     return 0;
 }
 
-/* Makes a part the one that is read; g->parts_count is the end. */
+/* Begins to read a part; g->parts_count is the end. */
 static int enter(gltf *g, int index)
 {
     g->part = g->parts_count;
@@ -704,8 +704,8 @@ static int enter(gltf *g, int index)
     return 0;
 }
 
-/* Scales are linear, few of them below 0. In a draft they were logarithms, which signed integers are therefore; and
-   the file's floats, where a quarter of its Gaussians have one below 0, as nearly all logarithms of captured scenes
+/* Scales are linear, few of them below 0. In a draft they were logarithms, so signed integers are taken as logarithms;
+   and so are floats where a quarter of the Gaussians have a scale below 0, as nearly all logarithms of captured scenes
    are. The number of Gaussians is known to be within the limit. */
 static int find_log_scales(gltf *g)
 {
@@ -748,7 +748,7 @@ static int describe(gltf *g, fxs_scene_file_info *info)
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
-/* Where the JSON is; notes where the binary chunk is. */
+/* Finds the JSON, and notes the place of the binary chunk. */
 static int find_chunks(gltf *g, uint64_t *offset, uint64_t *size)
 {
     uint8_t h[20], chunk[8];
@@ -880,7 +880,7 @@ static void gltf_close(void *handle)
 {
     gltf *g = handle;
     for (int i = 0; i < g->splats_count; i++)
-        fxs_spz_close(g->splats[i].opened);   /* before its source */
+        fxs_spz_close(g->splats[i].opened);   /* closed before its source */
     for (int i = 0; i < MAX_BUFFERS; i++) {
         fxs_scene_source_close(&g->buffers[i].own);
         fxs_let_go(g->source, g->buffers[i].memory, g->buffers[i].memory_size);
@@ -907,8 +907,8 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
 
 #endif
 
-/* Whether a JSON object with that first name is a glTF. The index of a .sog has "asset" of these, but also what is
-   looked for. */
+/* Whether a JSON object with that first name is a glTF. The index of a .sog may also have "asset", so more is
+   checked. */
 static int is_gltf_name(const char *name)
 {
     static const char *const names[] = {

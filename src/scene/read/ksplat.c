@@ -1,13 +1,13 @@
-/* .ksplat 0.x: a header of 4096 bytes, section headers of 1024, sections; layout as mkkellogg/GaussianSplats3D's
-   SplatBuffer.js writes it. A section holds the lengths of its partly filled buckets, the buckets' centres, and its
-   Gaussians, bucket by bucket; with compression level 0, the Gaussians only. */
+/* Reads .ksplat 0.x: a header of 4096 bytes, section headers of 1024, sections; the layout is the one that
+   SplatBuffer.js of mkkellogg/GaussianSplats3D writes. A section has the lengths of its partly filled buckets, the
+   centres of buckets, and its Gaussians, bucket by bucket; with compression level 0, only Gaussians. */
 #include "src/base/byte_reader.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
 enum { HEADER_SIZE = 4096, SECTION_HEADER_SIZE = 1024, LEVELS = 3 };
 
-/* Bytes into a Gaussian of each compression level, and of an SH coefficient. */
+/* Offsets in a Gaussian, and the size of an SH coefficient, for each compression level. */
 static const struct layout { uint8_t scale, rotation, colour, sh, coefficient; } layouts[LEVELS] = {
     {12, 24, 40, 44, 4}, {6, 12, 20, 24, 2}, {6, 12, 20, 24, 1}
 };
@@ -25,12 +25,12 @@ typedef struct section {
 typedef struct ksplat_reader {
     const fxs_scene_source *source;
     int level;
-    float sh_low, sh_high;                  /* of the codes of level 2 */
+    float sh_low, sh_high;                  /* range of the codes of level 2 */
     uint64_t count, read;                   /* Gaussians */
     uint32_t sections, sections_begun;
-    section section;                        /* the last begun */
+    section section;                        /* the section that is read */
     uint32_t section_read;                  /* Gaussians of it */
-    uint32_t buckets_begun, bucket_left;    /* Gaussians of the last begun */
+    uint32_t buckets_begun, bucket_left;    /* number of buckets; Gaussians left in the current one */
     float centre[3];                        /* of that bucket */
     fxs_byte_reader headers, lengths, centres, rows;
 } ksplat_reader;
@@ -54,7 +54,7 @@ static section parse_section(const ksplat_reader *reader, const uint8_t *header)
     return s;
 }
 
-/* NULL, or what is wrong. */
+/* NULL, or the fault. */
 static const char *check_section(const ksplat_reader *reader, const section *s)
 {
     const uint64_t file_size = reader->source->input.size;
@@ -87,7 +87,7 @@ static int begin_section(ksplat_reader *reader, fxs_message *message)
         return fxs_bytes_fail_row(&reader->headers, "section", reader->sections_begun, reader->sections, message);
     reader->sections_begun++;
     reader->section_read = reader->buckets_begun = reader->bucket_left = 0;
-    if (s->count > 0) {   /* in the file, by the check */
+    if (s->count > 0) {   /* the check has shown that they are in the file */
         fxs_bytes_seek(&reader->lengths, s->lengths);
         fxs_bytes_seek(&reader->centres, s->centres);
         fxs_bytes_seek(&reader->rows, s->rows);
@@ -185,7 +185,7 @@ static int begin_bucket(ksplat_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* To the bucket, and section, of the next Gaussian. */
+/* Goes to the bucket, and section, of the next Gaussian. */
 static int advance(ksplat_reader *reader, fxs_message *message)
 {
     while (reader->section_read == reader->section.count)
@@ -195,7 +195,7 @@ static int advance(ksplat_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* In the file, the coefficients of a degree come channel by channel. */
+/* The file has the coefficients of a degree channel by channel. */
 static void decode_sh(const ksplat_reader *reader, const uint8_t *values, float sh[45])
 {
     for (int degree = 1; degree <= reader->section.sh_degree; degree++) {

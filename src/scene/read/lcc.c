@@ -1,8 +1,8 @@
-/* .lcc of XGRIDS: a JSON file, and beside it index.bin (where the Gaussians of each cell and level are), data.bin and
-   shcoef.bin (32 and 64 bytes a Gaussian) and environment.bin, which may be absent. Layout: XGRIDS, "LCC Data
+/* Reads .lcc of XGRIDS: a JSON file with index.bin (the places of the Gaussians of each cell and level), data.bin and
+   shcoef.bin (32 and 64 bytes a Gaussian) and perhaps environment.bin beside it. Layout: XGRIDS, "LCC Data
    Organization Format White Paper" (https://github.com/xgrids/LCCWhitepaper; Data Organization Format originated from
-   XGRIDS). Where that leaves something open (axes, SH of files without "fileType"), as PlayCanvas's splat-transform has
-   it. */
+   XGRIDS). Points that it leaves open (axes, SH of files without "fileType") are read as PlayCanvas's splat-transform
+   does. */
 #include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
@@ -19,16 +19,16 @@
 
 enum {
     MAX_LEVELS = 1000,
-    LEVEL_SIZE = 16,       /* bytes of a level of a cell in the index, after 4 of the cell */
+    LEVEL_SIZE = 16,       /* bytes of each level in the index, after 4 bytes of the cell */
     ROW = 32, SH_ROW = 64  /* bytes */
 };
 
-/* What the least and the greatest code of x, y and z (r, g and b) mean. */
+/* The values of the least and the greatest code of x, y and z (r, g and b). */
 typedef struct bounds {
     double low[3], high[3];
 } bounds;
 
-/* Gaussians of a cell, from a byte of data.bin on; or all of the environment. */
+/* The Gaussians of a cell, and their first byte in data.bin; or all Gaussians of the environment. */
 typedef struct cell {
     uint64_t begin, count;
 } cell;
@@ -37,9 +37,9 @@ typedef struct lcc_reader {
     const fxs_scene_source *source;
     size_t levels;
     int has_sh;
-    bounds scale[2], sh[2];   /* of the cells, of the environment */
-    cell *cells;              /* with Gaussians, in the order of data.bin; the environment comes after them */
-    size_t cell_room, cell_count, environment;   /* the last is its place in `cells` */
+    bounds scale[2], sh[2];   /* for the cells, and for the environment */
+    cell *cells;              /* those with Gaussians, in the order of data.bin; then the environment */
+    size_t cell_room, cell_count, environment;   /* environment: its index in `cells` */
     fxs_scene_source data_file, sh_file, environment_file;
     fxs_byte_reader rows, sh_rows;
     fxs_transform transform;
@@ -65,7 +65,7 @@ static const cJSON *find_attribute(const cJSON *root, const char *name)
     return NULL;
 }
 
-/* The bounds of an attribute, and those of its like in the environment, which are the same where there are none. */
+/* The bounds of an attribute for the cells and for the environment, which default to the same. */
 static int read_bounds(const cJSON *root, const char *name, const char *environment_name, bounds out[2])
 {
     const cJSON *own = find_attribute(root, name), *environment = find_attribute(root, environment_name);
@@ -115,8 +115,8 @@ static int load_meta(lcc_reader *r, fxs_message *message)
 
 /* ---- Files beside it --------------------------------------------------------------------------------------------- */
 
-/* Opens a file by the name that files have, or else by the other, which is the white paper's. Where neither is there:
-   0 with nothing opened where it may be absent. */
+/* Opens a file by the name that is in use, or else by the name in the white paper. Where both are missing and the file
+   may be absent, returns 0 with nothing opened. */
 static int open_beside(const lcc_reader *r, fxs_scene_source *file, const char *name, const char *other,
                        int may_be_absent, fxs_message *message)
 {
@@ -134,7 +134,7 @@ static uint64_t load_u64(const uint8_t *bytes)
     return fxs_load_u32(bytes) | (uint64_t)fxs_load_u32(bytes + 4) << 32;
 }
 
-/* Takes the level's Gaussians of each cell: a count, the first byte in data.bin, and how many bytes they have there. */
+/* Lists the level's Gaussians of each cell: their count, first byte in data.bin, and number of bytes there. */
 static int list_cells(lcc_reader *r, const fxs_scene_source *index, size_t count, fxs_message *message)
 {
     const size_t level = (size_t)r->source->options.level;
@@ -184,7 +184,7 @@ static int compare_cells(const void *a, const void *b)
     return (x->begin > y->begin) - (x->begin < y->begin);
 }
 
-/* Each byte is that of one Gaussian: else a small file would ask for much. */
+/* Each byte belongs to one Gaussian only, or a small file could ask for many. */
 static int check_cells(lcc_reader *r, fxs_message *message)
 {
     const uint64_t size = r->data_file.input.size;
@@ -211,7 +211,7 @@ static int open_data(lcc_reader *r, fxs_message *message)
     return check_cells(r, message);
 }
 
-/* Its Gaussians have their SH in their own rows. */
+/* The environment has SH in the rows of its Gaussians. */
 static int open_environment(lcc_reader *r, fxs_message *message)
 {
     const uint64_t row = r->has_sh ? ROW + SH_ROW : ROW;
@@ -233,7 +233,7 @@ static double lerp(const bounds *b, int i, double t)
     return b->low[i] * (1 - t) + b->high[i] * t;
 }
 
-/* Smallest three of x, y, z and w: the two upper bits name the one that is left out, the others are in +-1/sqrt(2). */
+/* Smallest three of x, y, z and w: the upper two bits name the component left out, the others are in +-1/sqrt(2). */
 static void decode_rotation(uint32_t code, float rotation[4])
 {
     const uint32_t omitted = code >> 30;
@@ -285,7 +285,7 @@ static int enter_cell(lcc_reader *r)
         r->rows.source = &r->environment_file;
         return fxs_bytes_seek(&r->rows, 0);
     }
-    fxs_bytes_skip(&r->rows, c->begin - fxs_bytes_tell(&r->rows));   /* in the files, by check_cells */
+    fxs_bytes_skip(&r->rows, c->begin - fxs_bytes_tell(&r->rows));   /* within the files, by check_cells */
     return r->has_sh ? fxs_bytes_skip(&r->sh_rows, 2 * c->begin - fxs_bytes_tell(&r->sh_rows)) : 0;
 }
 
@@ -320,7 +320,7 @@ static int lcc_rewind(void *handle, fxs_message *message)
     return fxs_bytes_seek(&r->rows, 0);
 }
 
-/* A level that is not there is told by the caller, who knows then how many there are. */
+/* The caller refuses a level that the file lacks, as it then knows the number of levels. */
 static int lcc_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
     static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* z up to y down */

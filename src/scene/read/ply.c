@@ -1,4 +1,4 @@
-/* .ply: the vertex properties as Inria's 3D Gaussian splatting code writes them. */
+/* Reads .ply with the vertex properties that Inria's 3D Gaussian splatting code writes. */
 #include <stdio.h>
 
 #include "ply_header.h"
@@ -46,7 +46,7 @@ static int skip_list(ply_reader *reader, const fxs_ply_property *list)
     return 0;
 }
 
-/* Any encoding, any properties; the fields of a Gaussian go to `fields`. */
+/* Reads a row of any encoding and any properties; the fields of a Gaussian go to `fields`. */
 static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fields)
 {
     fxs_ply_begin_row(&reader->bytes, reader->header.encoding);
@@ -61,7 +61,7 @@ static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fiel
     return fxs_ply_end_row(&reader->bytes, reader->header.encoding);
 }
 
-/* A binary row without lists. */
+/* Reads a binary row without lists. */
 static int read_fixed_row(ply_reader *reader, const fxs_ply_element *rows, float *fields)
 {
     const uint8_t *row = fxs_bytes_take(&reader->bytes, rows->row_size);
@@ -103,8 +103,8 @@ static int skip_element(ply_reader *reader, const fxs_ply_element *rows, fxs_mes
 
 /* Header */
 
-/* Halves by another name, as some write them: where whole numbers from 0 on cannot be meant, as no field but the
-   position is of another type. In a text they are numbers of any kind anyway. */
+/* Some programs write halves as unsigned 16-bit integers. They are recognised where integers make no sense: where no
+   field but the position has another type. In a text file they are numbers of any kind. */
 static void find_halves(ply_reader *reader)
 {
     for (int i = reader->vertex->first; i < reader->vertex->end; i++)

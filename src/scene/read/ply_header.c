@@ -1,4 +1,4 @@
-/* The container as in G. Turk, "The PLY Polygon File Format" (1994). */
+/* Reads the header of a .ply (G. Turk, "The PLY Polygon File Format", 1994). */
 #include "ply_header.h"
 
 #include <stdio.h>
@@ -6,7 +6,7 @@
 
 enum {
     MAX_LINE = 4096,
-    MAX_WORDS = 6,             /* of a line that are looked at */
+    MAX_WORDS = 6,             /* words of a line that are read */
     MAX_HEADER = 1 << 20,
     MAX_COUNT = 2147483647
 };
@@ -22,7 +22,7 @@ typedef struct parser {
     fxs_byte_reader *bytes;
     const char *path;
     fxs_message *message;
-    int line;                  /* the number of the last one read */
+    int line;                  /* number of the last line read */
 } parser;
 
 static int is(const char *word, const char *name)
@@ -175,7 +175,7 @@ int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_mess
     return 0;
 }
 
-/* An ASCII value takes at least a digit and a separator, but for the file's last. */
+/* An ASCII value takes at least a digit and a separator, except the last in the file. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message)
 {
     uint64_t needed = fxs_bytes_tell(bytes), size = bytes->source->input.size, values = 0;

@@ -1,4 +1,4 @@
-/* The header of a .ply file, whatever its elements hold. */
+/* The header of a .ply file with any elements. */
 #ifndef FXS_PLY_HEADER_H
 #define FXS_PLY_HEADER_H
 
@@ -45,16 +45,16 @@ typedef struct fxs_ply_header {
     fxs_ply_property property_table[FXS_PLY_MAX_PROPERTIES];
 } fxs_ply_header;
 
-/* Reads a header, all 0 so far, to its end. Returns 0, or an error and a message. */
+/* Reads the header of a file into *header, which must be 0. Returns 0, or an error and a message. */
 int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_message *message);
 
 /* Checks the file's size against the counts of the header just read. Returns 0, or an error and a message. */
 int fxs_ply_check_size(const fxs_ply_header *header, const fxs_byte_reader *bytes, fxs_message *message);
 
-/* NULL: none. */
+/* The element of that name, or NULL. */
 const fxs_ply_element *fxs_ply_find_element(const fxs_ply_header *header, const char *name);
 
-/* The index of a property that is no list, -1: none. */
+/* The index of a property that is no list, or -1. */
 int fxs_ply_find(const fxs_ply_header *header, const fxs_ply_element *element, const char *name);
 
 /* Finds SH coefficients, f_rest_*, which are channel-major in a file. Returns their degree, 0 to 4, with the index of
@@ -66,10 +66,10 @@ int fxs_ply_find_rest(const fxs_ply_header *header, const fxs_ply_element *eleme
 
 double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding encoding);
 
-/* The next value of a row. Returns 0, or FXS_ERR_FILE and a fault. */
+/* Reads the next value of a row. Returns 0, or FXS_ERR_FILE with a fault in the reader. */
 int fxs_ply_read_number(fxs_byte_reader *bytes, fxs_ply_encoding encoding, int type, double *value);
 
-/* Around the values of a row: in a text, the blanks and newlines before it, and the blanks and newline behind it. */
+/* Called before and after the values of a row; in a text file they skip blanks and newlines before it, and blanks and
 void fxs_ply_begin_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 int fxs_ply_end_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 

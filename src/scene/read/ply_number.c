@@ -1,4 +1,4 @@
-/* The numbers of a .ply, in text and in binary. */
+/* Reads the numbers of a .ply, in text and in binary. */
 #include <math.h>
 #include <stdio.h>
 #include <strings.h>
@@ -33,8 +33,8 @@ double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding enco
     }
 }
 
-/* value * 10^exponent, rounded once for |exponent| <= 22, where the power is exact. A value is 0 or 1 to 1e19, so that
-   beyond +-400 it is 0 or infinite anyway. */
+/* value * 10^exponent, rounded once for |exponent| <= 22, where the power is exact. The value is 0 or 1 to 1e19, so the
+   result is 0 or infinite for exponents beyond +-400. */
 static double scale_by_10(double value, int exponent)
 {
     static const double powers[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14,
@@ -104,7 +104,7 @@ static int is_blank(int byte)
     return byte == ' ' || byte == '\t' || byte == '\r';
 }
 
-/* Leaves the newline unread. A number that the file's end cuts short is read as it stands. */
+/* Leaves the newline unread. A number at the end of the file is read even if it was cut short. */
 static int read_ascii_number(fxs_byte_reader *bytes, double *value)
 {
     char text[MAX_NUMBER + 1];

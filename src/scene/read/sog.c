@@ -1,11 +1,11 @@
-/* .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and "The
-   Streamed SOG Format". Where those and PlayCanvas's own code differ (order of a quaternion, logarithms of scales,
-   width of a palette of degree 1), as the code has it. */
+/* Reads .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and
+   "The Streamed SOG Format". Where PlayCanvas's code differs from these (order of a quaternion, logarithms of scales,
+   width of a palette of degree 1), the code is followed. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
 
-/* A zip, or a JSON file that no other format has claimed. */
+/* A zip, or a JSON file of no earlier format. */
 static int is_sog(const fxs_head *head, fxs_message *message)
 {
     (void)message;
@@ -38,18 +38,18 @@ static const struct { const char *name; int first, count; } properties[] = {
     {"means", MEANS_LOW, 2}, {"scales", SCALES, 1}, {"quats", QUATS, 1}, {"sh0", SH0, 1}, {"shN", CENTROIDS, 2}
 };
 
-/* What the codes of a channel mean. */
+/* The values of the codes of a channel. */
 typedef float table[256];
 
 typedef struct sog_scene {
     const fxs_scene_source *source;   /* meta.json or the zip */
-    fxs_scene_source own;      /* *source where it is not what was opened */
+    fxs_scene_source own;      /* the source, where it is not the opened file */
     size_t count;
     int sh_degree, antialiased;
     size_t palette;            /* entries */
     double mins[3], maxs[3];   /* of sign(x) ln(1 + |x|) */
     table scale[3], colour[4], sh;
-    fxs_text files[IMAGES];    /* the images until they are decoded */
+    fxs_text files[IMAGES];    /* the images, until they are decoded */
     int widths[IMAGES], heights[IMAGES];   /* pixels */
     uint8_t *pixels[IMAGES];   /* RGBA; Gaussian i is pixel i, whatever the width */
 } sog_scene;
@@ -70,16 +70,16 @@ typedef struct file_name {
 
 typedef struct sog_reader {
     const fxs_scene_source *source;
-    cJSON *files;         /* of streamed SOG: the names of its scenes */
-    file_name *names;     /* in the order of files; the file is the first with that name */
-    size_t file_count;    /* 1 where it is not streamed */
+    cJSON *files;         /* names of the scenes of streamed SOG */
+    file_name *names;     /* for each file its name, and the first file with that name */
+    size_t file_count;    /* 1 for SOG that is not streamed */
     range *ranges;        /* in the order of files */
     size_t range_count, range_capacity;
-    size_t at, done;      /* the range being read, and how much of it was */
-    sog_scene **scenes;   /* of each file: held, or NULL */
-    size_t *held;         /* the files whose scenes are, in the order in which they were loaded */
+    size_t at, done;      /* the range being read, and the Gaussians of it that were read */
+    sog_scene **scenes;   /* the loaded scene of each file, or NULL */
+    size_t *held;         /* the files with loaded scenes, in the order of loading */
     size_t held_count;
-    sog_scene *scene;     /* the one being loaded or read, or NULL */
+    sog_scene *scene;     /* the scene being loaded or read, or NULL */
 } sog_reader;
 
 static const cJSON *member(const cJSON *object, const char *name)
@@ -104,7 +104,7 @@ static double lerp(double a, double b, double t)
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 
-/* Where the files of a scene are: in the zip, or where that is NULL, beside meta.json. */
+/* The place of a scene's files: in the zip, or where that is NULL, beside meta.json. */
 typedef struct container {
     const fxs_scene_source *source;   /* meta.json or the zip */
     fxs_zip *zip;
@@ -130,7 +130,7 @@ static int load_file(const container *c, const char *name, fxs_text *text)
 
 /* ---- meta.json ------------------------------------------------------------------------------------------------- */
 
-/* Version 2: 256 values, the same for all tables. Old writers left the first null. */
+/* Version 2: 256 values, shared by all tables. Old writers left the first one null. */
 static int read_codebook(const cJSON *property, table *tables, int count)
 {
     const cJSON *codebook = member(property, "codebook"), *value;
@@ -149,7 +149,7 @@ static int read_codebook(const cJSON *property, table *tables, int count)
     return 1;
 }
 
-/* Version 1: the ends of each table; of a single one without an array. */
+/* Version 1: the first and last value of each table; a single table has no array. */
 static int read_bounds(const cJSON *property, table *tables, int count)
 {
     const cJSON *low = member(property, "mins"), *high = member(property, "maxs");
@@ -186,7 +186,7 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
         return "no valid values of \"scales\"";
     for (int code = 0; code < 256 && model && strcmp(model, "2dgs") == 0; code++)
         s->scale[2][code] = FXS_FLAT_SCALE;
-    for (int code = 0; code < 256; code++)   /* version 1 has its own */
+    for (int code = 0; code < 256; code++)   /* version 1 has ranges of its own */
         s->colour[3][code] = fxs_logit_of_code(code);
     if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
         return "no valid values of \"sh0\"";
@@ -250,7 +250,7 @@ static int load_image(sog_scene *s, const container *c, int image, const char *n
     return fault ? fxs_fail(c->message, "%s: %s: %s", c->source->path, name, fault) : 0;
 }
 
-/* Each image has a file of its own: `names` has those of the images before it, or NULL. */
+/* Checks that each image has a file of its own: `names` has the names of the images before it, or NULL. */
 static int load_named_image(sog_scene *s, const container *c, int image, const char *names[IMAGES], const char *name)
 {
     for (int i = 0; i < image && name; i++)
@@ -318,7 +318,7 @@ static int load_meta(sog_scene *s, const container *c)
     const char *fault = root ? read_meta(s, root) : NULL;
     if (fault)
         status = fxs_fail(c->message, "%s: %s", c->source->path, fault);
-    if (status == 0 && c->zip)   /* all its bytes are known, those of files in a folder when they are loaded */
+    if (status == 0 && c->zip)   /* the bytes of a zip are known; those in a folder only when they are loaded */
         status = fxs_limit_gaussians(c->source, s->count, c->message);
     if (status == 0)
         status = load_images(s, c, root);
@@ -328,7 +328,7 @@ static int load_meta(sog_scene *s, const container *c)
 
 /* ---- Gaussians ------------------------------------------------------------------------------------------------- */
 
-/* Smallest three: alpha names the component of w, x, y, z that is left out, the others are in +-1/sqrt(2). */
+/* Smallest three: alpha names the component of w, x, y, z left out, the others are in +-1/sqrt(2). */
 static void decode_rotation(const uint8_t *code, float rotation[4])
 {
     double sum = 0;
@@ -351,7 +351,7 @@ static void decode_sh(const sog_scene *s, size_t index, float *sh)
 {
     const uint8_t *code = s->pixels[LABELS] + 4 * index;
     size_t label = code[0] | (size_t)code[1] << 8, count = (size_t)coefficients(s->sh_degree);
-    if (label >= s->palette)   /* 0, as PlayCanvas's own reader has it */
+    if (label >= s->palette)   /* 0, as in PlayCanvas's own reader */
         return;
     for (size_t k = 0; k < count; k++)
         for (size_t c = 0; c < 3; c++)
@@ -391,7 +391,7 @@ static int add_range(sog_reader *r, range added, fxs_message *message)
     return 0;
 }
 
-/* A level from the name of a member; -1: it is not one. */
+/* The level that the name of a member states, or -1. */
 static int level_of(const char *name)
 {
     int level = 0;
@@ -401,8 +401,8 @@ static int level_of(const char *name)
     return *name ? level : -1;
 }
 
-/* What a node has of a level, or NULL. A leaf that has nothing of it is drawn at the nearest level that it has, the
-   finer of two. Returns 0, or -1 where the node's levels are not numbers. */
+/* Finds the item of a node for a level, or NULL. A leaf without that level is drawn at its nearest level, the finer of
+   two. Returns 0, or -1 where the node's levels are not numbers. */
 static int find_level(const cJSON *node, int level, const cJSON **found)
 {
     const int is_leaf = !cJSON_GetArraySize(member(node, "children"));
@@ -422,7 +422,7 @@ static int find_level(const cJSON *node, int level, const cJSON **found)
     return 0;
 }
 
-/* The ranges of the node's leaves at a level. */
+/* Adds the ranges of the node's leaves at a level. */
 static int add_leaves(sog_reader *r, const cJSON *node, int level, fxs_message *message)
 {
     const cJSON *found, *child;
@@ -460,7 +460,7 @@ static int compare_names(const void *a, const void *b)
     return order ? order : (x->file > y->file) - (x->file < y->file);
 }
 
-/* Lists the names, and has each file that is named twice read once. */
+/* Lists the names, so that a file that is named twice is read once. */
 static int list_names(sog_reader *r, fxs_message *message)
 {
     const cJSON *item;
@@ -488,9 +488,9 @@ static int list_names(sog_reader *r, fxs_message *message)
     return 0;
 }
 
-/* The environment is drawn at every level: a file that the index names, else one of this name beside it, as PlayCanvas
-   had it before the index could name one. 1 where there is one, which is the last of the files then; 0, or an error and
-   a message. */
+/* The environment is drawn at every level. Its file is named in the index, or else has this name beside it, as in older
+   versions of PlayCanvas. Returns 1 where there is one, which is then the last of the files; 0; or an error and a
+   message. */
 static int add_environment(sog_reader *r, cJSON *root, fxs_message *message)
 {
     static const char name[] = "environment.sog";
@@ -504,7 +504,7 @@ static int add_environment(sog_reader *r, cJSON *root, fxs_message *message)
     return named && cJSON_AddItemToArray(r->files, named);
 }
 
-/* lod-meta.json: one level of every leaf, file by file, and the environment. */
+/* Reads lod-meta.json: one level of every leaf, file by file, and the environment. */
 static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs_message *message)
 {
     const cJSON *version = member(root, "version");
@@ -546,7 +546,7 @@ static void drop_scene(sog_reader *r, size_t at)
     fxs_let_go(r->source, s, sizeof *s);
 }
 
-/* An fxs_import's drop: the scene loaded last, but for the one in use. So the first ones stay. */
+/* `drop` of fxs_import: frees the last loaded scene except the one in use, so that the first ones stay. */
 static int drop_another(void *handle)
 {
     sog_reader *r = handle;
@@ -558,7 +558,7 @@ static int drop_another(void *handle)
     return 0;
 }
 
-/* Sets the source of a scene: what was opened, or for streamed SOG a file beside it. */
+/* Sets the source of a scene: the opened file, or for streamed SOG a file beside it. */
 static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
     s->source = r->files ? &s->own : r->source;
@@ -571,11 +571,11 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     return fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
-/* Links can give one file many names. */
+/* Refuses a file with two names: links could let one file stand for many. */
 static int check_identity(const sog_reader *r, const sog_scene *s, size_t file, fxs_message *message)
 {
     if (r->names[file].inode == s->own.inode && r->names[file].device == s->own.device)
-        return 0;                  /* known since it was opened before, or without a number */
+        return 0;                  /* checked when it was first opened, or without an inode */
     for (size_t i = 0; i < r->file_count && s->own.inode; i++)
         if (i != file && r->names[i].inode == s->own.inode && r->names[i].device == s->own.device)
             return fxs_fail(message, "%s: the same file as %s", s->own.path, r->names[i].name);
@@ -592,7 +592,7 @@ static int is_bundle(const fxs_scene_source *source, fxs_message *message)
     return first == 'P';
 }
 
-/* Loads a scene, its images not decoded yet. */
+/* Loads a scene, without decoding its images. */
 static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
     FXS_TRY(open_scene(r, s, file, message));
@@ -627,7 +627,7 @@ static int add_scene(sog_reader *r, size_t file, fxs_message *message)
     return result;
 }
 
-/* Makes the range's scene the reader's. Its file may have changed since it was last looked at. */
+/* Makes the scene of a range current. Its file may have changed since it was last loaded. */
 static int open_range(sog_reader *r, range *of, fxs_message *message)
 {
     if (!r->scenes[of->file])

@@ -1,4 +1,4 @@
-/* .spz, versions 1 to 4, as in README and src/cc of nianticlabs/spz. */
+/* Reads .spz, versions 1 to 4, as described in README and src/cc of nianticlabs/spz. */
 #include "spz_internal.h"
 
 #include <string.h>
@@ -15,13 +15,13 @@
 #include <zstd.h>
 #endif
 
-#define COORDINATE_SYSTEM 0xadbe0003u        /* the type of an extension */
+#define COORDINATE_SYSTEM 0xadbe0003u        /* type of this extension */
 
 enum {
-    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* versions 1 to 3, and 4 */
+    HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* of versions 1 to 3, and of 4 */
     MAX_FRACTIONAL_BITS = 24,
-    MAX_EXTENSIONS = 1 << 16,                /* bytes, where they are compressed */
-    MAX_EXPANSION = 1032                     /* of deflate */
+    MAX_EXTENSIONS = 1 << 16,                /* bytes, in compressed versions */
+    MAX_EXPANSION = 1032                     /* the most bytes that a byte of deflate stands for */
 };
 
 #define COLOUR_RANGE 0.15                    /* dc = (code / 255 - 0.5) / range */
@@ -34,18 +34,18 @@ const uint8_t fxs_spz_odd_in[15] = {2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1}
 
 struct fxs_spz {
     const fxs_scene_source *source;
-    uint64_t offset, size;                          /* of the .spz in it */
+    uint64_t offset, size;                          /* of the .spz in the source */
     fxs_message *message;                           /* of the call */
     uint32_t version, count;
     int sh_degree, fractional_bits, flags;
     enum fxs_axes axes;
     int is_gzip;
-    float flip[3], flip_rotation[3], flip_sh[15];   /* +-1, from the file's axes to those wanted */
+    float flip[3], flip_rotation[3], flip_sh[15];   /* +-1, from the file's axes to the wanted ones */
     uint8_t stride[FXS_SPZ_ARRAYS];                 /* bytes a Gaussian */
     uint8_t *payload, *array[FXS_SPZ_ARRAYS];       /* NULL until the first read */
     uint64_t payload_size;                          /* bytes held */
-    uint32_t contents;                              /* of version 4: where the table of contents is */
-    uint64_t compressed[FXS_SPZ_ARRAYS];            /* and what it says */
+    uint32_t contents;                              /* offset of the table of contents in version 4 */
+    uint64_t compressed[FXS_SPZ_ARRAYS];            /* compressed sizes from that table */
     uint32_t next;                                  /* Gaussian to read */
 };
 
@@ -108,7 +108,7 @@ static int parse_header(fxs_spz *spz, const uint8_t *header)
     return 0;
 }
 
-/* Values above 8 have y and z exchanged, but which is which differs between versions of the reference library. */
+/* Values above 8 exchange y and z, but versions of the reference library differ in how. */
 static int set_axes(fxs_spz *spz, uint32_t system)
 {
     const uint32_t asked[] = {[FXS_AXES_OF_FILE] = system ? system : RUB, [FXS_AXES_RUB] = RUB, [FXS_AXES_RDF] = RDF};
@@ -261,7 +261,7 @@ static int inflate_header(fxs_spz *spz, gzip *g)
 static int inflate_payload(fxs_spz *spz, gzip *g)
 {
     uint8_t header[HEADER_SIZE];
-    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;   /* one more than there may be */
+    size_t extra = (spz->flags & HAS_EXTENSIONS ? MAX_EXTENSIONS : 0) + 1, got;   /* one byte more than there may be */
     uint64_t wanted = payload_bytes(spz);
     FXS_TRY(inflate_start(spz, g, header));
     FXS_TRY(allocate_payload(spz, extra));
@@ -333,7 +333,7 @@ static uint64_t load_u64(const uint8_t *bytes)
     return fxs_load_u32(bytes) | (uint64_t)fxs_load_u32(bytes + 4) << 32;
 }
 
-/* The entries: compressed and uncompressed size of each array that is not empty. */
+/* Reads the table: compressed and uncompressed size of each array that is not empty. */
 static int parse_contents(fxs_spz *spz, const uint8_t *entry, uint64_t left)
 {
     for (int i = 0; i < FXS_SPZ_ARRAYS; i++) {
@@ -488,7 +488,7 @@ static float position(const fxs_spz *spz, const uint8_t *bytes)
     return ldexpf((float)(value - (value >> 23 << 24)), -spz->fractional_bits);
 }
 
-/* x, y, z in 8 bits. In double: the rest of 1 may be small. */
+/* x, y, z in 8 bits. Doubles, as 1 minus their squares may be small. */
 static void decode_first_three(double q[4], const uint8_t *bytes)
 {
     double rest = 1;
@@ -499,7 +499,7 @@ static void decode_first_three(double q[4], const uint8_t *bytes)
     q[3] = sqrt(fmax(rest, 0));
 }
 
-/* Bits 31 and 30: which of x, y, z, w is the largest. The others, sign and 9 bits each: the last is the lowest. */
+/* Bits 31 and 30: index of the largest of x, y, z, w. The others have a sign and 9 bits each, the last one lowest. */
 static void decode_smallest_three(double q[4], uint32_t word)
 {
     uint32_t largest = word >> 30;

@@ -1,8 +1,8 @@
-/* tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles, whose contents are .glb and .gltf
-   files or other tilesets. What is drawn is the finest: the contents of each tile that is refined by ADD, and those of a
-   tile that is refined by REPLACE where no tile below it has any. Bounding volumes and errors are not looked at.
-   A tileset is z up and its contents y up; the Gaussians come as those of a content alone do. A tileset on the globe is
-   put into the frame of the first tile that lies there, as floats have half a metre left at the Earth's radius. */
+/* Reads tileset.json: 3D Tiles 1.0 and 1.1 (OGC 18-053r2, 22-025r4) with explicit tiles, whose contents are .glb and
+   .gltf files or other tilesets. The finest contents are drawn: those of each tile refined by ADD, and those of a tile
+   refined by REPLACE where no tile below it has contents. Bounding volumes and errors are ignored.
+   A tileset is z up and its contents y up; the Gaussians get the same axes as from a content alone. A tileset on the
+   globe is moved to the frame of the first tile there, as floats resolve only half a metre at the Earth's radius. */
 #include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
@@ -16,11 +16,11 @@
 
 enum {
     MAX_CONTENTS = 16384,
-    MAX_NESTING = 16,          /* of tilesets */
-    MOST_OPEN = 32             /* contents; others are opened again in each pass */
+    MAX_NESTING = 16,          /* depth of tilesets in tilesets */
+    MOST_OPEN = 32             /* open contents; others are opened again in each pass */
 };
 
-static const double GLOBE = 1e6;   /* a tile that is so far out lies on it */
+static const double GLOBE = 1e6;   /* a tile that is so far from the origin lies on the globe */
 
 typedef struct matrix {
     double m[3][4];            /* rows; the last would be 0 0 0 1 */
@@ -29,9 +29,9 @@ typedef struct matrix {
 /* A file that a tile names. */
 typedef struct content {
     char *name;                /* from the folder of the first tileset */
-    matrix up, tile;           /* from its own frame to the tile's, and from there to the tileset's, z up */
+    matrix up, tile;           /* from its axes to the tile's, and from there to the tileset's, z up */
     int nesting, is_tileset;
-    uint64_t device, inode;    /* where it was opened by its path; else 0 */
+    uint64_t device, inode;    /* of a file that was opened by its path; else 0 */
     uint64_t count;
     fxs_scene_source source;
     void *reader;              /* while it is open, or NULL */
@@ -43,17 +43,17 @@ typedef struct tileset {
     content *contents;
     size_t count, capacity;
     int is_on_globe;
-    matrix globe;              /* of the first tile there */
-    matrix frame;              /* of what is read, from the tileset's */
+    matrix globe;              /* frame of the first tile on the globe */
+    matrix frame;              /* from the axes of the tileset to those of the Gaussians */
     size_t open;               /* contents */
     size_t at;                 /* content being read */
-    int is_entered;            /* and rewound */
+    int is_entered;            /* 1: that content is open and rewound */
 } tileset;
 
 /* A tileset.json that is being listed. */
 typedef struct index_file {
     const char *path;
-    size_t folder;             /* letters of the name that are its folder */
+    size_t folder;             /* length of the folder in the name */
     const char *name;
     int nesting;
     matrix up;                 /* from contents to tiles */
@@ -83,7 +83,7 @@ static matrix multiply(const matrix *a, const matrix *b)
     return out;
 }
 
-/* Returns 0, or -1 where there is none. */
+/* Returns 0, or -1 where there is no inverse. */
 static int invert(matrix *out, const matrix *of)
 {
     const double (*m)[4] = (const double (*)[4])of->m;
@@ -128,7 +128,7 @@ static int grow(tileset *t)
 static int add_content(tileset *t, const index_file *from, const cJSON *item, const matrix *tile)
 {
     const char *uri = fxs_json_string(item, "uri");
-    uri = uri ? uri : fxs_json_string(item, "url");   /* as before 1.0 */
+    uri = uri ? uri : fxs_json_string(item, "url");   /* the name before version 1.0 */
     if (!uri)
         return fail(t, from->path, "the content of a tile has no \"uri\"");
     FXS_TRY(grow(t));
@@ -147,7 +147,7 @@ static int add_content(tileset *t, const index_file *from, const cJSON *item, co
     return 1;
 }
 
-/* Of one tile: 1, 0 where it has none, or an error and a message. */
+/* Adds the contents of one tile: 1, 0 where it has none, or an error and a message. */
 static int add_contents(tileset *t, const index_file *from, const cJSON *tile, const matrix *rows)
 {
     const cJSON *extensions = member(tile, "extensions"), *more = member(extensions, "3DTILES_multiple_contents");
@@ -164,7 +164,7 @@ static int add_contents(tileset *t, const index_file *from, const cJSON *tile, c
     return found;
 }
 
-/* Column by column in the file. */
+/* The file has matrices column by column. */
 static int read_transform(const tileset *t, const index_file *from, const cJSON *tile, matrix *out)
 {
     double m[16];
@@ -178,7 +178,7 @@ static int read_transform(const tileset *t, const index_file *from, const cJSON 
     return 0;
 }
 
-/* Whether tiles are refined by REPLACE; absent, as above. Returns an error and a message where it is neither. */
+/* 1 where a tile is refined by REPLACE, 0 by ADD; by default as its parent. Else an error and a message. */
 static int read_refine(const tileset *t, const index_file *from, const cJSON *tile, int above)
 {
     const char *refine = fxs_json_string(tile, "refine");
@@ -189,8 +189,8 @@ static int read_refine(const tileset *t, const index_file *from, const cJSON *ti
     return fail(t, from->path, "the \"refine\" of a tile is neither ADD nor REPLACE");
 }
 
-/* The contents that are drawn of a tile and what is below it: 1, 0 where there are none, or an error and a message.
-   cJSON bounds the depth. */
+/* Adds the contents to draw of a tile and the tiles below it: 1, 0 where there are none, or an error and a message.
+   cJSON limits the depth. */
 static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const matrix *above, int replaces)
 {
     const cJSON *children = member(tile, "children"), *child;
@@ -219,7 +219,7 @@ static int add_tile(tileset *t, const index_file *from, const cJSON *tile, const
     return here < 0 ? here : found | here;
 }
 
-/* Contents are y up where the asset does not say otherwise. */
+/* Contents are y up unless the asset states another axis. */
 static int read_asset(const tileset *t, index_file *from, const cJSON *root)
 {
     static const matrix from_y = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
@@ -250,7 +250,7 @@ static int list_tiles(tileset *t, index_file *from, const fxs_scene_source *sour
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 
-/* Each file is that of one content: else a small tileset would ask for much. Links can give one file many names. */
+/* Each file may be one content only, or a small tileset could ask for much; links can give a file many names. */
 static int check_identity(const tileset *t, size_t index, const fxs_scene_source *source)
 {
     content *c = &t->contents[index];
@@ -266,7 +266,7 @@ static int check_identity(const tileset *t, size_t index, const fxs_scene_source
     return is_first ? fail(t, source->path, "a tileset that is its own content") : 0;
 }
 
-/* A tileset's own contents come at the end of the list. */
+/* Adds the contents of a nested tileset at the end of the list. */
 static int list_content(tileset *t, size_t index, const fxs_scene_source *source)
 {
     static const char *const others[] = {"b3dm", "i3dm", "pnts", "cmpt"};
@@ -292,7 +292,7 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
     return list_tiles(t, &from, source, &above);
 }
 
-/* Looks at each content, and so at those that are added on the way. */
+/* Goes through all contents, also those that are added meanwhile. */
 static int list_all(tileset *t)
 {
     index_file from = {t->source->path, 0, NULL, 0, identity};
@@ -322,8 +322,8 @@ static void close_content(tileset *t, content *c)
     fxs_scene_source_close(&c->source);
 }
 
-/* An fxs_import's drop: something that was decompressed, then a content that is open, from the last on; but nothing that
-   is being read. */
+/* `drop` of fxs_import: frees decompressed data, then closes open contents, the last ones first, but nothing that is
+   being read. */
 static int drop_another(void *handle)
 {
     tileset *t = handle;
@@ -351,7 +351,7 @@ static int open_reader(tileset *t, content *c, fxs_scene_file_info *info)
     return fxs_gltf_open(c->reader, &c->source, frame.m, info, t->message);
 }
 
-/* Opens the content that t->at says. */
+/* Opens content number t->at. */
 static int open_content(tileset *t, fxs_scene_file_info *info)
 {
     content *c = &t->contents[t->at];
@@ -488,7 +488,7 @@ static int tileset_open(void *handle, const fxs_scene_source *source, fxs_scene_
 
 #endif
 
-/* Each tile of a tileset has an error. A glTF may begin with the same name. */
+/* Each tile of a tileset has a geometric error, which tells it from a glTF with the same first name. */
 static int is_tileset(const fxs_head *head, fxs_message *message)
 {
     (void)message;

@@ -15,7 +15,7 @@ typedef struct bin {
     uint64_t count;
 } bin;
 
-/* Shares the values out by where they are between the least and the most. Returns how many bins have any. */
+/* Counts the values in bins from the least to the largest. Returns how many bins are not empty. */
 static int fill_bins(bin *bins, const float *values, size_t count, double low, double high)
 {
     const double scale = high > low ? (BINS - 1) / (high - low) : 0;
@@ -28,7 +28,7 @@ static int fill_bins(bin *bins, const float *values, size_t count, double low, d
     return used;
 }
 
-/* Where there are no more bins than values in a book: the means of the bins. */
+/* Where the codebook has room for every bin: the means of the bins. */
 static void copy_bins(float book[FXS_BOOK], const bin *bins)
 {
     int at = 0;
@@ -39,7 +39,7 @@ static void copy_bins(float book[FXS_BOOK], const bin *bins)
         book[at] = book[at - 1];
 }
 
-/* Values that lie as densely as the cube root of what is there, which is the best for many (Panter and Dite 1951). */
+/* Places values with a density of the cube root of the data's, the best for many values (Panter and Dite 1951). */
 static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double high)
 {
     double roots[GROUPS], total = 0, passed = 0;
@@ -62,7 +62,7 @@ static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double
         book[at] = (float)high;
 }
 
-/* Each value becomes the mean of what is nearest to it. */
+/* Moves each value to the mean of the data nearest to it. */
 static void improve_book(float book[FXS_BOOK], const bin *bins)
 {
     bin sums[FXS_BOOK] = {{0, 0}};
@@ -119,18 +119,18 @@ uint8_t fxs_book_find(const float book[FXS_BOOK], float value)
 
 enum {
     WIDTH = FXS_SH_PALETTE_STRIDE,
-    SAMPLE = 16384,                /* vectors that the coarse clusters are learned from, about */
+    SAMPLE = 16384,                /* about the number of vectors for learning coarse clusters */
     COARSE_ROUNDS = 8, FINE_ROUNDS = 5
 };
 
-/* Vectors by their numbers, what they are shared out among, and where each went. */
+/* Vectors by their numbers, the means of clusters, and the nearest mean of each vector. */
 typedef struct cluster {
     const fxs_sh_palette_vector *vectors;
     const uint32_t *members;
     uint32_t count, entries;
     fxs_sh_palette_vector *means;
     int32_t *half_squares;         /* |mean|^2 / 2 */
-    uint32_t *nearest;             /* of each member */
+    uint32_t *nearest;             /* nearest mean of each member */
 } cluster;
 
 static int32_t dot(const int16_t *restrict a, const int16_t *restrict b)
@@ -141,7 +141,7 @@ static int32_t dot(const int16_t *restrict a, const int16_t *restrict b)
     return sum;
 }
 
-/* |x - mean|^2 / 2 = |x|^2 / 2 + |mean|^2 / 2 - x mean; below 2^31, for a component is below 2^12 */
+/* |x - mean|^2 / 2 = |x|^2 / 2 + |mean|^2 / 2 - x mean; below 2^31, as components are below 2^12 */
 static void share_out(const cluster *c)
 {
     for (uint32_t e = 0; e < c->entries; e++)
@@ -162,7 +162,8 @@ static int16_t mean_of(int64_t sum, int64_t count)
     return (int16_t)((2 * sum + (sum < 0 ? -count : count)) / (2 * count));
 }
 
-/* An entry that is nearest to nothing stays. `sums` has room for WIDTH + 1 numbers an entry. */
+/* Moves entries to the means of their vectors; an entry without vectors stays. `sums` has WIDTH + 1 numbers an entry.
+   */
 static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
 {
     memset(sums, 0, c->entries * sizeof *sums);
@@ -177,7 +178,7 @@ static void find_means(const cluster *c, int64_t (*sums)[WIDTH + 1])
             c->means[e][d] = mean_of(sums[e][d], sums[e][WIDTH]);
 }
 
-/* Begins with members that lie evenly in their order, which is one of neighbours. */
+/* Begins with evenly spaced members; their order keeps neighbours together. */
 static int learn(const cluster *c, int rounds)
 {
     int64_t (*sums)[WIDTH + 1] = malloc(c->entries * sizeof *sums);
@@ -206,14 +207,14 @@ uint32_t fxs_sh_palette_entries(uint32_t count)
 
 typedef struct work {
     fxs_sh_palette_vector coarse[256];
-    uint32_t starts[257];          /* of each coarse cluster's members in `members` */
+    uint32_t starts[257];          /* start of each coarse cluster in `members` */
     int32_t half_squares[FXS_SH_PALETTE_MOST];
     uint32_t *members, *nearest;
     fxs_progress_fn *progress;
     void *argument;
 } work;
 
-/* Shares the vectors out among 2^(n / 2) clusters for 2^n entries. Returns how many clusters, 0: out of memory. */
+/* Divides the vectors into 2^(n / 2) clusters for 2^n entries. Returns the number of clusters, 0: out of memory. */
 static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint32_t count, uint32_t entries)
 {
     const uint32_t step = count / SAMPLE + 1;
@@ -231,7 +232,7 @@ static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint3
     return c.entries;
 }
 
-/* Puts the members of each coarse cluster together. */
+/* Sorts the members by coarse cluster. */
 static void sort_members(work *w, uint32_t coarse, uint32_t count)
 {
     uint32_t next[256];
@@ -246,7 +247,8 @@ static void sort_members(work *w, uint32_t coarse, uint32_t count)
         w->members[next[w->nearest[i]]++] = i;
 }
 
-/* Each coarse cluster has one entry, and of the others as large a share as of the members; never more than members. */
+/* Each coarse cluster gets one entry, and a share of the others in proportion to its members, but not more than these.
+   */
 static int find_fine(work *w, uint32_t coarse, fxs_sh_palette_vector *palette, uint32_t entries, uint32_t *labels,
                      const fxs_sh_palette_vector *vectors, uint32_t count)
 {

@@ -1,5 +1,5 @@
-/* PlayCanvas's compressed .ply: what compressed_ply.c reads. Gaussians are ordered first, so that those of a chunk are
-   neighbours: their positions are codes over the chunk's box. */
+/* Writes PlayCanvas's compressed .ply, which compressed_ply.c reads. Gaussians are ordered first, so that a chunk has
+   neighbours, as their positions are coded over the chunk's box. */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -10,7 +10,7 @@
 enum { CHUNK = 256, BOUNDS = 18, CHUNK_BYTES = 4 * BOUNDS, WORDS_BYTES = 16 };
 
 
-/* Of a chunk: lower and upper of position, ln(sigma) and colour, 0.5 + SH_0 dc. */
+/* Lower and upper bounds of a chunk: position, ln(sigma) and colour, 0.5 + SH_0 dc. */
 typedef struct chunk {
     float low[9], high[9];
 } chunk;
@@ -56,7 +56,7 @@ static void find_bounds(chunk *c, const fxs_held *h, uint32_t first, uint32_t en
     }
 }
 
-/* value = low + (high - low) code / (2^bits - 1), of value k */
+/* The code of value k, where value = low + (high - low) code / (2^bits - 1). */
 static uint32_t code(const chunk *c, const float values[9], int k, int bits)
 {
     const double width = (double)c->high[k] - c->low[k];
@@ -122,7 +122,7 @@ static void write_chunk(fxs_output *output, const chunk *c, fxs_message *message
     fxs_output_write(output, bytes, sizeof bytes, message);
 }
 
-/* All chunks, all words, all SH, in this order. Errors stay in the output. */
+/* Writes all chunks, all words, all SH, in this order. Errors stay in the output. */
 static void write_body(fxs_held *h, chunk *chunks, fxs_progress_fn *progress, void *argument, fxs_message *message)
 {
     uint8_t bytes[45];

@@ -1,4 +1,4 @@
-/* Text: a line of names, those of Inria's .ply without its normals, and a line of values for each Gaussian. */
+/* Writes text: a line with the names of Inria's .ply without normals, and a line of values for each Gaussian. */
 
 #include "scene_write_internal.h"
 
@@ -19,7 +19,7 @@ static int csv_open(void *writer, const char *path, const fxs_scene_write_option
     return 0;
 }
 
-/* Nine digits give the same float when they are read. */
+/* Nine digits are read back as the same float. */
 static void print(FILE *file, const float *values, int count, const char *before)
 {
     for (int i = 0; i < count; i++)

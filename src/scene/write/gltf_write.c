@@ -1,5 +1,5 @@
-/* A .glb with KHR_gaussian_splatting (Khronos, release candidate), all floats: one bufferView of rows, so that it is
-   written as the Gaussians come. The axes of a .ply are turned by half a turn about z, for y is up in glTF. */
+/* Writes a .glb with KHR_gaussian_splatting (Khronos, release candidate), all floats, in one bufferView of rows, so
+   that Gaussians are written as they come. The axes of a .ply are turned by half a turn about z, as y is up in glTF. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include "scene_write_internal.h"
 #include "src/scene/read/spz_internal.h"
 
-/* Bytes of a row: position, scale, rotation, opacity, then SH from degree 0 on. glTF lets it be 252 at most. */
+/* Bytes of a row: position, scale, rotation, opacity, then SH from degree 0 on. glTF allows at most 252. */
 enum { SCALE = 12, ROTATION = 24, OPACITY = 40, SH = 44, MAX_ROW = SH + 16 * 12 };
 
 enum { JSON_MOST = 8000 };         /* bytes; the longest has 4000 */
@@ -64,7 +64,7 @@ static void make_json(FILE *json, const fxs_scene_write_options *o, uint32_t row
         fputc(' ', json);
 }
 
-/* The text, for free. NULL: out of memory. */
+/* The JSON text, for free(). NULL: out of memory. */
 static char *json_text(const fxs_scene_write_options *o, uint32_t row, size_t *length)
 {
     char *text = NULL;
@@ -92,7 +92,7 @@ static void write_header(FILE *file, const char *json, size_t length, uint32_t b
     fwrite(chunk, 1, sizeof chunk, file);
 }
 
-/* Sizes in a .glb have 32 bits. */
+/* Checks the sizes, which have 32 bits in a .glb. */
 static int glb_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
 {
     glb_writer *w = writer;

@@ -1,4 +1,4 @@
-/* What writers share: Gaussians that wait until all are known, and codes. */
+/* The common part of writers: Gaussians that are held until all are known, and codes. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>

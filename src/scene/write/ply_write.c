@@ -1,4 +1,4 @@
-/* Inria's .ply: binary, little-endian, all properties float, normals zero. */
+/* Writes Inria's .ply: binary, little-endian, all properties float, normals zero. */
 #include <inttypes.h>
 
 #include "scene_write_internal.h"

@@ -1,4 +1,4 @@
-/* What the writers of formats share. */
+/* The common part of the writers of formats. */
 #ifndef FXS_SCENE_WRITE_INTERNAL_H
 #define FXS_SCENE_WRITE_INTERNAL_H
 
@@ -7,7 +7,7 @@
 
 /* ---- Gaussians that wait until all are known ---- */
 
-#define FXS_HELD_SH_ONE 4096       /* SH coefficients are whole multiples of 1 / this, within +-8 */
+#define FXS_HELD_SH_ONE 4096       /* SH coefficients are multiples of 1 / this, within +-8 */
 
 typedef struct fxs_held_gaussian {
     float position[3], scale[3], dc[3];
@@ -16,10 +16,10 @@ typedef struct fxs_held_gaussian {
 } fxs_held_gaussian;
 
 typedef struct fxs_held {
-    fxs_output output;             /* the file that they are for */
+    fxs_output output;             /* the file that is written */
     fxs_held_gaussian *gaussians;
-    int16_t *sh;                   /* `coefficients` of each, as in fxs_gaussian */
-    uint32_t *order;               /* their numbers, in the order of fxs_order, once there is one */
+    int16_t *sh;                   /* `coefficients` for each Gaussian, as in fxs_gaussian */
+    uint32_t *order;               /* the Gaussians' numbers in the order of fxs_order, or null */
     uint32_t count, next;
     uint32_t coefficients;         /* of all channels */
 } fxs_held;
@@ -29,23 +29,22 @@ int fxs_held_open(fxs_held *held, const char *path, const fxs_scene_write_option
 
 int fxs_held_put(fxs_held *held, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
 
-/* Orders them in chunks of 256 neighbours. Returns 1 where the file can be made; where not, the output's error says
-   why. */
+/* Orders the Gaussians in chunks of 256 neighbours. Returns 1, or 0 with an error in the output. */
 int fxs_held_order(fxs_held *held);
 
 int fxs_held_close(fxs_held *held, fxs_message *message);
 
 /* ---- Codes ---- */
 
-/* Little-endian; they return where the next goes. */
+/* Write a little-endian number and return the place after it. */
 uint8_t *fxs_put_u32(uint8_t *to, uint32_t value);
 uint8_t *fxs_put_floats(uint8_t *to, const float *values, size_t n);
 
-/* The nearest whole number from 0 to `most`; 0 for NaN. */
+/* The nearest integer from 0 to `most`; 0 for NaN. */
 uint32_t fxs_code_within(double x, uint32_t most);
 
-/* Codes of the three smallest components of a rotation, w, x, y, z without the largest, which is made positive: 0 to
-   `most` is -1/sqrt(2) to 1/sqrt(2). Returns the number of the largest. */
+/* Codes the three smallest components of a rotation w, x, y, z, signed so that the largest is positive: 0 to `most`
+   stand for -1/sqrt(2) to 1/sqrt(2). Returns the index of the largest. */
 uint32_t fxs_code_rotation(const float rotation[4], uint32_t most, uint32_t codes[3]);
 
 #endif

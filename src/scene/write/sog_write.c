@@ -1,5 +1,5 @@
-/* .sog of version 2: lossless WebP images and their JSON in a zip; layout as in PlayCanvas's specification and as
-   splat-transform writes it. Gaussians are ordered first, which WebP and the palette gain by. */
+/* Writes .sog version 2: lossless WebP images and their JSON in a zip, with the layout of PlayCanvas's specification
+   and of splat-transform. Gaussians are ordered first, which improves WebP and the palette. */
 #include "scene_write_internal.h"
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_ZIP)
@@ -20,7 +20,7 @@ enum {
     MAX_SIDE = 16383,
     PALETTE_ROW = 64,                    /* entries */
     SH_RATIO = FXS_HELD_SH_ONE / FXS_SH_PALETTE_ONE,
-    EFFORT = 4                           /* of libwebp's 0 to 9 */
+    EFFORT = 4                           /* 0 to 9 in libwebp */
 };
 
 static const char *const image_names[IMAGES] = {
@@ -37,7 +37,7 @@ typedef struct image {
 typedef struct sog_writer {
     fxs_held held;
     int sh_degree, antialiased;
-    double low[3], high[3];              /* of positions as they are coded */
+    double low[3], high[3];              /* bounds of positions in the form that is coded */
     float scales[FXS_BOOK], colours[FXS_BOOK], sh[FXS_BOOK];
     uint32_t entries, *labels;           /* of the palette */
     fxs_sh_palette_vector *palette;
@@ -64,14 +64,14 @@ static int sog_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return fxs_held_put(&((sog_writer *)writer)->held, gaussians, n, message);
 }
 
-/* Notes that memory ended; returns 0. */
+/* Notes that memory ran out; returns 0. */
 static int no_memory(sog_writer *w)
 {
     w->held.output.error = ENOMEM;
     return 0;
 }
 
-/* Tells the progress; returns 0 where it is to stop. */
+/* Reports the progress; returns 0 where the caller wants to stop. */
 static int advance(sog_writer *w, double done)
 {
     if (w->progress && w->progress(w->argument, done))
@@ -81,7 +81,7 @@ static int advance(sog_writer *w, double done)
 
 /* ---- Codebooks --------------------------------------------------------------------------------------------------- */
 
-/* The logarithm, from 0 on and with the sign: ln(1 + |x|) */
+/* sign(x) ln(1 + |x|) */
 static double coded_position(float x)
 {
     return copysign(fxs_log(1 + fabs(x)), x);
@@ -120,7 +120,7 @@ static int palette_progress(void *writer, double done)
     return !advance(writer, 0.1 + 0.7 * done);
 }
 
-/* The book of what the palette's vectors hold. */
+/* The codebook for the numbers in the palette's vectors. */
 static int find_sh_book(sog_writer *w)
 {
     const uint32_t coefficients = w->held.coefficients;
@@ -170,7 +170,7 @@ static int make_image(sog_writer *w, int which, uint32_t width, uint32_t height)
     return m->pixels ? 1 : no_memory(w);
 }
 
-/* Nearly square, in whole blocks of 4x4. */
+/* The size of the images: nearly square, in whole blocks of 4x4. */
 static int make_images(sog_writer *w)
 {
     uint32_t side = 4;
@@ -209,7 +209,7 @@ static void encode(sog_writer *w, const fxs_held_gaussian *g, size_t i)
         at[LABELS][k] = (uint8_t)(w->labels[i] >> 8 * k);
 }
 
-/* 64 entries a row, each a pixel for each coefficient of a channel, one after the other. */
+/* 64 entries a row; an entry has a pixel for each coefficient of a channel, one after the other. */
 static void encode_palette(sog_writer *w)
 {
     const uint32_t coefficients = w->held.coefficients / 3;
@@ -221,7 +221,7 @@ static void encode_palette(sog_writer *w)
         }
 }
 
-/* Colours stay where alpha is 0. Frees the pixels. */
+/* Keeps colours where alpha is 0. Frees the pixels. */
 static int compress(sog_writer *w, image *m)
 {
     WebPConfig config;

@@ -1,4 +1,4 @@
-/* .spz versions 3 (gzip) and 4 (zstd). SH have 8 bits, where the reference writer keeps 5 or 4. */
+/* Writes .spz versions 3 (gzip) and 4 (zstd). SH have 8 bits; the reference writer keeps 5 or 4. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -28,13 +28,13 @@ typedef struct spz_writer {
     fxs_output output;
     int version, sh_degree, antialiased;
     uint32_t count, next;
-    uint32_t fitting[MAX_BITS + 2];   /* Gaussians by the most fractional bits, plus 1; 0: none holds them */
+    uint32_t fitting[MAX_BITS + 2];   /* counts by the most fractional bits that fit, plus 1; 0: none fits */
     fxs_spz_clamped clamped;
     int fractional_bits;
     uint8_t stride[FXS_SPZ_ARRAYS];
-    placement *placements;            /* until the bits are chosen; then null */
+    placement *placements;            /* until the fractional bits are chosen; then null */
     uint8_t *payload, *array[FXS_SPZ_ARRAYS];
-    size_t size, done;   /* bytes of the payload, and those compressed */
+    size_t size, done;   /* bytes of the payload, and bytes compressed so far */
     fxs_progress_fn *progress;
     void *argument;
 } spz_writer;
@@ -99,7 +99,7 @@ static int spz_open(void *writer, const char *path, const fxs_scene_write_option
 
 /* ---- Codes ----------------------------------------------------------------------------------------------------- */
 
-/* The nearest whole number from low to high; low for NaN. */
+/* The nearest integer from low to high; low for NaN. */
 static int32_t code(double x, int32_t low, int32_t high)
 {
     x = floor(x + 0.5);
@@ -112,7 +112,7 @@ static void put_u32(uint8_t *to, uint32_t value)
         to[i] = (uint8_t)(value >> 8 * i);
 }
 
-/* x, y, z, w; the largest is left out and made positive. */
+/* Codes x, y, z, w without the largest, signed so that it is positive. */
 static uint32_t code_rotation(const double q[4])
 {
     double norm = 0;
@@ -136,7 +136,7 @@ static uint8_t code_byte(double x)
     return (uint8_t)code(x, 0, 255);
 }
 
-/* Of the codes of a byte, by a step or more. */
+/* Whether a code lies outside a byte, by a step or more. */
 static int is_beyond(double x)
 {
     return !(x >= -1 && x <= 256);
@@ -147,7 +147,7 @@ static double scale_code(const fxs_gaussian *g, int axis)
     return (g->scale[axis] + 10.0) * 16;
 }
 
-/* The most fractional bits that hold the centre; -1: none. */
+/* The most fractional bits with which the centre fits; -1: none. */
 static int bits_for(const float position[3])
 {
     const double most = fmax(fmax(fabs(position[0]), fabs(position[1])), fabs(position[2]));
@@ -157,8 +157,8 @@ static int bits_for(const float position[3])
     return bits;
 }
 
-/* All but what depends on the fractional bits. y and z change their signs: from right, down, front to right, up,
-   back. */
+/* Codes all attributes that do not depend on the fractional bits. y and z change their signs: from right, down, front
+   to right, up, back. */
 static void encode(spz_writer *w, const fxs_gaussian *g, size_t index)
 {
     uint8_t *at[FXS_SPZ_ARRAYS];
@@ -195,8 +195,8 @@ static int spz_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return 0;
 }
 
-/* As many fractional bits as hold all positions in 24 bits with their sign, 24 at most. Where that is less than 12 (2048
-   units), the most up to 12 with which at most one in a hundred is beyond. */
+/* Chooses the most fractional bits, up to 24, with which all positions fit in 24 bits with their sign. Where that is
+   less than 12 (2048 units), the most up to 12 with which at most one Gaussian in a hundred does not fit. */
 static void choose_bits(spz_writer *w)
 {
     uint32_t beyond = 0;
@@ -206,7 +206,7 @@ static void choose_bits(spz_writer *w)
     w->fractional_bits = bits > 0 ? bits - 1 : 0;
 }
 
-/* Positions and scales. */
+/* Codes positions and scales. */
 static void place(spz_writer *w, size_t index)
 {
     uint8_t *position = w->array[FXS_SPZ_POSITION] + index * w->stride[FXS_SPZ_POSITION];
@@ -217,7 +217,7 @@ static void place(spz_writer *w, size_t index)
     memcpy(g.scale, w->placements[index].scale, sizeof g.scale);
     w->clamped.position += (uint32_t)fxs_bring_in(&g, w->clamped.reach);
     held = g;
-    fxs_hold_scales(&held);            /* what is too thin to be seen is no loss */
+    fxs_hold_scales(&held);            /* an axis too thin to be seen is no loss */
     for (int i = 0; i < 3; i++) {
         const double x = ldexp(i ? -g.position[i] : g.position[i], w->fractional_bits);
         const uint32_t bits = (uint32_t)code(x, -POSITION_MAX, POSITION_MAX);
@@ -253,7 +253,7 @@ static void make_header(const spz_writer *w, uint8_t header[16])
     header[15] = 0;
 }
 
-/* Notes what was compressed; returns other than 0 where that is to stop. */
+/* Counts compressed bytes and reports progress; returns other than 0 where the caller wants to stop. */
 static int advance(spz_writer *w, size_t bytes)
 {
     w->done += bytes;
@@ -310,7 +310,7 @@ static void write_gzip(spz_writer *w, fxs_message *message)
 #endif
 
 #ifdef FXS_WITH_ZSTD
-/* Compresses an array into the rest of `out`. Returns how many bytes that made. */
+/* Compresses an array into the rest of `out`. Returns the number of bytes written. */
 static size_t write_frame(spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size,
                           ZSTD_outBuffer *out)
 {
@@ -350,7 +350,7 @@ static void write_arrays(spz_writer *w, ZSTD_CStream *stream, uint8_t *head, siz
         fxs_output_write(&w->output, out->dst, out->pos, message);
 }
 
-/* The table of contents comes first, and a file need not be one that can be sought. */
+/* The table of contents comes first, and the output may be a pipe, so all is compressed before. */
 static void write_zstd(spz_writer *w, fxs_message *message)
 {
     uint8_t head[32 + 16 * FXS_SPZ_ARRAYS] = {0};
