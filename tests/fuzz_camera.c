@@ -1,5 +1,5 @@
-/* Fuzzes the camera readers on memory: the first byte picks the format and whether lenses are read, the next two the size of the cameras file of a
-   COLMAP model. Every view that is read is made a camera. */
+/* Fuzzes the camera readers on memory: the first byte picks the format, the next two the size of the cameras file of a COLMAP model. Every view that is
+   read is made a camera. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,7 +38,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     memset(&list, 0, sizeof list);
     list.path = "fuzz";
     list.message = &message;
-    list.lenses = data[0] & 1;
     size_t rest = size - 3, split = data[1] | (size_t)data[2] << 8;
     if (data[0] / 2 % 3 == 0) {
         fxs_text json = copy("cameras.json", data + 3, rest);
