@@ -1,4 +1,5 @@
 /* The OpenGL back ends, which draw in place of blend and resolve: by EGL, exact (with lists or framebuffer fetch) or as
+ * quads, and by OSMesa. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

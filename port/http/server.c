@@ -227,6 +227,7 @@ static int is_local(const any_address *a)
 }
 
 /* Only numeric addresses and localhost: a page elsewhere may have made any other name point to this machine, to read
+   from it. */
 static int is_own_host(const char *host)
 {
     const size_t length = host ? strcspn(host, ":") : 0;

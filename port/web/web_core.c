@@ -70,6 +70,7 @@ EXPORT(release) void fxs_web_release(void *block)
 }
 
 /* The browser's functions, as the table of pi for others is large. An error of an ulp does not matter: numbers of a
+   camera are rounded to 2^-12. */
 double tan(double x)
 {
     return fxs_web_tan(x);

@@ -15,6 +15,7 @@ typedef struct fxs_lens {
 int fxs_lens_is_pinhole(const fxs_lens *lens);
 
 /* Maps a place x, y in the pinhole picture to its place in the photograph, both in focal lengths from the principal
+   point. */
 void fxs_lens_bend(const fxs_lens *lens, double x, double y, double bent[2]);
 
 /* Scales the focal lengths of a pinhole camera, by 1/2 to 2, so that its picture has the widest view that the

@@ -140,9 +140,10 @@ typedef struct fxs_fit_stages {
     void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
                   uint32_t *tiles);
     /* Blends a list to the pixels of the tile at (left, top), and sets the blocks of its entries. Returns how many
-       entries uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
-       int32_t top, fxs_fit_tile *tile); Writes the sums of the first `count` entries, as many as blend needed, to their
-       slots. */
+       entries were needed. */
+    uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
+                      fxs_fit_tile *tile);
+    /* Writes the sums of the first `count` entries, as many as blend needed, to their slots. */
     void (*back)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                  const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
     /* Each works on a row: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of these

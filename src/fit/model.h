@@ -31,6 +31,7 @@ typedef struct fxs_fit_origin {
 } fxs_fit_origin;
 
 /* Rebuilds the model from these origins; sums of densification become 0. Returns 0, or FXS_ERR_MEMORY and an unchanged
+   model. */
 int fxs_fit_model_rebuild(fxs_fit_model *model, const fxs_fit_origin *origins, size_t count);
 
 typedef struct fxs_fit_densify {
@@ -55,6 +56,7 @@ typedef struct fxs_fit_relocate {
 } fxs_fit_relocate;
 
 /* Relocates and adds Gaussians at the places of others, drawn by opacity (Kheradmand et al. 2024). Returns 0 or
+   FXS_ERR_MEMORY. */
 int fxs_fit_model_relocate(fxs_fit_model *model, const fxs_fit_relocate *relocate);
 
 /* Sorts the Gaussians along a Morton curve, so that neighbours share groups. Returns 0 or FXS_ERR_MEMORY. */

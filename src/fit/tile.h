@@ -1,4 +1,5 @@
 /* blend and the backward pass (`back`): from the splats of a list to the pixels of a tile, and from the gradient of the
+ * pixels to sums for the splats. */
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
 
@@ -234,6 +235,7 @@ static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const 
 }
 
 /* Works on the first `count` entries of a list, with the blocks that blend found, and writes the sums of each to its
+   slot. */
 static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                         int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
 {

@@ -93,7 +93,7 @@ static int is_between(double x, double low, double high)
     return x >= low && x <= high;
 }
 
-/* Whether the square of its length can be divided by. */
+/* 1 where q is finite and its squared length is large enough to divide by. */
 static int is_quaternion(const double q[4])
 {
     double most = 0;
@@ -194,7 +194,7 @@ void fxs_placement_matrix(const fxs_placement *p, double rows[3][4])
     }
 }
 
-/* The part of a box that lies within all boxes that keep their inside. */
+/* Cuts a box to the box around all crop boxes that keep their inside. */
 static int crop_box(const fxs_placement *p, double low[3], double high[3])
 {
     double kept_low[3] = {INFINITY, INFINITY, INFINITY}, kept_high[3] = {-INFINITY, -INFINITY, -INFINITY};

@@ -23,7 +23,7 @@ static int wrong(const reader *r, const char *what)
     return FXS_ERR_FILE;
 }
 
-/* The path of a scene file, relative to the program's folder. */
+/* Adds a scene file, whose path is relative to the folder of the JSON file. */
 static int take_file(const reader *r, const cJSON *item, fxs_placement *p)
 {
     const char *name = cJSON_GetStringValue(item), *slash = strrchr(r->path, '/');

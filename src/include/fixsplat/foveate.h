@@ -22,7 +22,7 @@ extern "C" {
 
 typedef struct fxs_foveation {
     int32_t gaze[2][2];            /* x, y of the pixel that each eye looks at; may lie outside the picture */
-    int32_t radius[2];             /* windows at full and half resolution, pixels: 1 to FXS_MAX_SIZE, the second larger */
+    int32_t radius[2];             /* windows at full and half resolution, pixels: 1 to FXS_MAX_SIZE, second larger */
     int32_t band;                  /* width of the fading, pixels, 0 to radius[0] */
 } fxs_foveation;
 

@@ -1,6 +1,8 @@
 /* Image files: 8-bit RGBA, rows from the top, no padding between rows.
  *
- * Several threads may read and write files at the same time. */
+ * Several threads may read and write files at the same time.
+ *
+ * Stable from version 1.0 on. */
 #ifndef FXS_IMAGE_FILE_H
 #define FXS_IMAGE_FILE_H
 

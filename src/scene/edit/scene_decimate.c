@@ -123,6 +123,7 @@ static double loss_of(const decimated *d, uint32_t a, uint32_t b)
 }
 
 /* L with L L^T = covariance. Numbers that rounding made negative become 0, and no axis is below a millionth of the
+   largest. */
 static void factorise(double l[3][3], const double c[6])
 {
     const double least = 1e-12 * (c[0] + c[1] + c[2]);

@@ -70,6 +70,7 @@ double fxs_ply_load_number(const uint8_t *bytes, int type, fxs_ply_encoding enco
 int fxs_ply_read_number(fxs_byte_reader *bytes, fxs_ply_encoding encoding, int type, double *value);
 
 /* Called before and after the values of a row; in a text file they skip blanks and newlines before it, and blanks and
+   the newline after it. */
 void fxs_ply_begin_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 int fxs_ply_end_row(fxs_byte_reader *bytes, fxs_ply_encoding encoding);
 
