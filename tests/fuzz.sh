@@ -119,9 +119,9 @@ seeds_of_camera() {
         '"position": [0, 0, 1], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]' >inria
     printf '\0\0\0{"camera_angle_x": 0.7, "w": 8, "h": 6, "cx": 4, "frames": [{"file_path": "a", %s}]}' \
         '"transform_matrix": [[1, 0, 0, 2], [0, 1, 0, 3], [0, 0, 1, 4], [0, 0, 0, 1]]' >transforms
-    colmap 4 '# cameras\n1 PINHOLE 8 6 9 9 4 3\n' '# images\n1 1 0 0 0 0 0 1 1 a.png\n2.5 3 -1\n' >text
+    colmap 2 '# cameras\n1 PINHOLE 8 6 9 9 4 3\n' '# images\n1 1 0 0 0 0 0 1 1 a.png\n2.5 3 -1\n' >text
     int='\1\0\0\0' long='\1\0\0\0\0\0\0\0' zero='\0\0\0\0\0\0\0\0' unit='\0\0\0\0\0\0\360\77'
-    colmap 3 "$long$int$int$long$long$unit$unit$unit$unit" \
+    colmap 1 "$long$int$int$long$long$unit$unit$unit$unit" \
         "$long$int$unit$zero$zero$zero$zero$zero$unit${int}a.png\\0$long$unit$unit$long" >binary
 }
 

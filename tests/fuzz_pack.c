@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <fixsplat/pack.h>
+#include <fixsplat/scene_file.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
