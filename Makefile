@@ -14,7 +14,7 @@ MAJOR := $(firstword $(subst ., ,$(VERSION)))
 CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h packed.h backend.h stage.h pixel.h fixed.h kernels.h)
 HEADERS := $(wildcard src/include/fixsplat/*.h)
 
-PACKAGES := libcjson-dev libstb-dev libjpeg62-turbo-dev libwebp-dev libzip-dev zlib1g-dev libdeflate-dev \
+PACKAGES := libcjson-dev libstb-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libzip-dev zlib1g-dev libdeflate-dev \
             libzstd-dev libegl-dev libgles-dev libsdl2-dev libsdl2-ttf-dev fonts-dejavu-core libmicrohttpd-dev \
             help2man
 TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
@@ -50,7 +50,7 @@ setup: ## install the Debian packages that are missing (and what the goals behin
 	    $(if $(filter test test-all web,$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
 	@$(if $(filter test test-all web,$(GOALS)),$(if $(WEB_SOURCES),sh tools/web_sources.sh $(WEB_SOURCES)))
-	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; sh tools/arm_jpeg.sh $(B)/aarch64)
+	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; sh tools/arm_libraries.sh $(B)/aarch64)
 
 # What else is asked for, by a make that finds what was installed.
 REST := $(filter-out setup,$(GOALS))

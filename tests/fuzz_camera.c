@@ -1,5 +1,5 @@
-/* Fuzzes the camera readers on memory: the first byte picks the format, the next two the size of the cameras file of a COLMAP model. Every view that is
-   read is made a camera. */
+/* Fuzzes the camera readers on memory: the first byte picks the format, the next two the size of the cameras file of a
+   COLMAP model. Every view that is read is made a camera. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,14 +39,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     list.path = "fuzz";
     list.message = &message;
     size_t rest = size - 3, split = data[1] | (size_t)data[2] << 8;
-    if (data[0] / 2 % 3 == 0) {
+    if (data[0] % 3 == 0) {
         fxs_text json = copy("cameras.json", data + 3, rest);
         status = fxs_camera_json_parse(&list, &json);
         free(json.data);
     } else {
         split = split < rest ? split : rest;
         fxs_text cameras = copy("cameras", data + 3, split), images = copy("images", data + 3 + split, rest - split);
-        status = fxs_camera_colmap_parse(&list, data[0] / 2 % 3 == 1, &cameras, &images);
+        status = fxs_camera_colmap_parse(&list, data[0] % 3 == 1, &cameras, &images);
         free(cameras.data);
         free(images.data);
     }

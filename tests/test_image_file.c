@@ -445,16 +445,20 @@ static void scans(void)
 }
 #endif
 
-#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
+#if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
+static uint8_t *put_word(uint8_t *to, size_t word)
+{
+    for (int i = 0; i < 4; i++)
+        *to++ = (uint8_t)(word >> (24 - 8 * i));
+    return to;
+}
+
 static uint8_t *put_chunk(uint8_t *to, const char *type, const void *data, size_t size)
 {
-    const uint32_t words[2] = {(uint32_t)size, 0};   /* stb_image skips the checksum */
-    for (int i = 0; i < 4; i++)
-        *to++ = (uint8_t)(words[0] >> (24 - 8 * i));
+    to = put_word(to, size);
     memcpy(to, type, 4);
     memcpy(to + 4, data, size);
-    memcpy(to + 4 + size, &words[1], 4);
-    return to + 8 + size;
+    return put_word(to + 4 + size, crc32(0, to, (uInt)size + 4));
 }
 
 /* A .png of these rows, each behind its filter's byte; `palette`: chunks before the data, or NULL. */
@@ -507,6 +511,7 @@ static void png_kinds(void)
         {16, 6, {0, 1, 9, 2, 9, 3, 9, 4, 9, 5, 9, 6, 9, 7, 9, 8, 9}, {1, 2, 3, 4, 5, 6, 7, 8}, 17},
         {8, 3, {0, 0, 1}, {10, 20, 30, 100, 40, 50, 60, 0}, 3},
         {2, 3, {0, 0x80}, {70, 80, 90, 255, 10, 20, 30, 100}, 2},
+        {2, 3, {0, 0xc0}, {0, 0, 0, 255, 10, 20, 30, 100}, 2},   /* beyond the palette */
     };
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         const uint8_t header[13] = {0, 0, 0, 2, 0, 0, 0, 1, kinds[i].depth, kinds[i].kind, 0, 0, 0};
@@ -537,7 +542,7 @@ static size_t row_bytes(int side, int depth, int interlaced)
     return bytes;
 }
 
-/* A .png inflates to what its size says, and some: interlaced pictures to more than stb_image thinks at first. */
+/* A .png inflates to its rows, and to nothing more. */
 static void inflated_size(void)
 {
     uint8_t *rgba;
@@ -547,11 +552,60 @@ static void inflated_size(void)
         put_zeros("a.png", 300, depth, interlaced, row_bytes(300, depth, interlaced));
         if (CHECK(!fxs_image_file_read(in_folder("a.png"), &rgba, &width, &height, &message)))
             free(rgba);
-        put_zeros("a.png", 300, depth, interlaced, 4 * row_bytes(300, depth, interlaced) + (1 << 18));
-        check_unreadable("a.png", "more data than a picture of its size has");
+        put_zeros("a.png", 300, depth, interlaced, row_bytes(300, depth, interlaced) + 1);
+        check_unreadable("a.png", "Too much image data");
+        put_zeros("a.png", 300, depth, interlaced, row_bytes(300, depth, interlaced) - 1);
+        check_unreadable("a.png", "Not enough image data");
     }
     put_zeros("a.png", 1, 8, 0, 1 << 24);
-    check_unreadable("a.png", "more data than a picture of its size has");
+    check_unreadable("a.png", "Too much image data");
+    put_zeros("a.png", 8192, 8, 0, 1 << 17);
+    check_unreadable("a.png", "fewer bytes than a picture of its size has");
+    put_zeros("a.png", 8193, 8, 0, 1);
+    check_unreadable("a.png", "2^26 in all");
+    put_zeros("a.png", 0, 8, 0, 1);
+    check_unreadable("a.png", "Image width is zero");
+    remove(in_folder("a.png"));
+}
+
+/* A picture of one pixel, with a chunk of zeros before its data; `wrong` is added to the checksum of the chunk. */
+static void put_chunked(const char *type, size_t size, int wrong)
+{
+    static const uint8_t header[13] = {0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0};
+    static const uint8_t data[] = {0x78, 1, 1, 2, 0, 0xfd, 0xff, 0, 7, 0, 9, 0, 8};
+    uint8_t *bytes = calloc(1, size + 200), *content = calloc(1, size + 1), *to = bytes;
+    if (CHECK(bytes && content)) {
+        memcpy(to, "\211PNG\r\n\032\n", 8);
+        to = put_chunk(to + 8, "IHDR", header, sizeof header);
+        to = put_chunk(to, type, content, size);
+        to[-1] = (uint8_t)(to[-1] + wrong);
+        to = put_chunk(to, "IDAT", data, sizeof data);
+        put("a.png", bytes, (size_t)(put_chunk(to, "IEND", "", 0) - bytes));
+    }
+    free(bytes);
+    free(content);
+}
+
+/* Chunks that do not change pixels are passed over, of any size and content; their checksums are not. */
+static void chunks(void)
+{
+    static const char *const types[] = {"iCCP", "gAMA", "tEXt", "abCd"};
+    uint8_t *rgba;
+    int width, height;
+    for (int i = 0; i < 4; i++) {
+        put_chunked(types[i], i == 3 ? 9000000 : 5, 0);
+        if (CHECK(!fxs_image_file_read(in_folder("a.png"), &rgba, &width, &height, &message)))
+            CHECK(!memcmp(rgba, "\7\7\7\377", 4));
+        free(rgba);
+        put_chunked(types[i], 5, 1);
+        check_unreadable("a.png", "CRC error");
+    }
+    put_chunked("AbCd", 5, 0);
+    check_unreadable("a.png", "unhandled critical chunk");
+    put_chunked("tRNS", 5, 0);
+    check_unreadable("a.png", "tRNS");
+    put("a.png", "\211not a picture", 14);
+    check_unreadable("a.png", "Not a PNG file");
     remove(in_folder("a.png"));
 }
 #endif
@@ -679,8 +733,9 @@ int main(void)
     RUN(damaged_jpeg);
     RUN(scans);
 #endif
-#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
+#if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
     RUN(inflated_size);
+    RUN(chunks);
     RUN(png_kinds);
 #endif
     RUN(metrics_equal);

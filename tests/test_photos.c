@@ -658,7 +658,7 @@ static void inria(void)
 
 /* ---- Alpha ------------------------------------------------------------------------------------------------------- */
 
-#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
+#if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 #include <fixsplat/image_file.h>
 
 /* Colour times alpha and background times the rest, before the average and rounded once. */
@@ -689,7 +689,7 @@ static void alpha(void)
 
 /* ---- The real sets ----------------------------------------------------------------------------------------------- */
 
-#if defined(FXS_WITH_CJSON) && defined(FXS_WITH_STB) && defined(FXS_WITH_JPEG)
+#if defined(FXS_WITH_CJSON) && defined(FXS_WITH_PNG) && defined(FXS_WITH_JPEG)
 
 static const char *real_set(const char *name)
 {
@@ -762,10 +762,10 @@ static void tests(void)
     RUN(nerfstudio);
     RUN(inria);
 #endif
-#if defined(FXS_WITH_STB) && defined(FXS_WITH_ZLIB)
+#if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
     RUN(alpha);
 #endif
-#if defined(FXS_WITH_CJSON) && defined(FXS_WITH_STB) && defined(FXS_WITH_JPEG)
+#if defined(FXS_WITH_CJSON) && defined(FXS_WITH_PNG) && defined(FXS_WITH_JPEG)
     RUN(snowmiku);
     RUN(lego);
 #endif

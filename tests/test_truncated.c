@@ -395,7 +395,7 @@ static long read_image(const char *name)
 
 static void make_image_ppm(void) { make_ppm("a.ppm"); }
 
-#ifdef FXS_WITH_STB
+#if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
 static void make_png(void)
 {
     static uint8_t rgba[4 * 33 * 21];
@@ -404,15 +404,9 @@ static void make_png(void)
     CHECK(!fxs_image_file_write(in_folder("made.png"), rgba, 33, 21, &message));
     add_file_of(in_folder("made.png"), "a.png");
 }
-
-/* The last 12 bytes are an empty chunk. */
-static long of_png(const struct made_file *f, size_t length)
-{
-    return length < f->size - 12 ? fault("a.png") : EITHER;
-}
 #endif
 
-#if defined(FXS_WITH_STB) && defined(FXS_WITH_JPEG)
+#ifdef FXS_WITH_JPEG
 static void make_jpeg(const uint8_t *jpeg, size_t length)
 {
     memcpy(bytes, jpeg, size = length);
@@ -423,7 +417,10 @@ static void make_baseline(void) { make_jpeg(baseline_jpeg, sizeof baseline_jpeg)
 static void make_progressive(void) { make_jpeg(progressive_jpeg, sizeof progressive_jpeg); }
 static void make_grey(void) { make_jpeg(grey_jpeg, sizeof grey_jpeg); }
 
-static long of_jpeg(const struct made_file *f, size_t length)
+#endif
+
+#if defined(FXS_WITH_PNG) || defined(FXS_WITH_JPEG)
+static long of_picture(const struct made_file *f, size_t length)
 {
     (void)f;
     return fault(!length ? "not a .png, .jpg or .ppm" : "cut short");
@@ -514,13 +511,13 @@ static const struct row {
     {"cameras of COLMAP", make_colmap, read_cameras, of_colmap},
     {"photographs", make_photos, read_photos, of_colmap},
     {"ppm", make_image_ppm, read_image, any_fault},
-#ifdef FXS_WITH_STB
-    {"png", make_png, read_image, of_png},
+#if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
+    {"png", make_png, read_image, of_picture},
 #endif
-#if defined(FXS_WITH_STB) && defined(FXS_WITH_JPEG)
-    {"baseline jpg", make_baseline, read_image, of_jpeg},
-    {"progressive jpg", make_progressive, read_image, of_jpeg},
-    {"grey jpg", make_grey, read_image, of_jpeg},
+#ifdef FXS_WITH_JPEG
+    {"baseline jpg", make_baseline, read_image, of_picture},
+    {"progressive jpg", make_progressive, read_image, of_picture},
+    {"grey jpg", make_grey, read_image, of_picture},
 #endif
     {"saved fit", make_saved_fit, read_saved_fit, of_saved_fit},
 };

@@ -11,6 +11,7 @@ ZIP zip.h -lzip
 ZLIB zlib.h -lz
 DEFLATE libdeflate.h -ldeflate
 ZSTD zstd.h -lzstd
+PNG png.h -lpng
 JPEG jpeglib.h -ljpeg
 WEBP webp/decode.h -lwebp
 STB stb/stb_image_write.h

@@ -11,61 +11,26 @@
 #include "src/base/opened.h"
 #include "src/base/try_internal.h"
 
+#ifdef FXS_WITH_PNG
+#include <png.h>
+#endif
 #ifdef FXS_WITH_JPEG
 #include <jpeglib.h>
 #include <jerror.h>
-#include <setjmp.h>
 #endif
+#include <setjmp.h>
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
-#define LEAST_ROOM (1 << 16)      /* for the data of any .png: they may be stored, or in many parts */
+#define MAX_INFLATED 1032         /* bytes of one byte of a .png: deflate has no more */
 #define MAX_JPEG_PIXELS 512       /* of a byte: the first scan has at least a bit for each 8 x 8 of them */
 #define MAX_JPEG_SCANS 100        /* each may be a few bytes long, and takes time for all of the picture */
 
 /* Faults of a picture that are not the file's. */
 static const char out_of_memory[] = "out of memory";
-static const char no_stb[] = "not a .jpg or .ppm; this program was built without stb, which .png needs";
+static const char no_png[] = "a .png; this program was built without libpng, which .png needs";
 static const char no_jpeg[] = "a .jpg; this program was built without libjpeg-turbo, which .jpg needs";
 static const char cut_short[] = "cut short";
-
-#ifdef FXS_WITH_STB
-static const char too_much_data[] = "more data than a picture of its size has";
-
-/* The bytes that stb_image may have in one piece for the picture that this thread reads, and why it got none. */
-static __thread struct {
-    size_t most;
-    const char *fault;
-} decoding;
-
-static void *bounded_realloc(void *old, size_t size)
-{
-    void *made = size <= decoding.most ? realloc(old, size) : NULL;
-    if (!made)
-        decoding.fault = size <= decoding.most ? out_of_memory : too_much_data;
-    return made;
-}
-
-#if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc says it at the end of the file */
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#endif
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#define STBI_MAX_DIMENSIONS MAX_SIZE
-#define STBI_MALLOC(size) bounded_realloc(NULL, size)
-#define STBI_REALLOC(old, size) bounded_realloc(old, size)
-#define STBI_FREE(old) free(old)
-#include <stb/stb_image.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
-#endif
-
 static const char too_large[] = "without pixels, or more than 16384 on a side or 2^26 in all";
 
 static int readable_size(int width, int height)
@@ -76,56 +41,113 @@ static int readable_size(int width, int height)
 
 /* The readers return NULL or the fault. */
 
-#ifdef FXS_WITH_STB
-static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
+#if defined(FXS_WITH_PNG) || defined(FXS_WITH_JPEG)
+static const char too_few_bytes[] = "fewer bytes than a picture of its size has";
+
+/* A picture that a library decodes: the fault that ended it, and the place to go on from then. */
+typedef struct decoding {
+    const char *fault;
+    jmp_buf refused;
+} decoding;
+
+static void refuse(decoding *picture, const char *fault)
 {
-    int channels;
-    decoding.most = LEAST_ROOM;
-    decoding.fault = NULL;
-    if (!stbi_info_from_file(file, width, height, &channels))
-        return "not a .png, .jpg or .ppm";
+    picture->fault = fault;
+    longjmp(picture->refused, 1);
+}
+#endif
+
+#ifdef FXS_WITH_PNG
+/* For warnings too, after which libpng would go on without the damaged part. */
+static void refuse_png(png_structp png, const char *fault)
+{
+    static __thread char words[200];
+    snprintf(words, sizeof words, "%s", fault);
+    refuse(png_get_error_ptr(png), words);
+}
+
+static void *allocate(png_structp png, size_t size)
+{
+    void *made = malloc(size);
+    if (!made)
+        refuse(png_get_error_ptr(png), out_of_memory);
+    return made;
+}
+
+static void read_bytes(png_structp png, uint8_t *bytes, size_t size)
+{
+    if (fread(bytes, 1, size, png_get_io_ptr(png)) != size)
+        refuse(png_get_error_ptr(png), cut_short);
+}
+
+typedef struct png_reading {
+    decoding picture;
+    png_structp png;
+    png_infop info;
+} png_reading;
+
+/* Without gamma and colour profile. Chunks that pixels do not need are passed over, of any size, and take no memory; an
+   index beyond the palette finds black in the 256 colours that libpng has in any case. */
+static void decode_png(png_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
+{
+    decoding *picture = &reading->picture;
+    if (setjmp(picture->refused))
+        return;
+    png_structp png = reading->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, picture, refuse_png, refuse_png,
+                                                              picture, allocate, NULL);
+    png_infop info = reading->info = png_create_info_struct(png);
+    png_set_read_fn(png, file, read_bytes);
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
+    png_set_chunk_malloc_max(png, 0);
+    png_read_info(png, info);
+    *width = (int)png_get_image_width(png, info);
+    *height = (int)png_get_image_height(png, info);
     if (!readable_size(*width, *height))
-        return too_large;
-    /* A row is its bytes and one more; stb_image doubles a room that does not do, as for interlaced pictures. */
-    const size_t pixel_bytes = stbi_is_16_bit_from_file(file) ? 8 : 4;
-    decoding.most = 2 * (pixel_bytes * (size_t)*width + 1) * (size_t)*height + LEAST_ROOM;
-    *rgba = stbi_load_from_file(file, width, height, &channels, 4);
-    if (*rgba)
-        return NULL;
-    const char *reason = decoding.fault ? decoding.fault : stbi_failure_reason();
-    return reason ? reason : "damaged";   /* stb_image does not always say */
+        refuse(picture, too_large);
+    if (png_get_rowbytes(png, info) * (uint64_t)*height / MAX_INFLATED > bytes)
+        refuse(picture, too_few_bytes);
+    *rgba = malloc(4 * (size_t)*width * (size_t)*height);
+    if (!*rgba)
+        refuse(picture, out_of_memory);
+    png_set_expand(png);
+    png_set_strip_16(png);
+    png_set_gray_to_rgb(png);
+    png_set_add_alpha(png, 255, PNG_FILLER_AFTER);
+    for (int passes = png_set_interlace_handling(png); passes > 0; passes--)
+        for (int y = 0; y < *height; y++)
+            png_read_row(png, *rgba + 4 * (size_t)*width * (size_t)y, NULL);
+    png_read_end(png, NULL);
+}
+
+static const char *read_png(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
+{
+    png_reading reading = {.png = NULL};
+    decode_png(&reading, file, bytes, rgba, width, height);
+    png_destroy_read_struct(&reading.png, &reading.info, NULL);
+    return reading.picture.fault;
 }
 #else
-static const char *read_png(FILE *file, uint8_t **rgba, int *width, int *height)
+static const char *read_png(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
-    (void)file, (void)rgba, (void)width, (void)height;
-    return no_stb;
+    (void)file, (void)bytes, (void)rgba, (void)width, (void)height;
+    return no_png;
 }
 #endif
 
 #ifdef FXS_WITH_JPEG
-/* A .jpg that libjpeg reads: the fault that ended it, and the place to go on from then. */
 typedef struct jpeg_reading {
+    decoding picture;
     struct jpeg_decompress_struct jpeg;
     struct jpeg_error_mgr errors;
     struct jpeg_progress_mgr progress;
-    const char *fault;
-    jmp_buf refused;
 } jpeg_reading;
-
-static void refuse(void *jpeg, const char *fault)
-{
-    jpeg_reading *reading = ((j_common_ptr)jpeg)->client_data;
-    reading->fault = fault;
-    longjmp(reading->refused, 1);
-}
 
 static void refuse_by_code(j_common_ptr jpeg)
 {
     static __thread char words[JMSG_LENGTH_MAX];
     const int code = jpeg->err->msg_code;
     jpeg->err->format_message(jpeg, words);
-    refuse(jpeg, code == JERR_OUT_OF_MEMORY ? out_of_memory : code == JWRN_JPEG_EOF ? cut_short : words);
+    refuse(jpeg->client_data, code == JERR_OUT_OF_MEMORY ? out_of_memory : code == JWRN_JPEG_EOF ? cut_short : words);
 }
 
 /* libjpeg warns of damaged data and makes up their pixels: here a picture is whole or refused. Bytes between segments,
@@ -139,14 +161,15 @@ static void refuse_damage(j_common_ptr jpeg, int level)
 static void limit_scans(j_common_ptr jpeg)
 {
     if (((j_decompress_ptr)jpeg)->input_scan_number > MAX_JPEG_SCANS)
-        refuse(jpeg, "more scans than a picture needs");
+        refuse(jpeg->client_data, "more scans than a picture needs");
 }
 
 /* By the inverse cosine transform in integers and smooth chroma: libjpeg-turbo has both alike for every processor. */
 static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba)
 {
     j_decompress_ptr jpeg = &reading->jpeg;
-    if (setjmp(reading->refused))
+    decoding *picture = &reading->picture;
+    if (setjmp(picture->refused))
         return;
     jpeg_create_decompress(jpeg);
     jpeg->progress = &reading->progress;
@@ -154,12 +177,12 @@ static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8
     jpeg_read_header(jpeg, TRUE);
     const uint64_t pixels = (uint64_t)jpeg->image_width * jpeg->image_height;
     if (!readable_size((int)jpeg->image_width, (int)jpeg->image_height))
-        refuse(jpeg, too_large);
+        refuse(picture, too_large);
     if (pixels / MAX_JPEG_PIXELS > bytes)
-        refuse(jpeg, "fewer bytes than a picture of its size has");
+        refuse(picture, too_few_bytes);
     *rgba = malloc(4 * (size_t)pixels);
     if (!*rgba)
-        refuse(jpeg, out_of_memory);
+        refuse(picture, out_of_memory);
     jpeg->out_color_space = JCS_EXT_RGBA;
     jpeg->dct_method = JDCT_ISLOW;
     jpeg->do_fancy_upsampling = TRUE;
@@ -174,14 +197,14 @@ static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
 {
     jpeg_reading reading = {.progress.progress_monitor = limit_scans};
     reading.jpeg.err = jpeg_std_error(&reading.errors);
-    reading.jpeg.client_data = &reading;
+    reading.jpeg.client_data = &reading.picture;
     reading.errors.error_exit = refuse_by_code;
     reading.errors.emit_message = refuse_damage;
     decode_jpeg(&reading, file, bytes, rgba);
     *width = (int)reading.jpeg.image_width;
     *height = (int)reading.jpeg.image_height;
     jpeg_destroy_decompress(&reading.jpeg);
-    return reading.fault;
+    return reading.picture.fault;
 }
 #else
 static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
@@ -206,7 +229,6 @@ static int header_number(FILE *file)
     return isspace(c) ? value : -1;
 }
 
-/* stb_image 2.27 has a .ppm reader too, but takes a file that is cut short. */
 static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
 {
     if (getc(file) != 'P' || getc(file) != '6')
@@ -233,7 +255,7 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
 
 static int fail_read(const char *path, const char *fault, fxs_message *message)
 {
-    const int unsupported = fault == no_stb || fault == no_jpeg;
+    const int unsupported = fault == no_png || fault == no_jpeg;
     const int error = fault == out_of_memory ? FXS_ERR_MEMORY : unsupported ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
     return fxs_fail_as(error, message, "%s: %s", path, fault);
 }
@@ -250,7 +272,8 @@ int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *heigh
     rewind(file);
     const char *fault = first == 'P' ? read_ppm(file, rgba, width, height)
                         : first == 0xff ? read_jpeg(file, facts.size, rgba, width, height)
-                                        : read_png(file, rgba, width, height);
+                        : first == 0x89 ? read_png(file, facts.size, rgba, width, height)
+                                        : "not a .png, .jpg or .ppm";
     if (fault) {
         result = ferror(file) ? fxs_fail_errno(message, path, errno) : fail_read(path, fault, message);
         free(*rgba);

@@ -36,25 +36,15 @@ aarch64() {
         $arm -static *.o -o %" qemu-aarch64
     variant aarch64-kernels "$arm $flags -O2 -static -DFXS_WITH_KERNELS src/core/*.c kernels/*.c kernels/simd/arm/*.c \
         tests/test_kernels.c -lm -o %" qemu-aarch64
-    jpeg=${B:-build}/aarch64/usr
-    archive=$jpeg/lib/aarch64-linux-gnu/libjpeg.a
-    if [ -e "$archive" ]; then
-        variant aarch64-photos "$arm $flags -O1 -static -DFXS_WITH_JPEG -I$jpeg/include \
-            -I$jpeg/include/aarch64-linux-gnu $photos $archive -lm -o %" qemu-aarch64
-    else
-        skip aarch64-photos "no libjpeg-turbo for AArch64 here (make setup test)"
+    usr=${B:-build}/aarch64/usr
+    libraries="-I$usr/include -I$usr/include/aarch64-linux-gnu -L$usr/lib/aarch64-linux-gnu -lpng -ljpeg -lz -lm"
+    if [ ! -e "$usr/../here" ]; then
+        skip "aarch64-photos aarch64-golden" "no libraries for AArch64 here (make setup test)"
+        return
     fi
-    [ "$FXS_PROCESSORS" = all ] || return
-    # The folder of stb alone: beside it lie the host's headers.
-    stb=$(echo '#include <stb/stb_image.h>' | gcc -E -x c - 2>/dev/null |
-        sed -n 's|^# 1 "\(.*/stb\)/stb_image.h".*|\1|p')
-    if [ "$stb" ]; then
-        mkdir "$work/include"
-        ln -s "$stb" "$work/include/stb"
-        variant aarch64-golden "$arm $flags -O2 -static -DFXS_WITH_STB -I$work/include $golden -lm -o %" qemu-aarch64
-    else
-        skip aarch64-golden "no stb here"
-    fi
+    variant aarch64-photos "$arm $flags -O1 -static -DFXS_WITH_JPEG $photos $libraries -o %" qemu-aarch64
+    [ "$FXS_PROCESSORS" != all ] ||
+        variant aarch64-golden "$arm $flags -O2 -static -DFXS_WITH_PNG $golden $libraries -o %" qemu-aarch64
 }
 
 # By the Makefile, with the kernels of x86: without /usr/include, whose libraries are the host's.

@@ -58,18 +58,19 @@ int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int h
 /* 1 where the ending of the name is one that fxs_image_file_write knows, else 0. */
 int fxs_image_file_known(const char *path);
 
-/* Reads a .png (by stb_image), .jpg (by libjpeg-turbo) or .ppm, of at most 2^26 pixels; its content tells which it is.
+/* Reads a .png (by libpng), .jpg (by libjpeg-turbo) or .ppm, of at most 2^26 pixels; its content tells which it is.
    Of 16 bits the upper 8 are taken, grey and palettes become RGBA, and how EXIF would turn a picture is not looked at
    (nor does COLMAP, whose cameras are for the pixels as they are stored). The pixels are the same on every machine:
    .png and .ppm say what they are, and a .jpg, whose standard leaves the last bit open, is decoded in integers by a
    transform that libjpeg-turbo has alike in C and for every instruction set.
 
-   The data of a .png are inflated to at most twice the bytes that RGBA of its stated size and depth has, and 64 KiB;
-   one with more is refused, as is a .jpg of more than 512 pixels a byte, of more than 100 scans, or of CMYK. A picture
-   that is cut short is refused, and so is a .jpg that libjpeg-turbo finds damaged.
+   A picture that is cut short is refused, and so is one that libpng or libjpeg-turbo finds damaged, even where they
+   would go on; but pixels whose number lies beyond the palette of a .png are black. Refused too are a .png whose size
+   its bytes cannot inflate to, and a .jpg of more than 512 pixels a byte, of more than 100 scans, or of CMYK. Gamma and
+   colour profiles are not looked at.
 
    Returns 0 with *rgba allocated by malloc, which the caller frees, or an error and a message, with *rgba null. Errors:
-   FXS_ERR_FILE, FXS_ERR_UNSUPPORTED for .png where this was built without stb, and for .jpg without libjpeg-turbo,
+   FXS_ERR_FILE, FXS_ERR_UNSUPPORTED for .png where this was built without libpng, and for .jpg without libjpeg-turbo,
    FXS_ERR_MEMORY. */
 int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message);
 

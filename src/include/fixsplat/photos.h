@@ -71,7 +71,7 @@ typedef struct fxs_photos {
    drawn, is not perspective or has an unknown lens or one that cannot be undone, no photograph is left to fit, a point
    is not finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED by `progress`;
    FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED
-   where the files need cJSON, stb or libjpeg-turbo and fixsplat was built without it; FXS_ERR_MEMORY. All-black
+   where the files need cJSON, libpng or libjpeg-turbo and fixsplat was built without it; FXS_ERR_MEMORY. All-black
    photographs are accepted. */
 int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos, fxs_message *message);
 void fxs_photos_free(fxs_photos *photos);
