@@ -429,7 +429,7 @@ static void run_pixel(pixel_case *c)
         gradient.whole[at] += c->tile.colour[i][at] + 0.5f * c->tile.transmittance[at];
     }
     memset(c->sums, 0, sizeof c->sums);
-    c->stages->back(c->splats, entries, needed, 0, 0, &gradient, c->sums);
+    c->stages->backward(c->splats, entries, needed, 0, 0, &gradient, c->sums);
 }
 
 static float left_of(const pixel_case *c)

@@ -53,7 +53,7 @@ static void run_loss(pictures *p, const fxs_fit_stages *stages)
     for (int32_t row = 0; row < p->height; row++)
         stages->loss_derivatives(&p->loss, row);
     for (int32_t row = 0; row < p->height; row++)
-        stages->loss_back_rows(&p->loss, row);
+        stages->loss_backward_rows(&p->loss, row);
     for (int32_t row = 0; row < p->height; row++)
         stages->loss_gradient(&p->loss, row);
 }

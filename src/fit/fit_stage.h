@@ -4,7 +4,7 @@
  *   bin       splats -> for each tile of 16x16 pixels, those that touch it, near to far
  *   blend     a tile's list -> its pixels
  *   loss      pixels, photograph -> the gradient of the pixels
- *   back      the backward pass: a tile's list, the gradient of its pixels -> sums for each splat of the list
+ *   backward  a tile's list, the gradient of its pixels -> sums for each splat of the list
  *   update    these sums -> gradients of the parameters -> parameters, by Adam
  *
  * Numbers are IEEE single precision; sums are added in the order stated here, with any number of threads and lanes. */
@@ -144,13 +144,13 @@ typedef struct fxs_fit_stages {
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                       fxs_fit_tile *tile);
     /* Writes the sums of the first `count` entries, as many as blend needed, to their slots. */
-    void (*back)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
-                 const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
+    void (*backward)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
+                     int32_t top, const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
     /* Each works on a row: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of these
        derivatives; the gradient. */
     void (*loss_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
-    void (*loss_back_rows)(const fxs_fit_loss *loss, int32_t row);
+    void (*loss_backward_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
     /* Computes the gradients of Gaussians first..first + count, at most FXS_FIT_PART, from `sums` (FXS_FIT_SUMS planes
        of FXS_FIT_PART numbers for each camera of the batch), adds those of the cameras to 0 in order, and makes a step

@@ -88,11 +88,11 @@ static uint32_t NAMED(fxs_fit_blend_, ISA)(const fxs_fit_splat *splats, fxs_fit_
     return blend(splats, entries, count, left, top, tile);
 }
 
-static void NAMED(fxs_fit_back_, ISA)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count,
-                                      int32_t left, int32_t top, const fxs_fit_tile_gradient *gradient,
-                                      float (*sums)[FXS_FIT_SUMS])
+static void NAMED(fxs_fit_backward_, ISA)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count,
+                                          int32_t left, int32_t top, const fxs_fit_tile_gradient *gradient,
+                                          float (*sums)[FXS_FIT_SUMS])
 {
-    back(splats, entries, count, left, top, gradient, sums);
+    backward(splats, entries, count, left, top, gradient, sums);
 }
 
 /* ---- loss -------------------------------------------------------------------------------------------------------- */
@@ -175,7 +175,7 @@ static void NAMED(fxs_fit_loss_derivatives_, ISA)(const fxs_fit_loss *loss, int3
     loss->dissimilar[row] = sum_of(dissimilar);
 }
 
-static void NAMED(fxs_fit_loss_back_rows_, ISA)(const fxs_fit_loss *loss, int32_t row)
+static void NAMED(fxs_fit_loss_backward_rows_, ISA)(const fxs_fit_loss *loss, int32_t row)
 {
     for (int i = 0; i < FXS_FIT_DERIVATIVES; i++) {
         const float *from = at_of(&loss->derivatives[i], row);
@@ -312,7 +312,7 @@ static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float 
 
 const fxs_fit_stages NAMED(fxs_fit_stages_, ISA) = {
     STRING_OF(ISA), NAMED(fxs_fit_project_, ISA), NAMED(fxs_fit_cover_, ISA), NAMED(fxs_fit_blend_, ISA),
-    NAMED(fxs_fit_back_, ISA),
-    NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_back_rows_, ISA),
+    NAMED(fxs_fit_backward_, ISA),
+    NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_backward_rows_, ISA),
     NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA), NAMED(fxs_fit_noise_, ISA),
     NAMED(fxs_fit_quantise_, ISA)};

@@ -1,4 +1,4 @@
-/* A step of the fit: project, bin, blend, loss, the backward pass (`back`), update. */
+/* A step of the fit: project, bin, blend, loss, the backward pass, update. */
 #include "stepper.h"
 
 #include <math.h>
@@ -398,10 +398,10 @@ static void derivatives_job(void *argument, uint32_t job)
     for_rows(s, job, s->stages->loss_derivatives);
 }
 
-static void back_rows_job(void *argument, uint32_t job)
+static void backward_rows_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
-    for_rows(s, job, s->stages->loss_back_rows);
+    for_rows(s, job, s->stages->loss_backward_rows);
 }
 
 static void gradient_job(void *argument, uint32_t job)
@@ -415,7 +415,7 @@ static void find_loss(fxs_fit_stepper *s)
     const uint32_t jobs = 3 * (uint32_t)((s->camera->height + ROWS_A_JOB - 1) / ROWS_A_JOB);
     run(s, rows_job, jobs);
     run(s, derivatives_job, jobs);
-    run(s, back_rows_job, jobs);
+    run(s, backward_rows_job, jobs);
     run(s, gradient_job, jobs);
 }
 
@@ -429,7 +429,7 @@ void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t 
         }
 }
 
-/* ---- back -------------------------------------------------------------------------------------------------------- */
+/* ---- backward ---------------------------------------------------------------------------------------------------- */
 
 static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gradient *g)
 {
@@ -450,7 +450,7 @@ static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_
         }
 }
 
-static void back_job(void *argument, uint32_t tile)
+static void backward_job(void *argument, uint32_t tile)
 {
     const fxs_fit_stepper *s = argument;
     const uint32_t *starts = s->counts.memory, needed = starts[s->tile_count + 1 + tile];
@@ -460,7 +460,7 @@ static void back_job(void *argument, uint32_t tile)
     int32_t left, top;
     tile_place(s, tile, &left, &top);
     take_gradient(s, tile, &g);
-    s->stages->back(s->splats.memory, entries, needed, left, top, &g, sums);
+    s->stages->backward(s->splats.memory, entries, needed, left, top, &g, sums);
     for (uint32_t e = needed; e < starts[tile + 1] - starts[tile]; e++)
         memset(sums[entries[e].slot], 0, sizeof *sums);
 }
@@ -647,7 +647,7 @@ static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
     const uint64_t drawn = now(s);
     find_loss(s);
     const uint64_t compared = now(s);
-    run(s, back_job, s->tile_count);
+    run(s, backward_job, s->tile_count);
     if (s->batch > 1)
         run(s, gather_job, gaussian_jobs(s));
     fxs_fit_add_loss(s->rows.memory, s->camera, s->batch, report);

@@ -1,4 +1,4 @@
-/* blend and the backward pass (`back`): from the splats of a list to the pixels of a tile, and from the gradient of the
+/* blend and the backward pass: from the splats of a list to the pixels of a tile, and from the gradient of the
  * pixels to sums for the splats. */
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
@@ -120,7 +120,7 @@ static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries
     return needed;
 }
 
-/* ---- back -------------------------------------------------------------------------------------------------------- */
+/* ---- backward ---------------------------------------------------------------------------------------------------- */
 
 /* The fields of passed_pixel for the pixels of the tile. */
 typedef struct passed {
@@ -196,8 +196,8 @@ static inline void add_places(const float (*rows)[PLACES], float *sums)
 #endif
 
 /* Adds the sums of a block to those of the blocks before it. */
-static inline void back_block(const fxs_fit_splat *s, const corners *c, int b, const real of_places[][2],
-                              const fxs_fit_tile_gradient *g, passed *p, float *sums)
+static inline void backward_block(const fxs_fit_splat *s, const corners *c, int b, const real of_places[][2],
+                                  const fxs_fit_tile_gradient *g, passed *p, float *sums)
 {
     float own[FXS_FIT_SUMS];
 #ifdef ADD_PLACES
@@ -219,8 +219,8 @@ static inline void back_block(const fxs_fit_splat *s, const corners *c, int b, c
         sums[i] += own[i];
 }
 
-static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const fxs_fit_tile_gradient *g, passed *p,
-                              int32_t left, int32_t top, float *sums)
+static inline void backward_splat(const fxs_fit_splat *from, uint32_t blocks, const fxs_fit_tile_gradient *g, passed *p,
+                                  int32_t left, int32_t top, float *sums)
 {
     const fxs_fit_splat s = *from;
     float all_sums[FXS_FIT_SUMS] = {0};
@@ -230,13 +230,13 @@ static inline void back_splat(const fxs_fit_splat *from, uint32_t blocks, const 
     for (int place = 0; place < PLACES; place += LANES)
         find_places(&s, place, &of_places[place / LANES][0], &of_places[place / LANES][1]);
     for (uint32_t rest = blocks; rest; rest &= rest - 1)
-        back_block(&s, &c, __builtin_ctz(rest), (const real(*)[2])of_places, g, p, all_sums);
+        backward_block(&s, &c, __builtin_ctz(rest), (const real(*)[2])of_places, g, p, all_sums);
     memcpy(sums, all_sums, sizeof all_sums);
 }
 
 /* Works on the first `count` entries of a list, with the blocks that blend found, and writes the sums of each to its
    slot. */
-static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
+static inline void backward(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                         int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])
 {
     passed p;
@@ -248,7 +248,7 @@ static inline void back(const fxs_fit_splat *splats, const fxs_fit_entry *entrie
         __builtin_prefetch(&splats[later->splat]);
         __builtin_prefetch(sums[later->slot], 1);
         if (entries[e].blocks)
-            back_splat(&splats[entries[e].splat], entries[e].blocks, g, &p, left, top, sums[entries[e].slot]);
+            backward_splat(&splats[entries[e].splat], entries[e].blocks, g, &p, left, top, sums[entries[e].slot]);
         else
             memset(sums[entries[e].slot], 0, sizeof *sums);
     }

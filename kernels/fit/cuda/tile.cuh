@@ -1,4 +1,4 @@
-/* blend, and back, which takes gradients from the pixels back to the splats. A block of threads has a tile, half a warp
+/* blend, and backward, which takes gradients from the pixels back to the splats. A block of threads has a tile, half a warp
  * a block of 4x4 pixels, a thread a pixel. */
 #ifndef FXS_CUDA_FIT_TILE_CUH
 #define FXS_CUDA_FIT_TILE_CUH
@@ -8,9 +8,9 @@
 namespace {
 
 const uint32_t HALF = WARP / 2;    /* a half-warp has the 16 places of a block */
-const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACK_SPLATS = 128;  /* of a list at a time */
+const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;  /* of a list at a time */
 const uint32_t GROUP = HALF / 2;   /* splats of a block that a half-warp takes from pixels to sums at once */
-const uint32_t BACK_PAIRS = 512;   /* of a splat and a block that takes of it, at a time: no fewer than of 32 splats */
+const uint32_t BACKWARD_PAIRS = 512;   /* a splat and a block that takes of it, at a time: no fewer than of 32 splats */
 
 /* Splats of a list in the form in which pixels need them. */
 template <uint32_t Splats>
@@ -259,28 +259,28 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
     return error ? error : cudaGetLastError();
 }
 
-/* ---- back -------------------------------------------------------------------------------------------------------- */
+/* ---- backward ---------------------------------------------------------------------------------------------------- */
 
-struct back_shared : tile_splats<BACK_SPLATS> {
-    alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACK_SPLATS];
-    uint32_t slots[BACK_SPLATS];
-    uint16_t blocks[BACK_SPLATS], pairs[BACK_SPLATS + 1];    /* of each; its first pair */
-    uint32_t warp_pairs[BACK_SPLATS / WARP], splats;
+struct backward_shared : tile_splats<BACKWARD_SPLATS> {
+    alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACKWARD_SPLATS];
+    uint32_t slots[BACKWARD_SPLATS];
+    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* of each; its first pair */
+    uint32_t warp_pairs[BACKWARD_SPLATS / WARP], splats;
     float4 gradient[FXS_FIT_PIXELS];                  /* red, green, blue; by thread */
     float2 staged[FXS_FIT_BLOCKS][GROUP][HALF];       /* h and weight: of splat j and place p at p ^ j, so that neither
                                                          the places of a splat nor the splats at a place share a bank */
-    float sums[BACK_PAIRS][FXS_FIT_SUMS];
+    float sums[BACKWARD_PAIRS][FXS_FIT_SUMS];
 };
 
 /* A pixel on the way back through its splats, and its gradient. */
-struct back_pixel {
+struct backward_pixel {
     passed_pixel passed;
     float red, green, blue;
 };
 
 /* Takes the thread's pixel back by a splat. Returns h and the weight. */
-__device__ inline float2 pass_pixel(const back_shared *s, uint32_t splat, const tile_place &p, bool is_left,
-                                    back_pixel *pixel)
+__device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, const tile_place &p, bool is_left,
+                                    backward_pixel *pixel)
 {
     float u, v, weight;
     const float level = level_of(s, splat, p, &u, &v);
@@ -292,7 +292,7 @@ __device__ inline float2 pass_pixel(const back_shared *s, uint32_t splat, const 
 }
 
 /* A lane's part of a block's pixels: every second place, for one splat. */
-struct back_lane {
+struct backward_lane {
     const float2 *staged;          /* its splat's */
     const float4 *gradient;        /* of the block's pixels */
     uint32_t splat, parity;        /* of the group; of the places */
@@ -300,11 +300,11 @@ struct back_lane {
     float corner_u;
 };
 
-__device__ inline back_lane begin_lane(const back_shared *s, const tile_place &p, uint32_t splat)
+__device__ inline backward_lane begin_lane(const backward_shared *s, const tile_place &p, uint32_t splat)
 {
     const float4 shape = s->shape[splat];
     const float corner_v = s->corner_v[p.block / 4][splat];
-    back_lane l;
+    backward_lane l;
     l.splat = p.lane / 2;
     l.parity = p.lane % 2;
     l.staged = s->staged[p.block][l.splat];
@@ -321,7 +321,7 @@ __device__ inline back_lane begin_lane(const back_shared *s, const tile_place &p
 }
 
 /* The terms of the splat's sums at the lane's n-th place. */
-__device__ inline void find_sums(const back_lane &l, int n, float sums[FXS_FIT_SUMS])
+__device__ inline void find_sums(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
     const uint32_t place = 2 * (uint32_t)n + l.parity;
     const float2 passed = l.staged[place ^ l.splat];
@@ -333,7 +333,7 @@ __device__ inline void find_sums(const back_lane &l, int n, float sums[FXS_FIT_S
 /* The sum of the lane's places n, n + Apart / 2, n + Apart, ..., in the order of src/fit/tile.h: that of both halves,
    in which places are twice as far apart. So p and p + 8 meet first. */
 template <int Apart>
-__device__ inline void add_places(const back_lane &l, int n, float sums[FXS_FIT_SUMS])
+__device__ inline void add_places(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
     if constexpr (Apart == HALF) {
         find_sums(l, n, sums);
@@ -347,7 +347,7 @@ __device__ inline void add_places(const back_lane &l, int n, float sums[FXS_FIT_
 }
 
 /* The sums of a group's splats over the half-warp's block, two lanes a splat. */
-__device__ inline void add_group(back_shared *s, const tile_place &p, uint32_t first, uint32_t count)
+__device__ inline void add_group(backward_shared *s, const tile_place &p, uint32_t first, uint32_t count)
 {
     const uint32_t item = first + p.lane / 2, splat = s->lists[p.block][item < count ? item : 0];
     const uint32_t pair = s->pairs[splat] + (uint32_t)__popc(s->blocks[splat] & ((1u << p.block) - 1));
@@ -361,7 +361,7 @@ __device__ inline void add_group(back_shared *s, const tile_place &p, uint32_t f
     }
 }
 
-__device__ inline void back_batch(back_shared *s, const tile_place &p, back_pixel *pixel)
+__device__ inline void backward_batch(backward_shared *s, const tile_place &p, backward_pixel *pixel)
 {
     uint8_t *list = s->lists[p.block];
     const uint32_t count = list_splats(s, p, [&](uint32_t place, uint32_t splat) { list[place] = (uint8_t)splat; });
@@ -379,9 +379,9 @@ __device__ inline void back_batch(back_shared *s, const tile_place &p, back_pixe
     }
 }
 
-/* Of as many splats as BACK_PAIRS are enough for, from the thread's on: their first pairs. By BACK_SPLATS threads; the
-   others wait too. */
-__device__ inline void place_pairs(back_shared *s, uint32_t blocks)
+/* Of as many splats as BACKWARD_PAIRS are enough for, from the thread's on: their first pairs. By BACKWARD_SPLATS
+   threads; the others wait too. */
+__device__ inline void place_pairs(backward_shared *s, uint32_t blocks)
 {
     const uint32_t warp = threadIdx.x / WARP, own = (uint32_t)__popc(blocks);
     uint32_t end = own;
@@ -389,17 +389,17 @@ __device__ inline void place_pairs(back_shared *s, uint32_t blocks)
         const uint32_t below = __shfl_up_sync(ALL_LANES, end, apart);
         end += threadIdx.x % WARP >= apart ? below : 0;
     }
-    if (threadIdx.x < BACK_SPLATS && threadIdx.x % WARP == WARP - 1)
+    if (threadIdx.x < BACKWARD_SPLATS && threadIdx.x % WARP == WARP - 1)
         s->warp_pairs[warp] = end;
     if (threadIdx.x == 0)
         s->splats = 0;
     __syncthreads();
-    if (threadIdx.x >= BACK_SPLATS)
+    if (threadIdx.x >= BACKWARD_SPLATS)
         return;
     for (uint32_t w = 0; w < warp; w++)
         end += s->warp_pairs[w];
     s->pairs[threadIdx.x] = (uint16_t)(end - own);
-    if (end <= BACK_PAIRS)
+    if (end <= BACKWARD_PAIRS)
         atomicMax(&s->splats, threadIdx.x + 1);
     else
         blocks = 0;
@@ -407,7 +407,7 @@ __device__ inline void place_pairs(back_shared *s, uint32_t blocks)
 }
 
 /* The blocks' sums of each splat of the batch, row by row, to its slot. */
-__device__ inline void add_blocks(const back_shared *s, uint32_t count, float *sums)
+__device__ inline void add_blocks(const backward_shared *s, uint32_t count, float *sums)
 {
     for (uint32_t i = threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS) {
         const uint32_t splat = i / FXS_FIT_SUMS, k = i % FXS_FIT_SUMS, first = s->pairs[splat];
@@ -419,7 +419,7 @@ __device__ inline void add_blocks(const back_shared *s, uint32_t count, float *s
     }
 }
 
-__device__ inline back_pixel begin_pixel(const step_buffers &b, const fxs_fit_camera &camera, const tile_place &p)
+__device__ inline backward_pixel begin_pixel(const step_buffers &b, const fxs_fit_camera &camera, const tile_place &p)
 {
     const size_t at = (size_t)p.y * (size_t)camera.width + (size_t)p.x;
     const size_t size = (size_t)camera.width * (size_t)camera.height;
@@ -432,22 +432,22 @@ __device__ inline back_pixel begin_pixel(const step_buffers &b, const fxs_fit_ca
 }
 
 __global__ void __launch_bounds__(FXS_FIT_PIXELS, 4)
-back_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
+backward_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
 {
     extern __shared__ __align__(16) unsigned char memory[];
-    back_shared *s = (back_shared *)memory;
+    backward_shared *s = (backward_shared *)memory;
     if (is_stopped(b.status))
         return;
     const uint32_t tile = blockIdx.x, start = b.starts[tile], count = b.starts[tile + 1] - start;
     const uint32_t needed = b.needed[tile];
     const tile_place p = place_of_thread(camera, tile);
-    back_pixel pixel = begin_pixel(b, camera, p);
-    clear_lists<BACK_SPLATS>(s->lists);
+    backward_pixel pixel = begin_pixel(b, camera, p);
+    clear_lists<BACKWARD_SPLATS>(s->lists);
     s->gradient[threadIdx.x] = make_float4(pixel.red, pixel.green, pixel.blue, 0);
     for (uint32_t first = 0, here; first < needed; first += here) {
         const uint32_t entry = first + threadIdx.x;
         uint32_t blocks = 0;
-        if (threadIdx.x < BACK_SPLATS && entry < needed) {
+        if (threadIdx.x < BACKWARD_SPLATS && entry < needed) {
             const uint32_t slot = b.slots[1][start + entry];
             blocks = b.blocks[start + entry];
             keep_splat(s, b.splats[b.splat_of[slot]], p);
@@ -457,7 +457,7 @@ back_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
         place_pairs(s, blocks);
         __syncthreads();
         here = min(s->splats, needed - first);
-        back_batch(s, p, &pixel);
+        backward_batch(s, p, &pixel);
         __syncthreads();
         add_blocks(s, here, b.sums);
         __syncthreads();
@@ -470,8 +470,8 @@ back_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
 cudaError_t launch_back(const step_buffers *b, const fxs_fit_camera *camera, cudaStream_t stream)
 {
     const uint32_t tiles = (uint32_t)(camera->tiles_x * camera->tiles_y);
-    const cudaError_t error = allow_shared(back_tiles, sizeof(back_shared));
-    back_tiles<<<tiles, FXS_FIT_PIXELS, sizeof(back_shared), stream>>>(*b, *camera);
+    const cudaError_t error = allow_shared(backward_tiles, sizeof(backward_shared));
+    backward_tiles<<<tiles, FXS_FIT_PIXELS, sizeof(backward_shared), stream>>>(*b, *camera);
     return error ? error : cudaGetLastError();
 }
 
