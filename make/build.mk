@@ -19,11 +19,11 @@ endif
 INCLUDES := -Isrc/include -I.
 FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off $(INCLUDES) \
         -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(FOUND:%=-DFXS_WITH_%) $(CFLAGS) $(CPPFLAGS)
-# One set of objects for the static and the shared libraries.
-PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition)
+# One set of objects for the static and the shared libraries. The shared one shows what is declared FXS_API.
+PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition -fvisibility=hidden)
 NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
              -gencode arch=compute_80,code=compute_80 \
-             -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC
+             -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC,-fvisibility=hidden
 LIBS := $(foreach name,CJSON ZIP PNG JPEG WEBP ZLIB DEFLATE ZSTD GLES CUDA,$(LIBS_$(name))) -lm -lpthread
 
 # Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
@@ -75,12 +75,9 @@ $(ARCHIVES): $(B)/commands/link
 
 link = $(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(1) $(LIBS)
 
-# It shows the functions that public headers declare, and nothing else.
-SHARED_FLAGS := -shared -Wl,-soname,$(SONAME) -Wl,--version-script=$(B)/exports
-$(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(LIBRARY)) $(B)/exports $(B)/commands/link
+SHARED_FLAGS := -shared -Wl,-soname,$(SONAME)
+$(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(LIBRARY)) $(B)/commands/link
 	$(call link,$(SHARED_FLAGS))
-$(B)/exports: $(HEADERS) make/build.mk
-	@{ echo '{ global:'; grep -oh 'fxs_[a-z0-9_]*[(;,]' $(HEADERS) | tr '(,' ';;' | sort -u; echo 'local: *; };'; } >$@
 
 $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)

@@ -89,13 +89,12 @@ probe() {
         found CUDA
     fi
 
-    echo '{ global: main; local: *; };' >"$object.map"
-    link -shared -fPIC -Wl,-soname,probe -Wl,--version-script="$object.map" "$source" -o "$object" 2>/dev/null &&
+    link -shared -fPIC -fvisibility=hidden -Wl,-soname,probe "$source" -o "$object" 2>/dev/null &&
         echo 'SHARED := yes'
     echo "CC_VERSION := $(eval "$CC --version" 2>/dev/null | tr -d '\n' | tr '#$' '  ')"
     echo "AR_OF_CC := $(eval "$CC -print-prog-name=ar" 2>/dev/null)"
 }
 rm -f "$build/probe.key"
 probe 2>/dev/null >"$build/probe.mk"
-rm -f "$source" "$source.h" "$object" "$object.map" "$object.d"
+rm -f "$source" "$source.h" "$object" "$object.d"
 printf '%s\n' "$state" >"$build/probe.key"

@@ -1,6 +1,8 @@
 #include <fixsplat/renderer.h>
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <fixsplat/message.h>
 
@@ -10,14 +12,27 @@ struct fxs_renderer {
     void *picker;                  /* the processor's back end, if the other cannot pick; null until the first pick */
 };
 
+static int unknown(const char *name, fxs_message *message)
+{
+    char names[128] = "auto";
+    const fxs_backend *backend;
+    for (int i = 0; (backend = fxs_backend_at(i)) != NULL; i++) {
+        const size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, ", %s", backend->name);
+    }
+    return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no back end is called \"%s\": expected %s", name, names);
+}
+
 int fxs_renderer_create(const char *name, const fxs_backend_options *options, fxs_renderer **renderer,
                         fxs_message *message)
 {
     static const fxs_backend_options usual;
     const fxs_backend *backend = fxs_backend_find(name ? name : "auto");
+    if (!renderer)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no place for a renderer");
     *renderer = NULL;
     if (!backend)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "there is no back end of the name %s", name);
+        return unknown(name, message);
     fxs_renderer *made = calloc(1, sizeof *made);
     if (!made)
         return fxs_fail_memory(message, NULL, sizeof *made);
@@ -32,6 +47,8 @@ int fxs_renderer_create(const char *name, const fxs_backend_options *options, fx
 
 int fxs_renderer_render(fxs_renderer *renderer, const fxs_request *request, fxs_stats *stats, fxs_message *message)
 {
+    if (!renderer || !request)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to render", renderer ? "request" : "renderer");
     return renderer->backend->render(renderer->self, request, stats, message);
 }
 
@@ -39,6 +56,9 @@ int fxs_renderer_pick(fxs_renderer *renderer, const fxs_request *request, int32_
                       fxs_pick_result *result, fxs_message *message)
 {
     static const fxs_backend_options usual;
+    if (!renderer || !request || !result)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to pick from",
+                           !renderer ? "renderer" : request ? "result" : "request");
     if (renderer->backend->pick)
         return renderer->backend->pick(renderer->self, request, x, y, result, message);
     const int error = renderer->picker ? 0 : fxs_backend_cpu.open(&renderer->picker, &usual, message);

@@ -111,7 +111,7 @@ static int map_file(fxs_mapping *mapping, const char *path, fxs_message *message
     if (data == MAP_FAILED)
         return fxs_fail(message, "%s: cannot be mapped into memory: %s", path, strerror(errno));
     mapping->data = data;
-    fxs_opened((uint64_t)status.st_dev, (uint64_t)status.st_ino);
+    fxs_note_opened((uint64_t)status.st_dev, (uint64_t)status.st_ino);
     return 0;
 }
 

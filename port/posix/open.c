@@ -41,16 +41,19 @@ static int is_fxs_file(const char *path)
     return is;
 }
 
-static open_scene *create(const char *name, fxs_message *message)
+static int create(const char *name, open_scene **made, fxs_opened **opened, fxs_message *message)
 {
+    if (opened)
+        *opened = NULL;
+    if (!name || !opened)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to open a scene", name ? "place" : "name");
     const size_t length = strlen(name) + 1;
     open_scene *s = calloc(1, sizeof *s + length);
-    if (!s) {
-        fxs_fail_memory(message, name, sizeof *s + length);
-        return NULL;
-    }
+    if (!s)
+        return fxs_fail_memory(message, name, sizeof *s + length);
     memcpy(s->name, name, length);
-    return s;
+    *made = s;
+    return 0;
 }
 
 /* Fills in the fields for the caller, or frees the scene after an error. */
@@ -88,7 +91,7 @@ static int take_packed(open_scene *s, const void *data, size_t bytes, const fxs_
                        fxs_message *message)
 {
     int error = o->file.axes ? fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: axes (--axes) are for .spz", s->name)
-                             : fxs_file_check(s->name, data, bytes, 0, message);
+                             : fxs_file_check(s->name, data, bytes, o->check_all, message);
     if (!error)
         describe(s, data);
     return finish(s, error, data, bytes, opened, message);
@@ -149,13 +152,13 @@ int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **ope
 {
     const fxs_open_options *o = options ? options : &usual;
     fxs_scene_file *file = NULL;
-    open_scene *s = create(path, message);
-    *opened = NULL;
-    if (!s)
-        return FXS_ERR_MEMORY;
+    open_scene *s;
+    int error = create(path, &s, opened, message);
+    if (error)
+        return error;
     if (is_fxs_file(path))
         return map_file(s, o, opened, message);
-    const int error = fxs_scene_file_open(path, &o->file, &file, &s->info, message);
+    error = fxs_scene_file_open(path, &o->file, &file, &s->info, message);
     return pack_file(s, error, file, o, opened, message);
 }
 
@@ -164,24 +167,24 @@ int fxs_open_memory(const char *name, const void *data, size_t bytes, const fxs_
 {
     const fxs_open_options *o = options ? options : &usual;
     fxs_scene_file *file = NULL;
-    open_scene *s = create(name, message);
-    *opened = NULL;
-    if (!s)
-        return FXS_ERR_MEMORY;
-    if (bytes >= 4 && is_fxs(data))
+    open_scene *s;
+    int error = create(name, &s, opened, message);
+    if (error)
+        return error;
+    if (data && bytes >= 4 && is_fxs(data))
         return take_bytes(s, data, bytes, o, opened, message);
-    const int error = fxs_scene_file_open_memory(name, data, bytes, &o->file, &file, &s->info, message);
+    error = fxs_scene_file_open_memory(name, data, bytes, &o->file, &file, &s->info, message);
     return pack_file(s, error, file, o, opened, message);
 }
 
 int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs_scene_file_info *info,
                        const fxs_open_options *options, fxs_opened **opened, fxs_message *message)
 {
-    open_scene *s = create(name, message);
-    *opened = NULL;
-    if (!s) {
+    open_scene *s;
+    const int error = create(name, &s, opened, message);
+    if (error) {
         fxs_scene_file_close(file);
-        return FXS_ERR_MEMORY;
+        return error;
     }
     s->info = *info;
     return pack_file(s, 0, file, options ? options : &usual, opened, message);
@@ -198,6 +201,11 @@ int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, f
 {
     static const double up[3] = {0, -1, 0};
     fxs_file_view view;
+    if (!opened || !camera)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to frame", opened ? "camera" : "scene");
+    if (width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
+        return fxs_fail_as(FXS_ERR_SIZE, message, "a picture of %ldx%ld: each side has 1 to %d pixels", (long)width,
+                           (long)height, FXS_MAX_SIZE);
     const int error = fxs_view_frame_box(&view, opened->report->inner_low, opened->report->inner_high, up, 50, width,
                                          height, message);
     return error ? error : fxs_camera_from_view(camera, &view, message);

@@ -16,7 +16,7 @@ typedef void fxs_opened_fn(uint64_t device, uint64_t inode);
 void fxs_tell_opened(fxs_opened_fn *told);
 
 /* Called by each function that opens a file. */
-void fxs_opened(uint64_t device, uint64_t inode);
+void fxs_note_opened(uint64_t device, uint64_t inode);
 
 #ifdef __cplusplus
 }

@@ -29,7 +29,7 @@ static int open_file(fxs_scene_source *source, const char *first, fxs_message *m
     source->input = (fxs_scene_input){facts.size, read_file, NULL, close_file, file};
     source->device = facts.device;
     source->inode = facts.inode;
-    fxs_opened(facts.device, facts.inode);
+    fxs_note_opened(facts.device, facts.inode);
     return 0;
 }
 

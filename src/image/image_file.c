@@ -267,7 +267,7 @@ int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *heigh
     int result = 0;
     *rgba = NULL;
     FXS_TRY(fxs_file_open(path, &file, &facts, message));
-    fxs_opened(facts.device, facts.inode);
+    fxs_note_opened(facts.device, facts.inode);
     const int first = getc(file);
     rewind(file);
     const char *fault = first == 'P' ? read_ppm(file, rgba, width, height)

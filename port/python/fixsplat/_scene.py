@@ -241,7 +241,7 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
         options = _open_options(_file_options(level, axes, max_gaussians, max_memory, calls), profile, threads, calls)
         if isinstance(source, (bytes, bytearray, memoryview)):
             data = bytes(source)
-            name, held = "bytes", ffi.from_buffer(data)
+            name, held, options.check_all = "bytes", ffi.from_buffer(data), 1
             call("fxs_open_memory", name.encode(), held, len(data), options, opened)
         elif isinstance(source, (str, os.PathLike)):
             lib.fxs_map_guard()
@@ -250,8 +250,6 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
         else:
             raise TypeError(f"source: expected a path or bytes, not {type(source).__name__}")
     memory, report = Memory.opened(opened[0], name, held), opened[0].report
-    if held is not None and string(opened[0].info.format) == "fxs":
-        call("fxs_file_check", name.encode(), memory.data, memory.size, 1)
     return Scene(memory, report.read - report.packed, report.brought_in)
 
 

@@ -9,6 +9,8 @@
 
 #include <stddef.h>
 
+#include "fixsplat.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -20,17 +22,17 @@ typedef struct fxs_allocator {
 } fxs_allocator;
 
 /* Allocates count * size bytes. Returns null where memory ran out or the product exceeds SIZE_MAX. */
-void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size);
+FXS_API void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size);
 
 /* Allocates count * size bytes of 0. */
-void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size);
+FXS_API void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size);
 
 /* Moves the `old_count` items of a block to a new block for `count` items and releases the old one. `block` may be null
    where old_count is 0. Returns null where memory ran out; the old block is then unchanged. */
-void *fxs_enlarge(const fxs_allocator *allocator, void *block, size_t old_count, size_t count, size_t size);
+FXS_API void *fxs_enlarge(const fxs_allocator *allocator, void *block, size_t old_count, size_t count, size_t size);
 
 /* Frees a block, which may be null. */
-void fxs_release(const fxs_allocator *allocator, void *block);
+FXS_API void fxs_release(const fxs_allocator *allocator, void *block);
 
 #ifdef __cplusplus
 }

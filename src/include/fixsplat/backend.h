@@ -1,7 +1,7 @@
 /* A back end: one way to render frames, on the processor or on a GPU, which a program chooses by name. backends.h lists
  * the library's back ends; a back end of another program fills in the same table.
  *
- * Not stable: may change with every version. */
+ * Not stable: may change with every version, but for fxs_backend_can and fxs_backend_options. */
 #ifndef FXS_BACKEND_H
 #define FXS_BACKEND_H
 

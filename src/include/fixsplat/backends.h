@@ -19,12 +19,12 @@ extern "C" {
 
 /* The back end of that number, from 0 on, the processor first; null beyond the last. The list is the same in every
    build: `device` and `open` of a back end that the build lacks say why it is missing. */
-const fxs_backend *fxs_backend_at(int index);
+FXS_API const fxs_backend *fxs_backend_at(int index);
 
 /* The back end of that name: cpu, auto (also the processor), gles, gles-fetch, gles-quads, osmesa, cuda; else null. */
-const fxs_backend *fxs_backend_find(const char *name);
+FXS_API const fxs_backend *fxs_backend_find(const char *name);
 
-extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_quads,
+FXS_API extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_quads,
                          fxs_backend_osmesa, fxs_backend_cuda;
 
 #ifdef __cplusplus

@@ -28,9 +28,9 @@ typedef struct fxs_fit_block {
 
    fxs_fit_block_free frees it and must be called before the whole set is freed. Errors: FXS_ERR_ARGUMENT (the numbers),
    FXS_ERR_FILE where the block has no point or no photograph to fit, FXS_ERR_MEMORY. */
-int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint32_t blocks, fxs_fit_block *block,
-                         fxs_message *message);
-void fxs_fit_block_free(fxs_fit_block *block);
+FXS_API int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint32_t blocks, fxs_fit_block *block,
+                                 fxs_message *message);
+FXS_API void fxs_fit_block_free(fxs_fit_block *block);
 
 #ifdef __cplusplus
 }

@@ -16,38 +16,38 @@ extern "C" {
 /* Makes a camera of `width` x `height` pixels at `eye` that looks towards `target`, both in scene units. `up` is any
    vector that points up in the picture, and `fov` the vertical field of view in degrees, 1 to 170. The near plane is
    the renderer's default. Returns 0, or FXS_ERR_ARGUMENT and a message where no such camera exists. */
-int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double target[3], const double up[3], double fov,
-                     int width, int height, fxs_message *message);
+FXS_API int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double target[3], const double up[3],
+                             double fov, int width, int height, fxs_message *message);
 
 /* A near plane for a scene in the box low..high: a hundredth of half the box's diagonal, at most 0.2 units; 0.2
    for a box without size. */
-double fxs_near_of_box(const double low[3], const double high[3]);
+FXS_API double fxs_near_of_box(const double low[3], const double high[3]);
 
 /* Makes a camera that shows the whole box low..high (such as the inner bounds of fxs_pack_report) as large as possible,
    from the front and slightly above. Its near plane is fxs_near_of_box. Errors are those of fxs_view_look_at. */
-int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3], double fov,
-                       int width, int height, fxs_message *message);
+FXS_API int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3],
+                               double fov, int width, int height, fxs_message *message);
 
 /* Changes the size of the picture: scales fx and fy by new width / old width, and moves the principal point to the
    centre. */
-void fxs_view_resize(fxs_file_view *view, int width, int height);
+FXS_API void fxs_view_resize(fxs_file_view *view, int width, int height);
 
 /* Sets the field of view by the tangents of its sides, as headsets state them: left, right, up, down, with left < right
    and down < up; left and down are negative if the picture contains the axis. Pixels may become other than square.
    Returns 0, or FXS_ERR_ARGUMENT and a message where the tangents are out of order or beyond +-64. */
-int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_message *message);
+FXS_API int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_message *message);
 
 /* Turns the camera about an axis through `middle` by an angle in radians, as if the scene turned the opposite way. */
-void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double axis[3], double angle);
+FXS_API void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double axis[3], double angle);
 
 /* Finds the camera at `at` = 0 to count - 1 on a smooth path through `count` keys, 1 or more; key i lies at `at` = i.
    Positions, rotations (as quaternions, the shorter way round), the logarithms of focal lengths and near planes, and
    principal points follow Catmull-Rom splines. Size, name and projection are those of the last key before `at`. */
-void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view);
+FXS_API void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view);
 
 /* Rounds a camera to the renderer's integers. Returns 0, or FXS_ERR_CAMERA and a message where a number is out of the
    renderer's range. */
-int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message);
+FXS_API int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message);
 
 /* Makes a camera of `width` x `height` pixels from the two matrices of an OpenGL program, each 16 numbers by columns
    (as glUniformMatrix4fv takes them, not transposed), for column vectors: eye = view_matrix * world, clip = projection
@@ -58,8 +58,8 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
    perspective. Mirrored pictures, skew and depths from far to near are refused. A projection with depths of 0 to 1 is
    not noticed: it looks like one with a near plane at half the distance. Errors are those of fxs_camera_from_view, and
    FXS_ERR_SIZE where width or height is outside 1..FXS_MAX_SIZE. */
-int fxs_camera_from_matrices(fxs_camera *camera, const double view_matrix[16], const double projection[16], int width,
-                             int height, fxs_message *message);
+FXS_API int fxs_camera_from_matrices(fxs_camera *camera, const double view_matrix[16], const double projection[16],
+                                     int width, int height, fxs_message *message);
 
 #ifdef __cplusplus
 }

@@ -32,7 +32,7 @@ typedef struct fxs_file_view {
    cannot be used (a focal length that is not above 0, a rotation that is not orthonormal within 1e-3, a number that is
    not finite, a size out of range, an unknown camera model); FXS_ERR_UNSUPPORTED for .json where fixsplat was built
    without cJSON; FXS_ERR_MEMORY. Several threads may read files at the same time. */
-long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
+FXS_API long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
 
 #ifdef __cplusplus
 }

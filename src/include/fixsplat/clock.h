@@ -4,12 +4,14 @@
 
 #include <stdint.h>
 
+#include "fixsplat.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 /* Nanoseconds of a clock that never goes backwards. */
-uint64_t fxs_clock(void *unused);
+FXS_API uint64_t fxs_clock(void *unused);
 
 #ifdef __cplusplus
 }

@@ -54,47 +54,47 @@ typedef struct fxs_cuda_frame {
 } fxs_cuda_frame;
 
 /* How many devices there are; 0 where there is no driver. */
-int fxs_cuda_devices(void);
+FXS_API int fxs_cuda_devices(void);
 
 /* The name of a device, cut to `size` bytes with the final 0. Errors: FXS_ERR_DEVICE. */
-int fxs_cuda_name(int device, char *name, size_t size, fxs_message *why);
+FXS_API int fxs_cuda_name(int device, char *name, size_t size, fxs_message *why);
 
 /* Opens device `device`. `max_memory`: most bytes of device memory, 0 for no limit of its own. `slots`: 1 to 16 frames
    under way at a time, each with buffers of its own. *out is null after an error: FXS_ERR_ARGUMENT, FXS_ERR_DEVICE,
    FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED where the device has too little shared memory. */
-int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_message *why);
+FXS_API int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_message *why);
 
 /* Waits for what is under way and gives everything back; `cuda` may be null. */
-void fxs_cuda_destroy(fxs_cuda *cuda);
+FXS_API void fxs_cuda_destroy(fxs_cuda *cuda);
 
 /* Copies a packed scene to the device, where it stays until it is forgotten. A scene is known by the address of its
    fxs_scene; one that is there already is not copied again. fxs_cuda_render does this for scenes that are not there.
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_MEMORY, FXS_ERR_DEVICE. */
-int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_message *why);
+FXS_API int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_message *why);
 
 /* Drops a scene's copy. To be called before the fxs_scene, or the bytes that it points to, change or go away. With the
    last scene the memory of frames is given back too. */
-void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
+FXS_API void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
 
 /* Sets whether the times of stages are taken, which costs an event between any two. */
-void fxs_cuda_time(fxs_cuda *cuda, int on);
+FXS_API void fxs_cuda_time(fxs_cuda *cuda, int on);
 
 /* Starts 1 to FXS_CUDA_BATCH frames, whose targets must not overlap, behind the work of `stream` (a cudaStream_t; null:
    the default one), and lets the stream wait for them. The pixels are there once fxs_cuda_finish has returned 0, which
    must come before the next call of any other function. `options` are copied; their stop is asked before each frame.
    Errors as fxs_render's, and FXS_ERR_DEVICE: no frame is under way then. */
-int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
-                    void *stream, fxs_message *why);
+FXS_API int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
+                            void *stream, fxs_message *why);
 
 /* Waits for the frames of fxs_cuda_render. Frames whose tile lists did not fit are rendered again, in more memory.
    *stats may be null. Errors: FXS_ERR_ARGUMENT where none are under way, FXS_ERR_MEMORY, FXS_ERR_DEVICE, FXS_ERR_SCENE
    where a chunk's header is out of range: the scene's bytes had changed before they were uploaded; FXS_ERR_STOPPED.
    Pixels are undefined then. */
-int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why);
+FXS_API int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why);
 
 /* Render, finish and copy, for targets in any host memory: as fxs_render takes them. */
-int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
-                         fxs_cuda_stats *stats, fxs_message *why);
+FXS_API int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count,
+                                 const fxs_options *options, fxs_cuda_stats *stats, fxs_message *why);
 
 #ifdef __cplusplus
 }

@@ -3,13 +3,15 @@
 #ifndef FXS_DECLARATIONS_H
 #define FXS_DECLARATIONS_H
 
+#include "fixsplat.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 /* All structs, functions and constants of this library as preprocessed C: one static text, made from the headers that
    the library was built with (tools/declarations.sh). */
-const char *fxs_declarations(void);
+FXS_API const char *fxs_declarations(void);
 
 #ifdef __cplusplus
 }

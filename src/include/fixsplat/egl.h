@@ -11,16 +11,16 @@ extern "C" {
 #endif
 
 /* Makes a context in the first of these ways that works, current on this thread. Returns 0, or -1 and a message. */
-int fxs_egl_open(void **egl, fxs_message *message);
+FXS_API int fxs_egl_open(void **egl, fxs_message *message);
 
 /* Finds a function of OpenGL ES by its name: an fxs_gl_load_fn, whose argument is the context of fxs_egl_open. */
-void (*fxs_egl_load(void *egl, const char *name))(void);
+FXS_API void (*fxs_egl_load(void *egl, const char *name))(void);
 
 /* Makes the context current on this thread again. Returns 0, or -1. */
-int fxs_egl_use(void *egl);
+FXS_API int fxs_egl_use(void *egl);
 
 /* Ends the context; null is allowed. The display stays open, as the process may have other contexts on it. */
-void fxs_egl_close(void *egl);
+FXS_API void fxs_egl_close(void *egl);
 
 #ifdef __cplusplus
 }

@@ -18,15 +18,15 @@ typedef struct fxs_film fxs_film;
 
 /* Begins a film of `width` x `height` pixels and `rate` frames a second, in a file as output.h says; the path "-" is
    standard output. Returns 0 and a film for fxs_film_close, or an error and a message, with *film null. */
-int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height, int rate,
-                  fxs_message *message);
+FXS_API int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height,
+                          int rate, fxs_message *message);
 
 /* Adds a frame that fxs_image_encode encoded in the film's format. Returns 0, or an error and a message. */
-int fxs_film_write(fxs_film *film, const fxs_encoded *frame, fxs_message *message);
+FXS_API int fxs_film_write(fxs_film *film, const fxs_encoded *frame, fxs_message *message);
 
 /* Ends a film and frees it; null is allowed. With `complete` 0 the film is dropped, and an earlier file of its name is
    unchanged. Returns 0, or an error and a message. */
-int fxs_film_close(fxs_film *film, int complete, fxs_message *message);
+FXS_API int fxs_film_close(fxs_film *film, int complete, fxs_message *message);
 
 #ifdef __cplusplus
 }

@@ -81,12 +81,12 @@ typedef struct fxs_fit_options {
 } fxs_fit_options;
 
 /* Sets the initial values that the comments above name, and 0 for the others: recipe reference, one thread. */
-void fxs_fit_options_init(fxs_fit_options *options);
+FXS_API void fxs_fit_options_init(fxs_fit_options *options);
 
 /* The number of steps that a recipe is made for (30,000; fast 8,000), and its max_gaussians (2^22; mcmc 1,000,000; fast
    250,000). */
-uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe);
-size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe);
+FXS_API uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe);
+FXS_API size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe);
 
 typedef struct fxs_fit_report {
     double absolute, dissimilar;   /* means of |a - b| and of 1 - SSIM over pixels and channels */
@@ -100,32 +100,32 @@ typedef struct fxs_fit_report {
    takes that many, evenly spaced in their order. fxs_fit_free frees *fit, which is null after an error:
    FXS_ERR_ARGUMENT (an option, a camera, no photographs, no points, or none in front of a camera), FXS_ERR_MEMORY, with
    devices also FXS_ERR_DEVICE, and FXS_ERR_UNSUPPORTED where the library has no CUDA. */
-int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
-                   size_t point_count, const fxs_fit_options *options, fxs_message *message);
-void fxs_fit_free(fxs_fit *fit);      /* null is allowed */
+FXS_API int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
+                           size_t point_count, const fxs_fit_options *options, fxs_message *message);
+FXS_API void fxs_fit_free(fxs_fit *fit);      /* null is allowed */
 
 /* Makes one step. `report` may be null: then a device may still be working on the step when this function returns, and
    a later call may return the step's error. After an error, FXS_ERR_MEMORY or FXS_ERR_DEVICE, the fit can only be
    freed. */
-int fxs_fit_step(fxs_fit *fit, fxs_fit_report *report, fxs_message *message);
+FXS_API int fxs_fit_step(fxs_fit *fit, fxs_fit_report *report, fxs_message *message);
 
 /* The number of steps made so far. */
-uint32_t fxs_fit_steps(const fxs_fit *fit);
+FXS_API uint32_t fxs_fit_steps(const fxs_fit *fit);
 
 /* The options in use; after fxs_fit_resume, most are from the file. */
-const fxs_fit_options *fxs_fit_options_of(const fxs_fit *fit);
+FXS_API const fxs_fit_options *fxs_fit_options_of(const fxs_fit *fit);
 
 /* Gives the current Gaussians, for fxs_scene_file_open_gaussians; valid until the next step. This function and the next
    two may also return FXS_ERR_DEVICE or FXS_ERR_MEMORY like fxs_fit_step. */
-int fxs_fit_gaussians(fxs_fit *fit, fxs_gaussian_source *gaussians, fxs_message *message);
+FXS_API int fxs_fit_gaussians(fxs_fit *fit, fxs_gaussian_source *gaussians, fxs_message *message);
 
 /* Packs the current Gaussians by the profile of the options, to be rendered or written as an .fxs file. Errors and
    ownership are those of fxs_pack. `report` may be null. */
-int fxs_fit_pack(fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
+FXS_API int fxs_fit_pack(fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
 
 /* Saves the whole state of the fit to a file, with the same bytes on every machine. An earlier file of that name is
    unchanged until the new one is complete and on the disk (output.h). Errors: FXS_ERR_FILE, FXS_ERR_MEMORY. */
-int fxs_fit_save(fxs_fit *fit, const char *path, fxs_message *message);
+FXS_API int fxs_fit_save(fxs_fit *fit, const char *path, fxs_message *message);
 
 /* Resumes a saved fit with the same photographs: its further steps are the same as without the interruption. `options`
    says how they are computed (cpu, run, pool, threads, clock, devices and their count, max_memory), and sets the number
@@ -133,8 +133,8 @@ int fxs_fit_save(fxs_fit *fit, const char *path, fxs_message *message);
    device_count. Errors: FXS_ERR_FILE where the file is not a saved fit, is damaged, or belongs to other photographs
    (pixels, cameras, their order; names do not matter) or another block; FXS_ERR_VERSION where it has another version;
    and those of fxs_fit_create. The memory allocated is in proportion to the file. */
-int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,
-                   const fxs_fit_options *options, fxs_message *message);
+FXS_API int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,
+                           const fxs_fit_options *options, fxs_message *message);
 
 #ifdef __cplusplus
 }

@@ -10,8 +10,11 @@
  * renders one frame at a time.
  *
  * Conventions: units are those of the scene's file, or the world's where there are objects. Camera axes: x right, y
- * down, z forward; pixel centres at +0.5. `_qN` in a name says that the integer is the real value times 2^N. A struct
- * with an init function may grow: fill it by that function first, then set what you need. */
+ * down, z forward; pixel centres at +0.5. `_qN` in a name says that the integer is the real value times 2^N.
+ *
+ * Stable from version 1.0 on, as are the other headers that say so: within 1.x their functions stay, and structs that a
+ * program allocates keep their size and the meaning of their fields. Fill a struct by its init function first, where it
+ * has one, then set what you need. */
 #ifndef FXS_FIXSPLAT_H
 #define FXS_FIXSPLAT_H
 
@@ -28,9 +31,27 @@ extern "C" {
 #define FXS_VERSION "1.0.0-rc1"
 #define FXS_VERSION_NUMBER (FXS_VERSION_MAJOR * 10000 + FXS_VERSION_MINOR * 100 + FXS_VERSION_PATCH)
 
-/* FXS_VERSION_NUMBER of the library that is linked. A program that was built with the same major number, and a minor one
-   that is no higher, goes with it. */
-int fxs_version(void);
+/* Before a public function: the shared library shows it, and hides its other functions. A program that takes the
+   library into one of its own may define FXS_API as nothing. */
+#ifndef FXS_API
+#if defined(__GNUC__)
+#define FXS_API __attribute__((visibility("default")))
+#else
+#define FXS_API
+#endif
+#endif
+
+/* Before a public function that the next major version will not have: the compiler warns, and says what to call.
+   FXS_DEPRECATED("fxs_render") FXS_API int fxs_render_eyes(...); */
+#if defined(__GNUC__)
+#define FXS_DEPRECATED(instead) __attribute__((deprecated("call " instead " in its place")))
+#else
+#define FXS_DEPRECATED(instead)
+#endif
+
+/* FXS_VERSION_NUMBER of the library that is linked. A program that was built with the same major number, and a minor
+   one that is no higher, goes with it. */
+FXS_API int fxs_version(void);
 
 #define FXS_MAX_SIZE 16384           /* pixels, width and height of a picture */
 #define FXS_MAX_COUNT (1u << 30)     /* Gaussians in a scene, and in all objects of a frame (in whole chunks of 256) */
@@ -44,7 +65,7 @@ enum fxs_error {
     FXS_ERR_CAMERA = -4,        /* focal length not above 0, rotation not orthonormal, position beyond +-2^28 units,
                                    near plane out of range */
     FXS_ERR_SIZE = -5,          /* width or height outside 1..FXS_MAX_SIZE; a window or a hidden part
-                                   outside its picture */
+                                   outside its picture; two eyes of other sizes or projections */
     FXS_ERR_MEMORY = -6,        /* too little memory: the working memory given (or not aligned to 64), or a device's */
     FXS_ERR_UNSUPPORTED = -7,   /* something that this build, machine or back end does not have */
     FXS_ERR_DEVICE = -8,        /* a back end's device is missing, failed or was lost */
@@ -57,7 +78,7 @@ enum fxs_error {
 };
 
 /* The words for an error code: one line, static, never null. */
-const char *fxs_strerror(int error);
+FXS_API const char *fxs_strerror(int error);
 
 /* Why a call failed, for people: functions outside the core fill it in beside their error code. */
 typedef struct fxs_message {
@@ -89,7 +110,7 @@ typedef struct fxs_scene {
 
 /* Bytes of a packed scene of `count` Gaussians with SH of degree `sh_degree`, and `palette_entries` (0 to 128) in each
    stage of its palette; 0 where any is out of range. */
-size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
+FXS_API size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
 
 /* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
    `data` must stay in place and unchanged as long as the scene is used; nothing is copied. Where another program
@@ -97,7 +118,7 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
    and the new bytes; in no case is anything read or written beyond the caller's memory. Memory that goes away (a mapped
    file that is cut short: SIGBUS) is for the caller to prevent, or to catch as map.h does.
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_VERSION. */
-int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
+FXS_API int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
 
 /* ---- Objects --------------------------------------------------------------------------------------------------- */
 
@@ -125,7 +146,7 @@ typedef struct fxs_object {
 } fxs_object;
 
 /* The scene as it is, at the origin of the world: visible, id 0, no crop. */
-void fxs_object_init(fxs_object *object, const fxs_scene *scene);
+FXS_API void fxs_object_init(fxs_object *object, const fxs_scene *scene);
 
 /* ---- Camera and options ---------------------------------------------------------------------------------------- */
 
@@ -158,7 +179,7 @@ typedef struct fxs_camera {
 } fxs_camera;
 
 /* A camera at the origin that looks along z, with a field of view of 90 degrees across the width. */
-void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height);
+FXS_API void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height);
 
 enum fxs_cutoff {
     FXS_CUTOFF_MAHALANOBIS = 0,    /* a Gaussian touches a pixel where its Mahalanobis distance is at most 3 */
@@ -180,7 +201,7 @@ typedef struct fxs_options {
 } fxs_options;
 
 /* Mahalanobis cut-off, SH degree 3, black background, no stop. */
-void fxs_options_init(fxs_options *options);
+FXS_API void fxs_options_init(fxs_options *options);
 
 /* ---- Targets --------------------------------------------------------------------------------------------------- */
 
@@ -235,7 +256,7 @@ typedef struct fxs_targets {
 } fxs_targets;
 
 /* No targets, format RGBA8. */
-void fxs_targets_init(fxs_targets *targets);
+FXS_API void fxs_targets_init(fxs_targets *targets);
 
 /* ---- Context --------------------------------------------------------------------------------------------------- */
 
@@ -266,7 +287,7 @@ typedef struct fxs_config {
 enum fxs_stage { FXS_PROJECT, FXS_SHADE, FXS_SORT, FXS_BIN, FXS_BLEND, FXS_RESOLVE, FXS_STAGES };
 
 /* The name of a stage: "project", "shade", ... */
-const char *fxs_stage_name(enum fxs_stage stage);
+FXS_API const char *fxs_stage_name(enum fxs_stage stage);
 
 /* The function of each stage, on one chunk or one tile: stage.h says what they are given. fxs_init fills in the
    plain C versions; a faster one with the same results may take the place of any. */
@@ -337,7 +358,7 @@ typedef struct fxs_context {
 } fxs_context;
 
 /* Fills *context with the plain C version of each stage. `config` may be null: one thread, no clock. */
-int fxs_init(fxs_context *context, const fxs_config *config);
+FXS_API int fxs_init(fxs_context *context, const fxs_config *config);
 
 /* ---- Frame ----------------------------------------------------------------------------------------------------- */
 
@@ -364,14 +385,14 @@ typedef struct fxs_frame_memory {
              end only where it has `draw_blended`; otherwise the frame ends with FXS_ERR_MEMORY.
    *memory may be null. Returns total; 0 where an argument is out of range, or the memory more than a size_t can
    count. */
-size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
-                       int32_t height, fxs_frame_memory *memory);
+FXS_API size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                               int32_t height, fxs_frame_memory *memory);
 
 /* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and 72 bytes more for every
    Gaussian and 384 for every object. 0 where an argument is out of range, or the memory more than a size_t can
    count. */
-size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
-                        int32_t height);
+FXS_API size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                                int32_t height);
 
 typedef struct fxs_stats {
     uint32_t gaussians;            /* in all objects */
@@ -397,7 +418,7 @@ typedef struct fxs_request {
 } fxs_request;
 
 /* One eye, with the options and targets of fxs_options_init and fxs_targets_init, and a camera that is all 0. */
-void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count);
+FXS_API void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t count);
 
 /* Renders a request. A frame has one order by depth over all of them, ties by object, then
    by Gaussian. One object as fxs_object_init leaves it is the scene itself. Not drawn are Gaussians whose centre is not
@@ -414,8 +435,8 @@ void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t 
    computed once, as seen from the point between them. So is the order by depth, where both cameras measure depth alike
    (their z axes are parallel, and neither is ahead of the other, within 2^-14) and the right eye has no occluder;
    otherwise each eye's splats are sorted by themselves. The bytes are the same on every machine. They are those of two
-   frames only where both cameras are equal: with eyes 2 % of the distance to the scene apart, each picture has a PSNR of
-   54 dB or more against a frame of its own on the scenes measured (the tests hold 50). With `exact` nothing is shared:
+   frames only where both cameras are equal: with eyes 2 % of the distance to the scene apart, each picture has a PSNR
+   of 54 dB or more against a frame of its own on the scenes measured (the tests hold 50). With `exact` nothing is shared:
    each eye has the very bytes of a frame of its own, in the time of two frames. There are no bands: two eyes take
    fxs_stereo_bytes. *stats is of both eyes together; `visible` counts a Gaussian that both eyes see once, or with
    `exact` once for each eye.
@@ -423,16 +444,16 @@ void fxs_request_init(fxs_request *request, const fxs_object *objects, uint32_t 
    (also where the camera is more than 2^28 of the object's units away from its origin, and for two eyes beyond 2^28
    Gaussians in whole chunks), FXS_ERR_TARGET, FXS_ERR_MEMORY.
    Errors after which a part of the pixels may be written: FXS_ERR_SCENE, FXS_ERR_STOPPED and those of a back end. */
-int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
-               fxs_stats *stats);
+FXS_API int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
+                       fxs_stats *stats);
 
 /* Counts the work of the blend stage for the first eye of a request, in pairs of a pixel and a Gaussian. It renders the
    frame once more, by the plain C stages and one thread, without an occluder. A pair is
    evaluated where the Gaussian is in the list of the pixel's tile and may touch the pixel's row, and the pixel is not
    opaque yet; pixels of a tile beyond the picture's edge count too. It is blended where the pixel is also within the
    cut-off and alpha at least 1/255. Errors as fxs_render. */
-int fxs_count_pairs(const fxs_request *request, void *memory, size_t memory_bytes, uint64_t *evaluated,
-                    uint64_t *blended);
+FXS_API int fxs_count_pairs(const fxs_request *request, void *memory, size_t memory_bytes, uint64_t *evaluated,
+                            uint64_t *blended);
 
 /* What a pixel shows. */
 typedef struct fxs_pick_result {
@@ -446,8 +467,8 @@ typedef struct fxs_pick_result {
 /* Finds out what fxs_render shows at pixel (x, y) of the first eye: its id target holds the same. Of the targets the
    occluder and depth_bits are read. Projects the whole frame, blends one tile. Returns 1, 0 where no Gaussian
    contributes, or an error as fxs_render. */
-int fxs_pick(const fxs_context *context, const fxs_request *request, int32_t x, int32_t y, void *memory,
-             size_t memory_bytes, fxs_pick_result *result);
+FXS_API int fxs_pick(const fxs_context *context, const fxs_request *request, int32_t x, int32_t y, void *memory,
+                     size_t memory_bytes, fxs_pick_result *result);
 
 #ifdef __cplusplus
 }

@@ -5,6 +5,8 @@
 
 #include <stddef.h>
 
+#include "fixsplat.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -21,15 +23,15 @@ typedef struct fxs_scene_format {
 } fxs_scene_format;
 
 /* The format of that number, from 0 on; null beyond the last. */
-const fxs_scene_format *fxs_scene_format_at(int index);
+FXS_API const fxs_scene_format *fxs_scene_format_at(int index);
 
 /* The format of a file name by its ending, or null. With `to_write`, only formats that can be written are considered,
    each by its first ending. */
-const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write);
+FXS_API const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write);
 
 /* Writes the endings of all formats that can be read (with `to_write`: written) as ".fxs, .ply, .spz", cut to `size`
    bytes with the final 0. Returns the length of the whole text in bytes, without the 0. */
-size_t fxs_scene_format_endings(char *text, size_t size, int to_write);
+FXS_API size_t fxs_scene_format_endings(char *text, size_t size, int to_write);
 
 #ifdef __cplusplus
 }

@@ -28,7 +28,7 @@ typedef struct fxs_foveation {
 
 /* Sets the gaze to the principal point, the radii to a fifth and two fifths of the picture's shorter side, and the band
    to a quarter of the first radius. At 1280x720 a quarter of the pixels is then rendered. */
-void fxs_foveation_init(fxs_foveation *foveation, const fxs_camera *cameras, uint32_t eyes);
+FXS_API void fxs_foveation_init(fxs_foveation *foveation, const fxs_camera *cameras, uint32_t eyes);
 
 /* One of the pictures that were combined. */
 typedef struct fxs_ring {
@@ -47,7 +47,7 @@ typedef struct fxs_foveated {
 } fxs_foveated;
 
 /* The bytes of memory that fxs_foveate needs for the rings. 0 where an argument is out of range. */
-size_t fxs_foveation_bytes(const fxs_foveation *foveation, const fxs_camera *cameras, uint32_t eyes);
+FXS_API size_t fxs_foveation_bytes(const fxs_foveation *foveation, const fxs_camera *cameras, uint32_t eyes);
 
 /* Renders a request foveated, by a back end. Each eye must have a colour target of FXS_FORMAT_RGBA8 or RGBA8_COVERAGE
    and no other target, occluder or backdrop; else FXS_ERR_UNSUPPORTED. The pictures of two eyes must have the same
@@ -55,8 +55,9 @@ size_t fxs_foveation_bytes(const fxs_foveation *foveation, const fxs_camera *cam
    fxs_config, are for combining the rings; a null `run` uses the calling thread. `out` may be null. Errors:
    FXS_ERR_ARGUMENT, FXS_ERR_SIZE, FXS_ERR_CAMERA, FXS_ERR_TARGET (rows longer than their stride), FXS_ERR_MEMORY,
    FXS_ERR_UNSUPPORTED, and those of the back end. After an error the targets are unchanged. */
-int fxs_foveate(const fxs_backend *backend, void *self, const fxs_request *request, const fxs_foveation *foveation,
-                void *memory, size_t memory_bytes, fxs_run_fn *run, void *pool, fxs_foveated *out, fxs_message *why);
+FXS_API int fxs_foveate(const fxs_backend *backend, void *self, const fxs_request *request,
+                        const fxs_foveation *foveation, void *memory, size_t memory_bytes, fxs_run_fn *run, void *pool,
+                        fxs_foveated *out, fxs_message *why);
 
 #ifdef __cplusplus
 }

@@ -18,17 +18,17 @@ extern "C" {
 /* Writes the packed scene of `bytes` bytes at `data` (aligned to 64) to a file, as output.h says: after an error, an
    earlier file of that name is unchanged. Returns 0, or an error and a message: the error of fxs_scene_open where the
    data are no packed scene, FXS_ERR_FILE, FXS_ERR_MEMORY. */
-int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message);
+FXS_API int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message);
 
 /* Fills in the checksums of a packed scene in memory, `bytes` bytes at `data` (aligned to 64), which then equals the
    content of an .fxs file. Returns 0, or the error of fxs_scene_open. */
-int fxs_file_seal(void *data, size_t bytes);
+FXS_API int fxs_file_seal(void *data, size_t bytes);
 
 /* Checks the size and the header's checksum of a file of `bytes` bytes that was mapped or read to `data` (aligned to
    64). With `all` it also checks the palette and every chunk, which reads the whole file. `path` is for the message.
    Returns 0, or an error and a message: FXS_ERR_FILE where the file is damaged, FXS_ERR_VERSION where it has another
    version. */
-int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message);
+FXS_API int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message);
 
 #ifdef __cplusplus
 }

@@ -49,13 +49,13 @@ typedef struct fxs_scene_file_info {
 
 /* Reads the next Gaussians, at most `capacity`; some formats return fewer also before the end. Returns their number, 0
    at the end, or an error and a message. */
-long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
+FXS_API long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);
 
 /* Goes back to the first Gaussian. Returns 0, or an error and a message. */
-int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message);
+FXS_API int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message);
 
 /* Closes the stream and frees its handle, which may be null. */
-void fxs_scene_file_close(fxs_scene_file *file);
+FXS_API void fxs_scene_file_close(fxs_scene_file *file);
 
 /* Gaussians that a program has in memory or makes on demand. */
 typedef struct fxs_gaussian_source {
@@ -89,9 +89,9 @@ typedef struct fxs_gaussian_source {
    returns a number outside its range, or in fxs_pack other positions than in an earlier pass, the error is
    FXS_ERR_FILE; an FXS_ERR_* of `read` is returned as it is. Where options->max_gaussians is 0, FXS_MAX_COUNT is the
    limit. Errors: FXS_ERR_ARGUMENT (no `read`, the degree), FXS_ERR_FILE, FXS_ERR_MEMORY. */
-int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
-                                  const fxs_scene_file_options *options, fxs_scene_file **file,
-                                  fxs_scene_file_info *info, fxs_message *message);
+FXS_API int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
+                                          const fxs_scene_file_options *options, fxs_scene_file **file,
+                                          fxs_scene_file_info *info, fxs_message *message);
 
 #ifdef __cplusplus
 }

@@ -23,7 +23,7 @@ enum fxs_image_format {
 
 /* The format that the ending of a name tells: .png, .ppm, .raw, .jpg or .jpeg, .webp, .y4m, .rgba; else
    FXS_IMAGE_UNKNOWN. */
-enum fxs_image_format fxs_image_format_of(const char *path);
+FXS_API enum fxs_image_format fxs_image_format_of(const char *path);
 
 /* A picture as the bytes of a file. All 0: none yet. */
 typedef struct fxs_encoded {
@@ -43,20 +43,20 @@ typedef struct fxs_encoded {
    message; fxs_encoded_free frees in any case. Errors: FXS_ERR_ARGUMENT where the size is out of range (of .webp
    16383), FXS_ERR_UNSUPPORTED where this was built without the library (.png: zlib, .jpg: stb, .webp: libwebp),
    FXS_ERR_MEMORY. */
-int fxs_image_encode(enum fxs_image_format format, int quality, const uint8_t *rgba, int width, int height,
-                     fxs_encoded *encoded, fxs_message *message);
-void fxs_encoded_free(fxs_encoded *encoded);
+FXS_API int fxs_image_encode(enum fxs_image_format format, int quality, const uint8_t *rgba, int width, int height,
+                             fxs_encoded *encoded, fxs_message *message);
+FXS_API void fxs_encoded_free(fxs_encoded *encoded);
 
 /* Writes the bytes to a temporary name beside `path`, which is renamed (output.h), so that a failure leaves an existing
    file whole. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message. */
-int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message);
+FXS_API int fxs_encoded_write(const char *path, const fxs_encoded *encoded, fxs_message *message);
 
 /* Both: encodes a picture, of the quality 0, in the format that the ending of the name tells, .y4m and .rgba left out,
    and writes it. Returns 0, or an error as they do, FXS_ERR_ARGUMENT for any other ending. */
-int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message);
+FXS_API int fxs_image_file_write(const char *path, const uint8_t *rgba, int width, int height, fxs_message *message);
 
 /* 1 where the ending of the name is one that fxs_image_file_write knows, else 0. */
-int fxs_image_file_known(const char *path);
+FXS_API int fxs_image_file_known(const char *path);
 
 /* Reads a .png (by libpng), .jpg (by libjpeg-turbo) or .ppm, of at most 2^26 pixels; its content tells which it is.
    Of 16 bits the upper 8 are taken, grey and palettes become RGBA, and how EXIF would turn a picture is not looked at
@@ -72,7 +72,7 @@ int fxs_image_file_known(const char *path);
    Returns 0 with *rgba allocated by malloc, which the caller frees, or an error and a message, with *rgba null. Errors:
    FXS_ERR_FILE, FXS_ERR_UNSUPPORTED for .png where this was built without libpng, and for .jpg without libjpeg-turbo,
    FXS_ERR_MEMORY. */
-int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message);
+FXS_API int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message);
 
 #ifdef __cplusplus
 }

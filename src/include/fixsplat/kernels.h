@@ -20,14 +20,14 @@ enum fxs_cpu {
 };
 
 /* What this processor has. */
-unsigned fxs_cpu_detect(void);
+FXS_API unsigned fxs_cpu_detect(void);
 
 /* The name of one flag, as in "avx2"; null for any other value. */
-const char *fxs_cpu_name(unsigned flag);
+FXS_API const char *fxs_cpu_name(unsigned flag);
 
 /* Replaces the functions of *kernels by the best versions that there are for the instruction sets in `cpu` (of enum
    fxs_cpu, or'ed), as far as this processor has them. */
-void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
+FXS_API void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu);
 
 #ifdef __cplusplus
 }

@@ -19,18 +19,18 @@ extern "C" {
 
 /* Writes a printf-formatted text, cut to fit, and sets bytes_needed to 0. Returns FXS_ERR_FILE, so that a reader can
    `return fxs_fail(...)`. Control characters, which may come from a file, become question marks. */
-int fxs_fail(fxs_message *message, const char *format, ...) FXS_PRINTF(2, 3);
+FXS_API int fxs_fail(fxs_message *message, const char *format, ...) FXS_PRINTF(2, 3);
 
 /* The same, but returns `error`. */
-int fxs_fail_as(int error, fxs_message *message, const char *format, ...) FXS_PRINTF(3, 4);
+FXS_API int fxs_fail_as(int error, fxs_message *message, const char *format, ...) FXS_PRINTF(3, 4);
 
 /* Writes "PATH: out of memory", or only "out of memory" where `path` is null. Sets bytes_needed to `bytes`, the memory
    that would be enough, or 0 where that is not known. Returns FXS_ERR_MEMORY. */
-int fxs_fail_memory(fxs_message *message, const char *path, uint64_t bytes);
+FXS_API int fxs_fail_memory(fxs_message *message, const char *path, uint64_t bytes);
 
 /* Writes "PATH: " and the text of strerror for the errno `number`. Returns FXS_ERR_MEMORY for ENOMEM, else
    FXS_ERR_FILE. */
-int fxs_fail_errno(fxs_message *message, const char *path, int number);
+FXS_API int fxs_fail_errno(fxs_message *message, const char *path, int number);
 
 #ifdef __cplusplus
 }

@@ -11,16 +11,16 @@ extern "C" {
 #endif
 
 /* Makes a context and makes it current on this thread. Returns 0, or -1 and a message. */
-int fxs_osmesa_open(void **osmesa, fxs_message *message);
+FXS_API int fxs_osmesa_open(void **osmesa, fxs_message *message);
 
 /* Finds a function of OpenGL by its name: an fxs_gl_load_fn, whose argument is the context of fxs_osmesa_open. */
-void (*fxs_osmesa_load(void *osmesa, const char *name))(void);
+FXS_API void (*fxs_osmesa_load(void *osmesa, const char *name))(void);
 
 /* Makes the context current on this thread again. Returns 0, or -1. */
-int fxs_osmesa_use(void *osmesa);
+FXS_API int fxs_osmesa_use(void *osmesa);
 
 /* Ends the context; null is allowed. */
-void fxs_osmesa_close(void *osmesa);
+FXS_API void fxs_osmesa_close(void *osmesa);
 
 #ifdef __cplusplus
 }

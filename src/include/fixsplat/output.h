@@ -8,6 +8,8 @@
 #ifndef FXS_OUTPUT_H
 #define FXS_OUTPUT_H
 
+#include "fixsplat.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -15,11 +17,11 @@ extern "C" {
 /* A program may call this once, when it begins: SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGXCPU and SIGXFSZ then remove the
    temporary files of this process before they end it as usual. A signal that is already ignored or handled stays so.
    The library never calls this: without it, or at any other signal, the temporary files stay behind. */
-void fxs_output_remove_at_signals(void);
+FXS_API void fxs_output_remove_at_signals(void);
 
 /* The name of the file that an output to `path` writes: the end of its symbolic links, whether that file exists or not.
    The caller frees it with free(). Null, with errno set, where there are too many links or memory ran out. */
-char *fxs_output_target(const char *path);
+FXS_API char *fxs_output_target(const char *path);
 
 #ifdef __cplusplus
 }

@@ -63,7 +63,7 @@ typedef struct fxs_pack_options {
 
 /* The bytes of a file's packed scene if no Gaussian is left out. They are known before the Gaussians are read. 0: the
    file has too many Gaussians. */
-size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
+FXS_API size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
 /* Reads an open scene file three times from its start and packs it. `info` was filled in when the file was opened, or
    updated by a filter. `options` may be null. One job reads the file, on any of the pool's threads, while the others
@@ -78,21 +78,21 @@ size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
    Errors: those of fxs_scene_file_read; FXS_ERR_FILE where the file has no drawable Gaussian, more Gaussians than
    FXS_MAX_COUNT, or different ones from one reading to the next; FXS_ERR_STOPPED by `progress`; FXS_ERR_ARGUMENT
    (the profile, the SH degree); FXS_ERR_MEMORY. */
-int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
-             const fxs_pack_options *options, fxs_message *message);
+FXS_API int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene,
+                     fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message);
 
 /* The weight of a Gaussian: opacity times area, the product of its two largest sigmas, each clamped to e^-20..e^20. */
-double fxs_weight(const fxs_gaussian *gaussian);
+FXS_API double fxs_weight(const fxs_gaussian *gaussian);
 
 /* Returns 1 where fxs_pack packs a Gaussian, with SH up to this degree. Else returns 0, counts the reason in *dropped
    and adds to its `weight`. The caller adds the weights of the accepted Gaussians to `kept`. */
-int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
+FXS_API int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
 
 /* The Gaussians' share of the weight that was left out, 0 to 1. */
-double fxs_dropped_share(const fxs_pack_dropped *dropped);
+FXS_API double fxs_dropped_share(const fxs_pack_dropped *dropped);
 
 /* Frees a scene of fxs_pack and sets it to 0. A scene that is all 0 is allowed. */
-void fxs_packed_scene_free(fxs_packed_scene *scene);
+FXS_API void fxs_packed_scene_free(fxs_packed_scene *scene);
 
 #ifdef __cplusplus
 }

@@ -73,8 +73,9 @@ typedef struct fxs_photos {
    FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED
    where the files need cJSON, libpng or libjpeg-turbo and fixsplat was built without it; FXS_ERR_MEMORY. All-black
    photographs are accepted. */
-int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos, fxs_message *message);
-void fxs_photos_free(fxs_photos *photos);
+FXS_API int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos,
+                            fxs_message *message);
+FXS_API void fxs_photos_free(fxs_photos *photos);
 
 #ifdef __cplusplus
 }

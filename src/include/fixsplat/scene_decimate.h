@@ -27,8 +27,8 @@ extern "C" {
    This takes 340 bytes a Gaussian, and 236 for each remaining Gaussian until the file is closed. `progress` is called
    with `argument`, and may be null. Returns 0, or an error and a message; the caller must then close the file. Errors:
    those of fxs_scene_file_read, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the target), FXS_ERR_MEMORY. */
-int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info, fxs_progress_fn *progress,
-                            void *argument, fxs_message *message);
+FXS_API int fxs_scene_file_decimate(fxs_scene_file *file, uint64_t target, fxs_scene_file_info *info,
+                                    fxs_progress_fn *progress, void *argument, fxs_message *message);
 
 #ifdef __cplusplus
 }

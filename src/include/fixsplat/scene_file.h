@@ -40,17 +40,19 @@ extern "C" {
    `path` must name a regular file or a folder as above. A file that another file refers to must lie in the folder of
    the opened file or below it: neither ".." nor a symbolic link may lead out of that folder. A file may be the content
    of one tile only. */
-int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
-                        fxs_scene_file_info *info, fxs_message *message);
+FXS_API int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
+                                fxs_scene_file_info *info, fxs_message *message);
 
 /* The same for a file in memory, which must stay unchanged until the handle is closed. Messages begin with `name`,
    which is copied. A scene of several files cannot be opened from memory. */
-int fxs_scene_file_open_memory(const char *name, const void *data, size_t size, const fxs_scene_file_options *options,
-                               fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message);
+FXS_API int fxs_scene_file_open_memory(const char *name, const void *data, size_t size,
+                                       const fxs_scene_file_options *options, fxs_scene_file **file,
+                                       fxs_scene_file_info *info, fxs_message *message);
 
 /* The same for a file that functions read; *input is copied. Its `close` is called also where opening fails. */
-int fxs_scene_file_open_input(const char *name, const fxs_scene_input *input, const fxs_scene_file_options *options,
-                              fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message);
+FXS_API int fxs_scene_file_open_input(const char *name, const fxs_scene_input *input,
+                                      const fxs_scene_file_options *options, fxs_scene_file **file,
+                                      fxs_scene_file_info *info, fxs_message *message);
 
 #ifdef __cplusplus
 }

@@ -32,7 +32,7 @@ typedef struct fxs_scene_filter_report {
 } fxs_scene_filter_report;
 
 /* Sets a filter that keeps every Gaussian. */
-void fxs_scene_filter_default(fxs_scene_filter *filter);
+FXS_API void fxs_scene_filter_default(fxs_scene_filter *filter);
 
 /* Puts the filter before an open file. From then on, fxs_scene_file_read returns the Gaussians that are kept, and
    info->count and info->sh_degree describe them. The file is read once to count them, and is at its beginning when this
@@ -47,9 +47,9 @@ void fxs_scene_filter_default(fxs_scene_filter *filter);
    Returns 0, or an error and a message; the caller must then close the file. Errors: those of fxs_scene_file_read,
    FXS_ERR_FILE where no Gaussian is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the degree),
    FXS_ERR_MEMORY. */
-int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
-                          fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
-                          fxs_message *message);
+FXS_API int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
+                                  fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,
+                                  fxs_message *message);
 
 #ifdef __cplusplus
 }

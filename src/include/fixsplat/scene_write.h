@@ -46,19 +46,20 @@ typedef struct fxs_scene_write_report {
    coefficient; for a .compressed.ply or .sog 56 bytes a Gaussian and 2 bytes for each SH coefficient, and while it is
    closed up to as much again. Errors: FXS_ERR_ARGUMENT (ending, degree, count, version), FXS_ERR_UNSUPPORTED where
    fixsplat was built without a library that the format needs, FXS_ERR_FILE, FXS_ERR_MEMORY. */
-int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
-                          fxs_message *message);
+FXS_API int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
+                                  fxs_message *message);
 
 /* Adds the next n Gaussians; fxs_drawable must have accepted each. Errors: FXS_ERR_FILE, and FXS_ERR_ARGUMENT where
    there are more Gaussians than announced. */
-int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message);
+FXS_API int fxs_scene_writer_put(fxs_scene_writer *writer, const fxs_gaussian *gaussians, size_t n,
+                                 fxs_message *message);
 
 /* Completes the file under its name, fills in *report and frees the writer. `writer`, `report` and `progress` may be
    null. Errors: FXS_ERR_FILE where a write failed, now or earlier, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT
    where Gaussians are missing, FXS_ERR_MEMORY. After an error no new file is left behind, and an earlier file of that
    name is unchanged. */
-int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report, fxs_progress_fn *progress,
-                           void *argument, fxs_message *message);
+FXS_API int fxs_scene_writer_close(fxs_scene_writer *writer, fxs_scene_write_report *report, fxs_progress_fn *progress,
+                                   void *argument, fxs_message *message);
 
 #ifdef __cplusplus
 }

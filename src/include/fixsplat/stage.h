@@ -227,34 +227,36 @@ static inline uint32_t fxs_mean_depth(uint64_t sum, int transmittance_q15)
 /* ---- The C versions -------------------------------------------------------------------------------------------- */
 
 /* The table of all of these. */
-extern const fxs_kernels fxs_kernels_c;
+FXS_API extern const fxs_kernels fxs_kernels_c;
 
-int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
-                      fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
-int fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices, uint32_t count,
-                fxs_splat *splats);
-void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
-               fxs_box *boxes);
-void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row, int32_t rows,
-                 fxs_span *spans);
-uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
-                    uint32_t *listed);
-void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count);
-uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
-void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
-                 uint32_t count, fxs_tile *tile);
-void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
-                 const int16_t *depths_q15, uint32_t first, uint32_t end, fxs_tile *tile, fxs_trace *trace);
-void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
-                   int32_t rows, unsigned char *pixels, ptrdiff_t stride);
+FXS_API int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
+                              fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+FXS_API int fxs_shade_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, const uint32_t *indices,
+                        uint32_t count, fxs_splat *splats);
+FXS_API void fxs_bin_c(const fxs_view *view, const fxs_splat *splats, const fxs_bounds *bounds, uint32_t count,
+                       fxs_box *boxes);
+FXS_API void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, int32_t row,
+                         int32_t rows, fxs_span *spans);
+FXS_API uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count,
+                            uint32_t *macros, uint32_t *listed);
+FXS_API void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count);
+FXS_API uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries);
+FXS_API void fxs_blend_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                         uint32_t count, fxs_tile *tile);
+FXS_API void fxs_trace_c(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
+                         const int16_t *depths_q15, uint32_t first, uint32_t end, fxs_tile *tile, fxs_trace *trace);
+FXS_API void fxs_resolve_c(const fxs_options *options, enum fxs_format format, const fxs_tile *tile, int32_t columns,
+                           int32_t rows, unsigned char *pixels, ptrdiff_t stride);
 
 /* `resolve` in any format. */
-void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
-                        const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride);
+FXS_API void fxs_resolve_colour(const fxs_kernels *kernels, const fxs_options *options, enum fxs_format format,
+                                const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels,
+                                ptrdiff_t stride);
 
 /* fxs_blend_c, and adds to *evaluated and *blended the pairs that fxs_count_pairs counts. */
-void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats, const uint32_t *entries,
-                     uint32_t count, fxs_tile *tile, uint64_t *evaluated, uint64_t *blended);
+FXS_API void fxs_blend_count(const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
+                             const uint32_t *entries, uint32_t count, fxs_tile *tile, uint64_t *evaluated,
+                             uint64_t *blended);
 
 /* Runs job(argument, i) for i in 0..jobs-1 as the configuration says. */
 static inline void fxs_run(const fxs_config *config, void (*job)(void *argument, uint32_t i), void *argument,

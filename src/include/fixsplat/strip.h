@@ -40,7 +40,7 @@ typedef struct fxs_strip {
 /* An fxs_draw_fn, for fxs_config.draw; `argument` is an fxs_strip. FXS_ERR_TARGET where the strip is not as it says
    above. The targets of the request are not written. */
 struct fxs_tile_run;
-int fxs_strip_draw(void *argument, const struct fxs_tile_run *run);
+FXS_API int fxs_strip_draw(void *argument, const struct fxs_tile_run *run);
 
 #ifdef __cplusplus
 }

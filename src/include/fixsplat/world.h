@@ -37,15 +37,15 @@ typedef struct fxs_world {
 } fxs_world;
 
 /* Sets a placement that changes nothing: at the origin, visible. */
-void fxs_placement_init(fxs_placement *placement, uint32_t file, uint32_t id);
+FXS_API void fxs_placement_init(fxs_placement *placement, uint32_t file, uint32_t id);
 
 /* 1 where a placement changes no Gaussian, whatever its crops, else 0. */
-int fxs_placement_is_plain(const fxs_placement *placement);
+FXS_API int fxs_placement_is_plain(const fxs_placement *placement);
 
 /* Adds a path, unless the world has it already, and sets *file to its index. The second function adds an object, a copy
    of *placement. Both return 0, or an FXS_ERR_* and a message. */
-int fxs_world_add_file(fxs_world *world, const char *path, uint32_t *file, fxs_message *message);
-int fxs_world_add(fxs_world *world, const fxs_placement *placement, fxs_message *message);
+FXS_API int fxs_world_add_file(fxs_world *world, const char *path, uint32_t *file, fxs_message *message);
+FXS_API int fxs_world_add(fxs_world *world, const fxs_placement *placement, fxs_message *message);
 
 /* Reads a world from JSON:
  *
@@ -56,21 +56,21 @@ int fxs_world_add(fxs_world *world, const fxs_placement *placement, fxs_message 
  * Only "file" is required; its path is relative to the folder of the JSON file. "keep" is "inside" or "outside". The
  * default of "id" is the object's place in the list. Returns 0 and a world that fxs_world_free frees, or an FXS_ERR_*
  * and a message with the object: FXS_ERR_FILE, FXS_ERR_OBJECT, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED (without cJSON). */
-int fxs_world_read(fxs_world *world, const char *path, fxs_message *message);
+FXS_API int fxs_world_read(fxs_world *world, const char *path, fxs_message *message);
 
-void fxs_world_free(fxs_world *world);
+FXS_API void fxs_world_free(fxs_world *world);
 
 /* Checks a placement and rounds it to an object of the renderer. The object's crop_count boxes are written to `crops`.
    Returns 0, or FXS_ERR_OBJECT and a message with the number that is out of range. */
-int fxs_object_place(fxs_object *object, const fxs_scene *scene, const fxs_placement *placement, fxs_crop *crops,
-                     fxs_message *message);
+FXS_API int fxs_object_place(fxs_object *object, const fxs_scene *scene, const fxs_placement *placement,
+                             fxs_crop *crops, fxs_message *message);
 
 /* The rows of scale * rotation, followed by the translation. fxs_object_place must accept the placement. */
-void fxs_placement_matrix(const fxs_placement *placement, double rows[3][4]);
+FXS_API void fxs_placement_matrix(const fxs_placement *placement, double rows[3][4]);
 
 /* Finds the box in the world around the part of the file's box that the crops keep. Returns 0 where they keep none. */
-int fxs_placement_box(const fxs_placement *placement, const double low[3], const double high[3], double world_low[3],
-                      double world_high[3]);
+FXS_API int fxs_placement_box(const fxs_placement *placement, const double low[3], const double high[3],
+                              double world_low[3], double world_high[3]);
 
 #ifdef __cplusplus
 }
