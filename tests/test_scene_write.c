@@ -1,4 +1,8 @@
 /* Scene files written in each format and read again, what the formats' own numbers say, and what is wrong. */
+#include <locale.h>
+#include <stdlib.h>
+
+#include "src/base/number.h"
 #include "src/scene/write/codebook_internal.h"
 #include <fixsplat/formats.h>
 #include <fixsplat/scene_write.h>
@@ -256,6 +260,39 @@ static void lines_of_csv(void)
 }
 
 /* What fxs_drawable lets through. */
+/* Points stay points where the program's locale writes commas. */
+static void another_locale(void)
+{
+    static const char *const endings[] = {".csv", ".sog", ".glb"};
+    static uint8_t usual[MAX_FILE];
+    char folder[sizeof written + 8], command[256];
+    snprintf(folder, sizeof folder, "%s.locale", written);
+    snprintf(command, sizeof command, "mkdir %s && localedef -i de_DE -f UTF-8 %s/de_DE.UTF-8 2>%s/log", folder, folder,
+             folder);
+    const int made = system(command) == 0 && setenv("LOCPATH", folder, 1) == 0;
+    const int spoken = made && setlocale(LC_NUMERIC, "de_DE.UTF-8") != NULL;
+    make(1);
+    const fxs_scene_write_options o = options_of(1, 0);
+    for (int i = 0; spoken && i < 3; i++) {
+        double half;
+        setlocale(LC_NUMERIC, "C");
+        CHECK(write_all(endings[i], &o, NULL, NULL) == 0);
+        const size_t size = file_size;
+        memcpy(usual, bytes, size);
+        setlocale(LC_NUMERIC, "de_DE.UTF-8");
+        CHECK(write_all(endings[i], &o, NULL, NULL) == 0);
+        CHECK(file_size == size && !memcmp(usual, bytes, size));
+        CHECK(fxs_read_number("-2.5e-1", &half) && half == -0.25);
+        CHECK(!fxs_read_number("0,5", &half) && !fxs_read_number("0x1", &half) && !fxs_read_number("", &half));
+    }
+    setlocale(LC_NUMERIC, "C");
+    unsetenv("LOCPATH");
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    CHECK(system(command) == 0);
+    if (!spoken)
+        SKIP("no localedef, or no locale de_DE");
+}
+
 static void extremes(void)
 {
     static const char *const endings[] = {".ply", ".compressed.ply", ".sog", ".spz", ".glb", ".splat"};
@@ -414,6 +451,7 @@ int main(void)
     RUN(bytes_of_glb);
     RUN(bytes_of_compressed_ply);
     RUN(lines_of_csv);
+    RUN(another_locale);
     RUN(extremes);
     RUN(faulty);
     RUN(too_many);

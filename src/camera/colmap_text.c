@@ -1,8 +1,9 @@
 #include "colmap_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "src/base/number.h"
 
 uint64_t fxs_colmap_take(fxs_colmap_cursor *in, size_t bytes)
 {
@@ -69,11 +70,8 @@ char *fxs_colmap_word(char **line)
 
 int fxs_colmap_numbers(char **line, double *out, int count)
 {
-    for (int i = 0; i < count; i++) {
-        char *word = fxs_colmap_word(line), *end;
-        out[i] = strtod(word, &end);
-        if (end == word || *end || !isfinite(out[i]))
+    for (int i = 0; i < count; i++)
+        if (!fxs_read_number(fxs_colmap_word(line), &out[i]))
             return 0;
-    }
     return 1;
 }

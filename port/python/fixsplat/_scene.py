@@ -281,8 +281,7 @@ def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = Non
             drop_floaters: bool = False, sh_degree: int = 3, decimate: Optional[int] = None,
             profile: Optional[str] = None, spz_version: Optional[int] = None, level: int = 0, axes: str = "file",
             max_gaussians: int = 0, max_memory: int = 0, threads: int = 0, progress: Progress = None) -> Conversion:
-    """Writes a scene file as another, by the ending of dst: .fxs (packed), .ply (floats), .compressed.ply, .splat,
-    .spz, .sog, .glb or .csv.
+    """Writes a scene file as another, by the ending of dst: `fixsplat help formats` lists those that are written.
 
     The file is that of `fixsplat convert`, byte for byte. Until it is complete, an earlier file of that name stays.
 

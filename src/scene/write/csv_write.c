@@ -2,6 +2,8 @@
 
 #include "scene_write_internal.h"
 
+#include "src/base/number.h"
+
 typedef struct csv_writer {
     fxs_output output;
     int coefficients;              /* SH coefficients of a channel above degree 0 */
@@ -19,11 +21,12 @@ static int csv_open(void *writer, const char *path, const fxs_scene_write_option
     return 0;
 }
 
-/* Nine digits are read back as the same float. */
 static void print(FILE *file, const float *values, int count, const char *before)
 {
-    for (int i = 0; i < count; i++)
-        fprintf(file, "%s%.9g", i ? "," : before, (double)values[i]);
+    for (int i = 0; i < count; i++) {
+        fputs(i ? "," : before, file);
+        fxs_print_number(file, 9, (double)values[i]);
+    }
 }
 
 static int csv_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_message *message)

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/number.h"
 #include "src/gaussian/attributes.h"
 #include "scene_write_internal.h"
 #include "src/scene/read/spz_internal.h"
@@ -32,6 +33,17 @@ static void add_attributes(FILE *json, int sh_degree)
             fprintf(json, ",\"KHR_gaussian_splatting:SH_DEGREE_%d_COEF_%d\":%d", degree, k, accessor++);
 }
 
+static void print_corner(FILE *json, const char *name, float x, float y, float z)
+{
+    const float corner[3] = {x, y, z};
+    fprintf(json, ",\"%s\":", name);
+    for (int i = 0; i < 3; i++) {
+        fputc(i ? ',' : '[', json);
+        fxs_print_number(json, 9, (double)corner[i]);
+    }
+    fputc(']', json);
+}
+
 static void add_accessors(FILE *json, const fxs_scene_write_options *o)
 {
     static const char *const types[4] = {"VEC3", "VEC3", "VEC4", "SCALAR"};
@@ -40,10 +52,10 @@ static void add_accessors(FILE *json, const fxs_scene_write_options *o)
         fprintf(json, "%s{\"bufferView\":0,\"byteOffset\":%d,\"componentType\":5126,\"count\":%" PRIu64 ","
                 "\"type\":\"%s\"", a ? "," : "", a < 4 ? offsets[a] : SH + 12 * (a - 4), o->count,
                 a < 4 ? types[a] : "VEC3");
-        if (!a)
-            fprintf(json, ",\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]", (double)-o->high[0],
-                    (double)-o->high[1], (double)o->low[2], (double)-o->low[0], (double)-o->low[1],
-                    (double)o->high[2]);
+        if (!a) {
+            print_corner(json, "min", -o->high[0], -o->high[1], o->low[2]);
+            print_corner(json, "max", -o->low[0], -o->low[1], o->high[2]);
+        }
         fprintf(json, "}");
     }
 }

@@ -11,6 +11,7 @@
 #include <webp/encode.h>
 
 #include "src/base/exponential.h"
+#include "src/base/number.h"
 #include "src/base/zip_internal.h"
 #include "codebook_internal.h"
 
@@ -263,18 +264,31 @@ static int fill_images(sog_writer *w)
 static void print_book(FILE *json, const float book[FXS_BOOK], const char *files)
 {
     fputs("\"codebook\":[", json);
-    for (int i = 0; i < FXS_BOOK; i++)
-        fprintf(json, "%s%.9g", i ? "," : "", (double)book[i]);
+    for (int i = 0; i < FXS_BOOK; i++) {
+        fputs(i ? "," : "", json);
+        fxs_print_number(json, 9, (double)book[i]);
+    }
     fprintf(json, "],\"files\":[%s]}", files);
+}
+
+static void print_corner(FILE *json, const char *name, const double corner[3])
+{
+    fprintf(json, "\"%s\":[", name);
+    for (int i = 0; i < 3; i++) {
+        fputs(i ? "," : "", json);
+        fxs_print_number(json, 17, corner[i]);
+    }
+    fputs("],", json);
 }
 
 static void print_json(FILE *json, const sog_writer *w)
 {
     fprintf(json, "{\"version\":2,\"asset\":{\"generator\":\"fixsplat " FXS_VERSION "\"},\"count\":%lu,"
             "\"antialias\":%s,", (unsigned long)w->held.count, w->antialiased ? "true" : "false");
-    fprintf(json, "\"means\":{\"mins\":[%.17g,%.17g,%.17g],\"maxs\":[%.17g,%.17g,%.17g],"
-            "\"files\":[\"means_l.webp\",\"means_u.webp\"]},\"scales\":{", w->low[0], w->low[1], w->low[2], w->high[0],
-            w->high[1], w->high[2]);
+    fputs("\"means\":{", json);
+    print_corner(json, "mins", w->low);
+    print_corner(json, "maxs", w->high);
+    fputs("\"files\":[\"means_l.webp\",\"means_u.webp\"]},\"scales\":{", json);
     print_book(json, w->scales, "\"scales.webp\"");
     fputs(",\"quats\":{\"files\":[\"quats.webp\"]},\"sh0\":{", json);
     print_book(json, w->colours, "\"sh0.webp\"");
