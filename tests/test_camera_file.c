@@ -577,7 +577,7 @@ static void control_characters_in_messages(void)
 static void camera_from_view(void)
 {
     fxs_file_view view = {"", 640, 360, 501.25, 502.5, 303.75, 204.5, {0}, {7, -8.5, 9.25}, 0,
-                          FXS_PERSPECTIVE};
+                          FXS_PERSPECTIVE, 0};
     const double rows[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
     fxs_camera camera;
     memcpy(view.rotation, rows, sizeof rows);

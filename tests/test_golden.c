@@ -24,34 +24,37 @@ typedef struct golden {
 } golden;
 
 #define RGBA8 FXS_FORMAT_RGBA8
-#define MAHALANOBIS FXS_CUTOFF_MAHALANOBIS
+#define OPTIONS(cutoff, degree, r, g, b) {FXS_CUTOFF_##cutoff, degree, {r, g, b}, NULL, NULL}
 
 static const golden cases[] = {
     /* project, shade: degree 3 on an object; blend: opaque surfaces, early stop */
-    {"knot", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 240, 135, 0, RGBA8, {MAHALANOBIS, 3, {17, 19, 27}}},
+    {"knot", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 240, 135, 0,
+     RGBA8, OPTIONS(MAHALANOBIS, 3, 17, 19, 27)},
     /* shade: the same, degree 1 of 3 only */
-    {"knot-degree1", "knot", 30000, {-6, -4, 9}, {0, 0.4, 0}, 40, 120, 90, 0, RGBA8, {MAHALANOBIS, 1, {0, 0, 0}}},
+    {"knot-degree1", "knot", 30000, {-6, -4, 9}, {0, 0.4, 0}, 40, 120, 90, 0, RGBA8, OPTIONS(MAHALANOBIS, 1, 0, 0, 0)},
     /* bin, blend: the original's square instead of the ellipse */
     {"knot-square", "knot", 30000, {0.9, -2.6, -12.8}, {0, 0.42, 0}, 36, 120, 68, 0,
-     RGBA8, {FXS_CUTOFF_SQUARE, 3, {17, 19, 27}}},
+     RGBA8, OPTIONS(SQUARE, 3, 17, 19, 27)},
     /* project: opacity compensated for the dilation, sub-pixel Gaussians */
-    {"knot-antialiased", "knot", 30000, {3, -9, -40}, {0, 0, 0}, 20, 96, 64, 1, RGBA8, {MAHALANOBIS, 3, {40, 40, 40}}},
+    {"knot-antialiased", "knot", 30000, {3, -9, -40}, {0, 0, 0}, 20, 96, 64, 1,
+     RGBA8, OPTIONS(MAHALANOBIS, 3, 40, 40, 40)},
     /* project: depths from near to far, culls at the edges; sort: 150,000 keys */
     {"landscape", "landscape", 150000, {4.6, -1.9, -12.7}, {0, -2.2, 0}, 52, 256, 144, 0,
-     RGBA8, {MAHALANOBIS, 3, {153, 189, 230}}},
+     RGBA8, OPTIONS(MAHALANOBIS, 3, 153, 189, 230)},
     /* project: whitening and bin: spans of needles 1:1000 at all angles, widths under a pixel */
-    {"needles", "needles", 20000, {0, -2, -11}, {0, 0, 0}, 50, 200, 150, 0, RGBA8, {MAHALANOBIS, 3, {25, 25, 30}}},
+    {"needles", "needles", 20000, {0, -2, -11}, {0, 0, 0}, 50, 200, 150, 0, RGBA8, OPTIONS(MAHALANOBIS, 3, 25, 25, 30)},
     /* blend: deep translucent overlap, small weights; resolve: coverage, premultiplied */
     {"fog-coverage", "fog", 5000, {0, -1, -12}, {0, 0, 0}, 45, 160, 90, 0,
-     FXS_FORMAT_RGBA8_COVERAGE, {MAHALANOBIS, 3, {0, 0, 0}}},
+     FXS_FORMAT_RGBA8_COVERAGE, OPTIONS(MAHALANOBIS, 3, 0, 0, 0)},
     /* sort: exact ties of depth keep the order of the scene; blend: tiles that close */
-    {"layers", "layers", 10000, {0, 0, -7}, {0, 0, 0}, 55, 128, 96, 0, RGBA8, {MAHALANOBIS, 0, {0, 0, 0}}},
+    {"layers", "layers", 10000, {0, 0, -7}, {0, 0, 0}, 55, 128, 96, 0, RGBA8, OPTIONS(MAHALANOBIS, 0, 0, 0, 0)},
     /* project: from sub-pixel to larger than the picture; a size that is no multiple of the tile */
-    {"cubes", "cubes", 4096, {7, -5, -10}, {0, 0, 0}, 50, 173, 101, 0, RGBA8, {MAHALANOBIS, 3, {255, 255, 255}}},
+    {"cubes", "cubes", 4096, {7, -5, -10}, {0, 0, 0}, 50, 173, 101, 0, RGBA8, OPTIONS(MAHALANOBIS, 3, 255, 255, 255)},
     /* project: the camera inside the scene, a very wide view: near plane, cut slopes, huge footprints */
-    {"inside", "knot", 30000, {0.4, 0.3, 0.2}, {1.5, 0.9, 2}, 140, 160, 120, 0, RGBA8, {MAHALANOBIS, 3, {90, 60, 30}}},
+    {"inside", "knot", 30000, {0.4, 0.3, 0.2}, {1.5, 0.9, 2}, 140, 160, 120, 0,
+     RGBA8, OPTIONS(MAHALANOBIS, 3, 90, 60, 30)},
     /* everything: one pixel */
-    {"pixel", "fog", 500, {0, 0, -8}, {0, 0, 0}, 20, 1, 1, 0, RGBA8, {MAHALANOBIS, 2, {10, 200, 100}}},
+    {"pixel", "fog", 500, {0, 0, -8}, {0, 0, 0}, 20, 1, 1, 0, RGBA8, OPTIONS(MAHALANOBIS, 2, 10, 200, 100)},
 };
 
 static int updating;

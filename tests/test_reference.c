@@ -23,7 +23,7 @@ static const struct reference_options black_square = { REFERENCE_SQUARE, 3, 0, {
 /* A camera at the origin that looks along +z, its principal point off the centre. */
 static const fxs_file_view front = {
     "front", 64, 40, 50, 60, 30.25, 22.5, { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { 0, 0, 0 }, 0,
-    FXS_PERSPECTIVE
+    FXS_PERSPECTIVE, 0
 };
 
 /* Half opaque, grey (SH degree 0 is 0), round, standard deviation 1. */

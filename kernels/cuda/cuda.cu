@@ -1,6 +1,7 @@
 /* The CUDA back end (cuda.h): its memory, and the kernels of a frame in order, for several frames at a time. */
-#include "blend.cuh"
 #include <fixsplat/cuda.h>
+
+#include "blend.cuh"
 #include "dense.cuh"
 #include "lists.cuh"
 #include "scenes.cuh"

@@ -12,6 +12,9 @@
 #define FXS_STAGE __host__ __device__
 #define static static __host__ __device__
 #include <fixsplat/packed.h>
+/* This copy is of no interface. */
+#undef FXS_API
+#define FXS_API
 namespace {
 #include <fixsplat/fixed.h>
 #include <fixsplat/stage.h>
