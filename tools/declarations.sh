@@ -7,7 +7,7 @@
 text=$({
     printf '#include "%s"\n' "$@"
     sed -n 's/^#define \(FXS_[A-Z0-9_]*\) .*/"\1" = \1;/p' "$@"
-} | ${CC:-cc} -E -std=c99 -DFXS_API= -Isrc/include -x c -) || exit 1
+} | ${CC:-cc} -E -std=c99 -DFXS_API= '-DFXS_DEPRECATED(instead)=' -Isrc/include -x c -) || exit 1
 
 printf '%s\n' "$text" | awk '
     /^#/ { of_headers = $3 ~ /include\/fixsplat\//; of_values = $3 == "\"<stdin>\""; next }

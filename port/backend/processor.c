@@ -42,6 +42,7 @@ int fxs_processor_open(fxs_processor *p, const fxs_backend_options *options, con
 /* Makes sure of `bytes` bytes of memory, or max_memory where that is less. */
 static int make_room(fxs_processor *p, size_t bytes, const fxs_camera *camera, fxs_message *why)
 {
+    bytes = bytes ? bytes : 64;    /* 0: rendering says what is out of range */
     if (p->max_memory && p->max_memory < bytes)
         bytes = p->max_memory;
     if (bytes <= p->memory_bytes)

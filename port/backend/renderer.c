@@ -9,7 +9,8 @@
 struct fxs_renderer {
     const fxs_backend *backend;
     void *self;                    /* the back end's own data */
-    void *picker;                  /* the processor's back end, if the other cannot pick; null until the first pick */
+    fxs_backend_options picking;   /* of the processor's back end, if the other cannot pick */
+    void *picker;                  /* null until the first pick */
 };
 
 static int unknown(const char *name, fxs_message *message)
@@ -37,6 +38,8 @@ int fxs_renderer_create(const char *name, const fxs_backend_options *options, fx
     if (!made)
         return fxs_fail_memory(message, NULL, sizeof *made);
     made->backend = backend;
+    made->picking = options ? *options : usual;
+    made->picking.device = 0;
     const int error = backend->open(&made->self, options ? options : &usual, message);
     if (error)
         free(made);
@@ -55,24 +58,24 @@ int fxs_renderer_render(fxs_renderer *renderer, const fxs_request *request, fxs_
 int fxs_renderer_pick(fxs_renderer *renderer, const fxs_request *request, int32_t x, int32_t y,
                       fxs_pick_result *result, fxs_message *message)
 {
-    static const fxs_backend_options usual;
     if (!renderer || !request || !result)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to pick from",
                            !renderer ? "renderer" : request ? "result" : "request");
     if (renderer->backend->pick)
         return renderer->backend->pick(renderer->self, request, x, y, result, message);
-    const int error = renderer->picker ? 0 : fxs_backend_cpu.open(&renderer->picker, &usual, message);
+    const int error = renderer->picker ? 0 : fxs_backend_cpu.open(&renderer->picker, &renderer->picking, message);
     return error ? error : fxs_backend_cpu.pick(renderer->picker, request, x, y, result, message);
 }
 
 void fxs_renderer_forget(fxs_renderer *renderer, const fxs_scene *scene)
 {
-    renderer->backend->forget(renderer->self, scene);
+    if (renderer)
+        renderer->backend->forget(renderer->self, scene);
 }
 
 const fxs_backend *fxs_renderer_backend(const fxs_renderer *renderer)
 {
-    return renderer->backend;
+    return renderer ? renderer->backend : NULL;
 }
 
 void fxs_renderer_destroy(fxs_renderer *renderer)

@@ -1,4 +1,5 @@
 /* Opens scene files for rendering: maps .fxs files, and packs all others. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -94,6 +95,9 @@ static int take_packed(open_scene *s, const void *data, size_t bytes, const fxs_
                              : fxs_file_check(s->name, data, bytes, o->check_all, message);
     if (!error)
         describe(s, data);
+    if (!error && o->file.max_gaussians && s->info.count > o->file.max_gaussians)
+        error = fxs_fail(message, "%s: %" PRIu64 " Gaussians; at most %" PRIu64 " are allowed", s->name, s->info.count,
+                         o->file.max_gaussians);
     return finish(s, error, data, bytes, opened, message);
 }
 
@@ -171,7 +175,10 @@ int fxs_open_memory(const char *name, const void *data, size_t bytes, const fxs_
     int error = create(name, &s, opened, message);
     if (error)
         return error;
-    if (data && bytes >= 4 && is_fxs(data))
+    if (!data && bytes)
+        return finish(s, fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no bytes to open", name), NULL, 0, opened,
+                      message);
+    if (bytes >= 4 && is_fxs(data))
         return take_bytes(s, data, bytes, o, opened, message);
     error = fxs_scene_file_open_memory(name, data, bytes, &o->file, &file, &s->info, message);
     return pack_file(s, error, file, o, opened, message);
@@ -181,7 +188,10 @@ int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs_scene_f
                        const fxs_open_options *options, fxs_opened **opened, fxs_message *message)
 {
     open_scene *s;
-    const int error = create(name, &s, opened, message);
+    int error = create(name, &s, opened, message);
+    if (!error && (!file || !info))
+        error = finish(s, fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no stream of Gaussians", name), NULL, 0, opened,
+                       message);
     if (error) {
         fxs_scene_file_close(file);
         return error;
@@ -193,6 +203,8 @@ int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs_scene_f
 int fxs_opened_check(const fxs_opened *opened, fxs_message *message)
 {
     const open_scene *s = (const open_scene *)(const void *)opened;
+    if (!s)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no scene to check");
     return s->mapping.data ? fxs_map_check(&s->mapping, s->name, message) : 0;
 }
 

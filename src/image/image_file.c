@@ -229,7 +229,7 @@ static int header_number(FILE *file)
     return isspace(c) ? value : -1;
 }
 
-static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
+static const char *read_ppm(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
     if (getc(file) != 'P' || getc(file) != '6')
         return "not a .ppm of type P6";
@@ -240,6 +240,8 @@ static const char *read_ppm(FILE *file, uint8_t **rgba, int *width, int *height)
     if (!readable_size(*width, *height))
         return too_large;
     size_t pixels = (size_t)*width * (size_t)*height;
+    if (3 * (uint64_t)pixels > bytes)
+        return cut_short;
     *rgba = malloc(4 * pixels);
     if (!*rgba)
         return out_of_memory;
@@ -270,7 +272,7 @@ int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *heigh
     fxs_note_opened(facts.device, facts.inode);
     const int first = getc(file);
     rewind(file);
-    const char *fault = first == 'P' ? read_ppm(file, rgba, width, height)
+    const char *fault = first == 'P' ? read_ppm(file, facts.size, rgba, width, height)
                         : first == 0xff ? read_jpeg(file, facts.size, rgba, width, height)
                         : first == 0x89 ? read_png(file, facts.size, rgba, width, height)
                                         : "not a .png, .jpg or .ppm";

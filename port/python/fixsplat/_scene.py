@@ -128,7 +128,6 @@ class Scene:
         low, high = self.inner_box
         call("fxs_view_frame_box", view, low, high, list(numbers("up", up, (3,))), number("fov", fov, 1, 170),
              whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE))
-        view.near = lib.fxs_near_of_box(low, high)
         return Camera._of(view)
 
     def render(self, K: Any, world_to_camera: Any = None, width: Optional[int] = None, height: Optional[int] = None,
@@ -208,10 +207,10 @@ class _File:
             call("fxs_scene_file_decimate", self.handle, target, self.info, self.calls.progress, NULL)
 
     def pack(self, profile: str, threads: int) -> Struct:
+        options = _open_options({}, profile, threads, self.calls)
         handle, self.handle, opened = self.handle, NULL, new("fxs_opened *")
         with _about(self._name):
-            call("fxs_open_gaussians", file_name(self._name), handle, self.info,
-                 _open_options({}, profile, threads, self.calls), opened)
+            call("fxs_open_gaussians", file_name(self._name), handle, self.info, options, opened)
         return opened[0]
 
     def __enter__(self) -> "_File":
@@ -249,7 +248,7 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
             call("fxs_open", file_name(source), options, opened)
         else:
             raise TypeError(f"source: expected a path or bytes, not {type(source).__name__}")
-    memory, report = Memory.opened(opened[0], name, held), opened[0].report
+        memory, report = Memory.opened(opened[0], name, held), opened[0].report
     return Scene(memory, report.read - report.packed, report.brought_in)
 
 

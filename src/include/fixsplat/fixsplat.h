@@ -43,10 +43,12 @@ extern "C" {
 
 /* Before a public function that the next major version will not have: the compiler warns, and says what to call.
    FXS_DEPRECATED("fxs_render") FXS_API int fxs_render_eyes(...); */
+#ifndef FXS_DEPRECATED
 #if defined(__GNUC__)
 #define FXS_DEPRECATED(instead) __attribute__((deprecated("call " instead " in its place")))
 #else
 #define FXS_DEPRECATED(instead)
+#endif
 #endif
 
 /* FXS_VERSION_NUMBER of the library that is linked. A program that was built with the same major number, and a minor
@@ -427,7 +429,8 @@ FXS_API void fxs_request_init(fxs_request *request, const fxs_object *objects, u
    as fxs_frame_bytes returns are always enough. FXS_ERR_MEMORY has two reasons, and stats->memory.least says how much
    would do with this number of threads. Either there is less than the `least` of fxs_frame_bytes; stats has that,
    though this view may take more. Or a tile row of this view does not fit and cannot be drawn in slices, because of
-   depths, ids, an occluder or the back end; stats has the exact number.
+   depths, ids, an occluder or the back end; stats has the exact number. `least` is 0 where `memory` is not aligned, or
+   where no size_t is enough.
    Targets: at least one; with a back end they are passed on to it, and there may be none. Only pixels are written, not
    what lies between rows. *stats may be null.
    Two eyes have pictures of one size and projection, and targets that do not overlap where one is written. Each eye has
@@ -436,9 +439,9 @@ FXS_API void fxs_request_init(fxs_request *request, const fxs_object *objects, u
    (their z axes are parallel, and neither is ahead of the other, within 2^-14) and the right eye has no occluder;
    otherwise each eye's splats are sorted by themselves. The bytes are the same on every machine. They are those of two
    frames only where both cameras are equal: with eyes 2 % of the distance to the scene apart, each picture has a PSNR
-   of 54 dB or more against a frame of its own on the scenes measured (the tests hold 50). With `exact` nothing is shared:
-   each eye has the very bytes of a frame of its own, in the time of two frames. There are no bands: two eyes take
-   fxs_stereo_bytes. *stats is of both eyes together; `visible` counts a Gaussian that both eyes see once, or with
+   of 54 dB or more against a frame of its own on the scenes measured (the tests hold 50). With `exact` nothing is
+   shared: each eye has the very bytes of a frame of its own, in the time of two frames. There are no bands: two eyes
+   take fxs_stereo_bytes. *stats is of both eyes together; `visible` counts a Gaussian that both eyes see once, or with
    `exact` once for each eye.
    Errors after which nothing is written to the targets: FXS_ERR_ARGUMENT, FXS_ERR_CAMERA, FXS_ERR_SIZE, FXS_ERR_OBJECT
    (also where the camera is more than 2^28 of the object's units away from its origin, and for two eyes beyond 2^28

@@ -92,9 +92,9 @@ typedef struct fxs_gles_target {
 /* The context's own framebuffer at its corner, RGBA8, rows from the top; nothing else. */
 FXS_API void fxs_gles_target_init(fxs_gles_target *target);
 
-/* Renders the first eye of a request (errors as fxs_render; its own targets are not used) into a target, in the caller's
-   GL context. `context` says how the stages before blend run; its draw is not used. The GL state is left as it was, but
-   for a GL error that was pending.
+/* Renders the first eye of a request (errors as fxs_render; its own targets are not used) into a target, in the
+   caller's GL context. `context` says how the stages before blend run; its draw is not used. The GL state is left as it
+   was, but for a GL error that was pending.
    The frame does not depend on blending, culling, depth and stencil tests, dithering, rasterizer discard, alpha to
    coverage, scissor, viewport, colour mask, bindings, and how pixels are unpacked. Depth and stencil buffers are
    neither read nor written. Transform feedback must not be active. An occlusion query that is active counts this draw

@@ -35,7 +35,7 @@ typedef struct fxs_open_options {
     fxs_scene_file_options file;       /* how the file is read */
     enum fxs_profile profile;          /* how it is packed, unless it is an .fxs */
     uint32_t threads;                  /* 1 to 64; 0: one for each processor */
-    int check_all;                     /* 1: of an .fxs file every chunk is checked, which reads all of it; 0: its header */
+    int check_all;                     /* 1: every chunk of an .fxs is checked, which reads all of it; 0: its header */
     fxs_progress_fn *progress;         /* of packing; may be null */
     void *progress_argument;
     /* Called before the file is packed, for example to filter or decimate it; it updates *info. Returns 0, or an error
@@ -46,7 +46,8 @@ typedef struct fxs_open_options {
 
 /* Opens a scene file, or a folder with one, as fxs_scene_file_open does. An .fxs file is mapped and rendered from the
    mapping, and a damaged chunk is drawn as it is, safely (check_all refuses it). Where others may cut the file short,
-   call fxs_map_guard (map.h) once before. Any other file is packed. `options` may be null. fxs_close frees *opened, which is null after an error.
+   call fxs_map_guard (map.h) once before. Any other file is packed. `options` may be null; an .fxs file heeds of them
+   max_gaussians, check_all and the allocator. fxs_close frees *opened, which is null after an error.
    Errors: those of fxs_scene_file_open, fxs_pack and fxs_file_check; FXS_ERR_ARGUMENT for more than 64 threads. */
 FXS_API int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **opened, fxs_message *message);
 
@@ -63,9 +64,9 @@ FXS_API int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs
    (map.h). Returns 0, or FXS_ERR_FILE and a message where it did. */
 FXS_API int fxs_opened_check(const fxs_opened *opened, fxs_message *message);
 
-/* Makes a camera that frames the visible part of a scene, with a vertical field of view of 50 degrees. The scene's y axis
-   points down, as in COLMAP and most captures; for other axes use fxs_view_frame_box and fxs_camera_from_view (camera.h)
-   with the bounds of the report. Errors: FXS_ERR_SIZE, FXS_ERR_CAMERA. */
+/* Makes a camera that frames the visible part of a scene, with a vertical field of view of 50 degrees. The scene's y
+   axis points down, as in COLMAP and most captures; for other axes use fxs_view_frame_box and fxs_camera_from_view
+   (camera.h) with the bounds of the report. Errors: FXS_ERR_SIZE, FXS_ERR_CAMERA. */
 FXS_API int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
                               fxs_message *message);
 
@@ -92,10 +93,11 @@ FXS_API int fxs_renderer_render(fxs_renderer *renderer, const fxs_request *reque
 FXS_API int fxs_renderer_pick(fxs_renderer *renderer, const fxs_request *request, int32_t x, int32_t y,
                               fxs_pick_result *result, fxs_message *message);
 
-/* Drops the device's copy of a scene. To be called before the scene is closed or its bytes change. */
+/* Drops the device's copy of a scene; a null renderer has none. To be called before the scene is closed or its bytes
+   change. */
 FXS_API void fxs_renderer_forget(fxs_renderer *renderer, const fxs_scene *scene);
 
-/* The renderer's back end; its field `can` says what it supports. */
+/* The renderer's back end (null: of none); its field `can` says what it supports. */
 FXS_API const fxs_backend *fxs_renderer_backend(const fxs_renderer *renderer);
 
 /* Frees the renderer; null is allowed. */
