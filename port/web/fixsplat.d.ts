@@ -18,7 +18,7 @@ export interface LoadOptions {
       'file', the default, takes the axes that the file states. */
   axes?: 'file' | 'rub' | 'rdf'
   /** The largest number of Gaussians that a file of any format but .fxs may have; a larger scene is an Error. The
-      default is a million, and one more for each byte of the file. */
+      default is a million, and one more for each byte of the file, but at most 2 ** 26. */
   maxGaussians?: number
   /** The largest number of bytes of memory that reading a file of any format but .fxs may take; to need more is an
       Error. Without it, the limit follows from the number of Gaussians that the file may have. */
@@ -54,8 +54,8 @@ export interface Progress {
 }
 
 /** Opens a scene file of one of these formats: @FORMATS@.
-    `source` is an address (in Node also a path), the bytes of a file, a Blob, or a list of files. The other files that a
-    scene file names are fetched from the folder of the scene file. In a list of files they are found by their
+    `source` is an address (in Node also a path), the bytes of a file, a Blob, or a list of files. The other files that
+    a scene file names are fetched from the folder of the scene file. In a list of files they are found by their
     webkitRelativePath or name. The promise is rejected with an Error that states the reason where the scene cannot be
     opened. */
 export function load(
@@ -89,7 +89,7 @@ export interface Pinhole {
   rotation: readonly Vector[]
   /** The position of the camera in the world, in scene units. */
   position: Vector
-  /** The horizontal focal length in pixels, for a picture of `width` x `height`. For a picture of another width, the
+  /** The horizontal focal length in pixels, for a picture of `width` x `height`. For a picture of another size, the
       focal lengths are multiplied by the ratio of the widths, and the principal point moves to the middle. */
   fx: number
   /** The vertical focal length in pixels; `fx` by default. */
@@ -110,8 +110,8 @@ export type Camera = LookAt | Pinhole
 
 /** Options of a picture. */
 export interface FrameOptions {
-  /** The size of the picture in pixels, 1 to 16384 each. The default is the size that the camera states, or 1280 x 720.
-      */
+  /** The size of the picture in pixels, 1 to 16384 each. The default is the size that the camera states, or else
+      1280 x 720. */
   width?: number
   height?: number
   /** The colour behind the scene as the number 0xrrggbb; black by default. */
@@ -197,12 +197,13 @@ export interface Crop {
   low: Vector
   /** The corner of the box with the largest x, y and z, in scene units. */
   high: Vector
-  /** 'inside', the default: Gaussians outside of the box are left out. 'outside': Gaussians inside the box are. */
+  /** 'inside', the default: Gaussians outside of the box are left out. 'outside': Gaussians inside the box are left
+      out. */
   keep?: 'inside' | 'outside'
 }
 
-/** An object: a scene placed in the world. A position of the scene becomes translation + scale * rotation * position.
-    */
+/** An object: a scene placed in the world. A position in the scene becomes translation + scale * rotation * position
+    in the world. */
 export interface Placed {
   scene: Scene
   /** In world units; [0, 0, 0] by default. */
@@ -253,8 +254,8 @@ export class Scene {
   readonly high: number[]
   /** The size of the packed scene in bytes. */
   readonly bytes: number
-  /** The number of threads that draw the scene at the moment. Pictures do not wait for threads that are still starting.
-      */
+  /** The number of threads that draw the scene at the moment. Pictures do not wait for threads that have not started
+      yet. */
   readonly threads: number
   /** A copy of the packed scene, which has the bytes of an .fxs file. */
   readonly packed: Uint8Array
