@@ -1,254 +1,337 @@
-/** Whether this machine runs the module with simd128, which is taken then. */
+/** Whether this machine runs the WebAssembly module with simd128, the vector instructions. `load` then uses it. */
 export const hasSimd: boolean
 
-/** Whether that is quicker by a quarter, as machine and browser have relaxed simd128 too: the pictures are the same. */
+/** Whether machine and browser also have relaxed simd128, which makes the module with simd128 a quarter faster. The
+    pictures are the same. */
 export const hasRelaxed: boolean
 
+/** Three numbers: x, y, z, or red, green, blue. */
 export type Vector = readonly [number, number, number]
 
+/** Options of `load` and `Screen.open`. The latter reads only `simd` and `threads`. */
 export interface LoadOptions {
-  /** How a file that is no .fxs is packed: 63.5, 39.6 or 19.6 bytes a Gaussian at SH degree 3. */
+  /** How a file of any format but .fxs is packed. At degree 3 of the spherical harmonics (SH, the colours that change
+      with the direction of view), a Gaussian takes 63.5 bytes with 'default', 39.6 with 'compact' and 19.6 with
+      'small'. 'default' by default. */
   profile?: 'default' | 'compact' | 'small'
-  /** Of an .spz: right, up, back; right, down, front; or as the file says. */
+  /** The directions of the axes x, y, z of an .spz file: 'rub' is right, up, back, and 'rdf' is right, down, front.
+      'file', the default, takes the axes that the file states. */
   axes?: 'file' | 'rub' | 'rdf'
-  /** A scene with more is an Error. Without it: a million, and one for each byte of the file. */
+  /** The largest number of Gaussians that a file of any format but .fxs may have; a larger scene is an Error. The
+      default is a million, and one more for each byte of the file, but at most 2 ** 26. */
   maxGaussians?: number
-  /** Bytes that reading may take. */
+  /** The largest number of bytes of memory that reading a file of any format but .fxs may take; to need more is an
+      Error. Without it, the limit follows from the number of Gaussians that the file may have. */
   maxMemory?: number
-  /** Called now and then. */
+  /** A function that is called now and then with the progress of the download and of the preparation. */
   progress?: (progress: Progress) => void
-  /** Called with a scene of what has come so far, at most 100,000 Gaussians of it without SH, larger than they are:
-      while a .ply, .splat, .ksplat or compressed .ply comes from a server that says how long it is, and before a large
-      scene of any format but .fxs is packed. The scene is yours to free. What is returned is waited for. */
+  /** A function that is called with a preview: a scene of at most 100,000 of the Gaussians that have arrived so far,
+      without SH and enlarged. It is called while a .ply, .splat, .ksplat or compressed .ply file is downloaded from a
+      server that states the length of the file, and before a large scene of any format but .fxs is packed. The
+      function, or the page, must call `free` on the preview. Where the function returns a promise, loading goes on
+      after the promise is fulfilled. */
   preview?: (scene: Scene) => void | Promise<void>
-  /** False: the module without simd128. Scenes of one picture have the same, and the same `threads`. */
+  /** False chooses the WebAssembly module without simd128; the default is `hasSimd`. All scenes of one picture must be
+      loaded with the same `simd` and the same `threads`. */
   simd?: boolean
   /**
-   * 1 to 64, the caller's among them; as many as processors, at most 8. There is one without simd128, and in a page that
-   * is not isolated: `crossOriginIsolated`, by the headers Cross-Origin-Opener-Policy: same-origin and
-   * Cross-Origin-Embedder-Policy: require-corp.
+   * The number of threads that draw, 1 to 64, the caller's thread included. The default is the number of processors, at
+   * most 8. Without simd128 there is always one thread, and also in a page where `crossOriginIsolated` is not true. A
+   * server isolates a page by the headers Cross-Origin-Opener-Policy: same-origin and Cross-Origin-Embedder-Policy:
+   * require-corp. The pictures do not depend on the number of threads.
    */
   threads?: number
 }
 
+/** How far `load` has come. */
 export interface Progress {
+  /** 'download' while a file is fetched, then 'prepare' while it is read and packed. */
   stage: 'download' | 'prepare'
-  /** 0 to 1, where it is known. */
+  /** The share of the stage that is done, 0 to 1. It is missing where the length of a download is not known. */
   done?: number
-  /** Of a download, so far. */
+  /** The number of bytes that have been downloaded so far; missing in the stage 'prepare'. */
   bytes?: number
 }
 
-/** Opens a scene: @FORMATS@.
-    Files that it names are fetched from beside it, or are in the same list of files, by their
-    webkitRelativePath or name. */
+/** Opens a scene file of one of these formats: @FORMATS@.
+    `source` is an address (in Node also a path), the bytes of a file, a Blob, or a list of files. The other files that
+    a scene file names are fetched from the folder of the scene file. In a list of files they are found by their
+    webkitRelativePath or name. The promise is rejected with an Error that states the reason where the scene cannot be
+    opened. */
 export function load(
   source: string | URL | ArrayBuffer | ArrayBufferView | Blob | Iterable<File>,
   options?: LoadOptions
 ): Promise<Scene>
 
-/** A camera by where it is: y points down, unless `up` says so. */
+/** A camera given by its position and the point that it looks at. Positions are in scene units. The y axis points down
+    unless `up` says otherwise. */
 export interface LookAt {
-  /** Without it, the objects are seen whole. */
+  /** The position of the camera. Without it, the camera is placed so that it shows all objects completely. */
   eye?: Vector
-  /** The middle of the objects. */
+  /** The point that the camera looks at. The default is the middle of the objects. */
   look?: Vector
-  /** 0, -1, 0 */
+  /** The direction that is up in the picture; [0, -1, 0] by default. */
   up?: Vector
-  /** Vertical field of view, 1 to 170 degrees; 50. */
+  /** The vertical field of view, 1 to 170 degrees; 50 by default. */
   fov?: number
-  /** Depth of the near plane; 1/100 of the objects' radius, at most 0.2. */
+  /** The depth of the near plane, in scene units. The default is a hundredth of half the diagonal of the box around the
+      objects, and at most 0.2. */
   near?: number
+  /** The size of the picture in pixels, where the frame's options give no size. */
   width?: number
   height?: number
 }
 
-/** A camera as in a cameras.json. */
+/** A camera given by its intrinsics and its pose, as in a cameras.json file. */
 export interface Pinhole {
-  /** Rows; its columns are the camera's axes: x right, y down, z forward. */
+  /** The rotation from the camera to the world, as three rows of three numbers. Its columns are the axes of the camera
+      in the world: x right, y down, z forward. */
   rotation: readonly Vector[]
+  /** The position of the camera in the world, in scene units. */
   position: Vector
-  /** Pixels, at `width` x `height`; a picture of another width is the same, smaller or larger. */
+  /** The horizontal focal length in pixels, for a picture of `width` x `height`. For a picture of another size, the
+      focal lengths are multiplied by the ratio of the widths, and the principal point moves to the middle. */
   fx: number
+  /** The vertical focal length in pixels; `fx` by default. */
   fy?: number
-  /** The middle. */
+  /** The principal point in pixels, x and y; the middle of the picture by default. */
   cx?: number
   cy?: number
-  /** 0.2 */
+  /** The depth of the near plane, in scene units; 0.2 by default. */
   near?: number
-  /** Parallel rays: fx and fy are pixels a unit. */
+  /** True for a camera with parallel rays. `fx` and `fy` are then pixels per scene unit. False by default. */
   orthographic?: boolean
+  /** The size in pixels of the picture that `fx`, `fy`, `cx` and `cy` describe; by default the size of the frame. */
   width?: number
   height?: number
 }
 
 export type Camera = LookAt | Pinhole
 
+/** Options of a picture. */
 export interface FrameOptions {
-  /** Pixels, 1 to 16384; else the camera's, or 1280 x 720. */
+  /** The size of the picture in pixels, 1 to 16384 each. The default is the size that the camera states, or else
+      1280 x 720. */
   width?: number
   height?: number
-  /** 0xrrggbb; black. */
+  /** The colour behind the scene as the number 0xrrggbb; black by default. */
   background?: number
-  /** Colours times coverage, and the coverage as alpha, without a background. */
+  /** True for a transparent picture without a background: colours are multiplied by the coverage, and alpha is the
+      coverage. False by default. */
   alpha?: boolean
-  /** The highest that is used, 0 to 3. */
+  /** The highest degree of SH that is evaluated, 0 to 3; 3 by default. */
   shDegree?: 0 | 1 | 2 | 3
+  /** Where a Gaussian ends. 'mahalanobis', the default: at a Mahalanobis distance of 3. 'square': it reaches all tiles
+      of 16x16 pixels that a square of side 6 sigma about its centre touches, as in Kerbl et al. 2023; sigma is the
+      largest standard deviation of the Gaussian in the picture. */
   cutoff?: 'mahalanobis' | 'square'
-  /** Bytes of working memory; with less than all, the same picture takes longer. */
+  /** The largest number of bytes of working memory. With less memory than a whole frame needs, the same picture takes
+      longer; too little memory is an Error. */
   maxMemory?: number
 }
 
-/** What a frame has beside colours, or in place of them; each named one is there, and the rest costs nothing. */
+/** The pictures that a frame writes. The frame has each target that is named here, and a target that is not named costs
+    no time. `occluder` and `backdrop` are pictures that the frame reads. An array of the wrong length is an Error. */
 export interface Targets {
-  /** True: RGBA8, or premultiplied with `alpha`. premultiplied16: four numbers of 0 to 65535. */
+  /** The colours, in a format. 'rgba8': four bytes a pixel. 'premultiplied': four bytes a pixel, red, green and blue
+      times the coverage, and the coverage. 'premultiplied16': the same with four numbers of 0 to 65535 a pixel.
+      'rgb565': one number of 16 bits a pixel. True stands for 'rgba8', or for 'premultiplied' where `alpha` is true. */
   colour?: boolean | 'rgba8' | 'premultiplied' | 'rgb565' | 'premultiplied16'
-  /** 255 times the light that the scene takes. */
+  /** The share of the light that the Gaussians at a pixel take, times 255. */
   coverage?: boolean
-  /** Of the Gaussian at which half of the light is taken. */
+  /** The depth of the Gaussian at which the Gaussians of a pixel, near to far, have taken half of the light. */
   depth?: boolean
-  /** Of all that contribute, weighted by that. */
+  /** The mean depth of the Gaussians at a pixel, each weighted by its contribution. */
   meanDepth?: boolean
+  /** The object and the Gaussian that contribute most to a pixel. */
   ids?: boolean
-  /** Read: depths of what is drawn already; a Gaussian that is farther adds nothing there. */
+  /** Input: a depth for each pixel, in the units of `Frame`, of things that are drawn already. A Gaussian whose centre
+      is farther adds nothing to that pixel. */
   occluder?: Uint32Array
-  /** Read: RGBA8, in place of the background. */
+  /** Input: a picture that takes the place of the background, four bytes a pixel: red, green, blue, and a byte that is
+      not read. It cannot be combined with the formats 'premultiplied' and 'premultiplied16'. */
   backdrop?: Uint8ClampedArray | Uint8Array
 }
 
-/** Rows from the top, of what was asked for. Depths are along the camera's z axis, units times 2 ** depthBits: what is
- *  farther has 2 ** 32 - 2, and 2 ** 32 - 1 is none. */
+/** The targets that were asked for, each an array of the rows of pixels from the top. Depths are distances along the z
+    axis of the camera, in scene units times 2 ** depthBits. The value 2 ** 32 - 2 stands for all depths that are too
+    large for these numbers, and 2 ** 32 - 1 for a pixel without a depth. */
 export interface Frame {
   readonly width: number
   readonly height: number
+  /** Uint16Array for the formats 'rgb565' and 'premultiplied16', Uint8ClampedArray for the others. */
   readonly colour?: Uint8ClampedArray | Uint16Array
   readonly coverage?: Uint8Array
   readonly depth?: Uint32Array
   readonly meanDepth?: Uint32Array
-  /** Two a pixel: the object's id and the number of the Gaussian that contributes most; 2 ** 32 - 1 where none does. */
+  /** Two numbers a pixel, for the Gaussian that contributes most: the id of its object, and its number in the packed
+      scene. Both are 2 ** 32 - 1 where no Gaussian contributes. */
   readonly ids?: Uint32Array
 }
 
+/** Options of a picture with named targets. */
 export interface TargetOptions extends FrameOptions {
   targets: Targets
-  /** 1 to 28; 16. */
+  /** The number of binary digits of a depth after the point, 1 to 28; 16 by default. */
   depthBits?: number
 }
 
+/** Options of two pictures, one for each eye. */
 export interface StereoOptions extends FrameOptions {
-  /** Each eye has the very bytes of `render`, in the time of two frames; else colours are found once for both. */
+  /** True: each eye has exactly the bytes that `render` gives for its camera, in the time of two frames. False, the
+      default: the colours of the Gaussians are computed once for both eyes, which is faster. */
   exact?: boolean
 }
 
+/** Options of two pictures with named targets. */
 export interface StereoTargetOptions extends StereoOptions {
-  /** Of both eyes, or of each; of one format. */
+  /** One value for both eyes, or one for each eye. Both eyes have the same format of colours. */
   targets: Targets | readonly [Targets, Targets]
+  /** The number of binary digits of a depth after the point, 1 to 28; 16 by default. */
   depthBits?: number
 }
 
+/** A box in the coordinates of the scene, which decides by their centres which Gaussians are drawn. */
 export interface Crop {
+  /** The corner of the box with the smallest x, y and z, in scene units. */
   low: Vector
+  /** The corner of the box with the largest x, y and z, in scene units. */
   high: Vector
+  /** 'inside', the default: Gaussians outside of the box are left out. 'outside': Gaussians inside the box are left
+      out. */
   keep?: 'inside' | 'outside'
 }
 
-/** A scene in the world: translation + scale * rotation * position. */
+/** An object: a scene placed in the world. A position in the scene becomes translation + scale * rotation * position
+    in the world. */
 export interface Placed {
   scene: Scene
+  /** In world units; [0, 0, 0] by default. */
   translation?: Vector
-  /** A quaternion: w, x, y, z. */
+  /** A quaternion in the order w, x, y, z; [1, 0, 0, 0] by default. */
   rotation?: readonly [number, number, number, number]
+  /** 1 by default. */
   scale?: number
+  /** A factor for the opacity of all Gaussians, 0 to 1; 1 by default. */
   opacity?: number
+  /** Factors for red, green and blue, 0 to 4 each; [1, 1, 1] by default. */
   tint?: Vector
+  /** False: the object is not drawn. True by default. */
   visible?: boolean
+  /** The number that the target `ids` has for this object, 0 to 2 ** 32 - 2. The default is its index among the
+      objects. */
   id?: number
+  /** At most 8 boxes. A Gaussian is drawn where it lies in at least one box of the kind 'inside', if there is any, and
+      in no box of the kind 'outside'. */
   crops?: readonly Crop[]
 }
 
+/** The Gaussian that contributes most to a pixel. */
 export interface Picked {
-  /** Its place among the objects. */
+  /** The index of its object among the objects. */
   object: number
+  /** Its number in the packed scene. */
   gaussian: number
+  /** The distance of its centre along the z axis of the camera, in world units. */
   depth: number
+  /** The point of the world at this depth on the ray through the pixel, in world units. */
   position: [number, number, number]
 }
 
+/** A packed scene in the memory of a WebAssembly module. `load` makes it. After `free`, drawing it throws an Error. */
 export class Scene {
   private constructor()
+  /** The name of its file, or 'scene' for bytes without a name. */
   readonly name: string
-  /** Gaussians. */
+  /** The number of Gaussians. */
   readonly count: number
+  /** The degree of its SH, 0 to 3. */
   readonly shDegree: number
+  /** How the scene is packed. */
   readonly profile: 'default' | 'compact' | 'small'
-  /** Where it is seen. */
+  /** The least x, y, z (`low`) and the greatest x, y, z (`high`) of the visible part of the scene, in scene units. */
   readonly low: number[]
   readonly high: number[]
-  /** Of the packed scene. */
+  /** The size of the packed scene in bytes. */
   readonly bytes: number
-  /** How many draw it by now: pictures do not wait for those that have not started yet. */
+  /** The number of threads that draw the scene at the moment. Pictures do not wait for threads that have not started
+      yet. */
   readonly threads: number
-  /** A copy of it, which is an .fxs file. */
+  /** A copy of the packed scene, which has the bytes of an .fxs file. */
   readonly packed: Uint8Array
+  /** Draws the scene by itself, as the function `render` draws objects. */
   render(camera: Camera, options: TargetOptions): Frame
   render(camera?: Camera, options?: FrameOptions): Uint8ClampedArray
+  /** Draws the scene by itself for two eyes, as the function `renderStereo` draws objects. */
   renderStereo(left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
   renderStereo(left: Camera, right: Camera, options?: StereoOptions): [Uint8ClampedArray, Uint8ClampedArray]
+  /** Finds the Gaussian of the scene at a pixel, as the function `pick` does. */
   pick(x: number, y: number, camera?: Camera, options?: FrameOptions): Picked | null
-  /** Gives its memory back. */
+  /** Frees the memory of the scene. It may be called again. */
   free(): void
 }
 
-/** Ends threads that no scene needs, and gives their memory back; without it they wait for the next scene. Not while one
-    is loaded. */
+/** Ends the threads that no scene and no Screen needs, and frees their memory. Without this call, the threads wait for
+    the next scene. It must not be called while a scene is being loaded. */
 export function end(): Promise<void>
 
-/** Draws objects in one order by depth: RGBA, four bytes a pixel, rows from the top; with `targets` what they name. */
+/** Draws objects into one picture, with all their Gaussians in one order by depth. Returns the pixels from the top row
+    down, four bytes each: red, green, blue, alpha. With `targets`, it returns a Frame of the named targets instead.
+    Throws an Error that states the reason where the arguments are not valid or memory is too small. */
 export function render(objects: readonly Placed[], camera: Camera, options: TargetOptions): Frame
 export function render(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Uint8ClampedArray
 
-/** The same for two eyes of one size, in less time than two pictures. `maxMemory` must hold both whole. */
+/** Draws objects for two eyes with pictures of the same size, in less time than two calls of `render`. `maxMemory` must
+    be enough for both whole frames at once. Returns the left and the right picture. */
 export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
 export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options?: StereoOptions,
 ): [Uint8ClampedArray, Uint8ClampedArray]
 
-/** What a pixel shows: the Gaussian that contributes most. */
+/** Finds the Gaussian that contributes most to the pixel in column x and row y, counted from 0 at the top left. Returns
+    null where no Gaussian contributes. */
 export function pick(x: number, y: number, objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Picked | null
 
+/** Options of a picture that is drawn on a Screen. */
 export interface ScreenOptions extends FrameOptions {
-  /** WebGL 2: in place of the canvas, a framebuffer of this context, and the picture's lower left corner there. */
+  /** For the back ends of WebGL 2: draws into a framebuffer of the Screen's context in place of the canvas. `x` and `y`
+      are the pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default. The default
+      `framebuffer` is null, the canvas itself, which then keeps its size. */
   into?: { framebuffer?: WebGLFramebuffer | null; x?: number; y?: number }
 }
 
-/** A canvas that is drawn on again and again, in the page or in a Worker. It has one kind of context for life. */
+/** A canvas for any number of pictures, one after the other, in the page or in a Worker. A canvas keeps the kind of its
+    context, so a Screen of another kind needs another canvas. After `free`, using the Screen throws an Error. */
 export class Screen {
   private constructor()
   /**
-   * 'wasm': the picture of `render` is copied to the canvas. 'webgl2': the graphics processor draws the same bytes.
-   * 'webgl2-quads': it draws a picture that is not exact. Rejects where there is no WebGL 2. The scenes to be drawn are
-   * loaded with the same `simd` and `threads`; without simd128 there is no WebGL.
+   * Opens a canvas with a back end. 'wasm' copies the picture of `render` to the canvas. 'webgl2' draws the same bytes
+   * on the GPU. 'webgl2-quads' draws on the GPU too, but its picture is not exact. The promise is rejected where the
+   * canvas already has a context of another kind, and, for both back ends of WebGL 2, where there is no WebGL 2 or no
+   * simd128. The scenes that will be drawn must be loaded with the same `simd` and `threads`.
    */
   static open(
     canvas: HTMLCanvasElement | OffscreenCanvas,
     backend: 'wasm' | 'webgl2' | 'webgl2-quads',
     options?: LoadOptions
   ): Promise<Screen>
+  /** The back end that `open` was given. */
   readonly backend: 'wasm' | 'webgl2' | 'webgl2-quads'
-  /** Whether WebGL's context was lost, after which `draw` throws. Another Screen on another canvas may go on. */
+  /** Whether the WebGL context was lost. `draw` then throws an Error; a new Screen on another canvas can go on. */
   readonly lost: boolean
-  /** The context of WebGL 2. */
+  /** The WebGL 2 context of the canvas; undefined with the back end 'wasm'. */
   readonly gl: WebGL2RenderingContext | undefined
-  /** As `render`; the canvas takes the size. */
+  /** Draws objects as `render` does, and sets the canvas to the size of the picture. */
   draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): void
-  /** When the device is done with what was drawn. */
+  /** Is fulfilled when the GPU has completed all pictures that were drawn. */
   finish(): Promise<void>
-  /** What was drawn last: RGBA, rows from the top. */
+  /** The last picture: the pixels from the top row down, four bytes each: red, green, blue, alpha. */
   pixels(): Uint8ClampedArray
-  /** Gives its memory back; the canvas keeps its picture. */
+  /** Frees the memory of the Screen. The canvas keeps its picture. It may be called again. */
   free(): void
 }
 
-/** A .png file of a picture. */
+/** Makes the bytes of a .png file from the pixels of a picture: rows from the top, four bytes a pixel, red, green,
+    blue, alpha. */
 export function png(pixels: Uint8ClampedArray, width: number, height: number): Promise<Uint8Array>

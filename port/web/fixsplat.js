@@ -1,4 +1,5 @@
-// fixsplat for browsers and Node: the same bytes as the library everywhere. fixsplat.d.ts says what there is.
+// The package for browsers and Node. It draws pictures with the same bytes as the library in C, in WebAssembly.
+// fixsplat.d.ts describes all functions and classes that a program can use.
 
 import { Files, inNode } from './read.js'
 

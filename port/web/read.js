@@ -1,4 +1,5 @@
-// Where scenes come from: addresses, files, memory; and the files that such a file names.
+// Reads the files of a scene, from addresses, from files of the machine or from memory. A scene file may name other
+// files, which are read too.
 
 const MOST = 2e9               // bytes of a file
 const AT_ONCE = 16             // files beside, asked for before they are wanted

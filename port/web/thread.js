@@ -1,4 +1,5 @@
-// A thread of threads.wasm, in a worker: the same module again, on the same memory and a stack of its own.
+// One more thread of the module threads.wasm. It is a worker that runs another instance of the module, with the same
+// memory and a stack of its own.
 
 function help({ module, memory, stack }) {
   // Nothing that a thread does calls a function of the page's.

@@ -1,5 +1,5 @@
-// What kernels/gles calls of OpenGL ES 3.0, on a WebGL2RenderingContext. Objects have numbers; buffers that textures
-// are read from are the module's memory, which is one copy less.
+// The functions of OpenGL ES 3.0 that kernels/gles calls, made from a WebGL2RenderingContext. The module in C knows the
+// objects of WebGL by numbers. Buffers from which textures are filled lie in the module's memory, which saves a copy.
 
 const COMPONENTS = { 0x1908: 4, 0x8d99: 4, 0x8228: 2, 0x8d94: 1 }     // RGBA, RGBA_INTEGER, RG_INTEGER, RED_INTEGER
 const NUM_EXTENSIONS = 0x821d

@@ -18,8 +18,10 @@ enum {
     WINDOW = 48                    /* Gaussians before one whose errors it makes good, at most */
 };
 
-/* As many as leave a Gaussian 40 bytes in all, 20 in small. Where the last chunk leaves too little, a tenth of a byte a
-   Gaussian all the same; and 0.4 in scenes of less than 10,000, whose bytes matter less than their pictures. */
+/* The largest number of entries with which the packed scene has at most 40 bytes a Gaussian, or 20 in the profile
+   small. Where the last chunk leaves too little room, the palette still gets a tenth of a byte for each Gaussian. In
+   scenes of less than 10,000 Gaussians it gets at least 0.4 bytes, because there the picture matters more than the
+   bytes. */
 uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int sh_degree)
 {
     const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;

@@ -1,6 +1,6 @@
-/* SH as the sum of a chunk's mean and one signed entry of each of several palettes: residual vector quantisation
- * (Juang and Gray 1982), each palette learned by k-means (Lloyd 1982) on what the ones before it leave. In integers,
- * so that it is the same on every machine. */
+/* Codes the SH of a Gaussian as the sum of the mean of its chunk and one signed entry of each of several palettes. This
+ * is residual vector quantisation (Juang and Gray 1982). Each palette is learned by k-means (Lloyd 1982) on the rest
+ * that the palettes before it leave. All computation is in integers, so the result is the same on every machine. */
 #ifndef FXS_PALETTE_H
 #define FXS_PALETTE_H
 
@@ -11,7 +11,7 @@
 #include <fixsplat/message.h>
 #include <fixsplat/pack.h>
 
-/* A Gaussian as it waits for the palette of its scene. 64 bytes. */
+/* A Gaussian that waits for the palette of its scene, in 64 bytes. */
 typedef struct fxs_sh_item {
     float position[3];
     float step;                        /* a coefficient is code * step */
@@ -20,10 +20,11 @@ typedef struct fxs_sh_item {
     int8_t codes[45];                  /* red, green, blue of each coefficient */
 } fxs_sh_item;
 
-/* opacity: 0..1 */
+/* Fills in an item from a Gaussian. `opacity` is 0 to 1. */
 void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
-/* Coefficients as an entry of a packed palette has them: red, green, blue of 16, the last of each 0. In units. */
+/* The coefficients of an entry, in the order of a packed palette: red, green and blue of 16 coefficients, of which the
+   last is 0. In units of the palette. */
 typedef int16_t fxs_sh_vector[FXS_PALETTE_STRIDE];
 
 #define FXS_PALETTE_GROUPS (FXS_PALETTE_ENTRIES / 8)
@@ -41,39 +42,45 @@ typedef struct fxs_palette {
     int32_t group_squares[FXS_PALETTE_STAGES][FXS_PALETTE_GROUPS];
 } fxs_palette;
 
-/* Entries of a stage that are worth their bytes in a scene of `count` Gaussians. */
+/* Returns how many entries a stage should have in a scene of `count` Gaussians, so that the palette is worth its bytes;
+   0 for a scene without a palette. */
 uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int sh_degree);
 
-/* Learns the palette of a scene from its Gaussians, those of a chunk together; `entries` is what
-   fxs_palette_entries_for said. options->run is not null; options->progress is given 0 to 1. Returns 0, or an error
-   and a message: out of memory, or stopped. */
+/* Learns the palette of a scene from its Gaussians, in which the Gaussians of a chunk follow one another. `entries` is
+   the result of fxs_palette_entries_for. options->run is not null; options->progress is given 0 to 1. Returns 0,
+   or an error and a message: out of memory, or stopped. */
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message);
 
-/* Moves the entries of a palette that was learned towards what is said by Gaussians that have changed since. */
+/* Improves a palette that was learned before, for Gaussians that have changed since. Arguments and result are as for
+   fxs_palette_learn. */
 int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t count,
                        const fxs_pack_options *options, fxs_message *message);
 
-/* Of a palette that was read from a file: whether it can be one with so many entries. */
+/* Checks a palette that was read from a file and completes its fields. Returns 1, or 0 where its fields are not
+   possible for a palette with this number of entries. */
 int fxs_palette_restore(fxs_palette *palette, uint32_t entries);
 
-/* The palette's step as a packed scene has it. */
+/* Returns the step of the palette in the form of a packed scene. */
 uint32_t fxs_palette_step_q19(const fxs_palette *palette);
 
-/* Writes the entries of all stages as a packed scene has them. */
+/* Writes the entries of all stages in the form of a packed scene. */
 void fxs_palette_write(const fxs_palette *palette, int8_t *to);
 
-/* The largest difference of a coefficient from what was read, and the sum of the squares of all. */
+/* The largest difference of a coded coefficient from the original coefficient, and the sum of the squares of all
+   differences. */
 typedef struct fxs_sh_loss {
     double largest, squares;
 } fxs_sh_loss;
 
-/* Finds the SH of a chunk of `count` Gaussians: its mean, and the record of each (src/include/fixsplat/packed.h), `stride` bytes from
-   one to the next. What a Gaussian's code is off is made good by those that overlap it and come later. */
+/* Codes the SH of a chunk of `count` Gaussians. Writes the mean of the chunk and a record for each Gaussian
+   (src/include/fixsplat/packed.h), `stride` bytes from one record to the next. The error of the code of a Gaussian is
+   added to the Gaussians that overlap it and come later in the chunk, which make up for it. */
 void fxs_palette_code_chunk(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                             unsigned char *records, size_t stride, fxs_sh_loss *loss);
 
-/* The coefficients that a record stands for, in a chunk of this mean; 0 above the degree. */
+/* Computes the coefficients that a record stands for, in a chunk with this mean. Coefficients above the degree
+   are 0. */
 void fxs_palette_decode(const fxs_palette *palette, const int8_t mean[48], const unsigned char *record, float sh[45]);
 
 #endif

@@ -5,10 +5,11 @@
     picture = scene.render(K, world_to_camera, 1280, 720, targets=("colour", "median_depth"))
     picture.colour          # (720, 1280, 4) uint8
 
-Camera axes: x right, y down, z forward; pixel centres at +0.5; units are the scene's. docs/python.md has more.
+The axes of a camera are x right, y down, z forward. The centre of the first pixel is at (0.5, 0.5). Lengths are in
+the units of the scene. docs/python.md has more.
 
-Threads: all functions may be called by several threads at the same time, and let go of the GIL while the library
-works. A Scene, a Camera, an Object may be shared; what of a Renderer may be is said there.
+Several threads may call all functions at the same time, and the functions release the GIL while the library works.
+Threads may share a Scene, a Camera and an Object. The docstring of Renderer says how threads share a Renderer.
 """
 from ._camera import Camera, from_nerfstudio, load_cameras, to_nerfstudio
 from ._fit import FitProgress, fit

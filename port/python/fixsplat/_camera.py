@@ -1,4 +1,4 @@
-"""Cameras: matrices of numpy, camera files, and the conventions of others."""
+"""Cameras as numpy matrices, the files of cameras, and the axes of nerfstudio."""
 from __future__ import annotations
 
 from typing import Any, Optional, Sequence, Tuple
@@ -12,7 +12,8 @@ Floats = npt.NDArray[np.float64]
 
 
 def numbers(name: str, values: Any, *shapes: "Tuple[int, ...]") -> Floats:
-    """Finite real numbers of one of the shapes, as float64; else a TypeError or ValueError that names them."""
+    """Returns values as an array of float64. They must be finite real numbers and have one of the shapes; otherwise a
+    TypeError or ValueError with the name of the values is raised."""
     try:
         array = np.asarray(values)
     except ValueError:
@@ -28,7 +29,8 @@ def numbers(name: str, values: Any, *shapes: "Tuple[int, ...]") -> Floats:
 
 
 def number(name: str, value: Any, low: float, high: float) -> float:
-    """A real number within low..high."""
+    """Returns a value as a float. It must be a real number from low to high; otherwise a ValueError or TypeError with
+    its name is raised."""
     result = float(numbers(name, value, ()))
     if not low <= result <= high:
         raise ValueError(f"{name}={result}: expected {low} to {high}")
@@ -36,7 +38,7 @@ def number(name: str, value: Any, low: float, high: float) -> float:
 
 
 def rotation_of(name: str, matrix: Floats) -> Floats:
-    """The matrix, where it is a rotation."""
+    """Returns the matrix if it is a rotation, and raises a ValueError otherwise."""
     if np.abs(matrix @ matrix.T - np.eye(3)).max() > 1e-3 or np.linalg.det(matrix) < 0:
         raise ValueError(f"{name}: is not a rotation: its rows are to be of length 1, at right angles and right-handed "
                          "(within 1e-3)")
@@ -44,16 +46,19 @@ def rotation_of(name: str, matrix: Floats) -> Floats:
 
 
 class Camera:
-    """A camera: where it is, where it looks, and its picture's size.
+    """A camera: its position, its direction, and the size of its picture.
 
-    K: (3, 3), pixels: [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]; pixel centres are at +0.5.
-    world_to_camera: (4, 4), scene units; the camera's axes are x right, y down, z forward (COLMAP, OpenCV).
-    width, height: pixels, 1 to 16384.
-    near: depth of the near plane, scene units, 2^-20 to 2^28; None: 0.2.
-    orthographic: parallel rays along z; fx and fy are pixels a unit then.
-    name: of its photograph, say.
+    K: the matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] of shape (3, 3), in pixels. The centre of the first pixel is at
+    (0.5, 0.5).
+    world_to_camera: the pose, of shape (4, 4), in scene units. The axes of the camera are x right, y down, z forward,
+    as in COLMAP and OpenCV.
+    width, height: the size of the picture in pixels, 1 to 16384.
+    near: the depth of the near plane in scene units, 2^-20 to 2^28. None stands for 0.2.
+    orthographic: True for parallel rays along the z axis; fx and fy are then pixels per scene unit.
+    name: any text, such as the name of the photograph.
 
-    It does not change. Any number of threads may use it.
+    A camera does not change, and any number of threads may use it. Values out of range raise a ValueError, a TypeError
+    or an Error.
     """
 
     def __init__(self, K: Any, world_to_camera: Any, width: int, height: int, *, near: Optional[float] = None,
@@ -83,7 +88,8 @@ class Camera:
     @classmethod
     def look_at(cls, eye: Sequence[float], target: Sequence[float], width: int, height: int, *, fov: float = 50,
                 up: Sequence[float] = (0, -1, 0)) -> "Camera":
-        """A camera at `eye` that looks towards `target`, scene units. fov: vertical field of view, 1 to 170 degrees."""
+        """Makes a camera at the position `eye` that looks towards the point `target`, both in scene units. fov: the
+        vertical field of view, 1 to 170 degrees. up: the direction that is up in the picture."""
         view = new("fxs_file_view")
         vectors = [list(numbers(name, values, (3,))) for name, values in (("eye", eye), ("target", target), ("up", up))]
         call("fxs_view_look_at", view, *vectors, number("fov", fov, 1, 170),
@@ -92,13 +98,13 @@ class Camera:
 
     @property
     def K(self) -> Floats:
-        """(3, 3), pixels."""
+        """The matrix of intrinsics, of shape (3, 3), in pixels."""
         v = self._view
         return np.array([[v.fx, 0, v.cx], [0, v.fy, v.cy], [0, 0, 1]])
 
     @property
     def world_to_camera(self) -> Floats:
-        """(4, 4), scene units; axes x right, y down, z forward."""
+        """The pose, of shape (4, 4), in scene units. The axes of the camera are x right, y down, z forward."""
         rotation = np.reshape(list(self._view.rotation), (3, 3))
         pose = np.eye(4)
         pose[:3, :3] = rotation
@@ -107,12 +113,12 @@ class Camera:
 
     @property
     def camera_to_world(self) -> Floats:
-        """(4, 4), scene units; the inverse of world_to_camera."""
+        """The inverse of world_to_camera, of shape (4, 4), in scene units."""
         return np.linalg.inv(self.world_to_camera)
 
     @property
     def position(self) -> Floats:
-        """(3,), the camera's centre, scene units."""
+        """The centre of the camera in the world, of shape (3,), in scene units."""
         return np.array(list(self._view.position))
 
     @property
@@ -125,7 +131,7 @@ class Camera:
 
     @property
     def near(self) -> Optional[float]:
-        """Depth of the near plane, scene units; None: 0.2."""
+        """The depth of the near plane in scene units. None stands for 0.2."""
         return float(self._view.near) or None
 
     @property
@@ -137,15 +143,16 @@ class Camera:
         return string(self._view.name)
 
     def resized(self, width: int, height: int) -> "Camera":
-        """The same for a picture of another size, as `fixsplat render --size` has it: fx and fy are scaled by new width
-        / old width, and the principal point comes to the centre."""
+        """Makes the same camera for a picture of another size, as `fixsplat render --size` does. fx and fy are
+        multiplied by the new width over the old width, and the principal point moves to the centre of the picture."""
         view = copy(self._view)
         lib.fxs_view_resize(view, whole("width", width, 1, lib.FXS_MAX_SIZE),
                             whole("height", height, 1, lib.FXS_MAX_SIZE))
         return self._of(view)
 
     def rounded(self, near: Optional[float] = None) -> Struct:
-        """The renderer's integers; an Error where the camera is out of their range."""
+        """Returns the camera as the integers of the renderer. near: a near plane in place of the one of the camera.
+        Raises an Error where the camera is out of the range of the integers."""
         view, camera = copy(self._view), new("fxs_camera")
         if near is not None:
             view.near = number("near", near, 2.0**-20, 2.0**28)
@@ -157,8 +164,9 @@ class Camera:
 
 
 def load_cameras(path: PathLike) -> "list[Camera]":
-    """The cameras of a file: Inria's cameras.json, a transforms.json of nerfstudio or Blender, or a COLMAP model by its
-    folder, images.bin or images.txt. All are turned to the axes x right, y down, z forward."""
+    """Reads the cameras of a file: Inria's cameras.json, a transforms.json of nerfstudio or Blender, or a COLMAP model,
+    named by its folder, its images.bin or its images.txt. All cameras are turned to the axes x right, y down, z
+    forward. Raises an Error where the file cannot be read."""
     views = new("fxs_file_view *")
     count = call("fxs_camera_file_read", file_name(path), views)
     try:
@@ -168,8 +176,8 @@ def load_cameras(path: PathLike) -> "list[Camera]":
 
 
 def from_nerfstudio(camera_to_world: Any) -> Floats:
-    """world_to_camera (4, 4) of nerfstudio's camera_to_world, (3, 4) or (4, 4), whose axes are those of OpenGL and
-    Blender: x right, y up, z backward."""
+    """Converts the pose camera_to_world of nerfstudio, of shape (3, 4) or (4, 4), into world_to_camera, of shape (4,
+    4). The axes of a camera in nerfstudio are x right, y up, z backward, as in OpenGL and Blender."""
     pose = np.eye(4)
     given = numbers("camera_to_world", camera_to_world, (3, 4), (4, 4))
     pose[:len(given)] = given
@@ -178,5 +186,5 @@ def from_nerfstudio(camera_to_world: Any) -> Floats:
 
 
 def to_nerfstudio(world_to_camera: Any) -> Floats:
-    """nerfstudio's camera_to_world (4, 4) of world_to_camera (4, 4)."""
+    """Converts world_to_camera, of shape (4, 4), into the pose camera_to_world of nerfstudio, of shape (4, 4)."""
     return np.asarray(np.linalg.inv(numbers("world_to_camera", world_to_camera, (4, 4))) @ np.diag([1.0, -1, -1, 1]))

@@ -17,8 +17,12 @@ RECIPES = {"reference": lib.FXS_FIT_REFERENCE, "mcmc": lib.FXS_FIT_MCMC, "fast":
 
 @dataclass(frozen=True)
 class FitProgress:
-    """After a step: step of steps were made. loss: 0.8 times the mean of |a - b| and 0.2 times that of 1 - SSIM, of the
-    photographs of this step. gaussians: their number."""
+    """The progress of a fit after a step.
+
+    step: the number of steps that are done. steps: the number of steps of the whole fit.
+    loss: 0.8 times the mean of |a - b| plus 0.2 times the mean of 1 - SSIM, over the photographs of this step.
+    gaussians: the number of Gaussians of the scene.
+    """
     step: int
     steps: int
     loss: float
@@ -31,20 +35,30 @@ def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = N
         hold_out: int = 8, skip_bad: bool = False, backend: str = "cpu", devices: "Sequence[int]" = (0,),
         max_memory: int = 0, threads: int = 0,
         progress: "Optional[Callable[[FitProgress], object]]" = None) -> Scene:
-    """Fits a scene to photographs: that of `fixsplat fit`, byte for byte, which docs/fit.md describes.
+    """Fits a scene to photographs and returns it. The scene has the same bytes as the file that `fixsplat fit` writes.
+    docs/fit.md describes the fit. Raises an Error where the photographs cannot be read or the fit cannot be made.
 
-    photos: a COLMAP folder, a transforms.json of nerfstudio or Blender, Inria's cameras.json with images beside it, or
-    a folder with one of those.
-    recipe: "reference", "mcmc" or "fast". steps: None: the recipe's, 30,000, fast 8,000. resolution: pixels of a
-    photograph's longer side, at most. sh_degree: 0 to 3. max_gaussians: None: the recipe's, 2^22, mcmc 1,000,000, fast
-    250,000.
-    seed: of all that is random. batch: photographs of a step, 1 to 8; 0: one, or one for each device.
-    background: red, green, blue, 0 to 255. cutoff, profile: as for `render` and `load`.
-    hold_out: every n-th photograph by name is not fitted; 0: all are. skip_bad: those that cannot be read are left out,
-    with a warning.
-    backend: what makes the steps: "cpu" or "cuda", there on `devices`, each with `max_memory` bytes at most (0: any).
-    threads: 0: one for each processor. The scene depends on none of these four.
-    progress: called after each step (with "cuda" a few times a second); what it raises ends the fit.
+    photos: a COLMAP folder, a transforms.json of nerfstudio or Blender, Inria's cameras.json with the images beside it,
+    or a folder that contains one of them.
+    recipe: "reference", "mcmc" or "fast".
+    steps: the number of steps. None stands for the number of the recipe: 8,000 for "fast", 30,000 for the others.
+    resolution: the largest number of pixels on the longer side of a photograph.
+    sh_degree: the degree of SH of the scene, 0 to 3.
+    max_gaussians: the largest number of Gaussians. None stands for the number of the recipe: 2^22 for "reference",
+    1,000,000 for "mcmc", 250,000 for "fast".
+    seed: the number from which all random numbers of the fit follow.
+    batch: the number of photographs in a step, 1 to 8. 0 stands for one, or for one on each device.
+    background: the colour behind the scene as red, green, blue, 0 to 255 each.
+    cutoff: as for `render`. profile: as for `load`.
+    hold_out: every n-th photograph by name is left out of the fit. With 0, all photographs are fitted.
+    skip_bad: True leaves out photographs that cannot be read, with a warning for each.
+    backend: the engine that makes the steps, "cpu" or "cuda".
+    devices: the numbers of the GPUs for "cuda", 1 to 8 of them.
+    max_memory: the largest number of bytes of memory on each device. 0 stands for no limit.
+    threads: the number of threads, 1 to 64. 0 stands for one thread on each processor.
+    The scene does not depend on backend, devices, max_memory or threads.
+    progress: a function that is called with a FitProgress after each step, or a few times a second with "cuda". An
+    exception that it raises ends the fit.
     """
     options, reading = new("fxs_fit_options"), new("fxs_photos_options")
     _fill(options, recipe, steps, max_gaussians)
@@ -110,7 +124,8 @@ def _fit(name: str, photos: Struct, options: Struct, progress: "Optional[Callabl
 
 
 def _make_steps(handle: Any, options: Struct, progress: "Optional[Callable[[FitProgress], object]]") -> None:
-    """A device works on while it is not asked: it is some times a second, and for the last step."""
+    """Makes all steps of a fit. To ask a device for a report makes it wait, so a device is asked only a few times a
+    second, and after the last step."""
     report = new("fxs_fit_report")
     last = time.monotonic()
     for step in range(1, options.steps + 1):

@@ -1,4 +1,4 @@
-"""The shared library: where it is found, how its functions are called, and what their errors become."""
+"""Finds and loads the shared library, calls its functions, and turns their errors into exceptions."""
 from __future__ import annotations
 
 import operator
@@ -18,10 +18,11 @@ Struct = Any                                    # a pointer to a struct of C
 
 
 class Error(Exception):
-    """What the library answers where it cannot do what was asked: its message, one line.
+    """An error of the library, with its message of one line.
 
-    code: the FXS_ERR_* of fixsplat.h, negative. bytes_needed: the memory that would do, where memory was too little
-    and that is known; else 0.
+    code: the constant FXS_ERR_* of fixsplat.h, a negative number.
+    bytes_needed: the number of bytes of memory that would be enough, where memory was too small and the number is
+    known; 0 otherwise.
     """
 
     def __init__(self, message: str, code: int, bytes_needed: int = 0):
@@ -33,7 +34,8 @@ class Error(Exception):
 # ---- Finding ---------------------------------------------------------------------------------------------------------
 
 def _found() -> Iterator[str]:
-    """Where the library may be: beside this package, in the build folder of the checkout, where the system has it."""
+    """Yields the places where the library may be: beside this package, in the build folder of the checkout, and in the
+    folders of the system."""
     package = Path(__file__).resolve().parent
     soname = "libfixsplat.so." + VERSION.partition(".")[0]
     names = (soname, f"libfixsplat.so.{VERSION}", "libfixsplat.so")
@@ -48,7 +50,8 @@ def _found() -> Iterator[str]:
 
 
 def _load(path: str) -> Any:
-    """The library, whose functions, structs and constants are those of the headers that it was built with."""
+    """Loads the library. It states the functions, structs and constants of the headers from which it was built. Raises
+    an ImportError where there is no library at this path or its version does not fit."""
     ffi.cdef("int fxs_version(void); const char *fxs_declarations(void); void free(void *block);")
     try:
         library: Any = ffi.dlopen(path)
@@ -71,7 +74,7 @@ def _load(path: str) -> Any:
 
 
 def string(chars: Any) -> str:
-    """The text of characters that end with a 0."""
+    """Returns the text of a string of C, which ends with a 0."""
     return str(ffi.string(chars), "utf-8", "replace")
 
 
@@ -84,8 +87,8 @@ lib = _load(PATH)
 # ---- Calling ---------------------------------------------------------------------------------------------------------
 
 def new(kind: str, **fields: Any) -> Any:
-    """A pointer to a struct with these fields and 0 in the others, or to a null pointer. It does not hold what they
-    point to."""
+    """Returns a pointer to a new struct that has these fields and 0 in the other fields, or to a null pointer. It does
+    not keep the memory alive to which the fields point."""
     return ffi.new(f"{kind} *", fields or None)
 
 
@@ -94,7 +97,7 @@ def copy(struct: Struct) -> Struct:
 
 
 def check(result: int, message: Struct, prefix: str = "") -> int:
-    """The result, or an Error with the message where it is negative."""
+    """Returns the result of a function of C, or raises an Error with the message if the result is negative."""
     if result >= 0:
         return result
     text = prefix + string(message.text)
@@ -104,13 +107,13 @@ def check(result: int, message: Struct, prefix: str = "") -> int:
 
 
 def call(name: str, *arguments: Any) -> int:
-    """Calls a function whose last argument is the message. cffi lets go of the GIL meanwhile."""
+    """Calls a function of C whose last argument is the message. cffi releases the GIL during the call."""
     message = new("fxs_message")
     return check(getattr(lib, name)(*arguments, message), message)
 
 
 def file_name(path: PathLike) -> bytes:
-    """A path as C takes it."""
+    """Returns a path as the bytes that C expects. Raises a ValueError for a path with a 0 byte."""
     name = os.fsencode(os.fspath(path))
     if b"\0" in name:
         raise ValueError(f"{name!r}: a path without 0 bytes is expected")
@@ -118,14 +121,15 @@ def file_name(path: PathLike) -> bytes:
 
 
 def choose(name: str, value: str, choices: "Mapping[str, int]") -> int:
-    """The number of a word, or a ValueError that lists the words."""
+    """Returns the number of a word, or raises a ValueError that lists all words."""
     if value not in choices:
         raise ValueError(f"{name}={value!r}: expected {' or '.join(map(repr, choices))}")
     return choices[value]
 
 
 def whole(name: str, value: Any, low: int, high: int) -> int:
-    """A whole number within low..high."""
+    """Returns a value as an int. It must be a whole number from low to high; otherwise a TypeError or ValueError with
+    its name is raised."""
     try:
         number = operator.index(value)
     except TypeError:
@@ -136,7 +140,7 @@ def whole(name: str, value: Any, low: int, high: int) -> int:
 
 
 def colour(name: str, values: Any) -> "tuple[int, int, int]":
-    """Red, green and blue, 0 to 255."""
+    """Returns a colour as three whole numbers from 0 to 255: red, green, blue."""
     try:
         red, green, blue = values
     except (TypeError, ValueError) as error:
@@ -149,10 +153,11 @@ CUTOFFS = {"mahalanobis": lib.FXS_CUTOFF_MAHALANOBIS, "square": lib.FXS_CUTOFF_S
 
 
 class Calls:
-    """Python functions that C calls, from any thread: what one raises stops the call, and is raised when it is over.
+    """Functions of Python that C calls, from any thread. An exception in one of them stops the call of the library, and
+    is raised again when the call is over.
 
-    So does what the handler of Ctrl-C raises, which would be lost in a function that C calls, and C calls one without
-    `progress` too.
+    The same holds for an exception of the handler of Ctrl-C. Without this class it would be lost in a function that C
+    calls, and C calls such a function even where no `progress` is given.
     """
 
     def __init__(self, progress: "Optional[Callable[[float], object]]" = None,
@@ -180,7 +185,7 @@ class Calls:
         return self._call(lambda: answers.append(function and function())) or int(any(answers))
 
     def heard(self) -> None:
-        """Raises what was raised meanwhile."""
+        """Raises the exception that a function raised in the meantime, if there is one."""
         raised, self._raised = self._raised, None
         if raised is not None:
             raise raised from None
@@ -200,7 +205,8 @@ class Calls:
 
 @contextmanager
 def pool(threads: int) -> "Iterator[tuple[Any, Any, int]]":
-    """A pool of threads: function, its first argument, number of threads. 0 threads: one for each processor."""
+    """Makes a pool of threads, and yields the function that runs jobs, the first argument of the function, and the
+    number of threads. 0 threads stand for one thread on each processor."""
     threads = whole("threads", threads, 0, 64) or lib.fxs_processors()
     made = lib.fxs_pool_create(threads)
     try:

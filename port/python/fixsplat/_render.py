@@ -1,4 +1,4 @@
-"""Pictures: objects, targets, back ends."""
+"""Objects, back ends, and the pictures that are rendered from them."""
 from __future__ import annotations
 
 import math
@@ -26,8 +26,11 @@ TARGETS = ("colour", "coverage", "mean_depth", "median_depth", "ids")
 
 @dataclass(frozen=True)
 class Crop:
-    """A box in the scene's own units, for the centres of Gaussians: keeps what is inside, or (outside=True) leaves that
-    out. low, high: (3,)."""
+    """A box in the coordinates of the scene. It keeps the Gaussians with a centre inside the box, or with outside=True
+    leaves them out.
+
+    low, high: the corners of the box with the least and the greatest x, y, z, of shape (3,), in scene units.
+    """
     low: Any
     high: Any
     outside: bool = False
@@ -35,12 +38,19 @@ class Crop:
 
 @dataclass(frozen=True)
 class Object:
-    """A scene placed in the world: world = translation + scale * rotation * position. SH turn with it.
+    """A scene placed in the world. A position in the scene becomes translation + scale * rotation * position in the
+    world, and the SH turn with the scene.
 
-    rotation: a quaternion w, x, y, z of any length but 0, (4,), or a matrix from scene to world, (3, 3).
-    translation: (3,), world units. scale: 2^-16 to 2^16. opacity: a factor, 0 to 1. tint: factors of red, green and
-    blue, 0 to 4, (3,). visible: False: not drawn. id: what the id target has for it, 0 to 2^32 - 2. crops: up to 8
-    boxes: a Gaussian is drawn where it lies in one that keeps, or there is none of these, and in none that leaves out.
+    rotation: a quaternion w, x, y, z of shape (4,) and any length but 0, or a matrix of shape (3, 3) that turns from
+    the scene to the world.
+    translation: the position of the scene's origin in the world, of shape (3,), in world units.
+    scale: the size of the scene in the world, 2^-16 to 2^16.
+    opacity: a factor for the opacity of all Gaussians, 0 to 1.
+    tint: factors for red, green and blue, 0 to 4 each, of shape (3,).
+    visible: False leaves the object out of pictures.
+    id: the number that the target "ids" has for the object, 0 to 2^32 - 2.
+    crops: at most 8 boxes. A Gaussian is drawn where it lies in at least one box that keeps Gaussians, if there is such
+    a box, and in no box that leaves Gaussians out.
     """
     scene: Scene
     rotation: Any = (1, 0, 0, 0)
@@ -72,8 +82,8 @@ class Object:
 
 
 def _quaternion(matrix: "npt.NDArray[np.float64]") -> "npt.NDArray[np.float64]":
-    """Of a rotation: the eigenvector, of the largest eigenvalue, of the symmetric matrix whose form is q^T N q = the
-    trace of R(q)^T M (Horn 1987)."""
+    """Returns the quaternion of a rotation matrix M. It is the eigenvector with the largest eigenvalue of the symmetric
+    matrix N for which q^T N q is the trace of R(q)^T M (Horn 1987)."""
     m = rotation_of("rotation", matrix)
     form = np.array([
         [m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
@@ -84,7 +94,8 @@ def _quaternion(matrix: "npt.NDArray[np.float64]") -> "npt.NDArray[np.float64]":
 
 
 class _Placed:
-    """Objects as C has them, with what they point to, which is held as long as this is."""
+    """An array of objects in the form of C, with the memory to which the objects point. The memory is kept as long as
+    this array."""
 
     def __init__(self, objects: "Sequence[Object]"):
         if len(objects) > lib.FXS_MAX_OBJECTS:
@@ -97,7 +108,8 @@ class _Placed:
             call("fxs_object_place", self.array + i, memory.scene, placement, self._crops + i * lib.FXS_MAX_CROPS)
 
     def depth_bits(self, camera: Camera) -> int:
-        """As many as hold every depth from this camera, up to 28: those of `fixsplat render --depth`."""
+        """Returns the largest number of binary digits after the point, at most 28, with which the depths of all objects
+        from this camera fit into 32 bits. `fixsplat render --depth` uses the same number."""
         farthest = 1.0
         for memory, placement in zip(self.memories, self.placements):
             low, high = ffi.new("double[3]"), ffi.new("double[3]")
@@ -112,8 +124,14 @@ class _Placed:
 
 @dataclass(frozen=True)
 class Backend:
-    """A way to render. devices: their names, by number. missing: why there is none, in words; None where there are.
-    exact: its pictures have the bytes of the processor's. depths: it has depth and id targets."""
+    """A back end: one way to render a picture.
+
+    name: the name that `render` takes. does: a description in words.
+    devices: the names of its devices, in the order of their numbers.
+    missing: the reason why the back end has no device, in words; None where it has one.
+    exact: True where its pictures have the same bytes as those of the processor.
+    depths: True where it can write the targets of depths and ids.
+    """
     name: str
     does: str
     devices: Tuple[str, ...]
@@ -123,7 +141,8 @@ class Backend:
 
 
 def backends() -> "list[Backend]":
-    """Those of this build, the processor's first; and those that it is without, with the reason."""
+    """Lists all back ends, the processor first. A back end that cannot be used on this machine or is not part of this
+    build is listed too, with the reason in `missing`."""
     result: "list[Backend]" = []
     while True:
         table = lib.fxs_backend_at(len(result))
@@ -141,15 +160,18 @@ def backends() -> "list[Backend]":
 
 
 class Renderer:
-    """A back end that is open: with threads, working memory and, on a device, its copies of scenes.
+    """An open back end, with its threads, its working memory and, on a device, its copies of scenes.
 
-    `render` opens one by itself for each thread of the program and keeps it. To open one is for a program that
-    chooses when it is closed: it is given to `render` as `backend`, and closed by `close`, at the end of a `with` or
-    when it is no longer used. Threads may share it and take turns; one of OpenGL is used by the thread that opened it.
+    `render` opens a renderer for each thread of the program and keeps it. A program opens a renderer by itself if it
+    wants to choose the time when the renderer is closed. It gives the renderer to `render` as `backend`. The renderer
+    is closed by `close`, at the end of a `with`, or when it is no longer used. Threads may share a renderer and take
+    turns, but a renderer of OpenGL may be used only by the thread that opened it.
 
-    backend: "auto" (the processor), or the name of one of `backends()`. threads: of the processor, 1 to 64; 0: one for
-    each processor. device: its number. max_memory: bytes, of working memory or the device's; 0: as much as it takes.
-    The picture depends on none of these.
+    backend: "auto", which is the processor, or the name of one of `backends()`.
+    threads: the number of threads of the processor, 1 to 64. 0 stands for one thread on each processor.
+    device: the number of the device.
+    max_memory: the largest number of bytes of working memory, or of memory on the device. 0 stands for no limit.
+    A picture depends on none of the last three.
     """
 
     def __init__(self, backend: str = "auto", *, threads: int = 0, device: int = 0, max_memory: int = 0):
@@ -186,7 +208,7 @@ class Renderer:
             yield
 
     def draw(self, placed: _Placed, request: Struct) -> None:
-        """Draws into the request's targets, and waits."""
+        """Draws into the targets of the request, and waits until the picture is complete."""
         message = new("fxs_message")
         with self._turn():
             self._forget_closed()
@@ -195,7 +217,8 @@ class Renderer:
             check(self._table.render(self._handle, request, NULL, message), message)
 
     def _forget_closed(self) -> None:
-        """What a device keeps of a scene is found by the address of its struct, which is held until it is dropped."""
+        """Drops a device's copies of closed scenes. The copy of a scene is found by the address of its struct, so the
+        struct is kept until the copy is dropped."""
         for scene, memory in list(self._drawn.items()):
             if memory() is None:
                 self._table.forget(self._handle, scene)
@@ -206,7 +229,7 @@ class Renderer:
             self._forget_closed()
 
     def close(self) -> None:
-        """Gives back what it has. It may be called again."""
+        """Frees the threads and the memory of the renderer. It may be called again."""
         with self._lock:
             self._close()
 
@@ -219,7 +242,8 @@ class Renderer:
 
 
 def _close_backend(table: Struct, handle: Any, process: int) -> None:
-    """Behind a fork its threads are not there, and it would wait for them."""
+    """Closes a back end, but only in the process that opened it. After a fork, the new process has none of the threads,
+    and closing would wait for them forever."""
     if process == os.getpid():
         table.close(handle)
 
@@ -228,7 +252,7 @@ _of_thread = threading.local()
 
 
 def _kept() -> "Dict[str, Tuple[Any, Renderer]]":
-    """The renderers of this thread, by name, with their options."""
+    """Returns the renderers of this thread and their options, by the names of their back ends."""
     if getattr(_of_thread, "process", None) != os.getpid():
         _of_thread.process, _of_thread.renderers = os.getpid(), {}
     renderers: "Dict[str, Tuple[Any, Renderer]]" = _of_thread.renderers
@@ -249,7 +273,8 @@ def _renderer(backend: "Union[str, Renderer]", threads: int, device: int, max_me
 
 
 def forget_closed() -> None:
-    """What the renderers of this thread keep of scenes that are closed is dropped now, not with their next picture."""
+    """Drops the copies of closed scenes that the renderers of this thread keep. Without this call they are dropped at
+    the next picture."""
     for _, renderer in _kept().values():
         renderer.forget_closed()
 
@@ -258,14 +283,18 @@ def forget_closed() -> None:
 
 @dataclass(frozen=True)
 class Picture:
-    """What was drawn: an array for each target that was asked for, else None. H rows from the top, W columns.
+    """A picture: an array for each target that was asked for, and None for the others. An array has H rows, from the
+    top down, and W columns.
 
-    colour: (H, W, 4) uint8: red, green, blue, 255; with alpha=True times coverage, and coverage.
-    coverage: (H, W) uint8: 255 times the light that the Gaussians take.
-    mean_depth: (H, W) float32, scene units along the camera's z axis: of all that contribute, weighted by that.
-    median_depth: (H, W) float32: of the Gaussian at which half of the light is taken. Infinity: there is none.
-    ids: (H, W, 2) uint32: the object's id and the Gaussian's number in the packed scene, of what contributes most;
-    NOTHING where nothing does.
+    colour: of shape (H, W, 4), uint8: red, green, blue, 255. With alpha=True: red, green and blue times the coverage,
+    and the coverage.
+    coverage: of shape (H, W), uint8: the share of the light that the Gaussians take, times 255.
+    mean_depth: of shape (H, W), float32: the mean depth of the Gaussians at the pixel, weighted by the contribution of
+    each. Depths are distances along the z axis of the camera in scene units. Infinity stands for no depth.
+    median_depth: of shape (H, W), float32: the depth of the Gaussian at which half of the light is taken. Infinity
+    stands for no depth.
+    ids: of shape (H, W, 2), uint32, for the Gaussian that contributes most: the id of its object, and its number in the
+    packed scene. Both are NOTHING where no Gaussian contributes.
     """
     colour: "Optional[npt.NDArray[np.uint8]]" = None
     coverage: "Optional[npt.NDArray[np.uint8]]" = None
@@ -274,7 +303,8 @@ class Picture:
     ids: "Optional[npt.NDArray[np.uint32]]" = None
 
     def save(self, path: PathLike) -> None:
-        """Writes the colours: .png, .webp, .jpg, .ppm or .raw."""
+        """Writes the colours to a file, whose name ends in .png, .webp, .jpg, .ppm or .raw. Raises a ValueError where
+        the picture has no colours, and an Error where the file cannot be written."""
         if self.colour is None:
             raise ValueError("the picture has no colours: they were not among its targets")
         pixels = np.ascontiguousarray(self.colour)
@@ -339,18 +369,24 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
            sh_degree: int = 3, near: Optional[float] = None, backend: "Union[str, Renderer]" = "auto",
            threads: int = 0, device: int = 0, max_memory: int = 0,
            stop: "Optional[Callable[[], object]]" = None) -> Picture:
-    """Draws objects, placed in one world, in one order by depth.
+    """Draws objects into one picture, with all their Gaussians in one order by depth.
 
-    objects: a scene stands for itself at the origin. Without any, the picture is the background.
-    K: (3, 3), pixels, with world_to_camera: (4, 4), axes x right, y down, z forward, width and height: pixels. Or a
-    Camera in the place of all four: one of `load_cameras` gives the very bytes of `fixsplat render --view`.
+    objects: a sequence of objects and scenes. A scene stands for an object at the origin. Without any object, the
+    picture is the background.
+    K: the matrix of intrinsics, of shape (3, 3), in pixels. Or a Camera, which takes the place of K, world_to_camera,
+    width and height; with a Camera of `load_cameras`, the bytes are exactly those of `fixsplat render --view`.
+    world_to_camera: the pose, of shape (4, 4), for camera axes x right, y down, z forward.
+    width, height: the size of the picture in pixels, 1 to 16384.
     targets: some of "colour", "coverage", "mean_depth", "median_depth", "ids".
-    background: red, green, blue, 0 to 255. alpha: colours times coverage and coverage, without background.
-    cutoff: "mahalanobis", or "square" as in Kerbl et al. 2023. sh_degree: the highest evaluated, 0 to 3.
-    near: depth of the near plane, scene units; None: the camera's, or 0.2.
-    backend, threads, device, max_memory: as for `Renderer`, or a Renderer as the backend. One is kept for each thread
-    of the program and name, until other options are asked for or the thread ends.
-    stop: asked often, from several threads; what is true, as what it raises, ends a long picture with an Error.
+    background: the colour behind the scene as red, green, blue, 0 to 255 each.
+    alpha: True for colours times coverage, and coverage, without a background.
+    cutoff: "mahalanobis", where a Gaussian ends at a Mahalanobis distance of 3, or "square" as in Kerbl et al. 2023.
+    sh_degree: the highest degree of SH that is evaluated, 0 to 3.
+    near: the depth of the near plane in scene units. None stands for the near plane of the camera, or 0.2.
+    backend, threads, device, max_memory: as for `Renderer`; or backend is a Renderer. For each thread of the program
+    and each name of a back end, one renderer is kept until other options are asked for or the thread ends.
+    stop: a function that is asked often, from several threads. A true answer ends the picture with an Error. An
+    exception in it ends the picture too.
     """
     placed = _Placed(_objects(objects))
     camera = _camera(K, world_to_camera, width, height)

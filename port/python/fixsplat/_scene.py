@@ -1,4 +1,4 @@
-"""Scenes: loaded from files and bytes, converted, saved."""
+"""Loads scenes from files and bytes, converts them and saves them."""
 from __future__ import annotations
 
 import os
@@ -24,14 +24,14 @@ AXES = {"file": lib.FXS_AXES_OF_FILE, "rub": lib.FXS_AXES_RUB, "rdf": lib.FXS_AX
 
 
 def _box(header: bytes, *corners: str) -> Box:
-    """Of a packed scene's header, whose bytes are the same on every machine."""
+    """Returns two corners of a box from the header of a packed scene, whose bytes are the same on every machine."""
     low, high = ((np.frombuffer(header, "<i8", 3, ffi.offsetof("fxs_packed_header", name)) * 2.0**-32).tolist()
                  for name in corners)
     return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 
 class Memory:
-    """The bytes of a packed scene, which are given back when nobody holds this any more."""
+    """The bytes of a packed scene. They are freed when no part of the program refers to this object any more."""
 
     def __init__(self, scene: Struct, data: Any, size: int, name: str, opened: Optional[Struct] = None,
                  source: Any = None):
@@ -42,14 +42,14 @@ class Memory:
 
     @classmethod
     def opened(cls, opened: Struct, name: str, source: Any = None) -> "Memory":
-        """What fxs_open opened, of bytes that `source` holds."""
+        """Makes the Memory of a scene that fxs_open has opened. `source` keeps the bytes of the scene alive."""
         memory = cls(opened.scene, opened.data, opened.bytes, name, opened, source)
         weakref.finalize(memory, lib.fxs_close, opened).atexit = False
         return memory
 
     @classmethod
     def packed(cls, packed: Struct, name: str) -> "Memory":
-        """What fxs_fit_pack made."""
+        """Makes the Memory of a scene that fxs_fit_pack has packed."""
         scene = new("fxs_scene")
         lib.fxs_scene_open(scene, packed.data, packed.bytes)
         memory = cls(scene, packed.data, packed.bytes, name)
@@ -57,20 +57,22 @@ class Memory:
         return memory
 
     def check(self) -> None:
-        """An Error where the file that is mapped has been written to."""
+        """Raises an Error if the mapped file of the scene has been written to."""
         if self._opened is not None:
             call("fxs_opened_check", self._opened)
 
 
 class Scene:
-    """A packed scene, as the renderer draws it. `load` and `fit` make one.
+    """A packed scene, the form that the renderer draws. `load` and `fit` make scenes.
 
-    Its memory (or the mapped file) is given back by `close`, at the end of a `with`, or when the scene is no longer
-    used. Any number of threads may use a scene at the same time; one that renders it while another closes it completes
-    its picture.
+    Its memory or its mapped file is released by `close`, at the end of a `with`, or when the scene is no longer used.
+    Any number of threads may use a scene at the same time. A thread that renders a scene while another thread closes it
+    completes its picture.
 
-    left_out: Gaussians of the file that no rule can draw (numbers that are not finite, a zero quaternion).
-    brought_in: Gaussians from beyond 2^27 units, drawn as they look from the origin. Both are 0 for an .fxs file.
+    left_out: the number of Gaussians of the file that cannot be drawn, because they have a number that is not finite or
+    a zero quaternion.
+    brought_in: the number of Gaussians farther than 2^27 units away, which are drawn as they look from the origin.
+    Both numbers are 0 for an .fxs file.
     """
 
     def __init__(self, memory: Memory, left_out: int = 0, brought_in: int = 0):
@@ -86,7 +88,7 @@ class Scene:
 
     @property
     def count(self) -> int:
-        """Gaussians."""
+        """The number of Gaussians."""
         return int(self.memory.scene.count)
 
     def __len__(self) -> int:
@@ -94,36 +96,38 @@ class Scene:
 
     @property
     def sh_degree(self) -> int:
-        """0 to 3."""
+        """The degree of the SH of the scene, 0 to 3."""
         return int(self.memory.scene.sh_degree)
 
     @property
     def antialiased(self) -> bool:
-        """Whether opacities were fitted with the dilation compensated."""
+        """Whether the opacities of the scene were fitted with compensation for the dilation of splats."""
         return bool(self.memory.scene.antialiased)
 
     @property
     def profile(self) -> str:
-        """How it is packed: "default", "compact" or "small"."""
+        """The profile, which says how the scene is packed: "default", "compact" or "small"."""
         return list(PROFILES)[int(self.memory.scene.profile)]
 
     @property
     def nbytes(self) -> int:
-        """Bytes of the packed scene, in memory and as an .fxs file."""
+        """The size of the packed scene in bytes, in memory and as an .fxs file."""
         return self.memory.size
 
     @property
     def box(self) -> Box:
-        """The least and the greatest x, y, z of the centres, scene units."""
+        """The least x, y, z and the greatest x, y, z of the centres of all Gaussians, in scene units."""
         return self.memory.box
 
     @property
     def inner_box(self) -> Box:
-        """The same of what is seen, without stray Gaussians: to frame the scene."""
+        """The least x, y, z and the greatest x, y, z of the visible part of the scene, without stray Gaussians, in
+        scene units. It is the box for a camera that shows the whole scene."""
         return self.memory.inner_box
 
     def frame(self, width: int, height: int, *, fov: float = 50, up: Sequence[float] = (0, -1, 0)) -> Camera:
-        """A camera that sees the scene whole, from in front and a little above. fov: vertical, 1 to 170 degrees."""
+        """Makes a camera that shows the whole scene from the front and slightly above. width, height: the size of the
+        picture in pixels. fov: the vertical field of view, 1 to 170 degrees. up: the direction that is up."""
         view = new("fxs_file_view")
         low, high = self.inner_box
         call("fxs_view_frame_box", view, low, high, list(numbers("up", up, (3,))), number("fov", fov, 1, 170),
@@ -132,12 +136,14 @@ class Scene:
 
     def render(self, K: Any, world_to_camera: Any = None, width: Optional[int] = None, height: Optional[int] = None,
                **options: Any) -> "Picture":
-        """Draws the scene as it is, at the origin: `fixsplat.render` with this one object, and its options."""
+        """Draws the scene by itself, at the origin. It calls `fixsplat.render` with this scene as the only object, and
+        takes the same arguments and options."""
         from ._render import Object, render
         return render([Object(self)], K, world_to_camera, width, height, **options)
 
     def save(self, path: PathLike) -> None:
-        """Writes an .fxs file, which opens at once. Until it is complete, an earlier file of that name stays."""
+        """Writes the scene to an .fxs file, which can be opened without packing. An existing file of this name is
+        replaced when the new file is complete. Raises a ValueError where the name does not end in .fxs."""
         name = file_name(path)
         if not name.endswith(b".fxs"):
             raise ValueError(f"{os.fsdecode(name)}: expected a name ending in .fxs")
@@ -145,7 +151,7 @@ class Scene:
         call("fxs_file_write", name, memory.data, memory.size)
 
     def close(self) -> None:
-        """Gives the memory back, on this thread's back ends too. It may be called again."""
+        """Releases the memory of the scene, also on the back ends of this thread. It may be called again."""
         from ._render import forget_closed
         self._memory = None
         forget_closed()
@@ -167,7 +173,7 @@ class Scene:
 
 @contextmanager
 def _about(name: str) -> "Iterator[None]":
-    """A message about a scene, which may or may not begin with its name, begins with it."""
+    """Makes the message of an Error in the block begin with the name of the scene, if it does not do so already."""
     try:
         yield
     except Error as error:
@@ -188,7 +194,7 @@ def _open_options(file: "dict[str, Any]", profile: str, threads: int, calls: Cal
 
 
 class _File:
-    """A scene file that is open, to be read in floats."""
+    """An open scene file, from which Gaussians are read as floats."""
 
     def __init__(self, path: str, options: "dict[str, Any]", calls: Calls):
         self.info, self.calls, handle = new("fxs_scene_file_info"), calls, new("fxs_scene_file *")
@@ -223,17 +229,21 @@ class _File:
 def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: str = "default", level: int = 0,
          axes: str = "file", max_gaussians: int = 0, max_memory: int = 0, threads: int = 0,
          progress: Progress = None) -> Scene:
-    """Opens a scene of any format that the library reads: by its path, or from the bytes of one file.
+    """Opens a scene of any format that the library reads, and returns it. Raises an Error where it cannot be opened.
 
-    An .fxs file is mapped, and rendered as it lies; any other is packed in memory.
-
-    profile: how it is packed: "default", "compact" or "small" (63.5, 39.6, 19.6 bytes a Gaussian at SH degree 3).
-    level: of detail, of an .lcc or streamed .sog; 0 is the finest.
-    axes: of an .spz: "file" (as it says), "rub" (right, up, back) or "rdf" (right, down, front).
-    max_gaussians, max_memory: a scene with more, or that takes more bytes to read, is an Error; 0: the library's
-    limits.
-    threads: 1 to 64; 0: one for each processor. The packed scene does not depend on it.
-    progress: called now and then with 0 to 1, perhaps more than once from the start; what it raises ends the call.
+    source: the path of a scene file, or the bytes of one file. An .fxs file is mapped into memory and rendered from
+    there; a file of another format is packed in memory.
+    profile: how a file of another format is packed. At SH degree 3, a Gaussian takes 63.5 bytes with "default", 39.6
+    with "compact" and 19.6 with "small".
+    level: the level of detail of an .lcc or a streamed .sog file. 0 is the finest level.
+    axes: the axes of an .spz file: "file" (as the file states), "rub" (right, up, back) or "rdf" (right, down, front).
+    max_gaussians: the largest number of Gaussians; a scene with more is an Error. 0 stands for the library's limit.
+    max_memory: the largest number of bytes that reading may take; to need more is an Error. 0 stands for the library's
+    limit.
+    threads: the number of threads, 1 to 64. 0 stands for one thread on each processor. The packed scene does not depend
+    on the number of threads.
+    progress: a function that is called now and then with a number from 0 to 1, which may start again from 0. An
+    exception in it ends the call.
     """
     opened = new("fxs_opened *")
     with Calls(progress) as calls:
@@ -256,13 +266,18 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
 
 @dataclass(frozen=True)
 class Conversion:
-    """What became of a file's Gaussians.
+    """The numbers of Gaussians that a conversion read, wrote and left out.
 
-    read, written: their numbers; with `decimate`, fewer were written than were kept. outside, faint, floaters: left out
-    by `crop` and `sphere`, `prune`, `drop_floaters`. left_out: those that no rule can draw. brought_in: packed from
-    beyond 2^27 units. clamped: of an .spz, those with a position, scale or colour that the format cannot hold, the
-    largest of these numbers. lost_sh: the degree of SH that the format cannot hold, or 0. lost_antialiased: it cannot
-    say that the scene is anti-aliased.
+    read: the number of Gaussians in the source.
+    written: the number of Gaussians in the new file. With `decimate` it is smaller than the number that was kept.
+    outside: Gaussians left out by `crop` and `sphere`. faint: Gaussians left out by `prune`. floaters: Gaussians left
+    out by `drop_floaters`.
+    left_out: Gaussians that cannot be drawn.
+    brought_in: Gaussians farther than 2^27 units away, which were packed nearer.
+    clamped: for .spz, the largest of the numbers of Gaussians with a position, a scale or a colour that the format
+    cannot hold.
+    lost_sh: the degree of SH that the format cannot hold, or 0.
+    lost_antialiased: True where the scene is anti-aliased and the format cannot say so.
     """
     read: int
     written: int
@@ -280,15 +295,19 @@ def convert(src: PathLike, dst: PathLike, *, crop: Any = None, sphere: Any = Non
             drop_floaters: bool = False, sh_degree: int = 3, decimate: Optional[int] = None,
             profile: Optional[str] = None, spz_version: Optional[int] = None, level: int = 0, axes: str = "file",
             max_gaussians: int = 0, max_memory: int = 0, threads: int = 0, progress: Progress = None) -> Conversion:
-    """Writes a scene file as another, by the ending of dst: `fixsplat help formats` lists those that are written.
+    """Converts the scene file src into the scene file dst. The ending of dst chooses the format, and
+    `fixsplat help formats` lists the formats that can be written. The new file has the same bytes as the file that
+    `fixsplat convert` writes. An existing file of this name is replaced when the new file is complete. Raises an Error
+    where a file cannot be read or written, and a ValueError for an argument that is not valid.
 
-    The file is that of `fixsplat convert`, byte for byte. Until it is complete, an earlier file of that name stays.
-
-    crop: (low, high), of shape (2, 3), scene units: keeps the Gaussians with their centre in this box.
-    sphere: x, y, z and a radius, (4,): keeps those with their centre in it.
-    prune: keeps those of this opacity or more, 0 to 1. drop_floaters: drops those with next to nothing around them.
-    sh_degree: keeps SH up to this degree. decimate: merges neighbours until so many Gaussians are left.
-    profile: of .fxs: "default", "compact" or "small". spz_version: of .spz: 3 (gzip) or 4 (zstd, the default).
+    crop: the corners (low, high) of a box, of shape (2, 3), in scene units. Gaussians with a centre in it are kept.
+    sphere: x, y, z and the radius of a sphere, of shape (4,), in scene units. Gaussians with a centre in it are kept.
+    prune: Gaussians of at least this opacity are kept, 0 to 1.
+    drop_floaters: True leaves out Gaussians with almost nothing around them.
+    sh_degree: SH are kept up to this degree, 0 to 3.
+    decimate: neighbours are merged until this number of Gaussians is left. None merges no Gaussians.
+    profile: the profile of an .fxs file: "default", "compact" or "small". None stands for "default".
+    spz_version: the version of an .spz file: 3 (gzip) or 4 (zstd). None stands for 4.
     level, axes, max_gaussians, max_memory, threads, progress: as for `load`.
     """
     source, out = os.fsdecode(file_name(src)), os.fsdecode(file_name(dst))
@@ -356,7 +375,7 @@ def _pack_into(file: _File, out: str, profile: str, threads: int, kept: Struct) 
 
 
 def _batches(file: _File) -> "Iterator[Tuple[Any, int]]":
-    """The Gaussians of a file, up to 4096 at a time."""
+    """Yields the Gaussians of a file, at most 4096 at a time, with their number."""
     batch = ffi.new("fxs_gaussian[4096]")
     while True:
         n = call("fxs_scene_file_read", file.handle, batch, len(batch))
@@ -367,7 +386,8 @@ def _batches(file: _File) -> "Iterator[Tuple[Any, int]]":
 
 
 def _find_bounds(file: _File, options: Struct) -> None:
-    """Reads the file once for the bounds of its centres, and goes back to its beginning."""
+    """Reads the whole file to find the bounds of the centres of its Gaussians, and returns to the beginning of the
+    file."""
     low, high = np.full(3, np.inf, np.float32), np.full(3, -np.inf, np.float32)
     for batch, n in _batches(file):
         centres = np.frombuffer(ffi.buffer(batch), np.float32).reshape(len(batch), -1)[:n, :3]

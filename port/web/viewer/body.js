@@ -1,4 +1,4 @@
-// What the viewer's element holds.
+// The HTML inside the element <fixsplat-viewer>: the place of the picture, the buttons and the panels.
 
 const icon = (path) => `<svg viewBox="0 0 24 24" aria-hidden="true"><path d="${path}"/></svg>`
 const button = (id, name, path, more = '') =>

@@ -1,4 +1,5 @@
-// A scene in a worker of its own: what is asked of it is a promise; its end gives all of its memory back.
+// A scene that is loaded and drawn in a worker of its own. Each request to the worker returns a promise. When the
+// worker ends, all of its memory is freed.
 
 /** What goes to the worker and is not copied. */
 const moved = (value) => {

@@ -1,4 +1,5 @@
-// What a headset's eyes see: a camera for each, and a picture for it, moved to where the head is by now.
+// The pictures for the two eyes of a headset. Each eye has a camera and a picture, and the picture is moved to the
+// present position of the head when it is shown.
 
 /** The camera of an XRView in a picture of this size, with a margin of so many pixels more on each side. `place` says
  *  where the room lies in the scene. */

@@ -1,4 +1,5 @@
-// Pointers and keys. They call `act`: drag, look, pan (by pixels), zoom (by a factor), focus (at a pixel), fly, press.
+// Listens to pointers and keys, and calls the functions of an object `act`: drag, look and pan (with a distance in
+// pixels), zoom (with a factor), focus (with a pixel), fly and press.
 
 /** The middle of one or two pointers, and how far they are apart. */
 function middle(pointers) {

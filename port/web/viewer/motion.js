@@ -1,4 +1,4 @@
-// What a drag, the wheel or a key does to a camera (views.js has what that is).
+// Functions that move a camera by a drag, the wheel or a key. views.js describes the fields of a camera.
 
 const POLE = 0.02 // radians left between the view and up
 

@@ -1,4 +1,5 @@
-// The page: its address says what is shown. ?scene=URL and attributes of the element; #view=...
+// The page of the viewer. The address of the page chooses the scene (?scene=URL), other attributes of the element
+// <fixsplat-viewer>, and the camera (#view=...).
 import './viewer.js'
 
 const NAMES = ['cameras', 'background', 'backend', 'threads', 'poster', 'turn', 'noui']

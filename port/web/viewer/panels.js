@@ -1,4 +1,4 @@
-// What the page says: the bar, panels, progress, errors and notes.
+// The parts of the viewer that show text and buttons: the bar, panels, progress, errors and notes.
 import { listOf } from './body.js'
 import { backends } from './picture.js'
 

@@ -1,4 +1,5 @@
-// Pictures of a scene in the page: the canvases, what draws on them, and how large they are in motion.
+// The picture of a scene in the page: the canvases, the back end that draws on them, and the size of the picture while
+// the camera moves.
 
 const AIM_MS = 40 // of a picture in motion
 const DIVISORS = [1, 1.5, 2, 3, 4] // beyond, the time is the same

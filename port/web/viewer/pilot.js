@@ -1,4 +1,5 @@
-// Who flies: the camera, the views that it goes to, and what pointers and keys do to it in each mode.
+// Moves the camera of the viewer: from view to view, and by pointers and keys, whose effect depends on the mode (orbit
+// or fly).
 import * as motion from './motion.js'
 
 const GLIDE_MS = 350

@@ -1,4 +1,5 @@
-// <fixsplat-viewer src=... cameras=... view=...>: a scene to look at. index.html is one of them.
+// The element <fixsplat-viewer src=... cameras=... view=...>, which shows a scene in a page. The page index.html
+// consists of one such element.
 import { Engine } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
 import { Pilot } from './pilot.js'

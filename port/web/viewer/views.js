@@ -1,5 +1,7 @@
-// Views: of a cameras.json, and of links. A camera is { eye, look, up, fov, flat, shift }: `look` is what it turns
-// about, `flat` has parallel rays, and `shift` is how far the axis lies from the picture's middle, in heights of it.
+// Reads the views of a cameras.json file and of links, and writes links. A camera is an object { eye, look, up, fov,
+// flat, shift }. `look` is the point that the camera turns about. With `flat` its rays are parallel. `shift` is the
+// horizontal and vertical distance of the camera's axis from the middle of the picture, divided by the height of the
+// picture.
 
 const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
 const isView = (v) =>

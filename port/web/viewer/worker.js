@@ -1,4 +1,4 @@
-// The scene, beside the page: it loads and draws while the page goes on.
+// The worker of a scene. It loads and draws the scene while the page goes on responding.
 import { load, png, Screen } from '../fixsplat.js'
 
 const PREVIEW_MS = 1000 // at most, until the page has drawn what there is

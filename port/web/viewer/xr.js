@@ -1,5 +1,5 @@
-// A headset: the scene stands around whoever wears it. A worker draws both eyes for the newest pose; every frame shows
-// the newest pair there is, moved to where the head is by then.
+// Shows the scene in a headset, around the person who wears it. A worker draws a pair of pictures, one for each eye,
+// for the newest pose of the head. Each frame of the headset shows the newest complete pair, moved to the present pose.
 import { cameraOf, Eyes, Scale } from './eyes.js'
 import { add, cross, distance, dot, rotate, unit } from './motion.js'
 

@@ -1,8 +1,10 @@
-/* Scenes made by formula, for golden images, benchmarks and pictures. Gaussian i of a scene depends on (i, count, seed)
-   only, so that any number of them can be streamed, and is the same to the last bit on every machine and compiler that
-   has IEEE 754 doubles: integer hashes, + - * / and sqrt. Build with -ffp-contract=off.
+/* Procedural scenes, which are computed by formulas, for golden images, benchmarks and pictures. Gaussian i of a scene
+   depends on i, count and seed alone, so any number of Gaussians can be streamed. It is the same to the last bit on
+   every machine and compiler with IEEE 754 doubles, because only integer hashes, + - * / and sqrt are used. The build
+   needs -ffp-contract=off.
 
-   Axes: y points down, the scene is centred near the origin. Sizes shrink as count grows, so that coverage stays. */
+   The y axis points down, and the centre of a scene is near the origin. The sizes of Gaussians shrink as count grows,
+   so that the coverage stays the same. */
 #ifndef FXS_PROCEDURAL_H
 #define FXS_PROCEDURAL_H
 
