@@ -1,5 +1,6 @@
 #include "command_line.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -128,6 +129,7 @@ static void list_rows(const command *c, void *options, struct option table[ROWS_
     for (const option_table *t = c->tables; t->rows; t++)
         for (const option_row *r = t->rows; r->help; r++)
             if (r->name) {
+                assert(count < ROWS_MOST - 1);
                 const int argument = !r->value ? no_argument : *r->value == '[' ? optional_argument : required_argument;
                 taken[count] = (struct row_taken){r, (char *)options + t->offset, 0};
                 table[count] = (struct option){r->name, argument, 0, LONG_OPTION + count};
