@@ -60,9 +60,10 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     s->sh_degree = (int)(h->sh_degree & 3);
     s->antialiased = (h->flags & FXS_PACKED_ANTIALIASED) != 0;
     const size_t bytes = fxs_scene_bytes(h->count, s->sh_degree, s->profile, h->palette_entries);
-    if (!bytes || bytes != r->source->input.size || h->sh_degree > 3 || h->palette_step_q19 > 32767)
-        return damaged(r, "the header, or the file's length,", message);
     s->chunk_bytes = fxs_chunk_bytes(s->profile, s->sh_degree);
+    if (!bytes || bytes != r->source->input.size || h->sh_degree > 3 || h->palette_step_q19 > 32767 ||
+        h->chunk_count != s->chunk_count || h->chunk_bytes != s->chunk_bytes)
+        return damaged(r, "the header, or the file's length,", message);
     r->rows_at = bytes - (uint64_t)s->chunk_count * s->chunk_bytes;
     return 0;
 }
