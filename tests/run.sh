@@ -49,6 +49,8 @@ export MAKEFLAGS
 unset MAKELEVEL
 rm -rf "$results"
 mkdir -p "$results" || exit 1
+built() { ls -l --full-time "$B/fixsplat" "$B/probe.mk" "$B"/with 2>/dev/null; }
+built_before=$(built)
 
 is_alone() { case " $ALONE " in *" $1 "*) ;; *) false ;; esac; }
 for name; do
@@ -57,6 +59,12 @@ done | xargs -P "${JOBS:-1}" -n 1 sh tests/run.sh --one
 for name; do
     is_alone "$name" && sh tests/run.sh --one "$name"
 done
+
+# A test that builds what the other tests run takes it from under them.
+if [ "$built_before" != "$(built)" ]; then
+    echo "FAIL run.sh: a test built $B/fixsplat anew" | tee "$results/run.sh.log"
+    echo "0 1 0 0 0 run.sh" >"$results/run.sh.result"
+fi
 
 cd "$results" || exit 1
 # section TITLE: the lines that come in, where there are any, and the title above them.

@@ -118,7 +118,7 @@ is "T: no such test" 1 "$(make_ -n B="$work/chosen" test T=nothing | grep -c 'no
 mkdir -p "$work/half/web/package"
 touch "$work/half/web/package/package.json"
 is "install: no page of which there is a part" "" "$(make_ -n B="$work/half" install | grep share/fixsplat)"
-is "setup: no sources for the web where none are wanted" "" "$(make_ -n setup web WEB_SOURCES= | grep web_sources)"
+is "setup: no sources for the web where none are wanted" "" "$(make_ -n B="$work/half" setup web WEB_SOURCES= | grep web_sources)"
 
 # ---- Setup beside another apt-get ------------------------------------------------------------------------------------
 
