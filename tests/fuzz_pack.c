@@ -44,7 +44,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     if (fxs_pack(file, &info, &packed, &report, &options, &message) == 0) {
         if (fxs_scene_open(&scene, packed.data, packed.bytes) || scene.count != report.packed ||
-            packed.bytes > fxs_pack_bytes(&info, options.profile))
+            packed.bytes > 8 * fxs_pack_bytes(&info, options.profile))
             abort();
         fxs_packed_scene_free(&packed);
     } else if (strchr(message.text, '\n')) {

@@ -1142,7 +1142,7 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
         if (i % 7 == 3)
             entries[i].position[0] = NAN;
     }
-    CHECK(pool && fxs_order(entries, count, &options) == 0);
+    CHECK(pool && fxs_order(entries, count, 0, &options) == 0);
     fxs_pool_destroy(pool);
     return entries;
 }
@@ -1194,7 +1194,7 @@ static void test_likes_are_together(void)
                 entries[i].position[k] = uniform(-1, 1);
             entries[i].index = all == 2 || (all == 1 && i % 3 == 0);
         }
-        CHECK(fxs_order(entries, COUNT, &options) == 0);
+        CHECK(fxs_order(entries, COUNT, 0, &options) == 0);
         for (uint32_t i = 0; i < COUNT; i++) {
             CHECK(entries[i].index < COUNT);
             seen[i >= 3 * FXS_CHUNK] += entries[i].index % 3 != 0;
@@ -1220,7 +1220,7 @@ static void test_strays_are_apart(void)
         if (is_stray[i])
             entries[i].position[i % 3] = ldexpf(i % 2 ? -1 : 1, 5 + (int)(i / 50 % 16));
     }
-    CHECK(fxs_order(entries, COUNT, &options) == 0);
+    CHECK(fxs_order(entries, COUNT, 0, &options) == 0);
     for (uint32_t first = 0; first < COUNT; first += FXS_CHUNK) {
         int strays = 0;
         for (uint32_t i = first; i < COUNT && i < first + FXS_CHUNK; i++)
@@ -1241,7 +1241,7 @@ static void test_no_stray_is_missed(void)
     for (uint32_t i = 0; i < COUNT; i++)
         for (int k = 0; k < 3; k++)
             entries[i].position[k] = uniform(-1, 1) * (i % 10 == 5 && i < 10 * FXS_CHUNK ? 1000 : 1);
-    CHECK(fxs_order(entries, COUNT, &options) == 0);
+    CHECK(fxs_order(entries, COUNT, 0, &options) == 0);
     for (uint32_t at = 0; at < COUNT; at++) {
         const uint32_t i = entries[at].index;
         const int is_stray = i % 10 == 5 && i < 10 * FXS_CHUNK;
@@ -1268,7 +1268,7 @@ static void test_clusters_are_apart(void)
                 entries[n].position[k] = uniform(-1, 1) + 100 * (float)(k == 0 ? c / 4 : k == 1 ? c % 4 : 0);
                 cluster[n] = (uint8_t)c;
             }
-    CHECK(n % FXS_CHUNK == 0 && fxs_order(entries, n, &options) == 0);
+    CHECK(n % FXS_CHUNK == 0 && fxs_order(entries, n, 0, &options) == 0);
     for (uint32_t i = 1; i < n; i++)
         CHECK(i % FXS_CHUNK == 0 || cluster[entries[i].index] == cluster[entries[i - 1].index]);
 }
@@ -1285,6 +1285,82 @@ static void test_chunks_are_small(void)
     if (!CHECK(side < 6))
         printf("  %.2f units\n", side);
     fxs_packed_scene_free(&packed);
+}
+
+/* The last 256 Gaussians: one as far away as this or farther, eight, and so on. */
+static void make_strays(void)
+{
+    static const float away[] = {24569, 763, 146, 87, 80};
+    static const uint32_t ranks[] = {1, 8, 32, 128, 256};
+    for (uint32_t i = 0, k = 0; i < 256; i++) {
+        k += i >= ranks[k];
+        fxs_gaussian *g = &gaussians[MAX_COUNT - 1 - i];
+        const float x = uniform(-1, 1), y = uniform(-1, 1), z = uniform(0.2, 1);
+        const float far = away[k] / hypotf(hypotf(x, y), z);
+        g->position[0] = x * far;
+        g->position[1] = y * far;
+        g->position[2] = z * far;
+    }
+}
+
+/* The Gaussians of the packed scene, as a file of it is read: their number, or an error. */
+static long read_back(fxs_gaussian *to)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    long count = 0, n = 1;
+    if (fxs_file_write(path, packed.data, packed.bytes, &message) ||
+        fxs_scene_file_open(path, NULL, &file, &info, &message))
+        return FXS_ERR_SCENE;
+    for (; n > 0 && count < MAX_COUNT; count += n > 0 ? n : 0)
+        n = fxs_scene_file_read(file, to + count, (size_t)(MAX_COUNT - count) < 777 ? 1 : 777, &message);
+    n = n > 0 ? fxs_scene_file_read(file, to, 1, &message) : n;
+    fxs_scene_file_close(file);
+    return n < 0 ? n : count != (long)info.count ? FXS_ERR_SCENE : count;
+}
+
+static void set_holes(int32_t more)
+{
+    fxs_packed_header header;
+    memcpy(&header, packed.data, sizeof header);
+    fxs_packed_header_turn(&header);
+    header.holes += (uint32_t)more;
+    fxs_packed_header_turn(&header);
+    memcpy(packed.data, &header, sizeof header);
+}
+
+/* The strays have chunks of their own, of which few are full, and are where they were, seen from the middle. */
+static void test_strays_have_chunks(void)
+{
+    static fxs_gaussian back[MAX_COUNT];
+    for (profile = FXS_PROFILE_DEFAULT; profile <= FXS_PROFILE_SMALL; profile++) {
+        const float share = profile == FXS_PROFILE_SMALL ? 1 / 150.f : 1 / 1500.f;
+        make_gaussians(MAX_COUNT);
+        make_strays();
+        fxs_scene scene = pack(MAX_COUNT, 1);
+        const uint32_t more = scene.chunk_count - (MAX_COUNT + FXS_CHUNK - 1) / FXS_CHUNK;
+        CHECK(scene.count == MAX_COUNT && more > 0 && more < 8);
+        CHECK(packed.bytes == bytes_said + more * (sizeof(fxs_chunk) + scene.chunk_bytes));
+        if (CHECK(read_back(back) == MAX_COUNT))
+            for (uint32_t i = MAX_COUNT - 256; i < MAX_COUNT; i++) {
+                const float *p = gaussians[i].position, reach = hypotf(hypotf(p[0], p[1]), p[2]);
+                float nearest = INFINITY;
+                for (uint32_t k = 0; k < MAX_COUNT; k++) {
+                    const float *q = back[k].position;
+                    nearest = fminf(nearest, hypotf(hypotf(p[0] - q[0], p[1] - q[1]), p[2] - q[2]));
+                }
+                if (!CHECK(nearest < share * reach))
+                    printf("  profile %d: %g units of %g away\n", profile, nearest, reach);
+            }
+        set_holes(1);
+        CHECK(read_back(back) < 0 && strstr(message.text, "damaged"));
+        set_holes(-2);
+        CHECK(read_back(back) < 0 && strstr(message.text, "damaged"));
+        set_holes(0x40000000);
+        CHECK(fxs_scene_open(&scene, packed.data, packed.bytes) == FXS_ERR_SCENE);
+        fxs_packed_scene_free(&packed);
+    }
+    profile = FXS_PROFILE_DEFAULT;
 }
 
 struct calls {
@@ -1450,6 +1526,7 @@ int main(void)
     RUN(test_no_stray_is_missed);
     RUN(test_clusters_are_apart);
     RUN(test_chunks_are_small);
+    RUN(test_strays_have_chunks);
     RUN(test_progress);
     RUN(test_reader_fails);
     RUN(test_a_file_that_changes);

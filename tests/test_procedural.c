@@ -47,7 +47,7 @@ static void test_hashes(void)
         { "fog", UINT64_C(0x13AA6321D1ABF9A8) },
         { "layers", UINT64_C(0x91AF63BD405D9470) },
         { "cubes", UINT64_C(0xC3033D8233AE36B4) },
-        { "meadow", UINT64_C(0x69318AB039C7EB89) },
+        { "meadow", UINT64_C(0x2330866780B750AC) },
         { "mirrors", UINT64_C(0x05D7957C7C753470) },
         { "discs", UINT64_C(0xAE4FF844F675597C) },
         { "haze", UINT64_C(0xCE0BEB6AEE71F848) },
@@ -94,7 +94,7 @@ static void test_values(void)
     size_t scenes;
     const fxs_procedural_scene *scene = fxs_procedural_list(&scenes);
     for (; scenes > 0; scenes--, scene++) {
-        float extent = strcmp(scene->name, "meadow") == 0 ? 20000 : strcmp(scene->name, "discs") == 0 ? 400
+        float extent = strcmp(scene->name, "meadow") == 0 ? 24570 : strcmp(scene->name, "discs") == 0 ? 400
                      : strcmp(scene->name, "site") == 0 ? 210 : 100;
         for (size_t k = 0; k < sizeof counts / sizeof counts[0]; k++) {
             uint64_t step = counts[k] / 2000 + 1, bad = 0;
@@ -109,21 +109,29 @@ static void test_values(void)
     }
 }
 
-/* The scene of outliers and of discs without thickness has to have them. */
-static void test_meadow_has_outliers_and_discs(void)
+/* How far from the middle a Gaussian is. */
+static float reach_of(const fxs_gaussian *g)
+{
+    return hypotf(hypotf(g->position[0], g->position[1]), g->position[2]);
+}
+
+/* The scene of strays and of discs without thickness has to have them, in any number of Gaussians. */
+static void test_meadow_has_strays_and_discs(void)
 {
     const fxs_procedural_scene *scene = fxs_procedural_find("meadow");
-    size_t far = 0, thin = 0, sky = 0;
-    for (uint64_t i = 0; i < scene->count; i++) {
-        fxs_gaussian g;
-        scene->gaussian(i, scene->count, 1, &g);
-        const float r = hypotf(hypotf(g.position[0], g.position[1]), g.position[2]);
-        far += r > 1000;
-        thin += g.scale[2] < -20;
-        sky += g.scale[2] < -20 && r > 100;
+    for (uint64_t count = scene->count / 4; count <= scene->count; count *= 2) {
+        size_t strays = 0, far = 0, thin = 0, faint = 0;
+        for (uint64_t i = 0; i < count; i++) {
+            fxs_gaussian g;
+            scene->gaussian(i, count, 1, &g);
+            const float r = reach_of(&g);
+            thin += g.scale[2] < -20;
+            strays += r > 79;
+            far += r > 700;
+            faint += r > 79 && g.opacity < logf(0.14f / 0.86f);
+        }
+        CHECK(strays == 256 && far == 8 && thin > count / 20 && faint > 90 && faint < 180);
     }
-    CHECK(far > scene->count / 200 && far < scene->count / 50);
-    CHECK(thin > scene->count / 20 && sky > scene->count / 100);
 }
 
 /* Renderers must keep the order of equal depths; this scene has to have them. */
@@ -275,7 +283,7 @@ int main(void)
     RUN(test_hashes);
     RUN(test_values);
     RUN(test_layers_have_ties);
-    RUN(test_meadow_has_outliers_and_discs);
+    RUN(test_meadow_has_strays_and_discs);
     if (!mkdtemp(folder))
         return 1;
     RUN(test_ply_body);

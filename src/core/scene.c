@@ -52,14 +52,14 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
     if (h.sh_degree > 3 || h.profile > FXS_PROFILE_SMALL || h.palette_step_q19 > 32767 ||
         !layout_of(&l, h.count, (int)h.sh_degree, (enum fxs_profile)h.profile, h.palette_entries) ||
         h.chunk_count != (h.count + FXS_CHUNK - 1) / FXS_CHUNK ||
-        h.chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h.profile, (int)h.sh_degree) || bytes < l.bytes)
+        h.holes > h.count || h.chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h.profile, (int)h.sh_degree) || bytes < l.bytes)
         return FXS_ERR_SCENE;
     const unsigned char *start = data;
     scene->chunks = start + sizeof h;
     scene->palette = h.palette_entries ? (const int8_t *)(start + l.palette) : 0;
     scene->rows = start + l.rows;
     scene->profile = (enum fxs_profile)h.profile;
-    scene->count = h.count;
+    scene->count = h.count - h.holes;
     scene->chunk_count = h.chunk_count;
     scene->chunk_bytes = h.chunk_bytes;
     scene->palette_entries = h.palette_entries;

@@ -74,7 +74,7 @@ static int order(fxs_fit_model *m, int sh_degree, const fxs_pack_options *option
     int error = entries && origins ? 0 : FXS_ERR_MEMORY;
     const size_t count = error ? 0 : set_entries(entries, m, sh_degree);
     if (!error)
-        error = fxs_order(entries, (uint32_t)m->count, options);
+        error = fxs_order(entries, (uint32_t)m->count, 0, options);
     for (size_t i = 0; i < count; i++)
         origins[i] = (fxs_fit_origin){entries[i].index, FXS_FIT_KEPT};
     free(entries);

@@ -21,10 +21,12 @@ enum {
     FREE_LEVELS = 40,                /* levels from the root; below, stretches are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
     SAMPLE = 16384,                  /* the most Gaussians from which the middle is found */
-    JOBS = 128                       /* the most stretches that are worked on at once */
+    JOBS = 128,                      /* the most stretches that are worked on at once */
+    PIECES = 8,                      /* the most chunks that a leaf is cut into */
+    MANY = 1024 * FXS_CHUNK          /* in a scene with fewer Gaussians, one chunk more must be worth more */
 };
 
-#define AMONG_ITS_LIKE (1u << 31)     /* in an index; a scene has at most 2^30 Gaussians */
+#define AMONG_ITS_LIKE (1u << 31)     /* in an index, while the others are not ordered */
 #define LEAST_WIDTH 1e-30f           /* narrower stretches are not cut by a histogram */
 #define NARROW 0.25f                 /* nor are axes narrower than this share of the widest */
 #define WEIGHT_ONE 1073741824.0f     /* 2^30 */
@@ -38,6 +40,7 @@ typedef struct order {
     fxs_order_entry *entries;
     float middle[3];
     float near_square;               /* square of the distance from the middle within which half of the Gaussians lie */
+    float coarse;                    /* a leaf that costs more is cut into pieces */
     stretch stretches[JOBS], halves[JOBS][2];
     uint32_t stretch_count, large;   /* stretches longer than `large` are cut before jobs share them */
 } order;
@@ -362,6 +365,85 @@ static void sort_leaf(const order *o, stretch r)
         e[i].index = (uint32_t)keys[i];
 }
 
+static box box_of(const order *o, const fxs_order_entry *e)
+{
+    box b;
+    clear(&b);
+    widen(&b, e->position, e->position);
+    b.weight = weight_of(o, distance_square(o, e->position));
+    b.count = 1;
+    return b;
+}
+
+/* The cut of a leaf across a coordinate, anywhere, where both boxes cost least. */
+static void try_pieces(const order *o, stretch r, int coordinate, cut *best, float *least)
+{
+    const fxs_order_entry *e = o->entries + r.first;
+    uint64_t keys[FXS_CHUNK];
+    box left, right[FXS_CHUNK + 1];
+    for (uint32_t i = 0; i < r.count; i++)
+        keys[i] = (key_of(o, &e[i], coordinate) & ~(uint64_t)UINT32_MAX) | i;
+    qsort(keys, r.count, sizeof *keys, compare_keys);
+    clear(&right[r.count]);
+    for (uint32_t i = r.count; i-- > 0;) {
+        right[i] = box_of(o, &e[(uint32_t)keys[i]]);
+        add(&right[i], &right[i + 1]);
+    }
+    clear(&left);
+    for (uint32_t i = 1; i < r.count; i++) {
+        const box one = box_of(o, &e[(uint32_t)keys[i - 1]]);
+        add(&left, &one);
+        const float cost = sum_of(cost_of(&left), cost_of(&right[i]));
+        if (cost < *least) {
+            *least = cost;
+            *best = (cut){coordinate, i};
+        }
+    }
+}
+
+static float cost_of_leaf(const order *o, stretch r)
+{
+    box all;
+    clear(&all);
+    for (uint32_t i = r.first; i < r.first + r.count; i++) {
+        const box one = box_of(o, &o->entries[i]);
+        add(&all, &one);
+    }
+    return cost_of(&all);
+}
+
+static void cut_leaf(const order *o, stretch r, stretch *left, stretch *right)
+{
+    cut best = {0, 1};
+    float least = INFINITY;
+    for (int i = 0; i < COORDINATES; i++)
+        try_pieces(o, r, i, &best, &least);
+    select_first(o, r, best.coordinate, best.first);
+    *left = (stretch){r.first, best.first, r.level + 1};
+    *right = (stretch){r.first + best.first, r.count - best.first, r.level + 1};
+}
+
+/* Where few Gaussians lie far beyond the others, one leaf has all of them: over it, steps of positions would be many
+   pixels. Cuts the piece that costs most, as long as it costs too much. */
+static void order_leaf(const order *o, stretch r)
+{
+    stretch pieces[PIECES] = {r};
+    float costs[PIECES] = {cost_of_leaf(o, r)};
+    int count = 1, worst = 0;
+    while (count < PIECES && costs[worst] > o->coarse) {
+        cut_leaf(o, pieces[worst], &pieces[worst], &pieces[count]);
+        costs[worst] = cost_of_leaf(o, pieces[worst]);
+        costs[count] = cost_of_leaf(o, pieces[count]);
+        count++;
+        for (int i = 0; i < count; i++)
+            worst = costs[i] > costs[worst] ? i : worst;
+    }
+    for (int i = 0; i < count; i++) {
+        sort_leaf(o, pieces[i]);
+        o->entries[pieces[i].first].index |= pieces[i].first > r.first ? FXS_BEGINS_CHUNK : 0;
+    }
+}
+
 static void order_stretch(const order *o, stretch r)
 {
     stretch halves[2], later[DEPTH];
@@ -373,7 +455,7 @@ static void order_stretch(const order *o, stretch r)
             later[waiting++] = halves[1];
             continue;
         }
-        sort_leaf(o, r);
+        order_leaf(o, r);
         if (waiting == 0)
             return;
         r = later[--waiting];
@@ -467,7 +549,16 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
     return (others + FXS_CHUNK - 1) / FXS_CHUNK;
 }
 
-int fxs_order(fxs_order_entry *entries, uint32_t count, const fxs_pack_options *options)
+/* The cost of 256 Gaussians in a box whose diagonal is `reach` times their distances; infinite where leaves stay whole.
+   In a scene of few chunks, one chunk more must be worth more. */
+static float coarse_cost(const order *o, uint32_t count, float reach)
+{
+    const float few = count < MANY ? (float)MANY / (float)count : 1;
+    return reach > 0 ? product(product(product(product(reach, reach), few), o->near_square), FXS_CHUNK * WEIGHT_ONE)
+                     : INFINITY;
+}
+
+int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_pack_options *options)
 {
     float *sample = fxs_allocate(options->allocator, SAMPLE, sizeof *sample);
     order *o = fxs_allocate(options->allocator, 1, sizeof *o);
@@ -476,6 +567,7 @@ int fxs_order(fxs_order_entry *entries, uint32_t count, const fxs_pack_options *
     if (status == 0 && kept > 0) {
         o->entries = entries;
         find_middle(o, kept, sample);
+        o->coarse = coarse_cost(o, kept, reach);
         const uint64_t others = (uint64_t)part_by_likeness(entries, kept) * FXS_CHUNK;
         const uint32_t first = others < kept ? (uint32_t)others : kept;
         o->stretches[0] = (stretch){0, first, 0};

@@ -61,6 +61,7 @@ struct packer {
     fxs_seen *seen;                  /* of every seen_step-th Gaussian of the file */
     uint64_t seen_step;
     uint32_t *slots;                 /* slot of Gaussian i of the file, or FXS_NO_SLOT */
+    uint64_t slot_count;             /* up to the last Gaussian */
     fxs_chunk_ranges *ranges;        /* of each chunk */
     fxs_encoder encoder;
     const fxs_coded *coded;          /* null, or the existing codes of the Gaussians */
@@ -287,21 +288,39 @@ static void part_fog(packer *p)
         p->entries[i].index = 0;
 }
 
+/* How long the box of a chunk may be, in distances of its Gaussians from the middle of the scene. A step of a position
+   is then 1/2048 of the distance, which is half a pixel of a wide picture, and in small 1/512. */
+static float longest_box(enum fxs_profile profile)
+{
+    return profile == FXS_PROFILE_SMALL ? 4 : 32;
+}
+
+static void place_in_slots(packer *p)
+{
+    for (uint32_t i = 0; i < p->info->count; i++) {
+        const uint32_t entry = p->entries[i].index, index = entry & ~FXS_BEGINS_CHUNK;
+        if (i % FXS_CHUNK == 0 || entry & FXS_BEGINS_CHUNK)
+            p->slot_count += (FXS_CHUNK - p->slot_count % FXS_CHUNK) % FXS_CHUNK;
+        p->slots[index] = i < p->report->packed ? (uint32_t)p->slot_count++ : FXS_NO_SLOT;
+    }
+}
+
 static int find_slots(packer *p)
 {
     uint32_t count = (uint32_t)p->info->count;
     part_fog(p);
-    if (!p->coded && fxs_order(p->entries, count, &p->options))
+    if (!p->coded && fxs_order(p->entries, count, longest_box(p->encoder.profile), &p->options))
         return fail_memory(p, count);
     for (uint32_t i = 0; p->coded && i < count; i++)
         p->entries[i].index = i;
     p->slots = fxs_allocate(p->options.allocator, count, sizeof *p->slots);
     if (!p->slots)
         return fail_memory(p, count);
-    for (uint32_t i = 0; i < count; i++)
-        p->slots[p->entries[i].index] = i < p->report->packed ? i : FXS_NO_SLOT;
+    place_in_slots(p);
     fxs_release(p->options.allocator, p->entries);
     p->entries = 0;
+    if (p->slot_count > FXS_MAX_COUNT)
+        return fxs_fail(p->message, "%u Gaussians: too many, with some far beyond the others", count);
     return 0;
 }
 
@@ -516,7 +535,7 @@ size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
 
 static int allocate_scene(packer *p, fxs_packed_scene *scene)
 {
-    const uint32_t count = (uint32_t)p->report->packed;
+    const uint32_t count = (uint32_t)p->slot_count;
     const enum fxs_profile profile = p->encoder.profile;
     const uint32_t entries = fxs_palette_entries_for(count, profile, p->encoder.sh_degree);
     scene->bytes = fxs_scene_bytes(count, p->encoder.sh_degree, profile, entries);
@@ -532,6 +551,7 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     p->header->magic = FXS_PACKED_MAGIC;
     p->header->version = FXS_PACKED_VERSION;
     p->header->count = count;
+    p->header->holes = count - (uint32_t)p->report->packed;
     p->header->chunk_count = (count + FXS_CHUNK - 1) / FXS_CHUNK;
     p->header->chunk_bytes = fxs_chunk_bytes(profile, p->encoder.sh_degree);
     p->header->sh_degree = (uint32_t)p->encoder.sh_degree;

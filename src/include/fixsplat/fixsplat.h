@@ -99,7 +99,7 @@ enum fxs_profile {                 /* at SH degree 3, of a large scene: */
 };
 
 typedef struct fxs_scene {
-    const unsigned char *chunks;      /* headers of chunks of 256 Gaussians, the last one padded */
+    const unsigned char *chunks;      /* headers of chunks of 256 slots, a few without a Gaussian */
     const unsigned char *rows;        /* of the first chunk; both aligned to 64 */
     const int8_t *palette;            /* null without one */
     enum fxs_profile profile;

@@ -61,8 +61,9 @@ typedef struct fxs_pack_options {
     const fxs_allocator *allocator;   /* for all memory but the file reader's; null: malloc. Must outlive the scene */
 } fxs_pack_options;
 
-/* The bytes of a file's packed scene if no Gaussian is left out. They are known before the Gaussians are read. 0: the
-   file has too many Gaussians. */
+/* The bytes of a file's packed scene if no Gaussian is left out and its chunks are full. They are known before the
+   Gaussians are read. Few Gaussians far beyond the others take some chunks more, at most 8 for one. 0: the file has too
+   many Gaussians. */
 FXS_API size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
 /* Reads an open scene file three times from its start and packs it. `info` was filled in when the file was opened, or

@@ -30,7 +30,9 @@
  *   A signed index: the entry in bits 6..0; bit 7: its coefficients change sign.
  *
  * Rows are whole, so that 16, 32 or 64 neighbours load at once. Chunks are the leaves of a k-d tree, in its order, and
- * small in space where they are seen from near. The last chunk is padded with opacity 0. */
+ * small in space where they are seen from near. In a slot that holds no Gaussian all codes but those of SH are 0: its
+ * opacity is 0, and no rotation has these codes. Such slots lie behind the last Gaussian; those before it are holes, as
+ * the chunks of few Gaussians that lie far out are not full. */
 #ifndef FXS_PACKED_H
 #define FXS_PACKED_H
 
@@ -49,7 +51,7 @@ extern "C" {
 
 typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t magic, version;
-    uint32_t count, chunk_count;
+    uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, with the holes */
     uint32_t chunk_bytes;            /* of a chunk's rows */
     uint32_t sh_degree;
     uint32_t flags;                  /* FXS_PACKED_ANTIALIASED */
@@ -60,7 +62,8 @@ typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t palette_entries;        /* of each stage, 1 to 128; 0 without a palette */
     uint32_t palette_step_q19;       /* a coefficient of a palette is its number * step; at most 32767 */
     uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
-    uint32_t reserved[12];           /* 0 */
+    uint32_t holes;                  /* slots among them that hold no Gaussian */
+    uint32_t reserved[11];           /* 0 */
 } fxs_packed_header;
 
 /* Law 0: the opacity of code c is c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2, so that chunks

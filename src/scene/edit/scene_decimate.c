@@ -182,7 +182,7 @@ static int find_order(decimated *d, fxs_message *message)
     memset(d->entries, 0, d->count * sizeof *d->entries);
     for (uint32_t i = 0; i < d->count; i++)
         memcpy(d->entries[i].position, d->gaussians[i].position, sizeof d->entries[i].position);
-    return fxs_order(d->entries, d->count, &options) ? fxs_fail_memory(message, NULL, 0) : 0;
+    return fxs_order(d->entries, d->count, 0, &options) ? fxs_fail_memory(message, NULL, 0) : 0;
 }
 
 /* Finds the places in a chunk of the Gaussians nearest to one of them, nearest first. Returns their number. */

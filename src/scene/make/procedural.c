@@ -693,7 +693,7 @@ static void landscape(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *o
 
 /* ---- meadow: a tree in blossom, grass and flowers, hills, a sky of discs, and outliers as captures have them ----- */
 
-#define MEADOW_RADIUS 90.0
+#define MEADOW_RADIUS 74.0
 #define TREE_HEIGHT 1.5
 #define THIN 1e-9       /* sigma of discs without thickness */
 
@@ -703,7 +703,7 @@ static double meadow_height(double x, double z)
 {
     double r = sqrt(x * x + z * z), near = 0.30 * plain_noise(x * 0.15, z * 0.15, 61);
     double hill = 0.55 + 0.45 * plain_noise(x * 0.035, z * 0.035, 62);
-    return near * smoothstep(1, 9, r) + 9 * hill * smoothstep(24, 80, r);
+    return near * smoothstep(1, 9, r) + 7 * hill * smoothstep(24, 66, r);
 }
 
 /* The sun on a point of the meadow, less in the shadow of the tree. */
@@ -861,7 +861,7 @@ static void meadow_woods(place *p, splat *s)
 {
     enum { TREES = 90 };
     uint64_t key = key_of(p->seed, ~(p->index % TREES) << 10);
-    double turns = draw(key, 0), far = 18 + 62 * draw(key, 1), x = far * cosine(turns), z = far * sine(turns);
+    double turns = draw(key, 0), far = 18 + 46 * draw(key, 1), x = far * cosine(turns), z = far * sine(turns);
     double y = 2 * draw(p->key, 1) - 1, r = sqrt(1 - y * y), size = 1.2 + 1.6 * draw(key, 2);
     vec out = v3(r * cosine(p->v), y, r * sine(p->v)), in = times(out, size * (0.6 + 0.4 * draw(p->key, 2)));
     vec at = v3(x + in.x, 1.3 * in.y - 1.1 * size - meadow_height(x, z), z + in.z);
@@ -882,10 +882,12 @@ static vec sky_colour(vec d)
     return blend3(blue, v3(0.97, 0.97, 0.98), smoothstep(0.1, 0.8, cloud) * smoothstep(0, 0.15, up));
 }
 
-/* A shell of discs that face the middle, at 100 to 400 units, sigma up to 72. */
-static void lay_sky(const place *p, splat *s)
+/* A shell of discs that face the middle, at these distances, up to y = 0.06 - height; sigma is up to 0.18 of the
+   distance. */
+static void lay_sky(const place *p, double height, double nearest, double farthest, splat *s)
 {
-    double y = 0.06 - 1.06 * p->u, r = sqrt(1 - y * y), far = 100 + 300 * draw(p->key, 1), wide = draw(p->key, 2);
+    double y = 0.06 - height * p->u, r = sqrt(1 - y * y), far = blend(nearest, farthest, draw(p->key, 1));
+    double wide = draw(p->key, 2);
     vec d = v3(r * cosine(p->v), y, r * sine(p->v));
     double even = sqrt(2 * PI / (double)p->count);
     lay_flat(s, times(d, far), d, v3(draw(p->key, 3) - 0.5, 1e-3, draw(p->key, 4) - 0.5),
@@ -898,14 +900,47 @@ static void lay_sky(const place *p, splat *s)
 
 static void meadow_sky(place *p, splat *s)
 {
-    lay_sky(p, s);
+    lay_sky(p, 0.4, 66, 77, s);
     add_error(s, p->key, 0.025);
 }
 
-/* In any direction, from 5 to 20,000 units away, as many in each octave. */
+enum { STRAYS = 256 };
+
+/* The farthest Gaussians of a capture of a meadow: so many lie as far away as this or farther. */
+static double stray_distance(uint64_t rank)
+{
+    static const double ranks[] = { 1, 8, 32, 128, STRAYS }, units[] = { 24569, 763, 146, 87, 79.5 };
+    int k = 1;
+    while (ranks[k] < (double)rank)
+        k++;
+    double near = 1 / ranks[k], far = 1 / ranks[k - 1];
+    return blend(units[k - 1], units[k], (far - 1 / (double)rank) / (far - near));
+}
+
+/* Discs without thickness, seen from their edge, of sigma up to 0.17 of their distance and 68 units, above the sky.
+   Half of them have an opacity below 0.14. */
+static void meadow_stray(const place *p, splat *s)
+{
+    double y = -0.2 - 0.6 * draw(p->key, 1), r = sqrt(1 - y * y), far = stray_distance(p->index + 1);
+    vec d = v3(r * cosine(draw(p->key, 3)), y, r * sine(draw(p->key, 3)));
+    vec normal = normalise(add(cross(d, v3(draw(p->key, 8) - 0.5, draw(p->key, 9) - 0.5, draw(p->key, 10) - 0.5)),
+                               times(d, 0.1 * draw(p->key, 11) - 0.05)));
+    lay_flat(s, times(d, far), normal, d, clamp(0.17 * far, 0, 68) * power_of_half(draw(p->key, 4), 0, 2),
+             0.02 + 0.96 * draw(p->key, 5) * draw(p->key, 6) * draw(p->key, 7));
+    s->sigma[1] *= 0.1 + 0.9 * draw(p->key, 12);
+    s->sigma[2] = THIN;
+    add_constant(s, times(v3(0.95, 0.93, 0.90), 0.5 + draw(p->key, 13)));
+    add_error(s, p->key, 0.08);
+}
+
+/* In any direction, from 5 to 60 units away; the first ones of them are the strays. */
 static void meadow_outlier(place *p, splat *s)
 {
-    double y = 2 * draw(p->key, 1) - 1, r = sqrt(1 - y * y), far = 20000 * power_of_half(draw(p->key, 2), 0, 12);
+    if (p->index < STRAYS) {
+        meadow_stray(p, s);
+        return;
+    }
+    double y = 2 * draw(p->key, 1) - 1, r = sqrt(1 - y * y), far = 60 * power_of_half(draw(p->key, 2), 0, 3.6);
     vec d = v3(r * cosine(draw(p->key, 3)), y, r * sine(draw(p->key, 3)));
     double sigma = far * 0.004 * power_of_half(draw(p->key, 4), 0, 4);
     vec colour = blend3(v3(0.55, 0.60, 0.58), v3(0.95, 0.96, 0.98), draw(p->key, 7));
@@ -1071,7 +1106,7 @@ static void discs_ground(place *p, splat *s)
 
 static void discs_sky(place *p, splat *s)
 {
-    lay_sky(p, s);
+    lay_sky(p, 1.06, 100, 400, s);
     s->sigma[2] = THIN;
     vec d = normalise(s->position);
     double dusk = smoothstep(0.5, 0, -d.y) * (0.6 + 0.4 * dot(d, v3(0, 0, 1)));
@@ -1470,7 +1505,7 @@ static const fxs_procedural_scene scenes[] = {
     { "fog", "large Gaussians, nearly transparent, hundreds over every pixel", 2, 5000, fog },
     { "layers", "opaque cards full of equal depths and positions", 0, 10000, layers },
     { "cubes", "a lattice of balls, from far below a pixel to huge", 0, 4096, cubes },
-    { "meadow", "a tree among flowers, hills and a sky of discs, with outliers to 20,000 units", 3, 120000, meadow },
+    { "meadow", "a tree among flowers, hills and a sky of discs, with strays to 24,569 units", 3, 120000, meadow },
     { "mirrors", "gold, chrome and copper: colours that turn with the view", 3, 100000, mirrors },
     { "discs", "the knot under a sky and on a ground of discs without thickness", 3, 100000, discs },
     { "haze", "a lighthouse behind thousands of Gaussians of opacity 0.004 to 0.05", 3, 60000, lighthouse_haze },

@@ -16,8 +16,9 @@ typedef struct fxs_file_reader {
     fxs_crc32_table crc;
     fxs_scene scene;                     /* without pointers to its bytes, except the palette */
     uint64_t rows_at;                    /* offset of the first chunk's rows in the file, bytes */
-    uint32_t next;                       /* number of the next Gaussian */
-    fxs_chunk chunk;                     /* chunk of that Gaussian, and its rows */
+    uint32_t slots, holes;               /* of the file */
+    uint32_t next, passed;               /* the next slot; how many before it were holes */
+    fxs_chunk chunk;                     /* chunk of that slot, and its rows */
     unsigned char rows[MOST_ROWS];
     int8_t palette[MOST_PALETTE];
 } fxs_file_reader;
@@ -53,7 +54,9 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
         return damaged(r, "the header", message);
     fxs_packed_header_turn(h);
     s->profile = (enum fxs_profile)h->profile;
-    s->count = h->count;
+    r->slots = h->count;
+    r->holes = h->holes;
+    s->count = h->count - h->holes;
     s->chunk_count = (h->count + FXS_CHUNK - 1) / FXS_CHUNK;
     s->palette_entries = h->palette_entries;
     s->palette_step_q19 = h->palette_step_q19;
@@ -61,8 +64,8 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     s->antialiased = (h->flags & FXS_PACKED_ANTIALIASED) != 0;
     const size_t bytes = fxs_scene_bytes(h->count, s->sh_degree, s->profile, h->palette_entries);
     s->chunk_bytes = fxs_chunk_bytes(s->profile, s->sh_degree);
-    if (!bytes || bytes != r->source->input.size || h->sh_degree > 3 || h->palette_step_q19 > 32767 ||
-        h->chunk_count != s->chunk_count || h->chunk_bytes != s->chunk_bytes)
+    if (!bytes || bytes != r->source->input.size || h->holes > h->count || h->sh_degree > 3 ||
+        h->palette_step_q19 > 32767 || h->chunk_count != s->chunk_count || h->chunk_bytes != s->chunk_bytes)
         return damaged(r, "the header, or the file's length,", message);
     r->rows_at = bytes - (uint64_t)s->chunk_count * s->chunk_bytes;
     return 0;
@@ -153,11 +156,11 @@ static void take_palette(const fxs_file_reader *r, uint32_t g, float sh[45])
     }
 }
 
-static void take_gaussian(const fxs_file_reader *r, uint32_t g, fxs_gaussian *out)
+static void take_gaussian(const fxs_file_reader *r, uint32_t g, const fxs_codes *of, fxs_gaussian *out)
 {
     const fxs_scene *s = &r->scene;
     const fxs_chunk *chunk = &r->chunk;
-    const fxs_codes codes = fxs_codes_of(s, r->rows, g);
+    const fxs_codes codes = *of;
     memset(out, 0, sizeof *out);
     for (int i = 0; i < 3; i++) {
         const uint32_t scale = codes.scale >> 10 * i & 1023, colour = codes.colour >> 8 * i & 255;
@@ -180,18 +183,26 @@ static long fxs_read_gaussians(void *data, fxs_gaussian *gaussians, size_t capac
 {
     fxs_file_reader *r = data;
     size_t n = 0;
-    for (; n < capacity && r->next < r->scene.count; n++, r->next++) {
-        if (r->next % FXS_CHUNK == 0)
+    for (; n < capacity && r->next < r->slots; r->next++) {
+        const uint32_t g = r->next % FXS_CHUNK;
+        if (g == 0)
             FXS_TRY(take_chunk(r, r->next / FXS_CHUNK, message));
-        take_gaussian(r, r->next % FXS_CHUNK, &gaussians[n]);
+        const fxs_codes codes = fxs_codes_of(&r->scene, r->rows, g);
+        if (r->holes && codes.rotation == 0)
+            r->passed++;
+        else
+            take_gaussian(r, g, &codes, &gaussians[n++]);
     }
+    if (r->next == r->slots && r->passed != r->holes)
+        return damaged(r, "the number of Gaussians", message);
     return (long)n;
 }
 
 static int fxs_rewind_file(void *data, fxs_message *message)
 {
     (void)message;
-    ((fxs_file_reader *)data)->next = 0;
+    fxs_file_reader *r = data;
+    r->next = r->passed = 0;
     return 0;
 }
 

@@ -111,7 +111,7 @@ int fxs_held_order(fxs_held *h)
     h->order = malloc(((size_t)h->count + 1) * sizeof *h->order);
     for (uint32_t i = 0; i < h->count && entries; i++)
         memcpy(entries[i].position, h->gaussians[i].position, sizeof entries[i].position);
-    if (!entries || !h->order || (h->count && fxs_order(entries, h->count, &options)))
+    if (!entries || !h->order || (h->count && fxs_order(entries, h->count, 0, &options)))
         h->output.error = ENOMEM;
     for (uint32_t i = 0; i < h->count && !h->output.error; i++)
         h->order[i] = entries[i].index;
