@@ -24,7 +24,7 @@ static int layout_of(layout *out, uint32_t count, int sh_degree, enum fxs_profil
     uint32_t stages = fxs_palette_stages(profile, sh_degree);
     if (palette_entries > FXS_PALETTE_ENTRIES || !palette_entries != !stages)
         return 0;
-    *out = lay_out(((uint64_t)count + FXS_CHUNK - 1) / FXS_CHUNK, fxs_chunk_bytes(profile, sh_degree),
+    *out = lay_out(fxs_chunks_of(count), fxs_chunk_bytes(profile, sh_degree),
                    (uint64_t)stages * palette_entries * FXS_PALETTE_STRIDE);
     return out->bytes <= SIZE_MAX;
 }
@@ -51,7 +51,7 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
         return FXS_ERR_VERSION;
     if (h.sh_degree > 3 || h.profile > FXS_PROFILE_SMALL || h.palette_step_q19 > 32767 ||
         !layout_of(&l, h.count, (int)h.sh_degree, (enum fxs_profile)h.profile, h.palette_entries) ||
-        h.chunk_count != (h.count + FXS_CHUNK - 1) / FXS_CHUNK ||
+        h.chunk_count != fxs_chunks_of(h.count) ||
         h.holes > h.count || h.chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h.profile, (int)h.sh_degree) || bytes < l.bytes)
         return FXS_ERR_SCENE;
     const unsigned char *start = data;

@@ -88,7 +88,13 @@ static int order(fxs_fit_model *m, int sh_degree, const fxs_pack_options *option
 
 static size_t chunks_of(const fxs_fit_profile *p)
 {
-    return (p->count + FXS_CHUNK - 1) / FXS_CHUNK;
+    return fxs_chunks_of(p->count);
+}
+
+/* Of each stage of the palette. */
+static uint32_t entries_of(const fxs_fit_profile *p)
+{
+    return fxs_palette_entries_for(p->count, chunks_of(p), p->profile, p->sh_degree);
 }
 
 static float inverse_of(double step)
@@ -215,8 +221,7 @@ static int code_sh(coding *c, const fxs_pack_options *options, fxs_message *mess
     fxs_palette *p = c->profile->palette;
     const uint32_t count = (uint32_t)c->profile->count;
     const int error = p->entries ? fxs_palette_refine(p, c->items, count, options, message)
-                                 : fxs_palette_learn(p, fxs_palette_entries_for(count, p->profile, p->sh_degree),
-                                                     c->items, count, options, message);
+                                 : fxs_palette_learn(p, entries_of(c->profile), c->items, count, options, message);
     if (!error)
         options->run(options->pool, sh_job, c, JOBS);
     return error;
@@ -399,7 +404,7 @@ int fxs_fit_profile_walk(fxs_fit_profile *p, fxs_fit_model *m, fxs_fit_visit_fn 
 int fxs_fit_profile_restore(fxs_fit_profile *p, fxs_fit_model *m)
 {
     if (p->palette && !(p->palette->profile == p->profile && p->palette->sh_degree == p->sh_degree &&
-                        fxs_palette_restore(p->palette, fxs_palette_entries_for(p->count, p->profile, p->sh_degree))))
+                        fxs_palette_restore(p->palette, entries_of(p))))
         return FXS_ERR_FILE;
     for (size_t chunk = 0; chunk < chunks_of(p); chunk++) {
         if (!fxs_chunk_valid(&p->chunks[chunk]))

@@ -546,7 +546,7 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
         }
     for (uint32_t i = 0; i < count; i++)
         entries[i].index &= AMONG_ITS_LIKE - 1;
-    return (others + FXS_CHUNK - 1) / FXS_CHUNK;
+    return fxs_chunks_of(others);
 }
 
 /* The cost of 256 Gaussians in a box whose diagonal is `reach` times their distances; infinite where leaves stay whole.

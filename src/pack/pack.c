@@ -528,7 +528,8 @@ static void write_bounds(fxs_packed_header *header, const fxs_pack_report *repor
 
 size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
 {
-    const uint32_t entries = fxs_palette_entries_for(info->count, profile, info->sh_degree);
+    const uint32_t entries = fxs_palette_entries_for(info->count, fxs_chunks_of(info->count), profile,
+                                                     info->sh_degree);
     return info->count > FXS_MAX_COUNT ? 0
            : fxs_scene_bytes((uint32_t)info->count, info->sh_degree, profile, entries);
 }
@@ -537,7 +538,8 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
 {
     const uint32_t count = (uint32_t)p->slot_count;
     const enum fxs_profile profile = p->encoder.profile;
-    const uint32_t entries = fxs_palette_entries_for(count, profile, p->encoder.sh_degree);
+    const uint32_t chunks = fxs_chunks_of(count);
+    const uint32_t entries = fxs_palette_entries_for(p->report->packed, chunks, profile, p->encoder.sh_degree);
     scene->bytes = fxs_scene_bytes(count, p->encoder.sh_degree, profile, entries);
     scene->allocator = p->options.allocator;
     scene->allocation = scene->bytes ? fxs_allocate_zeroed(p->options.allocator, 1, scene->bytes + 63) : 0;
@@ -552,7 +554,7 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     p->header->version = FXS_PACKED_VERSION;
     p->header->count = count;
     p->header->holes = count - (uint32_t)p->report->packed;
-    p->header->chunk_count = (count + FXS_CHUNK - 1) / FXS_CHUNK;
+    p->header->chunk_count = chunks;
     p->header->chunk_bytes = fxs_chunk_bytes(profile, p->encoder.sh_degree);
     p->header->sh_degree = (uint32_t)p->encoder.sh_degree;
     p->header->flags = p->info->antialiased ? FXS_PACKED_ANTIALIASED : 0;

@@ -22,12 +22,11 @@ enum {
    small. Where the last chunk leaves too little room, the palette still gets a tenth of a byte for each Gaussian. In
    scenes of less than 10,000 Gaussians it gets at least 0.4 bytes, because there the picture matters more than the
    bytes. */
-uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int sh_degree)
+uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree)
 {
     const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;
     if (!stages)
         return 0;
-    const uint64_t chunks = (count + FXS_CHUNK - 1) / FXS_CHUNK;
     const uint64_t limit = count * (profile == FXS_PROFILE_SMALL ? 20 : 40);
     const uint64_t others = sizeof(fxs_packed_header) + 64 +
                             chunks * (sizeof(fxs_chunk) + fxs_chunk_bytes(profile, sh_degree));

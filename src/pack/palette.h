@@ -42,9 +42,9 @@ typedef struct fxs_palette {
     int32_t group_squares[FXS_PALETTE_STAGES][FXS_PALETTE_GROUPS];
 } fxs_palette;
 
-/* Returns how many entries a stage should have in a scene of `count` Gaussians, so that the palette is worth its bytes;
-   0 for a scene without a palette. */
-uint32_t fxs_palette_entries_for(uint64_t count, enum fxs_profile profile, int sh_degree);
+/* Returns how many entries a stage should have in a scene of `count` Gaussians in so many chunks, so that the palette is
+   worth its bytes; 0 for a scene without a palette. */
+uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree);
 
 /* Learns the palette of a scene from its Gaussians, in which the Gaussians of a chunk follow one another. `entries` is
    the result of fxs_palette_entries_for. options->run is not null; options->progress is given 0 to 1. Returns 0,

@@ -163,6 +163,12 @@ static inline int fxs_chunk_valid(const fxs_chunk *chunk)
     return valid;
 }
 
+/* Chunks of so many slots. */
+static inline uint32_t fxs_chunks_of(uint64_t slots)
+{
+    return (uint32_t)((slots + FXS_CHUNK - 1) / FXS_CHUNK);
+}
+
 /* SH coefficients a channel above degree 0: 0, 3, 8, 15. */
 #define FXS_SH_COUNT(degree) (((degree) + 1) * ((degree) + 1) - 1)
 

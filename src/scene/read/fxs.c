@@ -57,7 +57,7 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     r->slots = h->count;
     r->holes = h->holes;
     s->count = h->count - h->holes;
-    s->chunk_count = (h->count + FXS_CHUNK - 1) / FXS_CHUNK;
+    s->chunk_count = fxs_chunks_of(h->count);
     s->palette_entries = h->palette_entries;
     s->palette_step_q19 = h->palette_step_q19;
     s->sh_degree = (int)(h->sh_degree & 3);
