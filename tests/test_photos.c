@@ -166,6 +166,21 @@ static void colmap(void)
           !rename(in_folder("c/model"), in_folder("c/sparse/0")));
 }
 
+/* The points of photographs in memory are those of the set without points that was read last. */
+static void check_random_points(const fxs_photos_options *options)
+{
+    fxs_message why;
+    fxs_fit_point *points;
+    size_t count;
+    CHECK(!fxs_photos_random_points(photos.fit, photos.fit_count, options->seed, &points, &count, &why));
+    CHECK(count == photos.point_count);
+    for (size_t i = 0; i < count && !check_faults; i++)
+        CHECK(!memcmp(points[i].position, photos.points[i].position, sizeof points->position) &&
+              !memcmp(points[i].colour, photos.points[i].colour, sizeof points->colour));
+    free(points);
+    CHECK(fxs_photos_random_points(photos.fit, 0, 0, &points, &count, &why) == FXS_ERR_ARGUMENT && !points && !count);
+}
+
 /* Counts that are not so, and points that cannot be. */
 static void bad_points(void)
 {
@@ -203,6 +218,7 @@ static void bad_points(void)
         }
     for (int k = 0; k < 3; k++)
         CHECK(fabs(low[k] - ((k ? 0 : -4) - 12)) < 0.01 && fabs(high[k] - ((k ? 0 : -4) + 12)) < 0.01);
+    check_random_points(&options);
     put_colmap(1);
     say("1 0 0\n");
     put_text("c/sparse/0/points3D.txt");

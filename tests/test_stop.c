@@ -143,6 +143,19 @@ static void test_stopped_at_each_place(void)
         }
 }
 
+static void test_stopped_by_a_byte(void)
+{
+    static bench b;
+    unsigned char byte = 0;
+    bench_init(&b, 1, 16);
+    b.options.stop = fxs_stop_by_byte;
+    b.options.stop_argument = &byte;
+    CHECK(!draw_colour(&b));
+    byte = 2;
+    CHECK(draw_colour(&b) == FXS_ERR_STOPPED);
+    bench_free(&b);
+}
+
 /* Bands, and slices of tile rows. */
 static void test_stopped_in_little_memory(void)
 {
@@ -199,6 +212,7 @@ int main(int argc, char **argv)
 {
     if (argc < 2 || strcmp(argv[1], "--threads")) {
         RUN(test_stopped_at_each_place);
+        RUN(test_stopped_by_a_byte);
         RUN(test_stopped_in_little_memory);
     }
     RUN(test_stopped_by_several_threads);

@@ -7,7 +7,6 @@
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/formats.h>
 #include <fixsplat/scene_write.h>
-#include "src/scene/edit/merge.h"
 #include "cmd_convert.h"
 #include "frame_options.h"
 #include "file_guard.h"
@@ -325,38 +324,16 @@ int convert_merged(const char *out, int spz_version, const fxs_world *placed, co
 
 /* ---- The command ----------------------------------------------------------------------------------------------- */
 
-/* q = r q, with r the turn about an axis (0, 1, 2) by some degrees */
-static void turn_about(double q[4], int axis, double degrees)
-{
-    const double half = fmod(degrees, 360) * (3.14159265358979324 / 360), c = cos(half), s = sin(half);
-    const int j = (axis + 1) % 3 + 1, k = (axis + 2) % 3 + 1;
-    const double old[4] = {q[0], q[1], q[2], q[3]};
-    q[0] = c * old[0] - s * old[axis + 1];
-    q[axis + 1] = c * old[axis + 1] + s * old[0];
-    q[j] = c * old[j] - s * old[k];
-    q[k] = c * old[k] + s * old[j];
-}
-
-/* The shortest turn from u to v = (0, -1, 0): (1 + u v, u x v); from (0, 1, 0), half a turn about x. */
-static void turn_up(double q[4], const double up[3])
-{
-    const double most = fmax(fmax(fabs(up[0]), fabs(up[1])), fabs(up[2]));
-    const double x = up[0] / most, y = up[1] / most, z = up[2] / most, length = sqrt(x * x + y * y + z * z);
-    const double turn[4] = {1 - y / length, z / length, 0, -x / length};
-    const double opposite[4] = {0, 1, 0, 0};
-    memcpy(q, turn[0] > 1e-12 ? turn : opposite, 4 * sizeof *q);
-}
-
 /* Places the whole. Returns 0, or prints why not and returns the exit status. */
 static int place_whole(convert_options *o)
 {
     fxs_message message;
     fxs_object checked;
     if (o->up[0] != 0 || o->up[1] != 0 || o->up[2] != 0)
-        turn_up(o->whole.rotation, o->up);
+        fxs_placement_turn_up(&o->whole, o->up);
     for (int axis = 0; axis < 3; axis++)
         if (o->degrees[axis] != 0)
-            turn_about(o->whole.rotation, axis, o->degrees[axis]);
+            fxs_placement_turn(&o->whole, axis, o->degrees[axis]);
     if (fxs_object_place(&checked, 0, &o->whole, 0, &message))
         return fail(EXIT_USAGE, "--scale or --translate: %s", message.text);
     if (fxs_placement_is_plain(&o->whole))

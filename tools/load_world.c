@@ -6,7 +6,6 @@
 
 #include <fixsplat/fxs_file.h>
 
-#include "src/scene/edit/merge.h"
 #include "command_line.h"
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */

@@ -39,6 +39,11 @@ const char *fxs_stage_name(enum fxs_stage stage)
     return (unsigned)stage < FXS_STAGES ? names[stage] : "unknown";
 }
 
+int fxs_stop_by_byte(void *byte)
+{
+    return *(const volatile unsigned char *)byte != 0;
+}
+
 void fxs_options_init(fxs_options *options)
 {
     memset(options, 0, sizeof *options);

@@ -116,24 +116,56 @@ static int read_pixels(const fxs_photo_list *list, const fxs_photos_options *opt
 
 /* ---- Points ------------------------------------------------------------------------------------------------------ */
 
-/* The cube for random points. Returns half its side. */
-static double cube_of(const fxs_photo_list *list, double middle[3])
+/* The box around cameras. */
+typedef struct box {
+    double low[3], high[3];
+} box;
+
+static const box empty_box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+static void take_camera(box *b, const fxs_file_view *view)
 {
-    double wide = 0;
-    memset(middle, 0, 3 * sizeof *middle);
-    if (list->fit.views[0].sizeless)
-        return BLENDER_HALF;
     for (int k = 0; k < 3; k++) {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < list->fit.count; i++) {
-            const double at = list->fit.views[i].view.position[k];
-            low = at < low ? at : low;
-            high = at > high ? at : high;
-        }
-        middle[k] = (low + high) / 2;
-        wide = high - low > wide ? high - low : wide;
+        b->low[k] = view->position[k] < b->low[k] ? view->position[k] : b->low[k];
+        b->high[k] = view->position[k] > b->high[k] ? view->position[k] : b->high[k];
     }
-    return (wide > 0 ? wide : 1) * OF_CAMERAS / 2;
+}
+
+static int random_in(fxs_photo_points *p, const box *cameras, uint64_t seed, fxs_message *message)
+{
+    double middle[3], wide = 0;
+    for (int k = 0; k < 3; k++) {
+        middle[k] = (cameras->low[k] + cameras->high[k]) / 2;
+        wide = cameras->high[k] - cameras->low[k] > wide ? cameras->high[k] - cameras->low[k] : wide;
+    }
+    return fxs_photo_points_random(p, middle, (wide > 0 ? wide : 1) * OF_CAMERAS / 2, seed, message);
+}
+
+static int random_of_list(fxs_photo_points *p, const fxs_photo_list *list, uint64_t seed, fxs_message *message)
+{
+    static const double origin[3] = {0, 0, 0};
+    box cameras = empty_box;
+    if (list->fit.views[0].sizeless)
+        return fxs_photo_points_random(p, origin, BLENDER_HALF, seed, message);
+    for (size_t i = 0; i < list->fit.count; i++)
+        take_camera(&cameras, &list->fit.views[i].view);
+    return random_in(p, &cameras, seed, message);
+}
+
+int fxs_photos_random_points(const fxs_fit_photo *photos, size_t photo_count, uint64_t seed, fxs_fit_point **points,
+                             size_t *point_count, fxs_message *message)
+{
+    fxs_photo_points p = {NULL, 0, 0};
+    box cameras = empty_box;
+    for (size_t i = 0; i < photo_count; i++)
+        take_camera(&cameras, &photos[i].view);
+    const int error = photo_count ? random_in(&p, &cameras, seed, message)
+                                  : fxs_fail_as(FXS_ERR_ARGUMENT, message, "no photographs");
+    if (error)
+        free(p.points);
+    *points = error ? NULL : p.points;
+    *point_count = error ? 0 : p.count;
+    return error;
 }
 
 static int in_front(const fxs_fit_photo *photos, size_t count, const fxs_fit_point *point)
@@ -161,15 +193,13 @@ static int read_points(const fxs_photo_list *list, const fxs_photos_options *opt
                        fxs_message *message)
 {
     fxs_photo_points p = {NULL, 0, 0};
-    double middle[3];
     int error = 0;
     if (*list->points)
         error = list->is_colmap ? fxs_photo_points_colmap(&p, list->points, message)
                                 : fxs_photo_points_ply(&p, list->points, message);
     if (!error && !p.count) {
         photos->points_are_random = 1;
-        const double half = cube_of(list, middle);
-        error = fxs_photo_points_random(&p, middle, half, options->seed, message);
+        error = random_of_list(&p, list, options->seed, message);
     }
     photos->points = p.points;
     photos->point_count = p.count;

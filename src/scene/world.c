@@ -27,6 +27,29 @@ int fxs_placement_is_plain(const fxs_placement *p)
            p->opacity == 1 && p->tint[0] == 1 && p->tint[1] == 1 && p->tint[2] == 1;
 }
 
+/* The shortest turn from u to v = (0, -1, 0): (1 + u v, u x v); from (0, 1, 0), half a turn about x. */
+void fxs_placement_turn_up(fxs_placement *p, const double up[3])
+{
+    const double most = fmax(fmax(fabs(up[0]), fabs(up[1])), fabs(up[2]));
+    const double x = up[0] / most, y = up[1] / most, z = up[2] / most, length = sqrt(x * x + y * y + z * z);
+    const double turn[4] = {1 - y / length, z / length, 0, -x / length};
+    const double opposite[4] = {0, 1, 0, 0};
+    memcpy(p->rotation, turn[0] > 1e-12 ? turn : opposite, sizeof p->rotation);
+}
+
+/* q = r q, with r the turn about the axis */
+void fxs_placement_turn(fxs_placement *p, int axis, double degrees)
+{
+    const double half = fmod(degrees, 360) * (3.14159265358979324 / 360), c = cos(half), s = sin(half);
+    const int j = (axis + 1) % 3 + 1, k = (axis + 2) % 3 + 1;
+    double *q = p->rotation;
+    const double old[4] = {q[0], q[1], q[2], q[3]};
+    q[0] = c * old[0] - s * old[axis + 1];
+    q[axis + 1] = c * old[axis + 1] + s * old[0];
+    q[j] = c * old[j] - s * old[k];
+    q[k] = c * old[k] + s * old[j];
+}
+
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
 static int no_memory(fxs_message *message)

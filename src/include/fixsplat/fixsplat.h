@@ -202,6 +202,9 @@ typedef struct fxs_options {
     void *stop_argument;
 } fxs_options;
 
+/* A fxs_stop_fn: stops the frame once the byte at `byte` is not 0, which another thread or a signal handler writes. */
+FXS_API int fxs_stop_by_byte(void *byte);
+
 /* Mahalanobis cut-off, SH degree 3, black background, no stop. */
 FXS_API void fxs_options_init(fxs_options *options);
 

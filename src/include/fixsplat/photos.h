@@ -77,6 +77,12 @@ FXS_API int fxs_photos_read(const char *path, const fxs_photos_options *options,
                             fxs_message *message);
 FXS_API void fxs_photos_free(fxs_photos *photos);
 
+/* Makes the points of a set without points, for photographs that a program has in memory: 100,000 grey ones in the cube
+   around the cameras. Returns 0 and points that the caller frees, or an error and a message, with *points null:
+   FXS_ERR_ARGUMENT (no photographs), FXS_ERR_FILE where the cube reaches beyond 2^27 units, FXS_ERR_MEMORY. */
+FXS_API int fxs_photos_random_points(const fxs_fit_photo *photos, size_t photo_count, uint64_t seed,
+                                     fxs_fit_point **points, size_t *point_count, fxs_message *message);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,9 +1,11 @@
-/* Places scene files in a world, in doubles, and rounds the placements to objects of the renderer.
+/* Places scene files in a world, in doubles. Rounds the placements to objects of the renderer, or merges the files into
+ * one stream of Gaussians.
  * Stable from version 1.0 on. */
 #ifndef FXS_WORLD_H
 #define FXS_WORLD_H
 
 #include "message.h"
+#include "scene_file.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -42,6 +44,11 @@ FXS_API void fxs_placement_init(fxs_placement *placement, uint32_t file, uint32_
 /* 1 where a placement changes no Gaussian, whatever its crops, else 0. */
 FXS_API int fxs_placement_is_plain(const fxs_placement *placement);
 
+/* The first function sets the rotation of a placement to the shortest one that turns the direction `up`, which is not 0,
+   to 0, -1, 0. The second turns it further by some degrees about the world's axis x, y or z (0, 1 or 2). */
+FXS_API void fxs_placement_turn_up(fxs_placement *placement, const double up[3]);
+FXS_API void fxs_placement_turn(fxs_placement *placement, int axis, double degrees);
+
 /* Adds a path, unless the world has it already, and sets *file to its index. The second function adds an object, a copy
    of *placement. Both return 0, or an FXS_ERR_* and a message. */
 FXS_API int fxs_world_add_file(fxs_world *world, const char *path, uint32_t *file, fxs_message *message);
@@ -71,6 +78,17 @@ FXS_API void fxs_placement_matrix(const fxs_placement *placement, double rows[3]
 /* Finds the box in the world around the part of the file's box that the crops keep. Returns 0 where they keep none. */
 FXS_API int fxs_placement_box(const fxs_placement *placement, const double low[3], const double high[3],
                               double world_low[3], double world_high[3]);
+
+/* Applies a placement to all objects of a world, as if they were one object. */
+FXS_API void fxs_world_place(fxs_world *world, const fxs_placement *whole);
+
+/* Makes one stream of the open files of a world, which are in the order of world->files, as are `infos`. It gives the
+   Gaussians of each visible object in turn, with the object's crops, opacity and tint, and with SH turned. It owns the
+   files from then on, also where this fails. All files must be anti-aliased, or none. Where there are crops, the files
+   are read once to count the Gaussians that are left. fxs_object_place must accept the placements. Returns 0, or an
+   FXS_ERR_* and a message. */
+FXS_API int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,
+                            fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-#include "merge.h"
+#include <fixsplat/world.h>
 
 #include <math.h>
 #include <string.h>
@@ -6,7 +6,6 @@
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 #include "src/gaussian/transform_internal.h"
-
 
 /* The changes that an object makes to the Gaussians of its file. */
 typedef struct part {
