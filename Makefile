@@ -5,6 +5,7 @@ NVCC ?= nvcc
 PREFIX ?= /usr/local
 LIBDIR ?= $(PREFIX)/lib
 SCENES ?= ../shared/scenes
+PYTHON ?= python3
 B := build
 VERSION := $(shell sed -n 's/^.define FXS_VERSION "\(.*\)"$$/\1/p' src/include/fixsplat/fixsplat.h)
 # Libraries of one major number take each other's place.
@@ -23,7 +24,7 @@ TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-us
                  libc6-dev-s390x-cross gcc-powerpc-linux-gnu libc6-dev-powerpc-cross gcc-arm-linux-gnueabihf \
                  libc6-dev-armhf-cross gcc-riscv64-linux-gnu libc6-dev-riscv64-cross gcc-i686-linux-gnu \
                  libc6-dev-i386-cross g++ qemu-system-arm chromium curl openssl ffmpeg librsvg2-bin \
-                 python3-numpy python3-cffi python3-setuptools python3-pip locales
+                 python3-numpy python3-cffi python3-setuptools python3-pip python3-wheel python3-venv locales
 CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu sparc64-linux-gnu hppa-linux-gnu \
          arm-linux-gnueabi mips64el-linux-gnuabi64
 TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
@@ -67,7 +68,7 @@ include $(addprefix make/,build.mk firmware.mk web.mk install.mk test.mk measure
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-.PHONY: all demo firmware web install uninstall headers core-headers check test test-all \
+.PHONY: all demo firmware web install wheel uninstall headers core-headers check test test-all \
         test-programs cuda-tests golden-update fuzz mutants bench plot size clean peers FORCE
 endif
 

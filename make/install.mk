@@ -38,6 +38,13 @@ install: all $(B)/share/made $(if $(HAS_PAGE),web) ## install command, libraries
 	$(if $(HAS_PAGE),install -d $(addprefix $(DESTDIR)$(PAGE)/,$(PAGE_FOLDERS)))
 	$(if $(HAS_PAGE),for f in $(PAGE_FILES); do install -m 644 $(WEB)/$$f $(DESTDIR)$(PAGE)/$$f || exit 1; done)
 
+# In a copy of the sources, so that building leaves nothing beside them.
+wheel: $(SHARED_LIBRARY) ## build/wheel/*.whl: the Python package with the library, for pip install; PYTHON (python3)
+	@rm -rf $(B)/wheel && mkdir -p $(B)/wheel/source
+	@cp -r port/python/pyproject.toml port/python/setup.py port/python/fixsplat $(B)/wheel/source
+	$(call say,WHEEL,$(B)/wheel)FIXSPLAT_LIBRARY=$(abspath $(SHARED_LIBRARY)) $(PYTHON) -m pip wheel --quiet --no-deps \
+	    --no-build-isolation --disable-pip-version-check --wheel-dir $(B)/wheel $(B)/wheel/source
+
 uninstall: ## remove what install put there
 	rm -f $(addprefix $(DESTDIR)$(PREFIX)/bin/,fixsplat fixsplat-view fixsplat-web) \
 	    $(DESTDIR)$(ICONS)/fixsplat.svg $(DESTDIR)$(APPLICATIONS)/fixsplat-view.desktop \

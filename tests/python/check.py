@@ -1,11 +1,9 @@
 """check.py COMMAND FOLDER [CAPTURED]: what the package does against the command, in a folder with the scenes and
 photographs of tests/scripts/python.sh. CAPTURED: a folder with train-1000.ply and its cameras.json. Prints "ok NAME",
 "FAIL NAME: WHY" or "skip NAME: WHY" for each check, "end" last."""
-import gc
 import os
 import re
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -14,51 +12,10 @@ import warnings
 
 import fixsplat
 import numpy as np
+from checks import grows, hash_of, interrupted, ok, read, refuses, run, same
 
 ALL = ("colour", "coverage", "mean_depth", "median_depth", "ids")
-command = sys.argv[1]
 os.chdir(sys.argv[2])
-
-
-def ok(name, condition, why=""):
-    print(f"ok {name}" if condition else f"FAIL {name}: {str(why) or 'not so'}", flush=True)
-
-
-def same(name, a, b):
-    ok(name, a.dtype == b.dtype and a.shape == b.shape and np.array_equal(a, b),
-       f"{a.dtype} {a.shape}, {b.dtype} {b.shape}, {(a != b).sum() if a.shape == b.shape else 'all'} differ")
-
-
-def refuses(name, kind, words, call):
-    """The exception, of that very class, with these words (a regular expression) in one line."""
-    try:
-        result = call()
-    except BaseException as error:
-        ok(name, type(error) is kind and re.search(words, str(error)) and "\n" not in str(error),
-           f"{type(error).__name__}: {error}")
-    else:
-        ok(name, False, f"gave {result}")
-
-
-def run(*arguments):
-    done = subprocess.run([command, *arguments], capture_output=True, text=True)
-    if done.returncode:
-        print(f"FAIL fixsplat {' '.join(arguments)}: {done.stderr}")
-    return done.stdout
-
-
-def hash_of(picture):
-    """FNV-1a 64, as the command prints it."""
-    value = 0xcbf29ce484222325
-    for byte in picture.colour.tobytes():
-        value = (value ^ byte) * 0x100000001b3 & 2**64 - 1
-    return f"{value:016x}"
-
-
-def read(path):
-    with open(path, "rb") as file:
-        return file.read()
-
 
 # ---- The command's pictures ------------------------------------------------------------------------------------------
 
@@ -315,16 +272,6 @@ with fixsplat.Renderer() as renderer, fixsplat.load("knot.ply") as first:
     ok("a device drops what it keeps of a closed scene, once", calls == wanted, calls)
 
 
-def interrupted(call):
-    """Called, and Ctrl-C after a tenth of a second."""
-    timer = threading.Timer(0.1, lambda: signal.pthread_kill(threading.main_thread().ident, signal.SIGINT))
-    timer.start()
-    try:
-        call()
-    finally:
-        timer.cancel()
-
-
 # A picture that is stopped: by what is true, by what is raised; else it is the same.
 asked = []
 whole_picture = scene.render(large, threads=2).colour
@@ -350,24 +297,6 @@ if status == (0, 0):
 ok("behind a fork: the same picture", status == (child, 0), status)
 
 # ---- What is left behind ---------------------------------------------------------------------------------------------
-
-def resident():
-    with open("/proc/self/statm") as file:
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
-
-def grows(label, count, what):
-    """Less than a tenth of what it would be if each call left its picture or scene behind."""
-    for _ in range(10):
-        what()
-    gc.collect()
-    first = resident()
-    for _ in range(count):
-        what()
-    gc.collect()
-    more = resident() - first
-    ok(f"{label}: no memory is left", more < 2000000, f"{more} bytes")
-
 
 def load_and_drop():
     fixsplat.load("knot.ply", threads=2).render(camera)
@@ -479,7 +408,7 @@ for name, kind, words, call in (
          lambda: fixsplat.load("knot.ply", max_gaussians=2999)),
         ("load: axes", fixsplat.Error, r"axes \(--axes\) are for .spz", lambda: fixsplat.load("knot.ply", axes="rdf")),
         ("load: axes of .fxs", fixsplat.Error, r"axes \(--axes\) are for .spz", lambda: fixsplat.load("saved.fxs", axes="rdf")),
-        ("save: ending", ValueError, "ending in .fxs", lambda: scene.save("x.ply")),
+        ("save: ending", ValueError, "ending in one of .fxs, ", lambda: scene.save("x.obj")),
         ("save: no folder", fixsplat.Error, "^none/x.fxs: ", lambda: scene.save("none/x.fxs")),
         ("convert: ending", ValueError, "ending in one of .fxs, ", lambda: fixsplat.convert("knot.ply", "x.obj")),
         ("convert: crop", ValueError, r"crop: expected the shape \(2, 3\)",

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The Python package: arrays against the command's files, and how it is found and installed. tests/python/check.py has
-# what is asked of it.
+# The Python package: arrays against the command's files, and how it is found and installed. tests/python/check.py and
+# arrays.py have what is asked of it.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 . tests/scripts/lib/command.sh
@@ -58,12 +58,14 @@ if [ -e "$scenes/train-1000/train-1000.ply" ]; then
 else
     skip "a captured scene" "no train-1000 in FXS_SCENES"
 fi
-"$python" "$root/tests/python/check.py" "$fixsplat" "$work" ${given:+"$given"} >logs/checks 2>logs/err
-grep -v '^end$' logs/checks
-passed=$((passed + $(grep -c '^ok ' logs/checks))) failed=$((failed + $(grep -c '^FAIL ' logs/checks)))
-skipped=$((skipped + $(grep -c '^skip ' logs/checks)))
-check "all checks were made" equal "$(tail -n 1 logs/checks)" end
-check "not a word on stderr" equal "$(cat logs/err)" ""
+for part in arrays check; do
+    "$python" "$root/tests/python/$part.py" "$fixsplat" "$work" ${given:+"$given"} >logs/checks 2>logs/err
+    grep -v '^end$' logs/checks
+    passed=$((passed + $(grep -c '^ok ' logs/checks))) failed=$((failed + $(grep -c '^FAIL ' logs/checks)))
+    skipped=$((skipped + $(grep -c '^skip ' logs/checks)))
+    check "$part.py: all checks were made" equal "$(tail -n 1 logs/checks)" end
+    check "$part.py: not a word on stderr" equal "$(cat logs/err)" ""
+done
 
 mkdir example
 cp knot.ply example/scene.ply
@@ -110,18 +112,33 @@ PYTHONPATH=$work/source LD_LIBRARY_PATH=$work/system imports "found by the syste
 
 # ---- pip -------------------------------------------------------------------------------------------------------------
 
-if "$python" -c 'import setuptools, pip' 2>/dev/null; then
-    cp "$FIXSPLAT_LIBRARY" source/fixsplat/$soname
-    check "pip install" "$python" -m pip install --quiet --no-index --no-build-isolation --no-deps \
-        --disable-pip-version-check --root-user-action ignore --target prefix ./source
+pip_() {
+    "$python" -m pip "$@" --quiet --no-index --no-build-isolation --no-deps --disable-pip-version-check
+}
+if "$python" -c 'import setuptools, pip, wheel, venv' 2>/dev/null; then
+    said=$(unset FIXSPLAT_LIBRARY; pip_ wheel ./source 2>&1)
+    case $said in *"libfixsplat.so.$version: no such file; build it (make)"*) ok "pip: no wheel without a library" ;;
+        *) fail "pip: no wheel without a library" "$said" ;; esac
+    check "pip install" pip_ install --root-user-action ignore --target prefix ./source
     check "pip: what is installed" equal "$(cd prefix/fixsplat && ls | grep -v __pycache__ | tr '\n' ' ')" \
-        "$(cd source/fixsplat && ls | grep -v __pycache__ | tr '\n' ' ')"
+        "$( (cd source/fixsplat && ls; echo $soname) | grep -v __pycache__ | LC_ALL=C sort | tr '\n' ' ')"
     check "pip: its version" ls "prefix/fixsplat-$(echo "$version" | tr -d -).dist-info/METADATA"
     PYTHONPATH=$work/prefix imports "found beside the package" "prefix/fixsplat/$soname"
-    check "pip: it renders" env -u FIXSPLAT_LIBRARY PYTHONPATH="$work/prefix" "$python" -c \
+
+    check "make wheel" make -s --no-print-directory -C "$root" B="$B" PYTHON="$python" wheel
+    wheel=$(ls "$library"/wheel/*.whl)
+    platform=$("$python" -c 'import sysconfig; print(sysconfig.get_platform().replace("-", "_"))')
+    check "make wheel: for any Python 3 on this platform" equal "${wheel##*/}" \
+        "fixsplat-$(echo "$version" | tr -d -)-py3-none-$platform.whl"
+    "$python" -m venv --system-site-packages --without-pip fresh
+    python=$work/fresh/bin/python
+    unset PYTHONPATH
+    check "a fresh venv: pip install of the wheel" pip_ install "$wheel"
+    imports "a fresh venv: the wheel's own library" "/site-packages/fixsplat/$soname"
+    check "a fresh venv: it renders" env -u FIXSPLAT_LIBRARY "$python" -c \
         'import fixsplat; s = fixsplat.load("knot.ply"); assert s.render(s.frame(64, 48)).colour.any()'
 else
-    skip "pip install" "no pip and setuptools here (python3-pip, python3-setuptools)"
+    skip "pip install" "not here: python3-pip, python3-setuptools, python3-wheel, python3-venv"
 fi
-check "the source tree is as it was" equal "$(ls "$root/port/python" | tr '\n' ' ')" "fixsplat pyproject.toml "
+check "the source tree is as it was" equal "$(ls "$root/port/python" | tr '\n' ' ')" "fixsplat pyproject.toml setup.py "
 finish

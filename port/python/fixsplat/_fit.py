@@ -1,4 +1,4 @@
-"""Scenes fitted to photographs."""
+"""Scenes fitted to photographs, from files or from arrays."""
 from __future__ import annotations
 
 import os
@@ -6,9 +6,13 @@ import time
 import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, Callable, Iterator, Optional, Sequence
+from typing import Any, Callable, Iterator, Optional, Sequence, Union
 
-from ._library import (CUTOFFS, NULL, PROFILES, Calls, PathLike, Struct, call, choose, colour, file_name, lib, new,
+import numpy as np
+
+from ._camera import Camera, numbers
+from ._gaussians import floats
+from ._library import (CUTOFFS, NULL, PROFILES, Calls, PathLike, Struct, call, choose, colour, ffi, file_name, lib, new,
                        pool, whole)
 from ._scene import Memory, Scene
 
@@ -29,20 +33,37 @@ class FitProgress:
     gaussians: int
 
 
-def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = None, resolution: int = 1600,
+def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera: Any = None, *, points: Any = None,
+        colours: Any = None, recipe: str = "reference", steps: Optional[int] = None, resolution: Optional[int] = None,
         sh_degree: int = 3, max_gaussians: Optional[int] = None, seed: int = 0, batch: int = 0,
         background: "Sequence[int]" = (0, 0, 0), cutoff: str = "mahalanobis", profile: str = "default",
-        hold_out: int = 8, skip_bad: bool = False, backend: str = "cpu", devices: "Sequence[int]" = (0,),
+        hold_out: Optional[int] = None, skip_bad: bool = False, backend: str = "cpu", devices: "Sequence[int]" = (0,),
         max_memory: int = 0, threads: int = 0,
         progress: "Optional[Callable[[FitProgress], object]]" = None) -> Scene:
     """Fits a scene to photographs and returns it. The scene has the same bytes as the file that `fixsplat fit` writes.
     docs/fit.md describes the fit. Raises an Error where the photographs cannot be read or the fit cannot be made.
 
     photos: a COLMAP folder, a transforms.json of nerfstudio or Blender, Inria's cameras.json with the images beside it,
-    or a folder that contains one of them.
+    or a folder that contains one of them. Or a sequence of N arrays of shape (H, W, 3), uint8: the rows from the top,
+    red, green and blue. The order of the arrays is the one of the names of files.
+
+    These are for arrays:
+    K: the matrices of intrinsics, of shape (N, 3, 3), or (3, 3) for one matrix of all, in pixels. Or a sequence of N
+    Cameras, which take the place of K and world_to_camera; with Cameras of `load_cameras`, the bytes are exactly those
+    of the command.
+    world_to_camera: the poses [R | t], of shape (N, 3, 4) or (N, 4, 4), for camera axes x right, y down, z forward.
+    points: the positions at which the fit begins with a Gaussian, of shape (M, 3), in scene units. None stands for
+    100,000 random ones in a cube around the cameras, three times as wide as their box.
+    colours: the colours of the points, of shape (M, 3), uint8. None stands for grey.
+
+    These are for files:
+    resolution: the largest number of pixels on the longer side of a photograph. None stands for 1600.
+    hold_out: every n-th photograph by name is left out of the fit. None stands for 8. With 0, all are fitted.
+    skip_bad: True leaves out photographs that cannot be read, with a warning for each.
+
+    These are for both:
     recipe: "reference", "mcmc" or "fast".
     steps: the number of steps. None stands for the number of the recipe: 8,000 for "fast", 30,000 for the others.
-    resolution: the largest number of pixels on the longer side of a photograph.
     sh_degree: the degree of SH of the scene, 0 to 3.
     max_gaussians: the largest number of Gaussians. None stands for the number of the recipe: 2^22 for "reference",
     1,000,000 for "mcmc", 250,000 for "fast".
@@ -50,8 +71,6 @@ def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = N
     batch: the number of photographs in a step, 1 to 8. 0 stands for one, or for one on each device.
     background: the colour behind the scene as red, green, blue, 0 to 255 each.
     cutoff: as for `render`. profile: as for `load`.
-    hold_out: every n-th photograph by name is left out of the fit. With 0, all photographs are fitted.
-    skip_bad: True leaves out photographs that cannot be read, with a warning for each.
     backend: the engine that makes the steps, "cpu" or "cuda".
     devices: the numbers of the GPUs for "cuda", 1 to 8 of them.
     max_memory: the largest number of bytes of memory on each device. 0 stands for no limit.
@@ -60,6 +79,13 @@ def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = N
     progress: a function that is called with a FitProgress after each step, or a few times a second with "cuda". An
     exception that it raises ends the fit.
     """
+    is_path = isinstance(photos, (str, os.PathLike))
+    if is_path and any(given is not None for given in (K, world_to_camera, points, colours)):
+        raise TypeError("K, world_to_camera, points, colours: are for arrays, not for files")
+    if colours is not None and points is None:
+        raise TypeError("colours: are for points")
+    if not is_path and (resolution, hold_out, skip_bad) != (None, None, False):
+        raise TypeError("resolution, hold_out, skip_bad: are for files, not for arrays")
     options, reading = new("fxs_fit_options"), new("fxs_photos_options")
     _fill(options, recipe, steps, max_gaussians)
     options.sh_degree = whole("sh_degree", sh_degree, 0, 3)
@@ -71,15 +97,22 @@ def fit(photos: PathLike, *, recipe: str = "reference", steps: Optional[int] = N
     options.max_memory = whole("max_memory", max_memory, 0, 2**64 - 1)
     if choose("backend", backend, {"cpu": 0, "cuda": 1}):
         _choose_devices(options, devices)
-    reading.resolution = whole("resolution", resolution, 1, lib.FXS_MAX_SIZE)
-    reading.hold_out = whole("hold_out", hold_out, 0, 2**32 - 1)
+    reading.resolution = 1600 if resolution is None else whole("resolution", resolution, 1, lib.FXS_MAX_SIZE)
+    reading.hold_out = 8 if hold_out is None else whole("hold_out", hold_out, 0, 2**32 - 1)
     reading.skip_bad = bool(skip_bad)
     with pool(threads) as (run, made, count):
         options.run = reading.run = run
         options.pool = reading.pool = made
         options.threads = count
-        with _read(photos, reading) as taken:
-            return _fit(os.fsdecode(file_name(photos)), taken, options, progress)
+        if is_path:
+            with _read(photos, reading) as taken:  # type: ignore[arg-type]
+                return _fit(os.fsdecode(file_name(photos)), taken, options, progress)  # type: ignore[arg-type]
+        pictures = [_pixels(i, picture) for i, picture in enumerate(photos)]  # type: ignore[arg-type]
+        if not pictures:
+            raise ValueError("photos: expected at least one")
+        cameras = _cameras(pictures, K, world_to_camera)
+        with _take(pictures, cameras, points, colours, options.seed) as taken:
+            return _fit("photographs", taken, options, progress)
 
 
 def _fill(options: Struct, recipe: str, steps: Optional[int], max_gaussians: Optional[int]) -> None:
@@ -110,6 +143,77 @@ def _read(path: PathLike, reading: Struct) -> "Iterator[Struct]":
         yield photos
     finally:
         lib.fxs_photos_free(photos)
+
+
+def _pixels(number: int, picture: Any) -> Any:
+    """Returns a picture as an array of C, without a copy where it is one."""
+    array = np.asarray(picture)
+    if array.dtype != np.uint8 or array.ndim != 3 or array.shape[2] != 3 or not array.size:
+        raise ValueError(f"photos[{number}]: expected uint8 of the shape (H, W, 3), not {array.dtype} of {array.shape}")
+    return np.ascontiguousarray(array)
+
+
+def _cameras(pictures: "list[Any]", K: Any, world_to_camera: Any) -> "list[Camera]":
+    """Returns a camera for each picture, of its size."""
+    count = len(pictures)
+    if isinstance(K, (list, tuple)) and all(isinstance(camera, Camera) for camera in K):
+        if world_to_camera is not None:
+            raise TypeError("a Camera has its own world_to_camera")
+        cameras = list(K)
+    elif K is None or world_to_camera is None:
+        raise TypeError("expected Cameras, or K and world_to_camera")
+    else:
+        ks = np.broadcast_to(numbers("K", K, (3, 3), (count, 3, 3)), (count, 3, 3))
+        given = numbers("world_to_camera", world_to_camera, (count, 3, 4), (count, 4, 4))
+        poses = np.broadcast_to(np.eye(4), (count, 4, 4)).copy()
+        poses[:, :given.shape[1]] = given
+        cameras = [Camera(k, pose, picture.shape[1], picture.shape[0])
+                   for k, pose, picture in zip(ks, poses, pictures)]
+    if len(cameras) != count:
+        raise ValueError(f"{len(cameras)} cameras for {count} photographs")
+    for i, (camera, picture) in enumerate(zip(cameras, pictures)):
+        if (camera.height, camera.width) != picture.shape[:2]:
+            raise ValueError(f"photos[{i}]: has {picture.shape[1]} x {picture.shape[0]} pixels, its camera has "
+                             f"{camera.width} x {camera.height}")
+    return cameras
+
+
+def _points(points: Any, colours: Any) -> "tuple[Any, int]":
+    """Returns the points as an array of C, with their number."""
+    positions = floats("points", points, None, 3)
+    if not len(positions):
+        raise ValueError("points: expected at least one")
+    if not (np.abs(positions) < 2.0**27).all():
+        raise ValueError("points: expected finite numbers within 2^27 units")
+    shades = np.full(positions.shape, 128, np.uint8) if colours is None else np.asarray(colours)
+    if shades.dtype != np.uint8 or shades.shape != positions.shape:
+        raise ValueError(f"colours: expected uint8 of the shape {positions.shape}, not {shades.dtype} of "
+                         f"{shades.shape}")
+    made = ffi.new("fxs_fit_point[]", len(positions))
+    table = np.frombuffer(ffi.buffer(made), np.dtype({"names": ["position", "colour"], "formats": ["3f4", "3u1"],
+                                                      "itemsize": ffi.sizeof("fxs_fit_point")}))
+    table["position"], table["colour"] = positions, shades
+    return made, len(positions)
+
+
+@contextmanager
+def _take(pictures: "list[Any]", cameras: "list[Camera]", points: Any, colours: Any, seed: int) -> "Iterator[Struct]":
+    """Makes the photographs of a fit from pictures in memory."""
+    photos, found = new("fxs_photos", fit_count=len(pictures)), NULL
+    kept = ffi.new("fxs_fit_photo[]", [{"view": camera._view[0], "pixels": ffi.from_buffer("uint8_t[]", picture)}
+                                       for camera, picture in zip(cameras, pictures)])
+    photos.fit = kept
+    try:
+        if points is None:
+            chosen, count = new("fxs_fit_point *"), ffi.new("size_t *")
+            call("fxs_photos_random_points", kept, len(pictures), seed, chosen, count)
+            photos.points, photos.point_count, found = chosen[0], count[0], chosen[0]
+        else:
+            made, photos.point_count = _points(points, colours)
+            photos.points = made
+        yield photos
+    finally:
+        lib.free(found)
 
 
 def _fit(name: str, photos: Struct, options: Struct, progress: "Optional[Callable[[FitProgress], object]]") -> Scene:

@@ -1,6 +1,7 @@
 """Finds and loads the shared library, calls its functions, and turns their errors into exceptions."""
 from __future__ import annotations
 
+import mmap
 import operator
 import os
 import signal
@@ -169,6 +170,11 @@ class Calls:
         self.left_out = ffi.callback("fxs_left_out_fn *", lambda _, why: self._tell(left_out, string(why)))
         self.stop = ffi.callback("fxs_stop_fn *", lambda _: self._ask(stop))
 
+    def source(self, fill: "Callable[[int, Any, int], None]") -> Any:
+        """Returns a function of C that gives n Gaussians from number `first` on: `fill(first, out, n)` writes them."""
+        return ffi.callback("long(void *, uint64_t, fxs_gaussian *, size_t)", lambda _, first, out, n:
+                            lib.FXS_ERR_STOPPED if self._call(fill, first, out, n) else n, lib.FXS_ERR_STOPPED)
+
     def _call(self, function: "Optional[Callable[..., object]]", *values: Any) -> int:
         try:
             if function is not None and self._raised is None:
@@ -191,16 +197,57 @@ class Calls:
             raise raised from None
 
     def __enter__(self) -> "Calls":
-        handler = signal.getsignal(signal.SIGINT)
-        if callable(handler) and threading.current_thread() is threading.main_thread():
-            self._handler = handler
-            signal.signal(signal.SIGINT, lambda number, frame: self._call(self._handler, number, frame))
+        handler: Any = signal.getsignal(signal.SIGINT)
+        if callable(handler):
+            try:
+                signal.signal(signal.SIGINT, lambda number, frame: self._call(handler, number, frame))
+                self._handler = handler
+            except ValueError:
+                pass                        # not the main thread of the main interpreter, which gets the signals
         return self
 
     def __exit__(self, *_: object) -> None:
         if self._handler is not None:
             signal.signal(signal.SIGINT, self._handler)
         self.heard()
+
+
+_signals: "Optional[tuple[int, mmap.mmap]]" = None
+
+
+def _signal_memory() -> "tuple[int, mmap.mmap]":
+    """Returns memory that is a file too, with the descriptor of the file."""
+    global _signals
+    if _signals is None:
+        file = os.memfd_create("fixsplat")
+        os.truncate(file, mmap.PAGESIZE)
+        os.set_blocking(file, False)
+        _signals = file, mmap.mmap(file, mmap.PAGESIZE)
+    return _signals
+
+
+@contextmanager
+def signals() -> "Iterator[Any]":
+    """Yields a byte that is not 0 from the moment at which a signal arrives. Handlers of signals wait until the call of
+    C is over, but the interpreter writes the numbers of signals to a file at once, without the GIL. Yields NULL on
+    threads that get no signals, and on systems without memory that is a file."""
+    if not hasattr(os, "memfd_create"):
+        yield NULL
+        return
+    file, memory = _signal_memory()
+    try:
+        earlier = signal.set_wakeup_fd(file, warn_on_full_buffer=False)
+    except ValueError:
+        yield NULL
+        return
+    try:
+        os.lseek(file, 0, os.SEEK_SET)
+        memory[0] = 0
+        yield ffi.from_buffer(memory)
+    finally:
+        signal.set_wakeup_fd(earlier)
+        if memory[0] and earlier != -1:
+            os.write(earlier, memory[:os.lseek(file, 0, os.SEEK_CUR)])
 
 
 @contextmanager

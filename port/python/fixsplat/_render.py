@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from ._camera import Camera, number, numbers, rotation_of
 from ._library import (CUTOFFS, NULL, Calls, Error, PathLike, Struct, call, check, choose, colour, ffi, file_name, lib,
-                       new, string, whole)
+                       new, signals, string, whole)
 from ._scene import Memory, Scene
 
 NOTHING: int = lib.FXS_NOTHING
@@ -208,13 +208,21 @@ class Renderer:
             yield
 
     def draw(self, placed: _Placed, request: Struct) -> None:
-        """Draws into the targets of the request, and waits until the picture is complete."""
-        message = new("fxs_message")
+        """Draws into the targets of the request, and waits until the picture is complete, or until Ctrl-C raises an
+        exception. A signal whose handler raises nothing leaves a picture to be drawn once more."""
+        message, stop = new("fxs_message"), request.options.stop
         with self._turn():
             self._forget_closed()
             for memory in placed.memories:
                 self._drawn[memory.scene] = weakref.ref(memory)
-            check(self._table.render(self._handle, request, NULL, message), message)
+            with signals() as byte:
+                if byte and not stop:
+                    request.options.stop, request.options.stop_argument = lib.fxs_stop_by_byte, byte
+                result = self._table.render(self._handle, request, NULL, message)
+            if result == lib.FXS_ERR_STOPPED and not stop:
+                request.options.stop = NULL
+                result = self._table.render(self._handle, request, NULL, message)
+            check(result, message)
 
     def _forget_closed(self) -> None:
         """Drops a device's copies of closed scenes. The copy of a scene is found by the address of its struct, so the
@@ -309,6 +317,18 @@ class Picture:
             raise ValueError("the picture has no colours: they were not among its targets")
         pixels = np.ascontiguousarray(self.colour)
         call("fxs_image_file_write", file_name(path), ffi.from_buffer(pixels), pixels.shape[1], pixels.shape[0])
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """Returns the colours as the bytes of a .png, which a notebook shows."""
+        if self.colour is None:
+            return None
+        pixels, encoded = np.ascontiguousarray(self.colour), new("fxs_encoded")
+        try:
+            call("fxs_image_encode", lib.FXS_IMAGE_PNG, 0, ffi.from_buffer(pixels), pixels.shape[1], pixels.shape[0],
+                 encoded)
+            return bytes(ffi.buffer(encoded.bytes, encoded.size))
+        finally:
+            lib.fxs_encoded_free(encoded)
 
 
 def _arrays(targets: "Sequence[str]", width: int, height: int) -> "Dict[str, npt.NDArray[Any]]":
