@@ -7,6 +7,7 @@
 #include <fixsplat/packed.h>
 #include "src/base/crc32.h"
 #include "src/base/output_internal.h"
+#include "src/core/codes.h"
 
 /* The checksum of the header at `data`, with its field for the checksum 0. */
 static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
@@ -79,6 +80,16 @@ int fxs_file_seal(void *data, size_t bytes)
         memcpy(chunks + (size_t)i * sizeof chunk, &chunk, sizeof chunk);
     }
     return 0;
+}
+
+uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->chunk_count; i++)
+        for (uint32_t g = 0; g < FXS_CHUNK && count < scene->count; g++)
+            if (fxs_codes_of(scene, rows_of(scene, i), g).rotation)
+                numbers[count++] = i * FXS_CHUNK + g;
+    return count;
 }
 
 /* Errors stay in the output. */

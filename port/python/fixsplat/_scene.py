@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from ._camera import Camera, number, numbers
 from ._gaussians import Gaussians, Progress, Stream, file_options, open_options
@@ -160,9 +161,17 @@ class Scene:
 
     def arrays(self, *, progress: Progress = None) -> Gaussians:
         """Returns the Gaussians as arrays of floats: the values that the codes of the packed scene stand for, in the
-        order of the numbers that the target "ids" has. The floats of a file are those of `load_gaussians`."""
+        order of `numbers`. The floats of a file are those of `load_gaussians`."""
         with Calls(progress) as calls, Stream.of_scene(self.memory, calls) as stream:
             return stream.arrays(progress)
+
+    @property
+    def numbers(self) -> "npt.NDArray[np.uint32]":
+        """The number that the target "ids" has for each Gaussian of `arrays`, of shape (count,), increasing. It is 0,
+        1, 2 and so on, but for scenes with Gaussians that are far beyond all others."""
+        numbers = np.empty(self.count, np.uint32)
+        found = lib.fxs_scene_numbers(self.memory.scene, ffi.from_buffer("uint32_t[]", numbers))
+        return numbers[:found]
 
     def select(self, mask: Any) -> "Scene":
         """Makes a scene of some of the Gaussians, in the same profile. mask: an array of `count` bools, an array of
