@@ -133,17 +133,17 @@ for ending in FORMATS:
     ok(f"Gaussians.save: .{ending}", read(f"ours.{ending}") == read(f"theirs.{ending}"))
 for ending, options, given in (
         ("spz", {"spz_version": 3}, ["--spz-version", "3"]),
+        ("ply", {"decimate": 0.1234}, ["--decimate", "12.34%"]),
         ("fxs", {"profile": "compact"}, ["--profile", "compact"]),
         ("ply", {"up": (0, 0, 1)}, ["--up", "0,0,1"]),
         ("ply", {"up": (0, 1, 0)}, ["--up", "0,1,0"]),
-        ("csv", {"rotate": (10, 0, -725.5), "antialiased": None}, ["--rotate", "10,0,-725.5"]),
+        ("csv", {"rotate": (10, 0, -725.5)}, ["--rotate", "10,0,-725.5"]),
         ("splat", {"scale": 0.25}, ["--scale", "0.25"]),
         ("fxs", {"translate": (1, -2, 1e6), "profile": "small"}, ["--translate", "1,-2,1e6", "--profile", "small"]),
         ("glb", {"translate": (1, 0, 0), "scale": 3, "rotate": (20, 30, 40), "up": (1, 2, 3),
                  "crop": [[-3, -9, -9], [9, 9, 9]], "decimate": 500, "sh_degree": 2},
          ["--translate", "1,0,0", "--scale", "3", "--rotate", "20,30,40", "--up", "1,2,3", "--crop", "-3,-9,-9,9,9,9",
           "--decimate", "500", "--sh-degree", "2"])):
-    options.pop("antialiased", None)
     for name, source, path in (("a path", "knot.ply", "knot.ply"), ("arrays", knot, "knot.ply"),
                                ("a scene", packed, "knot.fxs")):
         run("convert", path, f"theirs.{ending}", *given)
@@ -313,6 +313,7 @@ for name, kind, words, call in (
         ("convert: level of arrays", ValueError, "are for files", lambda: knot.save("x.ply", level=1)),
         ("convert: up", ValueError, "^up: expected a direction", lambda: knot.save("x.ply", up=(0, 0, 0))),
         ("convert: rotate", ValueError, r"^rotate: expected the shape \(3,\)", lambda: knot.save("x.ply", rotate=90)),
+        ("convert: decimate, a share", ValueError, "^decimate=1.5", lambda: knot.save("x.ply", decimate=1.5)),
         ("convert: scale", ValueError, "^scale=0", lambda: knot.save("x.ply", scale=0)),
         ("convert: translate", fixsplat.Error, "2\\^28", lambda: knot.save("x.ply", translate=(1e9, 0, 0))),
         ("convert: a closed scene", ValueError, "the scene is closed", lambda: alone.save("x.ply")),

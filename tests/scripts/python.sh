@@ -138,7 +138,7 @@ if "$python" -c 'import setuptools, pip, wheel, venv' 2>/dev/null; then
     check "a fresh venv: it renders" env -u FIXSPLAT_LIBRARY "$python" -c \
         'import fixsplat; s = fixsplat.load("knot.ply"); assert s.render(s.frame(64, 48)).colour.any()'
 else
-    skip "pip install" "not here: python3-pip, python3-setuptools, python3-wheel, python3-venv"
+    skip "pip install" "no pip, setuptools and wheel here (python3-pip)"
 fi
 check "the source tree is as it was" equal "$(ls "$root/port/python" | tr '\n' ' ')" "fixsplat pyproject.toml setup.py "
 finish

@@ -1,6 +1,7 @@
 """Converts and edits scenes: files, packed scenes and arrays."""
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
 from typing import Any, Optional, Tuple, Union
@@ -44,7 +45,7 @@ class Conversion:
 
 def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, scale: float = 1, translate: Any = None,
             crop: Any = None, sphere: Any = None, prune: float = 0, drop_floaters: bool = False, sh_degree: int = 3,
-            decimate: Optional[int] = None, profile: Optional[str] = None, spz_version: Optional[int] = None,
+            decimate: Optional[float] = None, profile: Optional[str] = None, spz_version: Optional[int] = None,
             level: int = 0, axes: str = "file", max_gaussians: int = 0, max_memory: int = 0, threads: int = 0,
             progress: Progress = None) -> Conversion:
     """Converts the scene src into the scene file dst. src is the path of a scene file, Gaussians, or a Scene. The
@@ -65,7 +66,8 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     prune: Gaussians of at least this opacity are kept, 0 to 1.
     drop_floaters: True leaves out Gaussians with almost nothing around them.
     sh_degree: SH are kept up to this degree, 0 to 3.
-    decimate: neighbours are merged until this number of Gaussians is left. None merges no Gaussians.
+    decimate: neighbours are merged until this number of Gaussians is left, or, for a float above 0 and up to 1.0, this
+    share of them. None merges no Gaussians.
     profile: the profile of an .fxs file: "default", "compact" or "small". None stands for "default".
     spz_version: the version of an .spz file: 3 (gzip) or 4 (zstd). None stands for 4.
     level, axes, max_gaussians, max_memory, threads, progress: as for `load`. The first four are for files.
@@ -81,16 +83,17 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     if spz_version is not None and not out.endswith(".spz"):
         raise ValueError("spz_version: is for .spz")
     version = whole("spz_version", 4 if spz_version is None else spz_version, 3, 4)
-    target = None if decimate is None else whole("decimate", decimate, 1, 2**64 - 1)
+    share = number("decimate", decimate, math.ulp(0), 1) if isinstance(decimate, float) else 0
+    target = 0 if share or decimate is None else whole("decimate", decimate, 1, 2**64 - 1)
     how = _filter(crop, sphere, prune, drop_floaters, sh_degree)
-    how.drawable = not packed or target is not None
+    how.drawable = not packed or decimate is not None
     placement = _placement(up, rotate, scale, translate)
     with Calls(progress) as calls, _open(src, out, (level, axes, max_gaussians, max_memory), calls) as stream:
         if not lib.fxs_placement_is_plain(placement):
             stream.place(placement)
         kept = stream.filter(how)
-        if target is not None:
-            stream.decimate(target)
+        if decimate is not None:
+            stream.decimate(target or math.ceil(share * stream.info.count))
         if packed:
             return _pack_into(stream, out, profile or "default", threads, kept)
         written = _write_into(stream, out, version, progress)
