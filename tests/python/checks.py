@@ -9,6 +9,8 @@ import threading
 
 import numpy as np
 
+signal.signal(signal.SIGINT, signal.default_int_handler)    # Python leaves it ignored where a background job has it so
+
 
 def ok(name, condition, why=""):
     print(f"ok {name}" if condition else f"FAIL {name}: {str(why) or 'not so'}", flush=True)
