@@ -1,5 +1,5 @@
-"""Builds a wheel that holds the shared library: the file that FIXSPLAT_LIBRARY names, or the one of the checkout's build
-folder. The wheel is for any Python 3 on the platform of the library."""
+"""Builds a wheel that holds the shared library: the file that FIXSPLAT_LIBRARY names, or the one in the build folder of
+the checkout. The wheel is for any Python 3 on the platform of the library."""
 import os
 import shutil
 from pathlib import Path

@@ -30,8 +30,8 @@ FXS_API int fxs_file_seal(void *data, size_t bytes);
    version. */
 FXS_API int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message);
 
-/* Writes the numbers in an open scene of its Gaussians to `numbers`, which has room for scene->count of them: the numbers
-   of fxs_id, for the Gaussians in the order in which a stream of the scene gives them. They are 0, 1, 2 ... but for
+/* Writes the numbers of the Gaussians of an open scene to `numbers`, which has room for scene->count of them: the
+   numbers of fxs_id, in the order in which a stream of the scene gives the Gaussians. They are 0, 1, 2 ... but for
    scenes with holes (packed.h). Returns how many it wrote, fewer only where the scene is damaged. */
 FXS_API uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers);
 

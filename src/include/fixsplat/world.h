@@ -44,8 +44,8 @@ FXS_API void fxs_placement_init(fxs_placement *placement, uint32_t file, uint32_
 /* 1 where a placement changes no Gaussian, whatever its crops, else 0. */
 FXS_API int fxs_placement_is_plain(const fxs_placement *placement);
 
-/* The first function sets the rotation of a placement to the shortest one that turns the direction `up`, which is not 0,
-   to 0, -1, 0. The second turns it further by some degrees about the world's axis x, y or z (0, 1 or 2). */
+/* The first function sets the rotation of a placement to the shortest one that turns the direction `up`, which is not
+   0, to 0, -1, 0. The second turns it further by some degrees about the world's axis x, y or z (0, 1 or 2). */
 FXS_API void fxs_placement_turn_up(fxs_placement *placement, const double up[3]);
 FXS_API void fxs_placement_turn(fxs_placement *placement, int axis, double degrees);
 
