@@ -226,8 +226,14 @@ static void colmap_models(void)
     check_bends("", 1);
     put_colmap_txt("7 OPENCV_FISHEYE 640 480 500 500 310 250 0 0 0 0", "\n");
     check_bends("", 1);
+    put_colmap_txt("7 RADIAL_FISHEYE 640 480 500 310 250 0 0", "\n");
+    check_bends("", 1);
+    put_colmap_txt("7 FOV 640 480 500 500 310 250 0", "\n");
+    check_bends("", 1);
     put_colmap_txt("7 THIN_PRISM_FISHEYE 640 480 500 500 310 250 0 0 0 0 0 0 0 0", "\n");
-    check_fault("", "cameras.txt: camera 7: a camera model that is not known here; undistort");
+    check_bends("", 1);
+    put_colmap_txt("7 CYLINDER 640 480 500 500 310 250", "\n");
+    check_fault("", "cameras.txt: camera 7: a camera model that is not known here; expected one of COLMAP 3");
     put_colmap_txt("7 PINHOLE 640 480 500 310 250", "\n");
     check_fault("", "camera 7: not a size and 4 parameters");
     put_colmap_txt("7 PINHOLE 640 480 500 500 310 250 0", "\n");
@@ -287,7 +293,7 @@ static void colmap_bin_faults(void)
     check_bends("", 1);
     make_cameras_bin(4000000000u, distorted, 8);
     put("cameras.bin", bytes, size);
-    check_fault("", "undistort");
+    check_fault("", "a camera model that is not known here");
     put_colmap_bin();
     make_images_bin(1, "b.jpg", zero);
     put("images.bin", bytes, size);
@@ -514,7 +520,7 @@ static void transforms_faults(void)
     put_transforms("\"fl_x\":500,\"camera_model\":\"OPENCV_FISHEYE\",", "");
     check_bends("transforms.json", 1);
     put_transforms("\"fl_x\":500,\"camera_model\":\"EQUIRECTANGULAR\",", "");
-    check_fault("transforms.json", "undistort");
+    check_fault("transforms.json", "camera_model \"EQUIRECTANGULAR\" is not known here");
     put_text("transforms.json", "{\"frames\":[]}");
     check_fault("transforms.json", "no views");
     put_text("transforms.json", "{\"frames\":[{}]}");
@@ -714,6 +720,20 @@ static void camera_from_matrices(void)
     CHECK(fxs_camera_from_matrices(&camera, view, projection, 640, FXS_MAX_SIZE + 1, &message) == FXS_ERR_SIZE);
 }
 
+/* The ray through a point of the picture stays at that point, in the new picture's measure. */
+static void view_resized(void)
+{
+    const fxs_file_view before = {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 300.3, .cy = 250.7};
+    fxs_file_view view = before;
+    fxs_view_resize(&view, 640, 480);
+    CHECK(view.fx == before.fx && view.fy == before.fy && view.cx == before.cx && view.cy == before.cy);
+    fxs_view_resize(&view, 1280, 960);
+    CHECK(view.fx == 1000 && view.fy == 1020 && fabs(view.cx - 600.6) < 1e-9 && fabs(view.cy - 501.4) < 1e-9);
+    view = before;
+    fxs_view_resize(&view, 320, 480);                /* by the width: as many pixels of the height as lie there */
+    CHECK(view.fy == 255 && fabs(view.cx - 150.15) < 1e-9 && fabs(view.cy - (240 + 10.7 / 2)) < 1e-9);
+}
+
 /* The middle of the box is in the middle of the picture, its corners are on the picture and in front. */
 static void view_of_a_box(void)
 {
@@ -782,6 +802,7 @@ int main(void)
     RUN(control_characters_in_messages);
     RUN(camera_from_view);
     RUN(camera_from_matrices);
+    RUN(view_resized);
     RUN(view_of_a_box);
     RUN(way_is_smooth);
     RUN(colmap_bin);

@@ -424,16 +424,17 @@ static const struct {
     double fx, fy, cx, cy;
     int widens;                    /* the pinhole sees more than the photograph's size at its focal length, or less */
 } lenses[] = {
-    {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {0, {-0.15}, {0}}, 140, 140, 80, 60, 1},
-    {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {0, {0.2}, {0}}, 140, 140, 80, 60, 0},
-    {"OPENCV 160 120 140 140 80 60 0 0 0 0.05", {0, {0}, {0, 0.05}}, 140, 140, 80, 60, 0},
-    {"RADIAL 160 120 140 83 58 -0.2 0.05", {0, {-0.2, 0.05}, {0}}, 140, 140, 83, 58, 1},
-    {"OPENCV 160 120 140 150 80 60 -0.2 0.05 0.01 -0.02", {0, {-0.2, 0.05}, {0.01, -0.02}}, 140, 150, 80, 60, 1},
+    {"SIMPLE_RADIAL 160 120 140 80 60 -0.15", {.k = {-0.15}}, 140, 140, 80, 60, 1},
+    {"SIMPLE_RADIAL 160 120 140 80 60 0.2", {.k = {0.2}}, 140, 140, 80, 60, 0},
+    {"OPENCV 160 120 140 140 80 60 0 0 0 0.05", {.k = {0}, .p = {0, 0.05}}, 140, 140, 80, 60, 0},
+    {"RADIAL 160 120 140 83 58 -0.2 0.05", {.k = {-0.2, 0.05}}, 140, 140, 83, 58, 1},
+    {"OPENCV 160 120 140 150 80 60 -0.2 0.05 0.01 -0.02", {.k = {-0.2, 0.05}, .p = {0.01, -0.02}}, 140, 150, 80, 60, 1},
     {"FULL_OPENCV 160 120 140 140 80 60 0.1 -.05 .002 .001 .02 .3 .04 .01",
-     {0, {0.1, -.05, .02, .3, .04, .01}, {.002, .001}}, 140, 140, 80, 60, 1},
-    {"OPENCV_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001", {1, {.05, -.01, .002, -.001}, {0}}, 100, 100, 80, 60,
-     1},
-    {"OPENCV_FISHEYE 160 120 100 100 80 60 0 0 0 0", {1, {0}, {0}}, 100, 100, 80, 60, 1},
+     {.k = {0.1, -.05, .02, .3, .04, .01}, .p = {.002, .001}}, 140, 140, 80, 60, 1},
+    {"OPENCV_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001", {.fisheye = 1, .k = {.05, -.01, .002, -.001}},
+     100, 100, 80, 60, 1},
+    {"OPENCV_FISHEYE 160 120 100 100 80 60 0 0 0 0", {.fisheye = 1, .k = {0}}, 100, 100, 80, 60, 1},
+    {"RADIAL_FISHEYE 160 120 100 80 60 .05 -.01", {.fisheye = 1, .k = {.05, -.01}}, 100, 100, 80, 60, 1},
 };
 
 /* OpenCV's formulas, as its page "Camera Calibration and 3D Reconstruction" and that of fisheye have them. */
@@ -519,7 +520,7 @@ static void lens_limits(void)
     check_refused("one", &options, FXS_ERR_FILE, "one/images/a.ppm: the distortion of its camera cannot be undone");
     say("1 FOV 160 120 140 140 80 60 0.9\n");
     put_text("one/cameras.txt");
-    check_refused("one", &options, FXS_ERR_FILE, "camera 1: a camera model that is not known");
+    check_refused("one", &options, FXS_ERR_FILE, "view a.ppm: its photograph cannot be undistorted here");
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
@@ -639,7 +640,7 @@ static void nerfstudio(void)
     check_refused("one/transforms.json", &options, FXS_ERR_FILE, "view 0: it names no photograph");
     say_frames("\"camera_model\":\"EQUIRECTANGULAR\",", "./images/a.ppm", 1);
     put_text("one/transforms.json");
-    check_refused("one/transforms.json", &options, FXS_ERR_FILE, "camera_model is not a perspective one");
+    check_refused("one/transforms.json", &options, FXS_ERR_FILE, "is not known here; expected one of a perspective");
     remove_file("one/transforms.json");
 }
 

@@ -105,7 +105,8 @@ const option_row camera_rows[] = {
      "near plane: only what lies beyond is drawn, scene units, 2^-20 to 2^28 (default: 0.2 for views of a file in "
      "render, bench and info; else 1/100 of the scene's radius, at most 0.2)"},
     {"size", "WxH", take_frame_size, 0, .expected = SIZE_EXPECTED, .help =
-     "pixels (default: the view's own size, else 1280x720; of a panorama 2048x1024)"},
+     "pixels (default: the view's own size, else 1280x720; of a panorama 2048x1024); a view of a file is scaled by the "
+     "widths, its principal point too"},
     {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
      "two pictures side by side, of eyes so far apart (scene units, above 0) about the camera; order and colours are "
      "found once for both"},

@@ -90,7 +90,8 @@ export interface Pinhole {
   /** The position of the camera in the world, in scene units. */
   position: Vector
   /** The horizontal focal length in pixels, for a picture of `width` x `height`. For a picture of another size, the
-      focal lengths are multiplied by the ratio of the widths, and the principal point moves to the middle. */
+      focal lengths are multiplied by the ratio of the widths, and so is the distance of the principal point from the
+      middle. */
   fx: number
   /** The vertical focal length in pixels; `fx` by default. */
   fy?: number

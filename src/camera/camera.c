@@ -120,11 +120,12 @@ int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double hi
 
 void fxs_view_resize(fxs_file_view *view, int width, int height)
 {
-    double scale = (double)width / view->width;
+    const double scale = (double)width / view->width;
     view->fx *= scale;
     view->fy *= scale;
-    view->cx = width / 2.0;
-    view->cy = height / 2.0;
+    /* cx - old width / 2 becomes scale (cx - old width / 2): nothing in the middle moves, to the last bit */
+    view->cx = width / 2.0 + scale * (view->cx - view->width / 2.0);
+    view->cy = height / 2.0 + scale * (view->cy - view->height / 2.0);
     view->width = width;
     view->height = height;
 }

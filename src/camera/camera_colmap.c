@@ -8,20 +8,21 @@
 #include <string.h>
 
 #define MAX_CAMERAS 1000000
-#define MAX_PARAMS 12
+#define MAX_PARAMS 16
 
 /* The index is COLMAP's model id. Focal lengths and the principal point come first, then the coefficients of the lens
-   by their letters, 0 to 5 for k1 to k6. */
+   by their letters: 0 to 5 for k1 to k6, p and q for p1 and p2, ? for one of a lens that only a pinhole stands for. */
 static const struct {
     const char *name;
-    int focals;
+    int focals, fisheye;
     const char *coefficients;
 } models[] = {
-    {"SIMPLE_PINHOLE", 1, ""}, {"PINHOLE", 2, ""}, {"SIMPLE_RADIAL", 1, "0"}, {"RADIAL", 1, "01"},
-    {"OPENCV", 2, "01pq"}, {"OPENCV_FISHEYE", 2, "0123"}, {"FULL_OPENCV", 2, "01pq2345"},
+    {"SIMPLE_PINHOLE", 1, 0, ""}, {"PINHOLE", 2, 0, ""}, {"SIMPLE_RADIAL", 1, 0, "0"}, {"RADIAL", 1, 0, "01"},
+    {"OPENCV", 2, 0, "01pq"}, {"OPENCV_FISHEYE", 2, 1, "0123"}, {"FULL_OPENCV", 2, 0, "01pq2345"}, {"FOV", 2, 0, "?"},
+    {"SIMPLE_RADIAL_FISHEYE", 1, 1, "0"}, {"RADIAL_FISHEYE", 1, 1, "01"}, {"THIN_PRISM_FISHEYE", 2, 1, "????????"},
+    {"RAD_TAN_THIN_PRISM_FISHEYE", 2, 1, "????????????"},
 };
 #define MODELS (sizeof models / sizeof *models)
-#define FISHEYE 5
 
 typedef struct camera {
     double id, width, height, fx, fy, cx, cy;
@@ -42,18 +43,21 @@ static int params_of(size_t model)
 
 static int not_known(const camera_list *list, double id)
 {
-    return fxs_fail(list->message, "%s: camera %.0f: a camera model that is not known here; undistort the images first",
-                    list->path, id);
+    return fxs_fail(list->message, "%s: camera %.0f: a camera model that is not known here; expected one of COLMAP 3, "
+                    "%s to %s", list->path, id, models[0].name, models[MODELS - 1].name);
 }
 
 static int read_lens(size_t model, const double *params, fxs_lens *lens)
 {
     memset(lens, 0, sizeof *lens);
-    lens->fisheye = model == FISHEYE;
+    lens->fisheye = models[model].fisheye;
     for (const char *c = models[model].coefficients; *c; c++, params++) {
-        *(*c >= 'p' ? &lens->p[*c - 'p'] : &lens->k[*c - '0']) = *params;
         if (!isfinite(*params))
             return 0;
+        if (*c == '?')
+            lens->is_unknown = 1;
+        else
+            *(*c >= 'p' ? &lens->p[*c - 'p'] : &lens->k[*c - '0']) = *params;
     }
     return 1;
 }
@@ -63,7 +67,8 @@ static int add_camera(camera_list *list, size_t model, double id, const double s
     const int focals = models[model].focals;
     fxs_lens lens;
     if (!read_lens(model, params + focals + 2, &lens))
-        return not_known(list, id);
+        return fxs_fail(list->message, "%s: camera %.0f: a coefficient of its lens is not a finite number", list->path,
+                        id);
     if (list->count == MAX_CAMERAS)
         return fxs_fail(list->message, "%s: more than %d cameras", list->path, MAX_CAMERAS);
     if (list->count == list->capacity) {

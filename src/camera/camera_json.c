@@ -162,7 +162,8 @@ static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *
     const int fisheye = model && !strcmp(model, "OPENCV_FISHEYE");
     intrinsics file = read_intrinsics(root);
     if (model && !fisheye && !perspective(model))
-        return fxs_fail(list->message, "%s: camera_model is not a perspective one; undistort the images", list->path);
+        return fxs_fail(list->message, "%s: the camera_model \"%.40s\" is not known here; expected one of a "
+                        "perspective camera, or OPENCV_FISHEYE", list->path, model);
     if (points && !(list->points = malloc(strlen(points) + 1)))
         return fxs_fail_memory(list->message, list->path, 0);
     if (points)

@@ -10,7 +10,7 @@ int fxs_lens_is_pinhole(const fxs_lens *lens)
     for (int i = 0; i < 6; i++)
         if (lens->k[i] != 0)
             return 0;
-    return !lens->fisheye && lens->p[0] == 0 && lens->p[1] == 0;
+    return !lens->fisheye && !lens->is_unknown && lens->p[0] == 0 && lens->p[1] == 0;
 }
 
 /* atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), four times, then the series: below 0.1, where ten terms are enough. */

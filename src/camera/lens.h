@@ -9,6 +9,7 @@
 typedef struct fxs_lens {
     int fisheye;             /* 1: OpenCV's fisheye model with k[0] to k[3]; it distorts even with all of them 0 */
     double k[6], p[2];       /* radial: the quotient of two polynomials; tangential */
+    int is_unknown;          /* 1: of a model that is neither */
 } fxs_lens;
 
 /* 1 where the lens has no distortion, else 0. */

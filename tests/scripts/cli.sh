@@ -997,6 +997,19 @@ colmap bent "7 OPENCV 64 48 60 60 32 24 0.1 0.01 0.001 0"
 colmap straight "7 PINHOLE 64 48 60 60 32 24"
 run render knot.ply --cameras straight --view 0 -o straight.ppm
 check "a pinhole: not a word" equal "$status $(cat logs/err)" "0 "
+colmap shifted "7 PINHOLE 64 48 60 60 20.5 27.25"
+"$fixsplat" render knot.ply --cameras shifted -o shifted.ppm
+check "the principal point is the camera's" differ "$(cksum <shifted.ppm)" "$(cksum <straight.ppm)"
+"$fixsplat" render knot.ply --cameras shifted --size 64x48 -o resized.ppm
+check "--size that is the view's own: the same picture" cmp resized.ppm shifted.ppm
+colmap larger "7 PINHOLE 128 96 120 120 41 54.5"
+check "--size scales the principal point" equal "$(hash_of knot.ply --cameras shifted --size 128x96)" \
+    "$(hash_of knot.ply --cameras larger)"
+colmap prism "7 THIN_PRISM_FISHEYE 64 48 60 60 32 24 0.1 0 0 0 0 0 0 0"
+run render knot.ply --cameras prism --view 0 -o prism.ppm
+check "a lens without a formula here: drawn as by a pinhole, and said" equal \
+    "$status $(cat logs/err) $(cmp prism.ppm straight.ppm 2>&1)" \
+    "0 fixsplat: prism: 1 of 1 views have a lens that bends: they are drawn as by a pinhole "
 run render knot.ply --cameras bent --view 0 -o bent.ppm
 check "a lens that bends: said" equal "$status $(cat logs/err)" \
     "0 fixsplat: bent: 1 of 1 views have a lens that bends: they are drawn as by a pinhole"

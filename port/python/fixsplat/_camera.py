@@ -144,7 +144,8 @@ class Camera:
 
     def resized(self, width: int, height: int) -> "Camera":
         """Makes the same camera for a picture of another size, as `fixsplat render --size` does. fx and fy are
-        multiplied by the new width over the old width, and the principal point moves to the centre of the picture."""
+        multiplied by the new width over the old width, and so is the distance of the principal point from the
+        centre of the picture."""
         view = copy(self._view)
         lib.fxs_view_resize(view, whole("width", width, 1, lib.FXS_MAX_SIZE),
                             whole("height", height, 1, lib.FXS_MAX_SIZE))

@@ -28,8 +28,8 @@ FXS_API double fxs_near_of_box(const double low[3], const double high[3]);
 FXS_API int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3],
                                double fov, int width, int height, fxs_message *message);
 
-/* Changes the size of the picture: scales fx and fy by new width / old width, and moves the principal point to the
-   centre. */
+/* Changes the size of the picture: multiplies fx, fy and the distance of the principal point from the centre of the
+   picture by new width / old width. */
 FXS_API void fxs_view_resize(fxs_file_view *view, int width, int height);
 
 /* Sets the field of view by the tangents of its sides, as headsets state them: left, right, up, down, with left < right
