@@ -17,6 +17,7 @@
 #include <zlib.h>
 #endif
 
+#include "src/base/opened.h"
 #include "tools/metrics.h"
 #include "check.h"
 #include "jpeg_bytes.h"
@@ -223,6 +224,28 @@ static void bad_targets(void)
     CHECK(write_image("d.png") == FXS_ERR_FILE && strstr(message.text, "directory"));
     CHECK(files_in_folder() == 1);
     rmdir(in_folder("d.png"));
+}
+
+static int refuse(const char *path, fxs_message *why)
+{
+    return strstr(path, "a.png") ? fxs_fail(why, "%s: not this one", path) : 0;
+}
+
+/* A program that refuses an output is asked before anything of it is there. */
+static void refused_targets(void)
+{
+    make_image(0);
+    CHECK(!write_image("a.png"));
+    make_image(1);
+    fxs_ask_outputs(refuse);
+    CHECK(write_image("a.png") == FXS_ERR_FILE && strstr(message.text, "a.png: not this one"));
+    CHECK(!write_image("b.png") && files_in_folder() == 2);
+    fxs_ask_outputs(NULL);
+    check_read("b.png", 1);
+    make_image(0);
+    check_read("a.png", 1);
+    remove(in_folder("a.png"));
+    remove(in_folder("b.png"));
 }
 
 static void unwritable_folder(void)
@@ -723,6 +746,7 @@ int main(void)
     RUN(webp);
 #endif
     RUN(bad_targets);
+    RUN(refused_targets);
     RUN(unwritable_folder);
     RUN(full_disk);
     RUN(bad_images);

@@ -17,6 +17,7 @@ typedef struct fit_command {
     fxs_fit_options options;
     const char *in, *out, *resume, *compare;
     char *saved;                    /* OUT.fit */
+    int saves_itself;               /* it is the file of --resume */
     uint32_t block, blocks;         /* 0: all */
     uint64_t save_every;            /* 0: never */
     int json;
@@ -163,9 +164,16 @@ static int check_outputs(fit_command *c)
     const int wrong = result_check(c->out);
     if (wrong)
         return wrong;
+    const size_t room = strlen(c->out) + sizeof ".fit";
+    c->saved = malloc(room);
+    if (!c->saved)
+        return fail(EXIT_FAILED, "out of memory");
+    snprintf(c->saved, room, "%s.fit", c->out);
+    c->saves_itself = c->resume && files_same(c->resume, c->saved);
     files_read(c->in);
-    files_read(c->resume);
+    files_read(c->saves_itself ? 0 : c->resume);
     files_write(c->out);
+    files_write(c->saved);
     const int taken = files_check();
     if (taken)
         return taken;
@@ -173,11 +181,6 @@ static int check_outputs(fit_command *c)
         return fail(EXIT_FAILED, "--compare %s: %s", c->compare, strerror(errno));
     if (c->compare && !stat(c->compare, &status) && !S_ISDIR(status.st_mode))
         return fail(EXIT_FAILED, "--compare %s: not a folder", c->compare);
-    const size_t room = strlen(c->out) + sizeof ".fit";
-    c->saved = malloc(room);
-    if (!c->saved)
-        return fail(EXIT_FAILED, "out of memory");
-    snprintf(c->saved, room, "%s.fit", c->out);
     return 0;
 }
 
@@ -316,12 +319,6 @@ static void print_word(const char *word)
     fputc('\'', stderr);
 }
 
-/* Whether it began with the file that it saves. */
-static int resumes_its_own(const fit_command *c)
-{
-    return c->resume && !strcmp(c->resume, c->saved);
-}
-
 /* The command that goes on from what is saved. */
 static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps, char **argv)
 {
@@ -331,7 +328,7 @@ static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t ste
     fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, step, steps);
     for (; *argv; argv++)
         print_word(*argv);
-    if (!resumes_its_own(c)) {
+    if (!c->saves_itself) {
         fputs(" --resume", stderr);
         print_word(c->saved);
     }
@@ -465,7 +462,7 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_
         const uint64_t now = fxs_clock(0);
         const uint32_t first = fxs_fit_steps(fit);
         progress p = {.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
-                      .last = now, .shown = now, .saved = resumes_its_own(c) ? first : 0};
+                      .last = now, .shown = now, .saved = c->saves_itself ? first : 0};
         listen_to_signals();
         status = make_steps(c, fit, &p, argv);
         restore_signals();

@@ -6,39 +6,41 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "src/base/opened.h"
 #include <fixsplat/output.h>
+#include "src/base/opened.h"
 #include "command.h"
-
-enum use { OPENED, GIVEN, OUTPUT };         /* by the library; to the command */
 
 /* A regular file, or the place in its folder where one is to be. */
 typedef struct file {
-    enum use use;
     uint64_t device, inode;                 /* of the file, or of the folder of one that is not there, */
     char *place;                            /* and its name in that; null of a file that is there */
     char *name;                             /* of an output, as it was given */
+    int is_given;                           /* to the command; else the library opened it */
 } file;
 
-static struct {
-    pthread_mutex_t lock;                   /* photographs are opened by several threads */
+typedef struct file_list {
     file *files;
     size_t count, room;
+} file_list;
+
+static struct {
+    pthread_mutex_t lock;                   /* photographs are opened by several threads, and frames are written by them */
+    file_list read, written;
     int incomplete;                         /* no memory for one */
     enum files_force force;
 } known = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
-static void add(file f)
+static void add(file_list *list, file f)
 {
     pthread_mutex_lock(&known.lock);
-    if (known.count == known.room) {
-        const size_t room = 2 * known.room + 16;
-        file *larger = realloc(known.files, room * sizeof *larger);
-        known.files = larger ? larger : known.files;
-        known.room = larger ? room : known.room;
+    if (list->count == list->room) {
+        const size_t room = 2 * list->room + 16;
+        file *larger = realloc(list->files, room * sizeof *larger);
+        list->files = larger ? larger : list->files;
+        list->room = larger ? room : list->room;
     }
-    if (known.count < known.room)
-        known.files[known.count++] = f;
+    if (list->count < list->room)
+        list->files[list->count++] = f;
     else
         known.incomplete = 1;
     pthread_mutex_unlock(&known.lock);
@@ -46,12 +48,7 @@ static void add(file f)
 
 static void add_opened(uint64_t device, uint64_t inode)
 {
-    add((file){OPENED, device, inode, 0, 0});
-}
-
-void files_begin(void)
-{
-    fxs_tell_opened(add_opened);
+    add(&known.read, (file){.device = device, .inode = inode});
 }
 
 static char *copy_of(const char *text)
@@ -75,11 +72,11 @@ static int find_place(file *f, const char *name, struct stat *folder)
     return found;
 }
 
-static int find_file(file *f, const char *name)
+/* Returns 0 where the name is of a device, or its folder is not there. f->place is allocated. */
+static int find_file(file *f, const char *name, int standard)
 {
     struct stat status;
-    const int found = strcmp(name, "-") ? !stat(name, &status)
-                                        : !fstat(f->use == OUTPUT ? STDOUT_FILENO : STDIN_FILENO, &status);
+    const int found = strcmp(name, "-") ? !stat(name, &status) : !fstat(standard, &status);
     if (found ? !S_ISREG(status.st_mode) : !find_place(f, name, &status))
         return 0;
     f->device = (uint64_t)status.st_dev;
@@ -87,25 +84,28 @@ static int find_file(file *f, const char *name)
     return 1;
 }
 
-static void add_named(enum use use, const char *name)
+static const char *shown(const char *name)
 {
-    file f = {.use = use};
-    if (!name || !find_file(&f, name)) {
-        free(f.place);
-        return;
-    }
-    f.name = use == OUTPUT ? copy_of(strcmp(name, "-") ? name : "standard output") : 0;
-    add(f);
+    return strcmp(name, "-") ? name : "standard output";
 }
 
 void files_read(const char *name)
 {
-    add_named(GIVEN, name);
+    file f = {.is_given = 1};
+    if (name && find_file(&f, name, STDIN_FILENO))
+        add(&known.read, f);
+    else
+        free(f.place);
 }
 
 void files_write(const char *name)
 {
-    add_named(OUTPUT, name);
+    file f = {.is_given = 0};
+    if (name && find_file(&f, name, STDOUT_FILENO)) {
+        f.name = copy_of(shown(name));
+        add(&known.written, f);
+    } else
+        free(f.place);
 }
 
 void files_force(enum files_force force)
@@ -123,35 +123,61 @@ static int compare(const void *a, const void *b)
     return !one->place || !other->place ? !!one->place - !!other->place : strcmp(one->place, other->place);
 }
 
-/* One file, by all of its uses. */
-static int check_file(const file *files, size_t count)
+int files_same(const char *one, const char *other)
 {
-    size_t uses[3] = {0};
-    const char *name = 0;
-    for (size_t i = 0; i < count; i++) {
-        uses[files[i].use]++;
-        name = files[i].name ? files[i].name : name;
-    }
-    if (uses[OUTPUT] > 1)
-        return fail(EXIT_USAGE, "%s: two outputs are one file", name);
-    if (!uses[OUTPUT] || !(uses[GIVEN] || uses[OPENED]) || (uses[GIVEN] && known.force == FILES_FORCED))
+    file a = {.place = 0}, b = {.place = 0};
+    const int same = find_file(&a, one, STDIN_FILENO) && find_file(&b, other, STDOUT_FILENO) && !compare(&a, &b);
+    free(a.place);
+    free(b.place);
+    return same;
+}
+
+/* Returns 0, or an error and a message where the output takes the place of a file that is read. */
+static int check_output(const file *output, const char *name, fxs_message *message)
+{
+    size_t found = 0, given = 0;
+    pthread_mutex_lock(&known.lock);
+    for (size_t i = 0; i < known.read.count; i++)
+        if (!compare(&known.read.files[i], output)) {
+            found++;
+            given += known.read.files[i].is_given != 0;
+        }
+    pthread_mutex_unlock(&known.lock);
+    if (!found || (given && known.force == FILES_FORCED))
         return 0;
-    return fail(EXIT_USAGE, "%s: is read and cannot be written too%s", name,
-                uses[GIVEN] && known.force == FILES_REFUSE_UNFORCED ? "; --force replaces it" : "");
+    return fxs_fail(message, "%s: is read and cannot be written too%s", name,
+                    given && known.force == FILES_REFUSE_UNFORCED ? "; --force replaces it" : "");
+}
+
+/* Of every output, also of those that no command told of. */
+static int check_begun(const char *name, fxs_message *message)
+{
+    file f = {.place = 0};
+    const int error = find_file(&f, name, STDOUT_FILENO) ? check_output(&f, shown(name), message) : 0;
+    free(f.place);
+    return error;
+}
+
+void files_begin(void)
+{
+    fxs_tell_opened(add_opened);
+    fxs_ask_outputs(check_begun);
 }
 
 int files_check(void)
 {
+    const file_list *written = &known.written;
+    fxs_message message;
     if (known.incomplete)
         return fail(EXIT_FAILED, "out of memory");
-    if (known.count)
-        qsort(known.files, known.count, sizeof *known.files, compare);
-    for (size_t first = 0, end; first < known.count; first = end) {
-        for (end = first + 1; end < known.count && !compare(&known.files[first], &known.files[end]); end++)
-            ;
-        const int status = check_file(known.files + first, end - first);
-        if (status)
-            return status;
+    if (written->count)
+        qsort(written->files, written->count, sizeof *written->files, compare);
+    for (size_t i = 0; i < written->count; i++) {
+        const file *f = &written->files[i];
+        if (i && !compare(f - 1, f))
+            return fail(EXIT_USAGE, "%s: two outputs are one file", f->name);
+        if (check_output(f, f->name, &message))
+            return fail(EXIT_USAGE, "%s", message.text);
     }
     return 0;
 }

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <fixsplat/output.h>
+#include "src/base/opened.h"
 
 enum { LINKS_MOST = 40 };   /* the same limit as in Linux */
 
@@ -205,6 +206,7 @@ static int fail(const char *path, int error, fxs_message *message)
 
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message)
 {
+    FXS_TRY(fxs_may_write(path, message));
     memset(output, 0, sizeof *output);
     output->left = count;
     output->path = strcmp(path, "-") ? strdup(path) : standard_output;

@@ -1,8 +1,11 @@
-/* Reports the files that are opened for reading, for a program that must not overwrite any of them. */
+/* Reports the files that are opened for reading, and asks before a file is written, for a program that must not
+   overwrite what it reads. */
 #ifndef FXS_OPENED_H
 #define FXS_OPENED_H
 
 #include <stdint.h>
+
+#include <fixsplat/message.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,6 +20,16 @@ void fxs_tell_opened(fxs_opened_fn *told);
 
 /* Called by each function that opens a file. */
 void fxs_note_opened(uint64_t device, uint64_t inode);
+
+/* A function that gets the name of an output (- is standard output) before anything of it is there, on the thread that
+   writes. It returns 0, or an error and a message where the output is refused. */
+typedef int fxs_output_asked_fn(const char *path, fxs_message *message);
+
+/* A program calls this once, before it writes. From then on, `asked` is called for every output. */
+void fxs_ask_outputs(fxs_output_asked_fn *asked);
+
+/* Called by fxs_output_open, which begins every output. */
+int fxs_may_write(const char *path, fxs_message *message);
 
 #ifdef __cplusplus
 }

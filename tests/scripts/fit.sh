@@ -198,6 +198,14 @@ cp -r set other
 ln -sf ../../photo.ply other/images/03.png
 fails "OUT is a photograph" 2 "photo.ply: is read and cannot be written too" fit other -o photo.ply --steps 5
 check "OUT is a photograph: it stays" cmp photo.ply set/images/03.png
+mv photo.ply photo.fxs.fit
+ln -sf ../../photo.fxs.fit other/images/03.png
+fails "OUT.fit is a photograph" 2 "photo.fxs.fit: is read and cannot be written too" fit other -o photo.fxs --steps 5 \
+    --save-every 2
+check "OUT.fit is a photograph: it stays" cmp photo.fxs.fit set/images/03.png
+"$fixsplat" fit set --steps 9 -o same.fxs --save-every 5 >logs/out
+ln -s same.fxs.fit linked.fit
+succeeds "--resume of OUT.fit, by another name" fit set --steps 9 -o same.fxs --save-every 2 --resume linked.fit
 fails "--compare: a file" 1 "--compare knot.ply: not a folder" fit set -o x.fxs --compare knot.ply
 fails "--compare: no such folder" 1 "--compare none/pictures: No such file" fit set -o x.fxs --compare none/pictures
 fails "an unknown option" 2 "unknown option" fit set -o x.fxs --fast
