@@ -12,6 +12,7 @@
 #include <fixsplat/renderer.h>
 
 #include "src/base/files_internal.h"
+#include "src/base/try_internal.h"
 
 typedef struct open_scene {
     fxs_opened shown;
@@ -30,13 +31,14 @@ static int is_fxs(const void *bytes)
     return fxs_little_32(magic) == FXS_PACKED_MAGIC;
 }
 
-static int is_fxs_file(const char *path)
+/* Returns 1, 0, or an error and a message. */
+static int is_fxs_file(const char *path, fxs_message *message)
 {
     unsigned char bytes[4] = {0};
-    fxs_message unwanted;
     FILE *file;
-    if (fxs_file_kind(path) != FXS_FILE_REGULAR || fxs_file_open(path, &file, NULL, &unwanted))
+    if (fxs_file_kind(path) != FXS_FILE_REGULAR)
         return 0;
+    FXS_TRY(fxs_file_open(path, &file, NULL, message));
     const int is = fread(bytes, 1, sizeof bytes, file) == sizeof bytes && is_fxs(bytes);
     fclose(file);
     return is;
@@ -160,7 +162,10 @@ int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **ope
     int error = create(path, &s, opened, message);
     if (error)
         return error;
-    if (is_fxs_file(path))
+    const int is = is_fxs_file(path, message);
+    if (is < 0)
+        return finish(s, is, NULL, 0, opened, message);
+    if (is)
         return map_file(s, o, opened, message);
     error = fxs_scene_file_open(path, &o->file, &file, &s->info, message);
     return pack_file(s, error, file, o, opened, message);
