@@ -263,18 +263,18 @@ static void say_duration(char text[32], double seconds)
         snprintf(text, 32, "%" PRIu64 " h %02d min", s / 3600, (int)(s / 60 % 60));
 }
 
-/* On a terminal a line that changes; else one every half minute. */
+/* On a terminal a line that changes, of less than 80 columns; else a line after the first second, every ten seconds,
+   and for the last step. */
 static void show(progress *p, uint32_t step, size_t gaussians, uint64_t now)
 {
-    static const char marks[] = "##########";
     char text[160], left[32];
-    const int filled = (int)((uint64_t)step * 10 / p->steps);
-    const int is_line = isatty(STDERR_FILENO);
-    if (is_quiet() || now - p->shown < (is_line ? 200000000u : 30000000000u))
+    const int is_line = isatty(STDERR_FILENO), is_last = step == p->steps && !is_line;
+    const uint64_t pause = is_line ? 200000000u : p->shown == p->start ? 1000000000u : 10000000000u;
+    if (is_quiet() || (now - p->shown < pause && !is_last))
         return;
     say_duration(left, p->pace * (p->steps - step));
-    snprintf(text, sizeof text, "[%.*s%*s] %" PRIu32 "/%" PRIu32 ", loss %.4f, %zu Gaussians, %.1f steps/s, %s left",
-             filled, marks, 10 - filled, "", step, p->steps, p->loss, gaussians, p->pace > 0 ? 1 / p->pace : 0, left);
+    snprintf(text, sizeof text, "%" PRIu32 "/%" PRIu32 ", loss %.4f, %zu Gaussians, %.1f steps/s, %s left",
+             step, p->steps, p->loss, gaussians, p->pace > 0 ? 1 / p->pace : 0, left);
     if (is_line)
         progress_line(text);
     else
@@ -432,12 +432,21 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
     puts("}");
 }
 
+/* Where no bar shows it. */
+static void say_stage(const char *what, const char *of)
+{
+    if (!isatty(STDERR_FILENO))
+        note("%s %s", what, of);
+}
+
 /* A scene that cannot be written is not lost. */
 static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                   const progress *p, char **argv)
 {
     fit_result result;
     int status = result_write(&result, fit, block, c->out);
+    if (!status)
+        say_stage("measuring", c->out);
     if (status)
         save_for_later(c, fit, "saved", argv);
     else
@@ -485,7 +494,7 @@ static void say_sizes(const fxs_photos *photos)
         width = view->width > width ? view->width : width;
         height = view->height > height ? view->height : height;
     }
-    note("photographs: %zu to fit, %zu held out, up to %d x %d pixels; %zu points", photos->fit_count,
+    note("%zu photographs to fit, %zu held out, up to %dx%d; %zu points", photos->fit_count,
          photos->held_out_count, width, height, photos->point_count);
 }
 
@@ -505,8 +514,7 @@ static int fit_block(fit_command *c, const fxs_photos *whole, char **argv)
     c->options.extent = block.extent;
     c->options.block = c->block;
     c->options.blocks = c->blocks;
-    if (isatty(STDERR_FILENO))
-        say_sizes(&block.photos);
+    say_sizes(&block.photos);
     const int status = fit_photos(c, &block.photos, &block, argv);
     fxs_fit_block_free(&block);
     return status;
@@ -519,6 +527,7 @@ static int read_photos(fit_command *c, fxs_photos *photos)
     c->reading.progress = progress_bar;
     c->reading.left_out = say_left_out;
     c->reading.argument = label;
+    say_stage("reading", c->in);
     const int error = fxs_photos_read(c->in, &c->reading, photos, &message);
     progress_end();
     if (error)
@@ -528,8 +537,7 @@ static int read_photos(fit_command *c, fxs_photos *photos)
              photos->fit_count + photos->held_out_count);
     if (photos->points_are_random && !c->resume)
         note("%s: no points: begins with %zu random ones", c->in, photos->point_count);
-    if (isatty(STDERR_FILENO))
-        say_sizes(photos);
+    say_sizes(photos);
     return 0;
 }
 

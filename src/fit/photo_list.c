@@ -171,6 +171,7 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
     if (!held->views)
         return fxs_fail_memory(message, list->cameras, count * sizeof *held->views);
     size_t left = 0;
+    held->path = fit->path;
     for (size_t i = 0; i < fit->count; i++)
         if (i % n)
             fit->views[left++] = fit->views[i];

@@ -70,6 +70,9 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
         } else if (!error) {
             error = made->error;
             *message = made->message;
+            if (error == FXS_ERR_FILE)
+                fxs_fail(message, "%s (a photograph of %s; skip_bad, --skip-bad, leaves such out)", made->message.text,
+                         r->views->path);
         }
     }
     return error;

@@ -10,7 +10,7 @@ model=set/sparse/0
 awk 'NF { $1 += 100; $7 = -200; $10 = "b" $10; print; print "" }' $model/images.txt >more && cat more >>$model/images.txt
 awk '{ $1 += 1000; $3 += 200; print }' $model/points3D.txt >more && cat more >>$model/points3D.txt
 for picture in set/images/*.png; do cp $picture set/images/b${picture##*/}; done
-fit="fit set --steps 300"
+fit="fit set --quiet --steps 300"
 
 succeeds "whole" $fit -o whole.ply
 for i in 1 2; do

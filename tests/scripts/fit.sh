@@ -5,6 +5,15 @@
 . "$root/tests/scripts/lib/json.sh"
 . "$root/tests/scripts/lib/photos.sh"
 
+# Words of a fit are looked for where `loud` runs it, and what is left of them without those on its progress is `said`.
+export FIXSPLAT_QUIET=1
+loud() {
+    (unset FIXSPLAT_QUIET && exec "$fixsplat" "$@") >logs/out 2>logs/err
+    status=$?
+}
+progress='^[0-9]+/[0-9]+, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, .* left$'
+said() { grep -Ev -e "$progress" -e '^fixsplat: (reading|measuring) ' -e ' photographs to fit, ' logs/err; }
+
 # ---- Photographs -----------------------------------------------------------------------------------------------------
 
 # Past a densification, and some that are held out.
@@ -49,16 +58,30 @@ check "into .ply: packed it is the same file" cmp few.fxs packed.fxs
 "$fixsplat" info floats.ply >logs/out
 check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
 
+# ---- Progress ----------------------------------------------------------------------------------------------------------
+
+loud fit set --steps 30 -o few.fxs
+check "into a file: the stages" equal "$(grep -v ' left$' logs/err)" "fixsplat: reading set
+fixsplat: 10 photographs to fit, 2 held out, up to 64x48; 400 points
+fixsplat: measuring few.fxs"
+check "into a file: the last step" grep -Eq '^30/30, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, 0 s' logs/err
+(unset FIXSPLAT_QUIET && exec "$fixsplat" fit set --steps 1000000 -o long.fxs) >logs/out 2>logs/err &
+waited=0
+until [ "$(grep -Ec "$progress" logs/err)" -ge 2 ] || [ $waited = 25 ]; do sleep 1 && waited=$((waited + 1)); done
+kill $! && wait $! 2>logs/shell
+check "into a file: two lines in the first seconds" [ $waited -lt 25 ]
+rm -f long.fxs.fit
+
 # ---- On a terminal ---------------------------------------------------------------------------------------------------
 
 if have script; then
-    script -qec "'$fixsplat' fit set --steps 600 -o few.fxs" /dev/null </dev/null >logs/out
+    (unset FIXSPLAT_QUIET && script -qec "'$fixsplat' fit set --steps 600 -o few.fxs" /dev/null </dev/null >logs/out)
     check "on a terminal: what it begins with" grep -q \
-        'photographs: 10 to fit, 2 held out, up to 64 x 48 pixels; 400 points' logs/out
+        'fixsplat: 10 photographs to fit, 2 held out, up to 64x48; 400 points' logs/out
     script -qec "'$fixsplat' fit set --steps 600 -o few.fxs --quiet --json" /dev/null </dev/null >logs/said
     check "on a terminal, --quiet: the report alone" equal "$(wc -l <logs/said) $(grep -c '^{"scene": .*}' logs/said)" "1 1"
     check "on a terminal: progress" grep -Eq \
-        '\[#* *\] [0-9]+/600, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, [0-9]+ s left' logs/out
+        '[0-9]+/600, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, [0-9]+ s left' logs/out
 else
     skip "on a terminal" "no script(1) here"
 fi
@@ -112,10 +135,10 @@ check "--resume: the steps are the file's" cmp whole.fxs resumed.fxs
 # stops SIGNAL NAME: at the first of many saves; what is said goes on.
 stops() {
     rm -f "it's.fxs" "it's.fxs.fit"
-    ended=$($helper signal "$1" "$fixsplat" $fit -o "it's.fxs" --save-every 2 2>logs/err)
+    ended=$(unset FIXSPLAT_QUIET && $helper signal "$1" "$fixsplat" $fit -o "it's.fxs" --save-every 2 2>logs/err)
     check "$2: ends as it does" equal "$ended" "signal $1"
     check "$2: no scene yet" [ ! -e "it's.fxs" ]
-    check "$2: a line" equal "$(wc -l <logs/err | tr -d ' ')" 1
+    check "$2: a line" equal "$(said | wc -l | tr -d ' ')" 1
     on=$(sed -n "s/^fixsplat: stopped after [0-9]* steps of $steps; to go on: fixsplat //p" logs/err)
     eval "\"\$fixsplat\" $on" >logs/out 2>logs/err
     check "$2: to go on as it says: the same file" cmp whole.fxs "it's.fxs"
@@ -141,8 +164,8 @@ fails "--resume: a part of one" 1 "short.fit: damaged: it ends early" $fit -o x.
 
 if [ -c /dev/full ]; then
     ln -s /dev/full full.fxs
-    run fit set --steps 20 -o full.fxs
-    check "a full device: said, and saved" equal "$status $(cat logs/err)" \
+    loud fit set --steps 20 -o full.fxs
+    check "a full device: said, and saved" equal "$status $(said)" \
         "1 fixsplat: full.fxs: cannot be written: No space left on device
 fixsplat: saved after 20 steps of 20; to go on: fixsplat fit --steps 20 -o full.fxs set --resume full.fxs.fit"
     check "what is saved goes on" "$fixsplat" fit set --resume full.fxs.fit -o rest.fxs
@@ -233,9 +256,13 @@ END
 fails "no such photographs" 1 "none" fit none -o x.fxs
 cp -r set missing
 rm missing/images/03.png
-fails "a photograph is missing" 1 "03.png" fit missing -o x.fxs --steps 5
-run fit missing -o x.fxs --steps 5 --skip-bad
-check "--skip-bad: goes on, and says so" equal "$status $(cat logs/err)" \
+missing=': No such file or directory \(a photograph of [a-z]*/sparse/0/images.txt; skip_bad, --skip-bad, leaves such out\)'
+fails "a photograph is missing" 1 "missing/images/03.png$missing" fit missing -o x.fxs --steps 5
+cp -r set held
+rm held/images/08.png
+fails "a photograph that is held out is missing" 1 "held/images/08.png$missing" fit held -o x.fxs --steps 5
+loud fit missing -o x.fxs --steps 5 --skip-bad
+check "--skip-bad: goes on, and says so" equal "$status $(said)" \
     "0 fixsplat: left out: missing/images/03.png: No such file or directory
 fixsplat: missing: photographs left out: 1, taken: 11"
 echo >missing/sparse/0/images.txt

@@ -65,9 +65,9 @@ for ending in y4m rgba; do survives o.$ending render knot.ply --size 64x48 --thr
 for ending in jpg webp; do survives o.$ending render knot.ply --size 64x48 -o o.$ending; done
 survives - render knot.ply --size 64x48 --expect b.png
 make_photographs 3
-"$fixsplat" fit set --steps 4 --save-every 2 -o half.fxs >logs/out || exit 1
-survives o.fxs fit set --steps 4 --threads 2 -o o.fxs
-survives o.ply fit set --steps 4 --resume half.fxs.fit -o o.ply
+"$fixsplat" fit set --quiet --steps 4 --save-every 2 -o half.fxs >logs/out || exit 1
+survives o.fxs fit set --quiet --steps 4 --threads 2 -o o.fxs
+survives o.ply fit set --quiet --steps 4 --resume half.fxs.fit -o o.ply
 survives o.ppm render packed.fxs --size 64x48 --stereo 0.1 -o o.ppm
 survives o.fxs convert knot.ply o.fxs
 survives o.fxs convert knot.ply o.fxs --profile small

@@ -73,7 +73,7 @@ cp -r set example/garden
 sed -n '/^```python$/,/^```$/p' "$root/docs/python.md" | sed '/^```/d' >example/example.py
 check "docs/python.md: the example runs" sh -c 'cd example && "$0" example.py >said' "$python"
 check "docs/python.md: as it says" grep -qx '(360, 640, 4) uint8' example/said
-"$fixsplat" fit set --steps 50 -o fifty.fxs >logs/out
+"$fixsplat" fit set --quiet --steps 50 -o fifty.fxs >logs/out
 check "docs/python.md: the command's file" cmp fifty.fxs example/garden.fxs
 
 # ---- Finding the library ---------------------------------------------------------------------------------------------

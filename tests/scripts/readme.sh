@@ -25,6 +25,6 @@ case $B in /*) fixsplat=$B/fixsplat ;; esac
 . tests/scripts/lib/photos.sh
 (cd "$work" && make_photographs 3)
 check "docs/fit.md: the program runs" "$work/program" "$work/set" "$work/set.fxs"
-"$B/fixsplat" fit "$work/set" -o "$work/command.fxs" --steps 200 --hold-out 0 >"$work/log"
+"$B/fixsplat" fit "$work/set" -o "$work/command.fxs" --steps 200 --hold-out 0 --quiet >"$work/log"
 check "docs/fit.md: the file of the command" cmp "$work/set.fxs" "$work/command.fxs"
 finish
