@@ -17,7 +17,7 @@ sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
 sources_of_import := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
                      src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) \
-                     $(addprefix src/base/,crc32.c byte_reader.c opened.c source.c text.c zip.c) \
+                     $(addprefix src/base/,crc32.c byte_reader.c foreign.c opened.c source.c text.c zip.c) \
                      $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
 # What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are
 # the end of the stack, which no pointer is to (--low-memory-unused).
@@ -28,7 +28,7 @@ wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS) -DFXS_TO_PACK) \
                 $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
 WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/gles/state.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
-             import/src/base/source.c import/src/base/text.c import/src/base/zip.c
+             import/src/base/foreign.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c
 # The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
 # (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \

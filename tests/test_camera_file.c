@@ -398,7 +398,8 @@ static void inria_faults(void)
     static const struct {
         const char *text, *words;
     } faults[] = {
-        {"", "bad JSON at byte 0"},
+        {"", "but this is empty"}, {"ply\nformat ascii 1.0\n", "but this is a .ply"},
+        {"0, 1", "but this is another file"}, {" {\"frames\"", "bad JSON"},
         {"[]", "no views"},
         {"{}", "neither an array of cameras nor an object with \"frames\""},
         {"[3]", "view 0: \"position\""},

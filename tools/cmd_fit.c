@@ -432,21 +432,14 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
     puts("}");
 }
 
-/* Where no bar shows it. */
-static void say_stage(const char *what, const char *of)
-{
-    if (!isatty(STDERR_FILENO))
-        note("%s %s", what, of);
-}
-
 /* A scene that cannot be written is not lost. */
 static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                   const progress *p, char **argv)
 {
     fit_result result;
     int status = result_write(&result, fit, block, c->out);
-    if (!status)
-        say_stage("measuring", c->out);
+    if (!status && !isatty(STDERR_FILENO))
+        note("measuring %s", c->out);
     if (status)
         save_for_later(c, fit, "saved", argv);
     else
@@ -520,14 +513,26 @@ static int fit_block(fit_command *c, const fxs_photos *whole, char **argv)
     return status;
 }
 
+/* A bar on a terminal, else a line every ten seconds. */
+static int show_reading(void *label, double done)
+{
+    static uint64_t shown;
+    const uint64_t now = fxs_clock(0);
+    shown = shown ? shown : now;
+    if (!isatty(STDERR_FILENO) && now - shown >= 10000000000u) {
+        note("%s photographs: %d %%", (const char *)label, (int)(100 * done));
+        shown = now;
+    }
+    return progress_bar(label, done);
+}
+
 static int read_photos(fit_command *c, fxs_photos *photos)
 {
     fxs_message message;
     char label[] = "reading";
-    c->reading.progress = progress_bar;
+    c->reading.progress = show_reading;
     c->reading.left_out = say_left_out;
     c->reading.argument = label;
-    say_stage("reading", c->in);
     const int error = fxs_photos_read(c->in, &c->reading, photos, &message);
     progress_end();
     if (error)

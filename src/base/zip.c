@@ -120,7 +120,8 @@ int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *me
     const char *path = zip->source->path;
     zip_stat_t entry;
     if (zip_stat(zip->archive, name, 0, &entry) != 0)
-        return fxs_fail(message, "%s: no %s in this zip", path, name);
+        return fxs_fail(message, "%s: a .zip archive without %s, so no .sog; if a scene is in it, unpack it", path,
+                        name);
     FXS_TRY(check_entry(zip, name, &entry, message));
     char *data = fxs_hold(zip->source, entry.size + 1, message);
     if (!data)

@@ -5,12 +5,19 @@
 
 #include "camera_internal.h"
 #include "src/base/files_internal.h"
+#include "src/base/foreign.h"
 
 static int read_json(fxs_view_list *list)
 {
     fxs_text json;
     FXS_TRY(fxs_text_load(list->path, &json, list->message));
-    int status = fxs_camera_json_parse(list, &json);
+    const char *kind = fxs_foreign(json.data, json.size);
+    const char first = json.data[strspn(json.data, " \t\r\n\xef\xbb\xbf")];      /* after the mark of UTF-8 */
+    const int status = first == '{' || first == '['
+        ? fxs_camera_json_parse(list, &json)
+        : fxs_fail(list->message, "%s: expected cameras (transforms.json, cameras.json, images.bin or images.txt of "
+                   "COLMAP, or a folder with one of them), but this is %s", list->path,
+                   kind ? kind : json.size ? "another file" : "empty");
     free(json.data);
     return status;
 }

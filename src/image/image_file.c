@@ -8,6 +8,7 @@
 
 #include <fixsplat/message.h>
 #include "src/base/files_internal.h"
+#include "src/base/foreign.h"
 #include "src/base/opened.h"
 #include "src/base/try_internal.h"
 
@@ -30,6 +31,7 @@
 static const char out_of_memory[] = "out of memory";
 static const char no_png[] = "a .png; this program was built without libpng, which .png needs";
 static const char no_jpeg[] = "a .jpg; this program was built without libjpeg-turbo, which .jpg needs";
+static const char no_picture[] = "not a .png, .jpg or .ppm (P6)";
 static const char cut_short[] = "cut short";
 static const char too_large[] = "without pixels, or more than 16384 on a side or 2^26 in all";
 
@@ -232,7 +234,7 @@ static int header_number(FILE *file)
 static const char *read_ppm(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
     if (getc(file) != 'P' || getc(file) != '6')
-        return "not a .ppm of type P6";
+        return no_picture;
     *width = header_number(file);
     *height = header_number(file);
     if (header_number(file) != 255)
@@ -262,6 +264,15 @@ static int fail_read(const char *path, const char *fault, fxs_message *message)
     return fxs_fail_as(error, message, "%s: %s", path, fault);
 }
 
+/* Of a file that is no picture. */
+static int fail_kind(const char *path, FILE *file, fxs_message *message)
+{
+    char head[512];
+    rewind(file);
+    const char *kind = fxs_foreign(head, fread(head, 1, sizeof head, file));
+    return fxs_fail(message, "%s: %s%s%s", path, no_picture, kind ? ", but " : "", kind ? kind : "");
+}
+
 int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
 {
     FILE *file;
@@ -275,9 +286,12 @@ int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *heigh
     const char *fault = first == 'P' ? read_ppm(file, facts.size, rgba, width, height)
                         : first == 0xff ? read_jpeg(file, facts.size, rgba, width, height)
                         : first == 0x89 ? read_png(file, facts.size, rgba, width, height)
-                                        : "not a .png, .jpg or .ppm";
-    if (fault) {
+                                        : no_picture;
+    if (fault == no_picture && !ferror(file))
+        result = fail_kind(path, file, message);
+    else if (fault)
         result = ferror(file) ? fxs_fail_errno(message, path, errno) : fail_read(path, fault, message);
+    if (fault) {
         free(*rgba);
         *rgba = NULL;
     }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include <fixsplat/message.h>
+#include "src/base/foreign.h"
 
 /* FXS_TO_PACK: a build that only packs what it reads has neither writers nor the reader of
    packed scenes, and nobody to read words. */
@@ -163,7 +164,10 @@ int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row *
     const size_t size = source->input.size < sizeof bytes - 1 ? (size_t)source->input.size : sizeof bytes - 1;
     FXS_TRY(fxs_scene_source_read(source, 0, bytes, size, message));
     const fxs_head head = {source, bytes, size, first_name(bytes)};
+    const char *foreign = fxs_foreign(bytes, size);
     for (*format = formats; *format < formats + FORMATS; ++*format) {
+        if (foreign && (*format)->reader == &fxs_read_splat)
+            return fxs_fail(message, "%s: not a scene file, but %s", source->path, foreign);
         const int is = (*format)->reader ? (*format)->reader->is(&head, message) : 0;
         if (is)
             return is < 0 ? is : 0;

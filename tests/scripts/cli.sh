@@ -294,6 +294,27 @@ fails "eye too far out" 1 "position" render knot.ply $small --eye 1e30,0,0 --has
 fails "scene missing" 1 "none.ply: No such file" render none.ply --hash
 fails "scene a folder" 1 "views/meta.json: No such file" render views --hash
 fails "scene a picture" 1 "knot.png: not a scene" render knot.png --hash
+{ printf 'version https://git-lfs.github.com/spec/v1\noid sha256:%064d\nsize 123\n' 7; } >pointer.ply
+printf '\n <!DOCTYPE html>\n<html><body>Not found</body></html>\n' >page.ply
+printf '7z\274\257\047\034 and more' >packed.7z
+gzip -c knot.ply >knot.ply.gz
+tar cf knot.tar knot.ply 2>logs/err
+while read -r file words; do
+    fails "scene that is ${words% *}" 1 "^fixsplat: $file: .*$words" render $file --hash
+done <<'END'
+pointer.ply not a scene file, but a Git LFS pointer
+page.ply not a scene file, but an HTML page
+packed.7z not a scene file, but a .7z archive
+knot.tar not a scene file, but a .tar archive
+knot.png not a scene file, but a .png picture
+knot.ply.gz compressed by gzip, but no .spz
+END
+fails "cameras that are a scene" 1 "knot.ply: expected cameras .*, but this is a .ply" render knot.ply \
+    --cameras knot.ply --hash
+fails "cameras that are a picture" 1 "knot.png: expected cameras .*, but this is a .png" info knot.ply \
+    --compare knot.ply --cameras knot.png
+fails "photographs that are a picture" 1 "knot.png: expected cameras .*COLMAP.*, but this is a .png picture" \
+    fit knot.png -o fitted.fxs
 fails "info: scene missing" 1 "none.ply: No such file" info none.ply
 succeeds "bench --draw" bench knot.ply $small --draw median-depth --draw ids
 fails "bench --draw what is not" 2 "--draw colour: expected mean-depth, median-depth or ids" bench knot.ply $small --draw colour

@@ -12,7 +12,7 @@ loud() {
     status=$?
 }
 progress='^[0-9]+/[0-9]+, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, .* left$'
-said() { grep -Ev -e "$progress" -e '^fixsplat: (reading|measuring) ' -e ' photographs to fit, ' logs/err; }
+said() { grep -Ev -e "$progress" -e '^fixsplat: (reading photographs:|measuring) ' -e ' photographs to fit, ' logs/err; }
 
 # ---- Photographs -----------------------------------------------------------------------------------------------------
 
@@ -61,8 +61,7 @@ check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' 
 # ---- Progress ----------------------------------------------------------------------------------------------------------
 
 loud fit set --steps 30 -o few.fxs
-check "into a file: the stages" equal "$(grep -v ' left$' logs/err)" "fixsplat: reading set
-fixsplat: 10 photographs to fit, 2 held out, up to 64x48; 400 points
+check "into a file: the stages" equal "$(grep -v ' left$' logs/err)" "fixsplat: 10 photographs to fit, 2 held out, up to 64x48; 400 points
 fixsplat: measuring few.fxs"
 check "into a file: the last step" grep -Eq '^30/30, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, 0 s' logs/err
 (unset FIXSPLAT_QUIET && exec "$fixsplat" fit set --steps 1000000 -o long.fxs) >logs/out 2>logs/err &

@@ -86,7 +86,8 @@ void fxs_spz_strides(uint8_t stride[FXS_SPZ_ARRAYS], uint32_t version, int sh_de
 static int parse_header(fxs_spz *spz, const uint8_t *header)
 {
     if (fxs_load_u32(header) != FXS_SPZ_MAGIC)
-        return fail(spz, "not an .spz file: no NGSP at its beginning");
+        return fail(spz, spz->is_gzip ? "compressed by gzip, but no .spz: unpack it first"
+                                      : "not an .spz file: no NGSP at its beginning");
     spz->version = fxs_load_u32(header + 4);
     spz->count = fxs_load_u32(header + 8);
     spz->sh_degree = header[12];
