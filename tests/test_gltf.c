@@ -382,6 +382,7 @@ static void log_scales(void)
         for (int i = 0; i < 3 * COUNT; i++)
             scale[i] = exp(scale[i]);
         check_gaussians(out, identity, nowhere, identity, 1e-5);
+        CHECK(info.log_scales);
     }
     for (int below = 1; below <= 2; below++) {   /* one of five below 0 is a size, two are logarithms */
         add_all(0);
@@ -395,7 +396,7 @@ static void log_scales(void)
         add_sh(0);
         write_json("{\"mesh\":0}", extension, "");
         expect_read(read_glb(), COUNT);
-        CHECK(out[0].scale[0] == (below == 2 ? -1 : 0));
+        CHECK(out[0].scale[0] == (below == 2 ? -1 : 0) && info.log_scales == (below == 2));
     }
 }
 
@@ -469,23 +470,55 @@ static void draft_names(void)
     }
 }
 
-/* Only what is blended in sRGB is drawn; where nothing is said, as beside an .spz, it is. */
+/* sRGB of linear light. */
+static double srgb(double c)
+{
+    return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1 / 2.4) - 0.055;
+}
+
+static fxs_gaussian plain[COUNT];       /* as the file has them */
+
+/* The colours that were read, of linear light, in sRGB; a small coefficient by the difference that it makes. */
+static void check_srgb(int degree)
+{
+    static const double sh_0 = 0.28209479177387814;
+    const int coefficients = (degree + 1) * (degree + 1);
+    for (int i = 0; i < COUNT; i++)
+        for (int c = 0; c < 3; c++) {
+            const double colour = 0.5 + sh_0 * sh[0][3 * i + c];
+            CHECK(fabs(0.5 + sh_0 * (double)out[i].dc[c] - srgb(colour)) < 1e-5);
+            for (int k = 1; k < coefficients; k++) {
+                const double slope = (srgb(colour + 1e-7) - srgb(colour - 1e-7)) / 2e-7;
+                const double stored = (double)plain[i].sh[3 * (k - 1) + c];
+                CHECK(fabs((double)out[i].sh[3 * (k - 1) + c] - slope * stored) < 1e-3 * (1 + fabs(slope * stored)));
+            }
+        }
+}
+
+/* Where nothing is said, as beside an .spz, colours are sRGB; of linear light they become that. */
 static void colour_spaces(void)
 {
-    static const struct { const char *text; int fails; } cases[] = {
-        {"\"colorSpace\":\"srgb_rec709_display\"", 0}, {"\"kernel\":\"ellipse\"", 0},
-        {"\"colorSpace\":\"BT.709-srgb\"", 0}, {"\"colorSpace\":\"lin_rec709_display\"", 1},
-        {"\"colorSpace\":\"BT.709-linear\"", 1}, {"\"colorSpace\":\"linear\"", 1}, {"\"colorSpace\":\"\"", 1}
+    static const struct { const char *text; int fails, is_linear; } cases[] = {
+        {"\"colorSpace\":\"srgb_rec709_display\"", 0, 0}, {"\"kernel\":\"ellipse\"", 0, 0},
+        {"\"colorSpace\":\"BT.709-srgb\"", 0, 0}, {"\"colorSpace\":\"lin_rec709_display\"", 0, 1},
+        {"\"colorSpace\":\"BT.709-linear\"", 0, 1}, {"\"colorSpace\":\"linear\"", 0, 1}, {"\"colorSpace\":\"\"", 1, 0},
+        {"\"colorSpace\":\"lin_p3d65_display\"", 1, 0}
     };
+    add_all(1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[100];
         snprintf(text, sizeof text, "\"KHR_gaussian_splatting\":{%s}", cases[i].text);
-        add_all(1);
         write_json("{\"mesh\":0}", text, "");
         if (cases[i].fails)
-            check_fails("\" is not drawn: Gaussians are blended in sRGB only");
-        else
+            check_fails("\" is not read: expected srgb_rec709_display or lin_rec709_display");
+        else {
             expect_read(read_glb(), COUNT);
+            CHECK(info.linear_light == cases[i].is_linear && !info.log_scales);
+            if (!cases[i].is_linear)
+                memcpy(plain, out, sizeof plain);
+            else
+                check_srgb(1);
+        }
     }
 }
 

@@ -93,9 +93,15 @@ static int apply_filter(const preparation *p, fxs_scene_file *file, fxs_scene_fi
 
 static void look_at(const char *path, const load_options *o, const fxs_scene_file_info *info)
 {
-    if (info->stored_sh_degree > info->sh_degree && !o->again)
+    if (o->again)
+        return;
+    if (info->stored_sh_degree > info->sh_degree)
         note("%s: the SH of degree %d are left out: degree %d is the highest that is drawn", path,
              info->stored_sh_degree, info->sh_degree);
+    if (info->linear_light)
+        note("%s: its colours of linear light are turned into sRGB, in which Gaussians are blended", path);
+    if (info->log_scales)
+        note("%s: scales below 0: all are read as logarithms, as splat-transform wrote them until June 2026", path);
 }
 
 static int prepare(void *argument, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message)

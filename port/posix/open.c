@@ -79,8 +79,9 @@ static void describe(open_scene *s, const void *data)
     fxs_packed_header h;
     memcpy(&h, data, sizeof h);
     fxs_packed_header_turn(&h);
-    s->info = (fxs_scene_file_info){"fxs", h.count - h.holes, (int)h.sh_degree, (int)h.sh_degree,
-                                    (h.flags & FXS_PACKED_ANTIALIASED) != 0, 1, {0, 0}, {0, 0}};
+    s->info = (fxs_scene_file_info){.format = "fxs", .count = h.count - h.holes, .sh_degree = (int)h.sh_degree,
+                                    .stored_sh_degree = (int)h.sh_degree, .levels = 1,
+                                    .antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0};
     s->report.read = s->report.packed = h.count - h.holes;
     for (int i = 0; i < 3; i++) {
         s->report.low[i] = ldexp((double)h.low_q32[i], -32);

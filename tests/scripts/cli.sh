@@ -775,6 +775,14 @@ json() { echo "{\"objects\": [$2]}" >"$1"; }
 if "$fixsplat" render --scene cut.json --hash 2>&1 | grep -q 'built without'; then
     skip "--scene" "no cJSON"
 else
+    "$fixsplat" convert knot.ply knot.glb 2>logs/err
+    LC_ALL=C sed 's/"srgb_rec709_display"/"lin_rec709_display" /' knot.glb >light.glb
+    run render light.glb $small -o light.ppm
+    check "a .glb of linear light: read, and said" equal "$status $(cat logs/err)" \
+        "0 fixsplat: light.glb: its colours of linear light are turned into sRGB, in which Gaussians are blended"
+    LC_ALL=C sed 's/"srgb_rec709_display"/"srgb_p3d65_display" /' knot.glb >wide.glb
+    fails "a .glb of another colour space" 1 'wide.glb: colorSpace "srgb_p3d65_display" is not read: expected srgb_rec' \
+        render wide.glb --hash
     json world.json '{"file": "knot.ply"},
         {"file": "cubes.ply", "translation": [3, 0.5, -1], "rotation": [0.6, 0, 0.8, 0], "scale": 1.5}'
     check "--scene" equal "$(hash_of --scene world.json $front)" "$both"
@@ -982,6 +990,14 @@ if [ -f "$scenes/snowmiku/snowmiku.ply" ]; then
     done
 else
     skip "snowmiku" "no real scenes at FXS_SCENES"
+fi
+tile=$scenes/boatyard-tile3/boatyard-tile3.glb
+run render "$tile" $small --hash
+if [ $status = 0 ]; then
+    check "a .glb of a draft: its logarithms are said" equal "$(cat logs/err)" "fixsplat: $tile: scales below 0: all are read \
+as logarithms, as splat-transform wrote them until June 2026"
+else
+    skip "a .glb of a draft" "$(cat logs/err)"
 fi
 
 # ---- Memory ----------------------------------------------------------------------------------------------------------

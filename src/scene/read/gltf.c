@@ -1,7 +1,6 @@
 /* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians get
-   the axes of a .ply, y down: x and y of glTF change their signs. A colorSpace of linear light is refused: such
-   Gaussians are blended in linear light, so blending in sRGB cannot give the same picture. Drafts of the extension are
-   read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+   the axes of a .ply, y down: x and y of glTF change their signs. Colours of linear light are turned into sRGB. Drafts
+   of the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
 #include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
@@ -76,7 +75,7 @@ typedef struct splats {
     int attribute_count;
     uint32_t count;
     int sh_degree, stored_sh_degree, antialiased;
-    int scales_known, has_log_scales;
+    int scales_known, has_log_scales, is_linear;
 } splats;
 
 /* The primitives of a mesh that have Gaussians, once it was read. */
@@ -427,6 +426,29 @@ static int read_attributes(gltf *g, const splats *s, fxs_gaussian *gaussians, si
     return 0;
 }
 
+/* sRGB of linear light: 12.92 c up to 0.0031308, 1.055 c^(1 / 2.4) - 0.055 above (IEC 61966-2-1). *slope is its
+   derivative. */
+static double srgb_of(double c, double *slope)
+{
+    *slope = 12.92;
+    if (!(c > 0.0031308))
+        return 12.92 * c;
+    const double power = fxs_exp(fxs_log(c) / 2.4);
+    *slope = 1.055 / 2.4 * power / c;
+    return 1.055 * power - 0.055;
+}
+
+/* The colour of degree 0 becomes that of sRGB, and the SH above it, which are small beside it, change as it does. */
+static void turn_to_srgb(fxs_gaussian *gaussian, int sh_degree)
+{
+    for (int c = 0; c < 3; c++) {
+        double slope;
+        gaussian->dc[c] = fxs_dc_of_colour(srgb_of(fxs_colour_of_dc((double)gaussian->dc[c]), &slope));
+        for (int k = 0; k < (sh_degree + 1) * (sh_degree + 1) - 1; k++)
+            gaussian->sh[3 * k + c] = (float)(slope * (double)gaussian->sh[3 * k + c]);
+    }
+}
+
 /* Counts the Gaussians with a scale below 0. */
 static int count_below(gltf *g, const accessor *a, uint64_t *below)
 {
@@ -521,20 +543,23 @@ static int same_range(const range *a, const range *b)
     return a->buffer == b->buffer && a->offset == b->offset && a->size == b->size;
 }
 
-/* Checks that the Gaussians are meant to be drawn as this renderer does. */
-static int check_splatting(const gltf *g, const cJSON *splatting)
+/* Checks that the Gaussians are meant to be drawn as this renderer does, but for linear light. */
+static int check_splatting(const gltf *g, const cJSON *splatting, int *is_linear)
 {
-    static const char *const spaces[] = {"srgb_rec709_display", "BT.709-sRGB", "BT.709"};   /* the last two in drafts */
+    enum { SPACES = 6, LINEAR = 3 };            /* the others in drafts */
+    static const char *const spaces[SPACES] = {"srgb_rec709_display", "BT.709-sRGB", "BT.709",
+                                               "lin_rec709_display", "BT.709-linear", "linear"};
     const char *kernel = fxs_json_string(splatting, "kernel"), *space = fxs_json_string(splatting, "colorSpace");
     const cJSON *position_scale = member(splatting, "quantizedPositionScale");
     size_t known = 0;
     if (kernel && strcmp(kernel, "ellipse") != 0)
         return fxs_fail(g->message, "%s: kernel \"%.40s\" is not read", g->source->path, kernel);
-    while (space && known < 3 && strcasecmp(space, spaces[known]) != 0)
+    while (space && known < SPACES && strcasecmp(space, spaces[known]) != 0)
         known++;
-    if (known == 3)
-        return fxs_fail(g->message, "%s: colorSpace \"%.40s\" is not drawn: Gaussians are blended in sRGB only",
-                        g->source->path, space);
+    if (known == SPACES)
+        return fxs_fail(g->message, "%s: colorSpace \"%.40s\" is not read: expected %s or %s", g->source->path, space,
+                        spaces[0], spaces[LINEAR]);
+    *is_linear = known >= LINEAR;
     if (position_scale && !(cJSON_IsNumber(position_scale) && position_scale->valuedouble == 1))
         return fail(g, "a quantizedPositionScale (of a draft) is not read");
     return 0;
@@ -546,7 +571,8 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     const cJSON *splatting = member(extensions, "KHR_gaussian_splatting");
     if (!spz && !splatting)
         return 0;
-    FXS_TRY(check_splatting(g, splatting));
+    int is_linear = 0;
+    FXS_TRY(check_splatting(g, splatting, &is_linear));
     if (g->splats_count == MAX_PARTS)
         return fail_parts(g);
     splats *larger = grow(g, g->splats, g->splats_count, sizeof *g->splats);
@@ -556,6 +582,7 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     splats *added = &g->splats[g->splats_count++];
     memset(added, 0, sizeof *added);
     added->first = g->splats_count - 1;
+    added->is_linear = is_linear;
     if (!spz)
         return read_accessors(g, member(primitive, "attributes"), added);
     int view_index = index_of(g, member(spz, "bufferView"), VIEWS);
@@ -564,7 +591,8 @@ static int read_primitive(gltf *g, const cJSON *primitive)
         return fail(g, "an .spz without a valid bufferView");
     FXS_TRY(use_buffer_view(g, view_index, &v));
     added->spz = v.bytes;
-    for (added->first = 0; !same_range(&g->splats[added->first].spz, &added->spz);)
+    for (added->first = 0; g->splats[added->first].is_linear != is_linear ||
+                           !same_range(&g->splats[added->first].spz, &added->spz);)
         added->first++;
     return 0;
 }
@@ -729,7 +757,7 @@ static int find_log_scales(gltf *g)
 static int describe(gltf *g, fxs_scene_file_info *info)
 {
     info->count = 0;
-    info->sh_degree = info->stored_sh_degree = info->antialiased = 0;
+    info->sh_degree = info->stored_sh_degree = info->antialiased = info->linear_light = info->log_scales = 0;
     for (int i = 0; i < g->parts_count; i++) {
         FXS_TRY(enter(g, i));
         const splats *s = &g->splats[g->parts[i].splats];
@@ -738,11 +766,14 @@ static int describe(gltf *g, fxs_scene_file_info *info)
         if (s->stored_sh_degree > info->stored_sh_degree)
             info->stored_sh_degree = s->stored_sh_degree;
         info->antialiased |= s->antialiased;
+        info->linear_light |= s->is_linear;
     }
     if (info->count > MAX_COUNT)
         return fxs_fail(g->message, "%s: more than %d Gaussians", g->source->path, MAX_COUNT);
     FXS_TRY(fxs_limit_gaussians(g->source, info->count, g->message));
     FXS_TRY(find_log_scales(g));
+    for (int i = 0; i < g->parts_count; i++)
+        info->log_scales |= g->splats[g->parts[i].splats].has_log_scales;
     return enter(g, 0);
 }
 
@@ -859,8 +890,11 @@ static long gltf_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fx
             FXS_TRY((int)fxs_spz_read(g->spz, gaussians + done, count, message));
         else if (count > 0)
             FXS_TRY(read_attributes(g, s, gaussians + done, count));
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < count; i++) {
+            if (s->is_linear)
+                turn_to_srgb(&gaussians[done + i], s->sh_degree);
             fxs_transform_apply(&g->transform, &gaussians[done + i], s->sh_degree);
+        }
         done += count;
         g->next += (uint32_t)count;
         if (g->next == s->count)

@@ -407,6 +407,8 @@ static int describe_content(tileset *t, fxs_scene_file_info *info)
     if (own.stored_sh_degree > info->stored_sh_degree)
         info->stored_sh_degree = own.stored_sh_degree;
     info->antialiased |= own.antialiased;
+    info->linear_light |= own.linear_light;
+    info->log_scales |= own.log_scales;
     if (own.count == 0 || t->open > MOST_OPEN)
         close_content(t, &t->contents[t->at]);
     if (info->count > INT32_MAX)
