@@ -17,13 +17,22 @@ void picture_free(picture *p)
 
 /* ---- Opening ----------------------------------------------------------------------------------------------------- */
 
+/* Where a back end cannot share the order and colours of two eyes, each is rendered as its camera alone would be; said
+   once. */
+static void choose_eyes(renderer *r, const frame_options *options)
+{
+    static int said;
+    r->stereo_exact = options->stereo_exact || !(r->backend->can & FXS_CAN_SHARE_EYES);
+    if (r->stereo > 0 && r->stereo_exact && !options->stereo_exact && !said++)
+        note("--backend %s: each eye is rendered by itself, as by --stereo-exact", options->backend);
+}
+
 int renderer_open(renderer *r, const frame_options *options)
 {
     fxs_backend_options how;
     fxs_message why;
     memset(r, 0, sizeof *r);
     r->stereo = options->stereo;
-    r->stereo_exact = options->stereo_exact;
     r->mirrored = options->has_tangents;
     r->foveate = options->foveate;
     r->max_memory = options->max_memory;
@@ -32,6 +41,8 @@ int renderer_open(renderer *r, const frame_options *options)
     int status = choose_backend(options, devices[0], &r->backend, &how);
     if (!status && r->backend->open(&r->self, &how, &why))
         status = fail(EXIT_FAILED, "--backend %s: %s", options->backend, why.text);
+    if (!status)
+        choose_eyes(r, options);
     if (!status && r->foveate.on && options->threads > 1 && !(r->pool = fxs_pool_create(options->threads))) {
         renderer_close(r);
         status = fail(EXIT_FAILED, "cannot start %" PRIu32 " threads", options->threads);

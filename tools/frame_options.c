@@ -110,7 +110,8 @@ const option_row camera_rows[] = {
     {"stereo", "DISTANCE", REAL(stereo, ABOVE_0, INFINITY, "a distance above 0"), .help =
      "two pictures side by side, of eyes so far apart (scene units, above 0) about the camera; order and colours are "
      "found once for both"},
-    {"stereo-exact", 0, FLAG(stereo_exact), .help = "each eye as its camera alone would be rendered"},
+    {"stereo-exact", 0, FLAG(stereo_exact), .help =
+     "each eye as its camera alone would be rendered; with --backend cuda always"},
     {"foveate", "[=X,Y[,R1,R2[,BAND]]]", take_foveate, FIELD(foveate_options, foveate), .expected =
      "X,Y or X,Y,R1,R2 or X,Y,R1,R2,BAND, pixels: R1 from 1, R2 larger, BAND at most R1", .help =
      "full rate R1 pixels about the gaze X,Y (of two eyes in the left picture; the other looks the same way), half "
@@ -267,8 +268,6 @@ int choose_backend(const frame_options *options, int device, const fxs_backend *
     if (!*backend)
         return fail(EXIT_USAGE, "--backend %s: expected auto or one of those that fixsplat info --backends lists",
                     options->backend);
-    if (options->stereo > 0 && !options->stereo_exact && !((*backend)->can & FXS_CAN_SHARE_EYES))
-        return fail(EXIT_USAGE, "--backend %s: --stereo needs --stereo-exact", options->backend);
     *how = (fxs_backend_options){.device = device, .max_memory = options->max_memory, .threads = options->threads};
     return choose_cpu(options->cpu, &how->without_cpu);
 }

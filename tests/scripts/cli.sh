@@ -92,7 +92,7 @@ for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 't
     'max-memory 1T' 'max-memory 1KB' 'max-memory -1' 'max-memory K' 'max-memory 99999999999G' \
     'max-memory 99999999999999999999999999' 'max-memory' 'stereo 0' 'stereo -1' 'stereo nan' 'stereo 1,2' \
     'device x' 'device 256' 'device 0,' 'device ,1' 'device 0;1' 'device 0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' \
-    'stereo-exact' 'stereo 0.1 --stats' 'stereo 0.1 --backend cuda' 'tangents 1,2,3' 'tangents x' \
+    'stereo-exact' 'stereo 0.1 --stats' 'tangents 1,2,3' 'tangents x' \
     'tangents -1,1,1,-1 --ortho 3' 'foveate --stats' 'foveate --depth x.pfm' 'foveate --ids x.raw'; do
     fails "--$bad" 2 "--${bad%% *}" render knot.ply $small --hash --$bad
 done
@@ -150,9 +150,18 @@ check "one hash with --backend cpu" equal "$(hash_of knot.ply $small --backend c
 if [ -e /dev/nvidia0 ]; then
     check "one hash with --backend cuda" equal "$(hash_of knot.ply $small --backend cuda)" "$hash"
     check "one hash with every device" equal "$(hash_of knot.ply $small --backend cuda --device all)" "$hash"
+    for more in '' --foveate; do
+        run render knot.ply $small --stereo 0.1 $more --backend cuda --hash
+        check "--stereo $more --backend cuda: each eye by itself, and said" equal "$status $(cat logs/out logs/err)" \
+            "0 $(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more)
+fixsplat: --backend cuda: each eye is rendered by itself, as by --stereo-exact"
+    done
 else
     fails "--backend cuda without a GPU" 1 "--backend cuda: (no NVIDIA .*was found|this build is without nvcc)" \
         render knot.ply $small --hash --backend cuda
+    fails "--stereo --backend cuda without a GPU" 1 \
+        "--backend cuda: (no NVIDIA .*was found|this build is without nvcc)" render knot.ply $small --stereo 0.1 --hash \
+        --backend cuda
 fi
 for other in '--bg ff0000' '--cutoff square' '--sh-degree 0' '--fov 40' '--up 0,0,1' '--eye 0,-2,-9' \
     '--eye 0,-2,-9 --look 1,0,0' '--alpha' '--near 13'; do
