@@ -18,6 +18,21 @@ check "README: the program compiles" eval "(cd '$work' && . ./compile)"
 check "README: the program runs" "$work/program" "$work/cubes.ply" "$work/cubes.ppm"
 check "README: a picture" equal "$(wc -c <"$work/cubes.ppm")" 691215
 
+# What COLMAP does without a display: the mapper alone does without Qt and a GPU.
+mkdir -p "$work/bin" "$work/phone/garden/images"
+cat >"$work/bin/colmap" <<'END'
+#!/bin/sh
+case "$QT_QPA_PLATFORM $* " in
+offscreen\ mapper\ * | offscreen\ *.use_gpu\ 0\ *) echo "$1" ;;
+*) echo "$*: aborted" ;;
+esac
+END
+chmod +x "$work/bin/colmap"
+sed -n '/^## From photographs/,/^`pictures`/s/^    //p' docs/fit.md | grep -v '^fixsplat ' >"$work/commands"
+check "docs/fit.md: COLMAP without a display" equal \
+    "$(cd "$work/phone" && unset QT_QPA_PLATFORM && PATH=$work/bin:$PATH sh -e ../commands | tr '\n' ' ')" \
+    "feature_extractor exhaustive_matcher mapper "
+
 program_of docs/fit.md
 check "docs/fit.md: the program compiles" eval "(cd '$work' && . ./compile)"
 fixsplat=$PWD/$B/fixsplat
