@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <fixsplat/formats.h>
 #include <fixsplat/image_file.h>
 #include "command.h"
 #include "command_line.h"
@@ -80,6 +81,10 @@ static int compare(const compare_options *o)
 
 static int check(const compare_options *o)
 {
+    for (int i = 0; i < 2; i++)
+        if (fxs_scene_format_of(o->path[i], 0))
+            return fail(EXIT_USAGE, "compare takes two pictures, and %s is a scene; scenes are compared by: fixsplat "
+                        "info A --compare B", o->path[i]);
     if (!o->difference)
         return 0;
     if (!fxs_image_file_known(o->difference))

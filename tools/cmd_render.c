@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <fixsplat/backends.h>
+#include <fixsplat/formats.h>
 #include "src/image/depth_file.h"
 
 enum { FRAMES_MOST = 100000 };              /* of a film */
@@ -207,6 +208,9 @@ static int read_options(render_options *o, int argc, char **argv)
     frame_options_default(&o->frame);
     if (take_options(&command_render, o, argc, argv))
         return EXIT_USAGE;
+    const char *last = argc - optind > 1 ? argv[argc - 1] : "";
+    if (!o->output && fxs_image_format_of(last) && !fxs_scene_format_of(last, 0))
+        return fail(EXIT_USAGE, "render: %s is a picture: -o is missing before it", last);
     if (take_scenes(&o->frame.world, "render", argc - optind, argv + optind) || check_outputs(o))
         return EXIT_USAGE;
     return frame_options_check(&o->frame);

@@ -10,6 +10,7 @@
 
 /* ---- What every command takes ---------------------------------------------------------------------------------- */
 
+const command *const *all_commands;
 static const command *parsed;               /* whose options are being taken */
 
 static int take_help(const option_row *row, void *field, const char *value)
@@ -171,16 +172,33 @@ static int wrong_word(char **argv)
     return is_letter && (before[0] != '-' || before[strlen(before) - 1] != optopt) ? optind : optind - 1;
 }
 
+/* The command that has an option of this name, or null. */
+static const command *command_with(const char *name, size_t length)
+{
+    for (const command *const *c = all_commands; c && *c; c++)
+        for (const option_table *t = (*c)->tables; t->rows; t++)
+            for (const option_row *r = t->rows; r->help; r++)
+                if (r->name && strlen(r->name) == length && !strncmp(r->name, name, length))
+                    return *c;
+    return 0;
+}
+
+/* getopt_long leaves the letter or the number of an option that it knows, with its value missing or one too many. */
 static int say_wrong_option(char **argv, const char *letters)
 {
     const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
+    const size_t length = strcspn(name, "=");
     const int is_letter = optopt > 0 && optopt < LONG_OPTION && strchr(letters, optopt);
     suggestion s = {0, 0};
-    for (const struct row_taken *t = taken; t->row; t++)
-        suggest(&s, name, strcspn(name, "="), t->row->name);
-    if (is_letter || (s.name && !s.distance && name == word + 2))
+    if (is_letter || optopt >= LONG_OPTION)
         return fail(EXIT_USAGE, "%s: %s: %s; see: fixsplat %s --help", argv[0], word,
                     strchr(word, '=') ? "it takes no value" : "its value is missing", argv[0]);
+    const command *other = name == word + 2 ? command_with(name, length) : 0;
+    if (other)
+        return fail(EXIT_USAGE, "%s: unknown option: %s, which fixsplat %s has; see: fixsplat %s --help", argv[0], word,
+                    other->name, argv[0]);
+    for (const struct row_taken *t = taken; t->row; t++)
+        suggest(&s, name, length, t->row->name);
     if (s.name)
         return fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", argv[0], word,
                     s.name, argv[0]);

@@ -87,6 +87,9 @@ typedef struct command {
 extern const command command_render, command_view, command_info, command_convert, command_fit, command_compare,
                      command_make_scene, command_bench;
 
+/* The commands of the program up to a null, for messages; null: they are not known. */
+extern const command *const *all_commands;
+
 /* --help, --version, --quiet. */
 extern const option_row common_rows[];
 #define COMMON_TABLE {common_rows, 0}

@@ -11,10 +11,10 @@
 
 static const command *const commands[] = {
     &command_render, &command_view, &command_info, &command_convert, &command_fit, &command_compare,
-    &command_make_scene, &command_bench
+    &command_make_scene, &command_bench, 0
 };
 
-enum { COMMANDS = sizeof commands / sizeof *commands };
+enum { COMMANDS = sizeof commands / sizeof *commands - 1 };
 
 static const char backends_help[] =
     "A back end renders, and --backend names it; auto takes cpu. All but gles-quads give the same bytes.\n"
@@ -167,6 +167,7 @@ int main(int argc, char **argv)
     fxs_output_remove_at_signals();
     check_printed_at_exit();
     files_begin();
+    all_commands = commands;
     for (; argc > 1 && !strcmp(argv[1], "--quiet"); argc--, argv++)
         be_quiet();
     const char *name = argc > 1 ? argv[1] : "";

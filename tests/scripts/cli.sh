@@ -538,7 +538,7 @@ check "compare --json of equal pictures: values" equal "$(cat logs/out)" \
     '{"psnr": null, "ssim": 1.000000, "largest": 0}'
 fails "compare: two sizes" 1 "knot.png is 64x48, long.png is 16384x1" compare knot.png long.png
 fails "compare: one picture" 2 "two pictures" compare knot.png
-fails "compare: no picture" 1 "knot.ply: " compare knot.png knot.ply
+fails "compare: no picture" 2 "knot.ply is a scene" compare knot.png knot.ply
 fails "compare: --diff of no known ending" 2 "d.gif" compare knot.png knot.png --diff d.gif
 head -c 500 knot.png >cut.png
 fails "compare: a picture cut short" 1 "cut.png: " compare cut.png knot.png

@@ -40,6 +40,13 @@ fails "an option that is near" 2 "unknown option: --szie; did you mean --size" i
 fails "an option that is not" 2 "unknown option: --zzzzzz; see" info --zzzzzz
 fails "a letter that is not" 2 "unknown option: -z" info -z
 fails "a value that is missing" 2 "render: --size: its value is missing" render x.ply --size
+fails "a value that is missing, of an option's beginning" 2 "render: --siz: its value is missing" render x.ply --siz
+fails "a value too many, of an option's beginning" 2 "info: --js=3: it takes no value" info x.ply --js=3
+fails "an option of another command" 2 "info: unknown option: --orbit, which fixsplat render has; see: fixsplat info" \
+    info x.ply --orbit 3
+fails "scenes for pictures" 2 "compare takes two pictures, and a.sog is a scene; .* fixsplat info A --compare B$" \
+    compare a.sog b.sog
+fails "a picture without -o" 2 "render: a.png is a picture: -o is missing before it" render knot.ply a.png
 fails "a letter's value that is missing" 2 "render: -o: its value is missing" render x.ply -o
 fails "a value too many" 2 "info: --json=3: it takes no value" info x.ply --json=3
 fails "a scene in place of a command" 2 "no command before knot.ply: render it" knot.ply
