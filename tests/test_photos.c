@@ -577,6 +577,19 @@ static void blender(void)
         }
     CHECK(least >= -1.3f && least < -1.299f && most <= 1.3f && most > 1.299f && photos.points[5].colour[1] == 128);
     const float x = photos.points[0].position[0];
+    char said[256] = "";
+    options.left_out = left_out;
+    options.argument = said;
+    put_file("b/train/note.txt", "nothing", 7);
+    CHECK(!read_photos("b", &options) && !*said);
+    put_ppm("b/train/z.JPG", 9, 9, NULL);
+    put_ppm("b/train/r_7.png", 9, 9, NULL);
+    CHECK(!read_photos("b", &options) && photos.fit_count == 3 && photos.skipped == 0);
+    CHECK(!strcmp(said, "/train: 2 photographs have no camera: r_7.png, z.JPG; "));
+    remove_file("b/train/note.txt");
+    remove_file("b/train/z.JPG");
+    remove_file("b/train/r_7.png");
+    options.left_out = NULL;
     options.seed = 2;
     CHECK(!read_photos("b", &options) && photos.points[0].position[0] != x);
     options.seed = 1;

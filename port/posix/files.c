@@ -2,6 +2,7 @@
 
 #include "src/base/files_internal.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -25,6 +26,15 @@ int fxs_file_is_named(const char *path)
 {
     struct stat status;
     return lstat(path, &status) == 0;
+}
+
+void fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument)
+{
+    DIR *folder = opendir(path);
+    for (struct dirent *entry; folder && (entry = readdir(folder)) != NULL;)
+        each(argument, entry->d_name);
+    if (folder)
+        closedir(folder);
 }
 
 /* `path` is for messages. */

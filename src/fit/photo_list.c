@@ -3,7 +3,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
+#include <fixsplat/message.h>
 #include "src/base/files_internal.h"
 
 static int is_folder(const char *path)
@@ -16,13 +18,19 @@ static int exists(const char *path)
     return fxs_file_kind(path) != FXS_FILE_NONE;
 }
 
+static const char *without_dots(const char *name)
+{
+    while (!strncmp(name, "./", 2))
+        name += 2;
+    return name;
+}
+
 /* Returns 0 where the path is too long. */
 static int join(char out[FXS_PHOTO_PATH], const char *folder, const char *name)
 {
     const int absolute = *name == '/' || !*folder;
     const char *slash = absolute || folder[strlen(folder) - 1] == '/' ? "" : "/";
-    while (!strncmp(name, "./", 2))
-        name += 2;
+    name = without_dots(name);
     const int length = snprintf(out, FXS_PHOTO_PATH, "%s%s%s", absolute ? "" : folder, slash, name);
     if (length >= 0 && length < FXS_PHOTO_PATH)
         return 1;
@@ -224,4 +232,155 @@ int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view
     }
     *end = 0;   /* opening this path fails with a message */
     return 0;
+}
+
+/* ---- Photographs without a camera -------------------------------------------------------------------------------- */
+
+enum { FOLDERS_MOST = 64, SHOWN_MOST = 300 };   /* characters */
+
+typedef struct names {
+    char **names;
+    size_t count, room;
+    int incomplete;                /* memory ran out */
+} names;
+
+/* The names with a camera, as in the file of the cameras, and those found beside them in one folder. */
+typedef struct others {
+    names known, found;
+    size_t folder;                 /* characters of a known name before the found one */
+    const char *of;                /* such a name */
+} others;
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+static void add_name(names *n, const char *folder, size_t length, const char *name)
+{
+    const size_t size = strlen(name);
+    char *copy = malloc(length + size + 1);
+    if (n->count == n->room) {
+        const size_t room = 2 * n->room + 64;
+        char **larger = realloc(n->names, room * sizeof *larger);
+        n->names = larger ? larger : n->names;
+        n->room = larger ? room : n->room;
+    }
+    if (!copy || n->count == n->room) {
+        free(copy);
+        n->incomplete = 1;
+        return;
+    }
+    memcpy(copy, folder, length);
+    memcpy(copy + length, name, size + 1);
+    n->names[n->count++] = copy;
+}
+
+static void free_names(names *n)
+{
+    for (size_t i = 0; i < n->count; i++)
+        free(n->names[i]);
+    free(n->names);
+    memset(n, 0, sizeof *n);
+}
+
+static void sort_names(names *n)
+{
+    if (n->count)
+        qsort(n->names, n->count, sizeof *n->names, compare_names);
+}
+
+static int is_in(const names *n, char *name)
+{
+    return n->count && bsearch(&name, n->names, n->count, sizeof *n->names, compare_names) != NULL;
+}
+
+static void add_known(names *known, const fxs_view_list *views)
+{
+    for (size_t i = 0; i < views->count; i++)
+        add_name(known, "", 0, without_dots(views->views[i].image));
+}
+
+/* The ending of a photograph's name, or NULL. */
+static const char *photo_ending(const char *name)
+{
+    static const char *const endings[] = {".png", ".jpg", ".jpeg", ".ppm"};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; i < sizeof endings / sizeof *endings && dot; i++)
+        if (dot > name && !strcasecmp(dot, endings[i]))
+            return dot;
+    return NULL;
+}
+
+/* Where the file of the cameras has the name, also without its ending, there is a camera. */
+static void look_at(void *argument, const char *name)
+{
+    others *o = argument;
+    if (!photo_ending(name))
+        return;
+    add_name(&o->found, o->of, o->folder, name);
+    if (o->found.incomplete)
+        return;
+    char *last = o->found.names[o->found.count - 1], *dot = strrchr(last, '.');
+    const char first = *dot;
+    int has_camera = is_in(&o->known, last);
+    *dot = 0;
+    has_camera |= is_in(&o->known, last);
+    *dot = first;
+    if (has_camera)
+        free(o->found.names[--o->found.count]);
+}
+
+static void say_found(const others *o, const char *path, fxs_left_out_fn *say, void *argument)
+{
+    char list[SHOWN_MOST + 8] = "";
+    size_t shown = 0, length = 0;
+    fxs_message message;
+    for (; shown < o->found.count; shown++) {
+        const char *name = o->found.names[shown] + o->folder;
+        if (length + strlen(name) + 2 > SHOWN_MOST)
+            break;
+        length += (size_t)snprintf(list + length, sizeof list - length, "%s%s", shown ? ", " : "", name);
+    }
+    fxs_fail(&message, "%.100s: %zu %s no camera: %s%s", path, o->found.count,
+             o->found.count > 1 ? "photographs have" : "photograph has", list,
+             shown < o->found.count ? ", ..." : "");
+    say(argument, message.text);
+}
+
+/* Looks into the folder of a photograph to fit. */
+static void look_beside(others *o, const fxs_photo_list *list, fxs_left_out_fn *say, void *argument)
+{
+    char folder[FXS_PHOTO_PATH], path[FXS_PHOTO_PATH];
+    snprintf(folder, sizeof folder, "%.*s", (int)o->folder, o->of);
+    if (o->folder < sizeof folder && join(path, list->images, folder))
+        fxs_folder_each(*path ? path : ".", look_at, o);
+    sort_names(&o->found);
+    path[strlen(path) - (strlen(path) > 1)] = 0;     /* without the slash at its end */
+    if (o->found.count)
+        say_found(o, path, say, argument);
+    free_names(&o->found);
+}
+
+void fxs_photo_list_others(const fxs_photo_list *list, fxs_left_out_fn *say, void *argument)
+{
+    others o = {.folder = 0};
+    const char *seen[FOLDERS_MOST];
+    size_t lengths[FOLDERS_MOST], count = 0;
+    add_known(&o.known, &list->fit);
+    add_known(&o.known, &list->held_out);
+    sort_names(&o.known);
+    for (size_t i = 0; i < list->fit.count && !o.known.incomplete; i++) {
+        size_t k = 0;
+        o.of = without_dots(list->fit.views[i].image);
+        o.folder = (size_t)(base_of(o.of) - o.of);
+        while (k < count && (lengths[k] != o.folder || memcmp(seen[k], o.of, o.folder)))
+            k++;
+        if (k < count || count == FOLDERS_MOST)
+            continue;
+        seen[count] = o.of;
+        lengths[count++] = o.folder;
+        look_beside(&o, list, say, argument);
+    }
+    free_names(&o.known);
 }

@@ -2,6 +2,7 @@
 #ifndef FXS_FIT_PHOTO_LIST_H
 #define FXS_FIT_PHOTO_LIST_H
 
+#include <fixsplat/photos.h>
 #include "src/camera/camera_internal.h"
 
 enum { FXS_PHOTO_PATH = FXS_CAMERA_PATH };
@@ -19,6 +20,9 @@ typedef struct fxs_photo_list {
    fxs_photo_list_free, or an error and a message. `list` must not be moved in memory. */
 int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t hold_out, fxs_message *message);
 void fxs_photo_list_free(fxs_photo_list *list);
+
+/* Says for each folder of the photographs to fit which others lie in it, that have no camera. */
+void fxs_photo_list_others(const fxs_photo_list *list, fxs_left_out_fn *say, void *argument);
 
 /* Finds the path of a view's image, also with the endings that its name may lack. Returns 0, or an error and a
    message. */

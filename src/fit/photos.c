@@ -218,6 +218,8 @@ int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_pho
     if (options->resolution < 0)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a resolution of %d pixels", options->resolution);
     FXS_TRY(fxs_photo_list_find(&list, path, options->hold_out, message));
+    if (options->left_out)
+        fxs_photo_list_others(&list, options->left_out, options->argument);
     int error = read_pixels(&list, options, photos, message);
     if (!error)
         error = read_points(&list, options, photos, message);

@@ -264,6 +264,11 @@ loud fit missing -o x.fxs --steps 5 --skip-bad
 check "--skip-bad: goes on, and says so" equal "$status $(said)" \
     "0 fixsplat: left out: missing/images/03.png: No such file or directory
 fixsplat: missing: photographs left out: 1, taken: 11"
+cp -r set more
+cp set/images/03.png more/images/extra.png
+loud fit more -o x.fxs --steps 5
+check "a photograph without a camera: named" equal "$status $(said)" \
+    "0 fixsplat: left out: more/images: 1 photograph has no camera: extra.png"
 echo >missing/sparse/0/images.txt
 fails "no cameras" 1 "missing" fit missing -o x.fxs --steps 5
 cp -r set behind

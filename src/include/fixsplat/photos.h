@@ -35,7 +35,7 @@
 extern "C" {
 #endif
 
-/* Is told why a photograph was left out: one line with its file name and the fault, valid during the call. */
+/* Is told why photographs were left out: one line with their names and the fault, valid during the call. */
 typedef void fxs_left_out_fn(void *argument, const char *why);
 
 /* All fields 0: no photograph is held out; each keeps its size, but is at most 1600 pixels wide or high. */
@@ -45,7 +45,8 @@ typedef struct fxs_photos_options {
                                       there is a transforms_test.json, any n holds out its photographs instead */
     uint8_t background[3];         /* behind photographs with alpha */
     int skip_bad;                  /* 1: photographs that cannot be read are left out and counted */
-    fxs_left_out_fn *left_out;     /* called for each of these on the thread of progress, by name; may be null */
+    fxs_left_out_fn *left_out;     /* called for each of these on the thread of progress, by name, and before that for
+                                      each folder of photographs with some that have no camera; may be null */
     uint64_t seed;                 /* for random points */
     fxs_run_fn *run;               /* null: one thread */
     void *pool;                    /* first argument of run */
