@@ -45,8 +45,8 @@ typedef struct fxs_scene_file_info {
                              streamed SOG that lacks the level is read at its nearest level */
     fxs_grid colour;      /* the values of 0.5 + 0.28209479177387814 dc */
     fxs_grid sh;          /* the values of the coefficients above degree 0 */
-    int linear_light;     /* 1: a glTF has colours of linear light, which are turned into sRGB Gaussian by Gaussian: where
-                             Gaussians of different colours blend, that is not the picture of linear light */
+    int linear_light;     /* 1: a glTF has colours of linear light, which are turned into sRGB Gaussian by Gaussian:
+                             where different colours blend, that is not the picture of linear light */
     int log_scales;       /* 1: a glTF has logarithms for scales, as in a draft, and is read so */
 } fxs_scene_file_info;
 

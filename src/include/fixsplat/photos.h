@@ -14,10 +14,10 @@
  *
  * - A photograph may have another size than its camera, but the same proportions to a pixel; where transforms.json
  *   states no size, the photograph's is used.
- * - Distortion of a lens is removed (COLMAP's SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE, RADIAL_FISHEYE
- *   and SIMPLE_RADIAL_FISHEYE; k1 to k6, p1 and p2 of transforms.json): each pixel of a pinhole picture is interpolated between the four pixels around the
- *   place where the lens put it. Principal point and size stay; the focal lengths are scaled, by 1/2 to 2, so that the
- *   picture has no gaps.
+ * - Distortion of a lens is removed (COLMAP's SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE,
+ *   RADIAL_FISHEYE and SIMPLE_RADIAL_FISHEYE; k1 to k6, p1 and p2 of transforms.json): each pixel of a pinhole picture
+ *   is interpolated between the four pixels around the place where the lens put it. Principal point and size stay; the
+ *   focal lengths are scaled, by 1/2 to 2, so that the picture has no gaps.
  * - A photograph with alpha becomes colour * alpha + background * (1 - alpha), in the 8-bit values of the file.
  * - Larger pictures are reduced by area averaging. The background and the average are rounded once together, half up.
  *
