@@ -423,7 +423,7 @@ static void run_pixel(pixel_case *c)
     const int at = FXS_FIT_AT(c->x, c->y);
     for (uint32_t i = 0; i < SPLATS; i++)
         entries[i] = (fxs_fit_entry){.splat = i, .slot = i, .blocks = 0xffff};
-    const uint32_t needed = c->stages->blend(c->splats, entries, c->count, 0, 0, &c->tile);
+    const uint32_t needed = c->stages->blend(c->splats, entries, c->count, 0, 0, 1, &c->tile);
     for (int i = 0; i < 3; i++) {
         gradient.colour[i][at] = 1;
         gradient.whole[at] += c->tile.colour[i][at] + 0.5f * c->tile.transmittance[at];

@@ -32,8 +32,10 @@ size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe)
 
 /* ---- Beginning --------------------------------------------------------------------------------------------------- */
 
-static void set_camera(fxs_fit_camera *c, const fxs_file_view *view)
+void fxs_fit_set_camera(fxs_fit_camera *c, const fxs_file_view *view)
 {
+    memset(c, 0, sizeof *c);
+    c->is_parallel = view->projection == FXS_ORTHOGRAPHIC;
     const int size[2] = {view->width, view->height};
     const double focal[2] = {view->fx, view->fy}, middle[2] = {view->cx, view->cy};
     for (int i = 0; i < 9; i++)
@@ -43,7 +45,7 @@ static void set_camera(fxs_fit_camera *c, const fxs_file_view *view)
     for (int i = 0; i < 2; i++) {
         c->focal[i] = (float)focal[i];
         c->middle[i] = (float)middle[i];
-        c->slope_most[i] = (float)(1.3 * size[i] / (2 * focal[i]));
+        c->slope_most[i] = c->is_parallel ? 0 : (float)(1.3 * size[i] / (2 * focal[i]));
     }
     c->near = view->near > 0 ? (float)view->near : 0.2f;
     c->width = view->width;
@@ -174,7 +176,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->photographs[i].width = photos[i].view.width;
         f->photographs[i].height = photos[i].view.height;
         f->photographs[i].divisor = 1;
-        set_camera(&f->photographs[i].camera, &photos[i].view);
+        fxs_fit_set_camera(&f->photographs[i].camera, &photos[i].view);
         f->photographs[i].camera.is_square = options->cutoff == FXS_CUTOFF_SQUARE;
     }
     const int error = fxs_fit_choose_engine(f, message);

@@ -9,12 +9,13 @@
 /* Values of project that update needs again. The covariance in the picture is T T^t + 0.3, with T = M R S and M = J W:
    the rows of M are f / z (W_i - slope W_2). */
 typedef struct shape {
-    real offset[3];                /* position - eye */
+    real offset[3];                /* position - eye; of an orthographic camera, its direction */
     real in_camera[3], inverse_z;
     real slope[2], cut_slope[2];   /* x / z, y / z; the same, clamped for the Jacobian */
     real m[2][3], rotation[3][3], length, unit[4];   /* length: the inverse of the quaternion's */
     real scale[3], v[2][3], t[2][3];    /* V = M R */
     real ux, uy, vy, a, b, c;
+    real share;                    /* determinant of the covariance, over the one without dilation */
 } shape;
 
 static inline real dot3(const real *a, const real *b)
@@ -48,7 +49,9 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
         s->offset[i] = load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride) - camera->eye[i];
     for (int i = 0; i < 3; i++)
         s->in_camera[i] = dot3(w[i], s->offset);
-    s->inverse_z = 1.0f / s->in_camera[2];
+    s->inverse_z = camera->is_parallel ? all(1) : 1.0f / s->in_camera[2];
+    for (int i = 0; i < 3 && camera->is_parallel; i++)
+        s->offset[i] = w[2][i];
     for (int i = 0; i < 2; i++) {
         s->slope[i] = s->in_camera[i] * s->inverse_z;
         s->cut_slope[i] = least(most(s->slope[i], all(-camera->slope_most[i])), all(camera->slope_most[i]));
@@ -75,13 +78,15 @@ static inline void find_shape(shape *s, const fxs_fit_camera *camera, const floa
     const real cross[3] = {s->t[0][1] * s->t[1][2] - s->t[0][2] * s->t[1][1],
                            s->t[0][2] * s->t[1][0] - s->t[0][0] * s->t[1][2],
                            s->t[0][0] * s->t[1][1] - s->t[0][1] * s->t[1][0]};
-    const real det = (dot3(cross, cross) + FXS_FIT_DILATION * (a + c)) + FXS_FIT_DILATION * FXS_FIT_DILATION;
+    const real sharp = dot3(cross, cross);
+    const real det = (sharp + FXS_FIT_DILATION * (a + c)) + FXS_FIT_DILATION * FXS_FIT_DILATION;
     s->a = a + FXS_FIT_DILATION;
     s->b = b;
     s->c = c + FXS_FIT_DILATION;
     s->vy = 1.0f / root(s->c);
     s->ux = root(s->c / det);
     s->uy = -(b / s->c) * s->ux;
+    s->share = camera->is_antialiased ? det / sharp : all(1);
 }
 
 /* ---- Colour ------------------------------------------------------------------------------------------------------ */

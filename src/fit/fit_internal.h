@@ -21,6 +21,9 @@ struct fxs_fit {
     uint32_t step;                 /* number of steps made so far */
 };
 
+/* The camera of a view, with the Mahalanobis cut-off, not anti-aliased. */
+void fxs_fit_set_camera(fxs_fit_camera *camera, const fxs_file_view *view);
+
 /* The common part of fxs_fit_create and fxs_fit_resume: a fit without Gaussians and extent, at step 0. */
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);

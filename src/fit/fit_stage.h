@@ -43,6 +43,9 @@ typedef struct fxs_fit_camera {
     float near;
     int32_t width, height, tiles_x, tiles_y;
     int32_t is_square;             /* 1: the square cut-off of Kerbl et al. 2023, see radius2 of fxs_fit_splat */
+    /* Of pictures alone (float_scene.h); a fit has 0: the camera is orthographic, with pixels a unit in `focal` and
+       slope_most 0; opacities compensate the dilation. */
+    int32_t is_parallel, is_antialiased;
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
@@ -140,9 +143,9 @@ typedef struct fxs_fit_stages {
     void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
                   uint32_t *tiles);
     /* Blends a list to the pixels of the tile at (left, top), and sets the blocks of its entries. Returns how many
-       entries were needed. */
+       entries were needed. `light`: the transmittance of the first, 1 in a fit; with more, pixels close later. */
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
-                      fxs_fit_tile *tile);
+                      float light, fxs_fit_tile *tile);
     /* Writes the sums of the first `count` entries, as many as blend needed, to their slots. */
     void (*backward)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                      int32_t top, const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);

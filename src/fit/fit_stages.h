@@ -83,9 +83,9 @@ static void NAMED(fxs_fit_cover_, ISA)(const fxs_fit_camera *camera, const fxs_f
 }
 
 static uint32_t NAMED(fxs_fit_blend_, ISA)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count,
-                                           int32_t left, int32_t top, fxs_fit_tile *tile)
+                                           int32_t left, int32_t top, float light, fxs_fit_tile *tile)
 {
-    return blend(splats, entries, count, left, top, tile);
+    return blend(splats, entries, count, left, top, light, tile);
 }
 
 static void NAMED(fxs_fit_backward_, ISA)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count,

@@ -30,6 +30,7 @@ struct fxs_fit_stepper {
     uint32_t batch, view;          /* number of views in the batch, and the current one */
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];
+    int plane_count;               /* of each of these: the picture alone, or all */
     uint32_t tile_count, visible;
     size_t entry_count;
     int digit;                     /* digit of the depths by which keys are sorted */
@@ -278,8 +279,7 @@ static int make_room(fxs_fit_stepper *s)
                    room(&s->counts, (2 * (size_t)s->tile_count + 1) * sizeof(uint32_t)) &&
                    room(&s->histograms, s->threads * values * sizeof(uint32_t)) &&
                    room(&s->tiles, entries * sizeof(uint32_t)) &&
-                   room(&s->entries, entries * sizeof(fxs_fit_entry)) &&
-                   room(&s->sums, entries * FXS_FIT_SUMS * sizeof(float))
+                   room(&s->entries, entries * sizeof(fxs_fit_entry))
                ? 0
                : FXS_ERR_MEMORY;
 }
@@ -310,8 +310,15 @@ static int32_t least_of(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
+/* Pictures that are not for a step are blended with so much light that a pixel closes at FXS_FIT_CLOSED / 16. */
+static float light_of(const fxs_fit_stepper *s)
+{
+    return s->photograph ? 1 : 16;
+}
+
 static void put_tile(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile *pixels)
 {
+    const float share = 1 / light_of(s);
     int32_t left, top;
     tile_place(s, tile, &left, &top);
     const int32_t columns = least_of(FXS_FIT_TILE, s->camera->width - left);
@@ -321,7 +328,7 @@ static void put_tile(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile
             float *to = s->loss[c].picture.first + (top + y) * s->loss[c].picture.stride + left;
             for (int32_t x = 0; x < columns; x++) {
                 const int at = FXS_FIT_AT(x, y);
-                to[x] = pixels->colour[c][at] + pixels->transmittance[at] * s->options->background[c];
+                to[x] = (pixels->colour[c][at] + pixels->transmittance[at] * s->options->background[c]) * share;
             }
         }
 }
@@ -334,7 +341,7 @@ static void blend_job(void *argument, uint32_t tile)
     int32_t left, top;
     tile_place(s, tile, &left, &top);
     needed[tile] = s->stages->blend(s->splats.memory, (fxs_fit_entry *)s->entries.memory + starts[tile],
-                                    starts[tile + 1] - starts[tile], left, top, &pixels);
+                                    starts[tile + 1] - starts[tile], left, top, light_of(s), &pixels);
     put_tile(s, tile, &pixels);
 }
 
@@ -349,19 +356,21 @@ static int make_planes(fxs_fit_stepper *s)
     const int32_t width = s->camera->width, height = s->camera->height;
     const ptrdiff_t stride = (width + 2 * FXS_FIT_MARGIN + FXS_FIT_TILE + 15) & ~15;
     const ptrdiff_t size = stride * (height + 2 * FXS_FIT_MARGIN);
-    const size_t bytes = 3 * PLANES * (size_t)size * sizeof(float);
-    const int is_new = s->loss[0].width != width || s->loss[0].height != height;
+    const int count = s->photograph ? PLANES : 1;
+    const size_t bytes = 3 * (size_t)count * (size_t)size * sizeof(float);
+    const int is_new = s->loss[0].width != width || s->loss[0].height != height || s->plane_count != count;
     float *rows = room(&s->rows, 6 * (size_t)height * sizeof *rows), *first = room(&s->planes, bytes);
     s->loss[0].width = 0;
+    s->plane_count = count;
     if (!first || !rows)
         return FXS_ERR_MEMORY;
     if (is_new)
         memset(first, 0, bytes);
     first += FXS_FIT_MARGIN * stride + FXS_FIT_MARGIN;
     for (int c = 0; c < 3; c++) {
-        fxs_fit_plane planes[PLANES];
+        fxs_fit_plane planes[PLANES] = {{0}};
         fxs_fit_loss *l = &s->loss[c];
-        for (int i = 0; i < PLANES; i++, first += size)
+        for (int i = 0; i < count; i++, first += size)
             planes[i] = (fxs_fit_plane){first, stride};
         l->picture = planes[0];
         memcpy(l->rows, planes + 1, sizeof l->rows);
@@ -642,7 +651,7 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
 /* Makes the stages for one photograph, up to the sums of its splats. */
 static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
 {
-    if (draw(s, report))
+    if (draw(s, report) || !room(&s->sums, (s->entry_count + 1) * FXS_FIT_SUMS * sizeof(float)))
         return FXS_ERR_MEMORY;
     const uint64_t drawn = now(s);
     find_loss(s);

@@ -95,12 +95,12 @@ static inline int is_open(const fxs_fit_tile *tile)
 
 /* Blends until all pixels are closed. Returns the number of entries up to the last that changed a pixel. */
 static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
-                             int32_t top, fxs_fit_tile *tile)
+                             int32_t top, float light, fxs_fit_tile *tile)
 {
     uint32_t needed = 0;
     memset(tile->colour, 0, sizeof tile->colour);
     for (int i = 0; i < FXS_FIT_PIXELS; i++)
-        tile->transmittance[i] = 1;
+        tile->transmittance[i] = light;
     for (uint32_t first = 0; first < count; first += BATCH) {
         const uint32_t end = count - first < BATCH ? count : first + BATCH;
         corners c[BATCH];
