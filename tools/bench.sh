@@ -341,7 +341,7 @@ level_rows() {
 }
 
 levels() {
-    printf '.fxs files of the Gaussians that `convert --decimate` leaves; PSNR against the whole, packed the same way, mean of 8 views; milliseconds of a frame at 1280x720, '
+    printf '.fxs files of the Gaussians that `convert --decimate` leaves; PSNR against the floats of the whole, mean of 8 views; milliseconds of a frame at 1280x720, '
     printf 'the fastest of 180, %s threads, snowmiku from view 8.\n\n' $two
     printf '| scene | left | Gaussians | bytes | PSNR, dB | frame |\n|---|---|---|---|---|---|\n'
     if [ -d "$SCENES" ]; then

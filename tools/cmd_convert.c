@@ -118,7 +118,7 @@ static const option_row own_rows[] = {
     {.help = "The file that is written:"},
     {"profile", "P", CHOICE(load.profile, profile_names), .help =
      "of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene: default 63.5 (56.9 dB), "
-     "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much, views are compared with default, and one "
+     "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Where SH lose much, views are compared with the floats, and one "
      "that loses more than it should is said"},
     {"spz-version", "V", INT(spz_version, 3, 4), .help = "3 (gzip) or 4 (zstd, the default), for .spz"},
     {"force", 0, take_force, 0, .help =
@@ -164,31 +164,25 @@ static double loss_to_check(enum fxs_profile profile)
     return profile == FXS_PROFILE_DEFAULT ? INFINITY : profile == FXS_PROFILE_COMPACT ? 0.01 : 0.02;
 }
 
-/* Says so where a view of a packed scene is farther from the same scene in the profile default than its profile
-   promises, from around the scene, small; or why that is not known. */
+/* Says so where a view of a packed scene is farther from its floats than its profile promises, from around the scene,
+   small; or why that is not known. */
 static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
     enum { WIDTH = 480, HEIGHT = 320, AROUND = 6 };
     const int small = packed->scenes[0].opened->scene->profile == FXS_PROFILE_SMALL;
     const double promised = small ? 36 : 46;
-    world original;
-    load_options plain = *load;
+    load_options again = *load;
     frame_options options;
     quality q;
-    plain.profile = FXS_PROFILE_DEFAULT;
-    plain.again = 1;
+    again.again = 1;
     frame_options_default(&options);
     options.width = WIDTH;
     options.height = HEIGHT;
-    int status = world_open_merged(&original, &o->placed, o->in, &plain);
-    if (!status) {
-        status = quality_measure(&q, packed, &original, &options, AROUND);
-        world_close(&original);
-    }
+    const int status = quality_measure(&q, packed, 0, &(float_files){&o->placed, o->in, &again}, &options, AROUND);
     if (status)
-        note("%s: not compared with the profile default", o->out);
+        note("%s: not compared with the floats", o->out);
     else if (q.worst_psnr < promised)
-        note("%s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the profile default, "
+        note("%s: profile %s loses more of this scene than of most: a view %s is %.1f dB from the floats, "
              "where %.0f is usual; %s", o->out, profile_names[packed->scenes[0].opened->scene->profile],
              q.views[q.worst_view].name, q.worst_psnr, promised,
              small ? "profile compact loses less" : "profile default loses less");

@@ -330,10 +330,9 @@ static int take_board(const option_row *row, void *field, const char *value)
 static const option_row own_rows[] = {
     {.help = "Options:"},
     {"compare", "ORIGINAL", TEXT(original), .help =
-     "render SCENE and the scene that it was made from, and print PSNR and SSIM of each view, their means (that of "
-     "PSNR without views that are equal), the worst of each, and the view of the worst PSNR. The original is packed "
-     "as convert does without options: what that loses itself, against the floats, is not in the figures (57 dB on a "
-     "captured scene; the tests hold a mean of 54 dB, 50 dB in the worst view)"},
+     "draw SCENE and the scene that it was made from, and print PSNR and SSIM of each view, their means (that of "
+     "PSNR without views that are equal), the worst of each, and the view of the worst PSNR. The original is drawn "
+     "from its floats, and so is SCENE; but an .fxs, and with --profile any scene, is rendered as it is packed"},
     {"cameras", "FILE", TEXT(frame.cameras), .help =
      "compare from evenly spaced views of this file (default: around the scene, in turn framed as by render, close, "
      "where it is larger than the picture, and far)"},
@@ -381,17 +380,21 @@ static int read_options(info_options *o, int argc, char **argv)
 
 static int compare(findings *f, const info_options *o)
 {
-    world original;
-    const load_options *load = &o->frame.load;
+    fxs_world original;
+    load_options load = o->frame.load;
+    const load_options plain = {.max_gaussians = load.max_gaussians, .import_memory = load.import_memory};
+    const float_files files = {&f->world.placed, f->world.placed.files[0], &load};
+    const int is_as_packed = is_packed(&f->world.scenes[0]) || is_given("profile");
     if (f->world.count > 1)
         return fail(EXIT_USAGE, "--compare takes one scene");
-    int status = world_open_file(&original, o->original, &(load_options){.max_gaussians = load->max_gaussians,
-                                                                          .import_memory = load->import_memory});
+    int status = place_scenes(&original, &(world_options){.scenes = (char **)&o->original, .scene_count = 1});
     if (status)
         return status;
-    status = quality_measure(&f->quality, &f->world, &original, &o->frame, o->views ? o->views : 8);
+    load.again = 1;
+    status = quality_measure(&f->quality, &f->world, is_as_packed ? 0 : &files,
+                             &(float_files){&original, o->original, &plain}, &o->frame, o->views ? o->views : 8);
     f->compared = !status;
-    world_close(&original);
+    fxs_world_free(&original);
     return status;
 }
 

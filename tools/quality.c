@@ -1,24 +1,69 @@
 #include "quality.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/fit/float_scene.h"
 #include "views.h"
 
 #define FARTHEST 134000000.0        /* a camera may be within 2^27 units */
 
 /* Of a scene and its original, to be compared. */
 typedef struct pair {
-    const world *worlds[2];
+    const world *scene;
+    fxs_pool *pool;
+    fxs_float_scene *floats[2];             /* of the scene null where it is rendered as it is packed */
     picture pictures[2];
 } pair;
 
+static int read_floats(fxs_float_scene **floats, const pair *p, const float_files *files, uint32_t threads)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_message message;
+    if (open_merged(files->placed, files->name, files->load, &file, &info))
+        return EXIT_FAILED;
+    const int error = fxs_float_scene_read(floats, file, &info, p->pool ? fxs_pool_run : 0, p->pool, threads, &message);
+    fxs_scene_file_close(file);
+    return error ? fail(EXIT_FAILED, "%s: %s", files->name, message.text) : 0;
+}
+
+static int open_pair(pair *p, const float_files *files, const float_files *original, uint32_t threads)
+{
+    if (threads > 1 && !(p->pool = fxs_pool_create(threads)))
+        return fail(EXIT_FAILED, "cannot start %" PRIu32 " threads", threads);
+    if (files && read_floats(&p->floats[0], p, files, threads))
+        return EXIT_FAILED;
+    return read_floats(&p->floats[1], p, original, threads);
+}
+
+static void close_pair(pair *p)
+{
+    for (int i = 0; i < 2; i++) {
+        fxs_float_scene_free(p->floats[i]);
+        picture_free(&p->pictures[i]);
+    }
+    fxs_pool_destroy(p->pool);
+}
+
+static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, picture *out)
+{
+    fxs_message message;
+    picture_free(out);
+    out->pixels = malloc(4 * (size_t)view->width * (size_t)view->height);
+    if (!out->pixels)
+        return fail(EXIT_FAILED, "out of memory");
+    return fxs_float_scene_draw(floats, view, out->pixels, &message) ? fail_for(&message) : 0;
+}
+
 static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_file_view *view, const fxs_options *options)
 {
-    int status = 0;
-    for (int i = 0; i < 2 && !status; i++)
-        status = renderer_render(r, p->worlds[i], view, options, &p->pictures[i], 0);
+    int status = p->floats[0] ? draw_floats(p->floats[0], view, &p->pictures[0])
+                              : renderer_render(r, p->scene, view, options, &p->pictures[0], 0);
+    if (!status)
+        status = draw_floats(p->floats[1], view, &p->pictures[1]);
     if (!status && fxs_metrics_compare(p->pictures[0].pixels, p->pictures[1].pixels, view->width, view->height,
                                        &out->metrics))
         status = fail(EXIT_FAILED, "out of memory");
@@ -31,7 +76,7 @@ static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_file_
 /* View i of q->count: one of the file, or the only one, turned about the middle of the scene, nearer to it or farther
    off. */
 static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long given, const frame_options *options,
-                            const world *original)
+                            const world *scene)
 {
     static const struct {
         const char *name;
@@ -43,7 +88,7 @@ static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long
         return views[q->views[i].index];
     fxs_file_view turned = views[0];
     for (int k = 0; k < 3; k++) {
-        middle[k] = (original->inner_low[k] + original->inner_high[k]) / 2;
+        middle[k] = (scene->inner_low[k] + scene->inner_high[k]) / 2;
         turned.position[k] = middle[k] + distances[i % 3].factor * (turned.position[k] - middle[k]);
     }
     fxs_view_orbit(&turned, middle, options->up.at, 6.283185307179586 * (double)i / (double)q->count);
@@ -83,30 +128,32 @@ static int measure(quality *q, pair *p, const fxs_file_view *views, long given, 
     char label[] = "comparing";
     int status = renderer_open(&r, options);
     for (long i = 0; i < q->count && !status; i++) {
-        fxs_file_view view = choose(q, i, views, given, options, p->worlds[1]);
+        fxs_file_view view = choose(q, i, views, given, options, p->scene);
         progress_bar(label, (double)i / (double)q->count);
         status = measure_view(&q->views[i], &r, p, &view, &options->render);
     }
     progress_end();
     renderer_close(&r);
-    picture_free(&p->pictures[0]);
-    picture_free(&p->pictures[1]);
     return status;
 }
 
-int quality_measure(quality *q, const world *scene, const world *original, const frame_options *options, long wanted)
+int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
+                    const frame_options *options, long wanted)
 {
-    pair p = {.worlds = {scene, original}};
+    pair p = {.scene = scene};
     frame_options all = *options;
     fxs_file_view *views = 0;
     all.view = "all";
     memset(q, 0, sizeof *q);
-    long given = choose_views(&all, original, &views);
+    long given = choose_views(&all, scene, &views);
     if (given < 0)
         return EXIT_FAILED;
     q->count = options->cameras && given < wanted ? given : wanted;
     q->views = calloc((size_t)q->count, sizeof *q->views);
-    int status = q->views ? measure(q, &p, views, given, options) : fail(EXIT_FAILED, "out of memory");
+    int status = q->views ? open_pair(&p, files, original, options->threads) : fail(EXIT_FAILED, "out of memory");
+    if (!status)
+        status = measure(q, &p, views, given, options);
+    close_pair(&p);
     free(views);
     if (status)
         quality_free(q);

@@ -1,4 +1,4 @@
-/* How far the pictures of a scene are from those of its original. */
+/* How far the pictures of a scene are from those of its original, which is drawn from its floats. */
 #ifndef QUALITY_H
 #define QUALITY_H
 
@@ -20,11 +20,20 @@ typedef struct quality {
     long worst_view;                /* in `views`: the first with worst_psnr */
 } quality;
 
-/* Renders both from up to `wanted` views of the size in the options: evenly spaced ones of the camera file there, else
-   evenly turned about the middle of the original and in turn at middle distance (as render frames the scene), close
-   (0.35 of that, where the scene is larger than the picture) and far (twice that). Returns 0 and what quality_free
-   frees, or prints why not and returns EXIT_FAILED. */
-int quality_measure(quality *q, const world *scene, const world *original, const frame_options *options, long wanted);
+/* Files to be read in floats, as open_merged has them. */
+typedef struct float_files {
+    const fxs_world *placed;
+    const char *name;
+    const load_options *load;
+} float_files;
+
+/* Draws both from up to `wanted` views of the size in the options: evenly spaced ones of the camera file there, else
+   evenly turned about the middle of the scene and in turn at middle distance (as render frames the scene), close
+   (0.35 of that, where the scene is larger than the picture) and far (twice that). The scene is rendered as it is
+   packed or, where `files` is not null, drawn from the floats of its files. Returns 0 and what quality_free frees, or
+   prints why not and returns EXIT_FAILED. */
+int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
+                    const frame_options *options, long wanted);
 
 /* The means and the worst of the views' metrics. */
 void quality_sum_up(quality *q);

@@ -162,13 +162,6 @@ check "info --stats of an .fxs file: all attributes" equal "$(awk '/\|$/ { print
 
 # ---- Formats ---------------------------------------------------------------------------------------------------------
 
-# looks_as FILE ORIGINAL FLOOR OPTION...: by PSNR
-looks_as() {
-    file=$1 like=$2 floor=$3
-    shift 3
-    got=$(psnr_of "$file" "$like" "$@")
-    [ "$got" = equal ] || at_least "$got" "$floor"
-}
 floor_of() {
     case $1 in ply) echo 99 ;; glb) echo 75 ;; spz) echo 44 ;; compressed.ply) echo 42 ;; sog) echo 36 ;; esac
 }
@@ -364,5 +357,13 @@ if [ -f "$scenes/snowmiku/snowmiku.ply" ]; then
     check "snowmiku without floaters: PSNR" on_views clean.ply 50
 else
     skip "snowmiku" "no real scenes at FXS_SCENES"
+fi
+
+# Its largest Gaussians are few, and most of the picture.
+if [ -f "$scenes/luma-seal/luma-seal.splat" ]; then
+    "$fixsplat" convert "$scenes/luma-seal/luma-seal.splat" seal.sog
+    check "luma-seal as .sog: PSNR" looks_as seal.sog "$scenes/luma-seal/luma-seal.splat" 53
+else
+    skip "luma-seal" "no real scenes at FXS_SCENES"
 fi
 finish

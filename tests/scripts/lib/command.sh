@@ -46,6 +46,13 @@ psnr_of() {
     "$fixsplat" info "$scene" --compare "$original" --views 4 --size 320x240 "$@" | awk '/^mean/ { print $2 }'
 }
 at_least() { awk "BEGIN { exit !($1 >= $2) }" || { echo "$1 is below $2"; return 1; }; }
+# looks_as FILE ORIGINAL FLOOR OPTION...: by PSNR
+looks_as() {
+    file=$1 like=$2 floor=$3
+    shift 3
+    got=$(psnr_of "$file" "$like" "$@")
+    [ "$got" = equal ] || at_least "$got" "$floor"
+}
 says() { equal "$status $(cat logs/err)" "0 fixsplat: $1"; }
 # gaussians FILE COUNT DEGREE
 gaussians() {
