@@ -6,8 +6,9 @@
 
 #define FXS_BOOK 256
 
-/* Finds 256 ascending values near to these, by Lloyd's quantiser. Returns 0, or -1: out of memory. */
-int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count);
+/* Finds 256 ascending values near to these, by Lloyd's quantiser, with weights e^(power value). Returns 0, or -1: out of
+   memory. */
+int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count, double power);
 
 /* The index of the nearest value of a codebook. */
 uint8_t fxs_book_find(const float book[FXS_BOOK], float value);

@@ -11,19 +11,20 @@
 enum { BINS = 65536, GROUP = 64, GROUPS = BINS / GROUP, BOOK_ROUNDS = 30 };
 
 typedef struct bin {
-    double sum;
-    uint64_t count;
+    double sum, weight;            /* sum: of the values, weighted */
 } bin;
 
-/* Counts the values in bins from the least to the largest. Returns how many bins are not empty. */
-static int fill_bins(bin *bins, const float *values, size_t count, double low, double high)
+/* Weighs the values in bins from the least to the largest. Returns how many bins are not empty. */
+static int fill_bins(bin *bins, const float *values, size_t count, double power, double low, double high)
 {
     const double scale = high > low ? (BINS - 1) / (high - low) : 0;
     int used = 0;
     for (size_t i = 0; i < count; i++) {
         bin *b = &bins[(int)((values[i] - low) * scale + 0.5)];
-        used += !b->count++;
-        b->sum += values[i];
+        const double weight = fxs_exp(power * values[i]);
+        used += !(b->weight > 0);
+        b->weight += weight;
+        b->sum += weight * values[i];
     }
     return used;
 }
@@ -33,8 +34,8 @@ static void copy_bins(float book[FXS_BOOK], const bin *bins)
 {
     int at = 0;
     for (int i = 0; i < BINS; i++)
-        if (bins[i].count)
-            book[at++] = (float)(bins[i].sum / (double)bins[i].count);
+        if (bins[i].weight > 0)
+            book[at++] = (float)(bins[i].sum / bins[i].weight);
     for (; at < FXS_BOOK; at++)
         book[at] = book[at - 1];
 }
@@ -45,10 +46,10 @@ static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double
     double roots[GROUPS], total = 0, passed = 0;
     int at = 0;
     for (int g = 0; g < GROUPS; g++) {
-        double count = 0;
+        double weight = 0;
         for (int i = 0; i < GROUP; i++)
-            count += (double)bins[g * GROUP + i].count;
-        roots[g] = count > 0 ? fxs_exp(fxs_log(count) / 3) : 0;
+            weight += bins[g * GROUP + i].weight;
+        roots[g] = weight > 0 ? fxs_exp(fxs_log(weight) / 3) : 0;
         total += roots[g];
     }
     for (int g = 0; g < GROUPS; g++) {
@@ -68,19 +69,19 @@ static void improve_book(float book[FXS_BOOK], const bin *bins)
     bin sums[FXS_BOOK] = {{0, 0}};
     int at = 0;
     for (int i = 0; i < BINS; i++) {
-        if (!bins[i].count)
+        if (!(bins[i].weight > 0))
             continue;
-        const double mean = bins[i].sum / (double)bins[i].count;
+        const double mean = bins[i].sum / bins[i].weight;
         while (at < FXS_BOOK - 1 && mean > ((double)book[at] + book[at + 1]) / 2)
             at++;
         sums[at].sum += bins[i].sum;
-        sums[at].count += bins[i].count;
+        sums[at].weight += bins[i].weight;
     }
     for (int k = 0; k < FXS_BOOK; k++)
-        book[k] = sums[k].count ? (float)(sums[k].sum / (double)sums[k].count) : book[k];
+        book[k] = sums[k].weight > 0 ? (float)(sums[k].sum / sums[k].weight) : book[k];
 }
 
-int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count)
+int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count, double power)
 {
     bin *bins = calloc(BINS, sizeof *bins);
     double low = INFINITY, high = -INFINITY;
@@ -90,7 +91,7 @@ int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count)
         low = values[i] < low ? values[i] : low;
         high = values[i] > high ? values[i] : high;
     }
-    const int used = fill_bins(bins, values, count, low, high);
+    const int used = fill_bins(bins, values, count, power, low, high);
     if (used > FXS_BOOK) {
         begin_book(book, bins, low, high);
         for (int round = 0; round < BOOK_ROUNDS; round++)

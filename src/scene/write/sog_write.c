@@ -24,6 +24,10 @@ enum {
     EFFORT = 4                           /* 0 to 9 in libwebp */
 };
 
+/* ln(sigma) is weighted by sigma^1.25. By even weights, the few largest Gaussians of a scene, which are seen most, share
+   a value of the codebook; by area, the sky takes too many of its values. */
+#define SCALE_POWER 1.25
+
 static const char *const image_names[IMAGES] = {
     "means_l.webp", "means_u.webp", "scales.webp", "quats.webp", "sh0.webp", "shN_labels.webp", "shN_centroids.webp"
 };
@@ -110,7 +114,7 @@ static int find_books(sog_writer *w)
     for (int which = 0; which < 2 && !failed; which++) {
         for (uint32_t i = 0; i < h->count; i++)
             memcpy(values + 3 * (size_t)i, which ? h->gaussians[i].dc : h->gaussians[i].scale, 3 * sizeof *values);
-        failed = fxs_book_learn(which ? w->colours : w->scales, values, count);
+        failed = fxs_book_learn(which ? w->colours : w->scales, values, count, which ? 0 : SCALE_POWER);
     }
     free(values);
     return failed ? no_memory(w) : 1;
@@ -130,7 +134,7 @@ static int find_sh_book(sog_writer *w)
     for (uint32_t e = 0; e < w->entries && values; e++)
         for (uint32_t k = 0; k < coefficients; k++)
             *to++ = (float)w->palette[e][k] / FXS_SH_PALETTE_ONE;
-    const int failed = !values || fxs_book_learn(w->sh, values, count);
+    const int failed = !values || fxs_book_learn(w->sh, values, count, 0);
     free(values);
     return failed ? no_memory(w) : 1;
 }

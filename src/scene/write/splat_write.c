@@ -34,7 +34,7 @@ static void encode(const fxs_gaussian *gaussian, unsigned char record[RECORD_SIZ
     for (int i = 0; i < 4; i++)
         norm += (double)g->rotation[i] * g->rotation[i];
     for (int i = 0; i < 3; i++) {
-                const float scale = (float)fmin(fxs_exp(g->scale[i]), largest_scale);
+        const float scale = (float)fmin(fxs_exp(g->scale[i]), largest_scale);
         fxs_put_floats(record + 4 * i, &g->position[i], 1);
         fxs_put_floats(record + SCALE + 4 * i, &scale, 1);
         record[COLOUR + i] = code(255 * (0.5 + FXS_SH_0 * g->dc[i]));
