@@ -16,7 +16,7 @@ static inline int open_spz(const char *path, int version, uint64_t count, int sh
                            fxs_scene_writer **writer, fxs_message *message)
 {
     const fxs_scene_write_options options = {.count = count, .sh_degree = sh_degree, .antialiased = antialiased,
-                                             .spz_version = version, .format = "spz"};
+                                             .spz_version = version, .spz_fine = 1, .format = "spz"};
     return fxs_scene_writer_open(path, &options, writer, message);
 }
 

@@ -47,7 +47,8 @@ static void make(int sh_degree)
 
 static fxs_scene_write_options options_of(int sh_degree, int antialiased)
 {
-    fxs_scene_write_options o = {.count = COUNT, .sh_degree = sh_degree, .antialiased = antialiased};
+    fxs_scene_write_options o = {.count = COUNT, .sh_degree = sh_degree, .antialiased = antialiased,
+                                 .spz_fine = 1};
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < COUNT; k++) {
             const float x = wanted[k].position[i];

@@ -436,7 +436,7 @@ static void write_cropped(viewer *v, request *r)
     load.progress_argument = v->drawer;
     r->unwritten = name_cropped(v, r);
     if (!r->unwritten)
-        r->status = convert_merged(r->path, 0, &v->world.placed, v->path, &load);
+        r->status = convert_merged(r->path, 0, 0, &v->world.placed, v->path, &load);
 }
 
 /* The command that writes the same. */

@@ -38,7 +38,7 @@ static const fxs_format_row formats[] = {
       1, 0, 0, 0, NULL},
      &fxs_read_ksplat, NULL},
     {{"spz", ".spz", SAYS("Niantic's, versions 1 to 4; 3 and 4 are written"),
-      1, 1, 3, 1, SAYS("positions have 24 bits over the scene, the rest 8 to 10")},
+      1, 1, 3, 1, SAYS("SH have 4 or 5 bits (8 with --spz-fine), positions 24, the rest 8 to 10")},
      &fxs_read_spz, WRITE(spz)},
     {{"tileset", "tileset.json", SAYS("3D Tiles of .gltf and .glb, nested ones too: the finest tiles"),
       1, 0, 0, 0, NULL},

@@ -157,7 +157,7 @@ run("convert", "knot.ply", "other.fxs", "--profile", "small")
 ok("load: the profile is the command's", read("small.fxs") == read("other.fxs"))
 for ending, options, given in (
         *((ending, {}, []) for ending in ("fxs", "ply", "compressed.ply", "splat", "spz", "sog", "glb", "csv")),
-        ("spz", {"spz_version": 3}, ["--spz-version", "3"]),
+        ("spz", {"spz_version": 3}, ["--spz-version", "3"]), ("spz", {"spz_fine": True}, ["--spz-fine"]),
         ("ply", {"sh_degree": 1, "prune": 0.5}, ["--sh-degree", "1", "--prune", "0.5"]),
         ("glb", {"sphere": (0, 0, 0, 3), "drop_floaters": True}, ["--sphere", "0,0,0,3", "--drop-floaters"]),
         ("fxs", {"decimate": 900}, ["--decimate", "900"]),

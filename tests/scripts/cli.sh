@@ -604,7 +604,10 @@ run convert knot.ply knot3.spz --spz-version 3
 check "convert to .spz 3: says what is clamped" says "knot3.spz: clamped SH beyond +-1, of 6 Gaussians"
 check "convert to .spz 3: gzip" equal "$(head -c 2 knot3.spz | od -An -tx1)" " 1f 8b"
 check "convert to .spz: 3 and 4 are the same scene" equal "$(hash_of knot3.spz $small)" "$(hash_of knot4.spz $small)"
-check "convert to .spz: PSNR" at_least "$(psnr_of knot4.spz knot.ply)" 46
+"$fixsplat" convert knot.ply fine.spz --spz-fine 2>logs/err
+check "convert --spz-fine: PSNR" at_least "$(psnr_of fine.spz knot.ply)" 46
+check "convert to .spz: PSNR" at_least "$(psnr_of knot4.spz knot.ply)" 37
+check "convert to .spz: less" [ "$(wc -c <knot4.spz)" -lt $(($(wc -c <fine.spz) * 3 / 4)) ]
 check "convert to .spz: all of it" gaussians knot4.spz 2000 3
 run convert knot.ply knot.splat
 check "convert to .splat: says what is lost" says "knot.splat: a .splat cannot hold the SH above degree 0"
@@ -680,6 +683,7 @@ fails "convert: an ending that is none" 2 "x.gltf: expected a name ending" conve
 fails "convert: one file" 2 "two files" convert knot.ply
 fails "convert --profile to .ply" 2 "--profile is for .fxs" convert knot.ply x.ply --profile small
 fails "convert --spz-version to .ply" 2 "x.ply is no .spz" convert knot.ply x.ply --spz-version 3
+fails "convert --spz-fine to .ply" 2 "--spz-fine: x.ply is no .spz" convert knot.ply x.ply --spz-fine
 
 # ---- info --compare --------------------------------------------------------------------------------------------------
 
@@ -1007,8 +1011,8 @@ if [ -f "$scenes/snowmiku/snowmiku.ply" ]; then
     "$fixsplat" convert plain.ply plain.splat
     check "snowmiku as .splat: PSNR" at_least "$(psnr_of plain.splat plain.ply $cameras)" 51
     for version in 3 4; do
-        "$fixsplat" convert "$folder/snowmiku.ply" snowmiku.spz --spz-version $version
-        check "snowmiku as .spz $version: PSNR" at_least "$(psnr_of snowmiku.spz "$folder/snowmiku.ply" $cameras)" 51
+        "$fixsplat" convert "$folder/snowmiku.ply" snowmiku.spz --spz-version $version --spz-fine
+        check "snowmiku as .spz $version, fine: PSNR" at_least "$(psnr_of snowmiku.spz "$folder/snowmiku.ply" $cameras)" 51
     done
 else
     skip "snowmiku" "no real scenes at FXS_SCENES"

@@ -46,8 +46,8 @@ class Conversion:
 def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, scale: float = 1, translate: Any = None,
             crop: Any = None, sphere: Any = None, prune: float = 0, drop_floaters: bool = False, sh_degree: int = 3,
             decimate: Optional[float] = None, profile: Optional[str] = None, spz_version: Optional[int] = None,
-            level: int = 0, axes: str = "file", max_gaussians: int = 0, max_memory: int = 0, threads: int = 0,
-            progress: Progress = None) -> Conversion:
+            spz_fine: bool = False, level: int = 0, axes: str = "file", max_gaussians: int = 0, max_memory: int = 0,
+            threads: int = 0, progress: Progress = None) -> Conversion:
     """Converts the scene src into the scene file dst. src is the path of a scene file, Gaussians, or a Scene. The
     ending of dst chooses the format, and `fixsplat help formats` lists the formats that can be written. The new file
     has the same bytes as the file that `fixsplat convert` writes with the options of the same names. An existing file
@@ -70,6 +70,7 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     share of them. None merges no Gaussians.
     profile: the profile of an .fxs file: "default", "compact" or "small". None stands for "default".
     spz_version: the version of an .spz file: 3 (gzip) or 4 (zstd). None stands for 4.
+    spz_fine: True gives an .spz file all 8 bits of SH and all 24 of positions.
     level, axes, max_gaussians, max_memory, threads, progress: as for `load`. The first four are for files.
     """
     out = os.fsdecode(file_name(dst))
@@ -82,6 +83,8 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
         raise ValueError("profile: is for .fxs")
     if spz_version is not None and not out.endswith(".spz"):
         raise ValueError("spz_version: is for .spz")
+    if spz_fine and not out.endswith(".spz"):
+        raise ValueError("spz_fine: is for .spz")
     version = whole("spz_version", 4 if spz_version is None else spz_version, 3, 4)
     share = number("decimate", decimate, math.ulp(0), 1) if isinstance(decimate, float) else 0
     target = 0 if share or decimate is None else whole("decimate", decimate, 1, 2**64 - 1)
@@ -96,7 +99,7 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
             stream.decimate(target or math.ceil(share * stream.info.count))
         if packed:
             return _pack_into(stream, out, profile or "default", threads, kept)
-        written = _write_into(stream, out, version, progress)
+        written = _write_into(stream, out, version, spz_fine, progress)
         clamped = max(getattr(written.clamped, name) for name in ("position", "scale", "dc", "sh"))
         return _conversion(kept, stream.info.count, 0, 0, clamped, written.lost_sh, bool(written.lost_antialiased))
 
@@ -177,10 +180,10 @@ def _find_bounds(stream: Stream, options: Struct) -> None:
     stream.rewind()
 
 
-def _write_into(stream: Stream, out: str, spz_version: int, progress: Progress) -> Struct:
+def _write_into(stream: Stream, out: str, spz_version: int, spz_fine: bool, progress: Progress) -> Struct:
     info, writer, report, done = stream.info, new("fxs_scene_writer *"), new("fxs_scene_write_report"), 0
     options = new("fxs_scene_write_options", count=info.count, sh_degree=info.sh_degree, antialiased=info.antialiased,
-                  spz_version=spz_version)
+                  spz_version=spz_version, spz_fine=bool(spz_fine))
     if out.endswith(".glb"):
         _find_bounds(stream, options)
     call("fxs_scene_writer_open", file_name(out), options, writer)

@@ -22,6 +22,7 @@ typedef struct fxs_scene_write_options {
     float low[3], high[3];       /* bounds of the centres, for the header of a .glb; other formats need none */
     int spz_version;             /* version of an .spz: 3 (gzip) or 4 (zstd); 0: 4 */
     const char *format;          /* a name of formats.h, such as "ply"; null: by the ending of the path */
+    int spz_fine;                /* 1: an .spz has SH in 8 bits, not in 5 and 4, and positions in all 24 bits */
 } fxs_scene_write_options;
 
 /* The numbers of Gaussians in an .spz with a value that was clamped by a step of the format or more. An axis that is

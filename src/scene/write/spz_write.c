@@ -1,4 +1,5 @@
-/* Writes .spz versions 3 (gzip) and 4 (zstd). SH have 8 bits; the reference writer keeps 5 or 4. */
+/* Writes .spz versions 3 (gzip) and 4 (zstd). As by the reference writer, SH of degree 1 keep 5 of their 8 bits, those
+   above 4, and positions 12 fractional bits or somewhat more; a fine file has them all. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +18,8 @@
 #include <zstd.h>
 #endif
 
-enum { USUAL_BITS = 12, MAX_BITS = 24, ZSTD_LEVEL = 9, PIECE = 1 << 20 };
+enum { USUAL_BITS = 12, MOST_BITS = 24, SPARE_BITS = 8, MAX_BITS = MOST_BITS + SPARE_BITS };
+enum { ZSTD_LEVEL = 9, PIECE = 1 << 20 };
 enum { POSITION_MAX = (1 << 23) - 1 };   /* code */
 
 typedef struct placement {
@@ -26,7 +28,7 @@ typedef struct placement {
 
 typedef struct spz_writer {
     fxs_output output;
-    int version, sh_degree, antialiased;
+    int version, sh_degree, antialiased, fine;
     uint32_t count, next;
     uint32_t fitting[MAX_BITS + 2];   /* counts by the most fractional bits that fit, plus 1; 0: none fits */
     fxs_spz_clamped clamped;
@@ -87,6 +89,7 @@ static int spz_open(void *writer, const char *path, const fxs_scene_write_option
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: more than %d Gaussians", path, FXS_SPZ_MAX_COUNT);
     w->sh_degree = o->sh_degree;
     w->antialiased = o->antialiased;
+    w->fine = o->spz_fine;
     w->count = (uint32_t)o->count;
     fxs_spz_strides(w->stride, (uint32_t)w->version, o->sh_degree);
     int error = make_room(w, path, message);
@@ -180,7 +183,8 @@ static void encode(spz_writer *w, const fxs_gaussian *g, size_t index)
         int odd = fxs_spz_odd_in[i / 3] & 6;   /* in y, in z: a sign for each */
         double x = 128 * (odd == 2 || odd == 4 ? -g->sh[i] : g->sh[i]) + 128;
         sh |= is_beyond(x);
-        at[FXS_SPZ_SH][i] = code_byte(x);
+        const int step = w->fine ? 1 : i < 9 ? 8 : 16;
+        at[FXS_SPZ_SH][i] = code_byte(step * floor(x / step + 0.5));
     }
     w->clamped.dc += (uint32_t)dc;
     w->clamped.sh += (uint32_t)sh;
@@ -195,15 +199,18 @@ static int spz_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     return 0;
 }
 
-/* Chooses the most fractional bits, up to 24, with which all positions fit in 24 bits with their sign. Where that is
-   less than 12 (2048 units), the most up to 12 with which at most one Gaussian in a hundred does not fit. */
+/* Finds the most fractional bits with which all positions fit in 24 bits with their sign. Where that is less than 12
+   (2048 units), the most up to 12 with which at most one Gaussian in a hundred does not fit. A fine file has so many, up
+   to 24, others 8 less, but not less than 12. */
 static void choose_bits(spz_writer *w)
 {
     uint32_t beyond = 0;
     int bits = 0;
     while (bits <= MAX_BITS && beyond + w->fitting[bits] <= (bits <= USUAL_BITS ? (w->next + 99) / 100 : 0))
         beyond += w->fitting[bits++];
-    w->fractional_bits = bits > 0 ? bits - 1 : 0;
+    const int most = bits > 0 ? bits - 1 : 0, spare = w->fine || most < USUAL_BITS ? 0 : SPARE_BITS;
+    const int enough = most - spare < USUAL_BITS && spare ? USUAL_BITS : most - spare;
+    w->fractional_bits = enough < MOST_BITS ? enough : MOST_BITS;
 }
 
 /* Codes positions and scales. */
