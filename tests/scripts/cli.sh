@@ -616,6 +616,11 @@ succeeds "convert --sh-degree 0" convert knot.ply plain.ply --sh-degree 0
 check "convert --sh-degree 0: degree" gaussians plain.ply 2000 0
 check "convert --sh-degree 0: the picture" equal "$(hash_of plain.ply $small)" \
     "$(hash_of knot.ply $small --sh-degree 0)"
+run convert plain.ply compact.fxs --profile compact
+check "convert without SH, compact: says that it has no meaning" says \
+    "compact.fxs: profile compact is no smaller than default for a scene without SH; small is"
+check "convert without SH, compact: as large as default" equal "$("$fixsplat" convert plain.ply plain.fxs
+    wc -c <plain.fxs)" "$(wc -c <compact.fxs)"
 succeeds "convert to .splat without SH" convert plain.ply plain.splat
 check "convert to .splat: PSNR" at_least "$(psnr_of plain.splat plain.ply)" 46
 check "convert to .splat: the SH was left out" cmp plain.splat knot.splat
