@@ -402,7 +402,7 @@ static void bad_jpeg(void)
 {
     uint8_t most[16];
     put_changed_jpeg(0xc0, 5, "\40\0\40\0", 4);   /* 8192 x 8192 */
-    check_unreadable("a.jpg", "fewer bytes than a picture of its size has");
+    check_unreadable("a.jpg", "more than 512 a byte of the file");
     put_changed_jpeg(0xc0, 5, "\40\1\40\1", 4);
     check_unreadable("a.jpg", "2^26 in all");
     put_changed_jpeg(0xc0, 11, "\62\0\2\41", 4);   /* sampled by 3 x 2 and 2 x 1 */
@@ -583,11 +583,31 @@ static void inflated_size(void)
     put_zeros("a.png", 1, 8, 0, 1 << 24);
     check_unreadable("a.png", "Too much image data");
     put_zeros("a.png", 8192, 8, 0, 1 << 17);
-    check_unreadable("a.png", "fewer bytes than a picture of its size has");
+    check_unreadable("a.png", "more than 512 a byte of the file");
     put_zeros("a.png", 8193, 8, 0, 1);
     check_unreadable("a.png", "2^26 in all");
     put_zeros("a.png", 0, 8, 0, 1);
     check_unreadable("a.png", "Image width is zero");
+    remove(in_folder("a.png"));
+}
+
+/* Black and white, all black: eight pixels of a byte that deflate makes a thousandth of. */
+static void little_for_much(void)
+{
+    enum { MOST = 8192 };
+    static const int sides[] = {1024, 2048, MOST};
+    static uint8_t zeros[MOST * (MOST / 8 + 1)];
+    uint8_t *rgba;
+    int width, height;
+    for (int i = 0; i < 3; i++) {
+        const int side = sides[i];
+        const uint8_t high = (uint8_t)(side >> 8), header[13] = {0, 0, high, 0, 0, 0, high, 0, 1};
+        put_png("a.png", header, NULL, 0, zeros, (size_t)side * (size_t)(side / 8 + 1));
+        if (i)
+            check_unreadable("a.png", "more than 512 a byte of the file; as a .ppm");
+        else if (CHECK(!fxs_image_file_read(in_folder("a.png"), &rgba, &width, &height, &message)))
+            free(rgba);
+    }
     remove(in_folder("a.png"));
 }
 
@@ -759,6 +779,7 @@ int main(void)
 #endif
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)
     RUN(inflated_size);
+    RUN(little_for_much);
     RUN(chunks);
     RUN(png_kinds);
 #endif

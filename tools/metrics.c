@@ -101,7 +101,9 @@ int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int heigh
     out->mse = (double)squares / (3.0 * (double)(w * h));
     out->psnr = squares ? 10 * log10(255.0 * 255.0 / out->mse) : INFINITY;
     out->ssim = 0;
-    for (int channel = 0; channel < 3; channel++)
+    if (!squares)
+        out->ssim = 1;
+    for (int channel = 0; channel < 3 && squares; channel++)
         out->ssim += ssim_channel(a + channel, b + channel, w, h, memory) / 3;
     free(memory);
     return 0;

@@ -23,8 +23,9 @@
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
-#define MAX_INFLATED 1032         /* bytes of one byte of a .png: deflate has no more */
-#define MAX_JPEG_PIXELS 512       /* of a byte: the first scan has at least a bit for each 8 x 8 of them */
+#define FREE_PIXELS (1 << 20)     /* of any file; of more: */
+#define MAX_BYTE_PIXELS 512       /* of a byte. The first scan of a .jpg has at least a bit for each 8 x 8 of them; a .png
+                                     of one colour has 258 of RGBA or 344 of RGB, and may have 8256 of black and white */
 #define MAX_JPEG_SCANS 100        /* each may be a few bytes long, and takes time for all of the picture */
 
 /* Faults of a picture that are not the file's. */
@@ -44,7 +45,8 @@ static int readable_size(int width, int height)
 /* The readers return NULL or the fault. */
 
 #if defined(FXS_WITH_PNG) || defined(FXS_WITH_JPEG)
-static const char too_few_bytes[] = "fewer bytes than a picture of its size has";
+static const char too_few_bytes[] = "more than 2^20 pixels, and more than 512 a byte of the file; as a .ppm, which is not "
+                                    "compressed, it can be read";
 
 /* A picture that a library decodes: the fault that ended it, and the place to go on from then. */
 typedef struct decoding {
@@ -56,6 +58,19 @@ static void refuse(decoding *picture, const char *fault)
 {
     picture->fault = fault;
     longjmp(picture->refused, 1);
+}
+
+/* Makes room for the pixels, where a file of so many bytes may have so many. */
+static void make_room(decoding *picture, uint8_t **rgba, int width, int height, uint64_t bytes)
+{
+    if (!readable_size(width, height))
+        refuse(picture, too_large);
+    const uint64_t pixels = (uint64_t)width * (uint64_t)height;
+    if (pixels > FREE_PIXELS && pixels / MAX_BYTE_PIXELS > bytes)
+        refuse(picture, too_few_bytes);
+    *rgba = malloc(4 * (size_t)pixels);
+    if (!*rgba)
+        refuse(picture, out_of_memory);
 }
 #endif
 
@@ -104,13 +119,7 @@ static void decode_png(png_reading *reading, FILE *file, uint64_t bytes, uint8_t
     png_read_info(png, info);
     *width = (int)png_get_image_width(png, info);
     *height = (int)png_get_image_height(png, info);
-    if (!readable_size(*width, *height))
-        refuse(picture, too_large);
-    if (png_get_rowbytes(png, info) * (uint64_t)*height / MAX_INFLATED > bytes)
-        refuse(picture, too_few_bytes);
-    *rgba = malloc(4 * (size_t)*width * (size_t)*height);
-    if (!*rgba)
-        refuse(picture, out_of_memory);
+    make_room(picture, rgba, *width, *height, bytes);
     png_set_expand(png);
     png_set_strip_16(png);
     png_set_gray_to_rgb(png);
@@ -177,14 +186,7 @@ static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8
     jpeg->progress = &reading->progress;
     jpeg_stdio_src(jpeg, file);
     jpeg_read_header(jpeg, TRUE);
-    const uint64_t pixels = (uint64_t)jpeg->image_width * jpeg->image_height;
-    if (!readable_size((int)jpeg->image_width, (int)jpeg->image_height))
-        refuse(picture, too_large);
-    if (pixels / MAX_JPEG_PIXELS > bytes)
-        refuse(picture, too_few_bytes);
-    *rgba = malloc(4 * (size_t)pixels);
-    if (!*rgba)
-        refuse(picture, out_of_memory);
+    make_room(picture, rgba, (int)jpeg->image_width, (int)jpeg->image_height, bytes);
     jpeg->out_color_space = JCS_EXT_RGBA;
     jpeg->dct_method = JDCT_ISLOW;
     jpeg->do_fancy_upsampling = TRUE;

@@ -65,9 +65,9 @@ FXS_API int fxs_image_file_known(const char *path);
    transform that libjpeg-turbo has alike in C and for every instruction set.
 
    A picture that is cut short is refused, and so is one that libpng or libjpeg-turbo finds damaged, even where they
-   would go on; but pixels whose number lies beyond the palette of a .png are black. Refused too are a .png whose size
-   its bytes cannot inflate to, and a .jpg of more than 512 pixels a byte, of more than 100 scans, or of CMYK. Gamma and
-   colour profiles are not looked at.
+   would go on; but pixels whose number lies beyond the palette of a .png are black. Refused too are a .png or .jpg of
+   more than 2^20 pixels and of more than 512 a byte of the file, which few pictures have that are not all of one colour
+   (as a .ppm they are read), and a .jpg of more than 100 scans, or of CMYK. Gamma and colour profiles are not looked at.
 
    Returns 0 with *rgba allocated by malloc, which the caller frees, or an error and a message, with *rgba null. Errors:
    FXS_ERR_FILE, FXS_ERR_UNSUPPORTED for .png where this was built without libpng, and for .jpg without libjpeg-turbo,
