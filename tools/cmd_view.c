@@ -52,6 +52,8 @@ static const option_row page_rows[] = {
     {"port", "N", UINT64(port, 0, 65535), .help = "1 to 65535, or 0 for any that is free (default 8080)"},
     {"bind", "ADDRESS", TEXT(bind), .help =
      "0.0.0.0 for every machine of the network, or one address of this one (default 127.0.0.1)"},
+    {"host", "NAME", TEXT(host), .help =
+     "answer to this name too (default: addresses in digits, localhost and, with --bind, this machine's name)"},
     {"cert", "FILE", TEXT(certificate), .help =
      "https by this certificate, .pem: what browsers of other machines ask for before a page may have threads or a "
      "headset"},

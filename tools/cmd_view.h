@@ -8,7 +8,7 @@ typedef struct view_options {
     frame_options frame;
     const char *screenshot;
     int web;                                /* in a page of a browser; the rest is of that: */
-    const char *bind, *certificate, *key;
+    const char *bind, *host, *certificate, *key;
     uint64_t port;
 } view_options;
 

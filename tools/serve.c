@@ -1,4 +1,5 @@
 /* fixsplat-web: what `fixsplat view --web` runs, with the same arguments. */
+#define _XOPEN_SOURCE 700   /* realpath */
 #include <ctype.h>
 #include <errno.h>
 #include <signal.h>
@@ -152,10 +153,10 @@ static int add_scene(site *s, const char *path, const load_options *o)
     int status = check_file(path, o, &is_fxs);
     if (status)
         return status;
-    if (is_fxs || is_sent(path, o))
-        file->path = path;
-    else
+    if (!is_fxs && !is_sent(path, o))
         status = pack(path, o, &file->descriptor);
+    else if (!(file->path = realpath(path, 0)))   /* links are followed now, not later */
+        status = fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
     if (status)
         return status;
     const int length = base_of(&base, path);
@@ -299,7 +300,7 @@ static sigset_t ending_signals(void)
 
 static int serve(const site *s, const view_options *o)
 {
-    const fxs_http_options options = {o->bind, (uint16_t)o->port, o->certificate, o->key};
+    const fxs_http_options options = {o->bind, (uint16_t)o->port, o->certificate, o->key, o->host};
     fxs_http_server *server;
     fxs_message message;
     sigset_t ending = ending_signals();

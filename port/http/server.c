@@ -1,6 +1,9 @@
 #define _DEFAULT_SOURCE   /* IFF_UP and the like */
 #include "server.h"
 
+#include "gzip.h"
+#include "waiting.h"
+
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -17,7 +20,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { QUIET_SECONDS = 60, PEM_BYTES_MOST = 1 << 20 };
+/* Of a connection that waits for a request, and of one that is sent to. */
+enum { WAITING_SECONDS = 10, SENDING_SECONDS = 60 };
+enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };   /* a connection and its file are two descriptors of 1024 */
+enum { GZIP_LEAST = 1 << 10, GZIP_MOST = 1 << 23, PEM_BYTES_MOST = 1 << 20 };
 
 typedef union any_address {
     struct sockaddr any;
@@ -30,6 +36,10 @@ struct fxs_http_server {
     struct MHD_Daemon *daemon;
     any_address bound;
     char *certificate, *key;                /* texts, or null */
+    const char *host;                       /* a name of this machine beside its own, or null */
+    char own_name[256];
+    fxs_http_waiting waiting;
+    fxs_http_gzipped *gzipped;
     char said[256];                         /* the last message of the library */
 };
 
@@ -51,9 +61,9 @@ static int is_inside(const char *name)
 }
 
 /* O_NONBLOCK: does not wait for the writer of a FIFO. */
-static int open_path(const char *path, int flags)
+static int open_path(const char *path)
 {
-    return open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags);
+    return open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
 }
 
 static int open_of_folder(const char *folder, const char *name)
@@ -64,7 +74,7 @@ static int open_of_folder(const char *folder, const char *name)
     if (snprintf(whole, sizeof whole, "%s%s", name, index) >= (int)sizeof whole || !is_inside(whole) ||
         snprintf(path, sizeof path, "%s%s", folder, whole) >= (int)sizeof path)
         return -1;
-    return open_path(path, O_NOFOLLOW);
+    return open_path(path);
 }
 
 /* Opens the regular file of that name; the caller closes the descriptor. Returns -1 where there is none. */
@@ -73,7 +83,7 @@ static int open_named(const fxs_http_site *site, const char *name, struct stat *
     int descriptor = -2;
     for (int i = 0; i < site->file_count && descriptor == -2; i++)
         if (!strcmp(site->files[i].name, name))
-            descriptor = site->files[i].path ? open_path(site->files[i].path, 0)
+            descriptor = site->files[i].path ? open_path(site->files[i].path)
                                              : fcntl(site->files[i].descriptor, F_DUPFD_CLOEXEC, 0);
     if (descriptor == -2)
         descriptor = *name == '/' ? open_of_folder(site->folder, name) : -1;
@@ -94,36 +104,55 @@ static const char *start_of(const fxs_http_site *site, const char *name)
     return 0;
 }
 
-static const char *type_of(const char *name)
+typedef struct kind {
+    const char *ending, *type;
+    int shrinks;                            /* by gzip */
+} kind;
+
+static const kind *kind_of(const char *name)
 {
-    static const char *const types[][2] = {
-        {"/", "text/html; charset=utf-8"}, {".html", "text/html; charset=utf-8"}, {".css", "text/css; charset=utf-8"},
-        {".js", "text/javascript; charset=utf-8"}, {".mjs", "text/javascript; charset=utf-8"},
-        {".wasm", "application/wasm"}, {".json", "application/json"}, {".png", "image/png"}, {".svg", "image/svg+xml"},
-        {".md", "text/plain; charset=utf-8"}, {".ts", "text/plain; charset=utf-8"}
+    static const kind kinds[] = {
+        {"/", "text/html; charset=utf-8", 1}, {".html", "text/html; charset=utf-8", 1},
+        {".css", "text/css; charset=utf-8", 1}, {".js", "text/javascript; charset=utf-8", 1},
+        {".mjs", "text/javascript; charset=utf-8", 1}, {".wasm", "application/wasm", 1},
+        {".json", "application/json", 1}, {".svg", "image/svg+xml", 1}, {".md", "text/plain; charset=utf-8", 1},
+        {".ts", "text/plain; charset=utf-8", 1}, {".png", "image/png", 0}, {"", "application/octet-stream", 0}
     };
     const size_t length = strlen(name);
-    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
-        const size_t end = strlen(types[i][0]);
-        if (length >= end && !strcasecmp(name + length - end, types[i][0]))
-            return types[i][1];
-    }
-    return "application/octet-stream";
+    const kind *k = kinds;
+    for (size_t end; (end = strlen(k->ending)) > length || strcasecmp(name + length - end, k->ending);)
+        k++;
+    return k;
+}
+
+/* An address with a 0 in it stays as it is, or its rest would be cut off. */
+static size_t unescape(void *self, struct MHD_Connection *connection, char *text)
+{
+    (void)self;
+    (void)connection;
+    return strstr(text, "%00") ? strlen(text) : MHD_http_unescape(text);
 }
 
 /* ---- Answers ----------------------------------------------------------------------------------------------------- */
 
-/* Adds the headers of every answer, sends it and frees it. */
-static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
+/* Adds the headers of every answer. */
+static enum MHD_Result complete(struct MHD_Response *response)
 {
     static const char *const headers[][2] = {
         {"Cross-Origin-Opener-Policy", "same-origin"}, {"Cross-Origin-Embedder-Policy", "require-corp"},
         {"Cross-Origin-Resource-Policy", "same-origin"}, {"X-Content-Type-Options", "nosniff"},
-        {"Cache-Control", "no-cache"}
+        {"Cache-Control", "no-cache"}, {"Vary", "Accept-Encoding"}
     };
     enum MHD_Result done = response ? MHD_YES : MHD_NO;
     for (size_t i = 0; i < sizeof headers / sizeof *headers && done == MHD_YES; i++)
         done = MHD_add_response_header(response, headers[i][0], headers[i][1]);
+    return done;
+}
+
+/* Sends an answer, complete then, and frees it. */
+static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
+{
+    enum MHD_Result done = complete(response);
     if (done == MHD_YES)
         done = MHD_queue_response(connection, status, response);
     if (response)
@@ -185,20 +214,48 @@ static const char *header_of(struct MHD_Connection *connection, const char *name
     return MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name);
 }
 
+/* Whether the client takes gzip; a weight that is given with it and begins with 0 counts as no. */
+static int takes_gzip(struct MHD_Connection *connection)
+{
+    const char *taken = header_of(connection, "Accept-Encoding"), *gzip = taken ? strstr(taken, "gzip") : 0;
+    return gzip && strncmp(gzip, "gzip;q=0", 8);
+}
+
+static enum MHD_Result send_gzipped(fxs_http_server *server, struct MHD_Connection *connection, const char *name,
+                                    const char *tag, int descriptor, size_t size)
+{
+    int is_new;
+    struct MHD_Response *response = fxs_http_gzip(&server->gzipped, name, tag, descriptor, size, &is_new);
+    close(descriptor);
+    if (!response)
+        return MHD_NO;
+    if (is_new) {
+        MHD_add_response_header(response, "Content-Type", kind_of(name)->type);
+        MHD_add_response_header(response, "Content-Encoding", "gzip");
+        MHD_add_response_header(response, "ETag", tag);
+        complete(response);
+    }
+    return MHD_queue_response(connection, MHD_HTTP_OK, response);
+}
+
 /* Answers with a file; the answer then owns the descriptor. */
-static enum MHD_Result send_file(struct MHD_Connection *connection, const char *name, int descriptor,
-                                 const struct stat *information)
+static enum MHD_Result send_file(fxs_http_server *server, struct MHD_Connection *connection, const char *name,
+                                 int descriptor, const struct stat *information)
 {
     const uint64_t size = (uint64_t)information->st_size;
+    const int gzipped = FXS_HTTP_HAS_GZIP && kind_of(name)->shrinks && size >= GZIP_LEAST && size <= GZIP_MOST &&
+                        takes_gzip(connection) && !header_of(connection, "Range");
     uint64_t first = 0, length = size;
-    char tag[64], text[96];
-    snprintf(tag, sizeof tag, "\"%" PRIx64 "-%lx-%" PRIx64 "\"", (uint64_t)information->st_mtim.tv_sec,
-             information->st_mtim.tv_nsec, size);
+    char tag[FXS_HTTP_TAG], text[96];
+    snprintf(tag, sizeof tag, "\"%" PRIx64 "-%lx-%" PRIx64 "%s\"", (uint64_t)information->st_mtim.tv_sec,
+             information->st_mtim.tv_nsec, size, gzipped ? "-gzip" : "");
     const char *known = header_of(connection, "If-None-Match"), *same = header_of(connection, "If-Range");
     if (known && strstr(known, tag)) {
         close(descriptor);
         return send_words(connection, MHD_HTTP_NOT_MODIFIED, "", "ETag", tag);
     }
+    if (gzipped)
+        return send_gzipped(server, connection, name, tag, descriptor, (size_t)size);
     const int part = same && strcmp(same, tag) ? 0 : take_range(header_of(connection, "Range"), size, &first, &length);
     if (part < 0) {
         close(descriptor);
@@ -210,7 +267,7 @@ static enum MHD_Result send_file(struct MHD_Connection *connection, const char *
         close(descriptor);
         return MHD_NO;
     }
-    MHD_add_response_header(response, "Content-Type", type_of(name));
+    MHD_add_response_header(response, "Content-Type", kind_of(name)->type);
     MHD_add_response_header(response, "Accept-Ranges", "bytes");
     MHD_add_response_header(response, "ETag", tag);
     if (part) {
@@ -226,13 +283,23 @@ static int is_local(const any_address *a)
                                         : ntohl(a->v4.sin_addr.s_addr) >> 24 == 127;
 }
 
-/* Only numeric addresses and localhost: a page elsewhere may have made any other name point to this machine, to read
-   from it. */
-static int is_own_host(const char *host)
+static int is_name(const char *host, size_t length, const char *name, const char *behind)
+{
+    const size_t first = strlen(name);
+    return first && length == first + strlen(behind) && !strncasecmp(host, name, first) &&
+           !strncasecmp(host + first, behind, length - first);
+}
+
+/* Only numeric addresses, localhost and, served to others, this machine's names: a page elsewhere may have made any
+   other name point to this machine, to read from it. */
+static int is_own_host(const fxs_http_server *server, const char *host)
 {
     const size_t length = host ? strcspn(host, ":") : 0;
-    return !host || *host == '[' || strspn(host, "0123456789.") == length ||
-           (length == 9 && !strncasecmp(host, "localhost", 9));
+    if (!host || *host == '[' || strspn(host, "0123456789.") == length || is_name(host, length, "localhost", "") ||
+        (server->host && is_name(host, length, server->host, "")))
+        return 1;
+    return !is_local(&server->bound) && (is_name(host, length, server->own_name, "") ||
+                                         is_name(host, length, server->own_name, ".local"));
 }
 
 static enum MHD_Result answer(void *self, struct MHD_Connection *connection, const char *name, const char *method,
@@ -253,15 +320,17 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
         *body_bytes = 0;   /* read and ignored */
         return MHD_YES;
     }
-    if (is_local(&server->bound) && !is_own_host(header_of(connection, "Host")))
-        return send_words(connection, MHD_HTTP_MISDIRECTED_REQUEST, "this is localhost\n", 0, 0);
+    fxs_http_note_request(&server->waiting, connection);
+    MHD_set_connection_option(connection, MHD_CONNECTION_OPTION_TIMEOUT, (unsigned)SENDING_SECONDS);
+    if (!is_own_host(server, header_of(connection, "Host")))
+        return send_words(connection, MHD_HTTP_MISDIRECTED_REQUEST, "not by this name: --host names it\n", 0, 0);
     const char *start = start_of(site, name);
     if (start)
         return send_words(connection, MHD_HTTP_FOUND, "", "Location", start);
     const int descriptor = open_named(site, name, &information);
     if (descriptor < 0)
         return send_words(connection, MHD_HTTP_NOT_FOUND, "there is no such file here\n", 0, 0);
-    return send_file(connection, name, descriptor, &information);
+    return send_file(server, connection, name, descriptor, &information);
 }
 
 /* ---- Opening ----------------------------------------------------------------------------------------------------- */
@@ -297,7 +366,7 @@ static int listen_at(any_address *address, const fxs_http_options *o, fxs_messag
         setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
         if (address->any.sa_family == AF_INET6)
             setsockopt(s, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
-        if (!bind(s, &address->any, size) && !listen(s, 64) && !getsockname(s, &address->any, &size))
+        if (!bind(s, &address->any, size) && !listen(s, SOMAXCONN) && !getsockname(s, &address->any, &size))
             return s;
     }
     const int why = errno;
@@ -352,8 +421,12 @@ static int start(fxs_http_server *server, const fxs_http_options *o, fxs_message
         return FXS_ERR_FILE;
     server->daemon = MHD_start_daemon(flags, 0, 0, 0, answer, server, MHD_OPTION_EXTERNAL_LOGGER, note, server,
                                       MHD_OPTION_LISTEN_SOCKET, s, MHD_OPTION_CONNECTION_TIMEOUT,
-                                      (unsigned)QUIET_SECONDS, MHD_OPTION_ARRAY, server->key ? tls : tls + 2,
-                                      MHD_OPTION_END);
+                                      (unsigned)WAITING_SECONDS, MHD_OPTION_CONNECTION_LIMIT,
+                                      (unsigned)CONNECTIONS_MOST, MHD_OPTION_PER_IP_CONNECTION_LIMIT,
+                                      (unsigned)OF_AN_ADDRESS_MOST, MHD_OPTION_UNESCAPE_CALLBACK, unescape, server,
+                                      MHD_OPTION_NOTIFY_CONNECTION, fxs_http_note_connection, &server->waiting,
+                                      MHD_OPTION_NOTIFY_COMPLETED, fxs_http_note_answered, &server->waiting,
+                                      MHD_OPTION_ARRAY, server->key ? tls : tls + 2, MHD_OPTION_END);
     if (server->daemon)
         return 0;
     close(s);
@@ -368,6 +441,8 @@ int fxs_http_open(fxs_http_server **out, const fxs_http_site *site, const fxs_ht
     if (!server)
         return fxs_fail_memory(message, 0, 0);
     server->site = site;
+    server->host = options->host;
+    gethostname(server->own_name, sizeof server->own_name - 1);
     int result = parse_address(&server->bound, options, message);
     if (!result && options->certificate)
         result = read_pem(server, options, message);
@@ -384,6 +459,7 @@ void fxs_http_close(fxs_http_server *server)
 {
     if (server->daemon)
         MHD_stop_daemon(server->daemon);
+    fxs_http_gzip_free(server->gzipped);
     free(server->certificate);
     free(server->key);
     free(server);

@@ -1,7 +1,9 @@
 /* A small static server (libmicrohttpd) for the files of one folder and for others under names of their own; the rest
  * of the file system is not served. It has GET, HEAD, ranges and ETags. Every answer has the headers that isolate a
  * page (Cross-Origin-Opener-Policy and -Embedder-Policy), which threads in a browser need. Files are sent from the disk
- * as they are at the time of the request, and are never loaded completely. */
+ * as they are at the time of the request, and are never loaded completely; but files of a page, of 8 MiB at most, are
+ * compressed once where the client takes gzip. Requests by another name than an address in digits, localhost, `host` or,
+ * on an address that other machines reach, this machine's name are refused. */
 #ifndef FXS_HTTP_SERVER_H
 #define FXS_HTTP_SERVER_H
 
@@ -9,7 +11,7 @@
 
 typedef struct fxs_http_file {
     const char *name;                       /* "/scenes/0/room.ply" */
-    const char *path;                       /* or null for: */
+    const char *path;                       /* not a link, where it is asked for; or null for: */
     int descriptor;                         /* a file that stays open, sent from its beginning */
 } fxs_http_file;
 
@@ -26,6 +28,7 @@ typedef struct fxs_http_options {
     const char *address;                    /* IPv4 or IPv6 in digits; 0.0.0.0 and ::, all of this machine's */
     uint16_t port;                          /* 0: any free port */
     const char *certificate, *key;          /* .pem files: https; or null */
+    const char *host;                       /* a name of this machine that requests may have; or null */
 } fxs_http_options;
 
 typedef struct fxs_http_server fxs_http_server;

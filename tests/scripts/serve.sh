@@ -18,6 +18,7 @@ mkdir -p page/viewer page/.hidden
 echo '<!doctype html>' >page/viewer/index.html
 echo secret | tee page/.hidden/x page/.x beside.txt >page/viewer/.x
 for file in a.js a.wasm a.css a.json; do echo "$file" >page/$file; done
+seq 2000 >page/long.js
 ln -s ../beside.txt page/out.txt
 FIXSPLAT_WEB=$work/page
 export FIXSPLAT_WEB
@@ -79,7 +80,7 @@ check "no-cache" equal "$(header Cache-Control "$at/scenes/1/knot.ply")" no-cach
 
 for path in /none /viewer /scenes/ /scenes/2/knot.ply /scenes/0/knot.ply /scenes/1/knot.ply/ /2 /.x /viewer/.x \
     /.hidden/x /../beside.txt /viewer/../../beside.txt /%2e%2e/beside.txt /viewer/%2e%2e/%2e%2e/beside.txt '/..%2fbeside.txt' \
-    /out.txt /viewer/..%00/x //beside.txt "/$work/beside.txt" '/..\beside.txt' /scenes/1/../1/knot.ply \
+    /out.txt /viewer/..%00/x /a.js%00 /a.js%00.png //beside.txt "/$work/beside.txt" '/..\beside.txt' /scenes/1/../1/knot.ply \
     "/$(head -c 5000 /dev/zero | tr '\0' a)"; do
     check "404: $(echo "$path" | cut -c 1-40)" equal "$(code "$at$path")" 404
     check "no secret there" sh -c '! grep -q secret logs/body'
@@ -99,7 +100,44 @@ check "a scene that went away: 404" equal "$(code "$at/scenes/1/knot.ply")" 404
 mkfifo knot.ply
 check "a FIFO in its place: 404" equal "$(code -m 5 "$at/scenes/1/knot.ply")" 404
 rm knot.ply
+ln -s beside.txt knot.ply
+check "a link in its place: 404" equal "$(code "$at/scenes/1/knot.ply")" 404
+rm knot.ply
 mv away.ply knot.ply
+
+# ---- Compressed ------------------------------------------------------------------------------------------------------
+
+gzipped() { code -H 'Accept-Encoding: br, gzip' "$@"; }
+if ldd "$fixsplat-web" 2>/dev/null | grep -q libz; then
+    for time in first second; do
+        check "gzip, the $time time: smaller" equal "$(gzipped -w ' %{http_code} %{size_download}' "$at/long.js" |
+            awk '{ print $1, $2 < 6000 }')" "200 1"
+        check "gzip, the $time time: the same file" sh -c 'gzip -d <logs/body | cmp - page/long.js'
+    done
+    check "gzip: said" equal "$(header Content-Encoding -H 'Accept-Encoding: gzip' "$at/long.js")" gzip
+    check "gzip: the type" equal "$(header Content-Type -H 'Accept-Encoding: gzip' "$at/long.js")" \
+        "text/javascript; charset=utf-8"
+    packed_tag=$(header ETag -H 'Accept-Encoding: gzip' "$at/long.js")
+    check "gzip: an ETag of its own" [ "$packed_tag" != "$(header ETag "$at/long.js")" ]
+    check "gzip: 304" equal "$(gzipped -H "If-None-Match: $packed_tag" "$at/long.js")" 304
+    check "gzip: once for all HTTP caches" equal "$(header Vary "$at/long.js")" Accept-Encoding
+    seq 3000 >page/long.js
+    check "gzip: a file that changed" sh -c '[ "$1" = 200 ] && gzip -d <logs/body | cmp - page/long.js' - \
+        "$(gzipped "$at/long.js")"
+    for not in 'gzip;q=0' identity; do
+        check "not gzip: $not" equal "$(code -H "Accept-Encoding: $not" "$at/long.js") $(cksum <logs/body)" \
+            "200 $(cksum <page/long.js)"
+    done
+    check "a range: not of gzip" equal "$(gzipped -r 0-9 "$at/long.js") $(wc -c <logs/body)" "206 10"
+    check "a scene: not by gzip" equal "$(gzipped "$at/scenes/1/knot.ply") $(cksum <logs/body)" "200 $(cksum <knot.ply)"
+else
+    skip gzip "no zlib here"
+fi
+
+# ---- Many that wait --------------------------------------------------------------------------------------------------
+
+check "beside 1100 requests that never end" $helper hang "${at##*:}" 1100 \
+    curl -s -m 5 -o logs/body "$at/a.js" "$at/scenes/1/knot.ply"
 
 # ---- HEAD, ranges, ETag ----------------------------------------------------------------------------------------------
 
@@ -236,6 +274,20 @@ if [ "$(wc -l <logs/served)" -gt 1 ]; then
 else
     skip "all addresses" "no network here"
 fi
+for host in evil.example 1.2.evil localhost.evil.example "$(uname -n).evil.example"; do
+    check "all addresses: not as $host" equal "$(code -H "Host: $host" "$at/a.js")" 421
+done
+for host in localhost 192.0.2.7:8080 "$(uname -n)" "$(uname -n).LOCAL:80"; do
+    check "all addresses: as $host" equal "$(code -H "Host: $host" "$at/a.js")" 200
+done
+ends TERM
+serve knot.ply --bind 0.0.0.0 --host scenes.example
+check "--host: by that name" equal "$(code -H "Host: Scenes.example:80" "$at/a.js")" 200
+check "--host: not by another" equal "$(code -H "Host: evil.example" "$at/a.js")" 421
+ends TERM
+ln -s knot.ply link.ply
+serve link.ply
+check "a link that is given: its file" gets "$at/scenes/0/link.ply" knot.ply
 ends TERM
 if [ -e /proc/net/if_inet6 ] && grep -q ' lo$' /proc/net/if_inet6; then
     serve knot.ply --bind ::1
@@ -274,7 +326,7 @@ fails "an address of another machine" 1 "192.0.2.99, port 8080: Cannot assign" v
 for bad in 'eye 1,2,3' 'place 0:1,2,3' 'scene x.json' 'screenshot x.png' 'size 10x10'; do
     fails "--web --${bad%% *}" 2 "no --${bad%% *}" view --web knot.ply --$bad
 done
-for bad in 'port 80' 'bind 0.0.0.0' 'cert x' 'key x'; do
+for bad in 'port 80' 'bind 0.0.0.0' 'host x' 'cert x' 'key x'; do
     fails "--${bad%% *} without --web" 2 "--${bad%% *} needs --web" view knot.ply --$bad
 done
 for bad in 'port 65536' 'port -1' 'port x'; do fails "--$bad" 2 "--$bad: expected" view --web knot.ply --$bad; done
@@ -292,6 +344,10 @@ else
         get "$at$path"
     done >logs/body
     get -r 5-10 "$at/a.js" >logs/body
+    gzipped "$at/long.js" >logs/code
+    seq 2000 >page/long.js
+    gzipped "$at/long.js" >logs/code
+    $helper hang "${at##*:}" 100 true
     get -X POST -d 123 "$at/a.js" >logs/body
     ends TERM
     check Valgrind equal "$status $(cat logs/errors)" "0 "

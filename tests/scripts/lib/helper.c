@@ -1,13 +1,17 @@
 /* helper hash FILE: the FNV-1a 64 hash of its bytes. helper peak COMMAND...: runs it, and prints its peak KiB.
-   helper signal NUMBER COMMAND...: sends it when the command has begun a temporary file, and prints how that ended. */
+   helper signal NUMBER COMMAND...: sends it when the command has begun a temporary file, and prints how that ended.
+   helper hang PORT COUNT COMMAND...: runs it beside so many connections to 127.0.0.1 whose requests never end. */
 #define _GNU_SOURCE
+#include <arpa/inet.h>
 #include <glob.h>
 #include <inttypes.h>
+#include <netinet/in.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -64,11 +68,39 @@ static int end_by(int number, char **command)
     return 0;
 }
 
+static int hang(int port, int count, char **command)
+{
+    static const char begun[] = "GET / HTTP/1.1\r\nHost: localhost\r\nX: ";
+    const struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons((uint16_t)port),
+                                   .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    const struct timeval limit = {3, 0};
+    struct rlimit files;
+    getrlimit(RLIMIT_NOFILE, &files);
+    files.rlim_cur = files.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &files);
+    for (int i = 0; i < count; i++) {
+        const int s = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+        setsockopt(s, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+        if (connect(s, (const struct sockaddr *)&to, sizeof to))
+            break;   /* as many as the server takes */
+        send(s, begun, sizeof begun - 1, MSG_NOSIGNAL);   /* the server may have ended it */
+    }
+    const pid_t child = fork();
+    int status;
+    if (child == 0) {
+        execvp(command[0], command);
+        _exit(127);
+    }
+    return child < 0 || waitpid(child, &status, 0) < 0 || status != 0;
+}
+
 int main(int argc, char **argv)
 {
     if (argc == 3 && !strcmp(argv[1], "hash"))
         return hash(argv[2]);
     if (argc > 3 && !strcmp(argv[1], "signal"))
         return end_by(atoi(argv[2]), argv + 3);
+    if (argc > 4 && !strcmp(argv[1], "hang"))
+        return hang(atoi(argv[2]), atoi(argv[3]), argv + 4);
     return argc > 2 && !strcmp(argv[1], "peak") ? peak(argv + 2) : 2;
 }
