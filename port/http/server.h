@@ -1,9 +1,9 @@
 /* A small static server (libmicrohttpd) for the files of one folder and for others under names of their own; the rest
  * of the file system is not served. It has GET, HEAD, ranges and ETags. Every answer has the headers that isolate a
- * page (Cross-Origin-Opener-Policy and -Embedder-Policy), which threads in a browser need. Files are sent from the disk
- * as they are at the time of the request, and are never loaded completely; but files of a page, of 8 MiB at most, are
- * compressed once where the client takes gzip. Requests by another name than an address in digits, localhost, `host` or,
- * on an address that other machines reach, this machine's name are refused. */
+ * page (Cross-Origin-Opener-Policy and -Embedder-Policy), which threads in a browser need. Files are sent from the
+ * disk as they are at the time of the request, and are never loaded completely; but files of a page, of 8 MiB at
+ * most, are compressed once where the client takes gzip. Requests by another name than an address in digits,
+ * localhost, `host` or, on an address that other machines reach, this machine's name are refused. */
 #ifndef FXS_HTTP_SERVER_H
 #define FXS_HTTP_SERVER_H
 
