@@ -1,6 +1,6 @@
 #!/bin/sh
 # Each command with an allocation that gets no memory, or with none that does from there on: it does without and is
-# right, or ends with one line, status 1 and nothing left behind. Some sixteen of each command's allocations, spread over
+# right, or ends with one line, status 1 and nothing left behind. Some eighty of each command's allocations, spread over
 # all of them; EVERY=1 for each.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
@@ -40,7 +40,7 @@ survives() {
     [ ! -e "$written" ] || mv "$written" logs/right
     count=$(sed -n 's/ allocations//p' logs/calls)
     count=${count:-0}
-    step=${EVERY:-$((count / 8 + 1))}
+    step=${EVERY:-$((count / 40 + 1))}
     for ever in '' 1; do
         n=${ever:-2}
         while [ $n -le $count ]; do
@@ -69,6 +69,10 @@ make_photographs 3
 survives o.fxs fit set --quiet --steps 4 --threads 2 -o o.fxs
 survives o.ply fit set --quiet --steps 4 --resume half.fxs.fit -o o.ply
 survives o.ppm render packed.fxs --size 64x48 --stereo 0.1 -o o.ppm
+survives o.ppm render packed.fxs packed.fxs --place 1:1,0,0 --size 64x48 -o o.ppm
+survives o.png render knot.ply --size 64x48 --foveate=32,24,10,20 --threads 2 -o o.png
+survives o.png render knot.ply --size 64x32 --panorama -o o.png
+for aux in depth ids; do survives o.png render knot.ply --size 64x48 --$aux o.png; done
 survives o.fxs convert knot.ply o.fxs
 survives o.fxs convert knot.ply o.fxs --profile small
 survives o.spz convert knot.ply o.spz
