@@ -90,6 +90,33 @@ survives o.png compare a.png b.png --diff o.png
 survives o.png compare a.jpg b.png --diff o.png
 survives - bench knot.ply --size 64x48 --threads 2
 
+# The server does without an answer, and ends when it is told to, or with one line when it begins.
+serves() {
+    rm -f logs/served
+    FAULT_AT=$1 FAULT_EVER=$2 LD_PRELOAD=$faults "$fixsplat-web" --web --port 0 knot.ply >logs/served 2>logs/err &
+    server=$!
+    until [ -s logs/served ] || ! kill -0 $server 2>/dev/null; do sleep 0.05; done
+    at=$(sed -n 's|^\(http://[^/]*\)/.*|\1|p;q' logs/served)
+    [ -z "$at" ] || curl -s -m 2 -H 'Accept-Encoding: gzip' "$at/long.js" "$at/none" "$at/scenes/0/knot.ply" >logs/got
+    kill $server 2>/dev/null
+    wait $server
+    status=$?
+    [ $status = 0 ] || { [ $status = 1 ] && [ "$(wc -l <logs/err)" = 1 ]; }
+}
+if [ -x "$fixsplat-web" ] && have curl; then
+    mkdir -p page/viewer
+    echo page >page/viewer/index.html
+    seq 2000 >page/long.js
+    FIXSPLAT_WEB=$work/page
+    export FIXSPLAT_WEB
+    for n in $(seq 3 9 160); do
+        check "view --web, allocation $n" serves $n ''
+        check "view --web, allocation $n and on" serves $n 1
+    done
+else
+    skip "view --web" "no server or no curl here"
+fi
+
 # A picture larger than the memory there is.
 "$fixsplat" render knot.ply --size 2000x2000 -o large.png || exit 1
 if (ulimit -v 16000 && "$fixsplat" --version) >logs/out 2>&1; then
