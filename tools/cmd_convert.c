@@ -119,8 +119,8 @@ static const option_row own_rows[] = {
     {.help = "The file that is written:"},
     {"profile", "P", CHOICE(load.profile, profile_names), .help =
      "of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene: default 63.5 (56.9 dB), "
-     "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Without SH: default and compact 18.5, small 13.5. Where SH lose much, views are compared with the floats, and one "
-     "that loses more than it should is said"},
+     "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Without SH: default and compact 18.5, small 13.5. Views of small, and of compact where SH lose much, are "
+     "compared with the floats, and one that loses more than it should is said"},
     {"spz-version", "V", INT(spz_version, 3, 4), .help = "3 (gzip) or 4 (zstd, the default), for .spz"},
     {"spz-fine", 0, FLAG(spz_fine), .help =
      "all 8 bits of SH and 24 of positions in an .spz: nearly twice as large at SH degree 3, and 53 dB on a captured "
@@ -162,11 +162,12 @@ static int read_options(convert_options *o, int argc, char **argv)
 
 /* ---- .fxs ------------------------------------------------------------------------------------------------------ */
 
-/* SH that are rounded by this much, root mean square, may cost a view what the profile promises: pictures are compared
-   then. */
-static double loss_to_check(enum fxs_profile profile)
+/* Whether a view may lose more than the profile promises, so that pictures are compared: with small always, with compact
+   where SH are rounded by 0.01, root mean square. */
+static int is_to_be_checked(const fxs_opened *packed)
 {
-    return profile == FXS_PROFILE_DEFAULT ? INFINITY : profile == FXS_PROFILE_COMPACT ? 0.01 : 0.02;
+    const enum fxs_profile profile = packed->scene->profile;
+    return profile == FXS_PROFILE_SMALL || (profile == FXS_PROFILE_COMPACT && packed->report->rms.sh > 0.01);
 }
 
 /* Says so where a view of a packed scene is farther from its floats than its profile promises, from around the scene,
@@ -210,7 +211,7 @@ static int to_fxs(const convert_options *o)
         note("%s: profile compact is no smaller than default for a scene without SH; small is", o->out);
     if (!status && fxs_file_write(o->out, loaded->opened->data, loaded->opened->bytes, &message))
         status = fail_for(&message);
-    if (!status && loaded->opened->report->rms.sh > loss_to_check(loaded->opened->scene->profile))
+    if (!status && is_to_be_checked(loaded->opened))
         check_views(&w, o, &load);
     world_close(&w);
     return status;
