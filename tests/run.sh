@@ -2,38 +2,45 @@
 # tests/run.sh NAME...: runs these test programs, scripts and gates, $JOBS at once, those named in $ALONE one at a time
 # at the end, and adds up their results. A program or script prints "N passed, N failed, N skipped" last, a gate "ok",
 # "FAIL" or "skip" and its name. The output of each comes in one piece, when it ends, and goes into junit.xml, as
-# programs read it. B: the build folder.
+# programs read it. B: the build folder. Each is ended after $LIMIT seconds (600), those named in $LONG after six times
+# as many.
 B=${B:-build}
 results=$B/tests/results
 
-# run_one NAME: its output and "passed failed skipped seconds processor-seconds name", in the folder of results.
+# run_one NAME: its output and "passed failed skipped seconds processor-seconds name", in the folder of results. It is a
+# process group of its own, of which nothing stays behind, and begins with no signal ignored.
 run_one() {
-    log=$results/$1.log
+    name=$1 log=$results/$1.log limit=${LIMIT:-600} fault=
+    set -- "$B/tests/$name"
+    for folder in scripts gates; do
+        [ ! -e "tests/$folder/$name" ] || set -- sh "tests/$folder/$name"
+    done
+    case " $LONG " in *" $name "*) limit=$((limit * 6)) ;; esac
     start=$(date +%s.%N)
-    if [ -e "tests/scripts/$1" ]; then
-        sh "tests/scripts/$1" >"$log" 2>&1
-    elif [ -e "tests/gates/$1" ]; then
-        sh "tests/gates/$1" >"$log" 2>&1
-    else
-        "$B/tests/$1" >"$log" 2>&1
-    fi
+    timeout -k 10 "$limit" env --default-signal "$@" >"$log" 2>&1 </dev/null &
+    group=$!
+    trap 'kill $group; wait $group; kill -s KILL -- -$group; exit 1' HUP INT TERM
+    wait $group
     status=$?
+    kill -s KILL -- -$group 2>/dev/null
     seconds=$(awk "BEGIN { print $(date +%s.%N) - $start }")
     last=$(tail -n 1 "$log")
     if printf '%s\n' "$last" | grep -Eqx '[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped'; then
         counts=$(printf '%s\n' "$last" | tr -dc '0-9 ')
-    elif [ ! -e "tests/gates/$1" ]; then
-        counts='0 1 0'
-        echo "FAIL $1: ended early (status $status)" >>"$log"
+        case $status/$last in [!0]*', 0 failed,'*) fault="none failed, but status $status" ;; esac
+    elif [ ! -e "tests/gates/$name" ]; then
+        fault="ended early (status $status)"
     else
         case $status in 0) counts='1 0 0' ;; 77) counts='0 0 1' ;; *) counts='0 1 0' ;; esac
-        case $counts in *1\ 0) grep -q '^FAIL' "$log" || echo "FAIL $1: status $status" >>"$log" ;; esac
+        case $counts in *1\ 0) grep -q '^FAIL' "$log" || fault="status $status" ;; esac
     fi
-    times >"$results/$1.times"
+    case $status in 124 | 137) [ "${seconds%.*}" -lt "$limit" ] || fault="reached its limit of $limit seconds" ;; esac
+    [ -z "$fault" ] || { counts='0 1 0'; echo "FAIL $name: $fault" >>"$log"; }
+    times >"$results/$name.times"
     echo "$counts $seconds $(awk 'END { gsub(/[ms]/, " "); print $1 * 60 + $2 + $3 * 60 + $4 }' \
-        "$results/$1.times") $1" >"$results/$1.result"
+        "$results/$name.times") $name" >"$results/$name.result"
     until mkdir "$results/lock" 2>/dev/null; do sleep 0.1; done
-    echo "== $1"
+    echo "== $name"
     cat "$log"
     rmdir "$results/lock"
 }

@@ -112,7 +112,7 @@ check "levels: the whole is equal, fewer are further from it" awk -F ' *[|] *' '
 
 ORDER=sleep
 for signal in INT TERM; do
-    measure timeout -s $signal 1 sh tools/bench.sh stereo
+    measure env --default-signal=$signal timeout -s $signal 1 sh tools/bench.sh stereo
     check "SIG$signal: ended by it" equal $status 124
     check "SIG$signal: the document stays" unchanged
 done

@@ -1,6 +1,6 @@
 #!/bin/sh
-# tests/run.sh over programs of its own: what passes, fails, is skipped and ends early, in words and in junit.xml, as
-# Python's parser reads it.
+# tests/run.sh over programs of its own: what passes, fails, is skipped, ends early and does not end, in words and in
+# junit.xml, as Python's parser reads it.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -61,4 +61,56 @@ good 2 0 1
 last 1 0 0
 - sixth"
 fi
+
+# ---- Tests that do not end, and signals ------------------------------------------------------------------------------
+
+# Of its children the last is deaf to the signal that ends the others.
+program endless <<'END'
+sleep 60 &
+(trap '' TERM; sleep 60; sleep 60) &
+echo $$ $! >"$B/processes"
+echo 'ok   seventh'
+wait
+END
+program patient <<'END'
+sleep 2
+echo '1 passed, 0 failed, 0 skipped'
+END
+program liar <<'END'
+echo '1 passed, 0 failed, 0 skipped'
+exit 4
+END
+program listener <<'END'
+for signal in HUP INT PIPE TERM; do
+    sh -c "kill -$signal \$\$; echo FAIL $signal is ignored"
+done
+[ "$(cat)" ] || echo 'ok   eighth'
+echo '1 passed, 0 failed, 0 skipped'
+END
+
+# No process of `endless` runs, after five seconds at most; one that has ended may wait for its parent (Z).
+none_left() {
+    tries=50
+    while cut -d ' ' -f 3 $(sed 's|[0-9]*|/proc/&/stat|g' "$work/processes") 2>/dev/null | grep -v Z; do
+        [ $((tries -= 1)) -gt 0 ] || return
+        sleep 0.1
+    done
+}
+
+LIMIT=1 JOBS=2 LONG=patient B=$work sh tests/run.sh endless patient >"$work/said" 2>&1
+check "limit: status" [ $? = 1 ]
+check "limit: says what reached it" grep -qx 'endless endless: reached its limit of 1 seconds' "$work/said"
+check "limit: a long test has more time" equal "$(tail -n 1 "$work/said")" '1 passed, 1 failed, 0 skipped'
+check "limit: in junit.xml" grep -q '"endless: reached its limit' "$work/tests/junit.xml"
+check "limit: no process is left" none_left
+rm "$work/processes"
+B=$work sh tests/run.sh --one endless >"$work/said" 2>&1 &
+until [ -s "$work/processes" ]; do sleep 0.1; done
+kill $!
+wait $!
+check "a signal: no process is left" none_left
+B=$work sh tests/run.sh liar >"$work/said" 2>&1
+check "says what passed and yet failed" grep -qx 'liar liar: none failed, but status 4' "$work/said"
+(trap '' HUP INT PIPE TERM; echo word | B=$work ALONE=listener sh tests/run.sh listener) >"$work/said" 2>&1
+check "no signal is ignored, and there is no input" equal "$(grep -E 'FAIL|eighth' "$work/said")" 'ok   eighth'
 finish
