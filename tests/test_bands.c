@@ -12,6 +12,7 @@ enum { GUARD = 0xa5, GUARD_BYTES = 256, MOST_PIXELS = 100 * 300 };
 /* What is drawn, the frame in all the memory it can use, and room for another. */
 static struct {
     fxs_scene scene;
+    fxs_object object;                     /* of that scene */
     fxs_camera camera;
     fxs_options options;
     enum fxs_format format;
@@ -34,10 +35,11 @@ static int untouched(const unsigned char *bytes, size_t count)
 static int render(const fxs_context *context, size_t bytes, fxs_stats *stats)
 {
     unsigned char *memory = check_aligned(bytes + GUARD_BYTES);
+    const fxs_targets targets = one_target(drawn.format, drawn.pixels,
+                                           (ptrdiff_t)(drawn.bytes / (size_t)drawn.camera.height));
     memset(memory, GUARD, bytes + GUARD_BYTES);
     memset(drawn.pixels, GUARD, drawn.bytes);
-    int error = one_render(context, &drawn.scene, &drawn.camera, &drawn.options, drawn.format, memory, bytes,
-                           drawn.pixels, (ptrdiff_t)(drawn.bytes / (size_t)drawn.camera.height), stats);
+    int error = render_frame(context, &drawn.object, 1, &drawn.camera, &drawn.options, &targets, memory, bytes, stats);
     CHECK(untouched(memory + bytes, GUARD_BYTES));
     free(memory);
     return error;
@@ -50,8 +52,8 @@ static void check_pairs(size_t least, size_t rows)
         const size_t bytes = (rows > least ? rows : least) - short_of;
         uint64_t evaluated, blended;
         void *memory = check_aligned(bytes);
-        const int error = one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &evaluated,
-                                          &blended);
+        const int error = count_pairs(&drawn.object, 1, &drawn.camera, &drawn.options, memory, bytes, &evaluated,
+                                      &blended);
         CHECK(short_of ? error == FXS_ERR_MEMORY
                        : !error && evaluated == drawn.evaluated && blended == drawn.blended);
         free(memory);
@@ -77,6 +79,12 @@ static void check_refused(const fxs_context *context, size_t bytes, size_t least
     CHECK(untouched(drawn.pixels, drawn.bytes));
 }
 
+/* fxs_frame_bytes. */
+static size_t frame_bytes(const fxs_context *context, fxs_frame_memory *memory)
+{
+    return fxs_frame_bytes(context, &drawn.object, 1, drawn.camera.width, drawn.camera.height, memory);
+}
+
 /* Returns the memory from which on no tile row is sliced; 0 where the least is that of a frame at once. */
 static size_t rows_of(const fxs_context *context, const fxs_frame_memory *memory)
 {
@@ -89,7 +97,7 @@ static size_t rows_of(const fxs_context *context, const fxs_frame_memory *memory
 static void check_limits(const fxs_context *context)
 {
     fxs_frame_memory memory;
-    const size_t total = one_frame_bytes(context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory);
+    const size_t total = frame_bytes(context, &memory);
     const size_t least = memory.least, rows = rows_of(context, &memory);
     check_refused(context, 0, least);
     check_refused(context, least - 1, least);
@@ -112,12 +120,14 @@ static void draw(void)
     size_t pixel_bytes = (size_t)fxs_pixel_bytes(drawn.format);
     drawn.bytes = (size_t)drawn.camera.width * (size_t)drawn.camera.height * pixel_bytes;
     fxs_init(&context, 0);
-    size_t bytes = one_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, 0);
+    const fxs_targets targets = one_target(drawn.format, drawn.expected,
+                                           (ptrdiff_t)drawn.camera.width * (ptrdiff_t)pixel_bytes);
+    size_t bytes = frame_bytes(&context, 0);
     void *memory = check_aligned(bytes);
-    CHECK(!one_render(&context, &drawn.scene, &drawn.camera, &drawn.options, drawn.format, memory, bytes,
-                      drawn.expected, (ptrdiff_t)drawn.camera.width * (ptrdiff_t)pixel_bytes, &drawn.stats));
-    CHECK(!one_count_pairs(&drawn.scene, &drawn.camera, &drawn.options, memory, bytes, &drawn.evaluated,
-                           &drawn.blended));
+    CHECK(!render_frame(&context, &drawn.object, 1, &drawn.camera, &drawn.options, &targets, memory, bytes,
+                        &drawn.stats));
+    CHECK(!count_pairs(&drawn.object, 1, &drawn.camera, &drawn.options, memory, bytes, &drawn.evaluated,
+                       &drawn.blended));
     CHECK(drawn.stats.bands == 1 && drawn.stats.memory.least == 0 && drawn.stats.memory.total == bytes);
     free(memory);
 }
@@ -144,6 +154,7 @@ static void check_case(uint64_t seed, int32_t most, int height)
     state = seed * 0x1234567u;
     const packed_scene packed = random_scene((enum fxs_profile)(seed % 3), most);
     CHECK(!fxs_scene_open(&drawn.scene, packed.data, packed.bytes));
+    drawn.object = one_object(&drawn.scene);
     draw_random(height);
     for (uint32_t threads = 1; threads <= 4; threads *= 2) {
         fxs_pool *pool = fxs_pool_create(threads);
@@ -192,8 +203,9 @@ static void test_same_bytes_of_larger_scenes(void)
 
 enum { ROWS = 6 };
 
-/* A picture one tile wide and ROWS high. Chunk c has counts[c][r] Gaussians in tile row r. */
-static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS])
+/* A picture one tile wide and ROWS high. Chunk c has counts[c][r] Gaussians in tile row r, all of them 2^log2 units (0 or
+   16) away in the space of the object, whose scale is 2^log2. */
+static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int log2)
 {
     packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, chunks * FXS_CHUNK, 0);
     for (uint32_t c = 0; c < chunks; c++) {
@@ -202,10 +214,11 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS])
         fill_chunk(&s, c);
         memset(colours, 0, 4 * FXS_CHUNK);
         s.chunks[c].scale_q16 = -(12 << 16);
-        s.chunks[c].step_shift = s.chunks[c].scale_step_q24 = 0;
+        s.chunks[c].step_shift = (uint16_t)(log2 / 4 * 3);
+        s.chunks[c].scale_step_q24 = 0;
         for (int i = 0; i < 3; i++) {
-            s.chunks[c].origin_q32[i] = i < 2 ? 0 : (int64_t)1 << 32;
-            s.chunks[c].step_q32[i] = i < 2 ? 1 << 26 : 0;             /* a pixel */
+            s.chunks[c].origin_q32[i] = i < 2 ? 0 : (int64_t)1 << (32 + log2);
+            s.chunks[c].step_q32[i] = i < 2 ? 1u << (26 + log2 / 4) : 0;   /* a pixel */
         }
         for (int row = 0; row < ROWS; row++)
             for (int k = 0; k < counts[c][row]; k++, at++) {
@@ -217,6 +230,8 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS])
             memcpy(packed_scene_rows(&s, c) + FXS_ROW_ROTATION + 4 * i, &(uint32_t){512u << 20 | 512u << 10 | 512u}, 4);
     }
     CHECK(!fxs_scene_open(&drawn.scene, s.data, s.bytes));
+    drawn.object = one_object(&drawn.scene);
+    drawn.object.scale_q32 <<= log2;
     drawn.camera = (fxs_camera){.width = 16, .height = 16 * ROWS, .fx_q12 = 64 << 12, .fy_q12 = 64 << 12,
                                 .rotation_q30 = {1 << 30, 0, 0, 0, 1 << 30, 0, 0, 0, 1 << 30}};
     fxs_options_init(&drawn.options);
@@ -233,7 +248,7 @@ static void test_blocks_of_any_number_of_splats(void)
     state = 1;
     for (int before = 0; before <= 16; before++)
         for (int kept = 1; kept <= 3; kept++) {
-            const packed_scene s = place_in_rows(2, (const int[][ROWS]){{before}, {kept, FXS_CHUNK - kept}});
+            const packed_scene s = place_in_rows(2, (const int[][ROWS]){{before}, {kept, FXS_CHUNK - kept}}, 0);
             check_limits(&context);
             free(s.data);
         }
@@ -250,15 +265,28 @@ static void test_rows_are_of_one_tile_row(void)
         for (int c = 0; c < 8; c++)
             for (int row = 0; row < ROWS; row++)
                 counts[c][row] = row == 2 ? 40 : 36 * others;
-        const packed_scene s = place_in_rows(8, (const int (*)[ROWS])counts);
+        const packed_scene s = place_in_rows(8, (const int (*)[ROWS])counts, 0);
         fxs_frame_memory memory;
-        CHECK(one_frame_bytes(&context, &drawn.scene, drawn.camera.width, drawn.camera.height, &memory) > 0);
+        CHECK(frame_bytes(&context, &memory) > 0);
         CHECK(drawn.stats.visible == (others ? 8 * (40 + 36 * (ROWS - 1)) : 8 * 40));
         rows[others] = rows_of(&context, &memory);
         check_limits(&context);
         free(s.data);
     }
     CHECK(rows[0] == rows[1]);
+}
+
+/* Depths of 2^32 units and more have one key, the largest there is: slices end with it, and have it. */
+static void test_slices_beyond_every_depth(void)
+{
+    fxs_context context;
+    fxs_init(&context, 0);
+    const uint64_t before = sliced;
+    const packed_scene s = place_in_rows(4, (const int[4][ROWS]){{250}, {250}, {250}, {250}}, 16);
+    CHECK(drawn.stats.visible == 4 * 250);
+    check_limits(&context);
+    CHECK(sliced > before);
+    free(s.data);
 }
 
 int main(void)
@@ -268,5 +296,6 @@ int main(void)
     RUN(test_same_bytes_of_larger_scenes);
     RUN(test_blocks_of_any_number_of_splats);
     RUN(test_rows_are_of_one_tile_row);
+    RUN(test_slices_beyond_every_depth);
     return check_report();
 }

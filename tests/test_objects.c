@@ -330,6 +330,44 @@ static void test_crop_around_all(void)
     }
 }
 
+/* One Gaussian, at the low end of its chunk, inside and at the high end, with its centre on a face of a crop box, or the
+   least step outside of it. */
+static void test_centres_on_faces_of_crops(void)
+{
+    static const uint16_t places[] = {0, 30001, 65535};
+    fxs_options options;
+    fxs_options_init(&options);
+    for (int i = 0; i < 3 * 3 * 8; i++) {
+        const int axis = i / 8 % 3, is_high = i & 1, is_beside = i >> 1 & 1, is_outside = i >> 2 & 1;
+        const uint16_t place = places[i / 24];
+        const fxs_camera camera = {.width = 40, .height = 30, .fx_q12 = 40 << 12, .fy_q12 = 40 << 12,
+                                   .cx_q12 = 20 << 12, .cy_q12 = 15 << 12, .rotation_q30 = {[0] = 1 << 30,
+                                   [4] = 1 << 30, [8] = 1 << 30}, .position_q32 = {[2] = -((int64_t)9 << 32)}};
+        packed_scene s = packed_scene_make(FXS_PROFILE_DEFAULT, 0, 1, 0);
+        fxs_crop crop = crop_of(-9, 9, axis, is_outside);
+        int64_t centre_q32 = 0;
+        for (int k = 0; k < 3; k++) {
+            s.chunks->origin_q32[k] = -12345 - ((int64_t)1 << 31);
+            s.chunks->step_q32[k] = 65537;
+            memcpy(packed_scene_rows(&s, 0) + FXS_ROW_POSITION + 512 * k, &(uint16_t){fxs_little_16(place)}, 2);
+            centre_q32 = s.chunks->origin_q32[k] + 65537 * (int64_t)place;
+        }
+        packed_scene_rows(&s, 0)[FXS_ROW_COLOUR + 3] = 255;            /* opacity */
+        memcpy(packed_scene_rows(&s, 0) + FXS_ROW_ROTATION, &(uint32_t){fxs_little_32(512u << 20 | 512u << 10 | 512u)}, 4);
+        CHECK(!packed_scene_finish(&s));
+        *(is_high ? &crop.high_q32[axis] : &crop.low_q32[axis]) = centre_q32 + (is_high ? -is_beside : is_beside);
+        picture p = picture_new(camera.width, camera.height, FXS_FORMAT_RGBA8);
+        fxs_object object = one_object(&s.scene);
+        fxs_stats stats;
+        object.crops = &crop;
+        object.crop_count = 1;
+        CHECK(!draw(&plain, &object, 1, &camera, &options, 0, &p, &stats));
+        CHECK(stats.visible == (uint32_t)(is_beside == is_outside));
+        picture_free(&p);
+        free(s.data);
+    }
+}
+
 /* Objects that show nothing change nothing, wherever they stand in the list. */
 static void test_hidden_objects(void)
 {
@@ -796,6 +834,7 @@ int main(void)
     RUN(test_captured_scenes);
     RUN(test_carried_with_the_camera);
     RUN(test_crop_around_all);
+    RUN(test_centres_on_faces_of_crops);
     RUN(test_hidden_objects);
     RUN(test_ties);
     RUN(test_bands);
