@@ -88,7 +88,9 @@ ordered() {
 }
 
 sums() { find build/src build/kernels build/port build/tools -name '*.o' -exec cksum {} + | LC_ALL=C sort; }
-symbols() { nm -g --defined-only -f posix "$@" | awk 'NF > 2 { print $1 }' | sort -u; }
+
+# symbols [-g] FILE...: functions and data; -g: those of other files' use, which a program may have as local.
+symbols() { nm --defined-only -f posix "$@" | awk 'NF > 2 { print $1 }' | sort -u; }
 
 # Runs a test of the tree that this is in. Its time without a change four times, and ten seconds, are its limit.
 run_test() {
@@ -104,7 +106,7 @@ judge() {
     build build/libfixsplat.a build/fixsplat >build.log 2>&1 || { echo "does not compile"; return; }
     objects=$(sums | comm -23 - "$folder/sums" | cut -d ' ' -f 3)
     [ "$objects" ] || { echo "same code"; return; }
-    symbols $objects >changed.symbols
+    symbols -g $objects >changed.symbols
     for test in $(ordered "$1"); do
         case $test in *.sh) ;; *) comm -12 changed.symbols "$folder/symbols.$test" | grep -q . || continue ;; esac
         build "$(built_for "$test")" >build.log 2>&1 || { echo "does not compile"; return; }
