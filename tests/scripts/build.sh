@@ -1,5 +1,6 @@
 #!/bin/sh
-# A build after a change of compiler, flags or libraries found; what the Makefile chooses; setup beside another apt-get.
+# A build after a change of compiler, flags or libraries found; what the Makefile chooses; setup beside another apt-get,
+# and by npm.
 . tests/scripts/lib/check.sh
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
@@ -137,4 +138,26 @@ chmod +x "$work/bin"/*
 check "setup: ends well" env PATH="$work/bin:$PATH" APT_LOG="$work/apt" sh tools/setup.sh one two
 check "setup: waits for the lock of update" [ "$(grep -c update "$work/apt")" = 3 ]
 check "setup: installs, waiting for the lock of dpkg" grep -q 'Lock::Timeout=300 install .*one two$' "$work/apt"
+
+# ---- What setup takes from npm ---------------------------------------------------------------------------------------
+
+cat >"$work/bin/npm" <<'END'
+#!/bin/sh
+echo "$@" >>"$NPM_LOG"
+mkdir -p "$3/node_modules/puppeteer-core"
+END
+chmod +x "$work/bin/npm"
+for time in 1 2; do
+    check "setup: npm, time $time" env PATH="$work/bin:$PATH" NPM_LOG="$work/npm" sh tools/page_modules.sh "$work/page"
+done
+check "setup: npm runs once, no script of a module" equal "$(cut -d ' ' -f 1-4 "$work/npm")" \
+    "ci --prefix $work/page --ignore-scripts"
+lock=tests/web/package-lock.json
+check "setup: npm has the lock" cmp $lock "$work/page/package-lock.json"
+check "the lock: a sum for each module" equal "$(grep -c '"integrity": "sha512-' $lock)" \
+    "$(($(grep -c '^    "node_modules/' $lock)))"
+check "the lock: no address but the registry's" equal "$(grep '"resolved"' $lock |
+    grep -v '"https://registry.npmjs.org/')" ""
+check "the lock: of package.json" equal "$(sed -n '/"": {/,/}/s/^ *\("[^"]*": "[0-9][^"]*"\).*/\1/p' $lock)" \
+    "$(sed -n 's/^ *\("[^"]*": "[0-9][^"]*"\).*/\1/p' tests/web/package.json)"
 finish
