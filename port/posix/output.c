@@ -8,13 +8,16 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <fixsplat/output.h>
 #include "src/base/opened.h"
 
-enum { LINKS_MOST = 40 };   /* the same limit as in Linux */
+enum { LINKS_MOST = 40,        /* the same limit as in Linux */
+       NAME_ROOM = 64,         /* for the name of a temporary file in its folder */
+       WRITERS_MOST = 100 };   /* of one file at a time */
 
 /* ---- Outputs under way ----------------------------------------------------------------------------------------- */
 
@@ -118,42 +121,88 @@ char *fxs_output_target(const char *path)
 
 static char standard_output[] = "standard output";   /* the path "-", for messages */
 
-static void free_names(fxs_output *output)
+static void release(fxs_output *output)
 {
+    if (output->lock >= 0)
+        close(output->lock);
     if (output->path != standard_output)
         free(output->path);
     free(output->target);
     free(output->temporary);
 }
 
-/* The file that `old` describes keeps its permissions; null: there is none. Returns a descriptor, or -1 and errno. */
+/* output->temporary becomes the name for writer i of output->target. */
+static void name_temporary(fxs_output *output, int i)
+{
+    const size_t folder = folder_length(output->target);
+    uint32_t hash = 0x811c9dc5u;                                       /* FNV-1a */
+    for (const char *c = output->target + folder; *c; c++)
+        hash = (hash ^ (unsigned char)*c) * 0x01000193u;
+    snprintf(output->temporary, folder + NAME_ROOM, "%.*s.fixsplat-%08" PRIx32 "-%d.tmp", (int)folder, output->target,
+             hash, i);
+}
+
+/* A writer holds a lock on its temporary file until that is renamed: one that another can lock was left by a process
+   that is gone, and is removed. Returns whether there is, or was, such a file. */
+static int remove_left(const char *name)
+{
+    struct stat own, there;
+    const int flags = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY;
+    int descriptor = open(name, O_WRONLY | flags);             /* a lock over NFS asks for that */
+    if (descriptor < 0 && errno == EACCES)
+        descriptor = open(name, O_RDONLY | flags);
+    if (descriptor < 0)
+        return errno != ENOENT;
+    if (!flock(descriptor, LOCK_EX | LOCK_NB) && !fstat(descriptor, &own) && S_ISREG(own.st_mode) &&
+        !lstat(name, &there) && own.st_dev == there.st_dev && own.st_ino == there.st_ino)
+        unlink(name);
+    close(descriptor);
+    return 1;
+}
+
+/* The file that `old` describes keeps its permissions; null: there is none. Returns a descriptor, or -1 and errno:
+   EEXIST where the name is taken, or another process was about to remove the file as one that was left. */
 static int create(const char *name, const struct stat *old)
 {
+    struct stat own;
     const mode_t mode = old ? old->st_mode & 0777 : 0666;
-    int descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL, mode);
-    if (descriptor >= 0 && old)
+    const int descriptor = open(name, O_WRONLY | O_CREAT | O_EXCL, mode);
+    if (descriptor < 0)
+        return -1;
+    if ((flock(descriptor, LOCK_EX | LOCK_NB) && errno == EWOULDBLOCK) || (!fstat(descriptor, &own) && !own.st_nlink)) {
+        close(descriptor);
+        errno = EEXIST;
+        return -1;
+    }
+    if (old)
         fchmod(descriptor, mode);   /* where that fails, umask may leave fewer permissions */
     return descriptor;
 }
 
-/* Creates a file in the folder of output->target, so that it can be renamed to it. Returns a descriptor, or -1 and
-   errno. */
+/* Creates a file in the folder of output->target, so that it can be renamed to it, and removes what earlier writers of
+   the same target left there. Returns a descriptor, or -1 and errno. */
 static int create_beside(fxs_output *output, const struct stat *old)
 {
-    const size_t folder = folder_length(output->target), room = folder + 64;
-    int descriptor = -1;
+    int descriptor = -1, own = 0;
     sigset_t before;
-    output->temporary = malloc(room);
+    output->temporary = malloc(folder_length(output->target) + NAME_ROOM);
     if (!output->temporary)
         return -1;
     enter(&before);
-    for (int i = 0; i < 100 && descriptor < 0; i++) {
-        snprintf(output->temporary, room, "%.*s.fixsplat-%ld-%d.tmp", (int)folder, output->target, (long)getpid(), i);
-        descriptor = create(output->temporary, old);
-        if (descriptor < 0 && errno != EEXIST)
+    for (int i = 0; i < WRITERS_MOST; i++) {
+        name_temporary(output, i);
+        const int there = remove_left(output->temporary);
+        if (descriptor < 0) {
+            own = i;
+            descriptor = create(output->temporary, old);
+            if (descriptor < 0 && errno != EEXIST)
+                break;
+        } else if (!there)
             break;
     }
     if (descriptor >= 0) {
+        name_temporary(output, own);
+        output->lock = dup(descriptor);
         output->next = under_way;
         under_way = output;
     }
@@ -208,6 +257,7 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
 {
     FXS_TRY(fxs_may_write(path, message));
     memset(output, 0, sizeof *output);
+    output->lock = -1;
     output->left = count;
     output->path = strcmp(path, "-") ? strdup(path) : standard_output;
     int descriptor = output->path ? open_descriptor(output) : -1;
@@ -220,7 +270,7 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
         close(descriptor);
         drop(output);
     }
-    free_names(output);
+    release(output);
     return error;
 }
 
@@ -288,6 +338,6 @@ int fxs_output_close(fxs_output *output, fxs_message *message)
         forget(output);
         sync_folder(output);
     }
-    free_names(output);
+    release(output);
     return result;
 }

@@ -14,6 +14,7 @@ typedef struct fxs_output {
     char *path;                /* as the user named it */
     char *target, *temporary;  /* path after its symbolic links, and a name beside it; null: no renaming */
     struct fxs_output *next;   /* the next open output: outputs must not move in memory while open */
+    int lock;                  /* a descriptor that holds the lock on the temporary file, or -1 */
     uint64_t left;             /* announced Gaussians that are still to be written */
     int error;                 /* errno of the first failure, or 0; the caller may set it */
 } fxs_output;

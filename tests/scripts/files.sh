@@ -209,6 +209,36 @@ check "a signal that is ignored stays so" equal "$(cat logs/status) $(ls ignored
 ) 2>logs/err
 check "SIGXFSZ: nothing is left" equal "$(left; ls ended.ply 2>/dev/null)" ""
 
+# ---- What killed writers leave ---------------------------------------------------------------------------------------
+
+# A writer of killed.ply, $!, which has its temporary file and seconds to go.
+begin() {
+    "$fixsplat" make-scene landscape --count 20000000 -o killed.ply &
+    until ls -l /proc/$!/fd 2>/dev/null | grep -q 'fixsplat-.*tmp$' || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
+}
+ended=$($helper signal 9 "$fixsplat" make-scene landscape --count 20000000 -o killed.ply)
+check "killed: its file stays behind" equal "$ended $(left | wc -l)" "signal 9 1"
+left_over=$(left)
+succeeds "killed: another file" $write other.ply
+check "killed: another file removes nothing" equal "$(left)" "$left_over"
+begin
+first=$!
+check "killed: the next writer has its name" equal "$(left)" "$left_over"
+succeeds "a writer beside another" $write killed.ply
+check "a writer beside another: removes nothing" equal "$(left)" "$left_over"
+begin
+kill -KILL $first $!
+wait $first $! 2>logs/shell
+check "two killed: both files stay behind" equal "$(left | wc -l)" 2
+chmod 444 "$left_over"
+succeeds "two killed: the next" $write killed.ply
+check "two killed: the next removes both" equal "$(left)" ""
+mkfifo "$left_over"
+ln -s knot.ply "${left_over%0.tmp}1.tmp"
+succeeds "names that are taken" $write killed.ply
+check "names that are taken: stay" equal "$(left | wc -l) $(readlink "${left_over%0.tmp}1.tmp")" "2 knot.ply"
+rm -f .fixsplat-*
+
 # ---- On the disk -----------------------------------------------------------------------------------------------------
 
 faults=$work/logs/faults.so

@@ -1,8 +1,8 @@
-/* How the library writes files. Until a file is complete and on the disk, it has a temporary name in the same folder,
- * with the process's number. An existing file keeps its permissions. For a symbolic link, its target is written, even
- * where that does not exist yet. A FIFO, a device or standard output ("-", or another name such as /dev/stdout) gets
- * the bytes as they come, so bytes written before an error stay there. Several threads may write at the same time, each
- * a file of its own.
+/* How the library writes files. Until a file is complete and on the disk, it has a temporary name in the same folder. A
+ * process that is killed leaves it there, and the next that writes the same file removes it. An existing file keeps its
+ * permissions. For a symbolic link, its target is written, even where that does not exist yet. A FIFO, a device or
+ * standard output ("-", or another name such as /dev/stdout) gets the bytes as they come, so bytes written before an
+ * error stay there. Several threads may write at the same time, each a file of its own.
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_OUTPUT_H

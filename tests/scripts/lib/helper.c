@@ -1,5 +1,5 @@
 /* helper hash FILE: the FNV-1a 64 hash of its bytes. helper peak COMMAND...: runs it, and prints its peak KiB.
-   helper signal NUMBER COMMAND...: sends it when the command has begun a temporary file, and prints how that ended.
+   helper signal NUMBER COMMAND...: sends it when a temporary file is here, and prints how the command ended.
    helper hang PORT COUNT COMMAND...: runs it beside so many connections to 127.0.0.1 whose requests never end. */
 #define _GNU_SOURCE
 #include <arpa/inet.h>
@@ -46,7 +46,6 @@ static int peak(char **command)
 /* A background job of a shell ignores SIGINT; this does not. */
 static int end_by(int number, char **command)
 {
-    char pattern[64];
     int status, ended = 0;
     pid_t child = fork();
     if (child == 0) {
@@ -54,8 +53,7 @@ static int end_by(int number, char **command)
         execvp(command[0], command);
         _exit(127);
     }
-    snprintf(pattern, sizeof pattern, ".fixsplat-%ld-*.tmp", (long)child);
-    for (glob_t found; !ended && glob(pattern, 0, NULL, &found); usleep(1000))
+    for (glob_t found; !ended && glob(".fixsplat-*.tmp", 0, NULL, &found); usleep(1000))
         ended = waitpid(child, &status, WNOHANG);
     if (!ended) {
         kill(child, number);
