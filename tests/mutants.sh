@@ -8,7 +8,7 @@
 #
 # The tests of a change are the programs of `make check` that its code is linked into, and those of `make test` whose
 # name shares a word with the file's path: most words first, then the least time. Of tools/, scripts too, cli.sh and
-# films.sh last.
+# films.sh last; of port/http/, serve.sh.
 # JOBS: changes at a time, each in a tree of its own (the number of processors). FOLDER: where the trees are, and stay,
 # so that a later run builds less (a new one in /tmp, removed at the end).
 show=
@@ -20,7 +20,7 @@ case $(uname -m) in x86_64) simd=x86 ;; *) simd=arm ;; esac
 # draw: the changes, one a line.
 draw() {
     find src kernels/*.[ch] kernels/gles kernels/fit kernels/simd/lanes kernels/simd/$simd port/backend \
-        port/board/*.[ch] tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
+        port/http port/board/*.[ch] tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
         xargs awk -v seed="$seed" -v count="$count" -f tests/mutants.awk
 }
 
@@ -78,7 +78,10 @@ by_words() {
 candidates() {
     by_words "$1" $programs
     by_words "$1" $long | grep -v '^0'
-    case $1 in tools/*) by_words "$1" $scripts | grep -v '^0'; printf '0 %s\n' cli.sh films.sh ;; esac
+    case $1 in
+    tools/*) by_words "$1" $scripts | grep -v '^0'; printf '0 %s\n' cli.sh films.sh ;;
+    port/http/*) echo 1 serve.sh ;;
+    esac
 }
 
 # ordered FILE: those that are green without a change, as they are run.
@@ -103,7 +106,7 @@ run_test() {
 
 # What becomes of the change of a file that is in the tree: a word, and the test that noticed.
 judge() {
-    build build/libfixsplat.a build/fixsplat >build.log 2>&1 || { echo "does not compile"; return; }
+    build all >build.log 2>&1 || { echo "does not compile"; return; }
     objects=$(sums | comm -23 - "$folder/sums" | cut -d ' ' -f 3)
     [ "$objects" ] || { echo "same code"; return; }
     symbols -g $objects >changed.symbols
@@ -154,7 +157,7 @@ tar cf - Makefile make src kernels port tools tests | tar xf - -C "$folder/tree"
 
 # Once without a change: what is green, and how long it takes.
 cd "$folder/tree" || exit 1
-build -j"$JOBS" build/libfixsplat.a build/fixsplat $(for test in $wanted; do built_for "$test"; done) >build.log 2>&1 ||
+build -j"$JOBS" all $(for test in $wanted; do built_for "$test"; done) >build.log 2>&1 ||
     { cat build.log; exit 1; }
 sums >"$folder/sums"
 for test in $wanted; do
