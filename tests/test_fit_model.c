@@ -566,6 +566,19 @@ static void relocated_to_one(void)
     }
 }
 
+/* An opacity that is the threshold is dead: it goes to the other. */
+static void relocated_at_the_threshold(void)
+{
+    fxs_fit_model m = random_model(2);
+    *at(&m, FXS_FIT_OPACITY, 0) = 3;
+    *at(&m, FXS_FIT_OPACITY, 1) = 0;
+    fxs_fit_model old = copy_of(&m);
+    CHECK(!fxs_fit_model_relocate(&m, &(fxs_fit_relocate){0.5f, 0, 3, 600}) && m.count == 2);
+    CHECK(!not_shared(&m, 0, &old, 0, 2) && !not_shared(&m, 1, &old, 0, 2));
+    fxs_fit_model_free(&m);
+    fxs_fit_model_free(&old);
+}
+
 /* A twentieth more, up to the most there may be; drawn by opacity; where all are dead, none. */
 static void grown(void)
 {
@@ -1094,6 +1107,7 @@ int main(void)
     RUN(without_memory);
     RUN(relocated);
     RUN(relocated_to_one);
+    RUN(relocated_at_the_threshold);
     RUN(grown);
     RUN(reference_recipe);
     RUN(mcmc_recipe);
