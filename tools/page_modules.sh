@@ -5,7 +5,7 @@ folder=$1
 command -v npm >/dev/null || { echo "setup: no npm here, so tests of the page, and some of convert, are skipped"; exit 0; }
 cmp -s tests/web/package-lock.json "$folder/package-lock.json" && [ -d "$folder/node_modules/puppeteer-core" ] && exit 0
 echo "setup: installing what tests of the page and of convert need, by npm"
-mkdir -p "$folder" && cp tests/web/package.json tests/web/package-lock.json "$folder" || exit 1
+mkdir -p "$folder" && cp -f tests/web/package.json tests/web/package-lock.json "$folder" || exit 1
 npm ci --prefix "$folder" --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null || {
     rm -f "$folder/package-lock.json"
     echo "setup: npm did not install them, so tests of the page, and some of convert, are skipped"

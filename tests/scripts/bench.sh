@@ -67,7 +67,7 @@ chmod +x programs/fixsplat
 
 # measure COMMAND... PART: $status, logs/out, logs/err; the document is $work/document.md.
 measure() {
-    cp "$root/docs/measured.md" document.md
+    cat "$root/docs/measured.md" >document.md
     (cd "$root" && SCENES=$work/${SCENES_HERE:-none} B=$work/programs DOCUMENT=$work/document.md "$@") >logs/out 2>logs/err
     status=$?
 }

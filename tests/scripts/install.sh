@@ -95,7 +95,7 @@ fi
 # ---- Programs --------------------------------------------------------------------------------------------------------
 
 outside=$work/outside
-cp -r tests/outside "$outside"
+cp -r tests/outside "$outside" && chmod -R u+w "$outside"      # of a checkout that may not be written to
 "$prefix/bin/fixsplat" make-scene cubes -o "$work/cubes.ply" || exit 1
 
 # An installation without the shared library, for what is to be linked with the static one.

@@ -29,8 +29,7 @@ serve() {
     rm -f logs/served
     $through "$fixsplat" view --web --port 0 "$@" >logs/served 2>logs/errors &
     server=$!
-    tries=100
-    until [ -s logs/served ] || [ $tries = 0 ]; do sleep 0.1; tries=$((tries - 1)); done
+    until [ -s logs/served ] || ! kill -0 $server 2>/dev/null; do sleep 0.1; done
     at=$(sed -n 's|^\(https*://[^/]*\)/.*|\1|p;q' logs/served)
     [ "$at" ] || { fail "serves $*" "$(cat logs/errors)"; finish; exit 1; }
 }
