@@ -338,7 +338,7 @@ if ! have valgrind || [ "$FXS_EMULATED" ]; then
     skip Valgrind "not here, or not of an emulator"
 else
     through='valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite'
-    serve knot.ply --cameras three.json --profile small
+    serve knot.ply compact.fxs --cameras three.json --profile small
     for path in / /a.js /none /cameras.json /scenes/0/knot.ply.fxs /viewer/../../beside.txt; do
         get "$at$path"
     done >logs/body
