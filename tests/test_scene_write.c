@@ -280,11 +280,11 @@ static void another_locale(void)
         double half;
         setlocale(LC_NUMERIC, "C");
         CHECK(write_all(endings[i], &o, NULL, NULL) == 0);
-        const size_t size = file_size;
-        memcpy(usual, bytes, size);
+        const size_t written_size = file_size;
+        memcpy(usual, bytes, written_size);
         setlocale(LC_NUMERIC, "de_DE.UTF-8");
         CHECK(write_all(endings[i], &o, NULL, NULL) == 0);
-        CHECK(file_size == size && !memcmp(usual, bytes, size));
+        CHECK(file_size == written_size && !memcmp(usual, bytes, written_size));
         CHECK(fxs_read_number("-2.5e-1", &half) && half == -0.25);
         CHECK(!fxs_read_number("0,5", &half) && !fxs_read_number("0x1", &half) && !fxs_read_number("", &half));
     }
