@@ -214,21 +214,6 @@ int fxs_opened_check(const fxs_opened *opened, fxs_message *message)
     return s->mapping.data ? fxs_map_check(&s->mapping, s->name, message) : 0;
 }
 
-int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
-                      fxs_message *message)
-{
-    static const double up[3] = {0, -1, 0};
-    fxs_file_view view;
-    if (!opened || !camera)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to frame", opened ? "camera" : "scene");
-    if (width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
-        return fxs_fail_as(FXS_ERR_SIZE, message, "a picture of %ldx%ld: each side has 1 to %d pixels", (long)width,
-                           (long)height, FXS_MAX_SIZE);
-    const int error = fxs_view_frame_box(&view, opened->report->inner_low, opened->report->inner_high, up, 50, width,
-                                         height, message);
-    return error ? error : fxs_camera_from_view(camera, &view, message);
-}
-
 void fxs_close(fxs_opened *opened)
 {
     open_scene *s = (open_scene *)(void *)opened;

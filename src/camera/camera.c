@@ -92,30 +92,44 @@ static double distance_for(const fxs_file_view *view, const double half[3], doub
     return distance;
 }
 
-int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3], double fov,
-                       int width, int height, fxs_message *message)
+int fxs_view_frame_from(fxs_file_view *view, const double low[3], const double high[3], const double from[3],
+                        const double up[3], double fov, int width, int height, fxs_message *message)
 {
     static const double origin[3] = {0, 0, 0};
-    double half[3], from[3], axis[3], back[3] = {0, 0, -1};
-    memcpy(axis, up, sizeof axis);
-    if (!normalise(axis))
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "up is not a direction");
-    if (fabs(dot(axis, back)) > 0.9)
-        memcpy(back, (double[3]){0, -1, 0}, sizeof back);
-    const double along = dot(axis, back);
+    double half[3];
     for (int i = 0; i < 3; i++)
-        back[i] -= along * axis[i];
-    normalise(back);
-    for (int i = 0; i < 3; i++) {
-        from[i] = 0.95 * back[i] + 0.31 * axis[i];
         half[i] = (high[i] - low[i]) / 2;
-    }
     FXS_TRY(fxs_view_look_at(view, from, origin, up, fov, width, height, message));
     view->near = fxs_near_of_box(low, high);
     const double distance = distance_for(view, half, 2.5 * view->near);
     for (int i = 0; i < 3; i++)
         view->position[i] = low[i] + half[i] - distance * view->rotation[6 + i];
     return 0;
+}
+
+int fxs_level_back(double back[3], double axis[3], const double up[3], fxs_message *message)
+{
+    memcpy(axis, up, 3 * sizeof *axis);
+    if (!normalise(axis))
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "up is not a direction");
+    memcpy(back, (double[3]){0, 0, -1}, 3 * sizeof *back);
+    if (fabs(dot(axis, back)) > 0.9)
+        memcpy(back, (double[3]){0, -1, 0}, 3 * sizeof *back);
+    const double along = dot(axis, back);
+    for (int i = 0; i < 3; i++)
+        back[i] -= along * axis[i];
+    normalise(back);
+    return 0;
+}
+
+int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3], double fov,
+                       int width, int height, fxs_message *message)
+{
+    double from[3], axis[3], back[3];
+    FXS_TRY(fxs_level_back(back, axis, up, message));
+    for (int i = 0; i < 3; i++)
+        from[i] = 0.95 * back[i] + 0.31 * axis[i];
+    return fxs_view_frame_from(view, low, high, from, up, fov, width, height, message);
 }
 
 void fxs_view_resize(fxs_file_view *view, int width, int height)

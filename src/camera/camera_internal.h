@@ -46,6 +46,14 @@ int fxs_view_list_fault(const fxs_view_list *list, const char *fault);
 /* Sets the size of the last added view, checks all of the view, and makes its rotation orthonormal. */
 int fxs_view_list_finish(fxs_view_list *list, double width, double height);
 
+/* As fxs_view_frame_box, from a direction: the camera lies `from` the middle of the box. */
+int fxs_view_frame_from(fxs_file_view *view, const double low[3], const double high[3], const double from[3],
+                        const double up[3], double fov, int width, int height, fxs_message *message);
+
+/* The direction in which the camera of fxs_view_frame_box lies, but for its height: at a right angle to `axis`, which
+   becomes `up` with length 1. */
+int fxs_level_back(double back[3], double axis[3], const double up[3], fxs_message *message);
+
 /* Changes a matrix to the nearest rotation. Returns 0 where it is not orthonormal within 1e-3. */
 int fxs_to_rotation(double r[9]);
 

@@ -1,0 +1,50 @@
+/* The first view of scenes without cameras: by all processors. */
+#include <string.h>
+
+#include <fixsplat/renderer.h>
+#include "processor_internal.h"
+#include "src/camera/first_view.h"
+
+static int choose(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
+                  fxs_first_choice *first, fxs_message *message)
+{
+    static const fxs_backend_options usual;
+    static const fxs_config plain;
+    fxs_processor processor;
+    int error = fxs_processor_open(&processor, &usual, &plain, message);
+    if (error)
+        return error;
+    error = fxs_first_view_choose(first, &processor.context, objects, count, low, high, message);
+    fxs_processor_close(&processor);
+    return error;
+}
+
+int fxs_first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3], double fov,
+                   int32_t width, int32_t height, fxs_file_view *view, double up[3], fxs_message *message)
+{
+    fxs_first_choice chosen;
+    if ((count && !objects) || !low || !high || !view || !up)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to choose a view of", objects ? "box or view" : "objects");
+    if (width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
+        return fxs_fail_as(FXS_ERR_SIZE, message, "a picture of %ldx%ld: each side has 1 to %d pixels", (long)width,
+                           (long)height, FXS_MAX_SIZE);
+    const int error = choose(objects, count, low, high, &chosen, message);
+    if (error)
+        return error;
+    memcpy(up, chosen.up, sizeof chosen.up);
+    return fxs_first_view_make(&chosen, low, high, fov, width, height, view, message);
+}
+
+int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
+                      fxs_message *message)
+{
+    fxs_file_view view;
+    fxs_object object;
+    double up[3];
+    if (!opened || !camera)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to frame", opened ? "camera" : "scene");
+    fxs_object_init(&object, opened->scene);
+    const int error = fxs_first_view(&object, 1, opened->report->inner_low, opened->report->inner_high, 50, width,
+                                     height, &view, up, message);
+    return error ? error : fxs_camera_from_view(camera, &view, message);
+}

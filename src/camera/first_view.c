@@ -1,0 +1,380 @@
+#include "first_view.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/allocator.h>
+#include <fixsplat/camera.h>
+#include <fixsplat/message.h>
+#include "camera_internal.h"
+#include "ground.h"
+#include "src/base/try_internal.h"
+
+enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT, BORDER = 2 * (WIDTH + HEIGHT - 2) };  /* of a small picture */
+enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8 };
+
+#define FOV 50                       /* degrees */
+#define LARGEST (PIXELS / 16)        /* pixels that one Gaussian may take without harm */
+
+/* A small picture, and how many of its pixels each Gaussian of the sample takes. */
+typedef struct look {
+    unsigned char colour[PIXELS][4], coverage[PIXELS];
+    uint32_t depth[PIXELS];
+    fxs_id id[PIXELS];
+    uint16_t pixels[FXS_SAMPLE_MOST + 1];
+} look;
+
+/* What a small picture shows. */
+typedef struct sight {
+    int64_t seen;                    /* Gaussians that contribute most to a pixel */
+    int64_t largest;                 /* pixels of the one that has most */
+    int64_t detail;                  /* sum of the differences of neighbouring pixels */
+    int64_t covered;                 /* sum of coverage: 255 a pixel */
+    int64_t close;                   /* pixels of what lies in the way out of the box */
+    int64_t cut;                     /* pixels of the border that are covered */
+} sight;
+
+/* Where a camera stands. */
+typedef struct stand {
+    int yaw;                         /* in twelfths of a turn */
+    double out, rise;                /* how far it is from the middle, level and up, in proportion */
+    double part;                     /* as in fxs_first_choice; 0: in the middle, looking the other way */
+} stand;
+
+typedef struct chooser {
+    fxs_context context;             /* of one thread */
+    const fxs_config *config;        /* of all */
+    uint32_t threads;
+    fxs_sample sample;
+    const double *low, *high;
+    double up[3], close;             /* four fifths of the way from the middle of the box to its nearest side */
+    size_t frame_bytes;
+    unsigned char *frames;           /* working memory of a frame for each thread */
+    look *looks;                     /* for each thread */
+    fxs_message *message;
+} chooser;
+
+/* ---- Small pictures ---------------------------------------------------------------------------------------------- */
+
+static int is_covered(const look *l, int pixel)
+{
+    return l->coverage[pixel] > 127;
+}
+
+static void count_seen(look *l, double close, sight *s)
+{
+    memset(l->pixels, 0, sizeof l->pixels);
+    for (int i = 0; i < PIXELS; i++) {
+        s->covered += l->coverage[i];
+        s->close += l->depth[i] != FXS_NOTHING && ldexp(l->depth[i], -16) < close;
+        if (l->id[i].object == FXS_NOTHING || l->coverage[i] < 48)
+            continue;
+        const uint16_t pixels = ++l->pixels[l->id[i].object + l->id[i].gaussian];    /* an object's id is its first */
+        s->seen += pixels == 1;
+        s->largest = pixels > s->largest ? pixels : s->largest;
+    }
+}
+
+/* Of the luminance: at most 40, so that a few bright spots do not outweigh the rest. */
+static int difference(const unsigned char *a, const unsigned char *b)
+{
+    const int d = abs(2 * (a[0] - b[0]) + 5 * (a[1] - b[1]) + a[2] - b[2]) / 8;
+    return d < 40 ? d : 40;
+}
+
+static void count_detail(const look *l, sight *s)
+{
+    for (int y = 0; y + 1 < HEIGHT; y++)
+        for (int x = 0; x + 1 < WIDTH; x++) {
+            const int i = y * WIDTH + x;
+            for (int step = 1; step <= WIDTH; step += WIDTH - 1)     /* to the right, and down */
+                if (is_covered(l, i) && is_covered(l, i + step))
+                    s->detail += difference(l->colour[i], l->colour[i + step]);
+        }
+}
+
+static void count_cut(const look *l, sight *s)
+{
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x += y % (HEIGHT - 1) ? WIDTH - 1 : 1)
+            s->cut += is_covered(l, y * WIDTH + x);
+}
+
+/* A view that the renderer cannot take shows nothing. */
+static int take_look(chooser *c, uint32_t thread, const fxs_file_view *view, sight *s)
+{
+    look *l = &c->looks[thread];
+    fxs_request r;
+    fxs_message unwanted;
+    memset(s, 0, sizeof *s);
+    fxs_request_init(&r, c->sample.objects, c->sample.count);
+    if (fxs_camera_from_view(&r.cameras[0], view, &unwanted))
+        return 0;
+    r.targets[0].colour = (fxs_image){l->colour, sizeof *l->colour * WIDTH};
+    r.targets[0].coverage = (fxs_image){l->coverage, sizeof *l->coverage * WIDTH};
+    r.targets[0].median_depth = (fxs_image){l->depth, sizeof *l->depth * WIDTH};
+    r.targets[0].id = (fxs_image){l->id, sizeof *l->id * WIDTH};
+    const int error = fxs_render(&c->context, &r, c->frames + thread * c->frame_bytes, c->frame_bytes, NULL);
+    if (error)
+        return error == FXS_ERR_CAMERA ? 0 : error;
+    count_seen(l, c->close, s);
+    count_detail(l, s);
+    count_cut(l, s);
+    return 0;
+}
+
+/* ---- Views ------------------------------------------------------------------------------------------------------- */
+
+int fxs_first_view_make(const fxs_first_choice *first, const double low[3], const double high[3], double fov, int width,
+                        int height, fxs_file_view *view, fxs_message *message)
+{
+    FXS_TRY(fxs_view_frame_from(view, low, high, first->from, first->up, fov, width, height, message));
+    for (int i = 0; i < 3; i++) {
+        const double middle = (low[i] + high[i]) / 2;
+        view->position[i] = middle + first->part * (view->position[i] - middle);
+    }
+    return 0;
+}
+
+/* Cosine and sine of the yaws. */
+static const double turns[YAWS][2] = {
+    {1, 0}, {0.8660254037844386, 0.5}, {0.5, 0.8660254037844386}, {0, 1}, {-0.5, 0.8660254037844386},
+    {-0.8660254037844386, 0.5}, {-1, 0}, {-0.8660254037844386, -0.5}, {-0.5, -0.8660254037844386}, {0, -1},
+    {0.5, -0.8660254037844386}, {0.8660254037844386, -0.5}};
+
+static int first_of(fxs_first_choice *first, const stand *s, const double up[3], fxs_message *message)
+{
+    double back[3];
+    double *axis = first->up;
+    FXS_TRY(fxs_level_back(back, axis, up, message));
+    const double side[3] = {axis[1] * back[2] - axis[2] * back[1], axis[2] * back[0] - axis[0] * back[2],
+                            axis[0] * back[1] - axis[1] * back[0]};
+    for (int i = 0; i < 3; i++)
+        first->from[i] = s->out * (turns[s->yaw][0] * back[i] + turns[s->yaw][1] * side[i]) + s->rise * axis[i];
+    first->part = s->part;
+    return 0;
+}
+
+static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
+{
+    fxs_first_choice first;
+    FXS_TRY(first_of(&first, s, c->up, c->message));
+    return fxs_first_view_make(&first, c->low, c->high, FOV, WIDTH, HEIGHT, view, c->message);
+}
+
+/* Views that are looked at by several threads: each takes every so many-th. */
+typedef struct looking {
+    chooser *c;
+    const stand *stands;
+    sight *sights;
+    uint32_t count;
+    int errors[THREADS_MOST];
+} looking;
+
+static void look_job(void *argument, uint32_t thread)
+{
+    looking *g = argument;
+    fxs_file_view view;
+    fxs_message unwanted;
+    chooser own = *g->c;
+    own.message = &unwanted;
+    for (uint32_t i = thread; i < g->count && !g->errors[thread]; i += own.threads) {
+        g->errors[thread] = view_of(&own, &g->stands[i], &view);
+        if (!g->errors[thread])
+            g->errors[thread] = take_look(&own, thread, &view, &g->sights[i]);
+    }
+}
+
+static int look_from(chooser *c, const stand *stands, uint32_t count, sight *sights)
+{
+    looking g = {c, stands, sights, count, {0}};
+    if (c->threads > 1)
+        c->config->run(c->config->pool, look_job, &g, c->threads);
+    else
+        look_job(&g, 0);
+    for (uint32_t i = 0; i < c->threads; i++)
+        if (g.errors[i])
+            return fxs_fail_as(g.errors[i], c->message, "%s", fxs_strerror(g.errors[i]));
+    return 0;
+}
+
+/* ---- Which way is up --------------------------------------------------------------------------------------------- */
+
+/* What is seen, and in what detail, from high on the side of c->up: from far or from near, where it is more. */
+static int look_down(chooser *c, double *seen, double *detail)
+{
+    stand stands[AROUND];
+    sight sights[AROUND];
+    *seen = *detail = 1;
+    for (int far = 0; far < 2; far++) {
+        int64_t all_seen = 0, all_detail = 0;
+        for (int i = 0; i < AROUND; i++)
+            stands[i] = (stand){2 * i, 0.77, 0.64, far ? 1 : 0.5};
+        FXS_TRY(look_from(c, stands, AROUND, sights));
+        for (int i = 0; i < AROUND; i++) {
+            all_seen += sights[i].seen;
+            all_detail += sights[i].detail;
+        }
+        *seen = fmax(*seen, (double)all_seen);
+        *detail = fmax(*detail, (double)all_detail);
+    }
+    return 0;
+}
+
+/* Captures show most from above, and things lie on the ground; in doubt up is -y or z, as in most files. */
+static int find_up(chooser *c)
+{
+    fxs_ground ground;
+    double seen[2], detail[2];
+    FXS_TRY(fxs_ground_find(&ground, &c->sample, c->message));
+    for (int i = 0; i < 3; i++)
+        c->up[i] = -ground.axis[i];
+    FXS_TRY(look_down(c, &seen[1], &detail[1]));
+    memcpy(c->up, ground.axis, sizeof c->up);
+    FXS_TRY(look_down(c, &seen[0], &detail[0]));
+    const double upright = (seen[0] - seen[1]) / (seen[0] + seen[1]) +
+                           0.25 * (detail[0] - detail[1]) / (detail[0] + detail[1]) + 0.8 * ground.sided + 0.07;
+    for (int i = 0; i < 3 && upright < 0; i++)
+        c->up[i] = -c->up[i];
+    return 0;
+}
+
+/* ---- The choice -------------------------------------------------------------------------------------------------- */
+
+/* How high fxs_view_frame_box looks from, and from lower and higher: level, and up. */
+static const double heights[3][2] = {{0.95, 0.31}, {0.99, 0.14}, {0.82, 0.57}};
+
+/* The best of the stands that were tried. */
+typedef struct choice {
+    stand best;
+    double score;
+    double sides[YAWS];              /* the best score of each yaw */
+} choice;
+
+/* A border that cuts through what is shown; none is where it covers the whole border. */
+static double uncut(const sight *s)
+{
+    const double cut = (double)s->cut / BORDER;
+    return cut < 0.01 ? 1 : 0.5 + fmax(0, fmin((cut - 0.5) / 0.8, 0.5));
+}
+
+static double score_of(const stand *at, const sight *s)
+{
+    const double shown = (double)s->seen * uncut(s) * LARGEST / (double)(s->largest > LARGEST ? s->largest : LARGEST);
+    return at->rise == heights[0][1] ? 1.1 * shown : shown;
+}
+
+static int try_stands(chooser *c, const stand *stands, uint32_t count, double factor, choice *made)
+{
+    sight sights[STANDS];
+    FXS_TRY(look_from(c, stands, count, sights));
+    for (uint32_t i = 0; i < count; i++) {
+        const double score = factor * score_of(&stands[i], &sights[i]);
+        made->sides[stands[i].yaw] = fmax(made->sides[stands[i].yaw], score);
+        if (score > made->score) {
+            made->score = score;
+            made->best = stands[i];
+        }
+    }
+    return 0;
+}
+
+static int try_sides(chooser *c, choice *made)
+{
+    stand stands[STANDS];
+    for (int i = 0; i < STANDS; i++)
+        stands[i] = (stand){i / 2, heights[0][0], heights[0][1], i % 2 ? 0.5 : 1};
+    return try_stands(c, stands, STANDS, 1, made);
+}
+
+/* From the best side that was not yet tried so. */
+static int try_heights(chooser *c, choice *made)
+{
+    static const double parts[] = {1, 0.85, 0.7, 0.5};
+    stand stands[STANDS];
+    uint32_t count = 0;
+    int yaw = 0;
+    for (int i = 1; i < YAWS; i++)
+        yaw = made->sides[i] > made->sides[yaw] ? i : yaw;
+    for (int height = 0; height < 3; height++)
+        for (int part = 0; part < 4; part++)
+            stands[count++] = (stand){yaw, heights[height][0], heights[height][1], parts[part]};
+    FXS_TRY(try_stands(c, stands, count, 1, made));
+    made->sides[yaw] = 0;
+    return 0;
+}
+
+/* Where the scene lies all around the middle of its box and away from it, as a room does: from within. */
+static int try_within(chooser *c, choice *made)
+{
+    stand stands[STANDS];
+    sight sights[AROUND];
+    int64_t covered = 0, close = 0;
+    for (int i = 0; i < AROUND; i++)
+        stands[i] = (stand){2 * i, 1, 0, 0};
+    FXS_TRY(look_from(c, stands, AROUND, sights));
+    for (int i = 0; i < AROUND; i++) {
+        covered += sights[i].covered;
+        close += sights[i].close;
+    }
+    if (covered < (int64_t)AROUND * PIXELS * 255 * 9 / 10 || close > AROUND * PIXELS / 4)
+        return 0;
+    for (int yaw = 0; yaw < YAWS; yaw++)
+        stands[yaw] = (stand){yaw, heights[1][0], heights[1][1], 0.2};
+    return try_stands(c, stands, YAWS, 1.5, made);
+}
+
+static int choose(chooser *c, fxs_first_choice *first)
+{
+    choice made = {.best = {0, heights[0][0], heights[0][1], 1}};
+    memcpy(c->up, (double[3]){0, -1, 0}, sizeof c->up);
+    if (c->sample.point_count > 0) {
+        FXS_TRY(find_up(c));
+        FXS_TRY(try_sides(c, &made));
+        FXS_TRY(try_within(c, &made));
+        for (int i = 0; i < SIDES_TRIED; i++)
+            FXS_TRY(try_heights(c, &made));
+    }
+    return first_of(first, &made.best, c->up, c->message);
+}
+
+/* ---- Memory ------------------------------------------------------------------------------------------------------ */
+
+static int set_up(chooser *c)
+{
+    const size_t bytes = fxs_frame_bytes(&c->context, c->sample.objects, c->sample.count, WIDTH, HEIGHT, NULL);
+    uint32_t first = 0;
+    for (uint32_t i = 0; i < c->sample.count; i++) {
+        c->sample.objects[i].id = first;
+        first += c->sample.scenes[i].count;
+    }
+    c->close = INFINITY;
+    for (int i = 0; i < 3; i++)
+        c->close = fmin(c->close, 0.4 * (c->high[i] - c->low[i]));
+    c->frame_bytes = (bytes + 63) / 64 * 64;
+    c->looks = fxs_allocate(NULL, c->threads, sizeof *c->looks);
+    c->frames = fxs_allocate(NULL, c->threads * c->frame_bytes + 63, 1);
+    return c->looks && c->frames ? 0 : fxs_fail_memory(c->message, NULL, c->threads * c->frame_bytes);
+}
+
+int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, const fxs_object *objects, uint32_t count,
+                          const double low[3], const double high[3], fxs_message *message)
+{
+    chooser c = {.context = *context, .config = &context->config, .threads = 1, .low = low, .high = high,
+                 .message = message};
+    c.context.config = (fxs_config){.threads = 1};
+    if (c.config->run && c.config->threads)
+        c.threads = c.config->threads < THREADS_MOST ? c.config->threads : THREADS_MOST;
+    FXS_TRY(fxs_sample_take(&c.sample, objects, count, message));
+    int error = set_up(&c);
+    unsigned char *block = c.frames;
+    if (!error) {
+        c.frames += (64 - (uintptr_t)block % 64) % 64;
+        error = choose(&c, first);
+    }
+    fxs_release(NULL, block);
+    fxs_release(NULL, c.looks);
+    fxs_sample_free(&c.sample);
+    return error;
+}

@@ -1,0 +1,169 @@
+#include "ground.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/allocator.h>
+
+enum { LAYERS = 64 };
+#define ALIGNED 0.94                 /* the cosine of 20 degrees: 6 % of all directions are so near to an axis */
+#define TURNED 0.86                  /* of 30 degrees, as far as the ground may lean */
+
+/* The sample with a weight for each Gaussian. */
+typedef struct weighed {
+    const fxs_sample_point *points;
+    uint32_t count;
+    double *weights, middle[3];      /* the median place */
+    double reach;                    /* the distance from it within which half of the Gaussians lie */
+} weighed;
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *values, uint32_t count)
+{
+    qsort(values, count, sizeof *values, ascending);
+    return values[count / 2];
+}
+
+/* The vector from the middle to a Gaussian. */
+static void find_away(const weighed *s, uint32_t i, double away[3])
+{
+    for (int k = 0; k < 3; k++)
+        away[k] = s->points[i].place[k] - s->middle[k];
+}
+
+/* A Gaussian weighs its opacity times its area; what is far weighs less, by the square of the angle that it spans. */
+static void weigh(weighed *s)
+{
+    double *w = s->weights, away[3];
+    for (int axis = 0; axis < 3; axis++) {
+        for (uint32_t i = 0; i < s->count; i++)
+            w[i] = s->points[i].place[axis];
+        s->middle[axis] = median(w, s->count);
+    }
+    for (uint32_t i = 0; i < s->count; i++) {
+        find_away(s, i, away);
+        w[i] = sqrt(dot(away, away));
+    }
+    s->reach = median(w, s->count);
+    for (uint32_t i = 0; i < s->count; i++) {
+        find_away(s, i, away);
+        const double size = fmin(s->points[i].size, s->reach / 10), square = s->reach * s->reach + dot(away, away);
+        w[i] = square > 0 ? s->points[i].opacity * size * size / square / square : 0;
+    }
+}
+
+/* The weight of a Gaussian where it lies across the axis, by how flat it is. */
+static double weight_across(const weighed *s, uint32_t i, const double axis[3])
+{
+    return fabs(dot(s->points[i].normal, axis)) > ALIGNED ? s->weights[i] * s->points[i].flatness : 0;
+}
+
+/* The part of the flat Gaussians that lies across an axis. */
+static double share_of(const weighed *s, const double axis[3])
+{
+    double all = 0, across = 0;
+    for (uint32_t i = 0; i < s->count; i++) {
+        all += s->weights[i] * s->points[i].flatness;
+        across += weight_across(s, i, axis);
+    }
+    return all > 0 ? across / all : 0;
+}
+
+/* Turns the axis to the mean of the normals in a cone about it, again and again, while the cone gets narrower. */
+static void refine(const weighed *s, double axis[3])
+{
+    static const double cones[] = {0.8, 0.8, 0.9, 0.9, 0.95, 0.95, 0.95};    /* cosines */
+    for (size_t k = 0; k < sizeof cones / sizeof *cones; k++) {
+        double sum[3] = {0, 0, 0};
+        for (uint32_t i = 0; i < s->count; i++) {
+            const fxs_sample_point *p = &s->points[i];
+            const double along = dot(p->normal, axis), weight = s->weights[i] * p->flatness;
+            for (int j = 0; j < 3 && fabs(along) > cones[k]; j++)
+                sum[j] += (along > 0 ? weight : -weight) * p->normal[j];
+        }
+        const double length = sqrt(dot(sum, sum));
+        for (int j = 0; j < 3 && length > 0; j++)
+            axis[j] = sum[j] / length;
+    }
+}
+
+/* The parts of the weight above and below the two neighbouring layers that hold most of what lies across the axis. */
+static void weigh_sides(const weighed *s, const double axis[3], double thickness, double *above, double *below)
+{
+    double across[LAYERS] = {0}, all[LAYERS] = {0}, total = 0, away[3];
+    int at = 0;
+    for (uint32_t i = 0; i < s->count; i++) {
+        find_away(s, i, away);
+        const int layer = (int)fmax(0, fmin(dot(away, axis) / thickness + LAYERS / 2, LAYERS - 1));
+        total += s->weights[i];
+        all[layer] += s->weights[i];
+        across[layer] += weight_across(s, i, axis);
+    }
+    for (int k = 1; k + 1 < LAYERS; k++)
+        if (across[k] + across[k + 1] > across[at] + across[at + 1])
+            at = k;
+    *above = *below = 0;
+    for (int k = 0; k < LAYERS && total > 0; k++) {
+        *below += k < at - 1 ? all[k] / total : 0;
+        *above += k > at + 2 ? all[k] / total : 0;
+    }
+}
+
+/* Layers are a sixteenth of the reach thick, or thinner where all the scene lies in one. Of few Gaussians, or where no
+   more lie across the axis than across any, the sides say little; and a small difference says nothing. */
+static double sides_of(const weighed *s, const double axis[3], double share)
+{
+    double above = 0, below = 0, thickness = s->reach / 16;
+    for (int finer = 0; finer < 3 && above + below < 0.1; finer++, thickness /= 4)
+        weigh_sides(s, axis, thickness, &above, &below);
+    const double sided = (above - below) / (above + below + 0.2) * fmax(0, fmin((share - 0.06) / 0.1, 1)) *
+                         (s->count / (s->count + 2000.0));
+    return sided > 0 ? fmax(sided - 0.2, 0) : fmin(sided + 0.2, 0);
+}
+
+/* Of y and z the one that more flat Gaussians lie across, or nearly so, and y where that is in doubt. It is turned to
+   them only where they are many, so that a scene that stands straight stays so. */
+static void choose_axis(const weighed *s, fxs_ground *ground)
+{
+    static const double axes[2][3] = {{0, -1, 0}, {0, 0, 1}};
+    double found[2][3], share[2], most[2];
+    for (int i = 0; i < 2; i++) {
+        double refined[3];
+        memcpy(found[i], axes[i], sizeof refined);
+        memcpy(refined, axes[i], sizeof refined);
+        most[i] = share[i] = share_of(s, axes[i]);
+        refine(s, refined);
+        if (dot(refined, axes[i]) > TURNED)
+            most[i] = fmax(share[i], share_of(s, refined));
+        if (most[i] > 0.2 && most[i] > 1.5 * share[i]) {
+            memcpy(found[i], refined, sizeof refined);
+            share[i] = most[i];
+        }
+    }
+    const int z = most[1] > 1.3 * most[0] + 0.03;
+    memcpy(ground->axis, found[z], sizeof ground->axis);
+    ground->sided = sides_of(s, found[z], share[z]);
+}
+
+int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, fxs_message *message)
+{
+    weighed s = {.points = sample->points, .count = sample->point_count};
+    s.weights = fxs_allocate(NULL, s.count, sizeof *s.weights);
+    if (!s.weights)
+        return fxs_fail_memory(message, NULL, s.count * sizeof *s.weights);
+    weigh(&s);
+    choose_axis(&s, ground);
+    fxs_release(NULL, s.weights);
+    return 0;
+}

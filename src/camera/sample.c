@@ -1,0 +1,318 @@
+#include "sample.h"
+
+#include <math.h>
+#include <string.h>
+
+#include <fixsplat/allocator.h>
+#include <fixsplat/fixed.h>
+#include "src/core/codes.h"
+
+/* A Gaussian between two packed scenes, in the numbers that codes stand for. */
+typedef struct loose {
+    int64_t position_q32[3];
+    int32_t scale_q16[3];            /* log2(sigma) */
+    int32_t colour_q16[3];
+    uint32_t rotation;               /* its code */
+    uint32_t opacity;                /* of 255 */
+} loose;
+
+/* ---- Out of the codes -------------------------------------------------------------------------------------------- */
+
+/* Law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2, of 255; what is drawn stays 1 or more. */
+static uint32_t opacity_of(uint32_t code, uint32_t law)
+{
+    static const uint32_t reach_q4[FXS_OPACITY_LAWS] = {0, 254 * 16, 1004, 239};   /* 255 * 4^(1 - law) - 1 */
+    if (law == 0 || code == 0)
+        return code;
+    return 1 + (reach_q4[law] * (code - 1) * (code - 1) + 254 * 254 * 8) / (254 * 254 * 16);
+}
+
+static loose loosen(const fxs_chunk *chunk, const fxs_codes *codes)
+{
+    loose l = {.rotation = codes->rotation, .opacity = opacity_of(codes->colour >> 24, chunk->opacity_law)};
+    for (int i = 0; i < 3; i++) {
+        const uint32_t scale = codes->scale >> (10 * i) & 1023, colour = codes->colour >> (8 * i) & 255;
+        l.position_q32[i] = chunk->origin_q32[i] +
+                            ((int64_t)((uint64_t)codes->position[i] * chunk->step_q32[i]) << chunk->step_shift);
+        l.scale_q16[i] = chunk->scale_q16 - (int32_t)((uint64_t)scale * scale * chunk->scale_step_q24 >> 8);
+        l.colour_q16[i] = chunk->colour_q16[i] + (int32_t)((uint64_t)colour * chunk->colour_step_q20[i] >> 4);
+    }
+    return l;
+}
+
+/* The quaternion's components but the largest are (2 code - 1023) / (1023 sqrt(2)). Row i, column k of the rotation. */
+static void rotation_of(uint32_t code, double r[3][3])
+{
+    const int largest = (int)(code >> 30);
+    double q[4], rest = 1;
+    for (int i = 0, shift = 20; i < 4; i++) {
+        if (i == largest)
+            continue;
+        q[i] = (2 * (double)(code >> shift & 1023) - 1023) / (1023 * 1.4142135623730951);
+        rest -= q[i] * q[i];
+        shift -= 10;
+    }
+    q[largest] = rest > 0 ? sqrt(rest) : 0;
+    const double w = q[0], x = q[1], y = q[2], z = q[3];
+    const double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                               {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                               {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+    memcpy(r, rows, sizeof rows);
+}
+
+/* 2^(x / 65536) */
+static double exp2_of(int32_t x_q16)
+{
+    const int32_t whole = -(-x_q16 >> 16);                        /* ceil; the rest is 0 to 65535 */
+    return ldexp(fxs_exp2_q15((int32_t)((int64_t)whole * 65536 - x_q16) >> 1), whole - 15);
+}
+
+static void turn(const fxs_object *o, const double in[3], double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = 0;
+        for (int k = 0; k < 3; k++)
+            out[i] += ldexp((double)o->rotation_q30[3 * i + k], -30) * in[k];
+    }
+}
+
+static fxs_sample_point point_of(const fxs_object *o, const loose *l)
+{
+    const double scale = ldexp((double)o->scale_q32, -32);
+    const int32_t *s = l->scale_q16;
+    const int thin = s[0] <= s[1] && s[0] <= s[2] ? 0 : s[1] <= s[2] ? 1 : 2;
+    const int a = (thin + 1) % 3, b = (thin + 2) % 3, middle = s[a] < s[b] ? a : b;
+    double r[3][3], place[3], normal[3];
+    fxs_sample_point p;
+    rotation_of(l->rotation, r);
+    for (int i = 0; i < 3; i++) {
+        place[i] = ldexp((double)l->position_q32[i], -32);
+        normal[i] = r[i][thin];
+    }
+    turn(o, place, p.place);
+    turn(o, normal, p.normal);
+    for (int i = 0; i < 3; i++)
+        p.place[i] = p.place[i] * scale + ldexp((double)o->translation_q32[i], -32);
+    p.size = exp2_of((s[a] + s[b]) / 2) * scale;
+    p.flatness = 1 - exp2_of(s[thin] - s[middle]);
+    p.opacity = l->opacity / 255.0 * ldexp((double)o->opacity_q16, -16);
+    return p;
+}
+
+/* ---- Into codes -------------------------------------------------------------------------------------------------- */
+
+/* The smallest step with which `codes` + 1 codes cover the range. */
+static uint64_t step_for(uint64_t reach, uint32_t codes)
+{
+    return (reach + codes - 1) / codes;
+}
+
+static void put_half(unsigned char *row, uint32_t g, uint64_t code)
+{
+    const uint16_t half = fxs_little_16((uint16_t)code);
+    memcpy(row + 2 * g, &half, sizeof half);
+}
+
+static void put_word(unsigned char *row, uint32_t g, uint32_t word)
+{
+    word = fxs_little_32(word);
+    memcpy(row + 4 * g, &word, sizeof word);
+}
+
+static void pack_positions(fxs_chunk *chunk, const loose *l, uint32_t count, unsigned char *rows)
+{
+    uint64_t reach[3], most = 0;
+    for (int i = 0; i < 3; i++) {
+        int64_t low = INT64_MAX, high = INT64_MIN;
+        for (uint32_t g = 0; g < count; g++) {
+            low = l[g].position_q32[i] < low ? l[g].position_q32[i] : low;
+            high = l[g].position_q32[i] > high ? l[g].position_q32[i] : high;
+        }
+        chunk->origin_q32[i] = low;
+        reach[i] = (uint64_t)(high - low);
+        most = reach[i] > most ? reach[i] : most;
+    }
+    while (step_for(most >> chunk->step_shift, 65535) >= UINT32_MAX - 1)
+        chunk->step_shift++;
+    for (int i = 0; i < 3; i++) {
+        const uint64_t step = step_for(reach[i] >> chunk->step_shift, 65535) + 1;
+        chunk->step_q32[i] = (uint32_t)step;
+        for (uint32_t g = 0; g < count; g++)
+            put_half(rows + FXS_ROW_POSITION + 2 * FXS_CHUNK * i, g,
+                     ((uint64_t)(l[g].position_q32[i] - chunk->origin_q32[i]) >> chunk->step_shift) / step);
+    }
+}
+
+/* All log2(sigma) grow by larger_q16; a code is sqrt((scale - x) / step). */
+static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_t larger_q16, unsigned char *rows)
+{
+    int32_t low = INT32_MAX, high = INT32_MIN;
+    for (uint32_t g = 0; g < count; g++)
+        for (int i = 0; i < 3; i++) {
+            low = l[g].scale_q16[i] < low ? l[g].scale_q16[i] : low;
+            high = l[g].scale_q16[i] > high ? l[g].scale_q16[i] : high;
+        }
+    chunk->scale_q16 = high + larger_q16;
+    chunk->scale_step_q24 = (uint16_t)(step_for((uint64_t)(high - low) << 8, 1023 * 1023) + 1);
+    for (uint32_t g = 0; g < count; g++) {
+        uint32_t word = 0;
+        for (int i = 0; i < 3; i++)
+            word |= fxs_sqrt(((uint32_t)(high - l[g].scale_q16[i]) << 8) / chunk->scale_step_q24) << (10 * i);
+        put_word(rows + FXS_ROW_SCALE, g, word);
+    }
+}
+
+static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsigned char *rows)
+{
+    uint32_t words[FXS_CHUNK];
+    for (uint32_t g = 0; g < count; g++)
+        words[g] = l[g].opacity << 24;
+    for (int i = 0; i < 3; i++) {
+        int32_t low = INT32_MAX, high = INT32_MIN;
+        for (uint32_t g = 0; g < count; g++) {
+            low = l[g].colour_q16[i] < low ? l[g].colour_q16[i] : low;
+            high = l[g].colour_q16[i] > high ? l[g].colour_q16[i] : high;
+        }
+        chunk->colour_q16[i] = low;
+        chunk->colour_step_q20[i] = (uint32_t)step_for((uint64_t)(high - low) << 4, 255) + 1;
+        for (uint32_t g = 0; g < count; g++)
+            words[g] |= ((uint32_t)(l[g].colour_q16[i] - low) << 4) / chunk->colour_step_q20[i] << (8 * i);
+    }
+    for (uint32_t g = 0; g < count; g++)
+        put_word(rows + FXS_ROW_COLOUR, g, words[g]);
+}
+
+/* The rest of a last chunk stays 0: opacity 0. */
+static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *l, uint32_t count, int32_t larger_q16)
+{
+    fxs_chunk chunk = {{0}, {0}, 0, {0}, {0}, 0, {0}, 0, 0, 0, {0}};
+    memset(rows, 0, fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0));
+    pack_positions(&chunk, l, count, rows);
+    pack_scales(&chunk, l, count, larger_q16, rows);
+    pack_colours(&chunk, l, count, rows);
+    for (uint32_t g = 0; g < count; g++)
+        put_word(rows + FXS_ROW_ROTATION, g, l[g].rotation);
+    fxs_chunk_turn(&chunk);
+    memcpy(header, &chunk, sizeof chunk);
+}
+
+/* ---- The sample -------------------------------------------------------------------------------------------------- */
+
+/* Where the sample grows. */
+typedef struct taking {
+    fxs_sample *sample;
+    unsigned char *headers, *rows;   /* of the next chunk */
+    uint64_t step, next;             /* the next Gaussian of the sample, counted from the object's first */
+    int32_t larger_q16;
+} taking;
+
+static uint64_t drawn(const fxs_object *o)
+{
+    return o->visible ? o->scene->count : 0;
+}
+
+/* As crop boxes say. */
+static int is_kept(const fxs_object *o, const int64_t p[3])
+{
+    int keeps = 0, kept = 0;
+    for (uint32_t c = 0; c < o->crop_count; c++) {
+        const fxs_crop *b = &o->crops[c];
+        int inside = 1;
+        for (int i = 0; i < 3; i++)
+            inside &= p[i] >= b->low_q32[i] && p[i] <= b->high_q32[i];
+        if (b->outside && inside)
+            return 0;
+        keeps |= !b->outside;
+        kept |= inside;
+    }
+    return kept || !keeps;
+}
+
+static void end_chunk(taking *t, fxs_scene *scene, const loose *l, uint32_t count)
+{
+    if (count == 0)
+        return;
+    pack_chunk(t->headers, t->rows, l, count, t->larger_q16);
+    t->headers += sizeof(fxs_chunk);
+    t->rows += scene->chunk_bytes;
+    scene->chunk_count++;
+    scene->count += count;
+}
+
+/* Appends the object, where it has a Gaussian in the sample. */
+static int take_object(taking *t, const fxs_object *o)
+{
+    fxs_sample *s = t->sample;
+    fxs_scene *scene = &s->scenes[s->count];
+    loose l[FXS_CHUNK];
+    fxs_chunk header;
+    uint32_t count = 0, chunk = UINT32_MAX;
+    *scene = (fxs_scene){.chunks = t->headers, .rows = t->rows, .chunk_bytes = fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0),
+                         .antialiased = o->scene->antialiased};
+    for (; t->next < drawn(o); t->next += t->step) {
+        const uint32_t g = (uint32_t)t->next;
+        if (g / FXS_CHUNK != chunk && fxs_chunk_read(&header, o->scene, chunk = g / FXS_CHUNK))
+            return FXS_ERR_SCENE;
+        const fxs_codes codes = fxs_codes_of(o->scene, fxs_rows(o->scene, chunk), g % FXS_CHUNK);
+        l[count] = loosen(&header, &codes);
+        if (l[count].opacity == 0 || !is_kept(o, l[count].position_q32))
+            continue;
+        s->points[s->point_count++] = point_of(o, &l[count]);
+        if (++count == FXS_CHUNK) {
+            end_chunk(t, scene, l, count);
+            count = 0;
+        }
+    }
+    t->next -= drawn(o);
+    end_chunk(t, scene, l, count);
+    if (scene->count > 0) {
+        s->objects[s->count] = *o;
+        s->objects[s->count].scene = scene;
+        s->objects[s->count++].crop_count = 0;
+    }
+    return 0;
+}
+
+/* log2(x) / 3, but for a straight line between powers of two: the sample keeps the share of space that is filled. */
+static int32_t larger_of(uint64_t x)
+{
+    const int whole = 63 - fxs_clz64(x);
+    return (int32_t)((((uint64_t)whole << 16) + ((x << 16 >> whole) - 65536)) / 3);
+}
+
+int fxs_sample_take(fxs_sample *s, const fxs_object *objects, uint32_t count, fxs_message *message)
+{
+    taking t = {.sample = s};
+    uint64_t total = 0, chunks = 0;
+    int error = 0;
+    for (uint32_t i = 0; i < count; i++)
+        total += drawn(&objects[i]);
+    t.step = total / FXS_SAMPLE_MOST + 1;
+    t.next = t.step / 2;
+    t.larger_q16 = larger_of(t.step);
+    for (uint32_t i = 0; i < count; i++)                           /* at most so many Gaussians of it, and one chunk more */
+        chunks += (drawn(&objects[i]) / t.step + FXS_CHUNK) / FXS_CHUNK;
+    const size_t header_bytes = (size_t)chunks * sizeof(fxs_chunk);
+    const size_t bytes = header_bytes + (size_t)chunks * fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0) + 63;
+    *s = (fxs_sample){fxs_allocate(NULL, count, sizeof *s->objects), 0,
+                      fxs_allocate(NULL, FXS_SAMPLE_MOST + 1, sizeof *s->points), 0,
+                      fxs_allocate(NULL, count, sizeof *s->scenes), fxs_allocate(NULL, bytes, 1)};
+    if (!s->objects || !s->points || !s->scenes || !s->bytes)
+        error = fxs_fail_memory(message, NULL, bytes);
+    t.headers = s->bytes + (64 - (uintptr_t)s->bytes % 64) % 64;
+    t.rows = t.headers + header_bytes;
+    for (uint32_t i = 0; i < count && !error; i++)
+        if ((error = take_object(&t, &objects[i])) != 0)
+            fxs_fail_as(error, message, "%s", fxs_strerror(error));
+    if (error)
+        fxs_sample_free(s);
+    return error;
+}
+
+void fxs_sample_free(fxs_sample *s)
+{
+    fxs_release(NULL, s->objects);
+    fxs_release(NULL, s->points);
+    fxs_release(NULL, s->scenes);
+    fxs_release(NULL, s->bytes);
+}
