@@ -11,7 +11,8 @@
 #include "ground.h"
 #include "src/base/try_internal.h"
 
-enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT, BORDER = 2 * (WIDTH + HEIGHT - 2) };  /* of a small picture */
+enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };            /* of a small picture */
+enum { BORDER = 4 * WIDTH + 6 * (HEIGHT - 2) };
 enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8 };
 
 #define FOV 50                       /* degrees */
@@ -32,7 +33,7 @@ typedef struct sight {
     int64_t detail;                  /* sum of the differences of neighbouring pixels */
     int64_t covered;                 /* sum of coverage: 255 a pixel */
     int64_t close;                   /* pixels of what lies in the way out of the box */
-    int64_t cut;                     /* pixels of the border that are covered */
+    int64_t cut;                     /* pixels of the border that are covered, weighted: BORDER where all are */
 } sight;
 
 /* Where a camera stands. */
@@ -94,11 +95,12 @@ static void count_detail(const look *l, sight *s)
         }
 }
 
+/* Below, where a ground may go on, the border counts a third. */
 static void count_cut(const look *l, sight *s)
 {
     for (int y = 0; y < HEIGHT; y++)
         for (int x = 0; x < WIDTH; x += y % (HEIGHT - 1) ? WIDTH - 1 : 1)
-            s->cut += is_covered(l, y * WIDTH + x);
+            s->cut += is_covered(l, y * WIDTH + x) * (y == HEIGHT - 1 ? 1 : 3);
 }
 
 /* A view that the renderer cannot take shows nothing. */
@@ -234,7 +236,7 @@ static int find_up(chooser *c)
     memcpy(c->up, ground.axis, sizeof c->up);
     FXS_TRY(look_down(c, &seen[0], &detail[0]));
     const double upright = (seen[0] - seen[1]) / (seen[0] + seen[1]) +
-                           0.25 * (detail[0] - detail[1]) / (detail[0] + detail[1]) + 0.8 * ground.sided + 0.07;
+                           0.25 * (detail[0] - detail[1]) / (detail[0] + detail[1]) + 0.8 * ground.sided + 0.065;
     for (int i = 0; i < 3 && upright < 0; i++)
         c->up[i] = -c->up[i];
     return 0;
@@ -252,7 +254,7 @@ typedef struct choice {
     double sides[YAWS];              /* the best score of each yaw */
 } choice;
 
-/* A border that cuts through what is shown; none is where it covers the whole border. */
+/* Half, where the border cuts through what is shown; what covers the whole border has no outline that could be cut. */
 static double uncut(const sight *s)
 {
     const double cut = (double)s->cut / BORDER;
@@ -262,7 +264,7 @@ static double uncut(const sight *s)
 static double score_of(const stand *at, const sight *s)
 {
     const double shown = (double)s->seen * uncut(s) * LARGEST / (double)(s->largest > LARGEST ? s->largest : LARGEST);
-    return at->rise == heights[0][1] ? 1.1 * shown : shown;
+    return at->rise != heights[0][1] ? shown : at->yaw == 0 && at->part == 1 ? 1.155 * shown : 1.1 * shown;
 }
 
 static int try_stands(chooser *c, const stand *stands, uint32_t count, double factor, choice *made)
