@@ -380,6 +380,7 @@ static int run(int argc, char **argv)
         return status;
     if (names_several(o.frame.view))
         return fail(EXIT_USAGE, "bench takes one view, not all");
+    o.frame.framed = 1;
     status = renderer_open(&r, &o.frame);
     r.draws = o.draws;
     if (!status && !(status = world_open(&w, &o.frame.world, &o.frame.load))) {

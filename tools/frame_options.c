@@ -86,7 +86,8 @@ const char *const cutoff_names[] = {"mahalanobis", "square", 0};
 #define OPTIONS frame_options
 
 const option_row camera_rows[] = {
-    {.help = "Camera (without one, the scene is framed whole):"},
+    {.help = "Camera (without one, render and view look at the scene from many sides and take the view that shows most, "
+             "upright; other commands frame it whole):"},
     {"cameras", "FILE", TEXT(cameras), .help =
      "cameras.json, transforms.json, images.bin or images.txt of COLMAP, or a folder with one of them"},
     {"view", "N|NAME|LIST|all", TEXT(view), .help =
@@ -95,6 +96,8 @@ const option_row camera_rows[] = {
     {"eye", "X,Y,Z", POINT(eye), .help = "camera centre"},
     {"look", "X,Y,Z", POINT(look), .help = "point looked at (default: the middle of the scene)"},
     {"up", "X,Y,Z", POINT(up), .help = "up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)"},
+    {"auto-up", 0, FLAG(auto_up), .help =
+     "find up in the scene, for --eye, --orbit and --panorama; a view without a camera is upright in any case"},
     {"fov", "DEG", REAL(fov, 1, 170, "1 to 170 degrees"), .help = "vertical field of view, 1 to 170 (default 50)"},
     {"tangents", "L,R,U,D", take_tangents, 0, .expected = "four numbers LEFT,RIGHT,UP,DOWN", .help =
      "field of view as a headset states it, tangents to the left (negative), right, up and down (negative), in place "
@@ -200,6 +203,8 @@ int frame_options_check(const frame_options *options)
         return fail(EXIT_USAGE, "--view needs --cameras");
     if (options->cameras && (options->eye.given || options->look.given))
         return fail(EXIT_USAGE, "--cameras and --eye or --look: give one camera");
+    if (options->auto_up && options->up.given)
+        return fail(EXIT_USAGE, "--auto-up and --up: give one");
     if (options->stereo_exact && options->stereo <= 0)
         return fail(EXIT_USAGE, "--stereo-exact needs --stereo");
     if (options->panorama && (options->stereo > 0 || options->ortho > 0 || options->has_tangents ||

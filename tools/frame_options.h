@@ -19,6 +19,8 @@ typedef struct frame_options {
     const char *cameras, *view;             /* camera file; number, name, list of numbers or "all" */
     int orbit, frames;                      /* pictures of a turn, and of a way through the views; 0: neither */
     point_option eye, look, up;
+    int auto_up;                            /* up is found in the scene */
+    int framed;                             /* without a camera the scene is framed whole, so that measures compare */
     double fov;
     double ortho;                           /* height of an orthographic picture, units; 0: perspective */
     double near;                            /* near plane, scene units; 0: as --help says */

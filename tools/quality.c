@@ -144,6 +144,7 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
     frame_options all = *options;
     fxs_file_view *views = 0;
     all.view = "all";
+    all.framed = 1;
     memset(q, 0, sizeof *q);
     long given = choose_views(&all, scene, &views);
     if (given < 0)
@@ -152,7 +153,7 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
     q->views = calloc((size_t)q->count, sizeof *q->views);
     int status = q->views ? open_pair(&p, files, original, options->threads) : fail(EXIT_FAILED, "out of memory");
     if (!status)
-        status = measure(q, &p, views, given, options);
+        status = measure(q, &p, views, given, &all);
     close_pair(&p);
     free(views);
     if (status)

@@ -468,13 +468,14 @@ int render_views(const render_options *o)
 {
     static batch b;
     world w = {.count = 0};
+    frame_options frame = o->frame;
     fxs_file_view *views = 0;
     b = (batch){.o = o, .world = &w};
     int status = open_renderers(&b, &o->frame);
     if (!status)
         status = world_open(&w, &o->frame.world, &o->frame.load);
     if (!status) {
-        b.view_count = choose_views(&o->frame, &w, &views);
+        b.view_count = choose_views(&frame, &w, &views);
         b.views = views;
         status = b.view_count < 0 ? EXIT_FAILED : render_all(&b);
     }

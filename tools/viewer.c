@@ -41,7 +41,8 @@ static void find_up(viewer *v)
     for (long i = 0; i < v->view_count; i++)
         for (int k = 0; k < 3; k++)
             mean[k] -= v->views[i].rotation[3 + k] / (double)v->view_count;
-    int of_views = v->options.cameras && !v->options.up.given && hypot(hypot(mean[0], mean[1]), mean[2]) > 0.1;
+    int of_views = v->options.cameras && !v->options.up.given && !v->options.auto_up &&
+                   hypot(hypot(mean[0], mean[1]), mean[2]) > 0.1;
     memcpy(v->up, of_views ? mean : v->options.up.at, sizeof v->up);
 }
 
@@ -117,6 +118,7 @@ static void load(void *argument)
     if (l->status)
         return;
     l->count = choose_views(&all, &l->world, &l->views);
+    l->options.up = all.up;
     l->index = l->count < 0 ? -1 : find_view(&l->options, l->views, l->count);
     if (l->index >= 0) {
         keep_recent(l);
@@ -192,6 +194,7 @@ void viewer_install(viewer *v)
     v->options.view = o->view;
     v->options.eye.given = o->eye.given;
     v->options.look.given = o->look.given;
+    v->options.up = o->up;
     if (l->path)
         v->options.world = (world_options){.scenes = &v->path, .scene_count = 1};
     l->path = 0;

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/renderer.h>
+
 enum { VIEWS_MOST = 100000 };   /* in a list, where views may come again */
 
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
@@ -188,6 +190,19 @@ static void find_target(const frame_options *options, const double middle[3], co
         target[i] = options->look.given ? options->look.at[i] : options->panorama ? eye[i] + (i == across) : middle[i];
 }
 
+/* Whether the view is chosen by looking at the scene. */
+static int is_chosen(const frame_options *o)
+{
+    return !o->cameras && !o->eye.given && !o->panorama && !o->up.given && !o->framed;
+}
+
+/* The view that shows most of the scene, or with --auto-up what is up there alone. */
+static int look_at_scene(frame_options *o, const world *w, fxs_file_view *view, fxs_message *message)
+{
+    return fxs_first_view(w->objects, w->count, w->inner_low, w->inner_high, o->fov, width_of(o), height_of(o), view,
+                          o->up.at, message);
+}
+
 /* Without a camera file. */
 static int make_view(const frame_options *options, const world *w, fxs_file_view *view, fxs_message *message)
 {
@@ -239,21 +254,27 @@ static int finish_view(const frame_options *options, fxs_file_view *view, fxs_me
     }
     if (options->has_tangents && fxs_view_set_tangents(view, options->tangents, message))
         return -1;
-    if (options->panorama && (!options->cameras || options->up.given) && make_level(view, options, message))
+    const int upright = !options->cameras || options->up.given || options->auto_up;
+    if (options->panorama && upright && make_level(view, options, message))
         return -1;
     return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
 }
 
-long choose_views(const frame_options *options, const world *w, fxs_file_view **views)
+long choose_views(frame_options *options, const world *w, fxs_file_view **views)
 {
     fxs_message message;
+    fxs_file_view first;
     long count = options->cameras ? views_of_file(options, views) : 1;
     if (count < 0)
         return -1;
-    int result = 0;
-    if (!options->cameras) {
+    int result = options->auto_up || is_chosen(options) ? look_at_scene(options, w, &first, &message) : 0;
+    if (!options->cameras && !result) {
         *views = malloc(sizeof **views);
-        result = *views ? make_view(options, w, *views, &message) : fxs_fail(&message, "out of memory");
+        result = *views ? 0 : fxs_fail(&message, "out of memory");
+        if (!result && is_chosen(options))
+            **views = first;
+        else if (!result)
+            result = make_view(options, w, *views, &message);
     }
     for (long i = 0; i < count && !result; i++)
         result = finish_view(options, &(*views)[i], &message);

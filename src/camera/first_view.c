@@ -360,8 +360,8 @@ static int set_up(chooser *c)
     return c->looks && c->frames ? 0 : fxs_fail_memory(c->message, NULL, c->threads * c->frame_bytes);
 }
 
-int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, const fxs_object *objects, uint32_t count,
-                          const double low[3], const double high[3], fxs_message *message)
+int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, const fxs_object *objects,
+                          uint32_t count, const double low[3], const double high[3], fxs_message *message)
 {
     chooser c = {.context = *context, .config = &context->config, .threads = 1, .low = low, .high = high,
                  .message = message};

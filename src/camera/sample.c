@@ -290,8 +290,9 @@ int fxs_sample_take(fxs_sample *s, const fxs_object *objects, uint32_t count, fx
     t.step = total / FXS_SAMPLE_MOST + 1;
     t.next = t.step / 2;
     t.larger_q16 = larger_of(t.step);
-    for (uint32_t i = 0; i < count; i++)                           /* at most so many Gaussians of it, and one chunk more */
+    for (uint32_t i = 0; i < count; i++)
         chunks += (drawn(&objects[i]) / t.step + FXS_CHUNK) / FXS_CHUNK;
+    chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;      /* each has a Gaussian or more */
     const size_t header_bytes = (size_t)chunks * sizeof(fxs_chunk);
     const size_t bytes = header_bytes + (size_t)chunks * fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0) + 63;
     *s = (fxs_sample){fxs_allocate(NULL, count, sizeof *s->objects), 0,

@@ -26,8 +26,8 @@ typedef struct fxs_sample {
     unsigned char *bytes;            /* of all chunks */
 } fxs_sample;
 
-/* Returns 0 and a sample that fxs_sample_free frees; or FXS_ERR_MEMORY, or FXS_ERR_SCENE, and a message, with nothing to
-   free. Integers and exact doubles alone: the same on every machine. */
+/* Returns 0 and a sample that fxs_sample_free frees; or FXS_ERR_MEMORY, or FXS_ERR_SCENE, and a message, with nothing
+   to free. Integers and exact doubles alone: the same on every machine. */
 int fxs_sample_take(fxs_sample *sample, const fxs_object *objects, uint32_t count, fxs_message *message);
 void fxs_sample_free(fxs_sample *sample);
 
