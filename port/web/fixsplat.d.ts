@@ -64,9 +64,10 @@ export function load(
 ): Promise<Scene>
 
 /** A camera given by its position and the point that it looks at. Positions are in scene units. The y axis points down
-    unless `up` says otherwise. */
+    unless `up` says otherwise. Without `eye` and `up`, the camera looks at the objects from where small pictures of them
+    show most, upright; that takes some 0.2 seconds once for the same objects. */
 export interface LookAt {
-  /** The position of the camera. Without it, the camera is placed so that it shows all objects completely. */
+  /** The position of the camera. Without it but with `up`, the camera shows all objects completely. */
   eye?: Vector
   /** The point that the camera looks at. The default is the middle of the objects. */
   look?: Vector
@@ -255,6 +256,9 @@ export class Scene {
   readonly high: number[]
   /** The size of the packed scene in bytes. */
   readonly bytes: number
+  /** Where the scene is seen from at first: the direction that is up in it, the direction from the middle of its box to
+      the camera, and the part (0.2 to 1) of the distance from which all of the box is seen. */
+  readonly first: { up: number[]; from: number[]; part: number }
   /** The number of threads that draw the scene at the moment. Pictures do not wait for threads that have not started
       yet. */
   readonly threads: number

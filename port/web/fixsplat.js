@@ -333,6 +333,7 @@ export class Scene {
     Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile] })
     Object.assign(this, { low: box.slice(0, 3), high: box.slice(3), bytes: bytes.length })
     core.scenes++
+    core.chosen = null   // of a scene that lay here before
   }
 
   /** Threads that draw it by now. */
@@ -344,6 +345,13 @@ export class Scene {
   get inside() {
     if (!this.#scene) throw new Error(`${this.name}: was freed`)
     return [this.#core, this.#scene]
+  }
+
+  /** Where it is seen from at first. */
+  get first() {
+    const objects = [{ scene: this }]
+    const first = chosen(placeAll(objects), objects)
+    return { up: first.slice(0, 3), from: first.slice(3, 6), part: first[6] }
   }
 
   /** The packed scene: an .fxs file. */
@@ -414,9 +422,23 @@ function takePinhole(core, camera, width, height) {
   core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
 }
 
-function takeCamera(core, camera, width, height) {
+/** Where the placed objects are seen from at first, as seven numbers: chosen anew only where they lie otherwise. */
+function chosen(core, objects) {
+  const key = JSON.stringify(objects.map(({ scene, ...how }) => [scene.inside[1], how]))
+  if (core.chosen?.key !== key) {
+    core.check(core.c.choose())
+    core.chosen = { key, first: core.get(0, 7) }
+  }
+  return core.chosen.first
+}
+
+function takeCamera(core, objects, camera, width, height) {
   if (camera.rotation) return takePinhole(core, camera, width, height)
   const { fov = 50, near = 0 } = camera
+  if (!camera.eye && !camera.up) {
+    core.put(...chosen(core, objects), fov, near)
+    return core.check(core.c.see_first(width, height))
+  }
   const up = all('up', 3, camera.up ?? [0, -1, 0])
   if (!camera.eye) {
     core.put(...up, fov, near)
@@ -438,7 +460,7 @@ function sizeOf(camera, options) {
 function begin(objects, camera, options) {
   const [width, height] = sizeOf(camera, options)
   const core = placeAll(objects)
-  takeCamera(core, camera, width, height)
+  takeCamera(core, objects, camera, width, height)
   return [core, width, height]
 }
 
@@ -534,7 +556,7 @@ export function render(objects, camera = {}, options = {}) {
 
 export function renderStereo(objects, left, right, options = {}) {
   const [core, width, height] = begin(objects, left, options)
-  takeCamera(core, right, width, height)
+  takeCamera(core, objects, right, width, height)
   return draw(core, width, height, 2, options)
 }
 

@@ -11,6 +11,7 @@
 #include <fixsplat/message.h>
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/world.h>
+#include "src/camera/first_view.h"
 #include "web.h"
 
 __attribute__((import_module("env"), import_name("tan"))) double fxs_web_tan(double x);
@@ -180,6 +181,26 @@ EXPORT(see_all) int fxs_web_see_all(int width, int height)
 {
     const int error = fxs_view_frame_box(&view, low, high, numbers, numbers[3], width, height, &message);
     return error ? error : take_camera(numbers[4] != 0 ? numbers[4] : view.near);
+}
+
+/* Chooses where the objects are seen from at first. Out: up, the direction from the middle to the camera, the part of
+   the distance (first_view.h). */
+EXPORT(choose) int fxs_web_choose(void)
+{
+    fxs_first_choice first;
+    const int error = fxs_first_view_choose(&first, &context, objects, object_count, low, high, &message);
+    if (!error)
+        memcpy(numbers, &first, sizeof first);
+    return error;
+}
+
+/* In: what choose gave, field of view, near or 0. */
+EXPORT(see_first) int fxs_web_see_first(int width, int height)
+{
+    fxs_first_choice first;
+    memcpy(&first, numbers, sizeof first);
+    const int error = fxs_first_view_make(&first, low, high, numbers[7], width, height, &view, &message);
+    return error ? error : take_camera(numbers[8] != 0 ? numbers[8] : view.near);
 }
 
 /* Out: the middle of the objects. */

@@ -49,6 +49,7 @@ typedef struct chooser {
     uint32_t threads;
     fxs_sample sample;
     const double *low, *high;
+    int outlined;                    /* 0: surroundings that thin out */
     double up[3], close;             /* four fifths of the way from the middle of the box to its nearest side */
     size_t frame_bytes;
     unsigned char *frames;           /* working memory of a frame for each thread */
@@ -104,7 +105,7 @@ static void count_cut(const look *l, sight *s)
 }
 
 /* A view that the renderer cannot take shows nothing. */
-static int take_look(chooser *c, uint32_t thread, const fxs_file_view *view, sight *s)
+static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *view, sight *s)
 {
     look *l = &c->looks[thread];
     fxs_request r;
@@ -167,8 +168,8 @@ static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
 
 /* Views that are looked at by several threads: each takes every so many-th. */
 typedef struct looking {
-    chooser *c;
-    const stand *stands;
+    const chooser *c;
+    fxs_file_view views[STANDS];
     sight *sights;
     uint32_t count;
     int errors[THREADS_MOST];
@@ -177,20 +178,15 @@ typedef struct looking {
 static void look_job(void *argument, uint32_t thread)
 {
     looking *g = argument;
-    fxs_file_view view;
-    fxs_message unwanted;
-    chooser own = *g->c;
-    own.message = &unwanted;
-    for (uint32_t i = thread; i < g->count && !g->errors[thread]; i += own.threads) {
-        g->errors[thread] = view_of(&own, &g->stands[i], &view);
-        if (!g->errors[thread])
-            g->errors[thread] = take_look(&own, thread, &view, &g->sights[i]);
-    }
+    for (uint32_t i = thread; i < g->count && !g->errors[thread]; i += g->c->threads)
+        g->errors[thread] = take_look(g->c, thread, &g->views[i], &g->sights[i]);
 }
 
 static int look_from(chooser *c, const stand *stands, uint32_t count, sight *sights)
 {
-    looking g = {c, stands, sights, count, {0}};
+    looking g = {.c = c, .sights = sights, .count = count};
+    for (uint32_t i = 0; i < count; i++)
+        FXS_TRY(view_of(c, &stands[i], &g.views[i]));
     if (c->threads > 1)
         c->config->run(c->config->pool, look_job, &g, c->threads);
     else
@@ -230,6 +226,7 @@ static int find_up(chooser *c)
     fxs_ground ground;
     double seen[2], detail[2];
     FXS_TRY(fxs_ground_find(&ground, &c->sample, c->message));
+    c->outlined = !(ground.spread > 2.6);
     for (int i = 0; i < 3; i++)
         c->up[i] = -ground.axis[i];
     FXS_TRY(look_down(c, &seen[1], &detail[1]));
@@ -254,16 +251,18 @@ typedef struct choice {
     double sides[YAWS];              /* the best score of each yaw */
 } choice;
 
-/* Half, where the border cuts through what is shown; what covers the whole border has no outline that could be cut. */
-static double uncut(const sight *s)
+/* Half, where the border cuts through what is shown; but what covers the border, or surroundings that cover the picture,
+   have no outline. */
+static double uncut(const chooser *c, const sight *s)
 {
-    const double cut = (double)s->cut / BORDER;
-    return cut < 0.01 ? 1 : 0.5 + fmax(0, fmin((cut - 0.5) / 0.8, 0.5));
+    const double cut = (double)s->cut / BORDER, covered = (double)s->covered / (255 * PIXELS);
+    const double all = fmax((cut - 0.5) / 0.4, c->outlined ? 0 : (covered - 0.55) / 0.2);
+    return cut < 0.01 ? 1 : 0.5 + 0.5 * fmax(0, fmin(all, 1));
 }
 
-static double score_of(const stand *at, const sight *s)
+static double score_of(const chooser *c, const stand *at, const sight *s)
 {
-    const double shown = (double)s->seen * uncut(s) * LARGEST / (double)(s->largest > LARGEST ? s->largest : LARGEST);
+    const double shown = (double)s->seen * uncut(c, s) * LARGEST / (double)(s->largest > LARGEST ? s->largest : LARGEST);
     return at->rise != heights[0][1] ? shown : at->yaw == 0 && at->part == 1 ? 1.155 * shown : 1.1 * shown;
 }
 
@@ -272,7 +271,7 @@ static int try_stands(chooser *c, const stand *stands, uint32_t count, double fa
     sight sights[STANDS];
     FXS_TRY(look_from(c, stands, count, sights));
     for (uint32_t i = 0; i < count; i++) {
-        const double score = factor * score_of(&stands[i], &sights[i]);
+        const double score = factor * score_of(c, &stands[i], &sights[i]);
         made->sides[stands[i].yaw] = fmax(made->sides[stands[i].yaw], score);
         if (score > made->score) {
             made->score = score;
@@ -293,14 +292,14 @@ static int try_sides(chooser *c, choice *made)
 /* From the best side that was not yet tried so. */
 static int try_heights(chooser *c, choice *made)
 {
-    static const double parts[] = {1, 0.85, 0.7, 0.5};
+    static const double parts[] = {1, 0.5, 0.85, 0.7};             /* the first two were tried level */
     stand stands[STANDS];
     uint32_t count = 0;
     int yaw = 0;
     for (int i = 1; i < YAWS; i++)
         yaw = made->sides[i] > made->sides[yaw] ? i : yaw;
     for (int height = 0; height < 3; height++)
-        for (int part = 0; part < 4; part++)
+        for (int part = height ? 0 : 2; part < 4; part++)
             stands[count++] = (stand){yaw, heights[height][0], heights[height][1], parts[part]};
     FXS_TRY(try_stands(c, stands, count, 1, made));
     made->sides[yaw] = 0;
@@ -320,7 +319,7 @@ static int try_within(chooser *c, choice *made)
         covered += sights[i].covered;
         close += sights[i].close;
     }
-    if (covered < (int64_t)AROUND * PIXELS * 255 * 9 / 10 || close > AROUND * PIXELS / 4)
+    if (covered < (int64_t)AROUND * PIXELS * 255 * 17 / 20 || close > AROUND * PIXELS / 4)
         return 0;
     for (int yaw = 0; yaw < YAWS; yaw++)
         stands[yaw] = (stand){yaw, heights[1][0], heights[1][1], 0.2};

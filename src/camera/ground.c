@@ -15,7 +15,7 @@ typedef struct weighed {
     const fxs_sample_point *points;
     uint32_t count;
     double *weights, middle[3];      /* the median place */
-    double reach;                    /* the distance from it within which half of the Gaussians lie */
+    double reach, spread;            /* the distance from it within which half of the Gaussians lie; as in fxs_ground */
 } weighed;
 
 static double dot(const double a[3], const double b[3])
@@ -56,6 +56,7 @@ static void weigh(weighed *s)
         w[i] = sqrt(dot(away, away));
     }
     s->reach = median(w, s->count);
+    s->spread = w[s->count - 1 - s->count / 50] / s->reach;
     for (uint32_t i = 0; i < s->count; i++) {
         find_away(s, i, away);
         const double size = fmin(s->points[i].size, s->reach / 10), square = s->reach * s->reach + dot(away, away);
@@ -151,7 +152,7 @@ static void choose_axis(const weighed *s, fxs_ground *ground)
             share[i] = most[i];
         }
     }
-    const int z = most[1] > 1.3 * most[0] + 0.03;
+    const int z = most[1] > 1.2 * most[0] && most[1] > 0.1;
     memcpy(ground->axis, found[z], sizeof ground->axis);
     ground->sided = sides_of(s, found[z], share[z]);
 }
@@ -163,6 +164,7 @@ int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, fxs_message *m
     if (!s.weights)
         return fxs_fail_memory(message, NULL, s.count * sizeof *s.weights);
     weigh(&s);
+    ground->spread = s.spread;
     choose_axis(&s, ground);
     fxs_release(NULL, s.weights);
     return 0;

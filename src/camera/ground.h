@@ -6,6 +6,7 @@
 
 typedef struct fxs_ground {
     double axis[3];                  /* across the ground, of length 1: up, or the opposite */
+    double spread;                   /* the distance within which 98 % of the Gaussians lie, over that of half of them */
     double sided;                    /* more than 0: most of the scene lies on the axis's side of the ground; -1 to 1 */
 } fxs_ground;
 

@@ -202,7 +202,8 @@ static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *
 typedef struct taking {
     fxs_sample *sample;
     unsigned char *headers, *rows;   /* of the next chunk */
-    uint64_t step, next;             /* the next Gaussian of the sample, counted from the object's first */
+    uint64_t step, next;             /* the next point, counted from the object's first Gaussian */
+    uint32_t each;                   /* of so many points one is drawn */
     int32_t larger_q16;
 } taking;
 
@@ -258,7 +259,8 @@ static int take_object(taking *t, const fxs_object *o)
         if (l[count].opacity == 0 || !is_kept(o, l[count].position_q32))
             continue;
         s->points[s->point_count++] = point_of(o, &l[count]);
-        if (++count == FXS_CHUNK) {
+        count += s->point_count % t->each == 0;
+        if (count == FXS_CHUNK) {
             end_chunk(t, scene, l, count);
             count = 0;
         }
@@ -287,16 +289,17 @@ int fxs_sample_take(fxs_sample *s, const fxs_object *objects, uint32_t count, fx
     int error = 0;
     for (uint32_t i = 0; i < count; i++)
         total += drawn(&objects[i]);
-    t.step = total / FXS_SAMPLE_MOST + 1;
+    t.step = total / FXS_SAMPLE_POINTS + 1;
     t.next = t.step / 2;
-    t.larger_q16 = larger_of(t.step);
+    t.each = (uint32_t)(total / t.step / FXS_SAMPLE_MOST) + 1;
+    t.larger_q16 = larger_of(t.step * t.each);
     for (uint32_t i = 0; i < count; i++)
-        chunks += (drawn(&objects[i]) / t.step + FXS_CHUNK) / FXS_CHUNK;
+        chunks += (drawn(&objects[i]) / (t.step * t.each) + FXS_CHUNK) / FXS_CHUNK;
     chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;      /* each has a Gaussian or more */
     const size_t header_bytes = (size_t)chunks * sizeof(fxs_chunk);
     const size_t bytes = header_bytes + (size_t)chunks * fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0) + 63;
     *s = (fxs_sample){fxs_allocate(NULL, count, sizeof *s->objects), 0,
-                      fxs_allocate(NULL, FXS_SAMPLE_MOST + 1, sizeof *s->points), 0,
+                      fxs_allocate(NULL, FXS_SAMPLE_POINTS, sizeof *s->points), 0,
                       fxs_allocate(NULL, count, sizeof *s->scenes), fxs_allocate(NULL, bytes, 1)};
     if (!s->objects || !s->points || !s->scenes || !s->bytes)
         error = fxs_fail_memory(message, NULL, bytes);

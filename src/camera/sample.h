@@ -5,9 +5,10 @@
 #include <fixsplat/fixsplat.h>
 #include <fixsplat/message.h>
 
-#define FXS_SAMPLE_MOST 24576u       /* Gaussians */
+#define FXS_SAMPLE_MOST 20480u       /* Gaussians that are drawn */
+#define FXS_SAMPLE_POINTS (3 * FXS_SAMPLE_MOST)
 
-/* A Gaussian of the sample, in the world. */
+/* A Gaussian of the objects, in the world. */
 typedef struct fxs_sample_point {
     double place[3];
     double normal[3];                /* of length 1: the thinnest axis, in either direction */
@@ -16,10 +17,11 @@ typedef struct fxs_sample_point {
     double opacity;                  /* 0 to 1 */
 } fxs_sample_point;
 
-/* Every so many-th Gaussian of the objects, packed again, of SH degree 0 and larger in proportion. */
+/* Every so many-th Gaussian of the objects as a point; of these one in one to three packed again, of SH degree 0 and
+   larger in proportion. */
 typedef struct fxs_sample {
     fxs_object *objects;
-    uint32_t count;                  /* of those with a Gaussian in the sample */
+    uint32_t count;                  /* of those with a Gaussian that is drawn */
     fxs_sample_point *points;
     uint32_t point_count;
     fxs_scene *scenes;               /* of each object; they point into `bytes` */

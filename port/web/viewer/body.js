@@ -75,7 +75,7 @@ const settings = `
   <option value="1">Sharp</option><option value="0.6667">Medium</option>
   <option value="0.5">Quick</option></select></label>
 <label>Upright <select name="up">
-  <option value="0,-1,0">As in the file</option><option value="0,1,0">Upside down</option>
+  <option value="">As it looks</option><option value="0,-1,0">As in the file</option><option value="0,1,0">Upside down</option>
   <option value="0,0,1">Tipped forward</option><option value="0,0,-1">Tipped back</option></select></label>
 <label>Drawn by <select name="backend">
   <option value="">What is faster</option><option value="wasm">Processor</option>

@@ -97,18 +97,22 @@ export function rendered(camera, width, height, near) {
 
 const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2])
 
-/** The whole scene from a little above: the nearest that all corners of its box are seen from, and a tenth more. */
-export function seeAll({ low, high }, sceneUp, fov, aspect) {
-  const up = unit(sceneUp)
+/** The direction from a scene to a camera that sees it from a little above. */
+function frontOf(up) {
   const start = Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]
   const back = unit(add(start, up, -dot(start, up)))
-  const from = unit(
-    add(
-      back.map((x) => 0.95 * x),
-      up,
-      0.31
-    )
+  return add(
+    back.map((x) => 0.95 * x),
+    up,
+    0.31
   )
+}
+
+/** The nearest that all corners of a scene's box are seen from, and a tenth more: from a little above, or from where
+    `first` says, and at that part of the distance. */
+export function seeAll({ low, high }, sceneUp, fov, aspect, first) {
+  const up = unit(sceneUp)
+  const from = unit(first?.from ?? frontOf(up))
   const look = mix(low, high, 0.5)
   const { forward, right, down } = axes({ eye: add(look, from), look, up })
   const needs = corners.map((corner) => {
@@ -119,7 +123,7 @@ export function seeAll({ low, high }, sceneUp, fov, aspect) {
     )
     return Math.max(Math.abs(dot(right, c)) / aspect, Math.abs(dot(down, c))) / slope(fov) - dot(forward, c)
   })
-  return { eye: add(look, from, 1.1 * Math.max(...needs, 1e-3)), look, up, fov, flat: false, shift: [0, 0] }
+  return { eye: add(look, from, 1.1 * (first?.part ?? 1) * Math.max(...needs, 1e-3)), look, up, fov, flat: false, shift: [0, 0] }
 }
 
 /** A camera of a cameras.json; it turns about the point ahead that is nearest to the scene's middle. */

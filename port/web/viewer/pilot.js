@@ -39,7 +39,7 @@ export class Pilot {
   takeViews(views, view) {
     this.views = views
     this.index = 0
-    this.up = views.length ? motion.upOf(views, this.up) : UPRIGHT
+    this.up = views.length ? motion.upOf(views, this.up) : this.#scene.first.up
     this.show(view ?? this.start)
   }
 
@@ -50,7 +50,9 @@ export class Pilot {
 
   get whole() {
     const { clientWidth, clientHeight } = this.#element
-    return motion.seeAll(this.#scene, this.up, this.fov, clientWidth / clientHeight || 1)
+    const { first } = this.#scene
+    const asFound = this.up === first.up ? first : undefined
+    return motion.seeAll(this.#scene, this.up, this.fov, clientWidth / clientHeight || 1, asFound)
   }
 
   get radius() {
@@ -104,8 +106,9 @@ export class Pilot {
     if (this.#scene) this.show({ ...this.camera, fov })
   }
 
+  /** Without a direction, as it was found in the scene. */
   upright(up) {
-    this.up = up
+    this.up = up ?? this.#scene?.first.up ?? UPRIGHT
     if (this.#scene) this.show(this.start)
   }
 

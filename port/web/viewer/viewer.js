@@ -516,7 +516,7 @@ export class Viewer extends HTMLElement {
       flat: () => pilot.flatten(checked),
       speed: () => (pilot.speed = Number(value)),
       fov: () => pilot.widen(Number(value)),
-      up: () => pilot.upright(value.split(',').map(Number)),
+      up: () => pilot.upright(value ? value.split(',').map(Number) : undefined),
       readout: () => (this.#ui.readout.hidden = !checked),
       sharpness: () => (this.#settings.sharpness = Number(value)),
       colours: () => (this.#settings.colours = checked),
