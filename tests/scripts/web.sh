@@ -153,7 +153,7 @@ both_at_most() {
 check "builds" builds "$B/web/test_kernels.wasm"
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-for size in core.wasm:45000 simd.wasm:65000 threads.wasm:68000 import.wasm:150000 fixsplat.js:40000; do
+for size in core.wasm:45000 simd.wasm:71000 threads.wasm:72000 import.wasm:150000 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000

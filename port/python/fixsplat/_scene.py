@@ -143,13 +143,21 @@ class Scene:
         scene units. It is the box for a camera that shows the whole scene."""
         return self.memory.inner_box
 
-    def frame(self, width: int, height: int, *, fov: float = 50, up: Sequence[float] = (0, -1, 0)) -> Camera:
-        """Makes a camera that shows the whole scene from the front and slightly above. width, height: the size of the
-        picture in pixels. fov: the vertical field of view, 1 to 170 degrees. up: the direction that is up."""
-        view = new("fxs_file_view")
+    def frame(self, width: int, height: int, *, fov: float = 50, up: Optional[Sequence[float]] = None) -> Camera:
+        """Makes a camera that shows most of the scene, upright: small pictures from many sides say from where, as for
+        `fixsplat render` without a camera. width, height: the size of the picture in pixels. fov: the vertical field
+        of view, 1 to 170 degrees. up: the direction that is up. With it, the camera shows the whole scene from the
+        front and slightly above."""
+        view, found = new("fxs_file_view"), ffi.new("double[3]")
         low, high = self.inner_box
-        call("fxs_view_frame_box", view, low, high, list(numbers("up", up, (3,))), number("fov", fov, 1, 170),
-             whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE))
+        size = whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE)
+        angle = number("fov", fov, 1, 170)
+        if up is None:
+            placed, memory = new("fxs_object"), self.memory
+            lib.fxs_object_init(placed, memory.scene)
+            call("fxs_first_view", placed, 1, low, high, angle, *size, view, found)
+        else:
+            call("fxs_view_frame_box", view, low, high, list(numbers("up", up, (3,))), angle, *size)
         return Camera._of(view)
 
     def render(self, K: Any, world_to_camera: Any = None, width: Optional[int] = None, height: Optional[int] = None,
