@@ -980,6 +980,16 @@ check "--ortho is no perspective" differ "$(hash_of knot.ply $small --ortho 9)" 
 check "--ortho: distance does not matter" equal \
     "$(hash_of cubes.ply $small --eye 0,0,-20 --look 0,0,0 --ortho 9 --sh-degree 0)" \
     "$(hash_of cubes.ply $small --eye 0,0,-40 --look 0,0,0 --ortho 9 --sh-degree 0)"
+"$fixsplat" convert knot.ply z.ply --rotate -90,0,0
+z="z.ply $small --eye 2,-9,3"
+check "--auto-up: z" equal "$(hash_of $z --auto-up)" "$(hash_of $z --up 0,0,1)"
+check "--auto-up: not y" differ "$(hash_of $z --auto-up)" "$(hash_of $z)"
+check "--auto-up: -y" equal "$(hash_of knot.ply $small --eye 2,-3,-9 --auto-up)" \
+    "$(hash_of knot.ply $small --eye 2,-3,-9)"
+fails "--auto-up and --up" 2 "give one" render knot.ply --auto-up --up 0,0,1 --hash
+check "the first view: one hash with --cpu c" equal "$(hash_of z.ply $small)" \
+    "$(hash_of z.ply $small --cpu c --threads 1)"
+check "the first view is not that with --up" differ "$(hash_of z.ply $small)" "$(hash_of z.ply $small --up 0,-1,0)"
 succeeds "--panorama" render knot.ply --panorama --size 128x64 -o around.ppm
 check "--panorama: one hash with --cpu c" equal "$(hash_of knot.ply --panorama --size 128x64)" \
     "$(hash_of knot.ply --panorama --size 128x64 --cpu c --threads 1)"
