@@ -87,7 +87,7 @@ seen = packed.render(camera, targets=("colour", "ids"))
 run("make-scene", "meadow", "--count", "12000", "-o", "meadow.ply")
 for name in ("knot", "meadow"):
     with fixsplat.load(f"{name}.ply") as other:
-        view = other.frame(320, 200)
+        view = other.frame(320, 200, up=(0, -1, 0))
         shown = other.render(view, targets=("ids", "median_depth"))
         ids = shown.ids[np.isfinite(shown.median_depth), 1]
         depth = shown.median_depth[np.isfinite(shown.median_depth)]
