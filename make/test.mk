@@ -20,7 +20,7 @@ called = $(or $(filter $(1) test_$(1) $(1).sh,$(EVERY)),$(call containing,$(1)),
 RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(PROCESSORS)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
-NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input)
+NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter boards.sh,$(RUN)),test_strip test_ili9341) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input)
 
 $(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
                    $(B)/commands/link

@@ -25,13 +25,13 @@ firmware() {
     [ -z "$said" ] || { echo "$said"; return 1; }
 }
 
-# run BOARD ELF WORD...: what it prints, and "exit STATUS".
+# run BOARD ELF WORD...: what it prints, and "exit STATUS". Its files lie in $work.
 run() {
     board=$1 elf=$2 words=arg=firmware
     shift 2
     for word in "$@"; do words=$words,arg=$word; done
-    timeout 100 qemu-system-arm -M "$board" -nographic -monitor none -serial none -icount shift=0 \
-        -semihosting-config enable=on,target=native,$words -kernel "$elf" 2>&1
+    (cd "$work" && timeout 100 qemu-system-arm -M "$board" -nographic -monitor none -serial none -icount shift=0 \
+        -semihosting-config enable=on,target=native,$words -kernel "$elf") 2>&1
     echo "exit $?"
 }
 
@@ -81,6 +81,26 @@ kernels_are_exact() {
     return 1
 }
 
+# drives_a_display BOARD WIDTH HEIGHT WORD...: what it sent over the bus of an ILI9341 is its commands and the host's
+# last picture.
+drives_a_display() {
+    board=$1 width=$2 height=$3
+    shift 3
+    rm -f "$work/ili9341.stream"
+    run "$board" "$made/firmware/$board.elf" width="$width" height="$height" frames=2 display=1 "$@" >"$work/log"
+    tail -n 1 "$work/log" | grep -qx 'exit 0' &&
+        "$B/tests/test_ili9341" "$scene" "$width" "$height" 2 "$work/ili9341.stream" >>"$work/log" && return
+    cat "$work/log"
+    return 1
+}
+
+# The model refuses the same stream with a byte less, or of another picture.
+display_is_seen() {
+    head -c -2 "$work/ili9341.stream" >"$work/short.stream"
+    ! "$B/tests/test_ili9341" "$scene" 131 77 2 "$work/short.stream" &&
+        ! "$B/tests/test_ili9341" "$scene" 131 77 3 "$work/ili9341.stream"
+}
+
 scene=$work/20000.fxs
 check "makes a scene" make_scene 20000
 check "builds" firmware "$scene"
@@ -88,6 +108,11 @@ for board in $boards; do
     check "$board has the bytes of the host" same_hashes "$board" 320 240 4
     check "$board: strips of 32 rows, a picture of odd size" same_hashes "$board" 131 77 2 rows=32
     check "$board: the least memory, and a byte less" one_byte_short "$board"
+    check "$board drives a display" drives_a_display "$board" 320 240
+    check "$board drives an upright display, strips of 32 rows" drives_a_display "$board" 131 77 rows=32
+    check "the model sees a byte less, and another picture" display_is_seen
+    check "$board: a display that it does not fit" refuses "$board" "$made/firmware/$board.elf" \
+        'width=400 display=1' 'width or height'
     check "$board: strips without rows" refuses "$board" "$made/firmware/$board.elf" 'rows=0' target
     check "$board: strips wider than its room" refuses "$board" "$made/firmware/$board.elf" 'width=481' target
     check "$board: a picture without pixels" refuses "$board" "$made/firmware/$board.elf" 'width=0' 'height'

@@ -3,7 +3,8 @@
 
 #include <string.h>
 
-enum { SYS_WRITE0 = 0x04, SYS_GET_CMDLINE = 0x15, SYS_EXIT_EXTENDED = 0x20 };
+enum { SYS_OPEN = 0x01, SYS_WRITE0 = 0x04, SYS_WRITE = 0x05, SYS_GET_CMDLINE = 0x15, SYS_EXIT_EXTENDED = 0x20 };
+#define MODE_WB 5                  /* of SYS_OPEN */
 #define ADP_STOPPED_APPLICATION_EXIT 0x20026u
 
 #if __ARM_ARCH_PROFILE == 'M'
@@ -66,6 +67,18 @@ uint32_t console_option(const char *line, const char *name, uint32_t otherwise)
         return value;
     }
     return otherwise;
+}
+
+int console_open(const char *name)
+{
+    const struct { const char *name; int mode; size_t length; } block = {name, MODE_WB, strlen(name)};
+    return semihosting(SYS_OPEN, &block);
+}
+
+int console_write(int file, const void *bytes, uint32_t count)
+{
+    const struct { int file; const void *bytes; uint32_t count; } block = {file, bytes, count};
+    return semihosting(SYS_WRITE, &block);
 }
 
 void console_exit(int status)

@@ -16,6 +16,10 @@ void console_command(char *line, int bytes);
 /* The number in the word name=NUMBER of such a line; else `otherwise`. */
 uint32_t console_option(const char *line, const char *name, uint32_t otherwise);
 
+/* Opens a file of the host, empty, for writing; negative where it cannot. Writes to it: how many bytes were not. */
+int console_open(const char *name);
+int console_write(int file, const void *bytes, uint32_t count);
+
 /* Ends the program: 0 for success. */
 void console_exit(int status);
 

@@ -1,7 +1,8 @@
 /* Renders a turning scene from flash in strips, and prints its time and memory and the hash of each picture, which is
- * the same on every machine. */
+ * the same on every machine. With the word display=1, strips go to a panel too, whose bus is a file (recorder.c). */
 #include "board.h"
 #include "console.h"
+#include "recorder.h"
 #include <fixsplat/strip.h>
 #include "port/board/turntable.h"
 
@@ -12,15 +13,18 @@
 #define WIDTH_MOST 480
 #define ROWS_MOST 32
 
-/* The FNV-1a hash of the pixels so far. */
+typedef struct shown {
+    uint64_t hash;                 /* FNV-1a, of the pixels so far */
+    fxs_ili9341 panel;             /* of no width: there is none */
+} shown;
+
 static int add_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
-    uint64_t *hash = argument;
+    shown *s = argument;
     const unsigned char *pixels = strip->pixels;
-    (void)first;
     for (ptrdiff_t i = 0; i < rows * strip->stride; i++)
-        *hash = (*hash ^ pixels[i]) * 0x100000001b3u;
-    return 0;
+        s->hash = (s->hash ^ pixels[i]) * 0x100000001b3u;
+    return s->panel.width ? fxs_ili9341_rows(&s->panel, strip, first, rows) : 0;
 }
 
 static void say(const char *words, uint64_t number)
@@ -65,8 +69,8 @@ int main(void)
     static fxs_context context;
     static fxs_request request;
     static fxs_stats stats;
-    static uint64_t hash;
-    static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &hash, {0}};
+    static shown show;
+    static fxs_strip strip = {pixels, 0, 0, FXS_FORMAT_RGB565, &context.kernels, add_rows, &show, {0}};
     static const fxs_config config = {.clock = board_clock, .draw = fxs_strip_draw, .draw_argument = &strip,
                                       .draw_blended = 1};
     board_stack_mark();
@@ -84,14 +88,19 @@ int main(void)
 #endif
     int error = fxs_turntable_open(&table, board_scene, (size_t)(board_scene_end - board_scene), (int32_t)width,
                                    (int32_t)height);
+    if (!error && console_option(line, "display", 0)) {
+        strip.format = FXS_FORMAT_RGB565_SWAPPED;
+        error = recorder_open(&show.panel.bus);
+        error = error ? error : fxs_ili9341_init(&show.panel, (int32_t)width, (int32_t)height);
+    }
     for (uint32_t i = 0; i < frames && !error; i++) {
         const uint32_t step = i * FXS_TURNTABLE_STEPS / frames;
-        hash = 0xcbf29ce484222325u;
+        show.hash = 0xcbf29ce484222325u;
         fxs_turntable_turn(&table, step);
         request.cameras[0] = table.camera;
         error = fxs_render(&context, &request, board_memory, memory < room ? memory : room, &stats);
         if (!error)
-            say_frame(step, hash, &stats);
+            say_frame(step, show.hash, &stats);
     }
     if (error)
         return failed(error, &stats);
