@@ -673,9 +673,11 @@ static void meshes(void)
 
 #define GL(type, name) ((PFNGL##type##PROC)port->load(context, "gl" #name))
 
+enum { UNITS = 10 };                       /* textures that the back end binds */
+
 /* More of a context's state than the back end touches; what a context does not know stays 0. */
 typedef struct state {
-    GLint values[64][4], units[8][3];
+    GLint values[64][4], units[UNITS][3];
     GLboolean switches[16];
 } state;
 
@@ -701,7 +703,7 @@ static void dump(state *s)
         GL(GETINTEGERV, GetIntegerv)(names[i], s->values[i]);
     for (size_t i = 0; i < sizeof switches / sizeof *switches; i++)
         s->switches[i] = GL(ISENABLED, IsEnabled)(switches[i]);
-    for (GLuint i = 0; i < 8; i++) {
+    for (GLuint i = 0; i < UNITS; i++) {
         GL(ACTIVETEXTURE, ActiveTexture)(GL_TEXTURE0 + i);
         GL(GETINTEGERV, GetIntegerv)(GL_TEXTURE_BINDING_2D, &s->units[i][0]);
         GL(GETINTEGERV, GetIntegerv)(GL_TEXTURE_BINDING_3D, &s->units[i][1]);
@@ -732,7 +734,7 @@ static GLuint make_program(void)
 enum { WIDE = 240, HIGH = 160 };           /* of the caller's texture */
 
 typedef struct caller {
-    GLuint texture, framebuffers[2], program, vertex_array, buffers[2], samplers[8], textures[8], renderbuffer;
+    GLuint texture, framebuffers[2], program, vertex_array, buffers[2], samplers[UNITS], textures[UNITS], renderbuffer;
 } caller;
 
 /* Everything other than it is in a new context. */
@@ -758,7 +760,7 @@ static void upset(caller *c)
     GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_ROW_LENGTH, 7);
     GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_SKIP_PIXELS, 2);
     GL(PIXELSTOREI, PixelStorei)(GL_UNPACK_SKIP_ROWS, 1);
-    for (GLuint i = 0; i < 8; i++) {
+    for (GLuint i = 0; i < UNITS; i++) {
         GL(ACTIVETEXTURE, ActiveTexture)(GL_TEXTURE0 + i);
         GL(BINDTEXTURE, BindTexture)(GL_TEXTURE_2D, c->textures[i]);
         GL(BINDSAMPLER, BindSampler)(i, c->samplers[i]);
@@ -784,8 +786,8 @@ static caller make_caller(void)
 {
     caller c;
     GL(GENTEXTURES, GenTextures)(1, &c.texture);
-    GL(GENTEXTURES, GenTextures)(8, c.textures);
-    GL(GENSAMPLERS, GenSamplers)(8, c.samplers);
+    GL(GENTEXTURES, GenTextures)(UNITS, c.textures);
+    GL(GENSAMPLERS, GenSamplers)(UNITS, c.samplers);
     GL(GENBUFFERS, GenBuffers)(2, c.buffers);
     GL(GENRENDERBUFFERS, GenRenderbuffers)(1, &c.renderbuffer);
     GL(GENVERTEXARRAYS, GenVertexArrays)(1, &c.vertex_array);
@@ -1063,6 +1065,195 @@ static void target_meshes(void)
     free(buffer);
     free(expected);
     free_mesh(m);
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+/* ---- Depths and ids in the same draw ----------------------------------------------------------------------------- */
+
+/* A framebuffer with colour, median depths and ids. */
+typedef struct outputs {
+    GLuint framebuffer, textures[3];
+} outputs;
+
+static outputs make_outputs(void)
+{
+    static const struct {
+        GLint format;
+        GLenum layout, type;
+    } formats[] = {{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE},
+                   {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT},
+                   {GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT}};
+    static const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
+    outputs o;
+    settle();
+    GL(GENFRAMEBUFFERS, GenFramebuffers)(1, &o.framebuffer);
+    GL(GENTEXTURES, GenTextures)(3, o.textures);
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_FRAMEBUFFER, o.framebuffer);
+    for (int i = 0; i < 3; i++) {
+        GL(BINDTEXTURE, BindTexture)(GL_TEXTURE_2D, o.textures[i]);
+        GL(TEXIMAGE2D, TexImage2D)(GL_TEXTURE_2D, 0, formats[i].format, WIDE, HIGH, 0, formats[i].layout,
+                                   formats[i].type, 0);
+        GL(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D)(GL_FRAMEBUFFER, buffers[i], GL_TEXTURE_2D, o.textures[i], 0);
+    }
+    GL(DRAWBUFFERS, DrawBuffers)(3, buffers);
+    CHECK(GL(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus)(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE);
+    return o;
+}
+
+/* The subject twice, with ids of their own, into the targets or the caller's framebuffer. */
+static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targets, const fxs_gles_target *t)
+{
+    fxs_context c;
+    const fxs_config config = {.run = run_backwards, .threads = 3};
+    fxs_object objects[2] = {one_object(&s->scene), one_object(&s->scene)};
+    objects[0].id = 70000;
+    objects[1].id = 9;
+    objects[1].translation_q32[0] = INT64_C(3) << 31;
+    objects[1].translation_q32[2] = -(INT64_C(1) << 32);
+    fxs_init(&c, &config);
+    const fxs_request request = request_for(objects, 2, &s->options, 1, &s->camera, targets, 0);
+    const size_t bytes = fxs_frame_bytes(&c, objects, 2, s->camera.width, s->camera.height, 0);
+    void *memory = check_aligned(bytes);
+    const int error = t ? fxs_gles_render(gles, &c, &request, t, memory, bytes, 0)
+                        : fxs_render(&c, &request, memory, bytes, 0);
+    free(memory);
+    return error;
+}
+
+/* Words of a buffer that are not the picture's, nor 3 beside it. */
+static int differing_words(const subject *s, const fxs_gles_target *t, GLenum buffer, const uint32_t *expected, int n)
+{
+    static GLuint words[HIGH][WIDE][4];
+    int differing = 0;
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, t->framebuffer);
+    GL(READBUFFER, ReadBuffer)(buffer);
+    GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA_INTEGER, GL_UNSIGNED_INT, words);
+    GL(READBUFFER, ReadBuffer)(GL_COLOR_ATTACHMENT0);
+    for (int y = 0; y < HIGH; y++)
+        for (int x = 0; x < WIDE; x++) {
+            const int column = x - t->x, line = t->top_down ? y - t->y : t->y + s->camera.height - 1 - y;
+            const int inside = column >= 0 && column < s->camera.width && line >= 0 && line < s->camera.height;
+            for (int i = 0; i < n; i++)
+                differing += words[y][x][i] != (inside ? expected[n * (line * s->camera.width + column) + i] : 3);
+        }
+    return differing;
+}
+
+/* One frame of the processor and one of the device: the same colours, depths and ids, the state kept. */
+static void check_outputs(const subject *s, fxs_gles *gles, caller *c, const outputs *o, fxs_gles_target *t,
+                          const mesh *m)
+{
+    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    static const GLuint three[4] = {3, 3, 3, 3};
+    const size_t pixels = picture_bytes(s) / 4;
+    uint8_t *colours = new_picture(s);
+    uint32_t *depths = malloc(pixels * 4), *ids = malloc(pixels * 8);
+    const ptrdiff_t row = 4 * (ptrdiff_t)s->camera.width;
+    fxs_targets targets = one_target(s->format, colours, row);
+    state before, after;
+    targets.median_depth = (fxs_image){depths, row};
+    targets.id = (fxs_image){ids, 2 * row};
+    targets.depth_bits = t->depth_bits;
+    targets.occluder = (fxs_image){m ? m->depths : 0, row};
+    CHECK(!render_two(s, 0, &targets, 0));
+    settle();
+    t->occluder = m ? make_texture(s, m->depths, t->top_down, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT) : 0;
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, o->framebuffer);
+    GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+    GL(CLEARBUFFERUIV, ClearBufferuiv)(GL_COLOR, 1, three);
+    GL(CLEARBUFFERUIV, ClearBufferuiv)(GL_COLOR, 2, three);
+    upset(c);
+    dump(&before);
+    CHECK(!render_two(s, gles, 0, t));
+    dump(&after);
+    CHECK(!memcmp(&before, &after, sizeof before));
+    settle();
+    CHECK(t->over || in_target(s, t, colours));
+    CHECK(!differing_words(s, t, GL_COLOR_ATTACHMENT1, depths, 1));
+    CHECK(!differing_words(s, t, GL_COLOR_ATTACHMENT2, ids, 2));
+    GL(DELETETEXTURES, DeleteTextures)(1, &t->occluder);
+    free(colours);
+    free(depths);
+    free(ids);
+}
+
+/* small: lists in parts. */
+static void depths_and_ids_by(int small)
+{
+    static const char *const names[] = {"knot", "fog", "needles"};
+    fake_limits(small, 0);
+    OPEN_OR_SKIP(gles);
+    caller c = make_caller();
+    const outputs o = make_outputs();
+    subject s;
+    for (int i = 0; i < 6; i++) {
+        if (!make_subject(&s, names[i % 3], 5000, 111, 83))
+            return;
+        if (i == 3)
+            s.camera.position_q32[2] -= INT64_C(7) << 32;      /* so far that depths of 28 bits end at 16 */
+        const mesh m = make_mesh(&s);
+        fxs_gles_target t = {.framebuffer = o.framebuffer, .x = 13, .y = 7, .top_down = i % 2, .depths_and_ids = 1,
+                             .depth_bits = i == 2 ? 24 : i == 3 ? 28 : i == 4 ? 1 : 0, .over = i == 3};
+        s.options.cutoff = i == 5 ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
+        t.format = s.format = i % 3 ? FXS_FORMAT_RGBA8 : FXS_FORMAT_RGBA8_COVERAGE;
+        check_outputs(&s, gles, &c, &o, &t, i == 1 || i == 4 ? &m : 0);
+        free_mesh(m);
+        fxs_packed_scene_free(&s.packed);
+    }
+    close_gles(gles);
+}
+
+static void depths_and_ids(void)
+{
+    depths_and_ids_by(0);
+    depths_and_ids_by(16);
+}
+
+/* A driver that does not compile the shader of depths and ids. */
+static void GL_APIENTRY untracing_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
+{
+    static const GLchar *const broken = "#version 300 es\nvoid main() { nonsense(); }\n";
+    int asks = 0;
+    for (GLsizei i = 0; i < count; i++)
+        asks |= !strcmp(parts[i], "#define TRACED\n");
+    real_ShaderSource(shader, asks ? 1 : count, asks ? &broken : parts, n);
+}
+
+/* Then they are refused each time, and colours are drawn. */
+static void depths_and_ids_without_shader(void)
+{
+    subject s;
+    real_ShaderSource = (PFNGLSHADERSOURCEPROC)port->load(context, "glShaderSource");
+    fake(0, "glShaderSource", (fxs_gl_function)untracing_ShaderSource);
+    OPEN_OR_SKIP(gles);
+    const outputs o = make_outputs();
+    if (!make_subject(&s, "knot", 100, 40, 30))
+        return;
+    fxs_gles_target t = {.framebuffer = o.framebuffer, .depths_and_ids = 1};
+    for (int i = 0; i < 2; i++)
+        CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+    t.depths_and_ids = 0;
+    CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
+    fxs_packed_scene_free(&s.packed);
+    close_gles(gles);
+}
+
+/* They are not to be had by quads or fetch, nor in a framebuffer without room for them. */
+static void depths_and_ids_refused(void)
+{
+    subject s;
+    OPEN_OR_SKIP(gles);
+    if (!make_subject(&s, "knot", 100, 40, 30))
+        return;
+    fxs_gles_target t = {.depths_and_ids = 1};
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_TARGET);
+    t.framebuffer = 1;
+    t.quads = 1;
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+    t.quads = 0;
+    t.fetch = 1;
+    CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
 }
@@ -1367,9 +1558,12 @@ int main(void)
         RUN(target);
         RUN(target_in_windows);
         RUN(target_quads);
-    RUN(target_over);
+        RUN(target_over);
         RUN(target_of_short_lists);
         RUN(target_meshes);
+        RUN(depths_and_ids);
+        RUN(depths_and_ids_without_shader);
+        RUN(depths_and_ids_refused);
         RUN(init_keeps_state);
         RUN(missing_functions);
         RUN(unfit_contexts);

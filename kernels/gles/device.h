@@ -23,6 +23,7 @@ enum {
     FXS_GLES_BLEND,                /* fetch: T and sums */
     FXS_GLES_LIMITED,              /* the same with an occluder or the square cut-off */
     FXS_GLES_RESOLVED_INTEGER, FXS_GLES_RESOLVED_NORMALISED,   /* fetch: pixels */
+    FXS_GLES_TRACED_STATE, FXS_GLES_TRACED,    /* STATE and NORMALISED with depths and ids: made when first asked for */
     FXS_GLES_PROGRAMS
 };
 /* Textures by their unit. */
@@ -31,9 +32,11 @@ enum {
     FXS_GLES_CHUNKS,               /* tiles: what masks are made for */
     FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* the caller's, or made from his; BUFFER: GL's depths */
     FXS_GLES_CARRIED,              /* T and sums so far */
+    FXS_GLES_IDS, FXS_GLES_TRACES, /* tiles: ids of records; depths, weights and ids so far */
     FXS_GLES_UNITS,
     FXS_GLES_NEXT = FXS_GLES_UNITS,   /* T and sums that are drawn: it takes turns with CARRIED */
     FXS_GLES_WHOLE,                /* fetch: T and sums of a window */
+    FXS_GLES_NEXT_TRACES,          /* it takes turns with TRACES */
     FXS_GLES_TEXTURES
 };
 /* Framebuffers. */
@@ -44,6 +47,7 @@ enum {
     FXS_GLES_FIRST_STATE = FXS_GLES_TARGETS, FXS_GLES_SECOND_STATE,   /* CARRIED and NEXT */
     FXS_GLES_WHOLE_STATE,          /* WHOLE */
     FXS_GLES_MASKED,               /* MASKS */
+    FXS_GLES_FIRST_TRACED, FXS_GLES_SECOND_TRACED,             /* CARRIED and TRACES; NEXT and NEXT_TRACES */
     FXS_GLES_FRAMEBUFFERS
 };
 
@@ -65,6 +69,7 @@ struct fxs_gles {
     int32_t viewport[2];           /* the largest */
     int points;                    /* there are points of the size of a tile */
     char no_fetch[FXS_GLES_MESSAGE];            /* why there is no fetch path; else empty */
+    int traced;                    /* depths and ids: 0: not made yet; 1: made; else the error why not */
     int timer, timing;             /* the device can time draws; is timing one */
     GLenum blended_format;         /* of the quads' target */
     fxs_gles_program programs[FXS_GLES_PROGRAMS];
@@ -74,7 +79,7 @@ struct fxs_gles {
     GLsizeiptr buffer_bytes[FXS_GLES_BUFFERS];
     unsigned turn;                 /* of the uploads */
     int32_t columns, rows;         /* of the texture of lists */
-    int32_t record_rows, mask_rows;             /* of those of records and of masks */
+    int32_t record_rows, mask_rows, id_rows;    /* of those of records, of masks and of ids */
     int32_t occluder[2], backdrop[2], whole[2]; /* width and height of these */
     int32_t width[FXS_GLES_TARGETS], height[FXS_GLES_TARGETS];
     GLenum format[FXS_GLES_TARGETS];
@@ -132,6 +137,12 @@ void fxs_gles_stop_timer(fxs_gles *gles);
    (x, y); those of its tiles only. Errors: FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
 int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int target, int32_t x, int32_t y, int32_t width,
                   int32_t height);
+
+/* Whether depths and ids are drawn too. */
+static inline int fxs_gles_is_traced(const fxs_gles *gles)
+{
+    return gles->target && gles->target->depths_and_ids;
+}
 
 /* Makes the texture of masks larger, so that it holds as many chunks, if the device can. Returns 0, FXS_ERR_DEVICE or
    FXS_ERR_MEMORY. */

@@ -17,7 +17,8 @@
     F(DELETEBUFFERS, DeleteBuffers) F(DELETEFRAMEBUFFERS, DeleteFramebuffers) F(DELETEPROGRAM, DeleteProgram) \
     F(DELETEQUERIES, DeleteQueries) F(DELETERENDERBUFFERS, DeleteRenderbuffers) F(DELETESHADER, DeleteShader) \
     F(DELETETEXTURES, DeleteTextures) F(DELETEVERTEXARRAYS, DeleteVertexArrays) F(DISABLE, Disable) \
-    F(DRAWARRAYS, DrawArrays) F(DRAWARRAYSINSTANCED, DrawArraysInstanced) F(ENABLE, Enable) \
+    F(DRAWARRAYS, DrawArrays) F(DRAWARRAYSINSTANCED, DrawArraysInstanced) \
+    F(DRAWBUFFERS, DrawBuffers) F(ENABLE, Enable) \
     F(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray) F(ENDQUERY, EndQuery) \
     F(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer) F(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D) \
     F(GENBUFFERS, GenBuffers) F(GENFRAMEBUFFERS, GenFramebuffers) F(GENQUERIES, GenQueries) \

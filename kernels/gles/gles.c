@@ -144,8 +144,8 @@ static int compile(const fxs_gles *g, GLuint program, GLenum kind, const char *d
 static int make_program(fxs_gles *g, int which, const char *define, const char *vertex, const char *fragment,
                         char *message)
 {
-    static const char *const units[] = {"lists",    "records",      "masks",    "chunks",
-                                        "occluder", "depth_buffer", "backdrop", "carried"};
+    static const char *const units[] = {"lists",        "records",  "masks",   "chunks", "occluder",
+                                        "depth_buffer", "backdrop", "carried", "ids",    "traces"};
     const fxs_gl *gl = &g->gl;
     char log[FXS_GLES_MESSAGE] = "";
     GLint done = 0;
@@ -207,6 +207,43 @@ static void make_fetch_programs(fxs_gles *g)
         make_program(g, FXS_GLES_RESOLVED_NORMALISED, "#define FETCHED\n", screen_vert, tiles_frag, g->no_fetch);
 }
 
+/* Programs and render targets for depths and ids. Returns 0, FXS_ERR_UNSUPPORTED, FXS_ERR_DEVICE or FXS_ERR_MEMORY. */
+static int make_traced(fxs_gles *g)
+{
+    static const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+    char message[FXS_GLES_MESSAGE];
+    const fxs_gl *gl = &g->gl;
+    gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    gl->ActiveTexture(GL_TEXTURE0);
+    for (int i = 0; i < 2; i++) {
+        gl->BindTexture(GL_TEXTURE_2D, g->textures[i ? FXS_GLES_NEXT_TRACES : FXS_GLES_TRACES]);
+        gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32UI, FXS_TILE, FXS_TILE, 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 0);
+        gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_FIRST_TRACED + i]);
+        gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
+                                 g->textures[i ? FXS_GLES_NEXT : FXS_GLES_CARRIED], 0);
+        gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT1, GL_TEXTURE_2D,
+                                 g->textures[i ? FXS_GLES_NEXT_TRACES : FXS_GLES_TRACES], 0);
+        gl->DrawBuffers(2, both);
+        if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+            return FXS_ERR_UNSUPPORTED;
+    }
+    int error = make_program(g, FXS_GLES_TRACED_STATE, "#define STATE\n#define TRACED\n", tiles_vert, tiles_frag,
+                             message);
+    if (!error)
+        error = make_program(g, FXS_GLES_TRACED, "#define TRACED\n", tiles_vert, tiles_frag, message);
+    return error ? error : fxs_gles_check(g);
+}
+
+/* The same, once. */
+static int prepare_traced(fxs_gles *g)
+{
+    if (!g->traced) {
+        const int error = make_traced(g);
+        g->traced = error ? error : 1;
+    }
+    return g->traced < 0 ? g->traced : 0;
+}
+
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
 
 static int make_objects(fxs_gles *g, char *message)
@@ -225,10 +262,11 @@ static int make_objects(fxs_gles *g, char *message)
         gl->BindTexture(GL_TEXTURE_2D, g->textures[i]);
         gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
         gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-        if (i < FXS_GLES_CARRIED)
+        const int state = i == FXS_GLES_CARRIED ? 0 : i == FXS_GLES_NEXT ? 1 : i == FXS_GLES_WHOLE ? 2 : -1;
+        if (state < 0)
             continue;
         gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16I, FXS_TILE, FXS_TILE, 0, GL_RGBA_INTEGER, GL_SHORT, 0);
-        gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_FIRST_STATE + i - FXS_GLES_CARRIED]);
+        gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_FIRST_STATE + state]);
         gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, g->textures[i], 0);
         if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
             return say(message, "no render target of the format RGBA16I", "");
@@ -463,6 +501,7 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *
     if (target->depth_bits < 0 || target->depth_bits > 28 || (target->occluder && target->depth_buffer) ||
         (target->backdrop && target->format != FXS_FORMAT_RGBA8) ||
         (target->over && target->format != FXS_FORMAT_RGBA8_COVERAGE) ||
+        (target->depths_and_ids && !target->framebuffer) ||
         (target->depth_buffer &&
          !(target->plane_0 > 0 && target->plane_1 > 0 && (target->plane_0 < target->plane_1 ||
                                                           target->plane_1 < target->plane_0))))
@@ -471,6 +510,7 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *
         (target->fetch && g->no_fetch[0]) ||
         (target->quads && (target->fetch || target->occluder || target->depth_buffer || target->backdrop ||
                            target->over)) ||
+        (target->depths_and_ids && (target->fetch || target->quads)) ||
         request->cameras->width > FXS_TILE << g->shift || request->cameras->height > FXS_TILE << g->shift)
         return FXS_ERR_UNSUPPORTED;
     fxs_context drawing = *context;
@@ -485,7 +525,8 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *
     fxs_gles_save(&g->gl, &state);
     fxs_gles_check(g);
     g->target = target;
-    int error = fxs_render(&drawing, &own, memory, memory_bytes, stats);
+    int error = fxs_gles_is_traced(g) ? prepare_traced(g) : 0;
+    error = error ? error : fxs_render(&drawing, &own, memory, memory_bytes, stats);
     g->target = 0;
     fxs_gles_restore(&g->gl, &state);
     return error;

@@ -6,12 +6,14 @@
    H200 takes up to 3.5 times as long. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
+#include "src/core/parts.h"
 #include "device.h"
 
 #define RECORD 32                  /* bytes */
 #define LIST 16
 #define ORDER 3                    /* the word of a list that is not its own: a tile, by number in the window */
 #define CHUNK 8
+#define ID 8
 #define CHUNK_RECORDS 32u
 #define CHUNK_SHIFT 24             /* of how many it has, less one, above its first record */
 #define AHEAD 16                   /* entries */
@@ -21,12 +23,12 @@ typedef struct amount {
     uint32_t records, chunks;
 } amount;
 
-/* One upload, in the mapped buffer: lists of the window's tiles, chunks of the lists, records. */
+/* One upload, in the mapped buffer: lists of the window's tiles, chunks of the lists, records, their ids if wanted. */
 typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
     const fxs_gles_window *window;
-    uint32_t *lists, *chunks, *records;
+    uint32_t *lists, *chunks, *records, *ids;
     amount used, room;
     int32_t first, end;            /* tiles, by number in the window */
     int32_t ordered;               /* of them, to be drawn: from the first list of the first row on */
@@ -87,6 +89,16 @@ int fxs_gles_make_masks(fxs_gles *g, uint64_t chunks)
     return 0;
 }
 
+/* The texture of ids has one for each of the records that there are room for, in half the rows. */
+static void make_ids(fxs_gles *g)
+{
+    const int32_t rows = (g->record_rows + 1) / 2;
+    if (rows <= g->id_rows)
+        return;
+    g->id_rows = rows;
+    make_texture(g, FXS_GLES_IDS, GL_RG32UI, GL_RG_INTEGER, 1 << g->shift, rows);
+}
+
 /* Textures large enough for a run, where that can be. */
 static int make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
 {
@@ -102,6 +114,8 @@ static int make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window
         g->rows = w->rows > g->rows ? w->rows : g->rows;
         make_texture(g, FXS_GLES_LISTS, GL_RGBA32UI, GL_RGBA_INTEGER, g->columns, g->rows);
     }
+    if (fxs_gles_is_traced(g))
+        make_ids(g);
     return fxs_gles_make_masks(g, chunks);
 }
 
@@ -111,13 +125,15 @@ static int begin_batch(batch *b, int32_t first)
     fxs_gles *g = b->gles;
     const size_t lists = (size_t)b->window->columns * (size_t)b->window->rows * LIST;
     const size_t chunks = ((size_t)(g->mask_rows + 3) / 4 * CHUNK) << g->shift;       /* whole rows */
+    const size_t ids = fxs_gles_is_traced(g) ? ((size_t)g->id_rows << g->shift) * ID : 0;
     b->room = (amount){(uint32_t)g->record_rows << (g->shift - 1), (uint32_t)g->mask_rows << (g->shift - 2)};
     b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS),
-                            (GLsizeiptr)(lists + chunks + (size_t)b->room.records * RECORD));
+                            (GLsizeiptr)(lists + chunks + ((size_t)g->record_rows << g->shift) * RECORD / 2 + ids));
     if (!b->lists)
         return fxs_gles_failure(g);
     b->chunks = b->lists + lists / 4;
     b->records = b->chunks + chunks / 4;
+    b->ids = b->records + RECORD / 4 * (size_t)b->room.records;
     b->used = (amount){0, 0};
     b->first = b->end = first;
     return 0;
@@ -137,6 +153,9 @@ static int end_batch(batch *b)
     fxs_gles_upload(g, FXS_GLES_CHUNKS, 0, width, chunk_rows, GL_RG_INTEGER, (size_t)(b->chunks - b->lists) * 4);
     fxs_gles_upload(g, FXS_GLES_RECORDS, 0, width, rows_of(g, 2 * (uint64_t)b->used.records), GL_RGBA_INTEGER,
                     (size_t)(b->records - b->lists) * 4);
+    if (fxs_gles_is_traced(g))
+        fxs_gles_upload(g, FXS_GLES_IDS, 0, width, rows_of(g, b->used.records), GL_RG_INTEGER,
+                        (size_t)(b->ids - b->lists) * 4);
     return 0;
 }
 
@@ -157,13 +176,25 @@ static void put_records(const batch *b, uint32_t at, list l)
 {
     static const fxs_splat nothing = {.offset_q11 = FXS_LEVEL_MAX_Q11};
     const fxs_splat *splats = b->run->splats;
-    const int occluded = fxs_gles_has_occluder(b->gles, b->run);
+    const int with_depths = fxs_gles_has_occluder(b->gles, b->run) || fxs_gles_is_traced(b->gles);
     for (uint32_t i = 0; i < l.count; i++) {
         const uint32_t entry = l.entries[i], slot = entry & ~FXS_ENTRY_CUT_OFF;
         if (i + AHEAD < l.count)
             FXS_PREFETCH(&splats[l.entries[i + AHEAD] & ~FXS_ENTRY_CUT_OFF]);
         put_record(b->records + RECORD / 4 * (size_t)(at + i), entry & FXS_ENTRY_CUT_OFF ? &nothing : &splats[slot],
-                   occluded ? b->run->depths[slot] : 0);
+                   with_depths ? b->run->depths[slot] : 0);
+    }
+}
+
+static void put_ids(const batch *b, uint32_t at, list l)
+{
+    const fxs_tile_run *run = b->run;
+    const fxs_object_view *object = run->objects;
+    for (uint32_t i = 0; i < l.count; i++) {
+        const uint32_t slot = l.entries[i] & ~FXS_ENTRY_CUT_OFF;
+        const fxs_id id = fxs_id_of(run->objects, run->object_count, run->indices[slot], &object);
+        const uint32_t words[ID / 4] = {id.object, id.gaussian};
+        memcpy(b->ids + ID / 4 * (size_t)(at + i), words, sizeof words);
     }
 }
 
@@ -181,6 +212,8 @@ static void put_list(const batch *b, int32_t tile, amount at, list l)
         memcpy(b->chunks + CHUNK / 4 * (size_t)(at.chunks + done / CHUNK_RECORDS), chunk, sizeof chunk);
     }
     put_records(b, at.records, l);
+    if (fxs_gles_is_traced(b->gles))
+        put_ids(b, at.records, l);
 }
 
 /* Where a list ends before it starts, the tile is not drawn. */
@@ -269,7 +302,7 @@ static fxs_gles_surface surface_of(const batch *b)
     const fxs_gles_window *w = b->window;
     const int32_t top = b->first / w->columns * FXS_TILE, rows = (b->end - 1) / w->columns * FXS_TILE + FXS_TILE;
     return fxs_gles_surface_of(b->gles, b->run, w, top, fxs_min(rows, w->height) - top, FXS_GLES_INTEGER,
-                               FXS_GLES_NORMALISED);
+                               fxs_gles_is_traced(b->gles) ? FXS_GLES_TRACED : FXS_GLES_NORMALISED);
 }
 
 static void draw_masks(const batch *b)
@@ -292,7 +325,8 @@ static void draw(const batch *b, const fxs_gles_surface *s, int carried)
     const fxs_gles *g = b->gles;
     const int32_t columns = b->window->columns, width = s->width + 2 * FXS_TILE, height = s->height + 2 * FXS_TILE;
     const int32_t source[4] = {b->window->first_column, b->window->first_row, g->shift, b->run->view->cut_q11};
-    const int points = g->points && s->program != FXS_GLES_STATE && width <= g->viewport[0] && height <= g->viewport[1];
+    const int is_state = s->program == FXS_GLES_STATE || s->program == FXS_GLES_TRACED_STATE;
+    const int points = g->points && !is_state && width <= g->viewport[0] && height <= g->viewport[1];
     if (b->used.chunks)
         draw_masks(b);
     fxs_gles_aim(g, b->run, b->window, s, carried, source);
@@ -303,6 +337,15 @@ static void draw(const batch *b, const fxs_gles_surface *s, int carried)
     }
     g->gl.Viewport(s->x - FXS_TILE, s->y - FXS_TILE, width, height);
     g->gl.DrawArrays(GL_POINTS, b->first / columns * columns, b->ordered);
+}
+
+/* A part of a list goes on from the textures that are not drawn to. */
+static void take_turn(const fxs_gles *g, int turn)
+{
+    g->gl.ActiveTexture(GL_TEXTURE0 + FXS_GLES_CARRIED);
+    g->gl.BindTexture(GL_TEXTURE_2D, g->textures[turn ? FXS_GLES_CARRIED : FXS_GLES_NEXT]);
+    g->gl.ActiveTexture(GL_TEXTURE0 + FXS_GLES_TRACES);
+    g->gl.BindTexture(GL_TEXTURE_2D, g->textures[turn ? FXS_GLES_TRACES : FXS_GLES_NEXT_TRACES]);
 }
 
 /* Tile b->end, whose list is too long for a draw. */
@@ -330,13 +373,13 @@ static int draw_parts(batch *b)
         if (error)
             return error;
         fxs_gles_surface s = surface_of(b);
-        int turn = (int)(done / most % 2);
+        const int turn = (int)(done / most % 2), traced = fxs_gles_is_traced(g);
         if (done + part < l.count)
-            s = (fxs_gles_surface){g->framebuffers[FXS_GLES_FIRST_STATE + turn], FXS_GLES_STATE, 0, 0, FXS_TILE,
-                                   FXS_TILE, (int32_t)t % run->view->tiles_x * FXS_TILE,
-                                   (int32_t)t / run->view->tiles_x * FXS_TILE, 1, 0, FXS_TILE};
-        g->gl.ActiveTexture(GL_TEXTURE0 + FXS_GLES_CARRIED);
-        g->gl.BindTexture(GL_TEXTURE_2D, g->textures[turn ? FXS_GLES_CARRIED : FXS_GLES_NEXT]);
+            s = (fxs_gles_surface){
+                g->framebuffers[(traced ? FXS_GLES_FIRST_TRACED : FXS_GLES_FIRST_STATE) + turn],
+                traced ? FXS_GLES_TRACED_STATE : FXS_GLES_STATE, 0, 0, FXS_TILE, FXS_TILE,
+                (int32_t)t % run->view->tiles_x * FXS_TILE, (int32_t)t / run->view->tiles_x * FXS_TILE, 1, 0, FXS_TILE};
+        take_turn(g, turn);
         draw(b, &s, carried);
     }
     return error;

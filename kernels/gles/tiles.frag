@@ -1,4 +1,4 @@
-// blend and resolve of one pixel, after src/include/fixsplat/pixel.h; FETCHED: resolve alone.
+// blend and resolve of one pixel, after src/include/fixsplat/pixel.h; FETCHED: resolve alone; TRACED: with depth and id.
 uniform highp usampler2D lists;      // of each tile: first record, the one after the last, chunk; (1, 0): not drawn now
 uniform highp usampler2D masks;      // of each chunk: masks.frag
 uniform highp isampler2D carried;    // T, r, g, b: of a tile whose list is in parts, after the last; FETCHED: of all
@@ -8,16 +8,30 @@ uniform ivec4 source;
 uniform ivec4 background;            // r, g, b; 1: alpha is the coverage
 uniform highp sampler2D backdrop;
 
+#if defined TRACED
+uniform highp usampler2D ids;        // of the records: object, Gaussian
+uniform highp usampler2D traces;     // depth key of the median, largest weight, its id: with `carried`
+const int HALF_Q15 = 16384;          // FXS_HALF_Q15
+// Of the records of this draw: the last that found T at 1/2 or above and took some; the largest weight so far, and the
+// first with that weight. -1: none.
+int median, weight_q15, largest;
 #if defined STATE
-out ivec4 result;
-#elif defined INTEGER
-out uvec4 result;
+layout(location = 1) out uvec4 trace_result;
 #else
-out vec4 result;
+layout(location = 1) out uint depth_result;
+layout(location = 2) out uvec2 id_result;
+#endif
+#endif
+#if defined STATE
+layout(location = 0) out ivec4 result;
+#elif defined INTEGER
+layout(location = 0) out uvec4 result;
+#else
+layout(location = 0) out vec4 result;
 #endif
 
 // `cut` is source.w: Mesa on a processor fetches a uniform anew for each round of a loop.
-void blend(record r, ivec2 pixel, int cut, inout ivec4 state)
+void blend(record r, int i, ivec2 pixel, int cut, inout ivec4 state)
 {
     ivec2 uv = whitened(r, pixel);
     int u = fxs_distance_q13(uv.x), v = fxs_distance_q13(uv.y), offset = low(r.b.y);
@@ -25,6 +39,11 @@ void blend(record r, ivec2 pixel, int cut, inout ivec4 state)
     if ((u | v) > 32767 || level > fxs_limit_q11(offset, cut))
         return;
     int weight = fxs_product_q15(fxs_exp_q15(level), state.x);
+#if defined TRACED
+    median = weight > 0 && state.x >= HALF_Q15 ? i : median;
+    largest = weight > weight_q15 ? i : largest;
+    weight_q15 = max(weight_q15, weight);
+#endif
     state = ivec4(state.x - weight, min(state.y + fxs_product_q15(weight, high(r.b.y)), 32767),
                   min(state.z + fxs_product_q15(weight, low(r.b.z)), 32767),
                   min(state.w + fxs_product_q15(weight, high(r.b.z)), 32767));
@@ -72,6 +91,27 @@ uvec4 resolve(ivec4 state, ivec3 under)
                  fxs_resolve_8bit(state.w, state.x, under.b), alpha);
 }
 
+#if defined TRACED
+// Depth key of the median, largest weight, its id.
+uvec4 trace_of(uvec4 before)
+{
+    int shift = source.z;
+    if (median >= 0)
+        before.x = texelFetch(records, texel(2 * median + 1, shift), 0).w;
+    if (largest >= 0)
+        before.yzw = uvec3(weight_q15, texelFetch(ids, texel(largest, shift), 0).xy);
+    return before;
+}
+
+// As fxs_depth_of_key.
+uint depth_of_key(uint key, int bits)
+{
+    int shift = int(key >> 26) - 58 + bits;
+    uint mantissa = 1u << 26 | (key & 0x3ffffffu);
+    return shift > 5 ? 0xfffffffeu : shift >= 0 ? mantissa << shift : shift > -32 ? mantissa >> -shift : 0u;
+}
+#endif
+
 ivec4 state_of(ivec2 pixel)
 {
 #if defined FETCHED
@@ -89,8 +129,10 @@ ivec4 state_of(ivec2 pixel)
         uint mask = mask_of(list.z, pixel, shift);
         if (list.y - list.x < 32u)
             mask &= (1u << (list.y - list.x)) - 1u;      // where an occluder cuts the list
-        for (; mask != 0u && state.x >= FXS_CLOSED_Q15; mask &= mask - 1u)
-            blend(record_at(int(list.x) + lowest(mask), shift), pixel, cut, state);
+        for (; mask != 0u && state.x >= FXS_CLOSED_Q15; mask &= mask - 1u) {
+            int i = int(list.x) + lowest(mask);
+            blend(record_at(i, shift), i, pixel, cut, state);
+        }
     }
     return state;
 #endif
@@ -100,7 +142,21 @@ void main()
 {
     ivec2 fragment = ivec2(gl_FragCoord.xy);
     ivec2 pixel = place.xy + ivec2(fragment.x, place.z * fragment.y);
+#if defined TRACED
+    uvec4 trace = place.w == 1 ? texelFetch(traces, pixel & 15, 0) : uvec4(0u, 0u, 0xffffffffu, 0xffffffffu);
+    median = largest = -1;
+    weight_q15 = int(trace.y);
+#endif
     ivec4 state = state_of(pixel);
+#if defined TRACED
+    trace = trace_of(trace);
+#if defined STATE
+    trace_result = trace;
+#else
+    depth_result = state.x >= HALF_Q15 ? 0xffffffffu : depth_of_key(trace.x, mesh.w & 255);
+    id_result = trace.zw;
+#endif
+#endif
 #if defined STATE
     result = state;
 #elif defined INTEGER

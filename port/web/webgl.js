@@ -154,6 +154,10 @@ export class Functions {
     this.#gl.framebufferTexture2D(target, attachment, kind, this.#objects[name], level)
   }
 
+  DrawBuffers(count, at) {
+    this.#gl.drawBuffers([...this.#words(at, count)])
+  }
+
   // ---- Programs -----------------------------------------------------------------------------------------------
 
   CreateProgram() {

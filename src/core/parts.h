@@ -192,6 +192,10 @@ void fxs_tile_clear(fxs_tile *tile);
    is null. */
 void fxs_trace_tile(const fxs_frame *f, const fxs_list *list, int32_t x, int32_t y, fxs_tile *pixels, uint32_t *slots);
 
+/* The id of the Gaussian at this place in the chunks of all objects. *object: the object of the one before, which is
+   tried first. */
+fxs_id fxs_id_of(const fxs_object_view *objects, uint32_t count, uint32_t index, const fxs_object_view **object);
+
 /* ---- targets.c, resolve.c ---------------------------------------------------------------------------------------- */
 
 /* Checks the targets there are, for pictures of this size. Returns 0 or FXS_ERR_TARGET. */

@@ -69,7 +69,8 @@ static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blende
     const int listed = !visible && !blended;
     const fxs_tile_run r = {config, &eye->view, f->options, eye->splats, eye->bounds, eye->depths, visible, f->count,
                             listed ? (const uint32_t *)(const void *)f->spare : 0, listed ? f->tile_ends : 0,
-                            listed ? f->tile_counts : 0, f->first_tile, f->last_tile, blended, eye->targets};
+                            listed ? f->tile_counts : 0, f->first_tile, f->last_tile, blended, eye->targets,
+                            f->indices, eye->objects, f->object_count};
     const int error = fxs_frame_stopped(f) ? FXS_ERR_STOPPED : config->draw(config->draw_argument, &r);
     f->stats.nanoseconds[FXS_BLEND] += fxs_now(f) - start;
     return error;

@@ -138,15 +138,18 @@ static void read_limits(tracer *t, int32_t x, int32_t y, int32_t columns, int32_
     }
 }
 
-/* The id of a slot, or of FXS_NOTHING. *object: the object of the pixel before, which is tried first. */
+fxs_id fxs_id_of(const fxs_object_view *objects, uint32_t count, uint32_t index, const fxs_object_view **object)
+{
+    if (index / FXS_CHUNK - (*object)->first_chunk >= (*object)->scene.chunk_count)
+        *object = &objects[fxs_object_of(objects, count, index / FXS_CHUNK)];
+    return (fxs_id){(*object)->id, index - (*object)->first_chunk * FXS_CHUNK};
+}
+
+/* The id of a slot, or of FXS_NOTHING. */
 static fxs_id id_of(const fxs_frame *f, uint32_t slot, const fxs_object_view **object)
 {
-    if (slot == FXS_NOTHING)
-        return (fxs_id){FXS_NOTHING, FXS_NOTHING};
-    const uint32_t index = f->indices[slot];
-    if (index / FXS_CHUNK - (*object)->first_chunk >= (*object)->scene.chunk_count)
-        *object = &f->eye->objects[fxs_frame_object(f, index / FXS_CHUNK)];
-    return (fxs_id){(*object)->id, index - (*object)->first_chunk * FXS_CHUNK};
+    return slot == FXS_NOTHING ? (fxs_id){FXS_NOTHING, FXS_NOTHING}
+                               : fxs_id_of(f->eye->objects, f->object_count, f->indices[slot], object);
 }
 
 static void write_row(const tracer *t, const fxs_tile *tile, int32_t x, int32_t y, int32_t columns, int first)

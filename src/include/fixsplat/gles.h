@@ -87,6 +87,12 @@ typedef struct fxs_gles_target {
     float plane_0, plane_1;        /* the distances that 0 and 1 stand for in it, world units. Either may be the farther
                                       one, which hides nothing and may be infinite */
     uint32_t backdrop;             /* GL_RGBA8: in place of the background; not the framebuffer's own texture */
+
+    /* 1: the same draw writes median depths (in units of depth_bits) and ids as in fxs_targets, with their bytes, to two
+       more colour buffers of the framebuffer: GL_COLOR_ATTACHMENT1, GL_R32UI, and GL_COLOR_ATTACHMENT2, GL_RG32UI
+       (object, gaussian). Its draw buffers (glDrawBuffers) are attachments 0, 1 and 2. Coverage is the alpha of
+       RGBA8_COVERAGE. The first time takes longer, as shaders are compiled. */
+    int depths_and_ids;
 } fxs_gles_target;
 
 /* The context's own framebuffer at its corner, RGBA8, rows from the top; nothing else. */
@@ -100,9 +106,10 @@ FXS_API void fxs_gles_target_init(fxs_gles_target *target);
    neither read nor written. Transform feedback must not be active. An occlusion query that is active counts this draw
    too.
    Further errors: FXS_ERR_TARGET (both an occluder and a depth buffer, planes or depth_bits out of range, a
-   backdrop with RGBA8_COVERAGE, `over` without it), FXS_ERR_UNSUPPORTED (another format, a picture larger than the
-   device's textures, `fetch` where fxs_gles_no_fetch says why not, `quads` with `fetch`, an occluder, a backdrop or
-   `over`), FXS_ERR_DEVICE, FXS_ERR_MEMORY (the device's). */
+   backdrop with RGBA8_COVERAGE, `over` without it, depths_and_ids in framebuffer 0), FXS_ERR_UNSUPPORTED (another
+   format, a picture larger than the device's textures, `fetch` where fxs_gles_no_fetch says why not, `quads` with
+   `fetch`, an occluder, a backdrop or `over`, depths_and_ids with `fetch` or `quads`), FXS_ERR_DEVICE, FXS_ERR_MEMORY
+   (the device's). */
 FXS_API int fxs_gles_render(fxs_gles *gles, const fxs_context *context, const fxs_request *request,
                             const fxs_gles_target *target, void *memory, size_t memory_bytes, fxs_stats *stats);
 

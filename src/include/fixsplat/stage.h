@@ -137,6 +137,8 @@ typedef struct fxs_trace {
 
 #define FXS_HALF_Q15 16384         /* transmittance */
 
+struct fxs_object_view;            /* src/core/object.h */
+
 /* Tiles for a back end to draw: first_tile to last_tile as the picture has them, row by row, so that the run may begin
    and end within a row. Tile t's list is counts[t] entries that end before entries[ends[t]]. Without lists
    (draw_unlisted) entries, ends and counts are null, and `keys` has every splat that touches the tiles. */
@@ -153,6 +155,9 @@ typedef struct fxs_tile_run {
     uint32_t first_tile, last_tile;
     const fxs_tile *blended;       /* these tiles, with draw_blended where memory is short; then there is no list */
     const fxs_targets *targets;    /* of the whole picture, as in fxs_request */
+    const uint32_t *indices;       /* by slot: the Gaussian's place in the chunks of all objects */
+    const struct fxs_object_view *objects;
+    uint32_t object_count;
 } fxs_tile_run;
 
 /* Bytes of a pixel. */
