@@ -1,4 +1,5 @@
-// blend and resolve of one pixel, after src/include/fixsplat/pixel.h; FETCHED: resolve alone; TRACED: with depth and id.
+// blend and resolve of one pixel, after src/include/fixsplat/pixel.h; FETCHED: resolve alone; TRACED: with its depth and
+// id too.
 uniform highp usampler2D lists;      // of each tile: first record, the one after the last, chunk; (1, 0): not drawn now
 uniform highp usampler2D masks;      // of each chunk: masks.frag
 uniform highp isampler2D carried;    // T, r, g, b: of a tile whose list is in parts, after the last; FETCHED: of all

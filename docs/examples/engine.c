@@ -1,0 +1,203 @@
+/* A program with its own OpenGL ES window and meshes, which draws a scene among them and picks under the pointer. The
+ * mesh hides the Gaussians behind it, and those before it lie over it.
+ *
+ *     cc engine.c -o engine $(pkg-config --cflags --libs fixsplat sdl2 glesv2)
+ *     ./engine SCENE                    a window; a click prints the Gaussian under the pointer
+ *     ./engine SCENE PICTURE X Y        one frame, written to a file, and one pick */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <GLES3/gl3.h>
+#include <SDL.h>
+
+#include <fixsplat/gles.h>
+#include <fixsplat/kernels.h>
+#include <fixsplat/renderer.h>
+
+enum { WIDTH = 640, HEIGHT = 360 };
+enum { COLOUR, DEPTH, PICTURE, MEDIAN, ID, TEXTURES };     /* two of the mesh, three of the picture with the scene */
+enum { MESH, SCENE, FRAMEBUFFERS };
+#define NEAR 0.2
+#define FAR 100.0
+
+/* The engine's camera, by columns: at (0, 0, -12) it looks along z, and the world's y points down as in most scenes. */
+static const double view[16] = {1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, -12, 1};
+static const double projection[16] = {1024.0 / WIDTH, 0, 0, 0, 0, 1024.0 / HEIGHT, 0, 0, 0, 0,
+                                      (FAR + NEAR) / (NEAR - FAR), -1, 0, 0, 2 * FAR * NEAR / (NEAR - FAR), 0};
+static GLuint textures[TEXTURES], framebuffers[FRAMEBUFFERS];
+
+static int fail(const char *why)
+{
+    fprintf(stderr, "engine: %s\n", why);
+    return 1;
+}
+
+/* ---- The engine -------------------------------------------------------------------------------------------------- */
+
+static void attach(int framebuffer, GLenum attachment, int texture, GLenum format)
+{
+    glBindTexture(GL_TEXTURE_2D, textures[texture]);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTexStorage2D(GL_TEXTURE_2D, 1, format, WIDTH, HEIGHT);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffers[framebuffer]);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, textures[texture], 0);
+}
+
+static void make_framebuffers(void)
+{
+    static const GLenum three[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
+    glGenTextures(TEXTURES, textures);
+    glGenFramebuffers(FRAMEBUFFERS, framebuffers);
+    attach(MESH, GL_COLOR_ATTACHMENT0, COLOUR, GL_RGBA8);
+    attach(MESH, GL_DEPTH_ATTACHMENT, DEPTH, GL_DEPTH_COMPONENT32F);
+    attach(SCENE, GL_COLOR_ATTACHMENT0, PICTURE, GL_RGBA8);
+    attach(SCENE, GL_COLOR_ATTACHMENT1, MEDIAN, GL_R32UI);
+    attach(SCENE, GL_COLOR_ATTACHMENT2, ID, GL_RG32UI);
+    glDrawBuffers(3, three);
+}
+
+static void set_matrix(GLuint program, const char *name, const double matrix[16])
+{
+    GLfloat floats[16];
+    for (int i = 0; i < 16; i++)
+        floats[i] = (GLfloat)matrix[i];
+    glUniformMatrix4fv(glGetUniformLocation(program, name), 1, GL_FALSE, floats);
+}
+
+static GLuint make_program(void)
+{
+    static const char *const texts[] = {
+        "#version 300 es\nuniform mat4 view, projection;\nvoid main() {\n"
+        "vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);\n"
+        "gl_Position = projection * view * vec4(corner * vec2(-5, 5) - vec2(0, 2.5), 0, 1); }",
+        "#version 300 es\nout mediump vec4 colour;\nvoid main() { colour = vec4(0.8, 0.4, 0.2, 1); }"};
+    const GLuint program = glCreateProgram();
+    for (int i = 0; i < 2; i++) {
+        const GLuint shader = glCreateShader(i ? GL_FRAGMENT_SHADER : GL_VERTEX_SHADER);
+        glShaderSource(shader, 1, &texts[i], NULL);
+        glCompileShader(shader);
+        glAttachShader(program, shader);
+    }
+    glLinkProgram(program);
+    glUseProgram(program);
+    set_matrix(program, "view", view);
+    set_matrix(program, "projection", projection);
+    return program;
+}
+
+/* A card in the plane z = 0, left of the middle. */
+static void draw_mesh(GLuint program)
+{
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffers[MESH]);
+    glViewport(0, 0, WIDTH, HEIGHT);
+    glEnable(GL_DEPTH_TEST);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glUseProgram(program);
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+}
+
+static void show(SDL_Window *window)
+{
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers[SCENE]);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    glBlitFramebuffer(0, 0, WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    SDL_GL_SwapWindow(window);
+}
+
+/* ---- Its scene --------------------------------------------------------------------------------------------------- */
+
+static fxs_gl_function load(void *unused, const char *name)
+{
+    (void)unused;
+    return (fxs_gl_function)SDL_GL_GetProcAddress(name);
+}
+
+/* What the last frame shows at a pixel, counted from the upper left: no second frame is drawn. */
+static void pick(int x, int y)
+{
+    GLuint depth[4], id[4];
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers[SCENE]);
+    glReadBuffer(GL_COLOR_ATTACHMENT1);
+    glReadPixels(x, HEIGHT - 1 - y, 1, 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, depth);
+    glReadBuffer(GL_COLOR_ATTACHMENT2);
+    glReadPixels(x, HEIGHT - 1 - y, 1, 1, GL_RGBA_INTEGER, GL_UNSIGNED_INT, id);
+    glReadBuffer(GL_COLOR_ATTACHMENT0);
+    if (id[1] == FXS_NOTHING)
+        puts("nothing");
+    else
+        printf("object %u, Gaussian %u, depth %.4f\n", id[0], id[1],
+               depth[0] == FXS_NOTHING ? INFINITY : depth[0] / 65536.0);
+}
+
+static int write_picture(const char *path, fxs_message *why)
+{
+    static unsigned char rows[HEIGHT][WIDTH][4], picture[HEIGHT][WIDTH][4];
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers[SCENE]);
+    glReadPixels(0, 0, WIDTH, HEIGHT, GL_RGBA, GL_UNSIGNED_BYTE, rows);
+    for (int y = 0; y < HEIGHT; y++)
+        memcpy(picture[y], rows[HEIGHT - 1 - y], sizeof rows[y]);
+    return fxs_image_file_write(path, picture[0][0], WIDTH, HEIGHT, why);
+}
+
+int main(int argc, char **argv)
+{
+    fxs_message why = {.text = "usage: engine SCENE [PICTURE X Y]"};
+    fxs_opened *opened;
+    fxs_context context;
+    fxs_object object;
+    fxs_request request;
+    fxs_gles_target target;
+    void *memory = NULL;
+    if ((argc != 2 && argc != 5) || fxs_open(argv[1], NULL, &opened, &why))
+        return fail(why.text);
+    if (SDL_Init(SDL_INIT_VIDEO) || SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_ES) ||
+        SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 3))
+        return fail(SDL_GetError());
+    SDL_Window *window = SDL_CreateWindow("engine", SDL_WINDOWPOS_UNDEFINED, SDL_WINDOWPOS_UNDEFINED, WIDTH, HEIGHT,
+                                          SDL_WINDOW_OPENGL);
+    if (!window || !SDL_GL_CreateContext(window))
+        return fail(SDL_GetError());
+    make_framebuffers();
+    const GLuint program = make_program();
+    fxs_gles *gles = malloc(fxs_gles_bytes());
+    if (!gles || fxs_gles_init(gles, load, NULL, NULL, why.text))
+        return fail(gles ? why.text : "no memory");
+
+    fxs_init(&context, NULL);                              /* or with threads: fixsplat/pool.h */
+    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+    fxs_object_init(&object, opened->scene);
+    object.id = 7;
+    fxs_request_init(&request, &object, 1);
+    if (fxs_camera_from_matrices(&request.cameras[0], view, projection, WIDTH, HEIGHT, &why))
+        return fail(why.text);
+    const size_t bytes = fxs_frame_bytes(&context, &object, 1, WIDTH, HEIGHT, NULL);
+    if (posix_memalign(&memory, 64, bytes))
+        return fail("no memory");
+    fxs_gles_target_init(&target);
+    target.framebuffer = framebuffers[SCENE];
+    target.depth_buffer = textures[DEPTH];                 /* the mesh hides the Gaussians behind it, */
+    target.plane_0 = (float)NEAR;
+    target.plane_1 = (float)FAR;
+    target.backdrop = textures[COLOUR];                    /* and lies under those before it */
+    target.depths_and_ids = 1;
+    for (SDL_Event event = {0}; event.type != SDL_QUIT && SDL_WaitEvent(&event);) {
+        draw_mesh(program);
+        const int error = fxs_gles_render(gles, &context, &request, &target, memory, bytes, NULL);
+        if (error)
+            return fail(fxs_strerror(error));
+        show(window);
+        if (argc == 5) {
+            pick(atoi(argv[3]), atoi(argv[4]));
+            return write_picture(argv[2], &why) ? fail(why.text) : 0;
+        }
+        if (event.type == SDL_MOUSEBUTTONDOWN)
+            pick(event.button.x, event.button.y);
+    }
+    fxs_gles_free(gles);
+    fxs_close(opened);
+    SDL_Quit();
+    return 0;
+}

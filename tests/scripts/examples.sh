@@ -1,0 +1,60 @@
+#!/bin/sh
+# docs/examples/engine.c, built as its first comment says where the library is installed: its picture beside the mesh is
+# the processor's, the mesh hides and is hidden, and picks are those of `render --pick`.
+. tests/scripts/lib/check.sh
+B=${B:-build}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+SDL_VIDEODRIVER=offscreen                           # a driver of SDL without a screen, by EGL
+PKG_CONFIG_PATH=$work/prefix/lib/pkgconfig:$PKG_CONFIG_PATH LD_LIBRARY_PATH=$work/prefix/lib
+export SDL_VIDEODRIVER PKG_CONFIG_PATH LD_LIBRARY_PATH
+if ! have pkg-config || ! pkg-config --exists sdl2 glesv2; then
+    skip engine "no pkg-config, SDL2 or OpenGL ES here"
+    finish
+    exit
+fi
+check "make install" make -s B="$B" PREFIX="$work/prefix" install
+cp docs/examples/engine.c "$work"
+strict='-std=c99 -D_POSIX_C_SOURCE=200809L -Wall -Wextra -Werror'
+sed -n 's/^ \*     cc engine/${CC:-cc} $strict engine/p' docs/examples/engine.c >"$work/compile"
+check "the engine compiles" eval "(cd '$work' && . ./compile)"
+"$B/fixsplat" make-scene knot --count 20000 -o "$work/knot.ply"
+echo '[{"id": 0, "img_name": "a", "width": 640, "height": 360, "position": [0, 0, -12],
+    "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "fx": 512, "fy": 512}]' >"$work/cameras.json"
+render() { "$B/fixsplat" render "$work/knot.ply" --cameras "$work/cameras.json" "$@"; }
+
+# shown X Y: the engine's picture, as $work/shown.ppm, and its pick.
+shown() { timeout 60 "$work/engine" "$work/knot.ply" "$work/shown.ppm" "$1" "$2" 2>&1; }
+
+# rows PICTURE: a line of hexadecimal for each row of pixels, 9 characters a pixel.
+rows() { od -An -v -tx1 -j15 -w1920 "$work/$1.ppm"; }
+right() { rows "$1" | cut -c 2890-; }               # from column 321 on: beside the card
+pixel() { rows "$1" | sed -n "$(($3 + 1))p" | cut -c $((9 * $2 + 1))-$((9 * $2 + 9)); }
+cards() { od -An -v -tx1 -j15 -w3 "$work/$1.ppm" | grep -c ' cc 66 33'; }
+
+# picks X Y: the object and Gaussian that `render` says there.
+picks() {
+    want=$(render --pick "$1,$2" | sed -n 's/.*, \(Gaussian [0-9]*\), .*/object 7, \1/p')
+    got=$(shown "$1" "$2")
+    [ "$want" ] && equal "${got%, depth*}" "$want"
+}
+
+before_the_card() { shown 190 250 | awk '{ exit !($NF > 9 && $NF < 12) }'; }
+
+render -o "$work/plain.ppm"
+case $(shown 190 250) in
+*'not available'* | *EGL*) skip "the engine's picture" "$(shown 190 250)"; finish; exit ;;
+esac
+check "the engine runs" test -s "$work/shown.ppm"
+check "beside the card, the processor's picture" equal "$(right shown | cksum)" "$(right plain | cksum)"
+check "the card is seen" [ "$(cards shown)" -gt 20000 ]
+check "not before the ball" equal "$(pixel shown 190 250)" "$(pixel plain 190 250)"
+check "the ball's Gaussian, before the card" picks 190 250
+check "its depth" before_the_card
+check "the knot's Gaussian beside the card" picks 400 160
+check "the card is before the knot" equal "$(pixel shown 235 183)" ' cc 66 33'
+check "a Gaussian is there without the card" [ "$(render --pick 235,183)" != nothing ]
+check "no pick through the card" equal "$(shown 235 183)" nothing
+check "a scene that is not there" equal "$("$work/engine" "$work/none.ply" 2>&1)" \
+    "engine: $work/none.ply: No such file or directory"
+finish
