@@ -127,6 +127,7 @@ const cases = {
     }
     await withWorker(small, async () => {
       const scene = await (await anew()).load(file, { threads: 2 })
+      isRight(scene)                 // and chooses its first view, before there is a thread
       await until(() => scene.threads === 2, 'no thread')
       const { memory } = scene.inside[0].c
       let trapped = 0
