@@ -79,7 +79,7 @@ static void check_view(fxs_float_scene *scene, const fxs_packed_scene profiles[3
     fxs_message m;
     CHECK(!reference_render(gaussians, COUNT, view, &options, linear));
     reference_to_rgba8(linear, WIDTH, HEIGHT, exact);
-    if (!CHECK(!fxs_float_scene_draw(scene, view, floats, &m)))
+    if (!CHECK(!fxs_float_scene_draw(scene, view, FXS_CUTOFF_MAHALANOBIS, floats, &m)))
         return;
     if (!CHECK(psnr(exact, floats) > 64))
         printf("  the floats are %.1f dB from the doubles\n", psnr(exact, floats));
@@ -166,14 +166,14 @@ static void what_is_left_out(void)
     if (!CHECK(!fxs_scene_file_open_gaussians("three", &source, 0, &file, &info, &m)) ||
         !CHECK(!fxs_float_scene_read(&scene, file, &info, 0, 0, 1, &m)))
         return;
-    CHECK(!fxs_float_scene_draw(scene, &view, floats, &m));
+    CHECK(!fxs_float_scene_draw(scene, &view, FXS_CUTOFF_MAHALANOBIS, floats, &m));
     const int level = (int)lrint(255 / (1 + exp(-2)) * (0.5 - 1.2 * 0.28209479177387814));
     CHECK(abs(floats[4 * (10 * 40 + 20)] - level) <= 1 && floats[3] == 255);
     view.width = 64;
-    CHECK(!fxs_float_scene_draw(scene, &view, floats, &m));
+    CHECK(!fxs_float_scene_draw(scene, &view, FXS_CUTOFF_MAHALANOBIS, floats, &m));
     CHECK(abs(floats[4 * (10 * 64 + 20)] - level) <= 1);
     view.fx = -1;
-    CHECK(fxs_float_scene_draw(scene, &view, floats, &m) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_float_scene_draw(scene, &view, FXS_CUTOFF_MAHALANOBIS, floats, &m) == FXS_ERR_ARGUMENT);
     fxs_float_scene_free(scene);
     info.count = 2;
     CHECK(fxs_float_scene_read(&scene, file, &info, 0, 0, 1, &m) == FXS_ERR_FILE && !scene);

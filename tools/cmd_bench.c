@@ -49,7 +49,7 @@ static const option_row own_rows[] = {
     {"json", 0, FLAG(json), .help = "print a JSON object"},
     {"compare", "FILE", TEXT(compare), .help =
      "beside the times those of a file that --json wrote of the same scenes, view and options, and the ratio; marked "
-     "with * where back end, processor or threads are others"},
+     "with * where cut-off, back end, processor or threads are others"},
     {0}
 };
 
@@ -262,7 +262,7 @@ static void state(bench_facts *f, const renderer *r, const bench_options *o, con
     const bench_fact facts[FACTS] = {
         {"gaussians", 0, w->gaussians, FACT_SAME}, {"width", 0, view->width, FACT_SAME},
         {"height", 0, view->height, FACT_SAME}, {"threads", 0, o->frame.threads, FACT_MARKED},
-        {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_names[o->frame.render.cutoff], 0, FACT_SAME},
+        {"cpu", o->frame.cpu, 0, FACT_MARKED}, {"cutoff", cutoff_names[o->frame.render.cutoff], 0, FACT_MARKED},
         {"backend", r->backend->name, 0, FACT_MARKED}, {"frames", 0, o->frames, o->path ? FACT_SAME : FACT_ASIDE},
         {"path", 0, o->path, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
         {"stereo", 0, o->frame.stereo, FACT_SAME}, {"stereo_exact", 0, o->frame.stereo_exact, FACT_SAME},
@@ -405,6 +405,7 @@ const command command_bench = {
     "  $ fixsplat bench scene.ply --draw median-depth --draw ids\n"
     "  $ fixsplat bench scene.ply --path 120\n"
     "  $ fixsplat bench scene.ply --json > before.json\n"
-    "  $ fixsplat bench scene.ply --compare before.json\n",
+    "  $ fixsplat bench scene.ply --compare before.json\n"
+    "  $ fixsplat bench scene.ply --compare before.json --cutoff square\n",
     {{own_rows, 0}, FRAME_TABLES(bench_options), COMMON_TABLE}
 };

@@ -184,7 +184,8 @@ static void check_views(const world *packed, const convert_options *o, const loa
     frame_options_default(&options);
     options.width = WIDTH;
     options.height = HEIGHT;
-    const int status = quality_measure(&q, packed, 0, &(float_files){&o->placed, o->in, &again}, &options, AROUND);
+    const int status = quality_measure(&q, packed, 0, &(float_files){&o->placed, o->in, &again},
+                                       options.render.cutoff, &options, AROUND);
     if (status)
         note("%s: not compared with the floats", o->out);
     else if (q.worst_psnr < promised)

@@ -14,6 +14,7 @@
 typedef struct info_options {
     frame_options frame;                    /* scenes, cameras, size and lod are used */
     const char *original;
+    enum fxs_cutoff original_cutoff;        /* of --compare-cutoff */
     int views;                              /* 0: none given */
     int board_width, board_height;          /* 0: not asked for */
     int json, stats, backends;
@@ -337,6 +338,10 @@ static const option_row own_rows[] = {
      "compare from evenly spaced views of this file (default: around the scene, in turn framed as by render, close, "
      "where it is larger than the picture, and far)"},
     {"views", "N", INT(views, 1, 1000), .help = "how many, 1 to 1000 (default 8)"},
+    {"cutoff", "NAME", CHOICE(frame.render.cutoff, cutoff_names), .help =
+     "of the pictures that are compared: mahalanobis (default) or square"},
+    {"compare-cutoff", "NAME", CHOICE(original_cutoff, cutoff_names), .help =
+     "of the pictures of ORIGINAL alone (default: that of --cutoff), so that a scene is compared with itself"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .expected = SIZE_EXPECTED, .help =
      "pixels (default 1280x720; of the views of a file their own)"},
     {"board", "WxH", take_board, 0, .expected = SIZE_EXPECTED, .help =
@@ -373,8 +378,8 @@ static int read_options(info_options *o, int argc, char **argv)
     }
     if (take_scenes(&o->frame.world, "info", argc - optind, argv + optind))
         return EXIT_USAGE;
-    if (!o->original && (o->frame.cameras || o->views))
-        return fail(EXIT_USAGE, "--cameras and --views need --compare");
+    if (!o->original && (o->frame.cameras || o->views || is_given("cutoff") || is_given("compare-cutoff")))
+        return fail(EXIT_USAGE, "--cameras, --views, --cutoff and --compare-cutoff need --compare");
     return 0;
 }
 
@@ -392,7 +397,9 @@ static int compare(findings *f, const info_options *o)
         return status;
     load.again = 1;
     status = quality_measure(&f->quality, &f->world, is_as_packed ? 0 : &files,
-                             &(float_files){&original, o->original, &plain}, &o->frame, o->views ? o->views : 8);
+                             &(float_files){&original, o->original, &plain},
+                             is_given("compare-cutoff") ? o->original_cutoff : o->frame.render.cutoff, &o->frame,
+                             o->views ? o->views : 8);
     f->compared = !status;
     fxs_world_free(&original);
     return status;
@@ -523,7 +530,8 @@ const command command_info = {
     "  $ fixsplat info room.fxs chair.spz --place chair.spz:1,0,2\n"
     "  $ fixsplat info scene.ply --stats\n"
     "  $ fixsplat info toy.fxs --board 320x240\n"
-    "  $ fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n",
+    "  $ fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n"
+    "  $ fixsplat info scene.ply --compare scene.ply --cutoff square --compare-cutoff mahalanobis\n",
     {{own_rows, 0}, {world_rows, offsetof(info_options, frame.world)},
      {load_rows, offsetof(info_options, frame.load)}, COMMON_TABLE}
 };

@@ -15,6 +15,7 @@ typedef struct pair {
     const world *scene;
     fxs_pool *pool;
     fxs_float_scene *floats[2];             /* of the scene null where it is rendered as it is packed */
+    enum fxs_cutoff original_cutoff;
     picture pictures[2];
 } pair;
 
@@ -48,22 +49,22 @@ static void close_pair(pair *p)
     fxs_pool_destroy(p->pool);
 }
 
-static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, picture *out)
+static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, enum fxs_cutoff cutoff, picture *out)
 {
     fxs_message message;
     picture_free(out);
     out->pixels = malloc(4 * (size_t)view->width * (size_t)view->height);
     if (!out->pixels)
         return fail(EXIT_FAILED, "out of memory");
-    return fxs_float_scene_draw(floats, view, out->pixels, &message) ? fail_for(&message) : 0;
+    return fxs_float_scene_draw(floats, view, cutoff, out->pixels, &message) ? fail_for(&message) : 0;
 }
 
 static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_file_view *view, const fxs_options *options)
 {
-    int status = p->floats[0] ? draw_floats(p->floats[0], view, &p->pictures[0])
+    int status = p->floats[0] ? draw_floats(p->floats[0], view, options->cutoff, &p->pictures[0])
                               : renderer_render(r, p->scene, view, options, &p->pictures[0], 0);
     if (!status)
-        status = draw_floats(p->floats[1], view, &p->pictures[1]);
+        status = draw_floats(p->floats[1], view, p->original_cutoff, &p->pictures[1]);
     if (!status && fxs_metrics_compare(p->pictures[0].pixels, p->pictures[1].pixels, view->width, view->height,
                                        &out->metrics))
         status = fail(EXIT_FAILED, "out of memory");
@@ -138,9 +139,9 @@ static int measure(quality *q, pair *p, const fxs_file_view *views, long given, 
 }
 
 int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
-                    const frame_options *options, long wanted)
+                    enum fxs_cutoff original_cutoff, const frame_options *options, long wanted)
 {
-    pair p = {.scene = scene};
+    pair p = {.scene = scene, .original_cutoff = original_cutoff};
     frame_options all = *options;
     fxs_file_view *views = 0;
     all.view = "all";

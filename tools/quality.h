@@ -30,10 +30,10 @@ typedef struct float_files {
 /* Draws both from up to `wanted` views of the size in the options: evenly spaced ones of the camera file there, else
    evenly turned about the middle of the scene and in turn at middle distance (as render frames the scene), close
    (0.35 of that, where the scene is larger than the picture) and far (twice that). The scene is rendered as it is
-   packed or, where `files` is not null, drawn from the floats of its files. Returns 0 and what quality_free frees, or
-   prints why not and returns EXIT_FAILED. */
+   packed or, where `files` is not null, drawn from the floats of its files. The original has a cut-off of its own.
+   Returns 0 and what quality_free frees, or prints why not and returns EXIT_FAILED. */
 int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
-                    const frame_options *options, long wanted);
+                    enum fxs_cutoff original_cutoff, const frame_options *options, long wanted);
 
 /* The means and the worst of the views' metrics. */
 void quality_sum_up(quality *q);

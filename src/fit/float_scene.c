@@ -127,7 +127,8 @@ static void place_from(const fxs_float_scene *s, const double eye[3])
     }
 }
 
-int fxs_float_scene_draw(fxs_float_scene *s, const fxs_file_view *view, uint8_t *rgba, fxs_message *message)
+int fxs_float_scene_draw(fxs_float_scene *s, const fxs_file_view *view, enum fxs_cutoff cutoff, uint8_t *rgba,
+                         fxs_message *message)
 {
     const fxs_fit_step_options options = {.sh_degree = s->sh_degree};
     fxs_fit_camera camera;
@@ -138,6 +139,7 @@ int fxs_float_scene_draw(fxs_float_scene *s, const fxs_file_view *view, uint8_t 
     fxs_fit_set_camera(&camera, view);
     memset(camera.eye, 0, sizeof camera.eye);
     camera.is_antialiased = s->antialiased;
+    camera.is_square = cutoff == FXS_CUTOFF_SQUARE;
     place_from(s, view->position);
     if (fxs_fit_draw(s->stepper, &s->model, &camera, &options, planes))
         return fxs_fail_memory(message, "a picture in floats", 0);

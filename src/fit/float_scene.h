@@ -21,7 +21,8 @@ void fxs_float_scene_free(fxs_float_scene *scene);   /* null is allowed */
 
 /* Draws a view over black to width * height RGBA pixels of 8 bits, rows from the top. Errors: FXS_ERR_ARGUMENT for a
    camera that cannot be used, FXS_ERR_MEMORY. */
-int fxs_float_scene_draw(fxs_float_scene *scene, const fxs_file_view *view, uint8_t *rgba, fxs_message *message);
+int fxs_float_scene_draw(fxs_float_scene *scene, const fxs_file_view *view, enum fxs_cutoff cutoff, uint8_t *rgba,
+                         fxs_message *message);
 
 #ifdef __cplusplus
 }

@@ -104,7 +104,7 @@ done
 for bad in 'views 0' 'views 1001' 'size 1x' 'lod x'; do
     fails "info --$bad" 2 "--${bad%% *}" info knot.ply --compare knot.ply --$bad
 done
-for bad in 'cameras three.json' 'views 2'; do
+for bad in 'cameras three.json' 'views 2' 'cutoff square' 'compare-cutoff square'; do
     fails "info --$bad without --compare" 2 "need --compare" info knot.ply --$bad
 done
 for bad in 'frames 9' 'frames 10001' 'view all'; do
@@ -734,6 +734,18 @@ for profile in default compact small; do
     check "info --compare --profile $profile: a loss, of the floats too" equal "$(grep -c ' equal ' "views of knot.ply")" 0
 done
 rm -f packed.fxs "views of packed.fxs" "views of knot.ply"
+# A scene with itself by two cut-offs, from the floats, is as far apart as two pictures of the packed scene.
+"$fixsplat" render knot.ply --cameras three.json --view 0 --cutoff square -o square.png
+for cutoffs in 'mahalanobis square' 'square mahalanobis'; do
+    run info knot.ply --compare knot.ply --cameras three.json --views 1 --json --cutoff ${cutoffs% *} \
+        --compare-cutoff ${cutoffs#* }
+    check "info --compare: cut-offs $cutoffs" awk "BEGIN {
+        d = $(sed 's/.*"worst_psnr": \([0-9.]*\).*/\1/' logs/out) - \
+            $("$fixsplat" compare square.png knot1.png --json | sed 's/.*"psnr": \([0-9.]*\).*/\1/')
+        exit d * d > 1 }"
+done
+run info knot.ply --compare knot.ply --cameras three.json --views 1 --json --cutoff square
+check "info --compare --cutoff: of both" grep -q '"worst_psnr": null' logs/out
 fails "info --compare: no original" 1 "none.ply: No such file" info knot.ply --compare none.ply
 fails "info --compare: no cameras" 1 "none.json: No such file" info knot.ply --compare knot.ply --cameras none.json
 

@@ -83,6 +83,7 @@ for ending in ply sog fxs; do
 done
 succeeds "two that are anti-aliased" convert smooth.ply smooth.ply two.ply --place 0:1,0,0 --place 0:2,0,0
 check "two that are anti-aliased: still" grep -aq 'comment antialiased 1' two.ply
+check "and the third line has the count, where Inria's viewer reads it" sh -c 'sed -n 3p two.ply | grep -aq "^element vertex "'
 succeeds "several, placed as one" convert rows.ply row.ply moved.csv --translate 0,0,5
 check "several, placed as one: all of them" equal "$(awk -F, 'NR > 1 { print $3 }' moved.csv | tr '\n' ' ')" "5 5 5 5 5 8 "
 

@@ -12,8 +12,9 @@ typedef struct ply_writer {
 
 static void write_header(FILE *file, uint64_t count, size_t coefficients, int antialiased)
 {
-    fprintf(file, "ply\nformat binary_little_endian 1.0\n%selement vertex %" PRIu64 "\n",
-            antialiased ? "comment antialiased 1\n" : "", count);
+    /* Inria's viewer takes the count from the third line, whatever it says, so a comment comes behind it. */
+    fprintf(file, "ply\nformat binary_little_endian 1.0\nelement vertex %" PRIu64 "\n%s", count,
+            antialiased ? "comment antialiased 1\n" : "");
     fputs("property float x\nproperty float y\nproperty float z\n"
           "property float nx\nproperty float ny\nproperty float nz\n"
           "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n", file);
