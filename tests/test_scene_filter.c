@@ -142,45 +142,73 @@ static int compare_levels(const void *a, const void *b)
     return *(const int *)a - *(const int *)b;
 }
 
+/* Whether `sigmas` from the centre of Gaussian i along its longest axis there are neighbours; odd ones are turned by a
+   quarter about z. */
+static int has_neighbours(int i, double width, int sigmas)
+{
+    const float *s = made[i].scale;
+    const int longest = s[0] >= s[1] && s[0] >= s[2] ? 0 : s[1] >= s[2] ? 1 : 2;
+    const int along = i % 2 && longest < 2 ? 1 - longest : longest;
+    int near = 0;
+    for (int k = 0; k < COUNT; k++) {
+        int beside = 1;
+        for (int a = 0; a < 3; a++) {
+            const double x = made[i].position[a] + (a == along ? sigmas * exp(s[longest]) : 0);
+            beside &= fabs(floor(made[k].position[a] / width) - floor(x / width)) <= 1;
+        }
+        near += beside;
+    }
+    return near > FXS_FLOATER_NEIGHBOURS;
+}
+
 /* As scene_filter.h says, pair by pair. */
 static int stays(int i)
 {
     static int levels[COUNT], known = 0;
-    int near = 0;
+    const int is_opaque = made[i].opacity > 2.1972246;
     if (!known)
         for (int k = 0; k < COUNT; k++)
             levels[k] = level(k);
     if (!known++)
         qsort(levels, COUNT, sizeof *levels, compare_levels);
-    const double width = ldexp(1, level(i) > levels[COUNT / 2] ? level(i) : levels[COUNT / 2]);
-    for (int k = 0; k < COUNT; k++) {
-        int beside = k != i;
-        for (int a = 0; a < 3; a++)
-            beside &= fabs(floor(made[k].position[a] / width) - floor(made[i].position[a] / width)) <= 1;
-        near += beside;
-    }
-    return near >= FXS_FLOATER_NEIGHBOURS;
+    const int median = levels[COUNT / 2], own = level(i) > median ? level(i) : median;
+    const int most = filter.floaters == 1 || (filter.floaters < 4 && is_opaque) ? own : median + (filter.floaters == 2);
+    const double width = ldexp(1, own < most ? own : most);
+    return has_neighbours(i, width, 0) &&
+           (filter.floaters < 5 || (has_neighbours(i, width, 1) && has_neighbours(i, width, -1)));
 }
 
 /* Sizes and places over several octaves, on both sides of 0. */
 static void floaters(void)
 {
     uint32_t state = 3;
-    int left = 0;
+    int before = COUNT;
     make();
-    for (int i = 0; i < COUNT; i++)
+    for (int i = 0; i < COUNT; i++) {
+        made[i].rotation[0] = made[i].rotation[3] = 2;
+        made[i].rotation[3] *= (float)(i % 2);
         for (int k = 0; k < 3; k++) {
             state = state * 1664525 + 1013904223;
             const double t = (double)(state >> 8) / 16777216 - 0.5;
-            made[i].position[k] = (float)(100 * t * t * t);
-            made[i].scale[k] = (float)(-4 + (double)((state = state * 1664525 + 1013904223) >> 8) / 4194304);
+            made[i].position[k] = (float)(400 * t * t * t);
+            const double u = (double)((state = state * 1664525 + 1013904223) >> 8) / 16777216;
+            made[i].scale[k] = (float)(7 * u * u * u - 4);
         }
+    }
     CHECK(write_made(3));
-    filter.floaters = 1;
-    check_left(stays);
-    for (int i = 0; i < COUNT; i++)
-        left += stays(i);
-    CHECK(report.floaters == (uint64_t)(COUNT - left) && left > COUNT / 10 && left < COUNT);
+    for (filter.floaters = 1; filter.floaters <= FXS_FLOATER_STRENGTHS; filter.floaters++) {
+        int left = 0;
+        check_left(stays);
+        for (int i = 0; i < COUNT; i++)
+            left += stays(i);
+        CHECK(report.floaters == (uint64_t)(COUNT - left));
+        CHECK(left > COUNT / 10 && left < before);
+        before = left;
+    }
+    for (int i = 0; i < 2; i++) {
+        filter.floaters = i ? -1 : FXS_FLOATER_STRENGTHS + 1;
+        CHECK(open_filtered() == FXS_ERR_ARGUMENT && strstr(message.text, "strength"));
+    }
 }
 
 /* Of what the rest leaves: 8 of a heap have 7 neighbours, 9 have 8. NaN floats nowhere. */

@@ -77,6 +77,13 @@ static int take_decimate(const option_row *row, void *field, const char *value)
     return 0;
 }
 
+static int take_floaters(const option_row *row, void *field, const char *value)
+{
+    int *strength = field;
+    *strength = 1;
+    return value ? take_int(row, field, value) : 0;
+}
+
 static int take_force(const option_row *row, void *field, const char *value)
 {
     (void)row, (void)field, (void)value;
@@ -107,9 +114,11 @@ static const option_row own_rows[] = {
      "keep those with their centre at most R from X,Y,Z"},
     {"prune", "ALPHA", REAL(filter.opacity, 0, 1, "an opacity, 0 to 1"), .help =
      "keep those of this opacity or more, 0 to 1"},
-    {"drop-floaters", 0, FLAG(filter.floaters), .help =
+    {"drop-floaters", "[=STRENGTH]", take_floaters, FIELD(int, filter.floaters), 1, FXS_FLOATER_STRENGTHS, .help =
      "of what these leave, drop those with fewer than 8 others in the 27 cells around them; a cell is as wide as 4 "
-     "of a Gaussian's largest sigma (of the median Gaussian's, where that is more), rounded up to a power of two"},
+     "of a Gaussian's largest sigma (of the median Gaussian's, where that is more), rounded up to a power of two. "
+     "That is strength 1, the default, for strays; 2 and 3 take haze too (opacity below 0.9), 4 and 5 all that is "
+     "large and stands apart, also a background, so they are for scenes of one object"},
     {"sh-degree", "D", INT(filter.sh_degree, 0, 3), .help = "keep SH up to this degree, 0 to 3"},
     {.help = "Last:"},
     {"decimate", "N", take_decimate, 0, .expected =
@@ -405,7 +414,7 @@ const command command_convert = {
     "  $ fixsplat convert scene.ply phone.fxs --profile compact\n"
     "  $ fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
     "  $ fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
-    "  $ fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters\n"
+    "  $ fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters=3\n"
     "  $ fixsplat convert scene.ply far.glb --decimate 10%\n"
     "  $ fixsplat convert room.ply chair.spz both.fxs --place chair.spz:1,0,2\n"
     "  $ fixsplat convert --scene world.json all.fxs\n",

@@ -98,7 +98,7 @@ for bad in 'bg 12345' 'bg 12345g' 'cutoff round' 'sh-degree 4' 'sh-degree -1' 't
 done
 for bad in 'crop 0,0,0,1,1' 'crop 0,0,0,1,1,1,1' 'crop 0,0,0,1,1,-1' 'crop nan,0,0,1,1,1' 'crop x' \
     'prune -0.1' 'prune 1.1' 'prune nan' 'prune 0.1,0.2' 'sh-degree 4' 'sh-degree -1' 'spz-version 2' 'spz-version 5' \
-    'lod -1' 'profile tiny' 'profile 1'; do
+    'lod -1' 'profile tiny' 'profile 1' 'drop-floaters=0' 'drop-floaters=6' 'drop-floaters=' 'drop-floaters=x'; do
     fails "convert --$bad" 2 "--${bad%% *}" convert knot.ply x.spz --$bad
 done
 for bad in 'views 0' 'views 1001' 'size 1x' 'lod x'; do

@@ -106,9 +106,14 @@ check "--sphere of radius 0" kept rows.ply "4" --sphere 4,0,0,0
 run convert stray.ply clean.ply --drop-floaters
 check "--drop-floaters: the five that have four neighbours" says \
     "stray.ply: kept 3000 of 3005 Gaussians (0 outside, 0 too faint, 5 floating)"
-"$fixsplat" convert stray.ply again.ply --drop-floaters 2>logs/err
+"$fixsplat" convert stray.ply again.ply --drop-floaters=1 2>logs/err
 check "--drop-floaters: the same again" cmp clean.ply again.ply
 check "--drop-floaters: the others stay as they are" cmp clean.ply knot.ply
+ply haze.ply 'as wide as it is far off' '60 0 0 1 0 0 1 3 3 3 1 0 0 0'
+for strength in 1 2; do
+    "$fixsplat" convert knot.ply haze.ply x.ply --drop-floaters=$strength 2>logs/err
+    check "--drop-floaters=$strength: haze" equal "$(grep -c ' 1 floating' logs/err)" $((strength - 1))
+done
 check "--drop-floaters of a scene of many sizes: as many" equal \
     "$("$fixsplat" convert stray.ply x.csv --drop-floaters --scale 100 2>&1 | sed 's/.*kept/kept/')" \
     "kept 3000 of 3005 Gaussians (0 outside, 0 too faint, 5 floating)"

@@ -14,6 +14,7 @@ extern "C" {
 #endif
 
 #define FXS_FLOATER_NEIGHBOURS 8
+#define FXS_FLOATER_STRENGTHS 5
 
 typedef struct fxs_scene_filter {
     double low[3], high[3];   /* keeps centres in this box, scene units; -INFINITY to INFINITY: all */
@@ -21,7 +22,7 @@ typedef struct fxs_scene_filter {
     double opacity;           /* the least opacity that is kept, 0 to 1 */
     int sh_degree;            /* the highest SH degree that is kept, 0 to 3 */
     int drawable;             /* 1: leaves out the Gaussians that fxs_pack would leave out */
-    int floaters;             /* 1: leaves out floaters among the others: see below */
+    int floaters;             /* 1 to 5: leaves out floaters among the others, with this strength: see below */
 } fxs_scene_filter;
 
 typedef struct fxs_scene_filter_report {
@@ -41,11 +42,15 @@ FXS_API void fxs_scene_filter_default(fxs_scene_filter *filter);
    A Gaussian is a floater where fewer than FXS_FLOATER_NEIGHBOURS other centres lie in the cube of 27 cells around it.
    The grid of cells goes through the origin. The width of a cell is the least power of two that is at least 4 times the
    Gaussian's largest sigma, but no less than the width for the median Gaussian. So a large background Gaussian may have
-   its neighbours farther away than a small one, and fine detail needs no closer neighbours than the rest. To find
-   floaters, the file is read once more, and 16 bytes a Gaussian are held, 48 during the search.
+   its neighbours farther away than a small one, and fine detail needs no closer neighbours than the rest. That is
+   strength 1. The next ones want neighbours nearby for large Gaussians too: with strength 2 the width for a Gaussian
+   whose opacity is below 0.9 is no more than twice the width for the median Gaussian, with strength 3 it is the width
+   for the median Gaussian, and with strength 4 so it is for all opacities. With strength 5 a Gaussian floats as well
+   where one of the two places one sigma from its centre along its longest axis has too few centres around it. To find
+   floaters, the file is read once more, and 28 bytes a Gaussian are held, 60 during the search.
 
    Returns 0, or an error and a message; the caller must then close the file. Errors: those of fxs_scene_file_read,
-   FXS_ERR_FILE where no Gaussian is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (the degree),
+   FXS_ERR_FILE where no Gaussian is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (degree, strength),
    FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
                                   fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,

@@ -7,10 +7,21 @@
 
 #include <fixsplat/message.h>
 #include <fixsplat/scene_filter.h>
+#include "src/gaussian/attributes.h"
 
 enum { LEAST_LEVEL = -32, MOST_LEVEL = 40, LEVELS = MOST_LEVEL - LEAST_LEVEL + 1 };
 
 #define LOG2_E 1.4426950408889634
+
+/* Of each strength: by how many powers of two a cell may be wider than the median Gaussian's, for a faint Gaussian and
+   for an opaque one, and whether both ends need neighbours. */
+static const struct {
+    int wider[2], ends;
+} strengths[FXS_FLOATER_STRENGTHS + 1] = {
+    {{0}, 0}, {{LEVELS, LEVELS}, 0}, {{1, LEVELS}, 0}, {{0, LEVELS}, 0}, {{0, 0}, 0}, {{0, 0}, 1}
+};
+
+#define OPAQUE 0.9
 
 typedef struct cell {
     uint32_t first, count;        /* Gaussians; count 0: the place is free */
@@ -23,8 +34,10 @@ typedef struct grid {
     int level;
 } grid;
 
-int fxs_floaters_init(fxs_floaters *f, uint64_t count, const fxs_allocator *allocator, fxs_message *message)
+int fxs_floaters_init(fxs_floaters *f, int strength, uint64_t count, const fxs_allocator *allocator,
+                      fxs_message *message)
 {
+    f->strength = strength;
     if (count > FXS_MAX_COUNT)
         return fxs_fail(message, "%llu Gaussians: floaters are found among at most %u", (unsigned long long)count,
                         FXS_MAX_COUNT);
@@ -40,6 +53,18 @@ static int level_of(const fxs_gaussian *g)
     return (int)fmin(fmax(ceil(most * LOG2_E + 2), LEAST_LEVEL), MOST_LEVEL);
 }
 
+/* sigma times the axis; 2^57 units is beyond any scene. */
+static void find_end(float end[3], const fxs_gaussian *g)
+{
+    const float *q = g->rotation, *s = g->scale;
+    const int axis = s[0] >= s[1] && s[0] >= s[2] ? 0 : s[1] >= s[2] ? 1 : 2;
+    const double sigma = fxs_exp(fmin(s[axis], 40));
+    double axes[3][3];
+    fxs_rotation_matrix(axes, q[0], q[1], q[2], q[3]);
+    for (int i = 0; i < 3; i++)
+        end[i] = (float)(sigma * axes[i][axis]);
+}
+
 int fxs_floaters_take(fxs_floaters *f, const fxs_gaussian *g)
 {
     if (f->found)
@@ -47,7 +72,9 @@ int fxs_floaters_take(fxs_floaters *f, const fxs_gaussian *g)
     if (f->count < f->room) {
         fxs_floater *item = &f->items[f->count++];
         memcpy(item->position, g->position, sizeof item->position);
+        find_end(item->end, g);
         item->level = (int16_t)level_of(g);
+        item->opaque = fxs_opacity_of_logit(g->opacity) >= OPAQUE;
         item->floats = 0;
     }
     return 0;
@@ -60,11 +87,13 @@ static int is_finite(const fxs_floater *item)
     return isfinite(item->position[0]) && isfinite(item->position[1]) && isfinite(item->position[2]);
 }
 
-/* Clamped to 2^62, far beyond any scene of 2^27 units at the least level. */
-static void cell_of(const fxs_floater *item, int level, int64_t at[3])
+/* Of position + part * end. Clamped to 2^62, far beyond any scene of 2^27 units at the least level. */
+static void cell_of(const fxs_floater *item, int part, int level, int64_t at[3])
 {
-    for (int i = 0; i < 3; i++)
-        at[i] = (int64_t)fmin(fmax(floor(ldexp(item->position[i], -level)), -0x1p62), 0x1p62);
+    for (int i = 0; i < 3; i++) {
+        const double x = item->position[i] + (part ? part * (double)item->end[i] : 0);
+        at[i] = (int64_t)fmin(fmax(floor(ldexp(x, -level)), -0x1p62), 0x1p62);
+    }
 }
 
 /* The place of a cell in the table, or the free place for it. */
@@ -80,7 +109,7 @@ static cell *find(const grid *g, const int64_t at[3])
         int64_t other[3];
         if (!c->count)
             return c;
-        cell_of(&g->items[c->first], g->level, other);
+        cell_of(&g->items[c->first], 0, g->level, other);
         if (!memcmp(other, at, sizeof other))
             return c;
     }
@@ -93,19 +122,19 @@ static void fill(const grid *g, uint32_t count)
         int64_t at[3];
         if (!is_finite(&g->items[i]))
             continue;
-        cell_of(&g->items[i], g->level, at);
+        cell_of(&g->items[i], 0, g->level, at);
         cell *c = find(g, at);
         c->first = c->count ? c->first : i;
         c->count++;
     }
 }
 
-/* Whether the 27 cells have enough Gaussians beside this one. */
-static int has_neighbours(const grid *g, const fxs_floater *item)
+/* Whether the 27 cells about its centre, or an end, have enough Gaussians beside this one. */
+static int has_neighbours(const grid *g, const fxs_floater *item, int part)
 {
     int64_t middle[3];
     uint64_t count = 0;
-    cell_of(item, g->level, middle);
+    cell_of(item, part, g->level, middle);
     for (int k = 0; k < 27 && count <= FXS_FLOATER_NEIGHBOURS; k++) {
         const int64_t at[3] = {middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1};
         count += find(g, at)->count;
@@ -129,16 +158,18 @@ static int least_level(const fxs_floaters *f)
 
 static void find_level(fxs_floaters *f, const grid *g, int least)
 {
+    const int *wider = strengths[f->strength].wider, ends = strengths[f->strength].ends;
     int filled = 0;
     for (uint32_t i = 0; i < f->count; i++) {
         fxs_floater *item = &f->items[i];
-        const int level = item->level > least ? item->level : least;
-        if (level != g->level || !is_finite(item))
+        const int own = item->level > least ? item->level : least, widest = least + wider[item->opaque];
+        if ((own < widest ? own : widest) != g->level || !is_finite(item))
             continue;
         if (!filled)
             fill(g, f->count);
         filled = 1;
-        item->floats = (uint8_t)!has_neighbours(g, item);
+        item->floats = !has_neighbours(g, item, 0) ||
+                       (ends && !(has_neighbours(g, item, 1) && has_neighbours(g, item, -1)));
     }
 }
 

@@ -6,18 +6,21 @@
 
 typedef struct fxs_floater {
     float position[3];
+    float end[3];                 /* from there to one sigma along the longest axis */
     int16_t level;                /* its neighbours are counted in cells 2^level wide */
-    uint8_t floats;
+    uint8_t opaque, floats;
 } fxs_floater;
 
 typedef struct fxs_floaters {
     fxs_floater *items;
     uint32_t count, next, room;
-    int found;
+    int strength, found;
 } fxs_floaters;
 
-/* Makes room for `count` Gaussians. Returns 0, or an error and a message. */
-int fxs_floaters_init(fxs_floaters *floaters, uint64_t count, const fxs_allocator *allocator, fxs_message *message);
+/* Makes room for `count` Gaussians; the strength is 1 to FXS_FLOATER_STRENGTHS. Returns 0, or an error and a message.
+   */
+int fxs_floaters_init(fxs_floaters *floaters, int strength, uint64_t count, const fxs_allocator *allocator,
+                      fxs_message *message);
 
 /* Takes the next Gaussian. Returns 1 where floaters have been found and it is one, else 0. */
 int fxs_floaters_take(fxs_floaters *floaters, const fxs_gaussian *gaussian);

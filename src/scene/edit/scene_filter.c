@@ -121,6 +121,9 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, 
 {
     if (filter->sh_degree < 0 || filter->sh_degree > 3)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "SH degree %d, not 0 to 3", filter->sh_degree);
+    if (filter->floaters < 0 || filter->floaters > FXS_FLOATER_STRENGTHS)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a strength of %d for floaters, not 0 to %d", filter->floaters,
+                           FXS_FLOATER_STRENGTHS);
     const fxs_allocator *allocator = fxs_stream_allocator(file);
     filter_reader *r = fxs_allocate_zeroed(allocator, 1, sizeof *r);
     if (!r)
@@ -132,7 +135,7 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, 
     fxs_stream_swap(file, &r->reader, &r->data);
     FXS_TRY(fxs_scene_file_rewind(file, message));
     if (filter->floaters)
-        FXS_TRY(fxs_floaters_init(&r->floaters, info->count, allocator, message));
+        FXS_TRY(fxs_floaters_init(&r->floaters, filter->floaters, info->count, allocator, message));
     FXS_TRY(count(file, r, info->count, progress, argument, message));
     if (filter->floaters)
         FXS_TRY(count_again(file, r, info->count, progress, argument, message));
