@@ -2,6 +2,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/camera_file.h>
 #include <fixsplat/message.h>
+#include <fixsplat/packed.h>
 
 #include <math.h>
 #include <stdarg.h>
@@ -765,6 +766,37 @@ static void state_at(const fxs_file_view *keys, long count, double at, double st
 }
 
 /* At each key the velocity before it is that behind it, and in between no rotation is bent. */
+/* Turned by all quarters and between, so that each of the four numbers of the quaternion is the largest somewhere. */
+static void start_views(void)
+{
+    static const double ups[3][3] = {{0, -1, 0}, {0, 1, 0}, {1, 0.2, 0.3}}, middle[3] = {0, 0, 0};
+    unsigned char scene[sizeof(fxs_packed_header)] = {0}, bad[sizeof scene];
+    fxs_file_view view, again;
+    CHECK(fxs_view_of_start(&again, scene, 64, 48) == 0);
+    for (int i = 0; i < 3 * 24; i++) {
+        const double eye[3] = {3 - i % 5, 1.5 - i % 3, -4.25}, fov = 1 + 169 * i / 71.0;
+        if (!CHECK(!fxs_view_look_at(&view, eye, middle, ups[i / 24], fov, 640, 480, &message)))
+            return;
+        fxs_view_orbit(&view, middle, ups[(i + 1) % 3], i % 24 * 0.2617993877991494);
+        if (!CHECK(!fxs_view_to_start(scene, &view, &message) && fxs_view_of_start(&again, scene, 64, 48) == 1))
+            return;
+        CHECK(again.width == 64 && again.height == 48 && fabs(again.fx / view.fx - 0.1) < 1e-6 && again.fy == again.fx);
+        CHECK(again.cx == 32 && again.cy == 24 && again.projection == FXS_PERSPECTIVE);
+        for (int k = 0; k < 9; k++)
+            CHECK(fabs(again.rotation[k] - view.rotation[k]) < 1e-7);
+        for (int k = 0; k < 3; k++)
+            CHECK(fabs(again.position[k] - view.position[k]) < 1e-9);
+    }
+    view.projection = FXS_ORTHOGRAPHIC;
+    CHECK(fxs_view_to_start(scene, &view, &message) == FXS_ERR_CAMERA);
+    /* Numbers that no program writes: a tangent, a position, a quaternion. */
+    for (int k = 0; k < 3; k++) {
+        memcpy(bad, scene, sizeof bad);
+        memset(bad + (k == 0 ? 148 : k == 1 ? 152 : 176), 0x7f, k == 0 ? 4 : k == 1 ? 8 : 12);
+        CHECK(fxs_view_of_start(&again, bad, 64, 48) == 0);
+    }
+}
+
 static void way_is_smooth(void)
 {
     enum { KEYS = 6 };
@@ -805,6 +837,7 @@ int main(void)
     RUN(camera_from_matrices);
     RUN(view_resized);
     RUN(view_of_a_box);
+    RUN(start_views);
     RUN(way_is_smooth);
     RUN(colmap_bin);
     RUN(colmap_txt);

@@ -11,6 +11,7 @@
 #include "frame_options.h"
 #include "file_guard.h"
 #include "quality.h"
+#include "views.h"
 
 typedef struct convert_options {
     const char *in, *out;                   /* in: what is placed, by the name of the one file or of its list */
@@ -22,6 +23,8 @@ typedef struct convert_options {
     load_options load;
     int spz_version;                        /* 0: none given */
     int spz_fine;
+    int has_start;
+    fxs_file_view start;                    /* of --start-view */
 } convert_options;
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
@@ -91,6 +94,35 @@ static int take_force(const option_row *row, void *field, const char *value)
     return 0;
 }
 
+/* Six numbers or seven: eye, look and field of view; or a file and, after a colon, its view. */
+static int take_start(const option_row *row, void *field, const char *value)
+{
+    static const double up[3] = {0, -1, 0};
+    convert_options *o = field;
+    const char *colon = strrchr(value, ':');
+    double n[7] = {[6] = 50};
+    char file[4096];
+    fxs_file_view *views;
+    fxs_message message;
+    o->has_start = 1;
+    if (parse_vector(value, 6, n) || parse_vector(value, 7, n)) {
+        if (!(n[6] >= 1 && n[6] <= 170))
+            return wrong_value(row, value);
+        return fxs_view_look_at(&o->start, n, n + 3, up, n[6], 1280, 720, &message)
+                   ? fail(EXIT_USAGE, "--start-view %s: %s", value, message.text) : 0;
+    }
+    snprintf(file, sizeof file, "%.*s", colon ? (int)(colon - value) : -1, value);
+    files_read(file);
+    const long count = fxs_camera_file_read(file, &views, &message);
+    if (count < 0)
+        return fail(EXIT_FAILED, "--start-view: %s", message.text);
+    const long index = find_view(&(frame_options){.cameras = file, .view = colon ? colon + 1 : 0}, views, count);
+    if (index >= 0)
+        o->start = views[index];
+    free(views);
+    return index < 0 ? EXIT_FAILED : 0;
+}
+
 #define OPTIONS convert_options
 
 static const option_row own_rows[] = {
@@ -130,6 +162,11 @@ static const option_row own_rows[] = {
      "of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene: default 63.5 (56.9 dB), "
      "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Without SH: default and compact 18.5, small 13.5. Views of small, and of compact where SH lose much, are "
      "compared with the floats, and one that loses more than it should is said"},
+    {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, 0, .expected =
+     "six numbers or seven, the last 1 to 170, or a camera file", .help =
+     "of .fxs: the camera that render and view begin with where none is given: from X,Y,Z to X,Y,Z, its "
+     "vertical field of view 50 degrees or FOV; or a view of a camera file, its number from 0 on or name (default 0). "
+     "In the axes of what is written, with 0,-1,0 as up"},
     {"spz-version", "V", INT(spz_version, 3, 4), .help = "3 (gzip) or 4 (zstd, the default), for .spz"},
     {"spz-fine", 0, FLAG(spz_fine), .help =
      "all 8 bits of SH and 24 of positions in an .spz: nearly twice as large at SH degree 3, and 53 dB on a captured "
@@ -164,6 +201,8 @@ static int read_options(convert_options *o, int argc, char **argv)
     o->out = argv[argc - 1];
     if (is_given("profile") && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--profile is for .fxs");
+    if (o->has_start && !ends_with(o->out, ".fxs"))
+        return fail(EXIT_USAGE, "--start-view is for .fxs");
     if ((o->spz_version || o->spz_fine) && !ends_with(o->out, ".spz"))
         return fail(EXIT_USAGE, "--spz-%s: %s is no .spz", o->spz_version ? "version" : "fine", o->out);
     return 0;
@@ -219,6 +258,8 @@ static int to_fxs(const convert_options *o)
     int status = files_check();
     if (!status && scene->profile == FXS_PROFILE_COMPACT && !scene->sh_degree)
         note("%s: profile compact is no smaller than default for a scene without SH; small is", o->out);
+    if (!status && o->has_start && fxs_view_to_start((void *)(uintptr_t)loaded->opened->data, &o->start, &message))
+        status = fail(EXIT_FAILED, "--start-view: %s", message.text);   /* packed here, in memory of its own */
     if (!status && fxs_file_write(o->out, loaded->opened->data, loaded->opened->bytes, &message))
         status = fail_for(&message);
     if (!status && is_to_be_checked(loaded->opened))
@@ -412,6 +453,7 @@ const command command_convert = {
     "  $ fixsplat convert scene.ply scene.fxs\n"
     "  $ fixsplat render scene.fxs -o scene.png\n"
     "  $ fixsplat convert scene.ply phone.fxs --profile compact\n"
+    "  $ fixsplat convert scene.ply hall.fxs --start-view 0,-1.6,-4,0,-1,0,65\n"
     "  $ fixsplat convert scene.ply small.spz --prune 0.02 --sh-degree 1\n"
     "  $ fixsplat convert scene.spz table.ply --crop -1,-1,-1,1,0.5,1\n"
     "  $ fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters=3\n"

@@ -86,7 +86,7 @@ const char *const cutoff_names[] = {"mahalanobis", "square", 0};
 #define OPTIONS frame_options
 
 const option_row camera_rows[] = {
-    {.help = "Camera (without one, render and view look at the scene from many sides and take the view that shows most, "
+    {.help = "Camera (without one, render and view take the start view of an .fxs, else look at the scene from many sides and take the view that shows most, "
              "upright; other commands frame it whole):"},
     {"cameras", "FILE", TEXT(cameras), .help =
      "cameras.json, transforms.json, images.bin or images.txt of COLMAP, or a folder with one of them"},
@@ -190,7 +190,6 @@ void frame_options_default(frame_options *options)
     memset(options, 0, sizeof *options);
     fxs_options_init(&options->render);
     options->up.at[1] = -1;
-    options->fov = 50;
     options->cpu = "all";
     options->backend = "auto";
     options->threads = fxs_processors();

@@ -21,7 +21,7 @@ typedef struct frame_options {
     point_option eye, look, up;
     int auto_up;                            /* up is found in the scene */
     int framed;                             /* without a camera the scene is framed whole, so that measures compare */
-    double fov;
+    double fov;                             /* degrees; 0: none given */
     double ortho;                           /* height of an orthographic picture, units; 0: perspective */
     double near;                            /* near plane, scene units; 0: as --help says */
     int panorama;                           /* the camera is in the scene's middle where none is given, and level */

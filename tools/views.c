@@ -196,17 +196,33 @@ static int is_chosen(const frame_options *o)
     return !o->cameras && !o->eye.given && !o->panorama && !o->up.given && !o->framed;
 }
 
-/* The view that shows most of the scene, or with --auto-up what is up there alone. */
+static double fov_of(const frame_options *o)
+{
+    return o->fov > 0 ? o->fov : 50;
+}
+
+/* The start view of a scene alone, where no option asks for another camera. */
+static int has_start(const frame_options *o, const world *w, fxs_file_view *view)
+{
+    return !o->auto_up && o->fov <= 0 && w->count == 1 && fxs_placement_is_plain(w->placed.objects) &&
+           fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
+}
+
+/* The start view, or the view that shows most of the scene, or with --auto-up what is up there alone. */
 static int look_at_scene(frame_options *o, const world *w, fxs_file_view *view, fxs_message *message)
 {
-    return fxs_first_view(w->objects, w->count, w->inner_low, w->inner_high, o->fov, width_of(o), height_of(o), view,
-                          o->up.at, message);
+    if (!has_start(o, w, view))
+        return fxs_first_view(w->objects, w->count, w->inner_low, w->inner_high, fov_of(o), width_of(o), height_of(o),
+                              view, o->up.at, message);
+    view->near = fxs_near_of_box(w->inner_low, w->inner_high);
+    return 0;
 }
 
 /* Without a camera file. */
 static int make_view(const frame_options *options, const world *w, fxs_file_view *view, fxs_message *message)
 {
     const int width = width_of(options), height = height_of(options);
+    const double fov = fov_of(options);
     double middle[3], target[3];
     int result;
     for (int i = 0; i < 3; i++)
@@ -214,10 +230,9 @@ static int make_view(const frame_options *options, const world *w, fxs_file_view
     if (options->eye.given || options->panorama) {
         const double *eye = options->eye.given ? options->eye.at : middle;
         find_target(options, middle, eye, target);
-        result = fxs_view_look_at(view, eye, target, options->up.at, options->fov, width, height, message);
+        result = fxs_view_look_at(view, eye, target, options->up.at, fov, width, height, message);
     } else {
-        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up.at, options->fov, width, height,
-                                    message);
+        result = fxs_view_frame_box(view, w->inner_low, w->inner_high, options->up.at, fov, width, height, message);
     }
     view->near = fxs_near_of_box(w->inner_low, w->inner_high);
     return result;

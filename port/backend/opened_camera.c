@@ -43,6 +43,10 @@ int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, f
     double up[3];
     if (!opened || !camera)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to frame", opened ? "camera" : "scene");
+    if (fxs_view_of_start(&view, opened->data, width, height)) {
+        view.near = fxs_near_of_box(opened->report->inner_low, opened->report->inner_high);
+        return fxs_camera_from_view(camera, &view, message);
+    }
     fxs_object_init(&object, opened->scene);
     const int error = fxs_first_view(&object, 1, opened->report->inner_low, opened->report->inner_high, 50, width,
                                      height, &view, up, message);

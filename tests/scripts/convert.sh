@@ -87,6 +87,24 @@ check "and the third line has the count, where Inria's viewer reads it" sh -c 's
 succeeds "several, placed as one" convert rows.ply row.ply moved.csv --translate 0,0,5
 check "several, placed as one: all of them" equal "$(awk -F, 'NR > 1 { print $3 }' moved.csv | tr '\n' ' ')" "5 5 5 5 5 8 "
 
+# ---- Start view ------------------------------------------------------------------------------------------------------
+
+hash_of() { "$fixsplat" render "$@" --size 64x48 --hash; }
+succeeds "--start-view" convert knot.ply start.fxs --start-view 1,-2,-6,0,0,0,40
+check "--start-view: where nothing else is asked for" equal "$(hash_of start.fxs)" \
+    "$(hash_of knot.ply --eye 1,-2,-6 --look 0,0,0 --fov 40)"
+"$fixsplat" convert knot.ply plain.fxs
+for options in '--fov 50' '--up 0,-1,0' '--eye 3,0,-5' '--place start.fxs:1,0,0'; do
+    check "--start-view: not with $options" equal "$(hash_of start.fxs $options)" \
+        "$(hash_of plain.fxs $(echo "$options" | sed s/start/plain/))"
+done
+for bad in 1,2 1,2,3,1,2,3 1,2,3,4,5,6,0.5 none.json; do
+    rm -f x.fxs
+    fails "--start-view $bad" 2 "start-view.*" convert knot.ply x.fxs --start-view $bad
+    check "--start-view $bad: nothing is written" test ! -e x.fxs
+done
+fails "--start-view of a .ply" 2 "--start-view is for .fxs" convert knot.ply x.ply --start-view 1,2,3,4,5,6
+
 # ---- Leaving out -----------------------------------------------------------------------------------------------------
 
 # kept NAME FILE "X..." OPTION...: the x of what is left

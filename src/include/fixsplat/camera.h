@@ -28,6 +28,15 @@ FXS_API double fxs_near_of_box(const double low[3], const double high[3]);
 FXS_API int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3],
                                double fov, int width, int height, fxs_message *message);
 
+/* Keeps a view in the header of a packed scene at `data` as the one to begin with: its position, rotation and vertical
+   field of view. fxs_file_write or fxs_file_seal come after it. Returns 0, or FXS_ERR_CAMERA and a message for a view
+   that is orthographic, out of the renderer's range, or beyond a field of view of 170 degrees. */
+FXS_API int fxs_view_to_start(void *data, const fxs_file_view *view, fxs_message *message);
+
+/* Makes a camera of `width` x `height` pixels of the start view of an open packed scene at `data`. Its near plane is
+   the renderer's default. Returns 1, or 0 where the scene has none and for a size that no picture has. */
+FXS_API int fxs_view_of_start(fxs_file_view *view, const void *data, int width, int height);
+
 /* Changes the size of the picture: multiplies fx, fy and the distance of the principal point from the centre of the
    picture by new width / old width. */
 FXS_API void fxs_view_resize(fxs_file_view *view, int width, int height);

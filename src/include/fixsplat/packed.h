@@ -63,7 +63,9 @@ typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t palette_step_q19;       /* a coefficient of a palette is its number * step; at most 32767 */
     uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
     uint32_t holes;                  /* slots among them that hold no Gaussian */
-    uint32_t reserved[11];           /* 0 */
+    uint32_t start_tangent_q24;      /* start view (camera.h): of half the vertical field of view; 0: there is none, */
+    int64_t start_q32[3];            /* the camera's centre, */
+    int32_t start_rotation_q30[4];   /* and the unit quaternion w, x, y, z of its rotation, world to camera */
 } fxs_packed_header;
 
 /* Law 0: the opacity of code c is c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2, so that chunks
@@ -121,9 +123,9 @@ static inline uint64_t fxs_little_64(uint64_t x)
     return x;
 }
 
-/* Every field is turned: of a header 8 words, 12 of 64 bits, 16 words; of a chunk's 3 of 64 bits, 11 words, 6 halves;
+/* Every field is turned: of a header 8 words, 12 of 64 bits, 6 words, 3 of 64 bits, 4 words; of a chunk's 3 of 64 bits, 11 words, 6 halves;
    its last 48 fields are bytes. */
-typedef char fxs_sizes_are_as_turned[sizeof(fxs_packed_header) == 4 * 8 + 8 * 12 + 4 * 16 &&
+typedef char fxs_sizes_are_as_turned[sizeof(fxs_packed_header) == 4 * 8 + 8 * 12 + 4 * 6 + 8 * 3 + 4 * 4 &&
                                      sizeof(fxs_chunk) == 8 * 3 + 4 * 11 + 2 * 6 + 48 ? 1 : -1];
 
 /* A header that was copied from a packed scene, to be read; or one that was filled in, to be copied there. */
@@ -131,7 +133,9 @@ static inline void fxs_packed_header_turn(fxs_packed_header *header)
 {
     fxs_little_endian(header, 0, 8, 4);
     fxs_little_endian(header, offsetof(fxs_packed_header, low_q32), 12, 8);
-    fxs_little_endian(header, offsetof(fxs_packed_header, profile), 16, 4);
+    fxs_little_endian(header, offsetof(fxs_packed_header, profile), 6, 4);
+    fxs_little_endian(header, offsetof(fxs_packed_header, start_q32), 3, 8);
+    fxs_little_endian(header, offsetof(fxs_packed_header, start_rotation_q30), 4, 4);
 }
 
 static inline void fxs_chunk_turn(fxs_chunk *chunk)
