@@ -19,6 +19,8 @@ typedef struct convert_options {
     fxs_world placed;
     fxs_placement whole;                    /* how all of it is placed; its rotation follows from these: */
     double degrees[3], up[3];               /* up all 0: as it is */
+    double level[9];                        /* three points of the ground; has_level: given */
+    int has_level;
     fxs_scene_filter filter;
     load_options load;
     int spz_version;                        /* 0: none given */
@@ -33,6 +35,28 @@ static int take_up(const option_row *row, void *field, const char *value)
 {
     const double *up = field;
     return parse_vector(value, 3, field) && (up[0] != 0 || up[1] != 0 || up[2] != 0) ? 0 : wrong_value(row, value);
+}
+
+/* up = (b - a) x (c - a), which is 0 where the points lie on one line, within rounding. */
+static int take_level(const option_row *row, void *field, const char *value)
+{
+    convert_options *o = field;
+    const double *p = o->level;
+    double u[3], v[3], square[3] = {0};
+    o->has_level = parse_vector(value, 9, o->level);
+    for (int i = 0; i < 3; i++) {
+        u[i] = p[3 + i] - p[i];
+        v[i] = p[6 + i] - p[i];
+    }
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        o->up[i] = u[j] * v[k] - u[k] * v[j];
+        square[0] += o->up[i] * o->up[i];
+        square[1] += u[i] * u[i];
+        square[2] += v[i] * v[i];
+    }
+    return o->has_level && isfinite(square[0]) && square[0] > 1e-12 * square[1] * square[2] ? 0
+                                                                                            : wrong_value(row, value);
 }
 
 static int take_crop(const option_row *row, void *field, const char *value)
@@ -132,6 +156,10 @@ static const option_row own_rows[] = {
      "a .ply (x right, y down, z to the front):"},
     {"up", "X,Y,Z", take_up, FIELD(vector_option, up), .expected = "a direction X,Y,Z, not 0,0,0", .help =
      "turn this direction to up, which is 0,-1,0, by the shortest way"},
+    {"level", "X,Y,Z,X,Y,Z,X,Y,Z", take_level, 0, .expected =
+     "three points X,Y,Z,X,Y,Z,X,Y,Z that lie on no line", .help =
+     "turn three points of the ground level, in place of --up; up is the side where most centres of Gaussians lie. "
+     "render --pick says where a point is"},
     {"rotate", "X,Y,Z", VECTOR(degrees, "degrees about three axes X,Y,Z"), .help =
      "turn by so many degrees about the x axis, then the y axis, then the z axis; the axes stay where they are"},
     {"scale", "S", REAL(whole.scale, ABOVE_0, INFINITY, "a number above 0"), .help =
@@ -201,6 +229,8 @@ static int read_options(convert_options *o, int argc, char **argv)
     o->out = argv[argc - 1];
     if (is_given("profile") && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--profile is for .fxs");
+    if (o->has_level && is_given("up"))
+        return fail(EXIT_USAGE, "--up and --level: give one");
     if (o->has_start && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--start-view is for .fxs");
     if ((o->spz_version || o->spz_fine) && !ends_with(o->out, ".spz"))
@@ -380,6 +410,33 @@ int convert_merged(const char *out, int spz_version, int spz_fine, const fxs_wor
 
 /* ---- The command ----------------------------------------------------------------------------------------------- */
 
+/* Turns `up` to the side of the ground where most Gaussians lie; of as many on both sides, to the one nearer to up. */
+static int find_up(convert_options *o)
+{
+    fxs_gaussian batch[BATCH];
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_message message;
+    load_options load = o->load;
+    int64_t above = 0;
+    long n;
+    load.again = 1;
+    if (open_merged(&o->placed, o->in, &load, &file, &info))
+        return EXIT_FAILED;
+    while ((n = fxs_scene_file_read(file, batch, BATCH, &message)) > 0)
+        for (long k = 0; k < n; k++) {
+            double height = 0;
+            for (int i = 0; i < 3; i++)
+                height += o->up[i] * (batch[k].position[i] - o->level[i]);
+            above += (height > 0) - (height < 0);
+        }
+    fxs_scene_file_close(file);
+    if (above < 0 || (above == 0 && o->up[1] > 0))
+        for (int i = 0; i < 3; i++)
+            o->up[i] = -o->up[i];
+    return n < 0 ? fail_for(&message) : 0;
+}
+
 /* Places the whole. Returns 0, or prints why not and returns the exit status. */
 static int place_whole(convert_options *o)
 {
@@ -429,7 +486,9 @@ static int run(int argc, char **argv)
     status = place_scenes(&o.placed, &o.world);
     if (status)
         return status;
-    status = place_whole(&o);
+    status = o.has_level ? find_up(&o) : 0;
+    if (!status)
+        status = place_whole(&o);
     if (!status)
         status = check_files(&o);
     o.load.filter = &o.filter;

@@ -37,7 +37,8 @@ int fxs_view_to_start(void *data, const fxs_file_view *view, fxs_message *messag
         return FXS_ERR_CAMERA;
     const double tangent = floor(view->height / 2.0 / view->fy * TANGENT_ONE + 0.5);
     if (view->projection == FXS_ORTHOGRAPHIC || !(tangent >= 1 && tangent <= TANGENT_MOST))
-        return fxs_fail_as(FXS_ERR_CAMERA, message, "a start view is in perspective, its field of view 1 to 170 degrees");
+        return fxs_fail_as(FXS_ERR_CAMERA, message,
+                           "a start view is in perspective, with a field of view of 1 to 170 degrees");
     memcpy(&h, data, sizeof h);
     fxs_packed_header_turn(&h);
     quaternion_of(q, view->rotation);

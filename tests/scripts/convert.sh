@@ -87,6 +87,29 @@ check "and the third line has the count, where Inria's viewer reads it" sh -c 's
 succeeds "several, placed as one" convert rows.ply row.ply moved.csv --translate 0,0,5
 check "several, placed as one: all of them" equal "$(awk -F, 'NR > 1 { print $3 }' moved.csv | tr '\n' ' ')" "5 5 5 5 5 8 "
 
+# ---- Level -----------------------------------------------------------------------------------------------------------
+
+# The ground is x = 0, and the knot beside it, at x > 0: up is along x, whichever way round the points are.
+"$fixsplat" convert knot.ply beside.ply --translate 20,0,0
+"$fixsplat" convert beside.ply stands.ply --up 1,0,0
+for points in 0,0,0,0,1,0,0,0,1 0,0,5,0,0,1,0,7,0; do
+    "$fixsplat" convert beside.ply level.ply --level $points
+    check "--level $points: as --up 1,0,0" cmp level.ply stands.ply
+done
+"$fixsplat" convert beside.ply stands.ply --up -1,0,0
+"$fixsplat" convert beside.ply level.ply --level 40,0,0,40,1,0,40,0,1
+check "--level: up is where the Gaussians are" cmp level.ply stands.ply
+ply pair.ply 'as many on both sides' '0 1 0 1 0 0 1 -1 -1 -1 1 0 0 0' '0 -1 0 1 0 0 1 -1 -1 -1 1 0 0 0'
+"$fixsplat" convert pair.ply same.ply
+for points in 0,0,0,1,0,0,0,0,1 0,0,0,0,0,1,1,0,0; do
+    "$fixsplat" convert pair.ply level.ply --level $points
+    check "--level $points: as many on both sides stay as they are" cmp level.ply same.ply
+done
+for bad in 0,0,0,1,1,1 0,0,0,1,1,1,2,2,2 0,0,0,0,0,0,1,0,0 0,0,0,1e200,0,0,0,1e200,0 x; do
+    fails "--level $bad" 2 "--level $bad: expected three points" convert knot.ply x.ply --level $bad
+done
+fails "--level and --up" 2 "give one" convert knot.ply x.ply --level 0,0,0,1,0,0,0,0,1 --up 0,0,1
+
 # ---- Start view ------------------------------------------------------------------------------------------------------
 
 hash_of() { "$fixsplat" render "$@" --size 64x48 --hash; }
