@@ -86,8 +86,8 @@ const char *const cutoff_names[] = {"mahalanobis", "square", 0};
 #define OPTIONS frame_options
 
 const option_row camera_rows[] = {
-    {.help = "Camera (without one, render and view take the start view of an .fxs, else look at the scene from many sides and take the view that shows most, "
-             "upright; other commands frame it whole):"},
+    {.help = "Camera (without one, render and view take the start view of an .fxs, or else look at the scene from many "
+             "sides and take the view that shows most, upright; other commands frame it whole):"},
     {"cameras", "FILE", TEXT(cameras), .help =
      "cameras.json, transforms.json, images.bin or images.txt of COLMAP, or a folder with one of them"},
     {"view", "N|NAME|LIST|all", TEXT(view), .help =
