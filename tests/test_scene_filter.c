@@ -235,6 +235,27 @@ static void floaters_of_what_is_left(void)
     }
 }
 
+static int is_first_or_last(int i)
+{
+    return i < 2 || i >= COUNT - 5;
+}
+
+/* Boxes, beside the one that the filter has, and a shape of no kind. */
+static void shapes(void)
+{
+    fxs_filter_shape of[] = {{FXS_FILTER_BOX, {0, 0, -1, 1, 1, 0}},
+                             {FXS_FILTER_BOX, {COUNT - 5, 0, -COUNT, COUNT, 9, 0}}};
+    make();
+    filter.shapes = of;
+    filter.shape_count = 2;
+    check_left(is_first_or_last);
+    filter.low[0] = COUNT - 5;
+    CHECK(open_filtered() == 0 && info.count == 5);
+    fxs_scene_file_close(file);
+    of[1].kind = FXS_FILTER_KINDS;
+    CHECK(open_filtered() == FXS_ERR_ARGUMENT && strstr(message.text, "shape 1"));
+}
+
 static int is_half(int i)
 {
     return i % 20 >= 10;
@@ -404,6 +425,7 @@ int main(void)
     RUN(box);
     RUN(sphere);
     RUN(floaters);
+    RUN(shapes);
     RUN(floaters_of_what_is_left);
     RUN(opacity);
     RUN(sh_degrees);

@@ -13,6 +13,8 @@
 #include "quality.h"
 #include "views.h"
 
+enum { SHAPES_MOST = 256 };
+
 typedef struct convert_options {
     const char *in, *out;                   /* in: what is placed, by the name of the one file or of its list */
     world_options world;
@@ -22,6 +24,7 @@ typedef struct convert_options {
     double level[9];                        /* three points of the ground; has_level: given */
     int has_level;
     fxs_scene_filter filter;
+    fxs_filter_shape shapes[SHAPES_MOST];   /* of the filter */
     load_options load;
     int spz_version;                        /* 0: none given */
     int spz_fine;
@@ -59,26 +62,41 @@ static int take_level(const option_row *row, void *field, const char *value)
                                                                                             : wrong_value(row, value);
 }
 
+static int add_shape(convert_options *o, const option_row *row, const char *value, fxs_filter_shape shape, int is_right)
+{
+    if (!is_right)
+        return wrong_value(row, value);
+    if (o->filter.shape_count == SHAPES_MOST)
+        return fail(EXIT_USAGE, "--%s %s: more than %d shapes", row->name, value, SHAPES_MOST);
+    o->shapes[o->filter.shape_count++] = shape;
+    o->filter.shapes = o->shapes;
+    return 0;
+}
+
 static int take_crop(const option_row *row, void *field, const char *value)
 {
-    fxs_scene_filter *filter = field;
-    double box[6];
-    if (!parse_vector(value, 6, box) || box[0] > box[3] || box[1] > box[4] || box[2] > box[5])
-        return wrong_value(row, value);
-    memcpy(filter->low, box, sizeof filter->low);
-    memcpy(filter->high, box + 3, sizeof filter->high);
-    return 0;
+    fxs_filter_shape s = {FXS_FILTER_BOX, {0}};
+    const double *n = s.numbers;
+    const int is_box = parse_vector(value, 6, s.numbers) && n[0] <= n[3] && n[1] <= n[4] && n[2] <= n[5];
+    return add_shape(field, row, value, s, is_box);
 }
 
 static int take_sphere(const option_row *row, void *field, const char *value)
 {
-    fxs_scene_filter *filter = field;
-    double sphere[4];
-    if (!parse_vector(value, 4, sphere) || sphere[3] < 0)
-        return wrong_value(row, value);
-    memcpy(filter->middle, sphere, sizeof filter->middle);
-    filter->radius = sphere[3];
-    return 0;
+    fxs_filter_shape s = {FXS_FILTER_SPHERE, {0}};
+    const int is_sphere = parse_vector(value, 4, s.numbers) && s.numbers[3] >= 0;
+    return add_shape(field, row, value, s, is_sphere);
+}
+
+static int take_cylinder(const option_row *row, void *field, const char *value)
+{
+    fxs_filter_shape s = {FXS_FILTER_CYLINDER, {0}};
+    double square = 0;
+    int is_cylinder = parse_vector(value, 7, s.numbers) && s.numbers[6] >= 0;
+    for (int i = 0; i < 3; i++)
+        square += (s.numbers[3 + i] - s.numbers[i]) * (s.numbers[3 + i] - s.numbers[i]);
+    is_cylinder = is_cylinder && square > 0 && isfinite(square);
+    return add_shape(field, row, value, s, is_cylinder);
 }
 
 /* N or N% */
@@ -166,12 +184,16 @@ static const option_row own_rows[] = {
      "times as large, about the origin"},
     {"translate", "X,Y,Z", VECTOR(whole.translation, "three numbers X,Y,Z"), .help = "move"},
     {.help = "Then Gaussians are left out, by where they are now:"},
-    {"crop", "MINX,MINY,MINZ,MAXX,MAXY,MAXZ", take_crop, FIELD(fxs_scene_filter, filter), .expected =
+    {"crop", "MINX,MINY,MINZ,MAXX,MAXY,MAXZ", take_crop, 0, .expected =
      "six numbers MINX,MINY,MINZ,MAXX,MAXY,MAXZ", .help =
-     "keep those with their centre in this box, edges included"},
-    {"sphere", "X,Y,Z,R", take_sphere, FIELD(fxs_scene_filter, filter), .expected =
+     "keep those with their centre in this box, edges included. Given again: in one of the boxes; so for the next two. "
+     "With several of these three, what all of them keep"},
+    {"sphere", "X,Y,Z,R", take_sphere, 0, .expected =
      "four numbers X,Y,Z,R, R 0 or more", .help =
      "keep those with their centre at most R from X,Y,Z"},
+    {"cylinder", "X,Y,Z,X,Y,Z,R", take_cylinder, 0, .expected =
+     "seven numbers X,Y,Z,X,Y,Z,R, two places and R 0 or more", .help =
+     "keep those with their centre in a cylinder from X,Y,Z to X,Y,Z, at most R from its axis"},
     {"prune", "ALPHA", REAL(filter.opacity, 0, 1, "an opacity, 0 to 1"), .help =
      "keep those of this opacity or more, 0 to 1"},
     {"drop-floaters", "[=STRENGTH]", take_floaters, FIELD(int, filter.floaters), 1, FXS_FLOATER_STRENGTHS, .help =
@@ -209,7 +231,7 @@ static const option_row own_rows[] = {
 /* Whether an option asks for the filter. */
 static int is_filtered(void)
 {
-    return is_given("crop") || is_given("sphere") || is_given("prune") || is_given("drop-floaters") ||
+    return is_given("crop") || is_given("sphere") || is_given("cylinder") || is_given("prune") || is_given("drop-floaters") ||
            is_given("sh-degree") || is_given("decimate");
 }
 

@@ -141,6 +141,17 @@ check "--sphere, its surface too" kept rows.ply "1 2 3" --sphere 2,0,0,1
 check "--sphere: said" grep -q 'kept 3 of 5 Gaussians (2 outside, 0 too faint, 0 floating)' logs/err
 check "--sphere and --crop: both" kept rows.ply "1 2" --sphere 2,0,0,1 --crop 0,0,0,2,0,0
 check "--sphere: after the scene was placed" kept rows.ply "11 12 13" --sphere 12,0,0,1 --translate 10,0,0
+check "--sphere, again: either" kept rows.ply "0 3 4" --sphere 0,0,0,0.5 --sphere 4,0,0,1
+check "--crop, again: either" kept rows.ply "0 2 3" --crop -1,0,0,0,0,0 --crop 2,0,0,3,0,0
+check "--cylinder, its ends and its side too" kept rows.ply "1 2 3" --cylinder 1,1,0,3,1,0,1
+check "--cylinder across" kept rows.ply "1 2 3" --cylinder 2,-1,0,2,5,0,1
+check "--cylinder that ends before" kept rows.ply "4" --cylinder 2,-5,0,2,-1,0,9 --cylinder 4,0,0,9,0,0,0
+check "--cylinder, --sphere and --crop: all" kept rows.ply "2" --cylinder 0,0,0,2,0,0,0 --sphere 2,0,0,1 \
+    --crop 2,0,0,4,0,0
+fails "--cylinder without a length" 2 "--cylinder 1,2,3,1,2,3,1: expected" convert rows.ply x.ply \
+    --cylinder 1,2,3,1,2,3,1
+fails "--cylinder of a negative radius" 2 "expected seven" convert rows.ply x.ply --cylinder 1,2,3,1,2,4,-1
+fails "--sphere, too often" 2 "more than 256" convert rows.ply x.ply $(seq -f '--sphere %g,0,0,1' 257)
 check "--sphere of radius 0" kept rows.ply "4" --sphere 4,0,0,0
 
 "$fixsplat" convert knot.ply rows.ply stray.ply --place rows.ply:60,0,0

@@ -16,6 +16,15 @@ extern "C" {
 #define FXS_FLOATER_NEIGHBOURS 8
 #define FXS_FLOATER_STRENGTHS 5
 
+enum fxs_filter_kind { FXS_FILTER_BOX, FXS_FILTER_SPHERE, FXS_FILTER_CYLINDER, FXS_FILTER_KINDS };
+
+/* Of a box the least x, y, z and the greatest; of a sphere the middle and the radius; of a cylinder the middles of its
+   two ends, which differ, and the radius. Scene units; surfaces are inside. */
+typedef struct fxs_filter_shape {
+    enum fxs_filter_kind kind;
+    double numbers[7];
+} fxs_filter_shape;
+
 typedef struct fxs_scene_filter {
     double low[3], high[3];   /* keeps centres in this box, scene units; -INFINITY to INFINITY: all */
     double middle[3], radius; /* and in this sphere; a radius of INFINITY: all */
@@ -23,6 +32,8 @@ typedef struct fxs_scene_filter {
     int sh_degree;            /* the highest SH degree that is kept, 0 to 3 */
     int drawable;             /* 1: leaves out the Gaussians that fxs_pack would leave out */
     int floaters;             /* 1 to 5: leaves out floaters among the others, with this strength: see below */
+    const fxs_filter_shape *shapes;   /* keeps, of each kind that is there, centres in one of its shapes; they stay the */
+    uint32_t shape_count;             /* caller's, until the file is closed */
 } fxs_scene_filter;
 
 typedef struct fxs_scene_filter_report {
@@ -50,7 +61,7 @@ FXS_API void fxs_scene_filter_default(fxs_scene_filter *filter);
    floaters, the file is read once more, and 28 bytes a Gaussian are held, 60 during the search.
 
    Returns 0, or an error and a message; the caller must then close the file. Errors: those of fxs_scene_file_read,
-   FXS_ERR_FILE where no Gaussian is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (degree, strength),
+   FXS_ERR_FILE where no Gaussian is left, FXS_ERR_STOPPED by `progress`, FXS_ERR_ARGUMENT (degree, strength, shape),
    FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, fxs_scene_file_info *info,
                                   fxs_scene_filter_report *report, fxs_progress_fn *progress, void *argument,

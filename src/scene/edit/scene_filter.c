@@ -23,6 +23,38 @@ void fxs_scene_filter_default(fxs_scene_filter *filter)
                                  .radius = INFINITY, .sh_degree = 3};
 }
 
+/* The distances are from a + t u, 0 <= t <= 1; of a sphere u is 0. With w = p - a: |w - t u|^2 <= r^2 becomes
+   |w|^2 |u|^2 - (w u)^2 <= r^2 |u|^2. */
+static int is_outside(const fxs_filter_shape *s, const float p[3])
+{
+    const double *n = s->numbers;
+    double w[3], ww = 0, uu = 0, wu = 0;
+    int outside = 0;
+    for (int i = 0; i < 3; i++) {
+        const double u = s->kind == FXS_FILTER_CYLINDER ? n[3 + i] - n[i] : 0;
+        w[i] = p[i] - n[i];
+        ww += w[i] * w[i];
+        uu += u * u;
+        wu += w[i] * u;
+        outside |= s->kind == FXS_FILTER_BOX && (p[i] < n[i] || p[i] > n[3 + i]);
+    }
+    if (s->kind == FXS_FILTER_SPHERE)
+        return ww > n[3] * n[3];
+    return s->kind == FXS_FILTER_BOX ? outside : wu < 0 || wu > uu || ww * uu - wu * wu > n[6] * n[6] * uu;
+}
+
+/* Of each kind that is there, one must have it. */
+static int is_in_shapes(const fxs_scene_filter *filter, const float position[3])
+{
+    unsigned asked = 0, found = 0;
+    for (uint32_t i = 0; i < filter->shape_count; i++) {
+        const unsigned kind = 1u << filter->shapes[i].kind;
+        asked |= kind;
+        found |= is_outside(&filter->shapes[i], position) ? 0 : kind;
+    }
+    return asked == found;
+}
+
 /* NaN passes here and below; the last test is for it. */
 static int is_inside(const fxs_scene_filter *filter, const float position[3])
 {
@@ -38,7 +70,7 @@ static int passes(filter_reader *r, fxs_gaussian *g)
 {
     const int coefficients = 3 * r->filter.sh_degree * (r->filter.sh_degree + 2);
     r->report.read++;
-    if (!is_inside(&r->filter, g->position))
+    if (!is_inside(&r->filter, g->position) || !is_in_shapes(&r->filter, g->position))
         return r->report.outside++, 0;
     if (fxs_opacity_of_logit(g->opacity) < r->filter.opacity)
         return r->report.faint++, 0;
@@ -124,6 +156,9 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, 
     if (filter->floaters < 0 || filter->floaters > FXS_FLOATER_STRENGTHS)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a strength of %d for floaters, not 0 to %d", filter->floaters,
                            FXS_FLOATER_STRENGTHS);
+    for (uint32_t i = 0; i < filter->shape_count; i++)
+        if ((unsigned)filter->shapes[i].kind >= FXS_FILTER_KINDS)
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "shape %u is no box, sphere or cylinder", i);
     const fxs_allocator *allocator = fxs_stream_allocator(file);
     filter_reader *r = fxs_allocate_zeroed(allocator, 1, sizeof *r);
     if (!r)
