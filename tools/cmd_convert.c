@@ -153,6 +153,8 @@ static int take_start(const option_row *row, void *field, const char *value)
         return fxs_view_look_at(&o->start, n, n + 3, up, n[6], 1280, 720, &message)
                    ? fail(EXIT_USAGE, "--start-view %s: %s", value, message.text) : 0;
     }
+    if (!*value)
+        return wrong_value(row, value);
     snprintf(file, sizeof file, "%.*s", colon ? (int)(colon - value) : -1, value);
     files_read(file);
     const long count = fxs_camera_file_read(file, &views, &message);
@@ -231,8 +233,8 @@ static const option_row own_rows[] = {
 /* Whether an option asks for the filter. */
 static int is_filtered(void)
 {
-    return is_given("crop") || is_given("sphere") || is_given("cylinder") || is_given("prune") || is_given("drop-floaters") ||
-           is_given("sh-degree") || is_given("decimate");
+    return is_given("crop") || is_given("sphere") || is_given("cylinder") || is_given("prune") ||
+           is_given("drop-floaters") || is_given("sh-degree") || is_given("decimate");
 }
 
 static int read_options(convert_options *o, int argc, char **argv)

@@ -32,8 +32,8 @@ typedef struct fxs_scene_filter {
     int sh_degree;            /* the highest SH degree that is kept, 0 to 3 */
     int drawable;             /* 1: leaves out the Gaussians that fxs_pack would leave out */
     int floaters;             /* 1 to 5: leaves out floaters among the others, with this strength: see below */
-    const fxs_filter_shape *shapes;   /* keeps, of each kind that is there, centres in one of its shapes; they stay the */
-    uint32_t shape_count;             /* caller's, until the file is closed */
+    const fxs_filter_shape *shapes;   /* keeps, of each kind that is there, centres in one of its shapes; they */
+    uint32_t shape_count;             /* stay the caller's, until the file is closed */
 } fxs_scene_filter;
 
 typedef struct fxs_scene_filter_report {
