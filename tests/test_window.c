@@ -363,6 +363,14 @@ static frame_options small_options(void)
     return options;
 }
 
+/* From in front of the box, so that its x axis points to the right. */
+static frame_options framed_options(void)
+{
+    frame_options options = small_options();
+    options.up.given = 1;
+    return options;
+}
+
 static int open_file(viewer *v, const frame_options *options, const char *path, const char *screenshot)
 {
     static char *scene;
@@ -995,7 +1003,7 @@ static void test_crop(void)
 {
     viewer v;
     char first[80];
-    const frame_options options = small_options();
+    const frame_options options = framed_options();
     if (start(&v, &options))
         return;
     key(&v, SDLK_RETURN);
@@ -1038,7 +1046,7 @@ static void test_crop_handles(void)
 {
     viewer v;
     double point[3], pixel[2];
-    frame_options options = small_options();
+    frame_options options = framed_options();
     for (int parallel = 0; parallel < 2; parallel++) {
         options.ortho = parallel ? 12 : 0;
         if (start(&v, &options))
