@@ -259,6 +259,8 @@ export class Scene {
   /** Where the scene is seen from at first: the direction that is up in it, the direction from the middle of its box to
       the camera, and the part (0.2 to 1) of the distance from which all of the box is seen. */
   readonly first: { up: number[]; from: number[]; part: number }
+  /** The start view that the .fxs keeps, for a picture of 2 x 2 pixels, or null. `render` takes it without a camera. */
+  readonly start: Pinhole | null
   /** The number of threads that draw the scene at the moment. Pictures do not wait for threads that have not started
       yet. */
   readonly threads: number

@@ -354,6 +354,15 @@ export class Scene {
     return { up: first.slice(0, 3), from: first.slice(3, 6), part: first[6] }
   }
 
+  /** The start view that it keeps, as an entry of a cameras.json of 2 x 2 pixels, or null. */
+  get start() {
+    const [core, at] = this.inside
+    if (!core.c.start_view(at)) return null
+    const [fy, ...rest] = core.get(0, 13)
+    const rotation = [0, 1, 2].map((i) => [3, 6, 9].map((k) => rest[k + i]))
+    return { width: 2, height: 2, fx: fy, fy, position: rest.slice(0, 3), rotation }
+  }
+
   /** The packed scene: an .fxs file. */
   get packed() {
     return this.inside && this.#core.bytes(this.#data, this.bytes).slice()
@@ -436,6 +445,8 @@ function takeCamera(core, objects, camera, width, height) {
   if (camera.rotation) return takePinhole(core, camera, width, height)
   const { fov = 50, near = 0 } = camera
   if (!camera.eye && !camera.up) {
+    const alone = objects.length === 1 && Object.keys(objects[0]).length === 1 && camera.fov === undefined
+    if (alone && core.check(core.c.see_start(objects[0].scene.inside[1], near, width, height))) return undefined
     core.put(...chosen(core, objects), fov, near)
     return core.check(core.c.see_first(width, height))
   }

@@ -81,6 +81,7 @@ double tan(double x)
 
 typedef struct loaded {
     fxs_scene scene;
+    const void *data;
     double low[3], high[3];        /* bounds of its visible part */
 } loaded;
 
@@ -92,6 +93,7 @@ EXPORT(open) loaded *fxs_web_open(const char *name, const void *data, size_t byt
     if (fxs_file_check(name, data, bytes, 1, &message) || !(l = fxs_web_allocate(sizeof *l)))
         return NULL;
     fxs_scene_open(&l->scene, data, bytes);
+    l->data = data;
     memcpy(&header, data, sizeof header);
     for (int i = 0; i < 3; i++) {
         l->low[i] = (double)header.inner_low_q32[i] * 0x1p-32;
@@ -201,6 +203,27 @@ EXPORT(see_first) int fxs_web_see_first(int width, int height)
     memcpy(&first, numbers, sizeof first);
     const int error = fxs_first_view_make(&first, low, high, numbers[7], width, height, &view, &message);
     return error ? error : take_camera(numbers[8] != 0 ? numbers[8] : view.near);
+}
+
+/* Out: the start view of a scene for a picture of 2 x 2 pixels: fy, position, rotation (world to camera, rows). Returns
+   1, or 0 where it has none. */
+EXPORT(start_view) int fxs_web_start_view(const loaded *l)
+{
+    if (!fxs_view_of_start(&view, l->data, 2, 2))
+        return 0;
+    numbers[0] = view.fy;
+    memcpy(numbers + 1, view.position, sizeof view.position);
+    memcpy(numbers + 4, view.rotation, sizeof view.rotation);
+    return 1;
+}
+
+/* The start view of a scene, which is the only object. `near`: 0: by its box. Returns 1, or 0 where it has none. */
+EXPORT(see_start) int fxs_web_see_start(const loaded *l, double near, int width, int height)
+{
+    if (!fxs_view_of_start(&view, l->data, width, height))
+        return 0;
+    const int error = take_camera(near != 0 ? near : fxs_near_of_box(low, high));
+    return error ? error : 1;
 }
 
 /* Out: the middle of the objects. */

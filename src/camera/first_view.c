@@ -262,7 +262,8 @@ static double uncut(const chooser *c, const sight *s)
 
 static double score_of(const chooser *c, const stand *at, const sight *s)
 {
-    const double shown = (double)s->seen * uncut(c, s) * LARGEST / (double)(s->largest > LARGEST ? s->largest : LARGEST);
+    const int64_t largest = s->largest > LARGEST ? s->largest : LARGEST;
+    const double shown = (double)s->seen * uncut(c, s) * LARGEST / (double)largest;
     return at->rise != heights[0][1] ? shown : at->yaw == 0 && at->part == 1 ? 1.155 * shown : 1.1 * shown;
 }
 

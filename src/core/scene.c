@@ -52,7 +52,8 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
     if (h.sh_degree > 3 || h.profile > FXS_PROFILE_SMALL || h.palette_step_q19 > 32767 ||
         !layout_of(&l, h.count, (int)h.sh_degree, (enum fxs_profile)h.profile, h.palette_entries) ||
         h.chunk_count != fxs_chunks_of(h.count) ||
-        h.holes > h.count || h.chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h.profile, (int)h.sh_degree) || bytes < l.bytes)
+        h.holes > h.count || bytes < l.bytes ||
+        h.chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h.profile, (int)h.sh_degree))
         return FXS_ERR_SCENE;
     const unsigned char *start = data;
     scene->chunks = start + sizeof h;

@@ -40,6 +40,10 @@ camera = scene.frame(320, 200)
 whole = scene.render(camera, targets=ALL)
 ok("framed: the command's hash",
    hash_of(whole) == run("render", "knot.ply", "--size", "320x200", "--hash").strip())
+with fixsplat.load("start.fxs") as started:
+    said = run("render", "start.fxs", "--size", "320x200", "--hash").strip()
+    ok("a start view: the command's hash", hash_of(started.render(started.frame(320, 200))) == said, said)
+    ok("a start view: not with a field of view", hash_of(started.render(started.frame(320, 200, fov=50))) != said)
 ok("background", hash_of(scene.render(camera, background=(17, 19, 27), cutoff="square", sh_degree=1)) == run(
     "render", "knot.ply", "--size", "320x200", "--hash", "--bg", "11131b", "--cutoff", "square", "--sh-degree",
     "1").strip())

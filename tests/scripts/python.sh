@@ -49,6 +49,7 @@ make_photographs 9
 "$fixsplat" make-scene haze --count 3000 -o haze.ply
 "$fixsplat" make-scene knot --count 200000 -o large.ply
 "$fixsplat" convert knot.ply knot.fxs
+"$fixsplat" convert knot.ply start.fxs --start-view 1,-2,-7,0.1,0.2,0,40
 cp knot.fxs changed.fxs
 "$fixsplat" convert knot.ply knot.splat 2>logs/err
 "$fixsplat" convert knot.ply knot.spz 2>logs/err

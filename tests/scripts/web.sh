@@ -153,7 +153,7 @@ both_at_most() {
 check "builds" builds "$B/web/test_kernels.wasm"
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-for size in core.wasm:45000 simd.wasm:71000 threads.wasm:72000 import.wasm:150000 fixsplat.js:40000; do
+for size in core.wasm:45000 simd.wasm:73000 threads.wasm:74000 import.wasm:150000 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000
@@ -163,6 +163,8 @@ for profile in default compact small; do
     check "framed, $profile" same_picture '{}' '{"width":320,"height":200}' '[]' "$work/20000-$profile.fxs" -- \
         --size 320x200
 done
+"$B/fixsplat" convert "$work/700.ply" "$work/start.fxs" --start-view 1,-2,-7,0.1,0.2,0,40
+check "a start view" same_picture '{}' '{"width":320,"height":200}' '[]' "$work/start.fxs" -- --size 320x200
 check "eye, look, field of view" same_picture \
     '{"eye":[2,-1,-4],"look":[0,0.3,0],"fov":65,"up":[0.1,-1,0.2],"near":0.5}' \
     '{"width":131,"height":77,"background":1122867}' '[]' \

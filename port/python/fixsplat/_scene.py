@@ -143,16 +143,20 @@ class Scene:
         scene units. It is the box for a camera that shows the whole scene."""
         return self.memory.inner_box
 
-    def frame(self, width: int, height: int, *, fov: float = 50, up: Optional[Sequence[float]] = None) -> Camera:
-        """Makes a camera that shows most of the scene, upright: small pictures from many sides say from where, as for
-        `fixsplat render` without a camera. width, height: the size of the picture in pixels. fov: the vertical field
-        of view, 1 to 170 degrees. up: the direction that is up. With it, the camera shows the whole scene from the
-        front and slightly above."""
+    def frame(self, width: int, height: int, *, fov: Optional[float] = None,
+              up: Optional[Sequence[float]] = None) -> Camera:
+        """Makes a camera as `fixsplat render` does without one: the start view that an .fxs keeps, else one that shows
+        most of the scene, upright, which small pictures from many sides find. width, height: the size of the picture
+        in pixels. fov: the vertical field of view, 1 to 170 degrees; None stands for that of the start view, or 50. up:
+        the direction that is up. With it, the camera shows the whole scene from the front and slightly above. With
+        `fov` or `up`, the start view is not taken."""
         view, found = new("fxs_file_view"), ffi.new("double[3]")
         low, high = self.inner_box
         size = whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE)
-        angle = number("fov", fov, 1, 170)
-        if up is None:
+        angle = number("fov", 50 if fov is None else fov, 1, 170)
+        if up is None and fov is None and lib.fxs_view_of_start(view, self.memory.data, *size):
+            view.near = lib.fxs_near_of_box(list(low), list(high))
+        elif up is None:
             placed, memory = new("fxs_object"), self.memory
             lib.fxs_object_init(placed, memory.scene)
             call("fxs_first_view", placed, 1, low, high, angle, *size, view, found)

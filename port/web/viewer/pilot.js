@@ -43,9 +43,10 @@ export class Pilot {
     this.show(view ?? this.start)
   }
 
-  /** The view that it starts with and goes back to: of the file of views, or the whole scene. */
+  /** The view that it starts with and goes back to: of the file of views, of the scene, or the whole scene. */
   get start() {
-    return this.views.length ? motion.ofView(this.views[this.index], this.#scene) : this.whole
+    const view = this.views[this.index] ?? (this.up === this.#scene.first.up ? this.#scene.start : null)
+    return view ? motion.ofView(view, this.#scene) : this.whole
   }
 
   get whole() {

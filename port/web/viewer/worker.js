@@ -6,7 +6,7 @@ const screens = {}
 let scene, how
 let drawn = () => {}
 
-const factsOf = ({ name, count, low, high, first }) => ({ name, count, low, high, first })
+const factsOf = ({ name, count, low, high, first, start }) => ({ name, count, low, high, first, start })
 
 /** What has come of a scene so far: loading goes on when it was drawn. */
 function preview(part) {

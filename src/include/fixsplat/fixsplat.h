@@ -229,8 +229,8 @@ typedef struct fxs_image {
 /* What is seen at a pixel: 8 bytes of an id target. Both are FXS_NOTHING where no Gaussian adds anything. */
 typedef struct fxs_id {
     uint32_t object;               /* the object's id */
-    uint32_t gaussian;             /* its slot in the packed scene; of a scene without holes (packed.h), its number; not
-                                      of a slot with a Gaussian only where a damaged scene has others that are not clear */
+    uint32_t gaussian;             /* its slot in the packed scene: without holes (packed.h), its number. A slot
+                                      without a Gaussian only where a damaged scene has some that are not clear */
 } fxs_id;
 
 #define FXS_NOTHING UINT32_MAX

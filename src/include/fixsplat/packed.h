@@ -123,8 +123,8 @@ static inline uint64_t fxs_little_64(uint64_t x)
     return x;
 }
 
-/* Every field is turned: of a header 8 words, 12 of 64 bits, 6 words, 3 of 64 bits, 4 words; of a chunk's 3 of 64 bits, 11 words, 6 halves;
-   its last 48 fields are bytes. */
+/* Every field is turned: of a header 8 words, 12 of 64 bits, 6 words, 3 of 64 bits, 4 words; of a chunk's 3 of 64 bits,
+   11 words, 6 halves; its last 48 fields are bytes. */
 typedef char fxs_sizes_are_as_turned[sizeof(fxs_packed_header) == 4 * 8 + 8 * 12 + 4 * 6 + 8 * 3 + 4 * 4 &&
                                      sizeof(fxs_chunk) == 8 * 3 + 4 * 11 + 2 * 6 + 48 ? 1 : -1];
 
