@@ -74,13 +74,13 @@ rm -f long.fxs.fit
 # ---- On a terminal ---------------------------------------------------------------------------------------------------
 
 if have script; then
-    (unset FIXSPLAT_QUIET && script -qec "'$fixsplat' fit set --steps 600 -o few.fxs" /dev/null </dev/null >logs/out)
+    (unset FIXSPLAT_QUIET && script -qec "'$fixsplat' fit set --steps 6000 -o few.fxs" /dev/null </dev/null >logs/out)
     check "on a terminal: what it begins with" grep -q \
         'fixsplat: 10 photographs to fit, 2 held out, up to 64x48; 400 points' logs/out
-    script -qec "'$fixsplat' fit set --steps 600 -o few.fxs --quiet --json" /dev/null </dev/null >logs/said
+    script -qec "'$fixsplat' fit set --steps 6000 -o few.fxs --quiet --json" /dev/null </dev/null >logs/said
     check "on a terminal, --quiet: the report alone" equal "$(wc -l <logs/said) $(grep -c '^{"scene": .*}' logs/said)" "1 1"
     check "on a terminal: progress" grep -Eq \
-        '[0-9]+/600, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, [0-9]+ s left' logs/out
+        '[0-9]+/6000, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, [0-9]+ s left' logs/out
 else
     skip "on a terminal" "no script(1) here"
 fi
