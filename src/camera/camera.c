@@ -219,6 +219,26 @@ int fxs_to_rotation(double r[9])
     return valid;
 }
 
+/* For a rotation r[3 i + j], in rows, by the quaternion q = (w, v), the matrix 4 q q^T has 1 + trace, 1 + r00 - r11 -
+   r22, ... on its diagonal, and sums and differences of r elsewhere. Its row with the largest diagonal is parallel to
+   q. */
+void fxs_quaternion_of(const double r[9], double q[4])
+{
+    const double trace = r[0] + r[4] + r[8];
+    int largest = 0;
+    const double diagonal[4] = {1 + trace, 1 + 2 * r[0] - trace, 1 + 2 * r[4] - trace, 1 + 2 * r[8] - trace};
+    const double rows[4][4] = {{diagonal[0], r[7] - r[5], r[2] - r[6], r[3] - r[1]},
+                               {r[7] - r[5], diagonal[1], r[1] + r[3], r[2] + r[6]},
+                               {r[2] - r[6], r[1] + r[3], diagonal[2], r[5] + r[7]},
+                               {r[3] - r[1], r[2] + r[6], r[5] + r[7], diagonal[3]}};
+    for (int i = 1; i < 4; i++)
+        largest = diagonal[i] > diagonal[largest] ? i : largest;
+    const double *row = rows[largest];
+    const double length = sqrt(row[0] * row[0] + row[1] * row[1] + row[2] * row[2] + row[3] * row[3]);
+    for (int i = 0; i < 4; i++)
+        q[i] = row[i] / length;
+}
+
 static int to_fixed(int64_t *out, double x, int q, double limit)
 {
     *out = (int64_t)(fabs(x) < limit ? floor(ldexp(x, q) + 0.5) : 0);

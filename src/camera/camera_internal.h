@@ -57,6 +57,9 @@ int fxs_level_back(double back[3], double axis[3], const double up[3], fxs_messa
 /* Changes a matrix to the nearest rotation. Returns 0 where it is not orthonormal within 1e-3. */
 int fxs_to_rotation(double r[9]);
 
+/* The unit quaternion w, x, y, z of a rotation, in rows. */
+void fxs_quaternion_of(const double r[9], double q[4]);
+
 /* The readers. Both return 0, or an error and a message. The COLMAP texts may be changed. */
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json);
 int fxs_camera_colmap_parse(fxs_view_list *list, int binary, const fxs_text *cameras, const fxs_text *images);

@@ -2,6 +2,7 @@
 
 #include "src/base/exponential.h"
 #include <fixsplat/camera.h>
+#include "camera_internal.h"
 
 /* The weights of a spline between values `first` and first + 1: value first - 1 + k has weight[k]. */
 typedef struct spline {
@@ -62,26 +63,6 @@ static void position_of(const fxs_file_view *view, double *v)
 
 /* ---- Rotations --------------------------------------------------------------------------------------------------- */
 
-/* For a rotation r[3 i + j], in rows, by the quaternion q = (w, v), the matrix 4 q q^T has 1 + trace, 1 + r00 - r11 -
-   r22, ... on its diagonal, and sums and differences of r elsewhere. Its row with the largest diagonal is parallel to
-   q. */
-static void quaternion_of(const double r[9], double q[4])
-{
-    const double trace = r[0] + r[4] + r[8];
-    int largest = 0;
-    const double diagonal[4] = {1 + trace, 1 + 2 * r[0] - trace, 1 + 2 * r[4] - trace, 1 + 2 * r[8] - trace};
-    const double rows[4][4] = {{diagonal[0], r[7] - r[5], r[2] - r[6], r[3] - r[1]},
-                               {r[7] - r[5], diagonal[1], r[1] + r[3], r[2] + r[6]},
-                               {r[2] - r[6], r[1] + r[3], diagonal[2], r[5] + r[7]},
-                               {r[3] - r[1], r[2] + r[6], r[5] + r[7], diagonal[3]}};
-    for (int i = 1; i < 4; i++)
-        largest = diagonal[i] > diagonal[largest] ? i : largest;
-    const double *row = rows[largest];
-    const double length = sqrt(row[0] * row[0] + row[1] * row[1] + row[2] * row[2] + row[3] * row[3]);
-    for (int i = 0; i < 4; i++)
-        q[i] = row[i] / length;
-}
-
 static void matrix_of(const double q[4], double r[9])
 {
     const double s = 2 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -101,7 +82,7 @@ static void turn_between(const spline *s, const fxs_file_view *keys, double rota
         const long key = s->first - 1 + k;
         if (key < 0 || key >= s->count)
             continue;
-        quaternion_of(keys[key].rotation, q);
+        fxs_quaternion_of(keys[key].rotation, q);
         const double dot = before[0] * q[0] + before[1] * q[1] + before[2] * q[2] + before[3] * q[3];
         for (int i = 0; i < 4; i++) {
             before[i] = dot < 0 ? -q[i] : q[i];

@@ -5,28 +5,11 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/message.h>
 #include <fixsplat/packed.h>
+#include "camera_internal.h"
 
 /* The tangent of half the field of view of 170 degrees is 11.5, of 1 degree 0.0087. */
 #define TANGENT_ONE 16777216.0
 #define TANGENT_MOST (12 << 24)
-
-/* The unit quaternion w, x, y, z of a rotation, from the largest of the four. */
-static void quaternion_of(double q[4], const double m[9])
-{
-    const double four[4] = {1 + m[0] + m[4] + m[8], 1 + m[0] - m[4] - m[8], 1 - m[0] + m[4] - m[8],
-                            1 - m[0] - m[4] + m[8]};   /* 4 w^2, 4 x^2, 4 y^2, 4 z^2 */
-    const double products[4][4] = {{four[0], m[7] - m[5], m[2] - m[6], m[3] - m[1]},
-                                   {m[7] - m[5], four[1], m[1] + m[3], m[2] + m[6]},
-                                   {m[2] - m[6], m[1] + m[3], four[2], m[5] + m[7]},
-                                   {m[3] - m[1], m[2] + m[6], m[5] + m[7], four[3]}};   /* 4 a b */
-    int most = 0;
-    for (int i = 1; i < 4; i++)
-        most = four[i] > four[most] ? i : most;
-    const double *p = products[most];
-    const double length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
-    for (int i = 0; i < 4; i++)
-        q[i] = p[i] / length;
-}
 
 int fxs_view_to_start(void *data, const fxs_file_view *view, fxs_message *message)
 {
@@ -41,7 +24,7 @@ int fxs_view_to_start(void *data, const fxs_file_view *view, fxs_message *messag
                            "a start view is in perspective, with a field of view of 1 to 170 degrees");
     memcpy(&h, data, sizeof h);
     fxs_packed_header_turn(&h);
-    quaternion_of(q, view->rotation);
+    fxs_quaternion_of(view->rotation, q);
     h.start_tangent_q24 = (uint32_t)tangent;
     memcpy(h.start_q32, camera.position_q32, sizeof h.start_q32);
     for (int i = 0; i < 4; i++)
