@@ -11,7 +11,9 @@ const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 
 FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk)
 {
-    memcpy(header, fxs_aligned(scene->chunks + (size_t)chunk * sizeof *header), sizeof *header);
+    const unsigned char *at = chunk < scene->chunk_count ? scene->chunks + (size_t)chunk * sizeof *header
+                              : scene->node_chunks + (size_t)(chunk - scene->chunk_count) * sizeof *header;
+    memcpy(header, fxs_aligned(at), sizeof *header);
     fxs_chunk_turn(header);
     return fxs_chunk_valid(header) ? 0 : FXS_ERR_SCENE;
 }

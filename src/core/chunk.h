@@ -37,7 +37,9 @@ static inline const unsigned char *fxs_aligned(const unsigned char *bytes)
 /* The rows of a chunk, aligned to 64. */
 static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chunk)
 {
-    return fxs_aligned(scene->rows + (size_t)chunk * scene->chunk_bytes);
+    return fxs_aligned(chunk < scene->chunk_count
+                           ? scene->rows + (size_t)chunk * scene->chunk_bytes
+                           : scene->node_rows + (size_t)(chunk - scene->chunk_count) * scene->chunk_bytes);
 }
 
 /* -2 ln(opacity of a code) under each law (packed.h), Q11; code 0 is never drawn. */
@@ -46,6 +48,9 @@ extern const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256];
 /* Copies a chunk's header and checks its ranges, on which project and shade rely: the scene's bytes may have changed
    since it was opened. Returns 0 or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk);
+
+/* Copies node i of a scene's tree and checks it, like a chunk's header. */
+int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
 
 /* Reads a chunk and finds where it lies. Returns 1, or 0 where nothing of it can be seen (behind the near plane, beside
    the picture by more than its largest Gaussian reaches, or in the hidden part), or FXS_ERR_SCENE. */

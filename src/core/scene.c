@@ -35,6 +35,54 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
     return layout_of(&l, count, sh_degree, profile, palette_entries) ? (size_t)l.bytes : 0;
 }
 
+/* Where the parts of a tree begin, counted from its header, and its bytes. */
+typedef struct tree_layout {
+    uint64_t chunks, rows, bytes;
+} tree_layout;
+
+static tree_layout lay_out_tree(uint64_t nodes, uint64_t chunk_bytes)
+{
+    tree_layout l;
+    l.chunks = sizeof(fxs_tree_header) + (nodes * sizeof(fxs_node) + 63) / 64 * 64;
+    l.rows = l.chunks + nodes * sizeof(fxs_chunk);
+    l.bytes = l.rows + nodes * chunk_bytes;
+    return l;
+}
+
+size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile)
+{
+    if (chunks < 2 || chunks > FXS_MAX_COUNT / FXS_CHUNK || sh_degree < 0 || sh_degree > 3 ||
+        (uint32_t)profile > FXS_PROFILE_SMALL)
+        return 0;
+    const uint64_t bytes = lay_out_tree(chunks - 1, fxs_chunk_bytes(profile, sh_degree)).bytes;
+    return bytes <= SIZE_MAX ? (size_t)bytes : 0;
+}
+
+int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i)
+{
+    memcpy(node, scene->nodes + (size_t)i * sizeof *node, sizeof *node);
+    fxs_words_turn(node, sizeof *node / 4);
+    return fxs_node_valid(node, scene->chunk_count, i) ? 0 : FXS_ERR_SCENE;
+}
+
+/* The tree of a scene, at `start`, in so many bytes. */
+static int open_tree(fxs_scene *scene, const unsigned char *start, uint64_t bytes)
+{
+    const uint32_t nodes = scene->chunk_count - 1;
+    fxs_tree_header h;
+    if (scene->chunk_count < 2 || bytes < sizeof h)
+        return FXS_ERR_SCENE;
+    const tree_layout l = lay_out_tree(nodes, scene->chunk_bytes);
+    memcpy(&h, start, sizeof h);
+    fxs_words_turn(&h, sizeof h / 4);
+    if (h.magic != FXS_TREE_MAGIC || h.node_count != nodes || bytes < l.bytes)
+        return FXS_ERR_SCENE;
+    scene->nodes = start + sizeof h;
+    scene->node_chunks = start + l.chunks;
+    scene->node_rows = start + l.rows;
+    return 0;
+}
+
 int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
 {
     fxs_packed_header h;
@@ -47,7 +95,7 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
     fxs_packed_header_turn(&h);
     if (h.magic != FXS_PACKED_MAGIC)
         return FXS_ERR_SCENE;
-    if (h.version != FXS_PACKED_VERSION)
+    if (h.version != FXS_PACKED_VERSION && h.version != FXS_PACKED_VERSION_TREE)
         return FXS_ERR_VERSION;
     if (h.sh_degree > 3 || h.profile > FXS_PROFILE_SMALL || h.palette_step_q19 > 32767 ||
         !layout_of(&l, h.count, (int)h.sh_degree, (enum fxs_profile)h.profile, h.palette_entries) ||
@@ -67,7 +115,8 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
     scene->palette_step_q19 = h.palette_step_q19;
     scene->sh_degree = (int)h.sh_degree;
     scene->antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0;
-    int error = 0;
+    scene->nodes = scene->node_chunks = scene->node_rows = 0;
+    int error = h.version == FXS_PACKED_VERSION_TREE ? open_tree(scene, start + l.bytes, bytes - l.bytes) : 0;
     for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
         fxs_chunk header;
         error = fxs_chunk_read(&header, scene, i);

@@ -108,11 +108,23 @@ typedef struct fxs_scene {
     uint32_t palette_entries, palette_step_q19;
     int sh_degree;                    /* 0 to 3 */
     int antialiased;                  /* 1: the opacity is compensated for the dilation */
+    const unsigned char *nodes;       /* chunk_count - 1 nodes of the tree over the chunks; null without a tree */
+    const unsigned char *node_chunks, *node_rows;   /* of their chunks; aligned to 64 */
 } fxs_scene;
+
+/* The number of a scene's chunks with those of its tree. */
+static inline uint32_t fxs_scene_chunks(const fxs_scene *scene)
+{
+    return scene->nodes ? 2 * scene->chunk_count - 1 : scene->chunk_count;
+}
 
 /* Bytes of a packed scene of `count` Gaussians with SH of degree `sh_degree`, and `palette_entries` (0 to 128) in each
    stage of its palette; 0 where any is out of range. */
 FXS_API size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries);
+
+/* Bytes of the tree over so many chunks, which follows them in the packed scene; 0 where there are fewer than two
+   chunks, or it would be more than a size_t can count. */
+FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile);
 
 /* Checks `bytes` bytes of a packed scene at `data` (aligned to 64; memory, a mapped file or flash) and fills *scene.
    `data` must stay in place and unchanged as long as the scene is used; nothing is copied. Where another program

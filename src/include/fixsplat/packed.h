@@ -5,7 +5,16 @@
  *   fxs_chunk[chunk_count]                 128 bytes each: how the codes of 256 Gaussians are read, and where they lie
  *   int8_t palette[stages][entries][48]    SH, 0 to 6 stages: red, green, blue of 16 (the last of them 0); then zeros
  *                                          up to a multiple of 64
- *   rows[chunk_count]                      chunk_bytes each, one of:
+ *   rows[chunk_count]                      chunk_bytes each, as below; in version 3, nothing behind the last
+ *
+ * and in version 4 a tree over these chunks, its leaves (chunk_count is 2 or more):
+ *
+ *   fxs_tree_header                        64 bytes
+ *   fxs_node[chunk_count - 1]              16 bytes each; the root first; then zeros up to a multiple of 64
+ *   fxs_chunk[chunk_count - 1]             each node's chunk of coarse Gaussians, which stand for all leaves below it
+ *   rows[chunk_count - 1]                  and its rows
+ *
+ * A chunk's rows are one of:
  *
  *   default
  *       uint16_t x[256], y[256], z[256]    position codes
@@ -46,7 +55,8 @@ extern "C" {
 
 #define FXS_CHUNK 256
 #define FXS_PACKED_MAGIC 0x31535846u      /* "FXS1" */
-#define FXS_PACKED_VERSION 3u
+#define FXS_PACKED_VERSION 3u             /* without a tree, */
+#define FXS_PACKED_VERSION_TREE 4u        /* with one */
 #define FXS_PACKED_ANTIALIASED 1u
 
 typedef struct fxs_packed_header {   /* 192 bytes */
@@ -85,6 +95,27 @@ typedef struct fxs_chunk {           /* 128 bytes */
     uint16_t opacity_law;            /* how codes of opacity are read: 0 to 3 */
     int8_t sh_mean[48];              /* compact and small: as an entry of a palette, added to each Gaussian's */
 } fxs_chunk;
+
+#define FXS_TREE_MAGIC 0x54535846u        /* "FXST" */
+
+typedef struct fxs_tree_header {     /* 64 bytes */
+    uint32_t magic;
+    uint32_t node_count;             /* chunk_count - 1 */
+    uint32_t checksum;               /* in a file: CRC-32 of this header with 0 here, then of the nodes */
+    uint32_t reserved[13];           /* 0 */
+} fxs_tree_header;
+
+/* A node's chunk stands for what its two children draw together. Chunks are numbered: the leaves from 0 on, then the
+   nodes in their order, so that of node i has number chunk_count + i. A node comes before its children. */
+typedef struct fxs_node {            /* 16 bytes */
+    uint32_t children[2];            /* numbers of chunks */
+    int32_t gain_q8;                 /* log2 of the squared error, in colours^2 units^2, that the children remove; within
+                                        +-FXS_GAIN_MOST_Q8 */
+    int32_t size_q8;                 /* log2 of the sigma, in units, of what differs; within +-FXS_NODE_SIZE_MOST_Q8 */
+} fxs_node;
+
+#define FXS_GAIN_MOST_Q8 (128 << 8)
+#define FXS_NODE_SIZE_MOST_Q8 (64 << 8)
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
 #define FXS_BIG_ENDIAN 1
@@ -126,7 +157,8 @@ static inline uint64_t fxs_little_64(uint64_t x)
 /* Every field is turned: of a header 8 words, 12 of 64 bits, 6 words, 3 of 64 bits, 4 words; of a chunk's 3 of 64 bits,
    11 words, 6 halves; its last 48 fields are bytes. */
 typedef char fxs_sizes_are_as_turned[sizeof(fxs_packed_header) == 4 * 8 + 8 * 12 + 4 * 6 + 8 * 3 + 4 * 4 &&
-                                     sizeof(fxs_chunk) == 8 * 3 + 4 * 11 + 2 * 6 + 48 ? 1 : -1];
+                                     sizeof(fxs_chunk) == 8 * 3 + 4 * 11 + 2 * 6 + 48 &&
+                                     sizeof(fxs_tree_header) == 64 && sizeof(fxs_node) == 16 ? 1 : -1];
 
 /* A header that was copied from a packed scene, to be read; or one that was filled in, to be copied there. */
 static inline void fxs_packed_header_turn(fxs_packed_header *header)
@@ -143,6 +175,12 @@ static inline void fxs_chunk_turn(fxs_chunk *chunk)
     fxs_little_endian(chunk, 0, 3, 8);
     fxs_little_endian(chunk, offsetof(fxs_chunk, step_q32), 11, 4);
     fxs_little_endian(chunk, offsetof(fxs_chunk, sh_step_q19), 6, 2);
+}
+
+/* Of a tree header or a node, all words. */
+static inline void fxs_words_turn(void *words, size_t count)
+{
+    fxs_little_endian(words, 0, count, 4);
 }
 
 static inline int fxs_within(int64_t x, int64_t limit)
@@ -165,6 +203,16 @@ static inline int fxs_chunk_valid(const fxs_chunk *chunk)
                 fxs_within(colour + colour_reach, 64 << 16) && chunk->sh_step_q19[i] <= 32767;
     }
     return valid;
+}
+
+/* 1 where node i of a scene with so many leaves is as it should be. */
+static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t i)
+{
+    int valid = fxs_within(node->gain_q8, FXS_GAIN_MOST_Q8) && fxs_within(node->size_q8, FXS_NODE_SIZE_MOST_Q8);
+    for (int k = 0; k < 2; k++)
+        valid = valid && (node->children[k] < leaves ||
+                          (node->children[k] > leaves + i && node->children[k] < 2 * leaves - 1));
+    return valid && node->children[0] != node->children[1];
 }
 
 /* Chunks of so many slots. */
