@@ -61,6 +61,15 @@ static int take_foveate(const option_row *row, void *field, const char *value)
     return right ? 0 : wrong_value(row, value);
 }
 
+static int take_detail(const option_row *row, void *field, const char *value)
+{
+    double pixels = 0;
+    if (!parse_vector(value, 1, &pixels) || !(pixels >= 1.0 / 256 && pixels <= FXS_MAX_SIZE))
+        return wrong_value(row, value);
+    *(uint32_t *)field = (uint32_t)lrint(256 * pixels);
+    return 0;
+}
+
 static int take_tangents(const option_row *row, void *field, const char *value)
 {
     frame_options *options = field;
@@ -128,6 +137,11 @@ const option_row frame_rows[] = {
     {"bg", "RRGGBB", COLOUR(render.background), .help = "background (default 000000)"},
     {"cutoff", "NAME", CHOICE(render.cutoff, cutoff_names), .help = "mahalanobis (default) or square"},
     {"sh-degree", "D", INT(render.sh_degree, 0, 3), .help = "highest SH degree used, 0 to 3 (default 3)"},
+    {"budget", "N", UINT32(render.budget, 1, UINT32_MAX), .help =
+     "Gaussians that a frame draws at most of scenes with levels of detail (convert --lod): coarse ones take the place "
+     "of those that matter least to the picture (default: all are drawn)"},
+    {"detail", "PIXELS", take_detail, FIELD(uint32_t, render.detail_q8), .expected = "pixels, 1/256 to 16384", .help =
+     "of such scenes, draw nothing finer than about this size; with or without --budget"},
     {"threads", "N", take_threads, 0, 1, 64, .help =
      "threads, 1 to 64 (default: one a processor); the picture does not depend on it"},
     {"max-memory", "BYTES", BYTES(max_memory), .help =

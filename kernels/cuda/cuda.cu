@@ -344,6 +344,7 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
         if (object->visible)
             views[k].scene = find_scene(&cuda->scenes, object->scene)->there;
         views[k].first_chunk = chunks;
+        views[k].end_chunk = chunks + object->scene->chunk_count;
         views[k].crops = crops_there;
         for (uint32_t n = 0; n < object->crop_count; n++)
             *crops++ = object->crops[n];

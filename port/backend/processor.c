@@ -71,14 +71,12 @@ static int fail_frame(const fxs_processor *p, int error, const fxs_stats *stats,
 int fxs_processor_render(fxs_processor *p, const fxs_request *q, fxs_stats *stats, fxs_message *why)
 {
     fxs_stats own;
-    const int32_t width = q->cameras->width, height = q->cameras->height;
     if (q->eyes != 1 && q->eyes != 2)
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%" PRIu32 " eyes: expected 1 or 2", q->eyes);
     stats = stats ? stats : &own;
     memset(stats, 0, sizeof *stats);
     /* 0 where an argument is out of range: rendering returns the error. */
-    const size_t bytes = q->eyes == 2 ? fxs_stereo_bytes(&p->context, q->objects, q->count, width, height)
-                                      : fxs_frame_bytes(&p->context, q->objects, q->count, width, height, 0);
+    const size_t bytes = fxs_request_bytes(&p->context, q, 0);
     if (make_room(p, bytes, q->cameras, why))
         return FXS_ERR_MEMORY;
     const int error = fxs_render(&p->context, q, p->memory, p->memory_bytes, stats);
@@ -88,7 +86,9 @@ int fxs_processor_render(fxs_processor *p, const fxs_request *q, fxs_stats *stat
 int fxs_processor_pick(fxs_processor *p, const fxs_request *q, int32_t x, int32_t y, fxs_pick_result *result,
                        fxs_message *why)
 {
-    const size_t bytes = fxs_frame_bytes(&p->context, q->objects, q->count, q->cameras->width, q->cameras->height, 0);
+    fxs_request one = *q;
+    one.eyes = 1;
+    const size_t bytes = fxs_request_bytes(&p->context, &one, 0);
     if (make_room(p, bytes, q->cameras, why))
         return FXS_ERR_MEMORY;
     const int found = fxs_pick(&p->context, q, x, y, p->memory, p->memory_bytes, result);

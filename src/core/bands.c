@@ -55,14 +55,15 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
         f->block_chunks *= 2;
     f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
 
+    for (uint32_t eye = 0; eye < f->eye_count; eye++)          /* these first: they stay when the cut is known */
+        f->eye[eye].objects = cut(&m, f->object_count * sizeof *f->eye->objects);
+    f->cut_memory = cut(&m, f->cut_room ? fxs_cut_bytes(f->cut_room) : 0);
     f->block_slots = cut(&m, (f->blocks + 1) * sizeof *f->block_slots);
     f->block_counts = cut(&m, f->blocks * sizeof *f->block_counts);
     f->block_times = cut(&m, (uint64_t)f->blocks * 3 * sizeof *f->block_times);
     f->row_counts = cut(&m, planned ? (uint64_t)f->blocks * (tiles_y + 1) * sizeof *f->row_counts : 0);
     f->extents = cut(&m, planned ? (uint64_t)chunks * sizeof *f->extents : 0);
     f->histograms = cut(&m, config->draw_unlisted ? f->parts * sizeof *f->histograms : 0);
-    for (uint32_t eye = 0; eye < f->eye_count; eye++)
-        f->eye[eye].objects = cut(&m, f->object_count * sizeof *f->eye->objects);
     uint64_t tiles_at = m.used;
     f->tile_counts = cut(&m, f->tiles * sizeof *f->tile_counts);
     f->tile_ends = cut(&m, f->tiles * sizeof *f->tile_ends);
@@ -171,7 +172,7 @@ static void widen(fxs_span *a, fxs_span b)
     a->last = -fxs_min(-a->last, -b.last);
 }
 
-void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t chunk, uint32_t first, uint32_t count)
+void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t place, uint32_t first, uint32_t count)
 {
     const fxs_eye *eye = f->eye;
     fxs_row_counts *counts = row_counts_of(f, block);
@@ -185,7 +186,7 @@ void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t chunk, uint32_t first
         e.nearest = eye->depths[slot] < e.nearest ? eye->depths[slot] : e.nearest;
         e.farthest = eye->depths[slot] > e.farthest ? eye->depths[slot] : e.farthest;
     }
-    f->extents[chunk] = e;
+    f->extents[place] = e;
 }
 
 /* The splats that start, or end, on a row become the splats that start, or end, on any row above it. */
@@ -321,23 +322,23 @@ int fxs_band_next(fxs_frame *f)
 }
 
 /* Whether all splats of a chunk are kept, as none can be outside of the band. */
-static int is_whole(const fxs_frame *f, uint32_t chunk)
+static int is_whole(const fxs_frame *f, uint32_t place)
 {
     return f->mode < FXS_FRAME_BAND ||
-           (f->extents[chunk].rows.first >= f->first_row && f->extents[chunk].rows.last < f->end_row);
+           (f->extents[place].rows.first >= f->first_row && f->extents[place].rows.last < f->end_row);
 }
 
-int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk)
+int fxs_band_has_chunk(const fxs_frame *f, uint32_t place)
 {
     return f->mode < FXS_FRAME_BAND ||
-           (f->extents[chunk].rows.last >= f->first_row && f->extents[chunk].rows.first < f->end_row);
+           (f->extents[place].rows.last >= f->first_row && f->extents[place].rows.first < f->end_row);
 }
 
-uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t first_slot, uint32_t count)
+uint32_t fxs_band_keep(fxs_frame *f, uint32_t place, uint32_t first_slot, uint32_t count)
 {
     const fxs_eye *eye = f->eye;
     uint32_t to = first_slot;
-    if (is_whole(f, chunk))
+    if (is_whole(f, place))
         return count;
     for (uint32_t slot = first_slot; slot < first_slot + count; slot++) {
         fxs_span rows = fxs_bin_rows(&eye->view, &eye->splats[slot], &eye->bounds[slot]);

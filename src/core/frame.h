@@ -41,6 +41,12 @@ typedef struct fxs_extent {
     uint32_t nearest, farthest;
 } fxs_extent;
 
+/* A chunk that is drawn, where a cut decides which are. */
+typedef struct fxs_drawn {
+    uint32_t chunk;                /* of all objects */
+    int32_t offset_q11;            /* of the opacity of its Gaussians: -2 ln(factor) */
+} fxs_drawn;
+
 /* A picture of the frame: the camera, its splats and where they are drawn. Two eyes share the other memory. */
 typedef struct fxs_eye {
     fxs_view view;                         /* of the world */
@@ -58,7 +64,9 @@ typedef struct fxs_frame {
     const fxs_context *context;
     const fxs_options *options;
     const fxs_object *objects;
-    uint32_t object_count, chunk_count;    /* chunks: of all objects */
+    uint32_t object_count;
+    uint32_t chunk_count;                  /* that are drawn: all, or those of the cut */
+    uint32_t cut_room;                     /* at most so many are in the cut; 0: there is none */
     unsigned char *memory;
     uint64_t memory_bytes;
     fxs_tile_fn *draw_tile;                /* of draw.c, pick.c, count.c or slices.c; null: a back end draws */
@@ -79,8 +87,10 @@ typedef struct fxs_frame {
     uint32_t *block_slots;                 /* first slot of each block, and the end of the last one's */
     uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED */
     uint64_t *block_times;                 /* nanoseconds of project, shade and bin */
+    void *cut_memory;                      /* of fxs_cut_bytes */
+    fxs_drawn *drawn;                      /* the chunks of the cut, ascending; null where all are drawn */
     fxs_row_counts *row_counts;            /* of a plan: tiles_y + 1 for each block */
-    fxs_extent *extents;                   /* of a plan: of each chunk */
+    fxs_extent *extents;                   /* of a plan: of each chunk that is drawn */
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part, for a back end without lists */
     uint32_t *tile_counts, *tile_ends;     /* length of each tile's list, and for back ends where it ends */
     uint32_t *lengths;                     /* of each macro tile's list */
@@ -115,14 +125,15 @@ typedef struct fxs_frame {
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
                    size_t memory_bytes);
 
-/* Cuts up the memory and places the objects; where it does not hold every Gaussian, finds out how many splats each tile
+/* Cuts up the memory, places the objects and chooses their chunks; where the memory does not hold every Gaussian, finds out how many splats each tile
    row has. Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has what would do),
    FXS_ERR_OBJECT, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
 int fxs_frame_begin(fxs_frame *f);
 
-/* Bytes of a frame of one eye or two; 0 where an argument is out of range. *memory may be null. */
-size_t fxs_measure(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
-                   int32_t height, uint32_t eyes, fxs_frame_memory *memory);
+/* Bytes of a request's frame of this size, whatever its cameras; 0 where an argument is out of range. *memory may be
+   null. */
+size_t fxs_measure(const fxs_context *context, const fxs_request *request, int32_t width, int32_t height,
+                   fxs_frame_memory *memory);
 
 /* ---- frame.c ----------------------------------------------------------------------------------------------------- */
 
@@ -155,11 +166,17 @@ static inline uint64_t fxs_now(const fxs_frame *f)
     return config->clock ? config->clock(config->clock_argument) : 0;
 }
 
-/* The chunks of a block: from fxs_block_start(f, block) to fxs_block_start(f, block + 1). */
+/* The places in the list of drawn chunks of a block: from fxs_block_start(f, block) to fxs_block_start(f, block + 1). */
 static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
 {
     uint64_t chunk = (uint64_t)block * f->block_chunks;
     return chunk < f->chunk_count ? (uint32_t)chunk : f->chunk_count;
+}
+
+/* The chunk, of all objects, at a place in the list of drawn ones. */
+static inline uint32_t fxs_frame_chunk(const fxs_frame *f, uint32_t place)
+{
+    return f->drawn ? f->drawn[place].chunk : place;
 }
 
 /* The object that a chunk of all objects is of. */

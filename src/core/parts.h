@@ -20,25 +20,36 @@ int fxs_bands_plan(fxs_frame *f);
 /* Goes on to the next band: as many tile rows from end_row on as fit in the memory. Returns 0 where there is none. */
 int fxs_band_next(fxs_frame *f);
 
-/* Counts the splats of a chunk, at `slot`, by tile row, for the plan. */
-void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t chunk, uint32_t slot, uint32_t count);
+/* Counts the splats of the chunk at this place in the list of drawn ones, from `slot` on, by tile row, for the plan. */
+void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t place, uint32_t slot, uint32_t count);
 
 /* Whether splats of a chunk may touch the band. */
-int fxs_band_has_chunk(const fxs_frame *f, uint32_t chunk);
+int fxs_band_has_chunk(const fxs_frame *f, uint32_t place);
 
 /* Of `count` splats from `slot` on, keeps those that touch the band, without gaps. Returns how many they are. */
-uint32_t fxs_band_keep(fxs_frame *f, uint32_t chunk, uint32_t slot, uint32_t count);
+uint32_t fxs_band_keep(fxs_frame *f, uint32_t place, uint32_t slot, uint32_t count);
+
+/* ---- cut.c ------------------------------------------------------------------------------------------------------- */
+
+/* The most chunks that are drawn of checked objects; 0 where the options do not limit them, and all leaves are. */
+uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options);
+
+/* Bytes of f->cut_memory for so many. */
+uint64_t fxs_cut_bytes(uint32_t most_drawn);
+
+/* Sets f->drawn and f->chunk_count, which is f->cut_room before. The objects are placed. Returns 0 or FXS_ERR_SCENE. */
+int fxs_cut(fxs_frame *f);
 
 /* ---- prepare.c --------------------------------------------------------------------------------------------------- */
 
 #define FXS_BLOCK 16u              /* chunks that are projected, shaded and binned in one go */
 #define FXS_BLOCK_FAILED UINT32_MAX   /* the scene was damaged or changed */
 
-/* The first stages on splats of a chunk of an object, in the slots from `slot` on; bin works on any slots. project
-   leaves out splats that the band does not need, and returns how many are left, or FXS_ERR_SCENE. That is also the
+/* The first stages on splats of a chunk of an object, in the slots from `slot` on; bin works on any slots. project is
+   given the chunk's place in the list of drawn ones, shade its number among those of all objects. project leaves out splats that the band does not need, and returns how many are left, or FXS_ERR_SCENE. That is also the
    error where the plan left no room for 256 splats before end_slot: the scene's bytes have changed since. shade returns
    0 or FXS_ERR_SCENE. */
-int32_t fxs_prepare_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot, uint32_t end_slot);
+int32_t fxs_prepare_project(fxs_frame *f, uint32_t object, uint32_t place, uint32_t slot, uint32_t end_slot);
 int fxs_prepare_shade(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot, uint32_t count);
 void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count);
 
@@ -57,10 +68,10 @@ int fxs_slices_draw(fxs_frame *f);
 
 /* ---- eyes.c ------------------------------------------------------------------------------------------------------ */
 
-/* Projects a chunk for both eyes, to the slots from `slot` on. A Gaussian that either eye sees has the same slot in
+/* Projects a chunk of an object for both eyes, to the slots from `slot` on, with an offset of the opacity. A Gaussian that either eye sees has the same slot in
    both; in the eye that does not see it, it has the depth that it has in the other. Returns how many slots are taken,
    at most 256, or FXS_ERR_SCENE. */
-int32_t fxs_eyes_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot);
+int32_t fxs_eyes_project(fxs_frame *f, uint32_t object, uint32_t chunk, int32_t offset_q11, uint32_t slot);
 
 /* After bin: splats that the eye does not see are listed in no tile. */
 void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);

@@ -4,22 +4,24 @@
 #include "memory.h"
 #include "parts.h"
 
-int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t end_slot)
+int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint32_t slot, uint32_t end_slot)
 {
     fxs_eye *eye = f->eye;
     const fxs_object_view *object = &eye->objects[number];
+    const uint32_t chunk = fxs_frame_chunk(f, place) - object->first_chunk;
+    const int32_t offset_q11 = f->drawn ? f->drawn[place].offset_q11 : 0;
     uint32_t *indices = f->indices + slot;
     if (end_slot - slot < FXS_CHUNK)
         return FXS_ERR_SCENE;
-    if (!fxs_band_has_chunk(f, chunk))
+    if (!fxs_band_has_chunk(f, place))
         return 0;
     int32_t count = f->eye_count > 1
-                        ? fxs_eyes_project(f, number, chunk - object->first_chunk, slot)
-                        : fxs_object_project(object, &f->context->kernels, chunk - object->first_chunk,
-                                             eye->splats + slot, eye->bounds + slot, indices, eye->depths + slot);
+                        ? fxs_eyes_project(f, number, chunk, offset_q11, slot)
+                        : fxs_object_project(object, &f->context->kernels, chunk, offset_q11, eye->splats + slot,
+                                             eye->bounds + slot, indices, eye->depths + slot);
     for (int32_t i = 0; i < count && object->first_chunk; i++)
         indices[i] += object->first_chunk * FXS_CHUNK;
-    return count < 0 ? count : (int32_t)fxs_band_keep(f, chunk, slot, (uint32_t)count);
+    return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);
 }
 
 /* Both eyes have the colours of the first one. */
@@ -57,14 +59,15 @@ static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
                               uint64_t *times)
 {
-    uint32_t starts[FXS_BLOCK + 1] = {slot}, objects[FXS_BLOCK];
+    uint32_t starts[FXS_BLOCK + 1] = {slot}, chunks[FXS_BLOCK], objects[FXS_BLOCK];
     uint64_t start = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++) {
-        objects[i] = i ? objects[i] : fxs_frame_object(f, first);
-        if (first + i + 1 < end) {
-            objects[i + 1] = fxs_frame_object(f, first + i + 1);
-            fetch_rows(f, objects[i + 1], first + i + 1, 0, FXS_ROW_SH);
-        }
+        chunks[i] = fxs_frame_chunk(f, first + i);
+        objects[i] = fxs_frame_object(f, chunks[i]);
+    }
+    for (uint32_t i = 0; i < end - first; i++) {
+        if (first + i + 1 < end)
+            fetch_rows(f, objects[i + 1], chunks[i + 1], 0, FXS_ROW_SH);
         int32_t count = fxs_prepare_project(f, objects[i], first + i, starts[i], end_slot);
         if (count < 0)
             return count;
@@ -73,8 +76,8 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     uint64_t projected = fxs_now(f);
     for (uint32_t i = 0; i < end - first; i++) {
         if (first + i + 1 < end && starts[i + 2] > starts[i + 1])
-            fetch_rows(f, objects[i + 1], first + i + 1, FXS_ROW_SH, UINT32_MAX);
-        int error = fxs_prepare_shade(f, objects[i], first + i, starts[i], starts[i + 1] - starts[i]);
+            fetch_rows(f, objects[i + 1], chunks[i + 1], FXS_ROW_SH, UINT32_MAX);
+        int error = fxs_prepare_shade(f, objects[i], chunks[i], starts[i], starts[i + 1] - starts[i]);
         if (error)
             return error;
     }
@@ -91,11 +94,12 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
 static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_t end, uint32_t slot)
 {
     uint32_t all = 0;
-    for (uint32_t chunk = first; chunk < end; chunk++) {
-        const int32_t count = fxs_prepare_project(f, fxs_frame_object(f, chunk), chunk, slot, slot + FXS_CHUNK);
+    for (uint32_t place = first; place < end; place++) {
+        const uint32_t object = fxs_frame_object(f, fxs_frame_chunk(f, place));
+        const int32_t count = fxs_prepare_project(f, object, place, slot, slot + FXS_CHUNK);
         if (count < 0)
             return count;
-        fxs_band_count(f, block, chunk, slot, (uint32_t)count);
+        fxs_band_count(f, block, place, slot, (uint32_t)count);
         all += (uint32_t)count;
     }
     return (int32_t)all;

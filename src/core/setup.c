@@ -3,8 +3,10 @@
 #include "parts.h"
 
 /* Counts the chunks of the objects, and checks what needs no camera. */
-static int take_objects(fxs_frame *f, const fxs_object *objects, uint32_t count)
+static int take_objects(fxs_frame *f, const fxs_request *request)
 {
+    const fxs_object *objects = request->objects;
+    const uint32_t count = request->count;
     uint64_t chunks = 0, gaussians = 0;
     int error = count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
     f->objects = objects;
@@ -16,7 +18,8 @@ static int take_objects(fxs_frame *f, const fxs_object *objects, uint32_t count)
     }
     if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
         error = FXS_ERR_OBJECT;
-    f->chunk_count = (uint32_t)chunks;
+    f->cut_room = error ? 0 : fxs_cut_room(objects, count, &request->options);
+    f->chunk_count = f->cut_room ? f->cut_room : (uint32_t)chunks;
     f->stats.gaussians = (uint32_t)gaussians;
     return error;
 }
@@ -42,7 +45,7 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *
 {
     memset(f, 0, sizeof *f);
     int error = check(context, request, memory);
-    error = error ? error : take_objects(f, request->objects, request->count);
+    error = error ? error : take_objects(f, request);
     error = error ? error : eye_init(&f->eyes[0], request, 0);
     if (!error && request->eyes == 2)
         error = eye_init(&f->eyes[1], request, 1);
@@ -64,35 +67,48 @@ static int place_objects(fxs_frame *f)
 {
     uint32_t first_chunk = 0;
     for (uint32_t i = 0; i < f->object_count; i++) {
+        const fxs_scene *scene = f->objects[i].scene;
+        const uint32_t chunks = f->cut_room ? fxs_scene_chunks(scene) : scene->chunk_count;
         for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
             const int error = fxs_object_view_init(&eye->objects[i], &eye->view, &eye->camera, &f->objects[i]);
             if (error)
                 return error;
             eye->objects[i].first_chunk = first_chunk;
+            eye->objects[i].end_chunk = first_chunk + chunks;
         }
-        first_chunk += f->objects[i].scene->chunk_count;
+        first_chunk += chunks;
     }
     return 0;
 }
 
+/* The memory is cut up again once it is known how many chunks are drawn. */
+static int choose_chunks(fxs_frame *f)
+{
+    const int error = fxs_cut(f);
+    return error ? error : fxs_bands_init(f);
+}
+
 int fxs_frame_begin(fxs_frame *f)
 {
+    f->chunk_count = f->cut_room ? f->cut_room : f->chunk_count;
     int error = fxs_bands_init(f);
     error = error ? error : place_objects(f);
+    error = error || !f->cut_room ? error : choose_chunks(f);
+    f->stats.drawn = f->chunk_count * FXS_CHUNK;
     return error || f->mode == FXS_FRAME_WHOLE ? error : fxs_bands_plan(f);
 }
 
-size_t fxs_measure(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
-                   int32_t height, uint32_t eyes, fxs_frame_memory *memory)
+size_t fxs_measure(const fxs_context *context, const fxs_request *request, int32_t width, int32_t height,
+                   fxs_frame_memory *memory)
 {
     fxs_frame f;
     memset(&f, 0, sizeof f);
-    if (!context || (!objects && count) || width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE ||
-        take_objects(&f, objects, count))
+    if (!context || (!request->objects && request->count) || width < 1 || height < 1 || width > FXS_MAX_SIZE ||
+        height > FXS_MAX_SIZE || take_objects(&f, request))
         return 0;
     f.context = context;
     f.eye = f.eyes;
-    f.eye_count = eyes;
+    f.eye_count = request->eyes;
     f.eyes[0].view.tiles_x = (width + FXS_TILE - 1) / FXS_TILE;
     f.eyes[0].view.tiles_y = (height + FXS_TILE - 1) / FXS_TILE;
     if (fxs_bands_measure(&f) > SIZE_MAX)
@@ -105,5 +121,22 @@ size_t fxs_measure(const fxs_context *context, const fxs_object *objects, uint32
 size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                        int32_t height, fxs_frame_memory *memory)
 {
-    return fxs_measure(context, objects, count, width, height, 1, memory);
+    fxs_request request;
+    fxs_request_init(&request, objects, count);
+    return fxs_measure(context, &request, width, height, memory);
+}
+
+size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
+                        int32_t height)
+{
+    fxs_request request;
+    fxs_request_init(&request, objects, count);
+    request.eyes = 2;
+    return fxs_measure(context, &request, width, height, 0);
+}
+
+size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory)
+{
+    return request && (request->eyes == 1 || request->eyes == 2)
+               ? fxs_measure(context, request, request->cameras->width, request->cameras->height, memory) : 0;
 }

@@ -59,12 +59,13 @@ static int take(fxs_frame *f, slice *s)
     s->last = UINT64_MAX;
     s->count = 0;
     s->more = 0;
-    for (uint32_t chunk = 0; chunk < f->chunk_count; chunk++) {
-        if (!may_have(f, s, chunk))
+    for (uint32_t place = 0; place < f->chunk_count; place++) {
+        if (!may_have(f, s, place))
             continue;
         if (fxs_frame_stopped(f))
             return FXS_ERR_STOPPED;
-        const int32_t count = fxs_prepare_project(f, fxs_frame_object(f, chunk), chunk, s->count, s->room + FXS_CHUNK);
+        const uint32_t object = fxs_frame_object(f, fxs_frame_chunk(f, place));
+        const int32_t count = fxs_prepare_project(f, object, place, s->count, s->room + FXS_CHUNK);
         if (count < 0)
             return count;
         keep(f, s, (uint32_t)count);

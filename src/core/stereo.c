@@ -3,12 +3,6 @@
 #include <fixsplat/fixed.h>
 #include "parts.h"
 
-size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
-                        int32_t height)
-{
-    return fxs_measure(context, objects, count, width, height, 2, 0);
-}
-
 /* Whether two views measure depth alike: their z axes are parallel, and neither is ahead, within 2^-14. */
 static int same_depth(const fxs_view *a, const fxs_view *b)
 {
@@ -76,7 +70,7 @@ int fxs_stereo_render(fxs_frame *f, const fxs_request *request)
         return FXS_ERR_OBJECT;
     if (fxs_targets_collide(&request->targets[0], &request->targets[1], a->width, a->height))
         return FXS_ERR_TARGET;
-    f->stats.memory.least = fxs_stereo_bytes(f->context, request->objects, request->count, a->width, a->height);
+    f->stats.memory.least = fxs_request_bytes(f->context, request, 0);
     if (!f->stats.memory.least || f->memory_bytes < f->stats.memory.least)
         return FXS_ERR_MEMORY;
     const uint64_t start = fxs_now(f);

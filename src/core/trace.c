@@ -140,7 +140,7 @@ static void read_limits(tracer *t, int32_t x, int32_t y, int32_t columns, int32_
 
 fxs_id fxs_id_of(const fxs_object_view *objects, uint32_t count, uint32_t index, const fxs_object_view **object)
 {
-    if (index / FXS_CHUNK - (*object)->first_chunk >= (*object)->scene.chunk_count)
+    if (index / FXS_CHUNK < (*object)->first_chunk || index / FXS_CHUNK >= (*object)->end_chunk)
         *object = &objects[fxs_object_of(objects, count, index / FXS_CHUNK)];
     return (fxs_id){(*object)->id, index - (*object)->first_chunk * FXS_CHUNK};
 }

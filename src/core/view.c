@@ -196,6 +196,17 @@ static void derive(fxs_view *view, const fxs_camera *camera)
         view->eye_q32[i] = view->position_q32[i] - (view->orthographic ? view->rotation_q30[6 + i] * ONE_Q30 : 0);
 }
 
+void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera)
+{
+    const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
+    int64_t whole[2], whole_c_q12[2];
+    find_whole(camera, whole, whole_c_q12);
+    for (int i = 0; i < 2; i++) {
+        edge_slopes(whole[i], f_q12[i], whole_c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
+        view->hidden_low_q23[i] = view->hidden_high_q23[i] = 0;
+    }
+}
+
 /* Two widths, or heights, of a picture; or a 16th of what it reaches from the principal point, where that is more. */
 static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
 {

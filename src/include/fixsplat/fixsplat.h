@@ -212,12 +212,18 @@ typedef struct fxs_options {
     uint8_t background[3];         /* r g b */
     fxs_stop_fn *stop;             /* null: a frame is always finished */
     void *stop_argument;
+
+    /* Of scenes with a tree (packed.h), which chunks are drawn: coarse ones stand for all that lie below them. Both
+       limits are 0 where there is none; then the leaves are drawn, as of scenes without a tree. */
+    uint32_t budget;               /* Gaussians, in whole chunks of 256; with as many as all objects have there is no
+                                      limit. The root of each tree is drawn even beyond it */
+    uint32_t detail_q8;            /* pixels: what is smaller is not drawn more finely */
 } fxs_options;
 
 /* A fxs_stop_fn: stops the frame once the byte at `byte` is not 0, which another thread or a signal handler writes. */
 FXS_API int fxs_stop_by_byte(void *byte);
 
-/* Mahalanobis cut-off, SH degree 3, black background, no stop. */
+/* Mahalanobis cut-off, SH degree 3, black background, no stop, no budget. */
 FXS_API void fxs_options_init(fxs_options *options);
 
 /* ---- Targets --------------------------------------------------------------------------------------------------- */
@@ -242,7 +248,8 @@ typedef struct fxs_image {
 typedef struct fxs_id {
     uint32_t object;               /* the object's id */
     uint32_t gaussian;             /* its slot in the packed scene: without holes (packed.h), its number. A slot
-                                      without a Gaussian only where a damaged scene has some that are not clear */
+                                      without a Gaussian only where a damaged scene has some that are not clear. From
+                                      256 chunk_count on, a coarse Gaussian of the tree */
 } fxs_id;
 
 #define FXS_NOTHING UINT32_MAX
@@ -413,6 +420,8 @@ FXS_API size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *ob
 
 typedef struct fxs_stats {
     uint32_t gaussians;            /* in all objects */
+    uint32_t drawn;                /* slots of the chunks that were projected: with a budget at most that, or a chunk
+                                      for each tree; else all */
     uint32_t visible;              /* left after culling */
     uint64_t entries;              /* tile list entries */
     uint32_t bands;                /* bands of tile rows the frame was rendered in; 1 where all splats fitted */
@@ -464,6 +473,10 @@ FXS_API void fxs_request_init(fxs_request *request, const fxs_object *objects, u
    Errors after which a part of the pixels may be written: FXS_ERR_SCENE, FXS_ERR_STOPPED and those of a back end. */
 FXS_API int fxs_render(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes,
                        fxs_stats *stats);
+
+/* The working memory of a request, of one eye or two: as fxs_frame_bytes and fxs_stereo_bytes, but where its options
+   limit what is drawn, in proportion to the budget and not to the scenes. *memory may be null. */
+FXS_API size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory);
 
 /* Counts the work of the blend stage for the first eye of a request, in pairs of a pixel and a Gaussian. It renders the
    frame once more, by the plain C stages and one thread, without an occluder. A pair is
