@@ -37,7 +37,8 @@ static inline const unsigned char *fxs_aligned(const unsigned char *bytes)
 /* The rows of a chunk, aligned to 64. */
 static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chunk)
 {
-    return fxs_aligned(chunk < scene->chunk_count
+    return fxs_aligned(scene->places ? scene->rows + (size_t)scene->places[chunk] * scene->chunk_bytes
+                       : chunk < scene->chunk_count
                            ? scene->rows + (size_t)chunk * scene->chunk_bytes
                            : scene->node_rows + (size_t)(chunk - scene->chunk_count) * scene->chunk_bytes);
 }

@@ -32,7 +32,10 @@ typedef struct visit {
     int32_t key_q8;                /* at most the parent's, */
     int32_t room_q8;               /* log2 of its size beyond the detail that is wanted: at most the parent's */
     int32_t offset_q11;            /* of its opacity, as its parent fades into it */
-    int opened;
+    uint8_t opened;
+    uint8_t short_of;              /* something that is to be drawn in its place is not there */
+    uint8_t absent;                /* its own rows are needed and not there */
+    uint8_t hidden;                /* a chunk above takes its place */
 } visit;
 
 typedef struct cut {
@@ -57,15 +60,18 @@ uint64_t fxs_cut_bytes(uint32_t most_drawn)
 uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options)
 {
     uint64_t least = 0, most = 0, gaussians = 0;
-    int trees = 0;
+    int trees = 0, paged = 0;
     for (uint32_t i = 0; i < count; i++) {
         const fxs_scene *scene = objects[i].scene;
         trees |= scene->nodes != 0;
+        paged |= scene->places != 0;
         least += scene->nodes ? 1 : scene->chunk_count;
         most += fxs_scene_chunks(scene);
         gaussians += scene->count;
     }
     const int limited = options->budget && options->budget < gaussians;
+    if (paged && (!limited || !trees))
+        return (uint32_t)most;
     if (!trees || (!limited && !options->detail_q8))
         return 0;
     if (limited && options->budget / FXS_CHUNK < most)
@@ -134,7 +140,7 @@ static void visit_chunk(cut *c, uint32_t object, uint32_t chunk, uint32_t parent
 {
     const fxs_frame *f = c->f;
     const fxs_scene *scene = &f->eye->objects[object].scene;
-    visit v = {chunk, object, parent, INT32_MIN, INT32_MIN, 0, 0};
+    visit v = {.chunk = chunk, .object = object, .parent = parent, .key_q8 = INT32_MIN, .room_q8 = INT32_MIN};
     fxs_chunk header;
     fxs_node node;
     int seen = 0;
@@ -224,6 +230,35 @@ static void draw(cut *c, uint64_t *sorted, uint32_t *count, uint32_t object, uin
         push(sorted, count, (uint64_t)(c->f->eye->objects[object].first_chunk + chunk) << 32 | (uint32_t)offset_q11);
 }
 
+static int is_there(const fxs_scene *scene, uint32_t chunk)
+{
+    return !scene->places || scene->places[chunk] != FXS_NOTHING;
+}
+
+static void miss(cut *c, const fxs_scene *scene, uint32_t chunk)
+{
+    const fxs_options *o = c->f->options;
+    c->f->stats.missing++;
+    if (o->want)
+        o->want(o->want_argument, scene, chunk);
+}
+
+/* From the leaves up: what is to be drawn and is not there is drawn by the nearest chunk above it that is. Then, what
+   is needed most first, what is missing. */
+static void find_missing(cut *c)
+{
+    for (uint32_t i = c->visit_count; i-- > 0;) {
+        visit *v = &c->visits[i];
+        const int needed = !v->opened || v->short_of || faded_q8(c, v) < 256;
+        v->absent = needed && !is_there(c->f->objects[v->object].scene, v->chunk);
+        if (v->absent && v->parent != FXS_NOTHING)
+            c->visits[v->parent].short_of = 1;
+    }
+    for (uint32_t i = 0; i < c->visit_count; i++)
+        if (c->visits[i].absent)
+            miss(c, c->f->objects[c->visits[i].object].scene, c->visits[i].chunk);
+}
+
 /* Lists what is drawn in the order of the chunks. */
 static void list_drawn(cut *c)
 {
@@ -231,12 +266,15 @@ static void list_drawn(cut *c)
     uint32_t count = 0;
     for (uint32_t i = 0; i < c->opened_count; i++)
         c->visits[c->opened[i]].opened = 1;
+    find_missing(c);
     for (uint32_t i = 0; i < c->visit_count; i++) {
         visit *v = &c->visits[i];
         const visit *parent = v->parent == FXS_NOTHING ? 0 : &c->visits[v->parent];
+        const int shown = v->opened && !v->short_of ? offset_of(512 - 2 * faded_q8(c, v)) : 0;
+        v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
         v->offset_q11 = parent ? fxs_min(parent->offset_q11 + offset_of(2 * faded_q8(c, parent)), FXS_FAINT_Q11 + 1) : 0;
-        draw(c, c->heap, &count, v->object, v->chunk,
-             v->offset_q11 + (v->opened ? offset_of(512 - 2 * faded_q8(c, v)) : 0));
+        if (!v->hidden)
+            draw(c, c->heap, &count, v->object, v->chunk, v->offset_q11 + shown);
     }
     f->chunk_count = count;
     while (count) {
@@ -245,19 +283,29 @@ static void list_drawn(cut *c)
     }
 }
 
-/* What is drawn of objects without a tree: everything. Merged from the back, as the chunks of trees lie in front. */
+/* Chunks of an object without a tree. */
+static uint32_t whole_chunks(const fxs_frame *f, uint32_t object)
+{
+    const fxs_scene *scene = f->objects[object].scene;
+    return scene->nodes ? 0 : scene->chunk_count;
+}
+
+/* What is drawn of objects without a tree: everything that is there. Merged from the back, as the chunks of trees lie
+   in front. */
 static void add_whole(fxs_frame *f)
 {
     uint32_t from = f->chunk_count, to = from;
     for (uint32_t i = 0; i < f->object_count; i++)
-        to += f->objects[i].scene->nodes ? 0 : f->objects[i].scene->chunk_count;
+        for (uint32_t k = 0; k < whole_chunks(f, i); k++)
+            to += is_there(f->objects[i].scene, k) ? 1 : 0;
     f->chunk_count = to;
     for (uint32_t i = f->object_count; i-- > 0 && to > from;) {
-        const fxs_object_view *object = &f->eye->objects[i];
-        while (from && f->drawn[from - 1].chunk >= object->first_chunk)
+        const uint32_t first = f->eye->objects[i].first_chunk;
+        while (from && f->drawn[from - 1].chunk >= first)
             f->drawn[--to] = f->drawn[--from];
-        for (uint32_t k = object->scene.nodes ? 0 : object->scene.chunk_count; k-- > 0;)
-            f->drawn[--to] = (fxs_drawn){object->first_chunk + k, 0};
+        for (uint32_t k = whole_chunks(f, i); k-- > 0;)
+            if (is_there(f->objects[i].scene, k))
+                f->drawn[--to] = (fxs_drawn){first + k, 0};
     }
 }
 
@@ -270,6 +318,9 @@ int fxs_cut(fxs_frame *f)
     f->drawn = (fxs_drawn *)(void *)(c.opened + c.visit_room);
     for (uint32_t i = 0; i < f->object_count && !c.error; i++) {
         const fxs_scene *scene = f->objects[i].scene;
+        for (uint32_t k = 0; k < whole_chunks(f, i); k++)
+            if (!is_there(scene, k))
+                miss(&c, scene, k);
         if (!scene->nodes)
             c.drawn += scene->chunk_count;
         else if (f->objects[i].visible)

@@ -116,6 +116,7 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
     scene->sh_degree = (int)h.sh_degree;
     scene->antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0;
     scene->nodes = scene->node_chunks = scene->node_rows = 0;
+    scene->places = 0;
     int error = h.version == FXS_PACKED_VERSION_TREE ? open_tree(scene, start + l.bytes, bytes - l.bytes) : 0;
     for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
         fxs_chunk header;

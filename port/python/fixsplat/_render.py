@@ -354,12 +354,13 @@ def _in_units(depths: "npt.NDArray[Any]", bits: int) -> "npt.NDArray[np.float32]
     return units
 
 
-def _options(cutoff: str, sh_degree: int, background: Any, alpha: bool) -> Struct:
+def _options(cutoff: str, sh_degree: int, background: Any, alpha: bool, budget: int, detail: float) -> Struct:
     behind = colour("background", background)
     if alpha and any(behind):
         raise ValueError("background: with alpha=True there is none")
     return new("fxs_options", cutoff=choose("cutoff", cutoff, CUTOFFS), sh_degree=whole("sh_degree", sh_degree, 0, 3),
-               background=behind)
+               background=behind, budget=whole("budget", budget, 0, 2**32 - 1),
+               detail_q8=round(256 * number("detail", detail, 0, 16384)))
 
 
 def _camera(K: Any, world_to_camera: Any, width: Optional[int], height: Optional[int]) -> Camera:
@@ -386,7 +387,8 @@ def _objects(objects: "Sequence[Union[Object, Scene]]") -> "list[Object]":
 def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: Any = None, width: Optional[int] = None,
            height: Optional[int] = None, *, targets: "Sequence[str]" = ("colour",),
            background: "Sequence[int]" = (0, 0, 0), alpha: bool = False, cutoff: str = "mahalanobis",
-           sh_degree: int = 3, near: Optional[float] = None, backend: "Union[str, Renderer]" = "auto",
+           sh_degree: int = 3, budget: int = 0, detail: float = 0, near: Optional[float] = None,
+           backend: "Union[str, Renderer]" = "auto",
            threads: int = 0, device: int = 0, max_memory: int = 0,
            stop: "Optional[Callable[[], object]]" = None) -> Picture:
     """Draws objects into one picture, with all their Gaussians in one order by depth.
@@ -402,6 +404,8 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     alpha: True for colours times coverage, and coverage, without a background.
     cutoff: "mahalanobis", where a Gaussian ends at a Mahalanobis distance of 3, or "square" as in Kerbl et al. 2023.
     sh_degree: the highest degree of SH that is evaluated, 0 to 3.
+    budget: of scenes with levels of detail, draw at most so many Gaussians, coarse ones in place of those that matter
+    least; 0: draw all. detail: of such scenes, draw nothing finer than about so many pixels.
     near: the depth of the near plane in scene units. None stands for the near plane of the camera, or 0.2.
     backend, threads, device, max_memory: as for `Renderer`; or backend is a Renderer. For each thread of the program
     and each name of a back end, one renderer is kept until other options are asked for or the thread ends.
@@ -410,7 +414,7 @@ def render(objects: "Sequence[Union[Object, Scene]]", K: Any, world_to_camera: A
     """
     placed = _Placed(_objects(objects))
     camera = _camera(K, world_to_camera, width, height)
-    cameras, options = camera.rounded(near), _options(cutoff, sh_degree, background, alpha)
+    cameras, options = camera.rounded(near), _options(cutoff, sh_degree, background, alpha, budget, detail)
     arrays = _arrays(targets, camera.width, camera.height)
     depths = [name for name in arrays if name.endswith("depth")]
     bits = placed.depth_bits(camera) if depths else 0

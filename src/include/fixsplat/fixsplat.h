@@ -55,6 +55,7 @@ extern "C" {
    one that is no higher, goes with it. */
 FXS_API int fxs_version(void);
 
+#define FXS_NOTHING UINT32_MAX       /* no Gaussian, no depth, no place */
 #define FXS_MAX_SIZE 16384           /* pixels, width and height of a picture */
 #define FXS_MAX_COUNT (1u << 30)     /* Gaussians in a scene, and in all objects of a frame (in whole chunks of 256) */
 #define FXS_MAX_OBJECTS 65536u       /* in a frame */
@@ -110,6 +111,12 @@ typedef struct fxs_scene {
     int antialiased;                  /* 1: the opacity is compensated for the dilation */
     const unsigned char *nodes;       /* chunk_count - 1 nodes of the tree over the chunks; null without a tree */
     const unsigned char *node_chunks, *node_rows;   /* of their chunks; aligned to 64 */
+
+    /* Set by a program that keeps a part of the rows in memory: for each chunk, the leaves and then the nodes', the
+       place of its rows, which are `rows` + places[chunk] * chunk_bytes; FXS_NOTHING where they are not there. A chunk
+       that is not there is not drawn: of a tree, the nearest chunk above it that is there takes its place. Null after
+       fxs_scene_open: all rows lie where they are in the file. */
+    const uint32_t *places;
 } fxs_scene;
 
 /* The number of a scene's chunks with those of its tree. */
@@ -206,6 +213,9 @@ enum fxs_cutoff {
    a frame, it is asked once. */
 typedef int fxs_stop_fn(void *argument);
 
+/* Is told of a chunk of a scene that a frame would have drawn and that is not there (fxs_scene.places). */
+typedef void fxs_want_fn(void *argument, const fxs_scene *scene, uint32_t chunk);
+
 typedef struct fxs_options {
     enum fxs_cutoff cutoff;
     int sh_degree;                 /* highest degree evaluated, 0 to 3; the scene's own where that is lower */
@@ -218,6 +228,9 @@ typedef struct fxs_options {
     uint32_t budget;               /* Gaussians, in whole chunks of 256; with as many as all objects have there is no
                                       limit. The root of each tree is drawn even beyond it */
     uint32_t detail_q8;            /* pixels: what is smaller is not drawn more finely */
+    fxs_want_fn *want;             /* called for each chunk that is missing, what is needed most first, on the thread
+                                      that called fxs_render; null: nobody asks */
+    void *want_argument;
 } fxs_options;
 
 /* A fxs_stop_fn: stops the frame once the byte at `byte` is not 0, which another thread or a signal handler writes. */
@@ -251,8 +264,6 @@ typedef struct fxs_id {
                                       without a Gaussian only where a damaged scene has some that are not clear. From
                                       256 chunk_count on, a coarse Gaussian of the tree */
 } fxs_id;
-
-#define FXS_NOTHING UINT32_MAX
 
 /* What a frame writes: the colour and auxiliary outputs (coverage, depths, ids), any set of them, in one pass. What is
  * not asked for costs nothing.
@@ -422,6 +433,7 @@ typedef struct fxs_stats {
     uint32_t gaussians;            /* in all objects */
     uint32_t drawn;                /* slots of the chunks that were projected: with a budget at most that, or a chunk
                                       for each tree; else all */
+    uint32_t missing;              /* chunks that were not there: with 0 the picture is what it is to be */
     uint32_t visible;              /* left after culling */
     uint64_t entries;              /* tile list entries */
     uint32_t bands;                /* bands of tile rows the frame was rendered in; 1 where all splats fitted */
