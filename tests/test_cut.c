@@ -1,0 +1,392 @@
+/* The cut through the trees of a frame's objects: within the budget, finer everywhere with a larger one, complete, and
+ * the same bytes by any kernels, threads and memory; damaged trees. */
+#include <string.h>
+#include <unistd.h>
+
+#include <fixsplat/camera.h>
+#include <fixsplat/message.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/pool.h>
+#ifdef FXS_WITH_KERNELS
+#include <fixsplat/kernels.h>
+#endif
+
+#include "check.h"
+#include "one_scene.h"
+#include "scene_writer.h"
+#include "src/core/parts.h"
+#include "src/scene/make/procedural.h"
+#include "tools/metrics.h"
+
+enum { WIDTH = 320, HEIGHT = 200, PIXELS = WIDTH * HEIGHT * 4, COUNT = 60000 };
+
+static fxs_packed_scene packed[3];          /* of each profile */
+static fxs_scene scenes[3];
+
+static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
+{
+    const fxs_procedural_scene *scene = argument;
+    for (size_t i = 0; i < capacity; i++)
+        scene->gaussian(first + i, COUNT, 1, &out[i]);
+    return (long)capacity;
+}
+
+static int pack_tree(const char *name, enum fxs_profile profile, fxs_packed_scene *to, fxs_scene *scene)
+{
+    const fxs_procedural_scene *made_scene = fxs_procedural_find(name);
+    const fxs_pack_options options = {.profile = profile, .tree = 1};
+    fxs_message m;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_pack_report report;
+    const fxs_gaussian_source source = {COUNT, made_scene->sh_degree, 0, read_made, (void *)(uintptr_t)made_scene};
+    if (fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &m))
+        return 0;
+    const int error = fxs_pack(file, &info, to, &report, &options, &m);
+    fxs_scene_file_close(file);
+    return !error && !fxs_scene_open(scene, to->data, to->bytes);
+}
+
+static fxs_camera camera_at(double x, double y, double z)
+{
+    fxs_message m;
+    fxs_file_view view;
+    fxs_camera camera;
+    const double eye[3] = {x, y, z}, target[3] = {0, 0, 0}, up[3] = {0, -1, 0};
+    CHECK(!fxs_view_look_at(&view, eye, target, up, 50, WIDTH, HEIGHT, &m) &&
+          !fxs_camera_from_view(&camera, &view, &m));
+    return camera;
+}
+
+static fxs_request request_of(const fxs_object *objects, uint32_t count, fxs_camera camera, uint32_t budget,
+                              unsigned char *pixels)
+{
+    fxs_request request;
+    fxs_request_init(&request, objects, count);
+    request.options.budget = budget;
+    request.cameras[0] = camera;
+    request.targets[0].colour = (fxs_image){pixels, 4 * (ptrdiff_t)camera.width};
+    return request;
+}
+
+/* In `bytes` of memory, or as many as the request takes where that is 0. */
+static fxs_stats draw(const fxs_context *context, const fxs_request *request, size_t bytes)
+{
+    fxs_stats stats;
+    bytes = bytes ? bytes : fxs_request_bytes(context, request, 0);
+    void *memory = check_aligned(bytes);
+    CHECK(bytes && !fxs_render(context, request, memory, bytes, &stats));
+    free(memory);
+    return stats;
+}
+
+/* ---- What is drawn ----------------------------------------------------------------------------------------------- */
+
+/* For each leaf 1 / the drawn share of all that stands for it: how often it is covered, with 1 for each chunk at its
+   full opacity, from the leaf to the root; 255 where only fading ones do. */
+typedef struct covered {
+    uint8_t *whole, *any;
+    uint32_t depth_sum;                      /* of the chunks that are drawn, below the root */
+} covered;
+
+static void walk(const fxs_scene *scene, uint32_t chunk, uint32_t depth, const int32_t *offsets, uint32_t whole,
+                 uint32_t any, covered *to)
+{
+    const int drawn = offsets[chunk] >= 0;
+    whole += (uint32_t)(offsets[chunk] == 0);
+    any += (uint32_t)drawn;
+    to->depth_sum += drawn ? depth : 0;
+    if (chunk < scene->chunk_count) {
+        to->whole[chunk] = (uint8_t)whole;
+        to->any[chunk] = (uint8_t)any;
+        return;
+    }
+    fxs_node node;
+    memcpy(&node, scene->nodes + (size_t)(chunk - scene->chunk_count) * sizeof node, sizeof node);
+    fxs_words_turn(&node, sizeof node / 4);
+    for (int i = 0; i < 2; i++)
+        walk(scene, node.children[i], depth + 1, offsets, whole, any, to);
+}
+
+/* The cut of one scene: of each chunk its offset, -1 where it is not drawn. Returns how many are drawn. */
+static uint32_t cut_of(const fxs_scene *scene, fxs_camera camera, uint32_t budget, uint32_t detail_q8, int32_t *offsets)
+{
+    unsigned char pixels[4];
+    const fxs_object object = one_object(scene);
+    fxs_request request = request_of(&object, 1, camera, budget, pixels);
+    fxs_context context;
+    fxs_frame f;
+    request.options.detail_q8 = detail_q8;
+    fxs_init(&context, 0);
+    const size_t bytes = fxs_request_bytes(&context, &request, 0);
+    void *memory = check_aligned(bytes);
+    CHECK(!fxs_frame_init(&f, &context, &request, memory, bytes) && !fxs_frame_begin(&f) && f.drawn);
+    for (uint32_t i = 0; i < fxs_scene_chunks(scene); i++)
+        offsets[i] = -1;
+    for (uint32_t i = 0; i < f.chunk_count; i++) {
+        CHECK(i == 0 || f.drawn[i].chunk > f.drawn[i - 1].chunk);
+        offsets[f.drawn[i].chunk] = f.drawn[i].offset_q11;
+    }
+    free(memory);
+    return f.chunk_count;
+}
+
+static int32_t offsets[2][2 * COUNT / FXS_CHUNK + 16];
+static uint8_t whole_marks[2][COUNT], any_marks[2][COUNT];
+
+/* All leaves that are seen are covered, by one chunk at full opacity at most. */
+static void test_covered(void)
+{
+    const fxs_scene *scene = &scenes[0];
+    const fxs_camera camera = camera_at(0.9, -3, -7);
+    uint32_t before = 0, depth_before = 0;
+    for (uint32_t budget = 1; budget < COUNT; budget += budget / 3 + 1) {
+        const uint32_t drawn = cut_of(scene, camera, budget, 0, offsets[0]);
+        covered c = {whole_marks[0], any_marks[0], 0};
+        walk(scene, scene->chunk_count, 0, offsets[0], 0, 0, &c);
+        CHECK(drawn <= (budget / FXS_CHUNK ? budget / FXS_CHUNK : 1));
+        CHECK(drawn >= before || drawn + 4 >= before);
+        CHECK(c.depth_sum >= depth_before || budget < 10 * FXS_CHUNK);
+        for (uint32_t leaf = 0; leaf < scene->chunk_count; leaf++)
+            CHECK(whole_marks[0][leaf] <= 2 && (whole_marks[0][leaf] >= 1 || !any_marks[0][leaf]));
+        before = drawn;
+        depth_before = c.depth_sum;
+    }
+}
+
+/* The largest depth at which something is drawn for a leaf: never less with a larger budget. */
+static void mark_depths(const fxs_scene *scene, uint32_t chunk, uint8_t depth, uint8_t deepest, const int32_t *drawn,
+                        uint8_t *to)
+{
+    deepest = drawn[chunk] >= 0 ? depth : deepest;
+    if (chunk < scene->chunk_count) {
+        to[chunk] = deepest;
+        return;
+    }
+    fxs_node node;
+    memcpy(&node, scene->nodes + (size_t)(chunk - scene->chunk_count) * sizeof node, sizeof node);
+    fxs_words_turn(&node, sizeof node / 4);
+    for (int i = 0; i < 2; i++)
+        mark_depths(scene, node.children[i], (uint8_t)(depth + 1), deepest, drawn, to);
+}
+
+static void check_monotonic(const fxs_scene *scene, fxs_camera camera)
+{
+    memset(whole_marks[0], 0, sizeof whole_marks[0]);
+    for (uint32_t budget = 1; budget < COUNT; budget += budget / 7 + 1) {
+        cut_of(scene, camera, budget, 0, offsets[0]);
+        mark_depths(scene, scene->chunk_count, 0, 0, offsets[0], whole_marks[1]);
+        for (uint32_t leaf = 0; leaf < scene->chunk_count; leaf++)
+            CHECK(whole_marks[1][leaf] >= whole_marks[0][leaf]);
+        memcpy(whole_marks[0], whole_marks[1], sizeof whole_marks[0]);
+    }
+}
+
+static void test_monotonic(void)
+{
+    check_monotonic(&scenes[0], camera_at(0.9, -3, -7));
+    check_monotonic(&scenes[2], camera_at(0.2, -0.5, -1.5));
+}
+
+static void test_detail(void)
+{
+    const fxs_scene *scene = &scenes[0];
+    const fxs_camera camera = camera_at(0.9, -3, -7);
+    uint32_t before = UINT32_MAX;
+    for (uint32_t detail_q8 = 8; detail_q8 < 256 << 8; detail_q8 *= 2) {
+        const uint32_t drawn = cut_of(scene, camera, 0, detail_q8, offsets[0]);
+        const uint32_t both = cut_of(scene, camera, 20 * FXS_CHUNK, detail_q8, offsets[1]);
+        CHECK(drawn <= before && both <= 20 && both <= drawn);
+        before = drawn;
+    }
+    CHECK(before < scene->chunk_count / 8);
+}
+
+/* ---- The same bytes ---------------------------------------------------------------------------------------------- */
+
+static unsigned char pictures[3][PIXELS];
+
+static void check_same(const fxs_request *first, int picture)
+{
+    fxs_request request = *first;
+    fxs_context context;
+    fxs_pool *pool = fxs_pool_create(3);
+    const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = 3};
+    fxs_frame_memory sizes;
+    fxs_init(&context, 0);
+    const size_t bytes = fxs_request_bytes(&context, first, &sizes);
+    request.targets[0].colour.pixels = pictures[picture];
+    draw(&context, first, bytes);
+    for (size_t less = bytes / 2; less > sizes.least; less /= 2) {
+        memset(pictures[picture], 1, PIXELS);
+        draw(&context, &request, less);
+        CHECK(!memcmp(pictures[0], pictures[picture], PIXELS));
+    }
+    fxs_init(&context, &config);
+#ifdef FXS_WITH_KERNELS
+    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
+#endif
+    memset(pictures[picture], 1, PIXELS);
+    draw(&context, &request, 0);
+    CHECK(!memcmp(pictures[0], pictures[picture], PIXELS));
+    fxs_pool_destroy(pool);
+}
+
+static double mean_error(const unsigned char *a, const unsigned char *b)
+{
+    double sum = 0;
+    for (int i = 0; i < PIXELS; i++)
+        sum += ((double)a[i] - b[i]) * ((double)a[i] - b[i]);
+    return sum / PIXELS;
+}
+
+/* In all profiles; the larger the budget, the nearer to the picture of the leaves. */
+static void test_same_bytes(void)
+{
+    static unsigned char whole[PIXELS];
+    fxs_context context;
+    fxs_init(&context, 0);
+    for (int profile = 0; profile < 3; profile++) {
+        const fxs_object object = one_object(&scenes[profile]);
+        fxs_request request = request_of(&object, 1, camera_at(0.9, -3, -7), 0, whole);
+        double before = 1e9;
+        draw(&context, &request, 0);
+        request.targets[0].colour.pixels = pictures[0];
+        for (uint32_t budget = COUNT / 16; budget < COUNT; budget *= 4) {
+            request.options.budget = budget;
+            check_same(&request, 1);
+            const double error = mean_error(whole, pictures[0]);
+            printf("  profile %d, budget %u: mean squared error %.1f\n", profile, budget, error);
+            CHECK(error < before);
+            before = error;
+        }
+        request.options.budget = COUNT;
+        CHECK(draw(&context, &request, 0).drawn == scenes[profile].chunk_count * FXS_CHUNK);
+        CHECK(!memcmp(whole, pictures[0], PIXELS));
+        request.options.budget = UINT32_MAX;
+        draw(&context, &request, 0);
+        CHECK(!memcmp(whole, pictures[0], PIXELS));
+    }
+}
+
+/* A window has the pixels of its part of the whole. */
+static void test_window(void)
+{
+    const fxs_object object = one_object(&scenes[0]);
+    fxs_context context;
+    const fxs_camera whole = camera_at(0.3, -1, -3);
+    fxs_request request = request_of(&object, 1, whole, COUNT / 5, pictures[0]);
+    fxs_init(&context, 0);
+    draw(&context, &request, 0);
+    fxs_camera *c = &request.cameras[0];
+    *c = (fxs_camera){.width = 96, .height = 64, .whole_width = WIDTH, .whole_height = HEIGHT, .whole_x = 112,
+                      .whole_y = 64, .fx_q12 = whole.fx_q12, .fy_q12 = whole.fy_q12,
+                      .cx_q12 = whole.cx_q12 - (112 << 12), .cy_q12 = whole.cy_q12 - (64 << 12),
+                      .near_q32 = whole.near_q32};
+    memcpy(c->rotation_q30, whole.rotation_q30, sizeof c->rotation_q30);
+    memcpy(c->position_q32, whole.position_q32, sizeof c->position_q32);
+    request.targets[0].colour = (fxs_image){pictures[1], 4 * 96};
+    draw(&context, &request, 0);
+    for (int row = 0; row < 64; row++)
+        CHECK(!memcmp(pictures[1] + row * 4 * 96, pictures[0] + ((row + 64) * WIDTH + 112) * 4, 4 * 96));
+}
+
+/* Objects share a budget: the one that is far gets less; one without a tree is drawn whole. */
+static void test_objects(void)
+{
+    fxs_object objects[3] = {one_object(&scenes[0]), one_object(&scenes[1]), one_object(&scenes[0])};
+    fxs_scene plain = scenes[2];
+    plain.nodes = plain.node_chunks = plain.node_rows = 0;
+    objects[1].translation_q32[2] = 20 * FXS_ONE_Q32;
+    objects[2].scene = &plain;
+    objects[2].translation_q32[0] = 3 * FXS_ONE_Q32;
+    fxs_request request = request_of(objects, 2, camera_at(0.9, -3, -7), COUNT / 4, pictures[0]);
+    check_same(&request, 1);
+    request.count = 3;
+    check_same(&request, 1);
+    fxs_context context;
+    fxs_init(&context, 0);
+    const fxs_stats stats = draw(&context, &request, 0);
+    CHECK(stats.drawn >= plain.chunk_count * FXS_CHUNK && stats.drawn <= plain.chunk_count * FXS_CHUNK + 2 * FXS_CHUNK);
+    objects[0].visible = 0;
+    CHECK(draw(&context, &request, 0).drawn <= (plain.chunk_count + 1) * FXS_CHUNK);
+}
+
+/* Exact eyes have the bytes of two frames; shared ones draw one set of chunks. */
+static void test_eyes(void)
+{
+    const fxs_object object = one_object(&scenes[0]);
+    fxs_context context;
+    fxs_request request = request_of(&object, 1, camera_at(0.9, -3, -7), COUNT / 5, pictures[0]);
+    fxs_init(&context, 0);
+    fxs_request one = request;
+    request.eyes = 2;
+    request.exact = 1;
+    request.cameras[1] = camera_at(1.0, -3, -7);
+    request.targets[1] = request.targets[0];
+    request.targets[1].colour.pixels = pictures[1];
+    draw(&context, &request, 0);
+    one.targets[0].colour.pixels = pictures[2];
+    for (int eye = 0; eye < 2; eye++) {
+        one.cameras[0] = request.cameras[eye];
+        draw(&context, &one, 0);
+        CHECK(!memcmp(pictures[2], pictures[eye], PIXELS));
+    }
+    request.exact = 0;
+    CHECK(draw(&context, &request, 0).drawn <= COUNT / 5);
+    CHECK(mean_error(pictures[2], pictures[1]) < 30);
+}
+
+/* ---- Damage ------------------------------------------------------------------------------------------------------ */
+
+/* Frames of trees whose nodes were changed: an error or a picture, and nothing beyond the memory. */
+static void test_damage(void)
+{
+    const size_t bytes = packed[2].bytes;
+    unsigned char *data = check_aligned(bytes);
+    fxs_scene scene;
+    fxs_context context;
+    uint32_t random = 1, refused = 0, drawn = 0;
+    fxs_init(&context, 0);
+    for (int round = 0; round < 300; round++) {
+        memcpy(data, packed[2].data, bytes);
+        CHECK(!fxs_scene_open(&scene, data, bytes));
+        const size_t nodes = (size_t)(scene.nodes - data), node_bytes = (scene.chunk_count - 1) * sizeof(fxs_node);
+        for (int i = 0; i < 1 + round % 40; i++) {
+            random = random * 1664525 + 1013904223;
+            size_t at = nodes + random % (round % 2 ? 16 * sizeof(fxs_node) : node_bytes);
+            random = random * 1664525 + 1013904223;
+            data[at] = round % 3 ? (unsigned char)(random >> 24) : data[at] ^ (unsigned char)(1u << (random >> 29));
+        }
+        const fxs_object object = one_object(&scene);
+        fxs_request request = request_of(&object, 1, camera_at(0.9, -3, -7), COUNT / 3, pictures[0]);
+        const size_t room = fxs_request_bytes(&context, &request, 0);
+        void *memory = check_aligned(room);
+        const int error = fxs_render(&context, &request, memory, room, 0);
+        CHECK(!error || error == FXS_ERR_SCENE);
+        refused += error != 0;
+        drawn += error == 0;
+        free(memory);
+    }
+    printf("  %u refused, %u drawn\n", refused, drawn);
+    CHECK(refused > 50 && drawn > 20);
+    free(data);
+}
+
+int main(void)
+{
+    for (int profile = 0; profile < 3; profile++)
+        if (!pack_tree("knot", (enum fxs_profile)profile, &packed[profile], &scenes[profile]))
+            return puts("FAIL cannot make the scenes"), 1;
+    RUN(test_covered);
+    RUN(test_monotonic);
+    RUN(test_detail);
+    RUN(test_same_bytes);
+    RUN(test_window);
+    RUN(test_objects);
+    RUN(test_eyes);
+    RUN(test_damage);
+    for (int profile = 0; profile < 3; profile++)
+        fxs_packed_scene_free(&packed[profile]);
+    return check_report();
+}
