@@ -55,9 +55,9 @@ static int write_ply(int count, int sh_degree)
     return !close_writer(writer, &message);
 }
 
-static int pack(enum fxs_profile profile)
+static int pack(enum fxs_profile profile, int tree)
 {
-    const fxs_pack_options options = {.profile = profile};
+    const fxs_pack_options options = {.profile = profile, .tree = tree};
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_packed_scene packed;
@@ -116,11 +116,11 @@ static uint64_t draw(const fxs_scene *scene, enum fxs_format format)
     return hash(0xcbf29ce484222325u, pixels, (size_t)(WIDTH * HEIGHT * pixel_bytes));
 }
 
-static void check_file(enum fxs_profile profile, int count, int sh_degree, const uint64_t expected[3])
+static void check_file(enum fxs_profile profile, int count, int sh_degree, int tree, const uint64_t expected[3])
 {
     fxs_scene scene;
     size_t bytes = 0;
-    if (!CHECK(write_ply(count, sh_degree) && pack(profile))) {
+    if (!CHECK(write_ply(count, sh_degree) && pack(profile, tree))) {
         printf("  %s\n", message.text);
         return;
     }
@@ -138,21 +138,21 @@ static void test_default(void)
 {
     static const uint64_t expected[3] = {0xffc7257560da35c2u, 0x13eb7dc5874effb3u,
                                          0xaff355b8c982dafdu};
-    check_file(FXS_PROFILE_DEFAULT, 700, 3, expected);
+    check_file(FXS_PROFILE_DEFAULT, 700, 3, 0, expected);
 }
 
 static void test_compact(void)
 {
     static const uint64_t expected[3] = {0x87284511ba96f537u, 0xb47de4b3887e854fu,
                                          0xc262bddc108f64a3u};
-    check_file(FXS_PROFILE_COMPACT, 40, 2, expected);
+    check_file(FXS_PROFILE_COMPACT, 40, 2, 0, expected);
 }
 
 static void test_small(void)
 {
     static const uint64_t expected[3] = {0x99e5b43f850ff674u, 0x404691c7f5f27a8bu,
                                          0xd1cddeb819ab3038u};
-    check_file(FXS_PROFILE_SMALL, 40, 1, expected);
+    check_file(FXS_PROFILE_SMALL, 40, 1, 0, expected);
 }
 
 /* So many that their palettes are full: fewer have one entry a stage, where nothing is searched. */
@@ -162,8 +162,19 @@ static void test_full_palettes(void)
                                         0x5d8a29e6d073d747u};
     static const uint64_t small[3] = {0xaab4dc5b3f8ee643u, 0x65ec5bdfcfd545a6u,
                                       0x05f517e482fc91e6u};
-    check_file(FXS_PROFILE_COMPACT, 12000, 1, compact);
-    check_file(FXS_PROFILE_SMALL, 12000, 1, small);
+    check_file(FXS_PROFILE_COMPACT, 12000, 1, 0, compact);
+    check_file(FXS_PROFILE_SMALL, 12000, 1, 0, small);
+}
+
+/* With levels of detail. The pictures are those of the leaves. */
+static void test_tree(void)
+{
+    static const uint64_t expected[3] = {0x06da1a387631553cu, 0xe5e7f3ef2c1db937u,
+                                         0xb4d5fa1accbc6d77u};
+    static const uint64_t small[3] = {0xe96aeb90d4a05aeau, 0xd92bbf0c33a83d55u,
+                                      0x4b7d638731bf01d9u};
+    check_file(FXS_PROFILE_DEFAULT, 3000, 3, 1, expected);
+    check_file(FXS_PROFILE_SMALL, 3000, 2, 1, small);
 }
 
 int main(void)
@@ -176,6 +187,7 @@ int main(void)
     RUN(test_compact);
     RUN(test_small);
     RUN(test_full_palettes);
+    RUN(test_tree);
     unlink(ply_path);
     unlink(fxs_path);
     rmdir(folder);

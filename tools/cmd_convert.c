@@ -214,6 +214,8 @@ static const option_row own_rows[] = {
      "of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene: default 63.5 (56.9 dB), "
      "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Without SH: default and compact 18.5, small 13.5. Views of small, and of compact where SH lose much, are "
      "compared with the floats, and one that loses more than it should is said"},
+    {"levels", 0, FLAG(load.tree), .help =
+     "of .fxs: with levels of detail, a tree of coarser Gaussians, which makes it about twice as large"},
     {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, 0, .expected =
      "six numbers or seven, the last 1 to 170, or a camera file", .help =
      "of .fxs: the camera that render and view begin with where none is given: from X,Y,Z to X,Y,Z, its "
@@ -253,6 +255,8 @@ static int read_options(convert_options *o, int argc, char **argv)
     o->out = argv[argc - 1];
     if (is_given("profile") && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--profile is for .fxs");
+    if (o->load.tree && !ends_with(o->out, ".fxs"))
+        return fail(EXIT_USAGE, "--levels is for .fxs");
     if (o->has_level && is_given("up"))
         return fail(EXIT_USAGE, "--up and --level: give one");
     if (o->has_start && !ends_with(o->out, ".fxs"))

@@ -200,7 +200,8 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
     char label[] = "packing";
     fxs_message message;
     preparation p = {path, o};
-    fxs_open_options options = {.file = file_options(o), .profile = o->profile, .threads = o->threads};
+    fxs_open_options options = {.file = file_options(o), .profile = o->profile, .threads = o->threads,
+                                .tree = o->tree};
     options.progress = progress_of(o, label, &options.progress_argument);
     if (!file) {
         options.prepare = prepare;

@@ -21,6 +21,7 @@ typedef struct load_options {
     enum fxs_axes axes;                     /* of an .spz */
     uint32_t threads;                       /* of the import; 0: one a processor */
     enum fxs_profile profile;               /* of what is not packed yet */
+    int tree;                               /* 1: it is packed with levels of detail */
     const fxs_scene_filter *filter;         /* what to leave out, or null; an .fxs file is mapped whole */
     uint64_t decimate_count;                /* of what that leaves, so many are left by merging, 0: all; or so much, */
     double decimate_share;                  /* 0 to 1, 0: all. The filter leaves what can be drawn then */

@@ -73,7 +73,7 @@ static int open_beside(void *first, const char *name, fxs_scene_input *input)
 static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profile)
 {
     fxs_pack_report report;
-    const fxs_pack_options options = {(enum fxs_profile)profile, NULL, NULL, 1, progress, NULL, NULL};
+    const fxs_pack_options options = {(enum fxs_profile)profile, NULL, NULL, 1, progress, NULL, NULL, 0};
     const int error = fxs_pack(file, info, &packed, &report, &options, &message);
     return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }

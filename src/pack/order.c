@@ -344,24 +344,22 @@ static uint32_t morton(const box *b, float scale, const float position[3])
     return code;
 }
 
-/* Sorts a leaf along a Morton curve in its cube, then by index, so that neighbours in the list are near in space. */
-static void sort_leaf(const order *o, stretch r)
+void fxs_order_chunk(fxs_order_entry *e, uint32_t count)
 {
-    fxs_order_entry *e = o->entries + r.first;
     uint64_t keys[FXS_CHUNK];
     float width = LEAST_WIDTH;
     box b;
     clear(&b);
-    for (uint32_t i = 0; i < r.count; i++)
+    for (uint32_t i = 0; i < count; i++)
         widen(&b, e[i].position, e[i].position);
     for (int i = 0; i < 3; i++) {
         const float found = difference(b.high[i], b.low[i]);
         width = found > width ? found : width;
     }
-    for (uint32_t i = 0; i < r.count; i++)
+    for (uint32_t i = 0; i < count; i++)
         keys[i] = (uint64_t)morton(&b, 31 / width, e[i].position) << 32 | e[i].index;
-    qsort(keys, r.count, sizeof *keys, compare_keys);
-    for (uint32_t i = 0; i < r.count; i++)
+    qsort(keys, count, sizeof *keys, compare_keys);
+    for (uint32_t i = 0; i < count; i++)
         e[i].index = (uint32_t)keys[i];
 }
 
@@ -439,7 +437,7 @@ static void order_leaf(const order *o, stretch r)
             worst = costs[i] > costs[worst] ? i : worst;
     }
     for (int i = 0; i < count; i++) {
-        sort_leaf(o, pieces[i]);
+        fxs_order_chunk(o->entries + pieces[i].first, pieces[i].count);
         o->entries[pieces[i].first].index |= pieces[i].first > r.first ? FXS_BEGINS_CHUNK : 0;
     }
 }

@@ -20,4 +20,8 @@ typedef struct fxs_order_entry {
    while it runs. options->run is not null. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_pack_options *options);
 
+/* Sets the indexes of at most FXS_CHUNK entries to their order along a Morton curve in their cube, then by index, so
+   that neighbours in the list are near in space. Positions stay where they are. */
+void fxs_order_chunk(fxs_order_entry *entries, uint32_t count);
+
 #endif

@@ -12,6 +12,7 @@
 #include "coded.h"
 #include "framing.h"
 #include "order.h"
+#include "tree.h"
 
 #define BATCH 4096                   /* Gaussians read at once */
 #define SLICE 512                    /* chunks that are finished between two calls of progress */
@@ -56,7 +57,7 @@ struct packer {
     batch *batches;                  /* two: jobs work on one while the other is filled */
     int ready;                       /* index of the batch that jobs work on */
     part_fn *work;
-    int steps;                       /* steps of progress: three passes, and the palette */
+    int steps;                       /* steps of progress: three passes, the palette and the tree */
     fxs_order_entry *entries;
     fxs_seen *seen;                  /* of every seen_step-th Gaussian of the file */
     uint64_t seen_step;
@@ -534,15 +535,25 @@ size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
            : fxs_scene_bytes((uint32_t)info->count, info->sh_degree, profile, entries);
 }
 
+static void begin_tree(unsigned char *to, uint32_t nodes)
+{
+    fxs_tree_header header = {.magic = FXS_TREE_MAGIC, .node_count = nodes};
+    fxs_words_turn(&header, sizeof header / 4);
+    memcpy(to, &header, sizeof header);
+}
+
 static int allocate_scene(packer *p, fxs_packed_scene *scene)
 {
     const uint32_t count = (uint32_t)p->slot_count;
     const enum fxs_profile profile = p->encoder.profile;
     const uint32_t chunks = fxs_chunks_of(count);
     const uint32_t entries = fxs_palette_entries_for(p->report->packed, chunks, profile, p->encoder.sh_degree);
-    scene->bytes = fxs_scene_bytes(count, p->encoder.sh_degree, profile, entries);
+    const size_t leaves = fxs_scene_bytes(count, p->encoder.sh_degree, profile, entries);
+    const size_t tree = p->options.tree ? fxs_tree_bytes(chunks, p->encoder.sh_degree, profile) : 0;
+    scene->bytes = leaves <= SIZE_MAX - 63 - tree ? leaves + tree : SIZE_MAX;
     scene->allocator = p->options.allocator;
-    scene->allocation = scene->bytes ? fxs_allocate_zeroed(p->options.allocator, 1, scene->bytes + 63) : 0;
+    scene->allocation = leaves && scene->bytes < SIZE_MAX - 63
+                            ? fxs_allocate_zeroed(p->options.allocator, 1, scene->bytes + 63) : 0;
     if (!scene->allocation) {
         fxs_fail(p->message, "out of memory: %zu bytes for the packed scene", scene->bytes);
         p->message->bytes_needed = scene->bytes + 63;
@@ -551,7 +562,7 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     scene->data = (void *)(((uintptr_t)scene->allocation + 63) / 64 * 64);
     p->header = scene->data;
     p->header->magic = FXS_PACKED_MAGIC;
-    p->header->version = FXS_PACKED_VERSION;
+    p->header->version = tree ? FXS_PACKED_VERSION_TREE : FXS_PACKED_VERSION;
     p->header->count = count;
     p->header->holes = count - (uint32_t)p->report->packed;
     p->header->chunk_count = chunks;
@@ -562,8 +573,25 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     p->header->palette_entries = entries;
     write_bounds(p->header, p->report);
     p->chunks = (fxs_chunk *)(void *)(p->header + 1);
-    p->rows = (unsigned char *)scene->data + scene->bytes - (size_t)p->header->chunk_count * p->header->chunk_bytes;
+    p->rows = (unsigned char *)scene->data + leaves - (size_t)p->header->chunk_count * p->header->chunk_bytes;
+    if (tree)
+        begin_tree((unsigned char *)scene->data + leaves, chunks - 1);
     return entries ? allocate_palette(p) : 0;
+}
+
+/* Of the tree, whose share is the last step of progress. */
+static int note_built(void *packing, double done)
+{
+    packer *p = packing;
+    return p->options.progress ? p->options.progress(p->options.argument, (p->steps - 1 + done) / p->steps) : 0;
+}
+
+static int build_tree(packer *p, const fxs_scene *scene, void *data)
+{
+    fxs_pack_options options = p->options;
+    options.progress = note_built;
+    options.argument = p;
+    return fxs_tree_build(scene, data, p->coded ? p->coded->palette : p->palette, &options, p->message);
 }
 
 static int pack(packer *p, fxs_packed_scene *scene)
@@ -594,7 +622,9 @@ static int pack(packer *p, fxs_packed_scene *scene)
     FXS_TRY(write_codes(p));
     turn_headers(p);
     fxs_scene whole;                 /* checked, as the last pass may have read other numbers */
-    return fxs_scene_open(&whole, scene->data, scene->bytes) ? fail_changed(p) : 0;
+    if (fxs_scene_open(&whole, scene->data, scene->bytes))
+        return fail_changed(p);
+    return whole.nodes ? build_tree(p, &whole, scene->data) : 0;
 }
 
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
@@ -620,7 +650,7 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
         p.options = *options;
     p.encoder.profile = p.options.profile;
     p.encoder.sh_degree = info->sh_degree;
-    p.steps = fxs_palette_stages(p.options.profile, info->sh_degree) ? 4 : 3;
+    p.steps = (fxs_palette_stages(p.options.profile, info->sh_degree) ? 4 : 3) + (p.options.tree != 0);
     if (!p.options.run)
         p.options.run = fxs_run_here;
     p.options.threads += p.options.threads == 0;

@@ -18,16 +18,19 @@ static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
     return fxs_crc32(table, 0, &blank, sizeof blank);
 }
 
-static const unsigned char *rows_of(const fxs_scene *scene, uint32_t i)
+
+/* Where the header of a chunk lies, of a leaf or of a node. */
+static const unsigned char *header_of(const fxs_scene *scene, uint32_t i)
 {
-    return scene->rows + (size_t)i * scene->chunk_bytes;
+    return i < scene->chunk_count ? scene->chunks + (size_t)i * sizeof(fxs_chunk)
+                                  : scene->node_chunks + (size_t)(i - scene->chunk_count) * sizeof(fxs_chunk);
 }
 
 /* The header of a chunk in the byte order of the scene. */
 static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
 {
     fxs_chunk chunk;
-    memcpy(&chunk, scene->chunks + (size_t)i * sizeof chunk, sizeof chunk);
+    memcpy(&chunk, header_of(scene, i), sizeof chunk);
     return chunk;
 }
 
@@ -35,7 +38,7 @@ static uint32_t chunk_checksum(const fxs_crc32_table *table, const fxs_scene *sc
 {
     fxs_chunk blank = chunk_of(scene, i);
     blank.checksum = 0;
-    return fxs_crc32(table, fxs_crc32(table, 0, &blank, sizeof blank), rows_of(scene, i), scene->chunk_bytes);
+    return fxs_crc32(table, fxs_crc32(table, 0, &blank, sizeof blank), fxs_rows(scene, i), scene->chunk_bytes);
 }
 
 static size_t palette_bytes(const fxs_scene *scene)
@@ -46,6 +49,33 @@ static size_t palette_bytes(const fxs_scene *scene)
 static uint32_t palette_checksum(const fxs_crc32_table *table, const fxs_scene *scene)
 {
     return fxs_crc32(table, 0, scene->palette, palette_bytes(scene));
+}
+
+/* The nodes with the zeros behind them. */
+static size_t node_bytes(const fxs_scene *scene)
+{
+    return (size_t)(scene->node_chunks - scene->nodes);
+}
+
+static fxs_tree_header tree_of(const fxs_scene *scene)
+{
+    fxs_tree_header tree;
+    memcpy(&tree, scene->nodes - sizeof tree, sizeof tree);
+    return tree;
+}
+
+static uint32_t tree_checksum(const fxs_crc32_table *table, const fxs_scene *scene)
+{
+    fxs_tree_header blank = tree_of(scene);
+    blank.checksum = 0;
+    return fxs_crc32(table, fxs_crc32(table, 0, &blank, sizeof blank), scene->nodes, node_bytes(scene));
+}
+
+static fxs_tree_header sealed_tree(const fxs_crc32_table *table, const fxs_scene *scene)
+{
+    fxs_tree_header tree = tree_of(scene);
+    tree.checksum = fxs_little_32(tree_checksum(table, scene));
+    return tree;
 }
 
 static fxs_packed_header sealed_header(const fxs_crc32_table *table, const void *data, const fxs_scene *scene)
@@ -74,10 +104,13 @@ int fxs_file_seal(void *data, size_t bytes)
     fxs_crc32_fill(&table);
     const fxs_packed_header header = sealed_header(&table, data, &scene);
     memcpy(data, &header, sizeof header);
-    unsigned char *chunks = (unsigned char *)data + sizeof header;
-    for (uint32_t i = 0; i < scene.chunk_count; i++) {
+    for (uint32_t i = 0; i < fxs_scene_chunks(&scene); i++) {
         const fxs_chunk chunk = sealed_chunk(&table, &scene, i);
-        memcpy(chunks + (size_t)i * sizeof chunk, &chunk, sizeof chunk);
+        memcpy((unsigned char *)data + (header_of(&scene, i) - (unsigned char *)data), &chunk, sizeof chunk);
+    }
+    if (scene.nodes) {
+        const fxs_tree_header tree = sealed_tree(&table, &scene);
+        memcpy((unsigned char *)data + (scene.nodes - (unsigned char *)data) - sizeof tree, &tree, sizeof tree);
     }
     return 0;
 }
@@ -87,26 +120,45 @@ uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers)
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->chunk_count; i++)
         for (uint32_t g = 0; g < FXS_CHUNK && count < scene->count; g++)
-            if (fxs_codes_of(scene, rows_of(scene, i), g).rotation)
+            if (fxs_codes_of(scene, fxs_rows(scene, i), g).rotation)
                 numbers[count++] = i * FXS_CHUNK + g;
     return count;
 }
 
+/* The headers of chunks first to end - 1. */
+static int write_chunks(fxs_output *output, const fxs_crc32_table *table, const fxs_scene *scene, uint32_t first,
+                        uint32_t end, fxs_message *message)
+{
+    int result = 0;
+    for (uint32_t i = first; i < end && !result; i++) {
+        const fxs_chunk chunk = sealed_chunk(table, scene, i);
+        result = fxs_output_write(output, &chunk, sizeof chunk, message);
+    }
+    return result;
+}
+
+static int write_tree(fxs_output *output, const fxs_crc32_table *table, const fxs_scene *scene, fxs_message *message)
+{
+    const uint32_t leaves = scene->chunk_count, end = fxs_scene_chunks(scene);
+    const fxs_tree_header tree = sealed_tree(table, scene);
+    FXS_TRY(fxs_output_write(output, &tree, sizeof tree, message));
+    FXS_TRY(fxs_output_write(output, scene->nodes, node_bytes(scene), message));
+    FXS_TRY(write_chunks(output, table, scene, leaves, end, message));
+    return fxs_output_write(output, scene->node_rows, (size_t)(end - leaves) * scene->chunk_bytes, message);
+}
+
 /* Errors stay in the output. */
-static void write_scene(fxs_output *output, const void *data, const fxs_scene *scene, fxs_message *message)
+static int write_scene(fxs_output *output, const void *data, const fxs_scene *scene, fxs_message *message)
 {
     fxs_crc32_table table;
     fxs_crc32_fill(&table);
     const fxs_packed_header header = sealed_header(&table, data, scene);
-    int result = fxs_output_write(output, &header, sizeof header, message);
-    for (uint32_t i = 0; i < scene->chunk_count && !result; i++) {
-        const fxs_chunk chunk = sealed_chunk(&table, scene, i);
-        result = fxs_output_write(output, &chunk, sizeof chunk, message);
-    }
-    if (!result && scene->palette)
-        result = fxs_output_write(output, scene->palette, palette_bytes(scene), message);
-    if (!result)
-        fxs_output_write(output, scene->rows, (size_t)scene->chunk_count * scene->chunk_bytes, message);
+    FXS_TRY(fxs_output_write(output, &header, sizeof header, message));
+    FXS_TRY(write_chunks(output, &table, scene, 0, scene->chunk_count, message));
+    if (scene->palette)
+        FXS_TRY(fxs_output_write(output, scene->palette, palette_bytes(scene), message));
+    FXS_TRY(fxs_output_write(output, scene->rows, (size_t)scene->chunk_count * scene->chunk_bytes, message));
+    return scene->nodes ? write_tree(output, &table, scene, message) : 0;
 }
 
 int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message)
@@ -117,8 +169,16 @@ int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message
     if (error)
         return fxs_fail_as(error, message, "%s: %s", path, fxs_strerror(error));
     FXS_TRY(fxs_output_open(&output, path, 0, message));
-    write_scene(&output, data, &scene, message);
+    (void)write_scene(&output, data, &scene, message);
     return fxs_output_close(&output, message);
+}
+
+static size_t expected_bytes(const fxs_packed_header *h)
+{
+    const int degree = (int)(h->sh_degree & 3);
+    const enum fxs_profile profile = (enum fxs_profile)h->profile;
+    return fxs_scene_bytes(h->count, degree, profile, h->palette_entries) +
+           (h->version == FXS_PACKED_VERSION_TREE ? fxs_tree_bytes(fxs_chunks_of(h->count), degree, profile) : 0);
 }
 
 int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)
@@ -133,20 +193,21 @@ int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fx
     fxs_packed_header_turn(&header);
     if (header.magic != FXS_PACKED_MAGIC)
         return fxs_fail(message, "%s: not an .fxs file", path);
-    if (header.version != FXS_PACKED_VERSION)
-        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u; convert its "
-                           "source again", path, header.version, FXS_PACKED_VERSION);
+    if (header.version != FXS_PACKED_VERSION && header.version != FXS_PACKED_VERSION_TREE)
+        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u and %u; convert "
+                           "its source again", path, header.version, FXS_PACKED_VERSION, FXS_PACKED_VERSION_TREE);
     if (header.checksum != header_checksum(&table, data))
         return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
     if (fxs_scene_open(&scene, data, bytes))
         return fxs_fail(message, "%s: damaged or cut short: %zu bytes, expected %zu", path, bytes,
-                        fxs_scene_bytes(header.count, (int)(header.sh_degree & 3),
-                                        (enum fxs_profile)header.profile, header.palette_entries));
+                        expected_bytes(&header));
     if (all && header.palette_checksum != palette_checksum(&table, &scene))
         return fxs_fail(message, "%s: the palette is damaged: its checksum is wrong", path);
-    for (uint32_t i = 0; i < scene.chunk_count && all; i++)
+    if (all && scene.nodes && fxs_little_32(tree_of(&scene).checksum) != tree_checksum(&table, &scene))
+        return fxs_fail(message, "%s: the tree is damaged: its checksum is wrong", path);
+    for (uint32_t i = 0; i < fxs_scene_chunks(&scene) && all; i++)
         if (fxs_little_32(chunk_of(&scene, i).checksum) != chunk_checksum(&table, &scene, i))
             return fxs_fail(message, "%s: chunk %u of %u is damaged: its checksum is wrong", path, i,
-                            scene.chunk_count);
+                            fxs_scene_chunks(&scene));
     return 0;
 }

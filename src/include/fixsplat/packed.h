@@ -101,7 +101,8 @@ typedef struct fxs_chunk {           /* 128 bytes */
 typedef struct fxs_tree_header {     /* 64 bytes */
     uint32_t magic;
     uint32_t node_count;             /* chunk_count - 1 */
-    uint32_t checksum;               /* in a file: CRC-32 of this header with 0 here, then of the nodes */
+    uint32_t checksum;               /* in a file: CRC-32 of this header with 0 here, then of the nodes with
+                                        the zeros behind them */
     uint32_t reserved[13];           /* 0 */
 } fxs_tree_header;
 

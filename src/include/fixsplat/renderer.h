@@ -42,6 +42,7 @@ typedef struct fxs_open_options {
        and a message, which fxs_open then returns. May be null. */
     int (*prepare)(void *argument, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message);
     void *prepare_argument;
+    int tree;                          /* 1: packed with levels of detail, as fxs_pack_options has it */
 } fxs_open_options;
 
 /* Opens a scene file, or a folder with one, as fxs_scene_file_open does. An .fxs file is mapped and rendered from the

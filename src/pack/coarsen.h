@@ -1,0 +1,43 @@
+/* Merges neighbouring Gaussians of a small set, greedily by the least error, until few enough are left. */
+#ifndef FXS_COARSEN_H
+#define FXS_COARSEN_H
+
+#include <stdint.h>
+
+#include <fixsplat/gaussian.h>
+
+enum { FXS_MERGE_MOST = 512 };         /* the most Gaussians of a set */
+
+/* A Gaussian with what merging reads of it. */
+typedef struct fxs_coarse {
+    fxs_gaussian gaussian;
+    float covariance[6];               /* xx, yy, zz, xy, xz, yz */
+    float area;                        /* root of the sum of the squared areas that it has along three axes, sigmas^2 */
+    float opacity;                     /* 0 to 1 */
+} fxs_coarse;
+
+/* Fills in a Gaussian as it comes from a file or from the codes of a packed scene. */
+void fxs_coarse_set(fxs_coarse *coarse, const fxs_gaussian *gaussian);
+
+/* What the mergers of a set changed. */
+typedef struct fxs_merge_error {
+    double error;                      /* sum of the squared errors, colours^2 units^2 */
+    double size;                       /* sum of these times the squared size of what was merged, units^2 */
+} fxs_merge_error;
+
+typedef struct fxs_merger fxs_merger;
+
+/* Bytes of a merger, which is working memory for one thread, aligned as by malloc. */
+size_t fxs_merger_bytes(void);
+
+/* Begins a set. */
+void fxs_merge_begin(fxs_merger *merger);
+
+/* Adds Gaussians to the set, which stay where they are until the end. */
+void fxs_merge_add(fxs_merger *merger, const fxs_coarse *gaussians, uint32_t count);
+
+/* Merges the set to at most `most` Gaussians, writes them to `out`, which is no part of what was added, and returns
+   their number. */
+uint32_t fxs_merge_end(fxs_merger *merger, uint32_t most, fxs_coarse *out, fxs_merge_error *error);
+
+#endif

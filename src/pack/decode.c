@@ -1,0 +1,86 @@
+#include "decode.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "src/core/codes.h"
+#include "src/gaussian/attributes.h"
+
+#define LN_2 0.69314718055994531
+
+/* Law 0: c / 255; else 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2, and 0 for code 0. */
+static double opacity_of(uint32_t code, uint32_t law)
+{
+    const double part = (code - 1.0) / 254, top = ldexp(1, 2 - 2 * (int)law);
+    return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
+}
+
+/* Three components are (2 c - 1023) / (1023 sqrt(2)); the largest follows from the length of 1. */
+static void take_rotation(uint32_t code, float rotation[4])
+{
+    const uint32_t largest = code >> 30;
+    double rest = 1;
+    for (uint32_t i = 0; i < 3; i++) {
+        const double q = (2.0 * (code >> (20 - 10 * i) & 1023) - 1023) / 1023 / 1.4142135623730951;
+        rotation[i < largest ? i : i + 1] = (float)q;
+        rest -= q * q;
+    }
+    rotation[largest] = (float)sqrt(rest > 0 ? rest : 0);
+}
+
+/* Profile default: a coefficient of degree d is code * sh_step[d - 1]. */
+static void take_bands(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g, float sh[45])
+{
+    for (int k = 0; k < 3 * FXS_SH_COUNT(s->sh_degree); k++)
+        sh[k] = (float)ldexp((int8_t)rows[FXS_ROW_SH + (uint32_t)k * FXS_CHUNK + g] *
+                             (double)chunk->sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2], -19);
+}
+
+/* Profiles compact and small: the sum of the chunk's mean and an entry of each palette, in compact also of the residual
+   (2 code + 1) gain, gain = (8 + (g mod 8)) 2^(floor(g / 8) - 32). */
+static void take_palette(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g,
+                         float sh[45])
+{
+    const unsigned char *record = fxs_sh_record(s, rows, g);
+    const int is_compact = s->profile == FXS_PROFILE_COMPACT, count = FXS_SH_COUNT(s->sh_degree);
+    const double gain = is_compact ? ldexp(8 + record[FXS_GAIN_BYTE] % 8, record[FXS_GAIN_BYTE] / 8 - 32) : 0;
+    for (int c = 0; c < 3; c++) {
+        const uint64_t residual = is_compact ? fxs_residual(record, s->sh_degree, c) : 0;
+        for (int k = 0; k < count; k++) {
+            int sum = chunk->sh_mean[16 * c + k];
+            for (uint32_t stage = 0; stage < fxs_palette_stages(s->profile, s->sh_degree); stage++) {
+                const int number = fxs_palette_entry(s, stage, record[stage])[16 * c + k];
+                sum += record[stage] & FXS_PALETTE_NEGATIVE ? -number : number;
+            }
+            const int code = (int)(residual >> 3 * k & 7);
+            sh[3 * k + c] = (float)(ldexp(sum * (double)s->palette_step_q19, -19) +
+                                    (2 * (code < 4 ? code : code - 8) + 1) * gain);
+        }
+    }
+}
+
+int fxs_slot_is_empty(const fxs_scene *s, const unsigned char *rows, uint32_t g)
+{
+    return fxs_codes_of(s, rows, g).rotation == 0;
+}
+
+void fxs_decode(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g, fxs_gaussian *out)
+{
+    const fxs_codes codes = fxs_codes_of(s, rows, g);
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < 3; i++) {
+        const uint32_t scale = codes.scale >> 10 * i & 1023, colour = codes.colour >> 8 * i & 255;
+        const int64_t steps = (int64_t)codes.position[i] * chunk->step_q32[i] << chunk->step_shift;
+        out->position[i] = (float)ldexp((double)(chunk->origin_q32[i] + steps), -32);
+        out->scale[i] = (float)(LN_2 * (ldexp(chunk->scale_q16, -16) -
+                                        ldexp((double)scale * scale * chunk->scale_step_q24, -24)));
+        out->dc[i] = fxs_dc_of_colour(ldexp(chunk->colour_q16[i], -16) +
+                                      ldexp((double)colour * chunk->colour_step_q20[i], -20));
+    }
+    take_rotation(codes.rotation, out->rotation);
+    out->opacity = fxs_logit_of_opacity(opacity_of(codes.colour >> 24, chunk->opacity_law));
+    if (s->profile == FXS_PROFILE_DEFAULT)
+        take_bands(s, chunk, rows, g, out->sh);
+    else if (s->sh_degree)
+        take_palette(s, chunk, rows, g, out->sh);
+}

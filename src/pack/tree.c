@@ -1,0 +1,499 @@
+/* The leaves are a run of chunks, which is cut in two, and each part again, where the boxes of both parts cost least.
+   The chunk of a node is merged from those of its two children, depth first, so that few are held at a time. Nodes are
+   numbered by how many leaves they have, the most first, then by their first leaf: what is drawn from afar lies
+   together, and every node comes before its children. */
+#include "tree.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "src/base/exponential.h"
+#include "src/base/try_internal.h"
+#include "decode.h"
+#include "encode.h"
+#include "coarsen.h"
+#include "order.h"
+
+enum {
+    FREE_LEVELS = 40,                  /* levels from the root; below, runs are halved, to bound the depth */
+    PARTS = 32                         /* a subtree of one of so many parts of the leaves, or less, is one job */
+};
+
+#define NONE UINT32_MAX
+
+typedef struct node {
+    uint32_t first, leaves;            /* a run of leaves */
+    uint32_t children[2];              /* places of nodes; a leaf's number plus the number of nodes */
+    uint32_t parent, number;
+    double error, size;                /* fxs_merge_error */
+} node;
+
+/* Coarse Gaussians of a node, or those of a leaf. */
+typedef struct held {
+    fxs_coarse gaussians[FXS_CHUNK];
+    uint32_t count;
+} held;
+
+/* What one job works with. */
+typedef struct worker {
+    held *slots;
+    held merged;
+    fxs_merger *merger;
+    fxs_sh_item items[FXS_CHUNK];
+    unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
+} worker;
+
+/* A group of nodes that are bought together: see pool_gains. */
+typedef struct group {
+    double sum, nodes;
+    uint32_t heap;                     /* the groups below it, a leftist heap by gain; NONE: none */
+    uint32_t left, right, rank;        /* its place in that of the group above */
+    uint32_t into;                     /* the group that it became part of, or NONE */
+} group;
+
+typedef struct tree {
+    const fxs_scene *scene;
+    unsigned char *data;
+    const fxs_palette *palette;
+    const fxs_pack_options *options;
+    fxs_encoder encoder;
+    uint32_t count;                    /* of nodes; leaves are one more */
+    node *nodes;                       /* in the order in which runs are cut: a node before its children */
+    float (*boxes)[6];                 /* of the leaves: low, high */
+    float *costs;                      /* of what is right of a cut */
+    uint32_t *subtrees, subtree_count; /* places of the nodes that are jobs */
+    uint32_t built;                    /* how many of them are */
+    uint32_t limit;                    /* leaves of a job, at most */
+    held **done;                       /* of each node whose parent is not yet merged; null before and after */
+    worker *workers;
+    uint32_t worker_count;
+} tree;
+
+/* ---- Shape ------------------------------------------------------------------------------------------------------- */
+
+static void find_box(tree *t, uint32_t leaf)
+{
+    fxs_chunk chunk;
+    memcpy(&chunk, t->scene->chunks + (size_t)leaf * sizeof chunk, sizeof chunk);
+    fxs_chunk_turn(&chunk);
+    for (int i = 0; i < 3; i++) {
+        const int64_t reach = (int64_t)chunk.step_q32[i] * 65535 << chunk.step_shift;
+        t->boxes[leaf][i] = (float)ldexp((double)chunk.origin_q32[i], -32);
+        t->boxes[leaf][3 + i] = (float)ldexp((double)(chunk.origin_q32[i] + reach), -32);
+    }
+}
+
+static void widen(float box[6], const float by[6])
+{
+    for (int i = 0; i < 3; i++) {
+        box[i] = by[i] < box[i] ? by[i] : box[i];
+        box[3 + i] = by[3 + i] > box[3 + i] ? by[3 + i] : box[3 + i];
+    }
+}
+
+/* The squared diagonal times the number of leaves. */
+static float cost_of(const float box[6], uint32_t leaves)
+{
+    const float x = box[3] - box[0], y = box[4] - box[1], z = box[5] - box[2];
+    return (x * x + y * y + z * z) * (float)leaves;
+}
+
+/* How many leaves of a run are left of its best cut. */
+static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
+{
+    uint32_t best = leaves / 2;
+    float box[6], least = INFINITY;
+    if (level >= FREE_LEVELS)
+        return best;
+    memcpy(box, t->boxes[first + leaves - 1], sizeof box);
+    for (uint32_t i = leaves - 1; i > 0; i--) {
+        widen(box, t->boxes[first + i]);
+        t->costs[i] = cost_of(box, leaves - i);
+    }
+    memcpy(box, t->boxes[first], sizeof box);
+    for (uint32_t i = 1; i < leaves; i++) {
+        widen(box, t->boxes[first + i - 1]);
+        const float cost = cost_of(box, i) + t->costs[i];
+        if (cost < least) {
+            least = cost;
+            best = i;
+        }
+    }
+    return best;
+}
+
+/* Cuts the run of a node and of those below it. `next` is the next place of a node. Levels are at most FREE_LEVELS and
+   log2 of the leaves. */
+static void cut_run(tree *t, uint32_t place, int level, uint32_t *next)
+{
+    node *n = &t->nodes[place];
+    const uint32_t left = find_cut(t, n->first, n->leaves, level);
+    for (int side = 0; side < 2; side++) {
+        const uint32_t first = side ? n->first + left : n->first, leaves = side ? n->leaves - left : left;
+        if (leaves == 1) {
+            n->children[side] = t->count + first;
+            continue;
+        }
+        const uint32_t child = (*next)++;
+        n->children[side] = child;
+        t->nodes[child] = (node){.first = first, .leaves = leaves, .parent = place};
+        cut_run(t, child, level + 1, next);
+    }
+}
+
+static int compare_keys(const void *a, const void *b)
+{
+    const uint64_t *x = a, *y = b;
+    return x[0] != y[0] ? (x[0] > y[0]) - (x[0] < y[0]) : (x[1] > y[1]) - (x[1] < y[1]);
+}
+
+/* By the number of leaves, the most first, then by the first leaf. */
+static int number_nodes(tree *t)
+{
+    uint64_t (*keys)[2] = fxs_allocate(t->options->allocator, t->count, sizeof *keys);
+    if (!keys)
+        return -1;
+    for (uint32_t i = 0; i < t->count; i++) {
+        keys[i][0] = (uint64_t)(UINT32_MAX - t->nodes[i].leaves) << 32 | t->nodes[i].first;
+        keys[i][1] = i;
+    }
+    qsort(keys, t->count, sizeof *keys, compare_keys);
+    for (uint32_t i = 0; i < t->count; i++)
+        t->nodes[keys[i][1]].number = i;
+    fxs_release(t->options->allocator, keys);
+    return 0;
+}
+
+static int find_shape(tree *t)
+{
+    uint32_t next = 1;
+    t->boxes = fxs_allocate(t->options->allocator, t->count + 1, sizeof *t->boxes);
+    t->costs = fxs_allocate(t->options->allocator, t->count + 1, sizeof *t->costs);
+    if (!t->boxes || !t->costs)
+        return -1;
+    for (uint32_t i = 0; i <= t->count; i++)
+        find_box(t, i);
+    t->nodes[0] = (node){.leaves = t->count + 1, .parent = NONE};
+    cut_run(t, 0, 0, &next);
+    fxs_release(t->options->allocator, t->boxes);
+    fxs_release(t->options->allocator, t->costs);
+    t->boxes = 0;
+    t->costs = 0;
+    return number_nodes(t);
+}
+
+/* ---- Chunks ------------------------------------------------------------------------------------------------------ */
+
+static void read_leaf(const tree *t, uint32_t leaf, held *to)
+{
+    const fxs_scene *s = t->scene;
+    const unsigned char *rows = s->rows + (size_t)leaf * s->chunk_bytes;
+    fxs_chunk chunk;
+    memcpy(&chunk, s->chunks + (size_t)leaf * sizeof chunk, sizeof chunk);
+    fxs_chunk_turn(&chunk);
+    to->count = 0;
+    for (uint32_t g = 0; g < FXS_CHUNK; g++)
+        if (!fxs_slot_is_empty(s, rows, g)) {
+            fxs_gaussian gaussian;
+            fxs_decode(s, &chunk, rows, g, &gaussian);
+            fxs_coarse_set(&to->gaussians[to->count++], &gaussian);
+        }
+}
+
+/* Along a Morton curve, as in the leaves. */
+static void sort(const held *h, fxs_order_entry order[FXS_CHUNK])
+{
+    for (uint32_t i = 0; i < h->count; i++) {
+        memcpy(order[i].position, h->gaussians[i].gaussian.position, sizeof order[i].position);
+        order[i].index = i;
+    }
+    fxs_order_chunk(order, h->count);
+}
+
+static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
+{
+    static const fxs_scene_file_info any;      /* no grids */
+    const fxs_scene *s = t->scene;
+    const uint32_t bytes = s->chunk_bytes / FXS_CHUNK;
+    fxs_order_entry order[FXS_CHUNK];
+    fxs_chunk_ranges ranges;
+    fxs_chunk chunk;
+    fxs_loss loss = {{0}, {0}};
+    fxs_sh_loss sh_loss = {0, 0};
+    sort(h, order);
+    fxs_ranges_clear(&ranges);
+    for (uint32_t i = 0; i < h->count; i++) {
+        fxs_hold_scales(&h->gaussians[i].gaussian);
+        fxs_ranges_take(&ranges, &h->gaussians[i].gaussian, t->encoder.sh_degree);
+    }
+    fxs_encode_header(&chunk, &ranges, &any);
+    memset(w->records, 0, s->chunk_bytes);
+    for (uint32_t i = 0; i < h->count; i++) {
+        const fxs_gaussian *g = &h->gaussians[order[i].index].gaussian;
+        unsigned char record[FXS_RECORD_BYTES] = {0};
+        fxs_encode(&t->encoder, &chunk, g, record, &loss);
+        memcpy(w->records + i * bytes, record, bytes);
+        if (t->palette)
+            fxs_sh_item_set(&w->items[i], g, fxs_opacity(g), t->encoder.sh_degree);
+    }
+    if (t->palette)
+        fxs_palette_code_chunk(t->palette, w->items, h->count, chunk.sh_mean,
+                               w->records + bytes - fxs_sh_bytes(s->profile, s->sh_degree), bytes, &sh_loss);
+    fxs_encode_rows(&t->encoder, w->records, t->data + (s->node_rows - t->data) + (size_t)number * s->chunk_bytes);
+    fxs_chunk_turn(&chunk);
+    memcpy(t->data + (s->node_chunks - t->data) + (size_t)number * sizeof chunk, &chunk, sizeof chunk);
+}
+
+/* Merges two children's Gaussians; those of the node take the place of the first child's. */
+static void merge_children(tree *t, worker *w, uint32_t place, held *first, const held *second)
+{
+    node *n = &t->nodes[place];
+    fxs_merge_error error;
+    held *out = &w->merged;
+    fxs_merge_begin(w->merger);
+    fxs_merge_add(w->merger, first->gaussians, first->count);
+    fxs_merge_add(w->merger, second->gaussians, second->count);
+    out->count = fxs_merge_end(w->merger, FXS_CHUNK, out->gaussians, &error);
+    n->error = error.error;
+    n->size = error.size;
+    memcpy(first->gaussians, out->gaussians, out->count * sizeof *out->gaussians);
+    first->count = out->count;
+    write_chunk(t, w, first, n->number);
+}
+
+static uint32_t leaves_of(const tree *t, uint32_t child)
+{
+    return child < t->count ? t->nodes[child].leaves : 1;
+}
+
+/* Fills slot `at` of a worker. The child with more leaves goes first, so that each slot in use has at most half the
+   leaves of the one before. */
+static void build(tree *t, worker *w, uint32_t child, uint32_t at)
+{
+    if (child >= t->count) {
+        read_leaf(t, child - t->count, &w->slots[at]);
+        return;
+    }
+    const node *n = &t->nodes[child];
+    const int larger = leaves_of(t, n->children[1]) > leaves_of(t, n->children[0]);
+    build(t, w, n->children[larger], at);
+    build(t, w, n->children[!larger], at + 1);
+    merge_children(t, w, child, &w->slots[at], &w->slots[at + 1]);
+}
+
+/* ---- Jobs -------------------------------------------------------------------------------------------------------- */
+
+static void build_subtree(void *argument, uint32_t job)
+{
+    tree *t = argument;
+    worker *w = &t->workers[job];
+    const uint32_t place = t->subtrees[t->built + job];
+    build(t, w, place, 0);
+    memcpy(t->done[place], &w->slots[0], sizeof(held));
+}
+
+static int note_built(const tree *t, uint32_t leaves)
+{
+    return t->options->progress ? t->options->progress(t->options->argument, leaves / (t->count + 1.0)) : 0;
+}
+
+/* Returns 1 where it was stopped. */
+static int build_subtrees(tree *t)
+{
+    for (uint32_t leaves = 0; t->built < t->subtree_count; t->built += t->worker_count) {
+        const uint32_t left = t->subtree_count - t->built, jobs = left < t->worker_count ? left : t->worker_count;
+        if (note_built(t, leaves))
+            return 1;
+        t->options->run(t->options->pool, build_subtree, t, jobs);
+        for (uint32_t i = 0; i < jobs; i++)
+            leaves += t->nodes[t->subtrees[t->built + i]].leaves;
+    }
+    return note_built(t, t->count + 1);
+}
+
+static held *take_done(tree *t, uint32_t child, worker *w)
+{
+    if (child < t->count)
+        return t->done[child];
+    read_leaf(t, child - t->count, &w->slots[0]);
+    return &w->slots[0];
+}
+
+/* The nodes above the jobs, each after its children. One child at least is a node, whose place in memory it takes. */
+static void build_top(tree *t)
+{
+    worker *w = &t->workers[0];
+    for (uint32_t i = t->count; i-- > 0;) {
+        const uint32_t *children = t->nodes[i].children;
+        const int node_side = children[0] >= t->count;
+        if (t->nodes[i].leaves <= t->limit)
+            continue;
+        t->done[i] = take_done(t, children[node_side], w);
+        merge_children(t, w, i, t->done[i], take_done(t, children[!node_side], w));
+        t->done[children[node_side]] = 0;
+        if (children[!node_side] < t->count) {
+            fxs_release(t->options->allocator, t->done[children[!node_side]]);
+            t->done[children[!node_side]] = 0;
+        }
+    }
+}
+
+static int is_subtree(const tree *t, uint32_t place)
+{
+    const node *n = &t->nodes[place];
+    return n->leaves <= t->limit && (n->parent == NONE || t->nodes[n->parent].leaves > t->limit);
+}
+
+/* By number, so that the large ones come first. Their number is at most that of the leaves. */
+static int find_subtrees(tree *t)
+{
+    const fxs_allocator *allocator = t->options->allocator;
+    uint32_t *places = fxs_allocate(allocator, t->count, sizeof *places);
+    t->subtrees = fxs_allocate(allocator, t->count, sizeof *t->subtrees);
+    t->done = fxs_allocate_zeroed(allocator, t->count, sizeof *t->done);
+    int error = !places || !t->subtrees || !t->done;
+    for (uint32_t i = 0; i < t->count && !error; i++)
+        places[t->nodes[i].number] = i;
+    for (uint32_t i = 0; i < t->count && !error; i++)
+        if (is_subtree(t, places[i])) {
+            t->subtrees[t->subtree_count++] = places[i];
+            t->done[places[i]] = fxs_allocate(allocator, 1, sizeof(held));
+            error = !t->done[places[i]];
+        }
+    fxs_release(allocator, places);
+    return error;
+}
+
+/* A slot of a worker has at most half the leaves of the one before. */
+static int make_workers(tree *t)
+{
+    const fxs_allocator *allocator = t->options->allocator;
+    uint32_t slots = 2;
+    for (uint32_t leaves = t->limit; leaves > 1; leaves /= 2)
+        slots++;
+    t->worker_count = t->options->threads;
+    t->workers = fxs_allocate_zeroed(allocator, t->worker_count, sizeof *t->workers);
+    for (uint32_t i = 0; i < t->worker_count && t->workers; i++) {
+        t->workers[i].slots = fxs_allocate(allocator, slots, sizeof *t->workers[i].slots);
+        t->workers[i].merger = fxs_allocate(allocator, 1, fxs_merger_bytes());
+        if (!t->workers[i].slots || !t->workers[i].merger)
+            return -1;
+    }
+    return t->workers ? 0 : -1;
+}
+
+/* ---- Gains ------------------------------------------------------------------------------------------------------- */
+
+static double gain_of(const group *g)
+{
+    return g->sum / g->nodes;
+}
+
+/* Of two leftist heaps (Crane 1972). */
+static uint32_t meld(group *g, uint32_t a, uint32_t b)
+{
+    if (a == NONE || b == NONE)
+        return a == NONE ? b : a;
+    const int is_first = gain_of(&g[a]) > gain_of(&g[b]) || (gain_of(&g[a]) == gain_of(&g[b]) && a < b);
+    const uint32_t top = is_first ? a : b;
+    g[top].right = meld(g, g[top].right, is_first ? b : a);
+    const uint32_t left = g[top].left, right = g[top].right;
+    if (left == NONE || g[left].rank < g[right].rank) {
+        g[top].left = right;
+        g[top].right = left;
+    }
+    g[top].rank = g[top].right == NONE ? 1 : g[g[top].right].rank + 1;
+    return top;
+}
+
+/* A node whose error is less than that below it is not worth opening by itself, but both together may be. So it becomes
+   one with the group below it that has the largest mean, as long as that is larger than its own. */
+static void pool_gains(const tree *t, group *g)
+{
+    for (uint32_t i = t->count; i-- > 0;) {
+        const node *n = &t->nodes[i];
+        g[i] = (group){n->error, 1, NONE, NONE, NONE, 1, NONE};
+        for (int side = 0; side < 2; side++)
+            if (n->children[side] < t->count)
+                g[i].heap = meld(g, g[i].heap, n->children[side]);
+        while (g[i].heap != NONE && gain_of(&g[g[i].heap]) > gain_of(&g[i])) {
+            group *below = &g[g[i].heap];
+            g[i].sum += below->sum;
+            g[i].nodes += below->nodes;
+            below->into = i;
+            g[i].heap = meld(g, meld(g, below->left, below->right), below->heap);
+        }
+    }
+    for (uint32_t i = 0; i < t->count; i++)
+        if (g[i].into != NONE) {
+            g[i].sum = g[g[i].into].sum;
+            g[i].nodes = g[g[i].into].nodes;
+        }
+}
+
+/* round(scale log2(x)) within +-most; 0 is the least */
+static int32_t log2_of(double x, int scale, int most)
+{
+    return x > 0 ? fxs_floor_within(scale * FXS_LOG2_E * fxs_log(x) + 0.5, -most, most) : -most;
+}
+
+static uint32_t number_of(const tree *t, uint32_t child)
+{
+    return child < t->count ? t->count + 1 + t->nodes[child].number : child - t->count;
+}
+
+static int write_nodes(const tree *t)
+{
+    group *groups = fxs_allocate(t->options->allocator, t->count, sizeof *groups);
+    unsigned char *to = t->data + (t->scene->nodes - t->data);
+    if (!groups)
+        return -1;
+    pool_gains(t, groups);
+    for (uint32_t i = 0; i < t->count; i++) {
+        const node *n = &t->nodes[i];
+        fxs_node out = {{number_of(t, n->children[0]), number_of(t, n->children[1])},
+                        log2_of(gain_of(&groups[i]), 256, FXS_GAIN_MOST_Q8),
+                        n->error > 0 ? log2_of(n->size / n->error, 128, FXS_NODE_SIZE_MOST_Q8) : 0};
+        fxs_words_turn(&out, sizeof out / 4);
+        memcpy(to + (size_t)n->number * sizeof out, &out, sizeof out);
+    }
+    fxs_release(t->options->allocator, groups);
+    return 0;
+}
+
+/* ---- The tree ---------------------------------------------------------------------------------------------------- */
+
+static int build_all(tree *t, fxs_message *message)
+{
+    t->nodes = fxs_allocate(t->options->allocator, t->count, sizeof *t->nodes);
+    if (!t->nodes || find_shape(t) || find_subtrees(t) || make_workers(t))
+        return fxs_fail_memory(message, NULL, 0);
+    if (build_subtrees(t))
+        return fxs_fail_as(FXS_ERR_STOPPED, message, "import stopped");
+    build_top(t);
+    return write_nodes(t) ? fxs_fail_memory(message, NULL, 0) : 0;
+}
+
+int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palette, const fxs_pack_options *options,
+                   fxs_message *message)
+{
+    const fxs_allocator *allocator = options->allocator;
+    tree t = {.scene = scene, .data = data, .palette = palette, .options = options,
+              .encoder = {scene->profile, scene->sh_degree}, .count = scene->chunk_count - 1};
+    t.limit = scene->chunk_count / PARTS > 4 ? scene->chunk_count / PARTS : 4;
+    const int result = build_all(&t, message);
+    fxs_release(allocator, t.boxes);
+    fxs_release(allocator, t.costs);
+    for (uint32_t i = 0; i < t.count && t.done; i++)
+        fxs_release(allocator, t.done[i]);
+    fxs_release(allocator, t.done);
+    fxs_release(allocator, t.subtrees);
+    fxs_release(allocator, t.nodes);
+    for (uint32_t i = 0; i < t.worker_count && t.workers; i++) {
+        fxs_release(allocator, t.workers[i].slots);
+        fxs_release(allocator, t.workers[i].merger);
+    }
+    fxs_release(allocator, t.workers);
+    return result;
+}
