@@ -82,30 +82,19 @@ static fxs_stats draw(const fxs_context *context, const fxs_request *request, si
 
 /* ---- What is drawn ----------------------------------------------------------------------------------------------- */
 
-/* For each leaf 1 / the drawn share of all that stands for it: how often it is covered, with 1 for each chunk at its
-   full opacity, from the leaf to the root; 255 where only fading ones do. */
-typedef struct covered {
-    uint8_t *whole, *any;
-    uint32_t depth_sum;                      /* of the chunks that are drawn, below the root */
-} covered;
-
-static void walk(const fxs_scene *scene, uint32_t chunk, uint32_t depth, const int32_t *offsets, uint32_t whole,
-                 uint32_t any, covered *to)
+/* Of each leaf, how many chunks from it to the root are drawn at their full opacity. */
+static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, uint32_t whole, uint8_t *to)
 {
-    const int drawn = offsets[chunk] >= 0;
-    whole += (uint32_t)(offsets[chunk] == 0);
-    any += (uint32_t)drawn;
-    to->depth_sum += drawn ? depth : 0;
+    whole += (uint32_t)(drawn[chunk] == 0);
     if (chunk < scene->chunk_count) {
-        to->whole[chunk] = (uint8_t)whole;
-        to->any[chunk] = (uint8_t)any;
+        to[chunk] = (uint8_t)whole;
         return;
     }
     fxs_node node;
     memcpy(&node, scene->nodes + (size_t)(chunk - scene->chunk_count) * sizeof node, sizeof node);
     fxs_words_turn(&node, sizeof node / 4);
     for (int i = 0; i < 2; i++)
-        walk(scene, node.children[i], depth + 1, offsets, whole, any, to);
+        walk(scene, node.children[i], drawn, whole, to);
 }
 
 /* The cut of one scene: of each chunk its offset, -1 where it is not drawn. Returns how many are drawn. */
@@ -131,30 +120,35 @@ static uint32_t cut_of(const fxs_scene *scene, fxs_camera camera, uint32_t budge
     return f.chunk_count;
 }
 
-static int32_t offsets[2][2 * COUNT / FXS_CHUNK + 16];
-static uint8_t whole_marks[2][COUNT], any_marks[2][COUNT];
+static int is_seen(const fxs_scene *scene, fxs_camera camera, uint32_t chunk)
+{
+    fxs_options options;
+    fxs_view view;
+    fxs_chunk_view cv;
+    fxs_options_init(&options);
+    CHECK(!one_view_init(&view, scene, &camera, &options));
+    return fxs_chunk_view_init(&cv, &view, scene, chunk);
+}
 
-/* All leaves that are seen are covered, by one chunk at full opacity at most. */
+static int32_t offsets[2][2 * COUNT / FXS_CHUNK + 16];
+static uint8_t marks[2][COUNT];
+
+/* All leaves that are seen are covered by a chunk at full opacity. */
 static void test_covered(void)
 {
     const fxs_scene *scene = &scenes[0];
     const fxs_camera camera = camera_at(0.9, -3, -7);
-    uint32_t before = 0, depth_before = 0;
     for (uint32_t budget = 1; budget < COUNT; budget += budget / 3 + 1) {
         const uint32_t drawn = cut_of(scene, camera, budget, 0, offsets[0]);
-        covered c = {whole_marks[0], any_marks[0], 0};
-        walk(scene, scene->chunk_count, 0, offsets[0], 0, 0, &c);
+        walk(scene, scene->chunk_count, offsets[0], 0, marks[0]);
         CHECK(drawn <= (budget / FXS_CHUNK ? budget / FXS_CHUNK : 1));
-        CHECK(drawn >= before || drawn + 4 >= before);
-        CHECK(c.depth_sum >= depth_before || budget < 10 * FXS_CHUNK);
         for (uint32_t leaf = 0; leaf < scene->chunk_count; leaf++)
-            CHECK(whole_marks[0][leaf] <= 2 && (whole_marks[0][leaf] >= 1 || !any_marks[0][leaf]));
-        before = drawn;
-        depth_before = c.depth_sum;
+            CHECK(marks[0][leaf] <= 2 && (marks[0][leaf] >= 1 || !is_seen(scene, camera, leaf)));
     }
 }
 
-/* The largest depth at which something is drawn for a leaf: never less with a larger budget. */
+/* The largest depth at which something is drawn for a leaf, 255 where nothing is, as it is not seen: never less with a
+   larger budget. */
 static void mark_depths(const fxs_scene *scene, uint32_t chunk, uint8_t depth, uint8_t deepest, const int32_t *drawn,
                         uint8_t *to)
 {
@@ -172,13 +166,13 @@ static void mark_depths(const fxs_scene *scene, uint32_t chunk, uint8_t depth, u
 
 static void check_monotonic(const fxs_scene *scene, fxs_camera camera)
 {
-    memset(whole_marks[0], 0, sizeof whole_marks[0]);
+    memset(marks[0], 0, sizeof marks[0]);
     for (uint32_t budget = 1; budget < COUNT; budget += budget / 7 + 1) {
         cut_of(scene, camera, budget, 0, offsets[0]);
-        mark_depths(scene, scene->chunk_count, 0, 0, offsets[0], whole_marks[1]);
+        mark_depths(scene, scene->chunk_count, 0, 255, offsets[0], marks[1]);
         for (uint32_t leaf = 0; leaf < scene->chunk_count; leaf++)
-            CHECK(whole_marks[1][leaf] >= whole_marks[0][leaf]);
-        memcpy(whole_marks[0], whole_marks[1], sizeof whole_marks[0]);
+            CHECK(marks[1][leaf] >= marks[0][leaf]);
+        memcpy(marks[0], marks[1], sizeof marks[0]);
     }
 }
 
@@ -192,11 +186,11 @@ static void test_detail(void)
 {
     const fxs_scene *scene = &scenes[0];
     const fxs_camera camera = camera_at(0.9, -3, -7);
-    uint32_t before = UINT32_MAX;
+    uint32_t before = INT32_MAX;
     for (uint32_t detail_q8 = 8; detail_q8 < 256 << 8; detail_q8 *= 2) {
         const uint32_t drawn = cut_of(scene, camera, 0, detail_q8, offsets[0]);
         const uint32_t both = cut_of(scene, camera, 20 * FXS_CHUNK, detail_q8, offsets[1]);
-        CHECK(drawn <= before && both <= 20 && both <= drawn);
+        CHECK(drawn <= before + before / 4 && both <= 20);       /* what fades is drawn twice */
         before = drawn;
     }
     CHECK(before < scene->chunk_count / 8);
@@ -355,8 +349,10 @@ static void test_damage(void)
         for (int i = 0; i < 1 + round % 40; i++) {
             random = random * 1664525 + 1013904223;
             size_t at = nodes + random % (round % 2 ? 16 * sizeof(fxs_node) : node_bytes);
+            at += round % 4 == 0 && (at - nodes) % 16 < 8 ? 8 : 0;             /* gain and size alone */
             random = random * 1664525 + 1013904223;
-            data[at] = round % 3 ? (unsigned char)(random >> 24) : data[at] ^ (unsigned char)(1u << (random >> 29));
+            data[at] = round % 3 && round % 4 ? (unsigned char)(random >> 24)
+                                              : data[at] ^ (unsigned char)(1u << (random >> 29) >> (round % 4 ? 0 : 2));
         }
         const fxs_object object = one_object(&scene);
         fxs_request request = request_of(&object, 1, camera_at(0.9, -3, -7), COUNT / 3, pictures[0]);
@@ -369,7 +365,7 @@ static void test_damage(void)
         free(memory);
     }
     printf("  %u refused, %u drawn\n", refused, drawn);
-    CHECK(refused > 50 && drawn > 20);
+    CHECK(refused > 50 && drawn > 10);
     free(data);
 }
 

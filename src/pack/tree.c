@@ -33,6 +33,7 @@ typedef struct node {
 typedef struct held {
     fxs_coarse gaussians[FXS_CHUNK];
     uint32_t count;
+    fxs_range reach[3], scale;         /* of the centres and scales of all that lies below, by the chunks' headers */
 } held;
 
 /* What one job works with. */
@@ -185,6 +186,22 @@ static int find_shape(tree *t)
 
 /* ---- Chunks ------------------------------------------------------------------------------------------------------ */
 
+static void find_reach(held *h, const fxs_chunk *chunk)
+{
+    for (int i = 0; i < 3; i++) {
+        const int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
+        h->reach[i].low = (float)ldexp((double)chunk->origin_q32[i], -32);
+        h->reach[i].high = (float)ldexp((double)(chunk->origin_q32[i] + reach), -32);
+    }
+    h->scale.high = (float)(chunk->scale_q16 / (65536 * FXS_LOG2_E));
+}
+
+static void widen_range(fxs_range *range, const fxs_range *by)
+{
+    range->low = by->low < range->low ? by->low : range->low;
+    range->high = by->high > range->high ? by->high : range->high;
+}
+
 static void read_leaf(const tree *t, uint32_t leaf, held *to)
 {
     const fxs_scene *s = t->scene;
@@ -192,6 +209,7 @@ static void read_leaf(const tree *t, uint32_t leaf, held *to)
     fxs_chunk chunk;
     memcpy(&chunk, s->chunks + (size_t)leaf * sizeof chunk, sizeof chunk);
     fxs_chunk_turn(&chunk);
+    find_reach(to, &chunk);
     to->count = 0;
     for (uint32_t g = 0; g < FXS_CHUNK; g++)
         if (!fxs_slot_is_empty(s, rows, g)) {
@@ -227,7 +245,11 @@ static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
         fxs_hold_scales(&h->gaussians[i].gaussian);
         fxs_ranges_take(&ranges, &h->gaussians[i].gaussian, t->encoder.sh_degree);
     }
+    for (int i = 0; i < 3; i++)        /* so that a node is seen wherever one below it is */
+        widen_range(&ranges.position[i], &h->reach[i]);
+    ranges.scale.high = h->scale.high > ranges.scale.high ? h->scale.high : ranges.scale.high;
     fxs_encode_header(&chunk, &ranges, &any);
+    find_reach(h, &chunk);
     memset(w->records, 0, s->chunk_bytes);
     for (uint32_t i = 0; i < h->count; i++) {
         const fxs_gaussian *g = &h->gaussians[order[i].index].gaussian;
@@ -259,6 +281,9 @@ static void merge_children(tree *t, worker *w, uint32_t place, held *first, cons
     n->size = error.size;
     memcpy(first->gaussians, out->gaussians, out->count * sizeof *out->gaussians);
     first->count = out->count;
+    for (int i = 0; i < 3; i++)
+        widen_range(&first->reach[i], &second->reach[i]);
+    first->scale.high = first->scale.high > second->scale.high ? first->scale.high : second->scale.high;
     write_chunk(t, w, first, n->number);
 }
 
