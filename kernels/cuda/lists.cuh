@@ -233,7 +233,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     fxs_splat splat;
     fxs_bounds bounds;
     uint32_t depth;
-    bool visible = project_one(&splat, &bounds, &depth, camera, cv, &codes, offset_of_code_q11);
+    bool visible = project_one(&splat, &bounds, &depth, camera, cv, &codes, offset_of_code_q11[cv->opacity_law]);
     if (Many && visible && !object->plain)
         visible = fxs_object_change(object, header, codes.position, &depth);
     __pipeline_wait_prior(0);

@@ -11,16 +11,17 @@
  * terms are squared error times pixels. The third is what the pixels blur: the error of a merge has no mass and no
  * mean, so that little of it is left where it is smaller than a pixel.
  *
- * No part of a picture changes at once when a node opens. While its key is less than FADE above that of the last one,
- * the node is drawn with its children: first the children come, then the node goes. Both count towards the budget. */
+ * No part of a picture changes at once when a node opens: those that were opened last are drawn with their children.
+ * The optical depth passes from it to them: a share s of an opacity is 1 - (1 - opacity)^s. A 16th of the budget is for such nodes; the rest is spent without a look
+ * at them, as the number of nodes that fade would else decide how many are opened, and so again how many fade. */
 #include <fixsplat/fixed.h>
 #include "memory.h"
 #include "parts.h"
 
-#define FADE_Q8 96                 /* keys over which a node fades into its children */
+#define FADING 16u                 /* the share of the budget for nodes that fade, inverse */
+#define FADE_MOST_Q8 128           /* keys over which they do, at most; and sizes beyond the detail that is wanted */
 #define BLUR 4                     /* powers of the size below BLURRED that the error falls with, */
 #define BLURRED_Q8 (-256)          /* log2 of half a pixel */
-#define KEY_BIAS (1 << 20)         /* makes keys positive; they are within +-2^18 */
 #define VISITS 4u                  /* for each chunk that may be drawn, and MORE_VISITS */
 #define MORE_VISITS 64u
 #define UNLIMITED_Q8 (1 << 24)
@@ -31,7 +32,7 @@ typedef struct visit {
     uint32_t parent;               /* its visit; FXS_NOTHING of a root */
     int32_t key_q8;                /* at most the parent's, */
     int32_t room_q8;               /* log2 of its size beyond the detail that is wanted: at most the parent's */
-    int32_t offset_q11;            /* of its opacity, as its parent fades into it */
+    uint32_t share_q8;             /* of what is drawn of it and of all below it, as its parent fades into it */
     uint8_t opened;
     uint8_t short_of;              /* something that is to be drawn in its place is not there */
     uint8_t absent;                /* its own rows are needed and not there */
@@ -41,20 +42,19 @@ typedef struct visit {
 typedef struct cut {
     fxs_frame *f;
     visit *visits;
-    uint64_t *heap;                /* of the visits that may be opened: key above, visit below; the largest key first */
+    uint32_t *heap;                /* of the visits that may be opened, the largest key first */
     uint32_t *opened;              /* visits, in the order of their keys */
     uint32_t visit_count, heap_count, opened_count;
-    uint32_t gone;                 /* the first so many of the opened ones have faded */
-    uint32_t drawn, most_drawn;    /* chunks */
+    uint32_t drawn, most_drawn;    /* chunks, but for those that fade by the budget */
     uint32_t visit_room;
-    int32_t last_key_q8;           /* of the first node that there is no room for */
+    int32_t last_key_q8, fade_q8;  /* a node fades where its key is above the one by less than the other */
     int full, error;
 } cut;
 
 uint64_t fxs_cut_bytes(uint32_t most_drawn)
 {
     const uint64_t visits = VISITS * (uint64_t)most_drawn + MORE_VISITS;
-    return visits * (sizeof(visit) + sizeof(uint64_t) + sizeof(uint32_t)) + most_drawn * (uint64_t)sizeof(fxs_drawn);
+    return visits * (sizeof(visit) + 2 * sizeof(uint32_t)) + most_drawn * (uint64_t)sizeof(fxs_drawn);
 }
 
 uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options)
@@ -81,26 +81,34 @@ uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_optio
 
 /* ---- Heap -------------------------------------------------------------------------------------------------------- */
 
-static void push(uint64_t *heap, uint32_t *count, uint64_t key)
+/* Whether visit a is opened before b: by the key, then by the number of the chunk. */
+static int is_before(const cut *c, uint32_t a, uint32_t b)
 {
-    uint32_t at = (*count)++;
-    for (; at > 0 && heap[(at - 1) / 2] < key; at = (at - 1) / 2)
-        heap[at] = heap[(at - 1) / 2];
-    heap[at] = key;
+    const visit *v = &c->visits[a], *w = &c->visits[b];
+    return v->key_q8 != w->key_q8 ? v->key_q8 > w->key_q8
+           : v->object != w->object ? v->object < w->object : v->chunk < w->chunk;
 }
 
-static uint64_t pop(uint64_t *heap, uint32_t *count)
+static void push(cut *c, uint32_t number)
 {
-    const uint64_t top = heap[0], last = heap[--*count];
+    uint32_t at = c->heap_count++;
+    for (; at > 0 && is_before(c, number, c->heap[(at - 1) / 2]); at = (at - 1) / 2)
+        c->heap[at] = c->heap[(at - 1) / 2];
+    c->heap[at] = number;
+}
+
+static uint32_t pop(cut *c)
+{
+    const uint32_t top = c->heap[0], last = c->heap[--c->heap_count];
     uint32_t at = 0;
-    for (uint32_t child = 1; child < *count; child = 2 * at + 1) {
-        child += child + 1 < *count && heap[child + 1] > heap[child];
-        if (heap[child] <= last)
+    for (uint32_t child = 1; child < c->heap_count; child = 2 * at + 1) {
+        child += child + 1 < c->heap_count && is_before(c, c->heap[child + 1], c->heap[child]);
+        if (!is_before(c, c->heap[child], last))
             break;
-        heap[at] = heap[child];
+        c->heap[at] = c->heap[child];
         at = child;
     }
-    heap[at] = last;
+    c->heap[at] = last;
     return top;
 }
 
@@ -174,14 +182,15 @@ static void visit_chunk(cut *c, uint32_t object, uint32_t chunk, uint32_t parent
         v.key_q8 = fxs_min(v.key_q8, c->visits[parent].key_q8);
         v.room_q8 = fxs_min(v.room_q8, c->visits[parent].room_q8);
     }
-    if (chunk >= scene->chunk_count && v.room_q8 > 0)
-        push(c->heap, &c->heap_count, (uint64_t)(uint32_t)(v.key_q8 + KEY_BIAS) << 32 | c->visit_count);
     c->visits[c->visit_count++] = v;
+    if (chunk >= scene->chunk_count && v.room_q8 > 0)
+        push(c, c->visit_count - 1);
     c->drawn++;
 }
 
 /* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
+/* Adds the children of a node, which takes its own place among what is drawn, or none. */
 static void open_node(cut *c, uint32_t number)
 {
     const visit *v = &c->visits[number];
@@ -190,44 +199,73 @@ static void open_node(cut *c, uint32_t number)
     fxs_node node;
     c->error = fxs_node_read(&node, scene, v->chunk - scene->chunk_count);
     c->opened[c->opened_count++] = number;
+    c->drawn -= v->room_q8 >= FADE_MOST_Q8;
     for (int i = 0; i < 2 && !c->error; i++)
         visit_chunk(c, object, node.children[i], number);
 }
 
-/* Opens the nodes with the largest key, all of them; or none, where there is no room. Returns whether it did. */
+/* Opens the node with the largest key; or none, where there is no room. Returns whether it did. */
 static int open_next(cut *c)
 {
-    const uint32_t visits = c->visit_count, opened = c->opened_count, key = c->heap_count ? (uint32_t)(c->heap[0] >> 32) : 0;
-    c->last_key_q8 = c->heap_count ? (int32_t)key - KEY_BIAS : INT32_MIN / 2;
+    const uint32_t visits = c->visit_count, opened = c->opened_count;
     if (!c->heap_count)
         return 0;
-    while (c->heap_count && c->heap[0] >> 32 == key && !c->full && !c->error)
-        open_node(c, (uint32_t)pop(c->heap, &c->heap_count));
-    for (; c->gone < opened && c->visits[c->opened[c->gone]].key_q8 >= c->last_key_q8 + FADE_Q8; c->gone++)
-        c->drawn -= c->visits[c->opened[c->gone]].room_q8 >= FADE_Q8;
+    const uint32_t number = pop(c);
+    c->last_key_q8 = c->visits[number].key_q8;
+    open_node(c, number);
     if (!c->full && !c->error && c->drawn <= c->most_drawn)
         return 1;
     c->visit_count = visits;
     c->opened_count = opened;
+    c->drawn = c->most_drawn;
     return 0;
 }
 
+/* How many nodes fade, the last ones that were opened: fewer where there is room left, as all are open, so that nothing
+   changes at once there either. */
+static void find_fade(cut *c, uint32_t room)
+{
+    const uint32_t left = c->drawn < c->most_drawn ? c->most_drawn - c->drawn : 0, opened = c->opened_count;
+    const uint32_t count = left < room ? room - left : 0;
+    c->fade_q8 = 0;
+    if (count && count < opened)
+        c->fade_q8 = c->visits[c->opened[opened - 1 - count]].key_q8 - c->last_key_q8;
+    else if (count)
+        c->fade_q8 = FADE_MOST_Q8;
+    c->fade_q8 = fxs_min(c->fade_q8, FADE_MOST_Q8);
+}
+
 /* How far a node has faded into its children: 0 to 256. */
-static int32_t faded_q8(const cut *c, const visit *v)
+static uint32_t faded_q8(const cut *c, const visit *v)
 {
-    const int32_t above_q8 = fxs_min(v->key_q8 - c->last_key_q8, v->room_q8);
-    return fxs_clamp(above_q8, 0, FADE_Q8) * 256 / FADE_Q8;
+    const int32_t by_room_q8 = fxs_clamp(v->room_q8, 0, FADE_MOST_Q8) * 256 / FADE_MOST_Q8;
+    const int32_t above_q8 = fxs_clamp(v->key_q8 - c->last_key_q8, 0, c->fade_q8);
+    return (uint32_t)(c->fade_q8 ? fxs_min(by_room_q8, above_q8 * 256 / c->fade_q8) : by_room_q8);
 }
 
-static int32_t offset_of(int32_t opacity_q8)
+/* Moves the entry at a place down to where it belongs in a heap with the largest chunk first. */
+static void sink(fxs_drawn *heap, uint32_t at, uint32_t count)
 {
-    return opacity_q8 <= 0 ? FXS_FAINT_Q11 + 1 : fxs_offset_of_opacity_q11((uint32_t)fxs_min(opacity_q8, 256) << 8);
+    const fxs_drawn entry = heap[at];
+    for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
+        child += child + 1 < count && heap[child + 1].chunk > heap[child].chunk;
+        if (heap[child].chunk <= entry.chunk)
+            break;
+        heap[at] = heap[child];
+    }
+    heap[at] = entry;
 }
 
-static void draw(cut *c, uint64_t *sorted, uint32_t *count, uint32_t object, uint32_t chunk, int32_t offset_q11)
+static void sort_by_chunk(fxs_drawn *drawn, uint32_t count)
 {
-    if (offset_q11 <= FXS_FAINT_Q11)
-        push(sorted, count, (uint64_t)(c->f->eye->objects[object].first_chunk + chunk) << 32 | (uint32_t)offset_q11);
+    for (uint32_t i = count / 2; i-- > 0;)
+        sink(drawn, i, count);
+    while (count-- > 1) {
+        const fxs_drawn last = drawn[0];
+        drawn[0] = drawn[count];
+        drawn[count] = last;
+        sink(drawn, 0, count);
+    }
 }
 
 static int is_there(const fxs_scene *scene, uint32_t chunk)
@@ -263,24 +301,21 @@ static void find_missing(cut *c)
 static void list_drawn(cut *c)
 {
     fxs_frame *f = c->f;
-    uint32_t count = 0;
+    f->chunk_count = 0;
     for (uint32_t i = 0; i < c->opened_count; i++)
         c->visits[c->opened[i]].opened = 1;
     find_missing(c);
     for (uint32_t i = 0; i < c->visit_count; i++) {
         visit *v = &c->visits[i];
         const visit *parent = v->parent == FXS_NOTHING ? 0 : &c->visits[v->parent];
-        const int shown = v->opened && !v->short_of ? offset_of(512 - 2 * faded_q8(c, v)) : 0;
+        const uint32_t own_q8 = v->opened && !v->short_of ? 256 - faded_q8(c, v) : 256;
         v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
-        v->offset_q11 = parent ? fxs_min(parent->offset_q11 + offset_of(2 * faded_q8(c, parent)), FXS_FAINT_Q11 + 1) : 0;
-        if (!v->hidden)
-            draw(c, c->heap, &count, v->object, v->chunk, v->offset_q11 + shown);
+        v->share_q8 = parent ? parent->share_q8 * faded_q8(c, parent) >> 8 : 256;
+        if (!v->hidden && v->share_q8 * own_q8 >> 8)
+            f->drawn[f->chunk_count++] = (fxs_drawn){f->eye->objects[v->object].first_chunk + v->chunk,
+                                                     v->share_q8 * own_q8 >> 8};
     }
-    f->chunk_count = count;
-    while (count) {
-        const uint64_t last = pop(c->heap, &count);
-        f->drawn[count] = (fxs_drawn){(uint32_t)(last >> 32), (int32_t)(uint32_t)last};
-    }
+    sort_by_chunk(f->drawn, f->chunk_count);
 }
 
 /* Chunks of an object without a tree. */
@@ -305,16 +340,17 @@ static void add_whole(fxs_frame *f)
             f->drawn[--to] = f->drawn[--from];
         for (uint32_t k = whole_chunks(f, i); k-- > 0;)
             if (is_there(f->objects[i].scene, k))
-                f->drawn[--to] = (fxs_drawn){first + k, 0};
+                f->drawn[--to] = (fxs_drawn){first + k, 256};
     }
 }
 
 int fxs_cut(fxs_frame *f)
 {
-    cut c = {.f = f, .most_drawn = f->chunk_count, .visit_room = VISITS * f->chunk_count + MORE_VISITS};
-    c.heap = (uint64_t *)(void *)f->cut_memory;
-    c.visits = (visit *)(void *)(c.heap + c.visit_room);
-    c.opened = (uint32_t *)(void *)(c.visits + c.visit_room);
+    const uint32_t fading = f->chunk_count / FADING;
+    cut c = {.f = f, .most_drawn = f->chunk_count - fading, .visit_room = VISITS * f->chunk_count + MORE_VISITS};
+    c.visits = f->cut_memory;
+    c.heap = (uint32_t *)(void *)(c.visits + c.visit_room);
+    c.opened = c.heap + c.visit_room;
     f->drawn = (fxs_drawn *)(void *)(c.opened + c.visit_room);
     for (uint32_t i = 0; i < f->object_count && !c.error; i++) {
         const fxs_scene *scene = f->objects[i].scene;
@@ -330,6 +366,7 @@ int fxs_cut(fxs_frame *f)
         ;
     if (c.error)
         return c.error;
+    find_fade(&c, fading);
     list_drawn(&c);
     add_whole(f);
     return 0;

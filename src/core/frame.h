@@ -44,7 +44,7 @@ typedef struct fxs_extent {
 /* A chunk that is drawn, where a cut decides which are. */
 typedef struct fxs_drawn {
     uint32_t chunk;                /* of all objects */
-    int32_t offset_q11;            /* of the opacity of its Gaussians: -2 ln(factor) */
+    uint32_t share_q8;             /* of its optical depth, 1 to 256 */
 } fxs_drawn;
 
 /* A picture of the frame: the camera, its splats and where they are drawn. Two eyes share the other memory. */

@@ -51,7 +51,7 @@ int fxs_object_check(const fxs_object *object)
 }
 
 /* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16); 0 for 1. Cut to what leaves nothing to be drawn. */
-int32_t fxs_offset_of_opacity_q11(uint32_t opacity_q16)
+static int32_t offset_of_q11(uint32_t opacity_q16)
 {
     if (opacity_q16 == ONE_Q16 || !opacity_q16)
         return 0;
@@ -75,7 +75,7 @@ int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_
     for (int c = 0; c < 3; c++)
         out->tint_q13[c] = (int32_t)object->tint_q13[c];
     const int error = fxs_view_of_object(&out->view, world, camera, object);
-    out->view.offset_q11 = fxs_offset_of_opacity_q11(object->opacity_q16);
+    out->view.offset_q11 = offset_of_q11(object->opacity_q16);
     return error;
 }
 
@@ -155,23 +155,26 @@ FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat)
 
 #ifndef __CUDACC__                 /* the device has no table of kernels */
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
-                           int32_t offset_q11, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices,
+                           uint32_t share_q8, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices,
                            uint32_t *depths)
 {
     const fxs_view *view = &object->view;
-    fxs_view fainter;
+    fxs_view fading;
+    uint16_t offsets_q11[256];
     fxs_chunk header;
     int32_t kept = 0;
     if (!object->visible)
         return 0;
-    if (offset_q11) {
-        fainter = *view;
-        fainter.offset_q11 = fxs_min(view->offset_q11 + offset_q11, FXS_FAINT_Q11 + 1);
-        view = &fainter;
-    }
-    if (object->plain)
+    if (object->plain && share_q8 == 256)
         return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
     const int error = fxs_chunk_read(&header, &object->scene, chunk);
+    if (!error && share_q8 < 256) {
+        for (int i = 0; i < 256; i++)
+            offsets_q11[i] = (uint16_t)fxs_share_of_q11(fxs_offset_of_code_q11[header.opacity_law][i], share_q8);
+        fading = *view;
+        fading.offsets_q11 = offsets_q11;
+        view = &fading;
+    }
     if (error || !fxs_object_has_chunk(object, &header))
         return error;
     const int32_t count = kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);

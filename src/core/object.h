@@ -21,9 +21,6 @@ typedef struct fxs_object_view {
 /* Checks an object, but for where it is: 0 or FXS_ERR_ARGUMENT, FXS_ERR_OBJECT. */
 int fxs_object_check(const fxs_object *object);
 
-/* -2 ln(opacity_q16 / 2^16), at most FXS_FAINT_Q11 + 1, with which nothing is drawn; 0 for opacity 0. */
-int32_t fxs_offset_of_opacity_q11(uint32_t opacity_q16);
-
 /* All of an object that was checked, but for first_chunk and end_chunk. Errors as fxs_view_of_object. */
 int fxs_object_view_init(fxs_object_view *out, const fxs_view *world, const fxs_camera *camera,
                          const fxs_object *object);
@@ -42,10 +39,10 @@ FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat);
 /* A chunk's header was read: returns 0 where none of its Gaussians is within the crop boxes. */
 FXS_STAGE int fxs_object_has_chunk(const fxs_object_view *object, const fxs_chunk *header);
 
-/* The project stage, on a chunk of the object, counted from its own first one, with an offset of the opacity, at least
-   0; `indices` are in the object's scene. */
+/* The project stage, on a chunk of the object, counted from its own first one, of which a share is drawn, 1 to 256 of
+   256 of its optical depth; `indices` are in the object's scene. */
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
-                           int32_t offset_q11, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
+                           uint32_t share_q8, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices, uint32_t *depths);
 
 /* The shade stage. */
 int fxs_object_shade(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,

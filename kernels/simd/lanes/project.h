@@ -366,8 +366,9 @@ typedef struct outputs {
 static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs_chunk_view *cv, survivors *s,
                                    uint32_t chunk)
 {
+    const uint16_t *offsets_q11 = fxs_offsets_of(view, cv);
     for (uint32_t i = 0; i < s->count; i++)
-        s->rows[OPACITY][i] = fxs_offset_of_code_q11[cv->opacity_law][s->rows[OPACITY][i]] + view->offset_q11;
+        s->rows[OPACITY][i] = offsets_q11[s->rows[OPACITY][i]] + view->offset_q11;
     for (int row = 0; row < ROWS; row++)
         store(&s->rows[row][s->count], all(0));
     for (uint32_t at = 0; at < s->count; at += LANES) {
