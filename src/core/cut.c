@@ -12,13 +12,14 @@
  * mean, so that little of it is left where it is smaller than a pixel.
  *
  * No part of a picture changes at once when a node opens: those that were opened last are drawn with their children.
- * The optical depth passes from it to them: a share s of an opacity is 1 - (1 - opacity)^s. A 16th of the budget is for such nodes; the rest is spent without a look
- * at them, as the number of nodes that fade would else decide how many are opened, and so again how many fade. */
+ * The optical depth passes from it to them: a share s of an opacity is 1 - (1 - opacity)^s. A 64th of the budget is for
+ * such nodes. The rest is spent without a look at them: the number of nodes that fade would else decide how many are
+ * opened, and so again how many fade. */
 #include <fixsplat/fixed.h>
 #include "memory.h"
 #include "parts.h"
 
-#define FADING 16u                 /* the share of the budget for nodes that fade, inverse */
+#define FADING 64u                 /* the share of the budget for nodes that fade, inverse */
 #define FADE_MOST_Q8 128           /* keys over which they do, at most; and sizes beyond the detail that is wanted */
 #define BLUR 4                     /* powers of the size below BLURRED that the error falls with, */
 #define BLURRED_Q8 (-256)          /* log2 of half a pixel */
