@@ -339,13 +339,14 @@ __device__ inline void store_pixel(const target *t, const frame_buffers *, const
         *fxs_image_at(coverage, x, y, 1) = (unsigned char)fxs_coverage_8bit(p->transmittance);
 }
 
-/* The id of a Gaussian, from its index in all objects. */
+/* The id of a Gaussian, from its index in what is drawn. */
 __device__ inline uint2 id_of(const frame_buffers *f, uint32_t index)
 {
     if (index == FXS_NOTHING)
         return make_uint2(FXS_NOTHING, FXS_NOTHING);
-    const fxs_object_view *object = &f->objects[fxs_object_of(f->objects, f->object_count, index / FXS_CHUNK)];
-    return make_uint2(object->id, index - object->first_chunk * FXS_CHUNK);
+    const uint32_t chunk = chunk_at(f, index / FXS_CHUNK);
+    const fxs_object_view *object = &f->objects[fxs_object_of(f->objects, f->object_count, chunk)];
+    return make_uint2(object->id, (chunk - object->first_chunk) * FXS_CHUNK + index % FXS_CHUNK);
 }
 
 __device__ inline void store_pixel(const target *t, const frame_buffers *f, const traced_pixel *p, int32_t x,

@@ -34,6 +34,7 @@ struct frame {
     fxs_targets targets;
     bool hosted[PLANES];           /* written there by a copy from the slot */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
+    uint32_t cut_room;             /* 0: all leaves are drawn */
     uint64_t staged;               /* where its objects wait for the copy to the slot */
     bool plain;                    /* one object, which changes nothing of its Gaussians */
 };
@@ -49,6 +50,7 @@ struct fxs_cuda {                  /* in pinned host memory, for the sake of `ne
     budget memory;
     scene_table scenes;
     host_block staged;             /* the objects of the frames under way */
+    host_block cut;                /* memory to find a cut in */
     block pixels;
     slot slots[SLOTS];
     cudaEvent_t ready;
@@ -105,6 +107,12 @@ uint64_t place_hosted(fxs_targets *targets, const frame *of, void *memory)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
+/* Where in a slot's objects the list of drawn chunks is: behind the crop boxes. */
+uint64_t drawn_at(const frame *of)
+{
+    return of->object_count * sizeof(fxs_object_view) + of->crop_count * sizeof(fxs_crop);
+}
+
 /* Cuts up a slot's memory for a frame; *sizes is what it takes of the first three blocks. Blocks may be null. */
 frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
 {
@@ -114,6 +122,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     const uint64_t gaussians = (uint64_t)of->chunks * FXS_CHUNK;
     f.objects = (const fxs_object_view *)objects;
     f.object_count = of->object_count;
+    f.drawn = of->cut_room ? (const fxs_drawn *)(objects + drawn_at(of)) : nullptr;
     f.chunk_views = cut<fxs_chunk_view>(&splats, of->chunks);
     f.chunk_objects = cut<uint32_t>(&splats, of->chunks);
     f.splats = cut<fxs_splat>(&splats, gaussians);
@@ -128,7 +137,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     f.capacity = s->entries.bytes / sizeof *f.entries;
     f.larges = (large_splat *)s->larges.data;
     f.large_capacity = (uint32_t)(s->larges.bytes / sizeof *f.larges);
-    sizes->objects = of->object_count * sizeof(fxs_object_view) + of->crop_count * sizeof(fxs_crop);
+    sizes->objects = drawn_at(of) + of->cut_room * sizeof(fxs_drawn);
     sizes->splats = (uint64_t)(splats - (unsigned char *)s->splats.data);
     sizes->tiles = (uint64_t)(of_tiles - (unsigned char *)s->tiles.data);
     return f;
@@ -261,7 +270,7 @@ void find_hosted(frame *f)
 }
 
 /* Counts the Gaussians and chunks of the objects. */
-int count_objects(frame *f, const fxs_object *objects, uint32_t count)
+int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs_options *options)
 {
     uint64_t chunks = 0, gaussians = 0;
     int error = !objects && count ? FXS_ERR_ARGUMENT : count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
@@ -276,7 +285,8 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count)
     if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
         error = FXS_ERR_OBJECT;
     f->object_count = count;
-    f->chunks = (uint32_t)chunks;
+    f->cut_room = error ? 0 : fxs_cut_room(objects, count, options);
+    f->chunks = f->cut_room ? f->cut_room : (uint32_t)chunks;
     f->gaussians = (uint32_t)gaussians;
     return error;
 }
@@ -285,7 +295,7 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count)
 int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options, fxs_message *why)
 {
     *f = {};
-    int error = count_objects(f, from->objects, from->count);
+    int error = count_objects(f, from->objects, from->count, options);
     error = error ? error : fxs_view_init(&f->view, &from->camera, options);
     error = error ? error : fxs_targets_check(&from->targets, f->view.width, f->view.height);
     error = error ? error : from->targets.format > FXS_FORMAT_RGBA16_COVERAGE ? FXS_ERR_UNSUPPORTED : 0;
@@ -327,6 +337,29 @@ bool is_plain(const fxs_object_view *object)
            tint_q13[2] == one_q13;
 }
 
+/* Finds the chunks that are drawn, on the host, and puts them where they wait for the copy. */
+int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, const fxs_object_view *views, fxs_message *why)
+{
+    fxs_cut cut = {};
+    int error = reserve_host(&cuda->cut, fxs_cut_bytes(f->cut_room), why);
+    if (error)
+        return error;
+    cut.objects = from->objects;
+    cut.object_count = f->object_count;
+    cut.options = &cuda->options;
+    cut.eye_count = 1;
+    cut.cameras[0] = &from->camera;
+    cut.views[0] = views;
+    cut.room = f->cut_room;
+    cut.memory = cuda->cut.data;
+    error = fxs_cut_find(&cut);
+    if (error)
+        return failed(why, error, fxs_strerror(error));
+    memcpy((unsigned char *)views + drawn_at(f), cut.drawn, cut.count * sizeof *cut.drawn);
+    f->chunks = cut.count;
+    return 0;
+}
+
 /* The objects of frame i as the kernels see them, where they wait for the copy. */
 int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
 {
@@ -344,13 +377,15 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
         if (object->visible)
             views[k].scene = find_scene(&cuda->scenes, object->scene)->there;
         views[k].first_chunk = chunks;
-        views[k].end_chunk = chunks + object->scene->chunk_count;
+        chunks += fxs_cut_chunks(object->scene, f->cut_room != 0);
+        views[k].end_chunk = chunks;
         views[k].crops = crops_there;
         for (uint32_t n = 0; n < object->crop_count; n++)
             *crops++ = object->crops[n];
         crops_there += object->crop_count;
-        chunks += object->scene->chunk_count;
     }
+    if (f->cut_room)
+        return find_cut(cuda, f, from, views, why);
     f->plain = f->object_count == 1 && is_plain(views);
     if (f->plain) {
         f->view = views->view;
@@ -776,6 +811,7 @@ void fxs_cuda_destroy(fxs_cuda *cuda)
     reserve(&cuda->memory, &cuda->pixels, 0, nullptr);
     cudaFreeHost(cuda->scenes.memory.data);
     cudaFreeHost(cuda->staged.data);
+    cudaFreeHost(cuda->cut.data);
     if (cuda->ready)
         cudaEventDestroy(cuda->ready);
     cudaFreeHost(cuda);

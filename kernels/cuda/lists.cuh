@@ -43,17 +43,18 @@ template <bool Many>
 __global__ void locate_chunks(const __grid_constant__ fxs_view view, const __grid_constant__ fxs_scene scene,
                              const __grid_constant__ frame_buffers f, uint32_t chunks)
 {
-    const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
+    const uint32_t at = blockIdx.x * blockDim.x + threadIdx.x;
     fxs_chunk_view cv;
     uint32_t object = 0;
     int seen = 0;
     wait_for_last_kernel();
-    if (Many && chunk < chunks) {
+    if (Many && at < chunks) {
+        const uint32_t chunk = chunk_at(&f, at);
         object = fxs_object_of(f.objects, f.object_count, chunk);
         seen = place_in_object(&cv, &f.objects[object], chunk - f.objects[object].first_chunk);
-        cv.chunk = chunk;
-    } else if (chunk < chunks) {
-        seen = fxs_chunk_view_init(&cv, &view, &scene, chunk);
+        cv.chunk = at;
+    } else if (at < chunks) {
+        seen = fxs_chunk_view_init(&cv, &view, &scene, at);
     }
     const bool visible = seen > 0;
     if (seen < 0)
@@ -82,6 +83,7 @@ struct block_splats {
     fxs_splat splats[FXS_CHUNK];
     fxs_bounds bounds[FXS_CHUNK];
     uint32_t row_ends[FXS_CHUNK];          /* tile rows of the splats up to this one */
+    uint16_t offsets_q11[FXS_CHUNK];       /* of the codes of opacity, of a chunk that fades */
     uint8_t masks[FXS_CHUNK][BOX_ROWS];
     uint32_t warp_rows[FXS_CHUNK / WARP];
 };
@@ -220,20 +222,26 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     const fxs_object_view *object = Many ? &f.objects[f.chunk_objects[blockIdx.x]] : nullptr;
     const fxs_view *camera = Many ? &object->view : &view;
     const fxs_scene *scene = Many ? &object->scene : &only_scene;
-    const uint32_t chunk = cv->chunk - (Many ? object->first_chunk : 0), g = threadIdx.x;
+    const uint32_t chunk = Many ? chunk_at(&f, cv->chunk) - object->first_chunk : cv->chunk, g = threadIdx.x;
     const uint32_t index = cv->chunk * FXS_CHUNK + g;
-    const fxs_chunk *header = (const fxs_chunk *)scene->chunks + chunk;
+    const uint32_t share_q8 = Many && f.drawn ? f.drawn[cv->chunk].share_q8 : 256;
+    const fxs_chunk *header = (const fxs_chunk *)fxs_header(scene, chunk);
+    const uint16_t *offsets_q11 = offset_of_code_q11[cv->opacity_law];
     const unsigned char *rows = (const unsigned char *)__builtin_assume_aligned(b.rows, 64);
     const uint32_t early = scene->chunk_bytes < FXS_ROW_SH ? scene->chunk_bytes : FXS_ROW_SH;
     fetch_rows(&b, fxs_rows(scene, chunk), 0, early);
     fetch_rows(&b, fxs_rows(scene, chunk), early, scene->chunk_bytes);
+    if (share_q8 < 256) {
+        b.offsets_q11[g] = (uint16_t)fxs_share_of_q11(offsets_q11[g], share_q8);
+        offsets_q11 = b.offsets_q11;
+    }
     __pipeline_wait_prior(1);
     __syncthreads();
     const fxs_codes codes = fxs_codes_of(scene, rows, g);
     fxs_splat splat;
     fxs_bounds bounds;
     uint32_t depth;
-    bool visible = project_one(&splat, &bounds, &depth, camera, cv, &codes, offset_of_code_q11[cv->opacity_law]);
+    bool visible = project_one(&splat, &bounds, &depth, camera, cv, &codes, offsets_q11);
     if (Many && visible && !object->plain)
         visible = fxs_object_change(object, header, codes.position, &depth);
     __pipeline_wait_prior(0);

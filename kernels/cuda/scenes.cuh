@@ -46,10 +46,12 @@ scene_copy *find_scene(const scene_table *t, const fxs_scene *scene)
     return place < t->count && copies_of(t)[place].key == scene ? &copies_of(t)[place] : nullptr;
 }
 
-/* Bytes of a scene's copy; at least 1. */
+/* Bytes of a scene's copy, with its tree; at least 1. */
 uint64_t bytes_of(const fxs_scene *scene)
 {
-    const uint64_t bytes = (uint64_t)(scene->rows - scene->chunks) + (uint64_t)scene->chunk_count * scene->chunk_bytes;
+    const unsigned char *rows = scene->nodes ? scene->node_rows : scene->rows;
+    const uint64_t chunks = scene->chunk_count - (scene->nodes ? 1 : 0);
+    const uint64_t bytes = (uint64_t)(rows - scene->chunks) + chunks * scene->chunk_bytes;
     return bytes + !bytes;
 }
 
@@ -98,6 +100,11 @@ int copy_scene(scene_copy *copy, budget *taken, cudaStream_t stream, fxs_message
     unsigned char *data = (unsigned char *)copy->data.data;
     copy->there.chunks = data;
     copy->there.rows = data + (from->rows - start);
+    if (from->nodes) {
+        copy->there.nodes = data + (from->nodes - start);
+        copy->there.node_chunks = data + (from->node_chunks - start);
+        copy->there.node_rows = data + (from->node_rows - start);
+    }
     copy->there.palette = from->palette ? (const int8_t *)data + (from->palette - (const int8_t *)start) : nullptr;
     return 0;
 }

@@ -21,6 +21,7 @@ namespace {
 #include "src/core/view.c"
 #include "src/core/object.c"
 #include "src/core/chunk.c"
+#include "src/core/cut.c"
 #include "src/core/project.c"
 #include "src/core/shade.c"
 #include "src/core/bin.c"
@@ -63,9 +64,10 @@ struct frame_buffers {
     frame_needs *needs;            /* in the host's memory, known before lists are sorted */
     const fxs_object_view *objects;   /* their pointers are the device's; not there for one that is plain */
     uint32_t object_count;
+    const fxs_drawn *drawn;        /* the chunks of the cut; null where all leaves are drawn */
     uint32_t *chunk_objects;       /* of the chunks that can be seen, status->chunks of them: the object */
-    fxs_chunk_view *chunk_views;   /* and where they lie; `chunk` counts those of all objects */
-    fxs_splat *splats;             /* by index in all objects, like the next two; written where visible */
+    fxs_chunk_view *chunk_views;   /* and where they lie; `chunk` is the place among those that are drawn */
+    fxs_splat *splats;             /* by index in what is drawn, like the next two; written where visible */
     uint64_t *boxes;               /* the tiles it is listed in: see box_of; of chunks that can be seen */
     uint32_t *depths;
     large_splat *larges;           /* boxes 0 */
@@ -79,6 +81,12 @@ struct frame_buffers {
     uint64_t capacity, split_capacity;
     uint32_t large_capacity;
 };
+
+/* The chunk, of all objects, at a place among those that are drawn. */
+__device__ inline uint32_t chunk_at(const frame_buffers *f, uint32_t place)
+{
+    return f->drawn ? f->drawn[place].chunk : place;
+}
 
 __device__ inline bool fits(const frame_buffers *f)
 {

@@ -11,11 +11,16 @@ const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256] = {
 
 FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk)
 {
-    const unsigned char *at = chunk < scene->chunk_count ? scene->chunks + (size_t)chunk * sizeof *header
-                              : scene->node_chunks + (size_t)(chunk - scene->chunk_count) * sizeof *header;
-    memcpy(header, fxs_aligned(at), sizeof *header);
+    memcpy(header, fxs_header(scene, chunk), sizeof *header);
     fxs_chunk_turn(header);
     return fxs_chunk_valid(header) ? 0 : FXS_ERR_SCENE;
+}
+
+FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i)
+{
+    memcpy(node, scene->nodes + (size_t)i * sizeof *node, sizeof *node);
+    fxs_words_turn(node, sizeof *node / 4);
+    return fxs_node_valid(node, scene->chunk_count, i) ? 0 : FXS_ERR_SCENE;
 }
 
 #define OPAQUE_Q30 1063004406u     /* 0.99, at which opacity is capped */

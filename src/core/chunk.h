@@ -34,6 +34,14 @@ static inline const unsigned char *fxs_aligned(const unsigned char *bytes)
     return bytes;
 }
 
+/* The header of a chunk, as it lies in the packed scene; aligned to 64. */
+static inline const unsigned char *fxs_header(const fxs_scene *scene, uint32_t chunk)
+{
+    return fxs_aligned(chunk < scene->chunk_count
+                           ? scene->chunks + (size_t)chunk * sizeof(fxs_chunk)
+                           : scene->node_chunks + (size_t)(chunk - scene->chunk_count) * sizeof(fxs_chunk));
+}
+
 /* The rows of a chunk, aligned to 64. */
 static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chunk)
 {
@@ -60,7 +68,7 @@ FXS_STAGE uint32_t fxs_share_of_q11(uint32_t offset_q11, uint32_t share_q8);
 FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t chunk);
 
 /* Copies node i of a scene's tree and checks it, like a chunk's header. */
-int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
+FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
 
 /* Reads a chunk and finds where it lies. Returns 1, or 0 where nothing of it can be seen (behind the near plane, beside
    the picture by more than its largest Gaussian reaches, or in the hidden part), or FXS_ERR_SCENE. */

@@ -15,9 +15,10 @@
  * The optical depth passes from it to them: a share s of an opacity is 1 - (1 - opacity)^s. A 64th of the budget is for
  * such nodes. The rest is spent without a look at them: the number of nodes that fade would else decide how many are
  * opened, and so again how many fade. */
+#include "cut.h"
+
 #include <fixsplat/fixed.h>
 #include "memory.h"
-#include "parts.h"
 
 #define FADING 64u                 /* the share of the budget for nodes that fade, inverse */
 #define FADE_MOST_Q8 128           /* keys over which they do, at most; and sizes beyond the detail that is wanted */
@@ -40,8 +41,8 @@ typedef struct visit {
     uint8_t hidden;                /* a chunk above takes its place */
 } visit;
 
-typedef struct cut {
-    fxs_frame *f;
+typedef struct search {
+    fxs_cut *cut;
     visit *visits;
     uint32_t *heap;                /* of the visits that may be opened, the largest key first */
     uint32_t *opened;              /* visits, in the order of their keys */
@@ -50,12 +51,12 @@ typedef struct cut {
     uint32_t visit_room;
     int32_t last_key_q8, fade_q8;  /* a node fades where its key is above the one by less than the other */
     int full, error;
-} cut;
+} search;
 
-uint64_t fxs_cut_bytes(uint32_t most_drawn)
+uint64_t fxs_cut_bytes(uint32_t room)
 {
-    const uint64_t visits = VISITS * (uint64_t)most_drawn + MORE_VISITS;
-    return visits * (sizeof(visit) + 2 * sizeof(uint32_t)) + most_drawn * (uint64_t)sizeof(fxs_drawn);
+    const uint64_t visits = VISITS * (uint64_t)room + MORE_VISITS;
+    return visits * (sizeof(visit) + 2 * sizeof(uint32_t)) + room * (uint64_t)sizeof(fxs_drawn);
 }
 
 uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options)
@@ -83,33 +84,33 @@ uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_optio
 /* ---- Heap -------------------------------------------------------------------------------------------------------- */
 
 /* Whether visit a is opened before b: by the key, then by the number of the chunk. */
-static int is_before(const cut *c, uint32_t a, uint32_t b)
+static int is_before(const search *s, uint32_t a, uint32_t b)
 {
-    const visit *v = &c->visits[a], *w = &c->visits[b];
+    const visit *v = &s->visits[a], *w = &s->visits[b];
     return v->key_q8 != w->key_q8 ? v->key_q8 > w->key_q8
            : v->object != w->object ? v->object < w->object : v->chunk < w->chunk;
 }
 
-static void push(cut *c, uint32_t number)
+static void push(search *s, uint32_t number)
 {
-    uint32_t at = c->heap_count++;
-    for (; at > 0 && is_before(c, number, c->heap[(at - 1) / 2]); at = (at - 1) / 2)
-        c->heap[at] = c->heap[(at - 1) / 2];
-    c->heap[at] = number;
+    uint32_t at = s->heap_count++;
+    for (; at > 0 && is_before(s, number, s->heap[(at - 1) / 2]); at = (at - 1) / 2)
+        s->heap[at] = s->heap[(at - 1) / 2];
+    s->heap[at] = number;
 }
 
-static uint32_t pop(cut *c)
+static uint32_t pop(search *s)
 {
-    const uint32_t top = c->heap[0], last = c->heap[--c->heap_count];
+    const uint32_t top = s->heap[0], last = s->heap[--s->heap_count];
     uint32_t at = 0;
-    for (uint32_t child = 1; child < c->heap_count; child = 2 * at + 1) {
-        child += child + 1 < c->heap_count && is_before(c, c->heap[child + 1], c->heap[child]);
-        if (!is_before(c, c->heap[child], last))
+    for (uint32_t child = 1; child < s->heap_count; child = 2 * at + 1) {
+        child += child + 1 < s->heap_count && is_before(s, s->heap[child + 1], s->heap[child]);
+        if (!is_before(s, s->heap[child], last))
             break;
-        c->heap[at] = c->heap[child];
+        s->heap[at] = s->heap[child];
         at = child;
     }
-    c->heap[at] = last;
+    s->heap[at] = last;
     return top;
 }
 
@@ -145,24 +146,24 @@ static void measure(const fxs_view *view, const fxs_chunk *chunk, const fxs_node
 }
 
 /* Adds a chunk where an eye sees it. */
-static void visit_chunk(cut *c, uint32_t object, uint32_t chunk, uint32_t parent)
+static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)
 {
-    const fxs_frame *f = c->f;
-    const fxs_scene *scene = &f->eye->objects[object].scene;
+    const fxs_cut *cut = s->cut;
+    const fxs_scene *scene = cut->objects[object].scene;
     visit v = {.chunk = chunk, .object = object, .parent = parent, .key_q8 = INT32_MIN, .room_q8 = INT32_MIN};
     fxs_chunk header;
     fxs_node node;
     int seen = 0;
-    c->error = c->error ? c->error : fxs_chunk_read(&header, scene, chunk);
-    if (!c->error && chunk >= scene->chunk_count)
-        c->error = fxs_node_read(&node, scene, chunk - scene->chunk_count);
-    for (const fxs_eye *eye = f->eye; eye < f->eye + f->eye_count && !c->error; eye++) {
+    s->error = s->error ? s->error : fxs_chunk_read(&header, scene, chunk);
+    if (!s->error && chunk >= scene->chunk_count)
+        s->error = fxs_node_read(&node, scene, chunk - scene->chunk_count);
+    for (uint32_t eye = 0; eye < cut->eye_count && !s->error; eye++) {
         fxs_chunk_view cv;
-        fxs_view view = eye->objects[object].view;
+        fxs_view view = cut->views[eye][object].view;
         int32_t key_q8, size_q8;
-        fxs_view_of_whole(&view, &eye->camera);
+        fxs_view_of_whole(&view, cut->cameras[eye]);
         const int found = fxs_chunk_view_init(&cv, &view, scene, chunk);
-        c->error = found < 0 ? found : 0;
+        s->error = found < 0 ? found : 0;
         if (found <= 0)
             continue;
         seen = 1;
@@ -172,76 +173,77 @@ static void visit_chunk(cut *c, uint32_t object, uint32_t chunk, uint32_t parent
         v.key_q8 = key_q8 > v.key_q8 ? key_q8 : v.key_q8;
         v.room_q8 = size_q8 > v.room_q8 ? size_q8 : v.room_q8;
     }
-    if (!seen || c->error)
+    if (!seen || s->error)
         return;
-    if (c->visit_count == c->visit_room) {
-        c->full = 1;
+    if (s->visit_count == s->visit_room) {
+        s->full = 1;
         return;
     }
-    v.room_q8 = f->options->detail_q8 ? v.room_q8 - ((fxs_log2_q16(f->options->detail_q8) >> 8) - 8 * 256) : UNLIMITED_Q8;
+    const uint32_t detail_q8 = cut->options->detail_q8;
+    v.room_q8 = detail_q8 ? v.room_q8 - ((fxs_log2_q16(detail_q8) >> 8) - 8 * 256) : UNLIMITED_Q8;
     if (parent != FXS_NOTHING) {
-        v.key_q8 = fxs_min(v.key_q8, c->visits[parent].key_q8);
-        v.room_q8 = fxs_min(v.room_q8, c->visits[parent].room_q8);
+        v.key_q8 = fxs_min(v.key_q8, s->visits[parent].key_q8);
+        v.room_q8 = fxs_min(v.room_q8, s->visits[parent].room_q8);
     }
-    c->visits[c->visit_count++] = v;
+    s->visits[s->visit_count++] = v;
     if (chunk >= scene->chunk_count && v.room_q8 > 0)
-        push(c, c->visit_count - 1);
-    c->drawn++;
+        push(s, s->visit_count - 1);
+    s->drawn++;
 }
 
 /* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
 /* Adds the children of a node, which takes its own place among what is drawn, or none. */
-static void open_node(cut *c, uint32_t number)
+static void open_node(search *s, uint32_t number)
 {
-    const visit *v = &c->visits[number];
-    const fxs_scene *scene = &c->f->eye->objects[v->object].scene;
+    const visit *v = &s->visits[number];
+    const fxs_scene *scene = s->cut->objects[v->object].scene;
     const uint32_t object = v->object;
     fxs_node node;
-    c->error = fxs_node_read(&node, scene, v->chunk - scene->chunk_count);
-    c->opened[c->opened_count++] = number;
-    c->drawn -= v->room_q8 >= FADE_MOST_Q8;
-    for (int i = 0; i < 2 && !c->error; i++)
-        visit_chunk(c, object, node.children[i], number);
+    s->error = fxs_node_read(&node, scene, v->chunk - scene->chunk_count);
+    s->opened[s->opened_count++] = number;
+    s->drawn -= v->room_q8 >= FADE_MOST_Q8;
+    for (int i = 0; i < 2 && !s->error; i++)
+        visit_chunk(s, object, node.children[i], number);
 }
 
 /* Opens the node with the largest key; or none, where there is no room. Returns whether it did. */
-static int open_next(cut *c)
+static int open_next(search *s)
 {
-    const uint32_t visits = c->visit_count, opened = c->opened_count;
-    if (!c->heap_count)
+    const uint32_t visits = s->visit_count, opened = s->opened_count;
+    if (!s->heap_count)
         return 0;
-    const uint32_t number = pop(c);
-    c->last_key_q8 = c->visits[number].key_q8;
-    open_node(c, number);
-    if (!c->full && !c->error && c->drawn <= c->most_drawn)
+    const uint32_t number = pop(s);
+    s->last_key_q8 = s->visits[number].key_q8;
+    open_node(s, number);
+    if (!s->full && !s->error && s->drawn <= s->most_drawn)
         return 1;
-    c->visit_count = visits;
-    c->opened_count = opened;
-    c->drawn = c->most_drawn;
+    s->visit_count = visits;
+    s->opened_count = opened;
+    s->drawn = s->most_drawn;
     return 0;
 }
 
 /* How many nodes fade, the last ones that were opened: fewer where there is room left, as all are open, so that nothing
    changes at once there either. */
-static void find_fade(cut *c, uint32_t room)
+static void find_fade(search *s, uint32_t room)
 {
-    const uint32_t left = c->drawn < c->most_drawn ? c->most_drawn - c->drawn : 0, opened = c->opened_count;
+    const uint32_t left = s->drawn < s->most_drawn ? s->most_drawn - s->drawn : 0, opened = s->opened_count;
     const uint32_t count = left < room ? room - left : 0;
-    c->fade_q8 = 0;
+    s->fade_q8 = 0;
     if (count && count < opened)
-        c->fade_q8 = c->visits[c->opened[opened - 1 - count]].key_q8 - c->last_key_q8;
+        s->fade_q8 = s->visits[s->opened[opened - 1 - count]].key_q8 - s->last_key_q8;
     else if (count)
-        c->fade_q8 = FADE_MOST_Q8;
-    c->fade_q8 = fxs_min(c->fade_q8, FADE_MOST_Q8);
+        s->fade_q8 = FADE_MOST_Q8;
+    s->fade_q8 = fxs_min(s->fade_q8, FADE_MOST_Q8);
 }
 
 /* How far a node has faded into its children: 0 to 256. */
-static uint32_t faded_q8(const cut *c, const visit *v)
+static uint32_t faded_q8(const search *s, const visit *v)
 {
     const int32_t by_room_q8 = fxs_clamp(v->room_q8, 0, FADE_MOST_Q8) * 256 / FADE_MOST_Q8;
-    const int32_t above_q8 = fxs_clamp(v->key_q8 - c->last_key_q8, 0, c->fade_q8);
-    return (uint32_t)(c->fade_q8 ? fxs_min(by_room_q8, above_q8 * 256 / c->fade_q8) : by_room_q8);
+    const int32_t above_q8 = fxs_clamp(v->key_q8 - s->last_key_q8, 0, s->fade_q8);
+    return (uint32_t)(s->fade_q8 ? fxs_min(by_room_q8, above_q8 * 256 / s->fade_q8) : by_room_q8);
 }
 
 /* Moves the entry at a place down to where it belongs in a heap with the largest chunk first. */
@@ -274,101 +276,107 @@ static int is_there(const fxs_scene *scene, uint32_t chunk)
     return !scene->places || scene->places[chunk] != FXS_NOTHING;
 }
 
-static void miss(cut *c, const fxs_scene *scene, uint32_t chunk)
+static void miss(search *s, const fxs_scene *scene, uint32_t chunk)
 {
-    const fxs_options *o = c->f->options;
-    c->f->stats.missing++;
+    const fxs_options *o = s->cut->options;
+    s->cut->missing++;
     if (o->want)
         o->want(o->want_argument, scene, chunk);
 }
 
 /* From the leaves up: what is to be drawn and is not there is drawn by the nearest chunk above it that is. Then, what
    is needed most first, what is missing. */
-static void find_missing(cut *c)
+static void find_missing(search *s)
 {
-    for (uint32_t i = c->visit_count; i-- > 0;) {
-        visit *v = &c->visits[i];
-        const int needed = !v->opened || v->short_of || faded_q8(c, v) < 256;
-        v->absent = needed && !is_there(c->f->objects[v->object].scene, v->chunk);
+    for (uint32_t i = s->visit_count; i-- > 0;) {
+        visit *v = &s->visits[i];
+        const int needed = !v->opened || v->short_of || faded_q8(s, v) < 256;
+        v->absent = needed && !is_there(s->cut->objects[v->object].scene, v->chunk);
         if (v->absent && v->parent != FXS_NOTHING)
-            c->visits[v->parent].short_of = 1;
+            s->visits[v->parent].short_of = 1;
     }
-    for (uint32_t i = 0; i < c->visit_count; i++)
-        if (c->visits[i].absent)
-            miss(c, c->f->objects[c->visits[i].object].scene, c->visits[i].chunk);
+    for (uint32_t i = 0; i < s->visit_count; i++)
+        if (s->visits[i].absent)
+            miss(s, s->cut->objects[s->visits[i].object].scene, s->visits[i].chunk);
 }
 
 /* Lists what is drawn in the order of the chunks. */
-static void list_drawn(cut *c)
+static void list_drawn(search *s)
 {
-    fxs_frame *f = c->f;
-    f->chunk_count = 0;
-    for (uint32_t i = 0; i < c->opened_count; i++)
-        c->visits[c->opened[i]].opened = 1;
-    find_missing(c);
-    for (uint32_t i = 0; i < c->visit_count; i++) {
-        visit *v = &c->visits[i];
-        const visit *parent = v->parent == FXS_NOTHING ? 0 : &c->visits[v->parent];
-        const uint32_t own_q8 = v->opened && !v->short_of ? 256 - faded_q8(c, v) : 256;
+    fxs_cut *cut = s->cut;
+    for (uint32_t i = 0; i < s->opened_count; i++)
+        s->visits[s->opened[i]].opened = 1;
+    find_missing(s);
+    for (uint32_t i = 0; i < s->visit_count; i++) {
+        visit *v = &s->visits[i];
+        const visit *parent = v->parent == FXS_NOTHING ? 0 : &s->visits[v->parent];
+        const uint32_t own_q8 = v->opened && !v->short_of ? 256 - faded_q8(s, v) : 256;
         v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
-        v->share_q8 = parent ? parent->share_q8 * faded_q8(c, parent) >> 8 : 256;
+        v->share_q8 = parent ? parent->share_q8 * faded_q8(s, parent) >> 8 : 256;
         if (!v->hidden && v->share_q8 * own_q8 >> 8)
-            f->drawn[f->chunk_count++] = (fxs_drawn){f->eye->objects[v->object].first_chunk + v->chunk,
-                                                     v->share_q8 * own_q8 >> 8};
+            cut->drawn[cut->count++] = (fxs_drawn){cut->views[0][v->object].first_chunk + v->chunk,
+                                                   v->share_q8 * own_q8 >> 8};
     }
-    sort_by_chunk(f->drawn, f->chunk_count);
+    sort_by_chunk(cut->drawn, cut->count);
 }
 
 /* Chunks of an object without a tree. */
-static uint32_t whole_chunks(const fxs_frame *f, uint32_t object)
+static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
 {
-    const fxs_scene *scene = f->objects[object].scene;
+    const fxs_scene *scene = cut->objects[object].scene;
     return scene->nodes ? 0 : scene->chunk_count;
 }
 
 /* What is drawn of objects without a tree: everything that is there. Merged from the back, as the chunks of trees lie
    in front. */
-static void add_whole(fxs_frame *f)
+static void add_whole(fxs_cut *cut)
 {
-    uint32_t from = f->chunk_count, to = from;
-    for (uint32_t i = 0; i < f->object_count; i++)
-        for (uint32_t k = 0; k < whole_chunks(f, i); k++)
-            to += is_there(f->objects[i].scene, k) ? 1 : 0;
-    f->chunk_count = to;
-    for (uint32_t i = f->object_count; i-- > 0 && to > from;) {
-        const uint32_t first = f->eye->objects[i].first_chunk;
-        while (from && f->drawn[from - 1].chunk >= first)
-            f->drawn[--to] = f->drawn[--from];
-        for (uint32_t k = whole_chunks(f, i); k-- > 0;)
-            if (is_there(f->objects[i].scene, k))
-                f->drawn[--to] = (fxs_drawn){first + k, 256};
+    uint32_t from = cut->count, to = from;
+    for (uint32_t i = 0; i < cut->object_count; i++)
+        for (uint32_t k = 0; k < whole_chunks(cut, i); k++)
+            to += is_there(cut->objects[i].scene, k) ? 1 : 0;
+    cut->count = to;
+    for (uint32_t i = cut->object_count; i-- > 0 && to > from;) {
+        const uint32_t first = cut->views[0][i].first_chunk;
+        while (from && cut->drawn[from - 1].chunk >= first)
+            cut->drawn[--to] = cut->drawn[--from];
+        for (uint32_t k = whole_chunks(cut, i); k-- > 0;)
+            if (is_there(cut->objects[i].scene, k))
+                cut->drawn[--to] = (fxs_drawn){first + k, 256};
     }
 }
 
-int fxs_cut(fxs_frame *f)
+/* The roots, and how much of the budget objects without a tree take. */
+static void begin(search *s)
 {
-    const uint32_t fading = f->chunk_count / FADING;
-    cut c = {.f = f, .most_drawn = f->chunk_count - fading, .visit_room = VISITS * f->chunk_count + MORE_VISITS};
-    c.visits = f->cut_memory;
-    c.heap = (uint32_t *)(void *)(c.visits + c.visit_room);
-    c.opened = c.heap + c.visit_room;
-    f->drawn = (fxs_drawn *)(void *)(c.opened + c.visit_room);
-    for (uint32_t i = 0; i < f->object_count && !c.error; i++) {
-        const fxs_scene *scene = f->objects[i].scene;
-        for (uint32_t k = 0; k < whole_chunks(f, i); k++)
+    const fxs_cut *cut = s->cut;
+    for (uint32_t i = 0; i < cut->object_count && !s->error; i++) {
+        const fxs_scene *scene = cut->objects[i].scene;
+        for (uint32_t k = 0; k < whole_chunks(cut, i); k++)
             if (!is_there(scene, k))
-                miss(&c, scene, k);
-        if (!scene->nodes)
-            c.drawn += scene->chunk_count;
-        else if (f->objects[i].visible)
-            visit_chunk(&c, i, scene->chunk_count, FXS_NOTHING);
+                miss(s, scene, k);
+        s->drawn += whole_chunks(cut, i);
+        if (scene->nodes && cut->objects[i].visible)
+            visit_chunk(s, i, scene->chunk_count, FXS_NOTHING);
     }
-    while (!c.error && open_next(&c))
+}
+
+int fxs_cut_find(fxs_cut *cut)
+{
+    const uint32_t fading = cut->room / FADING;
+    search s = {.cut = cut, .most_drawn = cut->room - fading, .visit_room = VISITS * cut->room + MORE_VISITS};
+    s.visits = (visit *)cut->memory;
+    s.heap = (uint32_t *)(void *)(s.visits + s.visit_room);
+    s.opened = s.heap + s.visit_room;
+    cut->drawn = (fxs_drawn *)(void *)(s.opened + s.visit_room);
+    cut->count = cut->missing = 0;
+    begin(&s);
+    while (!s.error && open_next(&s))
         ;
-    if (c.error)
-        return c.error;
-    find_fade(&c, fading);
-    list_drawn(&c);
-    add_whole(f);
+    if (s.error)
+        return s.error;
+    find_fade(&s, fading);
+    list_drawn(&s);
+    add_whole(cut);
     return 0;
 }

@@ -3,7 +3,7 @@
 #ifndef FXS_FRAME_H
 #define FXS_FRAME_H
 
-#include "object.h"
+#include "cut.h"
 
 #define FXS_SORT_BUCKETS 2048
 
@@ -40,12 +40,6 @@ typedef struct fxs_extent {
     fxs_span rows, columns;
     uint32_t nearest, farthest;
 } fxs_extent;
-
-/* A chunk that is drawn, where a cut decides which are. */
-typedef struct fxs_drawn {
-    uint32_t chunk;                /* of all objects */
-    uint32_t share_q8;             /* of its optical depth, 1 to 256 */
-} fxs_drawn;
 
 /* A picture of the frame: the camera, its splats and where they are drawn. Two eyes share the other memory. */
 typedef struct fxs_eye {
@@ -88,7 +82,7 @@ typedef struct fxs_frame {
     uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED */
     uint64_t *block_times;                 /* nanoseconds of project, shade and bin */
     void *cut_memory;                      /* of fxs_cut_bytes */
-    fxs_drawn *drawn;                      /* the chunks of the cut, ascending; null where all are drawn */
+    const fxs_drawn *drawn;                /* the chunks of the cut; null where all are drawn */
     fxs_row_counts *row_counts;            /* of a plan: tiles_y + 1 for each block */
     fxs_extent *extents;                   /* of a plan: of each chunk that is drawn */
     uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part, for a back end without lists */

@@ -29,17 +29,6 @@ int fxs_band_has_chunk(const fxs_frame *f, uint32_t place);
 /* Of `count` splats from `slot` on, keeps those that touch the band, without gaps. Returns how many they are. */
 uint32_t fxs_band_keep(fxs_frame *f, uint32_t place, uint32_t slot, uint32_t count);
 
-/* ---- cut.c ------------------------------------------------------------------------------------------------------- */
-
-/* The most chunks that are drawn of checked objects; 0 where the options do not limit them, and all leaves are. */
-uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_options *options);
-
-/* Bytes of f->cut_memory for so many. */
-uint64_t fxs_cut_bytes(uint32_t most_drawn);
-
-/* Sets f->drawn and f->chunk_count, which is f->cut_room before. The objects are placed. Returns 0 or FXS_ERR_SCENE. */
-int fxs_cut(fxs_frame *f);
-
 /* ---- prepare.c --------------------------------------------------------------------------------------------------- */
 
 #define FXS_BLOCK 16u              /* chunks that are projected, shaded and binned in one go */

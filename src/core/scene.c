@@ -58,13 +58,6 @@ size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i)
-{
-    memcpy(node, scene->nodes + (size_t)i * sizeof *node, sizeof *node);
-    fxs_words_turn(node, sizeof *node / 4);
-    return fxs_node_valid(node, scene->chunk_count, i) ? 0 : FXS_ERR_SCENE;
-}
-
 /* The tree of a scene, at `start`, in so many bytes. */
 static int open_tree(fxs_scene *scene, const unsigned char *start, uint64_t bytes)
 {

@@ -68,7 +68,7 @@ static int place_objects(fxs_frame *f)
     uint32_t first_chunk = 0;
     for (uint32_t i = 0; i < f->object_count; i++) {
         const fxs_scene *scene = f->objects[i].scene;
-        const uint32_t chunks = f->cut_room ? fxs_scene_chunks(scene) : scene->chunk_count;
+        const uint32_t chunks = fxs_cut_chunks(scene, f->cut_room != 0);
         for (fxs_eye *eye = f->eye; eye < f->eye + f->eye_count; eye++) {
             const int error = fxs_object_view_init(&eye->objects[i], &eye->view, &eye->camera, &f->objects[i]);
             if (error)
@@ -84,7 +84,16 @@ static int place_objects(fxs_frame *f)
 /* The memory is cut up again once it is known how many chunks are drawn. */
 static int choose_chunks(fxs_frame *f)
 {
-    const int error = fxs_cut(f);
+    fxs_cut cut = {.objects = f->objects, .object_count = f->object_count, .options = f->options,
+                   .eye_count = f->eye_count, .room = f->cut_room, .memory = f->cut_memory};
+    for (uint32_t i = 0; i < f->eye_count; i++) {
+        cut.cameras[i] = &f->eye[i].camera;
+        cut.views[i] = f->eye[i].objects;
+    }
+    const int error = fxs_cut_find(&cut);
+    f->drawn = cut.drawn;
+    f->chunk_count = cut.count;
+    f->stats.missing += cut.missing;
     return error ? error : fxs_bands_init(f);
 }
 

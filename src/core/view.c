@@ -196,7 +196,7 @@ static void derive(fxs_view *view, const fxs_camera *camera)
         view->eye_q32[i] = view->position_q32[i] - (view->orthographic ? view->rotation_q30[6 + i] * ONE_Q30 : 0);
 }
 
-void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera)
+FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera)
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
     int64_t whole[2], whole_c_q12[2];

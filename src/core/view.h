@@ -11,7 +11,7 @@ int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *o
 int fxs_view_of_object(fxs_view *view, const fxs_view *world, const fxs_camera *camera, const fxs_object *object);
 
 /* Makes the edges of a view those of the whole picture, of which the camera's is a window, with nothing hidden. */
-void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera);
+FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera);
 
 /* Rows of length 1 and at right angles, within 2^-10, and right-handed: row0 x row1 = row2. */
 FXS_STAGE int fxs_is_rotation(const int32_t m_q30[9]);

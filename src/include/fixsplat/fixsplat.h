@@ -119,11 +119,6 @@ typedef struct fxs_scene {
     const uint32_t *places;
 } fxs_scene;
 
-/* The number of a scene's chunks with those of its tree. */
-static inline uint32_t fxs_scene_chunks(const fxs_scene *scene)
-{
-    return scene->nodes ? 2 * scene->chunk_count - 1 : scene->chunk_count;
-}
 
 /* Bytes of a packed scene of `count` Gaussians with SH of degree `sh_degree`, and `palette_entries` (0 to 128) in each
    stage of its palette; 0 where any is out of range. */

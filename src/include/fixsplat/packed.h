@@ -216,6 +216,12 @@ static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t
     return valid && node->children[0] != node->children[1];
 }
 
+/* The number of a scene's chunks with those of its tree. */
+static inline uint32_t fxs_scene_chunks(const fxs_scene *scene)
+{
+    return scene->nodes ? 2 * scene->chunk_count - 1 : scene->chunk_count;
+}
+
 /* Chunks of so many slots. */
 static inline uint32_t fxs_chunks_of(uint64_t slots)
 {
