@@ -2,54 +2,78 @@
    first, and what became of it goes on as a candidate. The error of a pair is the integral, over a plane that the
    Gaussians are projected to, of the squared difference between the fields of the two and of the one, with colours
    multiplied by opacity; the mean of the planes across the three axes. For Gaussians G of peak 1 with covariances A and
-   B at distance d it has a closed form: <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d / 2).
+   B at distance d it has a closed form: <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d / 2). Colours
+   count from the mean of the set, as what is behind and beside a Gaussian is mostly like it.
 
-   Every operation is one of floats that IEEE 754 defines, so the result is the same on every processor. */
+   Every operation is one of floats that IEEE 754 defines, and no sum depends on how many are computed at once, so the
+   result is the same on every processor. Loops over LANES are written for vectors. */
 #include "coarsen.h"
 
 #include <math.h>
 #include <string.h>
+
+#include <fixsplat/packed.h>
 
 #include "src/gaussian/attributes.h"
 #include "src/gaussian/transform_internal.h"
 
 enum {
     MOST = FXS_MERGE_MOST,
-    NEAREST = 16,                      /* candidates of a Gaussian */
+    LANES = 8,                         /* pairs whose errors are found at once */
+    NEAREST = 8,                       /* candidates of a Gaussian, */
+    JOINED = 12,                       /* and with how many what was merged is compared */
     PLANES = 3,
-    COLOURS = 48                       /* dc, then SH, times the basis of degree 0 */
+    COLOURS = 48,                      /* dc, then SH, times the basis of degree 0 */
+    LEAF = 8,                          /* Gaussians of a cell of the search for the nearest */
+    CELLS = MOST / LEAF,
+    PAIRS = MOST * NEAREST + MOST * JOINED   /* all that are ever compared */
 };
 
+/* What is known of a Gaussian: its covariance, the roots of the determinants in each plane of that with THINNEST, and
+   the squared length of its colour with ALPHA_WEIGHT. */
+enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, SQUARE = ROOT + PLANES, FIELDS };
+
 #define OPACITY_MOST 0.99f             /* of what was merged, or that of the more opaque of two */
-#define ALPHA_WEIGHT 0.3f              /* of the squared error of alpha by itself, against that of a colour */
+#define OVERLAP 0.3f                   /* share of what two hide of each other that does not count */
+#define ALPHA_WEIGHT 0.16f             /* of the squared error of alpha by itself, against that of a colour */
 #define THINNEST 1e-3f                 /* share of the trace that is added to variances where errors are computed */
 #define LEAST 1e-30f
 #define PI 3.14159265f
 
-/* The axes of each plane, by their places in a covariance: xx, yy, xy. */
-static const uint8_t plane[PLANES][3] = {{0, 1, 3}, {0, 2, 4}, {1, 2, 5}};
-static const uint8_t plane_axes[PLANES][2] = {{0, 1}, {0, 2}, {1, 2}};
+/* The axes of each plane, and its part of a covariance. */
+static const uint8_t first_axis[PLANES] = {X, X, Y}, second_axis[PLANES] = {Y, Z, Z};
+static const uint8_t first_square[PLANES] = {XX, XX, YY}, second_square[PLANES] = {YY, ZZ, ZZ},
+                     mixed[PLANES] = {XY, XZ, YZ};
 
-/* A Gaussian of the set, or one that was merged. */
-typedef struct shape {
-    float at[3], covariance[6];
-    float area, opacity;
-    float thick[6];                    /* the covariance with THINNEST */
-    float root[PLANES];                /* root of the determinant in each plane, of `thick` */
-} shape;
+typedef float lanes[LANES];
+
+/* LANES Gaussians. */
+typedef struct group {
+    lanes f[FIELDS];
+} group;
+
+/* Two that may be merged. It no longer counts where either has changed since. */
+typedef struct pair {
+    float error;
+    uint16_t a, b;                     /* a < b */
+    uint16_t a_age, b_age;
+} pair;
 
 struct fxs_merger {
     uint32_t count, left;
+    int sh_degree;
     const fxs_coarse *from[MOST];
-    shape shapes[MOST];
+    float fields[MOST][FIELDS];
     float colours[MOST][COLOURS];
-    float squares[MOST];               /* of the colours, and of ALPHA_WEIGHT */
+    float mean[COLOURS];               /* has been subtracted from the colours */
+    float low[3][CELLS], high[3][CELLS];   /* of LEAF Gaussians each, in the order in which they were added */
+    float places[CELLS][3][LEAF];      /* their positions */
     uint16_t into[MOST];               /* itself, or what it was merged into */
-    uint8_t merged[MOST];              /* 1: no longer as it was added */
-    uint16_t nearest[MOST][NEAREST];
+    uint16_t age[MOST];                /* how often it was merged */
+    uint16_t nearest[MOST][NEAREST];   /* candidates */
     uint8_t nearest_count[MOST];
-    float least[MOST];                 /* the error with its best partner */
-    uint16_t partner[MOST];
+    pair pairs[PAIRS];                 /* a heap, the least error first */
+    uint32_t pair_count;
 };
 
 size_t fxs_merger_bytes(void)
@@ -59,34 +83,28 @@ size_t fxs_merger_bytes(void)
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
-static float larger(float x, float y)
+static inline float larger(float x, float y)
 {
     return x > y ? x : y;
 }
 
-/* e^-x for x >= 0, within 1e-6 of its value; 0 from 80 on. 2^n times e^r with |r| <= ln 2 / 2. */
-static float falling(float x)
+static inline float smaller(float x, float y)
 {
-    if (!(x < 80))
-        return 0;
-    const int32_t n = (int32_t)(x * 1.44269504f + 0.5f);
-    const float r = (float)n * 0.693145752f - x + (float)n * 1.42860677e-6f;
-    const float sum = 1 + r * (1 + r * (0.5f + r * (0.166666667f + r * (0.0416666667f + r * 0.00833333333f))));
-    const uint32_t bits = (uint32_t)(127 - n) << 23;
-    float scale;
-    memcpy(&scale, &bits, sizeof scale);
-    return sum * scale;
+    return x < y ? x : y;
 }
 
-static float minor(const float c[6], int p)
+/* e^-x for x >= 0, within 1e-6 of 1 and 1 % of its value up to 8: 1 / (e^(x / 8))^8 by the series up to (x / 8)^5. */
+static inline float falling(float x)
 {
-    const float u = c[plane[p][0]], v = c[plane[p][1]], uv = c[plane[p][2]];
+    const float y = x * 0.125f;
+    const float e = 1 + y * (1 + y * (0.5f + y * (0.166666667f + y * (0.0416666667f + y * 0.00833333333f))));
+    const float e2 = e * e, e4 = e2 * e2;
+    return 1 / (e4 * e4);
+}
+
+static inline float minor(float u, float v, float uv)
+{
     return larger(u * v - uv * uv, 1e-6f * u * v);
-}
-
-static float area_of(const float c[6])
-{
-    return sqrtf(larger(minor(c, 0) + minor(c, 1) + minor(c, 2), LEAST));
 }
 
 /* ---- Gaussians --------------------------------------------------------------------------------------------------- */
@@ -126,60 +144,103 @@ static void factorise(double l[3][3], const float c[6])
 /* What became of Gaussian i of the set. */
 static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
 {
-    const shape *s = &m->shapes[i];
     double axes[3][3];
     *out = *m->from[i];
-    if (!m->merged[i])
+    if (!m->age[i])
         return;
     for (int k = 0; k < 3; k++) {
-        out->gaussian.position[k] = s->at[k];
-        out->gaussian.dc[k] = fxs_dc_of_colour(m->colours[i][k]);
+        out->gaussian.position[k] = m->fields[i][X + k];
+        out->gaussian.dc[k] = fxs_dc_of_colour(m->colours[i][k] + m->mean[k]);
     }
-    for (int k = 0; k < 45; k++)
-        out->gaussian.sh[k] = (float)(m->colours[i][3 + k] / FXS_SH_0);
-    memcpy(out->covariance, s->covariance, sizeof out->covariance);
-    out->area = s->area;
-    out->opacity = s->opacity;
-    factorise(axes, s->covariance);
+    for (int k = 0; k < 3 * FXS_SH_COUNT(m->sh_degree); k++)
+        out->gaussian.sh[k] = (float)((m->colours[i][3 + k] + m->mean[3 + k]) / FXS_SH_0);
+    for (int k = 0; k < 6; k++)
+        out->covariance[k] = m->fields[i][XX + k];
+    out->area = m->fields[i][AREA];
+    out->opacity = m->fields[i][OPACITY];
+    factorise(axes, out->covariance);
     fxs_set_axes(&out->gaussian, axes);
-    out->gaussian.opacity = fxs_logit_of_opacity(s->opacity);
+    out->gaussian.opacity = fxs_logit_of_opacity(out->opacity);
 }
 
 /* ---- Two become one ---------------------------------------------------------------------------------------------- */
 
-static void complete(shape *s)
+/* The roots of the determinants in each plane. */
+static inline void find_roots(group *of)
 {
-    const float more = THINNEST * (s->covariance[0] + s->covariance[1] + s->covariance[2]);
-    for (int k = 0; k < 6; k++)
-        s->thick[k] = s->covariance[k] + (k < 3 ? more : 0);
     for (int p = 0; p < PLANES; p++)
-        s->root[p] = sqrtf(larger(minor(s->thick, p), LEAST));
+        for (int i = 0; i < LANES; i++) {
+            const float more = THINNEST * (of->f[XX][i] + of->f[YY][i] + of->f[ZZ][i]);
+            const float u = of->f[first_square[p]][i] + more, v = of->f[second_square[p]][i] + more;
+            of->f[ROOT + p][i] = sqrtf(larger(minor(u, v, of->f[mixed[p]][i]), LEAST));
+        }
 }
 
-/* Returns the share of a. Where opacity would exceed its most, the scales grow instead. */
-static float join(shape *out, const shape *a, const shape *b)
+/* <Ga, Gb> / pi in plane p */
+static inline void find_products(lanes product, const group *a, const group *b, int p)
 {
-    const float first = a->opacity * a->area, second = b->opacity * b->area, sum = first + second;
-    const float v = sum > 0 ? first / sum : 0.5f, w = 1 - v, d[3] = {b->at[0] - a->at[0], b->at[1] - a->at[1],
-                                                                      b->at[2] - a->at[2]};
-    const float most = larger(OPACITY_MOST, larger(a->opacity, b->opacity));
-    const float products[6] = {d[0] * d[0], d[1] * d[1], d[2] * d[2], d[0] * d[1], d[0] * d[2], d[1] * d[2]};
-    for (int i = 0; i < 3; i++)
-        out->at[i] = a->at[i] + w * d[i];
-    for (int k = 0; k < 6; k++)
-        out->covariance[k] = v * a->covariance[k] + w * b->covariance[k] + v * w * products[k];
-    out->area = area_of(out->covariance);
-    out->opacity = sum / out->area;
-    if (out->opacity > most) {
-        const float more = out->opacity / most;
-        for (int k = 0; k < 6; k++)
-            out->covariance[k] *= more;
-        out->area *= more;
-        out->opacity = most;
+    const float *au = a->f[first_square[p]], *av = a->f[second_square[p]], *auv = a->f[mixed[p]];
+    const float *bu = b->f[first_square[p]], *bv = b->f[second_square[p]], *buv = b->f[mixed[p]];
+    const float *ax = a->f[first_axis[p]], *ay = a->f[second_axis[p]], *bx = b->f[first_axis[p]], *by = b->f[second_axis[p]];
+    for (int i = 0; i < LANES; i++) {
+        const float more = THINNEST * ((a->f[XX][i] + a->f[YY][i] + a->f[ZZ][i]) + (b->f[XX][i] + b->f[YY][i] + b->f[ZZ][i]));
+        const float u = au[i] + bu[i] + more, v = av[i] + bv[i] + more, uv = auv[i] + buv[i];
+        const float one_over = 1 / larger(u * v - uv * uv, LEAST), x = bx[i] - ax[i], y = by[i] - ay[i];
+        const float square = larger((v * x * x - 2 * uv * x * y + u * y * y) * one_over, 0);
+        product[i] = 2 * a->f[ROOT + p][i] * b->f[ROOT + p][i] * sqrtf(one_over) * falling(0.5f * square);
     }
-    complete(out);
-    return v;
 }
+
+/* Of the mass of both, what does not hide the other's. products: <Ga, Gb> / pi in each plane. */
+static inline void find_masses(lanes mass, const group *a, const group *b,
+                               lanes products[PLANES])
+{
+    for (int i = 0; i < LANES; i++) {
+        const float x = a->f[OPACITY][i], y = b->f[OPACITY][i];
+        const float both = x * (a->f[ROOT][i] + a->f[ROOT + 1][i] + a->f[ROOT + 2][i]) +
+                           y * (b->f[ROOT][i] + b->f[ROOT + 1][i] + b->f[ROOT + 2][i]);
+        const float hidden = 0.5f * x * y * (products[0][i] + products[1][i] + products[2][i]);
+        mass[i] = (x * a->f[AREA][i] + y * b->f[AREA][i]) * (1 - OVERLAP * hidden / larger(both, LEAST));
+    }
+}
+
+/* What a and b become, and the share of a. Where opacity would exceed its most by a factor r, variances grow by
+   r^(5/8) instead. */
+static void join(group *out, lanes share, const group *a, const group *b,
+                 lanes products[PLANES])
+{
+    lanes mass;
+    find_masses(mass, a, b, products);
+    for (int i = 0; i < LANES; i++) {
+        const float first = a->f[OPACITY][i] * a->f[AREA][i], second = b->f[OPACITY][i] * b->f[AREA][i], sum = first + second;
+        const float v = sum > LEAST ? first / sum : 0.5f, w = 1 - v;
+        const float x = b->f[X][i] - a->f[X][i], y = b->f[Y][i] - a->f[Y][i], z = b->f[Z][i] - a->f[Z][i];
+        share[i] = v;
+        out->f[X][i] = a->f[X][i] + w * x;
+        out->f[Y][i] = a->f[Y][i] + w * y;
+        out->f[Z][i] = a->f[Z][i] + w * z;
+        out->f[XX][i] = v * a->f[XX][i] + w * b->f[XX][i] + v * w * (x * x);
+        out->f[YY][i] = v * a->f[YY][i] + w * b->f[YY][i] + v * w * (y * y);
+        out->f[ZZ][i] = v * a->f[ZZ][i] + w * b->f[ZZ][i] + v * w * (z * z);
+        out->f[XY][i] = v * a->f[XY][i] + w * b->f[XY][i] + v * w * (x * y);
+        out->f[XZ][i] = v * a->f[XZ][i] + w * b->f[XZ][i] + v * w * (x * z);
+        out->f[YZ][i] = v * a->f[YZ][i] + w * b->f[YZ][i] + v * w * (y * z);
+    }
+    for (int i = 0; i < LANES; i++) {
+        const float most = larger(OPACITY_MOST, larger(a->f[OPACITY][i], b->f[OPACITY][i]));
+        const float minors = minor(out->f[XX][i], out->f[YY][i], out->f[XY][i]) + minor(out->f[XX][i], out->f[ZZ][i], out->f[XZ][i]) +
+                             minor(out->f[YY][i], out->f[ZZ][i], out->f[YZ][i]);
+        const float area = sqrtf(larger(minors, LEAST)), opacity = mass[i] / area;
+        const float over = larger(opacity / most, 1), more = sqrtf(over * sqrtf(sqrtf(over)));
+        out->f[OPACITY][i] = smaller(opacity, most);
+        out->f[AREA][i] = area * more;
+        for (int k = XX; k <= YZ; k++)
+            out->f[k][i] *= more;
+    }
+    find_roots(out);
+}
+
+/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 static float dot(const float *a, const float *b)
 {
@@ -190,58 +251,182 @@ static float dot(const float *a, const float *b)
     return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
-/* <Ga, Gb> / pi in a plane */
-static float product_of(const shape *a, const shape *b, int p)
+static void gather(const fxs_merger *m, group *to, const uint16_t *of, uint32_t count)
 {
-    const float u = a->thick[plane[p][0]] + b->thick[plane[p][0]], v = a->thick[plane[p][1]] + b->thick[plane[p][1]];
-    const float uv = a->thick[plane[p][2]] + b->thick[plane[p][2]], determinant = larger(u * v - uv * uv, LEAST);
-    const float x = b->at[plane_axes[p][0]] - a->at[plane_axes[p][0]];
-    const float y = b->at[plane_axes[p][1]] - a->at[plane_axes[p][1]];
-    const float square = (v * x * x - 2 * uv * x * y + u * y * y) / determinant;
-    return 2 * a->root[p] * b->root[p] / sqrtf(determinant) * falling(0.5f * larger(square, 0));
+    for (uint32_t i = 0; i < LANES; i++) {
+        const float *from = m->fields[of[i < count ? i : 0]];
+        for (int k = 0; k < FIELDS; k++)
+            to->f[k][i] = from[k];
+    }
 }
 
-/* The error of merging a and b. */
-static float error_of(const fxs_merger *m, uint32_t a, uint32_t b)
+/* The errors of up to LANES pairs. */
+static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
 {
-    const shape *s = &m->shapes[a], *t = &m->shapes[b];
-    shape both;
-    const float v = join(&both, s, t), w = 1 - v;
-    const float aa = m->squares[a], bb = m->squares[b];
-    const float ab = dot(m->colours[a], m->colours[b]) + ALPHA_WEIGHT * ALPHA_WEIGHT;
-    const float am = v * aa + w * ab, bm = v * ab + w * bb, mm = v * am + w * bm;
-    const float x = s->opacity, y = t->opacity, z = both.opacity;
-    float sum = 0;
+    group one, other, both;
+    lanes share, ab[PLANES], am[PLANES], bm[PLANES], dots = {0}, sums;
+    uint16_t a[LANES], b[LANES];
+    for (uint32_t i = 0; i < count; i++) {
+        a[i] = pairs[i].a;
+        b[i] = pairs[i].b;
+        dots[i] = dot(m->colours[a[i]], m->colours[b[i]]) + ALPHA_WEIGHT;
+    }
+    gather(m, &one, a, count);
+    gather(m, &other, b, count);
     for (int p = 0; p < PLANES; p++)
-        sum += x * x * aa * s->root[p] + y * y * bb * t->root[p] + z * z * mm * both.root[p] +
-               2 * (x * y * ab * product_of(s, t, p) - x * z * am * product_of(s, &both, p) -
-                    y * z * bm * product_of(t, &both, p));
-    return larger(sum, 0) * (PI / PLANES);
+        find_products(ab[p], &one, &other, p);
+    join(&both, share, &one, &other, ab);
+    for (int p = 0; p < PLANES; p++) {
+        find_products(am[p], &one, &both, p);
+        find_products(bm[p], &other, &both, p);
+    }
+    for (int i = 0; i < LANES; i++) {
+        const float v = share[i], w = 1 - v, x = one.f[OPACITY][i], y = other.f[OPACITY][i], z = both.f[OPACITY][i];
+        const float aa = one.f[SQUARE][i], bb = other.f[SQUARE][i];
+        const float with_a = v * aa + w * dots[i], with_b = v * dots[i] + w * bb, mm = v * with_a + w * with_b;
+        float sum = 0;
+        for (int p = 0; p < PLANES; p++)
+            sum += x * x * aa * one.f[ROOT + p][i] + y * y * bb * other.f[ROOT + p][i] + z * z * mm * both.f[ROOT + p][i] +
+                   2 * (x * y * dots[i] * ab[p][i] - x * z * with_a * am[p][i] - y * z * with_b * bm[p][i]);
+        sums[i] = larger(sum, 0) * (PI / PLANES);
+    }
+    for (uint32_t i = 0; i < count; i++)
+        pairs[i].error = sums[i];
 }
 
-/* ---- Candidates -------------------------------------------------------------------------------------------------- */
+/* ---- The nearest ------------------------------------------------------------------------------------------------- */
 
+static void find_cells(fxs_merger *m)
+{
+    for (uint32_t cell = 0; cell * LEAF < m->count; cell++)
+        for (int k = 0; k < 3; k++) {
+            float low = INFINITY, high = -INFINITY;
+            for (uint32_t i = 0; i < LEAF; i++) {
+                const uint32_t g = cell * LEAF + i;
+                const float x = g < m->count ? m->fields[g][X + k] : INFINITY;
+                m->places[cell][k][i] = x;
+                low = x < low ? x : low;
+                high = g < m->count && x > high ? x : high;
+            }
+            m->low[k][cell] = low;
+            m->high[k][cell] = high;
+        }
+}
+
+/* The squared distances of a place from all cells. */
+static void find_distances(const fxs_merger *m, const float at[3], float distances[CELLS])
+{
+    for (int i = 0; i < CELLS; i++) {
+        const float x = larger(larger(m->low[0][i] - at[0], at[0] - m->high[0][i]), 0);
+        const float y = larger(larger(m->low[1][i] - at[1], at[1] - m->high[1][i]), 0);
+        const float z = larger(larger(m->low[2][i] - at[2], at[2] - m->high[2][i]), 0);
+        distances[i] = x * x + y * y + z * z;
+    }
+}
+
+/* The nearest that were found, nearest first. */
+typedef struct found {
+    float distances[NEAREST];
+    uint16_t *which;
+    uint32_t count;
+    float limit;                       /* the distance of the last of NEAREST, or infinite */
+} found;
+
+static void take(found *f, float distance, uint32_t which)
+{
+    uint32_t at = f->count < NEAREST ? f->count++ : NEAREST - 1;
+    for (; at > 0 && distance < f->distances[at - 1]; at--) {
+        f->distances[at] = f->distances[at - 1];
+        f->which[at] = f->which[at - 1];
+    }
+    f->distances[at] = distance;
+    f->which[at] = (uint16_t)which;
+    f->limit = f->count == NEAREST ? f->distances[NEAREST - 1] : INFINITY;
+}
+
+static void look_into(const fxs_merger *m, uint32_t cell, uint32_t of, found *f)
+{
+    const float *at = m->fields[of];
+    float distances[LEAF];
+    for (int i = 0; i < LEAF; i++) {
+        const float x = m->places[cell][0][i] - at[X], y = m->places[cell][1][i] - at[Y],
+                    z = m->places[cell][2][i] - at[Z];
+        distances[i] = x * x + y * y + z * z;
+    }
+    for (uint32_t i = 0; i < LEAF; i++)
+        if (distances[i] < f->limit && cell * LEAF + i != of)
+            take(f, distances[i], cell * LEAF + i);
+}
+
+/* Finds the candidates of a Gaussian, by distance. */
 static void find_nearest(fxs_merger *m, uint32_t of)
 {
-    float distances[NEAREST];
-    uint32_t found = 0;
-    for (uint32_t i = 0; i < m->count; i++) {
-        float distance = 0;
-        for (int k = 0; k < 3; k++) {
-            const float x = m->shapes[i].at[k] - m->shapes[of].at[k];
-            distance += x * x;
-        }
-        if (i == of || (found == NEAREST && !(distance < distances[NEAREST - 1])))
-            continue;
-        uint32_t at = found < NEAREST ? found++ : NEAREST - 1;
-        for (; at > 0 && distance < distances[at - 1]; at--) {
-            distances[at] = distances[at - 1];
-            m->nearest[of][at] = m->nearest[of][at - 1];
-        }
-        distances[at] = distance;
-        m->nearest[of][at] = (uint16_t)i;
+    float distances[CELLS];
+    found f = {.which = m->nearest[of], .limit = INFINITY};
+    const uint32_t own = of / LEAF, cells = (m->count + LEAF - 1) / LEAF;
+    find_distances(m, m->fields[of], distances);
+    look_into(m, own, of, &f);
+    for (uint32_t cell = 0; cell < cells; cell++)
+        if (distances[cell] < f.limit && cell != own)
+            look_into(m, cell, of, &f);
+    m->nearest_count[of] = (uint8_t)f.count;
+}
+
+/* ---- Pairs ------------------------------------------------------------------------------------------------------- */
+
+static int is_before(const pair *p, const pair *q)
+{
+    return p->error != q->error ? p->error < q->error : p->a != q->a ? p->a < q->a : p->b < q->b;
+}
+
+static void sift_down(fxs_merger *m, uint32_t at)
+{
+    const pair moved = m->pairs[at];
+    for (uint32_t child; (child = 2 * at + 1) < m->pair_count; at = child) {
+        child += child + 1 < m->pair_count && is_before(&m->pairs[child + 1], &m->pairs[child]);
+        if (!is_before(&m->pairs[child], &moved))
+            break;
+        m->pairs[at] = m->pairs[child];
     }
-    m->nearest_count[of] = (uint8_t)found;
+    m->pairs[at] = moved;
+}
+
+static void sift_up(fxs_merger *m, uint32_t at)
+{
+    const pair moved = m->pairs[at];
+    for (; at > 0 && is_before(&moved, &m->pairs[(at - 1) / 2]); at = (at - 1) / 2)
+        m->pairs[at] = m->pairs[(at - 1) / 2];
+    m->pairs[at] = moved;
+}
+
+static pair pair_of(const fxs_merger *m, uint32_t i, uint32_t k)
+{
+    const uint32_t a = i < k ? i : k, b = i < k ? k : i;
+    return (pair){0, (uint16_t)a, (uint16_t)b, m->age[a], m->age[b]};
+}
+
+static int is_candidate(const fxs_merger *m, uint32_t of, uint32_t which)
+{
+    for (uint32_t k = 0; k < m->nearest_count[of]; k++)
+        if (m->nearest[of][k] == which)
+            return 1;
+    return 0;
+}
+
+/* Of two that are candidates of each other, one pair. */
+static void find_pairs(fxs_merger *m)
+{
+    m->pair_count = 0;
+    for (uint32_t i = 0; i < m->count; i++)
+        for (uint32_t k = 0; k < m->nearest_count[i]; k++) {
+            const uint32_t other = m->nearest[i][k];
+            if (other > i || !is_candidate(m, other, i))
+                m->pairs[m->pair_count++] = pair_of(m, i, other);
+        }
+    for (uint32_t i = 0; i < m->pair_count; i += LANES)
+        find_errors(m, m->pairs + i, m->pair_count - i < LANES ? m->pair_count - i : LANES);
+    for (uint32_t i = m->pair_count / 2; i-- > 0;)
+        sift_down(m, i);
 }
 
 static uint32_t now(const fxs_merger *m, uint32_t i)
@@ -251,136 +436,164 @@ static uint32_t now(const fxs_merger *m, uint32_t i)
     return i;
 }
 
-static void offer(fxs_merger *m, uint32_t to, uint32_t partner, float error)
-{
-    if (error < m->least[to]) {
-        m->least[to] = error;
-        m->partner[to] = (uint16_t)partner;
-    }
-}
-
-static void find_partner(fxs_merger *m, uint32_t of)
-{
-    m->least[of] = INFINITY;
-    for (uint32_t k = 0; k < m->nearest_count[of]; k++) {
-        const uint32_t other = now(m, m->nearest[of][k]);
-        if (other != of)
-            offer(m, of, other, error_of(m, of, other));
-    }
-}
-
-/* The candidates of a and b become those of a: the NEAREST of least error. */
+/* The candidates of both, each once; the first NEAREST of them are those of a from now on. */
 static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
 {
-    uint16_t found[NEAREST];
-    float errors[NEAREST];
+    uint16_t both[2 * NEAREST];
     uint32_t count = 0;
     for (uint32_t k = 0; k < 2u * NEAREST; k++) {
-        const uint32_t from = k < NEAREST ? a : b, place = k % NEAREST;
+        const uint32_t from = k % 2 ? b : a, place = k / 2;
         if (place >= m->nearest_count[from])
             continue;
         const uint16_t other = (uint16_t)now(m, m->nearest[from][place]);
         uint32_t at = 0;
-        while (at < count && found[at] != other)
+        while (at < count && both[at] != other)
             at++;
-        if (other == a || at < count)
-            continue;
-        const float error = error_of(m, a, other);
-        offer(m, other, a, error);
-        if (count == NEAREST && !(error < errors[count - 1]))
-            continue;
-        for (at = count < NEAREST ? count++ : NEAREST - 1; at > 0 && error < errors[at - 1]; at--) {
-            errors[at] = errors[at - 1];
-            found[at] = found[at - 1];
-        }
-        errors[at] = error;
-        found[at] = other;
+        if (other != a && at == count)
+            both[count++] = other;
     }
-    memcpy(m->nearest[a], found, sizeof found);
-    m->nearest_count[a] = (uint8_t)count;
-    m->least[a] = count ? errors[0] : INFINITY;
-    m->partner[a] = count ? found[0] : 0;
+    count = count < JOINED ? count : JOINED;
+    m->nearest_count[a] = (uint8_t)(count < NEAREST ? count : NEAREST);
+    memcpy(m->nearest[a], both, m->nearest_count[a] * sizeof *both);
+    for (uint32_t i = 0; i < count; i++)
+        m->pairs[m->pair_count + i] = pair_of(m, a, both[i]);
+    for (uint32_t i = 0; i < count; i += LANES)
+        find_errors(m, m->pairs + m->pair_count + i, count - i < LANES ? count - i : LANES);
+    for (; count > 0; count--)
+        sift_up(m, m->pair_count++);
 }
 
 /* ---- The set ----------------------------------------------------------------------------------------------------- */
 
-void fxs_merge_begin(fxs_merger *m)
+void fxs_merge_begin(fxs_merger *m, int sh_degree)
 {
     m->count = 0;
+    m->sh_degree = sh_degree;
+}
+
+static void add(fxs_merger *m, const fxs_coarse *c)
+{
+    const uint32_t i = m->count++;
+    m->from[i] = c;
+    m->into[i] = (uint16_t)i;
+    m->age[i] = 0;
+    for (int k = 0; k < 3; k++)
+        m->fields[i][X + k] = c->gaussian.position[k];
+    for (int k = 0; k < 6; k++)
+        m->fields[i][XX + k] = c->covariance[k];
+    m->fields[i][OPACITY] = c->opacity;
+    m->fields[i][AREA] = c->area;
+    for (int k = 0; k < 3; k++)
+        m->colours[i][k] = (float)fxs_colour_of_dc(c->gaussian.dc[k]);
+    for (int k = 0; k < 45; k++)
+        m->colours[i][3 + k] = (float)FXS_SH_0 * c->gaussian.sh[k];
 }
 
 void fxs_merge_add(fxs_merger *m, const fxs_coarse *gaussians, uint32_t count)
 {
-    for (const fxs_coarse *c = gaussians; c < gaussians + count && m->count < MOST; c++) {
-        const uint32_t i = m->count++;
-        shape *s = &m->shapes[i];
-        m->from[i] = c;
-        m->into[i] = (uint16_t)i;
-        m->merged[i] = 0;
-        memcpy(s->at, c->gaussian.position, sizeof s->at);
-        memcpy(s->covariance, c->covariance, sizeof s->covariance);
-        s->area = c->area;
-        s->opacity = c->opacity;
-        complete(s);
-        for (int k = 0; k < 3; k++)
-            m->colours[i][k] = (float)fxs_colour_of_dc(c->gaussian.dc[k]);
-        for (int k = 0; k < 45; k++)
-            m->colours[i][3 + k] = (float)(FXS_SH_0 * c->gaussian.sh[k]);
-        m->squares[i] = dot(m->colours[i], m->colours[i]) + ALPHA_WEIGHT * ALPHA_WEIGHT;
+    for (uint32_t i = 0; i < count && m->count < MOST; i++)
+        add(m, &gaussians[i]);
+}
+
+/* Weighted by opacity times area. */
+static void subtract_mean(fxs_merger *m)
+{
+    float sum = 0;
+    memset(m->mean, 0, sizeof m->mean);
+    for (uint32_t i = 0; i < m->count; i++) {
+        const float weight = m->fields[i][OPACITY] * m->fields[i][AREA];
+        sum += weight;
+        for (int k = 0; k < COLOURS; k++)
+            m->mean[k] += weight * m->colours[i][k];
+    }
+    for (int k = 0; k < COLOURS; k++)
+        m->mean[k] = sum > 0 ? m->mean[k] / sum : 0;
+    for (uint32_t i = 0; i < m->count; i++) {
+        for (int k = 0; k < COLOURS; k++)
+            m->colours[i][k] -= m->mean[k];
+        m->fields[i][SQUARE] = dot(m->colours[i], m->colours[i]) + ALPHA_WEIGHT;
     }
 }
 
-static void merge(fxs_merger *m, uint32_t a, uint32_t b, fxs_merge_error *sums)
+static void find_all_roots(fxs_merger *m)
 {
-    shape both;
-    const float v = join(&both, &m->shapes[a], &m->shapes[b]);
-    const float error = m->least[a] < m->least[b] ? m->least[a] : m->least[b];
-    sums->error += (double)error;
-    sums->size += (double)error * both.area;
-    m->shapes[a] = both;
-    for (int k = 0; k < COLOURS; k++)
-        m->colours[a][k] = v * m->colours[a][k] + (1 - v) * m->colours[b][k];
-    m->squares[a] = dot(m->colours[a], m->colours[a]) + ALPHA_WEIGHT * ALPHA_WEIGHT;
-    m->into[b] = (uint16_t)a;
-    m->merged[a] = 1;
-    m->least[b] = INFINITY;
-    m->left--;
-    join_candidates(m, a, b);
-    for (uint32_t i = 0; i < m->count; i++)
-        if (m->into[i] == i && i != a && (m->partner[i] == a || m->partner[i] == b))
-            find_partner(m, i);
+    for (uint32_t first = 0; first < m->count; first += LANES) {
+        group several;
+        uint16_t of[LANES];
+        const uint32_t count = m->count - first < LANES ? m->count - first : LANES;
+        for (uint32_t i = 0; i < count; i++)
+            of[i] = (uint16_t)(first + i);
+        gather(m, &several, of, count);
+        find_roots(&several);
+        for (int p = 0; p < PLANES; p++)
+            for (uint32_t i = 0; i < count; i++)
+                m->fields[first + i][ROOT + p] = several.f[ROOT + p][i];
+    }
 }
 
-/* The Gaussian with the least error. Where none has a finite one, the first two. */
-static uint32_t find_best(fxs_merger *m)
+static void merge(fxs_merger *m, uint32_t a, uint32_t b, float error, fxs_merge_error *sums)
 {
-    uint32_t best = 0, other = 0;
-    for (uint32_t i = 1; i < m->count; i++)
-        best = m->least[i] < m->least[best] ? i : best;
-    if (m->least[best] < INFINITY)
-        return best;
-    while (m->into[best] != best)
-        best++;
-    for (other = best + 1; m->into[other] != other; other++)
+    group one, other, both;
+    lanes share, products[PLANES];
+    const uint16_t of[2] = {(uint16_t)a, (uint16_t)b};
+    gather(m, &one, of, 1);
+    gather(m, &other, of + 1, 1);
+    for (int p = 0; p < PLANES; p++)
+        find_products(products[p], &one, &other, p);
+    join(&both, share, &one, &other, products);
+    for (int k = 0; k < SQUARE; k++)
+        m->fields[a][k] = both.f[k][0];
+    for (int k = 0; k < COLOURS; k++)
+        m->colours[a][k] = share[0] * m->colours[a][k] + (1 - share[0]) * m->colours[b][k];
+    m->fields[a][SQUARE] = dot(m->colours[a], m->colours[a]) + ALPHA_WEIGHT;
+    sums->error += (double)error;
+    sums->size += (double)error * both.f[AREA][0];
+    m->into[b] = (uint16_t)a;
+    m->age[a]++;
+    m->age[b]++;
+    m->left--;
+    join_candidates(m, a, b);
+}
+
+/* The pair of least error. Where none is left, the first two Gaussians. */
+static pair take_best(fxs_merger *m)
+{
+    while (m->pair_count > 0) {
+        const pair best = m->pairs[0];
+        m->pairs[0] = m->pairs[--m->pair_count];
+        if (m->pair_count)
+            sift_down(m, 0);
+        if (best.a_age == m->age[best.a] && best.b_age == m->age[best.b])
+            return best;
+    }
+    uint32_t a = 0, b;
+    while (m->into[a] != a)
+        a++;
+    for (b = a + 1; m->into[b] != b; b++)
         ;
-    m->partner[best] = (uint16_t)other;
-    m->least[best] = 0;
-    return best;
+    return pair_of(m, a, b);
+}
+
+static void coarsen(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
+{
+    subtract_mean(m);
+    find_all_roots(m);
+    find_cells(m);
+    for (uint32_t i = 0; i < m->count; i++)
+        find_nearest(m, i);
+    find_pairs(m);
+    for (m->left = m->count; m->left > most;) {
+        const pair best = take_best(m);
+        merge(m, best.a, best.b, best.error, sums);
+    }
 }
 
 uint32_t fxs_merge_end(fxs_merger *m, uint32_t most, fxs_coarse *out, fxs_merge_error *sums)
 {
     uint32_t written = 0;
     *sums = (fxs_merge_error){0, 0};
-    m->left = m->count;
-    for (uint32_t i = 0; i < m->count && m->left > most; i++)
-        find_nearest(m, i);
-    for (uint32_t i = 0; i < m->count && m->left > most; i++)
-        find_partner(m, i);
-    while (m->left > most) {
-        const uint32_t best = find_best(m), other = m->partner[best];
-        merge(m, best < other ? best : other, best < other ? other : best, sums);
-    }
+    if (m->count > most)
+        coarsen(m, most, sums);
     for (uint32_t i = 0; i < m->count; i++)
         if (m->into[i] == i)
             write_coarse(m, i, &out[written++]);

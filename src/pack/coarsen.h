@@ -31,7 +31,7 @@ typedef struct fxs_merger fxs_merger;
 size_t fxs_merger_bytes(void);
 
 /* Begins a set. */
-void fxs_merge_begin(fxs_merger *merger);
+void fxs_merge_begin(fxs_merger *merger, int sh_degree);
 
 /* Adds Gaussians to the set, which stay where they are until the end. */
 void fxs_merge_add(fxs_merger *merger, const fxs_coarse *gaussians, uint32_t count);

@@ -33,7 +33,8 @@ typedef struct node {
 typedef struct held {
     fxs_coarse gaussians[FXS_CHUNK];
     uint32_t count;
-    fxs_range reach[3], scale;         /* of the centres and scales of all that lies below, by the chunks' headers */
+    fxs_range reach[3];                /* of the centres of all that lies below, by the chunks' headers, */
+    float scale;                       /* and log2 of their largest sigma */
 } held;
 
 /* What one job works with. */
@@ -193,7 +194,7 @@ static void find_reach(held *h, const fxs_chunk *chunk)
         h->reach[i].low = (float)ldexp((double)chunk->origin_q32[i], -32);
         h->reach[i].high = (float)ldexp((double)(chunk->origin_q32[i] + reach), -32);
     }
-    h->scale.high = (float)(chunk->scale_q16 / (65536 * FXS_LOG2_E));
+    h->scale = (float)chunk->scale_q16 / 65536;
 }
 
 static void widen_range(fxs_range *range, const fxs_range *by)
@@ -219,14 +220,18 @@ static void read_leaf(const tree *t, uint32_t leaf, held *to)
         }
 }
 
-/* Along a Morton curve, as in the leaves. */
-static void sort(const held *h, fxs_order_entry order[FXS_CHUNK])
+/* Along a Morton curve, as the leaves are. */
+static void copy_sorted(held *to, const held *from)
 {
-    for (uint32_t i = 0; i < h->count; i++) {
-        memcpy(order[i].position, h->gaussians[i].gaussian.position, sizeof order[i].position);
+    fxs_order_entry order[FXS_CHUNK];
+    for (uint32_t i = 0; i < from->count; i++) {
+        memcpy(order[i].position, from->gaussians[i].gaussian.position, sizeof order[i].position);
         order[i].index = i;
     }
-    fxs_order_chunk(order, h->count);
+    fxs_order_chunk(order, from->count);
+    for (uint32_t i = 0; i < from->count; i++)
+        to->gaussians[i] = from->gaussians[order[i].index];
+    to->count = from->count;
 }
 
 static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
@@ -234,12 +239,10 @@ static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
     static const fxs_scene_file_info any;      /* no grids */
     const fxs_scene *s = t->scene;
     const uint32_t bytes = s->chunk_bytes / FXS_CHUNK;
-    fxs_order_entry order[FXS_CHUNK];
     fxs_chunk_ranges ranges;
     fxs_chunk chunk;
     fxs_loss loss = {{0}, {0}};
     fxs_sh_loss sh_loss = {0, 0};
-    sort(h, order);
     fxs_ranges_clear(&ranges);
     for (uint32_t i = 0; i < h->count; i++) {
         fxs_hold_scales(&h->gaussians[i].gaussian);
@@ -247,12 +250,12 @@ static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
     }
     for (int i = 0; i < 3; i++)        /* so that a node is seen wherever one below it is */
         widen_range(&ranges.position[i], &h->reach[i]);
-    ranges.scale.high = h->scale.high > ranges.scale.high ? h->scale.high : ranges.scale.high;
+    ranges.scale.high = h->scale > ranges.scale.high ? h->scale : ranges.scale.high;
     fxs_encode_header(&chunk, &ranges, &any);
     find_reach(h, &chunk);
     memset(w->records, 0, s->chunk_bytes);
     for (uint32_t i = 0; i < h->count; i++) {
-        const fxs_gaussian *g = &h->gaussians[order[i].index].gaussian;
+        const fxs_gaussian *g = &h->gaussians[i].gaussian;
         unsigned char record[FXS_RECORD_BYTES] = {0};
         fxs_encode(&t->encoder, &chunk, g, record, &loss);
         memcpy(w->records + i * bytes, record, bytes);
@@ -273,17 +276,16 @@ static void merge_children(tree *t, worker *w, uint32_t place, held *first, cons
     node *n = &t->nodes[place];
     fxs_merge_error error;
     held *out = &w->merged;
-    fxs_merge_begin(w->merger);
+    fxs_merge_begin(w->merger, t->encoder.sh_degree);
     fxs_merge_add(w->merger, first->gaussians, first->count);
     fxs_merge_add(w->merger, second->gaussians, second->count);
     out->count = fxs_merge_end(w->merger, FXS_CHUNK, out->gaussians, &error);
     n->error = error.error;
     n->size = error.size;
-    memcpy(first->gaussians, out->gaussians, out->count * sizeof *out->gaussians);
-    first->count = out->count;
+    copy_sorted(first, out);
     for (int i = 0; i < 3; i++)
         widen_range(&first->reach[i], &second->reach[i]);
-    first->scale.high = first->scale.high > second->scale.high ? first->scale.high : second->scale.high;
+    first->scale = first->scale > second->scale ? first->scale : second->scale;
     write_chunk(t, w, first, n->number);
 }
 
