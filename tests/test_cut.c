@@ -331,6 +331,87 @@ static void test_eyes(void)
     CHECK(mean_error(pictures[2], pictures[1]) < 30);
 }
 
+/* ---- In part ----------------------------------------------------------------------------------------------------- */
+
+/* A scene of which a pool holds some chunks' rows. */
+typedef struct partial {
+    fxs_scene scene;
+    const fxs_scene *whole;
+    uint32_t *places;
+    unsigned char *rows;
+    uint32_t held, room, wanted, known;      /* chunks: in the pool, that fit, missing, there */
+    uint32_t asked[64];                      /* the first that were missing */
+} partial;
+
+static void note_wanted(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
+{
+    partial *p = argument;
+    CHECK(scene == &p->scene && chunk < fxs_scene_chunks(scene) && there == (p->places[chunk] != FXS_NOTHING));
+    if (!there && p->wanted < 64)
+        p->asked[p->wanted] = chunk;
+    p->wanted += !there;
+    p->known += there != 0;
+}
+
+static partial partial_of(const fxs_scene *whole, uint32_t room)
+{
+    partial p = {.scene = *whole, .whole = whole, .room = room};
+    p.places = malloc(fxs_scene_chunks(whole) * sizeof *p.places);
+    p.rows = check_aligned((size_t)room * whole->chunk_bytes);
+    memset(p.places, 0xff, fxs_scene_chunks(whole) * sizeof *p.places);
+    p.scene.places = p.places;
+    p.scene.rows = p.rows;
+    return p;
+}
+
+static void fetch(partial *p, uint32_t chunk)
+{
+    if (p->held == p->room)
+        return;
+    memcpy(p->rows + (size_t)p->held * p->scene.chunk_bytes, fxs_rows(p->whole, chunk), p->scene.chunk_bytes);
+    p->places[chunk] = p->held++;
+}
+
+/* Frame after frame what is missing is fetched, a few chunks at a time: the picture comes nearer, and ends as that of
+   the scene that is there as a whole. */
+static void test_in_part(void)
+{
+    static unsigned char wanted[PIXELS];
+    const fxs_object whole = one_object(&scenes[0]);
+    fxs_context context;
+    fxs_request request = request_of(&whole, 1, camera_at(0.9, -3, -7), COUNT / 4, wanted);
+    fxs_init(&context, 0);
+    const fxs_stats all = draw(&context, &request, 0);
+    partial p = partial_of(&scenes[0], 2 * all.drawn / FXS_CHUNK + 2);     /* with those above them */
+    const fxs_object object = one_object(&p.scene);
+    double first = 0, last = 0;
+    int frames = 0;
+    request = request_of(&object, 1, camera_at(0.9, -3, -7), COUNT / 4, pictures[0]);
+    request.options.want = note_wanted;
+    request.options.want_argument = &p;
+    fxs_stats stats;
+    do {
+        p.wanted = p.known = 0;
+        stats = draw(&context, &request, 0);
+        CHECK(stats.missing == p.wanted && (frames || stats.drawn == 0));
+        last = mean_error(wanted, pictures[0]);
+        first = frames == 1 ? last : first;
+        for (uint32_t i = 0; i < p.wanted && i < 8; i++)
+            fetch(&p, p.asked[i]);
+        if (!frames)
+            fetch(&p, p.scene.chunk_count);                              /* the root */
+    } while (stats.missing && ++frames < 1000);
+    printf("  %d frames, error %.1f after the root, %.1f at the end\n", frames, first, last);
+    CHECK(frames > 10 && frames < 1000 && last == 0 && first > 100);
+    p.wanted = p.known = 0;
+    const size_t bytes = fxs_request_bytes(&context, &request, 0);
+    void *memory = check_aligned(bytes);
+    CHECK(!fxs_foresee(&context, &request, memory, bytes) && !p.wanted && p.known == stats.drawn / FXS_CHUNK);
+    free(memory);
+    free(p.places);
+    free(p.rows);
+}
+
 /* ---- Damage ------------------------------------------------------------------------------------------------------ */
 
 /* Frames of trees whose nodes were changed: an error or a picture, and nothing beyond the memory. */
@@ -381,6 +462,7 @@ int main(void)
     RUN(test_window);
     RUN(test_objects);
     RUN(test_eyes);
+    RUN(test_in_part);
     RUN(test_damage);
     for (int profile = 0; profile < 3; profile++)
         fxs_packed_scene_free(&packed[profile]);

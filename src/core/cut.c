@@ -37,7 +37,8 @@ typedef struct visit {
     uint32_t share_q8;             /* of what is drawn of it and of all below it, as its parent fades into it */
     uint8_t opened;
     uint8_t short_of;              /* something that is to be drawn in its place is not there */
-    uint8_t absent;                /* its own rows are needed and not there */
+    uint8_t needed;                /* it is to be drawn, */
+    uint8_t absent;                /* and its rows are not there */
     uint8_t hidden;                /* a chunk above takes its place */
 } visit;
 
@@ -276,46 +277,65 @@ static int is_there(const fxs_scene *scene, uint32_t chunk)
     return !scene->places || scene->places[chunk] != FXS_NOTHING;
 }
 
-static void miss(search *s, const fxs_scene *scene, uint32_t chunk)
+static void want(search *s, const fxs_scene *scene, uint32_t chunk)
 {
     const fxs_options *o = s->cut->options;
-    s->cut->missing++;
-    if (o->want)
-        o->want(o->want_argument, scene, chunk);
+    const int there = is_there(scene, chunk);
+    s->cut->missing += !there;
+    if (o->want && scene->places)
+        o->want(o->want_argument, scene, chunk, there);
 }
 
-/* From the leaves up: what is to be drawn and is not there is drawn by the nearest chunk above it that is. Then, what
-   is needed most first, what is missing. */
+static visit *parent_of(const search *s, const visit *v)
+{
+    return v->parent == FXS_NOTHING ? 0 : &s->visits[v->parent];
+}
+
+/* From the roots down: the share of what is drawn of a chunk and of all below it. */
+static void find_shares(search *s)
+{
+    for (uint32_t i = 0; i < s->opened_count; i++)
+        s->visits[s->opened[i]].opened = 1;
+    for (visit *v = s->visits; v < s->visits + s->visit_count; v++) {
+        const visit *parent = parent_of(s, v);
+        v->share_q8 = parent ? parent->share_q8 * faded_q8(s, parent) >> 8 : 256;
+    }
+}
+
+/* What is drawn of a chunk itself. */
+static uint32_t own_share_q8(const search *s, const visit *v)
+{
+    return v->opened && !v->short_of ? v->share_q8 * (256 - faded_q8(s, v)) >> 8 : v->share_q8;
+}
+
+/* From the leaves up: what is to be drawn and is not there is drawn by the nearest chunk above it that is. Then all that
+   is to be drawn is wanted, what is needed most first. */
 static void find_missing(search *s)
 {
     for (uint32_t i = s->visit_count; i-- > 0;) {
-        visit *v = &s->visits[i];
-        const int needed = !v->opened || v->short_of || faded_q8(s, v) < 256;
-        v->absent = needed && !is_there(s->cut->objects[v->object].scene, v->chunk);
-        if (v->absent && v->parent != FXS_NOTHING)
-            s->visits[v->parent].short_of = 1;
+        visit *v = &s->visits[i], *parent = parent_of(s, v);
+        v->needed = own_share_q8(s, v) > 0;
+        v->absent = v->needed && !is_there(s->cut->objects[v->object].scene, v->chunk);
+        if (v->absent && parent)
+            parent->short_of = 1;
     }
     for (uint32_t i = 0; i < s->visit_count; i++)
-        if (s->visits[i].absent)
-            miss(s, s->cut->objects[s->visits[i].object].scene, s->visits[i].chunk);
+        if (s->visits[i].needed)
+            want(s, s->cut->objects[s->visits[i].object].scene, s->visits[i].chunk);
 }
 
 /* Lists what is drawn in the order of the chunks. */
 static void list_drawn(search *s)
 {
     fxs_cut *cut = s->cut;
-    for (uint32_t i = 0; i < s->opened_count; i++)
-        s->visits[s->opened[i]].opened = 1;
+    find_shares(s);
     find_missing(s);
-    for (uint32_t i = 0; i < s->visit_count; i++) {
-        visit *v = &s->visits[i];
-        const visit *parent = v->parent == FXS_NOTHING ? 0 : &s->visits[v->parent];
-        const uint32_t own_q8 = v->opened && !v->short_of ? 256 - faded_q8(s, v) : 256;
+    for (visit *v = s->visits; v < s->visits + s->visit_count; v++) {
+        const visit *parent = parent_of(s, v);
         v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
-        v->share_q8 = parent ? parent->share_q8 * faded_q8(s, parent) >> 8 : 256;
-        if (!v->hidden && v->share_q8 * own_q8 >> 8)
+        if (v->needed && !v->hidden)
             cut->drawn[cut->count++] = (fxs_drawn){cut->views[0][v->object].first_chunk + v->chunk,
-                                                   v->share_q8 * own_q8 >> 8};
+                                                   own_share_q8(s, v)};
     }
     sort_by_chunk(cut->drawn, cut->count);
 }
@@ -353,8 +373,7 @@ static void begin(search *s)
     for (uint32_t i = 0; i < cut->object_count && !s->error; i++) {
         const fxs_scene *scene = cut->objects[i].scene;
         for (uint32_t k = 0; k < whole_chunks(cut, i); k++)
-            if (!is_there(scene, k))
-                miss(s, scene, k);
+            want(s, scene, k);
         s->drawn += whole_chunks(cut, i);
         if (scene->nodes && cut->objects[i].visible)
             visit_chunk(s, i, scene->chunk_count, FXS_NOTHING);

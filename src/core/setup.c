@@ -97,6 +97,17 @@ static int choose_chunks(fxs_frame *f)
     return error ? error : fxs_bands_init(f);
 }
 
+int fxs_foresee(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes)
+{
+    fxs_frame f;
+    int error = fxs_frame_init(&f, context, request, memory, memory_bytes);
+    if (error || !f.cut_room)
+        return error;
+    error = fxs_bands_init(&f);
+    error = error ? error : place_objects(&f);
+    return error ? error : choose_chunks(&f);
+}
+
 int fxs_frame_begin(fxs_frame *f)
 {
     f->chunk_count = f->cut_room ? f->cut_room : f->chunk_count;

@@ -208,8 +208,9 @@ enum fxs_cutoff {
    a frame, it is asked once. */
 typedef int fxs_stop_fn(void *argument);
 
-/* Is told of a chunk of a scene that a frame would have drawn and that is not there (fxs_scene.places). */
-typedef void fxs_want_fn(void *argument, const fxs_scene *scene, uint32_t chunk);
+/* Is told of a chunk that a frame is to draw, of a scene of which a part is in memory (fxs_scene.places): whether its
+   rows are there. It must not change `places`. */
+typedef void fxs_want_fn(void *argument, const fxs_scene *scene, uint32_t chunk, int there);
 
 typedef struct fxs_options {
     enum fxs_cutoff cutoff;
@@ -223,8 +224,8 @@ typedef struct fxs_options {
     uint32_t budget;               /* Gaussians, in whole chunks of 256; with as many as all objects have there is no
                                       limit. The root of each tree is drawn even beyond it */
     uint32_t detail_q8;            /* pixels: what is smaller is not drawn more finely */
-    fxs_want_fn *want;             /* called for each chunk that is missing, what is needed most first, on the thread
-                                      that called fxs_render; null: nobody asks */
+    fxs_want_fn *want;             /* called for each chunk of scenes with places, what is needed most first, before
+                                      anything is drawn, on the thread that called fxs_render; null: nobody asks */
     void *want_argument;
 } fxs_options;
 
@@ -484,6 +485,12 @@ FXS_API int fxs_render(const fxs_context *context, const fxs_request *request, v
 /* The working memory of a request, of one eye or two: as fxs_frame_bytes and fxs_stereo_bytes, but where its options
    limit what is drawn, in proportion to the budget and not to the scenes. *memory may be null. */
 FXS_API size_t fxs_request_bytes(const fxs_context *context, const fxs_request *request, fxs_frame_memory *memory);
+
+/* Finds which chunks a request's frame would draw, and calls options.want for them, as fxs_render does; draws nothing.
+   For the camera of a later frame, so that what it needs is there in time. `memory` as for fxs_render; targets are not
+   read. Returns 0, or an error as fxs_render; 0 at once where neither a budget, a detail nor places limit what is
+   drawn. */
+FXS_API int fxs_foresee(const fxs_context *context, const fxs_request *request, void *memory, size_t memory_bytes);
 
 /* Counts the work of the blend stage for the first eye of a request, in pairs of a pixel and a Gaussian. It renders the
    frame once more, by the plain C stages and one thread, without an occluder. A pair is
