@@ -165,11 +165,27 @@ static void hide(fxs_camera *c, const fxs_ring *r, int eye, const rectangle *cov
     c->hidden_height = length[1];
 }
 
+/* A ring's part of the budget, by its pixels: what the eye sees less sharply is also drawn of fewer Gaussians. 0 where
+   the budget is for all Gaussians. */
+static uint32_t budget_of(const fxs_foveated *all, const fxs_ring *r, const fxs_request *request)
+{
+    const uint32_t budget = request->options.budget;
+    uint64_t pixels = 0, gaussians = 0;
+    for (uint32_t i = 0; i < all->count; i++)
+        pixels += pixels_of(&all->rings[i]);
+    for (uint32_t i = 0; i < request->count; i++)
+        gaussians += request->objects[i].scene ? request->objects[i].scene->count : 0;
+    const uint64_t part = (uint64_t)budget * pixels_of(r) / pixels;
+    return !budget || budget >= gaussians ? 0 : part ? (uint32_t)part : 1;
+}
+
 /* `finer`: the next finer ring, null for the first. */
 static int render_ring(const fxs_backend *backend, void *self, const fxs_request *request, fxs_ring *r,
-                       const fxs_ring *finer, int32_t band, uint8_t *pixels, fxs_message *why)
+                       const fxs_ring *finer, int32_t band, uint32_t budget, uint8_t *pixels, fxs_message *why)
 {
     fxs_request own = *request;
+    own.options.budget = budget;
+    own.options.budget_of_window = 1;
     for (uint32_t eye = 0; eye < request->eyes; eye++) {
         own.cameras[eye] = camera_of(&request->cameras[eye], r, (int)eye);
         if (finer) {
@@ -187,6 +203,8 @@ static void add_stats(fxs_foveated *all, const fxs_ring *r)
 {
     fxs_stats *sum = &all->stats;
     sum->gaussians = r->stats.gaussians;
+    sum->drawn += r->stats.drawn;
+    sum->missing += r->stats.missing;
     sum->visible += r->stats.visible;
     sum->entries += r->stats.entries;
     sum->bands += r->stats.bands;
@@ -444,7 +462,8 @@ int fxs_foveate(const fxs_backend *backend, void *self, const fxs_request *reque
         return fxs_fail_memory(why, 0, bytes);
     for (uint32_t i = 0; i < all->count; i++) {
         fxs_ring *r = &all->rings[i];
-        error = render_ring(backend, self, request, r, i ? r - 1 : 0, foveation->band, pixels, why);
+        error = render_ring(backend, self, request, r, i ? r - 1 : 0, foveation->band,
+                            budget_of(all, r, request), pixels, why);
         if (error)
             return error;
         add_stats(all, r);

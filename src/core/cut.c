@@ -162,7 +162,8 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
         fxs_chunk_view cv;
         fxs_view view = cut->views[eye][object].view;
         int32_t key_q8, size_q8;
-        fxs_view_of_whole(&view, cut->cameras[eye]);
+        if (!cut->options->budget_of_window)
+            fxs_view_of_whole(&view, cut->cameras[eye]);
         const int found = fxs_chunk_view_init(&cv, &view, scene, chunk);
         s->error = found < 0 ? found : 0;
         if (found <= 0)

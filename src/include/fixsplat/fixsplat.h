@@ -224,6 +224,8 @@ typedef struct fxs_options {
     uint32_t budget;               /* Gaussians, in whole chunks of 256; with as many as all objects have there is no
                                       limit. The root of each tree is drawn even beyond it */
     uint32_t detail_q8;            /* pixels: what is smaller is not drawn more finely */
+    int budget_of_window;          /* of a camera that is a window: not 0: the budget is for what it shows, without its
+                                      hidden part. 0: for the whole picture, whose pixels the window has */
     fxs_want_fn *want;             /* called for each chunk of scenes with places, what is needed most first, before
                                       anything is drawn, on the thread that called fxs_render; null: nobody asks */
     void *want_argument;

@@ -49,7 +49,7 @@ typedef struct fxs_foveated {
 /* The bytes of memory that fxs_foveate needs for the rings. 0 where an argument is out of range. */
 FXS_API size_t fxs_foveation_bytes(const fxs_foveation *foveation, const fxs_camera *cameras, uint32_t eyes);
 
-/* Renders a request foveated, by a back end. Each eye must have a colour target of FXS_FORMAT_RGBA8 or RGBA8_COVERAGE
+/* Renders a request foveated, by a back end. A budget is shared out among the rings by their pixels. Each eye must have a colour target of FXS_FORMAT_RGBA8 or RGBA8_COVERAGE
    and no other target, occluder or backdrop; else FXS_ERR_UNSUPPORTED. The pictures of two eyes must have the same
    size. `memory` has `memory_bytes` bytes, aligned to 4, at least fxs_foveation_bytes. `run` and `pool`, as in
    fxs_config, are for combining the rings; a null `run` uses the calling thread. `out` may be null. Errors:
