@@ -4,20 +4,41 @@
 #define FXS_EXPONENTIAL_H
 
 #include <math.h>
+#include <stdint.h>
+#include <string.h>
 
 #define FXS_LN_2_HIGH 0x1.62e42fee00000p-1    /* its product with an integer up to 2^20 is exact */
 #define FXS_LN_2_LOW 0x1.a39ef35793c76p-33
 
-/* x = n ln 2 + r, |r| <= ln 2 / 2; e^r = 1 + r (1 + r / 2 (1 + r / 3 (...))), up to r^14. */
+/* x 2^n, exact where the result is a normal number. */
+static inline double fxs_scaled(double x, int n)
+{
+    if (n < -1021 || n > 1023)
+        return ldexp(x, n);
+    const uint64_t bits = (uint64_t)(n + 1023) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return x * power;
+}
+
+/* x = n ln 2 + r, |r| <= ln 2 / 2; e^r = 1 + r (1 + r / 2 (1 + r / 3 (...))), up to r^14. Where a quotient is half of
+   another one, it is not divided again. */
 static inline double fxs_exp(double x)
 {
     if (!(x > -746 && x < 710))
         return x > 0 ? INFINITY : x < 0 ? 0 : x;
-    const double n = floor(x * 1.4426950408889634 + 0.5), r = (x - n * FXS_LN_2_HIGH) - n * FXS_LN_2_LOW;
-    double sum = 1;
-    for (int k = 14; k > 0; k--)
-        sum = 1 + r / k * sum;
-    return ldexp(sum, (int)n);
+    const double scaled = x * 1.4426950408889634 + 0.5;
+    const int n = (int)scaled - ((int)scaled > scaled);
+    const double r = (x - n * FXS_LN_2_HIGH) - n * FXS_LN_2_LOW;
+    const double r3 = r / 3, r5 = r / 5, r7 = r / 7, r9 = r / 9, r11 = r / 11, r13 = r / 13;
+    double sum = 1 + r13 * (1 + r7 / 2);
+    sum = 1 + r11 * (1 + r3 / 4 * sum);
+    sum = 1 + r9 * (1 + r5 / 2 * sum);
+    sum = 1 + r7 * (1 + r / 8 * sum);
+    sum = 1 + r5 * (1 + r3 / 2 * sum);
+    sum = 1 + r3 * (1 + r / 4 * sum);
+    sum = 1 + r * (1 + r / 2 * sum);
+    return fxs_scaled(sum, n);
 }
 
 /* x = 2^n m, m in sqrt(1/2)..sqrt(2); ln m = 2 (s + s^3 / 3 + s^5 / 5 + ...), s = (m - 1) / (m + 1), up to s^23. */

@@ -65,9 +65,9 @@ static void widen(fxs_range *r, float x)
 }
 
 /* log2(sigma) */
-static double log2_scale(const fxs_gaussian *g, int axis)
+static double log2_scale(float scale)
 {
-    return g->scale[axis] * FXS_LOG2_E;
+    return scale * FXS_LOG2_E;
 }
 
 static double base_colour(const fxs_gaussian *g, int channel)
@@ -81,47 +81,67 @@ double fxs_opacity(const fxs_gaussian *g)
     return fxs_opacity_of_logit(g->opacity);
 }
 
+/* 4^(1 - law); law 0 has even steps */
+static const double opacity_tops[FXS_OPACITY_LAWS] = {4, 1, 0.25, 0.0625};
+
 /* The opacity of a code: 1/255 + (4^(1 - law) - 1/255) ((code - 1) / 254)^2 */
 static double opacity_of(int code, uint32_t law)
 {
-    const double part = (code - 1) / 254.0, top = ldexp(1, 2 - 2 * (int)law);
-    return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * (part * part);
+    const double part = (code - 1) / 254.0;
+    return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (opacity_tops[law] - 1 / 255.0) * (part * part);
 }
 
-/* The nearest code; an opacity that never reaches 1/255 is not drawn. */
-static int encode_opacity(double opacity, uint32_t law)
+/* The nearest code, and its opacity less the wanted one; an opacity that never reaches 1/255 is not drawn. */
+static int encode_opacity(double opacity, uint32_t law, double *error)
 {
-    if (law == 0)
-        return fxs_floor_within(opacity * 255 + 0.5, 0, 255);
-    if (!(opacity >= 1 / 255.0))
-        return 0;
-    const double part = (opacity - 1 / 255.0) / (ldexp(1, 2 - 2 * (int)law) - 1 / 255.0);
+    if (law == 0 || !(opacity >= 1 / 255.0)) {
+        const int code = law == 0 ? fxs_floor_within(opacity * 255 + 0.5, 0, 255) : 0;
+        *error = opacity_of(code, law) - opacity;
+        return code;
+    }
+    const double part = (opacity - 1 / 255.0) / (opacity_tops[law] - 1 / 255.0);
     const int code = fxs_floor_within(sqrt(part) * 254 + 1, 1, 255), next = code < 255 ? code + 1 : code;
-    return fabs(opacity_of(next, law) - opacity) < fabs(opacity_of(code, law) - opacity) ? next : code;
+    const double below = opacity_of(code, law) - opacity, above = opacity_of(next, law) - opacity;
+    *error = fabs(above) < fabs(below) ? above : below;
+    return fabs(above) < fabs(below) ? next : code;
 }
 
 /* Fainter Gaussians overlap in greater numbers, so the harm of an error is its square over the opacity. */
 static void weigh_opacity(fxs_chunk_ranges *r, double opacity)
 {
     for (uint32_t law = 0; law < FXS_OPACITY_LAWS && opacity >= 1 / 255.0; law++) {
-        const double error = opacity_of(encode_opacity(opacity, law), law) - opacity;
+        double error;
+        encode_opacity(opacity, law, &error);
         r->opacity_harm[law] += (float)(error * error / opacity);
     }
+}
+
+float fxs_largest_coefficient(const float *sh, int count)
+{
+    float most[8] = {0};             /* several, so that comparisons do not wait for each other */
+    int i = 0;
+    for (; i + 8 <= count; i += 8)
+        for (int k = 0; k < 8; k++)
+            most[k] = fabsf(sh[i + k]) > most[k] ? fabsf(sh[i + k]) : most[k];
+    for (; i < count; i++)
+        most[0] = fabsf(sh[i]) > most[0] ? fabsf(sh[i]) : most[0];
+    for (int k = 1; k < 8; k++)
+        most[0] = most[k] > most[0] ? most[k] : most[0];
+    return most[0];
 }
 
 void fxs_ranges_take_as(fxs_chunk_ranges *r, const fxs_gaussian *g, double opacity, int sh_degree)
 {
     for (int i = 0; i < 3; i++) {
         widen(&r->position[i], g->position[i]);
-        widen(&r->scale, (float)log2_scale(g, i));
+        widen(&r->scale, (float)log2_scale(g->scale[i]));
         widen(&r->colour[i], (float)base_colour(g, i));
     }
     weigh_opacity(r, opacity);
     for (int degree = 1; degree <= sh_degree; degree++) {
-        float most = r->sh[degree - 1];
-        for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i++)
-            most = fabsf(g->sh[i]) > most ? fabsf(g->sh[i]) : most;
-        r->sh[degree - 1] = most;
+        const int first = 3 * FXS_SH_COUNT(degree - 1);
+        const float most = fxs_largest_coefficient(g->sh + first, 3 * FXS_SH_COUNT(degree) - first);
+        r->sh[degree - 1] = most > r->sh[degree - 1] ? most : r->sh[degree - 1];
     }
 }
 
@@ -197,7 +217,7 @@ static int spread(int code, int bits, int wide)
 static uint32_t encode(double x, double low, double step, int bits, int wide)
 {
     const int most = (1 << bits) - 1;
-    const double own = step * ((1 << wide) - 1) / most;
+    const double own = bits == wide ? step : step * ((1 << wide) - 1) / most;
     return step > 0 ? (uint32_t)fxs_floor_within((x - low) / own + 0.5, 0, most) : 0;
 }
 
@@ -214,11 +234,10 @@ static uint32_t encode_position(const fxs_encoder *e, const fxs_chunk *chunk, co
 }
 
 /* The nearest code with log2(sigma) = high - code^2 step: 7 bits in small, 6 for its last axis, else 10. */
-static uint32_t encode_scale(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, int axis,
-                             fxs_loss *loss)
+static uint32_t encode_scale(const fxs_encoder *e, const fxs_chunk *chunk, float scale, int axis, fxs_loss *loss)
 {
     const int bits = e->profile != FXS_PROFILE_SMALL ? 10 : axis < 2 ? 7 : 6, most = (1 << bits) - 1;
-    double x = log2_scale(g, axis), high = chunk->scale_q16 * 0x1p-16, step = chunk->scale_step_q24 * 0x1p-24;
+    double x = log2_scale(scale), high = chunk->scale_q16 * 0x1p-16, step = chunk->scale_step_q24 * 0x1p-24;
     int code = step > 0 && x < high ? fxs_floor_within(sqrt((high - x) / step) * (most / 1023.0), 0, most) : 0;
     int next = code < most && step > 0 ? code + 1 : code;
     double above = high - spread(code, bits, 10) * spread(code, bits, 10) * step - x;
@@ -268,15 +287,15 @@ static uint32_t encode_rotation(const fxs_encoder *e, const double rotation[4], 
 
 /* Turns the axes of a Gaussian so that the thinnest is last: a quarter turn about the axis that stays, q (1 + i) or
    q (1 + j), up to a factor. The changed sign of an axis makes no difference. */
-static void put_thinnest_last(fxs_gaussian *g, double rotation[4])
+static void put_thinnest_last(float scale[3], double rotation[4])
 {
-    const int thinnest = g->scale[0] < g->scale[1] ? 0 : 1;
+    const int thinnest = scale[0] < scale[1] ? 0 : 1;
     const double w = rotation[0], x = rotation[1], y = rotation[2], z = rotation[3];
-    if (!(g->scale[thinnest] < g->scale[2]))
+    if (!(scale[thinnest] < scale[2]))
         return;
-    const float last = g->scale[2];
-    g->scale[2] = g->scale[thinnest];
-    g->scale[thinnest] = last;
+    const float last = scale[2];
+    scale[2] = scale[thinnest];
+    scale[thinnest] = last;
     rotation[0] = thinnest ? w - x : w - y;
     rotation[1] = thinnest ? x + w : x - z;
     rotation[2] = thinnest ? y + z : y + w;
@@ -289,9 +308,9 @@ static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs
 {
     const int small = e->profile == FXS_PROFILE_SMALL;
     const double opacity = fxs_opacity(g);
-    const int opacity_code = encode_opacity(opacity, chunk->opacity_law);
-    codes->opacity = (uint32_t)opacity_code;
-    note(loss, FXS_LOSS_OPACITY, opacity_of(opacity_code, chunk->opacity_law) - opacity);
+    double error;
+    codes->opacity = (uint32_t)encode_opacity(opacity, chunk->opacity_law, &error);
+    note(loss, FXS_LOSS_OPACITY, error);
     for (int i = 0; i < 3; i++) {
         const int bits = !small ? 8 : i < 2 ? 7 : 6;
         double low = chunk->colour_q16[i] * 0x1p-16, step = chunk->colour_step_q20[i] * 0x1p-20, x = base_colour(g, i);
@@ -302,31 +321,41 @@ static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs
 
 /* ---- SH -------------------------------------------------------------------------------------------------------- */
 
-/* round(x / step) in +-127. x is a float and step a multiple of 2^-19, so no quotient but an exact half lies within
-   2^-40 of a half, and adding 128.5 cannot round across it. */
-static int encode_coefficient(double x, double step)
+/* round(x / step) in +-127 of each x, a half away from the larger side, and |code step - x|. x is a float and step a
+   multiple of 2^-19 below 2^-3, so no quotient but an exact half lies within 2^-26 of a half, and the quotient by way of
+   1 / step, which is wrong by 2^-45 at most, is on the right side of it once 2^-30 is added. */
+static void encode_degree(const float *restrict x, int count, double step, int32_t *restrict codes,
+                          double *restrict errors)
 {
-    double most = 127 * step, held = x > -most ? x < most ? x : most : -most;
-    return step > 0 ? (int)(held / step + 128.5) - 128 : 0;
+    const double most = 127 * step, inverse = step > 0 ? 1 / step : 0;
+    for (int i = 0; i < count; i++) {
+        const double above = x[i] > -most ? x[i] : -most, held = above < most ? above : most;
+        codes[i] = (int32_t)(held * inverse + (128.5 + 0x1p-30)) - 128;
+        errors[i] = fabs(codes[i] * step - x[i]);
+    }
 }
 
 /* Codes SH of profile default. Each channel has its own sum, so that additions do not wait for each other. */
 static void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, unsigned char *record,
                          fxs_loss *loss)
 {
-    double most = loss->largest[FXS_LOSS_SH], sums[3] = {0, 0, 0};
+    const int count = 3 * FXS_SH_COUNT(e->sh_degree);
+    double errors[45], most[3] = {0, 0, 0}, sums[3] = {0, 0, 0};
+    int32_t codes[45];
     for (int degree = 1; degree <= e->sh_degree; degree++) {
-        const double step = chunk->sh_step_q19[degree - 1] * 0x1p-19;
-        for (int i = 3 * FXS_SH_COUNT(degree - 1); i < 3 * FXS_SH_COUNT(degree); i += 3)
-            for (int c = 0; c < 3; c++) {
-                int code = encode_coefficient(g->sh[i + c], step);
-                double error = fabs(code * step - g->sh[i + c]);
-                record[i + c] = (unsigned char)code;
-                sums[c] += error * error;
-                most = error > most ? error : most;
-            }
+        const int first = 3 * FXS_SH_COUNT(degree - 1);
+        encode_degree(g->sh + first, 3 * FXS_SH_COUNT(degree) - first, chunk->sh_step_q19[degree - 1] * 0x1p-19,
+                      codes + first, errors + first);
     }
-    loss->largest[FXS_LOSS_SH] = most;
+    for (int i = 0; i < count; i++)
+        record[i] = (unsigned char)codes[i];
+    for (int i = 0; i < count; i += 3)
+        for (int c = 0; c < 3; c++) {
+            sums[c] += errors[i + c] * errors[i + c];
+            most[c] = errors[i + c] > most[c] ? errors[i + c] : most[c];
+        }
+    for (int c = 0; c < 3; c++)
+        loss->largest[FXS_LOSS_SH] = most[c] > loss->largest[FXS_LOSS_SH] ? most[c] : loss->largest[FXS_LOSS_SH];
     loss->squares[FXS_LOSS_SH] += sums[0] + sums[1] + sums[2];
 }
 
@@ -408,23 +437,23 @@ unsigned char *fxs_put_codes(const fxs_encoder *e, const fxs_codes *codes, unsig
     return put(record, c[0] | c[1] << 8 | c[2] << 16 | codes->opacity << 24, 4);
 }
 
-void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
+void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss)
 {
     fxs_codes codes;
-    fxs_gaussian g = *gaussian;
-    double rotation[4] = {g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3]};
+    float scale[3] = {g->scale[0], g->scale[1], g->scale[2]};
+    double rotation[4] = {g->rotation[0], g->rotation[1], g->rotation[2], g->rotation[3]};
     if (e->profile == FXS_PROFILE_SMALL)
-        put_thinnest_last(&g, rotation);
+        put_thinnest_last(scale, rotation);
     for (int i = 0; i < 3; i++) {
-        codes.position[i] = encode_position(e, chunk, &g, i, loss);
-        codes.scale[i] = encode_scale(e, chunk, &g, i, loss);
+        codes.position[i] = encode_position(e, chunk, g, i, loss);
+        codes.scale[i] = encode_scale(e, chunk, scale[i], i, loss);
     }
     codes.largest = encode_rotation(e, rotation, codes.rotation, loss);
-    encode_colour(e, &g, chunk, &codes, loss);
+    encode_colour(e, g, chunk, &codes, loss);
     record = fxs_put_codes(e, &codes, record);
     if (e->profile == FXS_PROFILE_DEFAULT)
-        encode_bands(e, chunk, &g, record, loss);
+        encode_bands(e, chunk, g, record, loss);
 }
 
 /* Bytes `first` to first + width - 1 of each record, side by side. */

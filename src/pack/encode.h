@@ -38,6 +38,9 @@ void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, int
 /* The same, with the opacity given. */
 void fxs_ranges_take_as(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
+/* The largest magnitude of `count` coefficients; NaN counts as 0. */
+float fxs_largest_coefficient(const float *sh, int count);
+
 /* Writes a chunk's header. Where the file's numbers have few bits and the chunk's range allows it, the codes have the
    steps of the file. */
 void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges, const fxs_scene_file_info *info);

@@ -45,8 +45,9 @@ typedef struct order {
     uint32_t stretch_count, large;   /* stretches longer than `large` are cut before jobs share them */
 } order;
 
+/* The highest positions are negated, so that one loop of minima, without branches, widens all sides. */
 typedef struct box {
-    float low[3], high[3];
+    float sides[8];                  /* lowest x, y, z; 3: of no use; -highest x, y, z; 7: of no use */
     uint64_t weight;
     uint32_t count;
 } box;
@@ -112,10 +113,24 @@ static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
 
 /* ---- Selection --------------------------------------------------------------------------------------------------- */
 
-static int compare_keys(const void *a, const void *b)
+/* Sorts keys `gap` apart from one another. */
+static void sort_apart(uint64_t *keys, uint32_t count, uint32_t gap)
 {
-    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
+    for (uint32_t i = gap; i < count; i++) {
+        const uint64_t key = keys[i];
+        uint32_t to = i;
+        for (; to >= gap && keys[to - gap] > key; to -= gap)
+            keys[to] = keys[to - gap];
+        keys[to] = key;
+    }
+}
+
+/* Sorts up to FXS_CHUNK keys, by the gaps of Ciura (2001). */
+static void sort_keys(uint64_t *keys, uint32_t count)
+{
+    static const uint8_t gaps[] = {57, 23, 10, 4, 1};
+    for (size_t i = 0; i < sizeof gaps; i++)
+        sort_apart(keys, count, gaps[i]);
 }
 
 /* A pivot from a sample, slightly beyond the k-th of `count` keys on the side with more keys, so that these are done
@@ -127,7 +142,7 @@ static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t cou
     uint64_t keys[MOST];
     for (uint32_t i = 0; i < tried; i++)
         keys[i] = key_of(o, &e[(uint64_t)count * (2 * i + 1) / (2 * tried)], coordinate);
-    qsort(keys, tried, sizeof *keys, compare_keys);
+    sort_keys(keys, tried);
     uint32_t rank = (uint32_t)((uint64_t)k * tried / count);
     rank = 2 * rank < tried ? rank + margin : rank - margin;
     while (keys[rank] == keys[0])
@@ -173,35 +188,44 @@ static void select_first(const order *o, stretch r, int coordinate, uint32_t k)
 
 static void clear(box *b)
 {
-    for (int i = 0; i < 3; i++) {
-        b->low[i] = INFINITY;
-        b->high[i] = -INFINITY;
-    }
+    for (int i = 0; i < 8; i++)
+        b->sides[i] = INFINITY;
     b->weight = 0;
     b->count = 0;
 }
 
-static void widen(box *b, const float low[3], const float high[3])
+/* The sides of a box around one position. */
+static void sides_of(float sides[8], const fxs_order_entry *e)
 {
-    b->low[0] = low[0] < b->low[0] ? low[0] : b->low[0];
-    b->low[1] = low[1] < b->low[1] ? low[1] : b->low[1];
-    b->low[2] = low[2] < b->low[2] ? low[2] : b->low[2];
-    b->high[0] = high[0] > b->high[0] ? high[0] : b->high[0];
-    b->high[1] = high[1] > b->high[1] ? high[1] : b->high[1];
-    b->high[2] = high[2] > b->high[2] ? high[2] : b->high[2];
+    memcpy(sides, e, 4 * sizeof *sides);
+    for (int i = 0; i < 4; i++)
+        sides[4 + i] = -sides[i];
+}
+
+static void widen(box *b, const float sides[8])
+{
+#if defined(__GNUC__)
+#pragma GCC unroll 1                 /* else the loop is unrolled before it can become two vectors */
+#endif
+    for (int i = 0; i < 8; i++)
+        b->sides[i] = sides[i] < b->sides[i] ? sides[i] : b->sides[i];
 }
 
 static void add(box *to, const box *b)
 {
-    widen(to, b->low, b->high);
+    widen(to, b->sides);
     to->weight += b->weight;
     to->count += b->count;
 }
 
+static float side_of(const box *b, int axis)
+{
+    return difference(-b->sides[4 + axis], b->sides[axis]);
+}
+
 static float cost_of(const box *b)
 {
-    return product(length_square(difference(b->high[0], b->low[0]), difference(b->high[1], b->low[1]),
-                                 difference(b->high[2], b->low[2])), (float)b->weight);
+    return product(length_square(side_of(b, 0), side_of(b, 1), side_of(b, 2)), (float)b->weight);
 }
 
 /* The weight of a Gaussian: 2^30 in the nearer half, beyond it proportional to the inverse square of the distance. */
@@ -219,23 +243,25 @@ typedef struct histogram {
 
 static void find_widths(histogram *h, const order *o, const fxs_order_entry *e, uint32_t count)
 {
-    float high[COORDINATES];
-    for (int i = 0; i < COORDINATES; i++) {
-        h->low[i] = INFINITY;
-        high[i] = -INFINITY;
+    float nearest = INFINITY, farthest = -INFINITY;
+    box all;
+    clear(&all);
+    for (uint32_t n = 0; n < count; n += h->step) {
+        const float square = distance_square(o, e[n].position);
+        float sides[8];
+        sides_of(sides, &e[n]);
+        widen(&all, sides);
+        nearest = square < nearest ? square : nearest;
+        farthest = square > farthest ? square : farthest;
     }
-    for (uint32_t n = 0; n < count; n += h->step)
-        for (int i = 0; i < COORDINATES; i++) {
-            const float x = coordinate_of(o, &e[n], i);
-            h->low[i] = x < h->low[i] ? x : h->low[i];
-            high[i] = x > high[i] ? x : high[i];
-        }
-    h->low[DISTANCE] = octaves(o, h->low[DISTANCE]);
-    high[DISTANCE] = octaves(o, high[DISTANCE]);
-    for (int i = 0; i < COORDINATES; i++) {
-        h->width[i] = difference(high[i], h->low[i]);
+    for (int i = 0; i < AXES; i++) {
+        h->low[i] = all.sides[i];
+        h->width[i] = side_of(&all, i);
+    }
+    h->low[DISTANCE] = octaves(o, nearest);
+    h->width[DISTANCE] = difference(octaves(o, farthest), h->low[DISTANCE]);
+    for (int i = 0; i < COORDINATES; i++)
         h->width[i] = h->width[i] > LEAST_WIDTH ? h->width[i] : 0;
-    }
 }
 
 static int widest_axis(const histogram *h)
@@ -249,8 +275,12 @@ static int widest_axis(const histogram *h)
 static void fill_bins(histogram *h, const order *o, const fxs_order_entry *e, uint32_t count)
 {
     float scale[COORDINATES];
+    int filled[COORDINATES], fills = 0;
     for (int i = 0; i < COORDINATES; i++) {
         scale[i] = h->width[i] > 0 ? BINS / h->width[i] : 0;
+        if (!(scale[i] > 0))
+            continue;
+        filled[fills++] = i;
         for (int bin = 0; bin < BINS; bin++)
             clear(&h->bins[i][bin]);
     }
@@ -258,12 +288,15 @@ static void fill_bins(histogram *h, const order *o, const fxs_order_entry *e, ui
         const float *p = e[n].position, square = distance_square(o, p);
         const float x[COORDINATES] = {p[0], p[1], p[2], octaves(o, square)};
         const uint64_t weight = weight_of(o, square);
-        for (int i = 0; i < COORDINATES; i++) {
-            if (!(scale[i] > 0))
-                continue;
-            const int bin = (int)product(difference(x[i], h->low[i]), scale[i]);
-            box *b = &h->bins[i][bin < BINS ? bin : BINS - 1];
-            widen(b, p, p);
+        float sides[8];
+        int32_t bins[COORDINATES];
+        sides_of(sides, &e[n]);
+        for (int i = 0; i < COORDINATES; i++)
+            bins[i] = (int32_t)product(difference(x[i], h->low[i]), scale[i]);
+        for (int i = 0; i < fills; i++) {
+            const int bin = bins[filled[i]];
+            box *b = &h->bins[filled[i]][bin < BINS ? bin : BINS - 1];
+            widen(b, sides);
             b->weight += weight;
             b->count++;
         }
@@ -340,25 +373,42 @@ static uint32_t morton(const box *b, float scale, const float position[3])
 {
     uint32_t code = 0;
     for (int i = 0; i < 3; i++)
-        code |= spread_bits((uint32_t)(int32_t)product(difference(position[i], b->low[i]), scale)) << i;
+        code |= spread_bits((uint32_t)(int32_t)product(difference(position[i], b->sides[i]), scale)) << i;
     return code;
+}
+
+/* Sorts the keys of a leaf: first by the high 8 bits of the Morton codes, by counting, so that few keys must move in
+   the end. */
+static void sort_codes(uint64_t *keys, uint32_t count)
+{
+    enum { SHIFT = 32 + 15 - 8 };
+    uint64_t sorted[FXS_CHUNK];
+    uint16_t ends[256 + 1] = {0};
+    for (uint32_t i = 0; i < count; i++)
+        ends[(keys[i] >> SHIFT) + 1]++;
+    for (uint32_t i = 0; i < 256; i++)
+        ends[i + 1] = (uint16_t)(ends[i + 1] + ends[i]);
+    for (uint32_t i = 0; i < count; i++)
+        sorted[ends[keys[i] >> SHIFT]++] = keys[i];
+    sort_apart(sorted, count, 1);
+    memcpy(keys, sorted, count * sizeof *keys);
 }
 
 void fxs_order_chunk(fxs_order_entry *e, uint32_t count)
 {
     uint64_t keys[FXS_CHUNK];
-    float width = LEAST_WIDTH;
+    float width = LEAST_WIDTH, sides[8];
     box b;
     clear(&b);
-    for (uint32_t i = 0; i < count; i++)
-        widen(&b, e[i].position, e[i].position);
-    for (int i = 0; i < 3; i++) {
-        const float found = difference(b.high[i], b.low[i]);
-        width = found > width ? found : width;
+    for (uint32_t i = 0; i < count; i++) {
+        sides_of(sides, &e[i]);
+        widen(&b, sides);
     }
+    for (int i = 0; i < 3; i++)
+        width = side_of(&b, i) > width ? side_of(&b, i) : width;
     for (uint32_t i = 0; i < count; i++)
         keys[i] = (uint64_t)morton(&b, 31 / width, e[i].position) << 32 | e[i].index;
-    qsort(keys, count, sizeof *keys, compare_keys);
+    sort_codes(keys, count);
     for (uint32_t i = 0; i < count; i++)
         e[i].index = (uint32_t)keys[i];
 }
@@ -366,8 +416,7 @@ void fxs_order_chunk(fxs_order_entry *e, uint32_t count)
 static box box_of(const order *o, const fxs_order_entry *e)
 {
     box b;
-    clear(&b);
-    widen(&b, e->position, e->position);
+    sides_of(b.sides, e);
     b.weight = weight_of(o, distance_square(o, e->position));
     b.count = 1;
     return b;
@@ -381,7 +430,7 @@ static void try_pieces(const order *o, stretch r, int coordinate, cut *best, flo
     box left, right[FXS_CHUNK + 1];
     for (uint32_t i = 0; i < r.count; i++)
         keys[i] = (key_of(o, &e[i], coordinate) & ~(uint64_t)UINT32_MAX) | i;
-    qsort(keys, r.count, sizeof *keys, compare_keys);
+    sort_keys(keys, r.count);
     clear(&right[r.count]);
     for (uint32_t i = r.count; i-- > 0;) {
         right[i] = box_of(o, &e[(uint32_t)keys[i]]);

@@ -1,5 +1,6 @@
 #include <fixsplat/pack.h>
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,14 +18,17 @@
 #define BATCH 4096                   /* Gaussians read at once */
 #define SLICE 512                    /* chunks that are finished between two calls of progress */
 #define PARTS 16                     /* parts of a batch, for any number of threads, so that sums are the same */
+#define AHEAD 8                      /* what a Gaussian needs of its chunk is fetched so many Gaussians before */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
 #define FAINT_LOGIT (-2.708f)        /* opacity 1/16 */
 #define FOG 0.1                      /* share of the weight; captured scenes without fog have at most 0.03 */
 
 #if defined(__GNUC__)
-#define PREFETCH(address) __builtin_prefetch(address, 1)
+#define PREFETCH(address) __builtin_prefetch(address)
+#define PREFETCH_TO_WRITE(address) __builtin_prefetch(address, 1)
 #else
 #define PREFETCH(address) ((void)(address))
+#define PREFETCH_TO_WRITE(address) ((void)(address))
 #endif
 
 typedef struct batch {
@@ -52,8 +56,7 @@ struct packer {
     fxs_pack_report *report;
     fxs_pack_options options;
     fxs_message *message;
-    uint32_t parts;                  /* jobs that share a batch */
-    findings *findings;              /* of each part */
+    findings *findings;              /* of each of PARTS parts */
     batch *batches;                  /* two: jobs work on one while the other is filled */
     int ready;                       /* index of the batch that jobs work on */
     part_fn *work;
@@ -109,7 +112,7 @@ static int pass(packer *p, int which, part_fn *work)
     b->count = 0;
     FXS_TRY(fxs_scene_file_rewind(p->file, p->message));
     do {
-        p->options.run(p->options.pool, read_or_work, p, 1 + p->parts);
+        p->options.run(p->options.pool, read_or_work, p, 1 + PARTS);
         p->ready = !p->ready;
         b = &p->batches[p->ready];
         if (b->count >= 0 && p->options.progress &&
@@ -120,17 +123,18 @@ static int pass(packer *p, int which, part_fn *work)
 }
 
 /* The first of a part's Gaussians in a batch. */
-static long first_of(const packer *p, const batch *b, uint32_t part)
+static long first_of(const batch *b, uint32_t part)
 {
-    return b->count * (long)part / (long)p->parts;
+    return b->count * (long)part / PARTS;
 }
 
-static int all_finite(const float *values, size_t count)
+/* Without branches on each: almost all are. */
+static int all_finite(const float *values, int count)
 {
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(values[i]))
-            return 0;
-    return 1;
+    int finite = 1;
+    for (int i = 0; i < count; i++)
+        finite &= fabsf(values[i]) <= FLT_MAX;
+    return finite;
 }
 
 /* NaN counts as opaque, or as thin. */
@@ -146,7 +150,7 @@ int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped
     const float *s = g->scale, *q = g->rotation;
     const int finite = all_finite(g->position, 3) && s[0] < INFINITY && s[1] < INFINITY && s[2] < INFINITY &&
                        all_finite(q, 4) && isfinite(g->opacity) && all_finite(g->dc, 3) &&
-                       all_finite(g->sh, 3 * (size_t)FXS_SH_COUNT(sh_degree));
+                       all_finite(g->sh, 3 * FXS_SH_COUNT(sh_degree));
     const int turned = q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0;
     if (finite && turned)
         return 1;
@@ -195,7 +199,7 @@ static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, fi
 
 static void take_positions(packer *p, batch *b, uint32_t part)
 {
-    for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++) {
+    for (long i = first_of(b, part), end = first_of(b, part + 1); i < end; i++) {
         const uint64_t index = b->first + (uint64_t)i;
         take_position(p, &p->entries[index], &b->gaussians[i], &p->findings[part]);
         if (index % p->seen_step == 0 && !isnan(p->entries[index].position[0]))
@@ -207,7 +211,7 @@ static int read_positions(packer *p)
 {
     fxs_pack_report *report = p->report;
     fxs_pack_dropped *dropped = &report->dropped;
-    for (uint32_t part = 0; part < p->parts; part++)
+    for (uint32_t part = 0; part < PARTS; part++)
         for (int i = 0; i < 3; i++) {
             p->findings[part].low[i] = INFINITY;
             p->findings[part].high[i] = -INFINITY;
@@ -220,7 +224,7 @@ static int read_positions(packer *p)
         report->low[i] = INFINITY;
         report->high[i] = -INFINITY;
     }
-    for (const findings *f = p->findings; f < p->findings + p->parts; f++) {
+    for (const findings *f = p->findings; f < p->findings + PARTS; f++) {
         for (int i = 0; i < 3; i++) {
             report->low[i] = fmin(report->low[i], f->low[i]);
             report->high[i] = fmax(report->high[i], f->high[i]);
@@ -283,7 +287,7 @@ static int find_seen_bounds(packer *p)
 static void part_fog(packer *p)
 {
     double faint = 0;
-    for (const findings *f = p->findings; f < p->findings + p->parts; f++)
+    for (const findings *f = p->findings; f < p->findings + PARTS; f++)
         faint += f->faint;
     for (uint64_t i = 0; i < p->info->count && faint < FOG * p->report->dropped.kept; i++)
         p->entries[i].index = 0;
@@ -343,11 +347,16 @@ static int is_within(const fxs_chunk_ranges *ranges, const fxs_gaussian *g)
 /* A chunk belongs to the same part in every batch. */
 static void take_ranges(packer *p, batch *b, uint32_t part)
 {
-    for (long i = 0; i < b->count; i++) {
-        uint32_t slot = p->slots[b->first + (uint64_t)i], chunk = slot / FXS_CHUNK;
-        if (slot == FXS_NO_SLOT || chunk % p->parts != part)
-            continue;
-        fxs_ranges_take(&p->ranges[chunk], fit(&b->gaussians[i]), p->encoder.sh_degree);
+    const uint32_t *slots = p->slots + b->first;
+    uint16_t own[BATCH];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < (uint32_t)b->count; i++) {
+        own[count] = (uint16_t)i;
+        count += slots[i] != FXS_NO_SLOT && slots[i] / FXS_CHUNK % PARTS == part;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        PREFETCH_TO_WRITE(&p->ranges[slots[own[i + AHEAD < count ? i + AHEAD : i]] / FXS_CHUNK]);
+        fxs_ranges_take(&p->ranges[slots[own[i]] / FXS_CHUNK], fit(&b->gaussians[own[i]]), p->encoder.sh_degree);
     }
 }
 
@@ -408,20 +417,33 @@ static int find_palette(packer *p)
     return 0;
 }
 
+/* What encode_part needs for the Gaussian in a slot. */
+static void fetch(const packer *p, uint32_t slot)
+{
+    const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, chunk = slot / FXS_CHUNK;
+    if (slot == FXS_NO_SLOT)
+        return;
+    PREFETCH_TO_WRITE(p->rows + (size_t)slot * bytes);
+    PREFETCH_TO_WRITE(p->rows + (size_t)slot * bytes + bytes - 1);
+    PREFETCH(&p->chunks[chunk]);
+    PREFETCH(&p->chunks[chunk].opacity_law);
+    if (p->ranges)
+        PREFETCH(&p->ranges[chunk]);
+}
+
 /* Neighbours in the file are not neighbours in a chunk, so writing to rows would fetch a cache line for each byte. The
    codes of a Gaussian are therefore kept together until all are known. */
 static void encode_part(packer *p, batch *b, uint32_t part)
 {
-    const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK;
+    const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, *slots = p->slots + b->first;
     fxs_loss loss = p->findings[part].loss;               /* a copy: parts share cache lines */
     int changed = 0;
-    for (long i = first_of(p, b, part), end = first_of(p, b, part + 1); i < end; i++) {
-        uint32_t slot = p->slots[b->first + (uint64_t)i];
+    for (long i = first_of(b, part), end = first_of(b, part + 1); i < end; i++) {
+        const uint32_t slot = slots[i];
+        fetch(p, slots[i + AHEAD < end ? i + AHEAD : i]);
         if (slot == FXS_NO_SLOT)
             continue;
         unsigned char record[FXS_RECORD_BYTES] = {0}, *to = p->rows + (size_t)slot * bytes;
-        PREFETCH(to);
-        PREFETCH(to + bytes - 1);
         if (p->coded) {
             p->coded->record(p->coded->argument, slot, record);
             memcpy(to, record, bytes);
@@ -457,7 +479,7 @@ static void finish_part(void *argument, uint32_t part)
     const uint32_t chunks = p->header->chunk_count;
     unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
     fxs_loss loss = p->findings[part].loss;
-    for (uint32_t chunk = p->slice * SLICE + part; chunk < chunks && chunk < (p->slice + 1) * SLICE; chunk += p->parts) {
+    for (uint32_t chunk = p->slice * SLICE + part; chunk < chunks && chunk < (p->slice + 1) * SLICE; chunk += PARTS) {
         unsigned char *rows = p->rows + (size_t)chunk * p->header->chunk_bytes;
         memcpy(records, rows, p->header->chunk_bytes);
         if (p->palette)
@@ -471,7 +493,7 @@ static int finish(packer *p)
 {
     const double chunks = p->header->chunk_count;
     for (p->slice = 0; p->slice * SLICE < p->header->chunk_count; p->slice++) {
-        p->options.run(p->options.pool, finish_part, p, p->parts);
+        p->options.run(p->options.pool, finish_part, p, PARTS);
         if (p->palette && note_learned(p, 1 + 3 * fmin(1, (p->slice + 1.0) * SLICE / chunks)))
             return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
     }
@@ -481,7 +503,7 @@ static int finish(packer *p)
 static void sum_losses(packer *p)
 {
     fxs_loss all = {{0}, {0}};
-    for (const findings *f = p->findings; f < p->findings + p->parts; f++)
+    for (const findings *f = p->findings; f < p->findings + PARTS; f++)
         for (int i = 0; i < FXS_LOSSES; i++) {
             all.largest[i] = fmax(all.largest[i], f->loss.largest[i]);
             all.squares[i] += f->loss.squares[i];
@@ -498,7 +520,7 @@ static void sum_losses(packer *p)
 static int write_codes(packer *p)
 {
     FXS_TRY(pass(p, 2, encode_part));
-    for (uint32_t part = 0; part < p->parts; part++)
+    for (uint32_t part = 0; part < PARTS; part++)
         if (p->findings[part].changed)
             return fail_changed(p);
     if (p->palette)
@@ -604,7 +626,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
                         FXS_MAX_COUNT);
     p->entries = fxs_allocate_zeroed(p->options.allocator, (size_t)p->info->count, sizeof *p->entries);
     p->batches = fxs_allocate(p->options.allocator, 2, sizeof *p->batches);
-    p->findings = fxs_allocate_zeroed(p->options.allocator, p->parts, sizeof *p->findings);
+    p->findings = fxs_allocate_zeroed(p->options.allocator, PARTS, sizeof *p->findings);
     p->seen_step = (p->info->count - 1) / FXS_SEEN_MOST + 1;
     p->seen = fxs_allocate_zeroed(p->options.allocator, FXS_SEEN_MOST, sizeof *p->seen);
     if (!p->entries || !p->batches || !p->findings || !p->seen)
@@ -654,7 +676,6 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
     if (!p.options.run)
         p.options.run = fxs_run_here;
     p.options.threads += p.options.threads == 0;
-    p.parts = PARTS;
     const int result = pack(&p, scene);
     fxs_release(p.options.allocator, p.entries);
     fxs_release(p.options.allocator, p.batches);

@@ -42,9 +42,7 @@ void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, double opacity, i
     const int count = 3 * FXS_SH_COUNT(sh_degree);
     const float *s = g->scale;
     const float least = s[0] < s[1] ? s[0] < s[2] ? s[0] : s[2] : s[1] < s[2] ? s[1] : s[2];
-    float most = 0;
-    for (int i = 0; i < count; i++)
-        most = fabsf(g->sh[i]) > most ? fabsf(g->sh[i]) : most;
+    const float most = fxs_largest_coefficient(g->sh, count);
     memset(item, 0, sizeof *item);
     memcpy(item->position, g->position, sizeof item->position);
     item->area = (int16_t)fxs_floor_within(8 * FXS_LOG2_E * ((double)s[0] + s[1] + s[2] - least) + 0.5, -1000, 1000);
