@@ -389,7 +389,7 @@ static void test_sh_steps_up_to_the_limit(void)
     memset(&info, 0, sizeof info);
     fxs_ranges_clear(&ranges);
     make_gaussians(1);
-    fxs_ranges_take(&ranges, gaussians, 0);
+    fxs_ranges_take(&ranges, gaussians, fxs_opacity(gaussians), 0);
     for (size_t k = 0; k < sizeof steps / sizeof *steps; k++)
         for (int degree = 0; degree < 3; degree++) {
             const float most = (float)ldexp(127 * steps[k], -19);

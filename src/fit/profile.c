@@ -176,7 +176,7 @@ static void code_header(const coding *c, size_t chunk)
         take(c->model, c->model->masters, i, &g);
         const double opacity = opacity_at(g.opacity);
         fxs_hold_scales(&g);
-        fxs_ranges_take_as(&ranges, &g, opacity, p->sh_degree);
+        fxs_ranges_take(&ranges, &g, opacity, p->sh_degree);
         if (c->items)
             fxs_sh_item_set(&c->items[i], &g, opacity, p->sh_degree);
     }

@@ -81,8 +81,9 @@ double fxs_opacity(const fxs_gaussian *g)
     return fxs_opacity_of_logit(g->opacity);
 }
 
-/* 4^(1 - law); law 0 has even steps */
+/* 4^(1 - law), and 254 / sqrt(4^(1 - law) - 1/255); law 0 has even steps */
 static const double opacity_tops[FXS_OPACITY_LAWS] = {4, 1, 0.25, 0.0625};
+static const double opacity_scales[FXS_OPACITY_LAWS] = {0, 254.4995088403905, 512.0318092708492, 1049.4574808843379};
 
 /* The opacity of a code: 1/255 + (4^(1 - law) - 1/255) ((code - 1) / 254)^2 */
 static double opacity_of(int code, uint32_t law)
@@ -99,8 +100,8 @@ static int encode_opacity(double opacity, uint32_t law, double *error)
         *error = opacity_of(code, law) - opacity;
         return code;
     }
-    const double part = (opacity - 1 / 255.0) / (opacity_tops[law] - 1 / 255.0);
-    const int code = fxs_floor_within(sqrt(part) * 254 + 1, 1, 255), next = code < 255 ? code + 1 : code;
+    const int code = fxs_floor_within(sqrt(opacity - 1 / 255.0) * opacity_scales[law] + 1, 1, 255);
+    const int next = code < 255 ? code + 1 : code;
     const double below = opacity_of(code, law) - opacity, above = opacity_of(next, law) - opacity;
     *error = fabs(above) < fabs(below) ? above : below;
     return fabs(above) < fabs(below) ? next : code;
@@ -118,19 +119,19 @@ static void weigh_opacity(fxs_chunk_ranges *r, double opacity)
 
 float fxs_largest_coefficient(const float *sh, int count)
 {
-    float most[8] = {0};             /* several, so that comparisons do not wait for each other */
-    int i = 0;
-    for (; i + 8 <= count; i += 8)
-        for (int k = 0; k < 8; k++)
-            most[k] = fabsf(sh[i + k]) > most[k] ? fabsf(sh[i + k]) : most[k];
-    for (; i < count; i++)
-        most[0] = fabsf(sh[i]) > most[0] ? fabsf(sh[i]) : most[0];
-    for (int k = 1; k < 8; k++)
+    enum { LANES = 8 };              /* so that comparisons do not wait for each other */
+    float most[LANES] = {0};
+    for (int i = 0; i < count; i += LANES) {
+        const float *x = count - i < LANES ? sh + count - LANES : sh + i;
+        for (int k = 0; k < LANES; k++)
+            most[k] = fabsf(x[k]) > most[k] ? fabsf(x[k]) : most[k];
+    }
+    for (int k = 1; k < LANES; k++)
         most[0] = most[k] > most[0] ? most[k] : most[0];
     return most[0];
 }
 
-void fxs_ranges_take_as(fxs_chunk_ranges *r, const fxs_gaussian *g, double opacity, int sh_degree)
+void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, double opacity, int sh_degree)
 {
     for (int i = 0; i < 3; i++) {
         widen(&r->position[i], g->position[i]);
@@ -143,11 +144,6 @@ void fxs_ranges_take_as(fxs_chunk_ranges *r, const fxs_gaussian *g, double opaci
         const float most = fxs_largest_coefficient(g->sh + first, 3 * FXS_SH_COUNT(degree) - first);
         r->sh[degree - 1] = most > r->sh[degree - 1] ? most : r->sh[degree - 1];
     }
-}
-
-void fxs_ranges_take(fxs_chunk_ranges *r, const fxs_gaussian *g, int sh_degree)
-{
-    fxs_ranges_take_as(r, g, fxs_opacity(g), sh_degree);
 }
 
 /* The smallest step, in units of 2^-q, with which `codes` + 1 codes cover the whole range. */
@@ -242,7 +238,7 @@ static uint32_t encode_scale(const fxs_encoder *e, const fxs_chunk *chunk, float
     int next = code < most && step > 0 ? code + 1 : code;
     double above = high - spread(code, bits, 10) * spread(code, bits, 10) * step - x;
     double below = high - spread(next, bits, 10) * spread(next, bits, 10) * step - x;
-    note(loss, FXS_LOSS_SCALE, (fabs(below) < fabs(above) ? below : above) / FXS_LOG2_E);
+    note(loss, FXS_LOSS_SCALE, fabs(below) < fabs(above) ? below : above);
     return (uint32_t)(fabs(below) < fabs(above) ? next : code);
 }
 
@@ -269,12 +265,13 @@ static uint32_t encode_rotation(const fxs_encoder *e, const double rotation[4], 
         largest = fabs(rotation[i]) > fabs(rotation[largest]) ? i : largest;
     }
     norm = copysign(sqrt(norm), rotation[largest]);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; i++)
         q[i] = rotation[i] / norm;
+    for (int i = 0; i < 4; i++) {
         if (i == largest)
             continue;
         int code = fxs_floor_within((q[i] * 1.4142135623730951 + 1) * (most / 2.0) + 0.5, 0, most);
-        decoded[i] = (spread(code, bits, 10) / 511.5 - 1) / 1.4142135623730951;
+        decoded[i] = (spread(code, bits, 10) - 511.5) * (1 / (511.5 * 1.4142135623730951));
         rest += decoded[i] * decoded[i];
         codes[n++] = (uint32_t)code;
     }
@@ -303,11 +300,10 @@ static void put_thinnest_last(float scale[3], double rotation[4])
 }
 
 /* Colour codes have 8 bits; in small 7, 7 and 6. */
-static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs_chunk *chunk, fxs_codes *codes,
-                          fxs_loss *loss)
+static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, double opacity, const fxs_chunk *chunk,
+                          fxs_codes *codes, fxs_loss *loss)
 {
     const int small = e->profile == FXS_PROFILE_SMALL;
-    const double opacity = fxs_opacity(g);
     double error;
     codes->opacity = (uint32_t)encode_opacity(opacity, chunk->opacity_law, &error);
     note(loss, FXS_LOSS_OPACITY, error);
@@ -315,23 +311,20 @@ static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, const fxs
         const int bits = !small ? 8 : i < 2 ? 7 : 6;
         double low = chunk->colour_q16[i] * 0x1p-16, step = chunk->colour_step_q20[i] * 0x1p-20, x = base_colour(g, i);
         codes->colour[i] = encode(x, low, step, bits, 8);
-        note(loss, FXS_LOSS_DC, (low + spread((int)codes->colour[i], bits, 8) * step - x) / FXS_SH_0);
+        note(loss, FXS_LOSS_DC, low + spread((int)codes->colour[i], bits, 8) * step - x);
     }
 }
 
 /* ---- SH -------------------------------------------------------------------------------------------------------- */
 
-/* round(x / step) in +-127 of each x, a half away from the larger side, and |code step - x|. x is a float and step a
-   multiple of 2^-19 below 2^-3, so no quotient but an exact half lies within 2^-26 of a half, and the quotient by way of
-   1 / step, which is wrong by 2^-45 at most, is on the right side of it once 2^-30 is added. */
-static void encode_degree(const float *restrict x, int count, double step, int32_t *restrict codes,
-                          double *restrict errors)
+/* x and step are floats of 24 bits, so no quotient but an exact half lies within 2^-26 of a half; and the quotient by way
+   of 1 / step, which is wrong by 2^-45 at most, is on the right side of it once 2^-30 is added. */
+void fxs_code_coefficients(const float *restrict x, int count, double step, int32_t *restrict codes)
 {
     const double most = 127 * step, inverse = step > 0 ? 1 / step : 0;
     for (int i = 0; i < count; i++) {
         const double above = x[i] > -most ? x[i] : -most, held = above < most ? above : most;
         codes[i] = (int32_t)(held * inverse + (128.5 + 0x1p-30)) - 128;
-        errors[i] = fabs(codes[i] * step - x[i]);
     }
 }
 
@@ -343,9 +336,11 @@ static void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs
     double errors[45], most[3] = {0, 0, 0}, sums[3] = {0, 0, 0};
     int32_t codes[45];
     for (int degree = 1; degree <= e->sh_degree; degree++) {
-        const int first = 3 * FXS_SH_COUNT(degree - 1);
-        encode_degree(g->sh + first, 3 * FXS_SH_COUNT(degree) - first, chunk->sh_step_q19[degree - 1] * 0x1p-19,
-                      codes + first, errors + first);
+        const int first = 3 * FXS_SH_COUNT(degree - 1), end = 3 * FXS_SH_COUNT(degree);
+        const double step = chunk->sh_step_q19[degree - 1] * 0x1p-19;
+        fxs_code_coefficients(g->sh + first, end - first, step, codes + first);
+        for (int i = first; i < end; i++)
+            errors[i] = fabs(codes[i] * step - g->sh[i]);
     }
     for (int i = 0; i < count; i++)
         record[i] = (unsigned char)codes[i];
@@ -437,7 +432,7 @@ unsigned char *fxs_put_codes(const fxs_encoder *e, const fxs_codes *codes, unsig
     return put(record, c[0] | c[1] << 8 | c[2] << 16 | codes->opacity << 24, 4);
 }
 
-void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
+void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, double opacity,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss)
 {
     fxs_codes codes;
@@ -450,7 +445,7 @@ void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian
         codes.scale[i] = encode_scale(e, chunk, scale[i], i, loss);
     }
     codes.largest = encode_rotation(e, rotation, codes.rotation, loss);
-    encode_colour(e, g, chunk, &codes, loss);
+    encode_colour(e, g, opacity, chunk, &codes, loss);
     record = fxs_put_codes(e, &codes, record);
     if (e->profile == FXS_PROFILE_DEFAULT)
         encode_bands(e, chunk, g, record, loss);
@@ -460,9 +455,12 @@ void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian
 static unsigned char *put_row(unsigned char *to, const unsigned char *records, uint32_t bytes, uint32_t first,
                               uint32_t width)
 {
-    for (uint32_t at = 0; at < FXS_CHUNK; at++, to += width)
+    records += first;
+    for (uint32_t at = 0; at < FXS_CHUNK && width == 1; at++, records += bytes)
+        *to++ = *records;
+    for (uint32_t at = 0; at < FXS_CHUNK && width > 1; at++, records += bytes)
         for (uint32_t i = 0; i < width; i++)
-            to[i] = records[at * bytes + first + i];
+            *to++ = records[i];
     return to;
 }
 

@@ -33,12 +33,12 @@ typedef struct fxs_chunk_ranges {
 } fxs_chunk_ranges;
 
 void fxs_ranges_clear(fxs_chunk_ranges *ranges);
-void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, int sh_degree);
+void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
-/* The same, with the opacity given. */
-void fxs_ranges_take_as(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
+/* round(x / step) in +-127 of `count` coefficients, halves upwards, or all 0 for a step of 0. `step` is a float. */
+void fxs_code_coefficients(const float *x, int count, double step, int32_t *codes);
 
-/* The largest magnitude of `count` coefficients; NaN counts as 0. */
+/* The largest magnitude of `count` coefficients, 0 or at least 8; NaN counts as 0. */
 float fxs_largest_coefficient(const float *sh, int count);
 
 /* Writes a chunk's header. Where the file's numbers have few bits and the chunk's range allows it, the codes have the
@@ -47,7 +47,8 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges, const f
 
 enum { FXS_LOSS_POSITION, FXS_LOSS_SCALE, FXS_LOSS_ROTATION, FXS_LOSS_OPACITY, FXS_LOSS_DC, FXS_LOSS_SH, FXS_LOSSES };
 
-/* Differences between the numbers that were read and those of the codes; for a rotation, the angle. */
+/* Differences between the numbers that were read and those of the codes: log2 of a scale, a colour of SH degree 0, the
+   angle of a rotation. */
 typedef struct fxs_loss {
     double largest[FXS_LOSSES], squares[FXS_LOSSES];
 } fxs_loss;
@@ -75,7 +76,7 @@ unsigned char *fxs_put_codes(const fxs_encoder *encoder, const fxs_codes *codes,
 
 /* Writes the codes of a Gaussian one after the other, in the order of the rows of its chunk, and notes the losses. In a
    profile with a palette, fxs_palette_code_chunk writes the SH codes. */
-void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian,
+void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian, double opacity,
                 unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
 
 /* The gain of a code: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */

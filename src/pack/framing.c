@@ -1,8 +1,8 @@
 #include "framing.h"
 
 #include <math.h>
-#include <stdlib.h>
 
+#include "order.h"
 #include "src/gaussian/attributes.h"
 
 #define EDGE 0.002                   /* share of the weight left out at each end of an axis */
@@ -19,17 +19,32 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
                       opacity * 255 < 0.5 ? 0 : (float)opacity};   /* an opacity of 0 in 8 bits is never drawn */
 }
 
-static int compare_places(const void *a, const void *b)
+/* Sorts places, which are in the order of their indexes, by x and then by index: by digits of 8 bits. `spare` has room
+   for as many. */
+static void sort_places(fxs_seen_place *places, fxs_seen_place *spare, uint32_t count)
 {
-    const fxs_seen_place *p = a, *q = b;
-    return p->x != q->x ? (p->x > q->x) - (p->x < q->x) : (p->index > q->index) - (p->index < q->index);
+    for (int shift = 0; shift < 32; shift += 8) {
+        fxs_seen_place *from = shift % 16 ? spare : places, *to = shift % 16 ? places : spare;
+        uint32_t ends[256 + 1] = {0};
+        for (uint32_t i = 0; i < count; i++)
+            ends[(fxs_ordered_bits(from[i].x) >> shift & 255) + 1]++;
+        for (uint32_t digit = 0; digit < 256; digit++)
+            ends[digit + 1] += ends[digit];
+        for (uint32_t i = 0; i < count; i++)
+            to[ends[fxs_ordered_bits(from[i].x) >> shift & 255]++] = from[i];
+    }
 }
 
-static void sort_axis(fxs_seen_place *places, const fxs_seen *seen, uint32_t count, int axis)
+static fxs_seen_place place(float x, uint32_t index)
+{
+    return (fxs_seen_place){x + 0.0f, index};     /* + 0: -0 becomes 0 */
+}
+
+static void sort_axis(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count, int axis)
 {
     for (uint32_t i = 0; i < count; i++)
-        places[i] = (fxs_seen_place){seen[i].position[axis], i};
-    qsort(places, count, sizeof *places, compare_places);
+        places[i] = place(seen[i].position[axis], i);
+    sort_places(places, spare, count);
 }
 
 /* The place at which the weights, in ascending order of places, reach `share`; share above 0. */
@@ -59,7 +74,8 @@ static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_
 }
 
 /* Sorts `places` by distance from the middle. Returns the distance within which half of the weight lies. */
-static double middle_distance(fxs_seen_place *places, const fxs_seen *seen, uint32_t count, const double middle[3])
+static double middle_distance(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count,
+                              const double middle[3])
 {
     for (uint32_t i = 0; i < count; i++) {
         double square = 0;
@@ -67,9 +83,9 @@ static double middle_distance(fxs_seen_place *places, const fxs_seen *seen, uint
             const double away = (double)seen[i].position[axis] - middle[axis];
             square += away * away;
         }
-        places[i] = (fxs_seen_place){(float)sqrt(square), i};
+        places[i] = place((float)sqrt(square), i);
     }
-    qsort(places, count, sizeof *places, compare_places);
+    sort_places(places, spare, count);
     return quantile(places, seen, count, 0.5);
 }
 
@@ -92,27 +108,27 @@ static void weigh_surroundings(fxs_seen *seen, const fxs_seen_place *distances, 
     }
 }
 
-static double size_quantile(fxs_seen_place *places, const fxs_seen *seen, uint32_t count)
+static double size_quantile(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
-        places[i] = (fxs_seen_place){seen[i].size, i};
-    qsort(places, count, sizeof *places, compare_places);
+        places[i] = place(seen[i].size, i);
+    sort_places(places, spare, count);
     return quantile(places, seen, count, 0.5);
 }
 
 void fxs_seen_bounds(fxs_seen *seen, uint32_t count, fxs_seen_place *places, double low[3], double high[3])
 {
-    fxs_seen_place *distances = places + 3 * (size_t)count;
+    fxs_seen_place *distances = places + 3 * (size_t)count, *spare = distances + count;
     double total = 0, middle[3], seen_low[3], seen_high[3];
     for (uint32_t i = 0; i < count; i++)
         total += (double)seen[i].weight;
     if (!(total > 0))
         return;
     for (int axis = 0; axis < 3; axis++) {
-        sort_axis(places + (size_t)axis * count, seen, count, axis);
+        sort_axis(places + (size_t)axis * count, spare, seen, count, axis);
         middle[axis] = quantile(places + (size_t)axis * count, seen, count, 0.5);
     }
-    const double distance = middle_distance(distances, seen, count, middle);
+    const double distance = middle_distance(distances, spare, seen, count, middle);
     int outline = 1;
     if (distance > 0) {
         weigh(seen, distances, count, distance);
@@ -122,7 +138,7 @@ void fxs_seen_bounds(fxs_seen *seen, uint32_t count, fxs_seen_place *places, dou
             weigh_surroundings(seen, distances, count, distance);
     }
     box_of(places, seen, count, EDGE, seen_low, seen_high);
-    const double margin = outline ? 2 * size_quantile(distances, seen, count) : 0;
+    const double margin = outline ? 2 * size_quantile(distances, spare, seen, count) : 0;
     for (int axis = 0; axis < 3; axis++) {
         low[axis] = outline ? seen_low[axis] - margin : fmin(low[axis], seen_low[axis]);
         high[axis] = outline ? seen_high[axis] + margin : fmax(high[axis], seen_high[axis]);

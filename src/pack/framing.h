@@ -23,7 +23,7 @@ typedef struct fxs_seen_place {
 
 fxs_seen fxs_seen_of(const fxs_gaussian *gaussian);
 
-/* Changes low..high, the box of the middle 90 % of the centres, to the box of the visible part. `places` has room for 4
+/* Changes low..high, the box of the middle 90 % of the centres, to the box of the visible part. `places` has room for 5
    `count` places. `seen` is changed. Where no Gaussian is visible, the box stays. */
 void fxs_seen_bounds(fxs_seen *seen, uint32_t count, fxs_seen_place *places, double low[3], double high[3]);
 

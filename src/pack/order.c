@@ -8,7 +8,6 @@
 #include "order.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <fixsplat/packed.h>
@@ -86,18 +85,10 @@ static float distance_square(const order *o, const float position[3])
                          difference(position[2], o->middle[2]));
 }
 
-/* An unsigned number that sorts like the float. */
-static uint32_t ordered_bits(float x)
-{
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits >> 31 ? ~bits : bits | 0x80000000u;
-}
-
 /* A distance on a logarithmic scale, like the bits of a float, except near the middle. */
 static float octaves(const order *o, float square)
 {
-    return (float)(int32_t)(ordered_bits(sum_of(square, o->near_square / 16)) >> 8);
+    return (float)(int32_t)(fxs_ordered_bits(sum_of(square, o->near_square / 16)) >> 8);
 }
 
 static float coordinate_of(const order *o, const fxs_order_entry *e, int coordinate)
@@ -108,7 +99,7 @@ static float coordinate_of(const order *o, const fxs_order_entry *e, int coordin
 /* The key of an entry; no two are equal. */
 static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
 {
-    return (uint64_t)ordered_bits(coordinate_of(o, e, coordinate)) << 32 | e->index;
+    return (uint64_t)fxs_ordered_bits(coordinate_of(o, e, coordinate)) << 32 | e->index;
 }
 
 /* ---- Selection --------------------------------------------------------------------------------------------------- */
@@ -539,10 +530,21 @@ static int cut_stretches(order *o, const fxs_pack_options *options)
 
 /* ---- Middle ------------------------------------------------------------------------------------------------------ */
 
-static int compare_floats(const void *a, const void *b)
+float fxs_value_of_rank(const float *values, size_t count, size_t rank)
 {
-    const float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
+    uint32_t bits = 0;
+    for (int shift = 24; shift >= 0; shift -= 8) {
+        size_t counts[256] = {0};
+        uint32_t digit = 0;
+        for (size_t i = 0; i < count; i++) {
+            const uint32_t own = fxs_ordered_bits(values[i]) >> shift;
+            counts[own & 255] += own >> 8 == bits;
+        }
+        while (rank >= counts[digit])
+            rank -= counts[digit++];
+        bits = bits << 8 | digit;
+    }
+    return fxs_ordered_float(bits);
 }
 
 /* The middle: medians of an evenly spaced sample. */
@@ -552,8 +554,7 @@ static float median_coordinate(const order *o, uint32_t count, float *sample, in
     size_t n = 0;
     for (uint32_t i = 0; i < count; i += step)
         sample[n++] = coordinate_of(o, &o->entries[i], coordinate);
-    qsort(sample, n, sizeof *sample, compare_floats);
-    return sample[n / 2];
+    return fxs_value_of_rank(sample, n, n / 2);
 }
 
 static void find_middle(order *o, uint32_t count, float *sample)

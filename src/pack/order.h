@@ -2,6 +2,8 @@
 #ifndef FXS_ORDER_H
 #define FXS_ORDER_H
 
+#include <string.h>
+
 #include <fixsplat/pack.h>
 
 #define FXS_NO_SLOT UINT32_MAX
@@ -23,5 +25,24 @@ int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_p
 /* Sets the indexes of at most FXS_CHUNK entries to their order along a Morton curve in their cube, then by index, so
    that neighbours in the list are near in space. Positions stay where they are. */
 void fxs_order_chunk(fxs_order_entry *entries, uint32_t count);
+
+/* A number that sorts like a float that is not NaN, -0 before 0; and the float of such a number. */
+static inline uint32_t fxs_ordered_bits(float x)
+{
+    uint32_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits >> 31 ? ~bits : bits | 0x80000000u;
+}
+
+static inline float fxs_ordered_float(uint32_t bits)
+{
+    float x;
+    bits = bits >> 31 ? bits & 0x7fffffff : ~bits;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+/* The value that would be at place `rank` < count if these were sorted. */
+float fxs_value_of_rank(const float *values, size_t count, size_t rank);
 
 #endif

@@ -10,6 +10,7 @@
 #include <fixsplat/message.h>
 #include "src/base/run.h"
 #include "src/base/try_internal.h"
+#include "src/gaussian/attributes.h"
 #include "coded.h"
 #include "framing.h"
 #include "order.h"
@@ -241,12 +242,6 @@ static int read_positions(packer *p)
 
 /* ---- Order ----------------------------------------------------------------------------------------------------- */
 
-static int compare_floats(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 /* Bounds of the middle 90 % of the centres, of an evenly spaced sample. */
 static int find_inner_bounds(packer *p)
 {
@@ -260,9 +255,8 @@ static int find_inner_bounds(packer *p)
         for (uint64_t i = 0; i < count; i += step)
             if (!isnan(p->entries[i].position[0]))
                 sample[n++] = p->entries[i].position[axis];
-        qsort(sample, n, sizeof *sample, compare_floats);
-        p->report->inner_low[axis] = n ? sample[n / 20] : p->report->low[axis];
-        p->report->inner_high[axis] = n ? sample[n - 1 - n / 20] : p->report->high[axis];
+        p->report->inner_low[axis] = n ? fxs_value_of_rank(sample, n, n / 20) : p->report->low[axis];
+        p->report->inner_high[axis] = n ? fxs_value_of_rank(sample, n, n - 1 - n / 20) : p->report->high[axis];
     }
     fxs_release(p->options.allocator, sample);
     return 0;
@@ -272,7 +266,7 @@ static int find_inner_bounds(packer *p)
 static int find_seen_bounds(packer *p)
 {
     const uint32_t count = (uint32_t)((p->info->count - 1) / p->seen_step + 1);
-    fxs_seen_place *places = fxs_allocate(p->options.allocator, 4 * (size_t)count, sizeof *places);
+    fxs_seen_place *places = fxs_allocate(p->options.allocator, 5 * (size_t)count, sizeof *places);
     if (!places)
         return fxs_fail_memory(p->message, NULL, 0);
     fxs_seen_bounds(p->seen, count, places, p->report->inner_low, p->report->inner_high);
@@ -304,6 +298,8 @@ static void place_in_slots(packer *p)
 {
     for (uint32_t i = 0; i < p->info->count; i++) {
         const uint32_t entry = p->entries[i].index, index = entry & ~FXS_BEGINS_CHUNK;
+        const uint32_t later = p->entries[i + 4 * AHEAD < p->info->count ? i + 4 * AHEAD : i].index;
+        PREFETCH_TO_WRITE(&p->slots[later & ~FXS_BEGINS_CHUNK]);
         if (i % FXS_CHUNK == 0 || entry & FXS_BEGINS_CHUNK)
             p->slot_count += (FXS_CHUNK - p->slot_count % FXS_CHUNK) % FXS_CHUNK;
         p->slots[index] = i < p->report->packed ? (uint32_t)p->slot_count++ : FXS_NO_SLOT;
@@ -349,14 +345,18 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
 {
     const uint32_t *slots = p->slots + b->first;
     uint16_t own[BATCH];
+    double opacities[BATCH];         /* found first, as they wait for nothing else */
     uint32_t count = 0;
     for (uint32_t i = 0; i < (uint32_t)b->count; i++) {
         own[count] = (uint16_t)i;
         count += slots[i] != FXS_NO_SLOT && slots[i] / FXS_CHUNK % PARTS == part;
     }
+    for (uint32_t i = 0; i < count; i++)
+        opacities[i] = fxs_opacity(&b->gaussians[own[i]]);
     for (uint32_t i = 0; i < count; i++) {
         PREFETCH_TO_WRITE(&p->ranges[slots[own[i + AHEAD < count ? i + AHEAD : i]] / FXS_CHUNK]);
-        fxs_ranges_take(&p->ranges[slots[own[i]] / FXS_CHUNK], fit(&b->gaussians[own[i]]), p->encoder.sh_degree);
+        fxs_ranges_take(&p->ranges[slots[own[i]] / FXS_CHUNK], fit(&b->gaussians[own[i]]), opacities[i],
+                        p->encoder.sh_degree);
     }
 }
 
@@ -437,8 +437,12 @@ static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, *slots = p->slots + b->first;
     fxs_loss loss = p->findings[part].loss;               /* a copy: parts share cache lines */
+    double opacities[BATCH / PARTS + 1];
     int changed = 0;
-    for (long i = first_of(b, part), end = first_of(b, part + 1); i < end; i++) {
+    const long first = first_of(b, part), end = first_of(b, part + 1);
+    for (long i = first; i < end && !p->coded; i++)
+        opacities[i - first] = fxs_opacity(&b->gaussians[i]);
+    for (long i = first; i < end; i++) {
         const uint32_t slot = slots[i];
         fetch(p, slots[i + AHEAD < end ? i + AHEAD : i]);
         if (slot == FXS_NO_SLOT)
@@ -451,10 +455,10 @@ static void encode_part(packer *p, batch *b, uint32_t part)
         }
         const fxs_gaussian *g = fit(&b->gaussians[i]);
         changed |= !is_within(&p->ranges[slot / FXS_CHUNK], g);
-        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], g, record, &loss);
+        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], g, opacities[i - first], record, &loss);
         memcpy(to, record, bytes);
         if (p->items)
-            fxs_sh_item_set(&p->items[slot], g, fxs_opacity(g), p->encoder.sh_degree);
+            fxs_sh_item_set(&p->items[slot], g, opacities[i - first], p->encoder.sh_degree);
     }
     p->findings[part].loss = loss;
     p->findings[part].changed |= changed;
@@ -510,11 +514,13 @@ static void sum_losses(packer *p)
         }
     const double one = (double)p->report->packed, three = 3 * one, sh = three * FXS_SH_COUNT(p->encoder.sh_degree);
     const double *most = all.largest, *sum = all.squares;
-    p->report->largest = (fxs_pack_error){most[FXS_LOSS_POSITION], most[FXS_LOSS_SCALE], most[FXS_LOSS_ROTATION],
-                                          most[FXS_LOSS_OPACITY], most[FXS_LOSS_DC], most[FXS_LOSS_SH]};
-    p->report->rms = (fxs_pack_error){sqrt(sum[FXS_LOSS_POSITION] / three), sqrt(sum[FXS_LOSS_SCALE] / three),
+    p->report->largest = (fxs_pack_error){most[FXS_LOSS_POSITION], most[FXS_LOSS_SCALE] / FXS_LOG2_E,
+                                          most[FXS_LOSS_ROTATION], most[FXS_LOSS_OPACITY],
+                                          most[FXS_LOSS_DC] / FXS_SH_0, most[FXS_LOSS_SH]};
+    p->report->rms = (fxs_pack_error){sqrt(sum[FXS_LOSS_POSITION] / three), sqrt(sum[FXS_LOSS_SCALE] / three) / FXS_LOG2_E,
                                       sqrt(sum[FXS_LOSS_ROTATION] / one), sqrt(sum[FXS_LOSS_OPACITY] / one),
-                                      sqrt(sum[FXS_LOSS_DC] / three), sh > 0 ? sqrt(sum[FXS_LOSS_SH] / sh) : 0};
+                                      sqrt(sum[FXS_LOSS_DC] / three) / FXS_SH_0,
+                                      sh > 0 ? sqrt(sum[FXS_LOSS_SH] / sh) : 0};
 }
 
 static int write_codes(packer *p)

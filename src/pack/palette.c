@@ -43,13 +43,15 @@ void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, double opacity, i
     const float *s = g->scale;
     const float least = s[0] < s[1] ? s[0] < s[2] ? s[0] : s[2] : s[1] < s[2] ? s[1] : s[2];
     const float most = fxs_largest_coefficient(g->sh, count);
+    int32_t codes[45];
     memset(item, 0, sizeof *item);
     memcpy(item->position, g->position, sizeof item->position);
     item->area = (int16_t)fxs_floor_within(8 * FXS_LOG2_E * ((double)s[0] + s[1] + s[2] - least) + 0.5, -1000, 1000);
     item->opacity = (uint8_t)fxs_floor_within(255 * opacity + 0.5, 0, 255);
     item->step = most / 127;
-    for (int i = 0; i < count && item->step > 0; i++)
-        item->codes[i] = (int8_t)(fxs_floor_within((double)g->sh[i] / item->step + 0.5, -127, 127));
+    fxs_code_coefficients(g->sh, count, item->step, codes);
+    for (int i = 0; i < count; i++)
+        item->codes[i] = (int8_t)codes[i];
 }
 
 static int16_t hold(int64_t x)

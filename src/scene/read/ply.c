@@ -18,16 +18,24 @@ typedef struct column {
     uint8_t type, field;
 } column;
 
+/* Floats that follow one another in a row; their fields are `stride` apart. */
+typedef struct run {
+    uint16_t offset;
+    uint8_t count, field, stride;
+} run;
+
 typedef struct ply_reader {
     fxs_ply_header header;
     const fxs_ply_element *vertex;
     int sh_degree, stored_sh_degree;
     int is_flat;                         /* no scale_2: 2D Gaussians */
     int columns, all_float;
+    int runs;                            /* of the columns, where all are floats */
     uint64_t vertex_offset;              /* of the first vertex, bytes into the file */
     uint64_t vertices_read;
     int8_t field_table[FXS_PLY_MAX_PROPERTIES];
     column column_table[FIRST_REST + SH_FLOATS];
+    run run_table[FIRST_REST + SH_FLOATS];
     fxs_byte_reader bytes;
 } ply_reader;
 
@@ -68,12 +76,13 @@ static int read_fixed_row(ply_reader *reader, const fxs_ply_element *rows, float
     if (!row)
         return FXS_ERR_FILE;
     const column *columns = reader->column_table, *end = columns + reader->columns;
-    if (reader->all_float)
-        for (const column *c = columns; c < end; c++)
-            fields[c->field] = fxs_load_float(row + c->offset);
-    else
-        for (const column *c = columns; c < end; c++)
-            fields[c->field] = (float)fxs_ply_load_number(row + c->offset, c->type, reader->header.encoding);
+    for (const run *r = reader->run_table; r < reader->run_table + reader->runs; r++) {
+        float *to = fields + r->field;
+        for (uint32_t i = 0; i < r->count; i++, to += r->stride)
+            *to = fxs_load_float(row + r->offset + 4 * i);
+    }
+    for (const column *c = columns; c < end && !reader->all_float; c++)
+        fields[c->field] = (float)fxs_ply_load_number(row + c->offset, c->type, reader->header.encoding);
     return 0;
 }
 
@@ -155,6 +164,22 @@ static void list_columns(ply_reader *reader)
     }
 }
 
+static void list_runs(ply_reader *reader)
+{
+    run *last = reader->run_table;
+    for (const column *c = reader->column_table; c < reader->column_table + reader->columns; c++) {
+        const int stride = last->count ? c->field - last->field - (last->count - 1) * last->stride : 0;
+        if (last->count && c->offset == last->offset + 4 * last->count && stride > 0 &&
+            (last->count == 1 || stride == last->stride)) {
+            last->stride = (uint8_t)stride;
+            last->count++;
+            continue;
+        }
+        last = &reader->run_table[reader->runs++];
+        *last = (run){c->offset, 1, c->field, 0};
+    }
+}
+
 static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_message *message)
 {
     FXS_TRY(fxs_ply_read_header(&reader->header, &reader->bytes, message));
@@ -162,6 +187,8 @@ static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_messag
     FXS_TRY(map_fields(reader, message));
     FXS_TRY(fxs_ply_check_size(&reader->header, &reader->bytes, message));
     list_columns(reader);
+    if (reader->all_float)
+        list_runs(reader);
     for (const fxs_ply_element *e = reader->header.element_table; e < reader->vertex; e++)
         FXS_TRY(skip_element(reader, e, message));
     reader->vertex_offset = fxs_bytes_tell(&reader->bytes);
@@ -186,7 +213,8 @@ static long ply_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs
     int (*read)(ply_reader *, const fxs_ply_element *, float *) = is_fixed(reader, vertex) ? read_fixed_row : read_row;
     uint64_t left = vertex->count - reader->vertices_read;
     long count = (long)(capacity < left ? capacity : left);
-    memset(gaussians, 0, (size_t)count * sizeof *gaussians);
+    if (reader->columns < FIRST_REST + SH_FLOATS)
+        memset(gaussians, 0, (size_t)count * sizeof *gaussians);
     for (long i = 0; i < count; i++) {
         if (read(reader, vertex, (float *)&gaussians[i]) != 0)
             return fail_row(reader, vertex, reader->vertices_read, message);
