@@ -356,54 +356,74 @@ static void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs
 
 double fxs_gain(int code)
 {
-    return ldexp(8 + (code & 7), (code >> 3) - 32);
+    return fxs_scaled(8 + (code & 7), (code >> 3) - 32);
 }
 
-/* The odd number in -7..7 whose product with the gain is nearest to x; the argument is half of 1 / gain. */
-static int nearest_odd(double x, double half_inverse)
+/* x / (2 gain) + 4, in 0..7; the argument is half of 1 / gain. A quotient that is not 0 is more than 2^-16, so adding 4
+   does not round it across an integer. */
+static double eighths_of(double x, double half_inverse)
 {
-    return 2 * fxs_floor_within(x * half_inverse, -4, 3) + 1;
+    const double eighths = x * half_inverse + 4, above = eighths > 0 ? eighths : 0;
+    return above < 7 ? above : 7;
+}
+
+/* The odd number in -7..7 whose product with the gain is nearest to x. */
+static int nearest_odd(double eighths)
+{
+    return 2 * (int)eighths - 7;
+}
+
+/* The sum of squared errors of `count` numbers, a multiple of 3. It is exact in any order: errors are multiples of a
+   unit or of an eighth of a power of two near the gain, below 2^16 of them. */
+static double sum_of_errors(const double *numbers, int count, double gain)
+{
+    const double half_inverse = 0.5 / gain;
+    double eighths[45], errors[45], sums[3] = {0, 0, 0};
+    for (int i = 0; i < count; i++)
+        eighths[i] = eighths_of(numbers[i], half_inverse);
+    for (int i = 0; i < count; i++)
+        errors[i] = nearest_odd(eighths[i]) * gain - numbers[i];
+    for (int i = 0; i < count; i += 3)
+        for (int k = 0; k < 3; k++)
+            sums[k] += errors[i + k] * errors[i + k];
+    return sums[0] + sums[1] + sums[2];
 }
 
 /* The gain with the least sum of squared errors, down to an octave and a half below the gain that clips none. */
-static int find_gain(const double rest[FXS_PALETTE_STRIDE], int count)
+static int find_gain(const double *numbers, int count)
 {
     double most = 0, least = INFINITY;
     int best = 0, first = 0;
-    for (int i = 0; i < (int)FXS_PALETTE_STRIDE; i++)
-        most = fabs(rest[i]) > most ? fabs(rest[i]) : most;
+    for (int i = 0; i < count; i++)
+        most = fabs(numbers[i]) > most ? fabs(numbers[i]) : most;
     while (first < 255 && 8 * fxs_gain(first) < most)
         first++;
     for (int code = first; code >= 0 && code > first - 12; code--) {
-        double gain = fxs_gain(code), sum = 0;
-        for (int c = 0; c < 3; c++)
-            for (int k = 0; k < count; k++) {
-                double error = nearest_odd(rest[16 * c + k], 0.5 / gain) * gain - rest[16 * c + k];
-                sum += error * error;
-            }
+        const double sum = sum_of_errors(numbers, count, fxs_gain(code));
         best = sum < least ? code : best;
-        least = fmin(least, sum);
+        least = sum < least ? sum : least;
     }
     return best;
 }
 
 void fxs_encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record)
 {
-    double values[FXS_PALETTE_STRIDE];
-    for (int i = 0; i < (int)FXS_PALETTE_STRIDE; i++)
-        values[i] = ldexp(rest[i], -unit_exponent);
-    const int code = find_gain(values, count);
-    const double gain = fxs_gain(code);
+    double numbers[45];
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < count; k++)
+            numbers[c * count + k] = fxs_scaled(rest[16 * c + k], -unit_exponent);
+    const int code = find_gain(numbers, 3 * count);
+    const double gain = fxs_gain(code), half_inverse = 0.5 / gain;
     uint32_t bit = FXS_RESIDUAL_BIT;
     record[FXS_GAIN_BYTE] = (unsigned char)code;
     for (int c = 0; c < 3; c++)
         for (int k = 0; k < count; k++, bit += 3) {
-            int odd = nearest_odd(values[16 * c + k], 0.5 / gain);
+            int odd = nearest_odd(eighths_of(numbers[c * count + k], half_inverse));
             uint32_t bits = (uint32_t)((odd - 1) / 2 & 7) << bit % 8;
             record[bit / 8] = (unsigned char)(record[bit / 8] | bits);
             if (bits >> 8)
                 record[bit / 8 + 1] = (unsigned char)(bits >> 8);
-            rest[16 * c + k] = (int16_t)(rest[16 * c + k] - ldexp(odd * gain, unit_exponent));
+            rest[16 * c + k] = (int16_t)(rest[16 * c + k] - fxs_scaled(odd * gain, unit_exponent));
         }
 }
 

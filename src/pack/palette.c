@@ -1,9 +1,11 @@
 #include "palette.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "encode.h"
+#include "src/base/exponential.h"
 
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
@@ -48,7 +50,7 @@ void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, double opacity, i
     memcpy(item->position, g->position, sizeof item->position);
     item->area = (int16_t)fxs_floor_within(8 * FXS_LOG2_E * ((double)s[0] + s[1] + s[2] - least) + 0.5, -1000, 1000);
     item->opacity = (uint8_t)fxs_floor_within(255 * opacity + 0.5, 0, 255);
-    item->step = most / 127;
+    item->step = (most < FLT_MAX ? most : FLT_MAX) / 127;
     fxs_code_coefficients(g->sh, count, item->step, codes);
     for (int i = 0; i < count; i++)
         item->codes[i] = (int8_t)codes[i];
@@ -62,7 +64,8 @@ static int16_t hold(int64_t x)
 /* Coefficients in units. A step that would make every code too large is cut to one that does. */
 static void vector_of(fxs_sh_vector vector, const fxs_sh_item *item, int unit_exponent)
 {
-    const int32_t step_q12 = (int32_t)fmin(ldexp(item->step, unit_exponent + 12), MOST << 12);
+    const double wanted_q12 = fxs_scaled(item->step, unit_exponent + 12);
+    const int32_t step_q12 = wanted_q12 < MOST << 12 ? (int32_t)wanted_q12 : MOST << 12;
     memset(vector, 0, sizeof(fxs_sh_vector));
     for (int k = 0; k < 15; k++)
         for (int c = 0; c < 3; c++)
@@ -135,61 +138,77 @@ typedef struct candidate {
     uint8_t indices[STAGES];
 } candidate;
 
-/* The place of the least of `count` costs, which is then no longer the least. Without branches on costs: nobody could
-   foretell them. */
-static uint32_t take_least(int32_t *costs, uint32_t count, int32_t *cost)
+/* A cost and its place: the least key is that of the least cost, the first of equal ones. */
+typedef int64_t key;
+
+static key key_of(int32_t cost, uint32_t place)
 {
-    int32_t least = costs[0];
-    uint32_t best = 0;
-    for (uint32_t i = 1; i < count; i++) {
-        best = costs[i] < least ? i : best;
-        least = costs[i] < least ? costs[i] : least;
-    }
-    *cost = least;
-    costs[best] = INT32_MAX;
-    return best;
+    return (key)cost * 256 + place;
 }
 
-/* |left -+ vector|^2 - |left|^2 = |vector|^2 -+ 2 left vector, of `count` vectors and the better sign of each. */
-static void find_costs(int32_t *restrict costs, const fxs_sh_vector left, const fxs_sh_vector *vectors,
-                       const int32_t *squares, uint32_t count)
+static int32_t cost_of(key k)
+{
+    return (int32_t)((k - (k & 255)) / 256);
+}
+
+/* The least of `count` keys, whose places are 0 to count - 1; its cost is the highest then. Without branches on costs:
+   nobody could foretell them. Several minima at a time do not wait for each other. */
+static key take_least(key *keys, uint32_t count)
+{
+    enum { LANES = 4 };
+    key least[LANES] = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
+    uint32_t i = 0;
+    for (; i + LANES <= count; i += LANES)
+        for (uint32_t k = 0; k < LANES; k++)
+            least[k] = keys[i + k] < least[k] ? keys[i + k] : least[k];
+    for (; i < count; i++)
+        least[0] = keys[i] < least[0] ? keys[i] : least[0];
+    for (uint32_t k = 1; k < LANES; k++)
+        least[0] = least[k] < least[0] ? least[k] : least[0];
+    keys[least[0] & 255] = key_of(INT32_MAX, least[0] & 255);
+    return least[0];
+}
+
+/* cost + |left -+ vector|^2 - |left|^2 = cost + |vector|^2 -+ 2 left vector, of `count` vectors, whose places begin with
+   `place`, and the better sign of each. */
+static void find_costs(key *restrict keys, uint32_t place, int32_t cost, const fxs_sh_vector left,
+                       const fxs_sh_vector *vectors, const int32_t *squares, uint32_t count)
 {
     for (uint32_t j = 0; j < count; j++)
-        costs[j] = squares[j] - 2 * absolute(dot(left, vectors[j]));
+        keys[j] = key_of(cost + squares[j] - 2 * absolute(dot(left, vectors[j])), place + j);
 }
 
-/* What the entries of the groups that are nearest to what is left of a sum would make of its cost. */
-static void try_groups(int32_t costs[TRIED * GROUP], uint32_t groups[TRIED], const candidate *from, const fxs_palette *p,
-                       uint32_t stage)
+/* What the entries of the groups that are nearest to what is left of a sum would make of its cost; `place` is that of
+   the first key. */
+static void try_groups(key keys[TRIED * GROUP], uint32_t place, uint32_t groups[TRIED], const candidate *from,
+                       const fxs_palette *p, uint32_t stage)
 {
-    int32_t all[GROUPS], cost;
+    key all[GROUPS];
     const uint32_t count = groups_of(p);
-    find_costs(all, from->left, p->groups[stage], p->group_squares[stage], count);
+    find_costs(all, 0, 0, from->left, p->groups[stage], p->group_squares[stage], count);
     for (uint32_t g = 0; g < TRIED; g++) {
-        groups[g] = take_least(all, count, &cost);
-        find_costs(costs + g * GROUP, from->left, p->vectors[stage] + groups[g] * GROUP,
+        groups[g] = take_least(all, count) & 255;
+        find_costs(keys + g * GROUP, place + g * GROUP, from->cost, from->left, p->vectors[stage] + groups[g] * GROUP,
                    p->squares[stage] + groups[g] * GROUP, GROUP);
     }
-    for (uint32_t i = 0; i < TRIED * GROUP; i++)
-        costs[i] += from->cost;
 }
 
 /* The best sums of one stage more. Returns their number. */
 static uint32_t extend(candidate to[BEAM], const candidate from[BEAM], uint32_t count, const fxs_palette *p,
                        uint32_t stage)
 {
-    int32_t costs[BEAM * TRIED * GROUP];
+    key keys[BEAM * TRIED * GROUP];
     uint32_t groups[BEAM * TRIED];
     for (uint32_t i = 0; i < count; i++)
-        try_groups(costs + i * TRIED * GROUP, groups + i * TRIED, &from[i], p, stage);
+        try_groups(keys + i * TRIED * GROUP, i * TRIED * GROUP, groups + i * TRIED, &from[i], p, stage);
     for (uint32_t i = 0; i < BEAM; i++) {
-        int32_t cost;
-        const uint32_t best = take_least(costs, count * TRIED * GROUP, &cost);
+        const key least = take_least(keys, count * TRIED * GROUP);
+        const uint32_t best = least & 255;
         const candidate *parent = &from[best / (TRIED * GROUP)];
         const uint32_t j = groups[best / GROUP] * GROUP + best % GROUP;
         const uint32_t index = j | (dot(parent->left, p->vectors[stage][j]) < 0 ? FXS_PALETTE_NEGATIVE : 0);
         to[i] = *parent;
-        to[i].cost = cost;
+        to[i].cost = cost_of(least);
         to[i].indices[stage] = (uint8_t)index;
         subtract_entry(to[i].left, p, stage, index);
     }
@@ -573,20 +592,13 @@ void fxs_palette_write(const fxs_palette *p, int8_t *to)
 
 /* How much of what Gaussian `from` adds to the picture falls where `to` adds, over what `to` adds there itself: for
    round Gaussians of areas a and b (sigma^2) at distance d the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))); the
-   exponential here is (1 - t / 8)^4. Times 256. */
-static int32_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area)
+   exponential here is (1 - t / 8)^4. `square` is d^2, less than 8 (a + b). Times 256, 0 to 1024. */
+static int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area, double square)
 {
-    double square = 0;
-    for (int k = 0; k < 3; k++) {
-        const double d = (double)from->position[k] - to->position[k];
-        square += d * d;
-    }
     const double both = from_area + to_area;
-    if (!(square < 8 * both))
-        return 0;
     const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);
     const double overlap = 2 * from_area / both * tail * from->opacity / to->opacity;
-    return (int32_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* 4/3 times 3 is 4, in however many bits */
+    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* 4/3 times 3 is 4, in however many bits */
 }
 
 /* 2^(area / 8) */
@@ -594,24 +606,33 @@ static double area_of(const fxs_sh_item *item)
 {
     static const double eighths[8] = {1, 1.0905077326652577, 1.189207115002721, 1.2968395546510096, 1.4142135623730951,
                                       1.5422108254079408, 1.681792830507429, 1.8340080864093424};
-    return ldexp(eighths[item->area & 7], (item->area - (item->area & 7)) / 8);
+    return fxs_scaled(eighths[item->area & 7], (item->area - (item->area & 7)) / 8);
 }
 
 /* What is coded of a chunk, and the areas of its Gaussians. */
 typedef struct coder {
     const fxs_palette *palette;
     const fxs_sh_item *items;
-    double areas[FXS_CHUNK];
+    double places[3][FXS_CHUNK], areas[FXS_CHUNK];
     fxs_sh_vector errors[FXS_CHUNK];   /* true less coded, units */
 } coder;
 
 /* Half the errors that fall where Gaussian i does, but no more than the vector is long. */
 static void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
 {
+    const uint32_t first = i > WINDOW ? i - WINDOW : 0;
     int32_t sums_q8[WIDTH] = {0};
     int16_t shift[WIDTH];
-    for (uint32_t j = i > WINDOW ? i - WINDOW : 0; j < i; j++) {
-        const int32_t q8 = c->items[j].opacity ? overlap_q8(&c->items[j], c->areas[j], &c->items[i], c->areas[i]) : 0;
+    double squares[WINDOW];
+    for (uint32_t j = first; j < i; j++) {
+        const double x = c->places[0][j] - c->places[0][i], y = c->places[1][j] - c->places[1][i];
+        const double z = c->places[2][j] - c->places[2][i];
+        squares[j - first] = x * x + y * y + z * z;
+    }
+    for (uint32_t j = first; j < i; j++) {
+        if (!(c->items[j].opacity && squares[j - first] < 8 * (c->areas[j] + c->areas[i])))
+            continue;
+        const int16_t q8 = overlap_q8(&c->items[j], c->areas[j], &c->items[i], c->areas[i], squares[j - first]);
         for (int d = 0; d < WIDTH && q8 > 8; d++)
             sums_q8[d] += q8 * c->errors[j][d];
     }
@@ -662,8 +683,10 @@ static void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsigned ch
 void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                             unsigned char *records, size_t stride, fxs_sh_loss *loss)
 {
-    coder c = {.palette = p, .items = items};
+    coder c;                         /* not cleared: it is large */
     fxs_sh_vector middle;
+    c.palette = p;
+    c.items = items;
     find_mean(middle, p, items, count);
     for (int d = 0; d < WIDTH; d++) {
         mean[d] = (int8_t)code_of(middle[d], p->step);
@@ -671,6 +694,9 @@ void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint
     }
     for (uint32_t i = 0; i < count; i++)
         c.areas[i] = area_of(&items[i]);
+    for (int k = 0; k < 3; k++)
+        for (uint32_t i = 0; i < count; i++)
+            c.places[k][i] = (double)items[i].position[k];
     for (uint32_t i = 0; i < count; i++)
         code_one(&c, i, middle, records + i * stride, loss);
 }
