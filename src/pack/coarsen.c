@@ -3,7 +3,7 @@
    Gaussians are projected to, of the squared difference between the fields of the two and of the one, with colours
    multiplied by opacity; the mean of the planes across the three axes. For Gaussians G of peak 1 with covariances A and
    B at distance d it has a closed form: <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d / 2). Colours
-   count from the mean of the set, as what is behind and beside a Gaussian is mostly like it.
+   count from the mean of those nearby, as what is behind and beside a Gaussian is mostly like it.
 
    Every operation is one of floats that IEEE 754 defines, and no sum depends on how many are computed at once, so the
    result is the same on every processor. Loops over LANES are written for vectors. */
@@ -20,22 +20,24 @@
 enum {
     MOST = FXS_MERGE_MOST,
     LANES = 8,                         /* pairs whose errors are found at once */
-    NEAREST = 8,                       /* candidates of a Gaussian, */
-    JOINED = 12,                       /* and with how many what was merged is compared */
+    NEAREST = 6,                       /* candidates of a Gaussian, */
+    JOINED = 8,                        /* and with how many what was merged is compared */
     PLANES = 3,
-    COLOURS = 48,                      /* dc, then SH, times the basis of degree 0 */
+    SH = 48,                           /* coefficients, with zeros behind them */
+    STRIDE = 12,                       /* their number is rounded up to a multiple of this */
     LEAF = 8,                          /* Gaussians of a cell of the search for the nearest */
     CELLS = MOST / LEAF,
     PAIRS = MOST * NEAREST + MOST * JOINED   /* all that are ever compared */
 };
 
 /* What is known of a Gaussian: its covariance, the roots of the determinants in each plane of that with THINNEST, and
-   the squared length of its colour with ALPHA_WEIGHT. */
-enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, SQUARE = ROOT + PLANES, FIELDS };
+   its colour of degree 0, that of what surrounds it, and the squared length of its SH as a colour. */
+enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
+       SQUARE = LOCAL + 3, FIELDS };
 
 #define OPACITY_MOST 0.99f             /* of what was merged, or that of the more opaque of two */
 #define OVERLAP 0.3f                   /* share of what two hide of each other that does not count */
-#define ALPHA_WEIGHT 0.16f             /* of the squared error of alpha by itself, against that of a colour */
+#define ALPHA_WEIGHT 0.06f             /* of the squared error of alpha by itself, against that of a colour */
 #define THINNEST 1e-3f                 /* share of the trace that is added to variances where errors are computed */
 #define LEAST 1e-30f
 #define PI 3.14159265f
@@ -61,19 +63,19 @@ typedef struct pair {
 
 struct fxs_merger {
     uint32_t count, left;
-    int sh_degree;
     const fxs_coarse *from[MOST];
     float fields[MOST][FIELDS];
-    float colours[MOST][COLOURS];
-    float mean[COLOURS];               /* has been subtracted from the colours */
+    float sh[MOST][SH];                /* times the basis of degree 0 */
+    uint32_t sh_count;                 /* of them that may be other than 0, a multiple of STRIDE */
     float low[3][CELLS], high[3][CELLS];   /* of LEAF Gaussians each, in the order in which they were added */
     float places[CELLS][3][LEAF];      /* their positions */
     uint16_t into[MOST];               /* itself, or what it was merged into */
     uint16_t age[MOST];                /* how often it was merged */
     uint16_t nearest[MOST][NEAREST];   /* candidates */
     uint8_t nearest_count[MOST];
-    pair pairs[PAIRS];                 /* a heap, the least error first */
-    uint32_t pair_count;
+    pair pairs[PAIRS];
+    uint64_t heap[PAIRS];              /* the bits of the error, then the number of the pair: the least first */
+    uint32_t pair_count, heap_count;
 };
 
 size_t fxs_merger_bytes(void)
@@ -150,10 +152,10 @@ static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
         return;
     for (int k = 0; k < 3; k++) {
         out->gaussian.position[k] = m->fields[i][X + k];
-        out->gaussian.dc[k] = fxs_dc_of_colour(m->colours[i][k] + m->mean[k]);
+        out->gaussian.dc[k] = fxs_dc_of_colour(m->fields[i][COLOUR + k]);
     }
-    for (int k = 0; k < 3 * FXS_SH_COUNT(m->sh_degree); k++)
-        out->gaussian.sh[k] = (float)((m->colours[i][3 + k] + m->mean[3 + k]) / FXS_SH_0);
+    for (uint32_t k = 0; k < 45 && k < m->sh_count; k++)
+        out->gaussian.sh[k] = m->sh[i][k] / (float)FXS_SH_0;
     for (int k = 0; k < 6; k++)
         out->covariance[k] = m->fields[i][XX + k];
     out->area = m->fields[i][AREA];
@@ -205,7 +207,7 @@ static inline void find_masses(lanes mass, const group *a, const group *b,
 }
 
 /* What a and b become, and the share of a. Where opacity would exceed its most by a factor r, variances grow by
-   r^(5/8) instead. */
+   the root of r instead. */
 static void join(group *out, lanes share, const group *a, const group *b,
                  lanes products[PLANES])
 {
@@ -231,7 +233,7 @@ static void join(group *out, lanes share, const group *a, const group *b,
         const float minors = minor(out->f[XX][i], out->f[YY][i], out->f[XY][i]) + minor(out->f[XX][i], out->f[ZZ][i], out->f[XZ][i]) +
                              minor(out->f[YY][i], out->f[ZZ][i], out->f[YZ][i]);
         const float area = sqrtf(larger(minors, LEAST)), opacity = mass[i] / area;
-        const float over = larger(opacity / most, 1), more = sqrtf(over * sqrtf(sqrtf(over)));
+        const float over = larger(opacity / most, 1), more = sqrtf(over);
         out->f[OPACITY][i] = smaller(opacity, most);
         out->f[AREA][i] = area * more;
         for (int k = XX; k <= YZ; k++)
@@ -242,12 +244,22 @@ static void join(group *out, lanes share, const group *a, const group *b,
 
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
-static float dot(const float *a, const float *b)
+/* What was merged is compared as it is, but its error against what it stands for grows with every merger. Without this
+   factor some would swallow all around them. */
+static float grown(const pair *p)
 {
-    float sums[4] = {0};
-    for (int k = 0; k < COLOURS; k += 4)
-        for (int i = 0; i < 4; i++)
-            sums[i] += a[k + i] * b[k + i];
+    return (float)(1 + p->a_age + p->b_age);
+}
+
+/* `count` is a multiple of STRIDE. */
+static inline float dot(const float *a, const float *b, uint32_t count)
+{
+    float sums[STRIDE] = {0};
+    for (uint32_t k = 0; k < count; k += STRIDE)
+        for (int i = 0; i < STRIDE; i++)
+            sums[i] += a[k + (uint32_t)i] * b[k + (uint32_t)i];
+    for (int i = 0; i < 4; i++)
+        sums[i] += sums[4 + i] + sums[8 + i];
     return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
@@ -269,7 +281,7 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
     for (uint32_t i = 0; i < count; i++) {
         a[i] = pairs[i].a;
         b[i] = pairs[i].b;
-        dots[i] = dot(m->colours[a[i]], m->colours[b[i]]) + ALPHA_WEIGHT;
+        dots[i] = dot(m->sh[a[i]], m->sh[b[i]], m->sh_count) + ALPHA_WEIGHT;
     }
     gather(m, &one, a, count);
     gather(m, &other, b, count);
@@ -282,16 +294,22 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
     }
     for (int i = 0; i < LANES; i++) {
         const float v = share[i], w = 1 - v, x = one.f[OPACITY][i], y = other.f[OPACITY][i], z = both.f[OPACITY][i];
-        const float aa = one.f[SQUARE][i], bb = other.f[SQUARE][i];
-        const float with_a = v * aa + w * dots[i], with_b = v * dots[i] + w * bb, mm = v * with_a + w * with_b;
-        float sum = 0;
+        float aa = one.f[SQUARE][i] + ALPHA_WEIGHT, bb = other.f[SQUARE][i] + ALPHA_WEIGHT, mixed_ab = dots[i], sum = 0;
+        for (int k = 0; k < 3; k++) {
+            const float behind = 0.5f * (one.f[LOCAL + k][i] + other.f[LOCAL + k][i]);
+            const float a_colour = one.f[COLOUR + k][i] - behind, b_colour = other.f[COLOUR + k][i] - behind;
+            aa += a_colour * a_colour;
+            bb += b_colour * b_colour;
+            mixed_ab += a_colour * b_colour;
+        }
+        const float with_a = v * aa + w * mixed_ab, with_b = v * mixed_ab + w * bb, mm = v * with_a + w * with_b;
         for (int p = 0; p < PLANES; p++)
             sum += x * x * aa * one.f[ROOT + p][i] + y * y * bb * other.f[ROOT + p][i] + z * z * mm * both.f[ROOT + p][i] +
-                   2 * (x * y * dots[i] * ab[p][i] - x * z * with_a * am[p][i] - y * z * with_b * bm[p][i]);
+                   2 * (x * y * mixed_ab * ab[p][i] - x * z * with_a * am[p][i] - y * z * with_b * bm[p][i]);
         sums[i] = larger(sum, 0) * (PI / PLANES);
     }
     for (uint32_t i = 0; i < count; i++)
-        pairs[i].error = sums[i];
+        pairs[i].error = sums[i] * grown(&pairs[i]);
 }
 
 /* ---- The nearest ------------------------------------------------------------------------------------------------- */
@@ -353,7 +371,10 @@ static void look_into(const fxs_merger *m, uint32_t cell, uint32_t of, found *f)
                     z = m->places[cell][2][i] - at[Z];
         distances[i] = x * x + y * y + z * z;
     }
-    for (uint32_t i = 0; i < LEAF; i++)
+    float least = distances[0];
+    for (int i = 1; i < LEAF; i++)
+        least = smaller(least, distances[i]);
+    for (uint32_t i = 0; i < LEAF && least < f->limit; i++)
         if (distances[i] < f->limit && cell * LEAF + i != of)
             take(f, distances[i], cell * LEAF + i);
 }
@@ -367,36 +388,41 @@ static void find_nearest(fxs_merger *m, uint32_t of)
     find_distances(m, m->fields[of], distances);
     look_into(m, own, of, &f);
     for (uint32_t cell = 0; cell < cells; cell++)
-        if (distances[cell] < f.limit && cell != own)
+        if (distances[cell] == 0 && cell != own)
+            look_into(m, cell, of, &f);
+    for (uint32_t cell = 0; cell < cells; cell++)
+        if (distances[cell] < f.limit && distances[cell] > 0)
             look_into(m, cell, of, &f);
     m->nearest_count[of] = (uint8_t)f.count;
 }
 
 /* ---- Pairs ------------------------------------------------------------------------------------------------------- */
 
-static int is_before(const pair *p, const pair *q)
+static uint64_t key_of(const fxs_merger *m, uint32_t number)
 {
-    return p->error != q->error ? p->error < q->error : p->a != q->a ? p->a < q->a : p->b < q->b;
+    uint32_t bits;
+    memcpy(&bits, &m->pairs[number].error, sizeof bits);
+    return (uint64_t)bits << 32 | number;
 }
 
-static void sift_down(fxs_merger *m, uint32_t at)
+static void sift_down(uint64_t *heap, uint32_t count, uint32_t at)
 {
-    const pair moved = m->pairs[at];
-    for (uint32_t child; (child = 2 * at + 1) < m->pair_count; at = child) {
-        child += child + 1 < m->pair_count && is_before(&m->pairs[child + 1], &m->pairs[child]);
-        if (!is_before(&m->pairs[child], &moved))
+    const uint64_t moved = heap[at];
+    for (uint32_t child; (child = 2 * at + 1) < count; at = child) {
+        child += child + 1 < count && heap[child + 1] < heap[child];
+        if (moved <= heap[child])
             break;
-        m->pairs[at] = m->pairs[child];
+        heap[at] = heap[child];
     }
-    m->pairs[at] = moved;
+    heap[at] = moved;
 }
 
-static void sift_up(fxs_merger *m, uint32_t at)
+static void push(fxs_merger *m, uint64_t key)
 {
-    const pair moved = m->pairs[at];
-    for (; at > 0 && is_before(&moved, &m->pairs[(at - 1) / 2]); at = (at - 1) / 2)
-        m->pairs[at] = m->pairs[(at - 1) / 2];
-    m->pairs[at] = moved;
+    uint32_t at = m->heap_count++;
+    for (; at > 0 && key < m->heap[(at - 1) / 2]; at = (at - 1) / 2)
+        m->heap[at] = m->heap[(at - 1) / 2];
+    m->heap[at] = key;
 }
 
 static pair pair_of(const fxs_merger *m, uint32_t i, uint32_t k)
@@ -425,8 +451,11 @@ static void find_pairs(fxs_merger *m)
         }
     for (uint32_t i = 0; i < m->pair_count; i += LANES)
         find_errors(m, m->pairs + i, m->pair_count - i < LANES ? m->pair_count - i : LANES);
-    for (uint32_t i = m->pair_count / 2; i-- > 0;)
-        sift_down(m, i);
+    for (uint32_t i = 0; i < m->pair_count; i++)
+        m->heap[i] = key_of(m, i);
+    m->heap_count = m->pair_count;
+    for (uint32_t i = m->heap_count / 2; i-- > 0;)
+        sift_down(m->heap, m->heap_count, i);
 }
 
 static uint32_t now(const fxs_merger *m, uint32_t i)
@@ -459,8 +488,8 @@ static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
         m->pairs[m->pair_count + i] = pair_of(m, a, both[i]);
     for (uint32_t i = 0; i < count; i += LANES)
         find_errors(m, m->pairs + m->pair_count + i, count - i < LANES ? count - i : LANES);
-    for (; count > 0; count--)
-        sift_up(m, m->pair_count++);
+    for (; count > 0; count--, m->pair_count++)
+        push(m, key_of(m, m->pair_count));
 }
 
 /* ---- The set ----------------------------------------------------------------------------------------------------- */
@@ -468,7 +497,7 @@ static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
 void fxs_merge_begin(fxs_merger *m, int sh_degree)
 {
     m->count = 0;
-    m->sh_degree = sh_degree;
+    m->sh_count = (3 * (uint32_t)FXS_SH_COUNT(sh_degree) + STRIDE - 1) / STRIDE * STRIDE;
 }
 
 static void add(fxs_merger *m, const fxs_coarse *c)
@@ -484,9 +513,10 @@ static void add(fxs_merger *m, const fxs_coarse *c)
     m->fields[i][OPACITY] = c->opacity;
     m->fields[i][AREA] = c->area;
     for (int k = 0; k < 3; k++)
-        m->colours[i][k] = (float)fxs_colour_of_dc(c->gaussian.dc[k]);
-    for (int k = 0; k < 45; k++)
-        m->colours[i][3 + k] = (float)FXS_SH_0 * c->gaussian.sh[k];
+        m->fields[i][COLOUR + k] = (float)fxs_colour_of_dc(c->gaussian.dc[k]);
+    for (uint32_t k = 0; k < m->sh_count; k++)
+        m->sh[i][k] = k < 45 ? (float)FXS_SH_0 * c->gaussian.sh[k] : 0;
+    m->fields[i][SQUARE] = dot(m->sh[i], m->sh[i], m->sh_count);
 }
 
 void fxs_merge_add(fxs_merger *m, const fxs_coarse *gaussians, uint32_t count)
@@ -495,24 +525,18 @@ void fxs_merge_add(fxs_merger *m, const fxs_coarse *gaussians, uint32_t count)
         add(m, &gaussians[i]);
 }
 
-/* Weighted by opacity times area. */
-static void subtract_mean(fxs_merger *m)
+/* The mean colour of a Gaussian and of those nearest to it, weighted by opacity times area. */
+static void find_surroundings(fxs_merger *m, uint32_t of)
 {
-    float sum = 0;
-    memset(m->mean, 0, sizeof m->mean);
-    for (uint32_t i = 0; i < m->count; i++) {
-        const float weight = m->fields[i][OPACITY] * m->fields[i][AREA];
+    float sum = LEAST, colours[3] = {0};
+    for (uint32_t k = 0; k <= m->nearest_count[of]; k++) {
+        const float *f = m->fields[k ? m->nearest[of][k - 1] : of], weight = f[OPACITY] * f[AREA];
         sum += weight;
-        for (int k = 0; k < COLOURS; k++)
-            m->mean[k] += weight * m->colours[i][k];
+        for (int c = 0; c < 3; c++)
+            colours[c] += weight * f[COLOUR + c];
     }
-    for (int k = 0; k < COLOURS; k++)
-        m->mean[k] = sum > 0 ? m->mean[k] / sum : 0;
-    for (uint32_t i = 0; i < m->count; i++) {
-        for (int k = 0; k < COLOURS; k++)
-            m->colours[i][k] -= m->mean[k];
-        m->fields[i][SQUARE] = dot(m->colours[i], m->colours[i]) + ALPHA_WEIGHT;
-    }
+    for (int c = 0; c < 3; c++)
+        m->fields[of][LOCAL + c] = colours[c] / sum;
 }
 
 static void find_all_roots(fxs_merger *m)
@@ -531,7 +555,7 @@ static void find_all_roots(fxs_merger *m)
     }
 }
 
-static void merge(fxs_merger *m, uint32_t a, uint32_t b, float error, fxs_merge_error *sums)
+static void merge(fxs_merger *m, uint32_t a, uint32_t b, double error, fxs_merge_error *sums)
 {
     group one, other, both;
     lanes share, products[PLANES];
@@ -541,13 +565,15 @@ static void merge(fxs_merger *m, uint32_t a, uint32_t b, float error, fxs_merge_
     for (int p = 0; p < PLANES; p++)
         find_products(products[p], &one, &other, p);
     join(&both, share, &one, &other, products);
-    for (int k = 0; k < SQUARE; k++)
+    for (int k = 0; k < COLOUR; k++)
         m->fields[a][k] = both.f[k][0];
-    for (int k = 0; k < COLOURS; k++)
-        m->colours[a][k] = share[0] * m->colours[a][k] + (1 - share[0]) * m->colours[b][k];
-    m->fields[a][SQUARE] = dot(m->colours[a], m->colours[a]) + ALPHA_WEIGHT;
-    sums->error += (double)error;
-    sums->size += (double)error * both.f[AREA][0];
+    for (int k = COLOUR; k < SQUARE; k++)
+        m->fields[a][k] = share[0] * m->fields[a][k] + (1 - share[0]) * m->fields[b][k];
+    for (uint32_t k = 0; k < m->sh_count; k++)
+        m->sh[a][k] = share[0] * m->sh[a][k] + (1 - share[0]) * m->sh[b][k];
+    m->fields[a][SQUARE] = dot(m->sh[a], m->sh[a], m->sh_count);
+    sums->error += error;
+    sums->size += error * both.f[AREA][0];
     m->into[b] = (uint16_t)a;
     m->age[a]++;
     m->age[b]++;
@@ -558,11 +584,11 @@ static void merge(fxs_merger *m, uint32_t a, uint32_t b, float error, fxs_merge_
 /* The pair of least error. Where none is left, the first two Gaussians. */
 static pair take_best(fxs_merger *m)
 {
-    while (m->pair_count > 0) {
-        const pair best = m->pairs[0];
-        m->pairs[0] = m->pairs[--m->pair_count];
-        if (m->pair_count)
-            sift_down(m, 0);
+    while (m->heap_count > 0) {
+        const pair best = m->pairs[(uint32_t)m->heap[0]];
+        m->heap[0] = m->heap[--m->heap_count];
+        if (m->heap_count)
+            sift_down(m->heap, m->heap_count, 0);
         if (best.a_age == m->age[best.a] && best.b_age == m->age[best.b])
             return best;
     }
@@ -576,15 +602,16 @@ static pair take_best(fxs_merger *m)
 
 static void coarsen(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
 {
-    subtract_mean(m);
     find_all_roots(m);
     find_cells(m);
     for (uint32_t i = 0; i < m->count; i++)
         find_nearest(m, i);
+    for (uint32_t i = 0; i < m->count; i++)
+        find_surroundings(m, i);
     find_pairs(m);
     for (m->left = m->count; m->left > most;) {
         const pair best = take_best(m);
-        merge(m, best.a, best.b, best.error, sums);
+        merge(m, best.a, best.b, best.error / grown(&best), sums);
     }
 }
 

@@ -11,7 +11,8 @@
 /* Law 0: c / 255; else 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2, and 0 for code 0. */
 static double opacity_of(uint32_t code, uint32_t law)
 {
-    const double part = (code - 1.0) / 254, top = ldexp(1, 2 - 2 * (int)law);
+    static const double tops[FXS_OPACITY_LAWS] = {4, 1, 0.25, 0.0625};
+    const double part = (code - 1.0) / 254, top = tops[law];
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
 }
 
@@ -32,8 +33,8 @@ static void take_rotation(uint32_t code, float rotation[4])
 static void take_bands(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g, float sh[45])
 {
     for (int k = 0; k < 3 * FXS_SH_COUNT(s->sh_degree); k++)
-        sh[k] = (float)ldexp((int8_t)rows[FXS_ROW_SH + (uint32_t)k * FXS_CHUNK + g] *
-                             (double)chunk->sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2], -19);
+        sh[k] = (float)((int8_t)rows[FXS_ROW_SH + (uint32_t)k * FXS_CHUNK + g] *
+                        (chunk->sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2] * 0x1p-19));
 }
 
 /* Profiles compact and small: the sum of the chunk's mean and an entry of each palette, in compact also of the residual
@@ -53,7 +54,7 @@ static void take_palette(const fxs_scene *s, const fxs_chunk *chunk, const unsig
                 sum += record[stage] & FXS_PALETTE_NEGATIVE ? -number : number;
             }
             const int code = (int)(residual >> 3 * k & 7);
-            sh[3 * k + c] = (float)(ldexp(sum * (double)s->palette_step_q19, -19) +
+            sh[3 * k + c] = (float)(sum * (s->palette_step_q19 * 0x1p-19) +
                                     (2 * (code < 4 ? code : code - 8) + 1) * gain);
         }
     }
@@ -71,11 +72,11 @@ void fxs_decode(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char 
     for (int i = 0; i < 3; i++) {
         const uint32_t scale = codes.scale >> 10 * i & 1023, colour = codes.colour >> 8 * i & 255;
         const int64_t steps = (int64_t)codes.position[i] * chunk->step_q32[i] << chunk->step_shift;
-        out->position[i] = (float)ldexp((double)(chunk->origin_q32[i] + steps), -32);
-        out->scale[i] = (float)(LN_2 * (ldexp(chunk->scale_q16, -16) -
-                                        ldexp((double)scale * scale * chunk->scale_step_q24, -24)));
-        out->dc[i] = fxs_dc_of_colour(ldexp(chunk->colour_q16[i], -16) +
-                                      ldexp((double)colour * chunk->colour_step_q20[i], -20));
+        out->position[i] = (float)((double)(chunk->origin_q32[i] + steps) * 0x1p-32);
+        out->scale[i] = (float)(LN_2 * (chunk->scale_q16 * 0x1p-16 -
+                                        (double)scale * scale * chunk->scale_step_q24 * 0x1p-24));
+        out->dc[i] = fxs_dc_of_colour(chunk->colour_q16[i] * 0x1p-16 +
+                                      (double)colour * chunk->colour_step_q20[i] * 0x1p-20);
     }
     take_rotation(codes.rotation, out->rotation);
     out->opacity = fxs_logit_of_opacity(opacity_of(codes.colour >> 24, chunk->opacity_law));
