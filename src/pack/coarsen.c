@@ -10,6 +10,7 @@
 #include "coarsen.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <fixsplat/packed.h>
@@ -20,18 +21,18 @@
 enum {
     MOST = FXS_MERGE_MOST,
     LANES = 8,                         /* pairs whose errors are found at once */
-    NEAREST = 6,                       /* candidates of a Gaussian, */
+    NEAREST = 5,                       /* candidates of a Gaussian, */
     JOINED = 8,                        /* and with how many what was merged is compared */
     PLANES = 3,
-    SH = 48,                           /* coefficients, with zeros behind them */
-    STRIDE = 12,                       /* their number is rounded up to a multiple of this */
-    LEAF = 8,                          /* Gaussians of a cell of the search for the nearest */
-    CELLS = MOST / LEAF,
+    SH = 45,                           /* coefficients */
+    COMPARED = 12,                     /* those that count in errors: degree 1, and zeros */
+    CURVES = 2,                        /* along which candidates are looked for, */
+    WINDOW = 8,                        /* so far on each side */
     PAIRS = MOST * NEAREST + MOST * JOINED   /* all that are ever compared */
 };
 
 /* What is known of a Gaussian: its covariance, the roots of the determinants in each plane of that with THINNEST, and
-   its colour of degree 0, that of what surrounds it, and the squared length of its SH as a colour. */
+   its colour of degree 0, that of what surrounds it, and the squared length of its SH that are compared. */
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
        SQUARE = LOCAL + 3, FIELDS };
 
@@ -66,9 +67,11 @@ struct fxs_merger {
     const fxs_coarse *from[MOST];
     float fields[MOST][FIELDS];
     float sh[MOST][SH];                /* times the basis of degree 0 */
-    uint32_t sh_count;                 /* of them that may be other than 0, a multiple of STRIDE */
-    float low[3][CELLS], high[3][CELLS];   /* of LEAF Gaussians each, in the order in which they were added */
-    float places[CELLS][3][LEAF];      /* their positions */
+    float compared[MOST][COMPARED];    /* the first of them */
+    uint32_t sh_count;                 /* of them that may be other than 0 */
+    uint16_t order[MOST];              /* along a curve, */
+    float places[3][MOST + WINDOW];    /* and where they are */
+    float distances[MOST][NEAREST];    /* of the candidates, squared */
     uint16_t into[MOST];               /* itself, or what it was merged into */
     uint16_t age[MOST];                /* how often it was merged */
     uint16_t nearest[MOST][NEAREST];   /* candidates */
@@ -154,7 +157,7 @@ static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
         out->gaussian.position[k] = m->fields[i][X + k];
         out->gaussian.dc[k] = fxs_dc_of_colour(m->fields[i][COLOUR + k]);
     }
-    for (uint32_t k = 0; k < 45 && k < m->sh_count; k++)
+    for (uint32_t k = 0; k < m->sh_count; k++)
         out->gaussian.sh[k] = m->sh[i][k] / (float)FXS_SH_0;
     for (int k = 0; k < 6; k++)
         out->covariance[k] = m->fields[i][XX + k];
@@ -168,10 +171,10 @@ static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
 /* ---- Two become one ---------------------------------------------------------------------------------------------- */
 
 /* The roots of the determinants in each plane. */
-static inline void find_roots(group *of)
+static inline void find_roots(group *of, int count)
 {
     for (int p = 0; p < PLANES; p++)
-        for (int i = 0; i < LANES; i++) {
+        for (int i = 0; i < count; i++) {
             const float more = THINNEST * (of->f[XX][i] + of->f[YY][i] + of->f[ZZ][i]);
             const float u = of->f[first_square[p]][i] + more, v = of->f[second_square[p]][i] + more;
             of->f[ROOT + p][i] = sqrtf(larger(minor(u, v, of->f[mixed[p]][i]), LEAST));
@@ -179,12 +182,12 @@ static inline void find_roots(group *of)
 }
 
 /* <Ga, Gb> / pi in plane p */
-static inline void find_products(lanes product, const group *a, const group *b, int p)
+static inline void find_products(lanes product, const group *a, const group *b, int p, int count)
 {
     const float *au = a->f[first_square[p]], *av = a->f[second_square[p]], *auv = a->f[mixed[p]];
     const float *bu = b->f[first_square[p]], *bv = b->f[second_square[p]], *buv = b->f[mixed[p]];
     const float *ax = a->f[first_axis[p]], *ay = a->f[second_axis[p]], *bx = b->f[first_axis[p]], *by = b->f[second_axis[p]];
-    for (int i = 0; i < LANES; i++) {
+    for (int i = 0; i < count; i++) {
         const float more = THINNEST * ((a->f[XX][i] + a->f[YY][i] + a->f[ZZ][i]) + (b->f[XX][i] + b->f[YY][i] + b->f[ZZ][i]));
         const float u = au[i] + bu[i] + more, v = av[i] + bv[i] + more, uv = auv[i] + buv[i];
         const float one_over = 1 / larger(u * v - uv * uv, LEAST), x = bx[i] - ax[i], y = by[i] - ay[i];
@@ -195,9 +198,9 @@ static inline void find_products(lanes product, const group *a, const group *b, 
 
 /* Of the mass of both, what does not hide the other's. products: <Ga, Gb> / pi in each plane. */
 static inline void find_masses(lanes mass, const group *a, const group *b,
-                               lanes products[PLANES])
+                               lanes products[PLANES], int count)
 {
-    for (int i = 0; i < LANES; i++) {
+    for (int i = 0; i < count; i++) {
         const float x = a->f[OPACITY][i], y = b->f[OPACITY][i];
         const float both = x * (a->f[ROOT][i] + a->f[ROOT + 1][i] + a->f[ROOT + 2][i]) +
                            y * (b->f[ROOT][i] + b->f[ROOT + 1][i] + b->f[ROOT + 2][i]);
@@ -208,12 +211,12 @@ static inline void find_masses(lanes mass, const group *a, const group *b,
 
 /* What a and b become, and the share of a. Where opacity would exceed its most by a factor r, variances grow by
    the root of r instead. */
-static void join(group *out, lanes share, const group *a, const group *b,
-                 lanes products[PLANES])
+static inline void join(group *out, lanes share, const group *a, const group *b,
+                 lanes products[PLANES], int count)
 {
     lanes mass;
-    find_masses(mass, a, b, products);
-    for (int i = 0; i < LANES; i++) {
+    find_masses(mass, a, b, products, count);
+    for (int i = 0; i < count; i++) {
         const float first = a->f[OPACITY][i] * a->f[AREA][i], second = b->f[OPACITY][i] * b->f[AREA][i], sum = first + second;
         const float v = sum > LEAST ? first / sum : 0.5f, w = 1 - v;
         const float x = b->f[X][i] - a->f[X][i], y = b->f[Y][i] - a->f[Y][i], z = b->f[Z][i] - a->f[Z][i];
@@ -228,7 +231,7 @@ static void join(group *out, lanes share, const group *a, const group *b,
         out->f[XZ][i] = v * a->f[XZ][i] + w * b->f[XZ][i] + v * w * (x * z);
         out->f[YZ][i] = v * a->f[YZ][i] + w * b->f[YZ][i] + v * w * (y * z);
     }
-    for (int i = 0; i < LANES; i++) {
+    for (int i = 0; i < count; i++) {
         const float most = larger(OPACITY_MOST, larger(a->f[OPACITY][i], b->f[OPACITY][i]));
         const float minors = minor(out->f[XX][i], out->f[YY][i], out->f[XY][i]) + minor(out->f[XX][i], out->f[ZZ][i], out->f[XZ][i]) +
                              minor(out->f[YY][i], out->f[ZZ][i], out->f[YZ][i]);
@@ -239,7 +242,7 @@ static void join(group *out, lanes share, const group *a, const group *b,
         for (int k = XX; k <= YZ; k++)
             out->f[k][i] *= more;
     }
-    find_roots(out);
+    find_roots(out, count);
 }
 
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
@@ -251,16 +254,14 @@ static float grown(const pair *p)
     return (float)(1 + p->a_age + p->b_age);
 }
 
-/* `count` is a multiple of STRIDE. */
-static inline float dot(const float *a, const float *b, uint32_t count)
+static inline float dot(const float *a, const float *b)
 {
-    float sums[STRIDE] = {0};
-    for (uint32_t k = 0; k < count; k += STRIDE)
-        for (int i = 0; i < STRIDE; i++)
-            sums[i] += a[k + (uint32_t)i] * b[k + (uint32_t)i];
+    float products[COMPARED];
+    for (int i = 0; i < COMPARED; i++)
+        products[i] = a[i] * b[i];
     for (int i = 0; i < 4; i++)
-        sums[i] += sums[4 + i] + sums[8 + i];
-    return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+        products[i] += products[4 + i] + products[8 + i];
+    return (products[0] + products[1]) + (products[2] + products[3]);
 }
 
 static void gather(const fxs_merger *m, group *to, const uint16_t *of, uint32_t count)
@@ -281,16 +282,16 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
     for (uint32_t i = 0; i < count; i++) {
         a[i] = pairs[i].a;
         b[i] = pairs[i].b;
-        dots[i] = dot(m->sh[a[i]], m->sh[b[i]], m->sh_count) + ALPHA_WEIGHT;
+        dots[i] = dot(m->compared[a[i]], m->compared[b[i]]) + ALPHA_WEIGHT;
     }
     gather(m, &one, a, count);
     gather(m, &other, b, count);
     for (int p = 0; p < PLANES; p++)
-        find_products(ab[p], &one, &other, p);
-    join(&both, share, &one, &other, ab);
+        find_products(ab[p], &one, &other, p, LANES);
+    join(&both, share, &one, &other, ab, LANES);
     for (int p = 0; p < PLANES; p++) {
-        find_products(am[p], &one, &both, p);
-        find_products(bm[p], &other, &both, p);
+        find_products(am[p], &one, &both, p, LANES);
+        find_products(bm[p], &other, &both, p, LANES);
     }
     for (int i = 0; i < LANES; i++) {
         const float v = share[i], w = 1 - v, x = one.f[OPACITY][i], y = other.f[OPACITY][i], z = both.f[OPACITY][i];
@@ -314,86 +315,98 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
 
 /* ---- The nearest ------------------------------------------------------------------------------------------------- */
 
-static void find_cells(fxs_merger *m)
+static uint32_t spread_bits(uint32_t x)
 {
-    for (uint32_t cell = 0; cell * LEAF < m->count; cell++)
-        for (int k = 0; k < 3; k++) {
-            float low = INFINITY, high = -INFINITY;
-            for (uint32_t i = 0; i < LEAF; i++) {
-                const uint32_t g = cell * LEAF + i;
-                const float x = g < m->count ? m->fields[g][X + k] : INFINITY;
-                m->places[cell][k][i] = x;
-                low = x < low ? x : low;
-                high = g < m->count && x > high ? x : high;
-            }
-            m->low[k][cell] = low;
-            m->high[k][cell] = high;
+    x = (x | x << 16) & 0x30000ff;
+    x = (x | x << 8) & 0x300f00f;
+    x = (x | x << 4) & 0x30c30c3;
+    return (x | x << 2) & 0x9249249;
+}
+
+static int compare_keys(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Orders the Gaussians along a Morton curve of 10 bits an axis, in a cube that is twice as wide as theirs and begins
+   `shift` of its width before it, 0 to 1/2. */
+static void find_order(fxs_merger *m, float shift)
+{
+    float low[3], width = LEAST;
+    uint64_t keys[MOST];
+    for (int k = 0; k < 3; k++) {
+        float high = low[k] = m->fields[0][X + k];
+        for (uint32_t i = 1; i < m->count; i++) {
+            low[k] = smaller(low[k], m->fields[i][X + k]);
+            high = larger(high, m->fields[i][X + k]);
         }
+        width = larger(width, high - low[k]);
+    }
+    for (uint32_t i = 0; i < m->count; i++) {
+        uint32_t code = 0;
+        for (int k = 0; k < 3; k++)
+            code |= spread_bits((uint32_t)(int32_t)((m->fields[i][X + k] - low[k]) / width * 511 + shift * 1023)) << k;
+        keys[i] = (uint64_t)code << 32 | i;
+    }
+    qsort(keys, m->count, sizeof *keys, compare_keys);
+    for (uint32_t i = 0; i < m->count; i++) {
+        m->order[i] = (uint16_t)keys[i];
+        for (int k = 0; k < 3; k++)
+            m->places[k][i] = m->fields[m->order[i]][X + k];
+    }
+    for (uint32_t i = m->count; i < m->count + WINDOW; i++)
+        for (int k = 0; k < 3; k++)
+            m->places[k][i] = INFINITY;
 }
 
-/* The squared distances of a place from all cells. */
-static void find_distances(const fxs_merger *m, const float at[3], float distances[CELLS])
+/* `which` is a candidate of Gaussian `of`, nearest first, where it is nearer than another. */
+static void take(fxs_merger *m, uint32_t of, uint32_t which, float distance)
 {
-    for (int i = 0; i < CELLS; i++) {
-        const float x = larger(larger(m->low[0][i] - at[0], at[0] - m->high[0][i]), 0);
-        const float y = larger(larger(m->low[1][i] - at[1], at[1] - m->high[1][i]), 0);
-        const float z = larger(larger(m->low[2][i] - at[2], at[2] - m->high[2][i]), 0);
-        distances[i] = x * x + y * y + z * z;
+    float *distances = m->distances[of];
+    uint16_t *nearest = m->nearest[of];
+    const uint32_t count = m->nearest_count[of];
+    uint32_t at = count < NEAREST ? count : NEAREST - 1;
+    if (count == NEAREST && !(distance < distances[at]))
+        return;
+    for (uint32_t k = 0; k < count; k++)
+        if (nearest[k] == which)
+            return;
+    m->nearest_count[of] = (uint8_t)(at + 1);
+    for (; at > 0 && distance < distances[at - 1]; at--) {
+        distances[at] = distances[at - 1];
+        nearest[at] = nearest[at - 1];
+    }
+    distances[at] = distance;
+    nearest[at] = (uint16_t)which;
+}
+
+/* Of those that lie near each other on the curve. */
+static void look_along(fxs_merger *m)
+{
+    for (uint32_t i = 0; i < m->count; i++) {
+        float distances[WINDOW];
+        for (int k = 0; k < WINDOW; k++) {
+            const float x = m->places[0][i + 1 + (uint32_t)k] - m->places[0][i],
+                        y = m->places[1][i + 1 + (uint32_t)k] - m->places[1][i],
+                        z = m->places[2][i + 1 + (uint32_t)k] - m->places[2][i];
+            distances[k] = x * x + y * y + z * z;
+        }
+        for (uint32_t k = 0; k < WINDOW && i + 1 + k < m->count; k++) {
+            take(m, m->order[i], m->order[i + 1 + k], distances[k]);
+            take(m, m->order[i + 1 + k], m->order[i], distances[k]);
+        }
     }
 }
 
-/* The nearest that were found, nearest first. */
-typedef struct found {
-    float distances[NEAREST];
-    uint16_t *which;
-    uint32_t count;
-    float limit;                       /* the distance of the last of NEAREST, or infinite */
-} found;
-
-static void take(found *f, float distance, uint32_t which)
+/* Finds the candidates of each Gaussian, by distance. A curve has seams; what they part is together on the other. */
+static void find_nearest(fxs_merger *m)
 {
-    uint32_t at = f->count < NEAREST ? f->count++ : NEAREST - 1;
-    for (; at > 0 && distance < f->distances[at - 1]; at--) {
-        f->distances[at] = f->distances[at - 1];
-        f->which[at] = f->which[at - 1];
+    memset(m->nearest_count, 0, sizeof m->nearest_count);
+    for (int curve = 0; curve < CURVES; curve++) {
+        find_order(m, 0.3f * (float)curve);
+        look_along(m);
     }
-    f->distances[at] = distance;
-    f->which[at] = (uint16_t)which;
-    f->limit = f->count == NEAREST ? f->distances[NEAREST - 1] : INFINITY;
-}
-
-static void look_into(const fxs_merger *m, uint32_t cell, uint32_t of, found *f)
-{
-    const float *at = m->fields[of];
-    float distances[LEAF];
-    for (int i = 0; i < LEAF; i++) {
-        const float x = m->places[cell][0][i] - at[X], y = m->places[cell][1][i] - at[Y],
-                    z = m->places[cell][2][i] - at[Z];
-        distances[i] = x * x + y * y + z * z;
-    }
-    float least = distances[0];
-    for (int i = 1; i < LEAF; i++)
-        least = smaller(least, distances[i]);
-    for (uint32_t i = 0; i < LEAF && least < f->limit; i++)
-        if (distances[i] < f->limit && cell * LEAF + i != of)
-            take(f, distances[i], cell * LEAF + i);
-}
-
-/* Finds the candidates of a Gaussian, by distance. */
-static void find_nearest(fxs_merger *m, uint32_t of)
-{
-    float distances[CELLS];
-    found f = {.which = m->nearest[of], .limit = INFINITY};
-    const uint32_t own = of / LEAF, cells = (m->count + LEAF - 1) / LEAF;
-    find_distances(m, m->fields[of], distances);
-    look_into(m, own, of, &f);
-    for (uint32_t cell = 0; cell < cells; cell++)
-        if (distances[cell] == 0 && cell != own)
-            look_into(m, cell, of, &f);
-    for (uint32_t cell = 0; cell < cells; cell++)
-        if (distances[cell] < f.limit && distances[cell] > 0)
-            look_into(m, cell, of, &f);
-    m->nearest_count[of] = (uint8_t)f.count;
 }
 
 /* ---- Pairs ------------------------------------------------------------------------------------------------------- */
@@ -497,12 +510,20 @@ static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
 void fxs_merge_begin(fxs_merger *m, int sh_degree)
 {
     m->count = 0;
-    m->sh_count = (3 * (uint32_t)FXS_SH_COUNT(sh_degree) + STRIDE - 1) / STRIDE * STRIDE;
+    m->sh_count = 3 * (uint32_t)FXS_SH_COUNT(sh_degree);
+}
+
+static void compare_sh(fxs_merger *m, uint32_t i)
+{
+    for (uint32_t k = 0; k < 9 && m->sh_count; k++)
+        m->compared[i][k] = m->sh[i][k];
+    m->fields[i][SQUARE] = dot(m->compared[i], m->compared[i]);
 }
 
 static void add(fxs_merger *m, const fxs_coarse *c)
 {
     const uint32_t i = m->count++;
+    memset(m->compared[i], 0, sizeof m->compared[i]);
     m->from[i] = c;
     m->into[i] = (uint16_t)i;
     m->age[i] = 0;
@@ -515,8 +536,8 @@ static void add(fxs_merger *m, const fxs_coarse *c)
     for (int k = 0; k < 3; k++)
         m->fields[i][COLOUR + k] = (float)fxs_colour_of_dc(c->gaussian.dc[k]);
     for (uint32_t k = 0; k < m->sh_count; k++)
-        m->sh[i][k] = k < 45 ? (float)FXS_SH_0 * c->gaussian.sh[k] : 0;
-    m->fields[i][SQUARE] = dot(m->sh[i], m->sh[i], m->sh_count);
+        m->sh[i][k] = (float)FXS_SH_0 * c->gaussian.sh[k];
+    compare_sh(m, i);
 }
 
 void fxs_merge_add(fxs_merger *m, const fxs_coarse *gaussians, uint32_t count)
@@ -548,7 +569,7 @@ static void find_all_roots(fxs_merger *m)
         for (uint32_t i = 0; i < count; i++)
             of[i] = (uint16_t)(first + i);
         gather(m, &several, of, count);
-        find_roots(&several);
+        find_roots(&several, LANES);
         for (int p = 0; p < PLANES; p++)
             for (uint32_t i = 0; i < count; i++)
                 m->fields[first + i][ROOT + p] = several.f[ROOT + p][i];
@@ -559,19 +580,20 @@ static void merge(fxs_merger *m, uint32_t a, uint32_t b, double error, fxs_merge
 {
     group one, other, both;
     lanes share, products[PLANES];
-    const uint16_t of[2] = {(uint16_t)a, (uint16_t)b};
-    gather(m, &one, of, 1);
-    gather(m, &other, of + 1, 1);
+    for (int k = 0; k < FIELDS; k++) {
+        one.f[k][0] = m->fields[a][k];
+        other.f[k][0] = m->fields[b][k];
+    }
     for (int p = 0; p < PLANES; p++)
-        find_products(products[p], &one, &other, p);
-    join(&both, share, &one, &other, products);
+        find_products(products[p], &one, &other, p, 1);
+    join(&both, share, &one, &other, products, 1);
     for (int k = 0; k < COLOUR; k++)
         m->fields[a][k] = both.f[k][0];
     for (int k = COLOUR; k < SQUARE; k++)
         m->fields[a][k] = share[0] * m->fields[a][k] + (1 - share[0]) * m->fields[b][k];
     for (uint32_t k = 0; k < m->sh_count; k++)
         m->sh[a][k] = share[0] * m->sh[a][k] + (1 - share[0]) * m->sh[b][k];
-    m->fields[a][SQUARE] = dot(m->sh[a], m->sh[a], m->sh_count);
+    compare_sh(m, a);
     sums->error += error;
     sums->size += error * both.f[AREA][0];
     m->into[b] = (uint16_t)a;
@@ -603,9 +625,7 @@ static pair take_best(fxs_merger *m)
 static void coarsen(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
 {
     find_all_roots(m);
-    find_cells(m);
-    for (uint32_t i = 0; i < m->count; i++)
-        find_nearest(m, i);
+    find_nearest(m);
     for (uint32_t i = 0; i < m->count; i++)
         find_surroundings(m, i);
     find_pairs(m);
