@@ -74,7 +74,7 @@ static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progre
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pool *pool = threads ? fxs_pool_create(threads) : 0;
-    fxs_pack_options options = {profile, pool ? fxs_pool_run : 0, pool, threads, progress, argument, allocator};
+    fxs_pack_options options = {profile, pool ? fxs_pool_run : 0, pool, threads, progress, argument, allocator, 0};
     message.text[0] = 0;
     int result = fxs_scene_file_open(name, NULL, &file, &info, &message);
     if (!result) {
@@ -1133,7 +1133,7 @@ static fxs_order_entry *order(uint32_t count, uint32_t threads, int kind)
 {
     static fxs_order_entry entries[MAX_COUNT];
     fxs_pool *pool = fxs_pool_create(threads);
-    const fxs_pack_options options = {FXS_PROFILE_DEFAULT, fxs_pool_run, pool, threads, 0, 0, 0};
+    const fxs_pack_options options = {FXS_PROFILE_DEFAULT, fxs_pool_run, pool, threads, 0, 0, 0, 0};
     seed = count;
     for (uint32_t i = 0; i < count; i++) {
         for (int k = 0; k < 3; k++)

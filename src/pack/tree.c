@@ -246,7 +246,7 @@ static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
     fxs_ranges_clear(&ranges);
     for (uint32_t i = 0; i < h->count; i++) {
         fxs_hold_scales(&h->gaussians[i].gaussian);
-        fxs_ranges_take(&ranges, &h->gaussians[i].gaussian, t->encoder.sh_degree);
+        fxs_ranges_take(&ranges, &h->gaussians[i].gaussian, (double)h->gaussians[i].opacity, t->encoder.sh_degree);
     }
     for (int i = 0; i < 3; i++)        /* so that a node is seen wherever one below it is */
         widen_range(&ranges.position[i], &h->reach[i]);
@@ -256,11 +256,12 @@ static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
     memset(w->records, 0, s->chunk_bytes);
     for (uint32_t i = 0; i < h->count; i++) {
         const fxs_gaussian *g = &h->gaussians[i].gaussian;
+        const double opacity = (double)h->gaussians[i].opacity;
         unsigned char record[FXS_RECORD_BYTES] = {0};
-        fxs_encode(&t->encoder, &chunk, g, record, &loss);
+        fxs_encode(&t->encoder, &chunk, g, opacity, record, &loss);
         memcpy(w->records + i * bytes, record, bytes);
         if (t->palette)
-            fxs_sh_item_set(&w->items[i], g, fxs_opacity(g), t->encoder.sh_degree);
+            fxs_sh_item_set(&w->items[i], g, opacity, t->encoder.sh_degree);
     }
     if (t->palette)
         fxs_palette_code_chunk(t->palette, w->items, h->count, chunk.sh_mean,
