@@ -1,5 +1,5 @@
 /* libFuzzer target: Gaussians of any floats, packed. What comes out opens, in each profile. The first byte is the
-   profile and the SH degree; the rest are the records of a .ply. */
+   profile, the SH degree and whether there are levels of detail; the rest are the records of a .ply. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,13 +38,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fxs_scene scene;
     if (size < 1 || size > MOST)
         return 0;
-    const fxs_pack_options options = {.profile = (enum fxs_profile)(data[0] % 3)};
+    const fxs_pack_options options = {.profile = (enum fxs_profile)(data[0] % 3), .tree = data[0] / 12 % 2};
     size = make_ply(ply, data[0] / 3 % 4, data + 1, size - 1);
     if (fxs_scene_file_open_memory("fuzz", ply, size, NULL, &file, &info, &message))
         return 0;
     if (fxs_pack(file, &info, &packed, &report, &options, &message) == 0) {
         if (fxs_scene_open(&scene, packed.data, packed.bytes) || scene.count != report.packed ||
-            packed.bytes > 8 * fxs_pack_bytes(&info, options.profile))
+            packed.bytes > 16 * fxs_pack_bytes(&info, options.profile))
             abort();
         fxs_packed_scene_free(&packed);
     } else if (strchr(message.text, '\n')) {

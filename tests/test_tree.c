@@ -206,6 +206,101 @@ static void few(void)
     }
 }
 
+/* ---- Faults ------------------------------------------------------------------------------------------------------ */
+
+/* Numbers of any size: every chunk of the tree is in range, and so is its mean place. */
+static void extremes(void)
+{
+    static const float sizes[] = {1e-30f, 1e-10f, 1e-3f, 1, 60, 1e4f, 1e8f, 1e30f};
+    for (uint32_t round = 0; round < 12; round++) {
+        fxs_packed_scene packed;
+        fxs_scene scene;
+        uint32_t state = round;
+        for (int i = 0; i < COUNT; i++) {
+            float *values = (float *)&made[i];
+            for (size_t k = 0; k < sizeof made[i] / sizeof(float); k++) {
+                state = state * 1664525 + 1013904223;
+                values[k] = ((float)(state >> 8) / 8388608 - 1) * sizes[(state >> 5 & 7) % (2 + round % 7)];
+            }
+        }
+        if (!pack(&packed, &scene, COUNT, &(fxs_pack_options){.tree = 1, .profile = (enum fxs_profile)(round % 3)}))
+            continue;
+        for (uint32_t i = 0; i < fxs_scene_chunks(&scene); i++) {
+            fxs_chunk chunk;
+            CHECK(!fxs_chunk_read(&chunk, &scene, i));
+        }
+        for (uint32_t i = 0; i + 1 < scene.chunk_count; i++) {
+            fxs_node node;
+            CHECK(!fxs_node_read(&node, &scene, i));
+        }
+        fxs_packed_scene_free(&packed);
+    }
+    make();
+}
+
+static int live, allocations, failing;
+
+static void *count_allocation(void *argument, size_t size_wanted)
+{
+    (void)argument;
+    void *block = ++allocations > failing ? NULL : malloc(size_wanted);
+    live += block != NULL;
+    return block;
+}
+
+static void count_release(void *argument, void *block)
+{
+    (void)argument;
+    live--;
+    free(block);
+}
+
+static int try_pack(const fxs_pack_options *options)
+{
+    const fxs_gaussian_source source = {COUNT, 3, 0, read_made, NULL};
+    fxs_packed_scene packed;
+    fxs_pack_report report;
+    if (!CHECK(!fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &message)))
+        return 0;
+    const int error = fxs_pack(file, &info, &packed, &report, options, &message);
+    fxs_scene_file_close(file);
+    CHECK(!error == !!packed.data);
+    fxs_packed_scene_free(&packed);
+    CHECK(live == 0);
+    return error;
+}
+
+static void allocations_fail(void)
+{
+    static const fxs_allocator counting = {count_allocation, count_release, 0};
+    int error = FXS_ERR_MEMORY;
+    for (failing = 0; error && failing < 100; failing++) {
+        allocations = 0;
+        error = try_pack(&(fxs_pack_options){.tree = 1, .allocator = &counting});
+        CHECK(!error || (error == FXS_ERR_MEMORY && strstr(message.text, "out of memory")));
+    }
+    CHECK(!error && failing > 15);
+}
+
+static double stop_from;
+
+static int stop(void *argument, double done)
+{
+    double *last = argument;
+    CHECK(done >= *last && done <= 1);
+    *last = done;
+    return done >= stop_from;
+}
+
+static void stopped(void)
+{
+    for (stop_from = 0; stop_from < 1.1; stop_from += 0.1) {
+        double last = 0;
+        const int error = try_pack(&(fxs_pack_options){.tree = 1, .progress = stop, .argument = &last});
+        CHECK(error == (stop_from > 1 ? 0 : FXS_ERR_STOPPED) && (error || last == 1));
+    }
+}
+
 /* ---- The file ---------------------------------------------------------------------------------------------------- */
 
 /* Written and read, and every byte that is changed is found; the leaves are read as without the tree. */
@@ -260,6 +355,9 @@ int main(void)
     RUN_AS("threads_compact", check_threads(FXS_PROFILE_COMPACT));
     RUN_AS("threads_small", check_threads(FXS_PROFILE_SMALL));
     RUN(few);
+    RUN(extremes);
+    RUN(allocations_fail);
+    RUN(stopped);
     RUN(in_a_file);
     return check_report();
 }

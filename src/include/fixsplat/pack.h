@@ -60,8 +60,8 @@ typedef struct fxs_pack_options {
     void *argument;           /* first argument of progress */
     const fxs_allocator *allocator;   /* for all memory but the file reader's; null: malloc. Must outlive the scene */
     int tree;                 /* 1: with a tree of levels of detail over the chunks, where there are two or more. It
-                                 makes the packed scene about twice as large, and takes 1 MB more for each thread, 6 MB,
-                                 and 60 bytes a chunk while it is built */
+                                 makes the packed scene about twice as large, and takes 2 MB more for each thread, 6 MB
+                                 and 120 bytes a chunk while it is built */
 } fxs_pack_options;
 
 /* The bytes of a file's packed scene, without a tree, if no Gaussian is left out and its chunks are full. They are known before the
