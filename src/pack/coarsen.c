@@ -10,7 +10,6 @@
 #include "coarsen.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <fixsplat/packed.h>
@@ -323,10 +322,25 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x9249249;
 }
 
-static int compare_keys(const void *a, const void *b)
+/* Sorts by keys of 30 bits, ten bits a pass; equal ones stay in their order. */
+static void sort_by_keys(uint16_t order[MOST], const uint32_t keys[MOST], uint32_t count)
 {
-    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
+    uint16_t other[MOST], *from = order, *to = other;
+    for (uint32_t i = 0; i < count; i++)
+        order[i] = (uint16_t)i;
+    for (int shift = 0; shift < 30; shift += 10) {
+        uint16_t starts[1025] = {0};
+        for (uint32_t i = 0; i < count; i++)
+            starts[(keys[i] >> shift & 1023) + 1]++;
+        for (int k = 1; k < 1024; k++)
+            starts[k] = (uint16_t)(starts[k] + starts[k - 1]);
+        for (uint32_t i = 0; i < count; i++)
+            to[starts[keys[from[i]] >> shift & 1023]++] = from[i];
+        uint16_t *const sorted = to;
+        to = from;
+        from = sorted;
+    }
+    memcpy(order, other, count * sizeof *order);
 }
 
 /* Orders the Gaussians along a Morton curve of 10 bits an axis, in a cube that is twice as wide as theirs and begins
@@ -334,7 +348,7 @@ static int compare_keys(const void *a, const void *b)
 static void find_order(fxs_merger *m, float shift)
 {
     float low[3], width = LEAST;
-    uint64_t keys[MOST];
+    uint32_t keys[MOST];
     for (int k = 0; k < 3; k++) {
         float high = low[k] = m->fields[0][X + k];
         for (uint32_t i = 1; i < m->count; i++) {
@@ -347,14 +361,12 @@ static void find_order(fxs_merger *m, float shift)
         uint32_t code = 0;
         for (int k = 0; k < 3; k++)
             code |= spread_bits((uint32_t)(int32_t)((m->fields[i][X + k] - low[k]) / width * 511 + shift * 1023)) << k;
-        keys[i] = (uint64_t)code << 32 | i;
+        keys[i] = code;
     }
-    qsort(keys, m->count, sizeof *keys, compare_keys);
-    for (uint32_t i = 0; i < m->count; i++) {
-        m->order[i] = (uint16_t)keys[i];
+    sort_by_keys(m->order, keys, m->count);
+    for (uint32_t i = 0; i < m->count; i++)
         for (int k = 0; k < 3; k++)
             m->places[k][i] = m->fields[m->order[i]][X + k];
-    }
     for (uint32_t i = m->count; i < m->count + WINDOW; i++)
         for (int k = 0; k < 3; k++)
             m->places[k][i] = INFINITY;

@@ -126,6 +126,12 @@ for bad in 1,2 1,2,3,1,2,3 1,2,3,4,5,6,0.5 none.json; do
     fails "--start-view $bad" 2 "start-view.*" convert knot.ply x.fxs --start-view $bad
     check "--start-view $bad: nothing is written" test ! -e x.fxs
 done
+succeeds "--levels" convert knot.ply levels.fxs --levels
+succeeds "--levels: every checksum" info levels.fxs
+succeeds "--levels: read again" convert levels.fxs leaves.fxs
+succeeds "--levels: without" convert plain.fxs again.fxs
+check "--levels: the leaves are those of the file without" cmp leaves.fxs again.fxs
+fails "--levels of a .ply" 2 "--levels is for .fxs" convert knot.ply x.ply --levels
 fails "--start-view of a .ply" 2 "--start-view is for .fxs" convert knot.ply x.ply --start-view 1,2,3,4,5,6
 
 # ---- Leaving out -----------------------------------------------------------------------------------------------------
