@@ -92,7 +92,7 @@ static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, u
     }
     fxs_node node;
     memcpy(&node, scene->nodes + (size_t)(chunk - scene->chunk_count) * sizeof node, sizeof node);
-    fxs_words_turn(&node, sizeof node / 4);
+    fxs_node_turn(&node);
     for (int i = 0; i < 2; i++)
         walk(scene, node.children[i], drawn, whole, to);
 }
@@ -101,7 +101,9 @@ static void walk(const fxs_scene *scene, uint32_t chunk, const int32_t *drawn, u
 static uint32_t cut_of(const fxs_scene *scene, fxs_camera camera, uint32_t budget, uint32_t detail_q8, int32_t *shares)
 {
     unsigned char pixels[4];
-    const fxs_object object = one_object(scene);
+    fxs_scene compensated = *scene;
+    compensated.antialiased = 1;             /* so that shares do not grow with the distance */
+    const fxs_object object = one_object(&compensated);
     fxs_request request = request_of(&object, 1, camera, budget, pixels);
     fxs_context context;
     fxs_frame f;
@@ -159,7 +161,7 @@ static void mark_depths(const fxs_scene *scene, uint32_t chunk, uint8_t depth, u
     }
     fxs_node node;
     memcpy(&node, scene->nodes + (size_t)(chunk - scene->chunk_count) * sizeof node, sizeof node);
-    fxs_words_turn(&node, sizeof node / 4);
+    fxs_node_turn(&node);
     for (int i = 0; i < 2; i++)
         mark_depths(scene, node.children[i], (uint8_t)(depth + 1), deepest, drawn, to);
 }

@@ -231,7 +231,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     const uint32_t early = scene->chunk_bytes < FXS_ROW_SH ? scene->chunk_bytes : FXS_ROW_SH;
     fetch_rows(&b, fxs_rows(scene, chunk), 0, early);
     fetch_rows(&b, fxs_rows(scene, chunk), early, scene->chunk_bytes);
-    if (share_q8 < 256) {
+    if (share_q8 != 256) {
         b.offsets_q11[g] = (uint16_t)fxs_share_of_q11(offsets_q11[g], share_q8);
         offsets_q11 = b.offsets_q11;
     }

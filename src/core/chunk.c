@@ -19,7 +19,7 @@ FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t
 FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i)
 {
     memcpy(node, scene->nodes + (size_t)i * sizeof *node, sizeof *node);
-    fxs_words_turn(node, sizeof *node / 4);
+    fxs_node_turn(node);
     return fxs_node_valid(node, scene->chunk_count, i) ? 0 : FXS_ERR_SCENE;
 }
 

@@ -59,8 +59,8 @@ static inline const uint16_t *fxs_offsets_of(const fxs_view *view, const fxs_chu
     return view->offsets_q11 ? view->offsets_q11 : fxs_offset_of_code_q11[cv->opacity_law];
 }
 
-/* The offset of an opacity of which a share is drawn, 1 to 255 of 256 of the optical depth: 1 - (1 - opacity)^share; at
-   most FXS_FAINT_Q11 + 1. */
+/* The offset of an opacity of which a share is drawn, 1 to 4096 of 256 of the optical depth: 1 - (1 - opacity)^share;
+   at most FXS_FAINT_Q11 + 1. */
 FXS_STAGE uint32_t fxs_share_of_q11(uint32_t offset_q11, uint32_t share_q8);
 
 /* Copies a chunk's header and checks its ranges, on which project and shade rely: the scene's bytes may have changed

@@ -27,6 +27,8 @@
 #define VISITS 4u                  /* for each chunk that may be drawn, and MORE_VISITS */
 #define MORE_VISITS 64u
 #define UNLIMITED_Q8 (1 << 24)
+#define DILATION_Q8 (-445)         /* log2 of 0.3 pixels^2 */
+#define SHARE_MOST_Q8 4096         /* of a node that is seen from afar */
 
 /* A chunk that the camera sees and the cut has come to. */
 typedef struct visit {
@@ -35,6 +37,7 @@ typedef struct visit {
     int32_t key_q8;                /* at most the parent's, */
     int32_t room_q8;               /* log2 of its size beyond the detail that is wanted: at most the parent's */
     uint32_t share_q8;             /* of what is drawn of it and of all below it, as its parent fades into it */
+    uint32_t swell_q8;             /* by how much its optical depth grows */
     uint8_t opened;
     uint8_t short_of;              /* something that is to be drawn in its place is not there */
     uint8_t needed;                /* it is to be drawn, */
@@ -136,14 +139,31 @@ static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
     return (fxs_log2_q16(square | 1) >> 9) + (shift - 32) * 256;
 }
 
-/* Fills in the key and the size in pixels of a node, both log2. */
-static void measure(const fxs_view *view, const fxs_chunk *chunk, const fxs_node *node, int32_t *key_q8,
-                    int32_t *size_q8)
+/* log2 of the pixels of a unit where the chunk is nearest. */
+static int32_t log2_pixels_q8(const fxs_view *view, const fxs_chunk *chunk)
 {
     const int64_t focal_q12 = view->fx_q12 > view->fy_q12 ? view->fx_q12 : view->fy_q12;
-    const int32_t pixels_q8 = (fxs_log2_q16((uint64_t)focal_q12) >> 8) - 12 * 256 - log2_distance_q8(view, chunk);
-    *size_q8 = node->size_q8 + pixels_q8;
-    *key_q8 = node->gain_q8 + 2 * pixels_q8 + BLUR * fxs_min(0, *size_q8 - BLURRED_Q8);
+    return (fxs_log2_q16((uint64_t)focal_q12) >> 8) - 12 * 256 - log2_distance_q8(view, chunk);
+}
+
+/* 2^x, Q16, of x from -16 to 20. */
+static uint64_t exp2_q16(int32_t x_q8)
+{
+    const int32_t x = fxs_clamp(x_q8, -16 * 256, 20 * 256), below_q15 = ((256 - (x & 255)) & 255) << 7;
+    const int32_t whole = (x >> 8) + (below_q15 ? 1 : 0);
+    const uint64_t mantissa_q16 = (uint64_t)fxs_exp2_q15(below_q15) << 1;
+    return whole < 0 ? mantissa_q16 >> -whole : mantissa_q16 << whole;
+}
+
+/* The dilation adds 0.3 pixels^2 to the area of every Gaussian, so from afar what small ones take of the light grows,
+   and that of a few coarse ones in their place less: (area + 0.3 swell) / (area + 0.3) of the node's own makes up for
+   it. Not where the opacity is compensated for the dilation. */
+static uint32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
+{
+    const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;
+    const uint64_t swollen = ((uint64_t)1 << 16) + exp2_q16(dilation_q8 + node->swell_q8);
+    const uint64_t swell_q8 = (swollen << 8) / (((uint64_t)1 << 16) + exp2_q16(dilation_q8));
+    return view->antialiased || swell_q8 < 256 ? 256 : swell_q8 < SHARE_MOST_Q8 ? (uint32_t)swell_q8 : SHARE_MOST_Q8;
 }
 
 /* Adds a chunk where an eye sees it. */
@@ -151,7 +171,8 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
 {
     const fxs_cut *cut = s->cut;
     const fxs_scene *scene = cut->objects[object].scene;
-    visit v = {.chunk = chunk, .object = object, .parent = parent, .key_q8 = INT32_MIN, .room_q8 = INT32_MIN};
+    visit v = {.chunk = chunk, .object = object, .parent = parent, .swell_q8 = 256};
+    int32_t pixels_q8 = INT32_MIN / 8;
     fxs_chunk header;
     fxs_node node;
     int seen = 0;
@@ -161,7 +182,6 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
     for (uint32_t eye = 0; eye < cut->eye_count && !s->error; eye++) {
         fxs_chunk_view cv;
         fxs_view view = cut->views[eye][object].view;
-        int32_t key_q8, size_q8;
         if (!cut->options->budget_of_window)
             fxs_view_of_whole(&view, cut->cameras[eye]);
         const int found = fxs_chunk_view_init(&cv, &view, scene, chunk);
@@ -171,9 +191,10 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
         seen = 1;
         if (chunk < scene->chunk_count)
             continue;
-        measure(&view, &header, &node, &key_q8, &size_q8);
-        v.key_q8 = key_q8 > v.key_q8 ? key_q8 : v.key_q8;
-        v.room_q8 = size_q8 > v.room_q8 ? size_q8 : v.room_q8;
+        const int32_t pixels = log2_pixels_q8(&view, &header);
+        if (pixels > pixels_q8)
+            v.swell_q8 = swell_of(&view, &node, pixels);
+        pixels_q8 = pixels > pixels_q8 ? pixels : pixels_q8;
     }
     if (!seen || s->error)
         return;
@@ -181,8 +202,12 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
         s->full = 1;
         return;
     }
-    const uint32_t detail_q8 = cut->options->detail_q8;
-    v.room_q8 = detail_q8 ? v.room_q8 - ((fxs_log2_q16(detail_q8) >> 8) - 8 * 256) : UNLIMITED_Q8;
+    if (chunk >= scene->chunk_count) {
+        const int32_t size_q8 = node.size_q8 + pixels_q8;
+        const uint32_t detail_q8 = cut->options->detail_q8;
+        v.key_q8 = node.gain_q8 + 2 * pixels_q8 + BLUR * fxs_min(0, size_q8 - BLURRED_Q8);
+        v.room_q8 = detail_q8 ? size_q8 - ((fxs_log2_q16(detail_q8) >> 8) - 8 * 256) : UNLIMITED_Q8;
+    }
     if (parent != FXS_NOTHING) {
         v.key_q8 = fxs_min(v.key_q8, s->visits[parent].key_q8);
         v.room_q8 = fxs_min(v.room_q8, s->visits[parent].room_q8);
@@ -336,7 +361,7 @@ static void list_drawn(search *s)
         v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
         if (v->needed && !v->hidden)
             cut->drawn[cut->count++] = (fxs_drawn){cut->views[0][v->object].first_chunk + v->chunk,
-                                                   own_share_q8(s, v)};
+                                                   (own_share_q8(s, v) * v->swell_q8 + 255) >> 8};
     }
     sort_by_chunk(cut->drawn, cut->count);
 }

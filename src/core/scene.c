@@ -67,7 +67,7 @@ static int open_tree(fxs_scene *scene, const unsigned char *start, uint64_t byte
         return FXS_ERR_SCENE;
     const tree_layout l = lay_out_tree(nodes, scene->chunk_bytes);
     memcpy(&h, start, sizeof h);
-    fxs_words_turn(&h, sizeof h / 4);
+    fxs_tree_header_turn(&h);
     if (h.magic != FXS_TREE_MAGIC || h.node_count != nodes || bytes < l.bytes)
         return FXS_ERR_SCENE;
     scene->nodes = start + sizeof h;

@@ -566,7 +566,7 @@ size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile)
 static void begin_tree(unsigned char *to, uint32_t nodes)
 {
     fxs_tree_header header = {.magic = FXS_TREE_MAGIC, .node_count = nodes};
-    fxs_words_turn(&header, sizeof header / 4);
+    fxs_tree_header_turn(&header);
     memcpy(to, &header, sizeof header);
 }
 

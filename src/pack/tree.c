@@ -21,18 +21,22 @@ enum {
 };
 
 #define NONE UINT32_MAX
+#define SEEN 0.55                      /* of a Gaussian's area (coarsen.h) what is seen in the mean: 0.5 of a disc, 0.58 of
+                                          a ball */
 
 typedef struct node {
     uint32_t first, leaves;            /* a run of leaves */
     uint32_t children[2];              /* places of nodes; a leaf's number plus the number of nodes */
     uint32_t parent, number;
     double error, size;                /* fxs_merge_error */
+    double opacity, own, area;         /* sums of opacities: of the leaves below, of its own Gaussians, times area */
 } node;
 
 /* Coarse Gaussians of a node, or those of a leaf. */
 typedef struct held {
     fxs_coarse gaussians[FXS_CHUNK];
     uint32_t count;
+    double opacity;                    /* the sum of that of all leaves below that are drawn */
     fxs_range reach[3];                /* of the centres of all that lies below, by the chunks' headers, */
     float scale;                       /* and log2 of their largest sigma */
 } held;
@@ -211,12 +215,15 @@ static void read_leaf(const tree *t, uint32_t leaf, held *to)
     memcpy(&chunk, s->chunks + (size_t)leaf * sizeof chunk, sizeof chunk);
     fxs_chunk_turn(&chunk);
     find_reach(to, &chunk);
+    to->opacity = 0;
     to->count = 0;
     for (uint32_t g = 0; g < FXS_CHUNK; g++)
         if (!fxs_slot_is_empty(s, rows, g)) {
             fxs_gaussian gaussian;
             fxs_decode(s, &chunk, rows, g, &gaussian);
-            fxs_coarse_set(&to->gaussians[to->count++], &gaussian);
+            fxs_coarse_set(&to->gaussians[to->count], &gaussian);
+            const double opacity = (double)to->gaussians[to->count++].opacity;
+            to->opacity += opacity > 1 / 255.5 ? opacity : 0;
         }
 }
 
@@ -283,6 +290,12 @@ static void merge_children(tree *t, worker *w, uint32_t place, held *first, cons
     out->count = fxs_merge_end(w->merger, FXS_CHUNK, out->gaussians, &error);
     n->error = error.error;
     n->size = error.size;
+    first->opacity += second->opacity;
+    n->opacity = first->opacity;
+    for (uint32_t i = 0; i < out->count; i++) {
+        n->own += (double)out->gaussians[i].opacity;
+        n->area += SEEN * (double)out->gaussians[i].opacity * (double)out->gaussians[i].area;
+    }
     copy_sorted(first, out);
     for (int i = 0; i < 3; i++)
         widen_range(&first->reach[i], &second->reach[i]);
@@ -480,10 +493,13 @@ static int write_nodes(const tree *t)
     pool_gains(t, groups);
     for (uint32_t i = 0; i < t->count; i++) {
         const node *n = &t->nodes[i];
+        const double swell = n->own > 0 ? n->opacity / n->own : 1;
         fxs_node out = {{number_of(t, n->children[0]), number_of(t, n->children[1])},
-                        log2_of(gain_of(&groups[i]), 256, FXS_GAIN_MOST_Q8),
-                        n->error > 0 ? log2_of(n->size / n->error, 128, FXS_NODE_SIZE_MOST_Q8) : 0};
-        fxs_words_turn(&out, sizeof out / 4);
+                        (int16_t)log2_of(gain_of(&groups[i]), 256, INT16_MAX),
+                        (int16_t)(n->error > 0 ? log2_of(n->size / n->error, 128, INT16_MAX) : 0),
+                        (int16_t)(n->own > 0 ? log2_of(n->area / n->own, 256, INT16_MAX) : 0),
+                        (uint16_t)(swell > 1 ? log2_of(swell, 256, FXS_SWELL_MOST_Q8) : 0)};
+        fxs_node_turn(&out);
         memcpy(to + (size_t)n->number * sizeof out, &out, sizeof out);
     }
     fxs_release(t->options->allocator, groups);

@@ -110,13 +110,13 @@ typedef struct fxs_tree_header {     /* 64 bytes */
    nodes in their order, so that of node i has number chunk_count + i. A node comes before its children. */
 typedef struct fxs_node {            /* 16 bytes */
     uint32_t children[2];            /* numbers of chunks */
-    int32_t gain_q8;                 /* log2 of the squared error, in colours^2 units^2, that the children remove; within
-                                        +-FXS_GAIN_MOST_Q8 */
-    int32_t size_q8;                 /* log2 of the sigma, in units, of what differs; within +-FXS_NODE_SIZE_MOST_Q8 */
+    int16_t gain_q8;                 /* log2 of the squared error, in colours^2 units^2, that the children remove; */
+    int16_t size_q8;                 /* of the sigma, in units, of what differs; */
+    int16_t area_q8;                 /* of the mean area sigma^2 of its Gaussians as they are seen, units^2; */
+    uint16_t swell_q8;               /* of the sum of the opacities of the leaves' Gaussians below it over that of its own */
 } fxs_node;
 
-#define FXS_GAIN_MOST_Q8 (128 << 8)
-#define FXS_NODE_SIZE_MOST_Q8 (64 << 8)
+#define FXS_SWELL_MOST_Q8 (32 << 8)
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
 #define FXS_BIG_ENDIAN 1
@@ -178,10 +178,15 @@ static inline void fxs_chunk_turn(fxs_chunk *chunk)
     fxs_little_endian(chunk, offsetof(fxs_chunk, sh_step_q19), 6, 2);
 }
 
-/* Of a tree header or a node, all words. */
-static inline void fxs_words_turn(void *words, size_t count)
+static inline void fxs_tree_header_turn(fxs_tree_header *header)
 {
-    fxs_little_endian(words, 0, count, 4);
+    fxs_little_endian(header, 0, sizeof *header / 4, 4);
+}
+
+static inline void fxs_node_turn(fxs_node *node)
+{
+    fxs_little_endian(node, 0, 2, 4);
+    fxs_little_endian(node, offsetof(fxs_node, gain_q8), 4, 2);
 }
 
 static inline int fxs_within(int64_t x, int64_t limit)
@@ -209,7 +214,7 @@ static inline int fxs_chunk_valid(const fxs_chunk *chunk)
 /* 1 where node i of a scene with so many leaves is as it should be. */
 static inline int fxs_node_valid(const fxs_node *node, uint32_t leaves, uint32_t i)
 {
-    int valid = fxs_within(node->gain_q8, FXS_GAIN_MOST_Q8) && fxs_within(node->size_q8, FXS_NODE_SIZE_MOST_Q8);
+    int valid = node->swell_q8 <= FXS_SWELL_MOST_Q8;
     for (int k = 0; k < 2; k++)
         valid = valid && (node->children[k] < leaves ||
                           (node->children[k] > leaves + i && node->children[k] < 2 * leaves - 1));
