@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "src/base/byte_reader.h"
+#include "src/pack/coded.h"
 #include "src/pack/encode.h"
 #include "src/pack/order.h"
 #include <fixsplat/fxs_file.h>
@@ -67,6 +68,7 @@ static int write_file(uint64_t count, int sh_degree, int antialiased)
 static enum fxs_profile profile;
 static const fxs_allocator *allocator;
 static size_t bytes_said;
+static uint32_t held;                  /* chunks that wait for their SH codes at the same time; 0: as fxs_pack has it */
 
 /* threads 0: no pool. */
 static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progress, void *argument)
@@ -78,7 +80,8 @@ static int pack_with(const char *name, uint32_t threads, fxs_progress_fn *progre
     message.text[0] = 0;
     int result = fxs_scene_file_open(name, NULL, &file, &info, &message);
     if (!result) {
-        result = fxs_pack(file, &info, &packed, &report, &options, &message);
+        result = held ? fxs_pack_held(file, &info, NULL, held, &packed, &report, &options, &message)
+                      : fxs_pack(file, &info, &packed, &report, &options, &message);
         bytes_said = fxs_pack_bytes(&info, profile);
         fxs_scene_file_close(file);
     }
@@ -1390,6 +1393,58 @@ static void check_progress(uint32_t threads)
     }
 }
 
+/* A scene whose SH are coded in several readings of the file has the same bytes and losses. */
+static void check_held(uint32_t chunks)
+{
+    fxs_packed_scene all;
+    fxs_pack_report said;
+    CHECK(pack_with(path, 2, 0, 0) == 0);
+    all = packed;
+    said = report;
+    held = chunks;
+    CHECK(pack_with(path, 2, 0, 0) == 0);
+    CHECK(packed.bytes == all.bytes && !memcmp(packed.data, all.data, all.bytes));
+    CHECK(report.largest.sh == said.largest.sh && fabs(report.rms.sh - said.rms.sh) < 1e-9 * said.rms.sh);
+    CHECK(report.largest.dc == said.largest.dc && fabs(report.rms.dc - said.rms.dc) < 1e-9 * said.rms.dc);
+    fxs_packed_scene_free(&all);
+    fxs_packed_scene_free(&packed);
+    held = 0;
+}
+
+static void test_readings_for_codes(void)
+{
+    make_gaussians(2500);
+    CHECK(write_file(2500, 3, 0));
+    for (int i = FXS_PROFILE_COMPACT; i <= FXS_PROFILE_SMALL; i++) {
+        profile = (enum fxs_profile)i;
+        check_held(1);
+        check_held(4);
+        held = 3;
+        check_progress(0);
+        held = 0;
+    }
+    profile = FXS_PROFILE_DEFAULT;
+}
+
+/* Every step-th Gaussian lies in a sampled chunk, and the chunks follow one another. */
+static void test_sample(void)
+{
+    static const uint32_t counts[] = {1, 300, 16384 * 256, 16384 * 256 + 1, 16384 * 300 + 7, 10000019, 1u << 30};
+    for (size_t n = 0; n < sizeof counts / sizeof *counts; n++) {
+        const uint32_t count = counts[n], step = (count - 1) / 16384 + 1;
+        uint32_t next = 0, sampled = 0;
+        for (uint32_t chunk = 0; chunk < fxs_chunks_of(count); chunk++) {
+            const uint32_t at = fxs_palette_sample_at(count, chunk), first = chunk * FXS_CHUNK;
+            const uint32_t inside = (first + step - 1) / step * step;
+            sampled += at != FXS_NOT_SAMPLED;
+            CHECK(at == FXS_NOT_SAMPLED ? inside >= first + FXS_CHUNK || inside >= count : at == next);
+            next += at == FXS_NOT_SAMPLED ? 0 : FXS_CHUNK;
+        }
+        CHECK(next == fxs_palette_sample(count) && sampled * FXS_CHUNK == next);
+        CHECK(next <= 16384 * 256 + FXS_CHUNK);
+    }
+}
+
 static void test_progress(void)
 {
     make_gaussians(MAX_COUNT);
@@ -1529,6 +1584,8 @@ int main(void)
     RUN(test_chunks_are_small);
     RUN(test_strays_have_chunks);
     RUN(test_progress);
+    RUN(test_readings_for_codes);
+    RUN(test_sample);
     RUN(test_reader_fails);
     RUN(test_a_file_that_changes);
     unlink(path);

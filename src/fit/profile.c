@@ -216,12 +216,30 @@ static void sh_job(void *argument, uint32_t job)
     }
 }
 
+/* A copy of the items of the sampled chunks. */
+static fxs_sh_item *sample_of(const coding *c, uint32_t count)
+{
+    fxs_sh_item *sample = calloc(fxs_palette_sample(count), sizeof *sample);
+    for (uint32_t chunk = 0; sample && chunk < chunks_of(c->profile); chunk++) {
+        const uint32_t at = fxs_palette_sample_at(count, chunk), first = chunk * FXS_CHUNK, left = count - first;
+        if (at != FXS_NOT_SAMPLED)
+            memcpy(sample + at, c->items + first, (left < FXS_CHUNK ? left : FXS_CHUNK) * sizeof *sample);
+    }
+    return sample;
+}
+
 static int code_sh(coding *c, const fxs_pack_options *options, fxs_message *message)
 {
     fxs_palette *p = c->profile->palette;
     const uint32_t count = (uint32_t)c->profile->count;
-    const int error = p->entries ? fxs_palette_refine(p, c->items, count, options, message)
-                                 : fxs_palette_learn(p, entries_of(c->profile), c->items, count, options, message);
+    const int all_sampled = fxs_palette_sample(count) >= count;
+    fxs_sh_item *sample = all_sampled ? c->items : sample_of(c, count);
+    if (!sample)
+        return fxs_fail_memory(message, "a fit", fxs_palette_sample(count) * sizeof *sample);
+    const int error = p->entries ? fxs_palette_refine(p, sample, count, options, message)
+                                 : fxs_palette_learn(p, entries_of(c->profile), sample, count, options, message);
+    if (!all_sampled)
+        free(sample);
     if (!error)
         options->run(options->pool, sh_job, c, JOBS);
     return error;

@@ -20,4 +20,10 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
                    fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
                    fxs_message *message);
 
+/* The same. SH that are coded by a palette wait for their codes with those of `held` chunks, at least 1; where a scene
+   has more, the file is read once more for every `held` of them. The packed scene is the same. */
+int fxs_pack_held(fxs_scene_file *file, const fxs_scene_file_info *info, const fxs_coded *coded, uint32_t held,
+                  fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
+                  fxs_message *message);
+
 #endif

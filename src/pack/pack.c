@@ -17,7 +17,8 @@
 #include "tree.h"
 
 #define BATCH 4096                   /* Gaussians read at once */
-#define SLICE 512                    /* chunks that are finished between two calls of progress */
+#define HELD (1u << 16)              /* chunks whose Gaussians wait for their SH codes at the same time */
+#define FINISHED 512                 /* chunks that are finished between two calls of progress */
 #define PARTS 16                     /* parts of a batch, for any number of threads, so that sums are the same */
 #define AHEAD 8                      /* what a Gaussian needs of its chunk is fetched so many Gaussians before */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
@@ -61,7 +62,7 @@ struct packer {
     batch *batches;                  /* two: jobs work on one while the other is filled */
     int ready;                       /* index of the batch that jobs work on */
     part_fn *work;
-    int steps;                       /* steps of progress: three passes, the palette and the tree */
+    double done, share;              /* of the whole import: what is done, and what the present pass adds */
     fxs_order_entry *entries;
     fxs_seen *seen;                  /* of every seen_step-th Gaussian of the file */
     uint64_t seen_step;
@@ -71,8 +72,11 @@ struct packer {
     fxs_encoder encoder;
     const fxs_coded *coded;          /* null, or the existing codes of the Gaussians */
     fxs_palette *palette;            /* null where no palette is learned */
-    fxs_sh_item *items;              /* of each slot, where there is a palette */
-    uint32_t slice;                  /* number of the slice of chunks for finish_part: see finish */
+    fxs_sh_item *sample;             /* of the chunks that the palette is learned from */
+    fxs_sh_item *items;              /* of the chunks from `first_chunk` to `end_chunk`, where there is a palette */
+    uint32_t held;                   /* the most of these */
+    uint32_t first_chunk, end_chunk;
+    uint32_t finished;               /* the next chunk for finish_part: see finish */
     fxs_packed_header *header;       /* of the packed scene; headers become little-endian last */
     fxs_chunk *chunks;
     unsigned char *rows;
@@ -104,21 +108,52 @@ static void read_or_work(void *argument, uint32_t job)
         p->work(p, b, job - 1);
 }
 
-static int pass(packer *p, int which, part_fn *work)
+/* The tree takes longer than all before it, but for palettes. */
+static double tree_share(const packer *p)
+{
+    return p->options.tree ? 0.5 : 0;
+}
+
+/* What follows, up to the next call, is this share of the import. */
+static void begin(packer *p, double share)
+{
+    p->done += p->share;
+    p->share = share;
+}
+
+/* `done`, 0 to 1, is of what was begun. */
+static int report_progress(void *argument, double done)
+{
+    const packer *p = argument;
+    return p->options.progress ? p->options.progress(p->options.argument, fmin(1, p->done + p->share * done)) : 0;
+}
+
+static int fail_stopped(const packer *p)
+{
+    return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
+}
+
+/* A third of what comes before the tree; where SH are coded by a palette, these take the other half. */
+static double pass_share(const packer *p)
+{
+    return (1 - tree_share(p)) * (fxs_palette_stages(p->encoder.profile, p->encoder.sh_degree) ? 0.25 : 1.0 / 3);
+}
+
+static int pass(packer *p, part_fn *work, double share)
 {
     batch *b = p->batches;
     p->work = work;
     p->ready = 0;
     b->first = 0;
     b->count = 0;
+    begin(p, share);
     FXS_TRY(fxs_scene_file_rewind(p->file, p->message));
     do {
         p->options.run(p->options.pool, read_or_work, p, 1 + PARTS);
         p->ready = !p->ready;
         b = &p->batches[p->ready];
-        if (b->count >= 0 && p->options.progress &&
-            p->options.progress(p->options.argument, (which + (double)b->first / (double)p->info->count) / p->steps))
-            return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
+        if (b->count >= 0 && report_progress(p, (double)b->first / (double)p->info->count))
+            return fail_stopped(p);
     } while (b->count > 0);
     return (int)b->count;
 }
@@ -217,7 +252,7 @@ static int read_positions(packer *p)
             p->findings[part].low[i] = INFINITY;
             p->findings[part].high[i] = -INFINITY;
         }
-    FXS_TRY(pass(p, 0, take_positions));
+    FXS_TRY(pass(p, take_positions, pass_share(p)));
     report->read = p->batches[p->ready].first;
     for (uint64_t i = report->read; i < p->info->count; i++)
         p->entries[i].position[0] = NAN;
@@ -340,6 +375,13 @@ static int is_within(const fxs_chunk_ranges *ranges, const fxs_gaussian *g)
     return 1;
 }
 
+static void take_sample(packer *p, uint32_t slot, const fxs_gaussian *g, double opacity)
+{
+    const uint32_t at = fxs_palette_sample_at(p->header->count, slot / FXS_CHUNK);
+    if (at != FXS_NOT_SAMPLED)
+        fxs_sh_item_set(&p->sample[at + slot % FXS_CHUNK], g, opacity, p->encoder.sh_degree);
+}
+
 /* A chunk belongs to the same part in every batch. */
 static void take_ranges(packer *p, batch *b, uint32_t part)
 {
@@ -354,9 +396,11 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
     for (uint32_t i = 0; i < count; i++)
         opacities[i] = fxs_opacity(&b->gaussians[own[i]]);
     for (uint32_t i = 0; i < count; i++) {
+        const fxs_gaussian *g = fit(&b->gaussians[own[i]]);
         PREFETCH_TO_WRITE(&p->ranges[slots[own[i + AHEAD < count ? i + AHEAD : i]] / FXS_CHUNK]);
-        fxs_ranges_take(&p->ranges[slots[own[i]] / FXS_CHUNK], fit(&b->gaussians[own[i]]), opacities[i],
-                        p->encoder.sh_degree);
+        fxs_ranges_take(&p->ranges[slots[own[i]] / FXS_CHUNK], g, opacities[i], p->encoder.sh_degree);
+        if (p->sample)
+            take_sample(p, slots[own[i]], g, opacities[i]);
     }
 }
 
@@ -371,7 +415,7 @@ static int find_headers(packer *p)
         return fxs_fail_memory(p->message, NULL, 0);
     for (uint32_t i = 0; i < p->header->chunk_count; i++)
         fxs_ranges_clear(&p->ranges[i]);
-    FXS_TRY(pass(p, 1, take_ranges));
+    FXS_TRY(pass(p, take_ranges, pass_share(p)));
     for (uint32_t i = 0; i < p->header->chunk_count; i++) {
         for (int k = 0; k < 3; k++) {
             const fxs_range *r = &p->ranges[i].position[k];
@@ -390,38 +434,41 @@ static int allocate_palette(packer *p)
         fxs_palette_write(p->coded->palette, (int8_t *)(p->chunks + p->header->chunk_count));
         return 0;
     }
-    p->items = fxs_allocate_zeroed(p->options.allocator, p->header->count, sizeof *p->items);
+    p->sample = fxs_allocate_zeroed(p->options.allocator, fxs_palette_sample(p->header->count), sizeof *p->sample);
     p->palette = fxs_allocate_zeroed(p->options.allocator, 1, sizeof *p->palette);
-    if (!p->items || !p->palette)
+    if (!p->sample || !p->palette)
         return fail_memory(p, p->header->count);
     p->palette->profile = p->encoder.profile;
     p->palette->sh_degree = p->encoder.sh_degree;
     return 0;
 }
 
-static int note_learned(void *argument, double done)
-{
-    const packer *p = argument;
-    return p->options.progress ? p->options.progress(p->options.argument, (3 + done / 4) / p->steps) : 0;
-}
-
+/* Where the sample is the whole scene, its items are coded; else they are read again, `held` chunks at a time. */
 static int find_palette(packer *p)
 {
     fxs_packed_header *h = p->header;
     fxs_pack_options options = p->options;
-    options.progress = note_learned;
+    begin(p, tree_share(p));
+    options.progress = report_progress;
     options.argument = p;
-    FXS_TRY(fxs_palette_learn(p->palette, h->palette_entries, p->items, h->count, &options, p->message));
+    begin(p, 0.0625);
+    FXS_TRY(fxs_palette_learn(p->palette, h->palette_entries, p->sample, h->count, &options, p->message));
     h->palette_step_q19 = fxs_palette_step_q19(p->palette);
     fxs_palette_write(p->palette, (int8_t *)(p->chunks + h->chunk_count));
-    return 0;
+    if (h->chunk_count > p->held || fxs_palette_sample(h->count) < h->count) {
+        const uint32_t held = p->held < h->chunk_count ? p->held : h->chunk_count;
+        fxs_release(p->options.allocator, p->sample);
+        p->sample = 0;
+        p->items = fxs_allocate(p->options.allocator, (size_t)held * FXS_CHUNK, sizeof *p->items);
+    }
+    return p->sample || p->items ? 0 : fail_memory(p, h->count);
 }
 
 /* What encode_part needs for the Gaussian in a slot. */
 static void fetch(const packer *p, uint32_t slot)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, chunk = slot / FXS_CHUNK;
-    if (slot == FXS_NO_SLOT)
+    if (chunk < p->first_chunk || chunk >= p->end_chunk)
         return;
     PREFETCH_TO_WRITE(p->rows + (size_t)slot * bytes);
     PREFETCH_TO_WRITE(p->rows + (size_t)slot * bytes + bytes - 1);
@@ -443,9 +490,9 @@ static void encode_part(packer *p, batch *b, uint32_t part)
     for (long i = first; i < end && !p->coded; i++)
         opacities[i - first] = fxs_opacity(&b->gaussians[i]);
     for (long i = first; i < end; i++) {
-        const uint32_t slot = slots[i];
+        const uint32_t slot = slots[i], chunk = slot / FXS_CHUNK;
         fetch(p, slots[i + AHEAD < end ? i + AHEAD : i]);
-        if (slot == FXS_NO_SLOT)
+        if (chunk < p->first_chunk || chunk >= p->end_chunk)
             continue;
         unsigned char record[FXS_RECORD_BYTES] = {0}, *to = p->rows + (size_t)slot * bytes;
         if (p->coded) {
@@ -454,11 +501,11 @@ static void encode_part(packer *p, batch *b, uint32_t part)
             continue;
         }
         const fxs_gaussian *g = fit(&b->gaussians[i]);
-        changed |= !is_within(&p->ranges[slot / FXS_CHUNK], g);
-        fxs_encode(&p->encoder, &p->chunks[slot / FXS_CHUNK], g, opacities[i - first], record, &loss);
+        changed |= !is_within(&p->ranges[chunk], g);
+        fxs_encode(&p->encoder, &p->chunks[chunk], g, opacities[i - first], record, &loss);
         memcpy(to, record, bytes);
         if (p->items)
-            fxs_sh_item_set(&p->items[slot], g, opacities[i - first], p->encoder.sh_degree);
+            fxs_sh_item_set(&p->items[slot - p->first_chunk * FXS_CHUNK], g, opacities[i - first], p->encoder.sh_degree);
     }
     p->findings[part].loss = loss;
     p->findings[part].changed |= changed;
@@ -469,21 +516,22 @@ static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, 
 {
     const uint32_t first = chunk * FXS_CHUNK, left = p->header->count - first;
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK;
+    const fxs_sh_item *items = p->sample ? p->sample + first : p->items + (first - p->first_chunk * FXS_CHUNK);
     fxs_sh_loss sh = {loss->largest[FXS_LOSS_SH], loss->squares[FXS_LOSS_SH]};
-    fxs_palette_code_chunk(p->palette, p->items + first, left < FXS_CHUNK ? left : FXS_CHUNK, p->chunks[chunk].sh_mean,
+    fxs_palette_code_chunk(p->palette, items, left < FXS_CHUNK ? left : FXS_CHUNK, p->chunks[chunk].sh_mean,
                            records + bytes - fxs_sh_bytes(p->encoder.profile, p->encoder.sh_degree), bytes, &sh);
     loss->largest[FXS_LOSS_SH] = sh.largest;
     loss->squares[FXS_LOSS_SH] = sh.squares;
 }
 
-/* Turns records into rows, for a slice of the chunks. */
+/* Turns records into rows, for the next FINISHED chunks. */
 static void finish_part(void *argument, uint32_t part)
 {
     const packer *p = argument;
-    const uint32_t chunks = p->header->chunk_count;
+    const uint32_t end = p->end_chunk - p->finished < FINISHED ? p->end_chunk : p->finished + FINISHED;
     unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
     fxs_loss loss = p->findings[part].loss;
-    for (uint32_t chunk = p->slice * SLICE + part; chunk < chunks && chunk < (p->slice + 1) * SLICE; chunk += PARTS) {
+    for (uint32_t chunk = p->finished + part; chunk < end; chunk += PARTS) {
         unsigned char *rows = p->rows + (size_t)chunk * p->header->chunk_bytes;
         memcpy(records, rows, p->header->chunk_bytes);
         if (p->palette)
@@ -495,11 +543,11 @@ static void finish_part(void *argument, uint32_t part)
 
 static int finish(packer *p)
 {
-    const double chunks = p->header->chunk_count;
-    for (p->slice = 0; p->slice * SLICE < p->header->chunk_count; p->slice++) {
+    const double chunks = p->end_chunk - p->first_chunk;
+    for (p->finished = p->first_chunk; p->finished < p->end_chunk; p->finished += FINISHED) {
         p->options.run(p->options.pool, finish_part, p, PARTS);
-        if (p->palette && note_learned(p, 1 + 3 * fmin(1, (p->slice + 1.0) * SLICE / chunks)))
-            return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
+        if (p->palette && report_progress(p, fmin(1, (p->finished + FINISHED - p->first_chunk) / chunks)))
+            return fail_stopped(p);
     }
     return 0;
 }
@@ -523,15 +571,32 @@ static void sum_losses(packer *p)
                                       sh > 0 ? sqrt(sum[FXS_LOSS_SH] / sh) : 0};
 }
 
-static int write_codes(packer *p)
+/* Codes the Gaussians of some chunks, in this share of the import. */
+static int write_chunks(packer *p, uint32_t first, uint32_t end, double share)
 {
-    FXS_TRY(pass(p, 2, encode_part));
+    p->first_chunk = first;
+    p->end_chunk = end;
+    if (p->items)
+        memset(p->items, 0, (size_t)(end - first) * FXS_CHUNK * sizeof *p->items);
+    FXS_TRY(pass(p, encode_part, p->palette ? share / 4 : share));
     for (uint32_t part = 0; part < PARTS; part++)
         if (p->findings[part].changed)
             return fail_changed(p);
+    begin(p, p->palette ? share * 3 / 4 : 0);
+    return finish(p);
+}
+
+static int write_codes(packer *p)
+{
+    const uint32_t chunks = p->header->chunk_count;
     if (p->palette)
         FXS_TRY(find_palette(p));
-    FXS_TRY(finish(p));
+    const uint32_t held = p->items ? p->held : chunks;
+    const double left = 1 - tree_share(p) - p->done - p->share;
+    for (uint32_t first = 0; first < chunks; first += held) {
+        const uint32_t end = chunks - first < held ? chunks : first + held;
+        FXS_TRY(write_chunks(p, first, end, left * (end - first) / chunks));
+    }
     sum_losses(p);
     return 0;
 }
@@ -607,17 +672,11 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
     return entries ? allocate_palette(p) : 0;
 }
 
-/* Of the tree, whose share is the last step of progress. */
-static int note_built(void *packing, double done)
-{
-    packer *p = packing;
-    return p->options.progress ? p->options.progress(p->options.argument, (p->steps - 1 + done) / p->steps) : 0;
-}
-
 static int build_tree(packer *p, const fxs_scene *scene, void *data)
 {
     fxs_pack_options options = p->options;
-    options.progress = note_built;
+    begin(p, tree_share(p));
+    options.progress = report_progress;
     options.argument = p;
     return fxs_tree_build(scene, data, p->coded ? p->coded->palette : p->palette, &options, p->message);
 }
@@ -665,6 +724,13 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
                    fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
                    fxs_message *message)
 {
+    return fxs_pack_held(file, info, coded, HELD, scene, report, options, message);
+}
+
+int fxs_pack_held(fxs_scene_file *file, const fxs_scene_file_info *info, const fxs_coded *coded, uint32_t held,
+                  fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
+                  fxs_message *message)
+{
     packer p;
     memset(&p, 0, sizeof p);
     memset(scene, 0, sizeof *scene);
@@ -678,7 +744,7 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
         p.options = *options;
     p.encoder.profile = p.options.profile;
     p.encoder.sh_degree = info->sh_degree;
-    p.steps = (fxs_palette_stages(p.options.profile, info->sh_degree) ? 4 : 3) + (p.options.tree != 0);
+    p.held = held;
     if (!p.options.run)
         p.options.run = fxs_run_here;
     p.options.threads += p.options.threads == 0;
@@ -690,6 +756,7 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
     fxs_release(p.options.allocator, p.slots);
     fxs_release(p.options.allocator, p.ranges);
     fxs_release(p.options.allocator, p.palette);
+    fxs_release(p.options.allocator, p.sample);
     fxs_release(p.options.allocator, p.items);
     if (result)
         fxs_packed_scene_free(scene);

@@ -434,17 +434,38 @@ static void quantise(fxs_palette *p, int32_t most)
     }
 }
 
+static uint32_t step_for(uint32_t count)
+{
+    return (count - 1) / SAMPLE + 1;
+}
+
+uint32_t fxs_palette_sample(uint32_t count)
+{
+    const uint32_t step = step_for(count);
+    return (step > FXS_CHUNK ? (count - 1) / step + 1 : fxs_chunks_of(count)) * FXS_CHUNK;
+}
+
+/* Where steps are longer than a chunk, every sampled Gaussian has a chunk of its own. */
+uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
+{
+    const uint32_t step = step_for(count), first = chunk * FXS_CHUNK, number = (first + step - 1) / step;
+    if (step <= FXS_CHUNK)
+        return first;
+    return number * step - first < FXS_CHUNK && number * step < count ? number * FXS_CHUNK : FXS_NOT_SAMPLED;
+}
+
 /* The unit is such that MOST units are 12 times the root mean square of the coefficients, or the largest of them. */
 static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     double squares = 0, numbers = 0, most = 0;
     for (uint32_t i = 0; i < count; i += step) {
+        const fxs_sh_item *item = &items[fxs_palette_sample_at(count, i / FXS_CHUNK) + i % FXS_CHUNK];
         int32_t sum = 0;
         for (int k = 0; k < 45; k++)
-            sum += items[i].codes[k] * items[i].codes[k];
-        squares += (double)sum * items[i].step * items[i].step;
+            sum += item->codes[k] * item->codes[k];
+        squares += (double)sum * item->step * item->step;
         numbers += 3 * FXS_SH_COUNT(p->sh_degree);
-        most = 127.0 * items[i].step > most ? 127.0 * items[i].step : most;
+        most = 127.0 * item->step > most ? 127.0 * item->step : most;
     }
     const double usual = 12 * sqrt(squares / numbers), limit = usual < most ? usual : most;
     p->unit_exponent = 19;
@@ -462,11 +483,12 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
         fxs_sh_vector mean;
         if ((first + step - 1) / step * step >= end)
             continue;
-        find_mean(mean, l->palette, items + first, end - first);
+        const fxs_sh_item *chunk = items + fxs_palette_sample_at(count, first / FXS_CHUNK);
+        find_mean(mean, l->palette, chunk, end - first);
         for (int d = 0; d < WIDTH; d++)
             l->most = absolute(mean[d]) > l->most ? absolute(mean[d]) : l->most;
         for (uint32_t i = (first + step - 1) / step * step; i < end; i += step, l->count++) {
-            vector_of(l->vectors[l->count], &items[i], l->palette->unit_exponent);
+            vector_of(l->vectors[l->count], &chunk[i - first], l->palette->unit_exponent);
             subtract(l->vectors[l->count], mean);
         }
     }
@@ -514,7 +536,7 @@ static int learn_with(learn_fn *work, fxs_palette *palette, const fxs_sh_item *i
                       const fxs_pack_options *options, fxs_message *message)
 {
     const fxs_allocator *allocator = options->allocator;
-    const uint32_t step = (count - 1) / SAMPLE + 1, sampled = (count - 1) / step + 1;
+    const uint32_t step = step_for(count), sampled = (count - 1) / step + 1;
     learner l = {.palette = palette, .options = options};
     l.vectors = fxs_allocate(allocator, sampled, sizeof *l.vectors);
     l.indices = fxs_allocate_zeroed(allocator, sampled, sizeof *l.indices);
@@ -537,7 +559,7 @@ int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item 
 {
     palette->stages = fxs_palette_stages(palette->profile, palette->sh_degree);
     palette->entries = entries;
-    find_unit(palette, items, count, (count - 1) / SAMPLE + 1);
+    find_unit(palette, items, count, step_for(count));
     return learn_with(learn, palette, items, count, options, message);
 }
 

@@ -46,8 +46,15 @@ typedef struct fxs_palette {
    worth its bytes; 0 for a scene without a palette. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree);
 
-/* Learns the palette of a scene from its Gaussians, in which the Gaussians of a chunk follow one another. `entries` is
-   the result of fxs_palette_entries_for. options->run is not null; options->progress is given 0 to 1. Returns 0,
+/* A palette is learned from a sample of about 2^14 Gaussians and the means of their chunks. So of a scene of `count`
+   Gaussians it needs the items of these chunks alone, one chunk after the other: fxs_palette_sample items, at most 2^22
+   and FXS_CHUNK. Those of a chunk begin at fxs_palette_sample_at, which is FXS_NOT_SAMPLED for the others. */
+#define FXS_NOT_SAMPLED UINT32_MAX
+uint32_t fxs_palette_sample(uint32_t count);
+uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk);
+
+/* Learns the palette of a scene of `count` Gaussians. `items` is the sample, and `entries` the result of
+   fxs_palette_entries_for. options->run is not null; options->progress is given 0 to 1. Returns 0,
    or an error and a message: out of memory, or stopped. */
 int fxs_palette_learn(fxs_palette *palette, uint32_t entries, const fxs_sh_item *items, uint32_t count,
                       const fxs_pack_options *options, fxs_message *message);
