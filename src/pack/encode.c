@@ -317,8 +317,8 @@ static void encode_colour(const fxs_encoder *e, const fxs_gaussian *g, double op
 
 /* ---- SH -------------------------------------------------------------------------------------------------------- */
 
-/* x and step are floats of 24 bits, so no quotient but an exact half lies within 2^-26 of a half; and the quotient by way
-   of 1 / step, which is wrong by 2^-45 at most, is on the right side of it once 2^-30 is added. */
+/* x and step are floats of 24 bits, so no quotient but an exact half lies within 2^-26 of a half; and the quotient by
+   way of 1 / step, which is wrong by 2^-45 at most, is on the right side of it once 2^-30 is added. */
 void fxs_code_coefficients(const float *restrict x, int count, double step, int32_t *restrict codes)
 {
     const double most = 127 * step, inverse = step > 0 ? 1 / step : 0;
@@ -359,8 +359,8 @@ double fxs_gain(int code)
     return fxs_scaled(8 + (code & 7), (code >> 3) - 32);
 }
 
-/* x / (2 gain) + 4, in 0..7; the argument is half of 1 / gain. A quotient that is not 0 is more than 2^-16, so adding 4
-   does not round it across an integer. */
+/* x / (2 gain) + 4, in 0..7; the argument is half of 1 / gain. An integer quotient is exact, with a gain of 4 bits, and
+   no other one lies within 2^-20 of an integer, so adding 4 does not round it across one. */
 static double eighths_of(double x, double half_inverse)
 {
     const double eighths = x * half_inverse + 4, above = eighths > 0 ? eighths : 0;

@@ -505,7 +505,8 @@ static void encode_part(packer *p, batch *b, uint32_t part)
         fxs_encode(&p->encoder, &p->chunks[chunk], g, opacities[i - first], record, &loss);
         memcpy(to, record, bytes);
         if (p->items)
-            fxs_sh_item_set(&p->items[slot - p->first_chunk * FXS_CHUNK], g, opacities[i - first], p->encoder.sh_degree);
+            fxs_sh_item_set(&p->items[slot - p->first_chunk * FXS_CHUNK], g, opacities[i - first],
+                            p->encoder.sh_degree);
     }
     p->findings[part].loss = loss;
     p->findings[part].changed |= changed;
@@ -565,7 +566,8 @@ static void sum_losses(packer *p)
     p->report->largest = (fxs_pack_error){most[FXS_LOSS_POSITION], most[FXS_LOSS_SCALE] / FXS_LOG2_E,
                                           most[FXS_LOSS_ROTATION], most[FXS_LOSS_OPACITY],
                                           most[FXS_LOSS_DC] / FXS_SH_0, most[FXS_LOSS_SH]};
-    p->report->rms = (fxs_pack_error){sqrt(sum[FXS_LOSS_POSITION] / three), sqrt(sum[FXS_LOSS_SCALE] / three) / FXS_LOG2_E,
+    p->report->rms = (fxs_pack_error){sqrt(sum[FXS_LOSS_POSITION] / three),
+                                      sqrt(sum[FXS_LOSS_SCALE] / three) / FXS_LOG2_E,
                                       sqrt(sum[FXS_LOSS_ROTATION] / one), sqrt(sum[FXS_LOSS_OPACITY] / one),
                                       sqrt(sum[FXS_LOSS_DC] / three) / FXS_SH_0,
                                       sh > 0 ? sqrt(sum[FXS_LOSS_SH] / sh) : 0};

@@ -169,8 +169,8 @@ static key take_least(key *keys, uint32_t count)
     return least[0];
 }
 
-/* cost + |left -+ vector|^2 - |left|^2 = cost + |vector|^2 -+ 2 left vector, of `count` vectors, whose places begin with
-   `place`, and the better sign of each. */
+/* cost + |left -+ vector|^2 - |left|^2 = cost + |vector|^2 -+ 2 left vector, of `count` vectors, whose places begin
+   with `place`, and the better sign of each. */
 static void find_costs(key *restrict keys, uint32_t place, int32_t cost, const fxs_sh_vector left,
                        const fxs_sh_vector *vectors, const int32_t *squares, uint32_t count)
 {
@@ -615,7 +615,8 @@ void fxs_palette_write(const fxs_palette *p, int8_t *to)
 /* How much of what Gaussian `from` adds to the picture falls where `to` adds, over what `to` adds there itself: for
    round Gaussians of areas a and b (sigma^2) at distance d the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))); the
    exponential here is (1 - t / 8)^4. `square` is d^2, less than 8 (a + b). Times 256, 0 to 1024. */
-static int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area, double square)
+static int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area,
+                          double square)
 {
     const double both = from_area + to_area;
     const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);

@@ -68,8 +68,8 @@ typedef struct fxs_gaussian_source {
     /* Writes 1 to `capacity` Gaussians, from number `first` on, to `out`, which is all 0 before; SH above sh_degree
        become 0. Returns the number that it wrote, or a negative FXS_ERR_*. `first` is 0 in the first call of each pass,
        then the number at which the last call ended, and always less than `count`. Every pass must give the same
-       Gaussians: fxs_pack makes three passes, a filter one more. Calls come one at a time, but in fxs_pack from any
-       thread of its pool. */
+       Gaussians: fxs_pack makes three passes or more, a filter one more. Calls come one at a time, but in fxs_pack from
+       any thread of its pool. */
     long (*read)(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity);
     void *argument;       /* first argument of read; must stay valid until the handle is closed */
 } fxs_gaussian_source;

@@ -69,10 +69,12 @@ typedef struct fxs_pack_options {
    many Gaussians. */
 FXS_API size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
-/* Reads an open scene file three times from its start and packs it. `info` was filled in when the file was opened, or
-   updated by a filter. `options` may be null. One job reads the file, on any of the pool's threads, while the others
-   compute. Before the packed scene is allocated, this takes 20 bytes a Gaussian; beside the packed scene, 5 bytes a
-   Gaussian and 3 MB, or 69 bytes a Gaussian and 6 MB where SH are packed by a palette.
+/* Reads an open scene file from its start three times, or more often where SH are packed by a palette: once more for
+   each 2^24 Gaussians beyond the first. Packs it. `info` was filled in when the file was opened, or updated by a
+   filter. `options` may be null. One job reads the file, on any of the pool's threads, while the others compute. Before
+   the packed scene is allocated, this takes 20 bytes a Gaussian; beside the packed scene, 5 bytes a Gaussian and 3 MB.
+   Where SH are packed by a palette, it takes 64 bytes more a Gaussian and 6 MB, but these for 2^24 Gaussians at most:
+   1.1 GB.
 
    Every finite Gaussian is packed so that it can be drawn. An axis thinner than e^-9 of the Gaussian's largest becomes
    that thick, which no camera can tell apart, and ln(sigma) is clamped to +-20. A centre beyond +-2^27 units is moved
