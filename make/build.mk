@@ -30,7 +30,8 @@ LIBS := $(foreach name,CJSON ZIP PNG JPEG WEBP ZLIB DEFLATE ZSTD GLES CUDA,$(LIB
 # AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 # Lanes that are not wanted may overflow, as do the bits of a .jpg in stb_image_write: -fwrapv says that this is no
-# fault. -O3: project takes 9 % less, an import 10 %.
+# fault. -O3: project takes 9 % less, an import 10 %. Nobody reads errno or traps of src/pack/coarsen, and without them
+# its loops become vectors, with the same bytes.
 isa = $(if $(filter src/image/image_encode,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv) $(if $(filter kernels/% src/pack/%,$(1)),$(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
       $(if $(filter src/pack/coarsen,$(1)),-O3 -fno-math-errno -fno-trapping-math) $(if $(filter src/fit/% kernels/fit/% src/camera/% src/pack/% src/scene/% src/gaussian/% tests/gpu/test_fit% tests/test_fit_%,$(1)),$(SINGLES))

@@ -185,9 +185,11 @@ static inline void find_products(lanes product, const group *a, const group *b, 
 {
     const float *au = a->f[first_square[p]], *av = a->f[second_square[p]], *auv = a->f[mixed[p]];
     const float *bu = b->f[first_square[p]], *bv = b->f[second_square[p]], *buv = b->f[mixed[p]];
-    const float *ax = a->f[first_axis[p]], *ay = a->f[second_axis[p]], *bx = b->f[first_axis[p]], *by = b->f[second_axis[p]];
+    const float *ax = a->f[first_axis[p]], *ay = a->f[second_axis[p]];
+    const float *bx = b->f[first_axis[p]], *by = b->f[second_axis[p]];
     for (int i = 0; i < count; i++) {
-        const float more = THINNEST * ((a->f[XX][i] + a->f[YY][i] + a->f[ZZ][i]) + (b->f[XX][i] + b->f[YY][i] + b->f[ZZ][i]));
+        const float more = THINNEST * ((a->f[XX][i] + a->f[YY][i] + a->f[ZZ][i]) +
+                                       (b->f[XX][i] + b->f[YY][i] + b->f[ZZ][i]));
         const float u = au[i] + bu[i] + more, v = av[i] + bv[i] + more, uv = auv[i] + buv[i];
         const float one_over = 1 / larger(u * v - uv * uv, LEAST), x = bx[i] - ax[i], y = by[i] - ay[i];
         const float square = larger((v * x * x - 2 * uv * x * y + u * y * y) * one_over, 0);
@@ -216,7 +218,8 @@ static inline void join(group *out, lanes share, const group *a, const group *b,
     lanes mass;
     find_masses(mass, a, b, products, count);
     for (int i = 0; i < count; i++) {
-        const float first = a->f[OPACITY][i] * a->f[AREA][i], second = b->f[OPACITY][i] * b->f[AREA][i], sum = first + second;
+        const float first = a->f[OPACITY][i] * a->f[AREA][i], second = b->f[OPACITY][i] * b->f[AREA][i];
+        const float sum = first + second;
         const float v = sum > LEAST ? first / sum : 0.5f, w = 1 - v;
         const float x = b->f[X][i] - a->f[X][i], y = b->f[Y][i] - a->f[Y][i], z = b->f[Z][i] - a->f[Z][i];
         share[i] = v;
@@ -232,7 +235,8 @@ static inline void join(group *out, lanes share, const group *a, const group *b,
     }
     for (int i = 0; i < count; i++) {
         const float most = larger(OPACITY_MOST, larger(a->f[OPACITY][i], b->f[OPACITY][i]));
-        const float minors = minor(out->f[XX][i], out->f[YY][i], out->f[XY][i]) + minor(out->f[XX][i], out->f[ZZ][i], out->f[XZ][i]) +
+        const float minors = minor(out->f[XX][i], out->f[YY][i], out->f[XY][i]) +
+                             minor(out->f[XX][i], out->f[ZZ][i], out->f[XZ][i]) +
                              minor(out->f[YY][i], out->f[ZZ][i], out->f[YZ][i]);
         const float area = sqrtf(larger(minors, LEAST)), opacity = mass[i] / area;
         const float over = larger(opacity / most, 1), more = sqrtf(over);
@@ -304,7 +308,8 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
         }
         const float with_a = v * aa + w * mixed_ab, with_b = v * mixed_ab + w * bb, mm = v * with_a + w * with_b;
         for (int p = 0; p < PLANES; p++)
-            sum += x * x * aa * one.f[ROOT + p][i] + y * y * bb * other.f[ROOT + p][i] + z * z * mm * both.f[ROOT + p][i] +
+            sum += x * x * aa * one.f[ROOT + p][i] + y * y * bb * other.f[ROOT + p][i] +
+                   z * z * mm * both.f[ROOT + p][i] +
                    2 * (x * y * mixed_ab * ab[p][i] - x * z * with_a * am[p][i] - y * z * with_b * bm[p][i]);
         sums[i] = larger(sum, 0) * (PI / PLANES);
     }
