@@ -4,6 +4,7 @@
 
 #include <sys/stat.h>
 
+#include "rad_bytes.h"
 #include "scene_bytes.h"
 #include "spz_bytes.h"
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
@@ -257,6 +258,73 @@ static inline void make_tileset(void)
     }
 }
 
+/* Columns of floats, of SH degree 1. */
+static inline void put_rad_columns(int count)
+{
+    static const struct { const char *name; int numbers; } columns[] = {
+        {"center", 3}, {"alpha", 1}, {"rgb", 3}, {"scales", 3}, {"orientation", 3}, {"sh1", 9}
+    };
+    for (int i = 0; i < 6; i++) {
+        for (int k = 0; k < columns[i].numbers * count; k++)
+            put_float(i == 4 ? 0.125f : (float)(k + 1) / 8);
+        rad_add_column(columns[i].name, "f32", "");
+    }
+}
+
+static inline void make_rad(void)
+{
+    rad_begin(0);
+    for (int base = 0; base < GAUSSIANS; base += 2) {
+        const int count = GAUSSIANS - base < 2 ? GAUSSIANS - base : 2;
+        put_rad_columns(count);
+        rad_add_chunk(base, count);
+    }
+    rad_end(GAUSSIANS, 2, ",\"maxSh\":1");
+    add_file("a.rad");
+}
+
+#ifdef FXS_WITH_ZLIB
+/* The root has the others as its children. */
+static inline void make_rad_tree(void)
+{
+    rad_begin(1);
+    put_rad_columns(GAUSSIANS + 1);
+    for (int i = 0; i < GAUSSIANS + 1; i++)
+        put_u16(i ? 0 : GAUSSIANS);
+    rad_add_column("child_count", "u16", "");
+    for (int i = 0; i < GAUSSIANS + 1; i++)
+        put_u32(i ? 0 : 1);
+    rad_add_column("child_start", "u32", "");
+    rad_add_chunk(0, GAUSSIANS + 1);
+    rad_end(GAUSSIANS + 1, 65536, ",\"maxSh\":1,\"lodTree\":true");
+    add_file("a.rad");
+}
+
+/* Its chunks in files beside it. */
+static inline void make_rad_chunks(void)
+{
+    rad_begin(1);
+    put("RAD0....{\"version\":1,\"type\":\"gsplat\",\"count\":%d,\"chunkSize\":1,\"chunks\":[", GAUSSIANS);
+    const size_t begin = size;
+    put("%*s]}", 64 * GAUSSIANS, "");
+    put_u32_at(4, (uint32_t)size - 8);
+    rad_pad();
+    add_file("a.rad");
+    for (int i = 0; i < GAUSSIANS; i++) {
+        char name[16], line[64];
+        put_rad_columns(1);
+        rad_add_chunk(i, 1);
+        memcpy(bytes, rad_body, size = rad_body_size);
+        rad_body_size = 0;
+        snprintf(name, sizeof name, "a-%d.radc", i);
+        const int length = snprintf(line, sizeof line, "%s{\"offset\":0,\"bytes\":%zu,\"filename\":\"%s\"}", i ? "," : "",
+                                    size, name);
+        memcpy(files[0].data + begin + 64 * (size_t)i, line, (size_t)length);
+        add_file(name);
+    }
+}
+#endif
+
 /* Two cells of a Gaussian each, one in the environment, of SH degree 3. */
 static inline void make_lcc(void)
 {
@@ -362,7 +430,10 @@ static const struct made_format { const char *name; void (*make)(void); int is_s
 #endif
 #ifdef FXS_WITH_CJSON
     {"gltf", make_glb, 0}, {"gltf", make_gltf, 1}, {"tileset", make_tileset, 1},
-    {"lcc", make_lcc, 1},
+    {"lcc", make_lcc, 1}, {"rad", make_rad, 0},
+#ifdef FXS_WITH_ZLIB
+    {"rad", make_rad_tree, 0}, {"rad", make_rad_chunks, 1},
+#endif
 #endif
 #ifdef WITH_SOG
     {"sog", make_sog_folder, 1}, {"sog", make_streamed_sog, 1},

@@ -13,7 +13,37 @@ trap 'rm -rf "$work"' EXIT
 
 # ---- Small files to start from, of each kind -------------------------------------------------------------------------
 
+# rad MAGIC JSON: the head of a .rad or of its chunk
+rad() {
+    json=$2
+    while [ $((${#json} % 8)) != 0 ]; do json="$json "; done
+    printf "$1\\$(printf %o $((${#json} % 256)))\\$(printf %o $((${#json} / 256)))\\0\\0%s" "$json"
+}
+
+# Three nodes of SH degree 1; the first has the others as its children.
+seed_of_rad() {
+    at=0 list=
+    for column in center:f16:18 alpha:r8:3 rgb:r8_delta:9 scales:ln_0r8:9 orientation:oct88r8:9 sh1:s8:27 \
+        child_count:u16:6 child_start:u32:12; do
+        name=${column%%:*} bytes=${column##*:} encoding=${column#*:}
+        list="$list${list:+,}{\"offset\":$at,\"bytes\":$bytes,\"property\":\"$name\",\"encoding\":\"${encoding%:*}\",$(
+            )\"min\":0,\"max\":1}"
+        at=$((at + bytes))
+    done
+    {
+        rad RADC "{\"version\":1,\"base\":0,\"count\":3,\"properties\":[$list]}"
+        printf "\\$(printf %o $at)\\0\\0\\0\\0\\0\\0\\0"
+        head -c 75 /dev/zero
+        printf '\2\0\0\0\0\0\1\0\0\0\0\0\0\0\0\0\0\0'
+    } >chunk
+    rad RAD0 "{\"version\":1,\"type\":\"gsplat\",\"count\":3,\"maxSh\":1,\"lodTree\":true,$(
+        )\"chunks\":[{\"offset\":0,\"bytes\":$(wc -c <chunk)}]}"
+    cat chunk
+    rm chunk
+}
+
 seeds_of_scene() {
+    seed_of_rad >rad
     for scene in knot needles fog layers; do
         "$fixsplat" make-scene $scene --count 3 -o $scene.ply
     done

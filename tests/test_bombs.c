@@ -307,6 +307,108 @@ static void make_inflating_spz(const char *name)
     write_file(name, bytes, flat_spz(4000000, 3, bytes, MAX_FILE));
 }
 
+/* A property of a .rad, in `width` bytes a node that all are 0. */
+typedef struct zero_column { const char *property, *encoding; int width; } zero_column;
+
+/* Returns the size of `count` zeros, deflated. */
+static size_t put_deflated(uint8_t *out, size_t room, size_t count)
+{
+    uint8_t *zeros = calloc(count, 1);
+    z_stream stream;
+    memset(&stream, 0, sizeof stream);
+    stream.next_in = zeros;
+    stream.avail_in = (uInt)count;
+    stream.next_out = out;
+    stream.avail_out = (uInt)room;
+    CHECK(zeros && deflateInit2(&stream, 9, Z_DEFLATED, -MAX_WBITS, 9, Z_DEFAULT_STRATEGY) == Z_OK &&
+          deflate(&stream, Z_FINISH) == Z_STREAM_END);
+    deflateEnd(&stream);
+    free(zeros);
+    return room - stream.avail_out;
+}
+
+/* One chunk of `count` nodes. */
+static void write_rad(const char *name, size_t count, const zero_column *columns, const char *more)
+{
+    static uint8_t payload[1 << 19];
+    size_t at = 0;
+    put("RADC....{\"version\":1,\"base\":0,\"count\":%zu,\"properties\":[", count);
+    for (const zero_column *c = columns; c->property; c++) {
+        const size_t length = put_deflated(payload + at, sizeof payload - at, count * (size_t)c->width);
+        put("%s{\"offset\":%zu,\"bytes\":%zu,\"property\":\"%s\",\"encoding\":\"%s\",\"compression\":\"gz\",\"min\":0,"
+            "\"max\":1}", at ? "," : "", at, length, c->property, c->encoding);
+        at += length;
+    }
+    put("]}");
+    put_u32_at(4, (uint32_t)size - 8);
+    rad_pad();
+    put_u32((uint32_t)at);
+    put_u32(0);
+    const size_t chunk = size + at, head = size;
+    uint8_t *body = malloc(chunk);
+    if (!CHECK(body != NULL))
+        return;
+    memcpy(body, bytes, head);
+    memcpy(body + head, payload, at);
+    size = 0;
+    put("RAD0....{\"version\":1,\"type\":\"gsplat\",\"count\":%zu%s,\"chunks\":[{\"offset\":0,\"bytes\":%zu}]}", count, more,
+        chunk);
+    put_u32_at(4, (uint32_t)size - 8);
+    rad_pad();
+    memcpy(bytes + size, body, chunk);
+    write_file(name, bytes, size + chunk);
+    size = 0;
+    free(body);
+}
+
+static void make_inflating_rad(const char *name)
+{
+    static const zero_column columns[] = {{"center", "f16", 6}, {"alpha", "r8", 1}, {"rgb", "r8", 3},
+                                          {"scales", "ln_0r8", 3}, {"orientation", "oct88r8", 3}, {NULL, NULL, 0}};
+    write_rad(name, 4000000, columns, "");
+}
+
+/* As many as are always allowed, of SH degree 3, in one chunk. */
+static void make_wide_rad(const char *name)
+{
+    static const zero_column columns[] = {{"center", "f32", 12}, {"alpha", "f32", 4}, {"rgb", "f32", 12},
+                                          {"scales", "f32", 12}, {"orientation", "f32", 12}, {"sh1", "f32", 36},
+                                          {"sh2", "f32", 60}, {"sh3", "f32", 84}, {NULL, NULL, 0}};
+    write_rad(name, 1000000, columns, ",\"maxSh\":3");
+}
+
+/* A palette that is far larger than the scene. */
+static void make_palette_rad(const char *name)
+{
+    static const zero_column columns[] = {{"center", "f16", 6}, {"alpha", "r8", 1}, {"rgb", "r8", 3},
+                                          {"scales", "ln_0r8", 3}, {"orientation", "oct88r8", 3}, {"sh_label", "u16", 2},
+                                          {"sh1_code", "f32", 36}, {NULL, NULL, 0}};
+    write_rad(name, 4, columns, ",\"maxSh\":1,\"shCodeCount\":2000000000");
+}
+
+/* Nodes of which each names all later ones as its children. */
+static void make_tangled_rad(const char *name)
+{
+    enum { NODES = 5000 };
+    rad_begin(1);
+    for (int half = 0; half < 2; half++) {
+        for (int i = 0; i < NODES && half; i++)
+            put_u32(i < NODES - 1 ? (uint32_t)i + 1 : 0);
+        for (int i = 0; i < NODES && !half; i++)
+            put_u16(NODES - 1 - i);
+        rad_add_column(half ? "child_start" : "child_count", half ? "u32" : "u16", "");
+    }
+    for (int i = 0; i < 5; i++) {
+        memset(bytes, 0, size = NODES * (i == 0 ? 6 : i == 1 ? 2 : 3));
+        rad_add_column((const char *[]){"center", "alpha", "rgb", "scales", "orientation"}[i],
+                       (const char *[]){"f16", "f16", "r8", "ln_0r8", "oct88r8"}[i], ",\"min\":0,\"max\":1");
+    }
+    rad_add_chunk(0, NODES);
+    rad_end(NODES, NODES, ",\"lodTree\":true");
+    write_file(name, bytes, size);
+    size = 0;
+}
+
 static void make_instances_glb(const char *name)
 {
     static uint8_t spz[1 << 14];
@@ -344,6 +446,10 @@ static const struct bomb {
     {"shared/lod-meta.json", " Gaussians or more in 1", make_shared_images},
     {"same.gltf", " Gaussians or more in 1", make_shared_buffer},
     {"inflating.spz", "4000000 Gaussians or more in ", make_inflating_spz},
+    {"inflating.rad", "4000000 Gaussians or more in ", make_inflating_rad},
+    {"wide.rad", "bytes of memory or more, beyond the limit of ", make_wide_rad},
+    {"palette.rad", "cannot be the 72000000000 of 2000000000 Gaussians", make_palette_rad},
+    {"tangled.rad", "children that are no later nodes of their own", make_tangled_rad},
     {"instances.glb", "102400000 Gaussians or more in 17", make_instances_glb},
     {"exponents.ply", NULL, make_exponents_ply}
 };

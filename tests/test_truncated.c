@@ -496,6 +496,11 @@ static const struct row {
     {"glTF", make_gltf, read_scene, any_fault},
     {"tileset", make_tileset, read_scene, any_fault},
     {"lcc", make_lcc, read_scene, of_lcc},
+    {"rad", make_rad, read_scene, any_fault},
+#ifdef FXS_WITH_ZLIB
+    {"rad with a tree", make_rad_tree, read_scene, any_fault},
+    {"rad in several files", make_rad_chunks, read_scene, any_fault},
+#endif
     {"cameras as JSON", make_cameras_json, read_cameras, of_json},
 #endif
 #ifdef WITH_SOG

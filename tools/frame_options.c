@@ -184,7 +184,7 @@ const option_row world_rows[] = {
 const option_row load_rows[] = {
     {.help = "Reading scenes:"},
     {"lod", "LEVEL", INT(lod, 0, 1000), .help =
-     "level of detail of an .lcc or streamed .sog, 0 the finest (default 0)"},
+     "level of detail of an .lcc, .rad or streamed .sog, 0 the finest (default 0)"},
     {"axes", "AXES", CHOICE_FROM(FXS_AXES_RUB, axes, WORDS("rub", "rdf")), .help =
      "of an .spz: rub (right, up, back) or rdf (right, down, front: files of splat-transform 3); default: as the "
      "file says, without a word rub"},

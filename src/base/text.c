@@ -18,6 +18,8 @@ int fxs_text_load(const char *path, fxs_text *text, fxs_message *message)
 
 #ifdef FXS_WITH_CJSON
 
+#include <math.h>
+
 #include <cjson/cJSON.h>
 
 #define MAX_VALUES ((size_t)8 << 20)
@@ -55,6 +57,15 @@ int fxs_json_numbers(const cJSON *array, double *out, int count)
             return 0;
         *out++ = item->valuedouble;
     }
+    return 1;
+}
+
+int fxs_json_whole(const cJSON *item, size_t most, size_t *out)
+{
+    const double value = cJSON_IsNumber(item) ? item->valuedouble : -1;
+    if (!(value >= 0 && value <= (double)most && value == floor(value)))
+        return 0;
+    *out = (size_t)value;
     return 1;
 }
 

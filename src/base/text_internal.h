@@ -33,6 +33,9 @@ int fxs_json_parse(const fxs_text *json, const struct fxs_scene_source *source, 
 /* 1 where the array has exactly `count` numbers, else 0. */
 int fxs_json_numbers(const struct cJSON *array, double *out, int count);
 
+/* 1 where the item is a whole number from 0 to `most`, which a double can hold; null is no number. */
+int fxs_json_whole(const struct cJSON *item, size_t most, size_t *out);
+
 /* The string of that name, or NULL. */
 const char *fxs_json_string(const struct cJSON *object, const char *name);
 

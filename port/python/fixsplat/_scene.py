@@ -235,7 +235,7 @@ def load(source: "Union[PathLike, bytes, bytearray, memoryview]", *, profile: st
     there; a file of another format is packed in memory.
     profile: how a file of another format is packed. At SH degree 3, a Gaussian takes 63.5 bytes with "default", 39.6
     with "compact" and 19.6 with "small".
-    level: the level of detail of an .lcc or a streamed .sog file. 0 is the finest level.
+    level: the level of detail of an .lcc, a .rad or a streamed .sog file. 0 is the finest level.
     axes: the axes of an .spz file: "file" (as the file states), "rub" (right, up, back) or "rdf" (right, down, front).
     max_gaussians: the largest number of Gaussians; a scene with more is an Error. 0 stands for the library's limit.
     max_memory: the largest number of bytes that reading may take; to need more is an Error. 0 stands for the library's

@@ -41,7 +41,7 @@ typedef struct fxs_scene_file_info {
     int sh_degree;        /* 0 to 3 */
     int stored_sh_degree; /* the same, or 4 where the file has degree 4, whose coefficients are left out */
     int antialiased;      /* 1: opacities were fitted with the dilation compensated */
-    int levels;           /* levels of detail that can be opened; 1 except for .lcc and streamed SOG. A leaf of
+    int levels;           /* levels of detail that can be opened; 1 except for .lcc, .rad and streamed SOG. A leaf of
                              streamed SOG that lacks the level is read at its nearest level */
     fxs_grid colour;      /* the values of 0.5 + 0.28209479177387814 dc */
     fxs_grid sh;          /* the values of the coefficients above degree 0 */

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <string.h>
+#include "src/base/sine.h"
 #include "src/gaussian/attributes.h"
 
 /* gcc has no such pragma and does the same by -std=c99 or -ffp-contract=off. */
@@ -42,29 +43,9 @@ static double smoothstep(double low, double high, double x)
     return t * t * (3 - 2 * t);
 }
 
-/* floor(x) for |x| < 2^62, which is a library call on plain x86-64. */
-static double whole(double x)
-{
-    double towards_zero = (double)(int64_t)x;
-    return towards_zero > x ? towards_zero - 1 : towards_zero;
-}
-
-/* sin(2 pi t): t to -1/4..1/4, then the Taylor series of sin(x) to x^15. */
-static double sine(double t)
-{
-    static const double taylor[] = {
-        -7.6471637318198165e-13, 1.6059043836821615e-10, -2.5052108385441719e-8, 2.7557319223985891e-6,
-        -1.9841269841269841e-4, 8.3333333333333333e-3, -0.16666666666666667, 1,
-    };
-    t -= whole(t + 0.5);
-    t = t > 0.25 ? 0.5 - t : t < -0.25 ? -0.5 - t : t;
-    double x = 2 * PI * t, sum = 0;
-    for (int k = 0; k < 8; k++)
-        sum = sum * (x * x) + taylor[k];
-    return x * sum;
-}
-
-static double cosine(double t) { return sine(t + 0.25); }
+static double whole(double x) { return fxs_floor(x); }
+static double sine(double t) { return fxs_sine(t); }
+static double cosine(double t) { return fxs_sine(t + 0.25); }
 
 /* ln x = e ln 2 + 2 (s + s^3/3 + s^5/5 + ...), s = (m - 1)/(m + 1), x = m 2^e, sqrt(1/2) <= m < sqrt(2) */
 static double logarithm(double x)

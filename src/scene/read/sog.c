@@ -87,16 +87,6 @@ static const cJSON *member(const cJSON *object, const char *name)
     return cJSON_GetObjectItemCaseSensitive(object, name);
 }
 
-/* 1 where the item is a whole number from 0 to `most`. */
-static int whole(const cJSON *item, size_t most, size_t *out)
-{
-    double value = cJSON_IsNumber(item) ? item->valuedouble : -1;
-    if (!(value >= 0 && value <= (double)most && value == floor(value)))
-        return 0;
-    *out = (size_t)value;
-    return 1;
-}
-
 static double lerp(double a, double b, double t)
 {
     return a * (1 - t) + b * t;
@@ -178,7 +168,7 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
     if (version && !(cJSON_IsNumber(version) && version->valuedouble == 2))
         return "a version that is not known: not 1 or 2";
     s->antialiased = cJSON_IsTrue(member(root, "antialias")) || (model && strcmp(model, "antialiased") == 0);
-    if (!whole(version ? member(root, "count") : cJSON_GetArrayItem(member(means, "shape"), 0), INT32_MAX, &s->count))
+    if (!fxs_json_whole(version ? member(root, "count") : cJSON_GetArrayItem(member(means, "shape"), 0), INT32_MAX, &s->count))
         return version ? "no valid \"count\"" : "no valid \"shape\" of \"means\"";
     if (!fxs_json_numbers(member(means, "mins"), s->mins, 3) || !fxs_json_numbers(member(means, "maxs"), s->maxs, 3))
         return "no valid \"mins\" and \"maxs\" of \"means\"";
@@ -192,9 +182,9 @@ static const char *read_meta(sog_scene *s, const cJSON *root)
         return "no valid values of \"sh0\"";
     if (shn && !read(shn, &s->sh, 1))
         return "no valid values of \"shN\"";
-    if (shn && version && !(whole(member(shn, "bands"), 3, &degree) && degree > 0))
+    if (shn && version && !(fxs_json_whole(member(shn, "bands"), 3, &degree) && degree > 0))
         return "no valid \"bands\" of \"shN\"";
-    if (shn && version && !whole(member(shn, "count"), 65536, &s->palette))
+    if (shn && version && !fxs_json_whole(member(shn, "count"), 65536, &s->palette))
         return "no valid \"count\" of \"shN\"";
     s->sh_degree = (int)degree;
     return NULL;
@@ -432,9 +422,9 @@ static int add_leaves(sog_reader *r, const cJSON *node, int level, fxs_message *
     if (found) {
         range added;
         size_t count;
-        if (!whole(member(found, "file"), r->file_count, &added.file) || added.file == r->file_count ||
-            !whole(member(found, "offset"), INT32_MAX, &added.begin) ||
-            !whole(member(found, "count"), INT32_MAX, &count))
+        if (!fxs_json_whole(member(found, "file"), r->file_count, &added.file) || added.file == r->file_count ||
+            !fxs_json_whole(member(found, "offset"), INT32_MAX, &added.begin) ||
+            !fxs_json_whole(member(found, "count"), INT32_MAX, &count))
             return fxs_fail(message, "%s: a leaf with no valid \"file\", \"offset\" and \"count\"", r->source->path);
         added.end = added.begin + count;
         if (count > 0)
@@ -512,7 +502,7 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     size_t levels;
     if (version && !(cJSON_IsNumber(version) && version->valuedouble == 1))
         return fxs_fail(message, "%s: streamed SOG of a version that is not known: not 1", r->source->path);
-    if (!whole(member(root, "lodLevels"), MAX_LEVELS, &levels) || levels == 0)
+    if (!fxs_json_whole(member(root, "lodLevels"), MAX_LEVELS, &levels) || levels == 0)
         return fxs_fail(message, "%s: no valid \"lodLevels\"", r->source->path);
     info->levels = (int)levels;
     r->files = cJSON_DetachItemFromObjectCaseSensitive(root, "filenames");

@@ -4,13 +4,10 @@
 #include <string.h>
 
 #include "src/base/byte_reader.h"
+#include "src/base/inflate_internal.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 
-#ifdef FXS_WITH_ZLIB
-#define ZLIB_CONST
-#include <zlib.h>
-#endif
 #ifdef FXS_WITH_ZSTD
 #include <zstd.h>
 #endif
@@ -20,8 +17,7 @@
 enum {
     HEADER_SIZE = 16, HEADER_SIZE_4 = 32,    /* of versions 1 to 3, and of 4 */
     MAX_FRACTIONAL_BITS = 24,
-    MAX_EXTENSIONS = 1 << 16,                /* bytes, in compressed versions */
-    MAX_EXPANSION = 1032                     /* the most bytes that a byte of deflate stands for */
+    MAX_EXTENSIONS = 1 << 16                 /* bytes, in compressed versions */
 };
 
 #define COLOUR_RANGE 0.15                    /* dc = (code / 255 - 0.5) / range */
@@ -253,7 +249,7 @@ static int inflate_header(fxs_spz *spz, gzip *g)
     if (spz->version == 4)
         return fail(spz, "version 4 within gzip");
     uint64_t wanted = payload_bytes(spz);
-    if (wanted / MAX_EXPANSION > spz->size)
+    if (wanted / FXS_MAX_EXPANSION > spz->size)
         return fxs_fail(spz->message, "%s: the header asks for %llu bytes of attributes, more than %llu can inflate to",
                         spz->source->path, (unsigned long long)wanted, (unsigned long long)spz->size);
     return 0;
@@ -276,16 +272,6 @@ static int inflate_payload(fxs_spz *spz, gzip *g)
     return parse_extensions(spz, spz->payload + wanted, got - wanted);
 }
 
-static void *allocate_for_zlib(void *spz, uInt count, uInt size)
-{
-    return fxs_allocate(((const fxs_spz *)spz)->source->options.allocator, count, size);
-}
-
-static void release_for_zlib(void *spz, void *block)
-{
-    fxs_release(((const fxs_spz *)spz)->source->options.allocator, block);
-}
-
 static int with_gzip(fxs_spz *spz, int (*use)(fxs_spz *, gzip *))
 {
     gzip *g = fxs_hold(spz->source, sizeof *g, spz->message);
@@ -293,9 +279,7 @@ static int with_gzip(fxs_spz *spz, int (*use)(fxs_spz *, gzip *))
         return FXS_ERR_MEMORY;
     memset(g, 0, sizeof *g);
     g->spz = spz;
-    g->stream.zalloc = allocate_for_zlib;
-    g->stream.zfree = release_for_zlib;
-    g->stream.opaque = spz;
+    fxs_zlib_allocator(&g->stream, spz->source->options.allocator);
     int result = inflateInit2(&g->stream, 16 + MAX_WBITS) == Z_OK ? use(spz, g)
                  : fxs_fail_memory(spz->message, spz->source->path, 0);
     inflateEnd(&g->stream);

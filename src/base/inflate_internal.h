@@ -1,0 +1,21 @@
+/* Inflates data in memory, by zlib. */
+#ifndef FXS_INFLATE_INTERNAL_H
+#define FXS_INFLATE_INTERNAL_H
+
+#include "source_internal.h"
+
+#define FXS_MAX_EXPANSION 1032u        /* the most bytes that a byte of deflate stands for */
+
+/* Inflates a raw deflate stream, without header, to exactly `wanted` bytes. Returns 0, or an error and a message. */
+int fxs_inflate(const fxs_scene_source *source, const void *data, size_t size, void *out, size_t wanted,
+                fxs_message *message);
+
+#ifdef FXS_WITH_ZLIB
+#define ZLIB_CONST
+#include <zlib.h>
+
+/* Lets a stream take its memory from the allocator, which must outlive it. */
+void fxs_zlib_allocator(z_stream *stream, const fxs_allocator *allocator);
+#endif
+
+#endif
