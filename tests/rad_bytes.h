@@ -91,8 +91,8 @@ static inline void rad_add_chunk(int base, int count)
 /* Puts the whole file into `bytes`; `more` is of the header's JSON, as ",\"maxSh\":1". */
 static inline void rad_end(int count, int chunk_size, const char *more)
 {
-    put("RAD0....{\"version\":1,\"type\":\"gsplat\",\"count\":%d,\"chunkSize\":%d,\"allChunkBytes\":%zu%s,\"chunks\":[", count,
-        chunk_size, rad_body_size, more);
+    put("RAD0....{\"version\":1,\"type\":\"gsplat\",\"count\":%d,\"chunkSize\":%d,\"allChunkBytes\":%zu%s,\"chunks\":[",
+        count, chunk_size, rad_body_size, more);
     for (size_t i = 0, at = 0; i < (size_t)rad_chunk_count; at += rad_sizes[i++])
         put("%s{\"offset\":%zu,\"bytes\":%zu}", i ? "," : "", at, rad_sizes[i]);
     put("]}");

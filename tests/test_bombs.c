@@ -351,8 +351,8 @@ static void write_rad(const char *name, size_t count, const zero_column *columns
     memcpy(body, bytes, head);
     memcpy(body + head, payload, at);
     size = 0;
-    put("RAD0....{\"version\":1,\"type\":\"gsplat\",\"count\":%zu%s,\"chunks\":[{\"offset\":0,\"bytes\":%zu}]}", count, more,
-        chunk);
+    put("RAD0....{\"version\":1,\"type\":\"gsplat\",\"count\":%zu%s,\"chunks\":[{\"offset\":0,\"bytes\":%zu}]}", count,
+        more, chunk);
     put_u32_at(4, (uint32_t)size - 8);
     rad_pad();
     memcpy(bytes + size, body, chunk);

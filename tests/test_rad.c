@@ -17,7 +17,8 @@ static int code_of(int property, int row, int i)
 
 static int half_bits(int property, int row, int i)
 {
-    return (code_of(property, row, i) & 1) << 15 | (10 + code_of(property, row, i) % 6) << 10 | code_of(property, row, i) << 2;
+    const int code = code_of(property, row, i);
+    return (code & 1) << 15 | (10 + code % 6) << 10 | code << 2;
 }
 
 static double half_value(int bits)
@@ -255,8 +256,10 @@ static void palettes(void)
         rad_end(COUNT, CHUNK, ",\"maxSh\":2,\"shCodeCount\":2");
         if (reads(COUNT))
             for (int row = 0; row < COUNT; row++)
-                for (int i = 0; i < 24; i++)
-                    CHECK(is_near(out[row].sh[i], value_of("s8", i < 9 ? SH1 : SH2, labels[row], i < 9 ? i : i - 9), 2e-6));
+                for (int i = 0; i < 24; i++) {
+                    const double value = value_of("s8", i < 9 ? SH1 : SH2, labels[row], i < 9 ? i : i - 9);
+                    CHECK(is_near(out[row].sh[i], value, 2e-6));
+                }
     }
     bytes[size - 8]++;                 /* the last column: a label as u32, deflated */
     put_file(size);
@@ -423,7 +426,8 @@ static void wrong_sizes(void)
             rad_column_count--;
             rad_add_chunk(0, 2);
             rad_end(2, 2, "");
-            check_fails(compressed ? "compressed data that are damaged, or not 24 bytes" : "cannot be the 24 of 2 Gaussians");
+            check_fails(compressed ? "compressed data that are damaged, or not 24 bytes"
+                                   : "cannot be the 24 of 2 Gaussians");
         }
 }
 

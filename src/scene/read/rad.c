@@ -12,14 +12,24 @@ static int is_rad(const fxs_head *head, fxs_message *message)
     return !memcmp(head->bytes, "RAD0", 4) || !memcmp(head->bytes, "RADC", 4);
 }
 
-const char *const fxs_rad_property_names[FXS_RAD_PROPERTIES] = {
-    "center", "alpha", "rgb", "scales", "orientation", "sh1", "sh2", "sh3", "child_count", "child_start", "sh_label",
-    "sh1_code", "sh2_code", "sh3_code"
+#define BIT(encoding) (1u << FXS_RAD_##encoding)
+#define SH_ENCODINGS (BIT(F32) | BIT(F16) | BIT(R8) | BIT(R8_DELTA) | BIT(S8) | BIT(S8_DELTA))
+
+const fxs_rad_property fxs_rad_properties[FXS_RAD_PROPERTIES] = {
+    {"center", 3, BIT(F32) | BIT(F16) | BIT(F32_LEBYTES) | BIT(F16_LEBYTES)},
+    {"alpha", 1, BIT(F32) | BIT(F16) | BIT(R8)},
+    {"rgb", 3, BIT(F32) | BIT(F16) | BIT(R8) | BIT(R8_DELTA)},
+    {"scales", 3, BIT(F32) | BIT(LN_0R8) | BIT(LN_F16)},
+    {"orientation", 3, BIT(F32) | BIT(F16) | BIT(OCT88R8)},
+    {"sh1", 9, SH_ENCODINGS}, {"sh2", 15, SH_ENCODINGS}, {"sh3", 21, SH_ENCODINGS},
+    {"child_count", 1, BIT(U16)}, {"child_start", 1, BIT(U32)},
+    {"sh_label", 1, BIT(U16) | BIT(U32)},
+    {"sh1_code", 9, SH_ENCODINGS}, {"sh2_code", 15, SH_ENCODINGS}, {"sh3_code", 21, SH_ENCODINGS}
 };
 
-const char *const fxs_rad_encoding_names[FXS_RAD_ENCODINGS] = {
-    "f32", "f16", "f32_lebytes", "f16_lebytes", "r8", "r8_delta", "s8", "s8_delta", "ln_0r8", "ln_f16", "oct88r8", "u16",
-    "u32"
+const fxs_rad_encoding fxs_rad_encodings[FXS_RAD_ENCODINGS] = {
+    {"f32", 4}, {"f16", 2}, {"f32_lebytes", 4}, {"f16_lebytes", 2}, {"r8", 1}, {"r8_delta", 1}, {"s8", 1},
+    {"s8_delta", 1}, {"ln_0r8", 1}, {"ln_f16", 2}, {"oct88r8", 1}, {"u16", 2}, {"u32", 4}
 };
 
 #ifdef FXS_WITH_CJSON
@@ -38,25 +48,6 @@ enum {
     PAYLOAD_SIZE = 8,              /* bytes of the number between a chunk's JSON and its columns */
     TALLEST = 254                  /* levels above a leaf; taller nodes count as this tall */
 };
-
-#define BIT(encoding) (1u << FXS_RAD_##encoding)
-
-/* The numbers of a Gaussian in a column, and the encodings that the column may have. */
-static const struct { int numbers; unsigned encodings; } properties[FXS_RAD_PROPERTIES] = {
-    {3, BIT(F32) | BIT(F16) | BIT(F32_LEBYTES) | BIT(F16_LEBYTES)},
-    {1, BIT(F32) | BIT(F16) | BIT(R8)},
-    {3, BIT(F32) | BIT(F16) | BIT(R8) | BIT(R8_DELTA)},
-    {3, BIT(F32) | BIT(LN_0R8) | BIT(LN_F16)},
-    {3, BIT(F32) | BIT(F16) | BIT(OCT88R8)},
-#define SH_ENCODINGS (BIT(F32) | BIT(F16) | BIT(R8) | BIT(R8_DELTA) | BIT(S8) | BIT(S8_DELTA))
-    {9, SH_ENCODINGS}, {15, SH_ENCODINGS}, {21, SH_ENCODINGS},
-    {1, BIT(U16)},
-    {1, BIT(U32)},
-    {1, BIT(U16) | BIT(U32)},
-    {9, SH_ENCODINGS}, {15, SH_ENCODINGS}, {21, SH_ENCODINGS}
-};
-
-static const uint8_t widths[FXS_RAD_ENCODINGS] = {4, 2, 4, 2, 1, 1, 1, 1, 1, 2, 1, 2, 4};   /* bytes a number */
 
 #define ALWAYS_THERE 5                       /* the properties that each chunk has */
 #define RANGED (BIT(R8) | BIT(R8_DELTA) | BIT(LN_0R8))
@@ -109,8 +100,8 @@ static size_t rows_of(const rad_reader *r, size_t i)
 
 /* ---- The header -------------------------------------------------------------------------------------------------- */
 
-/* The JSON at an offset in a file, which ends at `end`: a magic number, its length, its text. *after is the offset behind
-   it, a multiple of 8 from the begin. */
+/* The JSON at an offset in a file, which ends at `end`: a magic number, its length, its text. *after is the offset
+   behind it, a multiple of 8 from the begin. */
 static int load_json(const fxs_scene_source *source, uint64_t offset, uint64_t end, const char *magic, cJSON **root,
                      uint64_t *after, fxs_message *message)
 {
@@ -202,7 +193,7 @@ static int load_header(rad_reader *r, fxs_message *message)
 static size_t column_bytes(const rad_reader *r, int property)
 {
     const column *c = &r->columns[property];
-    return c->rows * (size_t)properties[property].numbers * widths[c->encoding];
+    return c->rows * (size_t)fxs_rad_properties[property].numbers * (size_t)fxs_rad_encodings[c->encoding].width;
 }
 
 static void drop_column(rad_reader *r, int property)
@@ -221,10 +212,18 @@ static void drop_columns(rad_reader *r)
     r->loaded = r->chunk_count;
 }
 
-static int number_of(const char *const *names, int count, const char *name)
+static int property_of(const char *name)
 {
     int i = 0;
-    while (i < count && (!name || strcmp(name, names[i])))
+    while (i < FXS_RAD_PROPERTIES && (!name || strcmp(name, fxs_rad_properties[i].name)))
+        i++;
+    return i;
+}
+
+static int encoding_of(const char *name)
+{
+    int i = 0;
+    while (i < FXS_RAD_ENCODINGS && (!name || strcmp(name, fxs_rad_encodings[i].name)))
         i++;
     return i;
 }
@@ -235,8 +234,8 @@ static const char *read_column(column *c, const cJSON *item, int property, uint6
     const cJSON *low = member(item, "min"), *high = member(item, "max"), *compression = member(item, "compression");
     const char *way = cJSON_GetStringValue(compression);
     size_t offset, stored;
-    c->encoding = number_of(fxs_rad_encoding_names, FXS_RAD_ENCODINGS, fxs_json_string(item, "encoding"));
-    if (c->encoding == FXS_RAD_ENCODINGS || !(properties[property].encodings >> c->encoding & 1)) {
+    c->encoding = encoding_of(fxs_json_string(item, "encoding"));
+    if (c->encoding == FXS_RAD_ENCODINGS || !(fxs_rad_properties[property].encodings >> c->encoding & 1)) {
         c->encoding = 0;
         return "an encoding that is not known";
     }
@@ -265,7 +264,7 @@ static const char *list_columns(rad_reader *r, const cJSON *root, size_t i, uint
         !fxs_json_whole(member(root, "count"), INT32_MAX, &rows) || rows != rows_of(r, i))
         return "a \"base\" and \"count\" that are not those of its place";
     cJSON_ArrayForEach(item, member(root, "properties")) {
-        const int property = number_of(fxs_rad_property_names, FXS_RAD_PROPERTIES, fxs_json_string(item, "property"));
+        const int property = property_of(fxs_json_string(item, "property"));
         column *c = &r->columns[property];
         if (property == FXS_RAD_PROPERTIES || (property >= FXS_RAD_SH1_CODE && (i > 0 || c->bytes)))
             continue;
@@ -355,7 +354,7 @@ static int load_column(rad_reader *r, int property, fxs_message *message)
         return 0;
     if (c->is_compressed ? wanted / FXS_MAX_EXPANSION > c->stored : wanted != c->stored)
         return fxs_fail(message, "%s: %s: %llu bytes cannot be the %zu of %zu Gaussians", source->path,
-                        fxs_rad_property_names[property], (unsigned long long)c->stored, wanted, c->rows);
+                        fxs_rad_properties[property].name, (unsigned long long)c->stored, wanted, c->rows);
     c->bytes = fxs_hold(r->source, wanted, message);
     if (!c->bytes)
         return FXS_ERR_MEMORY;
@@ -365,7 +364,7 @@ static int load_column(rad_reader *r, int property, fxs_message *message)
     if (result)
         drop_column(r, property);
     else if (c->encoding == FXS_RAD_R8_DELTA || c->encoding == FXS_RAD_S8_DELTA)
-        sum_up(c, properties[property].numbers);
+        sum_up(c, fxs_rad_properties[property].numbers);
     return result;
 }
 
@@ -384,7 +383,7 @@ static uint32_t apart(const uint8_t *bytes, size_t stride, int width)
 static double value(const column *c, int numbers, int d, size_t row)
 {
     const size_t i = (size_t)d * c->rows + row, stride = (size_t)numbers * c->rows;
-    const uint8_t *at = c->bytes + i * widths[c->encoding];
+    const uint8_t *at = c->bytes + i * (size_t)fxs_rad_encodings[c->encoding].width;
     uint32_t bits;
     float single;
     switch (c->encoding) {
@@ -415,7 +414,7 @@ static double value(const column *c, int numbers, int d, size_t row)
 
 static double value_of(const rad_reader *r, int property, int d, size_t row)
 {
-    return value(&r->columns[property], properties[property].numbers, d, row);
+    return value(&r->columns[property], fxs_rad_properties[property].numbers, d, row);
 }
 
 /* The axis by an octahedron unfolded to a square, the angle 0 to pi. */
@@ -459,7 +458,7 @@ static int decode_sh(const rad_reader *r, size_t row, float sh[45], fxs_message 
         const column *c = &r->columns[first + degree];
         if (c->bytes && row >= c->rows)
             return fxs_fail(message, "%s: SH number %zu of a palette of %zu", r->source->path, row, c->rows);
-        for (int k = 0; k < properties[first + degree].numbers && c->bytes; k++)
+        for (int k = 0; k < fxs_rad_properties[first + degree].numbers && c->bytes; k++)
             sh[3 * degree * (degree + 2) + k] = (float)value_of(r, first + degree, k, row);
     }
     return 0;
@@ -472,7 +471,7 @@ static double decode_opacity(const rad_reader *r, size_t row, float *opacity)
 {
     const double code = value_of(r, FXS_RAD_ALPHA, 0, row), d = fmin(4 * code - 3, 5);
     *opacity = fxs_logit_of_opacity(code);
-    return r->is_tree && code > 1 ? (d * d - 1) / 2.718281828459045 : 0;
+    return r->is_tree && code > 1 ? (d * d - 1) / FXS_RAD_E : 0;
 }
 
 static int decode(const rad_reader *r, size_t row, fxs_gaussian *g, fxs_message *message)
@@ -493,8 +492,8 @@ static int decode(const rad_reader *r, size_t row, fxs_gaussian *g, fxs_message 
 
 /* ---- The tree ---------------------------------------------------------------------------------------------------- */
 
-/* Level k draws the nodes that are at most k levels above their lowest leaf, but whose parents are higher: one on each way
-   from the root to a leaf. */
+/* Level k draws the nodes that are at most k levels above their lowest leaf, but whose parents are higher: one on each
+   way from the root to a leaf. */
 static int is_low(const uint8_t *heights, size_t i, int level)
 {
     return heights[i] <= level;

@@ -3,9 +3,9 @@
 #define FXS_RAD_INTERNAL_H
 
 enum {
-    FXS_RAD_CENTER, FXS_RAD_ALPHA, FXS_RAD_RGB, FXS_RAD_SCALES, FXS_RAD_ORIENTATION, FXS_RAD_SH1, FXS_RAD_SH2, FXS_RAD_SH3,
-    FXS_RAD_CHILD_COUNT, FXS_RAD_CHILD_START, FXS_RAD_SH_LABEL, FXS_RAD_SH1_CODE, FXS_RAD_SH2_CODE, FXS_RAD_SH3_CODE,
-    FXS_RAD_PROPERTIES
+    FXS_RAD_CENTER, FXS_RAD_ALPHA, FXS_RAD_RGB, FXS_RAD_SCALES, FXS_RAD_ORIENTATION, FXS_RAD_SH1, FXS_RAD_SH2,
+    FXS_RAD_SH3, FXS_RAD_CHILD_COUNT, FXS_RAD_CHILD_START, FXS_RAD_SH_LABEL, FXS_RAD_SH1_CODE, FXS_RAD_SH2_CODE,
+    FXS_RAD_SH3_CODE, FXS_RAD_PROPERTIES
 };
 
 enum {
@@ -13,6 +13,20 @@ enum {
     FXS_RAD_S8_DELTA, FXS_RAD_LN_0R8, FXS_RAD_LN_F16, FXS_RAD_OCT88R8, FXS_RAD_U16, FXS_RAD_U32, FXS_RAD_ENCODINGS
 };
 
-extern const char *const fxs_rad_property_names[FXS_RAD_PROPERTIES], *const fxs_rad_encoding_names[FXS_RAD_ENCODINGS];
+typedef struct fxs_rad_property {
+    const char *name;
+    int numbers;                   /* of a Gaussian */
+    unsigned encodings;            /* a bit for each that it may have */
+} fxs_rad_property;
+
+typedef struct fxs_rad_encoding {
+    const char *name;
+    int width;                     /* bytes a number */
+} fxs_rad_encoding;
+
+extern const fxs_rad_property fxs_rad_properties[FXS_RAD_PROPERTIES];
+extern const fxs_rad_encoding fxs_rad_encodings[FXS_RAD_ENCODINGS];
+
+#define FXS_RAD_E 2.718281828459045    /* of the opacities above 1 */
 
 #endif

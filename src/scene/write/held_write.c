@@ -27,6 +27,18 @@ uint8_t *fxs_put_floats(uint8_t *to, const float *values, size_t n)
     return to;
 }
 
+uint32_t fxs_code_half(double x)
+{
+    const double size = fmin(fabs(x), 65504);
+    int exponent = 0;
+    if (!(size > 0))
+        return 0;
+    frexp(size, &exponent);
+    exponent = exponent > -13 ? exponent : -13;         /* size < 2^exponent; below 2^-14 all steps are 2^-24 */
+    const uint32_t fraction = (uint32_t)floor(ldexp(size, 11 - exponent) + 0.5);
+    return (x < 0 ? 0x8000u : 0) | ((uint32_t)(exponent + 13) * 1024 + fraction);
+}
+
 uint32_t fxs_code_within(double x, uint32_t most)
 {
     x = floor(x + 0.5);

@@ -40,6 +40,9 @@ int fxs_held_close(fxs_held *held, fxs_message *message);
 uint8_t *fxs_put_u32(uint8_t *to, uint32_t value);
 uint8_t *fxs_put_floats(uint8_t *to, const float *values, size_t n);
 
+/* The bits of the nearest binary16, at most 65504; of NaN, 0. */
+uint32_t fxs_code_half(double x);
+
 /* The nearest integer from 0 to `most`; 0 for NaN. */
 uint32_t fxs_code_within(double x, uint32_t most);
 
