@@ -145,10 +145,16 @@ static void factorise(double l[3][3], const float c[6])
     l[2][2] = sqrt(fmax(c[2] + least - l[2][0] * l[2][0] - l[2][1] * l[2][1], least));
 }
 
+void fxs_coarse_axes(fxs_gaussian *gaussian, const float covariance[6])
+{
+    double axes[3][3];
+    factorise(axes, covariance);
+    fxs_set_axes(gaussian, axes);
+}
+
 /* What became of Gaussian i of the set. */
 static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
 {
-    double axes[3][3];
     *out = *m->from[i];
     if (!m->age[i])
         return;
@@ -162,8 +168,7 @@ static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
         out->covariance[k] = m->fields[i][XX + k];
     out->area = m->fields[i][AREA];
     out->opacity = m->fields[i][OPACITY];
-    factorise(axes, out->covariance);
-    fxs_set_axes(&out->gaussian, axes);
+    fxs_coarse_axes(&out->gaussian, out->covariance);
     out->gaussian.opacity = fxs_logit_of_opacity(out->opacity);
 }
 
@@ -650,6 +655,17 @@ static void coarsen(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
         const pair best = take_best(m);
         merge(m, best.a, best.b, best.error / grown(&best), sums);
     }
+}
+
+void fxs_merge_into(const fxs_merger *m, uint16_t *into)
+{
+    uint32_t places = 0;
+    for (uint32_t i = 0; i < m->count; i++)
+        if (m->into[i] == i)
+            into[i] = (uint16_t)places++;
+    for (uint32_t i = 0; i < m->count; i++)
+        if (m->into[i] != i)
+            into[i] = into[now(m, i)];
 }
 
 uint32_t fxs_merge_end(fxs_merger *m, uint32_t most, fxs_coarse *out, fxs_merge_error *sums)

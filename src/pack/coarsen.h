@@ -40,4 +40,10 @@ void fxs_merge_add(fxs_merger *merger, const fxs_coarse *gaussians, uint32_t cou
    their number. */
 uint32_t fxs_merge_end(fxs_merger *merger, uint32_t most, fxs_coarse *out, fxs_merge_error *error);
 
+/* Of each Gaussian that was added, in that order, writes the place in `out` of what it was merged into. */
+void fxs_merge_into(const fxs_merger *merger, uint16_t *into);
+
+/* Sets the rotation and the scales of a Gaussian with that covariance. */
+void fxs_coarse_axes(fxs_gaussian *gaussian, const float covariance[6]);
+
 #endif

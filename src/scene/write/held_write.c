@@ -83,7 +83,7 @@ int fxs_held_open(fxs_held *h, const char *path, const fxs_scene_write_options *
     return error;
 }
 
-static void hold(fxs_held_gaussian *to, int16_t *sh, const fxs_gaussian *g, uint32_t coefficients)
+void fxs_held_set(fxs_held_gaussian *to, int16_t *sh, const fxs_gaussian *g, uint32_t coefficients)
 {
     double norm = 0;
     memcpy(to->position, g->position, sizeof to->position);
@@ -99,11 +99,23 @@ static void hold(fxs_held_gaussian *to, int16_t *sh, const fxs_gaussian *g, uint
         sh[k] = (int16_t)fmin(fmax(floor((double)g->sh[k] * FXS_HELD_SH_ONE + 0.5), INT16_MIN), INT16_MAX);
 }
 
+void fxs_held_get(const fxs_held_gaussian *held, const int16_t *sh, fxs_gaussian *g, uint32_t coefficients)
+{
+    memset(g, 0, sizeof *g);
+    memcpy(g->position, held->position, sizeof g->position);
+    memcpy(g->scale, held->scale, sizeof g->scale);
+    memcpy(g->rotation, held->rotation, sizeof g->rotation);
+    memcpy(g->dc, held->dc, sizeof g->dc);
+    g->opacity = fxs_logit_of_opacity((double)held->opacity);
+    for (uint32_t k = 0; k < coefficients; k++)
+        g->sh[k] = (float)sh[k] / FXS_HELD_SH_ONE;
+}
+
 int fxs_held_put(fxs_held *h, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
 {
     FXS_TRY(fxs_output_expect(&h->output, n, message));
     for (size_t i = 0; i < n; i++, h->next++)
-        hold(&h->gaussians[h->next], h->sh + (size_t)h->next * h->coefficients, &gaussians[i], h->coefficients);
+        fxs_held_set(&h->gaussians[h->next], h->sh + (size_t)h->next * h->coefficients, &gaussians[i], h->coefficients);
     return 0;
 }
 

@@ -1,5 +1,6 @@
-/* Writes .rad of Spark: chunks of 65,536 Gaussians, each a JSON header and a deflated column for each attribute. The
-   layout is that of rust/spark-lib/src/rad.rs of sparkjsdev/spark, the encodings are the finest that Spark keeps. */
+/* Writes .rad of Spark: the nodes of a tree in chunks of 65,536, each a JSON header and a deflated column for each
+   attribute. The layout is that of rust/spark-lib/src/rad.rs of sparkjsdev/spark, the encodings are the finest that
+   Spark keeps. */
 #include "scene_write_internal.h"
 
 #ifdef FXS_WITH_ZLIB
@@ -15,6 +16,7 @@
 #include "src/base/exponential.h"
 #include "src/base/number.h"
 #include "src/gaussian/attributes.h"
+#include "rad_tree_internal.h"
 #include "src/scene/read/rad_internal.h"
 
 enum {
@@ -23,11 +25,11 @@ enum {
     PRECISION = 9                  /* digits of a float */
 };
 
-/* The columns of a chunk, in the order of Spark. */
+/* The columns of a chunk; those of SH as far as the scene has them. */
 static const struct { int property, encoding; } columns[] = {
     {FXS_RAD_CENTER, FXS_RAD_F32_LEBYTES}, {FXS_RAD_ALPHA, FXS_RAD_F16}, {FXS_RAD_RGB, FXS_RAD_F16},
-    {FXS_RAD_SCALES, FXS_RAD_LN_F16}, {FXS_RAD_ORIENTATION, FXS_RAD_F32}, {FXS_RAD_SH1, FXS_RAD_S8},
-    {FXS_RAD_SH2, FXS_RAD_S8}, {FXS_RAD_SH3, FXS_RAD_S8}
+    {FXS_RAD_SCALES, FXS_RAD_LN_F16}, {FXS_RAD_ORIENTATION, FXS_RAD_F32}, {FXS_RAD_CHILD_COUNT, FXS_RAD_U16},
+    {FXS_RAD_CHILD_START, FXS_RAD_U32}, {FXS_RAD_SH1, FXS_RAD_S8}, {FXS_RAD_SH2, FXS_RAD_S8}, {FXS_RAD_SH3, FXS_RAD_S8}
 };
 
 enum { COLUMNS = sizeof columns / sizeof *columns };
@@ -40,7 +42,8 @@ typedef struct bytes {
 typedef struct rad_writer {
     fxs_held held;
     int sh_degree;
-    float rgb[2], scale[2], sh[3];     /* ranges in which Spark keeps them in 8 bits: r g b, ln(sigma), +-SH of a degree */
+    fxs_rad_tree tree;
+    float rgb[2], scale[2], sh[3];     /* in which Spark keeps them in 8 bits: r g b, ln(sigma), +-SH of each degree */
     bytes file;                        /* all chunks */
     size_t *ends;                      /* of each chunk in it */
     fxs_progress_fn *progress;
@@ -107,27 +110,32 @@ static int pad(rad_writer *w, bytes *b)
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
-static uint32_t count_of(const rad_writer *w)
+/* 0 to 1, or of a node that is more than opaque 1 to 2. */
+static double code_of_opacity(double opacity)
 {
-    return w->held.count;
+    return opacity > 1 ? fmin(1 + (fxs_rad_dilation(opacity) - 1) / 4, 2) : opacity;
 }
 
-/* Number `d` of a property of the Gaussian at a place of the file. */
+/* Number `d` of a property of the node at a place of the file. */
 static double value_of(const rad_writer *w, int property, uint32_t place, int d)
 {
-    const uint32_t i = w->held.order[place];
+    const uint32_t i = w->tree.order[place];
     const fxs_held_gaussian *g = &w->held.gaussians[i];
     switch (property) {
     case FXS_RAD_CENTER:
         return (double)g->position[d];
     case FXS_RAD_ALPHA:
-        return (double)g->opacity;
+        return code_of_opacity((double)g->opacity);
     case FXS_RAD_RGB:
         return fxs_colour_of_dc((double)g->dc[d]);
     case FXS_RAD_SCALES:
         return (double)g->scale[d];
     case FXS_RAD_ORIENTATION:              /* x y z, of a w that is not negative */
         return (double)(g->rotation[0] < 0 ? -g->rotation[1 + d] : g->rotation[1 + d]);
+    case FXS_RAD_CHILD_COUNT:
+        return w->tree.child_counts[place];
+    case FXS_RAD_CHILD_START:
+        return w->tree.child_starts[place];
     default: {
         const int degree = property - FXS_RAD_SH1;
         return (double)w->held.sh[(size_t)i * w->held.coefficients + (size_t)(3 * degree * (degree + 2) + d)] /
@@ -145,7 +153,7 @@ static int compare_floats(const void *a, const void *b)
 /* The values with a share of all below and above them, of a sample. */
 static int find_range(rad_writer *w, int property, double share, float range[2])
 {
-    const uint32_t all = count_of(w), step = all / SAMPLES + 1;
+    const uint32_t all = w->tree.count, step = all / SAMPLES + 1;
     const size_t numbers = (size_t)fxs_rad_properties[property].numbers;
     float *values = malloc((all / step + 1) * numbers * sizeof *values);
     size_t count = 0;
@@ -207,6 +215,9 @@ static uint32_t code_of(const rad_writer *w, int property, int encoding, double 
         const double most = (double)w->sh[property - FXS_RAD_SH1];
         return fxs_code_within(fmin(fmax(value / most, -1), 1) * 127 + 127, 254) + 256 - 127;
     }
+    case FXS_RAD_U16:
+    case FXS_RAD_U32:
+        return (uint32_t)value;
     default:
         return bits_of((float)value);
     }
@@ -256,14 +267,14 @@ static void print_float(FILE *json, const char *before, float value)
 static void print_common(FILE *json, const rad_writer *w)
 {
     static const char *const names[3] = {",\"sh1Max\":", ",\"sh2Max\":", ",\"sh3Max\":"};
-    fprintf(json, ",\"maxSh\":%d,\"splatEncoding\":{", w->sh_degree);
+    fprintf(json, ",\"maxSh\":%d,\"lodTree\":true,\"splatEncoding\":{", w->sh_degree);
     print_float(json, "\"rgbMin\":", w->rgb[0]);
     print_float(json, ",\"rgbMax\":", w->rgb[1]);
     print_float(json, ",\"lnScaleMin\":", w->scale[0]);
     print_float(json, ",\"lnScaleMax\":", w->scale[1]);
     for (int degree = 0; degree < 3; degree++)
         print_float(json, names[degree], w->sh[degree]);
-    fputs(",\"lodOpacity\":false}", json);
+    fputs(",\"lodOpacity\":true}", json);
 }
 
 static void print_column(FILE *json, const rad_writer *w, int column, size_t offset, size_t size)
@@ -336,7 +347,7 @@ static int write_chunk(rad_writer *w, uint32_t first, uint32_t count, const byte
 
 static int make_chunks(rad_writer *w)
 {
-    const uint32_t all = count_of(w);
+    const uint32_t all = w->tree.count;
     w->ends = malloc((all / CHUNK + 1) * sizeof *w->ends);
     if (!w->ends)
         return no_memory(w);
@@ -344,10 +355,11 @@ static int make_chunks(rad_writer *w)
         const uint32_t count = all - first < CHUNK ? all - first : CHUNK;
         size_t sizes[COLUMNS];
         bytes payload = {NULL, 0, 0};
-        const int made = make_payload(w, first, count, &payload, sizes) && write_chunk(w, first, count, &payload, sizes);
+        const int made = make_payload(w, first, count, &payload, sizes) &&
+                         write_chunk(w, first, count, &payload, sizes);
         free(payload.data);
         w->ends[first / CHUNK] = w->file.size;
-        if (!made || !advance(w, 0.1 + 0.9 * (first + count) / all))
+        if (!made || !advance(w, 0.5 + 0.5 * (first + count) / all))
             return 0;
     }
     return 1;
@@ -361,10 +373,10 @@ static int make_header(rad_writer *w, bytes *head)
     if (!json)
         return no_memory(w);
     fprintf(json, "{\"version\":1,\"type\":\"gsplat\",\"count\":%lu,\"chunkSize\":%d,\"allChunkBytes\":%zu",
-            (unsigned long)count_of(w), CHUNK, w->file.size);
+            (unsigned long)w->tree.count, CHUNK, w->file.size);
     print_common(json, w);
     fputs(",\"comment\":\"fixsplat " FXS_VERSION "\",\"chunks\":[", json);
-    for (uint32_t i = 0; i < (count_of(w) + CHUNK - 1) / CHUNK; i++) {
+    for (uint32_t i = 0; i < (w->tree.count + CHUNK - 1) / CHUNK; i++) {
         const size_t begin = i ? w->ends[i - 1] : 0;
         fprintf(json, "%s{\"offset\":%zu,\"bytes\":%zu}", i ? "," : "", begin, w->ends[i] - begin);
     }
@@ -372,6 +384,17 @@ static int make_header(rad_writer *w, bytes *head)
     const int made = add_text(w, head, "RAD0", json, &data, &size);
     free(data);
     return made;
+}
+
+static int tree_progress(void *writer, double done)
+{
+    return advance(writer, 0.1 + 0.4 * done);
+}
+
+static int make_tree(rad_writer *w)
+{
+    return !w->held.count || fxs_rad_tree_make(&w->tree, &w->held, tree_progress, w) || w->held.output.error
+               ? !w->held.output.error : no_memory(w);
 }
 
 static int rad_close(void *writer, fxs_scene_write_report *report, fxs_progress_fn *progress, void *argument,
@@ -382,12 +405,14 @@ static int rad_close(void *writer, fxs_scene_write_report *report, fxs_progress_
     (void)report;
     w->progress = progress;
     w->argument = argument;
-    if (fxs_held_order(&w->held) && advance(w, 0.1) && find_ranges(w) && make_chunks(w) && make_header(w, &head) &&
+    if (fxs_held_order(&w->held) && advance(w, 0.1) && make_tree(w) && find_ranges(w) && make_chunks(w) &&
+        make_header(w, &head) &&
         !fxs_output_write(&w->held.output, head.data, head.size, message))
         fxs_output_write(&w->held.output, w->file.data, w->file.size, message);
     free(head.data);
     free(w->file.data);
     free(w->ends);
+    fxs_rad_tree_free(&w->tree);
     return fxs_held_close(&w->held, message);
 }
 

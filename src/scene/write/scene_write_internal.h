@@ -24,6 +24,10 @@ typedef struct fxs_held {
     uint32_t coefficients;         /* of all channels */
 } fxs_held;
 
+/* Converts a Gaussian to the form that is held and back; `sh` has room for `coefficients`. */
+void fxs_held_set(fxs_held_gaussian *held, int16_t *sh, const fxs_gaussian *gaussian, uint32_t coefficients);
+void fxs_held_get(const fxs_held_gaussian *held, const int16_t *sh, fxs_gaussian *gaussian, uint32_t coefficients);
+
 /* Begins the file and makes room. Returns 0, or an error and a message, with nothing to close. */
 int fxs_held_open(fxs_held *held, const char *path, const fxs_scene_write_options *options, fxs_message *message);
 
