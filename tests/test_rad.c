@@ -365,6 +365,92 @@ static void chains(void)
     open_options.level = 0;
 }
 
+/* ---- What is written --------------------------------------------------------------------------------------------- */
+
+enum { MANY = 3000 };
+
+/* Along a line, a sigma from each other. */
+static void write_line(int count, float opacity)
+{
+    static fxs_gaussian line[MANY];
+    fxs_scene_writer *writer;
+    for (int i = 0; i < count; i++)
+        line[i] = (fxs_gaussian){.position = {(float)i / 64, 0, 0}, .scale = {-4, -4, -4}, .rotation = {1, 0, 0, 0},
+                                 .opacity = opacity, .dc = {i % 2 ? 1.0f : -1.0f, 0, 0}, .sh = {(float)(i % 2) / 2}};
+    CHECK(open_writer("rad", written, (uint64_t)count, 1, 0, &writer, &message) == 0);
+    CHECK(fxs_scene_writer_put(writer, line, (size_t)count, &message) == 0);
+    CHECK(close_writer(writer, &message) == 0);
+    take_written();
+    size = file_size;
+}
+
+/* Each level has the moments of the whole: the mean, the colours, and the variance along the line. */
+static void check_level(int level, uint64_t before)
+{
+    static fxs_gaussian all[MANY];
+    const double middle = (MANY - 1) / 128.0;
+    double sum = 0, mean = 0, variance = 0, dc = 0, sh = 0;
+    open_options.level = level;
+    put_file(size);
+    if (!CHECK(read_file(all, MANY) == 0 && info.count < before))
+        return;
+    for (uint64_t i = 0; i < info.count; i++) {
+        const fxs_gaussian *g = &all[i];
+        const double longest = fmax(fmax(g->scale[0], g->scale[1]), g->scale[2]), from = g->position[0] - middle;
+        double area = 0;
+        for (int k = 0; k < 3; k++)
+            area += exp(2 * ((double)g->scale[k] + g->scale[(k + 1) % 3]));
+        const double weight = sqrt(area) * opacity_of(g);
+        sum += weight;
+        mean += weight * from;
+        dc += weight * g->dc[0];
+        sh += weight * g->sh[0];
+        variance += weight * (from * from + exp(2 * longest));
+    }
+    CHECK(fabs(mean / sum) < 0.1 && fabs(dc / sum) < 0.02 && fabs(sh / sum - 0.25) < 0.02);
+    CHECK(fabs(sqrt(variance / sum) - MANY / 64.0 / sqrt(12)) < 0.1);
+}
+
+/* Nothing changes from one writing to the next, and the last level is one Gaussian, as wide as all of them. */
+static void written_trees(void)
+{
+    static uint8_t again[MAX_FILE];
+    write_line(MANY, -6);
+    memcpy(again, bytes, size);
+    const size_t before = size;
+    write_line(MANY, -6);
+    CHECK(size == before && !memcmp(again, bytes, size));
+    uint64_t count = MANY + 1;
+    put_file(size);
+    fxs_scene_file *file;
+    CHECK(fxs_scene_file_open_memory(path, bytes, size, NULL, &file, &info, &message) == 0);
+    fxs_scene_file_close(file);
+    const int levels = info.levels;
+    CHECK(levels > 8 && levels < 20);
+    for (int level = 0; level < levels; level++) {
+        check_level(level, count);
+        count = info.count;
+    }
+    CHECK(count == 1);
+    open_options.level = levels - 1;       /* of opaque ones, it is more than opaque */
+    write_line(MANY, 6);
+    put_file(size);
+    CHECK(read_file(out, 64) == 0 && out[0].opacity == 20);
+    open_options.level = 0;
+}
+
+static void small_trees(void)
+{
+    static const int counts[] = {0, 1, 2, 256, 257};
+    for (int i = 0; i < 5; i++) {
+        static fxs_gaussian all[MANY];
+        write_line(counts[i], 0);
+        put_file(size);
+        CHECK(read_file(all, MANY) == 0 && info.count == (uint64_t)counts[i]);
+        CHECK((info.levels > 1) == (counts[i] > 1));
+    }
+}
+
 /* ---- What is wrong ----------------------------------------------------------------------------------------------- */
 
 static void replace(const char *from, const char *to)
@@ -433,6 +519,7 @@ static void wrong_sizes(void)
 
 int main(void)
 {
+    make_written();
     RUN(every_encoding);
     RUN(steps_of_colours);
     RUN(palettes);
@@ -440,8 +527,11 @@ int main(void)
     RUN(more_than_opaque);
     RUN(bad_trees);
     RUN(chains);
+    RUN(written_trees);
+    RUN(small_trees);
     RUN(faults);
     RUN(wrong_sizes);
+    remove(written);
     return check_report();
 }
 

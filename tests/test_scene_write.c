@@ -109,6 +109,8 @@ static const tolerance formats[] = {
     {".ply", "ply", 0, 0, 1e-6, 0, 0, 0, 1, 0},
     {".glb", "gltf", 0, 1e-6, 1e-6, 1e-6, 0, 0, 0, 0},
     {".spz", "spz", 1e-6, 0.033, 1e-4, 0.002, 0.014, 0.004, 1, 0},
+    /* halves of 4 to 8, and of 0.5 to 1 for opacities and colours; SH by half of 1/127 and of a 4096th */
+    {".rad", "rad", 0, 0.002, 1e-6, 0.00025, 0.0009, 0.0041, 0, 0},
     /* 6.4 / 1023 / 2; 5 / 1023 / 2; 3 / 255 / 2; 8 / 256 / 2 and half a 4096th */
     {".compressed.ply", "compressed ply", 0.0032, 0.0025, 1e-5, 0.002, 0.006, 0.0159, 1, 0},
     /* positions: of ln(1 + |x|) from -1.4 to 1.4, times 4.2; the others by codebooks of 900 values, of scales finer
@@ -266,7 +268,7 @@ static void lines_of_csv(void)
 /* Points stay points where the program's locale writes commas. */
 static void another_locale(void)
 {
-    static const char *const endings[] = {".csv", ".sog", ".glb"};
+    static const char *const endings[] = {".csv", ".sog", ".glb", ".rad"};
     static uint8_t usual[MAX_FILE];
     char folder[sizeof written + 8], command[256];
     snprintf(folder, sizeof folder, "%s.locale", written);
@@ -276,7 +278,7 @@ static void another_locale(void)
     const int spoken = made && setlocale(LC_NUMERIC, "de_DE.UTF-8") != NULL;
     make(1);
     const fxs_scene_write_options o = options_of(1, 0);
-    for (int i = 0; spoken && i < 3; i++) {
+    for (int i = 0; spoken && i < 4; i++) {
         double half;
         setlocale(LC_NUMERIC, "C");
         CHECK(write_all(endings[i], &o, NULL, NULL) == 0);
@@ -298,7 +300,7 @@ static void another_locale(void)
 
 static void extremes(void)
 {
-    static const char *const endings[] = {".ply", ".compressed.ply", ".sog", ".spz", ".glb", ".splat"};
+    static const char *const endings[] = {".ply", ".compressed.ply", ".sog", ".spz", ".rad", ".glb", ".splat"};
     const fxs_gaussian wild[2] = {
         {.position = {3e38f, -3e38f, 0}, .scale = {20, -INFINITY, 80}, .rotation = {1e-30f, 0, 0, 0}, .opacity = 1e30f,
          .dc = {1e30f, -1e30f, 0}, .sh = {1e30f, -1e30f}},
@@ -333,7 +335,8 @@ static int stop(void *calls, double done)
 
 static void faulty(void)
 {
-    static const char *const endings[] = {".ply", ".compressed.ply", ".sog", ".spz", ".glb", ".csv", ".splat"};
+    static const char *const endings[] = {".ply", ".compressed.ply", ".sog", ".spz", ".rad", ".glb", ".csv",
+                                          ".splat"};
     make(3);
     for (size_t e = 0; e < sizeof endings / sizeof *endings; e++) {
         fxs_scene_writer *writer;
@@ -373,9 +376,9 @@ static void too_many(void)
 
 static void stopped(void)
 {
-    static const char *const endings[] = {".compressed.ply", ".sog"};
+    static const char *const endings[] = {".compressed.ply", ".sog", ".rad"};
     make(3);
-    for (size_t e = 0; e < 2; e++) {
+    for (size_t e = 0; e < 3; e++) {
         int calls = 0;
         const fxs_scene_write_options o = options_of(3, 0);
         const int error = write_all(endings[e], &o, stop, &calls);

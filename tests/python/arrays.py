@@ -14,7 +14,7 @@ import numpy as np
 from checks import grows, interrupted, ok, read, refuses, run, same
 
 os.chdir(sys.argv[2])
-FORMATS = ("fxs", "ply", "compressed.ply", "splat", "spz", "sog", "glb", "csv")
+FORMATS = ("fxs", "ply", "compressed.ply", "splat", "spz", "rad", "sog", "glb", "csv")
 
 
 def fields(gaussians):

@@ -160,7 +160,7 @@ ok("load: progress", done and all(0 <= x <= 1 for x in done) and max(done) > 0.9
 run("convert", "knot.ply", "other.fxs", "--profile", "small")
 ok("load: the profile is the command's", read("small.fxs") == read("other.fxs"))
 for ending, options, given in (
-        *((ending, {}, []) for ending in ("fxs", "ply", "compressed.ply", "splat", "spz", "sog", "glb", "csv")),
+        *((ending, {}, []) for ending in ("fxs", "ply", "compressed.ply", "splat", "spz", "rad", "sog", "glb", "csv")),
         ("spz", {"spz_version": 3}, ["--spz-version", "3"]), ("spz", {"spz_fine": True}, ["--spz-fine"]),
         ("ply", {"sh_degree": 1, "prune": 0.5}, ["--sh-degree", "1", "--prune", "0.5"]),
         ("glb", {"sphere": (0, 0, 0, 3), "drop_floaters": True}, ["--sphere", "0,0,0,3", "--drop-floaters"]),

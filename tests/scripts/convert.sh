@@ -7,8 +7,8 @@ case ${NODE_MODULES:-${B:-build}/page/node_modules} in
 /*) modules=${NODE_MODULES:-$B/page/node_modules} ;;
 *) modules=$root/${NODE_MODULES:-${B:-build}/page/node_modules} ;;
 esac
-endings='ply compressed.ply splat spz sog glb csv fxs'
-read_back='ply compressed.ply spz sog glb'       # those with SH that the command reads too
+endings='ply compressed.ply splat spz rad sog glb csv fxs'
+read_back='ply compressed.ply spz rad sog glb'       # those with SH that the command reads too
 
 # ---- Scenes made here ------------------------------------------------------------------------------------------------
 
@@ -227,7 +227,7 @@ check "info --stats of an .fxs file: all attributes" equal "$(awk '/\|$/ { print
 # ---- Formats ---------------------------------------------------------------------------------------------------------
 
 floor_of() {
-    case $1 in ply) echo 99 ;; glb) echo 75 ;; spz) echo 40 ;; compressed.ply) echo 42 ;; sog) echo 36 ;; esac
+    case $1 in ply) echo 99 ;; glb) echo 75 ;; spz) echo 40 ;; rad) echo 50 ;; compressed.ply) echo 42 ;; sog) echo 36 ;; esac
 }
 for ending in $read_back; do
     rm -f knot2.$ending

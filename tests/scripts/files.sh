@@ -7,7 +7,7 @@
 write="make-scene knot --count 2000 -o"
 "$fixsplat" $write knot.ply || exit 1
 convert="convert knot.ply"
-for ending in ply splat spz fxs compressed.ply sog glb csv; do "$fixsplat" $convert plain.$ending 2>logs/err || exit 1; done
+for ending in ply splat spz fxs compressed.ply sog rad glb csv; do "$fixsplat" $convert plain.$ending 2>logs/err || exit 1; done
 "$fixsplat" render knot.ply --size 64x48 -o plain.png || exit 1
 
 mode() { stat -c %a "$1" 2>/dev/null || stat -f %Lp "$1"; }
@@ -63,6 +63,7 @@ through spz $convert
 through fxs $convert
 through compressed.ply $convert
 through sog $convert
+through rad $convert
 through glb $convert
 through csv $convert
 through png render knot.ply --size 64x48 -o

@@ -79,6 +79,7 @@ survives o.spz convert knot.ply o.spz
 survives o.spz convert knot.ply o.spz --spz-version 3
 survives o.splat convert knot.ply o.splat --sh-degree 0
 survives o.compressed.ply convert knot.ply o.compressed.ply
+survives o.rad convert knot.ply o.rad
 survives o.sog convert knot.ply o.sog
 survives o.glb convert knot.ply o.glb --drop-floaters
 survives o.csv convert knot.ply o.csv --decimate 50%
