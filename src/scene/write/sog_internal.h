@@ -1,0 +1,29 @@
+/* The files of a .sog, for what is written as one zip and for what is written as folders. */
+#ifndef FXS_SOG_INTERNAL_H
+#define FXS_SOG_INTERNAL_H
+
+#include "scene_write_internal.h"
+#include "src/base/zip_internal.h"
+
+enum { FXS_SOG_SIDE = 16383, FXS_SOG_FILES = 8 };
+
+/* The most Gaussians: pixels of the largest image. */
+#define FXS_SOG_MOST ((uint32_t)FXS_SOG_SIDE / 4 * 4 * FXS_SOG_SIDE)
+
+/* Gaussians in the order of the file: neighbours together, which improves WebP and the palette. */
+typedef struct fxs_sog_source {
+    const fxs_held_gaussian **gaussians;
+    const int16_t **sh;
+    uint32_t count, coefficients;
+    int antialiased;
+} fxs_sog_source;
+
+typedef struct fxs_sog fxs_sog;
+
+/* Makes the files in memory. *error is 0, ENOMEM, or ECANCELED by `progress`. fxs_sog_free frees the result, which may be
+   null after an error. */
+fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, void *argument, int *error);
+uint32_t fxs_sog_files(const fxs_sog *sog, fxs_zip_entry files[FXS_SOG_FILES]);
+void fxs_sog_free(fxs_sog *sog);
+
+#endif
