@@ -28,6 +28,12 @@ int fxs_file_is_named(const char *path)
     return lstat(path, &status) == 0;
 }
 
+int fxs_folder_make(const char *path, fxs_message *message)
+{
+    return mkdir(path, 0777) == 0 || (errno == EEXIST && fxs_file_kind(path) == FXS_FILE_FOLDER)
+               ? 0 : fxs_fail_errno(message, path, errno);
+}
+
 void fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument)
 {
     DIR *folder = opendir(path);

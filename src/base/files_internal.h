@@ -15,6 +15,9 @@ enum fxs_file_kind fxs_file_kind(const char *path);
 /* 1 where the name exists, even as a symbolic link to a missing file, else 0. */
 int fxs_file_is_named(const char *path);
 
+/* Makes a folder, unless it is there. Returns 0, or an error and a message. */
+int fxs_folder_make(const char *path, fxs_message *message);
+
 /* Calls a function with the name of each file in a folder, in no order; of a folder that cannot be read, with none. */
 void fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument);
 

@@ -36,8 +36,9 @@ static int allocate(fxs_level *to, uint32_t before, uint32_t most, uint32_t sets
     to->sh = malloc((size_t)most * coefficients * sizeof *to->sh + 1);
     to->into = malloc(before * sizeof *to->into);
     to->begins = malloc((sets + 1) * sizeof *to->begins);
+    to->errors = calloc(sets, sizeof *to->errors);
     to->sets = sets;
-    return to->gaussians && to->sh && to->into && to->begins;
+    return to->gaussians && to->sh && to->into && to->begins && to->errors;
 }
 
 /* Merges the sets `first` and the one behind it, where there is one, to the set of the level at its end. */
@@ -64,7 +65,9 @@ static void make_set(fxs_levels *l, uint32_t level, uint32_t first, work *w)
     for (uint32_t i = 0; i < count; i++, to->count++)
         fxs_held_set(&to->gaussians[to->count], to->sh + (size_t)to->count * coefficients, &w->out[i].gaussian,
                      coefficients);
-    to->error += error.error;
+    to->errors[first / 2] = error.error;
+    for (uint32_t set = first; set < last && from->errors; set++)
+        to->errors[first / 2] += from->errors[set];
 }
 
 static int make_level(fxs_levels *l, work *w)
@@ -112,5 +115,6 @@ void fxs_levels_free(fxs_levels *l)
         free(l->levels[i].sh);
         free(l->levels[i].into);
         free(l->levels[i].begins);
+        free(l->levels[i].errors);
     }
 }

@@ -13,8 +13,8 @@ typedef struct fxs_level {
     int16_t *sh;
     uint32_t *into;                /* of each Gaussian of the level before, the one that it was merged into */
     uint32_t *begins;              /* of each set, and behind the last; null for level 0 */
+    double *errors;                /* of each set, what merging since level 0 changed, colours^2 units^2; null there */
     uint32_t count, sets;
-    double error;                  /* what merging to this level changed, colours^2 units^2: of all sets together */
 } fxs_level;
 
 typedef struct fxs_levels {

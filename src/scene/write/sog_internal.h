@@ -7,6 +7,9 @@
 
 enum { FXS_SOG_SIDE = 16383, FXS_SOG_FILES = 8 };
 
+/* The names of the images and of their JSON. */
+extern const char *const fxs_sog_names[FXS_SOG_FILES];
+
 /* The most Gaussians: pixels of the largest image. */
 #define FXS_SOG_MOST ((uint32_t)FXS_SOG_SIDE / 4 * 4 * FXS_SOG_SIDE)
 
@@ -20,8 +23,8 @@ typedef struct fxs_sog_source {
 
 typedef struct fxs_sog fxs_sog;
 
-/* Makes the files in memory. *error is 0, ENOMEM, or ECANCELED by `progress`. fxs_sog_free frees the result, which may be
-   null after an error. */
+/* Makes the files in memory. *error is 0, ENOMEM, or ECANCELED by `progress`. fxs_sog_free frees the result, which may
+   be null after an error. */
 fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, void *argument, int *error);
 uint32_t fxs_sog_files(const fxs_sog *sog, fxs_zip_entry files[FXS_SOG_FILES]);
 void fxs_sog_free(fxs_sog *sog);

@@ -14,7 +14,7 @@
 #include "src/base/number.h"
 #include "codebook_internal.h"
 
-enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, LABELS, CENTROIDS, IMAGES };
+enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, LABELS, CENTROIDS, IMAGES, JSON = IMAGES };
 
 enum {
     PALETTE_ROW = 64,                    /* entries */
@@ -26,8 +26,9 @@ enum {
    a value of the codebook; by area, the sky takes too many of its values. */
 #define SCALE_POWER 1.25
 
-static const char *const image_names[IMAGES] = {
-    "means_l.webp", "means_u.webp", "scales.webp", "quats.webp", "sh0.webp", "shN_labels.webp", "shN_centroids.webp"
+const char *const fxs_sog_names[FXS_SOG_FILES] = {
+    "means_l.webp", "means_u.webp", "scales.webp", "quats.webp", "sh0.webp", "shN_labels.webp", "shN_centroids.webp",
+    "meta.json"
 };
 
 /* RGBA */
@@ -324,8 +325,8 @@ uint32_t fxs_sog_files(const fxs_sog *w, fxs_zip_entry files[FXS_SOG_FILES])
     uint32_t count = 0;
     for (int i = 0; i < IMAGES; i++)
         if (w->images[i].file.size)
-            files[count++] = (fxs_zip_entry){image_names[i], w->images[i].file.mem, w->images[i].file.size};
-    files[count++] = (fxs_zip_entry){"meta.json", w->json, w->json_bytes};
+            files[count++] = (fxs_zip_entry){fxs_sog_names[i], w->images[i].file.mem, w->images[i].file.size};
+    files[count++] = (fxs_zip_entry){fxs_sog_names[JSON], w->json, w->json_bytes};
     return count;
 }
 
