@@ -144,7 +144,7 @@ const char *fxs_format_index_name(int number)
     size_t length;
     for (int f = 0; f < FORMATS; f++) {
         const char *ending;
-        for (int i = 0; (ending = ending_of(&formats[f].about, i, &length)) != NULL; i++)
+        for (int i = 0; formats[f].reader && (ending = ending_of(&formats[f].about, i, &length)) != NULL; i++)
             if (*ending != '.' && number-- == 0)
                 return ending;
     }
