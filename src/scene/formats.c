@@ -57,7 +57,7 @@ static const fxs_format_row formats[] = {
       1, 1, 3, 1, SAYS("positions have 16 bits, the rest 8, SH are of a palette")},
      &fxs_read_sog, WRITE(sog)},
     {{"streamed sog", "lod-meta.json", SAYS("streamed .sog with its levels of detail, in folders beside it"),
-      0, 1, 3, 1, SAYS("as a .sog")},
+      0, 1, 3, 1, SAYS("as in a .sog")},
      NULL, WRITE(streamed_sog)},
     {{"splat", ".splat", SAYS("32 bytes a Gaussian"),
       1, 1, 0, 0, SAYS("no SH above degree 0, 8 bits for all but positions and scales")},

@@ -342,6 +342,19 @@ else
     skip ".lcc" "built without cJSON"
 fi
 
+# ---- Levels of detail that are written -------------------------------------------------------------------------------
+
+mkdir streamed
+succeeds "to lod-meta.json" convert knot.ply streamed/lod-meta.json
+check "to lod-meta.json: all of it" gaussians streamed 3000 3
+check "to lod-meta.json: PSNR" looks_as streamed/lod-meta.json knot.ply 36
+check "to lod-meta.json, level 2: a quarter" sh -c "'$fixsplat' info streamed --lod 2 | grep -q '^Gaussians *768,'"
+fails "to lod-meta.json in a folder that is not there" 1 "no/such/lod-meta.json: cannot be written: No such file" \
+    convert knot.ply no/such/lod-meta.json
+succeeds "to .rad: a coarse level" convert knot2.rad coarse.ply --lod 2
+check "to .rad, level 2: less than a third" sh -c "[ \$('$fixsplat' info coarse.ply | sed -n 's/^Gaussians *\([0-9]*\).*/\1/p') -lt 1000 ]"
+fails "to .rad: no level 99" 1 "no level 99: levels of detail in this scene: " convert knot2.rad x.ply --lod 99
+
 # ---- Read by others --------------------------------------------------------------------------------------------------
 
 transform() { node "$modules/@playcanvas/splat-transform/bin/cli.mjs" -q -w "$@" >logs/out 2>&1; }
@@ -373,6 +386,26 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
     done
 else
     skip "splat-transform" "no node or no @playcanvas/splat-transform here (make setup test)"
+fi
+transform_3() { node "$modules/splat-transform-3/bin/cli.mjs" -q -w -g cpu "$@" >logs/out 2>&1; }
+if have node && [ -d "$modules/splat-transform-3" ]; then
+    for level in 0 2 4; do
+        check "splat-transform 3 reads lod-meta.json, level $level" transform_3 -L $level streamed/lod-meta.json theirs.ply
+        check "splat-transform 3 reads lod-meta.json, level $level: as we do" looks_as streamed theirs.ply 60 --lod $level
+    done
+else
+    skip "splat-transform 3" "no node or no splat-transform-3 here (make setup test)"
+fi
+spark() { node "$root/tests/web/spark.mjs" "$modules" "$@" >logs/out 2>&1; }
+if have node && [ -d "$modules/@sparkjsdev/spark" ]; then
+    check "Spark reads .rad" spark decode knot2.rad theirs.ply
+    check "Spark reads .rad: all of it" gaussians theirs.ply 3000 3
+    check "Spark reads .rad: as we do" looks_as knot2.rad theirs.ply 37
+    check "Spark draws nodes of a .rad, each leaf by one" spark cut knot2.rad 1000 0,0,-12 theirs.ply
+    check "Spark draws nodes of a .rad, as many as it may" sh -c "grep -Eq '^(9[5-9].|1000) of' logs/out"
+    check "Spark draws nodes of a .rad: they look as the whole" looks_as theirs.ply knot.ply 27
+else
+    skip "Spark" "no node or no @sparkjsdev/spark here (make setup test)"
 fi
 if have node && [ -d "$modules/gltf-validator" ]; then
     check "the glTF validator" node "$root/tests/web/validate_gltf.mjs" "$modules" knot2.glb

@@ -45,7 +45,9 @@ typedef struct fxs_scene_write_report {
    beside `path` (output.h). fxs_scene_writer_close frees *writer, which is null after an error. Until then, a writer
    holds for a .ply, .splat, .glb or .csv no Gaussians; for an .spz 44 bytes a Gaussian and 1 byte for each SH
    coefficient; for a .compressed.ply or .sog 56 bytes a Gaussian and 2 bytes for each SH coefficient, and while it is
-   closed up to as much again. Errors: FXS_ERR_ARGUMENT (ending, degree, count, version), FXS_ERR_UNSUPPORTED where
+   closed up to as much again; for a .rad or lod-meta.json the same, and while it is closed up to four times as much. A
+   lod-meta.json has folders beside it, 0_0 and so on, which are made; after an error, what was written there is
+   removed. Errors: FXS_ERR_ARGUMENT (ending, degree, count, version), FXS_ERR_UNSUPPORTED where
    fixsplat was built without a library that the format needs, FXS_ERR_FILE, FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
                                   fxs_message *message);
