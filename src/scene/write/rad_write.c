@@ -294,7 +294,7 @@ static int add_text(rad_writer *w, bytes *b, const char *magic, FILE *text, char
 {
     uint8_t length[4];
     const int failed = ferror(text);
-    if (fclose(text) || failed)
+    if (fclose(text) || failed || !*data || !*size)    /* glibc notes no error where its last growth fails */
         return no_memory(w);
     fxs_put_u32(length, (uint32_t)*size);
     return add(w, b, magic, 4) && add(w, b, length, 4) && add(w, b, *data, *size) && pad(w, b);

@@ -298,7 +298,7 @@ static int make_json(fxs_sog *w)
         return no_memory(w);
     print_json(json, w);
     const int failed = ferror(json);
-    return fclose(json) || failed ? no_memory(w) : 1;
+    return fclose(json) || failed || !w->json || !w->json_bytes ? no_memory(w) : 1;
 }
 
 fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, void *argument, int *error)

@@ -352,7 +352,7 @@ static void write_index(streamed_writer *w, fxs_message *message)
     if (json) {
         print_index(json, w);
         const int failed = ferror(json);
-        if (fclose(json) || failed)
+        if (fclose(json) || failed || !data || !size)      /* glibc notes no error where its last growth fails */
             no_memory(w);
         else
             fxs_output_write(&w->held.output, data, size, message);
