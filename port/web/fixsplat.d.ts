@@ -127,9 +127,25 @@ export interface FrameOptions {
       of 16x16 pixels that a square of side 6 sigma about its centre touches, as in Kerbl et al. 2023; sigma is the
       largest standard deviation of the Gaussian in the picture. */
   cutoff?: 'mahalanobis' | 'square'
+  /** Of scenes with levels of detail (`fixsplat convert --levels`), the largest number of Gaussians that is drawn: coarse
+      Gaussians take the place of what the picture shows least. All objects share the budget. Without it, all Gaussians
+      are drawn; so are those of scenes without levels. */
+  budget?: number
+  /** Of such scenes, a size in pixels, 1/256 to 16384: what is smaller is not drawn more finely. It may be combined with
+      a budget. */
+  detail?: number
   /** The largest number of bytes of working memory. With less memory than a whole frame needs, the same picture takes
       longer; too little memory is an Error. */
   maxMemory?: number
+}
+
+/** What a picture was made of. */
+export interface Drawn {
+  /** The Gaussians that were drawn, seen or not: with a budget at most as many, or 256 for each scene. */
+  readonly drawn: number
+  /** The parts of the scene that were not there yet and that coarser ones stand for; see `LoadOptions.paging`. With 0
+      the picture is what it is to be. */
+  readonly missing: number
 }
 
 /** The pictures that a frame writes. The frame has each target that is named here, and a target that is not named costs
@@ -158,7 +174,7 @@ export interface Targets {
 /** The targets that were asked for, each an array of the rows of pixels from the top. Depths are distances along the z
     axis of the camera, in scene units times 2 ** depthBits. The value 2 ** 32 - 2 stands for all depths that are too
     large for these numbers, and 2 ** 32 - 1 for a pixel without a depth. */
-export interface Frame {
+export interface Frame extends Drawn {
   readonly width: number
   readonly height: number
   /** Uint16Array for the formats 'rgb565' and 'premultiplied16', Uint8ClampedArray for the others. */
@@ -247,6 +263,8 @@ export class Scene {
   readonly name: string
   /** The number of Gaussians. */
   readonly count: number
+  /** Whether it has levels of detail, of which `budget` and `detail` make use. */
+  readonly levels: boolean
   /** The degree of its SH, 0 to 3. */
   readonly shDegree: number
   /** How the scene is packed. */
@@ -330,7 +348,7 @@ export class Screen {
   /** The WebGL 2 context of the canvas; undefined with the back end 'wasm'. */
   readonly gl: WebGL2RenderingContext | undefined
   /** Draws objects as `render` does, and sets the canvas to the size of the picture. */
-  draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): void
+  draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): Drawn
   /** Is fulfilled when the GPU has completed all pictures that were drawn. */
   finish(): Promise<void>
   /** The last picture: the pixels from the top row down, four bytes each: red, green, blue, alpha. */

@@ -330,7 +330,8 @@ export class Scene {
       core.c.release(text)
     }
     const [count, shDegree, profile, ...box] = core.get(0, 9)
-    Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile] })
+    const levels = core.get(9, 10)[0] === 1
+    Object.assign(this, { name, count, levels, shDegree, profile: ['default', 'compact', 'small'][profile] })
     Object.assign(this, { low: box.slice(0, 3), high: box.slice(3), bytes: bytes.length })
     core.scenes++
     core.chosen = null   // of a scene that lay here before
@@ -478,13 +479,26 @@ function begin(objects, camera, options) {
 /** Bytes, or 0; no more than there may be. */
 const limitOf = ({ maxMemory = 0 }) => Math.min(maxMemory, 2 ** 32 - 1)
 
+/** What bounds a frame: Gaussians, the size that detail has in 1/256 of a pixel, memory. */
+function boundsOf({ budget = 0, detail = 0, ...options }) {
+  if (!(Number.isInteger(budget) && budget >= 0)) throw new Error(`budget ${budget}: expected a number of Gaussians`)
+  if (!(detail >= 0 && detail <= 16384)) throw new Error(`detail ${detail}: expected pixels, at most 16384`)
+  return [Math.min(budget, 2 ** 32 - 1), Math.round(256 * detail), limitOf(options)]
+}
+
 /** What every frame takes of its options. */
 const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) => [
   background,
   shDegree,
   cutoff === 'square' ? 1 : 0,
-  limitOf(options),
+  ...boundsOf(options),
 ]
+
+/** What a module drew last: Gaussians, and chunks that were not there. */
+function drawnBy(core) {
+  const [drawn, missing] = core.get(0, 2)
+  return { drawn, missing }
+}
 
 // The numbers of targets, and how many a pixel has; those of core.c, in its order.
 const FORMATS = {
@@ -555,7 +569,8 @@ function draw(core, width, height, eyes, options) {
     plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
     core.put(...places)
     core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(options))
-    return plans.map((parts) => (targets ? { width, height, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
+    const facts = { width, height, ...drawnBy(core) }
+    return plans.map((parts) => (targets ? { ...facts, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
   } finally {
     core.c.release(block)
   }
@@ -573,7 +588,7 @@ export function renderStereo(objects, left, right, options = {}) {
 
 export function pick(x, y, objects, camera = {}, options = {}) {
   const [core] = begin(objects, camera, options)
-  if (!core.draw('pick', x, y, limitOf(options))) return null
+  if (!core.draw('pick', x, y, ...boundsOf(options))) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
 }
@@ -600,8 +615,10 @@ class Copied {
 
   draw(core, width, height, options) {
     ;[this.#pixels] = draw(core, width, height, 1, { ...options, targets: undefined })
+    const facts = drawnBy(core)
     const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
     this.#context.putImageData(new ImageData(shown, width), 0, 0)
+    return facts
   }
 
   pixels() {
@@ -651,6 +668,7 @@ class Drawn {
     }
     if (this.lost) throw new Error('the WebGL context was lost: open another Screen, on another canvas')
     if (failure) throw failure
+    return drawnBy(core)
   }
 
   pixels() {
@@ -717,7 +735,7 @@ export class Screen {
     if (core !== this.#core) throw new Error('the Screen and the scenes are of different modules')
     if (!options.into && (this.#canvas.width !== width || this.#canvas.height !== height))
       Object.assign(this.#canvas, { width, height })
-    way.draw(core, width, height, options)
+    return way.draw(core, width, height, options)
   }
 
   pixels() {

@@ -19,14 +19,17 @@ typedef struct fxs_web_frame {
     fxs_request request;
     void *memory;
     size_t bytes;
+    fxs_stats stats;
 } fxs_web_frame;
 
 /* Begins a frame with working memory, at most `limit` bytes unless that is 0. _end frees the memory, or the next frame
    where this one trapped. Errors: FXS_ERR_MEMORY. */
-int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit);
+int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, uint32_t budget,
+                        uint32_t detail_q8, size_t limit);
 
-/* Ends the frame and returns its error, with the message in `words`. */
-int fxs_web_frame_end(int error);
+/* Ends the frame and returns its error, with the message in `words`. Out: the Gaussians that were drawn, and the chunks
+   that were missing. */
+int fxs_web_frame_end(const fxs_web_frame *frame, int error);
 
 /* Allocates memory aligned to 64, as malloc is here; null and a message where memory ran out. */
 void *fxs_web_allocate(size_t bytes);

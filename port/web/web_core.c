@@ -85,7 +85,7 @@ typedef struct loaded {
     double low[3], high[3];        /* bounds of its visible part */
 } loaded;
 
-/* Checks a whole packed scene. Out: count, SH degree, profile; low and high. */
+/* Checks a whole packed scene. Out: count, SH degree, profile; low and high; whether it has levels of detail. */
 EXPORT(open) loaded *fxs_web_open(const char *name, const void *data, size_t bytes)
 {
     fxs_packed_header header;
@@ -103,6 +103,7 @@ EXPORT(open) loaded *fxs_web_open(const char *name, const void *data, size_t byt
     numbers[1] = l->scene.sh_degree;
     numbers[2] = l->scene.profile;
     memcpy(numbers + 3, l->low, 2 * sizeof l->low);
+    numbers[9] = l->scene.nodes != NULL;
     return l;
 }
 
@@ -256,20 +257,21 @@ static void free_working(void)
 }
 
 /* Allocates the working memory of a frame, at most `limit` bytes unless that is 0. */
-static void *frame_memory(size_t *bytes, size_t limit)
+static void *frame_memory(const fxs_request *request, size_t *bytes, size_t limit)
 {
-    *bytes = (eyes == 2 ? fxs_stereo_bytes(&context, objects, object_count, cameras->width, cameras->height)
-                        : fxs_frame_bytes(&context, objects, object_count, cameras->width, cameras->height, NULL));
+    *bytes = fxs_request_bytes(&context, request, NULL);
     if (limit && limit < *bytes)
         *bytes = limit;
     free_working();
     return working = fxs_web_allocate(*bytes);
 }
 
-int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, size_t limit)
+int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, uint32_t budget,
+                        uint32_t detail_q8, size_t limit)
 {
     fxs_request *r = &frame->request;
     frame->context = &context;
+    frame->stats = (fxs_stats){0};
     fxs_request_init(r, objects, object_count);
     r->eyes = eyes;
     memcpy(r->cameras, cameras, sizeof cameras);
@@ -277,13 +279,17 @@ int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree
         r->options.background[c] = (uint8_t)(background >> (16 - 8 * c));
     r->options.sh_degree = sh_degree;
     r->options.cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
-    frame->memory = frame_memory(&frame->bytes, limit);
+    r->options.budget = budget;
+    r->options.detail_q8 = detail_q8;
+    frame->memory = frame_memory(r, &frame->bytes, limit);
     return frame->memory ? 0 : FXS_ERR_MEMORY;
 }
 
-int fxs_web_frame_end(int error)
+int fxs_web_frame_end(const fxs_web_frame *frame, int error)
 {
     free_working();
+    numbers[0] = frame->stats.drawn;
+    numbers[1] = frame->stats.missing;
     return said(error);
 }
 
@@ -309,31 +315,31 @@ static void take_targets(fxs_targets *t, const double *at, int format, int depth
     t->backdrop = image_at(at[6], 4);
 }
 
-/* Draws the objects. In: for each eye the 7 addresses of take_targets. */
+/* Draws the objects. In: for each eye the 7 addresses of take_targets. Out: as fxs_web_frame_end. */
 EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_t background, int sh_degree,
-                                  int square, size_t limit)
+                                  int square, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
-    if (fxs_web_frame_begin(&f, background, sh_degree, square, limit))
+    if (fxs_web_frame_begin(&f, background, sh_degree, square, budget, detail_q8, limit))
         return FXS_ERR_MEMORY;
     f.request.exact = exact;
     for (uint32_t eye = 0; eye < eyes; eye++)
         take_targets(&f.request.targets[eye], numbers + 7 * eye, format, depth_bits);
-    return fxs_web_frame_end(fxs_render(&context, &f.request, f.memory, f.bytes, NULL));
+    return fxs_web_frame_end(&f, fxs_render(&context, &f.request, f.memory, f.bytes, &f.stats));
 }
 
 /* Finds the Gaussian at a pixel: 1, or 0 where there is none. Out: index of the object, Gaussian, depth, position. */
-EXPORT(pick) int fxs_web_pick(int x, int y, size_t limit)
+EXPORT(pick) int fxs_web_pick(int x, int y, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
     fxs_pick_result result = {0};
-    if (fxs_web_frame_begin(&f, 0, 3, 0, limit))
+    if (fxs_web_frame_begin(&f, 0, 3, 0, budget, detail_q8, limit))
         return FXS_ERR_MEMORY;
-    const int found = fxs_pick(&context, &f.request, x, y, f.memory, f.bytes, &result);
+    const int found = fxs_web_frame_end(&f, fxs_pick(&context, &f.request, x, y, f.memory, f.bytes, &result));
     numbers[0] = result.object;
     numbers[1] = result.gaussian;
     numbers[2] = (double)result.depth_q32 * 0x1p-32;
     for (int i = 0; i < 3; i++)
         numbers[3 + i] = (double)result.position_q32[i] * 0x1p-32;
-    return fxs_web_frame_end(found);
+    return found;
 }

@@ -60,11 +60,12 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
 
 /* The same as `render`, to a framebuffer from (x, y) on. */
 EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, int x, int y, int format,
-                                        uint32_t background, int sh_degree, int square, size_t limit)
+                                        uint32_t background, int sh_degree, int square, uint32_t budget,
+                                        uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
     fxs_gles_target target;
-    if (fxs_web_frame_begin(&f, background, sh_degree, square, limit))
+    if (fxs_web_frame_begin(&f, background, sh_degree, square, budget, detail_q8, limit))
         return FXS_ERR_MEMORY;
     fxs_gles_target_init(&target);
     target.framebuffer = framebuffer;
@@ -72,5 +73,5 @@ EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t fram
     target.y = y;
     target.format = (enum fxs_format)format;
     target.quads = quads;
-    return fxs_web_frame_end(fxs_gles_render(gles, f.context, &f.request, &target, f.memory, f.bytes, NULL));
+    return fxs_web_frame_end(&f, fxs_gles_render(gles, f.context, &f.request, &target, f.memory, f.bytes, &f.stats));
 }

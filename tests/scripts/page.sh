@@ -22,11 +22,12 @@ make_scenes() {
 	 {"img_name": "flat", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 50, "fy": 50, "orthographic": true,
 	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]
 	END
+    "$B/fixsplat" convert "$work/scene.ply" "$work/levels.fxs" --levels >/dev/null || return 1
     "$B/fixsplat" render "$work/scene.ply" --size 64x36 -o "$work/poster.png" >/dev/null
 }
 
 check "builds" builds
-check "size" at_most 40000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package"/*.js
+check "size" at_most 41000 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js "$package"/*.js
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
 asks page.mjs "${PICTURES:-$work}" "$B/fixsplat"

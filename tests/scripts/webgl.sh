@@ -17,6 +17,7 @@ pack() { "$B/fixsplat" convert "$scenes/$1" "$work/shared-$(basename "$1" | sed 
 check "builds" builds
 check "makes a scene" make_scene knot 20000
 check "makes another" make_scene fog 40000
+check "with levels" "$B/fixsplat" convert "$work/knot.ply" "$work/levels.fxs" --levels
 if [ -d "$scenes" ]; then
     some='guitar/guitar.compressed.ply train-1000/train-1000.ply skull/skull.sog'
     more='boatyard-tile3/boatyard-tile3.glb donut/donut.ply fruit-drops/fruit_drops_minimal.ply

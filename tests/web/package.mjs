@@ -69,7 +69,9 @@ const words = {
     const frame = (targets, more) => scene.render(JSON.parse(camera), { ...options, ...more, targets })
     const all = frame({ colour: 'premultiplied', coverage: true, depth: true, meanDepth: true, ids: true })
     const { width, height, colour, coverage, ids } = all
-    assert.deepEqual(Object.keys(all).sort(), ['colour', 'coverage', 'depth', 'height', 'ids', 'meanDepth', 'width'])
+    const keys = ['colour', 'coverage', 'depth', 'drawn', 'height', 'ids', 'meanDepth', 'missing', 'width']
+    assert.deepEqual(Object.keys(all).sort(), keys)
+    assert.deepEqual([all.drawn, all.missing], [256 * Math.ceil(scene.count / 256), 0])
     assert.deepEqual(coverage, Uint8Array.from(colour.filter((_, i) => i % 4 === 3)))
     const units = (code) => (code === 0xffffffff ? Infinity : code / 2 ** (options.depthBits ?? 16))
     const rows = (codes) => Array.from({ length: height }, (_, y) => codes.subarray(width * y, width * (y + 1)))
@@ -191,6 +193,8 @@ const words = {
     wrong(/up: expected 3/, [{ scene }], { up: 'up' }, size)
     wrong(/memory/, [{ scene }], {}, { ...size, maxMemory: 1000 })
     wrong(/range/, [{ scene }], {}, { ...size, shDegree: 7 })
+    for (const budget of [-1, 1.5, NaN, '9']) wrong(/budget .*: expected a number/, [{ scene }], {}, { ...size, budget })
+    for (const detail of [-1, NaN, 16385]) wrong(/detail .*: expected pixels/, [{ scene }], {}, { ...size, detail })
     const wanted = (targets) => ({ ...size, targets })
     wrong(/depths: expected one of colour, coverage/, [{ scene }], {}, wanted({ depths: true }))
     wrong(/rgb: expected one of rgba8/, [{ scene }], {}, wanted({ colour: 'rgb' }))
@@ -210,6 +214,23 @@ const words = {
     scene.free()
     scene.free()
     assert.throws(() => scene.render({}, size), /freed/)
+  },
+
+  // FILE: a scene with levels, and how many Gaussians budgets draw of it.
+  async budgets(file) {
+    const scene = await load(file)
+    assert.equal(scene.levels, true)
+    let before = 0
+    for (const budget of [1, 1000, 5000, 2 ** 32, undefined]) {
+      const options = { width: 320, height: 200, budget }
+      const { drawn, missing } = scene.render({}, { ...options, targets: { colour: true } })
+      assert.ok(drawn > before && drawn <= Math.max(256, budget ?? Infinity) && missing === 0, `${budget}: ${drawn}`)
+      before = budget === 2 ** 32 ? 0 : drawn
+      const found = scene.pick(160, 100, {}, options)
+      const { ids } = scene.render({}, { ...options, targets: { ids: true } })
+      assert.equal(found?.gaussian, ids[2 * (100 * 320 + 160) + 1])
+    }
+    assert.equal(before, 256 * Math.ceil(scene.count / 256))
   },
 
   // CAMERA X Y: as `fixsplat render --pick --json` says it.

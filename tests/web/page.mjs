@@ -288,6 +288,52 @@ const tests = {
     })
   },
 
+  async 'a budget: by the attribute, the slider and keys; what was drawn is shown'() {
+    const LEVELS = '?scene=/scenes/levels.fxs'
+    const exact = async (...options) => {
+      await moved()
+      const n = (await viewOf()).split(',')
+      const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join()]
+      const args = [...camera, '--fov', n[9], '--size', '640x360', '--bg', '0e1116']
+      assert.equal(await hash(), rendered('levels.fxs', ...args, ...options))
+      return inside(`return $('draws').textContent`)
+    }
+    await open(`${LEVELS}&budget=5000&backend=webgl2`)
+    assert.match(await exact('--budget', '5000'), /, [1-4],\d\d\d splats$/)
+    assert.match(await inside('return v.link'), /budget=5000/)
+    await inside(`v.setAttribute('budget', 3000); v.setAttribute('backend', 'wasm')`)
+    assert.match(await exact('--budget', '3000'), /, [12],\d\d\d splats$/)
+    await inside(`v.setAttribute('detail', 8); v.removeAttribute('budget')`)
+    await exact('--detail', '8')
+    await inside(`v.removeAttribute('detail'); $('set').click()`)
+    assert.match(await exact(), /, 20,224 splats$/)
+    assert.equal(await inside(`return $('levels').hidden || $('budget').textContent`), 'without limit')
+    await inside(`const slider = v.shadowRoot.querySelector('[name=budget]'); slider.value = 0;
+      slider.dispatchEvent(new InputEvent('input', { bubbles: true }))`)
+    assert.equal(await inside(`return v.getAttribute('budget') + $('budget').textContent`), '50000at most 50,000')
+    await exact()
+    await inside(`$('set').click(); v.setAttribute('budget', '200000')`)
+    for (const key of ['v', 'b']) {
+      await page.keyboard.press(key)
+      assert.equal(await inside(`return v.getAttribute('budget')`), null)
+      assert.equal(await inside(`return $('note').textContent`), 'without limit')
+      await inside(`v.setAttribute('budget', '40000')`)
+    }
+    await changed('/viewer/viewer.js', (text) => text.replace('const BUDGETS = [', '$&1e3, 5e3, 1e4, '), async () => {
+      await open(LEVELS)
+      const seen = []
+      for (const key of 'bbbbvvvvv') {
+        await page.keyboard.press(key)
+        seen.push(await inside(`return v.getAttribute('budget')`))
+      }
+      assert.deepEqual(seen, ['10000', '5000', '1000', '1000', '5000', '10000', null, null, null])
+    })
+    await open(SCENE)
+    await page.keyboard.press('b')
+    assert.match(await inside(`return $('note').textContent`), /no levels/)
+    assert.equal(await inside(`return $('levels').hidden && v.getAttribute('budget')`), null)
+  },
+
   async 'the faster of two is found by a trial'() {
     for (const [slow, faster] of [
       [0, 'webgl2'],

@@ -107,6 +107,7 @@ const FRAMES = {
   'coverage, SH degree 1': frame('knot', 201, 149, ['--alpha', '--sh-degree', '1'], { alpha: true, shDegree: 1 }),
   'square cut-off': frame('fog', 200, 150, ['--cutoff', 'square', '--bg', 'ffffff'],
                           { cutoff: 'square', background: 0xffffff }),
+  'a budget': frame('levels', 200, 150, ['--budget', '6000', ...nearly], { budget: 6000 }, near),
   'in bands': frame('knot', 200, 150, ['--max-memory', '900000'], { maxMemory: 900000 }),
   'two objects': frame('knot', 200, 150,
                        ['--eye', '1,-2,-9', '--place', `${work}/fog.fxs:1,0.5,-2,0.5,0.5,-0.5,0.5,0.75`],

@@ -48,6 +48,7 @@ const ALWAYS = [
   ['0', 'the whole scene'],
   ['N P', 'next, previous view'],
   ['T', 'turn by itself'],
+  ['B V', 'fewer, more splats'],
   ['I', 'save a picture'],
   ['L', 'copy a link to this view'],
   ['F', 'full screen'],
@@ -74,6 +75,8 @@ const settings = `
 <label>Picture <select name="sharpness">
   <option value="1">Sharp</option><option value="0.6667">Medium</option>
   <option value="0.5">Quick</option></select></label>
+<label id="levels" hidden>Splats <output id="budget"></output>
+  <input name="budget" type="range" min="0" max="11" aria-label="Splats of a picture at most"></label>
 <label>Upright <select name="up">
   <option value="">As it looks</option><option value="0,-1,0">As in the file</option><option value="0,1,0">Upside down</option>
   <option value="0,0,1">Tipped forward</option><option value="0,0,-1">Tipped back</option></select></label>

@@ -2,7 +2,7 @@
 // <fixsplat-viewer>, and the camera (#view=...).
 import './viewer.js'
 
-const NAMES = ['cameras', 'background', 'backend', 'threads', 'poster', 'turn', 'noui']
+const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui']
 const asked = new URLSearchParams(location.search)
 const viewer = document.createElement('fixsplat-viewer')
 const viewOfLink = () => new URLSearchParams(location.hash.slice(1)).get('view') ?? ''

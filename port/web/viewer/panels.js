@@ -85,14 +85,16 @@ export class Panels {
     }
   }
 
-  /** What a picture took. */
-  read({ width, height, milliseconds, backend }) {
+  /** What a picture took, and how much of the scene it shows. */
+  read({ width, height, milliseconds, backend, drawn, missing }) {
     const now = performance.now()
     const between = now - this.#readAt
     this.#readAt = now
     const rate = between < PAUSE_MS ? `${Math.round(1000 / between)} a second, ` : ''
     const took = `${Math.round(milliseconds)} ms by ${backends[backend]}, ${width} × ${height}`
-    this.ui.readout.textContent = rate + took
-    this.ui.draws.textContent = `Now ${took}`
+    const coming = missing ? `, ${missing} parts to come` : ''
+    const splats = drawn === undefined ? '' : `, ${drawn.toLocaleString('en')} splats${coming}`
+    this.ui.readout.textContent = rate + took + splats
+    this.ui.draws.textContent = `Now ${took}${splats}`
   }
 }

@@ -71,12 +71,12 @@ export class Picture {
   /** What was drawn, or null where that is of no use any more. */
   async draw(camera, { divisor, ...options }) {
     const screen = this.#screen
-    const { pixels, milliseconds, lost } = await screen.engine.ask('draw', screen.id, camera, options)
+    const { pixels, lost, ...facts } = await screen.engine.ask('draw', screen.id, camera, options)
     if (lost || screen !== this.#screen) return null
     if (pixels) paint(screen.canvas, pixels, options)
     this.#show(screen)
-    this.#choose(divisor, milliseconds)
-    return { width: options.width, height: options.height, divisor, milliseconds, backend: screen.backend }
+    this.#choose(divisor, facts.milliseconds)
+    return { width: options.width, height: options.height, divisor, ...facts, backend: screen.backend }
   }
 
   #show({ canvas }) {

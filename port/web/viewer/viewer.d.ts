@@ -1,6 +1,7 @@
 type Backend = 'wasm' | 'webgl2' | 'webgl2-quads'
 
-/** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), poster, turn, backend, threads, noui. */
+/** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
+    threads, noui. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** What draws. */
@@ -36,6 +37,10 @@ declare global {
   interface HTMLElementEventMap {
     /** Pictures for a headset: `scale` is their size, of the viewport's. */
     eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
-    picture: CustomEvent<{ width: number; height: number; divisor: number; milliseconds: number; backend: Backend }>
+    /** `drawn` Gaussians, with `missing` parts that are still to come. */
+    picture: CustomEvent<{
+      width: number; height: number; divisor: number; milliseconds: number; backend: Backend
+      drawn: number; missing: number
+    }>
   }
 }

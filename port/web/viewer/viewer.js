@@ -9,6 +9,7 @@ import { body } from './body.js'
 import { addressOf, cameraOf, fetchViews, nameOf, textOf, viewsOf } from './views.js'
 
 const STILL_MS = 150 // after the last motion
+const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6] // of the slider; behind the last, no limit
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
 const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers that have WebXR on secure pages alone
@@ -18,7 +19,7 @@ const style = new URL('./viewer.css', import.meta.url)
 template.innerHTML = `<style>:host { opacity: 0 }</style><link rel="stylesheet" href="${style}">${body}`
 
 export class Viewer extends HTMLElement {
-  static observedAttributes = ['src', 'cameras', 'view', 'background', 'backend', 'poster', 'turn']
+  static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn']
 
   #headset = null
   #engine = null // of the scene on show
@@ -77,7 +78,7 @@ export class Viewer extends HTMLElement {
     if (name === 'src' && value) this.#openAttribute()
     if (name === 'cameras' && this.#scene) this.#changeViews(value)
     if (name === 'view') this.#pilot.show(cameraOf(value))
-    if (name === 'background') this.#change()
+    if (['background', 'budget', 'detail'].includes(name)) this.#change()
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
     if (name === 'poster' && value) this.#showPoster(value)
     if (name === 'turn') this.#pilot.turnByItself(value !== null)
@@ -107,7 +108,8 @@ export class Viewer extends HTMLElement {
     link.searchParams.set('scene', this.#source)
     const cameras = this.getAttribute('cameras')
     if (cameras) link.searchParams.set('cameras', addressOf(cameras))
-    if (this.hasAttribute('background')) link.searchParams.set('background', this.getAttribute('background'))
+    for (const name of ['background', 'budget', 'detail'])
+      if (this.hasAttribute(name)) link.searchParams.set(name, this.getAttribute(name))
     link.hash = `view=${this.view}`
     return link.href
   }
@@ -280,7 +282,40 @@ export class Viewer extends HTMLElement {
       (n) => n * devicePixelRatio * this.#settings.sharpness
     )
     const size = this.#picture.size(width, height, moving)
-    return { ...size, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
+    const bounds = { budget: this.#budget, detail: Math.min(this.#numberOf('detail'), 16384) }
+    return { ...size, ...bounds, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
+  }
+
+  /** That of an attribute; 0 where it is none above 0. */
+  #numberOf(name) {
+    return Math.max(Number(this.getAttribute(name)), 0) || 0
+  }
+
+  /** Splats, where the attribute `budget` has them. */
+  get #budget() {
+    return Math.round(this.#numberOf('budget')) || undefined
+  }
+
+  /** The place of the slider for the budget that there is. */
+  get #budgetPlace() {
+    const place = BUDGETS.findIndex((budget) => budget >= this.#budget)
+    return place < 0 ? BUDGETS.length : place
+  }
+
+  #setBudget(place) {
+    const budget = BUDGETS[place]
+    if (budget) this.setAttribute('budget', budget)
+    else this.removeAttribute('budget')
+    this.#showSettings()
+  }
+
+  /** One step of the slider, in a scene with levels. */
+  #stepBudget(step) {
+    if (!this.#scene?.levels) return this.#panels.note('This scene has no levels of detail: all of it is drawn')
+    const whole = BUDGETS.filter((budget) => budget < this.#scene.count).length
+    const place = Math.max((this.#budget < this.#scene.count ? this.#budgetPlace : whole) + step, 0)
+    this.#setBudget(place < whole ? place : BUDGETS.length)
+    this.#panels.note(this.#panels.ui.budget.textContent)
   }
 
   #change() {
@@ -462,7 +497,9 @@ export class Viewer extends HTMLElement {
   #showSettings() {
     const { camera, turns } = this.#pilot
     const background = `#${this.#background.toString(16).padStart(6, '0')}`
-    this.#panels.set({ background, flat: !!camera?.flat, turn: turns, backend: this.#wanted })
+    this.#panels.set({ background, flat: !!camera?.flat, turn: turns, backend: this.#wanted, budget: this.#budgetPlace })
+    this.#ui.levels.hidden = !this.#scene?.levels
+    this.#ui.budget.textContent = this.#budget ? `at most ${this.#budget.toLocaleString('en')}` : 'without limit'
     if (camera && !camera.flat) this.#panels.set({ fov: camera.fov })
   }
 
@@ -498,6 +535,8 @@ export class Viewer extends HTMLElement {
       2: () => this.#setMode('fly'),
       g: () => this.#capture(),
       t: () => this.toggleAttribute('turn'),
+      b: () => this.#stepBudget(-1),
+      v: () => this.#stepBudget(1),
       i: () => this.#screenshot(),
       l: () => this.#copyLink(),
       f: () => this.#fullScreen(),
@@ -512,6 +551,7 @@ export class Viewer extends HTMLElement {
     const does = {
       background: () => this.setAttribute('background', value),
       backend: () => this.setAttribute('backend', value),
+      budget: () => this.#setBudget(Number(value)),
       turn: () => this.toggleAttribute('turn', checked),
       flat: () => pilot.flatten(checked),
       speed: () => (pilot.speed = Number(value)),

@@ -6,7 +6,7 @@ const screens = {}
 let scene, how
 let drawn = () => {}
 
-const factsOf = ({ name, count, low, high, first, start }) => ({ name, count, low, high, first, start })
+const factsOf = ({ name, count, levels, low, high, first, start }) => ({ name, count, levels, low, high, first, start })
 
 /** What has come of a scene so far: loading goes on when it was drawn. */
 function preview(part) {
@@ -25,10 +25,16 @@ function onScreen(call) {
   else call()
 }
 
+/** What was drawn, with the pixels where there is no screen. */
 async function draw(screen, camera, options) {
+  if (!screen) {
+    const { colour, drawn, missing } = scene.render(camera, { ...options, targets: { colour: true } })
+    return { pixels: colour, drawn, missing }
+  }
   try {
-    screen.draw([{ scene }], camera, options)
+    const facts = screen.draw([{ scene }], camera, options)
     await screen.finish()
+    return facts
   } catch (error) {
     if (!screen.lost) throw error
   }
@@ -77,9 +83,9 @@ const words = {
   async draw(id, camera, options) {
     const start = performance.now()
     const screen = screens[id]
-    const pixels = screen ? await draw(screen, camera, options) : scene.render(camera, options)
+    const facts = await draw(screen, camera, options)
     onScreen(drawn)
-    return { pixels, milliseconds: performance.now() - start, lost: screen?.lost }
+    return { ...facts, milliseconds: performance.now() - start, lost: screen?.lost }
   },
 
   /** What one or two eyes see, each as alone: the pixels of each, or where WebGL draws a bitmap. */
