@@ -6,6 +6,9 @@
 
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/formats.h>
+#include <fixsplat/kernels.h>
+#include <fixsplat/pool.h>
+#include <fixsplat/refine.h>
 #include <fixsplat/scene_write.h>
 #include "cmd_convert.h"
 #include "frame_options.h"
@@ -30,6 +33,9 @@ typedef struct convert_options {
     int spz_fine;
     int has_start;
     fxs_file_view start;                    /* of --start-view */
+    int refine_steps;                       /* of --refine; has_refine: given */
+    int has_refine;
+    const char *cameras;                    /* of it */
 } convert_options;
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
@@ -129,6 +135,14 @@ static int take_floaters(const option_row *row, void *field, const char *value)
     return value ? take_int(row, field, value) : 0;
 }
 
+static int take_refine(const option_row *row, void *field, const char *value)
+{
+    convert_options *o = field;
+    o->has_refine = 1;
+    o->refine_steps = FXS_REFINE_STEPS;
+    return value ? take_int(row, &o->refine_steps, value) : 0;
+}
+
 static int take_force(const option_row *row, void *field, const char *value)
 {
     (void)row, (void)field, (void)value;
@@ -216,6 +230,12 @@ static const option_row own_rows[] = {
      "compared with the floats, and one that loses more than it should is said"},
     {"levels", 0, FLAG(load.tree), .help =
      "of .fxs: with levels of detail, a tree of coarser Gaussians, which makes it about twice as large"},
+    {"refine", "[=STEPS]", take_refine, 0, 0, FXS_REFINE_STEPS_MOST, .help =
+     "of --levels: fit the coarse Gaussians of each level to pictures of the scene, by so many steps (default 200), and "
+     "measure in them what each node is worth. 0: only measure"},
+    {"cameras", "CAMERAS", TEXT(cameras), .help =
+     "of --refine: the pictures are seen by cameras of this file (64 at most, evenly spaced), in the axes of what is "
+     "written. By default they are from around the scene and within it"},
     {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, 0, .expected =
      "six numbers or seven, the last 1 to 170, or a camera file", .help =
      "of .fxs: the camera that render and view begin with where none is given: from X,Y,Z to X,Y,Z, its "
@@ -257,6 +277,10 @@ static int read_options(convert_options *o, int argc, char **argv)
         return fail(EXIT_USAGE, "--profile is for .fxs");
     if (o->load.tree && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--levels is for .fxs");
+    if (o->has_refine && !o->load.tree)
+        return fail(EXIT_USAGE, "--refine is for --levels");
+    if (o->cameras && !o->has_refine)
+        return fail(EXIT_USAGE, "--cameras is for --refine");
     if (o->has_level && is_given("up"))
         return fail(EXIT_USAGE, "--up and --level: give one");
     if (o->has_start && !ends_with(o->out, ".fxs"))
@@ -303,6 +327,42 @@ static void check_views(const world *packed, const convert_options *o, const loa
         quality_free(&q);
 }
 
+static int refine_by(const convert_options *o, const fxs_opened *packed, const load_options *load,
+                     const fxs_file_view *views, long count)
+{
+    const uint32_t threads = load->threads ? load->threads : fxs_processors();
+    fxs_pool *pool = fxs_pool_create(threads);
+    const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = threads};
+    char label[] = "refining";
+    fxs_context context;
+    fxs_message message;
+    fxs_refine_options how = {.context = &context, .steps = (uint32_t)o->refine_steps, .views = views,
+                              .view_count = (size_t)count, .cpu = ~0u};
+    if (!pool)
+        return fail(EXIT_FAILED, "out of memory: %u threads", (unsigned)threads);
+    fxs_init(&context, &config);
+    fxs_kernels_choose(&context.kernels, ~0u);
+    how.progress = progress_of(load, label, &how.argument);
+    const int error = fxs_refine((void *)(uintptr_t)packed->data, packed->bytes, &how, &message);
+    fxs_pool_destroy(pool);
+    return error ? fail(EXIT_FAILED, "--refine: %s", message.text) : 0;
+}
+
+/* The scene was packed here, in memory of its own. */
+static int refine(const convert_options *o, const fxs_opened *packed, const load_options *load)
+{
+    fxs_file_view *views = 0;
+    fxs_message message;
+    long count = 0;
+    if (o->cameras)
+        files_read(o->cameras);
+    if (o->cameras && (count = fxs_camera_file_read(o->cameras, &views, &message)) < 0)
+        return fail(EXIT_FAILED, "--cameras: %s", message.text);
+    const int status = refine_by(o, packed, load, views, count);
+    free(views);
+    return status;
+}
+
 static int to_fxs(const convert_options *o)
 {
     world w;
@@ -318,6 +378,8 @@ static int to_fxs(const convert_options *o)
         note("%s: profile compact is no smaller than default for a scene without SH; small is", o->out);
     if (!status && o->has_start && fxs_view_to_start((void *)(uintptr_t)loaded->opened->data, &o->start, &message))
         status = fail(EXIT_FAILED, "--start-view: %s", message.text);   /* packed here, in memory of its own */
+    if (!status && o->has_refine)
+        status = refine(o, loaded->opened, &load);
     if (!status && fxs_file_write(o->out, loaded->opened->data, loaded->opened->bytes, &message))
         status = fail_for(&message);
     if (!status && is_to_be_checked(loaded->opened))

@@ -26,6 +26,8 @@ struct fxs_fit_stepper {
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
     const uint8_t *photograph;     /* in the size of the camera's picture */
+    const uint8_t *errors_of;      /* the same, for fxs_fit_find_errors */
+    float *errors;
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
     uint32_t batch, view;          /* number of views in the batch, and the current one */
     fxs_fit_adam adam;
@@ -459,19 +461,25 @@ static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_
         }
 }
 
-static void backward_job(void *argument, uint32_t tile)
+/* Writes the sums of a tile's splats for this gradient of its pixels. */
+static void pass_back(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile_gradient *g)
 {
-    const fxs_fit_stepper *s = argument;
     const uint32_t *starts = s->counts.memory, needed = starts[s->tile_count + 1 + tile];
     const fxs_fit_entry *entries = (const fxs_fit_entry *)s->entries.memory + starts[tile];
     float (*sums)[FXS_FIT_SUMS] = s->sums.memory;
-    fxs_fit_tile_gradient g;
     int32_t left, top;
     tile_place(s, tile, &left, &top);
-    take_gradient(s, tile, &g);
-    s->stages->backward(s->splats.memory, entries, needed, left, top, &g, sums);
+    s->stages->backward(s->splats.memory, entries, needed, left, top, g, sums);
     for (uint32_t e = needed; e < starts[tile + 1] - starts[tile]; e++)
         memset(sums[entries[e].slot], 0, sizeof *sums);
+}
+
+static void backward_job(void *argument, uint32_t tile)
+{
+    const fxs_fit_stepper *s = argument;
+    fxs_fit_tile_gradient g;
+    take_gradient(s, tile, &g);
+    pass_back(s, tile, &g);
 }
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
@@ -503,7 +511,8 @@ static float *gathered_of(const fxs_fit_stepper *s, uint32_t view, int sum)
 static void gather_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
-    const size_t end = (size_t)job * JOB + job_count(s, job);
+    const size_t whole = (size_t)job * JOB + job_count(s, job), changed = s->options->changed / FXS_FIT_GROUP * FXS_FIT_GROUP;
+    const size_t end = s->options->changed && changed < whole ? changed : whole;
     for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
         float sums[FXS_FIT_SUMS][FXS_FIT_PART];
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
@@ -526,7 +535,8 @@ static void update_job(void *argument, uint32_t job)
     const fxs_fit_stepper *s = argument;
     const fxs_fit_model *m = s->model;
     float *masters = m->masters ? m->masters : m->parameters;
-    const size_t end = (size_t)job * JOB + job_count(s, job);
+    const size_t whole = (size_t)job * JOB + job_count(s, job), changed = s->options->changed / FXS_FIT_GROUP * FXS_FIT_GROUP;
+    const size_t end = s->options->changed && changed < whole ? changed : whole;
     for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
         float sums[FXS_FIT_BATCH][FXS_FIT_SUMS][FXS_FIT_PART];
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
@@ -617,6 +627,65 @@ int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_c
         planes[c] = s->loss[c].picture;
     return error;
 }
+
+/* ---- Errors ------------------------------------------------------------------------------------------------------ */
+
+/* The squared difference of the colours of each pixel, which backward shares out by the weight of each splat in it. */
+static void take_error(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gradient *g)
+{
+    int32_t left, top;
+    tile_place(s, tile, &left, &top);
+    const int32_t columns = least_of(FXS_FIT_TILE, s->camera->width - left);
+    const int32_t rows = least_of(FXS_FIT_TILE, s->camera->height - top);
+    memset(g, 0, sizeof *g);
+    for (int32_t y = 0; y < rows; y++)
+        for (int32_t x = 0; x < 3 * columns; x++) {
+            const fxs_fit_plane *picture = &s->loss[x % 3].picture;
+            const ptrdiff_t row = top + y, column = left + x / 3;
+            const float a = picture->first[row * picture->stride + column];
+            const float b = (float)s->errors_of[3 * (row * s->camera->width + column) + x % 3] * (1 / 255.0f);
+            g->colour[0][FXS_FIT_AT(x / 3, y)] += (a - b) * (a - b);
+        }
+}
+
+static void error_job(void *argument, uint32_t tile)
+{
+    const fxs_fit_stepper *s = argument;
+    fxs_fit_tile_gradient g;
+    take_error(s, tile, &g);
+    pass_back(s, tile, &g);
+}
+
+static void gather_error_job(void *argument, uint32_t job)
+{
+    const fxs_fit_stepper *s = argument;
+    const size_t end = (size_t)job * JOB + job_count(s, job);
+    for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
+        float sums[FXS_FIT_SUMS][FXS_FIT_PART];
+        const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
+        gather(s, first, count, sums);
+        memcpy(s->errors + first, sums[FXS_FIT_RED], count * sizeof(float));
+    }
+}
+
+int fxs_fit_find_errors(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit_photograph *photograph,
+                        const fxs_fit_step_options *options, float *errors)
+{
+    fxs_fit_report report = {0};
+    s->model = model;
+    s->camera = &photograph->camera;
+    s->options = options;
+    s->photograph = NULL;
+    s->errors_of = photograph->pixels;
+    s->errors = errors;
+    if (draw(s, &report) || !room(&s->sums, (s->entry_count + 1) * FXS_FIT_SUMS * sizeof(float)))
+        return FXS_ERR_MEMORY;
+    run(s, error_job, s->tile_count);
+    run(s, gather_error_job, gaussian_jobs(s));
+    return 0;
+}
+
+/* ---- Photographs ------------------------------------------------------------------------------------------------- */
 
 /* Reduces a photograph: each pixel is the mean of divisor x divisor pixels. */
 static void average_down(const fxs_fit_photograph *from, uint8_t *pixels)

@@ -36,6 +36,8 @@ typedef struct fxs_fit_step_options {
     uint32_t number;               /* number of the step, from 1 on */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     fxs_fit_noise noise;           /* noise after the update; amount 0: none */
+    size_t changed;                /* so many Gaussians are changed, the first of the model, rounded down to
+                                      FXS_FIT_GROUP; 0: all. Of the processor's stepper alone */
 } fxs_fit_step_options;
 
 /* `run` and `pool` are as in fxs_config. Returns null where memory runs out. */
@@ -51,6 +53,12 @@ int fxs_fit_draw(fxs_fit_stepper *step, const fxs_fit_model *model, const fxs_fi
 /* Makes one step of the fit by a batch of photographs. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photographs,
                          uint32_t batch, const fxs_fit_step_options *options, fxs_fit_report *report);
+
+/* Draws the model as a photograph's camera sees it, over black, and shares out the squared difference of each pixel,
+   colours^2, by the weights with which Gaussians are blended in it. `errors`: each Gaussian's sum over the pixels; the
+   model's `views` count where it is in the picture. The photograph is not divided. Returns 0 or FXS_ERR_MEMORY. */
+int fxs_fit_find_errors(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photograph,
+                        const fxs_fit_step_options *options, float *errors);
 
 /* Sets the numbers of Adam's step. The gradient is of the sum over pixels and channels of the batch; so epsilon and the
    weights of means over Gaussians, which are for the mean over pixels, are scaled. */

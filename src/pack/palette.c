@@ -597,6 +597,56 @@ int fxs_palette_restore(fxs_palette *p, uint32_t entries)
     return 1;
 }
 
+/* The middle of a group's entries takes the place of the one that it was learned by. */
+static void find_middles(fxs_palette *p, uint32_t stage)
+{
+    for (uint32_t g = 0; g < groups_of(p); g++) {
+        const uint32_t first = g * GROUP, count = p->entries - first < GROUP ? p->entries - first : GROUP;
+        for (int d = 0; d < WIDTH; d++) {
+            int32_t sum = 0;
+            for (uint32_t j = first; j < first + count; j++)
+                sum += p->vectors[stage][j][d];
+            p->groups[stage][g][d] = (int16_t)(sum / (int32_t)count);
+        }
+    }
+}
+
+static int has_means(const fxs_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->chunk_count; i++) {
+        fxs_chunk chunk;
+        memcpy(&chunk, scene->chunks + (size_t)i * sizeof chunk, sizeof chunk);
+        for (int d = 0; d < WIDTH; d++)
+            if (chunk.sh_mean[d])
+                return 1;
+    }
+    return 0;
+}
+
+/* Of the units that give the packed step, the finest in which no number is above MOST. */
+void fxs_palette_of_scene(fxs_palette *p, const fxs_scene *scene)
+{
+    const int8_t *from = scene->palette;
+    memset(p, 0, sizeof *p);
+    p->profile = scene->profile;
+    p->sh_degree = scene->sh_degree;
+    p->stages = fxs_palette_stages(scene->profile, scene->sh_degree);
+    p->entries = scene->palette_entries;
+    p->unit_exponent = 19;
+    while (p->unit_exponent > 8 && scene->palette_step_q19 >> (19 - p->unit_exponent) > MOST / 127)
+        p->unit_exponent--;
+    const uint32_t step = scene->palette_step_q19 >> (19 - p->unit_exponent);
+    p->step = step < 1 ? 1 : step > MOST / 127 ? MOST / 127 : (int32_t)step;
+    p->centred = has_means(scene);
+    for (uint32_t s = 0; s < p->stages; s++) {
+        for (uint32_t j = 0; j < p->entries; j++)
+            for (int d = 0; d < WIDTH; d++)
+                p->vectors[s][j][d] = (int16_t)(*from++ * p->step);
+        find_middles(p, s);
+        prepare_stage(p, s);
+    }
+}
+
 uint32_t fxs_palette_step_q19(const fxs_palette *p)
 {
     return (uint32_t)p->step << (19 - p->unit_exponent);

@@ -68,6 +68,9 @@ int fxs_palette_refine(fxs_palette *palette, const fxs_sh_item *items, uint32_t 
    possible for a palette with this number of entries. */
 int fxs_palette_restore(fxs_palette *palette, uint32_t entries);
 
+/* Fills in the palette of an open packed scene that has one, so that more Gaussians can be coded by it. */
+void fxs_palette_of_scene(fxs_palette *palette, const fxs_scene *scene);
+
 /* Returns the step of the palette in the form of a packed scene. */
 uint32_t fxs_palette_step_q19(const fxs_palette *palette);
 

@@ -541,3 +541,104 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
     fxs_release(allocator, t.workers);
     return result;
 }
+
+/* ---- Editing ----------------------------------------------------------------------------------------------------- */
+
+struct fxs_tree_editor {
+    tree tree;                         /* its nodes lie at their numbers */
+    worker worker;
+    held held;
+    fxs_pack_options options;
+    fxs_palette palette;
+};
+
+static void take_node(tree *t, uint32_t number)
+{
+    fxs_node from;
+    memcpy(&from, t->scene->nodes + (size_t)number * sizeof from, sizeof from);
+    fxs_words_turn(&from, sizeof from / 4);
+    t->nodes[number] = (node){.number = number};
+    for (int i = 0; i < 2; i++)
+        t->nodes[number].children[i] =
+            from.children[i] > t->count ? from.children[i] - t->count - 1 : from.children[i] + t->count;
+}
+
+int fxs_tree_edit(fxs_tree_editor **editor, const fxs_scene *scene, void *data, fxs_message *message)
+{
+    fxs_tree_editor *e = *editor = fxs_allocate_zeroed(NULL, 1, sizeof *e);
+    if (!e)
+        return fxs_fail_memory(message, NULL, sizeof *e);
+    e->tree = (tree){.scene = scene, .data = data, .options = &e->options,
+                     .encoder = {scene->profile, scene->sh_degree}, .count = scene->chunk_count - 1};
+    if (scene->palette) {
+        fxs_palette_of_scene(&e->palette, scene);
+        e->tree.palette = &e->palette;
+    }
+    e->tree.nodes = fxs_allocate(NULL, e->tree.count, sizeof *e->tree.nodes);
+    if (!e->tree.nodes) {
+        fxs_tree_edit_end(e);
+        *editor = NULL;
+        return fxs_fail_memory(message, NULL, e->tree.count * sizeof *e->tree.nodes);
+    }
+    for (uint32_t i = 0; i < e->tree.count; i++)
+        take_node(&e->tree, i);
+    return 0;
+}
+
+void fxs_tree_edit_end(fxs_tree_editor *e)
+{
+    if (e)
+        fxs_release(NULL, e->tree.nodes);
+    fxs_release(NULL, e);
+}
+
+static void find_reach_of(const tree *t, uint32_t child, held *h)
+{
+    const fxs_scene *s = t->scene;
+    fxs_chunk chunk;
+    memcpy(&chunk, child < t->count ? s->node_chunks + (size_t)child * sizeof chunk
+                                    : s->chunks + (size_t)(child - t->count) * sizeof chunk, sizeof chunk);
+    fxs_chunk_turn(&chunk);
+    find_reach(h, &chunk);
+}
+
+void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian *gaussians, uint32_t count)
+{
+    held *to = &e->held, *from = &e->worker.merged;
+    find_reach_of(&e->tree, e->tree.nodes[number].children[0], to);
+    find_reach_of(&e->tree, e->tree.nodes[number].children[1], from);
+    for (int k = 0; k < 3; k++)
+        widen_range(&to->reach[k], &from->reach[k]);
+    to->scale = from->scale > to->scale ? from->scale : to->scale;
+    for (uint32_t i = 0; i < count; i++) {
+        fxs_gaussian *g = &from->gaussians[i].gaussian;
+        *g = gaussians[i];
+        for (int k = 0; k < 3; k++)
+            g->position[k] = fminf(fmaxf(g->position[k], to->reach[k].low), to->reach[k].high);
+    }
+    from->count = count;
+    copy_sorted(to, from);
+    write_chunk(&e->tree, &e->worker, to, number);
+}
+
+int fxs_tree_edit_gains(fxs_tree_editor *e, const double *errors, fxs_message *message)
+{
+    const tree *t = &e->tree;
+    group *groups = fxs_allocate(NULL, t->count, sizeof *groups);
+    if (!groups)
+        return fxs_fail_memory(message, NULL, t->count * sizeof *groups);
+    for (uint32_t i = 0; i < t->count; i++)
+        t->nodes[i].error = errors[i];
+    pool_gains(t, groups);
+    for (uint32_t i = 0; i < t->count; i++) {
+        unsigned char *to = t->data + (t->scene->nodes - t->data) + i * sizeof(fxs_node);
+        fxs_node out;
+        memcpy(&out, to, sizeof out);
+        fxs_words_turn(&out, sizeof out / 4);
+        out.gain_q8 = log2_of(gain_of(&groups[i]), 256, FXS_GAIN_MOST_Q8);
+        fxs_words_turn(&out, sizeof out / 4);
+        memcpy(to, &out, sizeof out);
+    }
+    fxs_release(NULL, groups);
+    return 0;
+}

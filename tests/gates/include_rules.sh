@@ -33,7 +33,7 @@ src/camera    camera camera_file
 src/image     image_file film_file
 src/pack      pack
 src/scene     formats scene_file scene_filter scene_write scene_decimate fxs_file world
-src/fit       fit photos blocks
+src/fit       fit photos blocks refine
 kernels       kernels
 kernels/gles  gles
 kernels/cuda  cuda

@@ -1,0 +1,364 @@
+/* Level after level, from the leaves up. The cover of level L is the finest set of chunks that stands for all leaves
+   and has no chunk above level L, where a leaf has level 0 and a node one more than the higher of its children. So each
+   node is in the cover of its level, and in those of a few more where its parent is higher by more than 1. All nodes of
+   a cover take part in its steps, with the leaves that are in it as they are.
+
+   The error of a node in a view is measured in the picture of the cover of its level: the squared difference from the
+   picture of the leaves at each pixel, shared out by the weights of the Gaussians that are blended there. What opening
+   a node removes is its error less those of its children, times (d / f)^2, as in src/core/cut.c: the mean over the
+   views that it is in. */
+#include <fixsplat/refine.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/message.h>
+#include <fixsplat/packed.h>
+#include "src/base/exponential.h"
+#include "src/core/chunk.h"
+#include "src/pack/decode.h"
+#include "src/pack/tree.h"
+#include "fit_internal.h"
+#include "planes.h"
+#include "random.h"
+#include "refine_views.h"
+
+#define LOGIT_MOST 7.0f                /* beyond it an opacity has no gradient */
+#define LAST 0.1                       /* rates fall to so much of the first */
+
+typedef struct refiner {
+    fxs_scene scene;
+    fxs_node *nodes;
+    uint8_t *levels;                   /* of the chunks, leaves and then nodes */
+    uint32_t *parents;                 /* chunks */
+    uint32_t chunks, leaves;
+    int highest;                       /* level of the root */
+    const fxs_refine_options *options;
+    fxs_refine_views views;
+    fxs_fit_stepper *stepper;
+    fxs_tree_editor *editor;
+    float *errors;                     /* of each node in each view, pixels colours^2; below 0: not in it */
+    fxs_fit_model model;               /* of the cover: first its nodes, then its leaves */
+    uint32_t *cover, *starts;          /* chunks of the cover, and where their Gaussians begin in the model */
+    uint32_t cover_count, cover_nodes;
+    uint32_t order[FXS_REFINE_VIEWS];
+    fxs_message *message;
+} refiner;
+
+/* ---- The tree ---------------------------------------------------------------------------------------------------- */
+
+static int fail_memory(const refiner *r, size_t bytes)
+{
+    return fxs_fail_memory(r->message, "levels of detail", bytes);
+}
+
+static int read_tree(refiner *r)
+{
+    r->leaves = r->scene.chunk_count;
+    r->chunks = fxs_scene_chunks(&r->scene);
+    r->nodes = malloc((r->leaves - 1) * sizeof *r->nodes);
+    r->levels = calloc(r->chunks, sizeof *r->levels);
+    r->parents = calloc(r->chunks, sizeof *r->parents);
+    r->cover = malloc(r->chunks * sizeof *r->cover);
+    r->starts = malloc((r->chunks + (size_t)1) * sizeof *r->starts);
+    r->errors = calloc((size_t)(r->leaves - 1) * r->views.count, sizeof *r->errors);
+    if (!r->nodes || !r->levels || !r->parents || !r->cover || !r->starts || !r->errors)
+        return fail_memory(r, r->chunks * (sizeof *r->nodes + r->views.count * sizeof *r->errors));
+    for (uint32_t i = r->leaves - 1; i-- > 0;) {
+        uint8_t *level = &r->levels[r->leaves + i];
+        const int error = fxs_node_read(&r->nodes[i], &r->scene, i);
+        if (error)
+            return fxs_fail_as(error, r->message, "%s", fxs_strerror(error));
+        for (int side = 0; side < 2; side++) {
+            const uint32_t child = r->nodes[i].children[side];
+            r->parents[child] = r->leaves + i;
+            if (r->levels[child] == UINT8_MAX)
+                return fxs_fail_as(FXS_ERR_SCENE, r->message, "the tree of levels is too deep");
+            *level = r->levels[child] + 1 > *level ? (uint8_t)(r->levels[child] + 1) : *level;
+        }
+    }
+    r->highest = r->levels[r->leaves];
+    return 0;
+}
+
+static int is_in_cover(const refiner *r, uint32_t chunk, int level)
+{
+    return r->levels[chunk] <= level && (chunk == r->leaves || r->levels[r->parents[chunk]] > level);
+}
+
+/* Nodes first. */
+static void find_cover(refiner *r, int level)
+{
+    r->cover_count = 0;
+    for (uint32_t c = r->leaves; c < r->chunks; c++)
+        if (is_in_cover(r, c, level))
+            r->cover[r->cover_count++] = c;
+    r->cover_nodes = r->cover_count;
+    for (uint32_t c = 0; c < r->leaves; c++)
+        if (is_in_cover(r, c, level))
+            r->cover[r->cover_count++] = c;
+}
+
+/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
+
+static void put(const fxs_fit_model *m, size_t i, const fxs_gaussian *g)
+{
+    for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
+        memcpy(&plane(m, k)[i], (const char *)g + (size_t)k * sizeof(float), sizeof(float));
+    plane(m, FXS_FIT_OPACITY)[i] = fminf(fmaxf(g->opacity, -FXS_FIT_FARTHEST), LOGIT_MOST);
+}
+
+static void take(const fxs_fit_model *m, size_t i, fxs_gaussian *g)
+{
+    double square = 0;
+    for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
+        memcpy((char *)g + (size_t)k * sizeof(float), &plane(m, k)[i], sizeof(float));
+    for (int k = 0; k < 4; k++)
+        square += (double)g->rotation[k] * g->rotation[k];
+    for (int k = 0; k < 4; k++)
+        g->rotation[k] = (float)(g->rotation[k] / sqrt(square));
+}
+
+/* The Gaussians of a chunk, in order, to the model from `at` on; or just their number, where `model` is null. */
+static uint32_t read_chunk(const refiner *r, uint32_t number, const fxs_fit_model *model, size_t at)
+{
+    const unsigned char *rows = fxs_rows(&r->scene, number);
+    fxs_gaussian g;
+    fxs_chunk chunk;
+    uint32_t count = 0;
+    memcpy(&chunk, fxs_header(&r->scene, number), sizeof chunk);
+    fxs_chunk_turn(&chunk);
+    for (uint32_t slot = 0; slot < FXS_CHUNK; slot++) {
+        if (fxs_slot_is_empty(&r->scene, rows, slot))
+            continue;
+        if (model) {
+            fxs_decode(&r->scene, &chunk, rows, slot, &g);
+            put(model, at + count, &g);
+        }
+        count++;
+    }
+    return count;
+}
+
+/* The model is of the cover as it is coded. */
+static int read_cover(refiner *r)
+{
+    r->starts[0] = 0;
+    for (uint32_t i = 0; i < r->cover_count; i++)
+        r->starts[i + 1] = r->starts[i] + read_chunk(r, r->cover[i], NULL, 0);
+    const size_t count = r->starts[r->cover_count];
+    fxs_fit_model_free(&r->model);
+    if (fxs_fit_model_room(&r->model, count) || fxs_fit_model_resize(&r->model, count))
+        return fail_memory(r, count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
+    for (uint32_t i = 0; i < r->cover_count; i++)
+        read_chunk(r, r->cover[i], &r->model, r->starts[i]);
+    return 0;
+}
+
+static void write_cover(refiner *r)
+{
+    fxs_gaussian gaussians[FXS_CHUNK];
+    for (uint32_t i = 0; i < r->cover_nodes; i++) {
+        const uint32_t count = r->starts[i + 1] - r->starts[i];
+        for (uint32_t g = 0; g < count; g++)
+            take(&r->model, r->starts[i] + g, &gaussians[g]);
+        fxs_tree_edit_node(r->editor, r->cover[i] - r->leaves, gaussians, count);
+    }
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+
+static int note(const refiner *r, int level, double part)
+{
+    const fxs_refine_options *o = r->options;
+    return o->progress && o->progress(o->argument, (level - 1 + part) / r->highest)
+               ? fxs_fail_as(FXS_ERR_STOPPED, r->message, "refining stopped") : 0;
+}
+
+static void set_rates(const refiner *r, uint32_t step, fxs_fit_step_options *to)
+{
+    const float fall = (float)fxs_exp(fxs_log(LAST) * step / r->options->steps);
+    for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
+        to->rate[i] = fall * (i < FXS_FIT_SCALE      ? 5e-5f * r->views.extent
+                              : i < FXS_FIT_ROTATION ? 0.01f
+                              : i < FXS_FIT_OPACITY  ? 0.001f
+                              : i < FXS_FIT_COLOUR   ? 0.05f
+                              : i < FXS_FIT_SH       ? 0.005f
+                                                     : 0.0005f);
+}
+
+/* Each view once, then in another order (Fisher and Yates). */
+static const fxs_fit_photograph *choose_view(refiner *r, int level, uint32_t number)
+{
+    const uint32_t count = r->views.count, at = number % count;
+    for (uint32_t i = 0; i < count && at == 0; i++)
+        r->order[i] = i;
+    for (uint32_t i = count - 1; i > 0 && at == 0; i--) {
+        const uint32_t j = (uint32_t)(fxs_fit_random((uint64_t)level, number, i) % (i + 1)), swap = r->order[i];
+        r->order[i] = r->order[j];
+        r->order[j] = swap;
+    }
+    return &r->views.photographs[r->order[at]];
+}
+
+static int refine_cover(refiner *r, int level)
+{
+    const uint32_t steps = r->options->steps;
+    fxs_fit_step_options options = {.sh_degree = r->scene.sh_degree, .changed = r->starts[r->cover_nodes]};
+    fxs_fit_report report;
+    for (uint32_t step = 1; step <= steps; step++) {
+        const int error = note(r, level, 0.9 * step / steps);
+        if (error)
+            return error;
+        set_rates(r, step, &options);
+        options.number = step;
+        if (fxs_fit_stepper_step(r->stepper, &r->model, choose_view(r, level, step - 1), 1, &options, &report))
+            return fail_memory(r, 0);
+    }
+    write_cover(r);
+    return 0;
+}
+
+/* ---- Gains ------------------------------------------------------------------------------------------------------- */
+
+static float *errors_of(const refiner *r, uint32_t node)
+{
+    return r->errors + (size_t)node * r->views.count;
+}
+
+/* Sums up what fxs_fit_find_errors found for a chunk's Gaussians in a view. */
+static void note_errors(const refiner *r, uint32_t i, uint32_t view, const float *found)
+{
+    double sum = 0, seen = 0;
+    for (uint32_t g = r->starts[i]; g < r->starts[i + 1]; g++) {
+        sum += (double)found[g];
+        seen += (double)r->model.views[g];
+    }
+    errors_of(r, r->cover[i] - r->leaves)[view] = seen > 0 ? (float)sum : -1;
+}
+
+static int measure_cover(refiner *r, int level)
+{
+    const fxs_fit_step_options options = {.sh_degree = r->scene.sh_degree};
+    float *found = malloc(r->model.stride * sizeof *found);
+    int error = found ? 0 : fail_memory(r, r->model.stride * sizeof *found);
+    for (uint32_t v = 0; v < r->views.count && !error; v++) {
+        memset(r->model.views, 0, r->model.stride * sizeof *r->model.views);
+        if (fxs_fit_find_errors(r->stepper, &r->model, &r->views.photographs[v], &options, found))
+            error = fail_memory(r, 0);
+        for (uint32_t i = 0; i < r->cover_nodes && !error; i++)
+            if (r->levels[r->cover[i]] == level)
+                note_errors(r, i, v, found);
+    }
+    free(found);
+    return error;
+}
+
+/* The squared distance of a camera from a chunk's box, softened by an eighth of the box. */
+static double square_distance(const refiner *r, uint32_t number, const float eye[3])
+{
+    fxs_chunk chunk;
+    double square = 0;
+    memcpy(&chunk, fxs_header(&r->scene, number), sizeof chunk);
+    fxs_chunk_turn(&chunk);
+    for (int k = 0; k < 3; k++) {
+        const double low = ldexp((double)chunk.origin_q32[k], -32);
+        const double reach = ldexp((double)((int64_t)chunk.step_q32[k] * 65535 << chunk.step_shift), -32);
+        const double below = low - (double)eye[k], above = -below - reach, out = fmax(fmax(below, above), 0);
+        square += out * out + reach * reach / 64;
+    }
+    return square;
+}
+
+/* The error of a chunk in a view: 0 of a leaf, and where it is not seen. */
+static double error_in(const refiner *r, uint32_t chunk, uint32_t view)
+{
+    return chunk < r->leaves ? 0 : fmax((double)errors_of(r, chunk - r->leaves)[view], 0);
+}
+
+static double gain_of(const refiner *r, uint32_t node)
+{
+    const uint32_t *children = r->nodes[node].children;
+    double sum = 0, views = 0;
+    for (uint32_t v = 0; v < r->views.count; v++) {
+        const fxs_fit_camera *c = &r->views.photographs[v].camera;
+        const double focal = fmax((double)c->focal[0], (double)c->focal[1]), own = (double)errors_of(r, node)[v];
+        if (own < 0)
+            continue;
+        sum += (own - error_in(r, children[0], v) - error_in(r, children[1], v)) / (focal * focal) *
+               square_distance(r, r->leaves + node, c->eye);
+        views++;
+    }
+    return views > 0 ? sum / views : 0;
+}
+
+static int write_gains(refiner *r)
+{
+    double *gains = malloc((r->leaves - 1) * sizeof *gains);
+    if (!gains)
+        return fail_memory(r, r->leaves * sizeof *gains);
+    for (uint32_t i = 0; i < r->leaves - 1; i++)
+        gains[i] = gain_of(r, i);
+    const int error = fxs_tree_edit_gains(r->editor, gains, r->message);
+    free(gains);
+    return error;
+}
+
+/* ---- All --------------------------------------------------------------------------------------------------------- */
+
+static int refine_all(refiner *r, void *data)
+{
+    const fxs_refine_options *o = r->options;
+    int error = fxs_refine_views_make(&r->views, &r->scene, data, o, r->message);
+    if (!error)
+        error = read_tree(r);
+    if (!error)
+        error = fxs_tree_edit(&r->editor, &r->scene, data, r->message);
+    if (!error) {
+        const fxs_config *c = &o->context->config;
+        r->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(o->cpu), c->run, c->pool, c->threads, NULL);
+        error = r->stepper ? 0 : fail_memory(r, 0);
+    }
+    for (int level = 1; level <= r->highest && !error; level++) {
+        find_cover(r, level);
+        error = read_cover(r);
+        if (!error && o->steps)
+            error = refine_cover(r, level);
+        if (!error && o->steps)
+            error = read_cover(r);
+        if (!error)
+            error = measure_cover(r, level);
+        if (!error)
+            error = note(r, level, 1);
+    }
+    return error ? error : write_gains(r);
+}
+
+int fxs_refine(void *data, size_t bytes, const fxs_refine_options *options, fxs_message *message)
+{
+    refiner r = {.options = options, .message = message};
+    if (!data || !options || !options->context || options->steps > FXS_REFINE_STEPS_MOST ||
+        (options->view_count && !options->views))
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "refining: a null pointer, or more than %u steps",
+                           FXS_REFINE_STEPS_MOST);
+    int error = fxs_scene_open(&r.scene, data, bytes);
+    if (error)
+        return fxs_fail_as(error, message, "%s", fxs_strerror(error));
+    if (!r.scene.nodes)
+        return 0;
+    if (options->steps && r.scene.antialiased)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "levels of an anti-aliased scene are not refined");
+    error = refine_all(&r, data);
+    fxs_refine_views_free(&r.views);
+    fxs_fit_stepper_free(r.stepper);
+    fxs_fit_model_free(&r.model);
+    fxs_tree_edit_end(r.editor);
+    free(r.nodes);
+    free(r.levels);
+    free(r.parents);
+    free(r.cover);
+    free(r.starts);
+    free(r.errors);
+    return error;
+}

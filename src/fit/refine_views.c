@@ -1,0 +1,172 @@
+/* Without cameras, the views are from directions on a spiral about the axis that is up, from a little below the horizon
+   to near the top, a golden angle apart (Vogel 1979). Their distances from the middle of the box of what is seen are
+   parts of the one from which all of it is seen. The nearer a camera is, the farther beside the middle it looks. */
+#include "refine_views.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/camera.h>
+#include <fixsplat/message.h>
+#include <fixsplat/packed.h>
+#include "src/base/try_internal.h"
+#include "src/camera/camera_internal.h"
+#include "src/camera/first_view.h"
+#include "fit_internal.h"
+#include "random.h"
+
+enum { LONGER = 480, SHORTER = 320, FOV = 50, PARTS = 6 };
+
+#define LOWEST (-0.3)                  /* sines of elevations */
+#define HIGHEST 0.95
+#define TURN_COSINE (-0.7373688780783197)   /* of the golden angle, 2.39996 */
+#define TURN_SINE 0.6754902942615238
+
+static const double parts[PARTS] = {1, 0.7, 0.5, 0.35, 0.25, 0.15};
+
+/* ---- Choosing ---------------------------------------------------------------------------------------------------- */
+
+static void read_box(const void *data, double low[3], double high[3])
+{
+    fxs_packed_header header;
+    memcpy(&header, data, sizeof header);
+    fxs_packed_header_turn(&header);
+    for (int k = 0; k < 3; k++) {
+        low[k] = ldexp((double)header.inner_low_q32[k], -32);
+        high[k] = ldexp((double)header.inner_high_q32[k], -32);
+    }
+}
+
+/* -1 to 1 */
+static double random_between(uint32_t view, uint32_t axis)
+{
+    return 2 * (double)fxs_fit_uniform(fxs_fit_random(0, view, axis)) - 1;
+}
+
+static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *scene, const fxs_context *context,
+                       const double low[3], const double high[3], fxs_message *message)
+{
+    fxs_first_choice c;
+    fxs_object object;
+    double back[3], up[3], cosine = 1, sine = 0;
+    fxs_object_init(&object, scene);
+    FXS_TRY(fxs_first_view_choose(&c, context, &object, 1, low, high, message));
+    FXS_TRY(fxs_level_back(back, up, c.up, message));
+    const double side[3] = {up[1] * back[2] - up[2] * back[1], up[2] * back[0] - up[0] * back[2],
+                            up[0] * back[1] - up[1] * back[0]};
+    for (uint32_t i = 0; i < FXS_REFINE_VIEWS; i++) {
+        const double rise = LOWEST + (HIGHEST - LOWEST) * (i + 0.5) / FXS_REFINE_VIEWS, out = sqrt(1 - rise * rise);
+        const double turned = cosine;
+        double eye[3], target[3];
+        c.part = parts[i % PARTS];
+        for (int k = 0; k < 3; k++)
+            c.from[k] = out * (cosine * back[k] + sine * side[k]) + rise * up[k];
+        FXS_TRY(fxs_first_view_make(&c, low, high, FOV, LONGER, SHORTER, &views[i], message));
+        for (int k = 0; k < 3; k++) {
+            eye[k] = views[i].position[k];
+            target[k] = (low[k] + high[k]) / 2 + (1 - c.part) * (high[k] - low[k]) / 2 * random_between(i, (uint32_t)k);
+        }
+        FXS_TRY(fxs_view_look_at(&views[i], eye, target, up, FOV, LONGER, SHORTER, message));
+        views[i].near = fxs_near_of_box(low, high);
+        cosine = cosine * TURN_COSINE - sine * TURN_SINE;
+        sine = sine * TURN_COSINE + turned * TURN_SINE;
+    }
+    return FXS_REFINE_VIEWS;
+}
+
+static void make_small(fxs_file_view *view)
+{
+    const int longer = view->width > view->height ? view->width : view->height;
+    if (longer > LONGER)
+        fxs_view_resize(view, (view->width * LONGER + longer / 2) / longer, (view->height * LONGER + longer / 2) / longer);
+}
+
+static int is_usable(const fxs_file_view *view)
+{
+    fxs_camera camera;
+    fxs_message unwanted;
+    return view->projection == FXS_PERSPECTIVE && !fxs_camera_from_view(&camera, view, &unwanted);
+}
+
+/* Of the cameras that were given, evenly spaced. */
+static int choose_given(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_refine_options *o)
+{
+    size_t usable = 0, seen = 0;
+    uint32_t count = 0;
+    for (size_t i = 0; i < o->view_count; i++)
+        usable += (size_t)is_usable(&o->views[i]);
+    const size_t most = usable < FXS_REFINE_VIEWS ? usable : FXS_REFINE_VIEWS;
+    for (size_t i = 0; i < o->view_count && count < most; i++) {
+        if (!is_usable(&o->views[i]) || seen++ != count * usable / most)
+            continue;
+        views[count] = o->views[i];
+        make_small(&views[count]);
+        count += (uint32_t)is_usable(&views[count]);
+    }
+    return (int)count;
+}
+
+/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
+
+static int render(const fxs_context *context, const fxs_scene *scene, const fxs_file_view *view, uint8_t *rgba,
+                  fxs_message *message)
+{
+    fxs_object object;
+    fxs_request request;
+    void *memory;
+    fxs_object_init(&object, scene);
+    fxs_request_init(&request, &object, 1);
+    FXS_TRY(fxs_camera_from_view(&request.cameras[0], view, message));
+    request.targets[0].colour = (fxs_image){rgba, 4 * (ptrdiff_t)view->width};
+    const size_t bytes = fxs_request_bytes(context, &request, NULL);
+    if (!bytes || posix_memalign(&memory, 64, bytes))
+        return fxs_fail_memory(message, "a picture of the scene", bytes);
+    const int error = fxs_render(context, &request, memory, bytes, NULL);
+    free(memory);
+    return error ? fxs_fail_as(error, message, "%s", fxs_strerror(error)) : 0;
+}
+
+static int take_photographs(fxs_refine_views *v, const fxs_file_view *views, const fxs_scene *scene,
+                            const fxs_context *context, fxs_message *message)
+{
+    uint8_t *rgba = malloc(4 * LONGER * LONGER), *to = v->pixels = malloc(3 * LONGER * LONGER * (size_t)v->count);
+    int error = rgba && to ? 0 : fxs_fail_memory(message, "pictures of the scene", 3 * LONGER * LONGER * v->count);
+    for (uint32_t i = 0; i < v->count && !error; i++) {
+        const size_t pixels = (size_t)views[i].width * (size_t)views[i].height;
+        error = render(context, scene, &views[i], rgba, message);
+        v->photographs[i] = (fxs_fit_photograph){.pixels = to, .width = views[i].width, .height = views[i].height,
+                                                 .divisor = 1};
+        fxs_fit_set_camera(&v->photographs[i].camera, &views[i]);
+        v->photographs[i].camera.is_antialiased = scene->antialiased;
+        for (size_t p = 0; p < pixels && !error; p++, to += 3)
+            memcpy(to, rgba + 4 * p, 3);
+    }
+    free(rgba);
+    return error;
+}
+
+int fxs_refine_views_make(fxs_refine_views *v, const fxs_scene *scene, const void *data, const fxs_refine_options *o,
+                          fxs_message *message)
+{
+    fxs_file_view views[FXS_REFINE_VIEWS];
+    double low[3], high[3], square = 0;
+    memset(v, 0, sizeof *v);
+    read_box(data, low, high);
+    for (int k = 0; k < 3; k++)
+        square += (high[k] - low[k]) * (high[k] - low[k]);
+    v->extent = square > 0 ? (float)(sqrt(square) / 2) : 1;
+    int count = choose_given(views, o);
+    if (!count)
+        count = look_around(views, scene, o->context, low, high, message);
+    if (count < 0)
+        return count;
+    v->count = (uint32_t)count;
+    return take_photographs(v, views, scene, o->context, message);
+}
+
+void fxs_refine_views_free(fxs_refine_views *v)
+{
+    free(v->pixels);
+    memset(v, 0, sizeof *v);
+}
