@@ -1,0 +1,274 @@
+/* Refined levels of detail: pictures within a budget come nearer to the whole, the bytes do not depend on threads or
+   kernels, and hostile options are refused. */
+#include <stdlib.h>
+
+#include <fixsplat/camera.h>
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/kernels.h>
+#include <fixsplat/pack.h>
+#include <fixsplat/pool.h>
+#include <fixsplat/refine.h>
+#include "src/core/chunk.h"
+#include "scene_bytes.h"
+
+enum { COUNT = 3000, WIDTH = 72, HEIGHT = 48, VIEWS = 6, STEPS = 40 };
+
+static fxs_gaussian made[COUNT];
+static fxs_file_view views[VIEWS];
+
+static long read_made(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity)
+{
+    const uint64_t count = *(const uint64_t *)argument;
+    const size_t some = count - first < capacity ? (size_t)(count - first) : capacity;
+    memcpy(out, made + first, some * sizeof *out);
+    return (long)some;
+}
+
+static float number(uint32_t *state)
+{
+    return (float)((*state = *state * 1664525 + 1013904223) >> 8) / 8388608 - 1;
+}
+
+/* A ball with squares in two colours; and as many Gaussians within it, which no camera sees. */
+static void make(void)
+{
+    uint32_t state = 3;
+    memset(made, 0, sizeof made);
+    for (int i = 0; i < COUNT; i++) {
+        fxs_gaussian *g = &made[i];
+        float square = 0;
+        int squares = 0;
+        for (int k = 0; k < 3; k++) {
+            g->position[k] = number(&state);
+            square += g->position[k] * g->position[k];
+        }
+        for (int k = 0; k < 3; k++) {
+            g->position[k] /= sqrtf(square + 1e-6f);
+            squares += (int)(g->position[k] * 2 + 9);
+            g->scale[k] = -2.5f + 0.3f * number(&state);
+            g->position[k] *= i % 2 ? 1 : 0.5f;
+        }
+        for (int k = 0; k < 4; k++)
+            g->rotation[k] = number(&state) + (k == 0);
+        g->opacity = 4 + number(&state);
+        for (int k = 0; k < 3; k++)
+            g->dc[k] = (squares % 2 ? 1.2f : -1.2f) * (k == 1 ? -1.0f : 1.0f) + (i % 2 ? 0.1f : 2.0f) * number(&state);
+        for (int k = 0; k < 9; k++)
+            g->sh[k] = 0.05f * number(&state);
+    }
+}
+
+static int pack(fxs_packed_scene *packed, uint64_t count, const fxs_pack_options *options, int antialiased)
+{
+    const fxs_gaussian_source source = {count, 1, antialiased, read_made, &count};
+    fxs_scene_file *file;
+    fxs_pack_report report;
+    if (!CHECK(!fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &message)))
+        return 0;
+    const int error = fxs_pack(file, &info, packed, &report, options, &message);
+    fxs_scene_file_close(file);
+    return CHECK(!error);
+}
+
+static void make_views(void)
+{
+    static const double target[3] = {0, 0, 0}, up[3] = {0, -1, 0};
+    for (int i = 0; i < VIEWS; i++) {
+        const double angle = 6.283185307179586 * i / VIEWS, eye[3] = {3 * sin(angle), -0.8, -3 * cos(angle)};
+        CHECK(!fxs_view_look_at(&views[i], eye, target, up, 50, WIDTH, HEIGHT, &message));
+    }
+}
+
+static int refine_with(const fxs_packed_scene *packed, uint32_t steps, uint32_t threads, unsigned cpu, size_t view_count)
+{
+    fxs_pool *pool = fxs_pool_create(threads);
+    const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = threads};
+    fxs_context context;
+    const fxs_refine_options options = {.context = &context, .steps = steps, .views = view_count ? views : NULL,
+                                        .view_count = view_count, .cpu = cpu};
+    fxs_init(&context, &config);
+    fxs_kernels_choose(&context.kernels, cpu);
+    const int error = fxs_refine(packed->data, packed->bytes, &options, &message);
+    fxs_pool_destroy(pool);
+    return error;
+}
+
+/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
+
+static void draw(const fxs_packed_scene *packed, const fxs_file_view *view, uint32_t budget, uint8_t *rgba)
+{
+    fxs_context context;
+    fxs_object object;
+    fxs_request request;
+    fxs_scene scene;
+    void *memory;
+    fxs_init(&context, NULL);
+    CHECK(!fxs_scene_open(&scene, packed->data, packed->bytes));
+    fxs_object_init(&object, &scene);
+    fxs_request_init(&request, &object, 1);
+    request.options.budget = budget;
+    request.targets[0].colour = (fxs_image){rgba, 4 * WIDTH};
+    CHECK(!fxs_camera_from_view(&request.cameras[0], view, &message));
+    const size_t room = fxs_request_bytes(&context, &request, NULL);
+    if (!CHECK(room && !posix_memalign(&memory, 64, room)))
+        return;
+    CHECK(!fxs_render(&context, &request, memory, room, NULL));
+    free(memory);
+}
+
+/* The mean squared difference that a budget makes, from places between the views. */
+static double error_of(const fxs_packed_scene *packed, uint32_t budget)
+{
+    static uint8_t whole[4 * WIDTH * HEIGHT], some[sizeof whole];
+    static const double middle[3] = {0, 0, 0}, up[3] = {0, -1, 0};
+    double sum = 0;
+    for (int i = 0; i < VIEWS; i++) {
+        fxs_file_view view = views[i];
+        fxs_view_orbit(&view, middle, up, 0.5);
+        draw(packed, &view, 0, whole);
+        draw(packed, &view, budget, some);
+        for (size_t p = 0; p < sizeof whole; p++)
+            sum += (whole[p] - some[p]) * (whole[p] - some[p]);
+    }
+    return sum / (VIEWS * sizeof whole);
+}
+
+static void check_better(enum fxs_profile profile)
+{
+    const fxs_pack_options options = {.profile = profile, .tree = 1};
+    fxs_packed_scene packed, measured;
+    if (!pack(&packed, COUNT, &options, 0) || !pack(&measured, COUNT, &options, 0))
+        return;
+    const double before[2] = {error_of(&packed, COUNT / 2), error_of(&packed, COUNT / 8)};
+    CHECK(!refine_with(&packed, STEPS, 1, 0, VIEWS) && !refine_with(&measured, 0, 1, 0, VIEWS));
+    const double after[2] = {error_of(&packed, COUNT / 2), error_of(&packed, COUNT / 8)};
+    const double by_gains[2] = {error_of(&measured, COUNT / 2), error_of(&measured, COUNT / 8)};
+    printf("  profile %d: %.2f %.2f, measured %.2f %.2f, refined %.2f %.2f\n", (int)profile, before[0], before[1],
+           by_gains[0], by_gains[1], after[0], after[1]);
+    CHECK(by_gains[0] < 0.8 * before[0] && after[0] < 0.7 * before[0] && after[1] < 0.7 * before[1]);
+    fxs_packed_scene_free(&packed);
+    fxs_packed_scene_free(&measured);
+}
+
+/* ---- Bytes ------------------------------------------------------------------------------------------------------- */
+
+static void check_same(size_t view_count, uint64_t count)
+{
+    const fxs_pack_options options = {.tree = 1};
+    fxs_packed_scene first, other;
+    if (!pack(&first, count, &options, 0))
+        return;
+    CHECK(!refine_with(&first, 3, 1, 0, view_count));
+    for (uint32_t threads = 2; threads <= (view_count ? 3u : 2u); threads++)
+        if (pack(&other, count, &options, 0)) {
+            CHECK(!refine_with(&other, 3, threads, ~0u, view_count));
+            CHECK(first.bytes == other.bytes && !memcmp(first.data, other.data, first.bytes));
+            fxs_packed_scene_free(&other);
+        }
+    fxs_packed_scene_free(&first);
+}
+
+/* The box and the largest sigma of a node hold those of what is below it; leaves stay as they were. */
+static void check_kept(void)
+{
+    const fxs_pack_options with = {.tree = 1};
+    fxs_packed_scene packed, plain;
+    fxs_scene scene;
+    if (!pack(&packed, COUNT, &with, 0) || !pack(&plain, COUNT, NULL, 0))
+        return;
+    CHECK(!refine_with(&packed, STEPS, 2, ~0u, VIEWS) && !fxs_scene_open(&scene, packed.data, packed.bytes));
+    CHECK(!memcmp((char *)packed.data + 8, (char *)plain.data + 8, plain.bytes - 8));   /* but for the version */
+    for (uint32_t i = 0; i + 1 < scene.chunk_count; i++) {
+        fxs_node node;
+        fxs_chunk own, below;
+        CHECK(!fxs_node_read(&node, &scene, i) && !fxs_chunk_read(&own, &scene, scene.chunk_count + i));
+        for (int side = 0; side < 2; side++) {
+            CHECK(!fxs_chunk_read(&below, &scene, node.children[side]));
+            CHECK(below.scale_q16 <= own.scale_q16 + 1);
+            for (int k = 0; k < 3; k++) {
+                const int64_t reach = (int64_t)own.step_q32[k] * 65535 << own.step_shift;
+                const int64_t reach_below = (int64_t)below.step_q32[k] * 65535 << below.step_shift;
+                CHECK(below.origin_q32[k] >= own.origin_q32[k] - reach / 1000);
+                CHECK(below.origin_q32[k] + reach_below <= own.origin_q32[k] + reach + reach / 1000);
+            }
+        }
+    }
+    CHECK(!fxs_file_seal(packed.data, packed.bytes));
+    fxs_packed_scene_free(&packed);
+    fxs_packed_scene_free(&plain);
+}
+
+/* ---- Hostile ----------------------------------------------------------------------------------------------------- */
+
+static int stop(void *calls, double done)
+{
+    CHECK(done >= 0 && done <= 1);
+    return ++*(int *)calls == 5;
+}
+
+static void check_refused(void)
+{
+    const fxs_pack_options with = {.tree = 1};
+    fxs_packed_scene packed, plain, smooth;
+    fxs_context context;
+    fxs_scene scene;
+    int calls = 0;
+    if (!pack(&packed, COUNT, &with, 0) || !pack(&plain, COUNT, NULL, 0) || !pack(&smooth, COUNT, &with, 1))
+        return;
+    fxs_init(&context, NULL);
+    fxs_refine_options options = {.context = &context, .steps = FXS_REFINE_STEPS_MOST + 1, .views = views,
+                                  .view_count = VIEWS};
+    CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_ARGUMENT);
+    options.steps = 2;
+    options.context = NULL;
+    CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_ARGUMENT);
+    options.context = &context;
+    CHECK(fxs_refine(smooth.data, smooth.bytes, &options, &message) == FXS_ERR_UNSUPPORTED);
+    CHECK(fxs_refine(packed.data, packed.bytes - 64, &options, &message) == FXS_ERR_SCENE);
+    CHECK(fxs_refine(plain.data, plain.bytes, &options, &message) == 0);
+    options.views = NULL;
+    CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_ARGUMENT);
+    options.views = views;
+    options.progress = stop;
+    options.argument = &calls;
+    CHECK(fxs_refine(packed.data, packed.bytes, &options, &message) == FXS_ERR_STOPPED && calls == 5);
+    CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+    options.progress = NULL;
+    options.steps = 0;
+    CHECK(!fxs_refine(smooth.data, smooth.bytes, &options, &message));
+    fxs_packed_scene_free(&packed);
+    fxs_packed_scene_free(&plain);
+    fxs_packed_scene_free(&smooth);
+}
+
+/* All in one place, or so far apart that nothing is seen; a camera that looks away. */
+static void check_odd(void)
+{
+    const fxs_pack_options with = {.tree = 1};
+    fxs_packed_scene packed;
+    for (int far = 0; far < 2; far++) {
+        for (int i = 0; i < 2000; i++)
+            for (int k = 0; k < 3; k++)
+                made[i].position[k] = far ? (float)(i % (7 + k)) * 1e7f : 0.5f;
+        if (pack(&packed, 2000, &with, 0)) {
+            CHECK(!refine_with(&packed, 2, 2, ~0u, far ? VIEWS : 0));
+            CHECK(!fxs_file_seal(packed.data, packed.bytes));
+            fxs_packed_scene_free(&packed);
+        }
+    }
+}
+
+int main(void)
+{
+    make();
+    make_views();
+    RUN_AS("better", check_better(FXS_PROFILE_DEFAULT));
+    RUN_AS("better_compact", check_better(FXS_PROFILE_COMPACT));
+    RUN_AS("better_small", check_better(FXS_PROFILE_SMALL));
+    RUN_AS("kept", check_kept());
+    RUN_AS("same_bytes", check_same(VIEWS, COUNT));
+    RUN_AS("same_bytes_from_around", check_same(0, 300));
+    RUN_AS("refused", check_refused());
+    RUN_AS("odd", check_odd());
+    return check_report();
+}
