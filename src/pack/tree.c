@@ -278,6 +278,15 @@ static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
     memcpy(t->data + (s->node_chunks - t->data) + (size_t)number * sizeof chunk, &chunk, sizeof chunk);
 }
 
+static void add_own(node *n, const held *h)
+{
+    n->own = n->area = 0;
+    for (uint32_t i = 0; i < h->count; i++) {
+        n->own += (double)h->gaussians[i].opacity;
+        n->area += SEEN * (double)h->gaussians[i].opacity * (double)h->gaussians[i].area;
+    }
+}
+
 /* Merges two children's Gaussians; those of the node take the place of the first child's. */
 static void merge_children(tree *t, worker *w, uint32_t place, held *first, const held *second)
 {
@@ -292,10 +301,7 @@ static void merge_children(tree *t, worker *w, uint32_t place, held *first, cons
     n->size = error.size;
     first->opacity += second->opacity;
     n->opacity = first->opacity;
-    for (uint32_t i = 0; i < out->count; i++) {
-        n->own += (double)out->gaussians[i].opacity;
-        n->area += SEEN * (double)out->gaussians[i].opacity * (double)out->gaussians[i].area;
-    }
+    add_own(n, out);
     copy_sorted(first, out);
     for (int i = 0; i < 3; i++)
         widen_range(&first->reach[i], &second->reach[i]);
@@ -484,6 +490,13 @@ static uint32_t number_of(const tree *t, uint32_t child)
     return child < t->count ? t->count + 1 + t->nodes[child].number : child - t->count;
 }
 
+static void set_swell(fxs_node *to, const node *n)
+{
+    const double swell = n->own > 0 ? n->opacity / n->own : 1;
+    to->area_q8 = (int16_t)(n->own > 0 ? log2_of(n->area / n->own, 256, INT16_MAX) : 0);
+    to->swell_q8 = (uint16_t)(swell > 1 ? log2_of(swell, 256, FXS_SWELL_MOST_Q8) : 0);
+}
+
 static int write_nodes(const tree *t)
 {
     group *groups = fxs_allocate(t->options->allocator, t->count, sizeof *groups);
@@ -493,12 +506,10 @@ static int write_nodes(const tree *t)
     pool_gains(t, groups);
     for (uint32_t i = 0; i < t->count; i++) {
         const node *n = &t->nodes[i];
-        const double swell = n->own > 0 ? n->opacity / n->own : 1;
         fxs_node out = {{number_of(t, n->children[0]), number_of(t, n->children[1])},
                         (int16_t)log2_of(gain_of(&groups[i]), 256, INT16_MAX),
-                        (int16_t)(n->error > 0 ? log2_of(n->size / n->error, 128, INT16_MAX) : 0),
-                        (int16_t)(n->own > 0 ? log2_of(n->area / n->own, 256, INT16_MAX) : 0),
-                        (uint16_t)(swell > 1 ? log2_of(swell, 256, FXS_SWELL_MOST_Q8) : 0)};
+                        (int16_t)(n->error > 0 ? log2_of(n->size / n->error, 128, INT16_MAX) : 0), 0, 0};
+        set_swell(&out, n);
         fxs_node_turn(&out);
         memcpy(to + (size_t)n->number * sizeof out, &out, sizeof out);
     }
@@ -547,7 +558,7 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
 struct fxs_tree_editor {
     tree tree;                         /* its nodes lie at their numbers */
     worker worker;
-    held held;
+    held held, leaf;
     fxs_pack_options options;
     fxs_palette palette;
 };
@@ -556,7 +567,7 @@ static void take_node(tree *t, uint32_t number)
 {
     fxs_node from;
     memcpy(&from, t->scene->nodes + (size_t)number * sizeof from, sizeof from);
-    fxs_words_turn(&from, sizeof from / 4);
+    fxs_node_turn(&from);
     t->nodes[number] = (node){.number = number};
     for (int i = 0; i < 2; i++)
         t->nodes[number].children[i] =
@@ -602,6 +613,35 @@ static void find_reach_of(const tree *t, uint32_t child, held *h)
     find_reach(h, &chunk);
 }
 
+/* Sum of the opacities of a child's Gaussians, or of all leaves' below it, each found once. */
+static double opacity_below(fxs_tree_editor *e, uint32_t child)
+{
+    tree *t = &e->tree;
+    if (child >= t->count) {
+        read_leaf(t, child - t->count, &e->leaf);
+        return e->leaf.opacity;
+    }
+    node *n = &t->nodes[child];
+    if (!(n->opacity > 0))
+        n->opacity = opacity_below(e, n->children[0]) + opacity_below(e, n->children[1]);
+    return n->opacity;
+}
+
+static void write_swell(fxs_tree_editor *e, uint32_t number, const held *h)
+{
+    const tree *t = &e->tree;
+    node *n = &t->nodes[number];
+    unsigned char *to = t->data + (t->scene->nodes - t->data) + (size_t)number * sizeof(fxs_node);
+    fxs_node out;
+    opacity_below(e, number);
+    add_own(n, h);
+    memcpy(&out, to, sizeof out);
+    fxs_node_turn(&out);
+    set_swell(&out, n);
+    fxs_node_turn(&out);
+    memcpy(to, &out, sizeof out);
+}
+
 void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian *gaussians, uint32_t count)
 {
     held *to = &e->held, *from = &e->worker.merged;
@@ -611,12 +651,13 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
         widen_range(&to->reach[k], &from->reach[k]);
     to->scale = from->scale > to->scale ? from->scale : to->scale;
     for (uint32_t i = 0; i < count; i++) {
-        fxs_gaussian *g = &from->gaussians[i].gaussian;
-        *g = gaussians[i];
+        fxs_gaussian g = gaussians[i];
         for (int k = 0; k < 3; k++)
-            g->position[k] = fminf(fmaxf(g->position[k], to->reach[k].low), to->reach[k].high);
+            g.position[k] = fminf(fmaxf(g.position[k], to->reach[k].low), to->reach[k].high);
+        fxs_coarse_set(&from->gaussians[i], &g);
     }
     from->count = count;
+    write_swell(e, number, from);
     copy_sorted(to, from);
     write_chunk(&e->tree, &e->worker, to, number);
 }
@@ -634,9 +675,9 @@ int fxs_tree_edit_gains(fxs_tree_editor *e, const double *errors, fxs_message *m
         unsigned char *to = t->data + (t->scene->nodes - t->data) + i * sizeof(fxs_node);
         fxs_node out;
         memcpy(&out, to, sizeof out);
-        fxs_words_turn(&out, sizeof out / 4);
-        out.gain_q8 = log2_of(gain_of(&groups[i]), 256, FXS_GAIN_MOST_Q8);
-        fxs_words_turn(&out, sizeof out / 4);
+        fxs_node_turn(&out);
+        out.gain_q8 = (int16_t)log2_of(gain_of(&groups[i]), 256, INT16_MAX);
+        fxs_node_turn(&out);
         memcpy(to, &out, sizeof out);
     }
     fxs_release(NULL, groups);
