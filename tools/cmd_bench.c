@@ -49,7 +49,7 @@ static const option_row own_rows[] = {
     {"json", 0, FLAG(json), .help = "print a JSON object"},
     {"compare", "FILE", TEXT(compare), .help =
      "beside the times those of a file that --json wrote of the same scenes, view and options, and the ratio; marked "
-     "with * where cut-off, back end, processor or threads are others"},
+     "with * where cut-off, back end, budget, detail, processor or threads are others"},
     {0}
 };
 
@@ -205,7 +205,7 @@ static const char *column_name(int column)
 
 #define SCENES_ROOM 4096
 #define CAMERA_ROOM 640
-#define FACTS 18
+#define FACTS 20
 
 typedef struct bench_facts {
     bench_fact facts[FACTS];
@@ -267,7 +267,8 @@ static void state(bench_facts *f, const renderer *r, const bench_options *o, con
         {"path", 0, o->path, FACT_SAME}, {"scenes", f->scenes, 0, FACT_SAME}, {"camera", f->camera, 0, FACT_SAME},
         {"stereo", 0, o->frame.stereo, FACT_SAME}, {"stereo_exact", 0, o->frame.stereo_exact, FACT_SAME},
         {"foveation", f->foveation, 0, FACT_SAME}, {"draws", 0, o->draws, FACT_SAME},
-        {"sh_degree", 0, o->frame.render.sh_degree, FACT_SAME},
+        {"sh_degree", 0, o->frame.render.sh_degree, FACT_SAME}, {"budget", 0, o->frame.render.budget, FACT_MARKED},
+        {"detail", 0, o->frame.render.detail_q8 / 256.0, FACT_MARKED},
         {"max_memory", 0, (double)o->frame.max_memory, FACT_MARKED}, {"processor", f->processor, 0, FACT_MARKED}};
     memcpy(f->facts, facts, sizeof facts);
 }
@@ -404,6 +405,7 @@ const command command_bench = {
     "  $ fixsplat bench scene.ply --threads 1 --cutoff square --json\n"
     "  $ fixsplat bench scene.ply --draw median-depth --draw ids\n"
     "  $ fixsplat bench scene.ply --path 120\n"
+    "  $ fixsplat bench scene.fxs --budget 500000 --path 120\n"
     "  $ fixsplat bench scene.ply --json > before.json\n"
     "  $ fixsplat bench scene.ply --compare before.json\n"
     "  $ fixsplat bench scene.ply --compare before.json --cutoff square\n",

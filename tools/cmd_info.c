@@ -8,6 +8,7 @@
 #include "port/board/turntable.h"
 #include <fixsplat/pool.h>
 #include <fixsplat/fxs_file.h>
+#include "levels.h"
 #include "quality.h"
 #include "stats.h"
 
@@ -40,6 +41,7 @@ typedef struct findings {
     int has_stats;
     scene_stats stats;
     board board;
+    scene_levels *levels;                   /* of each file */
 } findings;
 
 /* A scene as it is, not placed. */
@@ -70,7 +72,7 @@ static void print_error_json(const char *name, const fxs_pack_error *e)
            "\"sh\": %.3g}, ", name, e->position, e->scale, e->rotation, e->opacity, e->dc, e->sh);
 }
 
-static void print_scene_json(const loaded_scene *s)
+static void print_scene_json(const loaded_scene *s, const scene_levels *levels)
 {
     const fxs_scene_file_info *info = s->opened->info;
     const fxs_pack_report *r = s->opened->report;
@@ -91,6 +93,11 @@ static void print_scene_json(const loaded_scene *s)
     if (!is_packed(s)) {
         print_error_json("largest_error", &r->largest);
         print_error_json("rms_error", &r->rms);
+    }
+    if (levels->count) {
+        printf("\"tree\": ");
+        levels_print_json(levels);
+        printf(", ");
     }
 }
 
@@ -140,10 +147,10 @@ static void print_json(const findings *f)
     const fxs_frame_memory *m = &f->memory;
     printf("{");
     if (is_one(w))
-        print_scene_json(&w->scenes[0]);
+        print_scene_json(&w->scenes[0], &f->levels[0]);
     for (uint32_t i = 0; i < w->placed.file_count && !is_one(w); i++) {
         printf(i ? ", {" : "\"scenes\": [{");
-        print_scene_json(&w->scenes[i]);
+        print_scene_json(&w->scenes[i], &f->levels[i]);
         printf("\"file\": ");
         print_json_string(w->placed.files[i]);
         printf("}");
@@ -189,7 +196,7 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
                "%zu Gaussians\n", limit, row_of_limit(m, limit));
 }
 
-static void print_scene_text(const loaded_scene *s)
+static void print_scene_text(const loaded_scene *s, const scene_levels *levels)
 {
     const fxs_pack_report *r = s->opened->report;
     printf("format        %s%s\n", s->opened->info->format, s->opened->info->antialiased ? ", anti-aliased" : "");
@@ -206,6 +213,8 @@ static void print_scene_text(const loaded_scene *s)
         print_error_text("largest error", &r->largest);
         print_error_text("rms error", &r->rms);
     }
+    if (levels->count)
+        levels_print_text(levels);
 }
 
 static void print_object_text(const world *w, uint32_t i)
@@ -235,7 +244,7 @@ static void print_text(const findings *f)
     for (uint32_t i = 0; i < w->placed.file_count; i++) {
         if (!is_one(w))
             printf("file          %s\n", w->placed.files[i]);
-        print_scene_text(&w->scenes[i]);
+        print_scene_text(&w->scenes[i], &f->levels[i]);
         if (!is_one(w))
             puts("");
     }
@@ -378,8 +387,10 @@ static int read_options(info_options *o, int argc, char **argv)
     }
     if (take_scenes(&o->frame.world, "info", argc - optind, argv + optind))
         return EXIT_USAGE;
-    if (!o->original && (o->frame.cameras || o->views || is_given("cutoff") || is_given("compare-cutoff")))
-        return fail(EXIT_USAGE, "--cameras, --views, --cutoff and --compare-cutoff need --compare");
+    static const char *const of_compare[] = {"cameras", "views", "cutoff", "compare-cutoff", "budget", "detail"};
+    for (size_t i = 0; i < sizeof of_compare / sizeof *of_compare && !o->original; i++)
+        if (is_given(of_compare[i]))
+            return fail(EXIT_USAGE, "--%s needs --compare", of_compare[i]);
     return 0;
 }
 
@@ -392,6 +403,9 @@ static int compare(findings *f, const info_options *o)
     const int is_as_packed = is_packed(&f->world.scenes[0]) || is_given("profile");
     if (f->world.count > 1)
         return fail(EXIT_USAGE, "--compare takes one scene");
+    if ((is_given("budget") || is_given("detail")) && !f->world.scenes[0].opened->scene->nodes)
+        return fail(EXIT_FAILED, "%s: has no levels of detail for --budget and --detail; convert --levels makes them",
+                    f->world.placed.files[0]);
     int status = place_scenes(&original, &(world_options){.scenes = (char **)&o->original, .scene_count = 1});
     if (status)
         return status;
@@ -456,6 +470,17 @@ static int measure_board(findings *f, int width, int height)
     return status;
 }
 
+static int find_levels(findings *f)
+{
+    int status = 0;
+    f->levels = calloc(f->world.placed.file_count, sizeof *f->levels);
+    if (!f->levels)
+        return fail(EXIT_FAILED, "out of memory");
+    for (uint32_t i = 0; i < f->world.placed.file_count && !status; i++)
+        status = levels_measure(&f->levels[i], f->world.scenes[i].opened->scene);
+    return status;
+}
+
 /* Of .fxs files, every checksum. */
 static int check_files(const world *w)
 {
@@ -487,7 +512,7 @@ static int find_stats(findings *f, const info_options *o)
 static int find(findings *f, const info_options *o)
 {
     fxs_context context;
-    if (check_files(&f->world) || (o->stats && find_stats(f, o)))
+    if (check_files(&f->world) || find_levels(f) || (o->stats && find_stats(f, o)))
         return EXIT_FAILED;
     f->width = o->frame.width ? o->frame.width : 1280;
     f->height = o->frame.height ? o->frame.height : 720;
@@ -511,6 +536,7 @@ static int run(int argc, char **argv)
             (o.json ? print_json : print_text)(&f);
         if (f.compared)
             quality_free(&f.quality);
+        free(f.levels);
         world_close(&f.world);
     }
     return status;
@@ -523,7 +549,9 @@ const command command_info = {
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
     "difference that packing made to each attribute (of an .fxs file, which is packed already, every checksum is\n"
     "verified instead), and the memory that a frame needs: for any view, and the least. Of several scenes, or placed\n"
-    "ones, the objects too, with their boxes in the world.\n",
+    "ones, the objects too, with their boxes in the world. Of an .fxs with levels of detail a line for each: nodes that\n"
+    "stand for so many leaves or fewer (but more than the next line's), their Gaussians and bytes; the squared error,\n"
+    "colours^2 units^2, that their children remove; and the size in units of what they leave out, the geometric mean.\n",
     0,
     "  $ fixsplat info scene.ply\n"
     "  $ fixsplat info scene.ply --size 1920x1080 --json\n"
@@ -531,7 +559,8 @@ const command command_info = {
     "  $ fixsplat info scene.ply --stats\n"
     "  $ fixsplat info toy.fxs --board 320x240\n"
     "  $ fixsplat info scene.spz --compare scene.ply --cameras cameras.json --views 4\n"
-    "  $ fixsplat info scene.ply --compare scene.ply --cutoff square --compare-cutoff mahalanobis\n",
-    {{own_rows, 0}, {world_rows, offsetof(info_options, frame.world)},
+    "  $ fixsplat info scene.ply --compare scene.ply --cutoff square --compare-cutoff mahalanobis\n"
+    "  $ fixsplat info scene.fxs --compare scene.ply --budget 200000\n",
+    {{own_rows, 0}, {level_rows, offsetof(info_options, frame)}, {world_rows, offsetof(info_options, frame.world)},
      {load_rows, offsetof(info_options, frame.load)}, COMMON_TABLE}
 };

@@ -232,6 +232,7 @@ const command command_render = {
     "  $ fixsplat render scene.ply -o scene.png\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view 8 --size 1280x720 -o view8.png\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view all -o out/%04d.png --depth out/%04d.pfm\n"
+    "  $ fixsplat render scene.fxs --budget 500000 -o scene.png\n"
     "  $ fixsplat render scene.ply --orbit 120 -o - | ffmpeg -i - -pix_fmt yuv420p film.mp4\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view 8..40 --frames 120 -o film.y4m\n"
     "  $ fixsplat render scene.ply --size 640x480 -o got.png --expect golden.png --diff diff.png\n"

@@ -82,7 +82,7 @@ static const char *given_of(const option_row *rows)
 
 static int check_web(const view_options *o)
 {
-    const option_row *const of_window[] = {window_rows, camera_rows, world_rows, frame_rows};
+    const option_row *const of_window[] = {window_rows, camera_rows, world_rows, frame_rows, level_rows};
     const char *name = given_of(page_rows);
     if (!o->web && name)
         return fail(EXIT_USAGE, "view: --%s needs --web", name);

@@ -137,11 +137,6 @@ const option_row frame_rows[] = {
     {"bg", "RRGGBB", COLOUR(render.background), .help = "background (default 000000)"},
     {"cutoff", "NAME", CHOICE(render.cutoff, cutoff_names), .help = "mahalanobis (default) or square"},
     {"sh-degree", "D", INT(render.sh_degree, 0, 3), .help = "highest SH degree used, 0 to 3 (default 3)"},
-    {"budget", "N", UINT32(render.budget, 1, UINT32_MAX), .help =
-     "Gaussians that a frame draws at most of scenes with levels of detail (convert --lod): coarse ones take the place "
-     "of those that matter least to the picture (default: all are drawn)"},
-    {"detail", "PIXELS", take_detail, FIELD(uint32_t, render.detail_q8), .expected = "pixels, 1/256 to 16384", .help =
-     "of such scenes, draw nothing finer than about this size; with or without --budget"},
     {"threads", "N", take_threads, 0, 1, 64, .help =
      "threads, 1 to 64 (default: one a processor); the picture does not depend on it"},
     {"max-memory", "BYTES", BYTES(max_memory), .help =
@@ -158,6 +153,16 @@ const option_row frame_rows[] = {
      "out among them, other commands take the first"},
     {"profile", "P", CHOICE(load.profile, profile_names), .help =
      "how a scene that is not an .fxs file is packed: default, compact or small"},
+    {0}
+};
+
+const option_row level_rows[] = {
+    {.help = "Levels of detail (of an .fxs by convert --levels):"},
+    {"budget", "N", UINT32(render.budget, 1, UINT32_MAX), .help =
+     "Gaussians that a frame draws at most: coarse ones take the place of those that matter least to the picture "
+     "(default: all are drawn)"},
+    {"detail", "PIXELS", take_detail, FIELD(uint32_t, render.detail_q8), .expected = "pixels, 1/256 to 16384", .help =
+     "draw nothing finer than about this size; with or without --budget"},
     {0}
 };
 

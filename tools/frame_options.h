@@ -41,12 +41,13 @@ typedef struct frame_options {
     world_options world;
 } frame_options;
 
-/* The rows of cameras, of scenes and where they are, of how frames are rendered, and of how scenes are read; and all of
-   them, for a command whose options have frame_options as their member `frame`. */
-extern const option_row camera_rows[], world_rows[], frame_rows[], load_rows[];
+/* The rows of cameras, of scenes and where they are, of how frames are rendered, of which levels of detail, and of how
+   scenes are read; and all of them, for a command whose options have frame_options as their member `frame`. */
+extern const option_row camera_rows[], world_rows[], frame_rows[], level_rows[], load_rows[];
 #define FRAME_TABLES(options) \
     {camera_rows, offsetof(options, frame)}, {world_rows, offsetof(options, frame.world)}, \
-    {frame_rows, offsetof(options, frame)}, {load_rows, offsetof(options, frame.load)}
+    {frame_rows, offsetof(options, frame)}, {level_rows, offsetof(options, frame)}, \
+    {load_rows, offsetof(options, frame.load)}
 
 /* For rows of other commands, whose offset is that of frame_options: --size, --device, and --threads from 1 to 64. */
 take_option take_frame_size, take_devices, take_threads;

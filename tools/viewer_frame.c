@@ -1,4 +1,5 @@
 /* The work of the renderer's thread for the window. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -311,6 +312,10 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
     if (!of_file || v->options.width || view->width != start->width)
         printf(" --size %dx%d", view->width, view->height);
     print_eyes(v);
+    if (render_options->budget)
+        printf(" --budget %" PRIu32, render_options->budget);
+    if (render_options->detail_q8)
+        printf(" --detail %.9g", render_options->detail_q8 / 256.0);
     printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
            profile_names[v->options.load.profile], path);
     fflush(stdout);
