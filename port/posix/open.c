@@ -1,4 +1,4 @@
-/* Opens scene files for rendering: maps .fxs files, and packs all others. */
+/* Opens scene files for rendering: maps .fxs files, or reads them in part, and packs all others. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -64,7 +64,7 @@ static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_
 {
     if (!error && (error = fxs_scene_open(&s->scene, data, bytes)) != 0)
         fxs_fail_as(error, message, "%s: %s", s->name, fxs_strerror(error));
-    s->shown = (fxs_opened){&s->scene, &s->info, &s->report, data, bytes};
+    s->shown = (fxs_opened){&s->scene, &s->info, &s->report, data, bytes, NULL};
     *opened = error ? NULL : &s->shown;
     if (error)
         fxs_close(&s->shown);
@@ -91,16 +91,24 @@ static void describe(open_scene *s, const void *data)
     }
 }
 
+static int check_count(const open_scene *s, const fxs_open_options *o, fxs_message *message)
+{
+    if (o->file.axes)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: axes (--axes) are for .spz", s->name);
+    if (o->file.max_gaussians && s->info.count > o->file.max_gaussians)
+        return fxs_fail(message, "%s: %" PRIu64 " Gaussians; at most %" PRIu64 " are allowed", s->name, s->info.count,
+                        o->file.max_gaussians);
+    return 0;
+}
+
 static int take_packed(open_scene *s, const void *data, size_t bytes, const fxs_open_options *o, fxs_opened **opened,
                        fxs_message *message)
 {
-    int error = o->file.axes ? fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: axes (--axes) are for .spz", s->name)
-                             : fxs_file_check(s->name, data, bytes, o->check_all, message);
-    if (!error)
+    int error = fxs_file_check(s->name, data, bytes, o->check_all, message);
+    if (!error) {
         describe(s, data);
-    if (!error && o->file.max_gaussians && s->info.count > o->file.max_gaussians)
-        error = fxs_fail(message, "%s: %" PRIu64 " Gaussians; at most %" PRIu64 " are allowed", s->name, s->info.count,
-                         o->file.max_gaussians);
+        error = check_count(s, o, message);
+    }
     return finish(s, error, data, bytes, opened, message);
 }
 
@@ -109,6 +117,23 @@ static int map_file(open_scene *s, const fxs_open_options *o, fxs_opened **opene
     const int error = fxs_map(&s->mapping, s->name, message);
     return error ? finish(s, error, NULL, 0, opened, message)
                  : take_packed(s, s->mapping.data, s->mapping.bytes, o, opened, message);
+}
+
+/* A file of which a pager reads a part. */
+static int page_file(open_scene *s, const fxs_open_options *o, fxs_opened **opened, fxs_message *message)
+{
+    fxs_pager *pager;
+    int error = fxs_pager_open_file(s->name, o->pager, &pager, message);
+    if (!error) {
+        describe(s, fxs_pager_head(pager));
+        error = check_count(s, o, message);
+    }
+    s->shown = (fxs_opened){error ? NULL : fxs_pager_scene(pager), &s->info, &s->report,
+                            error ? NULL : fxs_pager_head(pager), sizeof(fxs_packed_header), pager};
+    *opened = error ? NULL : &s->shown;
+    if (error)
+        fxs_close(&s->shown);
+    return error;
 }
 
 /* Copies the bytes only where they are not aligned. */
@@ -163,6 +188,11 @@ int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **ope
     int error = create(path, &s, opened, message);
     if (error)
         return error;
+    if (o->pager)
+        return page_file(s, o, opened, message);
+    if (fxs_pager_is_url(path))
+        return finish(s, fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: what a server has is read in part, by render "
+                                     "and view", path), NULL, 0, opened, message);
     const int is = is_fxs_file(path, message);
     if (is < 0)
         return finish(s, is, NULL, 0, opened, message);
@@ -219,6 +249,7 @@ void fxs_close(fxs_opened *opened)
     open_scene *s = (open_scene *)(void *)opened;
     if (!s)
         return;
+    fxs_pager_close(s->shown.pager);
     if (s->mapping.data)
         fxs_unmap(&s->mapping);
     fxs_packed_scene_free(&s->packed);

@@ -1,4 +1,5 @@
-/* fxs_scene_open: checks a packed scene in the caller's memory, and finds its parts; fxs_scene_bytes: its size. */
+/* fxs_scene_open: checks a packed scene in the caller's memory, and finds its parts; fxs_scene_bytes: its size.
+   fxs_scene_find_parts and fxs_scene_open_parts: the same of a scene that is not in memory as a whole. */
 #include "chunk.h"
 #include "memory.h"
 
@@ -26,13 +27,13 @@ static int layout_of(layout *out, uint32_t count, int sh_degree, enum fxs_profil
         return 0;
     *out = lay_out(fxs_chunks_of(count), fxs_chunk_bytes(profile, sh_degree),
                    (uint64_t)stages * palette_entries * FXS_PALETTE_STRIDE);
-    return out->bytes <= SIZE_MAX;
+    return 1;
 }
 
 size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries)
 {
     layout l;
-    return layout_of(&l, count, sh_degree, profile, palette_entries) ? (size_t)l.bytes : 0;
+    return layout_of(&l, count, sh_degree, profile, palette_entries) && l.bytes <= SIZE_MAX ? (size_t)l.bytes : 0;
 }
 
 /* Where the parts of a tree begin, counted from its header, and its bytes. */
@@ -58,48 +59,62 @@ size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-/* The tree of a scene, at `start`, in so many bytes. */
-static int open_tree(fxs_scene *scene, const unsigned char *start, uint64_t bytes)
-{
-    const uint32_t nodes = scene->chunk_count - 1;
-    fxs_tree_header h;
-    if (scene->chunk_count < 2 || bytes < sizeof h)
-        return FXS_ERR_SCENE;
-    const tree_layout l = lay_out_tree(nodes, scene->chunk_bytes);
-    memcpy(&h, start, sizeof h);
-    fxs_tree_header_turn(&h);
-    if (h.magic != FXS_TREE_MAGIC || h.node_count != nodes || bytes < l.bytes)
-        return FXS_ERR_SCENE;
-    scene->nodes = start + sizeof h;
-    scene->node_chunks = start + l.chunks;
-    scene->node_rows = start + l.rows;
-    return 0;
-}
-
-int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
+int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header)
 {
     fxs_packed_header h;
     layout l;
-    if (!scene || !data || (uintptr_t)data % 64)
+    if (!parts || !header)
         return FXS_ERR_ARGUMENT;
-    if (bytes < sizeof h)
-        return FXS_ERR_SCENE;
-    memcpy(&h, data, sizeof h);
+    memcpy(&h, header, sizeof h);
     fxs_packed_header_turn(&h);
     if (h.magic != FXS_PACKED_MAGIC)
         return FXS_ERR_SCENE;
     if (h.version != FXS_PACKED_VERSION && h.version != FXS_PACKED_VERSION_TREE)
         return FXS_ERR_VERSION;
+    const int has_tree = h.version == FXS_PACKED_VERSION_TREE;
     if (h.sh_degree > 3 || h.profile > FXS_PROFILE_SMALL || h.palette_step_q19 > 32767 ||
         !layout_of(&l, h.count, (int)h.sh_degree, (enum fxs_profile)h.profile, h.palette_entries) ||
-        h.chunk_count != fxs_chunks_of(h.count) ||
-        h.holes > h.count || bytes < l.bytes ||
+        h.chunk_count != fxs_chunks_of(h.count) || h.holes > h.count || (has_tree && h.chunk_count < 2) ||
         h.chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h.profile, (int)h.sh_degree))
         return FXS_ERR_SCENE;
-    const unsigned char *start = data;
+    *parts = (fxs_scene_parts){.palette = l.palette, .rows = l.rows, .tree = l.bytes, .node_chunks = l.bytes,
+                               .node_rows = l.bytes, .bytes = l.bytes};
+    if (has_tree) {
+        const tree_layout t = lay_out_tree(h.chunk_count - 1, h.chunk_bytes);
+        parts->node_chunks = l.bytes + t.chunks;
+        parts->node_rows = l.bytes + t.rows;
+        parts->bytes = l.bytes + t.bytes;
+    }
+    return 0;
+}
+
+/* The tree of a scene, at `start`. */
+static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsigned char *start)
+{
+    fxs_tree_header h;
+    memcpy(&h, start, sizeof h);
+    fxs_tree_header_turn(&h);
+    if (h.magic != FXS_TREE_MAGIC || h.node_count != scene->chunk_count - 1)
+        return FXS_ERR_SCENE;
+    scene->nodes = start + sizeof h;
+    scene->node_chunks = start + (parts->node_chunks - parts->tree);
+    return 0;
+}
+
+int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree)
+{
+    const unsigned char *start = head;
+    fxs_packed_header h;
+    fxs_scene_parts parts;
+    if (!scene || !head || (uintptr_t)head % 64 || (uintptr_t)tree % 64)
+        return FXS_ERR_ARGUMENT;
+    int error = fxs_scene_find_parts(&parts, head);
+    if (error)
+        return error;
+    memcpy(&h, head, sizeof h);
+    fxs_packed_header_turn(&h);
     scene->chunks = start + sizeof h;
-    scene->palette = h.palette_entries ? (const int8_t *)(start + l.palette) : 0;
-    scene->rows = start + l.rows;
+    scene->palette = h.palette_entries ? (const int8_t *)(start + parts.palette) : 0;
     scene->profile = (enum fxs_profile)h.profile;
     scene->count = h.count - h.holes;
     scene->chunk_count = h.chunk_count;
@@ -108,12 +123,32 @@ int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
     scene->palette_step_q19 = h.palette_step_q19;
     scene->sh_degree = (int)h.sh_degree;
     scene->antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0;
-    scene->nodes = scene->node_chunks = scene->node_rows = 0;
+    scene->rows = scene->nodes = scene->node_chunks = scene->node_rows = 0;
     scene->places = 0;
-    int error = h.version == FXS_PACKED_VERSION_TREE ? open_tree(scene, start + l.bytes, bytes - l.bytes) : 0;
+    if (parts.bytes > parts.tree)
+        error = tree ? open_tree(scene, &parts, tree) : FXS_ERR_ARGUMENT;
     for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
         fxs_chunk header;
         error = fxs_chunk_read(&header, scene, i);
     }
+    return error;
+}
+
+int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
+{
+    const unsigned char *start = data;
+    fxs_scene_parts parts;
+    if (!scene || !data || (uintptr_t)data % 64)
+        return FXS_ERR_ARGUMENT;
+    if (bytes < sizeof(fxs_packed_header))
+        return FXS_ERR_SCENE;
+    int error = fxs_scene_find_parts(&parts, data);
+    if (error)
+        return error;
+    if (bytes < parts.bytes)
+        return FXS_ERR_SCENE;
+    error = fxs_scene_open_parts(scene, data, start + parts.tree);
+    scene->rows = start + parts.rows;
+    scene->node_rows = scene->nodes ? start + parts.node_rows : 0;
     return error;
 }

@@ -5,9 +5,10 @@
 
 #include <fixsplat/fixsplat.h>
 #include <fixsplat/packed.h>
-#include "src/base/crc32.h"
 #include "src/base/output_internal.h"
+#include "src/base/try_internal.h"
 #include "src/core/codes.h"
+#include "fxs_file_internal.h"
 
 /* The checksum of the header at `data`, with its field for the checksum 0. */
 static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
@@ -17,7 +18,6 @@ static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
     blank.checksum = 0;
     return fxs_crc32(table, 0, &blank, sizeof blank);
 }
-
 
 /* Where the header of a chunk lies, of a leaf or of a node. */
 static const unsigned char *header_of(const fxs_scene *scene, uint32_t i)
@@ -34,11 +34,12 @@ static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
     return chunk;
 }
 
-static uint32_t chunk_checksum(const fxs_crc32_table *table, const fxs_scene *scene, uint32_t i)
+static uint32_t chunk_checksum(const fxs_crc32_table *table, const fxs_scene *scene, uint32_t i,
+                               const unsigned char *rows)
 {
     fxs_chunk blank = chunk_of(scene, i);
     blank.checksum = 0;
-    return fxs_crc32(table, fxs_crc32(table, 0, &blank, sizeof blank), fxs_rows(scene, i), scene->chunk_bytes);
+    return fxs_crc32(table, fxs_crc32(table, 0, &blank, sizeof blank), rows, scene->chunk_bytes);
 }
 
 static size_t palette_bytes(const fxs_scene *scene)
@@ -90,7 +91,7 @@ static fxs_packed_header sealed_header(const fxs_crc32_table *table, const void 
 static fxs_chunk sealed_chunk(const fxs_crc32_table *table, const fxs_scene *scene, uint32_t i)
 {
     fxs_chunk chunk = chunk_of(scene, i);
-    chunk.checksum = fxs_little_32(chunk_checksum(table, scene, i));
+    chunk.checksum = fxs_little_32(chunk_checksum(table, scene, i, fxs_rows(scene, i)));
     return chunk;
 }
 
@@ -181,6 +182,42 @@ static size_t expected_bytes(const fxs_packed_header *h)
            (h->version == FXS_PACKED_VERSION_TREE ? fxs_tree_bytes(fxs_chunks_of(h->count), degree, profile) : 0);
 }
 
+int fxs_file_check_header(const char *path, const fxs_crc32_table *table, const void *data, fxs_message *message)
+{
+    fxs_packed_header header;
+    memcpy(&header, data, sizeof header);
+    fxs_packed_header_turn(&header);
+    if (header.magic != FXS_PACKED_MAGIC)
+        return fxs_fail(message, "%s: not an .fxs file", path);
+    if (header.version != FXS_PACKED_VERSION && header.version != FXS_PACKED_VERSION_TREE)
+        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u and %u; convert "
+                           "its source again", path, header.version, FXS_PACKED_VERSION, FXS_PACKED_VERSION_TREE);
+    if (header.checksum != header_checksum(table, data))
+        return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
+    return 0;
+}
+
+int fxs_file_check_heads(const char *path, const fxs_crc32_table *table, const void *head, const fxs_scene *scene,
+                         size_t palette, fxs_message *message)
+{
+    fxs_packed_header header;
+    memcpy(&header, head, sizeof header);
+    if (fxs_little_32(header.palette_checksum) != fxs_crc32(table, 0, scene->palette, palette))
+        return fxs_fail(message, "%s: the palette is damaged: its checksum is wrong", path);
+    if (scene->nodes && fxs_little_32(tree_of(scene).checksum) != tree_checksum(table, scene))
+        return fxs_fail(message, "%s: the tree is damaged: its checksum is wrong", path);
+    return 0;
+}
+
+int fxs_file_check_chunk(const char *path, const fxs_crc32_table *table, const fxs_scene *scene, uint32_t i,
+                         const unsigned char *rows, fxs_message *message)
+{
+    if (fxs_little_32(chunk_of(scene, i).checksum) != chunk_checksum(table, scene, i, rows))
+        return fxs_fail(message, "%s: chunk %u of %u is damaged: its checksum is wrong", path, i,
+                        fxs_scene_chunks(scene));
+    return 0;
+}
+
 int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message)
 {
     fxs_packed_header header;
@@ -189,25 +226,15 @@ int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fx
     fxs_crc32_fill(&table);
     if (bytes < sizeof header)
         return fxs_fail(message, "%s: not an .fxs file", path);
+    FXS_TRY(fxs_file_check_header(path, &table, data, message));
     memcpy(&header, data, sizeof header);
     fxs_packed_header_turn(&header);
-    if (header.magic != FXS_PACKED_MAGIC)
-        return fxs_fail(message, "%s: not an .fxs file", path);
-    if (header.version != FXS_PACKED_VERSION && header.version != FXS_PACKED_VERSION_TREE)
-        return fxs_fail_as(FXS_ERR_VERSION, message, "%s: .fxs of version %u, this program reads %u and %u; convert "
-                           "its source again", path, header.version, FXS_PACKED_VERSION, FXS_PACKED_VERSION_TREE);
-    if (header.checksum != header_checksum(&table, data))
-        return fxs_fail(message, "%s: the header is damaged: its checksum is wrong", path);
     if (fxs_scene_open(&scene, data, bytes))
         return fxs_fail(message, "%s: damaged or cut short: %zu bytes, expected %zu", path, bytes,
                         expected_bytes(&header));
-    if (all && header.palette_checksum != palette_checksum(&table, &scene))
-        return fxs_fail(message, "%s: the palette is damaged: its checksum is wrong", path);
-    if (all && scene.nodes && fxs_little_32(tree_of(&scene).checksum) != tree_checksum(&table, &scene))
-        return fxs_fail(message, "%s: the tree is damaged: its checksum is wrong", path);
+    if (all)
+        FXS_TRY(fxs_file_check_heads(path, &table, data, &scene, palette_bytes(&scene), message));
     for (uint32_t i = 0; i < fxs_scene_chunks(&scene) && all; i++)
-        if (fxs_little_32(chunk_of(&scene, i).checksum) != chunk_checksum(&table, &scene, i))
-            return fxs_fail(message, "%s: chunk %u of %u is damaged: its checksum is wrong", path, i,
-                            fxs_scene_chunks(&scene));
+        FXS_TRY(fxs_file_check_chunk(path, &table, &scene, i, fxs_rows(&scene, i), message));
     return 0;
 }

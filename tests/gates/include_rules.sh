@@ -37,7 +37,7 @@ src/fit       fit photos blocks refine
 kernels       kernels
 kernels/gles  gles
 kernels/cuda  cuda
-port/posix    clock map pool
+port/posix    clock map pool pager
 port/gl       egl osmesa
 port/backend  backend backends foveate renderer
 port/board    strip

@@ -136,6 +136,20 @@ FXS_API size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile p
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_VERSION. */
 FXS_API int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes);
 
+/* Where the parts of a packed scene lie, in bytes from its beginning: what comes before the rows (headers of chunks,
+   palette) is its head, `rows` bytes; what comes before the rows of its nodes is the head of its tree, from `tree` to
+   `node_rows`. Without a tree the last four are equal. */
+typedef struct fxs_scene_parts {
+    uint64_t palette, rows, tree, node_chunks, node_rows, bytes;
+} fxs_scene_parts;
+
+/* Finds them by the header of a packed scene, its first 192 bytes, wherever the rest is. Errors as fxs_scene_open. */
+FXS_API int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header);
+
+/* fxs_scene_open of a scene of which only the heads are in memory, both aligned to 64; tree may be null without one. It
+   is for the caller to set places, and rows, before it is rendered. */
+FXS_API int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree);
+
 /* ---- Objects --------------------------------------------------------------------------------------------------- */
 
 /* A box in the object's own space: low <= x, y, z <= high, for the centres of Gaussians. A low above its high is

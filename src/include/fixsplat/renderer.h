@@ -12,6 +12,7 @@
 #include "camera.h"
 #include "image_file.h"
 #include "pack.h"
+#include "pager.h"
 #include "scene_file.h"
 
 #ifdef __cplusplus
@@ -26,7 +27,9 @@ typedef struct fxs_opened {
     const fxs_scene_file_info *info;   /* the file's format, count and SH degree */
     const fxs_pack_report *report;     /* counts and bounds; losses too, unless the file is an .fxs */
     const void *data;                  /* the packed scene, `bytes` long: of an .fxs file its own bytes. Where it was */
-    size_t bytes;                      /* packed here, its checksums are 0 until fxs_file_write or fxs_file_seal */
+    size_t bytes;                      /* packed here, its checksums are 0 until fxs_file_write or fxs_file_seal. Of one
+                                          that is read in part, its header (packed.h) */
+    fxs_pager *pager;                  /* of one that is read in part; else null */
 } fxs_opened;
 
 /* All fields 0: the finest level, profile default, a thread for each processor, no progress, memory from malloc. A file
@@ -43,12 +46,15 @@ typedef struct fxs_open_options {
     int (*prepare)(void *argument, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message);
     void *prepare_argument;
     int tree;                          /* 1: packed with levels of detail, as fxs_pack_options has it */
+    const fxs_pager_options *pager;    /* not null: the file, an .fxs with levels of detail, is read in part (pager.h):
+                                          frames want by fxs_pager_want, and fxs_pager_turn comes between them */
 } fxs_open_options;
 
 /* Opens a scene file, or a folder with one, as fxs_scene_file_open does. An .fxs file is mapped and rendered from the
    mapping, and a damaged chunk is drawn as it is, safely (check_all refuses it). Where others may cut the file short,
    call fxs_map_guard (map.h) once before. Any other file is packed. `options` may be null; an .fxs file heeds of them
-   max_gaussians, check_all and the allocator. fxs_close frees *opened, which is null after an error.
+   max_gaussians, check_all, the allocator and the pager. With a pager the path may be an address of a server.
+   fxs_close frees *opened, which is null after an error.
    Errors: those of fxs_scene_file_open, fxs_pack and fxs_file_check; FXS_ERR_ARGUMENT for more than 64 threads. */
 FXS_API int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **opened, fxs_message *message);
 

@@ -1,0 +1,286 @@
+/* What a server has as the source of a pager, by requests for ranges of bytes. libcurl brings some thirty libraries, so
+   it is loaded when it is first needed. */
+#include <fixsplat/pager.h>
+
+#include <string.h>
+#include <strings.h>
+
+#include <fixsplat/message.h>
+
+int fxs_pager_is_url(const char *path)
+{
+    return !strncasecmp(path, "http://", 7) || !strncasecmp(path, "https://", 8);
+}
+
+#ifndef FXS_WITH_CURL
+
+int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *message)
+{
+    (void)source;
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot be fetched: this program was built without libcurl",
+                       url);
+}
+
+#else
+
+#include <curl/curl.h>
+#include <dlfcn.h>
+#include <inttypes.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "src/base/try_internal.h"
+
+enum { CONNECT_SECONDS = 15, SILENT_SECONDS = 30, REDIRECTIONS = 5, GAP = 65536, VALIDATOR = 200 };
+
+/* ---- The library ------------------------------------------------------------------------------------------------- */
+
+static struct {
+    CURLcode (*global_init)(long flags);
+    CURL *(*init)(void);
+    CURLcode (*setopt)(CURL *handle, CURLoption option, ...);
+    CURLcode (*perform)(CURL *handle);
+    CURLcode (*getinfo)(CURL *handle, CURLINFO info, ...);
+    void (*cleanup)(CURL *handle);
+    struct curl_slist *(*append)(struct curl_slist *list, const char *text);
+    void (*free_all)(struct curl_slist *list);
+    const char *(*error)(CURLcode code);
+    int is_here;
+} lib;
+
+/* dlsym returns a pointer to data, which POSIX allows to be a pointer to a function. */
+static int find(void *library, const char *name, void *function)
+{
+    void *address = dlsym(library, name);
+    memcpy(function, &address, sizeof address);
+    return address != 0;
+}
+
+static void load_library(void)
+{
+    static const char *const names[] = {"libcurl.so.4", "libcurl-gnutls.so.4", "libcurl.4.dylib"};
+    void *library = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names && !library; i++)
+        library = dlopen(names[i], RTLD_NOW | RTLD_LOCAL);
+    lib.is_here = library && find(library, "curl_global_init", &lib.global_init) &&
+                  find(library, "curl_easy_init", &lib.init) && find(library, "curl_easy_setopt", &lib.setopt) &&
+                  find(library, "curl_easy_perform", &lib.perform) &&
+                  find(library, "curl_easy_getinfo", &lib.getinfo) &&
+                  find(library, "curl_easy_cleanup", &lib.cleanup) && find(library, "curl_slist_append", &lib.append) &&
+                  find(library, "curl_slist_free_all", &lib.free_all) &&
+                  find(library, "curl_easy_strerror", &lib.error) && !lib.global_init(CURL_GLOBAL_DEFAULT);
+}
+
+/* ---- A request --------------------------------------------------------------------------------------------------- */
+
+/* What the server says of the file: of the first answer, or of another. */
+typedef struct validators {
+    char tag[VALIDATOR], modified[VALIDATOR];      /* ETag and Last-Modified; empty: none */
+    uint64_t size;
+} validators;
+
+typedef struct paged_url {
+    CURL *handle;
+    char *url;
+    int cancelled;                     /* read and written atomically */
+    int is_open;                       /* `file` is known */
+    validators file;
+
+    /* Of the request under way. */
+    unsigned char *out;
+    uint64_t first;                    /* byte of the file */
+    size_t size, got;
+    long status;                       /* of the answer whose headers come */
+    int has_range, too_long;
+    uint64_t from, to;                 /* the range that it has */
+    validators said;
+} paged_url;
+
+static int is_cancelled(void *argument, curl_off_t a, curl_off_t b, curl_off_t c, curl_off_t d)
+{
+    const paged_url *u = argument;
+    (void)a, (void)b, (void)c, (void)d;
+    return __atomic_load_n(&u->cancelled, __ATOMIC_ACQUIRE);
+}
+
+/* Only the bytes of a range are taken: what else a server sends ends the request. */
+static size_t take_bytes(char *bytes, size_t size, size_t count, void *argument)
+{
+    paged_url *u = argument;
+    const size_t length = size * count;
+    if (u->status != 206)
+        return 0;
+    if (length > u->size - u->got) {
+        u->too_long = 1;
+        return 0;
+    }
+    memcpy(u->out + u->got, bytes, length);
+    u->got += length;
+    return length;
+}
+
+/* The value of a header of that name, without spaces about it; what is longer than the room is as if not there. */
+static void take_value(const char *line, const char *name, char value[VALIDATOR])
+{
+    const size_t length = strlen(name);
+    if (strncasecmp(line, name, length))
+        return;
+    line += length + strspn(line + length, " \t");
+    const size_t end = strcspn(line, "\r\n");
+    if (end < VALIDATOR)
+        snprintf(value, VALIDATOR, "%.*s", (int)end, line);
+}
+
+/* A redirected request has several answers: the last one counts. */
+static size_t take_header(char *bytes, size_t size, size_t count, void *argument)
+{
+    paged_url *u = argument;
+    char line[512], range[VALIDATOR] = "";
+    const size_t length = size * count;
+    snprintf(line, sizeof line, "%.*s", (int)(length < sizeof line ? length : sizeof line - 1), bytes);
+    if (!strncmp(line, "HTTP/", 5)) {
+        const char *space = strchr(line, ' ');
+        u->status = space ? strtol(space, 0, 10) : 0;
+        u->has_range = 0;
+        memset(&u->said, 0, sizeof u->said);
+    }
+    take_value(line, "ETag:", u->said.tag);
+    take_value(line, "Last-Modified:", u->said.modified);
+    take_value(line, "Content-Range:", range);
+    if (*range)
+        u->has_range = sscanf(range, "bytes %" SCNu64 "-%" SCNu64 "/%" SCNu64, &u->from, &u->to, &u->said.size) == 3;
+    return length;
+}
+
+/* A weak ETag may stay when bytes change: If-Range is not for those. */
+static const char *validator_of(const paged_url *u)
+{
+    return *u->file.tag == '"' ? u->file.tag : *u->file.tag ? "" : u->file.modified;
+}
+
+static int differ(const char *a, const char *b)
+{
+    return *a && *b && strcmp(a, b) != 0;
+}
+
+/* An answer to If-Range may leave out what is known (RFC 9110, 15.3.7). */
+static int has_changed(const paged_url *u)
+{
+    return u->said.size != u->file.size || differ(u->said.tag, u->file.tag) ||
+           differ(u->said.modified, u->file.modified);
+}
+
+/* What is wrong with an answer, or 0. */
+static int judge(const paged_url *u, CURLcode code, fxs_message *message)
+{
+    const uint64_t last = u->first + u->size - 1;
+    if (__atomic_load_n(&u->cancelled, __ATOMIC_ACQUIRE))
+        return fxs_fail_as(FXS_ERR_STOPPED, message, "%s: no longer wanted", u->url);
+    if (u->status == 200 || u->status == 416)
+        return u->is_open ? fxs_fail(message, "%s: changed while it was read", u->url)
+               : u->status == 416
+                   ? fxs_fail(message, "%s: not an .fxs file: it has fewer than %zu bytes", u->url, u->size)
+                   : fxs_fail(message, "%s: the server sends whole files alone, no ranges of bytes", u->url);
+    if (u->status && u->status != 206)
+        return fxs_fail(message, "%s: the server answers %ld", u->url, u->status);
+    if (u->status && (!u->has_range || u->from != u->first || u->to != last || u->said.size <= last))
+        return fxs_fail(message, "%s: the server does not say that it sends bytes %" PRIu64 " to %" PRIu64, u->url,
+                        u->first, last);
+    if (u->status && u->is_open && has_changed(u))
+        return fxs_fail(message, "%s: changed while it was read", u->url);
+    if (u->too_long)
+        return fxs_fail(message, "%s: the server sends more than it was asked for", u->url);
+    if (code == CURLE_PARTIAL_FILE || (!code && u->got < u->size))
+        return fxs_fail(message, "%s: the server ended early: %zu of %zu bytes", u->url, u->got, u->size);
+    return code ? fxs_fail(message, "%s: %s", u->url, lib.error(code)) : 0;
+}
+
+static int fetch(void *argument, uint64_t offset, void *out, size_t size, fxs_message *message)
+{
+    paged_url *u = argument;
+    char range[64], condition[VALIDATOR + 16];
+    struct curl_slist *headers = 0;
+    u->out = out;
+    u->first = offset;
+    u->size = size;
+    u->got = 0;
+    u->status = u->has_range = u->too_long = 0;
+    snprintf(range, sizeof range, "%" PRIu64 "-%" PRIu64, offset, offset + size - 1);
+    if (u->is_open && *validator_of(u)) {
+        snprintf(condition, sizeof condition, "If-Range: %s", validator_of(u));
+        headers = lib.append(0, condition);
+    }
+    lib.setopt(u->handle, CURLOPT_RANGE, range);
+    lib.setopt(u->handle, CURLOPT_HTTPHEADER, headers);
+    const CURLcode code = lib.perform(u->handle);
+    lib.setopt(u->handle, CURLOPT_HTTPHEADER, (struct curl_slist *)0);
+    lib.free_all(headers);
+    return judge(u, code, message);
+}
+
+/* ---- Opening ----------------------------------------------------------------------------------------------------- */
+
+static void cancel(void *argument)
+{
+    paged_url *u = argument;
+    __atomic_store_n(&u->cancelled, 1, __ATOMIC_RELEASE);
+}
+
+static void close_url(void *argument)
+{
+    paged_url *u = argument;
+    if (u->handle)
+        lib.cleanup(u->handle);
+    free(u->url);
+    free(u);
+}
+
+static int prepare(paged_url *u)
+{
+    CURL *h = u->handle;
+    return lib.setopt(h, CURLOPT_URL, u->url) || lib.setopt(h, CURLOPT_PROTOCOLS_STR, "http,https") ||
+           lib.setopt(h, CURLOPT_FOLLOWLOCATION, 1L) || lib.setopt(h, CURLOPT_MAXREDIRS, (long)REDIRECTIONS) ||
+           lib.setopt(h, CURLOPT_NOSIGNAL, 1L) || lib.setopt(h, CURLOPT_CONNECTTIMEOUT, (long)CONNECT_SECONDS) ||
+           lib.setopt(h, CURLOPT_LOW_SPEED_LIMIT, 1L) ||
+           lib.setopt(h, CURLOPT_LOW_SPEED_TIME, (long)SILENT_SECONDS) ||
+           lib.setopt(h, CURLOPT_WRITEFUNCTION, take_bytes) || lib.setopt(h, CURLOPT_WRITEDATA, u) ||
+           lib.setopt(h, CURLOPT_HEADERFUNCTION, take_header) || lib.setopt(h, CURLOPT_HEADERDATA, u) ||
+           lib.setopt(h, CURLOPT_NOPROGRESS, 0L) || lib.setopt(h, CURLOPT_XFERINFOFUNCTION, is_cancelled) ||
+           lib.setopt(h, CURLOPT_XFERINFODATA, u);
+}
+
+/* The first request is for the header of the scene, and tells the size of the whole. */
+static int open_url(paged_url *u, fxs_message *message)
+{
+    unsigned char header[192];
+    u->handle = lib.init();
+    if (!u->handle || prepare(u))
+        return fxs_fail(message, "%s: cannot be fetched by this libcurl", u->url);
+    FXS_TRY(fetch(u, 0, header, sizeof header, message));
+    u->file = u->said;
+    u->is_open = 1;
+    return 0;
+}
+
+int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *message)
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, load_library);
+    if (!lib.is_here)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot be fetched: there is no libcurl here", url);
+    paged_url *u = calloc(1, sizeof *u);
+    if (!u || !(u->url = strdup(url))) {
+        free(u);
+        return fxs_fail_memory(message, url, sizeof *u);
+    }
+    const int error = open_url(u, message);
+    if (error)
+        close_url(u);
+    else
+        *source = (fxs_pager_source){.size = u->file.size, .read = fetch, .cancel = cancel, .close = close_url,
+                                     .argument = u, .gap = GAP};
+    return error;
+}
+
+#endif
