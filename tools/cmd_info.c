@@ -8,7 +8,7 @@
 #include "port/board/turntable.h"
 #include <fixsplat/pool.h>
 #include <fixsplat/fxs_file.h>
-#include "levels.h"
+#include "tree_levels.h"
 #include "quality.h"
 #include "stats.h"
 

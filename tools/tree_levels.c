@@ -1,4 +1,4 @@
-#include "levels.h"
+#include "tree_levels.h"
 
 #include <inttypes.h>
 #include <math.h>
