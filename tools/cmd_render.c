@@ -206,6 +206,7 @@ static int read_options(render_options *o, int argc, char **argv)
 {
     memset(o, 0, sizeof *o);
     frame_options_default(&o->frame);
+    o->frame.load.pages = 1;
     if (take_options(&command_render, o, argc, argv))
         return EXIT_USAGE;
     const char *last = argc - optind > 1 ? argv[argc - 1] : "";
@@ -233,6 +234,7 @@ const command command_render = {
     "  $ fixsplat render scene.ply --cameras cameras.json --view 8 --size 1280x720 -o view8.png\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view all -o out/%04d.png --depth out/%04d.pfm\n"
     "  $ fixsplat render scene.fxs --budget 500000 -o scene.png\n"
+    "  $ fixsplat render https://example.org/city.fxs --budget 2000000 --pool 512M -o city.png\n"
     "  $ fixsplat render scene.ply --orbit 120 -o - | ffmpeg -i - -pix_fmt yuv420p film.mp4\n"
     "  $ fixsplat render scene.ply --cameras cameras.json --view 8..40 --frames 120 -o film.y4m\n"
     "  $ fixsplat render scene.ply --size 640x480 -o got.png --expect golden.png --diff diff.png\n"
@@ -244,5 +246,5 @@ const command command_render = {
     "  $ fixsplat render scene.ply --stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --size 2064x2208 --foveate \\\n"
     "      -o eyes.png\n"
     "  $ fixsplat render scene.ply --panorama --size 4096x2048 -o around.png\n",
-    {{own_rows, 0}, FRAME_TABLES(render_options), COMMON_TABLE}
+    {{own_rows, 0}, FRAME_TABLES(render_options), POOL_TABLE(render_options), COMMON_TABLE}
 };

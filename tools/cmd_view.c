@@ -82,7 +82,7 @@ static const char *given_of(const option_row *rows)
 
 static int check_web(const view_options *o)
 {
-    const option_row *const of_window[] = {window_rows, camera_rows, world_rows, frame_rows, level_rows};
+    const option_row *const of_window[] = {window_rows, camera_rows, world_rows, frame_rows, level_rows, pool_rows};
     const char *name = given_of(page_rows);
     if (!o->web && name)
         return fail(EXIT_USAGE, "view: --%s needs --web", name);
@@ -118,6 +118,7 @@ int view_options_take(view_options *o, int argc, char **argv)
     o->bind = "127.0.0.1";
     o->port = 8080;
     frame_options_default(&o->frame);
+    o->frame.load.pages = 1;
     if (take_options(&command_view, o, argc, argv))
         return EXIT_USAGE;
     if (check_web(o) || take_scenes_or_none(o, argc - optind, argv + optind))
@@ -178,6 +179,7 @@ const command command_view = {
     "  $ fixsplat view scene.ply\n"
     "  $ fixsplat view scene.ply --cameras cameras.json --view 8\n"
     "  $ fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
+    "  $ fixsplat view city.fxs --budget 1000000 --pool 512M\n"
     "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n",
-    {{window_rows, 0}, {page_rows, 0}, FRAME_TABLES(view_options), COMMON_TABLE}
+    {{window_rows, 0}, {page_rows, 0}, FRAME_TABLES(view_options), POOL_TABLE(view_options), COMMON_TABLE}
 };

@@ -7,6 +7,8 @@
 
 #include <fixsplat/backends.h>
 
+enum { WAIT_NS = 100000000, TRIES = 6 };
+
 void picture_free(picture *p)
 {
     free(p->pixels);
@@ -206,9 +208,54 @@ static int render_foveated(renderer *r, const fxs_request *request, fxs_stats *s
         return fxs_fail_memory(why, 0, bytes);
     const int error = fxs_foveate(r->backend, r->self, request, &r->foveation, r->rings, r->ring_room,
                                   r->pool ? fxs_pool_run : 0, r->pool, &r->foveated, why);
-    if (stats)
-        *stats = r->foveated.stats;
+    *stats = r->foveated.stats;
     return error;
+}
+
+static int draw(renderer *r, const fxs_request *request, fxs_stats *stats, fxs_message *why)
+{
+    return r->foveate.on ? render_foveated(r, request, stats, why)
+                         : r->backend->render(r->self, request, stats, why);
+}
+
+/* Reads all that the last frame wanted; *came: how many chunks there were. */
+static int read_wanted(const world *w, const fxs_options *options, uint32_t *came, fxs_message *why)
+{
+    fxs_pager_state state;
+    int error;
+    *came = 0;
+    do {
+        error = world_turn(w, &state, why);
+        while (!error && !world_wait(w, WAIT_NS))
+            if (options->stop && options->stop(options->stop_argument))
+                return FXS_ERR_STOPPED;
+        *came += state.arrived;
+    } while (!error && (state.arrived || (state.coming && !state.no_room)));
+    return error;
+}
+
+/* Draws what is there, and again until nothing is missing, or for several pictures in a row no less is. */
+static int draw_in_part(renderer *r, const world *w, const fxs_request *request, fxs_stats *stats, fxs_message *why)
+{
+    fxs_request wanting = *request;
+    if (r->backend->can & FXS_CAN_DEVICES)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "--backend %s copies whole scenes: no --pool", r->backend->name);
+    uint32_t least = UINT32_MAX, came;
+    wanting.options.want = world_want;
+    wanting.options.want_argument = (void *)(uintptr_t)w;
+    for (int tries = 0; tries < TRIES; tries++) {
+        fxs_pager_state state;
+        int error = draw(r, &wanting, stats, why);
+        if (error || stats->missing == 0 || r->shows_part)
+            return error ? error : (world_turn(w, &state, why), 0);
+        tries = stats->missing < least ? 0 : tries;
+        least = stats->missing < least ? stats->missing : least;
+        error = read_wanted(w, &request->options, &came, why);
+        if (error)
+            return error;
+    }
+    return fxs_fail_as(FXS_ERR_MEMORY, why, "the pool has no room for %" PRIu32 " chunks that the picture takes: give "
+                       "a larger --pool, or a smaller --budget", least);
 }
 
 int renderer_render(renderer *r, const world *w, const fxs_file_view *view, const fxs_options *options, picture *out,
@@ -217,6 +264,8 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     const int eyes = r->stereo > 0 ? 2 : 1;
     fxs_request request;
     fxs_message why;
+    fxs_stats own;
+    stats = stats ? stats : &own;
     fxs_request_init(&request, w->objects, w->count);
     request.options = *options;
     request.eyes = (uint32_t)eyes;
@@ -228,8 +277,7 @@ int renderer_render(renderer *r, const world *w, const fxs_file_view *view, cons
     out->depth_bits = choose_depth_bits(w, view);
     for (int eye = 0; eye < eyes; eye++)
         aim(r, out, eye, &request.targets[eye]);
-    const int error = r->foveate.on ? render_foveated(r, &request, stats, &why)
-                                    : r->backend->render(r->self, &request, stats, &why);
+    const int error = world_is_paged(w) ? draw_in_part(r, w, &request, stats, &why) : draw(r, &request, stats, &why);
     return error ? fail_frame(r, view, error, &why) : world_check(w);
 }
 

@@ -31,6 +31,8 @@ typedef struct renderer {
     int mirrored;                           /* the right eye's field of view is the left one's mirror */
     int has_scissor, scissor[4];            /* what is drawn of the picture: x, y, width, height */
     foveate_options foveate;
+    int shows_part;                         /* of a world of which a part is in memory, a picture is what is there; 0:
+                                               it waits until all that it takes has come */
     int divisor;                            /* its numbers are of a picture so many times as large; 0: 1 */
     void *rings;                            /* of foveated pictures */
     size_t ring_room;                       /* bytes */

@@ -202,6 +202,13 @@ const option_row load_rows[] = {
     {0}
 };
 
+const option_row pool_rows[] = {
+    {"pool", "BYTES", BYTES(pool), .help =
+     "do not map an .fxs with levels of detail, but keep so much of it in memory, also as 512M: what is drawn is read as "
+     "it is wanted, from a disk or from the address of a server (default for an address: 256M)"},
+    {0}
+};
+
 /* ---- Together ---------------------------------------------------------------------------------------------------- */
 
 void frame_options_default(frame_options *options)

@@ -44,6 +44,10 @@ typedef struct frame_options {
 /* The rows of cameras, of scenes and where they are, of how frames are rendered, of which levels of detail, and of how
    scenes are read; and all of them, for a command whose options have frame_options as their member `frame`. */
 extern const option_row camera_rows[], world_rows[], frame_rows[], level_rows[], load_rows[];
+
+/* Of load_options: --pool, for commands whose frames take what is not in memory as it comes. */
+extern const option_row pool_rows[];
+#define POOL_TABLE(options) {pool_rows, offsetof(options, frame.load)}
 #define FRAME_TABLES(options) \
     {camera_rows, offsetof(options, frame)}, {world_rows, offsetof(options, frame.world)}, \
     {frame_rows, offsetof(options, frame)}, {level_rows, offsetof(options, frame)}, \

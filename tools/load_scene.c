@@ -202,7 +202,10 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
     preparation p = {path, o};
     fxs_open_options options = {.file = file_options(o), .profile = o->profile, .threads = o->threads,
                                 .tree = o->tree};
+    const fxs_pager_options paging = {o->pool, o->arrived, o->arrived_argument};
     options.progress = progress_of(o, label, &options.progress_argument);
+    if (o->pages && (o->pool || fxs_pager_is_url(path)))
+        options.pager = &paging;
     if (!file) {
         options.prepare = prepare;
         options.prepare_argument = &p;

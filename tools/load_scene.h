@@ -22,6 +22,10 @@ typedef struct load_options {
     uint32_t threads;                       /* of the import; 0: one a processor */
     enum fxs_profile profile;               /* of what is not packed yet */
     int tree;                               /* 1: it is packed with levels of detail */
+    int pages;                              /* 1: an .fxs may be read in part: where a pool is given, and of a server */
+    size_t pool;                            /* bytes for that; 0: none given */
+    void (*arrived)(void *argument);        /* as in fxs_pager_options */
+    void *arrived_argument;
     const fxs_scene_filter *filter;         /* what to leave out, or null; an .fxs file is mapped whole */
     uint64_t decimate_count;                /* of what that leaves, so many are left by merging, 0: all; or so much, */
     double decimate_share;                  /* 0 to 1, 0: all. The filter leaves what can be drawn then */

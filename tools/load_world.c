@@ -311,6 +311,59 @@ int world_check(const world *w)
     return 0;
 }
 
+/* Of file i, or null. */
+static fxs_pager *pager_of(const world *w, uint32_t i)
+{
+    return w->scenes[i].opened->pager;
+}
+
+int world_is_paged(const world *w)
+{
+    for (uint32_t i = 0; i < w->placed.file_count; i++)
+        if (pager_of(w, i))
+            return 1;
+    return 0;
+}
+
+void world_want(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
+{
+    const world *w = argument;
+    for (uint32_t i = 0; i < w->placed.file_count; i++)
+        if (pager_of(w, i) && fxs_pager_scene(pager_of(w, i)) == scene)
+            fxs_pager_want(pager_of(w, i), scene, chunk, there);
+}
+
+int world_turn(const world *w, fxs_pager_state *sum, fxs_message *message)
+{
+    int result = 0;
+    memset(sum, 0, sizeof *sum);
+    for (uint32_t i = 0; i < w->placed.file_count; i++) {
+        fxs_pager_state state;
+        const int error = pager_of(w, i) ? fxs_pager_turn(pager_of(w, i), &state, message) : 0;
+        if (!pager_of(w, i))
+            continue;
+        result = error ? error : result;
+        sum->chunks += state.chunks;
+        sum->room += state.room;
+        sum->there += state.there;
+        sum->arrived += state.arrived;
+        sum->coming += state.coming;
+        sum->no_room += state.no_room;
+        sum->lost += state.lost;
+        sum->bytes_read += state.bytes_read;
+        sum->memory += state.memory;
+    }
+    return result;
+}
+
+int world_wait(const world *w, uint64_t nanoseconds)
+{
+    for (uint32_t i = 0; i < w->placed.file_count; i++)
+        if (pager_of(w, i) && !fxs_pager_wait(pager_of(w, i), nanoseconds))
+            return 0;
+    return 1;
+}
+
 void world_close(world *w)
 {
     for (uint32_t i = 0; i < w->placed.file_count && w->scenes; i++)

@@ -57,6 +57,13 @@ int world_box(const world *w, uint32_t object, double low[3], double high[3]);
 /* Whether the scenes are still what was loaded. Returns 0, or prints that one is not and returns EXIT_FAILED. */
 int world_check(const world *w);
 
+/* Whether a part of it is in memory, and then: what its frames want, an fxs_want_fn with the world as its argument; the
+   turn of its pagers, whose numbers are added up; and waiting for them. As fxs_pager_turn and fxs_pager_wait. */
+int world_is_paged(const world *w);
+fxs_want_fn world_want;
+int world_turn(const world *w, fxs_pager_state *sum, fxs_message *message);
+int world_wait(const world *w, uint64_t nanoseconds);
+
 /* Also of a world that was not opened: its scenes are null. */
 void world_close(world *w);
 

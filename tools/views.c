@@ -208,12 +208,56 @@ static int has_start(const frame_options *o, const world *w, fxs_file_view *view
            fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
 }
 
-/* The start view, or the view that shows most of the scene, or with --auto-up what is up there alone. */
+/* The first view of a world, of which all is to be in memory. */
+static int choose_first(frame_options *o, const world *w, const fxs_object *objects, fxs_file_view *view,
+                        fxs_message *message)
+{
+    return fxs_first_view(objects, w->count, w->inner_low, w->inner_high, fov_of(o), width_of(o), height_of(o), view,
+                          o->up.at, message);
+}
+
+/* Maps the files of which a part is in memory, for as long as the first view is chosen: it is that of the whole scene. */
+static int choose_by_files(frame_options *o, const world *w, fxs_file_view *view, fxs_message *message)
+{
+    fxs_opened **opened = calloc(w->placed.file_count, sizeof *opened);
+    fxs_object *objects = malloc(w->count * sizeof *objects);
+    int error = opened && objects ? 0 : fxs_fail_memory(message, 0, 0);
+    for (uint32_t i = 0; i < w->placed.file_count && !error; i++)
+        if (w->scenes[i].opened->pager)
+            error = fxs_open(w->placed.files[i], 0, &opened[i], message);
+    for (uint32_t i = 0; i < w->count && !error; i++) {
+        const fxs_opened *whole = opened[w->placed.objects[i].file];
+        objects[i] = w->objects[i];
+        objects[i].scene = whole ? whole->scene : objects[i].scene;
+    }
+    error = error ? error : choose_first(o, w, objects, view, message);
+    for (uint32_t i = 0; i < w->placed.file_count && opened; i++)
+        fxs_close(opened[i]);
+    free(opened);
+    free(objects);
+    return error;
+}
+
+static int is_of_server(const world *w)
+{
+    for (uint32_t i = 0; i < w->placed.file_count; i++)
+        if (fxs_pager_is_url(w->placed.files[i]))
+            return 1;
+    return 0;
+}
+
+/* The start view, or the view that shows most of the scene, or with --auto-up what is up there alone. That takes all of
+   a scene: one of a server is framed whole. */
 static int look_at_scene(frame_options *o, const world *w, fxs_file_view *view, fxs_message *message)
 {
+    if (!has_start(o, w, view) && is_of_server(w)) {
+        note("%s: has no start view, so it is framed whole; convert --start-view gives it one", w->placed.files[0]);
+        return fxs_view_frame_box(view, w->inner_low, w->inner_high, o->up.at, fov_of(o), width_of(o), height_of(o),
+                                  message);
+    }
     if (!has_start(o, w, view))
-        return fxs_first_view(w->objects, w->count, w->inner_low, w->inner_high, fov_of(o), width_of(o), height_of(o),
-                              view, o->up.at, message);
+        return world_is_paged(w) ? choose_by_files(o, w, view, message)
+                                 : choose_first(o, w, w->objects, view, message);
     view->near = fxs_near_of_box(w->inner_low, w->inner_high);
     return 0;
 }

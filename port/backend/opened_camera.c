@@ -3,6 +3,7 @@
 
 #include <fixsplat/renderer.h>
 #include "processor_internal.h"
+#include "src/base/try_internal.h"
 #include "src/camera/first_view.h"
 
 static int choose(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
@@ -44,6 +45,13 @@ int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, f
     if (!opened || !camera)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to frame", opened ? "camera" : "scene");
     if (fxs_view_of_start(&view, opened->data, width, height)) {
+        view.near = fxs_near_of_box(opened->report->inner_low, opened->report->inner_high);
+        return fxs_camera_from_view(camera, &view, message);
+    }
+    if (opened->pager) {
+        const double down[3] = {0, -1, 0};
+        FXS_TRY(fxs_view_frame_box(&view, opened->report->inner_low, opened->report->inner_high, down, 50, width,
+                                   height, message));
         view.near = fxs_near_of_box(opened->report->inner_low, opened->report->inner_high);
         return fxs_camera_from_view(camera, &view, message);
     }

@@ -25,10 +25,12 @@ enum {
     KEPT_SHARE = 8, KEPT_MOST = 256,   /* of the pool, inverse, and chunks: the coarsest, which stay */
     HEAD_PIECE = 1 << 20,              /* bytes of the heads that are asked for at once */
     READ_MOST = 1 << 20,               /* and of rows, but for one chunk at least */
-    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks that the reader takes at a time */
+    BATCH_LEAST = 8, BATCH_MOST = 256, /* chunks that the reader takes at a time, */
+    BATCH_APART = 64,                  /* and at least where it is better to read in vain than to ask twice */
     BATCH_QUICK_MS = 20, BATCH_SLOW_MS = 100,
     ROOM_LEAST = 256,                  /* places that a turn makes free at most, or an eighth of the pool */
-    TRIES = 3, PAUSE_MS = 100, PAUSE_MOST = 20   /* after failed reads in a row, times their number */
+    TRIES = 3,                         /* of a chunk until it is lost, and failed reads in a row until they are told */
+    PAUSE_MS = 100, PAUSE_MOST = 20    /* after failed reads in a row, times their number */
 };
 
 /* A place of the pool. Those of chunks that may go are in a ring, by when they were last drawn. */
@@ -71,11 +73,11 @@ struct fxs_pager {
     uint32_t *queue, queue_count, queue_next;
     uint32_t *spare, spare_count;      /* free places */
     arrival *arrived;
-    uint32_t arrived_count, batch_most, lost;
+    uint32_t arrived_count, batch_least, batch_most, lost;
     uint64_t bytes_read;
-    int error;                         /* of the last chunk that was lost, */
+    int error;                         /* the last one, */
     fxs_message why;
-    uint32_t failures;                 /* reads in a row */
+    uint32_t failures;                 /* reads in a row that the source could not do */
 };
 
 /* ---- The ring of what was drawn ---------------------------------------------------------------------------------- */
@@ -176,17 +178,18 @@ static int read_source(const fxs_pager *p, uint64_t offset, void *out, size_t si
     return error > 0 ? FXS_ERR_FILE : error;
 }
 
-/* Copies a run to its places. Returns the last error; `good` says of each chunk whether it is what it should be. */
-static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *good, fxs_message *why)
+/* Copies a run to its places. Returns the last error; `good` says of each chunk whether it is what it should be,
+   `*unread` whether the source failed. */
+static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *good, int *unread, fxs_message *why)
 {
     const uint64_t start = offset_of(p, list[0].chunk);
     const size_t size = (size_t)(offset_of(p, list[count - 1].chunk) - start) + p->scene.chunk_bytes;
-    const int unread = read_source(p, start, p->stage, size, why);
-    int result = unread;
+    int result = read_source(p, start, p->stage, size, why);
+    *unread = result != 0;
     for (uint32_t i = 0; i < count; i++) {
         const unsigned char *rows = p->stage + (offset_of(p, list[i].chunk) - start);
-        const int error = unread ? unread
-                                 : fxs_file_check_chunk(p->name, &p->table, &p->scene, list[i].chunk, rows, why);
+        const int error = *unread ? result
+                                  : fxs_file_check_chunk(p->name, &p->table, &p->scene, list[i].chunk, rows, why);
         good[i] = !error;
         if (good[i])
             memcpy(place_at(p, list[i].place), rows, p->scene.chunk_bytes);
@@ -196,11 +199,23 @@ static int read_run(fxs_pager *p, const arrival *list, uint32_t count, uint8_t *
     return result;
 }
 
-/* Under the lock: what became of a run. */
-static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const uint8_t *good, int error,
-                      const fxs_message *why)
+/* Under the lock: a source that failed again and again and is back again is asked anew for what was lost. */
+static void note_success(fxs_pager *p)
 {
-    p->failures = error ? p->failures + (p->failures < PAUSE_MOST) : 0;
+    if (p->failures >= TRIES) {
+        memset(p->tries, 0, p->chunks);
+        p->lost = 0;
+    }
+    p->failures = 0;
+}
+
+/* Under the lock: what became of a run. */
+static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const uint8_t *good, int unread)
+{
+    if (!unread)
+        note_success(p);
+    else if (p->failures < PAUSE_MOST && ++p->failures == TRIES)
+        pthread_cond_broadcast(&p->done);
     for (uint32_t i = 0; i < count; i++) {
         if (good[i]) {
             p->arrived[p->arrived_count++] = list[i];
@@ -209,11 +224,7 @@ static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const u
         }
         p->taken[list[i].chunk] = 0;
         p->spare[p->spare_count++] = list[i].place;
-        if (++p->tries[list[i].chunk] == TRIES) {
-            p->lost++;
-            p->error = error;
-            p->why = *why;
-        }
+        p->lost += ++p->tries[list[i].chunk] == TRIES;
     }
 }
 
@@ -252,6 +263,7 @@ static void read_batch(fxs_pager *p, arrival *list, uint32_t count)
 {
     const uint64_t start = fxs_clock(0);
     uint8_t good[BATCH_MOST];
+    int unread;
     fxs_message why = {.bytes_needed = 0};
     qsort(list, count, sizeof *list, by_chunk);
     for (uint32_t first = 0, run; first < count; first += run) {
@@ -259,15 +271,19 @@ static void read_batch(fxs_pager *p, arrival *list, uint32_t count)
         if (p->stop)
             return;
         pthread_mutex_unlock(&p->lock);
-        const int error = read_run(p, list + first, run, good, &why);
+        const int error = read_run(p, list + first, run, good, &unread, &why);
         pthread_mutex_lock(&p->lock);
-        hand_over(p, list + first, run, good, error, &why);
+        hand_over(p, list + first, run, good, unread);
+        if (error) {
+            p->error = error;
+            p->why = why;
+        }
         tell_arrived(p);
     }
     const uint64_t milliseconds = (fxs_clock(0) - start) / 1000000;
     if (milliseconds < BATCH_QUICK_MS && p->batch_most < BATCH_MOST)
         p->batch_most *= 2;
-    else if (milliseconds > BATCH_SLOW_MS && p->batch_most > BATCH_LEAST)
+    else if (milliseconds > BATCH_SLOW_MS && p->batch_most > p->batch_least)
         p->batch_most /= 2;
 }
 
@@ -406,7 +422,8 @@ static int read_root(fxs_pager *p, fxs_message *message)
 {
     const arrival root = {p->scene.chunk_count, p->spare[--p->spare_count]};
     uint8_t good;
-    FXS_TRY(read_run(p, &root, 1, &good, message));
+    int unread;
+    FXS_TRY(read_run(p, &root, 1, &good, &unread, message));
     p->bytes_read += p->scene.chunk_bytes;
     settle(p, root);
     return 0;
@@ -430,7 +447,7 @@ static fxs_pager *make(const char *name, const fxs_pager_source *source, const f
     if (options)
         p->options = *options;
     p->newest = p->oldest = FXS_NOTHING;
-    p->batch_most = BATCH_LEAST;
+    p->batch_least = p->batch_most = source->gap ? BATCH_APART : BATCH_LEAST;
     pthread_mutex_init(&p->lock, 0);
     pthread_condattr_init(&monotonic);
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
@@ -582,7 +599,7 @@ int fxs_pager_turn(fxs_pager *p, fxs_pager_state *state, fxs_message *message)
             .no_room = is_full && left > p->spare_count ? left - p->spare_count : 0, .lost = p->lost,
             .bytes_read = p->bytes_read, .memory = p->memory
         };
-    const int error = p->lost ? p->error : 0;
+    const int error = p->lost || p->failures >= TRIES ? p->error : 0;
     if (error && message)
         *message = p->why;
     p->reading |= left > 0 && p->spare_count > 0;       /* until the reader has looked */
@@ -596,9 +613,9 @@ int fxs_pager_wait(fxs_pager *p, uint64_t nanoseconds)
     const struct timespec end = time_after(nanoseconds);
     int late = 0;
     pthread_mutex_lock(&p->lock);
-    while (p->reading && !late)
+    while (p->reading && p->failures < TRIES && !late)
         late = pthread_cond_timedwait(&p->done, &p->lock, &end) == ETIMEDOUT;
-    const int is_idle = !p->reading;
+    const int is_idle = !p->reading || p->failures >= TRIES;
     pthread_mutex_unlock(&p->lock);
     return is_idle;
 }

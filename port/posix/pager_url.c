@@ -32,7 +32,7 @@ int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *messag
 
 #include "src/base/try_internal.h"
 
-enum { CONNECT_SECONDS = 15, SILENT_SECONDS = 30, REDIRECTIONS = 5, GAP = 65536, VALIDATOR = 200 };
+enum { CONNECT_SECONDS = 15, SILENT_SECONDS = 30, REDIRECTIONS = 5, GAP = 262144, VALIDATOR = 200 };
 
 /* ---- The library ------------------------------------------------------------------------------------------------- */
 

@@ -254,6 +254,8 @@ static int take_object(taking *t, const fxs_object *o)
         const uint32_t g = (uint32_t)t->next;
         if (g / FXS_CHUNK != chunk && fxs_chunk_read(&header, o->scene, chunk = g / FXS_CHUNK))
             return FXS_ERR_SCENE;
+        if (o->scene->places && o->scene->places[chunk] == FXS_NOTHING)
+            continue;
         const fxs_codes codes = fxs_codes_of(o->scene, fxs_rows(o->scene, chunk), g % FXS_CHUNK);
         l[count] = loosen(&header, &codes);
         if (l[count].opacity == 0 || !is_kept(o, l[count].position_q32))

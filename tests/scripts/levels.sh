@@ -1,9 +1,9 @@
 #!/bin/sh
-# Scenes with levels of detail on the command line: what info prints of their trees, and the options --budget and
-# --detail of the commands that render.
+# Scenes with levels of detail on the command line: what info prints of their trees, the options --budget and --detail of
+# the commands that render, and pictures of scenes that are read in part, from a file and from servers of all kinds.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/scripts/lib/check.sh
-fixsplat=$PWD/${B:-build}/fixsplat
+fixsplat=$PWD/${B:-build}/fixsplat lib=$PWD/tests/scripts/lib
 folder=$(mktemp -d) || exit 1
 trap 'rm -rf "$folder"' EXIT
 cd "$folder" || exit 1
@@ -26,7 +26,7 @@ refused() {
         fail "$name" "status $status: $(cat why)"
     fi
 }
-hash_of() { "$fixsplat" render "$@" $small --hash; }
+hash_of() { "$fixsplat" render $small "$@" --hash; }
 
 # ---- info ------------------------------------------------------------------------------------------------------------
 
@@ -78,5 +78,75 @@ for command in render view bench info; do
     check "$command --help has --budget and --detail" equal \
         "$("$fixsplat" $command --help | grep -c -e '^  --budget N' -e '^  --detail PIXELS')" 2
 done
+
+# ---- In part ---------------------------------------------------------------------------------------------------------
+
+size=$(wc -c <knot.fxs)
+for options in "" "--budget 9000" "--detail 4" "--budget 9000 --stereo 0.1" "--budget 9000 --foveate" \
+    "--budget 9000 --panorama --size 200x100" "--eye 0,-1,-4 --look 0,0,0 --budget 12000"; do
+    check "render --pool $options: the same bytes" equal "$(hash_of knot.fxs --pool "$size" $options)" \
+        "$(hash_of knot.fxs $options)"
+done
+check "render --pool: less than the file, several views" equal \
+    "$(hash_of knot.fxs --pool $((size / 2)) --budget 9000 --orbit 7)" "$(hash_of knot.fxs --budget 9000 --orbit 7)"
+refused "render --pool: too little for any" 1 'knot.fxs: a pool of 9999 bytes is too little' \
+    render knot.fxs --pool 9999 --hash
+refused "render --pool: too little for the picture" 1 'the pool has no room for .* larger --pool' \
+    render knot.fxs --pool 600K --hash
+refused "render --pool: no levels" 1 'flat.fxs: has no levels of detail' render flat.fxs --pool 9M --hash
+refused "render --pool: no .fxs" 1 'knot.ply: not an .fxs file' render knot.ply --pool 9M --hash
+head -c $((size - 1)) knot.fxs >short.fxs
+refused "render --pool: cut short" 1 'short.fxs: damaged or cut short' render short.fxs --pool 9M --hash
+{ head -c 300000 knot.fxs; printf damaged; tail -c +300008 knot.fxs; } >damaged.fxs
+refused "render --pool: damaged" 1 'damaged.fxs: chunk .* is damaged' render damaged.fxs --pool 9M --hash
+
+# ---- From a server ---------------------------------------------------------------------------------------------------
+
+refused "another command and a URL" 1 'is read in part, by render and view' bench http://127.0.0.1:1/knot.fxs
+"$fixsplat" render http://127.0.0.1:1/knot.fxs --hash 2>why
+if grep -q libcurl why; then
+    skip "scenes of a server" "$(cat why)"
+    finish
+    exit
+fi
+have python3 || { skip "scenes of a server" "no python3"; finish; exit; }
+refused "nobody answers" 1 "http://127.0.0.1:1/knot.fxs: Couldn't connect" render http://127.0.0.1:1/knot.fxs --hash
+
+mkfifo hold
+python3 "$lib/range_server.py" knot.fxs <hold >requests &
+exec 3>hold
+for _ in 1 2 3 4 5 6 7 8 9 10 20 30 40 50; do
+    [ -s requests ] && break
+    sleep 0.2
+done
+at=http://127.0.0.1:$(head -n 1 requests)
+view="--eye 0,-1,-4 --look 0,0,0 --budget 12000"
+for way in right moved dated; do
+    check "$way: the same bytes" equal "$(hash_of $at/$way/knot.fxs $view)" "$(hash_of knot.fxs $view)"
+done
+check "requests are conditional on the ETag" grep -q '^right bytes=.* "a"$' requests
+check "or on the date" grep -q '^dated bytes=.* Mon, 01 Nov' requests
+check "not a request for each chunk" test "$(grep -c ^right requests)" -lt 60
+check "less than all is fetched, with a small budget" awk -v size="$size" '
+    /^right/ { split(substr($2, 7), range, "-"); sum += range[2] - range[1] + 1 } END { exit !(sum > 0 && sum < 3 * size) }' requests
+served() { refused "$1" 1 "^fixsplat: .*$at/$1/knot.fxs: $2" render $at/$1/knot.fxs $view --hash; }
+served missing 'the server answers 404'
+served turning 'the server answers 302'
+served garbled ''
+served silent ''
+served whole 'the server sends whole files alone'
+served other 'the server does not say that it sends bytes 0 to 191'
+served unsaid 'the server does not say that it sends bytes'
+served longer 'the server sends more than it was asked for'
+served tiny 'not an .fxs file: it has fewer'
+served change 'changed while it was read'
+served change-date 'changed while it was read'
+served change-unsaid 'changed while it was read'
+served damaged 'chunk .* is damaged'
+served early 'the server ended early'
+check "without a start view the scene is framed whole, which is said" equal \
+    "$(env -u FIXSPLAT_QUIET "$fixsplat" render $at/right/knot.fxs $small -o x.png 2>&1 | grep -c 'has no start view')" 1
+exec 3>&-
+wait
 
 finish

@@ -42,7 +42,7 @@ typedef struct fxs_pager_source {
     void (*close)(void *argument); /* called once, when nothing more is read; may be null */
     void *argument;                /* first argument of the functions */
     size_t gap;                    /* bytes between two wanted chunks that are rather read in vain than left out: some
-                                      65536 where each read has to be asked of a server, 0 for a file */
+                                      262144 where each read has to be asked of a server, 0 for a file */
 } fxs_pager_source;
 
 /* All 0 is a default. */
@@ -93,17 +93,19 @@ typedef struct fxs_pager_state {
     uint32_t arrived;              /* since the last turn */
     uint32_t coming;               /* wanted, and still to be read */
     uint32_t no_room;              /* wanted, but the pool is full of what the same frames drew */
-    uint32_t lost;                 /* that could not be read in three attempts; they are not asked for again */
+    uint32_t lost;                 /* that could not be read in three attempts, or are damaged */
     uint64_t bytes_read;
     size_t memory;                 /* of the pager, bytes */
 } fxs_pager_state;
 
 /* To be called between frames: takes what has come, makes room, and has the pager's thread go on with what the frames
    since the last turn wanted; where there was none, with what it was at. *state may be null. Returns 0; or where chunks
-   are lost the error of the last one and a message, while frames may go on without them. */
+   are lost, or the source fails again and again, the last error and its message. Frames may go on without what is
+   missing: the source is asked anew, after a pause, and once it is back also for what was lost. */
 FXS_API int fxs_pager_turn(fxs_pager *pager, fxs_pager_state *state, fxs_message *message);
 
-/* Waits until nothing more can be read before the next turn, at most so many nanoseconds. Returns whether that is so. */
+/* Waits until nothing more can be read before the next turn, or the source fails again and again; at most so many
+   nanoseconds. Returns whether that is so. */
 FXS_API int fxs_pager_wait(fxs_pager *pager, uint64_t nanoseconds);
 
 /* Closes the source and frees the pager, which may be null. */
