@@ -25,6 +25,7 @@
 #include "refine_views.h"
 
 #define LOGIT_MOST 7.0f                /* beyond it an opacity has no gradient */
+#define LARGE 3                        /* covers of more than one in so many Gaussians are fitted to large pictures */
 #define LAST 0.1                       /* rates fall to so much of the first */
 
 typedef struct refiner {
@@ -199,7 +200,8 @@ static const fxs_fit_photograph *choose_view(refiner *r, int level, uint32_t num
         r->order[i] = r->order[j];
         r->order[j] = swap;
     }
-    return &r->views.photographs[r->order[at]];
+    const int size = r->starts[r->cover_count] > r->scene.count / LARGE ? FXS_REFINE_LARGE : FXS_REFINE_SMALL;
+    return &r->views.photographs[size][r->order[at]];
 }
 
 static int refine_cover(refiner *r, int level)
@@ -245,7 +247,7 @@ static int measure_cover(refiner *r, int level)
     int error = found ? 0 : fail_memory(r, r->model.stride * sizeof *found);
     for (uint32_t v = 0; v < r->views.count && !error; v++) {
         memset(r->model.views, 0, r->model.stride * sizeof *r->model.views);
-        if (fxs_fit_find_errors(r->stepper, &r->model, &r->views.photographs[v], &options, found))
+        if (fxs_fit_find_errors(r->stepper, &r->model, &r->views.photographs[FXS_REFINE_SMALL][v], &options, found))
             error = fail_memory(r, 0);
         for (uint32_t i = 0; i < r->cover_nodes && !error; i++)
             if (r->levels[r->cover[i]] == level)
@@ -282,7 +284,7 @@ static double gain_of(const refiner *r, uint32_t node)
     const uint32_t *children = r->nodes[node].children;
     double sum = 0, views = 0;
     for (uint32_t v = 0; v < r->views.count; v++) {
-        const fxs_fit_camera *c = &r->views.photographs[v].camera;
+        const fxs_fit_camera *c = &r->views.photographs[FXS_REFINE_SMALL][v].camera;
         const double focal = fmax((double)c->focal[0], (double)c->focal[1]), own = (double)errors_of(r, node)[v];
         if (own < 0)
             continue;

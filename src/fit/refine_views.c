@@ -16,13 +16,14 @@
 #include "fit_internal.h"
 #include "random.h"
 
-enum { LONGER = 480, SHORTER = 320, FOV = 50, PARTS = 6 };
+enum { LONGER = 720, SHORTER = 480, FOV = 50, PARTS = 6 };
 
 #define LOWEST (-0.3)                  /* sines of elevations */
 #define HIGHEST 0.95
 #define TURN_COSINE (-0.7373688780783197)   /* of the golden angle, 2.39996 */
 #define TURN_SINE 0.6754902942615238
 
+static const int sizes[FXS_REFINE_SIZES] = {LONGER, LONGER / 3 * 2};   /* longer side of a picture, at most */
 static const double parts[PARTS] = {1, 0.7, 0.5, 0.35, 0.25, 0.15};
 
 /* ---- Choosing ---------------------------------------------------------------------------------------------------- */
@@ -75,18 +76,21 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
     return FXS_REFINE_VIEWS;
 }
 
-static void make_small(fxs_file_view *view)
+/* Makes the longer side of a view at most so many pixels. */
+static void limit(fxs_file_view *view, int most)
 {
     const int longer = view->width > view->height ? view->width : view->height;
-    if (longer > LONGER)
-        fxs_view_resize(view, (view->width * LONGER + longer / 2) / longer, (view->height * LONGER + longer / 2) / longer);
+    if (longer > most)
+        fxs_view_resize(view, (view->width * most + longer / 2) / longer, (view->height * most + longer / 2) / longer);
 }
 
 static int is_usable(const fxs_file_view *view)
 {
     fxs_camera camera;
     fxs_message unwanted;
-    return view->projection == FXS_PERSPECTIVE && !fxs_camera_from_view(&camera, view, &unwanted);
+    fxs_file_view small = *view;
+    limit(&small, sizes[FXS_REFINE_SMALL]);
+    return view->projection == FXS_PERSPECTIVE && !fxs_camera_from_view(&camera, &small, &unwanted);
 }
 
 /* Of the cameras that were given, evenly spaced. */
@@ -101,8 +105,7 @@ static int choose_given(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_refine_
         if (!is_usable(&o->views[i]) || seen++ != count * usable / most)
             continue;
         views[count] = o->views[i];
-        make_small(&views[count]);
-        count += (uint32_t)is_usable(&views[count]);
+        count++;
     }
     return (int)count;
 }
@@ -127,23 +130,37 @@ static int render(const fxs_context *context, const fxs_scene *scene, const fxs_
     return error ? fxs_fail_as(error, message, "%s", fxs_strerror(error)) : 0;
 }
 
+static int take_photograph(const fxs_refine_views *v, fxs_fit_photograph *p, const fxs_file_view *view,
+                           const fxs_scene *scene, const fxs_context *context, fxs_message *message)
+{
+    uint8_t *to = v->pixels + (size_t)(p - v->photographs[0]) * 3 * LONGER * LONGER;
+    const size_t pixels = (size_t)view->width * (size_t)view->height;
+    uint8_t *rgba = malloc(4 * pixels);
+    const int error = rgba ? render(context, scene, view, rgba, message)
+                           : fxs_fail_memory(message, "a picture of the scene", 4 * pixels);
+    *p = (fxs_fit_photograph){.pixels = to, .width = view->width, .height = view->height, .divisor = 1};
+    fxs_fit_set_camera(&p->camera, view);
+    p->camera.is_antialiased = scene->antialiased;
+    for (size_t i = 0; i < pixels && !error; i++)
+        memcpy(to + 3 * i, rgba + 4 * i, 3);
+    free(rgba);
+    return error;
+}
+
 static int take_photographs(fxs_refine_views *v, const fxs_file_view *views, const fxs_scene *scene,
                             const fxs_context *context, fxs_message *message)
 {
-    uint8_t *rgba = malloc(4 * LONGER * LONGER), *to = v->pixels = malloc(3 * LONGER * LONGER * (size_t)v->count);
-    int error = rgba && to ? 0 : fxs_fail_memory(message, "pictures of the scene", 3 * LONGER * LONGER * v->count);
-    for (uint32_t i = 0; i < v->count && !error; i++) {
-        const size_t pixels = (size_t)views[i].width * (size_t)views[i].height;
-        error = render(context, scene, &views[i], rgba, message);
-        v->photographs[i] = (fxs_fit_photograph){.pixels = to, .width = views[i].width, .height = views[i].height,
-                                                 .divisor = 1};
-        fxs_fit_set_camera(&v->photographs[i].camera, &views[i]);
-        v->photographs[i].camera.is_antialiased = scene->antialiased;
-        for (size_t p = 0; p < pixels && !error; p++, to += 3)
-            memcpy(to, rgba + 4 * p, 3);
-    }
-    free(rgba);
-    return error;
+    const size_t bytes = (size_t)FXS_REFINE_SIZES * FXS_REFINE_VIEWS * 3 * LONGER * LONGER;
+    v->pixels = malloc(bytes);
+    if (!v->pixels)
+        return fxs_fail_memory(message, "pictures of the scene", bytes);
+    for (int size = 0; size < FXS_REFINE_SIZES; size++)
+        for (uint32_t i = 0; i < v->count; i++) {
+            fxs_file_view view = views[i];
+            limit(&view, sizes[size]);
+            FXS_TRY(take_photograph(v, &v->photographs[size][i], &view, scene, context, message));
+        }
+    return 0;
 }
 
 int fxs_refine_views_make(fxs_refine_views *v, const fxs_scene *scene, const void *data, const fxs_refine_options *o,

@@ -5,8 +5,11 @@
 #include <fixsplat/refine.h>
 #include "stepper.h"
 
+/* The views in two sizes. */
+enum { FXS_REFINE_LARGE, FXS_REFINE_SMALL, FXS_REFINE_SIZES };
+
 typedef struct fxs_refine_views {
-    fxs_fit_photograph photographs[FXS_REFINE_VIEWS];
+    fxs_fit_photograph photographs[FXS_REFINE_SIZES][FXS_REFINE_VIEWS];
     uint32_t count;
     uint8_t *pixels;                   /* of all */
     float extent;                      /* half the diagonal of the box of what is seen */
