@@ -558,7 +558,7 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
 struct fxs_tree_editor {
     tree tree;                         /* its nodes lie at their numbers */
     worker worker;
-    held held, leaf;
+    held held;
     fxs_pack_options options;
     fxs_palette palette;
 };
@@ -613,31 +613,14 @@ static void find_reach_of(const tree *t, uint32_t child, held *h)
     find_reach(h, &chunk);
 }
 
-/* Sum of the opacities of a child's Gaussians, or of all leaves' below it, each found once. */
-static double opacity_below(fxs_tree_editor *e, uint32_t child)
+/* What was fitted to pictures of the leaves has their opacity as they are seen. */
+static void clear_swell(const tree *t, uint32_t number)
 {
-    tree *t = &e->tree;
-    if (child >= t->count) {
-        read_leaf(t, child - t->count, &e->leaf);
-        return e->leaf.opacity;
-    }
-    node *n = &t->nodes[child];
-    if (!(n->opacity > 0))
-        n->opacity = opacity_below(e, n->children[0]) + opacity_below(e, n->children[1]);
-    return n->opacity;
-}
-
-static void write_swell(fxs_tree_editor *e, uint32_t number, const held *h)
-{
-    const tree *t = &e->tree;
-    node *n = &t->nodes[number];
     unsigned char *to = t->data + (t->scene->nodes - t->data) + (size_t)number * sizeof(fxs_node);
     fxs_node out;
-    opacity_below(e, number);
-    add_own(n, h);
     memcpy(&out, to, sizeof out);
     fxs_node_turn(&out);
-    set_swell(&out, n);
+    out.swell_q8 = 0;
     fxs_node_turn(&out);
     memcpy(to, &out, sizeof out);
 }
@@ -657,7 +640,7 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
         fxs_coarse_set(&from->gaussians[i], &g);
     }
     from->count = count;
-    write_swell(e, number, from);
+    clear_swell(&e->tree, number);
     copy_sorted(to, from);
     write_chunk(&e->tree, &e->worker, to, number);
 }
