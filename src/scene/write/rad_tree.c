@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "levels_internal.h"
+#include "held_levels_internal.h"
 #include "src/base/exponential.h"
 #include "src/gaussian/attributes.h"
 #include "src/pack/coarsen.h"

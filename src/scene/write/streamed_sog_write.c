@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "levels_internal.h"
+#include "held_levels_internal.h"
 #include "src/base/exponential.h"
 #include "src/base/files_internal.h"
 #include "src/base/number.h"

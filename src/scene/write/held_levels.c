@@ -1,4 +1,4 @@
-#include "levels_internal.h"
+#include "held_levels_internal.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Levels of detail of the Gaussians that a writer holds: each has about half of those of the level before. */
-#ifndef FXS_LEVELS_INTERNAL_H
-#define FXS_LEVELS_INTERNAL_H
+#ifndef FXS_HELD_LEVELS_INTERNAL_H
+#define FXS_HELD_LEVELS_INTERNAL_H
 
 #include "scene_write_internal.h"
 
