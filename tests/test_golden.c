@@ -24,7 +24,7 @@ typedef struct golden {
 } golden;
 
 #define RGBA8 FXS_FORMAT_RGBA8
-#define OPTIONS(cutoff, degree, r, g, b) {FXS_CUTOFF_##cutoff, degree, {r, g, b}, NULL, NULL}
+#define OPTIONS(of, degree, r, g, b) {.cutoff = FXS_CUTOFF_##of, .sh_degree = degree, .background = {r, g, b}}
 
 static const golden cases[] = {
     /* project, shade: degree 3 on an object; blend: opaque surfaces, early stop */
