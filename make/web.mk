@@ -9,7 +9,7 @@ WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
-WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c src/base/crc32.c src/scene/fxs_file.c \
+WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_paged.c src/base/crc32.c src/scene/fxs_file.c \
             $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c) src/scene/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
@@ -64,7 +64,7 @@ endif
 
 WASM := $(MODULES:%=$(WEB)/%.wasm)
 
-PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js read.js thread.js fixsplat.d.ts package.json README.md LICENSE) \
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js read.js paged.js store.js thread.js fixsplat.d.ts package.json README.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package

@@ -41,6 +41,35 @@ export interface LoadOptions {
    * require-corp. The pictures do not depend on the number of threads.
    */
   threads?: number
+  /**
+   * How an .fxs with levels of detail is loaded from an http address that ends in .fxs, of a server that answers ranges.
+   * `load` then fetches no more than the tables of the file and the coarsest parts. Pictures are drawn at once, by what
+   * is there, and what they lack is fetched, the most important first; `changed` tells when to draw again. Once nothing
+   * is missing, a picture has the bytes that the whole file gives. False: the whole file is downloaded first, as from
+   * any other server.
+   */
+  paging?: false | Paging
+}
+
+/** Options of scenes that come in parts. */
+export interface Paging {
+  /** Bytes of memory for the parts that are there, beside 290 bytes of tables for each 256 Gaussians; 512e6 by default,
+      and less where there is no room. What was not wanted for longest goes first, the coarsest parts stay. A picture
+      can have a `budget` of half the Gaussians that have room; without a budget it has at most 1,000,000, and all of
+      a smaller scene. */
+  memory?: number
+  /** Bytes that the browser keeps on disk for the next visit, of all scenes together; 1e9 by default, and 0 for none.
+      They are kept by address and version, so the server must send ETag or Last-Modified, and the page must be secure.
+      Not in Node. */
+  cache?: number
+  /** Requests at a time; 6 by default. */
+  requests?: number
+  /** Milliseconds without a byte after which a request is given up; 30000 by default. */
+  silence?: number
+  /** A function that is called when parts have come, at most every 50 ms; and with an Error, once, when no more can
+      come, as the file has changed on the server, is damaged, or the server fails again and again. The scene can still
+      be drawn. After an error of the network, pictures ask again. */
+  changed?: (error?: Error) => void
 }
 
 /** How far `load` has come. */
@@ -265,6 +294,10 @@ export class Scene {
   readonly count: number
   /** Whether it has levels of detail, of which `budget` and `detail` make use. */
   readonly levels: boolean
+  /** Whether it comes in parts; see `LoadOptions.paging`. */
+  readonly paged: boolean
+  /** Why no more parts come, or null. */
+  readonly failure: Error | null
   /** The degree of its SH, 0 to 3. */
   readonly shDegree: number
   /** How the scene is packed. */
@@ -282,7 +315,7 @@ export class Scene {
   /** The number of threads that draw the scene at the moment. Pictures do not wait for threads that have not started
       yet. */
   readonly threads: number
-  /** A copy of the packed scene, which has the bytes of an .fxs file. */
+  /** A copy of the packed scene, which has the bytes of an .fxs file. Throws an Error where it comes in parts. */
   readonly packed: Uint8Array
   /** Draws the scene by itself, as the function `render` draws objects. */
   render(camera: Camera, options: TargetOptions): Frame
@@ -292,6 +325,10 @@ export class Scene {
   renderStereo(left: Camera, right: Camera, options?: StereoOptions): [Uint8ClampedArray, Uint8ClampedArray]
   /** Finds the Gaussian of the scene at a pixel, as the function `pick` does. */
   pick(x: number, y: number, camera?: Camera, options?: FrameOptions): Picked | null
+  /** The same as the function `foresee`, for the scene by itself. */
+  foresee(camera?: Camera, options?: FrameOptions): number
+  /** Waits until nothing is missing that a picture of the scene needs. Rejected where that is not to be had. */
+  complete(camera?: Camera, options?: FrameOptions): Promise<void>
   /** Frees the memory of the scene. It may be called again. */
   free(): void
 }
@@ -313,6 +350,10 @@ export function renderStereo(
 export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options?: StereoOptions,
 ): [Uint8ClampedArray, Uint8ClampedArray]
+
+/** For scenes that come in parts (`LoadOptions.paging`): has fetched what a picture from this camera will lack, after all
+    that the last picture lacks. Draws nothing, and does not wait. Returns the number of parts that are missing. */
+export function foresee(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): number
 
 /** Finds the Gaussian that contributes most to the pixel in column x and row y, counted from 0 at the top left. Returns
     null where no Gaussian contributes. */

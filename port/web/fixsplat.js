@@ -1,7 +1,7 @@
 // The package for browsers and Node. It draws pictures with the same bytes as the library in C, in WebAssembly.
 // fixsplat.d.ts describes all functions and classes that a program can use.
 
-import { Files, inNode } from './read.js'
+import { Files, inNode, nameOf, urlOf } from './read.js'
 
 const SHOWN = 100000            // Gaussians of a preview, at most
 const PAUSE = 400               // milliseconds before the first, and at least between two
@@ -56,6 +56,8 @@ class Module {
     this.c.may_wait?.(mayWait() ? 1 : 0)
     this.stack = this.c.__stack_pointer?.value
     this.scenes = 0
+    this.pagers = []            // of the placed scenes that come in parts
+    this.ahead = false          // whether what is drawn is not to be shown yet
   }
 
   /** What the module wants of OpenGL: the functions of webgl.js that are `this.gl` when they are called. */
@@ -108,7 +110,9 @@ class Module {
   /** What a function returned that draws. Where it trapped, threads are done with its memory before that is freed. */
   draw(name, ...args) {
     try {
-      return this.check(this.c[name](...args))
+      const result = this.check(this.c[name](...args))
+      for (const pager of this.pagers) pager.looked(this.ahead)
+      return result
     } catch (error) {
       this.c.settle?.()
       if (this.stack) this.c.__stack_pointer.value = this.stack
@@ -287,7 +291,7 @@ function previewsOf(files, options) {
     let scene
     try {
       const bytes = await importAll(files, quietly, share, SHOWN)
-      if (bytes.length) scene = new Scene(await coreFor(options), files.all[0].name, bytes)
+      if (bytes.length) scene = sceneOf(await coreFor(options), files.all[0].name, bytes)
     } catch {
       return                    // the scene itself is what counts, and its error
     }
@@ -297,42 +301,63 @@ function previewsOf(files, options) {
   }
 }
 
+/** The same as bytes: an .fxs file. */
+function sceneOf(core, name, bytes) {
+  const text = core.copyText(name)
+  let data
+  try {
+    data = core.copy(bytes)
+    const at = core.place(core.c.open(text, data, bytes.length))
+    return new Scene(core, { name, at, data, bytes: bytes.length, facts: core.get(0, 10) })
+  } catch (error) {
+    core.c.release(data)
+    throw error
+  } finally {
+    core.c.release(text)
+  }
+}
+
+/** The scene of an .fxs with levels of detail that comes in parts; or an answer that has the whole file, or nothing. */
+async function paged(source, options) {
+  if (options.paging === false || !(typeof source === 'string' || source instanceof URL)) return {}
+  const url = await urlOf(String(source)).catch(() => null)
+  if (!url || !/^https?:$/.test(url.protocol) || !/\.fxs$/i.test(url.pathname)) return {}
+  const { openPaged } = await import('./paged.js')
+  const { core, pager, at, facts, answer } = await openPaged(url, nameOf(url), () => coreFor(options), options)
+  return { answer, scene: pager && new Scene(core, { name: nameOf(url), at, pager, bytes: pager.bytes, facts }) }
+}
+
 export async function load(source, options = {}) {
   const files = new Files()
   const preview = previewsOf(files, options)
   coreFor(options).catch(() => {})   // begun early; who waits for it hears of it
+  const { scene, answer } = await paged(source, options)
+  if (scene) return scene
   const file = await files.open(source, async (file, share) => {
     options.progress?.({ stage: 'download', done: share, bytes: file.there })
     if (file.there < 4 || file.isPacked) return
     compile('import').catch(() => {})
     if (share < 1) await preview(share, false)
-  })
+  }, answer && Promise.resolve(answer))
   if (!file.isPacked) await preview(1, true)
   const bytes = file.isPacked ? file.bytes : await importAll(files, options)
-  return new Scene(await coreFor(options), file.name, bytes)   // anew, where end() was called meanwhile
+  return sceneOf(await coreFor(options), file.name, bytes)   // anew, where end() was called meanwhile
 }
 
 export class Scene {
   #core
   #data
   #scene
+  #pager
 
-  constructor(core, name, bytes) {
+  constructor(core, { name, at, data, pager, bytes, facts }) {
+    const [count, shDegree, profile, ...rest] = facts
     this.#core = core
-    const text = core.copyText(name)
-    try {
-      this.#data = core.copy(bytes)
-      this.#scene = core.place(core.c.open(text, this.#data, bytes.length))
-    } catch (error) {
-      core.c.release(this.#data)
-      throw error
-    } finally {
-      core.c.release(text)
-    }
-    const [count, shDegree, profile, ...box] = core.get(0, 9)
-    const levels = core.get(9, 10)[0] === 1
-    Object.assign(this, { name, count, levels, shDegree, profile: ['default', 'compact', 'small'][profile] })
-    Object.assign(this, { low: box.slice(0, 3), high: box.slice(3), bytes: bytes.length })
+    this.#data = data
+    this.#scene = at
+    this.#pager = pager
+    Object.assign(this, { name, count, shDegree, profile: ['default', 'compact', 'small'][profile], bytes })
+    Object.assign(this, { low: rest.slice(0, 3), high: rest.slice(3, 6), levels: rest[6] === 1, paged: !!pager })
     core.scenes++
     core.chosen = null   // of a scene that lay here before
   }
@@ -345,7 +370,7 @@ export class Scene {
   /** Its module and place there; no part of the interface. */
   get inside() {
     if (!this.#scene) throw new Error(`${this.name}: was freed`)
-    return [this.#core, this.#scene]
+    return [this.#core, this.#scene, this.#pager]
   }
 
   /** Where it is seen from at first. */
@@ -366,7 +391,20 @@ export class Scene {
 
   /** The packed scene: an .fxs file. */
   get packed() {
-    return this.inside && this.#core.bytes(this.#data, this.bytes).slice()
+    if (this.inside[2]) throw new Error(`${this.name}: only parts of it are here: load it with \`paging: false\``)
+    return this.#core.bytes(this.#data, this.bytes).slice()
+  }
+
+  get failure() {
+    return this.#pager?.failure ?? null
+  }
+
+  foresee(camera, options) {
+    return foresee([{ scene: this }], camera, options)
+  }
+
+  async complete(camera, options) {
+    while (lookFor([{ scene: this }], camera, options, false)) await this.inside[2].arrival()
   }
 
   render(camera, options) {
@@ -383,8 +421,13 @@ export class Scene {
 
   free() {
     if (!this.#scene) return
-    this.#core.c.release(this.#scene)
-    this.#core.c.release(this.#data)
+    if (this.#pager) {
+      this.#core.pagers = this.#core.pagers.filter((pager) => pager !== this.#pager)
+      this.#pager.end()
+    } else {
+      this.#core.c.release(this.#scene)
+      this.#core.c.release(this.#data)
+    }
     this.#core.scenes--
     this.#scene = 0
   }
@@ -419,6 +462,7 @@ function placeAll(objects) {
   const [core] = objects[0].scene.inside
   core.check(core.c.begin(objects.length))
   objects.forEach((object, i) => placeObject(core, object, i))
+  core.pagers = [...new Set(objects.map(({ scene }) => scene.inside[2]))].filter(Boolean)
   return core
 }
 
@@ -479,25 +523,36 @@ function begin(objects, camera, options) {
 /** Bytes, or 0; no more than there may be. */
 const limitOf = ({ maxMemory = 0 }) => Math.min(maxMemory, 2 ** 32 - 1)
 
+/** The budget that is asked for; of scenes that come in parts there is one always, unless they are small. */
+function budgetOf({ pagers }, { budget }) {
+  if (budget !== undefined && !(Number.isInteger(budget) && budget >= 0))
+    throw new Error(`budget ${budget}: expected a number of Gaussians`)
+  const most = Math.min(...pagers.map((pager) => pager.most))
+  if (budget && budget > most)
+    throw new Error(`budget ${budget}: the pool has room for ${most}; a larger \`paging.memory\` has room for more`)
+  return Math.min(budget || Math.min(...pagers.map((pager) => pager.budget || Infinity)), 2 ** 32 - 1)
+}
+
 /** What bounds a frame: Gaussians, the size that detail has in 1/256 of a pixel, memory. */
-function boundsOf({ budget = 0, detail = 0, ...options }) {
-  if (!(Number.isInteger(budget) && budget >= 0)) throw new Error(`budget ${budget}: expected a number of Gaussians`)
+function boundsOf(core, options) {
+  const { detail = 0 } = options
+  const budget = budgetOf(core, options)
   if (!(detail >= 0 && detail <= 16384)) throw new Error(`detail ${detail}: expected pixels, at most 16384`)
-  return [Math.min(budget, 2 ** 32 - 1), Math.round(256 * detail), limitOf(options)]
+  return [budget === 2 ** 32 - 1 ? 0 : budget, Math.round(256 * detail), limitOf(options)]
 }
 
 /** What every frame takes of its options. */
-const valuesOf = ({ background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) => [
+const valuesOf = (core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) => [
   background,
   shDegree,
   cutoff === 'square' ? 1 : 0,
-  ...boundsOf(options),
+  ...boundsOf(core, options),
 ]
 
-/** What a module drew last: Gaussians, and chunks that were not there. */
+/** What a module drew last: Gaussians, and parts of scenes that were not there. */
 function drawnBy(core) {
   const [drawn, missing] = core.get(0, 2)
-  return { drawn, missing }
+  return { drawn, missing: missing + core.pagers.reduce((sum, pager) => sum + pager.pending, 0) }
 }
 
 // The numbers of targets, and how many a pixel has; those of core.c, in its order.
@@ -568,7 +623,7 @@ function draw(core, width, height, eyes, options) {
     const places = Array(7 * eyes).fill(0)
     plans.forEach((parts, eye) => parts.forEach(({ place, at }) => (places[7 * eye + place] = block + at)))
     core.put(...places)
-    core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(options))
+    core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(core, options))
     const facts = { width, height, ...drawnBy(core) }
     return plans.map((parts) => (targets ? { ...facts, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
   } finally {
@@ -586,9 +641,25 @@ export function renderStereo(objects, left, right, options = {}) {
   return draw(core, width, height, 2, options)
 }
 
+/** Has what a picture lacks fetched, and says how much that is. */
+function lookFor(objects, camera = {}, options = {}, ahead = true) {
+  const [core] = begin(objects, camera, options)
+  core.ahead = ahead
+  try {
+    if (core.pagers.length) core.draw('foresee', ...boundsOf(core, options))
+  } finally {
+    core.ahead = false
+  }
+  return core.pagers.reduce((sum, pager) => sum + pager.lacking + pager.pending, 0)
+}
+
+export function foresee(objects, camera, options) {
+  return lookFor(objects, camera, options)
+}
+
 export function pick(x, y, objects, camera = {}, options = {}) {
   const [core] = begin(objects, camera, options)
-  if (!core.draw('pick', x, y, ...boundsOf(options))) return null
+  if (!core.draw('pick', x, y, ...boundsOf(core, options))) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
 }
@@ -659,7 +730,7 @@ class Drawn {
     if (!into && (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height) && !this.lost)
       throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
     core.gl = this.#functions
-    const values = [x, y, alpha ? 1 : 0, ...valuesOf(options)]
+    const values = [x, y, alpha ? 1 : 0, ...valuesOf(core, options)]
     let failure
     try {
       core.gl.call((gl) => core.draw('gl_render', this.#place, this.#quads, gl.nameOf(framebuffer), ...values))

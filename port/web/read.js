@@ -36,12 +36,12 @@ class SourceFile {
 
 // ---- Addresses ------------------------------------------------------------------------------------------------
 
-async function urlOf(text) {
+export async function urlOf(text) {
   if (!inNode) return new URL(text, globalThis.document?.baseURI ?? globalThis.location?.href)
   return /^[a-z]+:\/\//i.test(text) ? new URL(text) : (await import('node:url')).pathToFileURL(text)
 }
 
-function nameOf(url) {
+export function nameOf(url) {
   const name = url.pathname.split('/').pop() || 'scene'
   try {
     return decodeURIComponent(name)
@@ -50,8 +50,8 @@ function nameOf(url) {
   }
 }
 
-async function answerOf(name, url) {
-  const answer = await fetch(url).catch((cause) => {
+async function answerOf(name, url, begun = fetch(url)) {
+  const answer = await begun.catch((cause) => {
     const words = 'cannot be reached. Is the address right, and does its server allow other pages to read it?'
     throw new Error(`${name}: ${words}`, { cause })
   })
@@ -60,9 +60,10 @@ async function answerOf(name, url) {
   return answer
 }
 
-/** `came` hears of each part, with the share of the whole that has come, where the server says how much that is. */
-async function download(name, url, came) {
-  const answer = await answerOf(name, url)
+/** `came` hears of each part, with the share of the whole that has come, where the server says how much that is.
+    `begun`: the answer, where there is one already. */
+async function download(name, url, came, begun) {
+  const answer = await answerOf(name, url, begun)
   const total = answer.headers.get('content-encoding') ? 0 : Number(answer.headers.get('content-length'))
   if (total > MOST) throw new SourceFile(name, []).tooLarge(total)
   const file = new SourceFile(name, new Uint8Array(total || 65536), 0)
@@ -84,8 +85,8 @@ async function download(name, url, came) {
   return file
 }
 
-async function fromUrl(url, came) {
-  if (!inNode || url.protocol !== 'file:') return download(nameOf(url), url, came)
+async function fromUrl(url, came, begun) {
+  if (!inNode || url.protocol !== 'file:') return download(nameOf(url), url, came, begun)
   return new SourceFile(nameOf(url), await (await import('node:fs/promises')).readFile(url))
 }
 
@@ -108,13 +109,13 @@ export class Files {
   #beside = async () => undefined
 
   /** Opens whatever `load` takes. */
-  async open(source, came) {
-    const first = await this.#first(source, came)
+  async open(source, came, begun) {
+    const first = await this.#first(source, came, begun)
     this.#files.set(first.name, first)
     return first
   }
 
-  async #first(source, came) {
+  async #first(source, came, begun) {
     if (source instanceof ArrayBuffer) return new SourceFile('scene', new Uint8Array(source))
     if (ArrayBuffer.isView(source))
       return new SourceFile('scene', new Uint8Array(source.buffer, source.byteOffset, source.byteLength))
@@ -125,7 +126,7 @@ export class Files {
     return fromUrl(url, (file, share) => {
       this.#files.set(file.name, file)
       return came(file, share)
-    })
+    }, begun)
   }
 
   /** Of files, that which names the others. */

@@ -13,6 +13,30 @@ enum { NUMBERS = 80 };
 __attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
                                        uint32_t jobs);
 
+/* A scene in the memory of the module. Of one whose chunks come in parts (web_paged.c), `data` holds the header of the
+   file, all tables and a pool of rows. */
+typedef struct fxs_web_scene {
+    fxs_scene scene;               /* the first, as fxs_options.want gets its address */
+    const void *data;              /* begins with the header of the file */
+    double low[3], high[3];        /* bounds of its visible part */
+
+    fxs_scene coarse;              /* what a first view is chosen by */
+    uint32_t *stamps;              /* of each place in the pool, the last turn that wanted it */
+    uint32_t *wanted;              /* chunks that were not there, what is needed most first */
+    uint32_t wanted_count, turn;
+} fxs_web_scene;
+
+/* An fxs_want_fn of these scenes, without an argument. */
+void fxs_web_want(void *argument, const fxs_scene *scene, uint32_t chunk, int there);
+
+/* The array for numbers, and the message of `words`. */
+double *fxs_web_numbers(void);
+struct fxs_message *fxs_web_message(void);
+
+/* Fills in the bounds by the header in `data`, and puts count, SH degree, profile, low, high and whether there are levels
+   of detail into the numbers. */
+void fxs_web_describe(fxs_web_scene *scene);
+
 /* A frame of the objects and the camera that were set before. */
 typedef struct fxs_web_frame {
     const fxs_context *context;

@@ -56,6 +56,16 @@ char *fxs_web_text(void)
     return message.text;
 }
 
+fxs_message *fxs_web_message(void)
+{
+    return &message;
+}
+
+double *fxs_web_numbers(void)
+{
+    return numbers;
+}
+
 /* malloc returns blocks aligned to 64 here. */
 EXPORT(allocate) void *fxs_web_allocate(size_t bytes)
 {
@@ -79,32 +89,32 @@ double tan(double x)
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-typedef struct loaded {
-    fxs_scene scene;
-    const void *data;
-    double low[3], high[3];        /* bounds of its visible part */
-} loaded;
-
-/* Checks a whole packed scene. Out: count, SH degree, profile; low and high; whether it has levels of detail. */
-EXPORT(open) loaded *fxs_web_open(const char *name, const void *data, size_t bytes)
+void fxs_web_describe(fxs_web_scene *s)
 {
     fxs_packed_header header;
-    loaded *l = NULL;
-    if (fxs_file_check(name, data, bytes, 1, &message) || !(l = fxs_web_allocate(sizeof *l)))
-        return NULL;
-    fxs_scene_open(&l->scene, data, bytes);
-    l->data = data;
-    memcpy(&header, data, sizeof header);
+    memcpy(&header, s->data, sizeof header);
     for (int i = 0; i < 3; i++) {
-        l->low[i] = (double)header.inner_low_q32[i] * 0x1p-32;
-        l->high[i] = (double)header.inner_high_q32[i] * 0x1p-32;
+        s->low[i] = (double)header.inner_low_q32[i] * 0x1p-32;
+        s->high[i] = (double)header.inner_high_q32[i] * 0x1p-32;
     }
-    numbers[0] = l->scene.count;
-    numbers[1] = l->scene.sh_degree;
-    numbers[2] = l->scene.profile;
-    memcpy(numbers + 3, l->low, 2 * sizeof l->low);
-    numbers[9] = l->scene.nodes != NULL;
-    return l;
+    numbers[0] = s->scene.count;
+    numbers[1] = s->scene.sh_degree;
+    numbers[2] = s->scene.profile;
+    memcpy(numbers + 3, s->low, 2 * sizeof s->low);
+    numbers[9] = s->scene.nodes != NULL;
+}
+
+/* Checks a whole packed scene. Out: as fxs_web_describe. */
+EXPORT(open) fxs_web_scene *fxs_web_open(const char *name, const void *data, size_t bytes)
+{
+    fxs_web_scene *s = NULL;
+    if (fxs_file_check(name, data, bytes, 1, &message) || !(s = fxs_web_allocate(sizeof *s)))
+        return NULL;
+    memset(s, 0, sizeof *s);
+    fxs_scene_open(&s->scene, data, bytes);
+    s->data = data;
+    fxs_web_describe(s);
+    return s;
 }
 
 /* ---- Objects ----------------------------------------------------------------------------------------------------- */
@@ -124,7 +134,7 @@ EXPORT(begin) int fxs_web_begin(uint32_t count)
     return objects && crops ? 0 : said(FXS_ERR_MEMORY);
 }
 
-static void grow_box(const loaded *l, const fxs_placement *p)
+static void grow_box(const fxs_web_scene *l, const fxs_placement *p)
 {
     double l_low[3], l_high[3];
     if (!p->visible || !fxs_placement_box(p, l->low, l->high, l_low, l_high))
@@ -142,7 +152,7 @@ static uint32_t id_of(double x)
 
 /* Adds an object. In: translation, rotation (w, x, y, z), scale, opacity, tint, visible, id, number of crops; then low,
    high and outside of each crop. */
-EXPORT(place) int fxs_web_place(const loaded *l)
+EXPORT(place) int fxs_web_place(const fxs_web_scene *l)
 {
     fxs_placement p = {0, {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5], numbers[6]},
                        numbers[7], numbers[8], {numbers[9], numbers[10], numbers[11]}, numbers[12] != 0,
@@ -191,7 +201,16 @@ EXPORT(see_all) int fxs_web_see_all(int width, int height)
 EXPORT(choose) int fxs_web_choose(void)
 {
     fxs_first_choice first;
-    const int error = fxs_first_view_choose(&first, &context, objects, object_count, low, high, &message);
+    fxs_object *seen = fxs_allocate(NULL, object_count, sizeof *seen);
+    if (!seen)
+        return said(FXS_ERR_MEMORY);
+    for (uint32_t i = 0; i < object_count; i++) {
+        seen[i] = objects[i];
+        if (seen[i].scene->places)
+            seen[i].scene = &((const fxs_web_scene *)(const void *)seen[i].scene)->coarse;
+    }
+    const int error = fxs_first_view_choose(&first, &context, seen, object_count, low, high, &message);
+    free(seen);
     if (!error)
         memcpy(numbers, &first, sizeof first);
     return error;
@@ -208,7 +227,7 @@ EXPORT(see_first) int fxs_web_see_first(int width, int height)
 
 /* Out: the start view of a scene for a picture of 2 x 2 pixels: fy, position, rotation (world to camera, rows). Returns
    1, or 0 where it has none. */
-EXPORT(start_view) int fxs_web_start_view(const loaded *l)
+EXPORT(start_view) int fxs_web_start_view(const fxs_web_scene *l)
 {
     if (!fxs_view_of_start(&view, l->data, 2, 2))
         return 0;
@@ -219,7 +238,7 @@ EXPORT(start_view) int fxs_web_start_view(const loaded *l)
 }
 
 /* The start view of a scene, which is the only object. `near`: 0: by its box. Returns 1, or 0 where it has none. */
-EXPORT(see_start) int fxs_web_see_start(const loaded *l, double near, int width, int height)
+EXPORT(see_start) int fxs_web_see_start(const fxs_web_scene *l, double near, int width, int height)
 {
     if (!fxs_view_of_start(&view, l->data, width, height))
         return 0;
@@ -266,6 +285,17 @@ static void *frame_memory(const fxs_request *request, size_t *bytes, size_t limi
     return working = fxs_web_allocate(*bytes);
 }
 
+/* What is wanted counts anew for a frame, and for a foresight. */
+static void begin_turn(void)
+{
+    for (uint32_t i = 0; i < object_count; i++)
+        if (objects[i].scene->places) {
+            fxs_web_scene *s = (fxs_web_scene *)(uintptr_t)objects[i].scene;
+            s->turn++;
+            s->wanted_count = 0;
+        }
+}
+
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, uint32_t budget,
                         uint32_t detail_q8, size_t limit)
 {
@@ -281,6 +311,8 @@ int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree
     r->options.cutoff = square ? FXS_CUTOFF_SQUARE : FXS_CUTOFF_MAHALANOBIS;
     r->options.budget = budget;
     r->options.detail_q8 = detail_q8;
+    r->options.want = fxs_web_want;
+    begin_turn();
     frame->memory = frame_memory(r, &frame->bytes, limit);
     return frame->memory ? 0 : FXS_ERR_MEMORY;
 }
@@ -326,6 +358,15 @@ EXPORT(render) int fxs_web_render(int format, int depth_bits, int exact, uint32_
     for (uint32_t eye = 0; eye < eyes; eye++)
         take_targets(&f.request.targets[eye], numbers + 7 * eye, format, depth_bits);
     return fxs_web_frame_end(&f, fxs_render(&context, &f.request, f.memory, f.bytes, &f.stats));
+}
+
+/* Finds what a frame would lack of scenes that come in parts; draws nothing. */
+EXPORT(foresee) int fxs_web_foresee(uint32_t budget, uint32_t detail_q8, size_t limit)
+{
+    fxs_web_frame f;
+    if (fxs_web_frame_begin(&f, 0, 3, 0, budget, detail_q8, limit))
+        return FXS_ERR_MEMORY;
+    return fxs_web_frame_end(&f, fxs_foresee(&context, &f.request, f.memory, f.bytes));
 }
 
 /* Finds the Gaussian at a pixel: 1, or 0 where there is none. Out: index of the object, Gaussian, depth, position. */

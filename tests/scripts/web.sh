@@ -157,8 +157,9 @@ both_at_most() {
 check "builds" builds "$B/web/test_kernels.wasm"
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-# Some 4.3 KB of core, 2.6 of simd and 1.9 of threads are the cut through levels of detail.
-for size in core.wasm:50000 simd.wasm:76500 threads.wasm:76800 import.wasm:160000 fixsplat.js:40000; do
+# Some 4.3 KB of core, 2.6 of simd and 1.9 of threads are the cut through levels of detail, and 1.4 of each scenes that
+# come in parts.
+for size in core.wasm:51500 simd.wasm:77800 threads.wasm:78100 import.wasm:160000 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000
@@ -187,6 +188,15 @@ check "detail of two objects, one with levels" same_picture '{"eye":[1,-2,-9]}' 
     '{"width":200,"height":150,"detail":2.5,"budget":9000}' '[{},{"translation":[1,0.5,-2]}]' \
     "$work/levels.fxs" "$other" -- --size 200x150 --eye 1,-2,-9 --place "$other:1,0.5,-2" --detail 2.5 --budget 9000
 check "what budgets draw" web budgets "$work/levels.fxs"
+pages() {
+    "$B/fixsplat" make-scene knot --count 150000 -o "$work/150000.ply" >/dev/null &&
+        "$B/fixsplat" convert "$work/150000.ply" "$work/paged.fxs" --levels --profile small >/dev/null 2>&1 &&
+        want=$("$B/fixsplat" render "$work/paged.fxs" --size 200x150 --eye 2,-1,-4 --budget 6000 --hash)
+}
+check "makes a scene that comes in parts" pages
+node --no-warnings tests/web/paging.mjs "$package" "$work/paged.fxs" "$want" >"$work/asked" 2>&1 ||
+    echo "FAIL paging.mjs: a check above, or it ended early" >>"$work/asked"
+counts
 check "coverage, depths, ids, formats" same_targets
 eyes='--size 128x96 --eye 0,-2,-9 --look 0,-2,0 --near 0.5'
 check "two eyes" same_pair '{"eye":[-0.25,-2,-9],"look":[-0.25,-2,0],"near":0.5}' \

@@ -51,6 +51,11 @@ asks() {
     shift
     node "tests/web/$file" "$package" "$work" "$modules" "$@" >"$work/asked" 2>&1 ||
         echo "FAIL $file: a check above, or it ended early" >>"$work/asked"
+    counts
+}
+
+# counts: what was asked, with its lines of ok and FAIL.
+counts() {
     cat "$work/asked"
     passed=$((passed + $(grep -c '^ok ' "$work/asked"))) failed=$((failed + $(grep -c '^FAIL ' "$work/asked")))
 }

@@ -1,0 +1,196 @@
+/* Scenes whose chunks come in parts: paged.js fetches them, and writes what has come where it is to lie. One block of
+ * memory holds what lies before the rows of the leaves and before those of the nodes, as in the file, and a pool of
+ * rows. Until the header of a chunk has come, it has its parent's, which is seen wherever it is itself; its rows
+ * are missing meanwhile. */
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/packed.h>
+#include <fixsplat/message.h>
+#include "src/core/chunk.h"
+#include "src/scene/fxs_file_internal.h"
+#include "web.h"
+
+enum { WANTED = 16384 };           /* chunks that are asked for at a time, at most */
+
+static fxs_crc32_table table;
+
+void fxs_web_want(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
+{
+    fxs_web_scene *s = (fxs_web_scene *)(uintptr_t)scene;
+    (void)argument;
+    if (there)
+        s->stamps[scene->places[chunk]] = s->turn;
+    else if (s->wanted_count < WANTED)
+        s->wanted[s->wanted_count++] = chunk;
+}
+
+static uint32_t leaves_of(const void *data)
+{
+    fxs_packed_header header;
+    memcpy(&header, data, sizeof header);
+    return header.chunk_count;
+}
+
+/* A header of a file: whether it is one with levels of detail. Out: the bytes of the file by it, those of a chunk's
+   rows, and the number of chunks, those of the levels included. */
+EXPORT(paged_header) int fxs_web_paged_header(const char *name, const void *header)
+{
+    fxs_scene_parts p;
+    fxs_crc32_fill(&table);
+    int error = fxs_file_check_header(name, &table, header, fxs_web_message());
+    if (!error && fxs_scene_find_parts(&p, header))
+        error = fxs_fail(fxs_web_message(), "%s: damaged: its header is out of range", name);
+    if (error)
+        return error;
+    const uint32_t leaves = leaves_of(header);
+    fxs_web_numbers()[0] = (double)p.bytes;
+    fxs_web_numbers()[1] = leaves ? (double)((p.tree - p.rows) / leaves) : 0;
+    fxs_web_numbers()[2] = 2.0 * leaves - 1;
+    return p.bytes > p.tree;
+}
+
+static fxs_web_scene *release(fxs_web_scene *s)
+{
+    if (s) {
+        free((void *)(uintptr_t)s->data);
+        free((void *)(uintptr_t)s->scene.places);
+        free(s->stamps);
+        free(s->wanted);
+        free((void *)(uintptr_t)s->coarse.chunks);
+        free((void *)(uintptr_t)s->coarse.places);
+    }
+    free(s);
+    return NULL;
+}
+
+EXPORT(paged_close) void fxs_web_paged_close(fxs_web_scene *s)
+{
+    release(s);
+}
+
+/* Begins a scene of which only the header is there, with a pool for `places` chunks. Out: the number of leaves; then
+   for the palette, the tree up to the headers of its chunks, these headers, and those of the leaves: where they are to
+   lie, where they begin in the file, and their bytes; then where the rows of leaves and of nodes begin in the file, and
+   where the pool, the places, the stamps and the list of what is wanted lie. */
+EXPORT(paged_open) fxs_web_scene *fxs_web_paged_open(const void *header, uint32_t places)
+{
+    fxs_scene_parts p;
+    fxs_web_scene *s = calloc(1, sizeof *s);
+    if (!s || fxs_scene_find_parts(&p, header))
+        return release(s);
+    const uint32_t leaves = leaves_of(header), chunks = 2 * leaves - 1;
+    const uint64_t pool = p.rows + (p.node_rows - p.tree), bytes = pool + places * ((p.tree - p.rows) / leaves);
+    unsigned char *data = bytes <= SIZE_MAX ? fxs_web_allocate((size_t)bytes) : NULL;
+    uint32_t *where = malloc(chunks * sizeof *where);
+    s->data = data;
+    s->scene.places = where;
+    s->stamps = calloc(places, sizeof *s->stamps);
+    s->wanted = malloc(WANTED * sizeof *s->wanted);
+    if (!data || !where || !s->stamps || !s->wanted)
+        return release(s);
+    memcpy(data, header, sizeof(fxs_packed_header));
+    memset(data + sizeof(fxs_packed_header), 0, (size_t)(p.rows - sizeof(fxs_packed_header)));
+    memset(where, 0xff, chunks * sizeof *where);
+    s->scene.rows = data + pool;
+    const double start = (double)(uintptr_t)data, tree = start + (double)p.rows;
+    const double out[] = {
+        leaves, start + (double)p.palette, (double)p.palette, (double)(p.rows - p.palette),
+        tree, (double)p.tree, (double)(p.node_chunks - p.tree),
+        tree + (double)(p.node_chunks - p.tree), (double)p.node_chunks, (double)(p.node_rows - p.node_chunks),
+        start + sizeof(fxs_packed_header), sizeof(fxs_packed_header), (double)leaves * sizeof(fxs_chunk),
+        (double)p.rows, (double)p.node_rows,
+        start + (double)pool, (double)(uintptr_t)where, (double)(uintptr_t)s->stamps, (double)(uintptr_t)s->wanted};
+    memcpy(fxs_web_numbers(), out, sizeof out);
+    return s;
+}
+
+/* Once palette and tree are there and the headers of the first `there` nodes: checks the tables, and fills in the
+   headers of all other chunks. Out: as fxs_web_describe. */
+EXPORT(paged_spread) int fxs_web_paged_spread(fxs_web_scene *s, const char *name, uint32_t there)
+{
+    const unsigned char *data = s->data, *pool = s->scene.rows;
+    const uint32_t *places = s->scene.places;
+    fxs_scene *scene = &s->scene;
+    fxs_scene_parts p;
+    fxs_message *message = fxs_web_message();
+    fxs_scene_find_parts(&p, data);
+    int error = fxs_scene_open_parts(scene, data, data + p.rows);
+    scene->rows = pool;
+    scene->places = places;
+    if (error)
+        return fxs_fail(message, "%s: damaged: no tree where it should be", name);
+    error = fxs_file_check_heads(name, &table, data, scene, (size_t)(p.rows - p.palette), message);
+    const uint32_t leaves = scene->chunk_count;
+    for (uint32_t i = 0; i < leaves - 1 && !error; i++) {
+        fxs_node node;
+        if (fxs_node_read(&node, scene, i))
+            error = fxs_fail(message, "%s: damaged: node %u of its tree is out of range", name, i);
+        for (int k = 0; k < 2 && !error; k++)
+            if (node.children[k] < leaves || node.children[k] - leaves >= there)
+                memcpy((void *)(uintptr_t)fxs_header(scene, node.children[k]), fxs_header(scene, leaves + i),
+                       sizeof(fxs_chunk));
+    }
+    fxs_web_describe(s);
+    return error;
+}
+
+/* Checks the headers of chunks first to end - 1, which have come. */
+EXPORT(paged_headers) int fxs_web_paged_headers(const fxs_web_scene *s, const char *name, uint32_t first, uint32_t end)
+{
+    fxs_chunk chunk;
+    for (uint32_t i = first; i < end; i++)
+        if (fxs_chunk_read(&chunk, &s->scene, i))
+            return fxs_fail(fxs_web_message(), "%s: damaged: the header of chunk %u is out of range", name, i);
+    return 0;
+}
+
+/* Checks chunks first to end - 1, whose rows have come and have their places. */
+EXPORT(paged_rows) int fxs_web_paged_rows(const fxs_web_scene *s, const char *name, uint32_t first, uint32_t end)
+{
+    int error = 0;
+    for (uint32_t i = first; i < end && !error; i++)
+        error = fxs_file_check_chunk(name, &table, &s->scene, i, fxs_rows(&s->scene, i), fxs_web_message());
+    return error;
+}
+
+/* The first `there` nodes, whose rows have come, are what a first view is chosen by, but for those whose children are
+   both among them. */
+EXPORT(paged_coarse) int fxs_web_paged_coarse(fxs_web_scene *s, uint32_t there)
+{
+    const fxs_scene *scene = &s->scene;
+    const uint32_t leaves = scene->chunk_count;
+    unsigned char *headers = fxs_web_allocate((size_t)there * sizeof(fxs_chunk));
+    uint32_t *places = malloc(there * sizeof *places), count = 0;
+    s->coarse = *scene;
+    s->coarse.nodes = s->coarse.node_chunks = s->coarse.node_rows = NULL;
+    s->coarse.chunks = headers;
+    s->coarse.places = places;
+    if (!headers || !places)
+        return FXS_ERR_MEMORY;
+    for (uint32_t i = 0; i < there; i++) {
+        fxs_node node;
+        const int error = fxs_node_read(&node, scene, i);
+        const int is_open = !error && node.children[0] >= leaves && node.children[0] - leaves < there &&
+                            node.children[1] >= leaves && node.children[1] - leaves < there;
+        if (error || is_open)
+            continue;
+        memcpy(headers + (size_t)count * sizeof(fxs_chunk), fxs_header(scene, leaves + i), sizeof(fxs_chunk));
+        places[count++] = scene->places[leaves + i];
+    }
+    s->coarse.chunk_count = count;
+    s->coarse.count = count * FXS_CHUNK;
+    return 0;
+}
+
+/* How many chunks the last frame or foresight lacked, */
+EXPORT(paged_wanted) uint32_t fxs_web_paged_wanted(const fxs_web_scene *s)
+{
+    return s->wanted_count;
+}
+
+/* and which turn it was. */
+EXPORT(paged_turn) uint32_t fxs_web_paged_turn(const fxs_web_scene *s)
+{
+    return s->turn;
+}

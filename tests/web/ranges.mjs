@@ -1,0 +1,71 @@
+// A server of one file in ranges, for tests: it counts what it sends, sends no faster than it is told, and has faults.
+import { createReadStream, openSync, readSync, statSync } from 'node:fs'
+import { createServer } from 'node:http'
+
+const pause = (ms) => new Promise((done) => setTimeout(done, ms))
+
+/** `faults` is called with { first, end, count } and the request: what it returns changes the answer: { status, headers,
+    bytes (a function of the right ones), cut (bytes that are sent), silent, whole, delay (milliseconds) }. */
+export async function serveRanges(path, { rate = Infinity, faults = () => ({}), more } = {}) {
+  const file = openSync(path)
+  const { size } = statSync(path)
+  const told = { sent: 0, requests: 0, ranges: [], rate, faults, tag: '"one"', modified: 'Mon, 01 Jan 2024 00:00:00 GMT' }
+  let due = performance.now()
+
+  /** All answers share the rate. */
+  async function send(answer, bytes) {
+    for (let at = 0; at < bytes.length && !answer.destroyed; at += 65536) {
+      const part = bytes.subarray(at, at + 65536)
+      due = Math.max(due, performance.now()) + (1000 * part.length) / told.rate
+      if (due - performance.now() > 2) await pause(due - performance.now())
+      told.sent += part.length
+      if (!answer.write(part)) await new Promise((done) => answer.once('drain', done).once('close', done))
+    }
+  }
+
+  const server = createServer(async (request, answer) => {
+    if (more && (await more(request, answer))) return
+    told.requests++
+    const [, from, to] = request.headers.range?.match(/^bytes=(\d+)-(\d+)$/) ?? []
+    const same = !request.headers['if-range'] || request.headers['if-range'] === told.tag
+    const [first, end] = from === undefined ? [0, size] : [Number(from), Math.min(Number(to) + 1, size)]
+    const fault = told.faults({ first, end, count: told.requests }, request) ?? {}
+    if (fault.delay) await pause(fault.delay)
+    const isPart = from !== undefined && same && !fault.whole
+    if (isPart) told.ranges.push([first, end])
+    const headers = { 'accept-ranges': 'bytes', 'access-control-allow-origin': '*', 'cross-origin-resource-policy': 'cross-origin' }
+    if (told.tag) headers.etag = told.tag
+    if (told.modified) headers['last-modified'] = told.modified
+    if (isPart) headers['content-range'] = `bytes ${first}-${end - 1}/${size}`
+    headers['content-length'] = isPart ? end - first : size
+    Object.assign(headers, fault.headers)
+    for (const name of Object.keys(headers)) if (headers[name] === null) delete headers[name]
+    answer.writeHead(fault.status ?? (isPart ? 206 : 200), headers)
+    answer.flushHeaders()
+    if (fault.silent) return
+    if (!isPart && !fault.bytes) {
+      for await (const part of createReadStream(path)) {
+        await send(answer, part)
+        if (answer.destroyed) return
+      }
+      return answer.end()
+    }
+    let bytes = Buffer.alloc(end - first)
+    readSync(file, bytes, 0, bytes.length, first)
+    if (fault.bytes) bytes = fault.bytes(bytes, first)
+    if (fault.cut !== undefined) {
+      await send(answer, bytes.subarray(0, fault.cut))
+      return answer.destroy()
+    }
+    await send(answer, bytes)
+    answer.end()
+  }).listen(0, '127.0.0.1')
+  await new Promise((done) => server.once('listening', done))
+  told.url = `http://127.0.0.1:${server.address().port}/scene.fxs`
+  told.size = size
+  told.close = () => {
+    server.close()
+    server.closeAllConnections()
+  }
+  return told
+}
