@@ -23,6 +23,8 @@ make_scenes() {
 	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]
 	END
     "$B/fixsplat" convert "$work/scene.ply" "$work/levels.fxs" --levels >/dev/null || return 1
+    "$B/fixsplat" make-scene knot --count 60000 -o "$work/large.ply" >/dev/null &&
+        "$B/fixsplat" convert "$work/large.ply" "$work/parts.fxs" --levels >/dev/null || return 1
     "$B/fixsplat" render "$work/scene.ply" --size 64x36 -o "$work/poster.png" >/dev/null
 }
 

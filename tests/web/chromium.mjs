@@ -22,6 +22,9 @@ export const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
 /** Of the package's files, by their names: what changes their text on its way to the page. */
 export const changes = {}
+/** Of scenes that come in parts, which are asked for in ranges: the bytes that were sent, and the seconds of each; what
+    changes their answers. */
+export const ranges = { sent: 0, wait: 0, tag: '"one"' }
 /** Milliseconds until a file comes whose address says slow. */
 const SLOW = 1500
 
@@ -38,10 +41,22 @@ async function answer(request, response) {
     response.setHeader('content-length', 100000)
     response.write(readFileSync(file).subarray(0, 5000), () => setTimeout(() => response.destroy(), 50))
   } else if (changes[path]) response.end(changes[path](readFileSync(file, 'utf8')))
+  else if (search.includes('ranges') && request.headers.range) await answerRange(file, request, response)
   else {
     response.setHeader('content-length', statSync(file).size)
     createReadStream(file).pipe(response)
   }
+}
+
+async function answerRange(file, { headers }, response) {
+  const [first, last] = headers.range.match(/\d+/g).map(Number)
+  const all = readFileSync(file)
+  if (ranges.wait) await pause(1000 * ranges.wait)
+  const bytes = all.subarray(first, last + 1)
+  ranges.sent += bytes.length
+  response.setHeader('etag', ranges.tag)
+  response.setHeader('content-range', `bytes ${first}-${last}/${all.length}`)
+  response.writeHead(206).end(bytes)
 }
 
 const server = createServer(answer).listen(0, '127.0.0.1')

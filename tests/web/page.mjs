@@ -1,10 +1,10 @@
 // node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: what tests/scripts/page.sh asks of the viewer's page.
 import assert from 'node:assert/strict'
-import { existsSync } from 'node:fs'
+import { existsSync, statSync } from 'node:fs'
 import * as chromium from './chromium.mjs'
 import { base, go, hash, inside, moved, native, open, page, pause, picture, shown, still, viewOf } from './chromium.mjs'
 
-const { changed, pictures, rendered, run, scenes, strange, without, wordsOf } = chromium
+const { changed, pictures, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
 const numbersOf = async () => (await viewOf()).split(',').map(Number)
 /** Workers with a scene; the others are threads of theirs. */
 const enginesOf = () => page.workers().filter((worker) => worker.url().endsWith('/worker.js'))
@@ -332,6 +332,74 @@ const tests = {
     await page.keyboard.press('b')
     assert.match(await inside(`return $('note').textContent`), /no levels/)
     assert.equal(await inside(`return $('levels').hidden && v.getAttribute('budget')`), null)
+  },
+
+  async 'a scene in parts: seen at once, whole at rest, and kept for the next visit'() {
+    const PARTS = '?scene=/scenes/parts.fxs%3Franges&budget=15000'
+    const size = statSync(`${scenes}/parts.fxs`).size
+    const exact = async () => {
+      await moved()
+      const n = (await viewOf()).split(',')
+      const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join()]
+      const args = [...camera, '--fov', n[9], '--size', '640x360', '--bg', '0e1116', '--budget', '15000']
+      assert.equal(await hash(), rendered('parts.fxs', ...args))
+    }
+    const kept = () => page.evaluate(async () => (await (await caches.open('fixsplat')).keys()).length)
+    ranges.wait = 0.2
+    await without(
+      () => addEventListener('picture', ({ detail }) => (window.seen ??= []).push(detail.missing), true),
+      async () => {
+        await go(PARTS)
+        await still()
+        const seen = await page.evaluate(() => window.seen)
+        assert.ok(seen.length > 2 && seen[0] > 0 && seen.at(-1) === 0, `${seen}`)
+      }
+    )
+    await exact()
+    const { sent } = ranges
+    assert.ok(sent < 0.9 * size, `${sent} of ${size}`)
+    ranges.wait = 0
+    await page.keyboard.press('ArrowLeft', { delay: 300 })
+    await exact()
+    await inside(`v.setAttribute('backend', 'webgl2')`)
+    await exact()
+    await page.keyboard.press('r')
+    await exact()
+
+    ranges.sent = 0
+    const count = await kept()
+    assert.ok(count > 3)
+    await open(PARTS)
+    await exact()
+    assert.equal(ranges.sent, 192) // the rest was kept
+    await page.evaluate(async () => {
+      const cache = await caches.open('fixsplat')
+      for (const key of await cache.keys()) {
+        const bytes = new Uint8Array(await (await cache.match(key)).arrayBuffer())
+        await cache.put(key, new Response(bytes.fill(9, bytes.length >> 1)))
+      }
+    })
+    await open(PARTS) // damage there is found, and what is right is fetched
+    await exact()
+    assert.ok(ranges.sent > 10000)
+    ranges.tag = '"two"'
+    ranges.sent = 0
+    await open(PARTS) // of another version nothing is left
+    await exact()
+    assert.ok(ranges.sent > 10000 && (await kept()) <= count + 2)
+  },
+
+  async 'a scene in parts that changes on its server: words, and the page goes on'() {
+    ranges.tag = '"three"'
+    await open('?scene=/scenes/parts.fxs%3Franges&budget=3000')
+    ranges.tag = '"four"'
+    await inside(`v.setAttribute('budget', 14000)`)
+    assert.match(await wordsOf(), /has changed on its server/)
+    await moved()
+    await page.keyboard.press('ArrowLeft', { delay: 60 })
+    await moved()
+    await open('?scene=/scenes/parts.fxs&budget=3000') // without ranges: as a whole
+    assert.equal(await inside(`return $('error').hidden`), true)
   },
 
   async 'the faster of two is found by a trial'() {

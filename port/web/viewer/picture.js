@@ -122,6 +122,7 @@ export class Picture {
     return null
   }
 
+  /** Of a scene of which only parts are here there is no copy, and so no trial. */
   async #copy(engine, own) {
     await engine.open(await own.engine.ask('packed'))
     return this.#open(engine, 'webgl2')

@@ -34,6 +34,8 @@ export class Viewer extends HTMLElement {
   #busy = false
   #switching = false
   #changed = false
+  #missing = 0 // parts that the last picture lacked
+  #stuck = false // and that do not come
   #movedAt = -Infinity
   #settings = { sharpness: 1, colours: true }
   #ui
@@ -197,9 +199,20 @@ export class Viewer extends HTMLElement {
 
   #hear(opening, told) {
     if (told.stage === 'lost') this.#redraw(() => this.#picture.lost(told.id))
+    else if (told.stage === 'changed') this.#hearOfParts(opening, told.words)
     else if (!opening || opening !== this.#opening) return
     else if (told.stage === 'preview') this.#take(opening, told.scene).catch(() => {}) // the whole will tell
     else this.#panels.progress(opening.name, told)
+  }
+
+  /** Parts of a scene have come; or, with words, no more will. */
+  #hearOfParts(opening, words) {
+    if (!opening || opening.engine !== this.#engine) return
+    if (words) {
+      this.#stuck = true
+      this.#panels.say(new Error(words))
+    }
+    if (this.#missing || words) this.#change()
   }
 
   async #take(opening, scene) {
@@ -235,6 +248,8 @@ export class Viewer extends HTMLElement {
       if (this.matches(':focus-within')) this.#ui.stage.focus({ focusVisible: false })
     }
     this.#scene = scene
+    this.#missing = 0
+    this.#stuck = false
     this.#source = typeof source === 'string' ? source : ''
     this.setAttribute('open', '')
     this.#panels.entitle(scene)
@@ -364,6 +379,7 @@ export class Viewer extends HTMLElement {
     const { camera } = this.#pilot
     const picture = await this.#picture.draw(this.#pilot.rendered(options), options)
     if (engine !== this.#engine || !picture) return
+    this.#missing = picture.missing ?? 0
     if (!this.#good) this.#panels.greet()
     this.#good = camera
     this.#panels.read(picture)
@@ -386,7 +402,7 @@ export class Viewer extends HTMLElement {
     if (this.#changed) return requestAnimationFrame(() => this.#draw())
     clearTimeout(this.timer)
     if (this.#isMoving || divisor > 1) this.timer = setTimeout(() => this.#change(), STILL_MS)
-    else if (this.#opening) this.state = 'loading'
+    else if (this.#opening || (this.#missing && !this.#stuck)) this.state = 'loading'
     else this.#rest()
   }
 

@@ -2,11 +2,14 @@
 import { load, png, Screen } from '../fixsplat.js'
 
 const PREVIEW_MS = 1000 // at most, until the page has drawn what there is
+const AHEAD_MS = 600 // how far a camera in motion is followed, for parts that are to come
+const STOPPED_MS = 300 // between two pictures: the camera did not move
 const screens = {}
 let scene, how
 let drawn = () => {}
 
-const factsOf = ({ name, count, levels, low, high, first, start }) => ({ name, count, levels, low, high, first, start })
+const factsOf = ({ name, count, levels, paged, low, high, first, start }) =>
+  ({ name, count, levels, paged, low, high, first, start })
 
 /** What has come of a scene so far: loading goes on when it was drawn. */
 function preview(part) {
@@ -40,6 +43,23 @@ async function draw(screen, camera, options) {
   }
 }
 
+let last // the camera of the last picture, and when that was
+
+/** Has fetched what the camera is to see soon, where it goes on as it did. */
+function foresee(camera, options) {
+  if (!scene.paged || scene.failure) return
+  const now = performance.now()
+  const before = last
+  last = { position: camera.position, now }
+  const moved = before && camera.position?.some((x, i) => x !== before.position?.[i])
+  if (!moved || now - before.now > STOPPED_MS) return
+  const far = AHEAD_MS / (now - before.now)
+  const position = camera.position.map((x, i) => x + far * (x - before.position[i]))
+  try {
+    scene.foresee({ ...camera, position }, options)
+  } catch {} // a place where no camera can be
+}
+
 let eyes // what WebGL draws a headset's pictures on: { canvas, screen }
 
 /** Pictures side by side, or null where that failed. */
@@ -63,7 +83,8 @@ const words = {
   async open(source, threads, previews) {
     how = { threads }
     const progress = (progress) => postMessage(progress)
-    const whole = await load(source, { ...how, progress, preview: previews ? preview : undefined })
+    const changed = (error) => postMessage({ stage: 'changed', words: error?.message })
+    const whole = await load(source, { ...how, progress, paging: { changed }, preview: previews ? preview : undefined })
     scene?.free()
     scene = whole
     return factsOf(scene)
@@ -84,6 +105,7 @@ const words = {
     const start = performance.now()
     const screen = screens[id]
     const facts = await draw(screen, camera, options)
+    foresee(camera, options)
     onScreen(drawn)
     return { ...facts, milliseconds: performance.now() - start, lost: screen?.lost }
   },
