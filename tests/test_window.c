@@ -319,6 +319,7 @@ static void test_graph_shows_the_times(void)
 #ifdef FXS_WITH_SDL
 #include <SDL2/SDL.h>
 
+#include <fixsplat/fxs_file.h>
 #include <fixsplat/image_file.h>
 #include "tools/viewer.h"
 
@@ -377,7 +378,7 @@ static int open_file(viewer *v, const frame_options *options, const char *path, 
     frame_options all = *options;
     scene = (char *)path;
     all.world = (world_options){.scenes = &scene, .scene_count = 1};
-    return viewer_open(v, &all, screenshot);
+    return viewer_open(v, &all, screenshot, 0);
 }
 
 /* Steps until all that was asked for is done. */
@@ -666,7 +667,7 @@ static void test_objects(void)
     char *scenes[] = {knot, cubes};
     options.world = (world_options){.scenes = scenes, .scene_count = 2, .places = {"1:30,0,0"}, .place_count = 1};
     options.ortho = 8;
-    if (!CHECK(!viewer_open(&v, &options, 0)))
+    if (!CHECK(!viewer_open(&v, &options, 0, 0)))
         return;
     settle(&v);
     CHECK(v.world.count == 2 && v.world.high[0] > 25 && v.view.projection == FXS_ORTHOGRAPHIC);
@@ -804,7 +805,7 @@ static void test_empty_window(void)
 {
     viewer v;
     const frame_options options = small_options();
-    if (!CHECK(!viewer_open(&v, &options, shot)))
+    if (!CHECK(!viewer_open(&v, &options, shot, 0)))
         return;
     settle(&v);
     push_key('n'), push_key('p'), push_key('z'), push_key('+'), push_key('m'), push_key('b');
@@ -871,6 +872,132 @@ static int shows_painted(const viewer *v, int draws)
     renderer_close(&r);
     picture_free(&expected);
     return same;
+}
+
+/* ---- Levels of detail -------------------------------------------------------------------------------------------- */
+
+/* A knot of 20,000 Gaussians as an .fxs with a tree. */
+static void make_levels(char *path)
+{
+    static char many[] = "20000";
+    char source[sizeof knot];
+    const fxs_open_options how = {.tree = 1};
+    fxs_opened *opened;
+    fxs_message message;
+    make_scene(source, "levels", "knot", many);
+    snprintf(path, sizeof knot, "%s/levels.fxs", folder);
+    if (!CHECK(!fxs_open(source, &how, &opened, &message)))
+        return;
+    CHECK(!fxs_file_write(path, opened->data, opened->bytes, &message));
+    fxs_close(opened);
+}
+
+static int is_picture_of(const viewer *v, const picture *p)
+{
+    return v->picture.width == p->width && !memcmp(v->picture.pixels, p->pixels, (size_t)p->width * (size_t)p->height * 4);
+}
+
+/* The keys of the budget and of the colours; without levels they say so. */
+static void test_levels(void)
+{
+    static char path[sizeof knot];
+    viewer v;
+    const frame_options options = small_options();
+    make_levels(path);
+    if (start(&v, &options))
+        return;
+    key(&v, ',');
+    CHECK(v.options.render.budget == 0 && strstr(v.note, "no levels of detail"));
+    drop(&v, path);
+    CHECK(viewer_has_levels(&v) && viewer_budget_most(&v) == 20000 && v.gaussians >= 20000 && shows(&v, v.view, 64, 48));
+    picture whole = {.pixels = 0};
+    renderer r;
+    CHECK(!renderer_open(&r, &v.options) &&
+          !renderer_render(&r, &v.world, &v.view, &v.options.render, &whole, 0) && is_picture_of(&v, &whole));
+    key(&v, ',');
+    CHECK(v.options.render.budget == 16000 && v.slider && v.gaussians <= 16000 && shows(&v, v.view, 64, 48));
+    for (int i = 0; i < 20; i++)
+        key(&v, ',');
+    CHECK(v.options.render.budget == BUDGET_LEAST && v.gaussians <= BUDGET_LEAST && !is_picture_of(&v, &whole));
+    CHECK(shows(&v, v.view, 64, 48));
+    for (int i = 0; i < 20; i++)
+        key(&v, '.');
+    CHECK(v.options.render.budget == 0 && is_picture_of(&v, &whole));
+    key(&v, 'o');
+    CHECK(v.options.render.show_levels && !is_picture_of(&v, &whole) && shows(&v, v.view, 64, 48));
+    for (int i = 0; i < 4 * v.picture.width * v.picture.height; i += 4)      /* leaves are white: of one brightness */
+        CHECK(v.picture.pixels[i] == v.picture.pixels[i + 1] && v.picture.pixels[i] == v.picture.pixels[i + 2]);
+    key(&v, 'o'), key(&v, 'f');
+    CHECK(is_picture_of(&v, &whole));
+    renderer_close(&r);
+    picture_free(&whole);
+    viewer_close(&v);
+}
+
+/* The budget follows the time of frames, in motion alone and only where it was asked for. */
+static void test_rate(void)
+{
+    static char path[sizeof knot];
+    viewer v;
+    const frame_options options = small_options();
+    make_levels(path);
+    if (!CHECK(!open_file(&v, &options, path, 0)))
+        return;
+    settle(&v);
+    wheel(&v, 1);
+    rest(&v);
+    CHECK(v.options.render.budget == 0);
+    v.rate_wanted = 50;
+    viewer_follow_rate(&v, 40000000, 20000);
+    CHECK(v.options.render.budget == 16000);
+    viewer_follow_rate(&v, 20500000, 16000);
+    CHECK(v.options.render.budget == 16000);
+    viewer_follow_rate(&v, 10000000, 5000);                 /* so few are in sight that the budget is no limit */
+    CHECK(v.options.render.budget == 16000);
+    viewer_follow_rate(&v, 18000000, 15000);
+    CHECK(v.options.render.budget > 17000 && v.options.render.budget < 18000);
+    viewer_follow_rate(&v, 1, 18000);
+    CHECK(v.options.render.budget == 0);
+    for (int i = 0; i < 20; i++)
+        viewer_follow_rate(&v, 1000000000, 9000);
+    CHECK(v.options.render.budget == BUDGET_LEAST);
+    v.rate_wanted = 1000000;
+    wheel(&v, 1);
+    rest(&v);
+    CHECK(v.options.render.budget == BUDGET_LEAST && shows(&v, v.view, 64, 48));
+    viewer_close(&v);
+}
+
+/* From a pool: frame after frame, until nothing is missing; then it is the picture of the mapped file. */
+static void test_pool(void)
+{
+    static char path[sizeof knot];
+    viewer v;
+    frame_options options = small_options();
+    fxs_opened *mapped;
+    fxs_message message;
+    make_levels(path);
+    options.load.pages = 1;
+    options.load.pool = 1 << 20;
+    if (!CHECK(!open_file(&v, &options, path, 0) && !fxs_open(path, 0, &mapped, &message)))
+        return;
+    for (int way = 0; way < 3; way++) {
+        settle(&v);
+        for (int i = 0; i < 500 && v.missing; i++)
+            viewer_step(&v, 20);
+        rest(&v);
+        for (int i = 0; i < 500 && v.missing; i++)
+            viewer_step(&v, 20);
+        settle(&v);
+        CHECK(!v.missing && v.options.render.budget == viewer_budget_most(&v) && v.gaussians <= v.options.render.budget);
+        CHECK(v.world.scenes[0].opened->pager && shows(&v, v.view, 64, 48));
+        v.world.objects[0].scene = mapped->scene;
+        CHECK(shows(&v, v.view, 64, 48));
+        v.world.objects[0].scene = v.world.scenes[0].opened->scene;
+        wheel(&v, way ? -9 : 12);
+    }
+    viewer_close(&v);
+    fxs_close(mapped);
 }
 
 static void test_depths_and_ids(void)
@@ -1082,7 +1209,7 @@ static void test_crop_of_objects(void)
     snprintf(json, sizeof json, text, "1");                      /* a quarter turn */
     write_text(other, "world.json", json);
     options.world.file = other;
-    if (!CHECK(!viewer_open(&v, &options, 0)))
+    if (!CHECK(!viewer_open(&v, &options, 0, 0)))
         return;
     settle(&v);
     const uint32_t all = drawn(&v);
@@ -1096,7 +1223,7 @@ static void test_crop_of_objects(void)
     viewer_close(&v);
     snprintf(json, sizeof json, text, "0.5");
     write_text(other, "world.json", json);
-    if (!CHECK(!viewer_open(&v, &options, 0)))
+    if (!CHECK(!viewer_open(&v, &options, 0, 0)))
         return;
     settle(&v);
     key(&v, 'c');
@@ -1145,7 +1272,7 @@ static void test_crop_not_written(void)
 static int open_empty(viewer *v)
 {
     const frame_options options = small_options();
-    if (!CHECK(!viewer_open(v, &options, 0)))
+    if (!CHECK(!viewer_open(v, &options, 0, 0)))
         return 0;
     settle(v);
     return 1;
@@ -1446,6 +1573,9 @@ int main(void)
     RUN(test_fine_pixels);
     RUN(test_speed);
     RUN(test_two_eyes);
+    RUN(test_levels);
+    RUN(test_rate);
+    RUN(test_pool);
     RUN(test_foveated);
     RUN(test_failures_to_open);
     remove(shot), remove(knot), remove(cubes), remove(junk), remove(cameras);

@@ -28,9 +28,9 @@ const char viewer_keys[] =
     "0 1 2 3        SH degree\n"
     "v              resolution in motion\n"
     "b              back end\n"
-    "f g            frames a second, frame times\n"
-    "t              dark or light words\n"
-    "h              these keys\n"
+    "f g            frames a second and what is drawn, frame times\n"
+    ", . o          budget of Gaussians: fewer, more; colours of the levels\n"
+    "t h            dark or light words, these keys\n"
     "escape         leave the crop box, or quit\n";
 
 #define OPTIONS view_options
@@ -40,6 +40,9 @@ static const option_row window_rows[] = {
     {"screenshot", "OUT", TEXT(screenshot), .help =
      "the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and on, in the "
      "current folder); the command that renders it again is printed, but not for depths, ids and crops"},
+    {"fps", "N", REAL(rate, 1, 1000, "1 to 1000 frames a second"), .help =
+     "of scenes with levels of detail, change the budget while the view moves, so that so many frames a second are drawn "
+     "(default: the budget stays). A picture then depends on how fast the machine is"},
     {0}
 };
 
@@ -180,6 +183,7 @@ const command command_view = {
     "  $ fixsplat view scene.ply --cameras cameras.json --view 8\n"
     "  $ fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
     "  $ fixsplat view city.fxs --budget 1000000 --pool 512M\n"
+    "  $ fixsplat view https://example.org/city.fxs --fps 60\n"
     "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n",
     {{window_rows, 0}, {page_rows, 0}, FRAME_TABLES(view_options), POOL_TABLE(view_options), COMMON_TABLE}
 };

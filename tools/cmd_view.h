@@ -7,6 +7,7 @@
 typedef struct view_options {
     frame_options frame;
     const char *screenshot;
+    double rate;                            /* of --fps; 0: none given */
     int web;                                /* in a page of a browser; the rest is of that: */
     const char *bind, *host, *certificate, *key;
     uint64_t port;

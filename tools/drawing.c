@@ -245,9 +245,12 @@ static int draw_in_part(renderer *r, const world *w, const fxs_request *request,
     wanting.options.want_argument = (void *)(uintptr_t)w;
     for (int tries = 0; tries < TRIES; tries++) {
         fxs_pager_state state;
+        world_turn(w, &state, why);                        /* what has come since the last picture */
         int error = draw(r, &wanting, stats, why);
+        if (!error && (stats->missing == 0 || r->shows_part))
+            r->lost = world_turn(w, &state, &r->why_lost) != 0 && stats->missing;
         if (error || stats->missing == 0 || r->shows_part)
-            return error ? error : (world_turn(w, &state, why), 0);
+            return error;
         tries = stats->missing < least ? 0 : tries;
         least = stats->missing < least ? stats->missing : least;
         error = read_wanted(w, &request->options, &came, why);

@@ -33,6 +33,8 @@ typedef struct renderer {
     foveate_options foveate;
     int shows_part;                         /* of a world of which a part is in memory, a picture is what is there; 0:
                                                it waits until all that it takes has come */
+    int lost;                               /* of such a picture: something of it cannot be read, */
+    fxs_message why_lost;                   /* and why */
     int divisor;                            /* its numbers are of a picture so many times as large; 0: 1 */
     void *rings;                            /* of foveated pictures */
     size_t ring_room;                       /* bytes */

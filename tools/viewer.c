@@ -10,7 +10,7 @@
 #include "views.h"
 #include <fixsplat/packed.h>
 
-enum { STILL_MS = 150, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000, FILM_NS = 1000000000 / FILM_RATE };
+enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000, FILM_NS = 1000000000 / FILM_RATE };
 
 /* ---- Scene and views --------------------------------------------------------------------------------------------- */
 
@@ -103,6 +103,14 @@ static void keep_recent(loading *l)
         note("recent scenes are not kept: %s", message.text);
 }
 
+/* On a pager's thread. */
+static void note_arrived(void *viewer_)
+{
+    viewer *v = viewer_;
+    if (!__atomic_exchange_n(&v->arrived, 1, __ATOMIC_ACQ_REL))
+        fxs_window_wake();
+}
+
 /* On the loader's thread: the scenes and their views, as v->loading says. */
 static void load(void *argument)
 {
@@ -111,6 +119,8 @@ static void load(void *argument)
     load_options how = l->options.load;
     how.progress = fxs_worker_tell;
     how.progress_argument = v->loader;
+    how.arrived = note_arrived;
+    how.arrived_argument = v;
     frame_options all = l->options;
     all.view = "all";
     l->views = 0;
@@ -146,6 +156,7 @@ static void drop(viewer *v, const char *path)
     v->loading.options = v->options;
     v->loading.options.cameras = v->loading.options.view = 0;
     v->loading.options.eye.given = v->loading.options.look.given = 0;
+    v->loading.options.load.pool = 0;
     start_loading(v);
 }
 
@@ -198,7 +209,10 @@ void viewer_install(viewer *v)
     if (l->path)
         v->options.world = (world_options){.scenes = &v->path, .scene_count = 1};
     l->path = 0;
-    v->ends = v->installing = v->cropped = 0;
+    v->ends = v->installing = v->cropped = v->lost = 0;
+    v->gaussians = v->missing = 0;
+    if (world_is_paged(&v->world) && !v->options.render.budget)
+        v->options.render.budget = viewer_budget_most(v);
     v->film = v->film == FILM_TAKEN ? FILM_NONE : v->film;
     find_up(v);
     find_points(v);
@@ -314,6 +328,66 @@ static void take_way(viewer *v, uint64_t now)
         ask_film(v);
 }
 
+/* ---- Levels of detail -------------------------------------------------------------------------------------------- */
+
+int viewer_has_levels(const viewer *v)
+{
+    for (uint32_t i = 0; i < v->world.count; i++)
+        if (v->world.objects[i].scene->nodes)
+            return 1;
+    return 0;
+}
+
+/* Half of a pool is for what comes next, and what was seen just before. */
+uint32_t viewer_budget_most(const viewer *v)
+{
+    uint64_t most = 0;
+    for (uint32_t i = 0; i < v->world.placed.file_count; i++)
+        most += fxs_pager_room(v->world.scenes[i].opened->pager) / 2 * (uint64_t)FXS_CHUNK;
+    most = most && most < v->world.gaussians ? most : v->world.gaussians;
+    return most > BUDGET_LEAST ? (uint32_t)most : BUDGET_LEAST;
+}
+
+/* As many as there are is no budget, where all of them are in memory. */
+static void set_budget(viewer *v, double gaussians)
+{
+    const uint32_t most = viewer_budget_most(v);
+    const double budget = fmin(fmax(gaussians, BUDGET_LEAST), most);
+    v->options.render.budget = budget < most || world_is_paged(&v->world) ? (uint32_t)budget : 0;
+}
+
+static double budget_of(const viewer *v)
+{
+    return v->options.render.budget ? v->options.render.budget : viewer_budget_most(v);
+}
+
+static void change_budget(viewer *v, int key)
+{
+    if (!viewer_has_levels(v)) {
+        snprintf(v->note, sizeof v->note, "no levels of detail: convert --levels makes them");
+        return;
+    }
+    set_budget(v, budget_of(v) * (key == ',' ? 1 / 1.25 : 1.25));
+    v->slider = fxs_clock(0) + SLIDER_MS * 1000000ull;
+    v->changed = 1;
+}
+
+static void toggle_levels(viewer *v, int key)
+{
+    (void)key;
+    v->options.render.show_levels = !v->options.render.show_levels;
+    v->changed = 1;
+}
+
+/* By a quarter at most a frame, and only where the budget is what limits the frame. */
+void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn)
+{
+    const double wanted = 1e9 / v->rate_wanted, budget = budget_of(v);
+    const double change = fmin(fmax(wanted / (double)(nanoseconds ? nanoseconds : 1), 0.8), 1.25);
+    if (viewer_has_levels(v) && (change < 0.95 || (change > 1.05 && drawn > budget / 2)))
+        set_budget(v, fmin(budget, change < 1 ? fmax(drawn, BUDGET_LEAST) : budget) * change);
+}
+
 static void toggle_graph(viewer *v, int key) { (void)key; v->graph = !v->graph; }
 
 static void toggle_rate(viewer *v, int key) { (void)key; v->rate = !v->rate; }
@@ -344,6 +418,7 @@ static void press(viewer *v, int pressed)
                 {'3', 1, choose_degree}, {'b', 1, next_backend}, {'v', 0, next_divisor}, {'+', 1, change_speed},
                 {'=', 1, change_speed}, {'-', 1, change_speed}, {'z', 1, show_other}, {'i', 1, show_other},
                 {'m', 1, toggle_measure}, {'k', 1, toggle_film}, {'f', 0, toggle_rate}, {'g', 0, toggle_graph},
+                {',', 1, change_budget}, {'.', 1, change_budget}, {'o', 1, toggle_levels},
                 {'t', 0, toggle_theme}, {'h', 0, toggle_help}, {'p', 1, screenshot}, {FXS_KEY_ESCAPE, 0, leave}};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (keys[i].key == pressed && (v->path || !keys[i].of_scene)) {
@@ -487,6 +562,7 @@ static int time_to_wait(const viewer *v, int milliseconds)
                        v->coarse && !v->request_count ? milliseconds_until(now, v->moved + STILL_MS * 1000000) : -1,
                        (v->loading.on && !v->installing) || is_writing(v) ? LOADING_MS : -1,
                        v->film == FILM_TAKEN && v->way_count < FILM_MOST ? milliseconds_until(now, v->filmed) : -1,
+                       v->slider ? milliseconds_until(now, v->slider) : -1,
                        v->hint ? milliseconds_until(now, v->hint) : -1};
     for (size_t i = 0; i < sizeof due / sizeof *due; i++)
         if (due[i] >= 0 && (milliseconds < 0 || due[i] < milliseconds))
@@ -516,10 +592,21 @@ static void move(viewer *v, int milliseconds)
     }
     if (v->film == FILM_TAKEN)
         take_way(v, now);
+    if (v->slider && now >= v->slider) {
+        v->slider = 0;
+        v->exposed = 1;
+    }
     if (v->hint && now >= v->hint) {
         v->hint = 0;
         v->exposed = 1;
     }
+}
+
+/* What the last frame lacked is drawn once more of it has come. */
+static void take_arrived(viewer *v)
+{
+    if (v->missing && !v->request_count && __atomic_exchange_n(&v->arrived, 0, __ATOMIC_ACQ_REL))
+        v->changed = 1;
 }
 
 /* Whether what was drawn smaller in motion is to be drawn whole. */
@@ -541,6 +628,7 @@ void viewer_step(viewer *v, int milliseconds)
     collect_loaded(v);
     stop_frame(v);
     viewer_collect(v);
+    take_arrived(v);
     if (v->path && !v->request_count && (v->changed || is_still(v))) {
         ask_frame(v);
         viewer_collect(v);
@@ -579,13 +667,14 @@ static int start(viewer *v)
     return viewer_show(v);
 }
 
-int viewer_open(viewer *v, const frame_options *options, const char *screenshot_path)
+int viewer_open(viewer *v, const frame_options *options, const char *screenshot_path, double rate_wanted)
 {
     fxs_message message;
     memset(v, 0, sizeof *v);
     v->screenshot = screenshot_path;
     v->divisor = 2;
     v->speed = 0.5;
+    v->rate_wanted = rate_wanted;
     v->recent_marked = -1;
     v->options = v->loading.options = *options;
     int status = fxs_window_open(&v->window, &message) ? fail_for(&message) : start(v);
@@ -615,10 +704,10 @@ void viewer_close(viewer *v)
     }
     free(v->loading.path);
     free(v->loading.next);
+    world_close(&v->world);                             /* before the window: its pagers wake that */
     fxs_words_close(v->words);
     if (v->window)
         fxs_window_close(v->window);
-    world_close(&v->world);
     picture_free(&v->picture);
     picture_free(&v->drawn);
     fxs_recent_free(&v->recent);

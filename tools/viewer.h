@@ -27,6 +27,7 @@ typedef struct request {
     fxs_file_view view;
     fxs_options render;
     int divisor, x, y;
+    int moves, shows_part;                  /* of a frame: in motion; what has not come yet is drawn coarser */
     enum viewer_picture shown;
     crop_box crop;
     int status;                             /* of the work; of a pick, as renderer_pick has it */
@@ -37,7 +38,7 @@ typedef struct request {
     fxs_pick_result pick;
 } request;
 
-enum { REQUESTS_MOST = 8, NEAR_POINTS = 1024 };
+enum { REQUESTS_MOST = 8, NEAR_POINTS = 1024, BUDGET_LEAST = 4096 };
 
 /* A scene on its way: all but `status` is the loader's until it is done. */
 typedef struct loading {
@@ -103,13 +104,18 @@ struct viewer {
     int measuring, ends;                    /* the ends that there are, of: */
     double end[2][3];
     fxs_frame_times times;
+    uint32_t gaussians, missing;            /* drawn in the last frame; chunks that it lacks, as they have not come */
+    int arrived;                            /* some have; set atomically by a pager's thread */
+    int lost;                               /* that something cannot be read has been said */
+    double rate_wanted;                     /* frames a second that the budget follows; 0: it does not */
+    uint64_t slider;                        /* until when the budget's slider is shown; 0: it is not */
     char note[256];                         /* shown in the window and its title; empty: none */
 };
 
 /* Opens a window, which shows the scenes when they are there. `options` and `screenshot` (or null) as on the command
    line; without a scene the window waits for one. Returns 0 and a viewer for viewer_close, or prints why not and
    returns the exit status. The viewer stays where it is in between. */
-int viewer_open(viewer *v, const frame_options *options, const char *screenshot);
+int viewer_open(viewer *v, const frame_options *options, const char *screenshot, double rate_wanted);
 void viewer_close(viewer *v);
 
 /* Waits up to so many milliseconds (negative: for ever) for something to do, and does it. v->quit is set at the end,
@@ -168,6 +174,13 @@ void crop_world(world *w, const crop_box *crop);
 
 /* Takes the loaded scenes; nothing is drawn meanwhile. */
 void viewer_install(viewer *v);
+
+/* Whether a scene has levels of detail, and the most Gaussians that a budget may have: all, or what pools hold. */
+int viewer_has_levels(const viewer *v);
+uint32_t viewer_budget_most(const viewer *v);
+
+/* The budget comes nearer to what a frame of so many nanoseconds says of the wanted rate. */
+void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn);
 
 /* ---- viewer_panels.c --------------------------------------------------------------------------------------------- */
 

@@ -173,6 +173,7 @@ static void render(viewer *v, request *r)
     const picture *p = &v->drawn;
     crop_objects(v, &r->crop);
     v->renderer.divisor = r->divisor;
+    v->renderer.shows_part = r->shows_part;
     v->renderer.draws = draws[r->shown];
     r->status = renderer_render(&v->renderer, &v->world, &r->view, &r->render, &v->drawn, &r->stats);
     const fxs_picture out = {p->pixels, p->width, p->height};
@@ -200,7 +201,13 @@ static void take_frame(viewer *v, request *r)
     v->coarse = r->divisor > 1;
     v->moved = v->coarse ? fxs_clock(0) : v->moved;
     v->exposed = 1;
+    v->gaussians = r->stats.drawn;
+    v->missing = r->stats.missing;
     fxs_frame_times_add(&v->times, &r->stats);
+    if (v->rate_wanted > 0 && r->moves)
+        viewer_follow_rate(v, r->stats.frame_nanoseconds, r->stats.drawn);
+    if (v->renderer.lost && !v->lost++)
+        tell(v, v->renderer.why_lost.text);
 }
 
 void ask_frame(viewer *v)
@@ -209,6 +216,8 @@ void ask_frame(viewer *v)
     if (r) {
         r->render.stop = fxs_worker_stopped;
         r->render.stop_argument = v->drawer;
+        r->shows_part = 1;
+        r->moves = v->moving;
     }
     v->changed = v->moving = 0;
 }

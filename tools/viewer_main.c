@@ -10,7 +10,7 @@ int main(int argc, char **argv)
     check_printed_at_exit();
     int status = view_options_take(&o, argc, argv);
     if (!status)
-        status = viewer_open(&v, &o.frame, o.screenshot);
+        status = viewer_open(&v, &o.frame, o.screenshot, o.rate);
     if (status)
         return status;
     fxs_output_remove_at_signals();   /* but for those that the window takes as a wish to close it */

@@ -1,4 +1,5 @@
 /* Words, panels and marks over the picture in the window. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +26,7 @@ static fxs_panel *add(panels *p, int x, int y, int width, int height, int radius
     return &p->list[p->count++];
 }
 
-enum place { TOP_RIGHT, MIDDLE, BOTTOM_LEFT };
+enum place { TOP_RIGHT, MIDDLE, BOTTOM_LEFT, BOTTOM };
 
 /* A line of words on a panel, smaller until it fits; nothing without words. */
 static void add_words(panels *p, enum place place, const char *text)
@@ -37,7 +38,7 @@ static void add_words(panels *p, enum place place, const char *text)
     const int width = fxs_words_width(p->words, text) + 2 * pad, height = fxs_words_line(p->words) + pad;
     if (width == 2 * pad)
         return;
-    const int x = place == TOP_RIGHT ? p->width - width - edge : place == MIDDLE ? (p->width - width) / 2 : edge;
+    const int x = place == TOP_RIGHT ? p->width - width - edge : place == BOTTOM_LEFT ? edge : (p->width - width) / 2;
     const int y = place == TOP_RIGHT ? edge : place == MIDDLE ? (p->height - height) / 2 : p->height - height - edge;
     const fxs_panel *panel = add(p, x, y, width, height, 8 * p->scale, p->theme->panel);
     if (panel)
@@ -333,11 +334,32 @@ static void add_graph(panels *p, const viewer *v)
         fxs_draw_frame_times(&panel->picture, &v->times, p->scale, p->theme, p->words);
 }
 
+/* Of scenes with levels of detail also how much is drawn. */
 static void add_rate(panels *p, const viewer *v)
 {
-    char text[64];
-    snprintf(text, sizeof text, "%.0f frames/s", v->times.frame > 0 ? 1000 / v->times.frame : 0);
+    char text[160];
+    int used = snprintf(text, sizeof text, "%.0f frames/s", v->times.frame > 0 ? 1000 / v->times.frame : 0);
+    if (v->path && viewer_has_levels(v))
+        used += snprintf(text + used, sizeof text - (size_t)used, ", %.3g of %.3g million Gaussians",
+                         v->gaussians * 1e-6, v->world.gaussians * 1e-6);
+    if (v->missing)
+        snprintf(text + used, sizeof text - (size_t)used, ", %" PRIu32 " chunks are missing", v->missing);
     add_words(p, TOP_RIGHT, text);
+}
+
+/* The budget between the least and the most, in steps of the same ratio. */
+static void add_slider(panels *p, const viewer *v)
+{
+    const double most = viewer_budget_most(v), budget = v->options.render.budget ? v->options.render.budget : most;
+    const int width = p->width / 3, height = 6 * p->scale, y = p->height - 56 * p->scale;
+    const double part = most > BUDGET_LEAST ? log(budget / BUDGET_LEAST) / log(most / BUDGET_LEAST) : 1;
+    char text[80];
+    snprintf(text, sizeof text, v->options.render.budget ? "budget: %.3g million Gaussians" : "no budget: all Gaussians",
+             budget * 1e-6);
+    add_words(p, BOTTOM, text);
+    const fxs_panel *panel = add(p, (p->width - width) / 2, y, width, height, 0, p->theme->panel);
+    if (panel)
+        fxs_draw_rectangle(&panel->picture, 0, 0, (int)(width * fmin(fmax(part, 0), 1)), height, p->theme->mark);
 }
 
 static void add_all(panels *p, const viewer *v)
@@ -357,6 +379,8 @@ static void add_all(panels *p, const viewer *v)
         add_bar(p, fxs_worker_progress(v->drawer));
     } else if (!v->path && !v->help)
         add_recent(p, v);
+    if (v->slider && v->path)
+        add_slider(p, v);
     if (v->help)
         add_help(p);
     if (*v->note)

@@ -529,6 +529,11 @@ const void *fxs_pager_head(const fxs_pager *pager)
     return pager->head;
 }
 
+uint32_t fxs_pager_room(const fxs_pager *pager)
+{
+    return pager ? pager->room : 0;
+}
+
 void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int there)
 {
     fxs_pager *p = pager;

@@ -1,6 +1,7 @@
 /* The first three stages, project, shade and bin: on a chunk, on a block of chunks, on all blocks. Blocks are jobs for
  * any thread, and each has slots of its own, so splats come out in the order of the chunks. */
 #include "chunk.h"
+#include <fixsplat/fixed.h>
 #include "memory.h"
 #include "parts.h"
 
@@ -24,12 +25,37 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
     return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);
 }
 
+/* The colour of a chunk's level. Nodes are numbered by how many leaves they have, the most first: that is about
+   leaves / (number + 1), and its log2 the level. */
+static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
+{
+    static const int32_t colours_q2[7][3] = {{4, 4, 4}, {1, 4, 1}, {1, 4, 4}, {1, 2, 4}, {4, 1, 4}, {4, 1, 1}, {4, 3, 0}};
+    if (chunk < scene->chunk_count)
+        return colours_q2[0];
+    const uint32_t leaves = scene->chunk_count / (chunk - scene->chunk_count + 1);
+    return colours_q2[1 + (uint32_t)(31 - fxs_clz32(leaves | 1)) % 6];
+}
+
+/* The brightness is (r + 2 g + b) / 4. */
+static void show_level(const fxs_object_view *object, uint32_t chunk, fxs_splat *splats, uint32_t count)
+{
+    const int32_t *colour_q2 = colour_of_level_q2(&object->scene, chunk);
+    for (uint32_t i = 0; i < count; i++) {
+        int16_t *c = splats[i].colour_q13;
+        const int32_t brightness_q13 = (c[0] + 2 * c[1] + c[2]) >> 2;
+        for (int k = 0; k < 3; k++)
+            c[k] = (int16_t)(brightness_q13 * colour_q2[k] >> 2);
+    }
+}
+
 /* Both eyes have the colours of the first one. */
 int fxs_prepare_shade(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
 {
     const fxs_object_view *object = &f->eye->objects[number];
     const int error = fxs_object_shade(object, &f->context->kernels, chunk - object->first_chunk, f->indices + slot,
                                        count, f->eye->splats + slot);
+    if (f->options->show_levels && !error)
+        show_level(object, chunk - object->first_chunk, f->eye->splats + slot, count);
     for (uint32_t i = slot; i < slot + count && f->eye_count > 1; i++)
         memcpy(f->eyes[1].splats[i].colour_q13, f->eyes[0].splats[i].colour_q13, sizeof f->eyes[0].splats->colour_q13);
     return error;

@@ -243,6 +243,9 @@ typedef struct fxs_options {
     fxs_want_fn *want;             /* called for each chunk of scenes with places, what is needed most first, before
                                       anything is drawn, on the thread that called fxs_render; null: nobody asks */
     void *want_argument;
+    int show_levels;               /* 1, to look at the levels of detail: each Gaussian has the colour of its chunk's
+                                      level, in the brightness that it has; leaves are white. By the processor's shade
+                                      alone: elsewhere it changes nothing */
 } fxs_options;
 
 /* A fxs_stop_fn: stops the frame once the byte at `byte` is not 0, which another thread or a signal handler writes. */

@@ -83,6 +83,9 @@ FXS_API const fxs_scene *fxs_pager_scene(const fxs_pager *pager);
 /* The first bytes of the scene, those before its rows: its header, for fxs_view_of_start and the like. */
 FXS_API const void *fxs_pager_head(const fxs_pager *pager);
 
+/* Chunks that its pool holds at most; 0 of a null pager. */
+FXS_API uint32_t fxs_pager_room(const fxs_pager *pager);
+
 /* An fxs_want_fn: options.want of its frames, with the pager as want_argument. */
 FXS_API void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int there);
 
