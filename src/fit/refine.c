@@ -186,7 +186,7 @@ static void set_rates(const refiner *r, uint32_t step, fxs_fit_step_options *to)
                               : i < FXS_FIT_OPACITY  ? 0.001f
                               : i < FXS_FIT_COLOUR   ? 0.05f
                               : i < FXS_FIT_SH       ? 0.005f
-                                                     : 0.0005f);
+                                                     : 0.001f);
 }
 
 /* Each view once, then in another order (Fisher and Yates). */
