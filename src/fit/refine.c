@@ -157,6 +157,14 @@ static int read_cover(refiner *r)
     return 0;
 }
 
+/* The nodes that are in a cover for the first time begin as what their children, which are refined, merge to. */
+static void merge_again(refiner *r, int level)
+{
+    for (uint32_t i = 0; i < r->cover_nodes; i++)
+        if (r->levels[r->cover[i]] == level)
+            fxs_tree_edit_merge(r->editor, r->cover[i] - r->leaves);
+}
+
 static void write_cover(refiner *r)
 {
     fxs_gaussian gaussians[FXS_CHUNK];
@@ -324,6 +332,8 @@ static int refine_all(refiner *r, void *data)
     }
     for (int level = 1; level <= r->highest && !error; level++) {
         find_cover(r, level);
+        if (o->steps)
+            merge_again(r, level);
         error = read_cover(r);
         if (!error && o->steps)
             error = refine_cover(r, level);

@@ -207,12 +207,11 @@ static void widen_range(fxs_range *range, const fxs_range *by)
     range->high = by->high > range->high ? by->high : range->high;
 }
 
-static void read_leaf(const tree *t, uint32_t leaf, held *to)
+static void read_coded(const tree *t, const unsigned char *header, const unsigned char *rows, held *to)
 {
     const fxs_scene *s = t->scene;
-    const unsigned char *rows = s->rows + (size_t)leaf * s->chunk_bytes;
     fxs_chunk chunk;
-    memcpy(&chunk, s->chunks + (size_t)leaf * sizeof chunk, sizeof chunk);
+    memcpy(&chunk, header, sizeof chunk);
     fxs_chunk_turn(&chunk);
     find_reach(to, &chunk);
     to->opacity = 0;
@@ -225,6 +224,12 @@ static void read_leaf(const tree *t, uint32_t leaf, held *to)
             const double opacity = (double)to->gaussians[to->count++].opacity;
             to->opacity += opacity > 1 / 255.5 ? opacity : 0;
         }
+}
+
+static void read_leaf(const tree *t, uint32_t leaf, held *to)
+{
+    const fxs_scene *s = t->scene;
+    read_coded(t, s->chunks + (size_t)leaf * sizeof(fxs_chunk), s->rows + (size_t)leaf * s->chunk_bytes, to);
 }
 
 /* Along a Morton curve, as the leaves are. */
@@ -287,6 +292,13 @@ static void add_own(node *n, const held *h)
     }
 }
 
+static void widen_held(held *h, const held *by)
+{
+    for (int i = 0; i < 3; i++)
+        widen_range(&h->reach[i], &by->reach[i]);
+    h->scale = h->scale > by->scale ? h->scale : by->scale;
+}
+
 /* Merges two children's Gaussians; those of the node take the place of the first child's. */
 static void merge_children(tree *t, worker *w, uint32_t place, held *first, const held *second)
 {
@@ -303,9 +315,7 @@ static void merge_children(tree *t, worker *w, uint32_t place, held *first, cons
     n->opacity = first->opacity;
     add_own(n, out);
     copy_sorted(first, out);
-    for (int i = 0; i < 3; i++)
-        widen_range(&first->reach[i], &second->reach[i]);
-    first->scale = first->scale > second->scale ? first->scale : second->scale;
+    widen_held(first, second);
     write_chunk(t, w, first, n->number);
 }
 
@@ -558,7 +568,7 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
 struct fxs_tree_editor {
     tree tree;                         /* its nodes lie at their numbers */
     worker worker;
-    held held;
+    held held[2];
     fxs_pack_options options;
     fxs_palette palette;
 };
@@ -586,7 +596,8 @@ int fxs_tree_edit(fxs_tree_editor **editor, const fxs_scene *scene, void *data, 
         e->tree.palette = &e->palette;
     }
     e->tree.nodes = fxs_allocate(NULL, e->tree.count, sizeof *e->tree.nodes);
-    if (!e->tree.nodes) {
+    e->worker.merger = fxs_allocate(NULL, 1, fxs_merger_bytes());
+    if (!e->tree.nodes || !e->worker.merger) {
         fxs_tree_edit_end(e);
         *editor = NULL;
         return fxs_fail_memory(message, NULL, e->tree.count * sizeof *e->tree.nodes);
@@ -598,19 +609,29 @@ int fxs_tree_edit(fxs_tree_editor **editor, const fxs_scene *scene, void *data, 
 
 void fxs_tree_edit_end(fxs_tree_editor *e)
 {
-    if (e)
+    if (e) {
         fxs_release(NULL, e->tree.nodes);
+        fxs_release(NULL, e->worker.merger);
+    }
     fxs_release(NULL, e);
 }
 
-static void find_reach_of(const tree *t, uint32_t child, held *h)
+static void read_child(const tree *t, uint32_t child, held *to)
 {
     const fxs_scene *s = t->scene;
-    fxs_chunk chunk;
-    memcpy(&chunk, child < t->count ? s->node_chunks + (size_t)child * sizeof chunk
-                                    : s->chunks + (size_t)(child - t->count) * sizeof chunk, sizeof chunk);
-    fxs_chunk_turn(&chunk);
-    find_reach(h, &chunk);
+    if (child < t->count)
+        read_coded(t, s->node_chunks + (size_t)child * sizeof(fxs_chunk),
+                   s->node_rows + (size_t)child * s->chunk_bytes, to);
+    else
+        read_leaf(t, child - t->count, to);
+}
+
+void fxs_tree_edit_merge(fxs_tree_editor *e, uint32_t number)
+{
+    const uint32_t *children = e->tree.nodes[number].children;
+    read_child(&e->tree, children[0], &e->held[0]);
+    read_child(&e->tree, children[1], &e->held[1]);
+    merge_children(&e->tree, &e->worker, number, &e->held[0], &e->held[1]);
 }
 
 /* What was fitted to pictures of the leaves has their opacity as they are seen. */
@@ -627,12 +648,11 @@ static void clear_swell(const tree *t, uint32_t number)
 
 void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian *gaussians, uint32_t count)
 {
-    held *to = &e->held, *from = &e->worker.merged;
-    find_reach_of(&e->tree, e->tree.nodes[number].children[0], to);
-    find_reach_of(&e->tree, e->tree.nodes[number].children[1], from);
-    for (int k = 0; k < 3; k++)
-        widen_range(&to->reach[k], &from->reach[k]);
-    to->scale = from->scale > to->scale ? from->scale : to->scale;
+    const uint32_t *children = e->tree.nodes[number].children;
+    held *to = &e->held[0], *from = &e->held[1];
+    read_child(&e->tree, children[0], to);
+    read_child(&e->tree, children[1], from);
+    widen_held(to, from);
     for (uint32_t i = 0; i < count; i++) {
         fxs_gaussian g = gaussians[i];
         for (int k = 0; k < 3; k++)

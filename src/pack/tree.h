@@ -24,6 +24,9 @@ void fxs_tree_edit_end(fxs_tree_editor *editor);       /* null is allowed */
    children's chunks. These are to be complete: a node comes after what is below it. */
 void fxs_tree_edit_node(fxs_tree_editor *editor, uint32_t node, const fxs_gaussian *gaussians, uint32_t count);
 
+/* Merges the chunk of a node anew from those of its children, as they are coded. */
+void fxs_tree_edit_merge(fxs_tree_editor *editor, uint32_t node);
+
 /* Writes the gains of all nodes. `errors`: the squared error that opening each node removes, colours^2 units^2, which
    may be below 0. Returns 0, or an error and a message. */
 int fxs_tree_edit_gains(fxs_tree_editor *editor, const double *errors, fxs_message *message);
