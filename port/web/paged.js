@@ -1,5 +1,5 @@
-// Scenes with levels of detail that are not downloaded: the tables of the file come first, then the rows of those chunks
-// that pictures want, into a pool of bounded size. web_paged.c has the same from the side of the module.
+// Scenes with levels of detail that are not downloaded: the tables of the file come first, then the rows of those
+// chunks that pictures want, into a pool of bounded size. web_paged.c has the same from the side of the module.
 
 import { Store } from './store.js'
 

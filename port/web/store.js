@@ -29,7 +29,7 @@ export class Store {
     this.#most = most
   }
 
-  /** Null where nothing can be kept: by an option, in Node, on pages that are not secure, of files without a version. */
+  /** Null where nothing can be kept: by an option, in Node, on pages that are not secure, of files without version. */
   static async open(url, version, { cache: most = MOST }) {
     if (!version || !most || !globalThis.caches) return null
     try {

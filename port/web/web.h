@@ -33,8 +33,8 @@ void fxs_web_want(void *argument, const fxs_scene *scene, uint32_t chunk, int th
 double *fxs_web_numbers(void);
 struct fxs_message *fxs_web_message(void);
 
-/* Fills in the bounds by the header in `data`, and puts count, SH degree, profile, low, high and whether there are levels
-   of detail into the numbers. */
+/* Fills in the bounds by the header in `data`, and puts count, SH degree, profile, low, high and whether there are
+   levels of detail into the numbers. */
 void fxs_web_describe(fxs_web_scene *scene);
 
 /* A frame of the objects and the camera that were set before. */

@@ -190,13 +190,28 @@ check "detail of two objects, one with levels" same_picture '{"eye":[1,-2,-9]}' 
 check "what budgets draw" web budgets "$work/levels.fxs"
 pages() {
     "$B/fixsplat" make-scene knot --count 150000 -o "$work/150000.ply" >/dev/null &&
-        "$B/fixsplat" convert "$work/150000.ply" "$work/paged.fxs" --levels --profile small >/dev/null 2>&1 &&
-        want=$("$B/fixsplat" render "$work/paged.fxs" --size 200x150 --eye 2,-1,-4 --budget 6000 --hash)
+        "$B/fixsplat" convert "$work/150000.ply" "$work/paged.fxs" --levels --profile small >/dev/null 2>&1
 }
 check "makes a scene that comes in parts" pages
+want=$("$B/fixsplat" render "$work/paged.fxs" --size 200x150 --eye 2,-1,-4 --budget 6000 --hash)
 node --no-warnings tests/web/paging.mjs "$package" "$work/paged.fxs" "$want" >"$work/asked" 2>&1 ||
     echo "FAIL paging.mjs: a check above, or it ended early" >>"$work/asked"
 counts
+served_in_parts() {
+    "$B/fixsplat" view --web --port 0 "$work/paged.fxs" >"$work/address" 2>&1 &
+    server=$!
+    until [ -s "$work/address" ] || ! kill -0 $server 2>/dev/null; do sleep 0.1; done
+    got=$(web parts "$(sed -n 's|/viewer/?scene=||p;q' "$work/address")" '{"eye":[2,-1,-4]}' \
+        '{"width":200,"height":150,"budget":6000}')
+    kill $server
+    wait $server 2>/dev/null
+    equal "$got" "$("$B/fixsplat" render "$work/paged.fxs" --size 200x150 --eye 2,-1,-4 --budget 6000 --hash)"
+}
+if [ -e "$B/fixsplat-web" ]; then
+    check "in parts by view --web" served_in_parts
+else
+    skip "view --web" "built without libmicrohttpd"
+fi
 check "coverage, depths, ids, formats" same_targets
 eyes='--size 128x96 --eye 0,-2,-9 --look 0,-2,0 --near 0.5'
 check "two eyes" same_pair '{"eye":[-0.25,-2,-9],"look":[-0.25,-2,0],"near":0.5}' \

@@ -233,6 +233,15 @@ const words = {
     assert.equal(before, 256 * Math.ceil(scene.count / 256))
   },
 
+  // ADDRESS CAMERA OPTIONS: the hash of a picture of a scene that comes in parts, once it is whole.
+  async parts(address, camera, options) {
+    const scene = await load(address)
+    assert.equal(scene.paged, true)
+    await scene.complete(JSON.parse(camera), JSON.parse(options))
+    console.log(hash(scene.render(JSON.parse(camera), JSON.parse(options))))
+    scene.free()
+  },
+
   // CAMERA X Y: as `fixsplat render --pick --json` says it.
   async pick(file, camera, options, x, y) {
     const found = pick(+x, +y, [{ scene: await load(file) }], JSON.parse(camera), JSON.parse(options))

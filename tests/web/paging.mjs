@@ -1,5 +1,5 @@
-// node paging.mjs PACKAGE SCENE HASH: what tests/scripts/web.sh asks of scenes with levels of detail that come in parts.
-// HASH is that of the command for CAMERA and OPTIONS; SCENE has levels.
+// node paging.mjs PACKAGE SCENE HASH: what tests/scripts/web.sh asks of scenes with levels of detail that come in
+// parts. HASH is that of the command for CAMERA and OPTIONS; SCENE has levels.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -106,15 +106,20 @@ const tests = {
     }
     const short = { headers: { 'content-length': null }, bytes: () => Buffer.from('x') }
     await served({}, whole, false)
-    await served({ faults: () => ({ whole: true }) }, (scene, { requests }) => whole(scene).then(() => assert.equal(requests, 1)))
+    await served({ faults: () => ({ whole: true }) }, async (scene, server) => {
+      await whole(scene)
+      assert.equal(server.requests, 1)
+    })
     await served({ faults: ({ first }) => (first === 0 ? { headers: { 'content-encoding': 'identity' } } : {}) }, whole)
     await served({ faults: (_, { headers }) => (headers.range ? short : {}) }, whole)
-    await served({ faults: (_, { headers }) => (headers.range ? { status: 416, bytes: () => Buffer.alloc(0) } : {}) }, whole)
+    const none = { status: 416, bytes: () => Buffer.alloc(0) }
+    await served({ faults: (_, { headers }) => (headers.range ? none : {}) }, whole)
   },
 
   async 'small pools: what was used longest ago goes, what is needed comes again'() {
     await served({}, async (scene, server) => {
-      await assert.rejects(async () => draw(scene, CAMERA, { ...OPTIONS, budget: 1e6 }), /budget 1000000: the pool has room/)
+      const most = { ...OPTIONS, budget: 1e6 }
+      await assert.rejects(async () => draw(scene, CAMERA, most), /budget 1000000: the pool has room/)
       const cameras = [0, 1, 2, 3, 4, 5].map((i) => ({ eye: [5 * Math.cos(i), i - 3, 5 * Math.sin(i)] }))
       const large = { ...OPTIONS, budget: 24000 }
       const sent = []
@@ -155,7 +160,8 @@ const tests = {
 
   async 'damage: found by the checksum, asked for once more, then words'() {
     const hurt = (bytes) => Buffer.from(bytes).fill(7, bytes.length >> 1, (bytes.length >> 1) + 9)
-    await fails((server) => (server.faults = ({ first }) => (first > 1e5 ? { bytes: hurt } : {})), /is damaged|damaged:/)
+    const late = ({ first }) => (first > 1e5 ? { bytes: hurt } : {})
+    await fails((server) => (server.faults = late), /is damaged|damaged:/)
     let once = 0
     const last = ({ first, count }) => (count > 8 && once++ < 1 ? { bytes: hurt } : {})
     await served({ faults: last }, async (scene) => {
@@ -171,14 +177,15 @@ const tests = {
   },
 
   async 'answers that are not what was asked for'() {
-    await fails((server) => (server.faults = () => ({ headers: { 'content-range': 'bytes 0-9/10' } })), /other bytes than/)
+    const other = { headers: { 'content-range': 'bytes 0-9/10' } }
+    await fails((server) => (server.faults = () => other), /other bytes than/)
     const more = (bytes) => Buffer.concat([bytes, Buffer.alloc(100)])
     const longer = { headers: { 'content-length': null }, bytes: more }
     await fails((server) => (server.faults = () => longer), /more bytes than/)
     await fails((server) => (server.faults = () => ({ status: 403 })), /answered 403/)
     const size = readFileSync(file).length
-    await refused({ faults: ({ first, end }) => ({ headers: { 'content-range': `bytes ${first}-${end - 1}/${size - 1}` } }) },
-                  /cut short: .* expected/)
+    const short = ({ first, end }) => ({ headers: { 'content-range': `bytes ${first}-${end - 1}/${size - 1}` } })
+    await refused({ faults: short }, /cut short: .* expected/)
   },
 
   async 'answers that break off or fail a few times are asked for again; then words'() {
