@@ -203,6 +203,26 @@ static void test_same_bytes(void)
     }
 }
 
+/* The colours of the levels: the same by all kernels, threads and memory; grey where all leaves are drawn, and not where
+   nodes are. */
+static void test_level_colours(void)
+{
+    const fxs_object object = one_object(&scenes[0]);
+    fxs_request request = request_of(&object, 1, camera_at(0.9, -3, -7), COUNT / 8, pictures[0]);
+    request.options.show_levels = 1;
+    check_same(&request, 1);
+    for (int whole = 0; whole < 2; whole++) {
+        fxs_context context;
+        int coloured = 0;
+        fxs_init(&context, 0);
+        request.options.budget = whole ? 0 : request.options.budget;
+        draw(&context, &request, 0);
+        for (int i = 0; i < PIXELS; i += 4)
+            coloured += pictures[0][i] != pictures[0][i + 1] || pictures[0][i] != pictures[0][i + 2];
+        CHECK(whole ? coloured == 0 : coloured > PIXELS / 4 / 16);
+    }
+}
+
 /* A window has the pixels of its part of the whole. */
 static void test_window(void)
 {
@@ -399,6 +419,7 @@ int main(void)
     RUN(test_monotonic);
     RUN(test_detail);
     RUN(test_same_bytes);
+    RUN(test_level_colours);
     RUN(test_window);
     RUN(test_objects);
     RUN(test_eyes);

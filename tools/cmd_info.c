@@ -549,9 +549,10 @@ const command command_info = {
     "Prints the number of Gaussians, SH degree and bounds of a scene, its bytes a Gaussian once packed, the largest\n"
     "difference that packing made to each attribute (of an .fxs file, which is packed already, every checksum is\n"
     "verified instead), and the memory that a frame needs: for any view, and the least. Of several scenes, or placed\n"
-    "ones, the objects too, with their boxes in the world. Of an .fxs with levels of detail a line for each: nodes that\n"
-    "stand for so many leaves or fewer (but more than the next line's), their Gaussians and bytes; the squared error,\n"
-    "colours^2 units^2, that their children remove; and the size in units of what they leave out, the geometric mean.\n",
+    "ones, the objects too, with their boxes in the world. Of an .fxs with levels of detail a line for each: nodes\n"
+    "that stand for so many leaves or fewer (but more than the next line's), their Gaussians and bytes; the squared\n"
+    "error, colours^2 units^2, that their children remove; and the size in units of what they leave out, the\n"
+    "geometric mean.\n",
     0,
     "  $ fixsplat info scene.ply\n"
     "  $ fixsplat info scene.ply --size 1920x1080 --json\n"

@@ -41,8 +41,8 @@ static const option_row window_rows[] = {
      "the picture that key p writes: .png, .ppm, .raw, .jpg or .webp (default: fixsplat-001.png and on, in the "
      "current folder); the command that renders it again is printed, but not for depths, ids and crops"},
     {"fps", "N", REAL(rate, 1, 1000, "1 to 1000 frames a second"), .help =
-     "of scenes with levels of detail, change the budget while the view moves, so that so many frames a second are drawn "
-     "(default: the budget stays). A picture then depends on how fast the machine is"},
+     "of scenes with levels of detail, change the budget while the view moves, so that so many frames a second are "
+     "drawn (default: the budget stays). A picture then depends on how fast the machine is"},
     {0}
 };
 

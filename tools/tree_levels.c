@@ -62,7 +62,8 @@ static void add_node(scene_levels *l, const fxs_scene *scene, uint32_t i, uint64
 
 int levels_measure(scene_levels *l, const fxs_scene *scene)
 {
-    *l = (scene_levels){.chunk_bytes = scene->chunk_bytes + (uint32_t)sizeof(fxs_chunk), .node_bytes = sizeof(fxs_node)};
+    *l = (scene_levels){.chunk_bytes = scene->chunk_bytes + (uint32_t)sizeof(fxs_chunk),
+                        .node_bytes = sizeof(fxs_node)};
     if (!scene->nodes)
         return 0;
     uint64_t *leaves = malloc((size_t)(scene->chunk_count - 1) * sizeof *leaves);

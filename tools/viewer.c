@@ -10,7 +10,8 @@
 #include "views.h"
 #include <fixsplat/packed.h>
 
-enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000, FILM_NS = 1000000000 / FILM_RATE };
+enum { STILL_MS = 150, SLIDER_MS = 2500, FRAME_MS = 16, LOADING_MS = 50, HINT_MS = 6000,
+       FILM_NS = 1000000000 / FILM_RATE };
 
 /* ---- Scene and views --------------------------------------------------------------------------------------------- */
 

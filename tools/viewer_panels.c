@@ -354,7 +354,7 @@ static void add_slider(panels *p, const viewer *v)
     const int width = p->width / 3, height = 6 * p->scale, y = p->height - 56 * p->scale;
     const double part = most > BUDGET_LEAST ? log(budget / BUDGET_LEAST) / log(most / BUDGET_LEAST) : 1;
     char text[80];
-    snprintf(text, sizeof text, v->options.render.budget ? "budget: %.3g million Gaussians" : "no budget: all Gaussians",
+    snprintf(text, sizeof text, "%s: %.3g million Gaussians", v->options.render.budget ? "budget" : "no budget",
              budget * 1e-6);
     add_words(p, BOTTOM, text);
     const fxs_panel *panel = add(p, (p->width - width) / 2, y, width, height, 0, p->theme->panel);

@@ -216,7 +216,7 @@ static int choose_first(frame_options *o, const world *w, const fxs_object *obje
                           o->up.at, message);
 }
 
-/* Maps the files of which a part is in memory, for as long as the first view is chosen: it is that of the whole scene. */
+/* Maps the files of which a part is in memory, for as long as the first view is chosen: it is that of the whole. */
 static int choose_by_files(frame_options *o, const world *w, fxs_file_view *view, fxs_message *message)
 {
     fxs_opened **opened = calloc(w->placed.file_count, sizeof *opened);

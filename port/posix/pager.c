@@ -463,7 +463,8 @@ int fxs_pager_open(const char *name, const fxs_pager_source *source, const fxs_p
     if (pager)
         *pager = 0;
     if (!name || !source || !source->read || !pager)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to open a scene", !name ? "name" : pager ? "source" : "place");
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to open a scene",
+                           !name ? "name" : pager ? "source" : "place");
     fxs_pager *p = make(name, source, options);
     if (!p) {
         if (source->close)

@@ -29,7 +29,8 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
    leaves / (number + 1), and its log2 the level. */
 static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
 {
-    static const int32_t colours_q2[7][3] = {{4, 4, 4}, {1, 4, 1}, {1, 4, 4}, {1, 2, 4}, {4, 1, 4}, {4, 1, 1}, {4, 3, 0}};
+    static const int32_t colours_q2[7][3] = {{4, 4, 4}, {1, 4, 1}, {1, 4, 4}, {1, 2, 4}, {4, 1, 4}, {4, 1, 1},
+                                             {4, 3, 0}};
     if (chunk < scene->chunk_count)
         return colours_q2[0];
     const uint32_t leaves = scene->chunk_count / (chunk - scene->chunk_count + 1);

@@ -10,8 +10,8 @@
 /* The header of a file, its first 192 bytes: what it is, and its checksum. */
 int fxs_file_check_header(const char *path, const fxs_crc32_table *table, const void *header, fxs_message *message);
 
-/* What lies before the rows: the palette, of `palette_bytes` with the zeros behind it, and the nodes. `head` begins with
-   the header. */
+/* What lies before the rows: the palette, of `palette_bytes` with the zeros behind it, and the nodes. `head` begins
+   with the header. */
 int fxs_file_check_heads(const char *path, const fxs_crc32_table *table, const void *head, const fxs_scene *scene,
                          size_t palette_bytes, fxs_message *message);
 

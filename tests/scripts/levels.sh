@@ -1,6 +1,6 @@
 #!/bin/sh
-# Scenes with levels of detail on the command line: what info prints of their trees, the options --budget and --detail of
-# the commands that render, and pictures of scenes that are read in part, from a file and from servers of all kinds.
+# Scenes with levels of detail on the command line: what info prints of their trees, the options --budget and --detail
+# of the commands that render, and pictures of scenes that are read in part, from a file and from servers of all kinds.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/scripts/lib/check.sh
 fixsplat=$PWD/${B:-build}/fixsplat lib=$PWD/tests/scripts/lib

@@ -33,8 +33,8 @@ extern "C" {
    opens it, then on its own. */
 typedef struct fxs_pager_source {
     uint64_t size;                 /* of the whole scene, bytes */
-    /* Copies the `size` bytes at `offset`, which lie within the scene, to `out`, in whatever time that takes. Returns 0,
-       or an FXS_ERR_* and a message. */
+    /* Copies the `size` bytes at `offset`, which lie within the scene, to `out`, in whatever time that takes. Returns
+       0, or an FXS_ERR_* and a message. */
     int (*read)(void *argument, uint64_t offset, void *out, size_t size, fxs_message *message);
     /* Called on another thread when the pager is closed: a read that is under way is to end soon, with an error, and so
        is every later one. May be null; then fxs_pager_close waits for it. */
@@ -73,8 +73,8 @@ FXS_API int fxs_pager_file(const char *path, fxs_pager_source *source, fxs_messa
 FXS_API int fxs_pager_is_url(const char *path);
 
 /* A source that asks a server for ranges of bytes (RFC 9110, section 14) by libcurl, which is loaded when it is first
-   used. A server that ignores ranges, changes the file meanwhile or answers anything else is an error. Errors: FXS_ERR_FILE;
-   FXS_ERR_UNSUPPORTED without libcurl. */
+   used. A server that ignores ranges, changes the file meanwhile or answers anything else is an error. Errors:
+   FXS_ERR_FILE; FXS_ERR_UNSUPPORTED without libcurl. */
 FXS_API int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *message);
 
 /* The scene, for fxs_object_init; it stays where it is, and changes in fxs_pager_turn alone. */
