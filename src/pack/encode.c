@@ -363,7 +363,7 @@ double fxs_gain(int code)
    no other one lies within 2^-20 of an integer, so adding 4 does not round it across one. */
 static double eighths_of(double x, double half_inverse)
 {
-    const double eighths = x * half_inverse + 4, above = eighths > 0 ? eighths : 0;
+    const double quotient = x * half_inverse, eighths = quotient + 4, above = eighths > 0 ? eighths : 0;
     return above < 7 ? above : 7;
 }
 

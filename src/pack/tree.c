@@ -4,6 +4,7 @@
    together, and every node comes before its children. */
 #include "tree.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -544,6 +545,9 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
                    fxs_message *message)
 {
     const fxs_allocator *allocator = options->allocator;
+    if (FLT_EVAL_METHOD != 0)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "levels of detail need IEEE single precision: this build "
+                           "computes with more digits");
     tree t = {.scene = scene, .data = data, .palette = palette, .options = options,
               .encoder = {scene->profile, scene->sh_degree}, .count = scene->chunk_count - 1};
     t.limit = scene->chunk_count / PARTS > 4 ? scene->chunk_count / PARTS : 4;
