@@ -105,7 +105,7 @@ for bad in 'views 0' 'views 1001' 'size 1x' 'lod x'; do
     fails "info --$bad" 2 "--${bad%% *}" info knot.ply --compare knot.ply --$bad
 done
 for bad in 'cameras three.json' 'views 2' 'cutoff square' 'compare-cutoff square'; do
-    fails "info --$bad without --compare" 2 "need --compare" info knot.ply --$bad
+    fails "info --$bad without --compare" 2 "needs --compare" info knot.ply --$bad
 done
 for bad in 'frames 9' 'frames 10001' 'view all'; do
     fails "bench --$bad" 2 "" bench knot.ply $small --cameras three.json --$bad
