@@ -79,7 +79,8 @@ static void make_views(void)
     }
 }
 
-static int refine_with(const fxs_packed_scene *packed, uint32_t steps, uint32_t threads, unsigned cpu, size_t view_count)
+static int refine_with(const fxs_packed_scene *packed, uint32_t steps, uint32_t threads, unsigned cpu,
+                       size_t view_count)
 {
     fxs_pool *pool = fxs_pool_create(threads);
     const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = threads};

@@ -508,11 +508,18 @@ static float *gathered_of(const fxs_fit_stepper *s, uint32_t view, int sum)
     return (float *)s->gathered.memory + (view * FXS_FIT_SUMS + (size_t)sum) * s->model->stride;
 }
 
+/* The end of those of a job's Gaussians that the step changes, which may lie before its first. */
+static size_t changed_end(const fxs_fit_stepper *s, uint32_t job)
+{
+    const size_t end = (size_t)job * JOB + job_count(s, job);
+    const size_t changed = s->options->changed / FXS_FIT_GROUP * FXS_FIT_GROUP;
+    return s->options->changed && changed < end ? changed : end;
+}
+
 static void gather_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
-    const size_t whole = (size_t)job * JOB + job_count(s, job), changed = s->options->changed / FXS_FIT_GROUP * FXS_FIT_GROUP;
-    const size_t end = s->options->changed && changed < whole ? changed : whole;
+    const size_t end = changed_end(s, job);
     for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
         float sums[FXS_FIT_SUMS][FXS_FIT_PART];
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;
@@ -535,8 +542,7 @@ static void update_job(void *argument, uint32_t job)
     const fxs_fit_stepper *s = argument;
     const fxs_fit_model *m = s->model;
     float *masters = m->masters ? m->masters : m->parameters;
-    const size_t whole = (size_t)job * JOB + job_count(s, job), changed = s->options->changed / FXS_FIT_GROUP * FXS_FIT_GROUP;
-    const size_t end = s->options->changed && changed < whole ? changed : whole;
+    const size_t end = changed_end(s, job);
     for (size_t first = (size_t)job * JOB; first < end; first += FXS_FIT_PART) {
         float sums[FXS_FIT_BATCH][FXS_FIT_SUMS][FXS_FIT_PART];
         const size_t count = end - first < FXS_FIT_PART ? end - first : FXS_FIT_PART;

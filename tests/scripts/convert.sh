@@ -132,6 +132,15 @@ succeeds "--levels: read again" convert levels.fxs leaves.fxs
 succeeds "--levels: without" convert plain.fxs again.fxs
 check "--levels: the leaves are those of the file without" cmp leaves.fxs again.fxs
 fails "--levels of a .ply" 2 "--levels is for .fxs" convert knot.ply x.ply --levels
+fails "--refine without --levels" 2 "--refine is for --levels" convert knot.ply x.fxs --refine
+fails "--cameras without --refine" 2 "--cameras is for --refine" convert knot.ply x.fxs --levels --cameras knot.ply
+for bad in =-1 =100001 =many =; do
+    fails "--refine$bad" 2 "--refine.*: expected" convert knot.ply x.fxs --levels --refine$bad
+done
+fails "--refine by what has no cameras" 1 "--cameras: .*row.ply" convert knot.ply x.fxs --levels --refine=1 --cameras row.ply
+succeeds "--refine" convert knot.ply refined.fxs --levels --refine=1
+check "--refine: as large as without" equal "$(wc -c <refined.fxs)" "$(wc -c <levels.fxs)"
+check "--refine: other bytes" test "$(cksum <refined.fxs)" != "$(cksum <levels.fxs)"
 fails "--start-view of a .ply" 2 "--start-view is for .fxs" convert knot.ply x.ply --start-view 1,2,3,4,5,6
 
 # ---- Leaving out -----------------------------------------------------------------------------------------------------
