@@ -11,7 +11,7 @@
 #include "src/core/chunk.h"
 #include "scene_bytes.h"
 
-enum { COUNT = 3000, WIDTH = 72, HEIGHT = 48, VIEWS = 6, STEPS = 40 };
+enum { COUNT = 3000, WIDTH = 72, HEIGHT = 48, VIEWS = 6, STEPS = 80 };
 
 static fxs_gaussian made[COUNT];
 static fxs_file_view views[VIEWS];
