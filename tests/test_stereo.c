@@ -342,7 +342,7 @@ static void test_arguments(void)
     unsigned char *pixels = check_aligned(p.bytes);
     size_t bytes = bytes_of(&p, &context);
     const size_t more = bytes - one_frame_bytes(&context, &scene, cameras[0].width, cameras[0].height, 0);
-    CHECK(more > 68 * FXS_CHUNK * scene.chunk_count && more <= 68 * FXS_CHUNK * scene.chunk_count + 448);
+    CHECK(more > 68 * FXS_CHUNK * scene.chunk_count && more <= 68 * FXS_CHUNK * scene.chunk_count + 512);
     CHECK(!one_stereo_bytes(&context, &scene, 0, 1) && !one_stereo_bytes(&context, 0, 1, 1));
     for (int eye = 0; eye < 2; eye++)
         for (int exact = 0; exact < 2; exact++) {

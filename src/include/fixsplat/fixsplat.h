@@ -414,7 +414,7 @@ FXS_API int fxs_init(fxs_context *context, const fxs_config *config);
 
 /* Where the working memory of a frame goes, in bytes. */
 typedef struct fxs_frame_memory {
-    size_t splats;                 /* projected Gaussians: 72 bytes each; 384 an object */
+    size_t splats;                 /* projected Gaussians: 72 bytes each; 456 an object */
     size_t tiles;                  /* of 16x16 pixels: 17 bytes each, and 1 for each thread */
     size_t entries;                /* lists of macro tiles of 2x2 tiles, 8 bytes an entry */
     size_t keys;                   /* room to sort them, as much; with draw_unlisted 8 KiB a thread */
@@ -439,7 +439,7 @@ FXS_API size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *obj
                                int32_t height, fxs_frame_memory *memory);
 
 /* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and at most 68 bytes more for every
-   Gaussian, of which a chunk that is not full counts as 256, and 448 for every object. 0 where an argument is out of
+   Gaussian, of which a chunk that is not full counts as 256, and 512 for every object. 0 where an argument is out of
    range, or the memory more than a size_t can count. */
 FXS_API size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                                 int32_t height);
