@@ -171,6 +171,21 @@ void fxs_set_axes(fxs_gaussian *g, matrix m)
     quaternion_of(g->rotation, m);
 }
 
+/* L with L L^T = c */
+void fxs_set_covariance(fxs_gaussian *g, const double c[6], double more)
+{
+    const double least = 1e-12 * (c[0] + c[1] + c[2]) + more;
+    matrix l;
+    memset(l, 0, 9 * sizeof(double));
+    l[0][0] = sqrt(c[0] + least);
+    l[1][0] = c[3] / l[0][0];
+    l[2][0] = c[4] / l[0][0];
+    l[1][1] = sqrt(fmax(c[1] + least - l[1][0] * l[1][0], least));
+    l[2][1] = (c[5] - l[2][0] * l[1][0]) / l[1][1];
+    l[2][2] = sqrt(fmax(c[2] + least - l[2][0] * l[2][0] - l[2][1] * l[2][1], least));
+    fxs_set_axes(g, l);
+}
+
 /* With M the linear part of the map, and R and S the Gaussian's rotation and scales, the new axes are those of M R S.
    */
 static void apply_linear(const fxs_transform *t, fxs_gaussian *g)

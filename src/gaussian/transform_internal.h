@@ -18,4 +18,8 @@ void fxs_transform_apply(const fxs_transform *transform, fxs_gaussian *gaussian,
 /* Sets rotation and scales from the covariance m m^T; m is changed. */
 void fxs_set_axes(fxs_gaussian *gaussian, double m[3][3]);
 
+/* The same from a covariance xx, yy, zz, xy, xz, yz. Numbers that rounding made negative become 0; to each variance a
+   millionth of a millionth of their sum is added, and `least`. */
+void fxs_set_covariance(fxs_gaussian *gaussian, const double covariance[6], double least);
+
 #endif

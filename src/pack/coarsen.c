@@ -132,24 +132,12 @@ void fxs_coarse_set(fxs_coarse *c, const fxs_gaussian *g)
     c->opacity = (float)fxs_opacity_of_logit(g->opacity);
 }
 
-/* L with L L^T = covariance; no axis is below a millionth of the largest. */
-static void factorise(double l[3][3], const float c[6])
-{
-    const double least = 1e-12 * ((double)c[0] + c[1] + c[2]) + 1e-37;
-    memset(l, 0, 9 * sizeof(double));
-    l[0][0] = sqrt(c[0] + least);
-    l[1][0] = c[3] / l[0][0];
-    l[2][0] = c[4] / l[0][0];
-    l[1][1] = sqrt(fmax(c[1] + least - l[1][0] * l[1][0], least));
-    l[2][1] = (c[5] - l[2][0] * l[1][0]) / l[1][1];
-    l[2][2] = sqrt(fmax(c[2] + least - l[2][0] * l[2][0] - l[2][1] * l[2][1], least));
-}
-
 void fxs_coarse_axes(fxs_gaussian *gaussian, const float covariance[6])
 {
-    double axes[3][3];
-    factorise(axes, covariance);
-    fxs_set_axes(gaussian, axes);
+    double c[6];
+    for (int k = 0; k < 6; k++)
+        c[k] = (double)covariance[k];
+    fxs_set_covariance(gaussian, c, 1e-37);
 }
 
 /* What became of Gaussian i of the set. */

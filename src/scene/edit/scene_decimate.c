@@ -122,20 +122,6 @@ static double loss_of(const decimated *d, uint32_t a, uint32_t b)
     return sum * (shapes / 2 + v * (1 - v) * colour_weight * colour_difference(g, h));
 }
 
-/* L with L L^T = covariance. Numbers that rounding made negative become 0, and no axis is below a millionth of the
-   largest. */
-static void factorise(double l[3][3], const double c[6])
-{
-    const double least = 1e-12 * (c[0] + c[1] + c[2]);
-    memset(l, 0, 9 * sizeof(double));
-    l[0][0] = sqrt(c[0] + least);
-    l[1][0] = c[3] / l[0][0];
-    l[2][0] = c[4] / l[0][0];
-    l[1][1] = sqrt(fmax(c[1] + least - l[1][0] * l[1][0], least));
-    l[2][1] = (c[5] - l[2][0] * l[1][0]) / l[1][1];
-    l[2][2] = sqrt(fmax(c[2] + least - l[2][0] * l[2][0] - l[2][1] * l[2][1], least));
-}
-
 /* Sets the opacity that keeps opacity times area, at least a logit of -20. */
 static void set_opacity(fxs_gaussian *g, double weight, double most)
 {
@@ -147,7 +133,7 @@ static void set_opacity(fxs_gaussian *g, double weight, double most)
 static void merge(fxs_gaussian *a, const fxs_gaussian *b)
 {
     const double weight = fxs_weight(a) + fxs_weight(b), v = weight > 0 ? fxs_weight(a) / weight : 0.5, w = 1 - v;
-    double sigma[3], first[6], second[6], joint[6], axes[3][3];
+    double sigma[3], first[6], second[6], joint[6];
     find_sigmas(sigma, a, 0);
     find_covariance(first, a->rotation, sigma);
     find_sigmas(sigma, b, 0);
@@ -160,8 +146,7 @@ static void merge(fxs_gaussian *a, const fxs_gaussian *b)
     }
     for (int k = 0; k < COEFFICIENTS; k++)
         a->sh[k] = (float)(v * a->sh[k] + w * b->sh[k]);
-    factorise(axes, joint);
-    fxs_set_axes(a, axes);
+    fxs_set_covariance(a, joint, 0);
     a->opacity = 0;
     set_opacity(a, weight, most < 1 ? most : 0.99);
 }
