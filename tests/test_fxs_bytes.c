@@ -1,5 +1,6 @@
 /* The bytes of .fxs files and of the pictures that they render to: the same on every processor, see
  * scripts/processors.sh. */
+#include <float.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -173,6 +174,10 @@ static void test_tree(void)
                                          0xb4d5fa1accbc6d77u};
     static const uint64_t small[3] = {0xefdda546740aebb2u, 0xd92bbf0c33a83d55u,
                                       0x4b7d638731bf01d9u};
+    if (FLT_EVAL_METHOD != 0) {                /* refused: its floats would be others */
+        CHECK(write_ply(3000, 3) && !pack(FXS_PROFILE_DEFAULT, 1) && strstr(message.text, "single precision"));
+        return;
+    }
     check_file(FXS_PROFILE_DEFAULT, 3000, 3, 1, expected);
     check_file(FXS_PROFILE_SMALL, 3000, 2, 1, small);
 }

@@ -34,7 +34,8 @@ processor() {
     else
         if "$work/links" 2>/dev/null; then set -- "$1" "$2"; fi
         variant $1 "$2 $flags -O1 -static src/core/*.c tests/test_random.c -o %" $3
-        variant $1-files "$2 $flags $(singles $2) -O1 -static $files -lm -o %" $3
+        variant $1-files "$2 $flags -O1 -static $files -lm -o %" $3
+        [ -z "$(singles $2)" ] || variant $1-trees "$2 $flags $(singles $2) -O1 -static $files -lm -o %" $3
     fi
 }
 
