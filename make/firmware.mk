@@ -7,9 +7,9 @@ cpu_of_mps2-an385 := -mthumb -mcpu=cortex-m3 -DBOARD_HZ=25000000
 cpu_of_mps2-an500 := -mthumb -mcpu=cortex-m7 -DBOARD_HZ=25000000
 cpu_of_mps3-an547 := -mthumb -mcpu=cortex-m55 -mfloat-abi=hard -DBOARD_HZ=32000000
 cpu_of_vexpress-a9 := -marm -mcpu=cortex-a9 -mno-unaligned-access
-link_of_mps2-an385 := $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=256K SCENE_AT=0x40000 SCENE_BYTES=3840K \
-                                                RAM=0x20000000 RAM_BYTES=4M)
-link_of_mps2-an500 := $(link_of_mps2-an385)
+of_mps2 = $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=4M SCENE_AT=$(1) SCENE_BYTES=16M RAM=0x20000000 RAM_BYTES=4M)
+link_of_mps2-an385 := $(call of_mps2,0x21000000)
+link_of_mps2-an500 := $(call of_mps2,0x60000000)
 link_of_mps3-an547 := $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=512K SCENE_AT=0x1000000 SCENE_BYTES=2M \
                                                 RAM=0x21000000 RAM_BYTES=4M)
 link_of_vexpress-a9 := -T port/board/vexpress/screen.ld

@@ -1,5 +1,5 @@
 /* Pictures in strips, and the turntable, against fxs_render: byte for byte. With arguments it prints what a board's
- * firmware should: test_strip SCENE.fxs WIDTH HEIGHT FRAMES. Or the hash of a screen's picture: test_strip SCREEN.ppm. */
+ * firmware should: test_strip SCENE.fxs WIDTH HEIGHT FRAMES [BUDGET]. Or the hash of a screen's picture: test_strip SCREEN.ppm. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +15,7 @@
 #define WIDTH_MOST 330
 #define HEIGHT_MOST 250
 
-static const fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
+static fxs_options options = {.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};
 
 /* A picture put together from strips. */
 typedef struct collected {
@@ -255,6 +255,7 @@ static int print_hashes(char **arguments)
     fxs_turntable t;
     const int32_t width = (int32_t)strtol(arguments[1], 0, 10), height = (int32_t)strtol(arguments[2], 0, 10);
     const uint32_t frames = (uint32_t)strtoul(arguments[3], 0, 10);
+    options.budget = arguments[4] ? (uint32_t)strtoul(arguments[4], 0, 10) : 0;
     if (fxs_map(&file, arguments[0], &message))
         return puts(message.text), 1;
     int error = fxs_turntable_open(&t, file.data, file.bytes, width, height);
@@ -300,7 +301,7 @@ int main(int argc, char **argv)
 {
     if (argc == 2)
         return print_screen(argv[1]);
-    if (argc == 5)
+    if (argc == 5 || argc == 6)
         return print_hashes(argv + 1);
     RUN(test_strips_are_the_picture);
     RUN(test_wrong_strips);

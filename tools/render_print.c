@@ -41,9 +41,9 @@ int print_stats(const renderer *r, const render_options *o, const world *w, cons
         gaussians += w->scenes[w->placed.objects[i].file].opened->report->read;
     for (uint32_t i = 0; i < w->placed.file_count; i++)
         scene_bytes += w->scenes[i].opened->bytes;
-    printf("{\"gaussians\": %" PRIu64 ", \"packed\": %" PRIu32 ", \"visible\": %" PRIu32 ", \"entries\": %" PRIu64
-           ", \"bands\": %" PRIu32 ", \"slices\": %" PRIu32 ", \"runs\": %" PRIu32, gaussians, stats->gaussians,
-           stats->visible, stats->entries, stats->bands, stats->slices, stats->runs);
+    printf("{\"gaussians\": %" PRIu64 ", \"packed\": %" PRIu32 ", \"drawn\": %" PRIu32 ", \"visible\": %" PRIu32
+           ", \"entries\": %" PRIu64 ", \"bands\": %" PRIu32 ", \"slices\": %" PRIu32 ", \"runs\": %" PRIu32, gaussians,
+           stats->gaussians, stats->drawn, stats->visible, stats->entries, stats->bands, stats->slices, stats->runs);
     if (o->pairs && print_pairs(r, o, w, view))
         return EXIT_FAILED;
     printf(", \"frame_ms\": %.3f, \"stages_ms\": {", (double)stats->frame_nanoseconds * 1e-6);

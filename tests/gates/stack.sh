@@ -1,7 +1,7 @@
 #!/bin/sh
 # Stack on a Cortex-M3, built with FXS_SMALL_STACK: every function of src takes a known amount, and at most 1.5 KB, but
 # for those that a picture of colours in strips has no need of. What a whole frame takes is seen by boards.sh, whose
-# firmware has 4 KB and faults beyond.
+# firmware has 5 KB and faults beyond.
 cd "$(dirname "$0")/../.." || exit 1
 objects=$(mktemp -d) || exit 1
 trap 'rm -rf "$objects"' EXIT

@@ -1,7 +1,7 @@
 #!/bin/sh
-# The firmware of a board, under qemu: the bytes of the host in strips of any height, in the least memory and not in
-# one byte less; a stack of 4 KB; and an error in words, never a fault, for whatever lies in flash. FXS_PROCESSORS=all
-# (make test-all): of every board, and a screen.
+# The firmware of a board, under qemu: the bytes of the host in strips of any height, of a scene with levels with a budget too,
+# in the least memory and not in one byte less; a stack of 4 KB, of 5 with a budget; and an error in words, never a fault,
+# for whatever lies in flash. FXS_PROCESSORS=all (make test-all): of every board, and a screen.
 . tests/scripts/lib/check.sh
 B=${B:-build}
 work=$(mktemp -d) || exit 1
@@ -12,7 +12,7 @@ if ! have arm-none-eabi-gcc || ! have qemu-system-arm; then
     exit
 fi
 made=$work/made
-boards=mps3-an547
+boards=mps3-an547 budget=
 [ "$FXS_PROCESSORS" = all ] && boards="$boards mps2-an385 mps2-an500"
 
 # firmware SCENE [BOARD...]: builds these, or those that are tested, with this scene.
@@ -37,13 +37,15 @@ run() {
 
 hashes() { grep -o '^step [0-9]* hash [0-9a-f]*'; }
 
-# same_hashes BOARD WIDTH HEIGHT FRAMES WORD...: those of the host.
+# same_hashes BOARD WIDTH HEIGHT FRAMES WORD...: those of the host, with $budget; without one in a stack of 4 KB.
 same_hashes() {
     board=$1 width=$2 height=$3 frames=$4
     shift 4
-    want=$("$B/tests/test_strip" "$scene" "$width" "$height" "$frames")
+    [ -z "$budget" ] || set -- "$@" budget="$budget"
+    want=$("$B/tests/test_strip" "$scene" "$width" "$height" "$frames" $budget)
     run "$board" "$made/firmware/$board.elf" width="$width" height="$height" frames="$frames" "$@" >"$work/log"
-    tail -n 1 "$work/log" | grep -qx 'exit 0' && equal "$(hashes <"$work/log")" "$want" && return
+    tail -n 1 "$work/log" | grep -qx 'exit 0' && equal "$(hashes <"$work/log")" "$want" &&
+        awk -v most=$((budget ? 5120 : 4096)) '/^stack/ { found = $2 <= most } END { exit !found }' "$work/log" && return
     cat "$work/log"
     return 1
 }
@@ -64,10 +66,12 @@ one_byte_short() {
         refuses "$1" "$made/firmware/$1.elf" "width=160 height=120 memory=$((least - 1))" 'too little memory'
 }
 
-# make_scene COUNT: a knot of so many Gaussians, as $work/COUNT.fxs
+# make_scene COUNT OPTION...: a knot of so many Gaussians, as $work/COUNT.fxs
 make_scene() {
-    "$B/fixsplat" make-scene knot --count "$1" -o "$work/$1.ply" &&
-        "$B/fixsplat" convert "$work/$1.ply" "$work/$1.fxs"
+    count=$1
+    shift
+    "$B/fixsplat" make-scene knot --count "$count" -o "$work/$count.ply" &&
+        "$B/fixsplat" convert "$work/$count.ply" "$work/$count.fxs" "$@"
 }
 
 # kernels_are_exact BOARD: tests/test_kernels.c as its program.
@@ -144,6 +148,29 @@ if [ "$FXS_PROCESSORS" = all ]; then
     check "vexpress-a9 builds" firmware "$scene" vexpress-a9
     check "vexpress-a9 shows the picture of the host" screen_is_golden
 fi
+
+# ---- A scene with levels of detail ------------------------------------------------------------------------------------
+
+# draws_at_most BOARD: no frame of the last run has more slots than the budget, and each has nearly as many.
+draws_at_most() {
+    grep -o '^step .* drawn [0-9]*' "$work/log" | awk -v budget="$budget" '
+        { frames++; if ($NF > budget || $NF < 0.9 * budget) wrong = 1 }
+        END { exit wrong || !frames }' || { cat "$work/log"; return 1; }
+}
+
+scene=$work/40000.fxs
+check "makes a scene with levels" make_scene 40000 --levels --profile small
+check "builds with a scene with levels" firmware "$scene"
+for board in $boards; do
+    budget=
+    check "$board: all of a scene with levels" same_hashes "$board" 320 240 1 memory=1000000
+    for budget in 20000 5000; do
+        check "$board: a budget of $budget has the bytes of the host" same_hashes "$board" 320 240 4
+        check "$board: a budget of $budget is kept" draws_at_most
+        check "$board: a budget of $budget in little memory" same_hashes "$board" 320 240 1 memory=200000
+    done
+done
+budget=
 
 # ---- What may lie in flash: a scene of three chunks, with each byte of its headers changed in turn ---------------------
 

@@ -499,8 +499,8 @@ fi
 
 stages='project shade sort bin blend resolve'
 succeeds "--stats" render knot.ply $small --stats=pairs
-check "--stats: keys" keys logs/out gaussians visible entries bands slices runs pairs_evaluated pairs_blended frame_ms \
-    $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
+check "--stats: keys" keys logs/out gaussians drawn visible entries bands slices runs pairs_evaluated pairs_blended \
+    frame_ms $(printf 'stages_ms.%s ' $stages) $(printf 'bytes.%s ' scene splats keys tiles entries frame)
 check "--stats: Gaussians" grep -q '"gaussians": 2000,' logs/out
 succeeds "info" info knot.ply
 for said in '1K: 1024 bytes: too little' '1M: 1048576 bytes: enough for any view; slower' \

@@ -67,6 +67,8 @@ refused "info --compare --budget of a scene without levels" 1 'flat.fxs: has no 
 # ---- Commands that render --------------------------------------------------------------------------------------------
 
 check "render --budget: all is as without" equal "$(hash_of knot.fxs --budget 30000)" "$(hash_of knot.fxs)"
+drawn=$("$fixsplat" render knot.fxs --budget 9000 --stats -o drawn.ppm | sed 's/.*"drawn": \([0-9]*\),.*/\1/')
+check "render --budget --stats: what is drawn is nearly the budget" awk "BEGIN { exit !($drawn > 8000 && $drawn <= 9000) }"
 check "render --budget: fewer are another picture" test "$(hash_of knot.fxs --budget 9000)" != "$(hash_of knot.fxs)"
 check "render --detail: another picture" test "$(hash_of knot.fxs --detail 4)" != "$(hash_of knot.fxs)"
 refused "render --detail 0" 2 'detail 0: expected' render knot.fxs --detail 0 --hash

@@ -1,6 +1,8 @@
 // Spark's own reader (the worker of @sparkjsdev/spark, with its WebAssembly) on a .rad, without a browser.
 // node spark.mjs MODULES decode FILE.rad OUT.ply: what it reads, as a .ply of floats, SH too; of a tree its leaves
-// node spark.mjs MODULES cut FILE.rad SPLATS X,Y,Z OUT.ply: the nodes that it would draw, at most so many, from there
+// node spark.mjs MODULES cut FILE [SPLATS VIEW OUT.ply]...: the nodes that it would draw, at most so many, of a .rad, or of
+// the tree of its quality builder. VIEW: X,Y,Z for all around; or with the camera's axes (right, down, ahead) behind,
+// Spark's defaults: less of what is beside and behind.
 import { readFileSync, writeFileSync } from 'node:fs'
 
 const [modules, command, file, ...rest] = process.argv.slice(2)
@@ -56,7 +58,8 @@ const triple = bits => {
 }
 
 const bytes = readFileSync(file)
-const loaded = await call('loadExtSplats', { fileBytes: new Uint8Array(bytes), fileType: 'rad', pathName: file })
+const loaded = await call('loadExtSplats', { fileBytes: new Uint8Array(bytes), fileType: file.split('.').pop(), pathName: file,
+    lod: file.endsWith('.rad') ? undefined : 'quality' })
 const splats = loaded.lodSplats ?? loaded
 const [first, second] = splats.extArrays
 const tree = splats.extra.lodTree
@@ -66,26 +69,34 @@ const degree = Math.min(arrays.length, 3)
 // Four coefficients in each array, one degree after the other
 const sh = i => arrays.flatMap(array => [...array.subarray(4 * i, 4 * i + 4)]).slice(0, degree * (degree + 2)).map(triple)
 
-// A row of Inria's .ply. Of a node that is more than opaque, the opacity is above 1 as Spark draws it: here it grows.
-const row = i => {
-    const at = 4 * i, words = new Float32Array(first.buffer, 16 * i, 3), code = half(first[at + 3] & 65535)
-    const d = Math.min(4 * code - 3, 5), growth = tree && code > 1 ? (d * d - 1) / Math.E / 3 : 0
-    const alpha = Math.min(Math.max(code, 1e-6), 1 - 1e-6), [x, y, z, w] = rotation(second[at + 3])
+// A row of Inria's .ply.
+const row = (i, opacity) => {
+    const at = 4 * i, words = new Float32Array(first.buffer, 16 * i, 3)
+    const alpha = Math.min(Math.max(opacity, 1e-6), 1 - 1e-6), [x, y, z, w] = rotation(second[at + 3])
     const rgb = [second[at] & 65535, second[at] >>> 16, second[at + 1] & 65535].map(half)
     const scale = [second[at + 1] >>> 16, second[at + 2] & 65535, second[at + 2] >>> 16].map(half)
     const rest = sh(i)
     return [...words, ...rgb.map(c => (c - 0.5) / 0.28209479177387814), ...[0, 1, 2].flatMap(c => rest.map(k => k[c])),
-        Math.log(alpha / (1 - alpha)), ...scale.map(s => s + growth), w, x, y, z]
+        Math.log(alpha / (1 - alpha)), ...scale, w, x, y, z]
+}
+
+// A node of an opacity A above 1 is drawn as 1 - (1 - e^(-z^2 / 2))^A: as A opaque ones in one place, here 64 at most.
+const rows = i => {
+    const code = half(first[4 * i + 3] & 65535), d = Math.min(4 * code - 3, 5)
+    if (!tree || code <= 1) return [row(i, code)]
+    const stack = Math.min(Math.exp((d * d - 1) / Math.E), 64), whole = Math.floor(stack)
+    return [...Array(whole).fill(row(i, 1)), ...(stack > whole ? [row(i, stack - whole)] : [])]
 }
 
 const write = (path, indices) => {
     const rest = 3 * degree * (degree + 2), names = ['x', 'y', 'z', 'f_dc_0', 'f_dc_1', 'f_dc_2',
         ...Array.from({ length: rest }, (_, k) => `f_rest_${k}`), 'opacity', 'scale_0', 'scale_1', 'scale_2', 'rot_0',
         'rot_1', 'rot_2', 'rot_3']
-    const head = ['ply', 'format binary_little_endian 1.0', `element vertex ${indices.length}`,
+    const all = indices.flatMap(rows)
+    const head = ['ply', 'format binary_little_endian 1.0', `element vertex ${all.length}`,
         ...names.map(name => `property float ${name}`), 'end_header', ''].join('\n')
-    const body = new Float32Array(indices.length * names.length)
-    indices.forEach((i, k) => body.set(row(i), k * names.length))
+    const body = new Float32Array(all.length * names.length)
+    all.forEach((values, k) => body.set(values, k * names.length))
     writeFileSync(path, Buffer.concat([Buffer.from(head), Buffer.from(body.buffer)]))
     console.log(`${indices.length} of ${splats.numSplats}, SH degree ${degree}`)
 }
@@ -93,21 +104,28 @@ const write = (path, indices) => {
 const all = Array.from({ length: splats.numSplats }, (_, i) => i)
 const children = i => tree ? tree[4 * i + 2] & 65535 : 0
 
-if (command === 'decode') {
-    write(rest[0], all.filter(i => !children(i)))
-} else {
-    const [x, y, z] = rest[1].split(',').map(Number)
-    const { lodId } = await call('initLodTree', { numSplats: splats.numSplats, lodTree: tree.slice() })
-    const viewToObjectCols = [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, x, y, z, 1]      // it looks along +z, y down
-    const { keyIndices, chunks } = await call('traverseLodTrees', { maxSplats: Number(rest[0]), pixelScaleLimit: 1e-4,
-        instances: { a: { lodId, viewToObjectCols, lodScale: 1, behindFoveate: 1, coneFoveate: 1, coneFov0: 0, coneFov: 0 } } })
-    const { indices, numSplats } = keyIndices.a
-    const drawn = Array.from(indices.subarray(0, numSplats)), parent = new Int32Array(splats.numSplats).fill(-1)
-    all.forEach(i => { for (let k = 0; k < children(i); k++) parent[tree[4 * i + 3] + k] = i })
-    const isDrawn = new Set(drawn)
+// Its nodes for a camera.
+const cut = async (lodId, maxSplats, view, out, parent) => {
+    const [eye, right, down, ahead] = [0, 3, 6, 9].map(k => view.slice(k, k + 3)), back = v => v.map(x => -x)
+    const fovs = right.length ? { behindFoveate: 0.2, coneFoveate: 0.4, coneFov0: 90, coneFov: 120 }
+        : { behindFoveate: 1, coneFoveate: 1, coneFov0: 0, coneFov: 0 }
+    const axes = right.length ? [...right, 0, ...back(down), 0, ...back(ahead), 0] : [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0]
+    const { keyIndices, chunks } = await call('traverseLodTrees', { maxSplats, pixelScaleLimit: 1e-4,
+        instances: { a: { lodId, viewToObjectCols: [...axes, ...eye, 1], lodScale: 1, ...fovs } } })
+    const drawn = Array.from(keyIndices.a.indices.subarray(0, keyIndices.a.numSplats)), isDrawn = new Set(drawn)
     const covers = i => { let n = 0; for (; i >= 0; i = parent[i]) n += isDrawn.has(i); return n }
     const once = all.filter(i => !children(i)).every(i => covers(i) === 1)
     console.log(once ? 'each leaf once' : 'FAIL: a leaf twice, or not at all', `chunks ${chunks.length}`)
-    write(rest[2], drawn)
-    process.exitCode = once ? 0 : 1
+    write(out, drawn)
+    return once
+}
+
+if (command === 'decode') {
+    write(rest[0], all.filter(i => !children(i)))
+} else {
+    const parent = new Int32Array(splats.numSplats).fill(-1)
+    all.forEach(i => { for (let k = 0; k < children(i); k++) parent[tree[4 * i + 3] + k] = i })
+    const { lodId } = await call('initLodTree', { numSplats: splats.numSplats, lodTree: tree.slice() })
+    for (let k = 0; k + 2 < rest.length; k += 3)
+        if (!await cut(lodId, Number(rest[k]), rest[k + 1].split(',').map(Number), rest[k + 2], parent)) process.exitCode = 1
 }

@@ -48,6 +48,7 @@ static void say_frame(uint32_t step, uint64_t hash, const fxs_stats *stats)
     say("step ", step);
     console_text(" hash ");
     console_hex(hash);
+    say(" drawn ", stats->drawn);
     say(" visible ", stats->visible);
     say(" bands ", stats->bands);
     say(" slices ", stats->slices);
@@ -76,7 +77,8 @@ int main(void)
     board_stack_mark();
     console_command(line, sizeof line);
     fxs_request_init(&request, &table.object, 1);
-    request.options = (fxs_options){.sh_degree = (int)console_option(line, "degree", 3), .background = {0x11, 0x13, 0x1b}};
+    request.options = (fxs_options){.sh_degree = (int)console_option(line, "degree", 3), .background = {0x11, 0x13, 0x1b},
+                                    .budget = console_option(line, "budget", 0)};
     const uint32_t width = console_option(line, "width", 320), height = console_option(line, "height", 240);
     const uint32_t rows = console_option(line, "rows", 16), frames = console_option(line, "frames", 4);
     const uint32_t room = (uint32_t)(board_memory_end - board_memory), memory = console_option(line, "memory", room);

@@ -1,0 +1,271 @@
+// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER: prints a table of levels of detail, as tools/bench.sh writes it.
+// cuts: frames with a budget beside as many Gaussians of splat-transform, Spark and a pruned scene.
+// budgets: PSNR, time and bytes of frames with less and less of a budget. steps: from frame to frame of a slow path.
+// FOLDER keeps what is made of the scenes; what is there already is taken. MODULES: of tools/page_modules.sh.
+import { execFileSync } from 'node:child_process'
+import { closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, writeFileSync } from 'node:fs'
+
+const [part, fixsplat, scenes, modules, folder] = process.argv.slice(2)
+const run = (program, ...words) => execFileSync(program, words.flat().map(String), { encoding: 'utf8', maxBuffer: 1 << 30 })
+const mean = values => values.reduce((sum, x) => sum + x, 0) / values.length
+const median = values => values.sort((a, b) => a - b)[values.length >> 1]
+const row = (...cells) => console.log(`| ${cells.join(' | ')} |`)
+const head = (...cells) => { row(...cells); console.log(`|${cells.map(() => '---|').join('')}`) }
+mkdirSync(folder, { recursive: true })
+
+// The file of FOLDER, which make(path) makes where it is not there.
+const kept = (name, make) => {
+    const path = `${folder}/${name}`, unfinished = `${folder}/unfinished-${name}`
+    if (!existsSync(path)) {
+        make(unfinished)
+        renameSync(unfinished, path)
+    }
+    return path
+}
+const convert = (from, name, ...words) => kept(name, to => run(fixsplat, 'convert', from, to, words))
+
+// ---- Scenes, and where they are seen from --------------------------------------------------------------------------------
+
+const SCENES = {
+    snowmiku: { file: 'snowmiku/snowmiku.ply', cameras: 'snowmiku/cameras.json', timed: 1 },
+    'luma-seal': { file: 'luma-seal/luma-seal.ply', up: [0, -1, 0] },
+    'boatyard-tile3': { file: 'boatyard-tile3/boatyard-tile3.ply', up: [0, 0, 1] },
+    skull: { file: 'skull/skull.sog', up: [0, -1, 0] },
+    landscape: { made: process.env.LANDSCAPE ?? 4000000, size: '1920x1080' },
+}
+const [WIDTH, HEIGHT, VIEWS, EIGHTH] = [960, 640, 9, 8]
+const REFINED = ['snowmiku', 'luma-seal', 'boatyard-tile3']
+
+const dot = (a, b) => a.reduce((sum, x, k) => sum + x * b[k], 0)
+const cross = (a, b) => [0, 1, 2].map(k => a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
+const unit = v => v.map(x => x / Math.hypot(...v))
+
+// Turned about the middle of what is seen, from 18 degrees above: in turn as far off as all of it takes, near and far.
+const around = ({ seen: [low, high] }, up) => {
+    const half = low.map((x, k) => (high[k] - x) / 2), middle = low.map((x, k) => x + half[k])
+    const first = unit(Math.abs(up[2]) > 0.9 ? [0, -1, 0] : [0, 0, -1]), side = cross(up, first)
+    const focal = HEIGHT / 2 / Math.tan(25 * Math.PI / 180)
+    return Array.from({ length: VIEWS }, (_, i) => {
+        const [s, c] = [Math.sin, Math.cos].map(f => f(2 * Math.PI * i / VIEWS))
+        const ahead = unit(first.map((x, k) => -0.95 * (c * x + s * side[k]) - 0.31 * up[k]))
+        const right = unit(cross(ahead, up)), down = cross(ahead, right)
+        const reach = axis => half.reduce((sum, h, k) => sum + h * Math.abs(axis[k]), 0)
+        const away = Math.max(reach(right) / WIDTH, reach(down) / HEIGHT) * 2 * focal / 0.95 + reach(ahead)
+        const distance = away * [1, 0.35, 2][i % 3]
+        return { id: i, img_name: `${i}`, width: WIDTH, height: HEIGHT, fx: focal, fy: focal,
+            position: middle.map((m, k) => m - distance * ahead[k]), rotation: [0, 1, 2].map(k => [right[k], down[k], ahead[k]]) }
+    })
+}
+
+// A scene with its levels, and the views that are measured: every eighth of its cameras, or around it; of a made one the view
+// that render takes.
+const open = name => {
+    const { file, made, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
+    const source = made ? kept(`${name}.ply`, to => run(fixsplat, 'make-scene', name, '--count', made, '-o', to))
+        : `${scenes}/${file}`
+    const levels = convert(source, `${name}.fxs`, '--levels'), info = JSON.parse(run(fixsplat, 'info', levels, '--json'))
+    const given = cameras && JSON.parse(readFileSync(`${scenes}/${cameras}`))
+    const scene = { name, source, levels, info, given, count: info.packed, timed: [], options: ['--size', size] }
+    if (made) return scene
+    const views = given ? given.filter((_, i) => i % EIGHTH === 0) : around(info, up)
+    const seen = kept(`${name}-seen.json`, to => writeFileSync(to, JSON.stringify(views)))
+    const half = info.seen[0].map((x, k) => (info.seen[1][k] - x) / 2)
+    scene.options.push('--cameras', seen, '--near', given ? 0.2 : Math.min(Math.hypot(...half) / 100, 0.2))
+    return { ...scene, views, timed: ['--view', timed] }
+}
+
+// Refined for cameras that are not measured.
+const refined = scene => kept(`${scene.name}-refined.fxs`, to => {
+    const others = scene.given?.filter((_, i) => i % EIGHTH !== 0)
+    const cameras = others ? ['--cameras', kept(`${scene.name}-given.json`, path => writeFileSync(path, JSON.stringify(others)))] : []
+    run(fixsplat, 'convert', scene.source, to, '--levels', '--refine', cameras)
+})
+
+// ---- Pictures ------------------------------------------------------------------------------------------------------------
+
+// Sums of squared differences of red, green and blue.
+const squares = (a, b, from = 0, to = a.length) => {
+    let sum = 0
+    for (let i = from; i < to; i++) sum += (i & 3) === 3 ? 0 : (a[i] - b[i]) ** 2
+    return sum
+}
+const psnr = (a, b) => 10 * Math.log10(255 ** 2 * a.length / 4 * 3 / squares(a, b))
+
+// The pictures of a scene's views, and what --stats says of each.
+const pictures = (scene, file, words = [], view = 'all') => {
+    const film = `${folder}/film.rgba`, chosen = scene.views ? ['--view', view] : []
+    const said = run(fixsplat, 'render', file, scene.options, chosen, words, '-o', film, '--stats', '--quiet')
+    const stats = said.trim().split('\n').map(JSON.parse), all = readFileSync(film), bytes = all.length / stats.length
+    rmSync(film)
+    return { stats, frames: stats.map((_, i) => all.subarray(i * bytes, (i + 1) * bytes)) }
+}
+
+const round = x => x.toFixed(1)
+const summary = values => ({ mean: mean(values), worst: Math.min(...values) })
+const both = ({ mean, worst }) => Number.isFinite(mean) ? `${round(mean)} (${round(worst)})` : 'equal'
+const against = (whole, frames) => summary(frames.map((frame, i) => psnr(frame, whole.frames[i])))
+
+// ---- Beside others -------------------------------------------------------------------------------------------------------
+
+const transform = (scene, mode, count) => kept(`${scene.name}${mode}-${count}.ply`, to =>
+    run('node', `${modules}/splat-transform-3/bin/cli.mjs`, '-q', '-w', '-g', 'cpu', scene.source, mode, count, to))
+
+// The Gaussians of the largest opacity times mean area of their shadows.
+const pruned = (scene, count) => kept(`${scene.name}-pruned-${count}.ply`, to => {
+    const bytes = readFileSync(scene.source), end = bytes.indexOf('end_header\n') + 11
+    const text = bytes.toString('latin1', 0, end), names = [...text.matchAll(/property float (\S+)/g)].map(found => found[1])
+    const values = new Float32Array(bytes.buffer.slice(bytes.byteOffset + end)), at = name => names.indexOf(name)
+    const weight = i => {
+        const [x, y, z] = ['scale_0', 'scale_1', 'scale_2'].map(name => Math.exp(values[i + at(name)]))
+        return (x * y + y * z + z * x) / (1 + Math.exp(-values[i + at('opacity')]))
+    }
+    const rows = Array.from({ length: values.length / names.length }, (_, i) => [weight(i * names.length), i * names.length])
+    const largest = rows.sort((a, b) => b[0] - a[0]).slice(0, count).sort((a, b) => a[1] - b[1])
+    writeFileSync(to, Buffer.concat([Buffer.from(text.replace(/element vertex \d+/, `element vertex ${largest.length}`), 'latin1'),
+        ...largest.map(([, i]) => Buffer.from(values.buffer, 4 * i, 4 * names.length))]))
+})
+
+// What Spark draws of the tree of its quality builder differs from view to view.
+const spark = (scene, count) => {
+    const files = scene.views.map((_, i) => `${folder}/spark-${i}.ply`)
+    run('node', 'tests/web/spark.mjs', modules, 'cut', scene.source, scene.views.flatMap(({ position, rotation }, i) =>
+        [count, [position, ...[0, 1, 2].map(k => rotation.map(r => r[k]))].flat(), files[i]]))
+    return files.flatMap((file, i) => {
+        const packed = file.replace('.ply', '.fxs')
+        run(fixsplat, 'convert', file, packed, '--quiet')
+        const { frames } = pictures(scene, packed, [], i)
+        rmSync(file)
+        rmSync(packed)
+        return frames
+    })
+}
+
+const SHARES = [0.5, 0.25, 0.1, 0.03]
+
+const cuts = () => {
+    console.log(`PSNR against the whole, dB, mean (worst) of ${WIDTH}x${HEIGHT} views: of snowmiku every eighth of its cameras, which`)
+    console.log(`--refine did not have; of the others ${VIEWS} around them. All as .fxs of the profile default.\n`)
+    head('scene, what is drawn', ...SHARES.map(share => `${100 * share} %`))
+    for (const name of REFINED) {
+        const scene = open(name), whole = pictures(scene, scene.levels)
+        const counts = SHARES.map(share => Math.round(share * scene.count))
+        const packed = path => convert(path, `${path.slice(folder.length + 1, -4)}.fxs`)
+        const line = (what, frames) => {
+            const found = counts.map(count => against(whole, frames(count)))
+            row(`${name}, ${what}`, ...found.map(both))
+            return found
+        }
+        const uniform = line('splat-transform, uniform', n => pictures(scene, packed(transform(scene, '--decimate', n))).frames)
+        const adaptive = line('splat-transform, adaptive',
+            n => pictures(scene, packed(transform(scene, '--decimate-adaptive', n))).frames)
+        line('Spark', n => spark(scene, n))
+        line('pruned', n => pictures(scene, packed(pruned(scene, n))).frames)
+        const best = uniform.map(({ mean, worst }, i) =>
+            ({ mean: Math.max(mean, adaptive[i].mean), worst: Math.max(worst, adaptive[i].worst) }))
+        const ours = [['`--levels`', scene.levels], ['`--levels --refine`', refined(scene)]].map(([words, file]) =>
+            [words, line(words, n => pictures(scene, file, ['--budget', n]).frames)])
+        for (const [words, found] of ours)
+            row(`${name}, ${words} above the better of splat-transform's`,
+                ...found.map((f, i) => both({ mean: f.mean - best[i].mean, worst: f.worst - best[i].worst })))
+    }
+}
+
+// ---- Less and less -------------------------------------------------------------------------------------------------------
+
+// User time of a frame, milliseconds: what more frames take, one thread, the median of five rounds in turns.
+const times = (commands, more) => {
+    const seconds = (words, frames) => Number(run('bash', '-c', 'TIMEFORMAT=%U; { time "$@" >/dev/null; } 2>&1', 'bash', fixsplat,
+        'bench', words, '--threads', 1, '--frames', frames))
+    const rounds = Array.from({ length: 5 }, () =>
+        commands.map(words => 1000 * (seconds(words, 10 + more) - seconds(words, 10)) / more))
+    return commands.map((_, i) => median(rounds.map(found => found[i])))
+}
+
+const less = (name, shares, more) => {
+    const scene = open(name), whole = pictures(scene, scene.levels), leaves = scene.info.tree.at(-1)
+    const budgets = shares.map(share => Math.round(share * scene.count))
+    const found = budgets.map(n => pictures(scene, scene.levels, ['--budget', n]))
+    const better = REFINED.includes(name) && budgets.map(n => pictures(scene, refined(scene), ['--budget', n]).frames)
+    const took = times(budgets.map(n => [scene.levels, scene.options, scene.timed, '--budget', n]), more)
+    budgets.forEach((budget, i) => {
+        const drawn = mean(found[i].stats.map(stats => stats.drawn))
+        row(name, budget, `${round(100 * shares[i])} %`, Math.round(drawn), round(drawn / 256 * leaves.bytes / leaves.nodes / 1e6),
+            both(against(whole, found[i].frames)), better ? both(against(whole, better[i])) : '', took[i].toFixed(2))
+    })
+}
+
+const budgets = () => {
+    console.log('PSNR against the whole, dB, mean (worst) of the views; bytes of the chunks that are drawn, mean of the views; user')
+    console.log('time of a frame by one thread, the median of five rounds in turns, on processors that had other work.\n')
+    head('scene', 'budget', 'of all', 'drawn', 'MB', 'PSNR', 'refined', 'ms')
+    less('landscape', [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], 20)
+    for (const name of ['snowmiku', 'skull', 'luma-seal', 'boatyard-tile3']) less(name, [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], 50)
+}
+
+// ---- A slow path ---------------------------------------------------------------------------------------------------------
+
+const [FRAMES, TILE] = [240, 16]
+
+// The films of files, frame by frame: visit(frames, number), a frame of each.
+const watch = (scene, films, visit) => {
+    const cameras = ['--cameras', `${scenes}/${SCENES[scene.name].cameras}`, '--view', '8..12', '--frames', FRAMES]
+    const opened = films.map(([file, ...words], i) => {
+        const film = `${folder}/film-${i}.rgba`
+        run(fixsplat, 'render', file, cameras, '--size', `${WIDTH}x${HEIGHT}`, words, '-o', film, '--quiet')
+        const handle = openSync(film)
+        rmSync(film)
+        return handle
+    })
+    for (let number = 0; number < FRAMES; number++)
+        visit(opened.map(handle => {
+            const frame = Buffer.alloc(4 * WIDTH * HEIGHT)
+            readSync(handle, frame)
+            return frame
+        }))
+    opened.forEach(closeSync)
+}
+
+// Of what changed from one frame to the next: the rms of the picture, and of each tile.
+const change = difference => {
+    const tiles = []
+    let all = 0
+    for (let y = 0; y < HEIGHT; y += TILE)
+        for (let x = 0; x < WIDTH; x += TILE) {
+            let sum = 0
+            for (let v = y; v < y + TILE; v++)
+                for (let i = 4 * (v * WIDTH + x); i < 4 * (v * WIDTH + x + TILE); i++) sum += (i & 3) === 3 ? 0 : difference(i) ** 2
+            tiles.push(Math.sqrt(sum / (3 * TILE * TILE)))
+            all += sum
+        }
+    return { rms: Math.sqrt(all / (3 * WIDTH * HEIGHT)), tiles }
+}
+
+const report = changes => {
+    const tiles = changes.flatMap(found => found.tiles).sort((a, b) => a - b)
+    return [Math.max(...changes.map(found => found.rms)).toFixed(2), tiles[Math.floor(0.9999 * tiles.length)].toFixed(1),
+        tiles.at(-1).toFixed(1)]
+}
+
+const steps = () => {
+    const scene = open('snowmiku'), quarter = ['--budget', Math.round(scene.count / 4)]
+    const films = [['all', scene.levels], ['a quarter', scene.levels, ...quarter], ['a quarter, `--refine`', refined(scene), ...quarter]]
+    const own = films.map(() => []), beside = films.map(() => [])
+    let last
+    watch(scene, films.map(([, ...words]) => words), frames => {
+        if (last)
+            frames.forEach((now, k) => {
+                own[k].push(change(i => now[i] - last[k][i]))
+                beside[k].push(change(i => now[i] - last[k][i] - frames[0][i] + last[0][i]))
+            })
+        last = frames
+    })
+    console.log(`Steps from frame to frame, of 255: a smooth way through the cameras 8 to 12 of snowmiku in ${FRAMES} frames of`)
+    console.log(`${WIDTH}x${HEIGHT}. Of all steps the largest rms of a picture, and the 99.99th percentile and the largest of the`)
+    console.log(`rms of tiles of ${TILE}x${TILE}; then the same of what is left of a step without that of all Gaussians.\n`)
+    head('drawn', 'picture', 'tiles, 99.99 %', 'tiles, most', 'less all: picture', 'tiles, 99.99 %', 'tiles, most')
+    films.forEach(([words], k) => row(words, ...report(own[k]), ...(k ? report(beside[k]) : ['', '', ''])))
+}
+
+const parts = { cuts, budgets, steps }
+if (!parts[part]) throw new Error(`no part ${part}: expected ${Object.keys(parts).join(', ')}`)
+parts[part]()
