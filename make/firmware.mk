@@ -10,7 +10,7 @@ cpu_of_vexpress-a9 := -marm -mcpu=cortex-a9 -mno-unaligned-access
 of_mps2 = $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=4M SCENE_AT=$(1) SCENE_BYTES=16M RAM=0x20000000 RAM_BYTES=4M)
 link_of_mps2-an385 := $(call of_mps2,0x21000000)
 link_of_mps2-an500 := $(call of_mps2,0x60000000)
-link_of_mps3-an547 := $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=512K SCENE_AT=0x1000000 SCENE_BYTES=2M \
+link_of_mps3-an547 := $(in_flash) $(call memory,FLASH=0 FLASH_BYTES=512K SCENE_AT=0x60000000 SCENE_BYTES=16M \
                                                 RAM=0x21000000 RAM_BYTES=4M)
 link_of_vexpress-a9 := -T port/board/vexpress/screen.ld
 own_of_vexpress-a9 := port/board/vexpress/screen.c port/board/vexpress/start.S port/board/cortexm/console.c port/board/cortexm/scene.S

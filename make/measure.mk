@@ -7,7 +7,7 @@ bench: all $(B)/tests/test_quality ## measure and write the tables of docs/measu
 	SCENES=$(SCENES) B=$(B) sh tools/bench.sh
 
 plot: ## draw docs/*.svg from the tables of docs/measured.md
-	@for plot in sizes growth levels; do \
+	@for plot in sizes growth levels budgets times; do \
 	    awk -v plot=$$plot -f tools/plot.awk docs/measured.md >docs/$$plot.svg.new && \
 	        mv docs/$$plot.svg.new docs/$$plot.svg || { rm -f docs/$$plot.svg.new; exit 1; }; done
 

@@ -1,6 +1,6 @@
 # awk -v plot=NAME -f tools/plot.awk docs/measured.md: an SVG of a table that tools/bench.sh wrote there.
 # sizes: bytes a Gaussian against PSNR, of each form. growth: milliseconds a frame against Gaussians. levels: milliseconds
-# a frame against PSNR, of what is left of each scene.
+# a frame against PSNR, of what is left of each scene. budgets, times: PSNR and milliseconds of a frame against its budget.
 BEGIN {
     FS = " *[|] *"
     if (plot == "sizes") {
@@ -12,14 +12,19 @@ BEGIN {
         part = "tables"; columns = "Gaussians project"
         title = "Time of a frame, landscape at 1280x720"
         label_x = "Gaussians"; label_y = "milliseconds"
-        log_scale = with_lines = 1
+        log_x = log_y = with_lines = 1
+    } else if (plot == "budgets" || plot == "times") {
+        part = "budgets"; columns = "scene budget of all"
+        title = plot == "times" ? "Time of a frame with a budget, one thread" : "Pictures with a budget, beside all Gaussians"
+        label_x = "budget, Gaussians"; label_y = plot == "times" ? "milliseconds" : "PSNR, dB, mean of the views"
+        log_x = with_lines = 1; log_y = plot == "times"
     } else if (plot == "levels") {
         part = "levels"; columns = "scene left Gaussians"
         title = "What convert --decimate saves and costs: a mark is what is left of a scene"
         label_x = "milliseconds a frame, 1280x720"; label_y = "PSNR, dB, against the whole, mean of 8 views"
         with_lines = 1
     } else
-        stop("no plot " plot ": expected sizes, growth or levels")
+        stop("no plot " plot ": expected sizes, growth, levels, budgets or times")
 }
 
 function stop(why) {
@@ -31,15 +36,17 @@ function stop(why) {
 function add(name, x, y,    s) {
     for (s = 1; s in names && names[s] != name; s++) ;
     names[s] = name
-    if (log_scale && !(x > 0 && y > 0))
-        stop("no logarithm of " x ", " y)
     points++
     series[points] = s
-    at_x[points] = scaled(x)
-    at_y[points] = scaled(y)
+    at_x[points] = scaled(x, log_x)
+    at_y[points] = scaled(y, log_y)
 }
 
-function scaled(v) { return log_scale ? log(v) / log(10) : v }
+function scaled(v, is_log) {
+    if (is_log && !(v > 0))
+        stop("no logarithm of " v)
+    return is_log ? log(v) / log(10) : v
+}
 
 $0 ~ "^<!-- " part ": begin" { inside = 1 }
 $0 ~ "^<!-- " part ": end" { inside = in_table = 0 }
@@ -51,6 +58,8 @@ in_table && /^\|---/ { next }
 in_table && plot == "sizes" && $4 != "" { add($3, $4 + 0, $5 + 0) }
 in_table && plot == "levels" && $6 == "equal" { whole = $2 sprintf(", all: %.1f ms", $7) }
 in_table && plot == "levels" && $6 != "equal" { add(whole, $7 + 0, $6 + 0); notes[points] = $3 }
+in_table && plot == "budgets" && $7 != "equal" { add($2, $3 + 0, $7 + 0) }
+in_table && plot == "times" { add($2, $3 + 0, $9 + 0) }
 in_table && plot == "growth" && $2 ~ /^[0-9]+(, C)?$/ { add(names_of[$2 ~ /C$/ ? 1 : 2], $2 + 0, $(NF - 1) + 0) }
 
 # ---- Drawing -------------------------------------------------------------------------------------------------------
@@ -70,25 +79,25 @@ function py(y) { return bottom - (y - low_y) / (high_y - low_y) * (bottom - top)
 
 # A shape for each series, so that colour is not all that tells them apart.
 function mark(x, y, s,    shape) {
-    shape = s % 4
+    shape = s % 5
     if (shape == 1)
         printf "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"5.5\" class=\"s%d\"/>\n", x, y, s
     else
         printf "<path d=\"M%.1f %.1f%s\" class=\"s%d\"/>\n", x, y, shape == 2 ? "m-4-4h8v8h-8z" \
-            : shape == 3 ? "m0-5.5l5 9h-10z" : "m0-5.8l5.2 5.8-5.2 5.8-5.2-5.8z", s
+            : shape == 3 ? "m0-5.5l5 9h-10z" : shape == 4 ? "m0-5.8l5.2 5.8-5.2 5.8-5.2-5.8z" : "m0 5.5l5-9h-10z", s
 }
 
 function floor_of(v) { return v < int(v) ? int(v) - 1 : int(v) }
 
 # The axis from a multiple of the step to one, linear from 0 where the numbers begin near it.
-function ends(values, axis,    i, low, high, step) {
+function ends(values, axis, is_log,    i, low, high, step) {
     low = high = values[1]
     for (i = 2; i <= points; i++) {
         if (values[i] < low) low = values[i]
         if (values[i] > high) high = values[i]
     }
-    step = log_scale ? 1 : high - low > 12 ? 10 : 2
-    if (!log_scale && low < high / 3)
+    step = is_log ? 1 : high - low > 12 ? 10 : 2
+    if (!is_log && low < high / 3)
         low = 0
     steps[axis] = step
     lows[axis] = floor_of(low / step) * step
@@ -97,8 +106,8 @@ function ends(values, axis,    i, low, high, step) {
         highs[axis] += step
 }
 
-function tick(v,    n, out) {
-    if (!log_scale)
+function tick(v, is_log,    n, out) {
+    if (!is_log)
         return v
     for (n = sprintf("%d", 10 ^ v + 0.5); length(n) > 3; n = substr(n, 1, length(n) - 3))
         out = "," substr(n, length(n) - 2) out
@@ -110,23 +119,23 @@ function style() {
     print "text { font: 13px system-ui, sans-serif; fill: #666 } .title { font-size: 16px; font-weight: 600 }"
     print ".small { font-size: 11px } .grid { stroke: #808080; stroke-opacity: 0.3 } .axis { stroke: #808080 }"
     print ".path { fill: none; stroke-width: 2 }"
-    print ".s1 { fill: #2a78d6 } .s2 { fill: #d9541e } .s3 { fill: #128a5f } .s4 { fill: #7a4fc9 }"
-    print ".l1 { stroke: #2a78d6 } .l2 { stroke: #d9541e } .l3 { stroke: #128a5f } .l4 { stroke: #7a4fc9 }"
+    print ".s1 { fill: #2a78d6 } .s2 { fill: #d9541e } .s3 { fill: #128a5f } .s4 { fill: #7a4fc9 } .s5 { fill: #b8860b }"
+    print ".l1 { stroke: #2a78d6 } .l2 { stroke: #d9541e } .l3 { stroke: #128a5f } .l4 { stroke: #7a4fc9 } .l5 { stroke: #b8860b }"
     print "@media (prefers-color-scheme: dark) {"
     print "text { fill: #d0d0d0 }"
-    print ".s1 { fill: #5aa0f0 } .s2 { fill: #f07848 } .s3 { fill: #35c08c } .s4 { fill: #a98cf0 }"
-    print ".l1 { stroke: #5aa0f0 } .l2 { stroke: #f07848 } .l3 { stroke: #35c08c } .l4 { stroke: #a98cf0 } }"
+    print ".s1 { fill: #5aa0f0 } .s2 { fill: #f07848 } .s3 { fill: #35c08c } .s4 { fill: #a98cf0 } .s5 { fill: #e0b040 }"
+    print ".l1 { stroke: #5aa0f0 } .l2 { stroke: #f07848 } .l3 { stroke: #35c08c } .l4 { stroke: #a98cf0 } .l5 { stroke: #e0b040 } }"
     print "</style>"
 }
 
 function grid(    v) {
     for (v = low_x; v <= high_x; v += steps["x"]) {
         line(px(v), top, px(v), bottom, "grid")
-        text(px(v), bottom + 18, "tick", "middle", tick(v))
+        text(px(v), bottom + 18, "tick", "middle", tick(v, log_x))
     }
     for (v = low_y; v <= high_y; v += steps["y"]) {
         line(left, py(v), right, py(v), "grid")
-        text(left - 8, py(v) + 4, "tick", "end", tick(v))
+        text(left - 8, py(v) + 4, "tick", "end", tick(v, log_y))
     }
     line(left, bottom, right, bottom, "axis")
     line(left, top, left, bottom, "axis")
@@ -147,8 +156,8 @@ END {
     if (!points)
         stop("no table for " plot)
     left = 70; right = 700; top = 70; bottom = 400
-    ends(at_x, "x")
-    ends(at_y, "y")
+    ends(at_x, "x", log_x)
+    ends(at_y, "y", log_y)
     low_x = lows["x"]; high_x = highs["x"]; low_y = lows["y"]; high_y = highs["y"]
     print "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 900 470\" width=\"900\" height=\"470\" role=\"img\">"
     print "<title>" title "</title>"

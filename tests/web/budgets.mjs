@@ -2,11 +2,11 @@
 // cuts: frames with a budget beside as many Gaussians of splat-transform, Spark and a pruned scene.
 // budgets: PSNR, time and bytes of frames with less and less of a budget. steps: from frame to frame of a slow path.
 // FOLDER keeps what is made of the scenes; what is there already is taken. MODULES: of tools/page_modules.sh.
-import { execFileSync } from 'node:child_process'
-import { closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, writeFileSync } from 'node:fs'
+import { execFileSync, spawnSync } from 'node:child_process'
+import { closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, statSync, writeFileSync } from 'node:fs'
 
 const [part, fixsplat, scenes, modules, folder] = process.argv.slice(2)
-const run = (program, ...words) => execFileSync(program, words.flat().map(String), { encoding: 'utf8', maxBuffer: 1 << 30 })
+const run = (program, ...words) => execFileSync(program, words.flat(Infinity).map(String), { encoding: 'utf8', maxBuffer: 1 << 30 })
 const mean = values => values.reduce((sum, x) => sum + x, 0) / values.length
 const median = values => values.sort((a, b) => a - b)[values.length >> 1]
 const row = (...cells) => console.log(`| ${cells.join(' | ')} |`)
@@ -207,8 +207,8 @@ const budgets = () => {
 const [FRAMES, TILE] = [240, 16]
 
 // The films of files, frame by frame: visit(frames, number), a frame of each.
-const watch = (scene, films, visit) => {
-    const cameras = ['--cameras', `${scenes}/${SCENES[scene.name].cameras}`, '--view', '8..12', '--frames', FRAMES]
+const watch = (scene, keys, films, visit) => {
+    const cameras = ['--cameras', `${scenes}/${SCENES[scene.name].cameras}`, '--view', keys, '--frames', FRAMES]
     const opened = films.map(([file, ...words], i) => {
         const film = `${folder}/film-${i}.rgba`
         run(fixsplat, 'render', file, cameras, '--size', `${WIDTH}x${HEIGHT}`, words, '-o', film, '--quiet')
@@ -249,23 +249,62 @@ const report = changes => {
 const steps = () => {
     const scene = open('snowmiku'), quarter = ['--budget', Math.round(scene.count / 4)]
     const films = [['all', scene.levels], ['a quarter', scene.levels, ...quarter], ['a quarter, `--refine`', refined(scene), ...quarter]]
-    const own = films.map(() => []), beside = films.map(() => [])
-    let last
-    watch(scene, films.map(([, ...words]) => words), frames => {
-        if (last)
-            frames.forEach((now, k) => {
-                own[k].push(change(i => now[i] - last[k][i]))
-                beside[k].push(change(i => now[i] - last[k][i] - frames[0][i] + last[0][i]))
-            })
-        last = frames
-    })
-    console.log(`Steps from frame to frame, of 255: a smooth way through the cameras 8 to 12 of snowmiku in ${FRAMES} frames of`)
-    console.log(`${WIDTH}x${HEIGHT}. Of all steps the largest rms of a picture, and the 99.99th percentile and the largest of the`)
-    console.log(`rms of tiles of ${TILE}x${TILE}; then the same of what is left of a step without that of all Gaussians.\n`)
-    head('drawn', 'picture', 'tiles, 99.99 %', 'tiles, most', 'less all: picture', 'tiles, 99.99 %', 'tiles, most')
-    films.forEach(([words], k) => row(words, ...report(own[k]), ...(k ? report(beside[k]) : ['', '', ''])))
+    console.log(`Steps from frame to frame, of 255: smooth ways through cameras of snowmiku in ${FRAMES} frames of ${WIDTH}x${HEIGHT}. Of all`)
+    console.log(`steps the largest rms of a picture, and the 99.99th percentile and the largest of the rms of tiles of ${TILE}x${TILE};`)
+    console.log('then the same of what a step is without that of all Gaussians.\n')
+    head('cameras', 'drawn', 'picture', 'tiles, 99.99 %', 'tiles, most', 'without: picture', 'tiles, 99.99 %', 'tiles, most')
+    for (const keys of ['8..12', '8..9']) {
+        const own = films.map(() => []), beside = films.map(() => [])
+        let last
+        watch(scene, keys, films.map(([, ...words]) => words), frames => {
+            if (last)
+                frames.forEach((now, k) => {
+                    own[k].push(change(i => now[i] - last[k][i]))
+                    beside[k].push(change(i => now[i] - last[k][i] - frames[0][i] + last[0][i]))
+                })
+            last = frames
+        })
+        films.forEach(([words], k) => row(keys, words, ...report(own[k]), ...(k ? report(beside[k]) : ['', '', ''])))
+    }
 }
 
-const parts = { cuts, budgets, steps }
+// ---- Boards --------------------------------------------------------------------------------------------------------------
+
+const [STEPS, KNOT] = [8, 100000]
+const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]    // instructions a second: docs/boards.md has why
+
+const boards = () => {
+    const source = kept('knot.ply', to => run(fixsplat, 'make-scene', 'knot', '--count', KNOT, '-o', to))
+    const file = convert(source, 'knot.fxs', '--levels', '--profile', 'small'), firmware = `${folder}/boards/firmware`
+    const scene = { options: ['--size', '320x240', '--up', '0,-1,0', '--orbit', STEPS] }, whole = pictures(scene, file)
+    run('make', '-s', `B=${folder}/boards`, 'NVCC=none', `FIRMWARE_SCENE=${file}`, BOARDS.map(([name]) => `${firmware}/${name}.elf`))
+    const turn = (name, ...words) => {
+        const { stdout, stderr } = spawnSync('qemu-system-arm', ['-M', name, '-nographic', '-monitor', 'none', '-serial', 'none', '-icount',
+            'shift=0', '-semihosting-config', ['enable=on,target=native,arg=firmware', `frames=${STEPS}`, ...words].join(',arg='), '-kernel',
+            `${firmware}/${name}.elf`], { encoding: 'utf8' })
+        return stdout + stderr
+    }
+    const most = (said, word) => Math.max(...[...said.matchAll(new RegExp(` ${word} (\\d+)`, 'g'))].map(found => Number(found[1])))
+    const rate = (said, [, second]) => second / most(said, 'ns')
+    const turned = budget => BOARDS.map(([name]) => turn(name, `budget=${budget}`))
+    const show = budget => {
+        const said = turned(budget), frames = budget < KNOT ? pictures(scene, file, ['--budget', budget]).frames : whole.frames
+        row(budget, both(against(whole, frames)), ...said.flatMap((text, i) => [(most(text, 'ns') / 1e6).toFixed(1),
+            rate(text, BOARDS[i]).toFixed(1)]), most(turn(BOARDS[0][0], `budget=${budget}`, 'memory=0'), 'takes'), most(said[0], 'memory'))
+    }
+    console.log(`A knot of ${KNOT} Gaussians with levels, profile small, ${statSync(file).size} bytes, 320x240, SH degree 3, ${STEPS} steps of a turn:`)
+    console.log('millions of instructions of the slowest frame, and frames a second by them; PSNR against all, dB, mean (worst);')
+    console.log('bytes of working memory, the least and what a frame takes of all there is.\n')
+    head('budget', 'PSNR', 'Cortex-M7', 'a second', 'Cortex-M55', 'a second', 'least', 'memory')
+    let [low, high] = [1, 200]                                  // chunks of 256 with which the first board has ten frames, and not
+    while (high - low > 1) {
+        const middle = (low + high) >> 1
+        if (rate(turn(BOARDS[0][0], `budget=${256 * middle}`), BOARDS[0]) >= 10) low = middle
+        else high = middle
+    }
+    for (const budget of [KNOT, 40000, 20000, 10000, 256 * low, 2560]) show(budget)
+}
+
+const parts = { cuts, budgets, steps, boards }
 if (!parts[part]) throw new Error(`no part ${part}: expected ${Object.keys(parts).join(', ')}`)
 parts[part]()
