@@ -4,6 +4,8 @@
 # where anything fails or it is interrupted, it stays as it is.
 # fit and fit_stages, only where named (half an hour): fits by either cut-off; the stages of a step, with FIT_CPUS. FIT_STEPS,
 # FIT_SIZE: of each (3000, 600).
+# cuts, budgets, steps, boards, only where named: of levels of detail, by tests/web/budgets.mjs (half an hour); CAPTURED: scenes
+# of the first two (all); KEPT: folder of what is made of them (B/levels). boards is a part of docs/boards.md.
 # B: build folder; SCENES: folder of real scenes; PHOTOS: of photographs; DOCUMENT: docs/measured.md, or a copy of it.
 # Medians of 10 frames or more, from `fixsplat bench --json`; rows of one table are from one run.
 set -eu
@@ -350,6 +352,15 @@ levels() {
     fi
 }
 
+detail() {
+    [ -d "$B/page/node_modules" ] || sh tools/page_modules.sh "$B/page" >&2
+    node tests/web/budgets.mjs "$1" "$B/fixsplat" "$SCENES" "$B/page/node_modules" "${KEPT:-$B/levels}" ${CAPTURED:-}
+}
+cuts() { detail cuts; }
+budgets() { detail budgets; }
+steps() { detail steps; }
+boards() { detail boards; }
+
 # Stages of a step: of 40 steps, one thread, from where the same fit was saved after FIT_STEPS of them.
 fit_stages() {
     steps=${FIT_STEPS:-3000}
@@ -416,8 +427,8 @@ stamp() {
 # measure PART: its text. A number that a run did not give leaves two spaces in its cell.
 measure() {
     case $1 in
-    tables | gles | sizes | limits | stereo | foveated | levels | fit | fit_stages) ;;
-    *) fail "no part $1: expected tables, gles, sizes, limits, stereo, foveated, levels, fit or fit_stages" ;;
+    tables | gles | sizes | limits | stereo | foveated | levels | cuts | budgets | steps | boards | fit | fit_stages) ;;
+    *) fail "no part $1: expected tables, gles, sizes, limits, stereo, foveated, levels, cuts, budgets, steps, boards, fit or fit_stages" ;;
     esac
     {
         stamp

@@ -1,14 +1,21 @@
-// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER: prints a table of levels of detail, as tools/bench.sh writes it.
+// node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for tools/bench.sh.
 // cuts: frames with a budget beside as many Gaussians of splat-transform, Spark and a pruned scene.
-// budgets: PSNR, time and bytes of frames with less and less of a budget. steps: from frame to frame of a slow path.
+// budgets: PSNR, time and bytes of frames with less and less of a budget; ROUNDS of times (5).
+// steps: from frame to frame of a slow path, in FRAMES (240). boards: what one draws in a tenth of a second.
 // FOLDER keeps what is made of the scenes; what is there already is taken. MODULES: of tools/page_modules.sh.
 import { execFileSync, spawnSync } from 'node:child_process'
-import { closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, statSync, writeFileSync } from 'node:fs'
+import {
+    closeSync, existsSync, mkdirSync, openSync, readFileSync, readSync, renameSync, rmSync, statSync, writeFileSync,
+} from 'node:fs'
 
-const [part, fixsplat, scenes, modules, folder] = process.argv.slice(2)
-const run = (program, ...words) => execFileSync(program, words.flat(Infinity).map(String), { encoding: 'utf8', maxBuffer: 1 << 30 })
+const [part, fixsplat, scenes, modules, folder, ...asked] = process.argv.slice(2)
+const { ROUNDS = 5, FRAMES = 240, LANDSCAPE = 4000000 } = process.env
+const run = (program, ...words) =>
+    execFileSync(program, words.flat(Infinity).map(String), { encoding: 'utf8', maxBuffer: 1 << 30 })
 const mean = values => values.reduce((sum, x) => sum + x, 0) / values.length
 const median = values => values.sort((a, b) => a - b)[values.length >> 1]
+const isAsked = name => !asked.length || asked.includes(name)
+const say = (...lines) => console.log(`${lines.join('\n')}\n`)
 const row = (...cells) => console.log(`| ${cells.join(' | ')} |`)
 const head = (...cells) => { row(...cells); console.log(`|${cells.map(() => '---|').join('')}`) }
 mkdirSync(folder, { recursive: true })
@@ -31,7 +38,7 @@ const SCENES = {
     'luma-seal': { file: 'luma-seal/luma-seal.ply', up: [0, -1, 0] },
     'boatyard-tile3': { file: 'boatyard-tile3/boatyard-tile3.ply', up: [0, 0, 1] },
     skull: { file: 'skull/skull.sog', up: [0, -1, 0] },
-    landscape: { made: process.env.LANDSCAPE ?? 4000000, size: '1920x1080' },
+    landscape: { made: LANDSCAPE, size: '1920x1080' },
 }
 const [WIDTH, HEIGHT, VIEWS, EIGHTH] = [960, 640, 9, 8]
 const REFINED = ['snowmiku', 'luma-seal', 'boatyard-tile3']
@@ -52,13 +59,14 @@ const around = ({ seen: [low, high] }, up) => {
         const reach = axis => half.reduce((sum, h, k) => sum + h * Math.abs(axis[k]), 0)
         const away = Math.max(reach(right) / WIDTH, reach(down) / HEIGHT) * 2 * focal / 0.95 + reach(ahead)
         const distance = away * [1, 0.35, 2][i % 3]
-        return { id: i, img_name: `${i}`, width: WIDTH, height: HEIGHT, fx: focal, fy: focal,
-            position: middle.map((m, k) => m - distance * ahead[k]), rotation: [0, 1, 2].map(k => [right[k], down[k], ahead[k]]) }
+        const rotation = [0, 1, 2].map(k => [right[k], down[k], ahead[k]])
+        return { id: i, img_name: `${i}`, width: WIDTH, height: HEIGHT, fx: focal, fy: focal, rotation,
+            position: middle.map((m, k) => m - distance * ahead[k]) }
     })
 }
 
-// A scene with its levels, and the views that are measured: every eighth of its cameras, or around it; of a made one the view
-// that render takes.
+// A scene with its levels, and the views that are measured: every eighth of its cameras, or around it; of a made one
+// the view that render takes.
 const open = name => {
     const { file, made, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
     const source = made ? kept(`${name}.ply`, to => run(fixsplat, 'make-scene', name, '--count', made, '-o', to))
@@ -74,11 +82,11 @@ const open = name => {
     return { ...scene, views, timed: ['--view', timed] }
 }
 
-// Refined for cameras that are not measured.
-const refined = scene => kept(`${scene.name}-refined.fxs`, to => {
-    const others = scene.given?.filter((_, i) => i % EIGHTH !== 0)
-    const cameras = others ? ['--cameras', kept(`${scene.name}-given.json`, path => writeFileSync(path, JSON.stringify(others)))] : []
-    run(fixsplat, 'convert', scene.source, to, '--levels', '--refine', cameras)
+// Refined for cameras that are not measured, or for those of --refine.
+const refined = (scene, own = scene.given) => kept(`${scene.name}-refined${scene.given && !own ? '-around' : ''}.fxs`, to => {
+    const others = `${folder}/others.json`
+    if (own) writeFileSync(others, JSON.stringify(own.filter((_, i) => i % EIGHTH !== 0)))
+    run(fixsplat, 'convert', scene.source, to, '--levels', '--refine', own ? ['--cameras', others] : [])
 })
 
 // ---- Pictures ------------------------------------------------------------------------------------------------------------
@@ -113,16 +121,18 @@ const transform = (scene, mode, count) => kept(`${scene.name}${mode}-${count}.pl
 // The Gaussians of the largest opacity times mean area of their shadows.
 const pruned = (scene, count) => kept(`${scene.name}-pruned-${count}.ply`, to => {
     const bytes = readFileSync(scene.source), end = bytes.indexOf('end_header\n') + 11
-    const text = bytes.toString('latin1', 0, end), names = [...text.matchAll(/property float (\S+)/g)].map(found => found[1])
+    const text = bytes.toString('latin1', 0, end)
+    const names = [...text.matchAll(/property float (\S+)/g)].map(found => found[1])
     const values = new Float32Array(bytes.buffer.slice(bytes.byteOffset + end)), at = name => names.indexOf(name)
     const weight = i => {
         const [x, y, z] = ['scale_0', 'scale_1', 'scale_2'].map(name => Math.exp(values[i + at(name)]))
         return (x * y + y * z + z * x) / (1 + Math.exp(-values[i + at('opacity')]))
     }
-    const rows = Array.from({ length: values.length / names.length }, (_, i) => [weight(i * names.length), i * names.length])
-    const largest = rows.sort((a, b) => b[0] - a[0]).slice(0, count).sort((a, b) => a[1] - b[1])
-    writeFileSync(to, Buffer.concat([Buffer.from(text.replace(/element vertex \d+/, `element vertex ${largest.length}`), 'latin1'),
-        ...largest.map(([, i]) => Buffer.from(values.buffer, 4 * i, 4 * names.length))]))
+    const rows = Array.from({ length: values.length / names.length }, (_, i) => i * names.length)
+    const weights = new Map(rows.map(i => [i, weight(i)]))
+    const largest = rows.sort((a, b) => weights.get(b) - weights.get(a)).slice(0, count).sort((a, b) => a - b)
+    writeFileSync(to, Buffer.concat([Buffer.from(text.replace(/element vertex \d+/, `element vertex ${count}`), 'latin1'),
+        ...largest.map(i => Buffer.from(values.buffer, 4 * i, 4 * names.length))]))
 })
 
 // What Spark draws of the tree of its quality builder differs from view to view.
@@ -143,10 +153,10 @@ const spark = (scene, count) => {
 const SHARES = [0.5, 0.25, 0.1, 0.03]
 
 const cuts = () => {
-    console.log(`PSNR against the whole, dB, mean (worst) of ${WIDTH}x${HEIGHT} views: of snowmiku every eighth of its cameras, which`)
-    console.log(`--refine did not have; of the others ${VIEWS} around them. All as .fxs of the profile default.\n`)
+    say(`PSNR against the whole, dB, mean (worst) of ${WIDTH}x${HEIGHT} views: of snowmiku every eighth of its cameras,`,
+        `which --refine did not have; of the others ${VIEWS} around them. All as .fxs of the profile default.`)
     head('scene, what is drawn', ...SHARES.map(share => `${100 * share} %`))
-    for (const name of REFINED) {
+    for (const name of REFINED.filter(isAsked)) {
         const scene = open(name), whole = pictures(scene, scene.levels)
         const counts = SHARES.map(share => Math.round(share * scene.count))
         const packed = path => convert(path, `${path.slice(folder.length + 1, -4)}.fxs`)
@@ -155,15 +165,16 @@ const cuts = () => {
             row(`${name}, ${what}`, ...found.map(both))
             return found
         }
-        const uniform = line('splat-transform, uniform', n => pictures(scene, packed(transform(scene, '--decimate', n))).frames)
-        const adaptive = line('splat-transform, adaptive',
-            n => pictures(scene, packed(transform(scene, '--decimate-adaptive', n))).frames)
+        const [uniform, adaptive] = [['uniform', '--decimate'], ['adaptive', '--decimate-adaptive']].map(([words, mode]) =>
+            line(`splat-transform, ${words}`, n => pictures(scene, packed(transform(scene, mode, n))).frames))
         line('Spark', n => spark(scene, n))
         line('pruned', n => pictures(scene, packed(pruned(scene, n))).frames)
         const best = uniform.map(({ mean, worst }, i) =>
             ({ mean: Math.max(mean, adaptive[i].mean), worst: Math.max(worst, adaptive[i].worst) }))
         const ours = [['`--levels`', scene.levels], ['`--levels --refine`', refined(scene)]].map(([words, file]) =>
             [words, line(words, n => pictures(scene, file, ['--budget', n]).frames)])
+        if (scene.given)
+            line('`--levels --refine` without `--cameras`', n => pictures(scene, refined(scene, null), ['--budget', n]).frames)
         for (const [words, found] of ours)
             row(`${name}, ${words} above the better of splat-transform's`,
                 ...found.map((f, i) => both({ mean: f.mean - best[i].mean, worst: f.worst - best[i].worst })))
@@ -172,11 +183,11 @@ const cuts = () => {
 
 // ---- Less and less -------------------------------------------------------------------------------------------------------
 
-// User time of a frame, milliseconds: what more frames take, one thread, the median of five rounds in turns.
+// User time of a frame, milliseconds: what more frames take, one thread, the median of rounds in turns.
 const times = (commands, more) => {
-    const seconds = (words, frames) => Number(run('bash', '-c', 'TIMEFORMAT=%U; { time "$@" >/dev/null; } 2>&1', 'bash', fixsplat,
-        'bench', words, '--threads', 1, '--frames', frames))
-    const rounds = Array.from({ length: 5 }, () =>
+    const seconds = (words, frames) => Number(run('bash', '-c', 'TIMEFORMAT=%U; { time "$@" >/dev/null; } 2>&1', 'bash',
+        fixsplat, 'bench', words, '--threads', 1, '--frames', frames))
+    const rounds = Array.from({ length: ROUNDS }, () =>
         commands.map(words => 1000 * (seconds(words, 10 + more) - seconds(words, 10)) / more))
     return commands.map((_, i) => median(rounds.map(found => found[i])))
 }
@@ -188,23 +199,23 @@ const less = (name, shares, more) => {
     const better = REFINED.includes(name) && budgets.map(n => pictures(scene, refined(scene), ['--budget', n]).frames)
     const took = times(budgets.map(n => [scene.levels, scene.options, scene.timed, '--budget', n]), more)
     budgets.forEach((budget, i) => {
-        const drawn = mean(found[i].stats.map(stats => stats.drawn))
-        row(name, budget, `${round(100 * shares[i])} %`, Math.round(drawn), round(drawn / 256 * leaves.bytes / leaves.nodes / 1e6),
-            both(against(whole, found[i].frames)), better ? both(against(whole, better[i])) : '', took[i].toFixed(2))
+        const drawn = mean(found[i].stats.map(stats => stats.drawn)), bytes = drawn / 256 * leaves.bytes / leaves.nodes
+        row(name, budget, `${round(100 * shares[i])} %`, Math.round(drawn), (bytes / 1e6).toFixed(2),
+            both(against(whole, found[i].frames)), better ? both(against(whole, better[i])) : '-', took[i].toFixed(2))
     })
 }
 
 const budgets = () => {
-    console.log('PSNR against the whole, dB, mean (worst) of the views; bytes of the chunks that are drawn, mean of the views; user')
-    console.log('time of a frame by one thread, the median of five rounds in turns, on processors that had other work.\n')
+    say('PSNR against the whole, dB, mean (worst) of the views; bytes of the chunks that are drawn, mean of the views;',
+        `user time of a frame by one thread, the median of ${ROUNDS} rounds in turns, on processors that had other work.`)
     head('scene', 'budget', 'of all', 'drawn', 'MB', 'PSNR', 'refined', 'ms')
-    less('landscape', [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], 20)
-    for (const name of ['snowmiku', 'skull', 'luma-seal', 'boatyard-tile3']) less(name, [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], 50)
+    for (const name of ['landscape', 'snowmiku', 'skull', 'luma-seal', 'boatyard-tile3'].filter(isAsked))
+        less(name, [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], name === 'landscape' ? 20 : 50)
 }
 
 // ---- A slow path ---------------------------------------------------------------------------------------------------------
 
-const [FRAMES, TILE] = [240, 16]
+const TILE = 16
 
 // The films of files, frame by frame: visit(frames, number), a frame of each.
 const watch = (scene, keys, films, visit) => {
@@ -233,7 +244,8 @@ const change = difference => {
         for (let x = 0; x < WIDTH; x += TILE) {
             let sum = 0
             for (let v = y; v < y + TILE; v++)
-                for (let i = 4 * (v * WIDTH + x); i < 4 * (v * WIDTH + x + TILE); i++) sum += (i & 3) === 3 ? 0 : difference(i) ** 2
+                for (let i = 4 * (v * WIDTH + x), end = i + 4 * TILE; i < end; i++)
+                    sum += (i & 3) === 3 ? 0 : difference(i) ** 2
             tiles.push(Math.sqrt(sum / (3 * TILE * TILE)))
             all += sum
         }
@@ -248,11 +260,12 @@ const report = changes => {
 
 const steps = () => {
     const scene = open('snowmiku'), quarter = ['--budget', Math.round(scene.count / 4)]
-    const films = [['all', scene.levels], ['a quarter', scene.levels, ...quarter], ['a quarter, `--refine`', refined(scene), ...quarter]]
-    console.log(`Steps from frame to frame, of 255: smooth ways through cameras of snowmiku in ${FRAMES} frames of ${WIDTH}x${HEIGHT}. Of all`)
-    console.log(`steps the largest rms of a picture, and the 99.99th percentile and the largest of the rms of tiles of ${TILE}x${TILE};`)
-    console.log('then the same of what a step is without that of all Gaussians.\n')
-    head('cameras', 'drawn', 'picture', 'tiles, 99.99 %', 'tiles, most', 'without: picture', 'tiles, 99.99 %', 'tiles, most')
+    const films = [['all', scene.levels], ['a quarter', scene.levels, ...quarter],
+        ['a quarter, `--refine`', refined(scene), ...quarter]]
+    say(`Steps from frame to frame, of 255: smooth ways through cameras of snowmiku in ${FRAMES} frames of`,
+        `${WIDTH}x${HEIGHT}. Of all steps the largest rms of a picture, and the 99.99th percentile and the largest of the`,
+        `rms of tiles of ${TILE}x${TILE}; then the same of what a step is without that of all Gaussians.`)
+    head('cameras', 'drawn', 'picture', 'tiles, 99.99 %', 'tiles, most', 'without', 'tiles, 99.99 %', 'tiles, most')
     for (const keys of ['8..12', '8..9']) {
         const own = films.map(() => []), beside = films.map(() => [])
         let last
@@ -264,39 +277,42 @@ const steps = () => {
                 })
             last = frames
         })
-        films.forEach(([words], k) => row(keys, words, ...report(own[k]), ...(k ? report(beside[k]) : ['', '', ''])))
+        films.forEach(([words], k) => row(keys, words, ...report(own[k]), ...(k ? report(beside[k]) : ['-', '-', '-'])))
     }
 }
 
 // ---- Boards --------------------------------------------------------------------------------------------------------------
 
 const [STEPS, KNOT] = [8, 100000]
-const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]    // instructions a second: docs/boards.md has why
+const BOARDS = [['mps2-an500', 480e6 * 1.2], ['mps3-an547', 400e6 / 1.46]]    // instructions a second: docs/boards.md
 
 const boards = () => {
     const source = kept('knot.ply', to => run(fixsplat, 'make-scene', 'knot', '--count', KNOT, '-o', to))
-    const file = convert(source, 'knot.fxs', '--levels', '--profile', 'small'), firmware = `${folder}/boards/firmware`
+    const file = convert(source, 'knot.fxs', '--levels', '--profile', 'small'), elf = `${folder}/boards/firmware`
     const scene = { options: ['--size', '320x240', '--up', '0,-1,0', '--orbit', STEPS] }, whole = pictures(scene, file)
-    run('make', '-s', `B=${folder}/boards`, 'NVCC=none', `FIRMWARE_SCENE=${file}`, BOARDS.map(([name]) => `${firmware}/${name}.elf`))
+    run('make', '-s', `B=${folder}/boards`, 'NVCC=none', `FIRMWARE_SCENE=${file}`,
+        BOARDS.map(([name]) => `${elf}/${name}.elf`))
     const turn = (name, ...words) => {
-        const { stdout, stderr } = spawnSync('qemu-system-arm', ['-M', name, '-nographic', '-monitor', 'none', '-serial', 'none', '-icount',
-            'shift=0', '-semihosting-config', ['enable=on,target=native,arg=firmware', `frames=${STEPS}`, ...words].join(',arg='), '-kernel',
-            `${firmware}/${name}.elf`], { encoding: 'utf8' })
+        const { stdout, stderr } = spawnSync('qemu-system-arm', ['-M', name, '-nographic', '-monitor', 'none', '-serial',
+            'none', '-icount', 'shift=0', '-kernel', `${elf}/${name}.elf`, '-semihosting-config',
+            ['enable=on,target=native,arg=firmware', `frames=${STEPS}`, ...words].join(',arg=')], { encoding: 'utf8' })
         return stdout + stderr
     }
-    const most = (said, word) => Math.max(...[...said.matchAll(new RegExp(` ${word} (\\d+)`, 'g'))].map(found => Number(found[1])))
+    const most = (said, word) =>
+        Math.max(...[...said.matchAll(new RegExp(` ${word} (\\d+)`, 'g'))].map(found => Number(found[1])))
     const rate = (said, [, second]) => second / most(said, 'ns')
-    const turned = budget => BOARDS.map(([name]) => turn(name, `budget=${budget}`))
     const show = budget => {
-        const said = turned(budget), frames = budget < KNOT ? pictures(scene, file, ['--budget', budget]).frames : whole.frames
-        row(budget, both(against(whole, frames)), ...said.flatMap((text, i) => [(most(text, 'ns') / 1e6).toFixed(1),
-            rate(text, BOARDS[i]).toFixed(1)]), most(turn(BOARDS[0][0], `budget=${budget}`, 'memory=0'), 'takes'), most(said[0], 'memory'))
+        const said = BOARDS.map(([name]) => turn(name, `budget=${budget}`))
+        const least = most(turn(BOARDS[0][0], `budget=${budget}`, 'memory=0'), 'takes')
+        const frames = budget < KNOT ? pictures(scene, file, ['--budget', budget]).frames : whole.frames
+        const rates = said.flatMap((text, i) => [(most(text, 'ns') / 1e6).toFixed(1), rate(text, BOARDS[i]).toFixed(1)])
+        row(budget, both(against(whole, frames)), ...rates, least, most(said[0], 'memory'))
     }
-    console.log(`A knot of ${KNOT} Gaussians with levels, profile small, ${statSync(file).size} bytes, 320x240, SH degree 3, ${STEPS} steps of a turn:`)
-    console.log('millions of instructions of the slowest frame, and frames a second by them; PSNR against all, dB, mean (worst);')
-    console.log('bytes of working memory, the least and what a frame takes of all there is.\n')
-    head('budget', 'PSNR', 'Cortex-M7', 'a second', 'Cortex-M55', 'a second', 'least', 'memory')
-    let [low, high] = [1, 200]                                  // chunks of 256 with which the first board has ten frames, and not
+    say(`A knot of ${KNOT} Gaussians with levels, profile small, ${statSync(file).size} bytes, 320x240, SH degree 3,`,
+        `${STEPS} steps of a turn: millions of instructions of the slowest frame, and frames a second by them; PSNR against`,
+        'all, dB, mean (worst); bytes of working memory, the least and what a frame takes of all there is.')
+    head('budget', 'PSNR', 'M7', 'M7 a second', 'M55', 'M55 a second', 'least', 'memory')
+    let [low, high] = [1, 200]                      // chunks of 256 with which the first board has ten frames, and not
     while (high - low > 1) {
         const middle = (low + high) >> 1
         if (rate(turn(BOARDS[0][0], `budget=${256 * middle}`), BOARDS[0]) >= 10) low = middle
