@@ -139,7 +139,7 @@ const pruned = (scene, count) => kept(`${scene.name}-pruned-${count}.ply`, to =>
 const spark = (scene, count) => {
     const files = scene.views.map((_, i) => `${folder}/spark-${i}.ply`)
     run('node', 'tests/web/spark.mjs', modules, 'cut', scene.source, scene.views.flatMap(({ position, rotation }, i) =>
-        [count, [position, ...[0, 1, 2].map(k => rotation.map(r => r[k]))].flat(), files[i]]))
+        [count, [position, ...[0, 1, 2].map(k => rotation.map(r => r[k]))].flat().join(','), files[i]]))
     return files.flatMap((file, i) => {
         const packed = file.replace('.ply', '.fxs')
         run(fixsplat, 'convert', file, packed, '--quiet')
