@@ -110,6 +110,26 @@ check "levels: the whole is near its floats, fewer are further from them" awk -F
     /%/ { rows++; if (!($5 > 0 && $7 > 0)) wrong = 1 }
     END { exit wrong || rows != 10 }' part.md
 
+# Budgets, of one of the captured scenes, whose refined levels are there already.
+if have node; then
+    mkdir -p captured/luma-seal kept programs/page/node_modules
+    cp knot.ply captured/luma-seal/luma-seal.ply
+    "$fixsplat" convert knot.ply kept/luma-seal-refined.fxs --levels
+    SCENES_HERE=captured measure env KEPT="$work/kept" CAPTURED=luma-seal ROUNDS=1 sh tools/bench.sh budgets
+    check "budgets: measured" equal $status 0
+    sed -n '/^<!-- budgets: begin/,/^<!-- budgets: end/p' document.md >part.md
+    check "budgets: less and less" equal "$(awk -F ' *[|] *' '/%/ { print $3 }' part.md | tr '\n' ' ')" \
+        "2000 1000 500 250 125 63 "
+    check "budgets: all is equal, fewer are further from it, and no more are drawn" awk -F ' *[|] *' '
+        /%/ && $3 == 2000 { if ($7 != "equal" || $8 != "equal") wrong = 1; last = 99 }
+        /%/ && $3 < 2000 { if (!($7 + 0 > 5 && $7 + 0 <= last) || $7 != $8) wrong = 1; last = $7 + 0 }
+        /%/ && $3 < 2000 && $3 >= 256 && $5 > $3 { wrong = 1 }
+        /%/ { rows++ }
+        END { exit wrong || rows != 6 }' part.md
+else
+    skip "budgets" "no node here"
+fi
+
 ORDER=sleep
 for signal in INT TERM; do
     measure env --default-signal=$signal timeout -s $signal 1 sh tools/bench.sh stereo
