@@ -1,7 +1,11 @@
 /* The leaves are a run of chunks, which is cut in two, and each part again, where the boxes of both parts cost least.
    The chunk of a node is merged from those of its two children, depth first, so that few are held at a time. Nodes are
    numbered by how many leaves they have, the most first, then by their first leaf: what is drawn from afar lies
-   together, and every node comes before its children. */
+   together, and every node comes before its children.
+
+   The nodes whose leaves all lie in one run of the chunks follow from the boxes of all chunks and from that run alone,
+   so parts of a scene build theirs apart. What is above them needs their sums and the Gaussians of the topmost ones, in
+   floats, as they were merged. */
 #include "tree.h"
 
 #include <float.h>
@@ -29,8 +33,8 @@ typedef struct node {
     uint32_t first, leaves;            /* a run of leaves */
     uint32_t children[2];              /* places of nodes; a leaf's number plus the number of nodes */
     uint32_t parent, number;
-    double error, size;                /* fxs_merge_error */
-    double opacity, own, area;         /* sums of opacities: of the leaves below, of its own Gaussians, times area */
+    uint32_t part, at;                 /* which part built it, or NONE; the place of its chunk among what is written */
+    fxs_node_sums sums;
 } node;
 
 /* Coarse Gaussians of a node, or those of a leaf. */
@@ -59,35 +63,34 @@ typedef struct group {
     uint32_t into;                     /* the group that it became part of, or NONE */
 } group;
 
-typedef struct tree {
-    const fxs_scene *scene;
-    unsigned char *data;
-    const fxs_palette *palette;
-    const fxs_pack_options *options;
+typedef struct fxs_tree tree;
+struct fxs_tree {
+    fxs_tree_run run;                  /* what is built now */
+    const fxs_tree_source *source;     /* of what was built apart; null: all leaves are in the run */
+    fxs_pack_options options;
     fxs_encoder encoder;
     uint32_t count;                    /* of nodes; leaves are one more */
     node *nodes;                       /* in the order in which runs are cut: a node before its children */
+    uint32_t *places;                  /* of the nodes, by number */
     float (*boxes)[6];                 /* of the leaves: low, high */
     float *costs;                      /* of what is right of a cut */
     uint32_t *subtrees, subtree_count; /* places of the nodes that are jobs */
     uint32_t built;                    /* how many of them are */
+    uint32_t large;                    /* a node with more leaves has its first child first, whatever the jobs */
     uint32_t limit;                    /* leaves of a job, at most */
     held **done;                       /* of each node whose parent is not yet merged; null before and after */
     worker *workers;
     uint32_t worker_count;
-} tree;
+};
 
 /* ---- Shape ------------------------------------------------------------------------------------------------------- */
 
-static void find_box(tree *t, uint32_t leaf)
+void fxs_chunk_box(const fxs_chunk *chunk, float box[6])
 {
-    fxs_chunk chunk;
-    memcpy(&chunk, t->scene->chunks + (size_t)leaf * sizeof chunk, sizeof chunk);
-    fxs_chunk_turn(&chunk);
     for (int i = 0; i < 3; i++) {
-        const int64_t reach = (int64_t)chunk.step_q32[i] * 65535 << chunk.step_shift;
-        t->boxes[leaf][i] = (float)ldexp((double)chunk.origin_q32[i], -32);
-        t->boxes[leaf][3 + i] = (float)ldexp((double)(chunk.origin_q32[i] + reach), -32);
+        const int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
+        box[i] = (float)ldexp((double)chunk->origin_q32[i], -32);
+        box[3 + i] = (float)ldexp((double)(chunk->origin_q32[i] + reach), -32);
     }
 }
 
@@ -144,7 +147,7 @@ static void cut_run(tree *t, uint32_t place, int level, uint32_t *next)
         }
         const uint32_t child = (*next)++;
         n->children[side] = child;
-        t->nodes[child] = (node){.first = first, .leaves = leaves, .parent = place};
+        t->nodes[child] = (node){.first = first, .leaves = leaves, .parent = place, .part = NONE};
         cut_run(t, child, level + 1, next);
     }
 }
@@ -158,47 +161,61 @@ static int compare_keys(const void *a, const void *b)
 /* By the number of leaves, the most first, then by the first leaf. */
 static int number_nodes(tree *t)
 {
-    uint64_t (*keys)[2] = fxs_allocate(t->options->allocator, t->count, sizeof *keys);
-    if (!keys)
-        return -1;
-    for (uint32_t i = 0; i < t->count; i++) {
+    uint64_t (*keys)[2] = fxs_allocate(t->options.allocator, t->count, sizeof *keys);
+    t->places = fxs_allocate(t->options.allocator, t->count, sizeof *t->places);
+    for (uint32_t i = 0; i < t->count && keys; i++) {
         keys[i][0] = (uint64_t)(UINT32_MAX - t->nodes[i].leaves) << 32 | t->nodes[i].first;
         keys[i][1] = i;
     }
-    qsort(keys, t->count, sizeof *keys, compare_keys);
-    for (uint32_t i = 0; i < t->count; i++)
+    if (keys)
+        qsort(keys, t->count, sizeof *keys, compare_keys);
+    for (uint32_t i = 0; i < t->count && keys && t->places; i++) {
+        t->places[i] = (uint32_t)keys[i][1];
         t->nodes[keys[i][1]].number = i;
-    fxs_release(t->options->allocator, keys);
-    return 0;
+    }
+    fxs_release(t->options.allocator, keys);
+    return keys && t->places ? 0 : -1;
 }
 
 static int find_shape(tree *t)
 {
     uint32_t next = 1;
-    t->boxes = fxs_allocate(t->options->allocator, t->count + 1, sizeof *t->boxes);
-    t->costs = fxs_allocate(t->options->allocator, t->count + 1, sizeof *t->costs);
-    if (!t->boxes || !t->costs)
+    t->nodes = fxs_allocate(t->options.allocator, t->count, sizeof *t->nodes);
+    t->costs = fxs_allocate(t->options.allocator, t->count + 1, sizeof *t->costs);
+    if (!t->nodes || !t->costs)
         return -1;
-    for (uint32_t i = 0; i <= t->count; i++)
-        find_box(t, i);
-    t->nodes[0] = (node){.leaves = t->count + 1, .parent = NONE};
+    t->nodes[0] = (node){.leaves = t->count + 1, .parent = NONE, .part = NONE};
     cut_run(t, 0, 0, &next);
-    fxs_release(t->options->allocator, t->boxes);
-    fxs_release(t->options->allocator, t->costs);
-    t->boxes = 0;
+    fxs_release(t->options.allocator, t->costs);
     t->costs = 0;
     return number_nodes(t);
+}
+
+static int is_within(const node *n, uint32_t first, uint32_t end)
+{
+    return n->first >= first && n->first + n->leaves <= end;
+}
+
+/* Whether a node is within a run, and what is above it is not. */
+static int is_topmost(const tree *t, const node *n, uint32_t first, uint32_t end)
+{
+    return is_within(n, first, end) && (n->parent == NONE || !is_within(&t->nodes[n->parent], first, end));
+}
+
+/* Whether a node is built now: it lies in the run, or what there is above the parts. */
+static int is_own(const tree *t, const node *n)
+{
+    return t->source ? n->part == NONE : is_within(n, t->run.first, t->run.end);
 }
 
 /* ---- Chunks ------------------------------------------------------------------------------------------------------ */
 
 static void find_reach(held *h, const fxs_chunk *chunk)
 {
-    for (int i = 0; i < 3; i++) {
-        const int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
-        h->reach[i].low = (float)ldexp((double)chunk->origin_q32[i], -32);
-        h->reach[i].high = (float)ldexp((double)(chunk->origin_q32[i] + reach), -32);
-    }
+    float box[6];
+    fxs_chunk_box(chunk, box);
+    for (int i = 0; i < 3; i++)
+        h->reach[i] = (fxs_range){box[i], box[3 + i]};
     h->scale = (float)chunk->scale_q16 / 65536;
 }
 
@@ -210,7 +227,7 @@ static void widen_range(fxs_range *range, const fxs_range *by)
 
 static void read_coded(const tree *t, const unsigned char *header, const unsigned char *rows, held *to)
 {
-    const fxs_scene *s = t->scene;
+    const fxs_scene *s = t->run.scene;
     fxs_chunk chunk;
     memcpy(&chunk, header, sizeof chunk);
     fxs_chunk_turn(&chunk);
@@ -227,10 +244,11 @@ static void read_coded(const tree *t, const unsigned char *header, const unsigne
         }
 }
 
+/* Of the run. */
 static void read_leaf(const tree *t, uint32_t leaf, held *to)
 {
-    const fxs_scene *s = t->scene;
-    read_coded(t, s->chunks + (size_t)leaf * sizeof(fxs_chunk), s->rows + (size_t)leaf * s->chunk_bytes, to);
+    const size_t at = leaf - t->run.first;
+    read_coded(t, t->run.chunks + at * sizeof(fxs_chunk), t->run.rows + at * t->run.scene->chunk_bytes, to);
 }
 
 /* Along a Morton curve, as the leaves are. */
@@ -247,10 +265,10 @@ static void copy_sorted(held *to, const held *from)
     to->count = from->count;
 }
 
-static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
+static void write_chunk(const tree *t, worker *w, held *h, size_t at)
 {
     static const fxs_scene_file_info any;      /* no grids */
-    const fxs_scene *s = t->scene;
+    const fxs_scene *s = t->run.scene;
     const uint32_t bytes = s->chunk_bytes / FXS_CHUNK;
     fxs_chunk_ranges ranges;
     fxs_chunk chunk;
@@ -273,23 +291,23 @@ static void write_chunk(const tree *t, worker *w, held *h, uint32_t number)
         unsigned char record[FXS_RECORD_BYTES] = {0};
         fxs_encode(&t->encoder, &chunk, g, opacity, record, &loss);
         memcpy(w->records + i * bytes, record, bytes);
-        if (t->palette)
+        if (t->run.palette)
             fxs_sh_item_set(&w->items[i], g, opacity, t->encoder.sh_degree);
     }
-    if (t->palette)
-        fxs_palette_code_chunk(t->palette, w->items, h->count, chunk.sh_mean,
+    if (t->run.palette)
+        fxs_palette_code_chunk(t->run.palette, w->items, h->count, chunk.sh_mean,
                                w->records + bytes - fxs_sh_bytes(s->profile, s->sh_degree), bytes, &sh_loss);
-    fxs_encode_rows(&t->encoder, w->records, t->data + (s->node_rows - t->data) + (size_t)number * s->chunk_bytes);
+    fxs_encode_rows(&t->encoder, w->records, t->run.node_rows + at * s->chunk_bytes);
     fxs_chunk_turn(&chunk);
-    memcpy(t->data + (s->node_chunks - t->data) + (size_t)number * sizeof chunk, &chunk, sizeof chunk);
+    memcpy(t->run.node_chunks + at * sizeof chunk, &chunk, sizeof chunk);
 }
 
 static void add_own(node *n, const held *h)
 {
-    n->own = n->area = 0;
+    n->sums.own = n->sums.area = 0;
     for (uint32_t i = 0; i < h->count; i++) {
-        n->own += (double)h->gaussians[i].opacity;
-        n->area += SEEN * (double)h->gaussians[i].opacity * (double)h->gaussians[i].area;
+        n->sums.own += (double)h->gaussians[i].opacity;
+        n->sums.area += SEEN * (double)h->gaussians[i].opacity * (double)h->gaussians[i].area;
     }
 }
 
@@ -310,19 +328,27 @@ static void merge_children(tree *t, worker *w, uint32_t place, held *first, cons
     fxs_merge_add(w->merger, first->gaussians, first->count);
     fxs_merge_add(w->merger, second->gaussians, second->count);
     out->count = fxs_merge_end(w->merger, FXS_CHUNK, out->gaussians, &error);
-    n->error = error.error;
-    n->size = error.size;
+    n->sums.error = error.error;
+    n->sums.size = error.size;
     first->opacity += second->opacity;
-    n->opacity = first->opacity;
+    n->sums.opacity = first->opacity;
     add_own(n, out);
     copy_sorted(first, out);
     widen_held(first, second);
-    write_chunk(t, w, first, n->number);
+    write_chunk(t, w, first, n->at);
 }
 
 static uint32_t leaves_of(const tree *t, uint32_t child)
 {
     return child < t->count ? t->nodes[child].leaves : 1;
+}
+
+/* Which child's Gaussians come first where both are merged: the one with more leaves, but of a large node the first
+   one that is a node. */
+static int first_side(const tree *t, const node *n)
+{
+    const uint32_t *children = n->children;
+    return n->leaves > t->large ? children[0] >= t->count : leaves_of(t, children[1]) > leaves_of(t, children[0]);
 }
 
 /* Fills slot `at` of a worker. The child with more leaves goes first, so that each slot in use has at most half the
@@ -334,9 +360,9 @@ static void build(tree *t, worker *w, uint32_t child, uint32_t at)
         return;
     }
     const node *n = &t->nodes[child];
-    const int larger = leaves_of(t, n->children[1]) > leaves_of(t, n->children[0]);
-    build(t, w, n->children[larger], at);
-    build(t, w, n->children[!larger], at + 1);
+    const int first = first_side(t, n);
+    build(t, w, n->children[first], at);
+    build(t, w, n->children[!first], at + 1);
     merge_children(t, w, child, &w->slots[at], &w->slots[at + 1]);
 }
 
@@ -353,7 +379,8 @@ static void build_subtree(void *argument, uint32_t job)
 
 static int note_built(const tree *t, uint32_t leaves)
 {
-    return t->options->progress ? t->options->progress(t->options->argument, leaves / (t->count + 1.0)) : 0;
+    const double all = t->run.end - t->run.first + 1.0;
+    return t->options.progress ? t->options.progress(t->options.argument, leaves / all) : 0;
 }
 
 /* Returns 1 where it was stopped. */
@@ -363,74 +390,104 @@ static int build_subtrees(tree *t)
         const uint32_t left = t->subtree_count - t->built, jobs = left < t->worker_count ? left : t->worker_count;
         if (note_built(t, leaves))
             return 1;
-        t->options->run(t->options->pool, build_subtree, t, jobs);
+        t->options.run(t->options.pool, build_subtree, t, jobs);
         for (uint32_t i = 0; i < jobs; i++)
             leaves += t->nodes[t->subtrees[t->built + i]].leaves;
     }
-    return note_built(t, t->count + 1);
+    return note_built(t, t->run.end - t->run.first + 1);
 }
 
-static held *take_done(tree *t, uint32_t child, worker *w)
+/* What a child has, in memory that becomes the caller's: from a job, from the run, or from a part. */
+static int take_child(tree *t, uint32_t child, held **to, fxs_message *message)
 {
-    if (child < t->count)
-        return t->done[child];
-    read_leaf(t, child - t->count, &w->slots[0]);
-    return &w->slots[0];
-}
-
-/* The nodes above the jobs, each after its children. One child at least is a node, whose place in memory it takes. */
-static void build_top(tree *t)
-{
-    worker *w = &t->workers[0];
-    for (uint32_t i = t->count; i-- > 0;) {
-        const uint32_t *children = t->nodes[i].children;
-        const int node_side = children[0] >= t->count;
-        if (t->nodes[i].leaves <= t->limit)
-            continue;
-        t->done[i] = take_done(t, children[node_side], w);
-        merge_children(t, w, i, t->done[i], take_done(t, children[!node_side], w));
-        t->done[children[node_side]] = 0;
-        if (children[!node_side] < t->count) {
-            fxs_release(t->options->allocator, t->done[children[!node_side]]);
-            t->done[children[!node_side]] = 0;
-        }
+    const node *n = child < t->count ? &t->nodes[child] : NULL;
+    if (n && t->done[child]) {
+        *to = t->done[child];
+        t->done[child] = 0;
+        return 0;
     }
+    held *h = *to = fxs_allocate(t->options.allocator, 1, sizeof *h);
+    const unsigned char *header, *rows;
+    fxs_chunk chunk;
+    if (!h)
+        return fxs_fail_memory(message, NULL, 0);
+    if (!t->source) {
+        read_leaf(t, child - t->count, h);
+        return 0;
+    }
+    if (!n) {
+        FXS_TRY(t->source->leaf(t->source->argument, child - t->count, &header, &rows, message));
+        read_coded(t, header, rows, h);
+        return 0;
+    }
+    FXS_TRY(t->source->top(t->source->argument, n->part, n->at, &chunk, h->gaussians, &h->count, message));
+    find_reach(h, &chunk);
+    h->opacity = n->sums.opacity;
+    return 0;
+}
+
+/* The node at a place, of its children. */
+static int build_node(tree *t, uint32_t place, fxs_message *message)
+{
+    const node *n = &t->nodes[place];
+    const int side = first_side(t, n);
+    held *first = 0, *second = 0;
+    int error = take_child(t, n->children[side], &first, message);
+    if (!error)
+        error = take_child(t, n->children[!side], &second, message);
+    if (!error)
+        merge_children(t, &t->workers[0], place, first, second);
+    fxs_release(t->options.allocator, second);
+    t->done[place] = first;
+    return error;
+}
+
+/* The nodes above the jobs, each after its children. */
+static int build_top(tree *t, fxs_message *message)
+{
+    int error = 0;
+    for (uint32_t i = t->count; i-- > 0 && !error;)
+        if (is_own(t, &t->nodes[i]) && t->nodes[i].leaves > t->limit)
+            error = build_node(t, i, message);
+    return error;
 }
 
 static int is_subtree(const tree *t, uint32_t place)
 {
     const node *n = &t->nodes[place];
-    return n->leaves <= t->limit && (n->parent == NONE || t->nodes[n->parent].leaves > t->limit);
+    const node *above = n->parent == NONE ? NULL : &t->nodes[n->parent];
+    return is_own(t, n) && n->leaves <= t->limit && (!above || !is_own(t, above) || above->leaves > t->limit);
 }
 
 /* By number, so that the large ones come first. Their number is at most that of the leaves. */
 static int find_subtrees(tree *t)
 {
-    const fxs_allocator *allocator = t->options->allocator;
-    uint32_t *places = fxs_allocate(allocator, t->count, sizeof *places);
+    const fxs_allocator *allocator = t->options.allocator;
+    uint32_t own = 0;
     t->subtrees = fxs_allocate(allocator, t->count, sizeof *t->subtrees);
     t->done = fxs_allocate_zeroed(allocator, t->count, sizeof *t->done);
-    int error = !places || !t->subtrees || !t->done;
-    for (uint32_t i = 0; i < t->count && !error; i++)
-        places[t->nodes[i].number] = i;
-    for (uint32_t i = 0; i < t->count && !error; i++)
-        if (is_subtree(t, places[i])) {
-            t->subtrees[t->subtree_count++] = places[i];
-            t->done[places[i]] = fxs_allocate(allocator, 1, sizeof(held));
-            error = !t->done[places[i]];
+    int error = !t->subtrees || !t->done;
+    for (uint32_t i = 0; i < t->count && !error; i++) {
+        node *n = &t->nodes[t->places[i]];
+        if (is_own(t, n))
+            n->at = own++;
+        if (is_subtree(t, t->places[i])) {
+            t->subtrees[t->subtree_count++] = t->places[i];
+            t->done[t->places[i]] = fxs_allocate(allocator, 1, sizeof(held));
+            error = !t->done[t->places[i]];
         }
-    fxs_release(allocator, places);
+    }
     return error;
 }
 
 /* A slot of a worker has at most half the leaves of the one before. */
 static int make_workers(tree *t)
 {
-    const fxs_allocator *allocator = t->options->allocator;
+    const fxs_allocator *allocator = t->options.allocator;
     uint32_t slots = 2;
     for (uint32_t leaves = t->limit; leaves > 1; leaves /= 2)
         slots++;
-    t->worker_count = t->options->threads;
+    t->worker_count = t->source ? 1 : t->options.threads;
     t->workers = fxs_allocate_zeroed(allocator, t->worker_count, sizeof *t->workers);
     for (uint32_t i = 0; i < t->worker_count && t->workers; i++) {
         t->workers[i].slots = fxs_allocate(allocator, slots, sizeof *t->workers[i].slots);
@@ -471,7 +528,7 @@ static void pool_gains(const tree *t, group *g)
 {
     for (uint32_t i = t->count; i-- > 0;) {
         const node *n = &t->nodes[i];
-        g[i] = (group){n->error, 1, NONE, NONE, NONE, 1, NONE};
+        g[i] = (group){n->sums.error, 1, NONE, NONE, NONE, 1, NONE};
         for (int side = 0; side < 2; side++)
             if (n->children[side] < t->count)
                 g[i].heap = meld(g, g[i].heap, n->children[side]);
@@ -501,70 +558,206 @@ static uint32_t number_of(const tree *t, uint32_t child)
     return child < t->count ? t->count + 1 + t->nodes[child].number : child - t->count;
 }
 
-static void set_swell(fxs_node *to, const node *n)
+static void set_swell(fxs_node *to, const fxs_node_sums *sums)
 {
-    const double swell = n->own > 0 ? n->opacity / n->own : 1;
-    to->area_q8 = (int16_t)(n->own > 0 ? log2_of(n->area / n->own, 256, INT16_MAX) : 0);
+    const double swell = sums->own > 0 ? sums->opacity / sums->own : 1;
+    to->area_q8 = (int16_t)(sums->own > 0 ? log2_of(sums->area / sums->own, 256, INT16_MAX) : 0);
     to->swell_q8 = (uint16_t)(swell > 1 ? log2_of(swell, 256, FXS_SWELL_MOST_Q8) : 0);
 }
 
-static int write_nodes(const tree *t)
+int fxs_tree_write(const fxs_tree *t, unsigned char *to, fxs_message *message)
 {
-    group *groups = fxs_allocate(t->options->allocator, t->count, sizeof *groups);
-    unsigned char *to = t->data + (t->scene->nodes - t->data);
+    group *groups = fxs_allocate(t->options.allocator, t->count, sizeof *groups);
     if (!groups)
-        return -1;
+        return fxs_fail_memory(message, NULL, t->count * sizeof *groups);
     pool_gains(t, groups);
     for (uint32_t i = 0; i < t->count; i++) {
         const node *n = &t->nodes[i];
+        const fxs_node_sums *s = &n->sums;
         fxs_node out = {{number_of(t, n->children[0]), number_of(t, n->children[1])},
                         (int16_t)log2_of(gain_of(&groups[i]), 256, INT16_MAX),
-                        (int16_t)(n->error > 0 ? log2_of(n->size / n->error, 128, INT16_MAX) : 0), 0, 0};
-        set_swell(&out, n);
+                        (int16_t)(s->error > 0 ? log2_of(s->size / s->error, 128, INT16_MAX) : 0), 0, 0};
+        set_swell(&out, s);
         fxs_node_turn(&out);
         memcpy(to + (size_t)n->number * sizeof out, &out, sizeof out);
     }
-    fxs_release(t->options->allocator, groups);
+    fxs_release(t->options.allocator, groups);
     return 0;
 }
 
 /* ---- The tree ---------------------------------------------------------------------------------------------------- */
 
-static int build_all(tree *t, fxs_message *message)
+static uint32_t parts_of(uint32_t leaves)
 {
-    t->nodes = fxs_allocate(t->options->allocator, t->count, sizeof *t->nodes);
-    if (!t->nodes || find_shape(t) || find_subtrees(t) || make_workers(t))
+    return leaves / PARTS > 4 ? leaves / PARTS : 4;
+}
+
+int fxs_tree_plan(fxs_tree **planned, float (*boxes)[6], uint32_t leaves, const fxs_pack_options *options,
+                  fxs_message *message)
+{
+    tree *t = *planned = fxs_allocate_zeroed(options->allocator, 1, sizeof *t);
+    if (!t)
+        return fxs_fail_memory(message, NULL, sizeof *t);
+    t->options = *options;
+    t->boxes = boxes;
+    t->count = leaves - 1;
+    t->large = parts_of(leaves);
+    const int error = find_shape(t);
+    t->boxes = 0;
+    return error ? fxs_fail_memory(message, NULL, 0) : 0;
+}
+
+/* What one run needed. */
+static void end_run(tree *t)
+{
+    const fxs_allocator *allocator = t->options.allocator;
+    for (uint32_t i = 0; i < t->count && t->done; i++)
+        fxs_release(allocator, t->done[i]);
+    fxs_release(allocator, t->done);
+    fxs_release(allocator, t->subtrees);
+    for (uint32_t i = 0; i < t->worker_count && t->workers; i++) {
+        fxs_release(allocator, t->workers[i].slots);
+        fxs_release(allocator, t->workers[i].merger);
+    }
+    fxs_release(allocator, t->workers);
+    t->done = 0;
+    t->subtrees = 0;
+    t->workers = 0;
+}
+
+void fxs_tree_free(fxs_tree *t)
+{
+    if (!t)
+        return;
+    end_run(t);
+    const fxs_allocator *allocator = t->options.allocator;
+    fxs_release(allocator, t->costs);
+    fxs_release(allocator, t->places);
+    fxs_release(allocator, t->nodes);
+    fxs_release(allocator, t);
+}
+
+void fxs_tree_count_within(const fxs_tree *t, uint32_t first, uint32_t end, uint32_t *nodes, uint32_t *tops)
+{
+    *nodes = *tops = 0;
+    for (uint32_t i = 0; i < t->count; i++) {
+        *nodes += (uint32_t)is_within(&t->nodes[i], first, end);
+        *tops += (uint32_t)is_topmost(t, &t->nodes[i], first, end);
+    }
+}
+
+/* Sums and topmost nodes, for those who merge the run with others. */
+static void write_run(const tree *t)
+{
+    const fxs_tree_run *r = &t->run;
+    uint32_t nodes = 0, tops = 0;
+    for (uint32_t i = 0; i < t->count; i++) {
+        const node *n = &t->nodes[t->places[i]];
+        if (!is_own(t, n))
+            continue;
+        fxs_node_sums sums = n->sums;
+        fxs_node_sums_turn(&sums);
+        memcpy(r->sums + nodes++ * sizeof sums, &sums, sizeof sums);
+        if (!is_topmost(t, n, r->first, r->end))
+            continue;
+        const held *h = t->done[t->places[i]];
+        unsigned char *to = r->tops + tops++ * FXS_TREE_TOP_BYTES;
+        const uint32_t head[2] = {fxs_little_32(n->at), fxs_little_32(h->count)};
+        memcpy(to, head, sizeof head);
+        memcpy(to + FXS_TREE_TOP_HEAD, h->gaussians, h->count * sizeof *h->gaussians);
+        fxs_little_endian(to, FXS_TREE_TOP_HEAD, h->count * sizeof *h->gaussians / sizeof(float), sizeof(float));
+    }
+}
+
+static int build_run(tree *t, const fxs_tree_run *run, const fxs_pack_options *options, fxs_message *message)
+{
+    if (FLT_EVAL_METHOD != 0)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "levels of detail need IEEE single precision: this build "
+                           "computes with more digits");
+    t->run = *run;
+    t->options = *options;
+    t->encoder = (fxs_encoder){run->scene->profile, run->scene->sh_degree};
+    t->limit = t->source ? 0 : parts_of(run->end - run->first);
+    if (find_subtrees(t) || make_workers(t))
         return fxs_fail_memory(message, NULL, 0);
     if (build_subtrees(t))
         return fxs_fail_as(FXS_ERR_STOPPED, message, "import stopped");
-    build_top(t);
-    return write_nodes(t) ? fxs_fail_memory(message, NULL, 0) : 0;
+    FXS_TRY(build_top(t, message));
+    if (run->sums)
+        write_run(t);
+    return 0;
+}
+
+int fxs_tree_build_run(fxs_tree *t, const fxs_tree_run *run, const fxs_pack_options *options, fxs_message *message)
+{
+    const int error = build_run(t, run, options, message);
+    end_run(t);
+    return error;
 }
 
 int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palette, const fxs_pack_options *options,
                    fxs_message *message)
 {
-    const fxs_allocator *allocator = options->allocator;
-    if (FLT_EVAL_METHOD != 0)
-        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "levels of detail need IEEE single precision: this build "
-                           "computes with more digits");
-    tree t = {.scene = scene, .data = data, .palette = palette, .options = options,
-              .encoder = {scene->profile, scene->sh_degree}, .count = scene->chunk_count - 1};
-    t.limit = scene->chunk_count / PARTS > 4 ? scene->chunk_count / PARTS : 4;
-    const int result = build_all(&t, message);
-    fxs_release(allocator, t.boxes);
-    fxs_release(allocator, t.costs);
-    for (uint32_t i = 0; i < t.count && t.done; i++)
-        fxs_release(allocator, t.done[i]);
-    fxs_release(allocator, t.done);
-    fxs_release(allocator, t.subtrees);
-    fxs_release(allocator, t.nodes);
-    for (uint32_t i = 0; i < t.worker_count && t.workers; i++) {
-        fxs_release(allocator, t.workers[i].slots);
-        fxs_release(allocator, t.workers[i].merger);
+    unsigned char *bytes = data;
+    const fxs_tree_run run = {.scene = scene, .palette = palette, .end = scene->chunk_count, .chunks = scene->chunks,
+                              .rows = scene->rows, .node_chunks = bytes + (scene->node_chunks - bytes),
+                              .node_rows = bytes + (scene->node_rows - bytes)};
+    float (*boxes)[6] = fxs_allocate(options->allocator, scene->chunk_count, sizeof *boxes);
+    fxs_tree *t = NULL;
+    int error = boxes ? 0 : fxs_fail_memory(message, NULL, scene->chunk_count * sizeof *boxes);
+    for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
+        fxs_chunk chunk;
+        memcpy(&chunk, scene->chunks + (size_t)i * sizeof chunk, sizeof chunk);
+        fxs_chunk_turn(&chunk);
+        fxs_chunk_box(&chunk, boxes[i]);
     }
-    fxs_release(allocator, t.workers);
-    return result;
+    if (!error)
+        error = fxs_tree_plan(&t, boxes, scene->chunk_count, options, message);
+    fxs_release(options->allocator, boxes);
+    if (!error)
+        error = fxs_tree_build_run(t, &run, options, message);
+    if (!error)
+        error = fxs_tree_write(t, bytes + (scene->nodes - bytes), message);
+    fxs_tree_free(t);
+    return error;
+}
+
+/* ---- Parts ------------------------------------------------------------------------------------------------------- */
+
+void fxs_tree_take_part(fxs_tree *t, uint32_t part, uint32_t first, uint32_t end, const unsigned char *sums)
+{
+    uint32_t at = 0;
+    for (uint32_t i = 0; i < t->count; i++) {
+        node *n = &t->nodes[t->places[i]];
+        if (!is_within(n, first, end))
+            continue;
+        memcpy(&n->sums, sums + at * sizeof n->sums, sizeof n->sums);
+        fxs_node_sums_turn(&n->sums);
+        n->part = part;
+        n->at = at++;
+    }
+}
+
+uint32_t fxs_tree_count_above(const fxs_tree *t)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < t->count; i++)
+        count += t->nodes[i].part == NONE;
+    return count;
+}
+
+int fxs_tree_build_above(fxs_tree *t, const fxs_tree_run *run, const fxs_tree_source *source,
+                         const fxs_pack_options *options, fxs_message *message)
+{
+    t->source = source;
+    return fxs_tree_build_run(t, run, options, message);
+}
+
+uint32_t fxs_tree_find(const fxs_tree *t, uint32_t number, uint32_t *at)
+{
+    const node *n = &t->nodes[t->places[number]];
+    *at = n->at;
+    return n->part;
 }
 
 /* ---- Editing ----------------------------------------------------------------------------------------------------- */
@@ -573,16 +766,16 @@ struct fxs_tree_editor {
     tree tree;                         /* its nodes lie at their numbers */
     worker worker;
     held held[2];
-    fxs_pack_options options;
+    unsigned char *nodes;              /* of the scene */
     fxs_palette palette;
 };
 
 static void take_node(tree *t, uint32_t number)
 {
     fxs_node from;
-    memcpy(&from, t->scene->nodes + (size_t)number * sizeof from, sizeof from);
+    memcpy(&from, t->run.scene->nodes + (size_t)number * sizeof from, sizeof from);
     fxs_node_turn(&from);
-    t->nodes[number] = (node){.number = number};
+    t->nodes[number] = (node){.number = number, .at = number};
     for (int i = 0; i < 2; i++)
         t->nodes[number].children[i] =
             from.children[i] > t->count ? from.children[i] - t->count - 1 : from.children[i] + t->count;
@@ -593,11 +786,15 @@ int fxs_tree_edit(fxs_tree_editor **editor, const fxs_scene *scene, void *data, 
     fxs_tree_editor *e = *editor = fxs_allocate_zeroed(NULL, 1, sizeof *e);
     if (!e)
         return fxs_fail_memory(message, NULL, sizeof *e);
-    e->tree = (tree){.scene = scene, .data = data, .options = &e->options,
-                     .encoder = {scene->profile, scene->sh_degree}, .count = scene->chunk_count - 1};
+    unsigned char *bytes = data;
+    e->nodes = bytes + (scene->nodes - bytes);
+    e->tree = (tree){.encoder = {scene->profile, scene->sh_degree}, .count = scene->chunk_count - 1};
+    e->tree.run = (fxs_tree_run){.scene = scene, .end = scene->chunk_count, .chunks = scene->chunks,
+                                 .rows = scene->rows, .node_chunks = bytes + (scene->node_chunks - bytes),
+                                 .node_rows = bytes + (scene->node_rows - bytes)};
     if (scene->palette) {
         fxs_palette_of_scene(&e->palette, scene);
-        e->tree.palette = &e->palette;
+        e->tree.run.palette = &e->palette;
     }
     e->tree.nodes = fxs_allocate(NULL, e->tree.count, sizeof *e->tree.nodes);
     e->worker.merger = fxs_allocate(NULL, 1, fxs_merger_bytes());
@@ -622,7 +819,7 @@ void fxs_tree_edit_end(fxs_tree_editor *e)
 
 static void read_child(const tree *t, uint32_t child, held *to)
 {
-    const fxs_scene *s = t->scene;
+    const fxs_scene *s = t->run.scene;
     if (child < t->count)
         read_coded(t, s->node_chunks + (size_t)child * sizeof(fxs_chunk),
                    s->node_rows + (size_t)child * s->chunk_bytes, to);
@@ -639,9 +836,9 @@ void fxs_tree_edit_merge(fxs_tree_editor *e, uint32_t number)
 }
 
 /* What was fitted to pictures of the leaves has their opacity as they are seen. */
-static void clear_swell(const tree *t, uint32_t number)
+static void clear_swell(const fxs_tree_editor *e, uint32_t number)
 {
-    unsigned char *to = t->data + (t->scene->nodes - t->data) + (size_t)number * sizeof(fxs_node);
+    unsigned char *to = e->nodes + (size_t)number * sizeof(fxs_node);
     fxs_node out;
     memcpy(&out, to, sizeof out);
     fxs_node_turn(&out);
@@ -664,7 +861,7 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
         fxs_coarse_set(&from->gaussians[i], &g);
     }
     from->count = count;
-    clear_swell(&e->tree, number);
+    clear_swell(e, number);
     copy_sorted(to, from);
     write_chunk(&e->tree, &e->worker, to, number);
 }
@@ -676,10 +873,10 @@ int fxs_tree_edit_gains(fxs_tree_editor *e, const double *errors, fxs_message *m
     if (!groups)
         return fxs_fail_memory(message, NULL, t->count * sizeof *groups);
     for (uint32_t i = 0; i < t->count; i++)
-        t->nodes[i].error = errors[i];
+        t->nodes[i].sums.error = errors[i];
     pool_gains(t, groups);
     for (uint32_t i = 0; i < t->count; i++) {
-        unsigned char *to = t->data + (t->scene->nodes - t->data) + i * sizeof(fxs_node);
+        unsigned char *to = e->nodes + i * sizeof(fxs_node);
         fxs_node out;
         memcpy(&out, to, sizeof out);
         fxs_node_turn(&out);
