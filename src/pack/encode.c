@@ -172,23 +172,31 @@ static uint32_t sh_step(float most, const fxs_grid *grid)
     return own == floor(own) && step <= own ? (uint32_t)own : step < 32767 ? step : 32767;
 }
 
-void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r, const fxs_scene_file_info *info)
+void fxs_encode_places(fxs_chunk *chunk, const fxs_range position[3])
 {
     double most = 0;
-    memset(chunk, 0, sizeof *chunk);
+    chunk->step_shift = 0;
     for (int i = 0; i < 3; i++)
-        most = fmax(most, (double)r->position[i].high - r->position[i].low);
+        most = fmax(most, (double)position[i].high - position[i].low);
     while (chunk->step_shift < 12 && ldexp(most, 32 - (int)chunk->step_shift) / 65535 > 4294967294.0)
         chunk->step_shift++;
+    for (int i = 0; i < 3; i++) {
+        chunk->origin_q32[i] = cut_to(floor(ldexp(position[i].low, 32)), -0x1p60, 0x1p60);
+        chunk->step_q32[i] = step_for(position[i].high - ldexp((double)chunk->origin_q32[i], -32), 65535,
+                                      32 - (int)chunk->step_shift);
+    }
+}
+
+void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r, const fxs_scene_file_info *info)
+{
+    memset(chunk, 0, sizeof *chunk);
+    fxs_encode_places(chunk, r->position);
     chunk->scale_q16 = (int32_t)cut_to(ceil(ldexp(r->scale.high, 16)), INT32_MIN, INT32_MAX);
     chunk->scale_step_q24 = (uint16_t)step_for(ldexp(chunk->scale_q16, -16) - r->scale.low, 1023 * 1023, 24);
     for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++)
         if (r->opacity_harm[law] < r->opacity_harm[chunk->opacity_law])
             chunk->opacity_law = (uint16_t)law;
     for (int i = 0; i < 3; i++) {
-        chunk->origin_q32[i] = cut_to(floor(ldexp(r->position[i].low, 32)), -0x1p60, 0x1p60);
-        chunk->step_q32[i] = step_for(r->position[i].high - ldexp((double)chunk->origin_q32[i], -32), 65535,
-                                      32 - (int)chunk->step_shift);
         find_colour_codes(chunk, i, &r->colour[i], &info->colour);
         chunk->sh_step_q19[i] = (uint16_t)sh_step(r->sh[i], &info->sh);
     }

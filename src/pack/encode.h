@@ -41,6 +41,9 @@ void fxs_code_coefficients(const float *x, int count, double step, int32_t *code
 /* The largest magnitude of `count` coefficients, 0 or at least 8; NaN counts as 0. */
 float fxs_largest_coefficient(const float *sh, int count);
 
+/* Writes what a header says of positions. */
+void fxs_encode_places(fxs_chunk *chunk, const fxs_range position[3]);
+
 /* Writes a chunk's header. Where the file's numbers have few bits and the chunk's range allows it, the codes have the
    steps of the file. */
 void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *ranges, const fxs_scene_file_info *info);

@@ -14,6 +14,7 @@
 #include "coded.h"
 #include "framing.h"
 #include "order.h"
+#include "part.h"
 #include "tree.h"
 
 #define BATCH 4096                   /* Gaussians read at once */
@@ -46,6 +47,7 @@ typedef struct findings {
     double faint, others;            /* weights */
     fxs_loss loss;
     float low[3], high[3];
+    uint64_t source;                 /* a sum of hashes of the Gaussians */
     int changed;                     /* 1: a centre differs from an earlier pass */
 } findings;
 
@@ -68,7 +70,11 @@ struct packer {
     uint64_t seen_step;
     uint32_t *slots;                 /* slot of Gaussian i of the file, or FXS_NO_SLOT */
     uint64_t slot_count;             /* up to the last Gaussian */
-    fxs_chunk_ranges *ranges;        /* of each chunk */
+    uint32_t part, parts;            /* 0: the whole scene is packed */
+    uint32_t first, end;             /* the chunks that are packed: of the part, or all */
+    float (*boxes)[6];               /* of all chunks, and the tree over them, where a part is packed */
+    fxs_tree *tree;
+    fxs_chunk_ranges *ranges;        /* of each chunk that is packed */
     fxs_encoder encoder;
     const fxs_coded *coded;          /* null, or the existing codes of the Gaussians */
     fxs_palette *palette;            /* null where no palette is learned */
@@ -78,8 +84,9 @@ struct packer {
     uint32_t first_chunk, end_chunk;
     uint32_t finished;               /* the next chunk for finish_part: see finish */
     fxs_packed_header *header;       /* of the packed scene; headers become little-endian last */
-    fxs_chunk *chunks;
-    unsigned char *rows;
+    fxs_chunk *chunks;               /* of those that are packed; and their rows */
+    unsigned char *palette_bytes, *rows;
+    size_t bytes;                    /* of a part */
 };
 
 static int fail_memory(const packer *p, uint64_t count)
@@ -233,10 +240,23 @@ static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, fi
     }
 }
 
+/* Of a Gaussian and its place in the file; the sum over all tells one scene from another. */
+static uint64_t hash_of(const fxs_gaussian *g, uint64_t index)
+{
+    uint64_t hash = (index + 1) * 0x9e3779b97f4a7c15u;
+    uint32_t words[sizeof *g / sizeof(uint32_t)];
+    memcpy(words, g, sizeof words);
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        hash = (hash ^ words[i]) * 0xd6e8feb86659fd93u;
+    return hash ^ hash >> 32;
+}
+
 static void take_positions(packer *p, batch *b, uint32_t part)
 {
     for (long i = first_of(b, part), end = first_of(b, part + 1); i < end; i++) {
         const uint64_t index = b->first + (uint64_t)i;
+        if (p->part)
+            p->findings[part].source += hash_of(&b->gaussians[i], index);
         take_position(p, &p->entries[index], &b->gaussians[i], &p->findings[part]);
         if (index % p->seen_step == 0 && !isnan(p->entries[index].position[0]))
             p->seen[index / p->seen_step] = fxs_seen_of(&b->gaussians[i]);
@@ -353,10 +373,48 @@ static int find_slots(packer *p)
     if (!p->slots)
         return fail_memory(p, count);
     place_in_slots(p);
-    fxs_release(p->options.allocator, p->entries);
-    p->entries = 0;
     if (p->slot_count > FXS_MAX_COUNT)
         return fxs_fail(p->message, "%u Gaussians: too many, with some far beyond the others", count);
+    p->end = fxs_chunks_of((uint32_t)p->slot_count);
+    return 0;
+}
+
+/* The boxes of all chunks, as their headers will have them. */
+static int find_boxes(packer *p)
+{
+    fxs_range *ranges = fxs_allocate(p->options.allocator, 3 * (size_t)p->end, sizeof *ranges);
+    p->boxes = fxs_allocate(p->options.allocator, p->end, sizeof *p->boxes);
+    for (uint32_t i = 0; i < 3 * p->end && ranges; i++)
+        ranges[i] = (fxs_range){INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < p->report->packed && ranges; i++) {
+        const fxs_order_entry *e = &p->entries[i];
+        fxs_range *r = ranges + p->slots[e->index & ~FXS_BEGINS_CHUNK] / FXS_CHUNK * 3;
+        for (int k = 0; k < 3; k++) {
+            r[k].low = e->position[k] < r[k].low ? e->position[k] : r[k].low;
+            r[k].high = e->position[k] > r[k].high ? e->position[k] : r[k].high;
+        }
+    }
+    for (uint32_t i = 0; i < p->end && ranges && p->boxes; i++) {
+        fxs_chunk chunk;
+        fxs_encode_places(&chunk, ranges + 3 * i);
+        fxs_chunk_box(&chunk, p->boxes[i]);
+    }
+    fxs_release(p->options.allocator, ranges);
+    return ranges && p->boxes ? 0 : fail_memory(p, p->report->packed);
+}
+
+/* Which chunks the part has, and which nodes the tree over all. */
+static int plan_part(packer *p)
+{
+    const uint32_t chunks = p->end;
+    if (p->parts > chunks)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, p->message, "%u blocks of a scene that has %u chunks of %d Gaussians",
+                           (unsigned)p->parts, (unsigned)chunks, FXS_CHUNK);
+    FXS_TRY(find_boxes(p));
+    if (p->options.tree && chunks > 1)
+        FXS_TRY(fxs_tree_plan(&p->tree, p->boxes, chunks, &p->options, p->message));
+    p->first = fxs_part_first(chunks, p->part, p->parts);
+    p->end = fxs_part_first(chunks, p->part + 1, p->parts);
     return 0;
 }
 
@@ -375,6 +433,19 @@ static int is_within(const fxs_chunk_ranges *ranges, const fxs_gaussian *g)
     return 1;
 }
 
+static int is_packed(const packer *p, uint32_t chunk)
+{
+    return chunk >= p->first && chunk < p->end;
+}
+
+/* Whether the second pass reads what is in a slot. */
+static int is_read(const packer *p, uint32_t slot)
+{
+    return is_packed(p, slot / FXS_CHUNK) ||
+           (p->part && p->sample && slot != FXS_NO_SLOT &&
+            fxs_palette_sample_at(p->header->count, slot / FXS_CHUNK) != FXS_NOT_SAMPLED);
+}
+
 static void take_sample(packer *p, uint32_t slot, const fxs_gaussian *g, double opacity)
 {
     const uint32_t at = fxs_palette_sample_at(p->header->count, slot / FXS_CHUNK);
@@ -391,14 +462,17 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
     uint32_t count = 0;
     for (uint32_t i = 0; i < (uint32_t)b->count; i++) {
         own[count] = (uint16_t)i;
-        count += slots[i] != FXS_NO_SLOT && slots[i] / FXS_CHUNK % PARTS == part;
+        count += slots[i] / FXS_CHUNK % PARTS == part && is_read(p, slots[i]);
     }
     for (uint32_t i = 0; i < count; i++)
         opacities[i] = fxs_opacity(&b->gaussians[own[i]]);
     for (uint32_t i = 0; i < count; i++) {
         const fxs_gaussian *g = fit(&b->gaussians[own[i]]);
-        PREFETCH_TO_WRITE(&p->ranges[slots[own[i + AHEAD < count ? i + AHEAD : i]] / FXS_CHUNK]);
-        fxs_ranges_take(&p->ranges[slots[own[i]] / FXS_CHUNK], g, opacities[i], p->encoder.sh_degree);
+        const uint32_t chunk = slots[own[i]] / FXS_CHUNK, later = slots[own[i + AHEAD < count ? i + AHEAD : i]] / FXS_CHUNK;
+        if (is_packed(p, later))
+            PREFETCH_TO_WRITE(&p->ranges[later - p->first]);
+        if (is_packed(p, chunk))
+            fxs_ranges_take(&p->ranges[chunk - p->first], g, opacities[i], p->encoder.sh_degree);
         if (p->sample)
             take_sample(p, slots[own[i]], g, opacities[i]);
     }
@@ -410,13 +484,14 @@ static int find_headers(packer *p)
         memcpy(p->chunks, p->coded->chunks, p->header->chunk_count * sizeof *p->chunks);
         return 0;
     }
-    p->ranges = fxs_allocate(p->options.allocator, p->header->chunk_count, sizeof *p->ranges);
+    const uint32_t chunks = p->end - p->first;
+    p->ranges = fxs_allocate(p->options.allocator, chunks, sizeof *p->ranges);
     if (!p->ranges)
         return fxs_fail_memory(p->message, NULL, 0);
-    for (uint32_t i = 0; i < p->header->chunk_count; i++)
+    for (uint32_t i = 0; i < chunks; i++)
         fxs_ranges_clear(&p->ranges[i]);
     FXS_TRY(pass(p, take_ranges, pass_share(p)));
-    for (uint32_t i = 0; i < p->header->chunk_count; i++) {
+    for (uint32_t i = 0; i < chunks; i++) {
         for (int k = 0; k < 3; k++) {
             const fxs_range *r = &p->ranges[i].position[k];
             if (!(r->low <= r->high && r->low >= p->report->low[k] && r->high <= p->report->high[k]))
@@ -431,7 +506,7 @@ static int allocate_palette(packer *p)
 {
     if (p->coded) {
         p->header->palette_step_q19 = fxs_palette_step_q19(p->coded->palette);
-        fxs_palette_write(p->coded->palette, (int8_t *)(p->chunks + p->header->chunk_count));
+        fxs_palette_write(p->coded->palette, (int8_t *)p->palette_bytes);
         return 0;
     }
     p->sample = fxs_allocate_zeroed(p->options.allocator, fxs_palette_sample(p->header->count), sizeof *p->sample);
@@ -454,14 +529,20 @@ static int find_palette(packer *p)
     begin(p, 0.0625);
     FXS_TRY(fxs_palette_learn(p->palette, h->palette_entries, p->sample, h->count, &options, p->message));
     h->palette_step_q19 = fxs_palette_step_q19(p->palette);
-    fxs_palette_write(p->palette, (int8_t *)(p->chunks + h->chunk_count));
-    if (h->chunk_count > p->held || fxs_palette_sample(h->count) < h->count) {
-        const uint32_t held = p->held < h->chunk_count ? p->held : h->chunk_count;
+    fxs_palette_write(p->palette, (int8_t *)p->palette_bytes);
+    const uint32_t chunks = p->end - p->first;
+    if (chunks > p->held || fxs_palette_sample(h->count) < h->count) {
+        const uint32_t held = p->held < chunks ? p->held : chunks;
         fxs_release(p->options.allocator, p->sample);
         p->sample = 0;
         p->items = fxs_allocate(p->options.allocator, (size_t)held * FXS_CHUNK, sizeof *p->items);
     }
     return p->sample || p->items ? 0 : fail_memory(p, h->count);
+}
+
+static unsigned char *row_of(const packer *p, uint32_t slot)
+{
+    return p->rows + (size_t)(slot - p->first * FXS_CHUNK) * (p->header->chunk_bytes / FXS_CHUNK);
 }
 
 /* What encode_part needs for the Gaussian in a slot. */
@@ -470,12 +551,12 @@ static void fetch(const packer *p, uint32_t slot)
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, chunk = slot / FXS_CHUNK;
     if (chunk < p->first_chunk || chunk >= p->end_chunk)
         return;
-    PREFETCH_TO_WRITE(p->rows + (size_t)slot * bytes);
-    PREFETCH_TO_WRITE(p->rows + (size_t)slot * bytes + bytes - 1);
-    PREFETCH(&p->chunks[chunk]);
-    PREFETCH(&p->chunks[chunk].opacity_law);
+    PREFETCH_TO_WRITE(row_of(p, slot));
+    PREFETCH_TO_WRITE(row_of(p, slot) + bytes - 1);
+    PREFETCH(&p->chunks[chunk - p->first]);
+    PREFETCH(&p->chunks[chunk - p->first].opacity_law);
     if (p->ranges)
-        PREFETCH(&p->ranges[chunk]);
+        PREFETCH(&p->ranges[chunk - p->first]);
 }
 
 /* Neighbours in the file are not neighbours in a chunk, so writing to rows would fetch a cache line for each byte. The
@@ -494,15 +575,15 @@ static void encode_part(packer *p, batch *b, uint32_t part)
         fetch(p, slots[i + AHEAD < end ? i + AHEAD : i]);
         if (chunk < p->first_chunk || chunk >= p->end_chunk)
             continue;
-        unsigned char record[FXS_RECORD_BYTES] = {0}, *to = p->rows + (size_t)slot * bytes;
+        unsigned char record[FXS_RECORD_BYTES] = {0}, *to = row_of(p, slot);
         if (p->coded) {
             p->coded->record(p->coded->argument, slot, record);
             memcpy(to, record, bytes);
             continue;
         }
         const fxs_gaussian *g = fit(&b->gaussians[i]);
-        changed |= !is_within(&p->ranges[chunk], g);
-        fxs_encode(&p->encoder, &p->chunks[chunk], g, opacities[i - first], record, &loss);
+        changed |= !is_within(&p->ranges[chunk - p->first], g);
+        fxs_encode(&p->encoder, &p->chunks[chunk - p->first], g, opacities[i - first], record, &loss);
         memcpy(to, record, bytes);
         if (p->items)
             fxs_sh_item_set(&p->items[slot - p->first_chunk * FXS_CHUNK], g, opacities[i - first],
@@ -519,7 +600,7 @@ static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, 
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK;
     const fxs_sh_item *items = p->sample ? p->sample + first : p->items + (first - p->first_chunk * FXS_CHUNK);
     fxs_sh_loss sh = {loss->largest[FXS_LOSS_SH], loss->squares[FXS_LOSS_SH]};
-    fxs_palette_code_chunk(p->palette, items, left < FXS_CHUNK ? left : FXS_CHUNK, p->chunks[chunk].sh_mean,
+    fxs_palette_code_chunk(p->palette, items, left < FXS_CHUNK ? left : FXS_CHUNK, p->chunks[chunk - p->first].sh_mean,
                            records + bytes - fxs_sh_bytes(p->encoder.profile, p->encoder.sh_degree), bytes, &sh);
     loss->largest[FXS_LOSS_SH] = sh.largest;
     loss->squares[FXS_LOSS_SH] = sh.squares;
@@ -533,7 +614,7 @@ static void finish_part(void *argument, uint32_t part)
     unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
     fxs_loss loss = p->findings[part].loss;
     for (uint32_t chunk = p->finished + part; chunk < end; chunk += PARTS) {
-        unsigned char *rows = p->rows + (size_t)chunk * p->header->chunk_bytes;
+        unsigned char *rows = row_of(p, chunk * FXS_CHUNK);
         memcpy(records, rows, p->header->chunk_bytes);
         if (p->palette)
             code_chunk(p, chunk, records, &loss);
@@ -590,13 +671,13 @@ static int write_chunks(packer *p, uint32_t first, uint32_t end, double share)
 
 static int write_codes(packer *p)
 {
-    const uint32_t chunks = p->header->chunk_count;
+    const uint32_t chunks = p->end - p->first;
     if (p->palette)
         FXS_TRY(find_palette(p));
     const uint32_t held = p->items ? p->held : chunks;
     const double left = 1 - tree_share(p) - p->done - p->share;
-    for (uint32_t first = 0; first < chunks; first += held) {
-        const uint32_t end = chunks - first < held ? chunks : first + held;
+    for (uint32_t first = p->first; first < p->end; first += held) {
+        const uint32_t end = p->end - first < held ? p->end : first + held;
         FXS_TRY(write_chunks(p, first, end, left * (end - first) / chunks));
     }
     sum_losses(p);
@@ -605,7 +686,7 @@ static int write_codes(packer *p)
 
 static void turn_headers(packer *p)
 {
-    for (uint32_t i = 0; i < p->header->chunk_count; i++)
+    for (uint32_t i = 0; i < p->end - p->first; i++)
         fxs_chunk_turn(&p->chunks[i]);
     fxs_packed_header_turn(p->header);
 }
@@ -637,42 +718,134 @@ static void begin_tree(unsigned char *to, uint32_t nodes)
     memcpy(to, &header, sizeof header);
 }
 
-static int allocate_scene(packer *p, fxs_packed_scene *scene)
+/* The scene's header, but for the bytes of the palette. `tree`: of it, or 0. */
+static fxs_packed_header header_of(const packer *p, size_t tree)
 {
-    const uint32_t count = (uint32_t)p->slot_count;
+    const uint32_t count = (uint32_t)p->slot_count, chunks = fxs_chunks_of(count);
     const enum fxs_profile profile = p->encoder.profile;
-    const uint32_t chunks = fxs_chunks_of(count);
-    const uint32_t entries = fxs_palette_entries_for(p->report->packed, chunks, profile, p->encoder.sh_degree);
-    const size_t leaves = fxs_scene_bytes(count, p->encoder.sh_degree, profile, entries);
-    const size_t tree = p->options.tree ? fxs_tree_bytes(chunks, p->encoder.sh_degree, profile) : 0;
-    scene->bytes = leaves <= SIZE_MAX - 63 - tree ? leaves + tree : SIZE_MAX;
+    fxs_packed_header h = {.magic = FXS_PACKED_MAGIC, .version = tree ? FXS_PACKED_VERSION_TREE : FXS_PACKED_VERSION,
+                           .count = count, .holes = count - (uint32_t)p->report->packed, .chunk_count = chunks,
+                           .chunk_bytes = fxs_chunk_bytes(profile, p->encoder.sh_degree),
+                           .sh_degree = (uint32_t)p->encoder.sh_degree,
+                           .flags = p->info->antialiased ? FXS_PACKED_ANTIALIASED : 0, .profile = (uint32_t)profile,
+                           .palette_entries = fxs_palette_entries_for(p->report->packed, chunks, profile,
+                                                                      p->encoder.sh_degree)};
+    write_bounds(&h, p->report);
+    return h;
+}
+
+/* Memory of so many bytes, SIZE_MAX: too many, for what is packed. */
+static int allocate_packed(packer *p, fxs_packed_scene *scene, size_t bytes)
+{
+    scene->bytes = bytes;
     scene->allocator = p->options.allocator;
-    scene->allocation = leaves && scene->bytes < SIZE_MAX - 63
-                            ? fxs_allocate_zeroed(p->options.allocator, 1, scene->bytes + 63) : 0;
+    scene->allocation = bytes < SIZE_MAX - 63 ? fxs_allocate_zeroed(p->options.allocator, 1, bytes + 63) : 0;
     if (!scene->allocation) {
-        fxs_fail(p->message, "out of memory: %zu bytes for the packed scene", scene->bytes);
-        p->message->bytes_needed = scene->bytes + 63;
+        fxs_fail(p->message, "out of memory: %zu bytes for the packed scene", bytes);
+        p->message->bytes_needed = bytes + 63;
         return FXS_ERR_MEMORY;
     }
     scene->data = (void *)(((uintptr_t)scene->allocation + 63) / 64 * 64);
+    return 0;
+}
+
+static int allocate_scene(packer *p, fxs_packed_scene *scene)
+{
+    const uint32_t chunks = fxs_chunks_of((uint32_t)p->slot_count);
+    const size_t tree = p->options.tree ? fxs_tree_bytes(chunks, p->encoder.sh_degree, p->encoder.profile) : 0;
+    const fxs_packed_header h = header_of(p, tree);
+    const size_t leaves = fxs_scene_bytes(h.count, p->encoder.sh_degree, p->encoder.profile, h.palette_entries);
+    FXS_TRY(allocate_packed(p, scene, leaves && leaves <= SIZE_MAX - 63 - tree ? leaves + tree : SIZE_MAX));
     p->header = scene->data;
-    p->header->magic = FXS_PACKED_MAGIC;
-    p->header->version = tree ? FXS_PACKED_VERSION_TREE : FXS_PACKED_VERSION;
-    p->header->count = count;
-    p->header->holes = count - (uint32_t)p->report->packed;
-    p->header->chunk_count = chunks;
-    p->header->chunk_bytes = fxs_chunk_bytes(profile, p->encoder.sh_degree);
-    p->header->sh_degree = (uint32_t)p->encoder.sh_degree;
-    p->header->flags = p->info->antialiased ? FXS_PACKED_ANTIALIASED : 0;
-    p->header->profile = (uint32_t)profile;
-    p->header->palette_entries = entries;
-    write_bounds(p->header, p->report);
+    *p->header = h;
     p->chunks = (fxs_chunk *)(void *)(p->header + 1);
-    p->rows = (unsigned char *)scene->data + leaves - (size_t)p->header->chunk_count * p->header->chunk_bytes;
+    p->palette_bytes = (unsigned char *)(p->chunks + chunks);
+    p->rows = (unsigned char *)scene->data + leaves - (size_t)chunks * h.chunk_bytes;
     if (tree)
         begin_tree((unsigned char *)scene->data + leaves, chunks - 1);
-    return entries ? allocate_palette(p) : 0;
+    return h.palette_entries ? allocate_palette(p) : 0;
 }
+
+/* ---- Parts ------------------------------------------------------------------------------------------------------- */
+
+/* What tells one scene, as it was read, from another. */
+static void write_source(const packer *p, uint32_t source[2])
+{
+    const fxs_grid grids[2] = {p->info->colour, p->info->sh};
+    uint64_t sum = 0, numbers[4];
+    memcpy(numbers, grids, sizeof numbers);
+    for (const findings *f = p->findings; f < p->findings + PARTS; f++)
+        sum += f->source;
+    for (int i = 0; i < 4; i++)
+        sum = (sum ^ numbers[i]) * 0xd6e8feb86659fd93u;
+    source[0] = (uint32_t)sum;
+    source[1] = (uint32_t)(sum >> 32);
+}
+
+static int allocate_part(packer *p, fxs_packed_scene *part)
+{
+    const fxs_packed_header h = header_of(p, p->tree != 0);
+    fxs_part_header head = {.magic = FXS_PART_MAGIC, .version = FXS_PART_VERSION, .program = FXS_VERSION_NUMBER,
+                            .number = p->part, .count = p->parts, .first = p->first,
+                            .chunk_count = p->end - p->first};
+    fxs_crc32_table table;
+    fxs_part_layout l;
+    fxs_crc32_fill(&table);
+    write_source(p, head.source);
+    for (uint32_t i = 0; i < h.chunk_count; i++)
+        head.boxes = fxs_part_add_box(&table, head.boxes, p->boxes[i]);
+    fxs_release(p->options.allocator, p->boxes);
+    p->boxes = 0;
+    if (p->tree)
+        fxs_tree_count_within(p->tree, p->first, p->end, &head.node_count, &head.top_count);
+    const int error = fxs_part_lay_out(&l, &head, &h);
+    FXS_TRY(allocate_packed(p, part, error || l.bytes >= SIZE_MAX ? SIZE_MAX : (size_t)l.bytes));
+    unsigned char *bytes = part->data;
+    memcpy(bytes, &head, sizeof head);
+    p->header = (fxs_packed_header *)(void *)(bytes + l.scene);
+    *p->header = h;
+    p->chunks = (fxs_chunk *)(void *)(bytes + l.chunks);
+    p->palette_bytes = bytes + l.palette;
+    p->rows = bytes + l.rows;
+    return h.palette_entries ? allocate_palette(p) : 0;
+}
+
+static int build_part_of_tree(packer *p, unsigned char *bytes, const fxs_part_layout *l, const fxs_packed_header *h)
+{
+    const fxs_scene scene = {.profile = p->encoder.profile, .sh_degree = p->encoder.sh_degree,
+                             .chunk_bytes = h->chunk_bytes, .palette = (int8_t *)p->palette_bytes,
+                             .palette_entries = h->palette_entries, .palette_step_q19 = h->palette_step_q19};
+    const fxs_tree_run run = {&scene, p->palette, p->first, p->end, bytes + l->chunks, bytes + l->rows,
+                              bytes + l->node_chunks, bytes + l->node_rows, bytes + l->sums, bytes + l->tops};
+    fxs_pack_options options = p->options;
+    begin(p, tree_share(p));
+    options.progress = report_progress;
+    options.argument = p;
+    return fxs_tree_build_run(p->tree, &run, &options, p->message);
+}
+
+static int finish_part_of_scene(packer *p, unsigned char *bytes)
+{
+    const fxs_packed_header h = *p->header;
+    fxs_part_header *head = (fxs_part_header *)(void *)bytes;
+    fxs_part_layout l;
+    if (fxs_part_lay_out(&l, head, &h))
+        return fail_changed(p);
+    for (uint32_t i = 0; i < head->chunk_count; i++)
+        if (!fxs_chunk_valid(&p->chunks[i]))
+            return fail_changed(p);
+    turn_headers(p);
+    if (p->palette) {
+        head->unit_exponent = p->palette->unit_exponent;
+        head->centred = p->palette->centred;
+        memcpy(bytes + l.groups, p->palette->groups, (size_t)(l.rows - l.groups));
+        fxs_little_endian(bytes, (size_t)l.groups, (size_t)(l.rows - l.groups) / 2, 2);
+    }
+    fxs_part_header_turn(head);
+    return p->tree ? build_part_of_tree(p, bytes, &l, &h) : 0;
+}
+
+/* ---- The whole --------------------------------------------------------------------------------------------------- */
 
 static int build_tree(packer *p, const fxs_scene *scene, void *data)
 {
@@ -705,10 +878,16 @@ static int pack(packer *p, fxs_packed_scene *scene)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
     FXS_TRY(find_inner_bounds(p));
     FXS_TRY(find_slots(p));
+    if (p->part)
+        FXS_TRY(plan_part(p));
+    fxs_release(p->options.allocator, p->entries);
+    p->entries = 0;
     FXS_TRY(find_seen_bounds(p));
-    FXS_TRY(allocate_scene(p, scene));
+    FXS_TRY(p->part ? allocate_part(p, scene) : allocate_scene(p, scene));
     FXS_TRY(find_headers(p));
     FXS_TRY(write_codes(p));
+    if (p->part)
+        return finish_part_of_scene(p, scene->data);
     turn_headers(p);
     fxs_scene whole;                 /* checked, as the last pass may have read other numbers */
     if (fxs_scene_open(&whole, scene->data, scene->bytes))
@@ -729,24 +908,21 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
     return fxs_pack_held(file, info, coded, HELD, scene, report, options, message);
 }
 
-int fxs_pack_held(fxs_scene_file *file, const fxs_scene_file_info *info, const fxs_coded *coded, uint32_t held,
-                  fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
-                  fxs_message *message)
+/* As `how` says, beside the arguments. */
+static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene,
+                   fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message)
 {
-    packer p;
-    memset(&p, 0, sizeof p);
+    packer p = *how;
     memset(scene, 0, sizeof *scene);
     memset(report, 0, sizeof *report);
     p.file = file;
     p.info = info;
-    p.coded = coded;
     p.report = report;
     p.message = message;
     if (options)
         p.options = *options;
     p.encoder.profile = p.options.profile;
     p.encoder.sh_degree = info->sh_degree;
-    p.held = held;
     if (!p.options.run)
         p.options.run = fxs_run_here;
     p.options.threads += p.options.threads == 0;
@@ -756,13 +932,34 @@ int fxs_pack_held(fxs_scene_file *file, const fxs_scene_file_info *info, const f
     fxs_release(p.options.allocator, p.findings);
     fxs_release(p.options.allocator, p.seen);
     fxs_release(p.options.allocator, p.slots);
+    fxs_release(p.options.allocator, p.boxes);
     fxs_release(p.options.allocator, p.ranges);
     fxs_release(p.options.allocator, p.palette);
     fxs_release(p.options.allocator, p.sample);
     fxs_release(p.options.allocator, p.items);
+    fxs_tree_free(p.tree);
     if (result)
         fxs_packed_scene_free(scene);
     return result;
+}
+
+int fxs_pack_held(fxs_scene_file *file, const fxs_scene_file_info *info, const fxs_coded *coded, uint32_t held,
+                  fxs_packed_scene *scene, fxs_pack_report *report, const fxs_pack_options *options,
+                  fxs_message *message)
+{
+    const packer how = {.coded = coded, .held = held};
+    return pack_as(&how, file, info, scene, report, options, message);
+}
+
+int fxs_pack_part(fxs_scene_file *file, const fxs_scene_file_info *info, uint32_t number, uint32_t count,
+                  fxs_packed_scene *part, fxs_pack_report *report, const fxs_pack_options *options,
+                  fxs_message *message)
+{
+    const packer how = {.part = number, .parts = count, .held = HELD};
+    if (count > FXS_PARTS_MOST || number < 1 || number > count)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "block %u of %u: expected 1 to %d", (unsigned)number,
+                           (unsigned)count, FXS_PARTS_MOST);
+    return pack_as(&how, file, info, part, report, options, message);
 }
 
 void fxs_packed_scene_free(fxs_packed_scene *scene)
