@@ -7,6 +7,7 @@
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/formats.h>
 #include <fixsplat/kernels.h>
+#include <fixsplat/pack.h>
 #include <fixsplat/pool.h>
 #include <fixsplat/refine.h>
 #include <fixsplat/scene_write.h>
@@ -15,6 +16,8 @@
 #include "file_guard.h"
 #include "quality.h"
 #include "views.h"
+#include "src/pack/part.h"
+#include "src/scene/part_file.h"
 
 enum { SHAPES_MOST = 256 };
 
@@ -36,6 +39,7 @@ typedef struct convert_options {
     int refine_steps;                       /* of --refine; has_refine: given */
     int has_refine;
     const char *cameras;                    /* of it */
+    uint32_t block, blocks;                 /* of --block; 0: all */
 } convert_options;
 
 /* ---- Options --------------------------------------------------------------------------------------------------- */
@@ -143,6 +147,21 @@ static int take_refine(const option_row *row, void *field, const char *value)
     return value ? take_int(row, &o->refine_steps, value) : 0;
 }
 
+static int take_block(const option_row *row, void *field, const char *value)
+{
+    convert_options *o = field;
+    const char *slash = strchr(value, '/');
+    char first[16] = "";
+    uint64_t block, blocks;
+    if (slash && (size_t)(slash - value) < sizeof first)
+        memcpy(first, value, (size_t)(slash - value));
+    if (!slash || !parse_count(slash + 1, 1, FXS_PARTS_MOST, &blocks) || !parse_count(first, 1, blocks, &block))
+        return wrong_value(row, value);
+    o->block = (uint32_t)block;
+    o->blocks = (uint32_t)blocks;
+    return 0;
+}
+
 static int take_force(const option_row *row, void *field, const char *value)
 {
     (void)row, (void)field, (void)value;
@@ -236,6 +255,9 @@ static const option_row own_rows[] = {
     {"cameras", "CAMERAS", TEXT(cameras), .help =
      "of --refine: the pictures are seen by cameras of this file (64 at most, evenly spaced), in the axes of what is "
      "written. By default they are from around the scene and within it"},
+    {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 512", .help =
+     "of .fxs: only the I-th of N parts (N up to 512), which convert merges: convert PART... OUT. All parts are made of "
+     "the same files with the same options"},
     {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, 0, .expected =
      "six numbers or seven, the last 1 to 170, or a camera file", .help =
      "of .fxs: the camera that render and view begin with where none is given: from X,Y,Z to X,Y,Z, its "
@@ -281,6 +303,10 @@ static int read_options(convert_options *o, int argc, char **argv)
         return fail(EXIT_USAGE, "--refine is for --levels");
     if (o->cameras && !o->has_refine)
         return fail(EXIT_USAGE, "--cameras is for --refine");
+    if (o->blocks && !ends_with(o->out, ".fxs"))
+        return fail(EXIT_USAGE, "--block is for .fxs");
+    if (o->blocks && (o->has_refine || o->has_start))
+        return fail(EXIT_USAGE, "--%s is for a whole scene, not for a --block of it", o->has_refine ? "refine" : "start-view");
     if (o->has_level && is_given("up"))
         return fail(EXIT_USAGE, "--up and --level: give one");
     if (o->has_start && !ends_with(o->out, ".fxs"))
@@ -386,6 +412,97 @@ static int to_fxs(const convert_options *o)
         check_views(&w, o, &load);
     world_close(&w);
     return status;
+}
+
+/* ---- Parts of an .fxs ------------------------------------------------------------------------------------------------- */
+
+static int pack_part(const convert_options *o, const load_options *load, fxs_scene_file *file,
+                     const fxs_scene_file_info *info, fxs_packed_scene *part)
+{
+    const uint32_t threads = load->threads ? load->threads : fxs_processors();
+    fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : 0;
+    fxs_pack_options options = {.profile = load->profile, .run = pool ? fxs_pool_run : 0, .pool = pool,
+                                .threads = pool ? threads : 1, .tree = load->tree};
+    char label[] = "packing";
+    fxs_pack_report report;
+    fxs_message message;
+    options.progress = progress_of(load, label, &options.argument);
+    const int error = fxs_pack_part(file, info, o->block, o->blocks, part, &report, &options, &message);
+    progress_end();
+    fxs_pool_destroy(pool);
+    if (error)
+        return fail(EXIT_FAILED, "%s: %s", o->in, message.text);
+    note_packed(o->in, &report);
+    return 0;
+}
+
+static int to_part(const convert_options *o)
+{
+    load_options load = o->load;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_packed_scene part;
+    fxs_message message;
+    load.filter = is_filtered() ? &o->filter : 0;
+    if (open_merged(&o->placed, o->in, &load, &file, &info))
+        return EXIT_FAILED;
+    int status = pack_part(o, &load, file, &info, &part);
+    fxs_scene_file_close(file);
+    if (status)
+        return status;
+    status = files_check();
+    if (!status && fxs_part_file_write(o->out, &part, &message))
+        status = fail_for(&message);
+    fxs_packed_scene_free(&part);
+    return status;
+}
+
+static int set_start(void *argument, void *header, fxs_message *message)
+{
+    const convert_options *o = argument;
+    return o->has_start ? fxs_view_to_start(header, &o->start, message) : 0;
+}
+
+/* What parts were made with is not said again. */
+static int check_options_of_parts(const convert_options *o)
+{
+    for (const option_table *t = command_convert.tables; t->rows != common_rows; t++)
+        for (const option_row *r = t->rows; r->help; r++)
+            if (r->name && is_given(r->name) && strcmp(r->name, "levels") && strcmp(r->name, "start-view") &&
+                strcmp(r->name, "threads"))
+                return fail(EXIT_USAGE, "--%s: %s is a part of a scene, which convert merges as it is", r->name,
+                            o->world.scenes[0]);
+    return ends_with(o->out, ".fxs") ? 0 : fail(EXIT_USAGE, "%s: parts of an .fxs are merged to an .fxs", o->out);
+}
+
+static int merge_parts(convert_options *o)
+{
+    char label[] = "merging";
+    fxs_message message;
+    fxs_part_merge how = {.tree = o->load.tree, .change = set_start, .argument = o};
+    int status = check_options_of_parts(o);
+    for (int i = 0; i < o->world.scene_count; i++)
+        files_read(o->world.scenes[i]);
+    files_write(o->out);
+    files_force(FILES_REFUSE);
+    if (!status)
+        status = files_check();
+    if (status)
+        return status;
+    how.progress = progress_of(&o->load, label, &how.progress_argument);
+    const int error = fxs_part_files_merge(o->world.scenes, (uint32_t)o->world.scene_count, o->out, &how, &message);
+    progress_end();
+    return error ? fail_for(&message) : 0;
+}
+
+/* Whether a file of IN is a part. */
+static int has_part(const convert_options *o)
+{
+    fxs_message message;
+    for (int i = 0; i < o->world.scene_count; i++)
+        if (fxs_part_file_is(o->world.scenes[i], &message) == 1)
+            return 1;
+    return 0;
 }
 
 /* ---- The others, Gaussian by Gaussian -------------------------------------------------------------------------- */
@@ -573,6 +690,8 @@ static int run(int argc, char **argv)
     fxs_scene_format_endings(endings, sizeof endings, 1);
     if (!fxs_scene_format_of(o.out, 1))
         return fail(EXIT_USAGE, "%s: expected a name ending in one of %s", o.out, endings);
+    if (has_part(&o))
+        return merge_parts(&o);
     status = place_scenes(&o.placed, &o.world);
     if (status)
         return status;
@@ -583,8 +702,9 @@ static int run(int argc, char **argv)
         status = check_files(&o);
     o.load.filter = &o.filter;
     if (!status)
-        status = packed ? to_fxs(&o)
-                        : convert_merged(o.out, o.spz_version, o.spz_fine, &o.placed, o.in, &o.load);
+        status = o.blocks ? to_part(&o)
+                 : packed ? to_fxs(&o)
+                          : convert_merged(o.out, o.spz_version, o.spz_fine, &o.placed, o.in, &o.load);
     fxs_world_free(&o.placed);
     return status;
 }
@@ -608,7 +728,9 @@ const command command_convert = {
     "  $ fixsplat convert scan.ply level.sog --up 0,0,1 --scale 0.01 --sphere 0,0,0,2 --drop-floaters=3\n"
     "  $ fixsplat convert scene.ply far.glb --decimate 10%\n"
     "  $ fixsplat convert room.ply chair.spz both.fxs --place chair.spz:1,0,2\n"
-    "  $ fixsplat convert --scene world.json all.fxs\n",
+    "  $ fixsplat convert --scene world.json all.fxs\n"
+    "  $ fixsplat convert city.ply part-3.fxs --levels --block 3/8\n"
+    "  $ fixsplat convert part-*.fxs city.fxs\n",
     {{own_rows, 0}, {world_rows, offsetof(convert_options, world)},
      {load_rows, offsetof(convert_options, load)}, COMMON_TABLE}
 };

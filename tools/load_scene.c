@@ -37,6 +37,14 @@ static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t p
              " with a zero quaternion)%s", path, dropped, dropped + packed, d->not_finite, d->rotation, weight);
 }
 
+void note_packed(const char *path, const fxs_pack_report *report)
+{
+    note_dropped(path, &report->dropped, report->packed);
+    if (report->brought_in)
+        note("%s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the origin", path,
+             report->brought_in);
+}
+
 /* A message about a scene, which may or may not begin with its name. */
 static int fail_scene(const char *path, const fxs_message *message)
 {
@@ -218,12 +226,8 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
     progress_end();
     if (error)
         return fail_scene(path, &message);
-    const fxs_pack_report *report = loaded->opened->report;
     if (!o->again)
-        note_dropped(path, &report->dropped, report->packed);
-    if (!o->again && report->brought_in)
-        note("%s: brought in %" PRIu64 " Gaussians from beyond 2^27 units, as they look from the origin", path,
-             report->brought_in);
+        note_packed(path, loaded->opened->report);
     return 0;
 }
 

@@ -47,6 +47,9 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
 int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
                 const fxs_scene_file_info *info);
 
+/* Says what packing left out or moved. */
+void note_packed(const char *path, const fxs_pack_report *report);
+
 /* Opens a scene file to be read in floats, and says on stderr what the filter (or null) leaves out. Returns 0 and a
    file for fxs_scene_file_close, or prints why not and returns EXIT_FAILED. */
 int open_scene(const char *path, const load_options *options, fxs_scene_file **file, fxs_scene_file_info *info);

@@ -126,6 +126,21 @@ uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers)
     return count;
 }
 
+void fxs_file_seal_heads(const fxs_crc32_table *table, unsigned char *head, size_t palette_bytes, unsigned char *tree,
+                         size_t tree_bytes)
+{
+    fxs_packed_header h;
+    memcpy(&h, head, sizeof h);
+    const size_t chunks = (size_t)fxs_little_32(h.chunk_count) * sizeof(fxs_chunk);
+    h.palette_checksum = fxs_little_32(fxs_crc32(table, 0, head + sizeof h + chunks, palette_bytes));
+    h.checksum = fxs_little_32(header_checksum(table, &h));
+    memcpy(head, &h, sizeof h);
+    if (tree) {
+        const uint32_t checksum = fxs_little_32(fxs_crc32(table, 0, tree, tree_bytes));   /* with 0 in its place */
+        memcpy(tree + offsetof(fxs_tree_header, checksum), &checksum, sizeof checksum);
+    }
+}
+
 /* The headers of chunks first to end - 1. */
 static int write_chunks(fxs_output *output, const fxs_crc32_table *table, const fxs_scene *scene, uint32_t first,
                         uint32_t end, fxs_message *message)

@@ -19,4 +19,9 @@ int fxs_file_check_heads(const char *path, const fxs_crc32_table *table, const v
 int fxs_file_check_chunk(const char *path, const fxs_crc32_table *table, const fxs_scene *scene, uint32_t chunk,
                          const unsigned char *rows, fxs_message *message);
 
+/* Fills in the checksums of a header with the palette of so many bytes, which ends what lies at `head`, and of a tree
+   (or null), whose header and nodes have so many bytes. Their chunks have theirs. */
+void fxs_file_seal_heads(const fxs_crc32_table *table, unsigned char *head, size_t palette_bytes, unsigned char *tree,
+                         size_t tree_bytes);
+
 #endif

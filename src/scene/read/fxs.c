@@ -23,7 +23,9 @@ typedef struct fxs_file_reader {
 
 static int is_fxs(const fxs_head *head, fxs_message *message)
 {
-    (void)message;
+    if (!memcmp(head->bytes, "FXSP", 4))
+        return fxs_fail(message, "%s: one part of a scene; fixsplat convert PART... OUT merges all of them",
+                        head->source->path);
     return !memcmp(head->bytes, "FXS1", 4);
 }
 
