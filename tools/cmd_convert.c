@@ -469,7 +469,7 @@ static int check_options_of_parts(const convert_options *o)
     for (const option_table *t = command_convert.tables; t->rows != common_rows; t++)
         for (const option_row *r = t->rows; r->help; r++)
             if (r->name && is_given(r->name) && strcmp(r->name, "levels") && strcmp(r->name, "start-view") &&
-                strcmp(r->name, "threads"))
+                strcmp(r->name, "quiet"))
                 return fail(EXIT_USAGE, "--%s: %s is a part of a scene, which convert merges as it is", r->name,
                             o->world.scenes[0]);
     return ends_with(o->out, ".fxs") ? 0 : fail(EXIT_USAGE, "%s: parts of an .fxs are merged to an .fxs", o->out);
