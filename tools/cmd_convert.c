@@ -306,7 +306,8 @@ static int read_options(convert_options *o, int argc, char **argv)
     if (o->blocks && !ends_with(o->out, ".fxs"))
         return fail(EXIT_USAGE, "--block is for .fxs");
     if (o->blocks && (o->has_refine || o->has_start))
-        return fail(EXIT_USAGE, "--%s is for a whole scene, not for a --block of it", o->has_refine ? "refine" : "start-view");
+        return fail(EXIT_USAGE, "--%s is for a whole scene, not for a --block of it",
+                    o->has_refine ? "refine" : "start-view");
     if (o->has_level && is_given("up"))
         return fail(EXIT_USAGE, "--up and --level: give one");
     if (o->has_start && !ends_with(o->out, ".fxs"))
@@ -414,7 +415,7 @@ static int to_fxs(const convert_options *o)
     return status;
 }
 
-/* ---- Parts of an .fxs ------------------------------------------------------------------------------------------------- */
+/* ---- Parts of an .fxs ------------------------------------------------------------------------------------------ */
 
 static int pack_part(const convert_options *o, const load_options *load, fxs_scene_file *file,
                      const fxs_scene_file_info *info, fxs_packed_scene *part)

@@ -468,7 +468,8 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
         opacities[i] = fxs_opacity(&b->gaussians[own[i]]);
     for (uint32_t i = 0; i < count; i++) {
         const fxs_gaussian *g = fit(&b->gaussians[own[i]]);
-        const uint32_t chunk = slots[own[i]] / FXS_CHUNK, later = slots[own[i + AHEAD < count ? i + AHEAD : i]] / FXS_CHUNK;
+        const uint32_t chunk = slots[own[i]] / FXS_CHUNK;
+        const uint32_t later = slots[own[i + AHEAD < count ? i + AHEAD : i]] / FXS_CHUNK;
         if (is_packed(p, later))
             PREFETCH_TO_WRITE(&p->ranges[later - p->first]);
         if (is_packed(p, chunk))

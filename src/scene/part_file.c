@@ -1,5 +1,5 @@
-/* Headers, palette and nodes of the whole are put together in memory, as an .fxs has them; rows go from the parts to the
-   output, a few at a time. */
+/* Headers, palette and nodes of the whole are put together in memory, as an .fxs has them; rows go from the parts to
+   the output, a few at a time. */
 #include "part_file.h"
 
 #include <errno.h>
