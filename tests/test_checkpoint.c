@@ -291,8 +291,8 @@ static void seal(uint8_t *bytes, size_t size)
 }
 
 /* Words of the file, from its beginning on. */
-enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, STEP = PRINT + 2,
-       EXTENT, COUNT, FIRST = COUNT + 2 };
+enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
+       STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
 /* With this word, and a checksum that is right. */
 static int refused_with(int word, uint32_t value, const char *why)
@@ -341,6 +341,7 @@ static void faulty_numbers_are_refused(void)
     CHECK(refused_with(FIRST, 0x7e967699, "damaged: a number out"));
     CHECK(refused_with(FIRST + FXS_FIT_SCALE * count, large, "damaged: a number out"));
     CHECK(refused_with(FIRST + FXS_FIT_OPACITY * count, large | 1u << 31, "damaged: a number out"));
+    CHECK(refused_with(CAMERAS, 0x7fffffff, "damaged: it ends early"));
     CHECK(refused_with(COUNT, 0x7fffffff, "damaged: it ends early"));
     CHECK(refused_with(COUNT + 1, 0xffffffff, "damaged: it ends early"));
     CHECK(refused_with(COUNT, 1, "damaged: "));

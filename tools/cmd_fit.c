@@ -15,10 +15,10 @@ typedef struct fit_command {
     frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
     fxs_photos_options reading;
     fxs_fit_options options;
-    const char *in, *out, *resume, *compare;
+    const char *in, *out, *resume, *coarse, *measure, *compare;
     char *saved;                    /* OUT.fit */
     int saves_itself;               /* it is the file of --resume */
-    uint32_t block, blocks;         /* 0: all */
+    uint32_t block, blocks;         /* blocks 0: all */
     uint64_t save_every;            /* 0: never */
     int json;
 } fit_command;
@@ -36,7 +36,7 @@ static int take_block(const option_row *row, void *field, const char *value)
     uint64_t block, blocks;
     if (length && length < sizeof first)
         memcpy(first, value, length);
-    if (!slash || !parse_count(slash + 1, 1, FXS_FIT_BLOCKS_MOST, &blocks) || !parse_count(first, 1, blocks, &block))
+    if (!slash || !parse_count(slash + 1, 1, FXS_FIT_BLOCKS_MOST, &blocks) || !parse_count(first, 0, blocks, &block))
         return wrong_value(row, value);
     c->block = (uint32_t)block;
     c->blocks = (uint32_t)blocks;
@@ -47,7 +47,8 @@ static int take_block(const option_row *row, void *field, const char *value)
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"output", "OUT", OUTPUT(out), .letter = 'o', .help = ".fxs (packed) or .ply (floats)"},
+    {"output", "OUT", OUTPUT(out), .letter = 'o', .help =
+     ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
     {"recipe", "NAME", CHOICE(options.recipe, recipes), .help =
      "reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of Gaussians) or fast "
      "(small photographs first, fewer steps)"},
@@ -60,6 +61,9 @@ static const option_row own_rows[] = {
     {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 4096", .help =
      "only the I-th of N blocks of space (N up to 4096), with the photographs that see it; OUT is a .ply of what "
      "lies in it, and convert makes one scene of all"},
+    {"coarse", "FILE.fit", TEXT(coarse), .help =
+     "of --block: go on from this short fit of the whole set, of small photographs, say; blocks share its Gaussians "
+     "out evenly, and block 0 is what it has outside of all of them"},
     {"max-gaussians", "N", SIZE_T(options.max_gaussians, 1, FXS_MAX_COUNT), .help =
      "at most so many (default 4194304, mcmc 1000000, fast 250000)"},
     {"seed", "N", UINT64(options.seed, 0, INFINITY), .help = "of all that is random (default 0)"},
@@ -72,6 +76,8 @@ static const option_row own_rows[] = {
      "keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none, and those that were "
      "fitted are measured)"},
     {"skip-bad", 0, FLAG(reading.skip_bad), .help = "leave out photographs that cannot be read, else an error"},
+    {"measure", "SCENE", TEXT(measure), .help =
+     "fit nothing: measure this scene, of any format, by the photographs that are held out, without -o"},
     {"compare", "FOLDER", TEXT(compare), .help =
      "write there each photograph that is measured beside its picture, .png"},
     {"save-every", "N", UINT64(save_every, 1, UINT32_MAX), .help =
@@ -149,8 +155,14 @@ static int read_options(fit_command *c, int argc, char **argv)
         return EXIT_USAGE;
     if (optind != argc - 1)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
-    if (!c->out)
+    if (!c->out && !c->measure)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
+    if (c->measure && (c->out || c->blocks || c->resume))
+        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block and --resume");
+    if (c->coarse && !c->blocks)
+        return fail(EXIT_USAGE, "--coarse needs --block I/N");
+    if (c->blocks && !c->block && !c->coarse)
+        return fail(EXIT_USAGE, "--block 0/%u: expected I/N, I from 1 to N; 0 is for --coarse", (unsigned)c->blocks);
     if (c->blocks && !ends_with(c->out, ".ply"))
         return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, that convert merges", c->out);
     c->in = argv[optind];
@@ -161,17 +173,20 @@ static int read_options(fit_command *c, int argc, char **argv)
 static int check_outputs(fit_command *c)
 {
     struct stat status;
-    const int wrong = result_check(c->out);
+    const int wrong = c->measure ? 0 : result_check(c->out);
     if (wrong)
         return wrong;
-    const size_t room = strlen(c->out) + sizeof ".fit";
-    c->saved = malloc(room);
-    if (!c->saved)
+    const size_t room = strlen(c->measure ? "" : c->out) + sizeof ".fit";
+    c->saved = c->measure ? 0 : malloc(room);
+    if (!c->saved && !c->measure)
         return fail(EXIT_FAILED, "out of memory");
-    snprintf(c->saved, room, "%s.fit", c->out);
+    if (c->saved)
+        snprintf(c->saved, room, "%s.fit", c->out);
     c->saves_itself = c->resume && files_same(c->resume, c->saved);
     files_read(c->in);
     files_read(c->saves_itself ? 0 : c->resume);
+    files_read(c->coarse);
+    files_read(c->measure);
     files_write(c->out);
     files_write(c->saved);
     const int taken = files_check();
@@ -378,12 +393,13 @@ static int make_steps(const fit_command *c, fxs_fit *fit, progress *p, char **ar
     return 0;
 }
 
-static int open_fit(const fit_command *c, const fxs_photos *photos, fxs_fit **fit)
+static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, fxs_fit **fit)
 {
     fxs_message message;
-    const int error = c->resume ? fxs_fit_resume(fit, c->resume, photos->fit, photos->fit_count, &c->options, &message)
-                                : fxs_fit_create(fit, photos->fit, photos->fit_count, photos->points,
-                                                 photos->point_count, &c->options, &message);
+    const int error = c->resume   ? fxs_fit_resume(fit, c->resume, photos->fit, photos->fit_count, &c->options, &message)
+                      : c->coarse ? fxs_fit_create_block(fit, block->coarse, block, &c->options, &message)
+                                  : fxs_fit_create(fit, photos->fit, photos->fit_count, photos->points,
+                                                   photos->point_count, &c->options, &message);
     if (error)
         return fail_for(&message);
     return c->resume ? check_resumed(c, *fit) : 0;
@@ -402,6 +418,21 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     else
         printf("Photographs fitted: %zu. None was held out; of those fitted:\n", photos->fit_count);
     quality_print_text(&r->quality);
+}
+
+static void print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q)
+{
+    const char *kind = photos->held_out_count ? "held out" : "fitted";
+    if (c->json) {
+        printf("{\"scene\": ");
+        print_json_string(c->measure);
+        printf(", \"gaussians\": %" PRIu32 ", \"measured\": \"%s\", \"photographs\": ", scene->gaussians, kind);
+        quality_print_json(q);
+        puts("}");
+        return;
+    }
+    printf("%s: %" PRIu32 " Gaussians. Of the %ld photographs %s:\n", c->measure, scene->gaussians, q->count, kind);
+    quality_print_text(q);
 }
 
 /* Milliseconds a step. */
@@ -436,18 +467,26 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
 static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                   const progress *p, char **argv)
 {
+    const fxs_fit_options *o = fxs_fit_options_of(fit);
+    frame_options frame = c->frame;
     fit_result result;
+    world scene = {0};
+    frame.render.cutoff = o->cutoff;
+    memcpy(frame.render.background, o->background, sizeof o->background);
     int status = result_write(&result, fit, block, c->out);
     if (!status && !isatty(STDERR_FILENO))
         note("measuring %s", c->out);
     if (status)
         save_for_later(c, fit, "saved", argv);
     else
-        status = result_measure(&result, fit, photos, &c->frame, c->out, c->compare);
+        status = world_open_packed(&scene, c->out, &result.packed);
+    if (!status)
+        status = result_measure(&result.quality, &scene, photos, &frame, c->compare);
     if (!status && c->json)
         print_json(c, fit, photos, &result, p);
     else if (!status)
         print_text(c, fit, photos, &result);
+    world_close(&scene);
     result_free(&result);
     return status;
 }
@@ -459,7 +498,7 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_
         result_tell_pictures(photos, c->compare);
     int status = files_check();     /* photographs are known now */
     if (!status)
-        status = open_fit(c, photos, &fit);
+        status = open_fit(c, photos, block, &fit);
     if (!status) {
         const uint64_t now = fxs_clock(0);
         const uint32_t first = fxs_fit_steps(fit);
@@ -479,7 +518,7 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_
     return status;
 }
 
-static void say_sizes(const fxs_photos *photos)
+static void say_sizes(const fxs_photos *photos, size_t begins)
 {
     int width = 0, height = 0;
     for (size_t i = 0; i < photos->fit_count; i++) {
@@ -488,29 +527,13 @@ static void say_sizes(const fxs_photos *photos)
         height = view->height > height ? view->height : height;
     }
     note("%zu photographs to fit, %zu held out, up to %dx%d; %zu points", photos->fit_count,
-         photos->held_out_count, width, height, photos->point_count);
+         photos->held_out_count, width, height, begins);
 }
 
 static void say_left_out(void *label, const char *why)
 {
     (void)label;
     note("left out: %s", why);
-}
-
-/* As if the whole set were what the block needs of it. */
-static int fit_block(fit_command *c, const fxs_photos *whole, char **argv)
-{
-    fxs_fit_block block;
-    fxs_message message;
-    if (fxs_fit_block_choose(whole, c->block, c->blocks, &block, &message))
-        return fail(EXIT_FAILED, "%s: %s", c->in, message.text);
-    c->options.extent = block.extent;
-    c->options.block = c->block;
-    c->options.blocks = c->blocks;
-    say_sizes(&block.photos);
-    const int status = fit_photos(c, &block.photos, &block, argv);
-    fxs_fit_block_free(&block);
-    return status;
 }
 
 /* A bar on a terminal, else a line every ten seconds. */
@@ -526,30 +549,98 @@ static int show_reading(void *label, double done)
     return progress_bar(label, done);
 }
 
-static int read_photos(fit_command *c, fxs_photos *photos)
+static void say_photos(const fit_command *c, const fxs_photos *photos, size_t begins)
 {
-    fxs_message message;
-    char label[] = "reading";
-    c->reading.progress = show_reading;
-    c->reading.left_out = say_left_out;
-    c->reading.argument = label;
-    const int error = fxs_photos_read(c->in, &c->reading, photos, &message);
-    progress_end();
-    if (error)
-        return fail_for(&message);
     if (photos->skipped)
         note("%s: photographs left out: %zu, taken: %zu", c->in, photos->skipped,
              photos->fit_count + photos->held_out_count);
     if (photos->points_are_random && !c->resume)
         note("%s: no points: begins with %zu random ones", c->in, photos->point_count);
-    say_sizes(photos);
-    return 0;
+    say_sizes(photos, begins);
+}
+
+static int fit_whole(fit_command *c, char **argv)
+{
+    fxs_photos photos;
+    fxs_message message;
+    const int error = fxs_photos_read(c->in, &c->reading, &photos, &message);
+    progress_end();
+    if (error)
+        return fail_for(&message);
+    say_photos(c, &photos, photos.point_count);
+    const int status = fit_photos(c, &photos, 0, argv);
+    fxs_photos_free(&photos);
+    return status;
+}
+
+static int measure_scene(fit_command *c)
+{
+    fxs_photos photos;
+    fxs_message message;
+    quality q = {0};
+    world scene = {0};
+    c->reading.held_out_alone = 1;
+    const int error = fxs_photos_read(c->in, &c->reading, &photos, &message);
+    progress_end();
+    if (error)
+        return fail_for(&message);
+    if (c->compare)
+        result_tell_pictures(&photos, c->compare);
+    int status = files_check();
+    if (!status)
+        status = world_open_file(&scene, c->measure, &c->frame.load);
+    if (!status)
+        status = result_measure(&q, &scene, &photos, &c->frame, c->compare);
+    if (!status)
+        print_measured(c, &photos, &scene, &q);
+    quality_free(&q);
+    world_close(&scene);
+    fxs_photos_free(&photos);
+    return status;
+}
+
+/* What the coarse fit has outside of all blocks is written as it is. */
+static int write_outside(const fit_command *c, const fxs_fit_block *block)
+{
+    const int status = result_write_outside(block, c->out);
+    if (!status && c->json)
+        printf("{\"scene\": \"%s\", \"gaussians\": %zu}\n", c->out, block->gaussian_count);
+    else if (!status)
+        printf("%s: %zu Gaussians of %s outside of all blocks\n", c->out, block->gaussian_count, c->coarse);
+    return status;
+}
+
+/* As if the whole set were what the block needs of it. */
+static int fit_block(fit_command *c, char **argv)
+{
+    fxs_fit_block block;
+    fxs_fit_coarse *coarse = 0;
+    fxs_message message;
+    if (c->coarse && fxs_fit_coarse_read(&coarse, c->coarse, &message))
+        return fail_for(&message);
+    const int error = fxs_fit_block_read(c->in, &c->reading, coarse, c->block, c->blocks, &block, &message);
+    progress_end();
+    int status = error ? fail_for(&message) : 0;
+    if (!status && c->block) {
+        c->options.extent = block.extent;
+        c->options.block = c->block;
+        c->options.blocks = c->blocks;
+        c->options.coarse = coarse ? fxs_fit_coarse_number(coarse) : 0;
+        say_photos(c, &block.photos, coarse ? block.gaussian_count : block.photos.point_count);
+        status = fit_photos(c, &block.photos, &block, argv);
+    } else if (!status) {
+        status = write_outside(c, &block);
+    }
+    if (!error)
+        fxs_fit_block_free(&block);
+    fxs_fit_coarse_free(coarse);
+    return status;
 }
 
 static int run(int argc, char **argv)
 {
     static fit_command c;
-    fxs_photos photos;
+    static char label[] = "reading";
     int status = read_options(&c, argc, argv);
     if (!status)
         status = check_outputs(&c);
@@ -559,10 +650,10 @@ static int run(int argc, char **argv)
     c.options.run = c.reading.run = pool ? fxs_pool_run : 0;
     c.options.pool = c.reading.pool = pool;
     c.options.threads = pool ? c.frame.threads : 1;
-    status = read_photos(&c, &photos);
-    if (!status)
-        status = c.blocks ? fit_block(&c, &photos, argv) : fit_photos(&c, &photos, 0, argv);
-    fxs_photos_free(&photos);
+    c.reading.progress = show_reading;
+    c.reading.left_out = say_left_out;
+    c.reading.argument = label;
+    status = c.measure ? measure_scene(&c) : c.blocks ? fit_block(&c, argv) : fit_whole(&c, argv);
     fxs_pool_destroy(pool);
     free(c.saved);
     return status;
@@ -581,6 +672,8 @@ const command command_fit = {
     "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
     "  $ fixsplat fit garden -o garden.fxs --backend cuda --device 0,1\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
-    "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n",
+    "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n"
+    "  $ fixsplat fit city -o coarse.fit --resolution 400 --steps 3000\n"
+    "  $ fixsplat fit city -o part-1.ply --coarse coarse.fit --block 1/16\n",
     {{own_rows, 0}, COMMON_TABLE}
 };

@@ -17,8 +17,8 @@
 int result_check(const char *out)
 {
     struct stat status;
-    if (!ends_with(out, ".fxs") && !ends_with(out, ".ply"))
-        return fail(EXIT_USAGE, "%s: expected a name ending in .fxs or .ply", out);
+    if (!ends_with(out, ".fxs") && !ends_with(out, ".ply") && !ends_with(out, ".fit"))
+        return fail(EXIT_USAGE, "%s: expected a name ending in .fxs, .ply or .fit", out);
     if (!stat(out, &status)) {
         if (S_ISDIR(status.st_mode))
             return fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(EISDIR));
@@ -55,25 +55,29 @@ static void keep_block(fxs_scene_filter *filter, const fxs_fit_block *block)
     }
 }
 
-/* Those that can be drawn: no other number is written. */
-static int write_floats(fxs_fit *fit, const fxs_fit_block *block, const char *out, fxs_message *message)
+/* Those that can be drawn: no other number is written. A file of none is for convert to merge. */
+static int keep_drawable(fxs_scene_file *file, const fxs_fit_block *block, fxs_scene_file_info *info,
+                         fxs_message *message)
 {
-    fxs_gaussian_source gaussians;
-    fxs_scene_file *file;
-    fxs_scene_file_info info;
     fxs_scene_filter filter;
     fxs_scene_filter_report report;
-    fxs_scene_writer *writer;
-    fxs_message closing;
     fxs_scene_filter_default(&filter);
     filter.drawable = 1;
-    if (block)
+    if (block && block->number)
         keep_block(&filter, block);
-    if (fxs_fit_gaussians(fit, &gaussians, message))
+    return info->count ? fxs_scene_file_filter(file, &filter, info, &report, 0, 0, message) : 0;
+}
+
+static int write_floats(const fxs_gaussian_source *gaussians, const fxs_fit_block *block, const char *out,
+                        fxs_message *message)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_scene_writer *writer;
+    fxs_message closing;
+    if (fxs_scene_file_open_gaussians(out, gaussians, 0, &file, &info, message))
         return -1;
-    if (fxs_scene_file_open_gaussians(out, &gaussians, 0, &file, &info, message))
-        return -1;
-    int result = fxs_scene_file_filter(file, &filter, &info, &report, 0, 0, message);
+    int result = keep_drawable(file, block, &info, message);
     const fxs_scene_write_options options = {.count = info.count, .sh_degree = info.sh_degree,
                                              .antialiased = info.antialiased, .format = "ply"};
     if (!result)
@@ -87,6 +91,25 @@ static int write_floats(fxs_fit *fit, const fxs_fit_block *block, const char *ou
     return result;
 }
 
+int result_write_outside(const fxs_fit_block *block, const char *out)
+{
+    fxs_gaussian_source gaussians;
+    fxs_message message;
+    fxs_fit_block_gaussians(block, &gaussians);
+    return write_floats(&gaussians, block, out, &message) ? fail_for(&message) : 0;
+}
+
+static int write_fit(const fit_result *r, fxs_fit *fit, const fxs_fit_block *block, const char *out,
+                     fxs_message *message)
+{
+    fxs_gaussian_source gaussians;
+    if (ends_with(out, ".fxs"))
+        return fxs_file_write(out, r->packed.data, r->packed.bytes, message);
+    if (ends_with(out, ".fit"))
+        return fxs_fit_save(fit, out, message);
+    return fxs_fit_gaussians(fit, &gaussians, message) || write_floats(&gaussians, block, out, message);
+}
+
 int result_write(fit_result *r, fxs_fit *fit, const fxs_fit_block *block, const char *out)
 {
     fxs_message message;
@@ -94,8 +117,7 @@ int result_write(fit_result *r, fxs_fit *fit, const fxs_fit_block *block, const 
     int result = fxs_fit_pack(fit, &r->packed, &r->report, &message);
     r->bytes = r->packed.bytes;
     if (!result)
-        result = ends_with(out, ".ply") ? write_floats(fit, block, out, &message)
-                                        : fxs_file_write(out, r->packed.data, r->packed.bytes, &message);
+        result = write_fit(r, fit, block, out, &message);
     return result ? fail_for(&message) : 0;
 }
 
@@ -104,7 +126,7 @@ int result_write(fit_result *r, fxs_fit *fit, const fxs_fit_block *block, const 
 /* What one measurement after the other goes through. */
 typedef struct gauge {
     renderer renderer;
-    world world;
+    const world *world;
     fxs_options options;
     picture drawn;
     const char *compare;
@@ -166,7 +188,7 @@ static int write_pair(const gauge *g, long index, const fxs_file_view *view, con
 static int measure_photo(gauge *g, const fxs_fit_photo *photo, long index, quality_view *out)
 {
     const fxs_file_view *view = &photo->view;
-    int status = renderer_render(&g->renderer, &g->world, view, &g->options, &g->drawn, 0);
+    int status = renderer_render(&g->renderer, g->world, view, &g->options, &g->drawn, 0);
     uint8_t *rgba = status ? 0 : to_rgba(photo);
     if (!status && (!rgba || fxs_metrics_compare(rgba, g->drawn.pixels, view->width, view->height, &out->metrics)))
         status = fail(EXIT_FAILED, "out of memory");
@@ -198,20 +220,13 @@ static int measure_all(gauge *g, const fxs_photos *photos, quality *q)
     return status;
 }
 
-int result_measure(fit_result *r, fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,
-                   const char *out, const char *compare)
+int result_measure(quality *q, world *scene, const fxs_photos *photos, const frame_options *frame, const char *compare)
 {
-    const fxs_fit_options *o = fxs_fit_options_of(fit);
-    gauge g = {.options = frame->render, .compare = compare};
-    g.options.cutoff = o->cutoff;
-    memcpy(g.options.background, o->background, sizeof g.options.background);
-    int status = world_open_packed(&g.world, out, &r->packed);
+    gauge g = {.world = scene, .options = frame->render, .compare = compare};
+    int status = renderer_open(&g.renderer, frame);
     if (!status)
-        status = renderer_open(&g.renderer, frame);
-    if (!status)
-        status = measure_all(&g, photos, &r->quality);
+        status = measure_all(&g, photos, q);
     renderer_close(&g.renderer);
-    world_close(&g.world);
     picture_free(&g.drawn);
     return status;
 }

@@ -17,18 +17,22 @@ typedef struct fit_result {
     quality quality;                        /* of the photographs that were held out; of all where none were */
 } fit_result;
 
-/* Packs the fit and writes it: as .fxs the packed scene, as .ply its Gaussians in floats. Of a block (or null) the .ply
+/* Packs the fit and writes it: as .fxs the packed scene, as .ply its Gaussians in floats, as .fit the saved fit. Of a
+   block (or null) the .ply
    has the Gaussians with their centre in it alone, the packed scene has all. Returns 0, or prints why not and returns
    EXIT_FAILED; result_free frees what *result holds in either case. */
 int result_write(fit_result *result, fxs_fit *fit, const fxs_fit_block *block, const char *out);
 
+/* Writes the Gaussians of a coarse fit outside of all blocks, as a .ply. Returns as above. */
+int result_write_outside(const fxs_fit_block *block, const char *out);
+
 /* Tells files_write the names of the pictures that result_measure will write. */
 void result_tell_pictures(const fxs_photos *photos, const char *compare);
 
-/* Renders the packed scene from where photographs were taken, and measures how far it is from them. `compare`: a folder
-   for pictures of each photograph, left, beside the rendered one; or null. Returns as above. */
-int result_measure(fit_result *result, fxs_fit *fit, const fxs_photos *photos, const frame_options *frame,
-                   const char *out, const char *compare);
+/* Renders the scene from where photographs were taken, and measures how far it is from them: quality_free frees what *q,
+   all 0 before, holds in either case. `compare`: a folder for pictures of each photograph, left, beside the rendered
+   one; or null. Returns as above. */
+int result_measure(quality *q, world *scene, const fxs_photos *photos, const frame_options *frame, const char *compare);
 
 void result_free(fit_result *result);
 

@@ -5,7 +5,12 @@
 #include <string.h>
 
 #include <fixsplat/message.h>
+#include "coarse.h"
+#include "photo_pixels.h"
+#include "photos_internal.h"
 #include "recipe.h"
+
+#define FAR 2.0                    /* blocks end so many widths of the box of all cameras outside of it */
 
 /* ---- The block's bounds ------------------------------------------------------------------------------------------ */
 
@@ -55,14 +60,12 @@ static size_t keep_inside(fxs_fit_point *points, size_t count, const fxs_fit_blo
     return kept;
 }
 
-/* Keeps the block's points in `points` and returns their number; 0 where many are in one place of another block. */
+/* Keeps the block's points in `points` and returns their number; 0 where many are in one place of another block. The
+   bounds are those of all blocks together before. */
 static size_t find_bounds(fxs_fit_block *b, uint32_t index, uint32_t blocks, fxs_fit_point *points, size_t count,
                           float *sorted)
 {
-    for (int k = 0; k < 3; k++) {
-        b->low[k] = -(double)INFINITY;
-        b->high[k] = (double)INFINITY;
-    }
+    count = keep_inside(points, count, b);
     while (blocks > 1 && count) {
         const uint32_t left = blocks / 2;
         const int axis = widest_axis(points, count, sorted);
@@ -93,22 +96,22 @@ static int is_seen(const fxs_file_view *view, const float place[3])
     return depth > 0 && x >= 0 && x < view->width * depth && y >= 0 && y < view->height * depth;
 }
 
+/* The block's points. */
 typedef struct neighbourhood {
-    const fxs_fit_point *points;   /* of the block */
+    const fxs_fit_point *points;
     size_t count;
     double low[3], high[3];        /* the widened box of these points */
 } neighbourhood;
 
-static void widen(neighbourhood *n)
+/* A few points far from the others would let every camera stand in the box. */
+static void widen(neighbourhood *n, float *sorted)
 {
+    const size_t outer = n->count / 64;
     double longest = 0;
     for (int k = 0; k < 3; k++) {
-        n->low[k] = n->high[k] = (double)n->points[0].position[k];
-        for (size_t i = 1; i < n->count; i++) {
-            const double at = (double)n->points[i].position[k];
-            n->low[k] = at < n->low[k] ? at : n->low[k];
-            n->high[k] = at > n->high[k] ? at : n->high[k];
-        }
+        sort_axis(n->points, n->count, k, sorted);
+        n->low[k] = (double)sorted[outer];
+        n->high[k] = (double)sorted[n->count - 1 - outer];
         longest = n->high[k] - n->low[k] > longest ? n->high[k] - n->low[k] : longest;
     }
     for (int k = 0; k < 3; k++) {
@@ -128,67 +131,131 @@ static int is_chosen(const neighbourhood *n, const fxs_file_view *view)
     return seen && (stands_in || 20 * seen >= n->count);
 }
 
-static size_t choose_photos(const neighbourhood *n, const fxs_fit_photo *photos, size_t count, fxs_fit_photo *chosen)
+/* Marks those that the block gets; returns their number. */
+static size_t choose_photos(const neighbourhood *n, const fxs_fit_photo *photos, size_t count, uint8_t *chosen)
 {
     size_t kept = 0;
     for (size_t i = 0; i < count; i++)
-        if (is_chosen(n, &photos[i].view))
-            chosen[kept++] = photos[i];
+        kept += chosen[i] = (uint8_t)is_chosen(n, &photos[i].view);
     return kept;
 }
 
-static void choose_points(const neighbourhood *n, const fxs_photos *whole, fxs_photos *chosen)
+/* ---- The choice -------------------------------------------------------------------------------------------------- */
+
+/* What a block gets of a set: marks. */
+typedef struct choice {
+    uint8_t *fit, *held_out, *points;
+    fxs_fit_point *inner;          /* the points in the block */
+    float *sorted;
+} choice;
+
+static void choice_free(choice *c)
+{
+    free(c->fit);
+    free(c->held_out);
+    free(c->points);
+    free(c->inner);
+    free(c->sorted);
+}
+
+static int choice_room(choice *c, const fxs_photos *whole, fxs_message *message)
+{
+    memset(c, 0, sizeof *c);
+    c->fit = calloc(whole->fit_count + 1, 1);
+    c->held_out = calloc(whole->held_out_count + 1, 1);
+    c->points = calloc(whole->point_count + 1, 1);
+    c->inner = malloc((whole->point_count + 1) * sizeof *c->inner);
+    c->sorted = malloc((whole->point_count + 1) * sizeof *c->sorted);
+    return c->fit && c->held_out && c->points && c->inner && c->sorted
+               ? 0
+               : fxs_fail_memory(message, "a block", whole->point_count * (sizeof *c->inner + sizeof *c->sorted));
+}
+
+static void choose_points(const neighbourhood *n, const fxs_photos *whole, choice *c)
 {
     for (size_t i = 0; i < whole->point_count; i++) {
         const float *place = whole->points[i].position;
         int is_wanted = is_in(place, n->low, n->high);
-        for (size_t k = 0; k < chosen->fit_count && !is_wanted; k++)
-            is_wanted = is_seen(&chosen->fit[k].view, place);
-        if (is_wanted)
-            chosen->points[chosen->point_count++] = whole->points[i];
+        for (size_t k = 0; k < whole->fit_count && !is_wanted; k++)
+            is_wanted = c->fit[k] && is_seen(&whole->fit[k].view, place);
+        c->points[i] = (uint8_t)is_wanted;
     }
+}
+
+/* Block 0 is what lies outside of all: nothing of the photographs. */
+static int choose(fxs_fit_block *b, const fxs_photos *whole, choice *c, fxs_message *message)
+{
+    const unsigned number = b->number, blocks = b->blocks;
+    neighbourhood n = {.points = c->inner};
+    if (!number)
+        return 0;
+    memcpy(c->inner, whole->points, whole->point_count * sizeof *c->inner);
+    n.count = find_bounds(b, number - 1, blocks, c->inner, whole->point_count, c->sorted);
+    if (!n.count)
+        return fxs_fail(message, "block %u of %u: no point is in it", number, blocks);
+    widen(&n, c->sorted);
+    choose_photos(&n, whole->held_out, whole->held_out_count, c->held_out);
+    if (!choose_photos(&n, whole->fit, whole->fit_count, c->fit))
+        return fxs_fail(message, "block %u of %u: no photograph to fit sees it", number, blocks);
+    choose_points(&n, whole, c);
+    return 0;
 }
 
 /* ---- The block --------------------------------------------------------------------------------------------------- */
 
-static int fill(fxs_fit_block *b, const fxs_photos *whole, uint32_t number, uint32_t blocks, fxs_fit_point *points,
-                float *sorted, fxs_message *message)
+static int begin(fxs_fit_block *b, uint32_t first, uint32_t number, uint32_t blocks, fxs_message *message)
 {
-    fxs_photos *p = &b->photos;
-    neighbourhood n = {.points = points};
-    memcpy(points, whole->points, whole->point_count * sizeof *points);
-    n.count = find_bounds(b, number - 1, blocks, points, whole->point_count, sorted);
-    if (!n.count)
-        return fxs_fail(message, "block %u of %u: no point is in it", (unsigned)number, (unsigned)blocks);
-    widen(&n);
-    p->fit_count = choose_photos(&n, whole->fit, whole->fit_count, p->fit);
-    p->held_out_count = choose_photos(&n, whole->held_out, whole->held_out_count, p->held_out);
-    if (!p->fit_count)
-        return fxs_fail(message, "block %u of %u: no photograph to fit sees it", (unsigned)number, (unsigned)blocks);
-    choose_points(&n, whole, p);
+    memset(b, 0, sizeof *b);
+    b->number = number;
+    b->blocks = blocks;
+    for (int k = 0; k < 3; k++) {
+        b->low[k] = -(double)INFINITY;
+        b->high[k] = (double)INFINITY;
+    }
+    if (number < first || number > blocks || !blocks || blocks > FXS_FIT_BLOCKS_MOST)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "there is no block %u of %u", (unsigned)number, (unsigned)blocks);
     return 0;
+}
+
+static int copy_photos(fxs_fit_photo **copy, size_t *kept, const fxs_fit_photo *photos, size_t count,
+                       const uint8_t *chosen)
+{
+    *copy = malloc((count + 1) * sizeof **copy);
+    for (size_t i = 0; i < count && *copy; i++)
+        if (chosen[i])
+            (*copy)[(*kept)++] = photos[i];
+    return !*copy;
+}
+
+static int copy_points(fxs_photos *p, const fxs_photos *whole, const uint8_t *chosen)
+{
+    p->points = malloc((whole->point_count + 1) * sizeof *p->points);
+    for (size_t i = 0; i < whole->point_count && p->points; i++)
+        if (chosen[i])
+            p->points[p->point_count++] = whole->points[i];
+    return !p->points;
 }
 
 int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint32_t blocks, fxs_fit_block *b,
                          fxs_message *message)
 {
-    memset(b, 0, sizeof *b);
-    if (!number || number > blocks || blocks > FXS_FIT_BLOCKS_MOST || !whole->point_count)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "there is no block %u of %u", (unsigned)number, (unsigned)blocks);
-    fxs_photos *p = &b->photos;
-    fxs_fit_point *points = malloc(whole->point_count * sizeof *points);
-    float *sorted = malloc(whole->point_count * sizeof *sorted);
-    p->points = malloc(whole->point_count * sizeof *p->points);
-    p->fit = malloc((whole->fit_count + 1) * sizeof *p->fit);
-    p->held_out = malloc((whole->held_out_count + 1) * sizeof *p->held_out);
-    p->points_are_random = whole->points_are_random;
-    p->skipped = whole->skipped;
+    choice c = {0};
+    int error = begin(b, 1, number, blocks, message);
+    if (!error && !whole->point_count)
+        error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "blocks of no points");
+    if (!error)
+        error = choice_room(&c, whole, message);
+    if (!error)
+        error = choose(b, whole, &c, message);
+    if (!error && (copy_photos(&b->photos.fit, &b->photos.fit_count, whole->fit, whole->fit_count, c.fit) ||
+                   copy_photos(&b->photos.held_out, &b->photos.held_out_count, whole->held_out,
+                               whole->held_out_count, c.held_out) ||
+                   copy_points(&b->photos, whole, c.points)))
+        error = fxs_fail_memory(message, "a block", 0);
+    b->photos.points_are_random = whole->points_are_random;
+    b->photos.skipped = whole->skipped;
     b->extent = fxs_fit_extent(whole->fit, whole->fit_count, whole->points, whole->point_count);
-    const int error = points && sorted && p->points && p->fit && p->held_out
-                          ? fill(b, whole, number, blocks, points, sorted, message)
-                          : fxs_fail_memory(message, "a block", 0);
-    free(points);
-    free(sorted);
+    choice_free(&c);
     if (error)
         fxs_fit_block_free(b);
     return error;
@@ -196,8 +263,135 @@ int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint32_t bloc
 
 void fxs_fit_block_free(fxs_fit_block *b)
 {
-    free(b->photos.points);
-    free(b->photos.fit);
-    free(b->photos.held_out);
+    if (b->owns_pixels) {
+        fxs_photos_free(&b->photos);
+    } else {
+        free(b->photos.points);
+        free(b->photos.fit);
+        free(b->photos.held_out);
+    }
+    free(b->gaussians);
     memset(b, 0, sizeof *b);
+}
+
+/* ---- From files -------------------------------------------------------------------------------------------------- */
+
+/* The views of a list as photographs without pixels. */
+static int take_views(fxs_fit_photo **photos, size_t *count, const fxs_view_list *views)
+{
+    *photos = calloc(views->count + 1, sizeof **photos);
+    for (size_t i = 0; i < views->count && *photos; i++)
+        fxs_photo_view(&views->views[i], &(*photos)[i].view);
+    *count = *photos ? views->count : 0;
+    return !*photos;
+}
+
+static int take_centres(fxs_photos *whole, const fxs_fit_model *m)
+{
+    whole->points = calloc(m->count + 1, sizeof *whole->points);
+    for (size_t i = 0; i < m->count && whole->points; i++)
+        for (size_t k = 0; k < 3; k++)
+            whole->points[i].position[k] = m->parameters[(FXS_FIT_POSITION + k) * m->stride + i];
+    whole->point_count = whole->points ? m->count : 0;
+    return !whole->points;
+}
+
+static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3], double high[3])
+{
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], photos[i].view.position[k]);
+            high[k] = fmax(high[k], photos[i].view.position[k]);
+        }
+}
+
+/* All blocks together: what lies beyond is seen from much the same side by all cameras, and remains of the coarse fit.
+   Cameras in one place have no such box. */
+static void bound(fxs_fit_block *b, const fxs_photos *whole)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;
+    take_cameras(whole->fit, whole->fit_count, low, high);
+    take_cameras(whole->held_out, whole->held_out_count, low, high);
+    for (int k = 0; k < 3; k++)
+        longest = fmax(longest, high[k] - low[k]);
+    for (int k = 0; k < 3 && longest > 0; k++) {
+        b->low[k] = low[k] - FAR * longest;
+        b->high[k] = high[k] + FAR * longest;
+    }
+}
+
+/* The Gaussians of the coarse fit that are marked, or of block 0 those outside of its bounds. */
+static int take_gaussians(fxs_fit_block *b, const fxs_photos *whole, const uint8_t *chosen)
+{
+    b->gaussians = malloc((whole->point_count + 1) * sizeof *b->gaussians);
+    for (size_t i = 0; i < whole->point_count && b->gaussians; i++)
+        if (b->number ? chosen[i] : !is_in(whole->points[i].position, b->low, b->high))
+            b->gaussians[b->gaussian_count++] = (uint32_t)i;
+    return !b->gaussians;
+}
+
+/* What the set has, but for its pixels. */
+static int read_whole(fxs_photos *whole, const fxs_photo_list *list, const fxs_photos_options *options,
+                      const fxs_fit_coarse *coarse, fxs_message *message)
+{
+    if (take_views(&whole->fit, &whole->fit_count, &list->fit) ||
+        take_views(&whole->held_out, &whole->held_out_count, &list->held_out))
+        return fxs_fail_memory(message, "a block", (list->fit.count + list->held_out.count) * sizeof *whole->fit);
+    if (!coarse)
+        return fxs_photos_points(list, options, whole, message);
+    return take_centres(whole, &coarse->fit->model) ? fxs_fail_memory(message, "a block", 0) : 0;
+}
+
+static int read_chosen(fxs_fit_block *b, fxs_photo_list *list, const fxs_photos *whole, const choice *c,
+                       const fxs_photos_options *options, const fxs_fit_coarse *coarse, fxs_message *message)
+{
+    fxs_photos *p = &b->photos;
+    b->owns_pixels = 1;
+    p->points_are_random = whole->points_are_random;
+    if (coarse ? take_gaussians(b, whole, c->points) : copy_points(p, whole, c->points))
+        return fxs_fail_memory(message, "a block", 0);
+    if (!b->number)
+        return 0;
+    fxs_photo_list_keep(&list->fit, c->fit);
+    fxs_photo_list_keep(&list->held_out, c->held_out);
+    return fxs_photos_pixels(list, options, p, message);
+}
+
+/* Which photographs the block gets, before they are read. */
+static int choose_of(const char *path, const fxs_photo_list *list, const fxs_photos *whole,
+                     const fxs_photos_options *options, const fxs_fit_coarse *coarse, fxs_fit_block *b, choice *c,
+                     fxs_message *message)
+{
+    fxs_message why;
+    FXS_TRY(choice_room(c, whole, message));
+    int error = coarse ? fxs_fit_coarse_check(coarse, &list->fit, options->skip_bad, &why) : 0;
+    if (coarse)
+        bound(b, whole);
+    if (!error)
+        error = choose(b, whole, c, &why);
+    return error ? fxs_fail_as(error, message, "%s: %s", path, why.text) : 0;
+}
+
+int fxs_fit_block_read(const char *path, const fxs_photos_options *options, const fxs_fit_coarse *coarse,
+                       uint32_t number, uint32_t blocks, fxs_fit_block *b, fxs_message *message)
+{
+    fxs_photo_list list;
+    fxs_photos whole = {0};
+    choice c = {0};
+    FXS_TRY(begin(b, !coarse, number, blocks, message));
+    FXS_TRY(fxs_photo_list_find(&list, path, options->hold_out, message));
+    int error = read_whole(&whole, &list, options, coarse, message);
+    if (!error)
+        error = choose_of(path, &list, &whole, options, coarse, b, &c, message);
+    if (!error)
+        error = read_chosen(b, &list, &whole, &c, options, coarse, message);
+    b->coarse = coarse;
+    b->extent = coarse ? coarse->fit->extent
+                       : fxs_fit_extent(whole.fit, whole.fit_count, whole.points, whole.point_count);
+    choice_free(&c);
+    fxs_photos_free(&whole);
+    fxs_photo_list_free(&list);
+    if (error)
+        fxs_fit_block_free(b);
+    return error;
 }

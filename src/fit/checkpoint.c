@@ -7,14 +7,14 @@
 #include <fixsplat/message.h>
 #include "src/base/files_internal.h"
 #include "src/base/output_internal.h"
-#include "fit_internal.h"
+#include "coarse.h"
 #include "random.h"
 
 #define MAGIC 0x74696678u          /* "xfit" */
 #define END 0x646e6578u            /* "xend": the checksum of all words before it follows */
 
 /* Grows with every change of what a fit computes: an older file would not end as if it had never been stopped. */
-#define VERSION 4u
+#define VERSION 5u
 
 typedef struct archive {
     fxs_output *output;            /* null: the file is read */
@@ -115,7 +115,7 @@ static int holds(archive *a, uint64_t count, uint64_t words)
 
 static uint64_t fingerprint(const fxs_fit *f)
 {
-    uint64_t sum = f->count ^ (uint64_t)f->options.block << 48 ^ (uint64_t)f->options.blocks << 32;
+    uint64_t sum = f->count ^ (uint64_t)f->options.block << 48 ^ (uint64_t)f->options.blocks << 32 ^ f->options.coarse;
     for (size_t i = 0; i < f->count; i++) {
         const fxs_fit_photograph *p = &f->photographs[i];
         uint32_t words[sizeof p->camera / 4];
@@ -131,6 +131,25 @@ static uint64_t fingerprint(const fxs_fit *f)
         }
     }
     return sum;
+}
+
+/* Keys of the cameras, which a fit that is resumed has from its photographs. */
+static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
+{
+    uint64_t count = f->count;
+    long_number(a, &count);
+    if (!holds(a, count, 2))
+        return;
+    if (coarse && !(coarse->cameras = malloc(((size_t)count + 1) * sizeof *coarse->cameras))) {
+        fail(a, FXS_ERR_MEMORY, "out of memory");
+        return;
+    }
+    for (size_t i = 0; i < count && !a->fault; i++) {
+        uint64_t key = i < f->count ? fxs_fit_camera_key(&f->photographs[i].camera) : 0;
+        long_number(a, &key);
+        if (coarse)
+            coarse->cameras[coarse->camera_count++] = key;
+    }
 }
 
 /* A number from `low` to `high`. */
@@ -258,6 +277,7 @@ static void write_all(archive *a, fxs_fit *f)
     number(a, &version);
     walk_options(a, &f->options);
     long_number(a, &photographs);
+    walk_cameras(a, f, NULL);
     walk(a, f);
     walk_end(a);
     if (!a->fault)
@@ -308,17 +328,20 @@ static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs
     if (!a->fault && version != VERSION)
         return fxs_fail_as(FXS_ERR_VERSION, message, "%s: a fit that another version saved", path);
     walk_options(a, options);
-    return 0;
+    return a->fault ? fxs_fail(message, "%s: damaged: %s", path, a->fault) : 0;
 }
 
-static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_message *message)
+/* `coarse`: null, or that of which `f` is the fit. */
+static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_fit_coarse *coarse, fxs_message *message)
 {
     uint64_t photographs = 0;
     long_number(a, &photographs);
-    if (!a->fault && photographs != fingerprint(f))
+    if (!a->fault && !coarse && photographs != fingerprint(f))
         return fxs_fail(message, "%s: a fit of other photographs, or of these at another size", path);
+    walk_cameras(a, f, coarse);
     walk(a, f);
-    fxs_fit_set_order(f, (uint64_t)f->step * f->options.batch);
+    if (coarse)
+        coarse->number = a->checksum;
     walk_end(a);
     if (!a->fault && (a->at < a->end || a->fetched != a->size))
         damaged(a, "there is more behind its end");
@@ -332,15 +355,19 @@ static int resume(fxs_fit **fit, archive *a, const char *path, const fxs_fit_pho
                   const fxs_fit_options *options, fxs_message *message)
 {
     fxs_fit_options all = *options;
-    int error = read_head(a, path, &all, message);
-    if (!error && a->fault)
-        error = fxs_fail(message, "%s: damaged: %s", path, a->fault);
+    FXS_TRY(read_head(a, path, &all, message));
     all.steps = options->steps ? options->steps : all.steps;
-    if (!error)
-        error = fxs_fit_begin(fit, photos, photo_count, &all, message);
-    if (!error)
-        error = read_rest(a, path, *fit, message);
-    return error ? error : (*fit)->engine->give((*fit)->self, message);
+    FXS_TRY(fxs_fit_begin(fit, photos, photo_count, &all, message));
+    FXS_TRY(read_rest(a, path, *fit, NULL, message));
+    fxs_fit_set_order(*fit, (uint64_t)(*fit)->step * (*fit)->options.batch);
+    return (*fit)->engine->give((*fit)->self, message);
+}
+
+static void close_input(archive *a)
+{
+    if (a->input)
+        fclose(a->input);
+    free(a);
 }
 
 int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,
@@ -353,12 +380,24 @@ int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos,
     int error = open_input(a, path, message);
     if (!error)
         error = resume(fit, a, path, photos, photo_count, options, message);
-    if (a->input)
-        fclose(a->input);
-    free(a);
+    close_input(a);
     if (error) {
         fxs_fit_free(*fit);
         *fit = NULL;
     }
+    return error;
+}
+
+int fxs_fit_checkpoint_read(fxs_fit_coarse *coarse, const char *path, fxs_message *message)
+{
+    archive *a = malloc(sizeof *a);
+    if (!a)
+        return fxs_fail_memory(message, path, sizeof *a);
+    int error = open_input(a, path, message);
+    if (!error)
+        error = read_head(a, path, &coarse->fit->options, message);
+    if (!error)
+        error = read_rest(a, path, coarse->fit, coarse, message);
+    close_input(a);
     return error;
 }

@@ -334,9 +334,7 @@ static long read_gaussians(void *argument, uint64_t first, fxs_gaussian *out, si
     const fxs_fit_model *m = argument;
     size_t count = m->count - (size_t)first < capacity ? m->count - (size_t)first : capacity;
     for (size_t i = 0; i < count; i++)
-        for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
-            memcpy((char *)&out[i] + k * sizeof(float), &m->parameters[k * m->stride + (size_t)first + i],
-                   sizeof(float));
+        fxs_fit_model_give(m, (size_t)first + i, &out[i]);
     return (long)count;
 }
 

@@ -119,6 +119,12 @@ void fxs_fit_model_widen(fxs_fit_model *m, float factor)
             plane(m, FXS_FIT_SCALE + k)[i] += ln(factor);
 }
 
+void fxs_fit_model_give(const fxs_fit_model *m, size_t i, fxs_gaussian *out)
+{
+    for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
+        memcpy((char *)out + k * sizeof(float), &m->parameters[k * m->stride + i], sizeof(float));
+}
+
 /* ---- Another model ----------------------------------------------------------------------------------------------- */
 
 /* Changes the stride of the planes. Only a larger stride needs new memory. */

@@ -23,6 +23,9 @@ int fxs_fit_model_begin(fxs_fit_model *model, const fxs_fit_point *points, size_
 void fxs_fit_model_widen(fxs_fit_model *model, float factor);
 void fxs_fit_model_free(fxs_fit_model *model);
 
+/* Gives out Gaussian i, with all its parameters. */
+void fxs_fit_model_give(const fxs_fit_model *model, size_t i, fxs_gaussian *out);
+
 /* The source of a Gaussian of the new model. */
 enum { FXS_FIT_KEPT, FXS_FIT_CLONE, FXS_FIT_CHILD };
 typedef struct fxs_fit_origin {

@@ -212,6 +212,17 @@ int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t n, fxs_
     return error;
 }
 
+void fxs_photo_list_keep(fxs_view_list *views, const uint8_t *kept)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < views->count; i++)
+        if (kept[i])
+            views->views[count++] = views->views[i];
+        else
+            free(views->views[i].image);
+    views->count = count;
+}
+
 void fxs_photo_list_free(fxs_photo_list *list)
 {
     fxs_view_list_free(&list->fit);

@@ -21,6 +21,9 @@ typedef struct fxs_photo_list {
 int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t hold_out, fxs_message *message);
 void fxs_photo_list_free(fxs_photo_list *list);
 
+/* Keeps of the views of one list those that are not marked 0. */
+void fxs_photo_list_keep(fxs_view_list *views, const uint8_t *kept);
+
 /* Says for each folder of the photographs to fit which others lie in it, that have no camera. */
 void fxs_photo_list_others(const fxs_photo_list *list, fxs_left_out_fn *say, void *argument);
 

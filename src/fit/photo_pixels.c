@@ -236,6 +236,12 @@ static int finish(const char *path, const fxs_listed_view *listed, const picture
     return allocated ? 0 : fxs_fail_memory(message, path, bytes);
 }
 
+void fxs_photo_view(const fxs_listed_view *listed, fxs_file_view *view)
+{
+    if (fxs_lens_is_pinhole(&listed->lens) || !fxs_lens_fill(&listed->lens, &listed->view, view))
+        *view = listed->view;
+}
+
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
                    fxs_photo_pixels *photo, fxs_message *message)
 {

@@ -13,4 +13,7 @@ typedef struct fxs_photo_pixels {
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
                    fxs_photo_pixels *photo, fxs_message *message);
 
+/* The view of the pinhole picture in the size that its file of cameras states, of which the photograph is not read. */
+void fxs_photo_view(const fxs_listed_view *listed, fxs_file_view *view);
+
 #endif

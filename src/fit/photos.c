@@ -10,6 +10,7 @@
 #include "photo_list.h"
 #include "photo_pixels.h"
 #include "photo_points.h"
+#include "photos_internal.h"
 
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
@@ -99,15 +100,15 @@ static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **phot
     return 0;
 }
 
-static int read_pixels(const fxs_photo_list *list, const fxs_photos_options *options, fxs_photos *photos,
-                       fxs_message *message)
+int fxs_photos_pixels(const fxs_photo_list *list, const fxs_photos_options *options, fxs_photos *photos,
+                      fxs_message *message)
 {
     const size_t count = list->fit.count + list->held_out.count;
     reading r = {list, NULL, options, 0, calloc(BATCH, sizeof(result))};
     if (!r.results)
         return fxs_fail_memory(message, list->cameras, BATCH * sizeof(result));
     int error = read_all(&r, &list->fit, &photos->fit, &photos->fit_count, photos, 0, count, message);
-    if (!error && !photos->fit_count)
+    if (!error && !photos->fit_count && list->fit.count)
         error = fxs_fail(message, "none of %zu photographs can be read; of the last: %s", list->fit.count,
                          r.results[(list->fit.count - 1) % BATCH].message.text);
     if (!error)
@@ -171,10 +172,10 @@ int fxs_photos_random_points(const fxs_fit_photo *photos, size_t photo_count, ui
     return error;
 }
 
-static int in_front(const fxs_fit_photo *photos, size_t count, const fxs_fit_point *point)
+static int in_front(const fxs_view_list *views, const fxs_fit_point *point)
 {
-    for (size_t i = 0; i < count; i++) {
-        const fxs_file_view *v = &photos[i].view;
+    for (size_t i = 0; i < views->count; i++) {
+        const fxs_file_view *v = &views->views[i].view;
         double depth = 0;
         for (int k = 0; k < 3; k++)
             depth += v->rotation[6 + k] * ((double)point->position[k] - v->position[k]);
@@ -184,16 +185,16 @@ static int in_front(const fxs_fit_photo *photos, size_t count, const fxs_fit_poi
     return 0;
 }
 
-static int check_points(const fxs_photos *photos, const char *path, fxs_message *message)
+static int check_points(const fxs_photos *photos, const fxs_view_list *views, const char *path, fxs_message *message)
 {
     for (size_t i = 0; i < photos->point_count; i++)
-        if (in_front(photos->fit, photos->fit_count, &photos->points[i]))
+        if (in_front(views, &photos->points[i]))
             return 0;
     return fxs_fail(message, "%s: all of the %zu points lie behind every camera", path, photos->point_count);
 }
 
-static int read_points(const fxs_photo_list *list, const fxs_photos_options *options, fxs_photos *photos,
-                       fxs_message *message)
+int fxs_photos_points(const fxs_photo_list *list, const fxs_photos_options *options, fxs_photos *photos,
+                      fxs_message *message)
 {
     fxs_photo_points p = {NULL, 0, 0};
     int error = 0;
@@ -206,10 +207,20 @@ static int read_points(const fxs_photo_list *list, const fxs_photos_options *opt
     }
     photos->points = p.points;
     photos->point_count = p.count;
-    return error ? error : check_points(photos, *list->points ? list->points : list->cameras, message);
+    return error ? error : check_points(photos, &list->fit, *list->points ? list->points : list->cameras, message);
 }
 
 /* ---- All --------------------------------------------------------------------------------------------------------- */
+
+static int keep_held_out(fxs_photo_list *list, fxs_message *message)
+{
+    uint8_t *none = calloc(list->fit.count + 1, 1);
+    if (!none)
+        return fxs_fail_memory(message, list->cameras, list->fit.count);
+    fxs_photo_list_keep(&list->fit, none);
+    free(none);
+    return 0;
+}
 
 int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos, fxs_message *message)
 {
@@ -220,9 +231,11 @@ int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_pho
     FXS_TRY(fxs_photo_list_find(&list, path, options->hold_out, message));
     if (options->left_out)
         fxs_photo_list_others(&list, options->left_out, options->argument);
-    int error = read_pixels(&list, options, photos, message);
+    int error = options->held_out_alone && list.held_out.count ? keep_held_out(&list, message) : 0;
     if (!error)
-        error = read_points(&list, options, photos, message);
+        error = fxs_photos_pixels(&list, options, photos, message);
+    if (!error && photos->fit_count)
+        error = fxs_photos_points(&list, options, photos, message);
     fxs_photo_list_free(&list);
     if (error)
         fxs_photos_free(photos);

@@ -202,7 +202,7 @@ fails "no photographs" 2 "takes one folder" fit -o x.fxs
 fails "two folders" 2 "takes one folder" fit set set -o x.fxs
 fails "no output" 2 "where to" fit set
 fails "two outputs" 2 "--output y.fxs: --output x.fxs is given before" fit set -o x.fxs -o y.fxs
-fails "another ending" 2 "x.png: expected a name ending in .fxs or .ply" fit set -o x.png
+fails "another ending" 2 "x.png: expected a name ending in .fxs, .ply or .fit" fit set -o x.png
 fails "no such folder" 1 "none/x.fxs: cannot be written: No such file" fit set -o none/x.fxs
 mkdir folder.fxs
 fails "a folder" 1 "folder.fxs: cannot be written: Is a directory" fit set -o folder.fxs

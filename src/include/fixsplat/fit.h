@@ -74,6 +74,8 @@ typedef struct fxs_fit_options {
     float extent;                  /* size of the scene, which scales learning rates; 0: found from the photographs */
     uint32_t block, blocks;        /* number of this block of a larger fit and their count, up to 65535; a saved fit
                                       can only be resumed with the same two. 0, 0: not a block */
+    uint64_t coarse;               /* fxs_fit_coarse_number of the coarse fit that the block goes on from, which a saved
+                                      fit can only be resumed with; 0: none */
     uint32_t device_count;         /* NVIDIA GPUs that share the photographs of a batch evenly; 0: the processor makes
                                       the steps. The scene does not depend on it */
     int devices[8];                /* numbers of these GPUs */

@@ -44,6 +44,8 @@ typedef struct fxs_photos_options {
     uint32_t hold_out;             /* 0: no photograph is held out; n: every n-th by name, from the first on. Where
                                       there is a transforms_test.json, any n holds out its photographs instead */
     uint8_t background[3];         /* behind photographs with alpha */
+    int held_out_alone;            /* 1: where photographs are held out, only those are read, and no points: `fit` is
+                                      empty */
     int skip_bad;                  /* 1: photographs that cannot be read are left out and counted */
     fxs_left_out_fn *left_out;     /* called for each of these on the thread of progress, by name, and before that for
                                       each folder of photographs with some that have no camera; may be null */
@@ -55,7 +57,8 @@ typedef struct fxs_photos_options {
 } fxs_photos_options;
 
 typedef struct fxs_photos {
-    fxs_fit_photo *fit, *held_out; /* sorted by the bytes of their names; `fit` has at least one */
+    fxs_fit_photo *fit, *held_out; /* sorted by the bytes of their names; `fit` has at least one, but
+                                      for held_out_alone */
     size_t fit_count, held_out_count;
     fxs_fit_point *points;
     size_t point_count;
