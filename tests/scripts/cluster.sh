@@ -33,7 +33,7 @@ check "merged: all of them" gaussians all.fxs $(($(count part-0.ply) + $(count p
 succeeds "measured" fit set --quiet --measure all.fxs
 check "merged: at most 1.5 dB below the whole" at_least "$(mean_of)" "$(awk "BEGIN { print $whole - 1.5 }")"
 
-# The photographs of the other knot are not decoded.
+# The photographs of the other knot are not decoded, and a plane lies between the blocks.
 mkdir one && cp -r set/sparse one && mkdir one/images && cp set/images/* one/images
 for block in 1 2; do
     "$fixsplat" $fit --coarse coarse.fit --block $block/2 -o half-$block.ply >logs/out
@@ -46,6 +46,9 @@ for block in 1 2; do
     rm -f one.ply
 done
 check "only the photographs that see the block are read" equal $read_alone 1
+for block in 1 2; do "$fixsplat" info half-$block.ply; done | awk '/^bounds/' >bounds
+check "every Gaussian lies in its own block" awk 'NR == 1 { split($0, first) }
+    NR == 2 { for (k = 2; k <= 4; k++) if (first[k + 4] <= $k) apart = 1 } END { exit !apart }' bounds
 
 succeeds "saved" $fit --coarse coarse.fit --block 1/3 -o saved.ply --save-every 200
 succeeds "resumed" $fit --coarse coarse.fit --block 1/3 -o resumed.ply --resume saved.ply.fit
@@ -136,6 +139,7 @@ if FIXSPLAT="$work/slow" cluster two.fxs --engine slurm --poll 1; then
 else
     fail "the same command goes on" "$(cat logs/err two.fxs.jobs/*.log | head -c 2000)"
 fi
-check "by Slurm: it submitted block 2 alone" grep -q 'two.fxs: of 3 blocks' logs/out
+check "by Slurm: only the killed block was done again" equal \
+    "$(slurm_states "$(cut -d, -f2 two.fxs.jobs/submitted)" | cut -d' ' -f1 | sort -u)" 2
 check "by Slurm: the bytes of the jobs by hand" cmp two.fxs all.fxs
 finish
