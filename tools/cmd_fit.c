@@ -603,9 +603,11 @@ static int measure_scene(fit_command *c)
 static int write_outside(const fit_command *c, const fxs_fit_block *block)
 {
     const int status = result_write_outside(block, c->out);
-    if (!status && c->json)
-        printf("{\"scene\": \"%s\", \"gaussians\": %zu}\n", c->out, block->gaussian_count);
-    else if (!status)
+    if (!status && c->json) {
+        printf("{\"scene\": ");
+        print_json_string(c->out);
+        printf(", \"gaussians\": %zu}\n", block->gaussian_count);
+    } else if (!status)
         printf("%s: %zu Gaussians of %s outside of all blocks\n", c->out, block->gaussian_count, c->coarse);
     return status;
 }
