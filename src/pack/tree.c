@@ -318,6 +318,17 @@ static void widen_held(held *h, const held *by)
     h->scale = h->scale > by->scale ? h->scale : by->scale;
 }
 
+/* Numbers of a part may be so large that what was merged has no place within +-2^28 units, or none at all; then it is
+   at the low corner of what a child reaches. */
+static void hold_places(held *h, const held *child)
+{
+    for (uint32_t i = 0; i < h->count; i++)
+        for (int k = 0; k < 3; k++) {
+            float *x = &h->gaussians[i].gaussian.position[k];
+            *x = fabsf(*x) <= 0x1p28f ? *x : child->reach[k].low;
+        }
+}
+
 /* Merges two children's Gaussians; those of the node take the place of the first child's. */
 static void merge_children(tree *t, worker *w, uint32_t place, held *first, const held *second)
 {
@@ -328,6 +339,7 @@ static void merge_children(tree *t, worker *w, uint32_t place, held *first, cons
     fxs_merge_add(w->merger, first->gaussians, first->count);
     fxs_merge_add(w->merger, second->gaussians, second->count);
     out->count = fxs_merge_end(w->merger, FXS_CHUNK, out->gaussians, &error);
+    hold_places(out, first);
     n->sums.error = error.error;
     n->sums.size = error.size;
     first->opacity += second->opacity;
