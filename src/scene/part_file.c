@@ -102,6 +102,7 @@ typedef struct part {
     int is_open;
     fxs_part_header head;
     fxs_part_layout layout;
+    fxs_packed_header scene;             /* as in the file; the layout follows from it */
     unsigned char *heads;                /* from the scene's header up to the rows; freed once they are put together */
 } part;
 
@@ -150,7 +151,8 @@ static int open_part(merger *m, part *p, const char *path)
     if (p->source.input.size < sizeof p->head + sizeof scene)
         return fxs_fail(m->message, "%s: not a part of a scene, or cut short", path);
     FXS_TRY(read_at(m, p, 0, &p->head, sizeof p->head));
-    FXS_TRY(read_at(m, p, sizeof p->head, &scene, sizeof scene));
+    FXS_TRY(read_at(m, p, sizeof p->head, &p->scene, sizeof p->scene));
+    scene = p->scene;
     fxs_part_header_turn(&p->head);
     fxs_packed_header_turn(&scene);
     if (p->head.magic != FXS_PART_MAGIC)
@@ -174,6 +176,7 @@ static int load_heads(merger *m, part *p)
     if (!p->heads)
         return fxs_fail_memory(m->message, p->path, bytes);
     FXS_TRY(read_at(m, p, p->layout.scene, p->heads, bytes));
+    memcpy(p->heads, &p->scene, sizeof p->scene);      /* a file that changes keeps to its layout */
     fxs_part_header_turn(&head);
     if (head_checksum(&m->table, &p->layout, &head, p->heads) != p->head.head_checksum)
         return fail_damaged(m, p, "its headers are");
@@ -192,8 +195,8 @@ static int open_parts(merger *m, char *const *paths, uint32_t count)
             error = fxs_fail(m->message, "%s: one of %u parts, where %s is one of %u", p.path,
                              (unsigned)p.head.count, first->path, (unsigned)first->head.count);
         if (!error && !m->parts) {
-            m->count = p.head.count;
-            m->parts = fxs_allocate_zeroed(NULL, m->count, sizeof *m->parts);
+            m->parts = fxs_allocate_zeroed(NULL, p.head.count, sizeof *m->parts);
+            m->count = m->parts ? p.head.count : 0;
             error = m->parts ? 0 : fxs_fail_memory(m->message, p.path, 0);
         }
         if (!error && m->parts[p.head.number - 1].is_open)
@@ -419,6 +422,22 @@ static int plan_tree(merger *m)
     return error;
 }
 
+/* The headers of all nodes, whoever made them: what is written can be opened. */
+static int check_nodes(const merger *m)
+{
+    const unsigned char *headers = m->tree_bytes + (m->layout.node_chunks - m->layout.tree);
+    for (uint32_t i = 0; i < m->header.chunk_count - 1; i++) {
+        uint32_t at;
+        fxs_chunk chunk;
+        const uint32_t number = fxs_tree_find(m->tree, i, &at);
+        memcpy(&chunk, headers + (size_t)i * sizeof chunk, sizeof chunk);
+        fxs_chunk_turn(&chunk);
+        if (!fxs_chunk_valid(&chunk))
+            return fail_damaged(m, &m->parts[number == FXS_TREE_ABOVE ? 0 : number], "its tree is");
+    }
+    return 0;
+}
+
 static int build_tree(merger *m)
 {
     const uint64_t bytes = m->layout.node_rows - m->layout.tree;
@@ -432,6 +451,7 @@ static int build_tree(merger *m)
     for (uint32_t i = 0; i < m->count; i++)
         FXS_TRY(take_part_of_tree(m, i));
     FXS_TRY(build_above(m));
+    FXS_TRY(check_nodes(m));
     return fxs_tree_write(m->tree, m->tree_bytes + sizeof tree, m->message);
 }
 

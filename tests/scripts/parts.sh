@@ -59,6 +59,58 @@ for at in 100 300 9000 $((size / 2)) $((size - 2000)) $((size - 9)); do
     refused "damaged at $at" 1 "wrong.fxs: .*damaged|of another" convert part-[124567].fxs wrong.fxs all.fxs
 done
 
+# Damage that has the right checksums: forge WHERE, into part 3.
+forge() {
+    python3 - "$1" part-3.fxs wrong.fxs <<'END'
+import struct, sys, zlib
+where, source, target = sys.argv[1:]
+part = bytearray(open(source, "rb").read())
+chunks, nodes, tops = struct.unpack_from("<3I", part, 24)
+chunk_bytes, degree = struct.unpack_from("<2I", part, 64 + 16)
+entries, = struct.unpack_from("<I", part, 64 + 132)
+stages = 0 if degree == 0 else 4 if degree == 1 else 6
+rows = 256 + 128 * chunks + (stages * entries * 48 + 63) // 64 * 64 + stages * 16 * 96
+sums = rows + chunks * chunk_bytes
+headers = sums + (40 * nodes + 63) // 64 * 64
+node_rows = headers + 128 * nodes
+top = node_rows + nodes * chunk_bytes
+coarse = ((len(part) - top) // tops - 64) // 256
+if where == "node":                    # below the topmost ones: a shift of its steps above 12
+    size = (len(part) - top) // tops
+    topmost = {struct.unpack_from("<I", part, top + i * size)[0] for i in range(tops)}
+    node = max(set(range(nodes)) - topmost)
+    at = headers + 128 * node
+    struct.pack_into("<H", part, at + 74, 13)
+    struct.pack_into("<I", part, at + 64, 0)
+    checksum = zlib.crc32(part[at:at + 128] + part[node_rows + node * chunk_bytes:node_rows + (node + 1) * chunk_bytes])
+    struct.pack_into("<I", part, at + 64, checksum)
+elif where == "sums":
+    part[sums:sums + 40 * nodes] = struct.pack("<5d", *[float("nan"), float("inf"), -1e308, 0, -1]) * nodes
+else:                                  # areas or opacities of the topmost nodes' Gaussians
+    value, field = struct.pack("<f", float(where.split()[1])), 8 if where.startswith("area") else 4
+    for i in range(256 * tops):
+        at = top + i // 256 * (64 + 256 * coarse) + 64 + (i % 256 + 1) * coarse - field
+        part[at:at + 4] = value
+struct.pack_into("<2I", part, 56, 0, 0)
+head, tree = zlib.crc32(part[:rows]), zlib.crc32(part[sums:node_rows] + part[top:])
+struct.pack_into("<2I", part, 56, head, tree)
+open(target, "wb").write(part)
+END
+}
+if have python3; then
+    forge node
+    refused "a header of a node" 1 "wrong.fxs: its tree is damaged" convert part-[124567].fxs wrong.fxs all.fxs
+    for where in sums "area inf" "area nan" "area -1e30" "opacity nan" "opacity -1e38"; do
+        rm -f all.fxs
+        forge "$where"
+        succeeds "$where: merged" convert part-[124567].fxs wrong.fxs all.fxs --quiet
+        succeeds "$where: it can be read" convert all.fxs read.fxs --quiet
+        check "$where: not the same tree" sh -c '! cmp -s all.fxs one.fxs'
+    done
+else
+    skip "parts with forged checksums" "no python3 here"
+fi
+
 if have parallel; then
     run convert scene.ply one.fxs --quiet --levels
     rm -f part-*.fxs all.fxs
