@@ -168,15 +168,19 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
     if (object->plain && share_q8 == 256)
         return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
     const int error = fxs_chunk_read(&header, &object->scene, chunk);
-    if (!error && share_q8 != 256) {
+    if (error)
+        return error;
+    if (share_q8 != 256) {
         for (int i = 0; i < 256; i++)
             offsets_q11[i] = (uint16_t)fxs_share_of_q11(fxs_offset_of_code_q11[header.opacity_law][i], share_q8);
         fading = *view;
         fading.offsets_q11 = offsets_q11;
         view = &fading;
     }
-    if (error || !fxs_object_has_chunk(object, &header))
-        return error;
+    if (object->plain)
+        return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
+    if (!fxs_object_has_chunk(object, &header))
+        return 0;
     const int32_t count = kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
     const unsigned char *rows = fxs_rows(&object->scene, chunk);
     for (int32_t i = 0; i < count; i++) {
