@@ -331,12 +331,17 @@ static int is_to_be_checked(const fxs_opened *packed)
    small; or why that is not known. */
 static void check_views(const world *packed, const convert_options *o, const load_options *load)
 {
-    enum { WIDTH = 480, HEIGHT = 320, AROUND = 6 };
+    enum { WIDTH = 480, HEIGHT = 320, AROUND = 6, MOST = 8000000 };     /* Gaussians: some 3 GB of floats */
     const int small = packed->scenes[0].opened->scene->profile == FXS_PROFILE_SMALL;
     const double promised = small ? 36 : 46;
     load_options again = *load;
     frame_options options;
     quality q;
+    if (packed->scenes[0].opened->scene->count > MOST) {
+        note("%s: not compared with the floats, which is done up to %d Gaussians; info --compare does it for any number",
+             o->out, MOST);
+        return;
+    }
     again.again = 1;
     frame_options_default(&options);
     options.width = WIDTH;

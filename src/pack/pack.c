@@ -52,6 +52,14 @@ typedef struct findings {
 } findings;
 
 typedef struct packer packer;
+
+/* What is done otherwise where a part is packed. By pointers, so that a program that never packs one has none of it. */
+typedef struct part_steps {
+    int (*plan)(packer *p);
+    int (*allocate)(packer *p, fxs_packed_scene *part);
+    int (*finish)(packer *p, unsigned char *bytes);
+} part_steps;
+
 typedef void part_fn(packer *p, batch *b, uint32_t part);
 
 struct packer {
@@ -70,7 +78,8 @@ struct packer {
     uint64_t seen_step;
     uint32_t *slots;                 /* slot of Gaussian i of the file, or FXS_NO_SLOT */
     uint64_t slot_count;             /* up to the last Gaussian */
-    uint32_t part, parts;            /* 0: the whole scene is packed */
+    const part_steps *by_part;       /* null: the whole scene is packed */
+    uint32_t part, parts;
     uint32_t first, end;             /* the chunks that are packed: of the part, or all */
     float (*boxes)[6];               /* of all chunks, and the tree over them, where a part is packed */
     fxs_tree *tree;
@@ -255,7 +264,7 @@ static void take_positions(packer *p, batch *b, uint32_t part)
 {
     for (long i = first_of(b, part), end = first_of(b, part + 1); i < end; i++) {
         const uint64_t index = b->first + (uint64_t)i;
-        if (p->part)
+        if (p->by_part)
             p->findings[part].source += hash_of(&b->gaussians[i], index);
         take_position(p, &p->entries[index], &b->gaussians[i], &p->findings[part]);
         if (index % p->seen_step == 0 && !isnan(p->entries[index].position[0]))
@@ -442,7 +451,7 @@ static int is_packed(const packer *p, uint32_t chunk)
 static int is_read(const packer *p, uint32_t slot)
 {
     return is_packed(p, slot / FXS_CHUNK) ||
-           (p->part && p->sample && slot != FXS_NO_SLOT &&
+           (p->by_part && p->sample && slot != FXS_NO_SLOT &&
             fxs_palette_sample_at(p->header->count, slot / FXS_CHUNK) != FXS_NOT_SAMPLED);
 }
 
@@ -879,16 +888,16 @@ static int pack(packer *p, fxs_packed_scene *scene)
         return fxs_fail(p->message, "none of the %llu Gaussians can be drawn", (unsigned long long)p->report->read);
     FXS_TRY(find_inner_bounds(p));
     FXS_TRY(find_slots(p));
-    if (p->part)
-        FXS_TRY(plan_part(p));
+    if (p->by_part)
+        FXS_TRY(p->by_part->plan(p));
     fxs_release(p->options.allocator, p->entries);
     p->entries = 0;
     FXS_TRY(find_seen_bounds(p));
-    FXS_TRY(p->part ? allocate_part(p, scene) : allocate_scene(p, scene));
+    FXS_TRY(p->by_part ? p->by_part->allocate(p, scene) : allocate_scene(p, scene));
     FXS_TRY(find_headers(p));
     FXS_TRY(write_codes(p));
-    if (p->part)
-        return finish_part_of_scene(p, scene->data);
+    if (p->by_part)
+        return p->by_part->finish(p, scene->data);
     turn_headers(p);
     fxs_scene whole;                 /* checked, as the last pass may have read other numbers */
     if (fxs_scene_open(&whole, scene->data, scene->bytes))
@@ -956,7 +965,8 @@ int fxs_pack_part(fxs_scene_file *file, const fxs_scene_file_info *info, uint32_
                   fxs_packed_scene *part, fxs_pack_report *report, const fxs_pack_options *options,
                   fxs_message *message)
 {
-    const packer how = {.part = number, .parts = count, .held = HELD};
+    static const part_steps steps = {plan_part, allocate_part, finish_part_of_scene};
+    const packer how = {.by_part = &steps, .part = number, .parts = count, .held = HELD};
     if (count > FXS_PARTS_MOST || number < 1 || number > count)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "block %u of %u: expected 1 to %d", (unsigned)number,
                            (unsigned)count, FXS_PARTS_MOST);
