@@ -245,8 +245,9 @@ static const option_row own_rows[] = {
     {.help = "The file that is written:"},
     {"profile", "P", CHOICE(load.profile, profile_names), .help =
      "of .fxs, bytes a Gaussian at SH degree 3, and loss against floats on a captured scene: default 63.5 (56.9 dB), "
-     "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Without SH: default and compact 18.5, small 13.5. Views of small, and of compact where SH lose much, are "
-     "compared with the floats, and one that loses more than it should is said"},
+     "compact 39.6 (53.9 dB), small 19.6 (44.4 dB). Without SH: default and compact 18.5, small 13.5. Views of small, "
+     "and of compact where SH lose much, are compared with the floats, up to 8 million Gaussians, and one that loses "
+     "more than it should is said"},
     {"levels", 0, FLAG(load.tree), .help =
      "of .fxs: with levels of detail, a tree of coarser Gaussians, which makes it about twice as large"},
     {"refine", "[=STEPS]", take_refine, 0, 0, FXS_REFINE_STEPS_MOST, .help =
