@@ -1,6 +1,7 @@
 // node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for tools/bench.sh.
 // cuts: frames with a budget beside as many Gaussians of splat-transform, Spark and a pruned scene.
-// budgets: PSNR, time and bytes of frames with less and less of a budget; ROUNDS of times (5).
+// budgets: PSNR, time and bytes of frames with less and less of a budget; ROUNDS of times (5). FITTED: a fit of snowmiku's
+// photographs, for a captured scene of a million; LANDSCAPE: how many Gaussians that has (10000000).
 // steps: from frame to frame of a slow path, in FRAMES (240). boards: what one draws in a tenth of a second.
 // FOLDER keeps what is made of the scenes; what is there already is taken. MODULES: of tools/page_modules.sh.
 import { execFileSync, spawnSync } from 'node:child_process'
@@ -9,7 +10,7 @@ import {
 } from 'node:fs'
 
 const [part, fixsplat, scenes, modules, folder, ...asked] = process.argv.slice(2)
-const { ROUNDS = 5, FRAMES = 240, LANDSCAPE = 4000000 } = process.env
+const { ROUNDS = 5, FRAMES = 240, LANDSCAPE = 10000000, FITTED } = process.env
 const run = (program, ...words) =>
     execFileSync(program, words.flat(Infinity).map(String), { encoding: 'utf8', maxBuffer: 1 << 30 })
 const mean = values => values.reduce((sum, x) => sum + x, 0) / values.length
@@ -39,6 +40,7 @@ const SCENES = {
     'boatyard-tile3': { file: 'boatyard-tile3/boatyard-tile3.ply', up: [0, 0, 1] },
     skull: { file: 'skull/skull.sog', up: [0, -1, 0] },
     landscape: { made: LANDSCAPE, size: '1920x1080' },
+    fitted: { path: FITTED, cameras: 'snowmiku/cameras.json', timed: 1 },
 }
 const [WIDTH, HEIGHT, VIEWS, EIGHTH] = [960, 640, 9, 8]
 const REFINED = ['snowmiku', 'luma-seal', 'boatyard-tile3']
@@ -68,9 +70,9 @@ const around = ({ seen: [low, high] }, up) => {
 // A scene with its levels, and the views that are measured: every eighth of its cameras, or around it; of a made one
 // the view that render takes.
 const open = name => {
-    const { file, made, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
+    const { file, path = `${scenes}/${file}`, made, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
     const source = made ? kept(`${name}.ply`, to => run(fixsplat, 'make-scene', name, '--count', made, '-o', to))
-        : `${scenes}/${file}`
+        : path
     const levels = convert(source, `${name}.fxs`, '--levels'), info = JSON.parse(run(fixsplat, 'info', levels, '--json'))
     const given = cameras && JSON.parse(readFileSync(`${scenes}/${cameras}`))
     const scene = { name, source, levels, info, given, count: info.packed, timed: [], options: ['--size', size] }
@@ -209,7 +211,7 @@ const budgets = () => {
     say('PSNR against the whole, dB, mean (worst) of the views; bytes of the chunks that are drawn, mean of the views;',
         `user time of a frame by one thread, the median of ${ROUNDS} rounds in turns, on processors that had other work.`)
     head('scene', 'budget', 'of all', 'drawn', 'MB', 'PSNR', 'refined', 'ms')
-    for (const name of ['landscape', 'snowmiku', 'skull', 'luma-seal', 'boatyard-tile3'].filter(isAsked))
+    for (const name of ['landscape', ...(FITTED ? ['fitted'] : []), 'snowmiku', 'skull', 'luma-seal', 'boatyard-tile3'].filter(isAsked))
         less(name, [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], name === 'landscape' ? 20 : 50)
 }
 
