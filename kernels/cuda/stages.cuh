@@ -21,6 +21,7 @@ namespace {
 #include "src/core/view.c"
 #include "src/core/object.c"
 #include "src/core/chunk.c"
+#include "src/core/sight.c"
 #include "src/core/cut.c"
 #include "src/core/project.c"
 #include "src/core/shade.c"

@@ -3,14 +3,6 @@
  * that they add is opened next, until the first one that the budget has no room for. So the cut is a function of the
  * scenes, the camera and the options alone, and with a larger budget every part is drawn as finely or finer.
  *
- * The key of a node says what opening it removes, in log2:
- *
- *     key = gain + 2 log2(f / d) + 4 min(0, log2(sigma f / d) - log2(1/2))
- *
- * gain and sigma are the node's (packed.h), d is the distance of its box, f the focal length in pixels. The first two
- * terms are squared error times pixels. The third is what the pixels blur: the error of a merge has no mass and no
- * mean, so that little of it is left where it is smaller than a pixel.
- *
  * No part of a picture changes at once when a node opens: those that were opened last are drawn with their children.
  * The optical depth passes from it to them: a share s of an opacity is 1 - (1 - opacity)^s. A 64th of the budget is for
  * such nodes. The rest is spent without a look at them: the number of nodes that fade would else decide how many are
@@ -19,25 +11,18 @@
 
 #include <fixsplat/fixed.h>
 #include "memory.h"
+#include "sight.h"
 
 #define FADING 64u                 /* the share of the budget for nodes that fade, inverse */
-#define FADE_MOST_Q8 128           /* keys over which they do, at most; and sizes beyond the detail that is wanted */
-#define BLUR 4                     /* powers of the size below BLURRED that the error falls with, */
-#define BLURRED_Q8 (-256)          /* log2 of half a pixel */
 #define VISITS 4u                  /* for each chunk that may be drawn, and MORE_VISITS */
 #define MORE_VISITS 64u
-#define UNLIMITED_Q8 (1 << 24)
-#define DILATION_Q8 (-445)         /* log2 of 0.3 pixels^2 */
-#define SHARE_MOST_Q8 4096         /* of a node that is seen from afar */
 
 /* A chunk that the camera sees and the cut has come to. */
 typedef struct visit {
     uint32_t chunk, object;        /* the chunk in the object's scene */
     uint32_t parent;               /* its visit; FXS_NOTHING of a root */
-    int32_t key_q8;                /* at most the parent's, */
-    int32_t room_q8;               /* log2 of its size beyond the detail that is wanted: at most the parent's */
+    fxs_sight sight;               /* key and room: at most the parent's */
     uint32_t share_q8;             /* of what is drawn of it and of all below it, as its parent fades into it */
-    uint32_t swell_q8;             /* by how much its optical depth grows */
     uint8_t opened;
     uint8_t short_of;              /* something that is to be drawn in its place is not there */
     uint8_t needed;                /* it is to be drawn, */
@@ -53,7 +38,7 @@ typedef struct search {
     uint32_t visit_count, heap_count, opened_count;
     uint32_t drawn, most_drawn;    /* chunks, but for those that fade by the budget */
     uint32_t visit_room;
-    int32_t last_key_q8, fade_q8;  /* a node fades where its key is above the one by less than the other */
+    fxs_fading fading;
     int full, error;
 } search;
 
@@ -91,7 +76,7 @@ uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_optio
 static int is_before(const search *s, uint32_t a, uint32_t b)
 {
     const visit *v = &s->visits[a], *w = &s->visits[b];
-    return v->key_q8 != w->key_q8 ? v->key_q8 > w->key_q8
+    return v->sight.key_q8 != w->sight.key_q8 ? v->sight.key_q8 > w->sight.key_q8
            : v->object != w->object ? v->object < w->object : v->chunk < w->chunk;
 }
 
@@ -118,107 +103,36 @@ static uint32_t pop(search *s)
     return top;
 }
 
-/* ---- A node as a camera sees it ---------------------------------------------------------------------------------- */
-
-/* log2 of the distance from the camera to the chunk's box, softened by an eighth of the box, in units. */
-static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
-{
-    uint64_t parts[6], most = 1, square = 0;
-    if (view->orthographic)
-        return view->plane_exponent * 256;
-    for (int i = 0; i < 3; i++) {
-        const int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
-        const int64_t below = chunk->origin_q32[i] - view->position_q32[i], above = -below - reach;
-        parts[i] = (uint64_t)(below > 0 ? below : above > 0 ? above : 0);
-        parts[3 + i] = (uint64_t)reach / 8;
-        most |= parts[i] | parts[3 + i];
-    }
-    const int bits = 64 - fxs_clz64(most), shift = bits > 30 ? bits - 30 : 0;
-    for (int i = 0; i < 6; i++)
-        square += (parts[i] >> shift) * (parts[i] >> shift);
-    return (fxs_log2_q16(square | 1) >> 9) + (shift - 32) * 256;
-}
-
-/* log2 of the pixels of a unit where the chunk is nearest. */
-static int32_t log2_pixels_q8(const fxs_view *view, const fxs_chunk *chunk)
-{
-    const int64_t focal_q12 = view->fx_q12 > view->fy_q12 ? view->fx_q12 : view->fy_q12;
-    return (fxs_log2_q16((uint64_t)focal_q12) >> 8) - 12 * 256 - log2_distance_q8(view, chunk);
-}
-
-/* 2^x, Q16, of x from -16 to 20. */
-static uint64_t exp2_q16(int32_t x_q8)
-{
-    const int32_t x = fxs_clamp(x_q8, -16 * 256, 20 * 256), below_q15 = ((256 - (x & 255)) & 255) << 7;
-    const int32_t whole = (x >> 8) + (below_q15 ? 1 : 0);
-    const uint64_t mantissa_q16 = (uint64_t)fxs_exp2_q15(below_q15) << 1;
-    return whole < 0 ? mantissa_q16 >> -whole : mantissa_q16 << whole;
-}
-
-/* The dilation adds 0.3 pixels^2 to the area of every Gaussian, so from afar what small ones take of the light grows,
-   and that of a few coarse ones in their place less: (area + 0.3 swell) / (area + 0.3) of the node's own makes up for
-   it. Not where the opacity is compensated for the dilation. */
-static uint32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
-{
-    const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;
-    const uint64_t swollen = ((uint64_t)1 << 16) + exp2_q16(dilation_q8 + node->swell_q8);
-    const uint64_t swell_q8 = (swollen << 8) / (((uint64_t)1 << 16) + exp2_q16(dilation_q8));
-    return view->antialiased || swell_q8 < 256 ? 256 : swell_q8 < SHARE_MOST_Q8 ? (uint32_t)swell_q8 : SHARE_MOST_Q8;
-}
+/* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
 /* Adds a chunk where an eye sees it. */
 static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)
 {
     const fxs_cut *cut = s->cut;
     const fxs_scene *scene = cut->objects[object].scene;
-    visit v = {.chunk = chunk, .object = object, .parent = parent, .swell_q8 = 256};
-    int32_t pixels_q8 = INT32_MIN / 8;
-    fxs_chunk header;
-    fxs_node node;
-    int seen = 0;
-    s->error = s->error ? s->error : fxs_chunk_read(&header, scene, chunk);
-    if (!s->error && chunk >= scene->chunk_count)
-        s->error = fxs_node_read(&node, scene, chunk - scene->chunk_count);
+    fxs_view views[2];
+    fxs_sight sight;
     for (uint32_t eye = 0; eye < cut->eye_count && !s->error; eye++) {
-        fxs_chunk_view cv;
-        fxs_view view = cut->views[eye][object].view;
+        views[eye] = cut->views[eye][object].view;
         if (!cut->options->budget_of_window)
-            fxs_view_of_whole(&view, cut->cameras[eye]);
-        const int found = fxs_chunk_view_init(&cv, &view, scene, chunk);
-        s->error = found < 0 ? found : 0;
-        if (found <= 0)
-            continue;
-        seen = 1;
-        if (chunk < scene->chunk_count)
-            continue;
-        const int32_t pixels = log2_pixels_q8(&view, &header);
-        if (pixels > pixels_q8)
-            v.swell_q8 = swell_of(&view, &node, pixels);
-        pixels_q8 = pixels > pixels_q8 ? pixels : pixels_q8;
+            fxs_view_of_whole(&views[eye], cut->cameras[eye]);
     }
-    if (!seen || s->error)
+    const int found = s->error ? s->error : fxs_see(&sight, views, cut->eye_count, scene, chunk,
+                                                    cut->options->detail_q8);
+    s->error = found < 0 ? found : 0;
+    if (found <= 0)
         return;
     if (s->visit_count == s->visit_room) {
         s->full = 1;
         return;
     }
-    if (chunk >= scene->chunk_count) {
-        const int32_t size_q8 = node.size_q8 + pixels_q8;
-        const uint32_t detail_q8 = cut->options->detail_q8;
-        v.key_q8 = node.gain_q8 + 2 * pixels_q8 + BLUR * fxs_min(0, size_q8 - BLURRED_Q8);
-        v.room_q8 = detail_q8 ? size_q8 - ((fxs_log2_q16(detail_q8) >> 8) - 8 * 256) : UNLIMITED_Q8;
-    }
-    if (parent != FXS_NOTHING) {
-        v.key_q8 = fxs_min(v.key_q8, s->visits[parent].key_q8);
-        v.room_q8 = fxs_min(v.room_q8, s->visits[parent].room_q8);
-    }
-    s->visits[s->visit_count++] = v;
-    if (chunk >= scene->chunk_count && v.room_q8 > 0)
+    if (parent != FXS_NOTHING)
+        fxs_see_below(&sight, &s->visits[parent].sight);
+    s->visits[s->visit_count++] = (visit){.chunk = chunk, .object = object, .parent = parent, .sight = sight};
+    if (fxs_is_openable(&sight))
         push(s, s->visit_count - 1);
     s->drawn++;
 }
-
-/* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
 /* Adds the children of a node, which takes its own place among what is drawn, or none. */
 static void open_node(search *s, uint32_t number)
@@ -229,7 +143,7 @@ static void open_node(search *s, uint32_t number)
     fxs_node node;
     s->error = fxs_node_read(&node, scene, v->chunk - scene->chunk_count);
     s->opened[s->opened_count++] = number;
-    s->drawn -= v->room_q8 >= FADE_MOST_Q8;
+    s->drawn -= fxs_drawn_no_more(&v->sight);
     for (int i = 0; i < 2 && !s->error; i++)
         visit_chunk(s, object, node.children[i], number);
 }
@@ -241,7 +155,7 @@ static int open_next(search *s)
     if (!s->heap_count)
         return 0;
     const uint32_t number = pop(s);
-    s->last_key_q8 = s->visits[number].key_q8;
+    s->fading.last_key_q8 = s->visits[number].sight.key_q8;
     open_node(s, number);
     if (!s->full && !s->error && s->drawn <= s->most_drawn)
         return 1;
@@ -257,20 +171,12 @@ static void find_fade(search *s, uint32_t room)
 {
     const uint32_t left = s->drawn < s->most_drawn ? s->most_drawn - s->drawn : 0, opened = s->opened_count;
     const uint32_t count = left < room ? room - left : 0;
-    s->fade_q8 = 0;
+    s->fading.width_q8 = 0;
     if (count && count < opened)
-        s->fade_q8 = s->visits[s->opened[opened - 1 - count]].key_q8 - s->last_key_q8;
+        s->fading.width_q8 = s->visits[s->opened[opened - 1 - count]].sight.key_q8 - s->fading.last_key_q8;
     else if (count)
-        s->fade_q8 = FADE_MOST_Q8;
-    s->fade_q8 = fxs_min(s->fade_q8, FADE_MOST_Q8);
-}
-
-/* How far a node has faded into its children: 0 to 256. */
-static uint32_t faded_q8(const search *s, const visit *v)
-{
-    const int32_t by_room_q8 = fxs_clamp(v->room_q8, 0, FADE_MOST_Q8) * 256 / FADE_MOST_Q8;
-    const int32_t above_q8 = fxs_clamp(v->key_q8 - s->last_key_q8, 0, s->fade_q8);
-    return (uint32_t)(s->fade_q8 ? fxs_min(by_room_q8, above_q8 * 256 / s->fade_q8) : by_room_q8);
+        s->fading.width_q8 = FXS_FADE_MOST_Q8;
+    s->fading.width_q8 = fxs_min(s->fading.width_q8, FXS_FADE_MOST_Q8);
 }
 
 /* Moves the entry at a place down to where it belongs in a heap with the largest chunk first. */
@@ -324,14 +230,14 @@ static void find_shares(search *s)
         s->visits[s->opened[i]].opened = 1;
     for (visit *v = s->visits; v < s->visits + s->visit_count; v++) {
         const visit *parent = parent_of(s, v);
-        v->share_q8 = parent ? parent->share_q8 * faded_q8(s, parent) >> 8 : 256;
+        v->share_q8 = parent ? parent->share_q8 * fxs_faded_q8(&parent->sight, s->fading) >> 8 : 256;
     }
 }
 
 /* What is drawn of a chunk itself. */
 static uint32_t own_share_q8(const search *s, const visit *v)
 {
-    return v->opened && !v->short_of ? v->share_q8 * (256 - faded_q8(s, v)) >> 8 : v->share_q8;
+    return v->opened && !v->short_of ? v->share_q8 * (256 - fxs_faded_q8(&v->sight, s->fading)) >> 8 : v->share_q8;
 }
 
 /* From the leaves up: what is to be drawn and is not there is drawn by the nearest chunk above it that is. Then all that
@@ -361,7 +267,7 @@ static void list_drawn(search *s)
         v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
         if (v->needed && !v->hidden)
             cut->drawn[cut->count++] = (fxs_drawn){cut->views[0][v->object].first_chunk + v->chunk,
-                                                   (own_share_q8(s, v) * v->swell_q8 + 255) >> 8};
+                                                   (own_share_q8(s, v) * v->sight.swell_q8 + 255) >> 8};
     }
     sort_by_chunk(cut->drawn, cut->count);
 }

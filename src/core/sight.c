@@ -1,0 +1,96 @@
+/* A chunk of a scene with a tree as a camera sees it.
+ *
+ * The key of a node says what opening it removes, in log2:
+ *
+ *     key = gain + 2 log2(f / d) + 4 min(0, log2(sigma f / d) - log2(1/2))
+ *
+ * gain and sigma are the node's (packed.h), d is the distance of its box, f the focal length in pixels. The first two
+ * terms are squared error times pixels. The third is what the pixels blur: the error of a merge has no mass and no
+ * mean, so that little of it is left where it is smaller than a pixel. */
+#include "sight.h"
+
+#include <fixsplat/fixed.h>
+#include "memory.h"
+
+#define BLUR 4                     /* powers of the size below BLURRED that the error falls with, */
+#define BLURRED_Q8 (-256)          /* log2 of half a pixel */
+#define UNLIMITED_Q8 (1 << 24)
+#define DILATION_Q8 (-445)         /* log2 of 0.3 pixels^2 */
+#define SHARE_MOST_Q8 4096         /* of a node that is seen from afar */
+
+/* log2 of the distance from the camera to the chunk's box, softened by an eighth of the box, in units. */
+static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
+{
+    uint64_t parts[6], most = 1, square = 0;
+    if (view->orthographic)
+        return view->plane_exponent * 256;
+    for (int i = 0; i < 3; i++) {
+        const int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
+        const int64_t below = chunk->origin_q32[i] - view->position_q32[i], above = -below - reach;
+        parts[i] = (uint64_t)(below > 0 ? below : above > 0 ? above : 0);
+        parts[3 + i] = (uint64_t)reach / 8;
+        most |= parts[i] | parts[3 + i];
+    }
+    const int bits = 64 - fxs_clz64(most), shift = bits > 30 ? bits - 30 : 0;
+    for (int i = 0; i < 6; i++)
+        square += (parts[i] >> shift) * (parts[i] >> shift);
+    return (fxs_log2_q16(square | 1) >> 9) + (shift - 32) * 256;
+}
+
+/* log2 of the pixels of a unit where the chunk is nearest. */
+static int32_t log2_pixels_q8(const fxs_view *view, const fxs_chunk *chunk)
+{
+    const int64_t focal_q12 = view->fx_q12 > view->fy_q12 ? view->fx_q12 : view->fy_q12;
+    return (fxs_log2_q16((uint64_t)focal_q12) >> 8) - 12 * 256 - log2_distance_q8(view, chunk);
+}
+
+/* 2^x, Q16, of x from -16 to 20. */
+static uint64_t exp2_q16(int32_t x_q8)
+{
+    const int32_t x = fxs_clamp(x_q8, -16 * 256, 20 * 256), below_q15 = ((256 - (x & 255)) & 255) << 7;
+    const int32_t whole = (x >> 8) + (below_q15 ? 1 : 0);
+    const uint64_t mantissa_q16 = (uint64_t)fxs_exp2_q15(below_q15) << 1;
+    return whole < 0 ? mantissa_q16 >> -whole : mantissa_q16 << whole;
+}
+
+/* The dilation adds 0.3 pixels^2 to the area of every Gaussian, so from afar what small ones take of the light grows,
+   and that of a few coarse ones in their place less: (area + 0.3 swell) / (area + 0.3) of the node's own makes up for
+   it. Not where the opacity is compensated for the dilation. */
+static uint32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
+{
+    const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;
+    const uint64_t swollen = ((uint64_t)1 << 16) + exp2_q16(dilation_q8 + node->swell_q8);
+    const uint64_t swell_q8 = (swollen << 8) / (((uint64_t)1 << 16) + exp2_q16(dilation_q8));
+    return view->antialiased || swell_q8 < 256 ? 256 : swell_q8 < SHARE_MOST_Q8 ? (uint32_t)swell_q8 : SHARE_MOST_Q8;
+}
+
+FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *views, uint32_t eyes, const fxs_scene *scene, uint32_t chunk,
+                      uint32_t detail_q8)
+{
+    const int is_node = chunk >= scene->chunk_count;
+    int32_t pixels_q8 = INT32_MIN / 8;
+    fxs_chunk header;
+    fxs_node node;
+    int seen = 0, error = fxs_chunk_read(&header, scene, chunk);
+    if (!error && is_node)
+        error = fxs_node_read(&node, scene, chunk - scene->chunk_count);
+    *out = (fxs_sight){0, 0, 256};
+    for (uint32_t eye = 0; eye < eyes && !error; eye++) {
+        fxs_chunk_view cv;
+        const int found = fxs_chunk_view_init(&cv, &views[eye], scene, chunk);
+        error = found < 0 ? found : 0;
+        seen |= found > 0;
+        if (found <= 0 || !is_node)
+            continue;
+        const int32_t pixels = log2_pixels_q8(&views[eye], &header);
+        if (pixels > pixels_q8)
+            out->swell_q8 = swell_of(&views[eye], &node, pixels);
+        pixels_q8 = pixels > pixels_q8 ? pixels : pixels_q8;
+    }
+    if (!seen || error || !is_node)
+        return error ? error : seen;
+    const int32_t size_q8 = node.size_q8 + pixels_q8;
+    out->key_q8 = node.gain_q8 + 2 * pixels_q8 + BLUR * fxs_min(0, size_q8 - BLURRED_Q8);
+    out->room_q8 = detail_q8 ? size_q8 - ((fxs_log2_q16(detail_q8) >> 8) - 8 * 256) : UNLIMITED_Q8;
+    return 1;
+}
