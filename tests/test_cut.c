@@ -122,6 +122,62 @@ static void test_monotonic(void)
     check_monotonic(&scenes[2], camera_at(0.2, -0.5, -1.5));
 }
 
+/* What a frame draws of a scene, from the file that it lies in: largest sigma by header and growth, 0 where it is not
+   drawn. Leaves never grow. Returns how many chunks do. */
+static uint32_t find_grown(const fxs_scene *scene, fxs_camera camera, uint32_t budget, int32_t *scales_q16)
+{
+    unsigned char pixels[4];
+    const fxs_object object = one_object(scene);
+    const fxs_request request = request_of(&object, 1, camera, budget, pixels);
+    fxs_context context;
+    fxs_frame f;
+    uint32_t grown = 0;
+    fxs_init(&context, 0);
+    const size_t bytes = fxs_request_bytes(&context, &request, 0);
+    void *memory = check_aligned(bytes);
+    CHECK(!fxs_frame_init(&f, &context, &request, memory, bytes) && !fxs_frame_begin(&f) && f.drawn);
+    memset(scales_q16, 0, fxs_scene_chunks(scene) * sizeof *scales_q16);
+    for (uint32_t i = 0; i < f.chunk_count; i++) {
+        const fxs_drawn *d = &f.drawn[i];
+        fxs_chunk header;
+        CHECK(!fxs_chunk_read(&header, scene, d->chunk));
+        scales_q16[d->chunk] = (header.scale_q16 + (d->grow_q8 << 8)) | 1;
+        CHECK(d->grow_q8 <= 256 && d->share_q8 >= 1 && d->share_q8 <= 1024);
+        CHECK(d->chunk >= scene->chunk_count || (!d->grow_q8 && d->share_q8 <= 256));
+        grown += d->grow_q8 > 0;
+    }
+    free(memory);
+    return grown;
+}
+
+/* From afar nodes grow, more than from near; and a node that fades never less than what it fades into, as that is seen
+   where the node is. */
+static void test_growth(void)
+{
+    static int32_t scales_q16[2 * COUNT / FXS_CHUNK + 16];
+    const fxs_scene *scene = &scenes[0];
+    uint32_t both = 0, before = 0;
+    for (int far = 1; far <= 64; far *= 4) {
+        for (uint32_t budget = COUNT / 16; budget < COUNT; budget += budget / 5) {
+            const uint32_t grown = find_grown(scene, camera_at(0.5 * far, -1.0 * far, -2.0 * far), budget, scales_q16);
+            CHECK(far < 64 || grown > 0);
+            for (uint32_t i = 0; i + 1 < scene->chunk_count; i++) {
+                fxs_node node;
+                CHECK(!fxs_node_read(&node, scene, i));
+                for (int side = 0; side < 2 && scales_q16[scene->chunk_count + i]; side++)
+                    if (scales_q16[node.children[side]]) {
+                        CHECK(scales_q16[node.children[side]] <= scales_q16[scene->chunk_count + i] + 1);
+                        both++;
+                    }
+            }
+        }
+        const uint32_t grown = find_grown(scene, camera_at(0.5 * far, -1.0 * far, -2.0 * far), COUNT / 4, scales_q16);
+        CHECK(grown >= before);
+        before = grown;
+    }
+    CHECK(both > 0);
+}
+
 static void test_detail(void)
 {
     const fxs_scene *scene = &scenes[0];
@@ -417,6 +473,7 @@ int main(void)
             return puts("FAIL cannot make the scenes"), 1;
     RUN(test_covered);
     RUN(test_monotonic);
+    RUN(test_growth);
     RUN(test_detail);
     RUN(test_same_bytes);
     RUN(test_level_colours);

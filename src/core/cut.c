@@ -27,8 +27,9 @@
 #define VISITS 4u                  /* for each chunk that may be drawn, and MORE_VISITS */
 #define MORE_VISITS 64u
 #define UNLIMITED_Q8 (1 << 24)
-#define DILATION_Q8 (-445)         /* log2 of 0.3 pixels^2 */
-#define SHARE_MOST_Q8 4096         /* of a node that is seen from afar */
+#define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2 */
+#define SWELL_MOST_Q8 1024         /* of a node that is seen from afar, */
+#define GROWTH_Q16 64              /* and what sigmas take of it, a quarter */
 
 /* A chunk that the camera sees and the cut has come to. */
 typedef struct visit {
@@ -37,7 +38,8 @@ typedef struct visit {
     int32_t key_q8;                /* at most the parent's, */
     int32_t room_q8;               /* log2 of its size beyond the detail that is wanted: at most the parent's */
     uint32_t share_q8;             /* of what is drawn of it and of all below it, as its parent fades into it */
-    uint32_t swell_q8;             /* by how much its optical depth grows */
+    int32_t swell_q8;              /* log2 by which its mass grows, */
+    int32_t scale_q16;             /* and of its largest sigma then: at most the parent's */
     uint8_t opened;
     uint8_t short_of;              /* something that is to be drawn in its place is not there */
     uint8_t needed;                /* it is to be drawn, */
@@ -156,14 +158,24 @@ static uint64_t exp2_q16(int32_t x_q8)
 }
 
 /* The dilation adds 0.3 pixels^2 to the area of every Gaussian, so from afar what small ones take of the light grows,
-   and that of a few coarse ones in their place less: (area + 0.3 swell) / (area + 0.3) of the node's own makes up for
-   it. Not where the opacity is compensated for the dilation. */
-static uint32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
+   and that of a few coarse ones in their place less: (area + 0.15 swell) / (area + 0.15) of the node's own makes up for
+   it, in log2; half of the dilation, as small ones hide a part of each other. Not where the opacity is compensated for
+   the dilation. */
+static int32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
 {
     const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;
     const uint64_t swollen = ((uint64_t)1 << 16) + exp2_q16(dilation_q8 + node->swell_q8);
-    const uint64_t swell_q8 = (swollen << 8) / (((uint64_t)1 << 16) + exp2_q16(dilation_q8));
-    return view->antialiased || swell_q8 < 256 ? 256 : swell_q8 < SHARE_MOST_Q8 ? (uint32_t)swell_q8 : SHARE_MOST_Q8;
+    const int32_t swell_q16 = fxs_log2_q16(swollen) - fxs_log2_q16(((uint64_t)1 << 16) + exp2_q16(dilation_q8));
+    return view->antialiased ? 0 : fxs_clamp(swell_q16 >> 8, 0, SWELL_MOST_Q8);
+}
+
+/* So that its parent is seen wherever it is. */
+static int32_t most_swell(const search *s, uint32_t parent, const fxs_chunk *header)
+{
+    if (parent == FXS_NOTHING)
+        return SWELL_MOST_Q8;
+    const int32_t room_q16 = s->visits[parent].scale_q16 - header->scale_q16;
+    return room_q16 > 0 ? room_q16 / GROWTH_Q16 : 0;
 }
 
 /* Adds a chunk where an eye sees it. */
@@ -171,12 +183,13 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
 {
     const fxs_cut *cut = s->cut;
     const fxs_scene *scene = cut->objects[object].scene;
-    visit v = {.chunk = chunk, .object = object, .parent = parent, .swell_q8 = 256};
+    visit v = {.chunk = chunk, .object = object, .parent = parent};
     int32_t pixels_q8 = INT32_MIN / 8;
     fxs_chunk header;
     fxs_node node;
     int seen = 0;
     s->error = s->error ? s->error : fxs_chunk_read(&header, scene, chunk);
+    const int32_t most_q8 = s->error ? 0 : most_swell(s, parent, &header);
     if (!s->error && chunk >= scene->chunk_count)
         s->error = fxs_node_read(&node, scene, chunk - scene->chunk_count);
     for (uint32_t eye = 0; eye < cut->eye_count && !s->error; eye++) {
@@ -184,20 +197,23 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
         fxs_view view = cut->views[eye][object].view;
         if (!cut->options->budget_of_window)
             fxs_view_of_whole(&view, cut->cameras[eye]);
+        int32_t pixels = pixels_q8, swell_q8 = 0;
+        if (chunk >= scene->chunk_count) {
+            pixels = log2_pixels_q8(&view, &header);
+            swell_q8 = fxs_min(swell_of(&view, &node, pixels), most_q8);
+        }
+        view.grow_q16 = swell_q8 * GROWTH_Q16;
         const int found = fxs_chunk_view_init(&cv, &view, scene, chunk);
         s->error = found < 0 ? found : 0;
         if (found <= 0)
             continue;
         seen = 1;
-        if (chunk < scene->chunk_count)
-            continue;
-        const int32_t pixels = log2_pixels_q8(&view, &header);
-        if (pixels > pixels_q8)
-            v.swell_q8 = swell_of(&view, &node, pixels);
+        v.swell_q8 = pixels > pixels_q8 ? swell_q8 : v.swell_q8;
         pixels_q8 = pixels > pixels_q8 ? pixels : pixels_q8;
     }
     if (!seen || s->error)
         return;
+    v.scale_q16 = header.scale_q16 + v.swell_q8 * GROWTH_Q16;
     if (s->visit_count == s->visit_room) {
         s->full = 1;
         return;
@@ -350,6 +366,16 @@ static void find_missing(search *s)
             want(s, s->cut->objects[s->visits[i].object].scene, s->visits[i].chunk);
 }
 
+/* Of the swell of a node's mass, opacities take one half and areas the other, the square of what sigmas take: what is
+   opaque takes no more. */
+static fxs_drawn drawn_of(const search *s, const visit *v)
+{
+    const uint32_t depth_q8 = (uint32_t)(exp2_q16(v->swell_q8 / 2) >> 8);
+    return (fxs_drawn){s->cut->views[0][v->object].first_chunk + v->chunk,
+                       (uint16_t)((own_share_q8(s, v) * depth_q8 + 255) >> 8),
+                       (uint16_t)(v->swell_q8 * GROWTH_Q16 >> 8)};
+}
+
 /* Lists what is drawn in the order of the chunks. */
 static void list_drawn(search *s)
 {
@@ -360,8 +386,7 @@ static void list_drawn(search *s)
         const visit *parent = parent_of(s, v);
         v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
         if (v->needed && !v->hidden)
-            cut->drawn[cut->count++] = (fxs_drawn){cut->views[0][v->object].first_chunk + v->chunk,
-                                                   (own_share_q8(s, v) * v->swell_q8 + 255) >> 8};
+            cut->drawn[cut->count++] = drawn_of(s, v);
     }
     sort_by_chunk(cut->drawn, cut->count);
 }
@@ -388,7 +413,7 @@ static void add_whole(fxs_cut *cut)
             cut->drawn[--to] = cut->drawn[--from];
         for (uint32_t k = whole_chunks(cut, i); k-- > 0;)
             if (is_there(cut->objects[i].scene, k))
-                cut->drawn[--to] = (fxs_drawn){first + k, 256};
+                cut->drawn[--to] = (fxs_drawn){first + k, 256, 0};
     }
 }
 
