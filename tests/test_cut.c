@@ -122,6 +122,43 @@ static void test_monotonic(void)
     check_monotonic(&scenes[2], camera_at(0.2, -0.5, -1.5));
 }
 
+/* How many of the chunks that a frame draws of a scene grow. */
+static uint32_t count_grown(const fxs_scene *scene, fxs_camera camera, uint32_t budget)
+{
+    unsigned char pixels[4];
+    const fxs_object object = one_object(scene);
+    const fxs_request request = request_of(&object, 1, camera, budget, pixels);
+    fxs_context context;
+    fxs_frame f;
+    uint32_t grown = 0;
+    fxs_init(&context, 0);
+    const size_t bytes = fxs_request_bytes(&context, &request, 0);
+    void *memory = check_aligned(bytes);
+    CHECK(!fxs_frame_init(&f, &context, &request, memory, bytes) && !fxs_frame_begin(&f) && f.drawn);
+    for (uint32_t i = 0; i < f.chunk_count; i++) {
+        const fxs_drawn *d = &f.drawn[i];
+        CHECK(d->grow_q8 <= 256 && d->share_q8 >= 1 && d->share_q8 <= 1024);
+        CHECK(d->chunk >= scene->chunk_count || (!d->grow_q8 && d->share_q8 <= 256));
+        grown += d->grow_q8 > 0;
+    }
+    free(memory);
+    return grown;
+}
+
+/* From afar nodes grow, more of them than from near; leaves never do. */
+static void test_growth(void)
+{
+    uint32_t before = 0;
+    for (int far = 1; far <= 64; far *= 4) {
+        for (uint32_t budget = COUNT / 16; budget < COUNT; budget += budget / 5)
+            CHECK(far < 64 || count_grown(&scenes[0], camera_at(0.5 * far, -1.0 * far, -2.0 * far), budget) > 0);
+        const uint32_t grown = count_grown(&scenes[0], camera_at(0.5 * far, -1.0 * far, -2.0 * far), COUNT / 4);
+        CHECK(grown >= before);
+        before = grown;
+    }
+    CHECK(before > 0);
+}
+
 static void test_detail(void)
 {
     const fxs_scene *scene = &scenes[0];
@@ -417,6 +454,7 @@ int main(void)
             return puts("FAIL cannot make the scenes"), 1;
     RUN(test_covered);
     RUN(test_monotonic);
+    RUN(test_growth);
     RUN(test_detail);
     RUN(test_same_bytes);
     RUN(test_level_colours);

@@ -45,8 +45,8 @@ static void collect_object(const fxs_object_view *object)
         uint32_t indices[FXS_CHUNK];
         make_room(all.count + FXS_CHUNK);
         const uint32_t at = all.count;
-        const int32_t n = fxs_object_project(object, &fxs_kernels_c, chunk, 256, all.splats + at, all.bounds + at, indices,
-                                             all.keys + at);
+        const int32_t n = fxs_object_project(object, &fxs_kernels_c, chunk, 256, 0, all.splats + at, all.bounds + at,
+                                             indices, all.keys + at);
         CHECK(n >= 0 && !fxs_object_shade(object, &fxs_kernels_c, chunk, indices, (uint32_t)n, all.splats + at));
         for (int32_t i = 0; i < n; i++) {
             all.ids[at + (uint32_t)i] = (fxs_id){object->id, indices[i]};

@@ -25,13 +25,16 @@ __device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool 
     }
 }
 
-/* fxs_chunk_view_init, and whether crop boxes leave anything of the chunk. */
-__device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view *object, uint32_t chunk)
+/* fxs_chunk_view_init with sigmas that grow, and whether crop boxes leave anything of the chunk. */
+__device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view *object, uint32_t chunk,
+                                      uint32_t grow_q8)
 {
+    fxs_view view = object->view;
     fxs_chunk header;
     if (!object->visible)
         return 0;
-    const int seen = fxs_chunk_view_init(cv, &object->view, &object->scene, chunk);
+    view.grow_q16 = (int32_t)grow_q8 << 8;
+    const int seen = fxs_chunk_view_init(cv, &view, &object->scene, chunk);
     if (seen <= 0 || !object->crop_count)
         return seen;
     const int error = fxs_chunk_read(&header, &object->scene, chunk);
@@ -51,7 +54,8 @@ __global__ void locate_chunks(const __grid_constant__ fxs_view view, const __gri
     if (Many && at < chunks) {
         const uint32_t chunk = chunk_at(&f, at);
         object = fxs_object_of(f.objects, f.object_count, chunk);
-        seen = place_in_object(&cv, &f.objects[object], chunk - f.objects[object].first_chunk);
+        seen = place_in_object(&cv, &f.objects[object], chunk - f.objects[object].first_chunk,
+                               f.drawn ? f.drawn[at].grow_q8 : 0);
         cv.chunk = at;
     } else if (at < chunks) {
         seen = fxs_chunk_view_init(&cv, &view, &scene, at);

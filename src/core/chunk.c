@@ -66,7 +66,7 @@ static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *ch
         most |= magnitude(offset[i]) + ((uint64_t)chunk->step_q32[i] * 65535 << chunk->step_shift);
     }
     int bits = most ? 64 - fxs_clz64(most) : 0;
-    cv->scale_q16 = chunk->scale_q16;
+    cv->scale_q16 = chunk->scale_q16 + view->grow_q16;
     cv->scale_step_q24 = chunk->scale_step_q24;
     cv->opacity_law = chunk->opacity_law;
     cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */

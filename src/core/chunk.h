@@ -15,7 +15,7 @@
    below 2^30. */
 typedef struct fxs_chunk_view {
     uint32_t chunk;
-    int32_t scale_q16;             /* of its header */
+    int32_t scale_q16;             /* of its header, and what sigmas grow by */
     uint32_t scale_step_q24, opacity_law;
     int64_t base_q16[3];
     int32_t m_q16[3][3];           /* below 2^29 */

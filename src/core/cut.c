@@ -266,8 +266,8 @@ static void list_drawn(search *s)
         const visit *parent = parent_of(s, v);
         v->hidden = v->absent || (parent && (parent->hidden || parent->short_of));
         if (v->needed && !v->hidden)
-            cut->drawn[cut->count++] = (fxs_drawn){cut->views[0][v->object].first_chunk + v->chunk,
-                                                   (own_share_q8(s, v) * v->sight.swell_q8 + 255) >> 8};
+            cut->drawn[cut->count++] = fxs_drawn_of(cut->views[0][v->object].first_chunk + v->chunk,
+                                                    own_share_q8(s, v), v->sight.swell_q8);
     }
     sort_by_chunk(cut->drawn, cut->count);
 }
@@ -294,7 +294,7 @@ static void add_whole(fxs_cut *cut)
             cut->drawn[--to] = cut->drawn[--from];
         for (uint32_t k = whole_chunks(cut, i); k-- > 0;)
             if (is_there(cut->objects[i].scene, k))
-                cut->drawn[--to] = (fxs_drawn){first + k, 256};
+                cut->drawn[--to] = (fxs_drawn){first + k, 256, 0};
     }
 }
 

@@ -29,16 +29,18 @@ static void spread(fxs_splat *splats, fxs_bounds *bounds, uint32_t to, int seen,
     }
 }
 
-int32_t fxs_eyes_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t share_q8, uint32_t slot)
+int32_t fxs_eyes_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t share_q8, uint32_t grow_q8,
+                         uint32_t slot)
 {
     const fxs_eye *eyes = f->eyes;
     const fxs_kernels *kernels = &f->context->kernels;
     uint32_t right_indices[FXS_CHUNK], *indices = f->indices + slot;
     uint32_t *depths = eyes[0].depths + slot, *right_depths = eyes[1].depths + slot;
-    const int32_t of_left = fxs_object_project(&eyes[0].objects[object], kernels, chunk, share_q8, eyes[0].splats + slot,
-                                               eyes[0].bounds + slot, indices, depths);
-    const int32_t of_right = fxs_object_project(&eyes[1].objects[object], kernels, chunk, share_q8, eyes[1].splats + slot,
-                                                eyes[1].bounds + slot, right_indices, right_depths);
+    const int32_t of_left = fxs_object_project(&eyes[0].objects[object], kernels, chunk, share_q8, grow_q8,
+                                               eyes[0].splats + slot, eyes[0].bounds + slot, indices, depths);
+    const int32_t of_right = fxs_object_project(&eyes[1].objects[object], kernels, chunk, share_q8, grow_q8,
+                                                eyes[1].splats + slot, eyes[1].bounds + slot, right_indices,
+                                                right_depths);
     if (of_left < 0 || of_right < 0)
         return FXS_ERR_SCENE;
     uint32_t left = (uint32_t)of_left, right = (uint32_t)of_right;

@@ -155,27 +155,28 @@ FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat)
 
 #ifndef __CUDACC__                 /* the device has no table of kernels */
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
-                           uint32_t share_q8, fxs_splat *splats, fxs_bounds *bounds, uint32_t *indices,
-                           uint32_t *depths)
+                           uint32_t share_q8, uint32_t grow_q8, fxs_splat *splats, fxs_bounds *bounds,
+                           uint32_t *indices, uint32_t *depths)
 {
     const fxs_view *view = &object->view;
-    fxs_view fading;
+    fxs_view changed;
     uint16_t offsets_q11[256];
     fxs_chunk header;
     int32_t kept = 0;
     if (!object->visible)
         return 0;
-    if (object->plain && share_q8 == 256)
+    if (object->plain && share_q8 == 256 && !grow_q8)
         return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
     const int error = fxs_chunk_read(&header, &object->scene, chunk);
     if (error)
         return error;
-    if (share_q8 != 256) {
+    if (share_q8 != 256 || grow_q8) {
         for (int i = 0; i < 256; i++)
             offsets_q11[i] = (uint16_t)fxs_share_of_q11(fxs_offset_of_code_q11[header.opacity_law][i], share_q8);
-        fading = *view;
-        fading.offsets_q11 = offsets_q11;
-        view = &fading;
+        changed = *view;
+        changed.offsets_q11 = offsets_q11;
+        changed.grow_q16 = (int32_t)grow_q8 << 8;
+        view = &changed;
     }
     if (object->plain)
         return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);

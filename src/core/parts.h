@@ -57,11 +57,11 @@ int fxs_slices_draw(fxs_frame *f);
 
 /* ---- eyes.c ------------------------------------------------------------------------------------------------------ */
 
-/* Projects a chunk of an object for both eyes, to the slots from `slot` on; share_q8 as in fxs_object_project. A Gaussian
-   that either eye sees has the same slot in
-   both; in the eye that does not see it, it has the depth that it has in the other. Returns how many slots are taken,
-   at most 256, or FXS_ERR_SCENE. */
-int32_t fxs_eyes_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t share_q8, uint32_t slot);
+/* Projects a chunk of an object for both eyes, to the slots from `slot` on; share_q8 and grow_q8 as in
+   fxs_object_project. A Gaussian that either eye sees has the same slot in both; in the eye that does not see it, it
+   has the depth that it has in the other. Returns how many slots are taken, at most 256, or FXS_ERR_SCENE. */
+int32_t fxs_eyes_project(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t share_q8, uint32_t grow_q8,
+                         uint32_t slot);
 
 /* After bin: splats that the eye does not see are listed in no tile. */
 void fxs_eyes_hide(const fxs_bounds *bounds, uint32_t count, fxs_box *boxes);

@@ -11,15 +11,16 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
     const fxs_object_view *object = &eye->objects[number];
     const uint32_t chunk = fxs_frame_chunk(f, place) - object->first_chunk;
     const uint32_t share_q8 = f->drawn ? f->drawn[place].share_q8 : 256;
+    const uint32_t grow_q8 = f->drawn ? f->drawn[place].grow_q8 : 0;
     uint32_t *indices = f->indices + slot;
     if (end_slot - slot < FXS_CHUNK)
         return FXS_ERR_SCENE;
     if (!fxs_band_has_chunk(f, place))
         return 0;
     int32_t count = f->eye_count > 1
-                        ? fxs_eyes_project(f, number, chunk, share_q8, slot)
-                        : fxs_object_project(object, &f->context->kernels, chunk, share_q8, eye->splats + slot,
-                                             eye->bounds + slot, indices, eye->depths + slot);
+                        ? fxs_eyes_project(f, number, chunk, share_q8, grow_q8, slot)
+                        : fxs_object_project(object, &f->context->kernels, chunk, share_q8, grow_q8,
+                                             eye->splats + slot, eye->bounds + slot, indices, eye->depths + slot);
     for (int32_t i = 0; i < count && object->first_chunk; i++)
         indices[i] += object->first_chunk * FXS_CHUNK;
     return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);

@@ -15,8 +15,7 @@
 #define BLUR 4                     /* powers of the size below BLURRED that the error falls with, */
 #define BLURRED_Q8 (-256)          /* log2 of half a pixel */
 #define UNLIMITED_Q8 (1 << 24)
-#define DILATION_Q8 (-445)         /* log2 of 0.3 pixels^2 */
-#define SHARE_MOST_Q8 4096         /* of a node that is seen from afar */
+#define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2 */
 
 /* log2 of the distance from the camera to the chunk's box, softened by an eighth of the box, in units. */
 static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
@@ -54,14 +53,21 @@ static uint64_t exp2_q16(int32_t x_q8)
 }
 
 /* The dilation adds 0.3 pixels^2 to the area of every Gaussian, so from afar what small ones take of the light grows,
-   and that of a few coarse ones in their place less: (area + 0.3 swell) / (area + 0.3) of the node's own makes up for
-   it. Not where the opacity is compensated for the dilation. */
-static uint32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
+   and that of a few coarse ones in their place less: (area + 0.15 swell) / (area + 0.15) of the node's own makes up for
+   it, in log2; half of the dilation, as small ones hide a part of each other. Not where the opacity is compensated for
+   the dilation. */
+static int32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
 {
     const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;
     const uint64_t swollen = ((uint64_t)1 << 16) + exp2_q16(dilation_q8 + node->swell_q8);
-    const uint64_t swell_q8 = (swollen << 8) / (((uint64_t)1 << 16) + exp2_q16(dilation_q8));
-    return view->antialiased || swell_q8 < 256 ? 256 : swell_q8 < SHARE_MOST_Q8 ? (uint32_t)swell_q8 : SHARE_MOST_Q8;
+    const int32_t swell_q16 = fxs_log2_q16(swollen) - fxs_log2_q16(((uint64_t)1 << 16) + exp2_q16(dilation_q8));
+    return view->antialiased ? 0 : fxs_clamp(swell_q16 >> 8, 0, FXS_SWELL_SEEN_Q8);
+}
+
+FXS_STAGE fxs_drawn fxs_drawn_of(uint32_t chunk, uint32_t share_q8, int32_t swell_q8)
+{
+    const uint32_t depth_q8 = (uint32_t)(exp2_q16(swell_q8 / 2) >> 8);
+    return (fxs_drawn){chunk, (uint16_t)((share_q8 * depth_q8 + 255) >> 8), (uint16_t)(swell_q8 / FXS_SWELL_OF_SIGMA)};
 }
 
 FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *views, uint32_t eyes, const fxs_scene *scene, uint32_t chunk,
@@ -74,7 +80,7 @@ FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *views, uint32_t eyes, cons
     int seen = 0, error = fxs_chunk_read(&header, scene, chunk);
     if (!error && is_node)
         error = fxs_node_read(&node, scene, chunk - scene->chunk_count);
-    *out = (fxs_sight){0, 0, 256};
+    *out = (fxs_sight){0, 0, 0};
     for (uint32_t eye = 0; eye < eyes && !error; eye++) {
         fxs_chunk_view cv;
         const int found = fxs_chunk_view_init(&cv, &views[eye], scene, chunk);

@@ -4,13 +4,16 @@
 #define FXS_SIGHT_H
 
 #include "chunk.h"
+#include "cut.h"
 
+#define FXS_SWELL_SEEN_Q8 1024     /* log2 by which the mass of a node grows that is seen from afar, at most, */
+#define FXS_SWELL_OF_SIGMA 4       /* and what share of it its sigmas take, inverse */
 #define FXS_FADE_MOST_Q8 128       /* keys over which nodes fade, at most; and sizes beyond the detail that is wanted */
 
 typedef struct fxs_sight {
     int32_t key_q8;                /* what opening the node removes; of a leaf 0 */
     int32_t room_q8;               /* log2 of the node's size beyond the detail that is wanted; of a leaf 0 */
-    uint32_t swell_q8;             /* by how much its optical depth grows: 256 to 4096 */
+    int32_t swell_q8;              /* log2 by which its mass grows: 0 to FXS_SWELL_SEEN_Q8; of a leaf 0 */
 } fxs_sight;
 
 /* The nodes that fade are those whose keys are above the last one that was opened by less than the width. */
@@ -18,8 +21,9 @@ typedef struct fxs_fading {
     int32_t last_key_q8, width_q8;
 } fxs_fading;
 
-/* The chunk as the nearest of one or two eyes sees it, whose views are in the space of its object. Returns 1, or 0
-   where no eye sees it, or FXS_ERR_SCENE. */
+/* The chunk as the nearest of one or two eyes sees it, whose views are in the space of its object. Growth does not
+   count: so a node is seen wherever one below it is, and as what grows is smaller than a pixel, little is missed.
+   Returns 1, or 0 where no eye sees it, or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *views, uint32_t eyes, const fxs_scene *scene, uint32_t chunk,
                       uint32_t detail_q8);
 
@@ -49,5 +53,9 @@ static inline uint32_t fxs_faded_q8(const fxs_sight *sight, fxs_fading fading)
     const int32_t above_q8 = fxs_clamp(sight->key_q8 - fading.last_key_q8, 0, fading.width_q8);
     return (uint32_t)(fading.width_q8 ? fxs_min(by_room_q8, above_q8 * 256 / fading.width_q8) : by_room_q8);
 }
+
+/* What is drawn of a chunk. Of the swell of a node's mass, optical depths take one half and areas the other, so sigmas
+   a quarter: what is opaque takes no more. */
+FXS_STAGE fxs_drawn fxs_drawn_of(uint32_t chunk, uint32_t share_q8, int32_t swell_q8);
 
 #endif

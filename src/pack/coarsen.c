@@ -35,7 +35,7 @@ enum {
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
        SQUARE = LOCAL + 3, FIELDS };
 
-#define OPACITY_MOST 0.99f             /* of what was merged, or that of the more opaque of two */
+#define OPACITY_MOST (0.99f - FXS_FAINTEST)    /* of what was merged, or that of the more opaque of two */
 #define OVERLAP 0.3f                   /* share of what two hide of each other that does not count */
 #define ALPHA_WEIGHT 0.06f             /* of the squared error of alpha by itself, against that of a colour */
 #define THINNEST 1e-3f                 /* share of the trace that is added to variances where errors are computed */
@@ -155,7 +155,7 @@ static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
     for (int k = 0; k < 6; k++)
         out->covariance[k] = m->fields[i][XX + k];
     out->area = m->fields[i][AREA];
-    out->opacity = m->fields[i][OPACITY];
+    out->opacity = m->fields[i][OPACITY] + FXS_FAINTEST;
     fxs_coarse_axes(&out->gaussian, out->covariance);
     out->gaussian.opacity = fxs_logit_of_opacity(out->opacity);
 }
@@ -541,7 +541,7 @@ static void add(fxs_merger *m, const fxs_coarse *c)
         m->fields[i][X + k] = c->gaussian.position[k];
     for (int k = 0; k < 6; k++)
         m->fields[i][XX + k] = c->covariance[k];
-    m->fields[i][OPACITY] = c->opacity;
+    m->fields[i][OPACITY] = fxs_coarse_drawn(c);
     m->fields[i][AREA] = c->area;
     for (int k = 0; k < 3; k++)
         m->fields[i][COLOUR + k] = (float)fxs_colour_of_dc(c->gaussian.dc[k]);

@@ -8,6 +8,9 @@
 
 enum { FXS_MERGE_MOST = 512 };         /* the most Gaussians of a set */
 
+/* The alpha below which nothing is drawn. */
+#define FXS_FAINTEST (1 / 255.5f)
+
 /* A Gaussian with what merging reads of it. */
 typedef struct fxs_coarse {
     fxs_gaussian gaussian;
@@ -15,6 +18,13 @@ typedef struct fxs_coarse {
     float area;                        /* root of the sum of the squared areas that it has along three axes, sigmas^2 */
     float opacity;                     /* 0 to 1 */
 } fxs_coarse;
+
+/* What its opacity counts for: a Gaussian is drawn as far out as its alpha is FXS_FAINTEST, and up to there its integral
+   is that of opacity - FXS_FAINTEST without an end. */
+static inline float fxs_coarse_drawn(const fxs_coarse *coarse)
+{
+    return coarse->opacity > FXS_FAINTEST ? coarse->opacity - FXS_FAINTEST : 0;
+}
 
 /* Fills in a Gaussian as it comes from a file or from the codes of a packed scene. */
 void fxs_coarse_set(fxs_coarse *coarse, const fxs_gaussian *gaussian);

@@ -239,8 +239,7 @@ static void read_coded(const tree *t, const unsigned char *header, const unsigne
             fxs_gaussian gaussian;
             fxs_decode(s, &chunk, rows, g, &gaussian);
             fxs_coarse_set(&to->gaussians[to->count], &gaussian);
-            const double opacity = (double)to->gaussians[to->count++].opacity;
-            to->opacity += opacity > 1 / 255.5 ? opacity : 0;
+            to->opacity += (double)fxs_coarse_drawn(&to->gaussians[to->count++]);
         }
 }
 
@@ -306,8 +305,9 @@ static void add_own(node *n, const held *h)
 {
     n->sums.own = n->sums.area = 0;
     for (uint32_t i = 0; i < h->count; i++) {
-        n->sums.own += (double)h->gaussians[i].opacity;
-        n->sums.area += SEEN * (double)h->gaussians[i].opacity * (double)h->gaussians[i].area;
+        const double drawn = (double)fxs_coarse_drawn(&h->gaussians[i]);
+        n->sums.own += drawn;
+        n->sums.area += SEEN * drawn * (double)h->gaussians[i].area;
     }
 }
 

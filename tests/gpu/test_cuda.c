@@ -227,8 +227,8 @@ typedef struct expected {
 static void expected_chunk(expected *e, const fxs_object_view *object, uint32_t chunk)
 {
     uint32_t *indices = e->indices + e->count;
-    const int32_t n = fxs_object_project(object, &fxs_kernels_c, chunk, 256, e->splats + e->count, e->bounds + e->count,
-                                         indices, e->depths + e->count);
+    const int32_t n = fxs_object_project(object, &fxs_kernels_c, chunk, 256, 0, e->splats + e->count,
+                                         e->bounds + e->count, indices, e->depths + e->count);
     if (n < 0 || fxs_object_shade(object, &fxs_kernels_c, chunk, indices, (uint32_t)n, e->splats + e->count))
         abort();
     for (int32_t i = 0; i < n; i++)

@@ -113,7 +113,7 @@ typedef struct fxs_node {            /* 16 bytes */
     int16_t gain_q8;                 /* log2 of the squared error, in colours^2 units^2, that the children remove; */
     int16_t size_q8;                 /* of the sigma, in units, of what differs; */
     int16_t area_q8;                 /* of the mean area sigma^2 of its Gaussians as they are seen, units^2; */
-    uint16_t swell_q8;               /* of the sum of the opacities of the leaves' Gaussians below it over that of its own */
+    uint16_t swell_q8;               /* of the sum of the leaves' opacities below it, from 1/255.5 on, over its own */
 } fxs_node;
 
 #define FXS_SWELL_MOST_Q8 (32 << 8)
