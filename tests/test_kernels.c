@@ -440,6 +440,8 @@ static void project_case(void)
     make_scene();
     make_view();
     const int veils = one_in(view.orthographic ? 2 : 8);
+    if (one_in(3))
+        view.share_q8 = 1 + below(one_in(2) ? 512 : 4096);
     for (int i = 0; i < 4; i++)
         to[i] = output_new(FXS_CHUNK * projected_bytes[i], skew);
     do

@@ -87,7 +87,6 @@ struct block_splats {
     fxs_splat splats[FXS_CHUNK];
     fxs_bounds bounds[FXS_CHUNK];
     uint32_t row_ends[FXS_CHUNK];          /* tile rows of the splats up to this one */
-    uint16_t offsets_q11[FXS_CHUNK];       /* of the codes of opacity, of a chunk that fades */
     uint8_t masks[FXS_CHUNK][BOX_ROWS];
     uint32_t warp_rows[FXS_CHUNK / WARP];
 };
@@ -230,22 +229,18 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     const uint32_t index = cv->chunk * FXS_CHUNK + g;
     const uint32_t share_q8 = Many && f.drawn ? f.drawn[cv->chunk].share_q8 : 256;
     const fxs_chunk *header = (const fxs_chunk *)fxs_header(scene, chunk);
-    const uint16_t *offsets_q11 = offset_of_code_q11[cv->opacity_law];
     const unsigned char *rows = (const unsigned char *)__builtin_assume_aligned(b.rows, 64);
     const uint32_t early = scene->chunk_bytes < FXS_ROW_SH ? scene->chunk_bytes : FXS_ROW_SH;
     fetch_rows(&b, fxs_rows(scene, chunk), 0, early);
     fetch_rows(&b, fxs_rows(scene, chunk), early, scene->chunk_bytes);
-    if (share_q8 != 256) {
-        b.offsets_q11[g] = (uint16_t)fxs_share_of_q11(offsets_q11[g], share_q8);
-        offsets_q11 = b.offsets_q11;
-    }
     __pipeline_wait_prior(1);
     __syncthreads();
     const fxs_codes codes = fxs_codes_of(scene, rows, g);
+    const uint32_t offset_q11 = offset_of_code_q11[cv->opacity_law][codes.colour >> 24];
     fxs_splat splat;
     fxs_bounds bounds;
     uint32_t depth;
-    bool visible = project_one(&splat, &bounds, &depth, camera, cv, &codes, offsets_q11);
+    bool visible = project_one(&splat, &bounds, &depth, camera, cv, &codes, fxs_share_of_q11(offset_q11, share_q8));
     if (Many && visible && !object->plain)
         visible = fxs_object_change(object, header, codes.position, &depth);
     __pipeline_wait_prior(0);

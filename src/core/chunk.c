@@ -23,8 +23,6 @@ FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i)
     return fxs_node_valid(node, scene->chunk_count, i) ? 0 : FXS_ERR_SCENE;
 }
 
-#define OPAQUE_Q30 1063004406u     /* 0.99, at which opacity is capped */
-
 /* 2^-l_q16, Q30, of l at least 0 */
 static uint32_t falling_q30(uint32_t l_q16)
 {
@@ -42,10 +40,12 @@ static uint32_t octaves_below_q16(uint32_t x_q30)
 /* opacity = e^(-offset / 2) = 2^(-offset / (2 ln 2)); 1 / (2 ln 2) = 46.166 / 64; at most 22697 * 24 in Q16. */
 FXS_STAGE uint32_t fxs_share_of_q11(uint32_t offset_q11, uint32_t share_q8)
 {
+    if (share_q8 == 256)
+        return offset_q11;
     if (offset_q11 > FXS_FAINT_Q11)
         return FXS_FAINT_Q11 + 1;
     const uint32_t opacity_q30 = falling_q30((offset_q11 * 94548 + 2048) >> 12);       /* 94548 = 2^16 / ln 2 */
-    const uint32_t clear_q30 = (1u << 30) - (opacity_q30 < OPAQUE_Q30 ? opacity_q30 : OPAQUE_Q30);
+    const uint32_t clear_q30 = (1u << 30) - (opacity_q30 < FXS_OPAQUE_Q30 ? opacity_q30 : FXS_OPAQUE_Q30);
     const uint32_t share_q30 = (1u << 30) - falling_q30(octaves_below_q16(clear_q30) * share_q8 >> 8);
     const uint32_t offset = share_q30 ? (uint32_t)(((uint64_t)octaves_below_q16(share_q30) * 90852 + (1 << 20)) >> 21)
                                       : FXS_FAINT_Q11 + 1;                              /* 90852 = 2 ln 2 2^16 */

@@ -54,13 +54,10 @@ static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chu
 /* -2 ln(opacity of a code) under each law (packed.h), Q11; code 0 is never drawn. */
 extern const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256];
 
-static inline const uint16_t *fxs_offsets_of(const fxs_view *view, const fxs_chunk_view *cv)
-{
-    return view->offsets_q11 ? view->offsets_q11 : fxs_offset_of_code_q11[cv->opacity_law];
-}
+#define FXS_OPAQUE_Q30 1063004406u               /* 0.99, at which an opacity of which more or less is drawn is capped */
 
 /* The offset of an opacity of which a share is drawn, 1 to 4096 of 256 of the optical depth: 1 - (1 - opacity)^share;
-   at most FXS_FAINT_Q11 + 1. */
+   at most FXS_FAINT_Q11 + 1. With 256 it is the offset as it was. */
 FXS_STAGE uint32_t fxs_share_of_q11(uint32_t offset_q11, uint32_t share_q8);
 
 /* Copies a chunk's header and checks its ranges, on which project and shade rely: the scene's bytes may have changed

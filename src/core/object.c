@@ -160,26 +160,21 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
 {
     const fxs_view *view = &object->view;
     fxs_view changed;
-    uint16_t offsets_q11[256];
     fxs_chunk header;
     int32_t kept = 0;
     if (!object->visible)
         return 0;
-    if (object->plain && share_q8 == 256 && !grow_q8)
-        return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
-    const int error = fxs_chunk_read(&header, &object->scene, chunk);
-    if (error)
-        return error;
     if (share_q8 != 256 || grow_q8) {
-        for (int i = 0; i < 256; i++)
-            offsets_q11[i] = (uint16_t)fxs_share_of_q11(fxs_offset_of_code_q11[header.opacity_law][i], share_q8);
         changed = *view;
-        changed.offsets_q11 = offsets_q11;
+        changed.share_q8 = share_q8;
         changed.grow_q16 = (int32_t)grow_q8 << 8;
         view = &changed;
     }
     if (object->plain)
         return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
+    const int error = fxs_chunk_read(&header, &object->scene, chunk);
+    if (error)
+        return error;
     if (!fxs_object_has_chunk(object, &header))
         return 0;
     const int32_t count = kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);

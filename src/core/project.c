@@ -375,15 +375,14 @@ static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
     return (uint32_t)(cv->shift - zeros - 1 + FXS_DEPTH_BIAS) << 26 | ((z << zeros) >> 5 & 0x3ffffff);
 }
 
-/* Returns 0 for a Gaussian that touches no pixel. offsets_q11: of the codes of opacity. */
+/* Returns 0 for a Gaussian that touches no pixel. offset_q11: of its opacity. */
 static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, const fxs_view *view,
-                       const fxs_chunk_view *cv, const fxs_codes *codes, const uint16_t offsets_q11[256])
+                       const fxs_chunk_view *cv, const fxs_codes *codes, uint32_t offset_q11)
 {
     projected centre;
-    uint32_t opacity = codes->colour >> 24;
-    if (!opacity || !project_centre(&centre, view, cv, codes->position))
+    if (!(codes->colour >> 24) || !project_centre(&centre, view, cv, codes->position))
         return 0;
-    splat->offset_q11 = (uint16_t)(offsets_q11[opacity] + view->offset_q11);
+    splat->offset_q11 = (uint16_t)(offset_q11 + (uint32_t)view->offset_q11);
     *depth = depth_key(cv, &centre);
     return project_shape(splat, bounds, view, cv, &centre, codes->scale, codes->rotation);
 }
@@ -399,7 +398,9 @@ int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chu
         return seen;
     for (uint32_t g = 0; g < FXS_CHUNK; g++) {
         const fxs_codes codes = fxs_codes_of(scene, rows, g);
-        if (project_one(&splats[count], &bounds[count], &depths[count], view, &cv, &codes, fxs_offsets_of(view, &cv)))
+        const uint32_t offset_q11 = fxs_offset_of_code_q11[cv.opacity_law][codes.colour >> 24];
+        if (project_one(&splats[count], &bounds[count], &depths[count], view, &cv, &codes,
+                        fxs_share_of_q11(offset_q11, view->share_q8)))
             indices[count++] = chunk * FXS_CHUNK + g;
     }
     return count;

@@ -267,6 +267,7 @@ int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *o
     view->cutoff = options->cutoff;
     view->cut_q11 = view->cutoff == FXS_CUTOFF_SQUARE ? FXS_LEVEL_MAX_Q11 : FXS_CUT_Q11;
     view->sh_degree = options->sh_degree;
+    view->share_q8 = 256;
     derive(view, camera);
     return 0;
 }

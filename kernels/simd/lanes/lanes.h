@@ -41,14 +41,27 @@ static inline vi exp2_q15(vi f_q15)
     return 32768 + p;
 }
 
-static inline vi log2_q16(wide x)
+/* log2 of 2^whole m, m in [1, 2) from its top bit on */
+static inline vi log2_of_top_q16(vi whole, vu m)
 {
-    vi n = clz_wide(x), t_q15 = (vi)(top_half(x, n) >> 16) & 32767;
+    vi t_q15 = (vi)(m >> 16) & 32767;
     vi q = mul_q15(all(-2776), t_q15);
     q = mul_q15(q + 6897, t_q15);
     q = mul_q15(q - 9697, t_q15);
     q = mul_q15(q + 14605, 32768 - t_q15);
-    return (63 - n) * 65536 + 2 * round_shift((32768 + q) * (t_q15 >> 1), 14);
+    return whole * 65536 + 2 * round_shift((32768 + q) * (t_q15 >> 1), 14);
+}
+
+static inline vi log2_q16(wide x)
+{
+    vi n = clz_wide(x);
+    return log2_of_top_q16(63 - n, top_half(x, n));
+}
+
+static inline vi log2_of_32_q16(vu x)
+{
+    vi n = clz(x);
+    return log2_of_top_q16(31 - n, shift_left(x, n));
 }
 
 #endif

@@ -275,6 +275,28 @@ static inline mask compensate(vi *offset_q11, const covariance *s)
     return ~equal((vi)(high | low), all(0));
 }
 
+/* 2^-l_q16, Q30, of l at least 0 */
+static inline vu falling_q30(vi l_q16)
+{
+    return shift_right((vu)exp2_q15((l_q16 & 65535) >> 1) << 15, l_q16 >> 16);
+}
+
+/* -log2(x_q30), Q16, of x above 0 and at most 1 */
+static inline vi octaves_below_q16(vu x_q30)
+{
+    return most((30 << 16) - log2_of_32_q16(x_q30), all(0));
+}
+
+/* fxs_share_of_q11; of a share of nothing the offset is far above FXS_FAINT_Q11, as it is of the smallest share. */
+static inline vi share_of_q11(vi offset_q11, uint32_t share_q8)
+{
+    const vu opacity_q30 = falling_q30((vi)(((vu)offset_q11 * 94548 + 2048) >> 12));
+    const vu clear_q30 = (1u << 30) - (vu)least((vi)opacity_q30, all((int32_t)FXS_OPAQUE_Q30));
+    const vu share_q30 = (1u << 30) - falling_q30((vi)((vu)octaves_below_q16(clear_q30) * share_q8 >> 8));
+    const wide offset_q32 = mul_wide(octaves_below_q16((vu)most((vi)share_q30, all(1))), all(90852));
+    return least((vi)narrow(offset_wide(offset_q32, 1 << 20), 21), all(FXS_FAINT_Q11 + 1));
+}
+
 /* The words of fxs_splat, and of fxs_bounds. */
 enum { U0, V0, UX, UY, VY, OFFSET, COLOUR, CLIP, CX = 0, CY, BREADTH, SHEAR, HALF_WIDTH, RADIUS, WORDS = 8 };
 
@@ -318,6 +340,9 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
                          const survivors *s, uint32_t at)
 {
     vi t_q15[2][3], offset_q11 = load(&s->rows[OPACITY][at]);
+    if (view->share_q8 != 256)
+        offset_q11 = share_of_q11(offset_q11, view->share_q8);
+    offset_q11 += view->offset_q11;
     covariance cov;
     mask alive = greater((int32_t)(s->count - at) - load(lane_numbers), all(0));
     alive &= screen_axes(t_q15, view, cv, s, at);
@@ -366,9 +391,9 @@ typedef struct outputs {
 static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs_chunk_view *cv, survivors *s,
                                    uint32_t chunk)
 {
-    const uint16_t *offsets_q11 = fxs_offsets_of(view, cv);
+    const uint16_t *offsets_q11 = fxs_offset_of_code_q11[cv->opacity_law];
     for (uint32_t i = 0; i < s->count; i++)
-        s->rows[OPACITY][i] = offsets_q11[s->rows[OPACITY][i]] + view->offset_q11;
+        s->rows[OPACITY][i] = offsets_q11[s->rows[OPACITY][i]];
     for (int row = 0; row < ROWS; row++)
         store(&s->rows[row][s->count], all(0));
     for (uint32_t at = 0; at < s->count; at += LANES) {

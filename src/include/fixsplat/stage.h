@@ -48,7 +48,7 @@ typedef struct fxs_view {
     int32_t forward_q15[2][3];     /* f'/f * third row of the rotation */
     int32_t cut_q11;               /* for fxs_limit_q11 */
     int32_t offset_q11;            /* of an object: -2 ln(opacity factor), at most FXS_FAINT_Q11 + 1 */
-    const uint16_t *offsets_q11;   /* of each code of opacity, of a chunk that fades; null: by the chunk's law */
+    uint32_t share_q8;             /* of a chunk's optical depth that is drawn: 256 leaves it as it is; 1 to 4096 */
     int32_t grow_q16;              /* log2 by which the sigmas of a chunk grow; 0 to 1 */
     int sh_degree, antialiased;    /* of an object's scene */
     enum fxs_cutoff cutoff;
