@@ -39,6 +39,8 @@ typedef struct search {
     uint32_t drawn, most_drawn;    /* chunks, but for those that fade by the budget */
     uint32_t visit_room;
     fxs_fading fading;
+    uint32_t viewed;               /* the object whose chunk was looked at last; FXS_NOTHING before the first */
+    fxs_view views[2];             /* as each eye sees it */
     int full, error;
 } search;
 
@@ -105,19 +107,25 @@ static uint32_t pop(search *s)
 
 /* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
+static void set_views(search *s, uint32_t object)
+{
+    const fxs_cut *cut = s->cut;
+    for (uint32_t eye = 0; eye < cut->eye_count && s->viewed != object; eye++) {
+        s->views[eye] = cut->views[eye][object].view;
+        if (!cut->options->budget_of_window)
+            fxs_view_of_whole(&s->views[eye], cut->cameras[eye]);
+    }
+    s->viewed = object;
+}
+
 /* Adds a chunk where an eye sees it. */
 static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)
 {
     const fxs_cut *cut = s->cut;
     const fxs_scene *scene = cut->objects[object].scene;
-    fxs_view views[2];
     fxs_sight sight;
-    for (uint32_t eye = 0; eye < cut->eye_count && !s->error; eye++) {
-        views[eye] = cut->views[eye][object].view;
-        if (!cut->options->budget_of_window)
-            fxs_view_of_whole(&views[eye], cut->cameras[eye]);
-    }
-    const int found = s->error ? s->error : fxs_see(&sight, views, cut->eye_count, scene, chunk,
+    set_views(s, object);
+    const int found = s->error ? s->error : fxs_see(&sight, s->views, cut->eye_count, scene, chunk,
                                                     cut->options->detail_q8);
     s->error = found < 0 ? found : 0;
     if (found <= 0)
@@ -315,7 +323,8 @@ static void begin(search *s)
 int fxs_cut_find(fxs_cut *cut)
 {
     const uint32_t fading = cut->room / FADING;
-    search s = {.cut = cut, .most_drawn = cut->room - fading, .visit_room = VISITS * cut->room + MORE_VISITS};
+    search s = {.cut = cut, .most_drawn = cut->room - fading, .visit_room = VISITS * cut->room + MORE_VISITS,
+                .viewed = FXS_NOTHING};
     s.visits = (visit *)cut->memory;
     s.heap = (uint32_t *)(void *)(s.visits + s.visit_room);
     s.opened = s.heap + s.visit_room;
