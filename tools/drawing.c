@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <fixsplat/backends.h>
+#include <fixsplat/fixed.h>
 
 enum { WAIT_NS = 100000000, TRIES = 6 };
 
@@ -50,6 +51,11 @@ int renderer_open(renderer *r, const frame_options *options)
         status = fail(EXIT_FAILED, "cannot start %" PRIu32 " threads", options->threads);
     }
     return status;
+}
+
+int renderer_may_page(const renderer *r)
+{
+    return r->backend && !(r->backend->can & FXS_CAN_DEVICES);
 }
 
 void renderer_close(renderer *r)
@@ -234,25 +240,53 @@ static int read_wanted(const world *w, const fxs_options *options, uint32_t *cam
     return error;
 }
 
-/* Draws what is there, and again until nothing is missing, or for several pictures in a row no less is. */
+/* What pictures want of a world. */
+typedef struct wanting {
+    const world *w;
+    const fxs_options *options;        /* the caller's */
+    uint32_t missing;
+} wanting;
+
+static void want(void *argument, const fxs_scene *scene, uint32_t chunk, int there)
+{
+    wanting *g = argument;
+    world_want((void *)(uintptr_t)g->w, scene, chunk, there);
+    FXS_SHARED_WRITE(g->missing, FXS_SHARED_READ(g->missing) + !there);
+}
+
+/* A picture tells what it wants before anything is drawn: where something is missing, drawing would be in vain. */
+static int stop(void *argument)
+{
+    const wanting *g = argument;
+    return FXS_SHARED_READ(g->missing) || (g->options->stop && g->options->stop(g->options->stop_argument));
+}
+
+/* Draws what is there; or where that is not enough, once nothing is missing. Gives up where for several times in a row
+   no less is. */
 static int draw_in_part(renderer *r, const world *w, const fxs_request *request, fxs_stats *stats, fxs_message *why)
 {
-    fxs_request wanting = *request;
-    if (r->backend->can & FXS_CAN_DEVICES)
+    wanting g = {.w = w, .options = &request->options};
+    fxs_request asking = *request;
+    if (!renderer_may_page(r))
         return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "--backend %s copies whole scenes: no --pool", r->backend->name);
     uint32_t least = UINT32_MAX, came;
-    wanting.options.want = world_want;
-    wanting.options.want_argument = (void *)(uintptr_t)w;
+    asking.options.want = want;
+    asking.options.want_argument = &g;
+    if (!r->shows_part) {
+        asking.options.stop = stop;
+        asking.options.stop_argument = &g;
+    }
     for (int tries = 0; tries < TRIES; tries++) {
         fxs_pager_state state;
         world_turn(w, &state, why);                        /* what has come since the last picture */
-        int error = draw(r, &wanting, stats, why);
-        if (!error && (stats->missing == 0 || r->shows_part))
-            r->lost = world_turn(w, &state, &r->why_lost) != 0 && stats->missing;
-        if (error || stats->missing == 0 || r->shows_part)
+        g.missing = 0;
+        int error = draw(r, &asking, stats, why);
+        if (!error && (g.missing == 0 || r->shows_part))
+            r->lost = world_turn(w, &state, &r->why_lost) != 0 && g.missing;
+        if (g.missing == 0 || r->shows_part || (error && error != FXS_ERR_STOPPED))
             return error;
-        tries = stats->missing < least ? 0 : tries;
-        least = stats->missing < least ? stats->missing : least;
+        tries = g.missing < least ? 0 : tries;
+        least = g.missing < least ? g.missing : least;
         error = read_wanted(w, &request->options, &came, why);
         if (error)
             return error;

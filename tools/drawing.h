@@ -47,6 +47,10 @@ typedef struct renderer {
    after that. Returns 0, or prints why not and returns EXIT_FAILED or EXIT_USAGE (an unknown --cpu or --backend), with
    nothing to close. */
 int renderer_open(renderer *r, const frame_options *options);
+
+/* Whether it draws scenes of which a part is in memory. */
+int renderer_may_page(const renderer *r);
+
 void renderer_close(renderer *r);
 
 /* To be called before the scenes of a world are closed, where the renderer is used afterwards. */

@@ -10,8 +10,13 @@
 #include <fixsplat/clock.h>
 #include <fixsplat/map.h>
 #include <fixsplat/message.h>
+#include <fixsplat/packed.h>
 #include <fixsplat/scene_decimate.h>
 #include "file_guard.h"
+
+#define LARGE ((size_t)64 << 20)    /* bytes of an .fxs from which on it is worth to read it in part */
+
+enum { PICTURES_HELD = 4, CHUNKS_MORE = 64 };              /* that a pool is for by itself */
 
 static int is_standard_input(const char *path)
 {
@@ -201,6 +206,28 @@ int open_scene(const char *path, const load_options *o, fxs_scene_file **file, f
     return open_unfiltered(path, o, file, info) ? EXIT_FAILED : filter_scene(path, o, *file, info);
 }
 
+/* The pool for pictures of an open scene that are a small part of it: for four of them, so that none of several is read
+   twice. 0 where they are not, or the scene is better mapped, as it is small. */
+static size_t pool_for(const fxs_opened *opened, uint32_t budget)
+{
+    const fxs_scene *scene = opened->scene;
+    const uint64_t chunks = PICTURES_HELD * (uint64_t)fxs_chunks_of(budget) + CHUNKS_MORE;
+    const uint64_t pool = chunks * scene->chunk_bytes;
+    return budget && scene->nodes && opened->bytes >= LARGE && pool <= opened->bytes / 2 ? (size_t)pool : 0;
+}
+
+/* Opens a mapped scene again, to be read in part. */
+static int open_in_part(loaded_scene *loaded, const char *path, fxs_open_options *options, size_t pool,
+                        fxs_message *message)
+{
+    const fxs_pager_options paging = {.pool_bytes = pool};
+    fxs_close(loaded->opened);
+    options->pager = &paging;
+    const int error = fxs_open(path, options, &loaded->opened, message);
+    options->pager = 0;
+    return error;
+}
+
 /* Opens the file, or where that is null the path, and says what packing left out. */
 static int open_to_render(loaded_scene *loaded, const char *path, const load_options *o, fxs_scene_file *file,
                           const fxs_scene_file_info *info)
@@ -218,11 +245,15 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
         options.prepare = prepare;
         options.prepare_argument = &p;
     }
-    const int error =
+    int error =
         file ? fxs_open_gaussians(path, file, info, &options, &loaded->opened, &message)
         : is_standard_input(path)
             ? fxs_open_memory(shown(path), standard_input.bytes, standard_input.size, &options, &loaded->opened, &message)
             : fxs_open(path, &options, &loaded->opened, &message);
+    const size_t pool = error || file || options.pager || is_standard_input(path) ? 0
+                        : pool_for(loaded->opened, o->budget);
+    if (pool)
+        error = open_in_part(loaded, path, &options, pool, &message);
     progress_end();
     if (error)
         return fail_scene(path, &message);

@@ -24,6 +24,8 @@ typedef struct load_options {
     int tree;                               /* 1: it is packed with levels of detail */
     int pages;                              /* 1: an .fxs may be read in part: where a pool is given, and of a server */
     size_t pool;                            /* bytes for that; 0: none given */
+    uint32_t budget;                        /* Gaussians of a picture, where a large .fxs may be read in part of itself,
+                                               as that takes a small part of it; 0: it may not */
     void (*arrived)(void *argument);        /* as in fxs_pager_options */
     void *arrived_argument;
     const fxs_scene_filter *filter;         /* what to leave out, or null; an .fxs file is mapped whole */

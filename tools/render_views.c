@@ -472,8 +472,9 @@ int render_views(const render_options *o)
     fxs_file_view *views = 0;
     b = (batch){.o = o, .world = &w};
     int status = open_renderers(&b, &o->frame);
+    frame.load.budget = renderer_may_page(&b.renderers[0]) ? frame.render.budget : 0;
     if (!status)
-        status = world_open(&w, &o->frame.world, &o->frame.load);
+        status = world_open(&w, &o->frame.world, &frame.load);
     if (!status) {
         b.view_count = choose_views(&frame, &w, &views);
         b.views = views;

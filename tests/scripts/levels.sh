@@ -102,6 +102,21 @@ refused "render --pool: cut short" 1 'short.fxs: damaged or cut short' render sh
 { head -c 300000 knot.fxs; printf damaged; tail -c +300008 knot.fxs; } >damaged.fxs
 refused "render --pool: damaged" 1 'damaged.fxs: chunk .* is damaged' render damaged.fxs --pool 9M --hash
 
+# An .fxs of 64 MiB or more is read in part without --pool, where the budget is a small part of it. Then the checksum of a
+# chunk is looked at: here of the root's, whose rows are damaged, and which a budget of 256 draws.
+"$fixsplat" make-scene landscape --count 600000 -o large.ply
+"$fixsplat" convert large.ply large.fxs --levels
+camera='--eye 4.6,-1.9,-12.7 --look 0,-2.2,0'
+check "render --budget of a large scene: the bytes of another pool" equal \
+    "$(hash_of large.fxs --budget 60000 --orbit 3)" "$(hash_of large.fxs --budget 60000 --orbit 3 --pool 200M)"
+"$fixsplat" bench large.fxs $small --budget 60000 --json >bench.json
+check "bench --budget of a large scene" grep -q '"budget": 60000' bench.json
+root=$(($(wc -c <large.fxs) - ($(od -An -tu4 -j12 -N4 large.fxs) - 1) * 16128))
+{ head -c $root large.fxs; printf damaged; tail -c +$((root + 8)) large.fxs; } >damaged.fxs
+refused "render --budget of a large scene: it is read in part" 1 'damaged.fxs: chunk .* is damaged' \
+    render damaged.fxs $camera --budget 256 --hash
+rm large.ply large.fxs damaged.fxs
+
 # ---- From a server ---------------------------------------------------------------------------------------------------
 
 refused "another command and a URL" 1 'is read in part, by render and view' bench http://127.0.0.1:1/knot.fxs
