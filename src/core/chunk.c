@@ -127,14 +127,9 @@ static int is_hidden(const fxs_chunk_view *cv, const fxs_view *view, int64_t rea
     return hidden;
 }
 
-FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk)
+FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *header)
 {
-    fxs_chunk header;
-    int error = fxs_chunk_read(&header, scene, chunk);
-    if (error)
-        return error;
-    cv->chunk = chunk;
-    locate(cv, view, &header);
+    locate(cv, view, header);
     int64_t z_q16 = cv->base_q16[2];
     for (int j = 0; j < 3; j++)
         z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;
@@ -148,4 +143,12 @@ FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, cons
             farthest(cv, view, i, -1, -(int64_t)view->edge_high_q23[i]) + reach < 0)
             return 0;
     return !is_hidden(cv, view, reach);
+}
+
+FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk)
+{
+    fxs_chunk header;
+    const int error = fxs_chunk_read(&header, scene, chunk);
+    cv->chunk = chunk;
+    return error ? error : fxs_chunk_view_of(cv, view, &header);
 }

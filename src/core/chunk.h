@@ -67,8 +67,11 @@ FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t
 /* Copies node i of a scene's tree and checks it, like a chunk's header. */
 FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
 
-/* Reads a chunk and finds where it lies. Returns 1, or 0 where nothing of it can be seen (behind the near plane, beside
-   the picture by more than its largest Gaussian reaches, or in the hidden part), or FXS_ERR_SCENE. */
+/* Finds where a chunk lies whose header was read; *cv but for its number. Returns 1, or 0 where nothing of it can be seen
+   (behind the near plane, beside the picture by more than its largest Gaussian reaches, or in the hidden part). */
+FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *header);
+
+/* The same for a chunk that is to be read; or FXS_ERR_SCENE. */
 FXS_STAGE int fxs_chunk_view_init(fxs_chunk_view *cv, const fxs_view *view, const fxs_scene *scene, uint32_t chunk);
 
 /* fxs_shade_c with a header that was read and the chunk's rows. */

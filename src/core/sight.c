@@ -83,10 +83,9 @@ FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *views, uint32_t eyes, cons
     *out = (fxs_sight){0, 0, 0};
     for (uint32_t eye = 0; eye < eyes && !error; eye++) {
         fxs_chunk_view cv;
-        const int found = fxs_chunk_view_init(&cv, &views[eye], scene, chunk);
-        error = found < 0 ? found : 0;
-        seen |= found > 0;
-        if (found <= 0 || !is_node)
+        const int found = fxs_chunk_view_of(&cv, &views[eye], &header);
+        seen |= found;
+        if (!found || !is_node)
             continue;
         const int32_t pixels = log2_pixels_q8(&views[eye], &header);
         if (pixels > pixels_q8)
