@@ -107,6 +107,7 @@ static uint32_t pop(search *s)
 
 /* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
+/* The views that chunks of an object are seen by. */
 static void set_views(search *s, uint32_t object)
 {
     const fxs_cut *cut = s->cut;
