@@ -159,6 +159,22 @@ static void test_growth(void)
     CHECK(before > 0);
 }
 
+/* 1 - (1 - opacity)^share: with 256 the opacity as it is; the more, the smaller the offset. */
+static void test_shares(void)
+{
+    for (uint32_t law = 0; law < FXS_OPACITY_LAWS; law++)
+        for (uint32_t code = 1; code < 256; code++) {
+            const uint32_t offset_q11 = fxs_offset_of_code_q11[law][code];
+            uint32_t before = FXS_FAINT_Q11 + 1;
+            CHECK(fxs_share_of_q11(offset_q11, 256) == offset_q11);
+            for (uint32_t share_q8 = 1; share_q8 <= 4096; share_q8 += share_q8 / 16 + 1) {
+                const uint32_t of_share = fxs_share_of_q11(offset_q11, share_q8);
+                CHECK(of_share <= before + 1);
+                before = of_share;
+            }
+        }
+}
+
 static void test_detail(void)
 {
     const fxs_scene *scene = &scenes[0];
@@ -455,6 +471,7 @@ int main(void)
     RUN(test_covered);
     RUN(test_monotonic);
     RUN(test_growth);
+    RUN(test_shares);
     RUN(test_detail);
     RUN(test_same_bytes);
     RUN(test_level_colours);

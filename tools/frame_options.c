@@ -205,7 +205,8 @@ const option_row load_rows[] = {
 const option_row pool_rows[] = {
     {"pool", "BYTES", BYTES(pool), .help =
      "do not map an .fxs with levels of detail, but keep so much of it in memory, also as 512M: what is drawn is read "
-     "as it is wanted, from a disk or from the address of a server (default for an address: 256M)"},
+     "as it is wanted, from a disk or from the address of a server (default for an address: 256M; render reads an .fxs "
+     "of 64 MiB or more so by itself, where --budget is a small part of it)"},
     {0}
 };
 

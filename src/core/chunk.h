@@ -54,7 +54,7 @@ static inline const unsigned char *fxs_rows(const fxs_scene *scene, uint32_t chu
 /* -2 ln(opacity of a code) under each law (packed.h), Q11; code 0 is never drawn. */
 extern const uint16_t fxs_offset_of_code_q11[FXS_OPACITY_LAWS][256];
 
-#define FXS_OPAQUE_Q30 1063004406u               /* 0.99, at which an opacity of which more or less is drawn is capped */
+#define FXS_OPAQUE_Q30 1063004406u               /* 0.99, at which an opacity is capped of which a share is drawn */
 
 /* The offset of an opacity of which a share is drawn, 1 to 4096 of 256 of the optical depth: 1 - (1 - opacity)^share;
    at most FXS_FAINT_Q11 + 1. With 256 it is the offset as it was. */
@@ -67,8 +67,8 @@ FXS_STAGE int fxs_chunk_read(fxs_chunk *header, const fxs_scene *scene, uint32_t
 /* Copies node i of a scene's tree and checks it, like a chunk's header. */
 FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i);
 
-/* Finds where a chunk lies whose header was read; *cv but for its number. Returns 1, or 0 where nothing of it can be seen
-   (behind the near plane, beside the picture by more than its largest Gaussian reaches, or in the hidden part). */
+/* Finds where a chunk lies whose header was read; *cv but for its number. Returns 1, or 0 where nothing of it can be
+   seen (behind the near plane, beside the picture by more than its largest Gaussian reaches, or in the hidden part). */
 FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *header);
 
 /* The same for a chunk that is to be read; or FXS_ERR_SCENE. */
