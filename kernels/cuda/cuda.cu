@@ -78,8 +78,8 @@ uint64_t larger_of(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* The slots that so many frames take. Those of scenes with a pool come one after the other, as each may take places from
-   the one before. */
+/* The slots that so many frames take. Frames of scenes with a pool come one after the other, as each may take places
+   from the one before. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
     const uint32_t slots = cuda->scenes.pools ? 1 : cuda->slot_count;
@@ -264,8 +264,8 @@ uint64_t memory_most(const fxs_cuda *cuda)
     return most;
 }
 
-/* The scenes and all memory of the frames. What earlier frames took is given back where it is in the way. Scenes that do
-   not fit have a pool: together they take three quarters of what is left beside the frames, and the limit stays. */
+/* The scenes and all memory of the frames. What earlier frames took is given back where it is in the way. Scenes that
+   do not fit have a pool: together they take three quarters of what is left beside the frames, and the limit stays. */
 int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
 {
     slot_sizes sizes[SLOTS];

@@ -41,7 +41,7 @@ struct cut_sums {
 
 struct cut_status {
     uint32_t roots;                /* that are seen */
-    uint32_t last_key, first_key;  /* places in `keys` of nodes that may be opened; the first one counted from the end */
+    uint32_t last_key, first_key;  /* places in `keys` of nodes that may be opened; the first, counted from the end */
     uint32_t blocks_done[2];       /* of rank_nodes and of find_stop */
     uint32_t stops;                /* 1: not all nodes are opened, as far as rank_nodes could tell, */
     uint32_t stop_first, stop_last;        /* and the last one has one of these keys */
@@ -70,8 +70,8 @@ struct cut_buffers {
 
 /* ---- Trees ------------------------------------------------------------------------------------------------------- */
 
-/* A thread a chunk: parents, from FXS_NOTHING on; wrong_tree where a header or a node is damaged, or two nodes share a child.
-   As there are two children a node, each chunk but the root has a parent then. */
+/* A thread a chunk: parents, from FXS_NOTHING on; wrong_tree where a header or a node is damaged, or two nodes share a
+   child. Else, as there are two children a node, each chunk but the root has a parent. */
 __global__ void find_parents(const __grid_constant__ fxs_scene scene)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;

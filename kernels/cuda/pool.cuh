@@ -15,7 +15,7 @@ const uint32_t FETCH_THREADS = 128;
 struct alignas(64) scene_head {
     uint32_t wrong_tree;           /* not 0: the cut is found on the host */
     uint32_t place_count, next_place;
-    uint32_t *owners, *stamps;     /* of each place: its chunk, FXS_NOTHING; the number of the frame that drew it last */
+    uint32_t *owners, *stamps;     /* of each place: its chunk, FXS_NOTHING; the last frame that drew it, by number */
     const unsigned char *leaf_rows, *node_rows;    /* in the host's memory */
 };
 

@@ -193,7 +193,8 @@ int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
             return error;
         memcpy(copy->rows, from->rows, bytes);
     }
-    const int error = check(why, cudaHostGetDevicePointer(&there, copy->registered ? (void *)from->rows : copy->rows, 0));
+    void *here = copy->registered ? (void *)from->rows : copy->rows;
+    const int error = check(why, cudaHostGetDevicePointer(&there, here, 0));
     *rows = (const unsigned char *)there;
     return error;
 }
@@ -243,15 +244,16 @@ int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t
         return error;
     unsigned char *data = (unsigned char *)copy->data.data;
     copy->there.chunks = data + l.chunks;
-    copy->there.palette = from->palette ? (const int8_t *)copy->there.chunks + (from->palette - (const int8_t *)from->chunks)
-                                        : nullptr;
+    if (from->palette)
+        copy->there.palette = (const int8_t *)copy->there.chunks + (from->palette - (const int8_t *)from->chunks);
     error = copy->pooled ? copy_pooled(copy, data, places, stream, why) : check(why, copy_whole(copy, data, stream));
     if (!error && from->nodes)
         error = check_tree(copy, stream, why);
     return error ? error : check(why, cudaStreamSynchronize(stream));
 }
 
-/* Copies the scenes that are wanted, whose rows may take so many bytes each; after an error, they are wanted no more. */
+/* Copies the scenes that are wanted, whose rows may take so many bytes each; after an error, they are wanted no
+   more. */
 int fetch_scenes(scene_table *t, budget *taken, uint64_t rows_most, int error, cudaStream_t stream, fxs_message *why)
 {
     for (uint32_t i = 0; i < t->count && t->bytes_wanted; i++) {
