@@ -821,6 +821,8 @@ int copy_image(const fxs_image *to, const fxs_image *from, size_t row, size_t he
 {
     unsigned char *out = (unsigned char *)to->pixels, *in = (unsigned char *)from->pixels;
     int error = 0;
+    if (to->stride == (ptrdiff_t)row && from->stride == (ptrdiff_t)row)
+        return check(why, cudaMemcpy(out, in, row * height, cudaMemcpyDefault));
     if (to->stride >= (ptrdiff_t)row && from->stride >= (ptrdiff_t)row)
         return check(why, cudaMemcpy2D(out, (size_t)to->stride, in, (size_t)from->stride, row, height,
                                        cudaMemcpyDefault));

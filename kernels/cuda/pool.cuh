@@ -16,7 +16,7 @@ struct alignas(64) scene_head {
     uint32_t wrong_tree;           /* not 0: the cut is found on the host */
     uint32_t place_count, next_place;
     uint32_t *owners, *stamps;     /* of each place: its chunk, FXS_NOTHING; the last frame that drew it, by number */
-    const unsigned char *leaf_rows, *node_rows;    /* in the host's memory */
+    const unsigned char *rows;     /* of all chunks, in the host's memory */
 };
 
 uint64_t padded(uint64_t bytes)
@@ -41,15 +41,12 @@ __host__ __device__ inline scene_head *head_of(const fxs_scene *there)
     return (scene_head *)((unsigned char *)parents_of(there) - sizeof(scene_head));
 }
 
-/* The rows of a chunk, in the pool or not. */
 __device__ inline const unsigned char *rows_in_host(const fxs_scene *scene, uint32_t chunk)
 {
-    const scene_head *head = head_of(scene);
-    return fxs_aligned(chunk < scene->chunk_count
-                           ? head->leaf_rows + (size_t)chunk * scene->chunk_bytes
-                           : head->node_rows + (size_t)(chunk - scene->chunk_count) * scene->chunk_bytes);
+    return fxs_aligned(head_of(scene)->rows + (size_t)chunk * scene->chunk_bytes);
 }
 
+/* The rows of a chunk, in the pool or not. */
 __device__ inline const unsigned char *rows_of(const fxs_scene *scene, uint32_t chunk)
 {
     return scene->places && scene->places[chunk] == FXS_NOTHING ? rows_in_host(scene, chunk) : fxs_rows(scene, chunk);

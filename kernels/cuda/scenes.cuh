@@ -13,9 +13,8 @@ struct scene_copy {
     fxs_scene here, there;         /* as it was given; with the device's pointers */
     block data;                    /* none: it is wanted */
     bool wrong_tree;               /* its cut is found on the host */
-    bool pooled;                   /* not all of its rows are on the device: */
-    bool registered;               /* the others lie where they were given, */
-    void *rows;                    /* or are copied to pinned host memory */
+    bool pooled;                   /* not all of its rows are on the device, */
+    void *rows;                    /* which reads the others here, in pinned host memory */
 };
 
 /* The scene_copies, in the order of their keys. */
@@ -98,8 +97,6 @@ void drop_scene(scene_table *t, budget *taken, const fxs_scene *scene)
     if (!copy)
         return;
     reserve(taken, &copy->data, 0, nullptr);
-    if (copy->registered)
-        cudaHostUnregister((void *)copy->here.rows);
     cudaFreeHost(copy->rows);
     t->pools -= copy->pooled;
     memmove(copy, copy + 1, (size_t)(copies_of(t) + t->count - copy - 1) * sizeof *copy);
@@ -119,7 +116,7 @@ int want_scene(scene_table *t, budget *taken, const fxs_scene *scene, fxs_messag
         return error;
     scene_copy *copy = copies_of(t) + place_of(t, scene);
     memmove(copy + 1, copy, (size_t)(copies_of(t) + t->count - copy) * sizeof *copy);
-    *copy = {scene, *scene, *scene, {nullptr, 0}, false, false, false, nullptr};
+    *copy = {scene, *scene, *scene, {nullptr, 0}, false, false, nullptr};
     t->count++;
     t->bytes_wanted += lay_out_whole(scene).bytes;
     t->least_wanted += lay_out_pooled(scene, 0).bytes;
@@ -177,26 +174,22 @@ cudaError_t copy_whole(scene_copy *copy, unsigned char *data, cudaStream_t strea
     return first_of(cleared, cudaMemcpyAsync(data + l.chunks, start, bytes, cudaMemcpyHostToDevice, stream));
 }
 
-/* Lets the device read a scene's rows in the host's memory: where they are, or else a copy. */
+/* Copies a scene's rows to where the device can read them. They are not pinned where they lie: that of a mapped file may
+   take as long as the system likes. */
 int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
-    const uint64_t bytes = from->nodes ? (uint64_t)(from->node_rows - from->rows) + (from->chunk_count - 1) *
-                                         (uint64_t)from->chunk_bytes : all_rows(from);
+    const uint64_t leaves = (uint64_t)from->chunk_count * from->chunk_bytes;
     void *there = nullptr;
-    for (unsigned flags : {cudaHostRegisterMapped | cudaHostRegisterReadOnly, cudaHostRegisterMapped})
-        if (!copy->registered)
-            copy->registered = !check(nullptr, cudaHostRegister((void *)from->rows, bytes, flags));
-    if (!copy->registered) {
-        const int error = check(why, cudaHostAlloc(&copy->rows, bytes, cudaHostAllocMapped));
-        if (error)
-            return error;
-        memcpy(copy->rows, from->rows, bytes);
-    }
-    void *here = copy->registered ? (void *)from->rows : copy->rows;
-    const int error = check(why, cudaHostGetDevicePointer(&there, here, 0));
+    const int error = check(why, cudaHostAlloc(&copy->rows, all_rows(from), cudaHostAllocMapped));
+    if (error)
+        return error;
+    memcpy(copy->rows, from->rows, leaves);
+    if (from->nodes)
+        memcpy((unsigned char *)copy->rows + leaves, from->node_rows, all_rows(from) - leaves);
+    const int found = check(why, cudaHostGetDevicePointer(&there, copy->rows, 0));
     *rows = (const unsigned char *)there;
-    return error;
+    return found;
 }
 
 /* Copies what is not rows of a scene to `data`, where the pool has so many places. */
@@ -212,8 +205,7 @@ int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStre
     head.place_count = places;
     head.owners = (uint32_t *)(data + l.owners);
     head.stamps = (uint32_t *)(data + l.stamps);
-    head.leaf_rows = rows;
-    head.node_rows = from->nodes ? rows + (from->node_rows - from->rows) : nullptr;
+    head.rows = rows;
     copy->there.places = (const uint32_t *)(data + l.places);
     copy->there.rows = data + l.rows;
     if (from->nodes) {

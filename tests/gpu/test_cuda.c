@@ -560,25 +560,23 @@ typedef struct forest {
     uint32_t count, chunks;
 } forest;
 
-static forest random_forest(uint32_t most_leaves, int deep, int alike)
+static void random_forest(forest *w, uint32_t most_leaves, int deep, int alike)
 {
-    forest w;
     for (int i = 0; i < TREES; i++)
-        w.packed[i] = random_tree((enum fxs_profile)between(0, 2), (uint32_t)between(2, (int32_t)most_leaves), deep,
-                                  alike);
-    w.packed[TREES] = random_scene(FXS_PROFILE_DEFAULT, 3000);
-    w.count = (uint32_t)between(1, TREE_OBJECTS);
-    w.chunks = 0;
-    for (uint32_t i = 0; i < w.count; i++) {
-        fxs_object *object = &w.objects[i];
-        fxs_object_init(object, &w.packed[between(0, 5) ? between(0, TREES - 1) : TREES].scene);
+        w->packed[i] = random_tree((enum fxs_profile)between(0, 2), (uint32_t)between(2, (int32_t)most_leaves), deep,
+                                   alike);
+    w->packed[TREES] = random_scene(FXS_PROFILE_DEFAULT, 3000);
+    w->count = (uint32_t)between(1, TREE_OBJECTS);
+    w->chunks = 0;
+    for (uint32_t i = 0; i < w->count; i++) {
+        fxs_object *object = &w->objects[i];
+        fxs_object_init(object, &w->packed[between(0, 5) ? between(0, TREES - 1) : TREES].scene);
         for (int k = 0; k < 3; k++)
             object->translation_q32[k] = (int64_t)between(-2097152, 2097152) * 4096;
         object->scale_q32 = between(0, 2) ? FXS_ONE_Q32 : (int64_t)between(1 << 14, 1 << 18) << 16;
         object->visible = between(0, 7) > 0;
-        w.chunks += object->scene->chunk_count;
+        w->chunks += object->scene->chunk_count;
     }
-    return w;
 }
 
 static void forest_free(forest *w)
@@ -633,7 +631,8 @@ static void test_cut(void)
         fxs_options options;
         int by_device;
         state = (uint64_t)i * 0x2468aceu + 17;
-        forest w = random_forest(i % 7 == 0 && !quick ? 1500 : 100, i % 10 == 9, i % 6 == 5);
+        forest w;
+        random_forest(&w, i % 7 == 0 && !quick ? 1500 : 100, i % 10 == 9, i % 6 == 5);
         random_cut(&camera, &options, w.chunks);
         const int good = CHECK(cut_frame_equal(w.objects, w.count, &camera, &options, &by_device));
         of_device += by_device;
@@ -661,7 +660,7 @@ static void test_equal_keys(void)
         random_view(&camera, &options);
     while (camera.projection != FXS_ORTHOGRAPHIC);
     camera.fx_q12 = camera.fy_q12 = 2 << 12;
-    for (uint32_t budget = 1; budget < tree.scene.count; budget += budget / 2 + 1) {
+    for (uint32_t budget = 1; budget < tree.scene.count; budget = 3 * budget + 200) {
         options.budget = budget;
         CHECK(cut_frame_equal(&object, 1, &camera, &options, &by_device) && by_device);
     }
