@@ -1188,10 +1188,10 @@ int main(int argc, char **argv)
     RUN(test_objects);
     RUN(test_hundred_objects);
     RUN(test_targets);
-    RUN(test_small_blocks);
     RUN(test_cut);
     RUN(test_equal_keys);
     RUN(test_pool);
+    RUN(test_small_blocks);
     RUN(test_batch);
     RUN(test_long_lists);
     RUN(test_scenes);
