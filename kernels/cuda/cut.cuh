@@ -108,7 +108,7 @@ __global__ void measure_depths(const __grid_constant__ fxs_scene scene)
 
 __device__ inline fxs_sight sight_of(node_sight s)
 {
-    return {s.key_q8, s.room_q8, 256};
+    return {s.key_q8, s.room_q8, 0};
 }
 
 __device__ inline node_sight stored(const fxs_sight *sight, bool seen, uint32_t seen_children)
@@ -534,11 +534,11 @@ __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_co
             place += (uint32_t)__popc(marks[k]);
         const uint32_t object = fxs_object_of(f.objects, f.object_count, chunk);
         const fxs_object_view *o = &f.objects[object];
-        fxs_sight sight = {0, 0, 256};
+        fxs_sight sight = {0, 0, 0};
         if (o->scene.nodes && chunk - o->first_chunk >= o->scene.chunk_count)
             fxs_see(&sight, &c.views[object], 1, &o->scene, chunk - o->first_chunk, c.detail_q8);
         if (place < c.room)
-            c.drawn[place] = {chunk, (c.shares_q8[chunk] * sight.swell_q8 + 255) >> 8};
+            c.drawn[place] = fxs_drawn_of(chunk, c.shares_q8[chunk], sight.swell_q8);
     }
     if (threadIdx.x == 0 && blockIdx.x == gridDim.x - 1)
         c.status->drawn = min(before + c.block_counts[blockIdx.x], c.room);

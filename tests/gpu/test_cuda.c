@@ -590,17 +590,18 @@ static void forest_free(forest *w)
 /* The device's list of the last frame and the processor's. */
 static int cuts_equal(const fxs_cuda_frame *frame, const fxs_options *options, int *by_device)
 {
-    uint32_t wanted_count, count, *pairs = 0;
+    uint32_t wanted_count, count;
+    void *drawn = 0;
     fxs_drawn *wanted = find_cut(frame->objects, frame->count, &frame->camera, options, &wanted_count);
     int equal = 1;
     *by_device = 0;
     if (wanted) {
-        equal = !peek_cut(cuda, &pairs, &count, by_device) && count == wanted_count &&
-                !memcmp(pairs, wanted, count * sizeof *wanted);
+        equal = !peek_cut(cuda, &drawn, &count, by_device) && count == wanted_count &&
+                !memcmp(drawn, wanted, count * sizeof *wanted);
         if (!equal)
             printf("  %" PRIu32 " chunks are drawn, %" PRIu32 " expected\n", count, wanted_count);
     }
-    free(pairs);
+    free(drawn);
     free(wanted);
     return equal;
 }
