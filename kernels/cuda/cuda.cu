@@ -288,6 +288,8 @@ int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
         error = error ? error : too_large(memory, needed, why);
     }
     error = fetch_scenes(scenes, memory, rows_most, error, cuda->slots[0].stream, why);
+    if (!error && scenes->pools)
+        size_slots(cuda, count, sizes);    /* all frames take one slot now */
     for (uint32_t i = 0; i < slots_of(cuda, count) && !error; i++)
         error = reserve_slot(cuda, &cuda->slots[i], &sizes[i], why);
     return error;
@@ -348,6 +350,8 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
         error = fxs_object_check(&objects[i]);
         if (error)
             return error;
+        if (objects[i].scene->places)
+            return FXS_ERR_UNSUPPORTED;
         chunks += objects[i].scene->chunk_count;
         gaussians += objects[i].scene->count;
         f->crop_count += objects[i].crop_count;

@@ -69,7 +69,7 @@ copy_layout lay_out_whole(const fxs_scene *scene)
     copy_layout l = {};
     l.parents = scene->nodes ? sizeof(scene_head) : 0;
     l.chunks = l.parents + parents_bytes(scene);
-    l.nodes = l.chunks + (uint64_t)(scene->nodes - scene->chunks);
+    l.nodes = l.chunks + (scene->nodes ? (uint64_t)(scene->nodes - scene->chunks) : 0);
     l.rows = l.chunks + (uint64_t)(scene->rows - scene->chunks);
     l.bytes = l.chunks + (uint64_t)(end - scene->chunks);
     l.bytes += !l.bytes;

@@ -20,8 +20,8 @@ typedef struct fxs_cuda fxs_cuda;
 /* Device memory of a renderer, bytes. */
 typedef struct fxs_cuda_memory {
     uint64_t scenes;               /* the packed scenes; of those that do not fit what is on the device */
-    uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 84 a chunk, 376 an object; with a budget or a
-                                      detail 6.3 MB, 18 bytes for each chunk and node there is, 300 an object */
+    uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 100 a chunk, 456 an object; with a budget or a
+                                      detail 6.3 MB, 18 bytes for each chunk and node there is, 312 an object */
     uint64_t tiles;                /* for each slot: 136 bytes a tile */
     uint64_t entries;              /* for each slot: 8 bytes a tile list entry there is room for */
     uint64_t pixels;               /* of fxs_cuda_render_host; for each slot: of targets in pinned host memory */
@@ -85,7 +85,8 @@ FXS_API void fxs_cuda_time(fxs_cuda *cuda, int on);
 /* Starts 1 to FXS_CUDA_BATCH frames, whose targets must not overlap, behind the work of `stream` (a cudaStream_t; null:
    the default one), and lets the stream wait for them. The pixels are there once fxs_cuda_finish has returned 0, which
    must come before the next call of any other function. `options` are copied; their stop is asked before each frame.
-   Errors as fxs_render's, and FXS_ERR_DEVICE: no frame is under way then. */
+   Errors as fxs_render's, FXS_ERR_UNSUPPORTED of a scene with places, and FXS_ERR_DEVICE: no frame is under way
+   then. */
 FXS_API int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                             void *stream, fxs_message *why);
 
