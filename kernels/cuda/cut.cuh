@@ -337,8 +337,7 @@ __device__ void sort_candidates(uint64_t *values, uint32_t count)
     __syncthreads();
 }
 
-/* Adds up candidates in their order, from `before` on, to the first one that is over. Returns its number, or the number
-   of all; *at: the sums before it. */
+/* Adds up candidates in their order to the first one that there is no room for. Returns its place, or `count`. */
 __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candidates, uint32_t count)
 {
     __shared__ uint32_t over;

@@ -174,8 +174,8 @@ cudaError_t copy_whole(scene_copy *copy, unsigned char *data, cudaStream_t strea
     return first_of(cleared, cudaMemcpyAsync(data + l.chunks, start, bytes, cudaMemcpyHostToDevice, stream));
 }
 
-/* Copies a scene's rows to where the device can read them. They are not pinned where they lie: that of a mapped file may
-   take as long as the system likes. */
+/* Copies a scene's rows to where the device can read them. They are not pinned where they lie: for pages of a mapped
+   file that may take as long as the system likes. */
 int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;

@@ -1,8 +1,8 @@
 /* Times frames of 1920x1080 on the GPU by CUDA events and prints one table: single ones by stages and whole, then of a
  * batch, into device memory and into pinned host memory. Each argument: FILE.fxs, for an overview of the scene;
- * FILE.fxs:CAMERAS:N,N,... for views of a camera file; FILE.fxs@N for N objects of it on a square; or FILE.fxs%N for a
- * budget of N Gaussians. Medians, milliseconds; one row of every scene is for the square cut-off, one for a smaller picture, one with median depth and
- * id, one with mean depth too. */
+ * FILE.fxs:CAMERAS:N,N,... for views of a camera file; FILE.fxs@N for N objects of it on a square; or FILE.fxs%N for
+ * a budget of N Gaussians. Medians, milliseconds; one row of every scene is for the square cut-off, one for a smaller
+ * picture, one with median depth and id, one with mean depth too. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -61,9 +61,10 @@ FXS_API int fxs_cuda_devices(void);
 FXS_API int fxs_cuda_name(int device, char *name, size_t size, fxs_message *why);
 
 /* Opens device `device`. `max_memory`: most bytes of device memory, 0 for no limit of its own. Scenes that do not fit
-   beside the frames are there in part, and as a copy in pinned host memory. `slots`: 1 to 16 frames under way at a time,
-   each with buffers of its own; one at a time while a scene is there in part. *out is null after an error: FXS_ERR_ARGUMENT, FXS_ERR_DEVICE,
-   FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED where the device has too little shared memory. */
+   beside the frames are there in part, and as a copy in pinned host memory. `slots`: 1 to 16 frames under way at a
+   time, each with buffers of its own; one at a time while a scene is there in part. *out is null after an
+   error: FXS_ERR_ARGUMENT, FXS_ERR_DEVICE, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED where the device has too little shared
+   memory. */
 FXS_API int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_message *why);
 
 /* Waits for what is under way and gives everything back; `cuda` may be null. */
