@@ -141,7 +141,7 @@ const option_row frame_rows[] = {
      "threads, 1 to 64 (default: one a processor); the picture does not depend on it"},
     {"max-memory", "BYTES", BYTES(max_memory), .help =
      "working memory of a frame, also as 64K, 3M, 2G: rendered in bands where it does not hold every Gaussian; the "
-     "picture does not depend on it. With --backend cuda: device memory, scene included"},
+     "picture does not depend on it. With --backend cuda: device memory, with what fits of the scene"},
     {"cpu", "LIST", TEXT(cpu), .help =
      "instruction sets that may be used: all (default), c for none, or names out of sse41,avx2,avx512,neon"},
     {"backend", "NAME", TEXT(backend), .help =

@@ -2,6 +2,7 @@
 #include <fixsplat/cuda.h>
 
 #include "blend.cuh"
+#include "cut.cuh"
 #include "dense.cuh"
 #include "lists.cuh"
 #include "scenes.cuh"
@@ -16,14 +17,16 @@ struct slot {
     cudaStream_t stream, side;     /* side: of blend_dense */
     cudaStream_t on;               /* its own stream; the caller's for a frame by itself */
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
-    block objects;                 /* fxs_object_view[], then the crop boxes that they point to */
+    block objects;                 /* fxs_object_view[], then the crop boxes that they point to, the views and the list
+                                      of the cut */
     block splats, tiles, larges, entries;   /* cut up by slot_buffers */
+    block cut;                     /* by slot_cut */
     block pixels;                  /* of targets in host memory, until they are copied there */
 };
 
 /* Bytes of a slot's blocks. */
 struct slot_sizes {
-    uint64_t objects, splats, tiles, larges, entries, pixels;
+    uint64_t objects, splats, tiles, larges, entries, cut, pixels;
 };
 
 enum { PLANES = 7 };               /* the images of targets */
@@ -35,8 +38,11 @@ struct frame {
     bool hosted[PLANES];           /* written there by a copy from the slot */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
     uint32_t cut_room;             /* 0: all leaves are drawn */
+    uint32_t cut_chunks, whole_chunks;     /* of all objects with their trees; of those without one */
+    bool cut_here;                 /* by the host: a tree is not as it should be */
     uint64_t staged;               /* where its objects wait for the copy to the slot */
     bool plain;                    /* one object, which changes nothing of its Gaussians */
+    bool pooled;                   /* of one of its scenes not all rows are on the device */
 };
 
 }
@@ -50,7 +56,7 @@ struct fxs_cuda {                  /* in pinned host memory, for the sake of `ne
     budget memory;
     scene_table scenes;
     host_block staged;             /* the objects of the frames under way */
-    host_block cut;                /* memory to find a cut in */
+    host_block cut;                /* memory to find a cut in, on the host */
     block pixels;
     slot slots[SLOTS];
     cudaEvent_t ready;
@@ -61,6 +67,7 @@ struct fxs_cuda {                  /* in pinned host memory, for the sake of `ne
     frame_buffers buffers[FXS_CUDA_BATCH];
     frame_needs needs[FXS_CUDA_BATCH];
     uint32_t frame_count;
+    uint32_t frame_number;         /* of the last one that was started */
     fxs_cuda_frame device_frames[FXS_CUDA_BATCH];   /* of fxs_cuda_render_host */
 };
 
@@ -71,9 +78,12 @@ uint64_t larger_of(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
+/* The slots that so many frames take. Frames of scenes with a pool come one after the other, as each may take places
+   from the one before. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
-    return frames < cuda->slot_count ? frames : cuda->slot_count;
+    const uint32_t slots = cuda->scenes.pools ? 1 : cuda->slot_count;
+    return frames < slots ? frames : slots;
 }
 
 struct plane {
@@ -107,10 +117,15 @@ uint64_t place_hosted(fxs_targets *targets, const frame *of, void *memory)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Where in a slot's objects the list of drawn chunks is: behind the crop boxes. */
-uint64_t drawn_at(const frame *of)
+/* Where in a slot's objects the views of the cut are, and behind them the list of drawn chunks. */
+uint64_t cut_views_at(const frame *of)
 {
     return of->object_count * sizeof(fxs_object_view) + of->crop_count * sizeof(fxs_crop);
+}
+
+uint64_t drawn_at(const frame *of)
+{
+    return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_view) : 0);
 }
 
 /* Cuts up a slot's memory for a frame; *sizes is what it takes of the first three blocks. Blocks may be null. */
@@ -123,6 +138,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     f.objects = (const fxs_object_view *)objects;
     f.object_count = of->object_count;
     f.drawn = of->cut_room ? (const fxs_drawn *)(objects + drawn_at(of)) : nullptr;
+    f.drawn_count = nullptr;
     f.chunk_views = cut<fxs_chunk_view>(&splats, of->chunks);
     f.chunk_objects = cut<uint32_t>(&splats, of->chunks);
     f.splats = cut<fxs_splat>(&splats, gaussians);
@@ -143,6 +159,31 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     return f;
 }
 
+/* Cuts up a slot's memory for the cut of a frame; *cleared and *bytes: of what is cleared, and of all. */
+cut_buffers slot_cut(const slot *s, const frame *of, const fxs_options *options, uint64_t *cleared, uint64_t *bytes)
+{
+    const uint64_t blocks = of->cut_chunks / LIST_CHUNKS + 1;
+    unsigned char *const start = (unsigned char *)s->cut.data, *at = start;
+    unsigned char *objects = (unsigned char *)s->objects.data;
+    cut_buffers c;
+    c.status = cut<cut_status>(&at, 1);
+    c.block_counts = cut<uint32_t>(&at, blocks);
+    c.marks = cut<uint32_t>(&at, blocks * (LIST_CHUNKS / 32));
+    c.keys = cut<key_count>(&at, KEYS);
+    *cleared = (uint64_t)(at - start);
+    c.shares_q8 = cut<uint16_t>(&at, of->cut_chunks);
+    c.sights = cut<node_sight>(&at, of->cut_chunks);
+    c.candidates = cut<uint64_t>(&at, of->cut_chunks);
+    *bytes = (uint64_t)(at - start);
+    c.drawn = (fxs_drawn *)(objects + drawn_at(of));
+    c.views = (const fxs_view *)(objects + cut_views_at(of));
+    c.chunks = of->cut_chunks;
+    c.whole_chunks = of->whole_chunks;
+    c.room = of->cut_room;
+    c.detail_q8 = options->detail_q8;
+    return c;
+}
+
 int reserve_slot(fxs_cuda *cuda, slot *s, const slot_sizes *sizes, fxs_message *why)
 {
     budget *taken = &cuda->memory;
@@ -150,13 +191,14 @@ int reserve_slot(fxs_cuda *cuda, slot *s, const slot_sizes *sizes, fxs_message *
     error = error ? error : reserve(taken, &s->splats, larger_of(s->splats.bytes, sizes->splats), why);
     error = error ? error : reserve(taken, &s->tiles, larger_of(s->tiles.bytes, sizes->tiles), why);
     error = error ? error : reserve(taken, &s->larges, sizes->larges, why);
+    error = error ? error : reserve(taken, &s->cut, larger_of(s->cut.bytes, sizes->cut), why);
     error = error ? error : reserve(taken, &s->pixels, larger_of(s->pixels.bytes, sizes->pixels), why);
     return error ? error : reserve(taken, &s->entries, sizes->entries, why);
 }
 
 void free_slot(fxs_cuda *cuda, slot *s)
 {
-    block *const blocks[] = {&s->objects, &s->splats, &s->tiles, &s->larges, &s->entries, &s->pixels};
+    block *const blocks[] = {&s->objects, &s->splats, &s->tiles, &s->larges, &s->entries, &s->cut, &s->pixels};
     for (block *b : blocks)
         reserve(&cuda->memory, b, 0, nullptr);
 }
@@ -183,9 +225,13 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
     memset(sizes, 0, SLOTS * sizeof *sizes);
     for (uint32_t i = 0; i < count; i++) {
         const frame *f = &cuda->frames[i];
-        slot_sizes *s = &sizes[i % cuda->slot_count], of_frame;
+        slot_sizes *s = &sizes[i % slots_of(cuda, SLOTS)], of_frame;
+        uint64_t cleared, cut_bytes = 0;
         fxs_targets targets = f->targets;
         slot_buffers(&none, f, &of_frame);
+        if (f->cut_room)
+            slot_cut(&none, f, &cuda->options, &cleared, &cut_bytes);
+        s->cut = larger_of(s->cut, cut_bytes);
         s->pixels = larger_of(s->pixels, place_hosted(&targets, f, nullptr));
         s->objects = larger_of(s->objects, of_frame.objects);
         s->splats = larger_of(s->splats, of_frame.splats);
@@ -199,25 +245,51 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
         sizes[i].entries = cuda->capacity * sizeof(uint64_t);
         needed += missing(&s->objects, sizes[i].objects) + missing(&s->splats, sizes[i].splats) +
                   missing(&s->tiles, sizes[i].tiles) + missing(&s->larges, sizes[i].larges) +
-                  missing(&s->entries, sizes[i].entries) + missing(&s->pixels, sizes[i].pixels);
+                  missing(&s->entries, sizes[i].entries) + missing(&s->cut, sizes[i].cut) +
+                  missing(&s->pixels, sizes[i].pixels);
     }
     return needed;
 }
 
-/* The scenes and all memory of the frames. What earlier frames took is given back where it is in the way. */
+/* Device memory that may be taken: where scenes are wanted, no more than there is. */
+uint64_t memory_most(const fxs_cuda *cuda)
+{
+    const budget *memory = &cuda->memory;
+    uint64_t most = memory->most ? memory->most : UINT64_MAX;
+    size_t left = 0, all = 0;
+    if (cuda->scenes.bytes_wanted && !check(nullptr, cudaMemGetInfo(&left, &all))) {
+        const uint64_t there = memory->bytes + left - left / 16;       /* a 16th: for modules, and as it is cut up */
+        most = most < there ? most : there;
+    }
+    return most;
+}
+
+/* The scenes and all memory of the frames. What earlier frames took is given back where it is in the way. Scenes that
+   do not fit have a pool: together they take three quarters of what is left beside the frames, and the limit stays. */
 int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
 {
     slot_sizes sizes[SLOTS];
-    const budget *memory = &cuda->memory;
+    budget *memory = &cuda->memory;
+    scene_table *scenes = &cuda->scenes;
+    uint64_t rows_most = UINT64_MAX;
     if (!error) {
+        const uint64_t most = memory_most(cuda);
         uint64_t needed = size_slots(cuda, count, sizes);
-        if (memory->most && needed > memory->most) {
+        if (needed > most) {
             free_slots(cuda);
+            error = want_pools_again(scenes, memory, why);
             needed = size_slots(cuda, count, sizes);
         }
-        error = too_large(memory, needed, why);
+        if (needed > most && scenes->bytes_wanted) {
+            needed -= scenes->bytes_wanted - scenes->least_wanted;
+            rows_most = needed < most ? (most - needed) / 4 * 3 / wanted_scenes(scenes) : 0;
+            memory->most = most;
+        }
+        error = error ? error : too_large(memory, needed, why);
     }
-    error = fetch_scenes(&cuda->scenes, &cuda->memory, error, cuda->slots[0].stream, why);
+    error = fetch_scenes(scenes, memory, rows_most, error, cuda->slots[0].stream, why);
+    if (!error && scenes->pools)
+        size_slots(cuda, count, sizes);    /* all frames take one slot now */
     for (uint32_t i = 0; i < slots_of(cuda, count) && !error; i++)
         error = reserve_slot(cuda, &cuda->slots[i], &sizes[i], why);
     return error;
@@ -278,6 +350,8 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
         error = fxs_object_check(&objects[i]);
         if (error)
             return error;
+        if (objects[i].scene->places)
+            return FXS_ERR_UNSUPPORTED;
         chunks += objects[i].scene->chunk_count;
         gaussians += objects[i].scene->count;
         f->crop_count += objects[i].crop_count;
@@ -288,6 +362,11 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
     f->cut_room = error ? 0 : fxs_cut_room(objects, count, options);
     f->chunks = f->cut_room ? f->cut_room : (uint32_t)chunks;
     f->gaussians = (uint32_t)gaussians;
+    for (uint32_t i = 0; i < count && f->cut_room; i++) {
+        const fxs_scene *scene = objects[i].scene;
+        f->cut_chunks += fxs_scene_chunks(scene);
+        f->whole_chunks += scene->nodes ? 0 : scene->chunk_count;
+    }
     return error;
 }
 
@@ -364,7 +443,7 @@ int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, const fxs_obj
 int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
 {
     frame *f = &cuda->frames[i];
-    const slot *s = &cuda->slots[i % cuda->slot_count];
+    const slot *s = &cuda->slots[i % slots_of(cuda, SLOTS)];
     fxs_object_view *views = (fxs_object_view *)((unsigned char *)cuda->staged.data + f->staged);
     fxs_crop *crops = (fxs_crop *)(views + f->object_count);
     const fxs_crop *crops_there = (const fxs_crop *)((const fxs_object_view *)s->objects.data + f->object_count);
@@ -374,8 +453,12 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
         const int error = fxs_object_view_init(&views[k], &f->view, &from->camera, object);
         if (error)
             return failed(why, error, fxs_strerror(error));
-        if (object->visible)
-            views[k].scene = find_scene(&cuda->scenes, object->scene)->there;
+        if (object->visible) {
+            const scene_copy *copy = find_scene(&cuda->scenes, object->scene);
+            views[k].scene = copy->there;
+            f->cut_here |= copy->wrong_tree;
+            f->pooled |= copy->pooled;
+        }
         views[k].first_chunk = chunks;
         chunks += fxs_cut_chunks(object->scene, f->cut_room != 0);
         views[k].end_chunk = chunks;
@@ -384,9 +467,15 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
             *crops++ = object->crops[n];
         crops_there += object->crop_count;
     }
-    if (f->cut_room)
+    if (f->cut_room && f->cut_here)
         return find_cut(cuda, f, from, views, why);
-    f->plain = f->object_count == 1 && is_plain(views);
+    for (uint32_t k = 0; k < f->object_count && f->cut_room; k++) {
+        fxs_view *view = (fxs_view *)((unsigned char *)views + cut_views_at(f)) + k;
+        *view = views[k].view;
+        if (!cuda->options.budget_of_window)
+            fxs_view_of_whole(view, &from->camera);
+    }
+    f->plain = !f->cut_room && !f->pooled && f->object_count == 1 && is_plain(views);
     if (f->plain) {
         f->view = views->view;
         f->scene = views->scene;
@@ -434,10 +523,27 @@ void launch(const fxs_cuda *cuda, void (*kernel)(Parameters...), uint32_t blocks
     cudaLaunchKernelEx(&how, kernel, parameters...);
 }
 
+/* The kernels that find a frame's cut. */
+void start_cut(const fxs_cuda *cuda, const frame *of, const slot *s, frame_buffers *f)
+{
+    uint64_t cleared, bytes;
+    const cut_buffers c = slot_cut(s, of, &cuda->options, &cleared, &bytes);
+    const uint32_t chunks = c.chunks;
+    cudaMemsetAsync(c.status, 0, cleared, s->on);
+    see_chunks<<<chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on>>>(*f, c);
+    launch(cuda, rank_nodes, chunks / STOP_THREADS + 1, STOP_THREADS, 0, s->on, *f, c);
+    launch(cuda, find_stop, chunks / STOP_THREADS + 1, STOP_THREADS, 0, s->on, *f, c);
+    launch(cuda, share_chunks, chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on, *f, c);
+    launch(cuda, list_drawn_chunks, chunks / LIST_CHUNKS + 1, CUT_THREADS, 0, s->on, *f, c);
+    f->drawn_count = &c.status->drawn;
+}
+
 template <bool Many>
 void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cudaStream_t stream)
 {
     locate_chunks<Many><<<(of->chunks + 63) / 64, 64, 0, stream>>>(of->view, of->scene, f, of->chunks);
+    if (of->pooled)
+        fetch_chunks<<<of->chunks, FETCH_THREADS, 0, stream>>>(f);
     launch(cuda, project_chunk<Many>, of->chunks, FXS_CHUNK, 0, stream, of->view, of->scene, f);
 }
 
@@ -492,7 +598,7 @@ cudaError_t copy_hosted(const slot *s, const frame *of, fxs_targets from)
 /* The kernels of frame i, in its slot. */
 int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
-    const slot *s = &cuda->slots[i % cuda->slot_count];
+    const slot *s = &cuda->slots[i % slots_of(cuda, SLOTS)];
     const frame *of = &cuda->frames[i];
     const fxs_view &view = of->view;
     slot_sizes sizes;
@@ -500,6 +606,7 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
         return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
     frame_buffers f = slot_buffers(s, of, &sizes);
     f.needs = &cuda->needs[i];
+    f.number = ++cuda->frame_number;
     const bool traced = fxs_targets_traced(&of->targets);
     fxs_targets targets = of->targets;
     place_hosted(&targets, of, s->pixels.data);
@@ -509,8 +616,10 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     cudaMemsetAsync(f.status, 0, cleared, s->on);
     mark(cuda, s, 0);
     if (sizes.objects && (!of->plain || traced))
-        cudaMemcpyAsync(s->objects.data, (unsigned char *)cuda->staged.data + of->staged, sizes.objects,
-                        cudaMemcpyHostToDevice, s->on);
+        cudaMemcpyAsync(s->objects.data, (unsigned char *)cuda->staged.data + of->staged,
+                        of->cut_here ? sizes.objects : drawn_at(of), cudaMemcpyHostToDevice, s->on);
+    if (of->cut_room && !of->cut_here)
+        start_cut(cuda, of, s, &f);
     if (of->chunks && of->plain)
         project<false>(cuda, of, f, s->on);
     else if (of->chunks)
@@ -568,8 +677,8 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
         cuda->capacity = cuda->capacity < ENTRIES_MAX ? cuda->capacity : ENTRIES_MAX;
         cuda->large_capacity = larger_of(large_capacity, larges + (spare ? larges / 8 : 0));
         const slot_sizes sizes = {0, 0, 0, cuda->large_capacity * sizeof(large_splat),
-                                  cuda->capacity * sizeof(uint64_t), 0};
-        error = reserve_slot(cuda, &cuda->slots[i % cuda->slot_count], &sizes, why);
+                                  cuda->capacity * sizeof(uint64_t), 0, 0};
+        error = reserve_slot(cuda, &cuda->slots[i % slots_of(cuda, SLOTS)], &sizes, why);
     }
     error = error ? error : start_frame(cuda, i, why);
     error = error ? error : wait(cuda, why);
@@ -670,7 +779,7 @@ fxs_cuda_memory memory_of(const fxs_cuda *cuda)
         m.scenes += copies_of(&cuda->scenes)[i].data.bytes;
     for (uint32_t i = 0; i < cuda->slot_count; i++) {
         const slot *s = &cuda->slots[i];
-        m.splats += s->objects.bytes + s->splats.bytes + s->larges.bytes;
+        m.splats += s->objects.bytes + s->splats.bytes + s->larges.bytes + s->cut.bytes;
         m.tiles += s->tiles.bytes;
         m.pixels += s->pixels.bytes;
         m.entries += s->entries.bytes;
@@ -716,6 +825,8 @@ int copy_image(const fxs_image *to, const fxs_image *from, size_t row, size_t he
 {
     unsigned char *out = (unsigned char *)to->pixels, *in = (unsigned char *)from->pixels;
     int error = 0;
+    if (to->stride == (ptrdiff_t)row && from->stride == (ptrdiff_t)row)
+        return check(why, cudaMemcpy(out, in, row * height, cudaMemcpyDefault));
     if (to->stride >= (ptrdiff_t)row && from->stride >= (ptrdiff_t)row)
         return check(why, cudaMemcpy2D(out, (size_t)to->stride, in, (size_t)from->stride, row, height,
                                        cudaMemcpyDefault));

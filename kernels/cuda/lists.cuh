@@ -5,6 +5,7 @@
 
 #include <cuda_pipeline_primitives.h>
 
+#include "pool.cuh"
 #include "stages.cuh"
 
 namespace {
@@ -51,6 +52,8 @@ __global__ void locate_chunks(const __grid_constant__ fxs_view view, const __gri
     uint32_t object = 0;
     int seen = 0;
     wait_for_last_kernel();
+    if (Many && f.drawn_count)
+        chunks = *f.drawn_count;
     if (Many && at < chunks) {
         const uint32_t chunk = chunk_at(&f, at);
         object = fxs_object_of(f.objects, f.object_count, chunk);
@@ -66,8 +69,11 @@ __global__ void locate_chunks(const __grid_constant__ fxs_view view, const __gri
     const uint32_t place = take_number(&f.status->chunks, 0, visible);
     if (visible)
         f.chunk_views[place] = cv;
-    if (Many && visible)
+    if (Many && visible) {
+        const fxs_object_view *o = &f.objects[object];
         f.chunk_objects[place] = object;
+        keep_place(&o->scene, chunk_at(&f, at) - o->first_chunk, f.number);
+    }
 }
 
 /* A splat's tiles: bit BOX_COLUMNS r + c stands for tile `base` + r tiles_x + c. Below 2^20 tiles. */
@@ -231,8 +237,9 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     const fxs_chunk *header = (const fxs_chunk *)fxs_header(scene, chunk);
     const unsigned char *rows = (const unsigned char *)__builtin_assume_aligned(b.rows, 64);
     const uint32_t early = scene->chunk_bytes < FXS_ROW_SH ? scene->chunk_bytes : FXS_ROW_SH;
-    fetch_rows(&b, fxs_rows(scene, chunk), 0, early);
-    fetch_rows(&b, fxs_rows(scene, chunk), early, scene->chunk_bytes);
+    const unsigned char *from = Many ? rows_of(scene, chunk) : fxs_rows(scene, chunk);
+    fetch_rows(&b, from, 0, early);
+    fetch_rows(&b, from, early, scene->chunk_bytes);
     __pipeline_wait_prior(1);
     __syncthreads();
     const fxs_codes codes = fxs_codes_of(scene, rows, g);

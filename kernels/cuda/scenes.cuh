@@ -2,6 +2,7 @@
 #ifndef FXS_CUDA_SCENES_CUH
 #define FXS_CUDA_SCENES_CUH
 
+#include "cut.cuh"
 #include "device.cuh"
 #include "stages.cuh"
 
@@ -11,13 +12,17 @@ struct scene_copy {
     const fxs_scene *key;
     fxs_scene here, there;         /* as it was given; with the device's pointers */
     block data;                    /* none: it is wanted */
+    bool wrong_tree;               /* its cut is found on the host */
+    bool pooled;                   /* not all of its rows are on the device, */
+    void *rows;                    /* which reads the others here, in pinned host memory */
 };
 
 /* The scene_copies, in the order of their keys. */
 struct scene_table {
     host_block memory;
     uint32_t count;
-    uint64_t bytes_wanted;
+    uint64_t bytes_wanted, least_wanted;   /* whole; without their rows */
+    uint32_t pools;
 };
 
 scene_copy *copies_of(const scene_table *t)
@@ -46,13 +51,44 @@ scene_copy *find_scene(const scene_table *t, const fxs_scene *scene)
     return place < t->count && copies_of(t)[place].key == scene ? &copies_of(t)[place] : nullptr;
 }
 
-/* Bytes of a scene's copy, with its tree; at least 1. */
-uint64_t bytes_of(const fxs_scene *scene)
+/* Where the parts of a scene's copy are, in bytes from its start. */
+struct copy_layout {
+    uint64_t parents, chunks, nodes, places, owners, stamps, rows, bytes;
+};
+
+uint64_t all_rows(const fxs_scene *scene)
 {
-    const unsigned char *rows = scene->nodes ? scene->node_rows : scene->rows;
-    const uint64_t chunks = scene->chunk_count - (scene->nodes ? 1 : 0);
-    const uint64_t bytes = (uint64_t)(rows - scene->chunks) + chunks * scene->chunk_bytes;
-    return bytes + !bytes;
+    return (uint64_t)fxs_scene_chunks(scene) * scene->chunk_bytes;
+}
+
+/* Of a scene as a whole. */
+copy_layout lay_out_whole(const fxs_scene *scene)
+{
+    const unsigned char *end = scene->nodes ? scene->node_rows + (scene->chunk_count - 1) * (uint64_t)scene->chunk_bytes
+                                            : scene->rows + all_rows(scene);
+    copy_layout l = {};
+    l.parents = scene->nodes ? sizeof(scene_head) : 0;
+    l.chunks = l.parents + parents_bytes(scene);
+    l.nodes = l.chunks + (scene->nodes ? (uint64_t)(scene->nodes - scene->chunks) : 0);
+    l.rows = l.chunks + (uint64_t)(scene->rows - scene->chunks);
+    l.bytes = l.chunks + (uint64_t)(end - scene->chunks);
+    l.bytes += !l.bytes;
+    return l;
+}
+
+/* With a pool: headers and palette, the tree, and so many places. */
+copy_layout lay_out_pooled(const fxs_scene *scene, uint64_t places)
+{
+    copy_layout l;
+    l.parents = sizeof(scene_head);
+    l.chunks = l.parents + parents_bytes(scene);
+    l.nodes = l.chunks + padded((uint64_t)(scene->rows - scene->chunks));
+    l.places = l.nodes + padded(scene->nodes ? (uint64_t)(scene->node_rows - scene->nodes) : 0);
+    l.owners = l.places + padded(fxs_scene_chunks(scene) * sizeof(uint32_t));
+    l.stamps = l.owners + padded(places * sizeof(uint32_t));
+    l.rows = l.stamps + padded(places * sizeof(uint32_t));
+    l.bytes = l.rows + places * scene->chunk_bytes;
+    return l;
 }
 
 void drop_scene(scene_table *t, budget *taken, const fxs_scene *scene)
@@ -61,6 +97,8 @@ void drop_scene(scene_table *t, budget *taken, const fxs_scene *scene)
     if (!copy)
         return;
     reserve(taken, &copy->data, 0, nullptr);
+    cudaFreeHost(copy->rows);
+    t->pools -= copy->pooled;
     memmove(copy, copy + 1, (size_t)(copies_of(t) + t->count - copy - 1) * sizeof *copy);
     t->count--;
 }
@@ -78,49 +116,151 @@ int want_scene(scene_table *t, budget *taken, const fxs_scene *scene, fxs_messag
         return error;
     scene_copy *copy = copies_of(t) + place_of(t, scene);
     memmove(copy + 1, copy, (size_t)(copies_of(t) + t->count - copy) * sizeof *copy);
-    *copy = {scene, *scene, *scene, {nullptr, 0}};
+    *copy = {scene, *scene, *scene, {nullptr, 0}, false, false, nullptr};
     t->count++;
-    t->bytes_wanted += bytes_of(scene);
+    t->bytes_wanted += lay_out_whole(scene).bytes;
+    t->least_wanted += lay_out_pooled(scene, 0).bytes;
     return 0;
 }
 
-int copy_scene(scene_copy *copy, budget *taken, cudaStream_t stream, fxs_message *why)
+uint32_t wanted_scenes(const scene_table *t)
+{
+    uint32_t wanted = 0;
+    for (uint32_t i = 0; i < t->count; i++)
+        wanted += !copies_of(t)[i].data.data;
+    return wanted;
+}
+
+/* The scenes with a pool become ones that are wanted again. */
+int want_pools_again(scene_table *t, budget *taken, fxs_message *why)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < t->count && !error; i++)
+        if (copies_of(t)[i].pooled) {
+            const fxs_scene *key = copies_of(t)[i].key;
+            drop_scene(t, taken, key);
+            error = want_scene(t, taken, key, why);
+        }
+    return error;
+}
+
+/* Fills in the parents of a scene's chunks, and finds out whether the tree is one. */
+int check_tree(scene_copy *copy, cudaStream_t stream, fxs_message *why)
+{
+    const uint32_t blocks = fxs_scene_chunks(&copy->there) / CUT_THREADS + 1;
+    uint32_t wrong = 0;
+    cudaMemsetAsync(parents_of(&copy->there), 0xff, parents_bytes(&copy->there), stream);
+    find_parents<<<blocks, CUT_THREADS, 0, stream>>>(copy->there);
+    measure_depths<<<blocks, CUT_THREADS, 0, stream>>>(copy->there);
+    cudaMemcpyAsync(&wrong, &head_of(&copy->there)->wrong_tree, sizeof wrong, cudaMemcpyDeviceToHost, stream);
+    const int error = check(why, cudaGetLastError(), cudaStreamSynchronize(stream));
+    copy->wrong_tree = wrong != 0;
+    return error;
+}
+
+/* Copies a scene as a whole to `data`. */
+cudaError_t copy_whole(scene_copy *copy, unsigned char *data, cudaStream_t stream)
+{
+    const copy_layout l = lay_out_whole(&copy->here);
+    const uint64_t bytes = copy->here.chunk_count ? l.bytes - l.chunks : 0;
+    const unsigned char *start = copy->here.chunks;
+    copy->there.rows = data + l.rows;
+    if (copy->here.nodes) {
+        copy->there.nodes = data + l.nodes;
+        copy->there.node_chunks = copy->there.nodes + (copy->here.node_chunks - copy->here.nodes);
+        copy->there.node_rows = copy->there.nodes + (copy->here.node_rows - copy->here.nodes);
+    }
+    const cudaError_t cleared = l.parents ? cudaMemsetAsync(data, 0, l.parents, stream) : cudaSuccess;
+    return first_of(cleared, cudaMemcpyAsync(data + l.chunks, start, bytes, cudaMemcpyHostToDevice, stream));
+}
+
+/* Copies a scene's rows to where the device can read them. They are not pinned where they lie: for pages of a mapped
+   file that may take as long as the system likes. */
+int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
-    int error = reserve(taken, &copy->data, bytes_of(from), why);
-    if (!error && from->chunk_count)
-        error = check(why, cudaMemcpyAsync(copy->data.data, from->chunks, bytes_of(from), cudaMemcpyHostToDevice,
-                                           stream));
-    error = error ? error : check(why, cudaStreamSynchronize(stream));
-    if (error) {
-        reserve(taken, &copy->data, 0, nullptr);
+    const uint64_t leaves = (uint64_t)from->chunk_count * from->chunk_bytes;
+    void *there = nullptr;
+    const int error = check(why, cudaHostAlloc(&copy->rows, all_rows(from), cudaHostAllocMapped));
+    if (error)
         return error;
-    }
-    const unsigned char *start = from->chunks;
-    unsigned char *data = (unsigned char *)copy->data.data;
-    copy->there.chunks = data;
-    copy->there.rows = data + (from->rows - start);
-    if (from->nodes) {
-        copy->there.nodes = data + (from->nodes - start);
-        copy->there.node_chunks = data + (from->node_chunks - start);
-        copy->there.node_rows = data + (from->node_rows - start);
-    }
-    copy->there.palette = from->palette ? (const int8_t *)data + (from->palette - (const int8_t *)start) : nullptr;
-    return 0;
+    memcpy(copy->rows, from->rows, leaves);
+    if (from->nodes)
+        memcpy((unsigned char *)copy->rows + leaves, from->node_rows, all_rows(from) - leaves);
+    const int found = check(why, cudaHostGetDevicePointer(&there, copy->rows, 0));
+    *rows = (const unsigned char *)there;
+    return found;
 }
 
-/* Copies the scenes that are wanted; after an error, they are wanted no more. */
-int fetch_scenes(scene_table *t, budget *taken, int error, cudaStream_t stream, fxs_message *why)
+/* Copies what is not rows of a scene to `data`, where the pool has so many places. */
+int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStream_t stream, fxs_message *why)
+{
+    const fxs_scene *from = &copy->here;
+    const copy_layout l = lay_out_pooled(from, places);
+    const unsigned char *rows;
+    const int error = expose_rows(copy, &rows, why);
+    if (error)
+        return error;
+    scene_head head = {};
+    head.place_count = places;
+    head.owners = (uint32_t *)(data + l.owners);
+    head.stamps = (uint32_t *)(data + l.stamps);
+    head.rows = rows;
+    copy->there.places = (const uint32_t *)(data + l.places);
+    copy->there.rows = data + l.rows;
+    if (from->nodes) {
+        copy->there.nodes = data + l.nodes;
+        copy->there.node_chunks = copy->there.nodes + (from->node_chunks - from->nodes);
+        copy->there.node_rows = nullptr;
+        cudaMemcpyAsync(data + l.nodes, from->nodes, (uint64_t)(from->node_rows - from->nodes), cudaMemcpyHostToDevice,
+                        stream);
+    }
+    cudaMemsetAsync(data + l.places, 0xff, l.stamps - l.places, stream);
+    cudaMemsetAsync(data + l.stamps, 0, l.rows - l.stamps, stream);
+    cudaMemcpyAsync(data, &head, sizeof head, cudaMemcpyHostToDevice, stream);
+    const cudaError_t copied = cudaMemcpyAsync(data + l.chunks, from->chunks, (uint64_t)(from->rows - from->chunks),
+                                               cudaMemcpyHostToDevice, stream);
+    return check(why, first_of(copied, cudaGetLastError()), cudaStreamSynchronize(stream));
+}
+
+/* Brings a scene to the device, whose rows may take so many bytes: with a pool where they are more. */
+int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t stream, fxs_message *why)
+{
+    const fxs_scene *from = &copy->here;
+    const uint64_t of_place = from->chunk_bytes + 2 * sizeof(uint32_t);
+    copy->pooled = all_rows(from) > rows_most;
+    const uint32_t places = copy->pooled ? (uint32_t)(rows_most / of_place) : 0;
+    const copy_layout l = copy->pooled ? lay_out_pooled(from, places) : lay_out_whole(from);
+    int error = reserve(taken, &copy->data, l.bytes, why);
+    if (error)
+        return error;
+    unsigned char *data = (unsigned char *)copy->data.data;
+    copy->there.chunks = data + l.chunks;
+    if (from->palette)
+        copy->there.palette = (const int8_t *)copy->there.chunks + (from->palette - (const int8_t *)from->chunks);
+    error = copy->pooled ? copy_pooled(copy, data, places, stream, why) : check(why, copy_whole(copy, data, stream));
+    if (!error && from->nodes)
+        error = check_tree(copy, stream, why);
+    return error ? error : check(why, cudaStreamSynchronize(stream));
+}
+
+/* Copies the scenes that are wanted, whose rows may take so many bytes each; after an error, they are wanted no
+   more. */
+int fetch_scenes(scene_table *t, budget *taken, uint64_t rows_most, int error, cudaStream_t stream, fxs_message *why)
 {
     for (uint32_t i = 0; i < t->count && t->bytes_wanted; i++) {
         scene_copy *copy = &copies_of(t)[i];
-        if (!copy->data.data && !error)
-            error = copy_scene(copy, taken, stream, why);
+        if (copy->data.data || error)
+            continue;
+        error = copy_scene(copy, taken, rows_most, stream, why);
+        t->pools += copy->pooled;
+        if (error)
+            reserve(taken, &copy->data, 0, nullptr);
     }
     for (uint32_t i = t->count; i-- > 0 && error && t->bytes_wanted;)
         if (!copies_of(t)[i].data.data)
             drop_scene(t, taken, copies_of(t)[i].key);
-    t->bytes_wanted = 0;
+    t->bytes_wanted = t->least_wanted = 0;
     return error;
 }
 

@@ -65,7 +65,9 @@ struct frame_buffers {
     frame_needs *needs;            /* in the host's memory, known before lists are sorted */
     const fxs_object_view *objects;   /* their pointers are the device's; not there for one that is plain */
     uint32_t object_count;
+    uint32_t number;               /* of the frame, from 1 on */
     const fxs_drawn *drawn;        /* the chunks of the cut; null where all leaves are drawn */
+    const uint32_t *drawn_count;   /* of these; null where the host knows it */
     uint32_t *chunk_objects;       /* of the chunks that can be seen, status->chunks of them: the object */
     fxs_chunk_view *chunk_views;   /* and where they lie; `chunk` is the place among those that are drawn */
     fxs_splat *splats;             /* by index in what is drawn, like the next two; written where visible */

@@ -1,8 +1,8 @@
 /* Times frames of 1920x1080 on the GPU by CUDA events and prints one table: single ones by stages and whole, then of a
  * batch, into device memory and into pinned host memory. Each argument: FILE.fxs, for an overview of the scene;
- * FILE.fxs:CAMERAS:N,N,... for views of a camera file; or FILE.fxs@N for N objects of it on a square. Medians,
- * milliseconds; one row of every scene is for the square cut-off, one for a smaller picture, one with median depth and
- * id, one with mean depth too. */
+ * FILE.fxs:CAMERAS:N,N,... for views of a camera file; FILE.fxs@N for N objects of it on a square; or FILE.fxs%N for
+ * a budget of N Gaussians. Medians, milliseconds; one row of every scene is for the square cut-off, one for a smaller
+ * picture, one with median depth and id, one with mean depth too. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@ enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 
 static fxs_message failure;
 static unsigned char *pixels[BATCH], *pinned[BATCH], *traces[BATCH];
 static fxs_object objects[OBJECTS];
-static uint32_t object_count;
+static uint32_t object_count, budget;
 
 /* What a row is of, beside the camera. */
 typedef struct kind {
@@ -43,6 +43,7 @@ static fxs_options options_of(const kind *k)
     fxs_options options;
     fxs_options_init(&options);
     options.cutoff = k->cutoff;
+    options.budget = budget;
     return options;
 }
 
@@ -177,6 +178,7 @@ static uint32_t place(const fxs_scene *scene, const fxs_packed_header *header, u
 static void rows_of_scene(char *argument)
 {
     char *path = strtok(argument, ":"), *cameras = strtok(NULL, ":"), *times = strchr(path, '@'), label[200];
+    char *limit = strchr(path, '%');
     fxs_mapping file;
     fxs_scene scene;
     fxs_message message;
@@ -185,12 +187,16 @@ static void rows_of_scene(char *argument)
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     if (times)
         *times++ = 0;
+    if (limit)
+        *limit++ = 0;
+    budget = limit ? (uint32_t)strtoul(limit, 0, 10) : 0;
     const int count = times ? atoi(times) : 1;
     if (count < 1 || count > OBJECTS || fxs_map(&file, path, &message)) {
         puts(count < 1 || count > OBJECTS ? "FILE@N: expected 1 to 400" : message.text);
         return;
     }
-    snprintf(label, sizeof label, "%s%s%s", times ? times : "", times ? " objects of " : "", name);
+    snprintf(label, sizeof label, "%s%s%s", times ? times : limit ? limit : "",
+             times ? " objects of " : limit ? " of " : "", name);
     if (fxs_scene_open(&scene, file.data, file.bytes) || fxs_cuda_create(&single, 0, 0, 1, &failure) ||
         fxs_cuda_upload(single, &scene, &failure) || fxs_cuda_create(&batch, 0, 0, SLOTS, &failure) ||
         fxs_cuda_upload(batch, &scene, &failure)) {

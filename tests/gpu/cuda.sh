@@ -65,7 +65,7 @@ done
 say "levels of detail: hashes by budget, processor and CUDA"
 "$B/fixsplat" convert --levels --quiet "$work/knot-1M.fxs" "$work/tree.fxs" || failed="$failed levels"
 for options in "--budget 1" "--budget 30000" "--budget 400000" "--detail 3" "--budget 99999 --cutoff square" \
-               "--budget 1000000" "--budget 50000 $work/knot-10k.fxs"; do
+               "--budget 1000000" "--budget 50000 $work/knot-10k.fxs" "--budget 400000 --max-memory 100M"; do
     options="$options --size 1280x720 --hash"
     cpu=$("$B/fixsplat" render "$work/tree.fxs" $options) cuda=$("$B/fixsplat" render "$work/tree.fxs" $options --backend cuda)
     echo "$options: $cpu $cuda"
@@ -87,11 +87,11 @@ for view in "$@"; do
 done
 
 say "out of memory"
-"$B/fixsplat" render "$work/knot-1M.fxs" --hash --backend cuda --max-memory 64M 2>&1 | grep "needs at least" ||
+"$B/fixsplat" render "$work/knot-1M.fxs" --hash --backend cuda --max-memory 32M 2>&1 | grep "needs at least" ||
     failed="$failed max-memory"
 
 say "times"
-"$B/tests/gpu/bench_cuda" "$@" $made "$work/knot-10k.fxs@100" || failed="$failed bench_cuda"
+"$B/tests/gpu/bench_cuda" "$@" $made "$work/knot-10k.fxs@100" "$work/tree.fxs%400000" || failed="$failed bench_cuda"
 say "done"
 [ -z "$failed" ] || { echo "FAIL cuda:$failed"; exit 1; }
 echo "ok   cuda"

@@ -25,6 +25,17 @@ int peek(fxs_cuda *cuda, peeked *out)
            download(&out->entries, f->entries, cuda->needs[0].entries);
 }
 
+int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device)
+{
+    const frame_buffers *f = &cuda->buffers[0];
+    uint32_t *found = nullptr;
+    *by_device = f->drawn_count != nullptr;
+    int error = *by_device && download(&found, f->drawn_count, 1);
+    *count = error ? 0 : found ? *found : cuda->frames[0].chunks;
+    free(found);
+    return error || download(drawn, f->drawn, *count);
+}
+
 int peek_is_sorted(uint32_t count)
 {
     return !(count >> LONG_MAGNITUDE);

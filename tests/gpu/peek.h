@@ -19,6 +19,9 @@ typedef struct peeked {
 int peek(fxs_cuda *cuda, peeked *out);
 void peek_free(peeked *p);
 
+/* The cut of that frame, fxs_drawns, for free; and whether the device found it. Returns 0 where it could be copied. */
+int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device);
+
 /* Whether a list of so many entries is sorted in its place: entries alone, from where it began. */
 int peek_is_sorted(uint32_t count);
 

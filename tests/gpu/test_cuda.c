@@ -9,6 +9,7 @@
 #include "src/core/frame.h"
 #include "tests/one_scene.h"
 #include "tests/random_scene.h"
+#include "tests/random_tree.h"
 #include "tests/tile_lists.h"
 #include "peek.h"
 
@@ -345,11 +346,11 @@ static int stages_equal(const fxs_cuda_frame *frame, const fxs_options *options,
 static void render_c(const fxs_cuda_frame *frame, const fxs_options *options, const fxs_targets *targets)
 {
     fxs_context context;
-    const fxs_camera *camera = &frame->camera;
+    const fxs_request request = request_for(frame->objects, frame->count, options, 1, &frame->camera, targets, 0);
     fxs_init(&context, 0);
-    const size_t bytes = fxs_frame_bytes(&context, frame->objects, frame->count, camera->width, camera->height, 0);
+    const size_t bytes = fxs_request_bytes(&context, &request, 0);
     void *memory = check_aligned(bytes);
-    if (!memory || render_frame(&context, frame->objects, frame->count, camera, options, targets, memory, bytes, 0))
+    if (!memory || fxs_render(&context, &request, memory, bytes, 0))
         abort();
     free(memory);
 }
@@ -547,6 +548,199 @@ static void test_files(void)
         fxs_cuda_forget(cuda, &scene);
         fxs_unmap(&file);
     }
+}
+
+/* ---- Levels of detail -------------------------------------------------------------------------------------------- */
+
+enum { TREES = 2, TREE_OBJECTS = 4 };
+
+typedef struct forest {
+    packed_scene packed[TREES + 1];        /* the last has no tree */
+    fxs_object objects[TREE_OBJECTS];
+    uint32_t count, chunks;
+} forest;
+
+static void random_forest(forest *w, uint32_t most_leaves, int deep, int alike)
+{
+    for (int i = 0; i < TREES; i++)
+        w->packed[i] = random_tree((enum fxs_profile)between(0, 2), (uint32_t)between(2, (int32_t)most_leaves), deep,
+                                   alike);
+    w->packed[TREES] = random_scene(FXS_PROFILE_DEFAULT, 3000);
+    w->count = (uint32_t)between(1, TREE_OBJECTS);
+    w->chunks = 0;
+    for (uint32_t i = 0; i < w->count; i++) {
+        fxs_object *object = &w->objects[i];
+        fxs_object_init(object, &w->packed[between(0, 5) ? between(0, TREES - 1) : TREES].scene);
+        for (int k = 0; k < 3; k++)
+            object->translation_q32[k] = (int64_t)between(-2097152, 2097152) * 4096;
+        object->scale_q32 = between(0, 2) ? FXS_ONE_Q32 : (int64_t)between(1 << 14, 1 << 18) << 16;
+        object->visible = between(0, 7) > 0;
+        w->chunks += object->scene->chunk_count;
+    }
+}
+
+static void forest_free(forest *w)
+{
+    for (int i = 0; i <= TREES; i++) {
+        fxs_cuda_forget(cuda, &w->packed[i].scene);
+        free(w->packed[i].data);
+    }
+}
+
+/* The device's list of the last frame and the processor's. */
+static int cuts_equal(const fxs_cuda_frame *frame, const fxs_options *options, int *by_device)
+{
+    uint32_t wanted_count, count;
+    void *drawn = 0;
+    fxs_drawn *wanted = find_cut(frame->objects, frame->count, &frame->camera, options, &wanted_count);
+    int equal = 1;
+    *by_device = 0;
+    if (wanted) {
+        equal = !peek_cut(cuda, &drawn, &count, by_device) && count == wanted_count &&
+                !memcmp(drawn, wanted, count * sizeof *wanted);
+        if (!equal)
+            printf("  %" PRIu32 " chunks are drawn, %" PRIu32 " expected\n", count, wanted_count);
+    }
+    free(drawn);
+    free(wanted);
+    return equal;
+}
+
+static int cut_frame_equal(const fxs_object *objects, uint32_t count, const fxs_camera *camera,
+                           const fxs_options *options, int *by_device)
+{
+    pictures p[2];
+    twice(p, camera, COLOUR | ID, FXS_FORMAT_RGBA8, 0);
+    const fxs_cuda_frame frame = {*camera, objects, count, p[1].targets};
+    render_c(&frame, options, &p[0].targets);
+    int equal = !fxs_cuda_render_host(cuda, &frame, 1, options, 0, &why);
+    if (!equal)
+        printf("  %s\n", why.text);
+    equal = equal && cuts_equal(&frame, options, by_device) && pictures_equal(p, camera);
+    free(p[0].memory);
+    free(p[1].memory);
+    return equal;
+}
+
+/* Trees of any shape, with any keys or equal ones, from any camera, with any limits: the processor's list and picture.
+   Every tenth tree is too deep for the device. */
+static void test_cut(void)
+{
+    int of_device = 0, of_host = 0;
+    for (int i = 0; i < cases(500); i++) {
+        fxs_camera camera;
+        fxs_options options;
+        int by_device;
+        state = (uint64_t)i * 0x2468aceu + 17;
+        forest w;
+        random_forest(&w, i % 7 == 0 && !quick ? 1500 : 100, i % 10 == 9, i % 6 == 5);
+        random_cut(&camera, &options, w.chunks);
+        const int good = CHECK(cut_frame_equal(w.objects, w.count, &camera, &options, &by_device));
+        of_device += by_device;
+        of_host += !by_device;
+        forest_free(&w);
+        if (!good) {
+            printf("  case %d\n", i);
+            return;
+        }
+    }
+    printf("  %d cuts by the device, %d none or by the host\n", of_device, of_host);
+    CHECK(of_device > of_host || quick);
+}
+
+/* More nodes with one key than are sorted in shared memory; and a damaged tree, whose error is the processor's. */
+static void test_equal_keys(void)
+{
+    fxs_camera camera;
+    fxs_options options;
+    int by_device;
+    state = 4;
+    packed_scene tree = random_tree(FXS_PROFILE_SMALL, quick ? 300 : 12000, 0, 1);
+    fxs_object object = one_object(&tree.scene);
+    do
+        random_view(&camera, &options);
+    while (camera.projection != FXS_ORTHOGRAPHIC);
+    camera.fx_q12 = camera.fy_q12 = 2 << 12;
+    for (uint32_t budget = 1; budget < tree.scene.count; budget = 3 * budget + 200) {
+        options.budget = budget;
+        CHECK(cut_frame_equal(&object, 1, &camera, &options, &by_device) && by_device);
+    }
+    fxs_cuda_forget(cuda, &tree.scene);
+    fxs_node *nodes = (fxs_node *)(void *)(tree.data + (tree.scene.nodes - tree.data));
+    nodes[0].children[0] = nodes[0].children[1];
+    options.budget = 1000;
+    uint8_t pixels[4 * 100 * 80];
+    const fxs_cuda_frame frame = {camera, &object, 1, {.colour = {pixels, camera.width * 4}}};
+    CHECK(fxs_cuda_render_host(cuda, &frame, 1, &options, 0, &why) == FXS_ERR_SCENE);
+    fxs_cuda_forget(cuda, &tree.scene);
+    free(tree.data);
+}
+
+enum { POOL_FRAMES = 3 };
+
+/* Frames of a batch against the processor's. Returns an error of the renderer. */
+static int check_pooled(fxs_cuda *by, const fxs_object *objects, uint32_t budget, fxs_cuda_stats *stats)
+{
+    pictures p[POOL_FRAMES][2];
+    fxs_cuda_frame frames[POOL_FRAMES];
+    fxs_options options;
+    fxs_options_init(&options);
+    options.budget = budget;
+    for (uint32_t i = 0; i < POOL_FRAMES; i++) {
+        random_camera(&frames[i].camera);
+        twice(p[i], &frames[i].camera, COLOUR | ID, FXS_FORMAT_RGBA8, 0);
+        frames[i].objects = objects + i % 2;
+        frames[i].count = 3 - i % 2;
+        frames[i].targets = p[i][1].targets;
+        render_c(&frames[i], &options, &p[i][0].targets);
+    }
+    const int error = fxs_cuda_render_host(by, frames, POOL_FRAMES, &options, stats, &why);
+    for (int i = 0; i < POOL_FRAMES; i++) {
+        CHECK(error || pictures_equal(p[i], &frames[i].camera));
+        free(p[i][0].memory);
+        free(p[i][1].memory);
+    }
+    return error;
+}
+
+/* Frame after frame in so much memory. Returns an error of the renderer. */
+static int check_limit(uint64_t limit, const fxs_object *objects, fxs_cuda_stats *stats)
+{
+    fxs_cuda *small;
+    int error = fxs_cuda_create(&small, 0, limit, 2, &why);
+    state = 99;
+    for (int i = 0; i < (quick ? 2 : 8) && !error; i++)
+        error = check_pooled(small, objects, i % 4 == 1 ? 0 : (uint32_t)between(1, 100) * FXS_CHUNK, stats);
+    fxs_cuda_destroy(small);
+    return error;
+}
+
+/* Scenes larger than the memory that is allowed: from no place in the pool on; with a budget and without, of two
+   objects with one scene and one without a tree. */
+static void test_pool(void)
+{
+    state = 57;
+    const packed_scene tree = random_tree(FXS_PROFILE_DEFAULT, quick ? 40 : 200, 0, 0);
+    const packed_scene plain = random_scene(FXS_PROFILE_COMPACT, 30000);
+    const fxs_scene *const scenes[2] = {&tree.scene, &plain.scene};
+    fxs_object objects[3] = {one_object(scenes[0]), one_object(scenes[0]), one_object(scenes[1])};
+    objects[1].translation_q32[0] = FXS_ONE_Q32 / 2;
+    const uint64_t rows = fxs_scene_chunks(scenes[0]) * (uint64_t)tree.scene.chunk_bytes +
+                          plain.scene.chunk_count * (uint64_t)plain.scene.chunk_bytes;
+    fxs_cuda_stats stats = {0};
+    uint64_t least = 1000;
+    for (int tries = 0; tries < 20 && check_limit(least, objects, &stats) == FXS_ERR_MEMORY; tries++)
+        if (CHECK(why.bytes_needed > least))
+            least = why.bytes_needed;
+    for (uint64_t part = 0; part < (quick ? 2 : 4); part++) {
+        const uint64_t limit = least + rows * part / 6;
+        if (!CHECK(!check_limit(limit, objects, &stats)))
+            printf("  %s\n", why.text);
+        CHECK(stats.memory.total <= limit && stats.memory.scenes < rows);
+        printf("  %" PRIu64 " of %" PRIu64 " bytes of rows on the device, with all else\n", stats.memory.scenes, rows);
+    }
+    free(tree.data);
+    free(plain.data);
 }
 
 /* ---- Batches ----------------------------------------------------------------------------------------------------- */
@@ -995,6 +1189,9 @@ int main(int argc, char **argv)
     RUN(test_objects);
     RUN(test_hundred_objects);
     RUN(test_targets);
+    RUN(test_cut);
+    RUN(test_equal_keys);
+    RUN(test_pool);
     RUN(test_small_blocks);
     RUN(test_batch);
     RUN(test_long_lists);

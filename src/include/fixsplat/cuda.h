@@ -19,8 +19,9 @@ typedef struct fxs_cuda fxs_cuda;
 
 /* Device memory of a renderer, bytes. */
 typedef struct fxs_cuda_memory {
-    uint64_t scenes;               /* the packed scenes as they are */
-    uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 84 a chunk, 376 an object */
+    uint64_t scenes;               /* the packed scenes; of those that do not fit what is on the device */
+    uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 100 a chunk, 456 an object; with a budget or a
+                                      detail 6.3 MB, 18 bytes for each chunk and node there is, 312 an object */
     uint64_t tiles;                /* for each slot: 136 bytes a tile */
     uint64_t entries;              /* for each slot: 8 bytes a tile list entry there is room for */
     uint64_t pixels;               /* of fxs_cuda_render_host; for each slot: of targets in pinned host memory */
@@ -59,15 +60,18 @@ FXS_API int fxs_cuda_devices(void);
 /* The name of a device, cut to `size` bytes with the final 0. Errors: FXS_ERR_DEVICE. */
 FXS_API int fxs_cuda_name(int device, char *name, size_t size, fxs_message *why);
 
-/* Opens device `device`. `max_memory`: most bytes of device memory, 0 for no limit of its own. `slots`: 1 to 16 frames
-   under way at a time, each with buffers of its own. *out is null after an error: FXS_ERR_ARGUMENT, FXS_ERR_DEVICE,
-   FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED where the device has too little shared memory. */
+/* Opens device `device`. `max_memory`: most bytes of device memory, 0 for no limit of its own. Scenes that do not fit
+   beside the frames are there in part, and as a copy in pinned host memory. `slots`: 1 to 16 frames under way at a
+   time, each with buffers of its own; one at a time while a scene is there in part. *out is null after an
+   error: FXS_ERR_ARGUMENT, FXS_ERR_DEVICE, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED where the device has too little shared
+   memory. */
 FXS_API int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uint32_t slots, fxs_message *why);
 
 /* Waits for what is under way and gives everything back; `cuda` may be null. */
 FXS_API void fxs_cuda_destroy(fxs_cuda *cuda);
 
-/* Copies a packed scene to the device, where it stays until it is forgotten. A scene is known by the address of its
+/* Copies a packed scene to the device, where it stays until it is forgotten; the most that the device allows, and the
+   rest to pinned host memory. A scene is known by the address of its
    fxs_scene; one that is there already is not copied again. fxs_cuda_render does this for scenes that are not there.
    Errors: FXS_ERR_ARGUMENT, FXS_ERR_MEMORY, FXS_ERR_DEVICE. */
 FXS_API int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_message *why);
@@ -82,7 +86,8 @@ FXS_API void fxs_cuda_time(fxs_cuda *cuda, int on);
 /* Starts 1 to FXS_CUDA_BATCH frames, whose targets must not overlap, behind the work of `stream` (a cudaStream_t; null:
    the default one), and lets the stream wait for them. The pixels are there once fxs_cuda_finish has returned 0, which
    must come before the next call of any other function. `options` are copied; their stop is asked before each frame.
-   Errors as fxs_render's, and FXS_ERR_DEVICE: no frame is under way then. */
+   Errors as fxs_render's, FXS_ERR_UNSUPPORTED of a scene with places, and FXS_ERR_DEVICE: no frame is under way
+   then. */
 FXS_API int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                             void *stream, fxs_message *why);
 

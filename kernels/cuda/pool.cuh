@@ -1,0 +1,109 @@
+/* What lies in front of a scene's headers on the device: the parents in its tree, and how the rows of its chunks are
+ * found where not all of them are there. Those are in the host's memory, where the device can read them, and a pool has
+ * places for some: a chunk that is drawn and has none takes the place of one that this frame does not draw. */
+#ifndef FXS_CUDA_POOL_CUH
+#define FXS_CUDA_POOL_CUH
+
+#include "stages.cuh"
+
+namespace {
+
+const uint32_t BUSY = FXS_NOTHING - 1;     /* of a chunk that is being fetched */
+const uint32_t TURNS_MOST = 64;            /* places that are looked at for one */
+const uint32_t FETCH_THREADS = 128;
+
+struct alignas(64) scene_head {
+    uint32_t wrong_tree;           /* not 0: the cut is found on the host */
+    uint32_t place_count, next_place;
+    uint32_t *owners, *stamps;     /* of each place: its chunk, FXS_NOTHING; the last frame that drew it, by number */
+    const unsigned char *rows;     /* of all chunks, in the host's memory */
+};
+
+uint64_t padded(uint64_t bytes)
+{
+    return (bytes + 63) / 64 * 64;
+}
+
+/* Of a scene with a tree: for each chunk the number of its parent, FXS_NOTHING of the root. */
+__host__ __device__ inline uint64_t parents_bytes(const fxs_scene *scene)
+{
+    return scene->nodes ? ((2 * (uint64_t)scene->chunk_count - 1) * sizeof(uint32_t) + 63) / 64 * 64 : 0;
+}
+
+__host__ __device__ inline uint32_t *parents_of(const fxs_scene *there)
+{
+    return (uint32_t *)(there->chunks - parents_bytes(there));
+}
+
+/* Of a scene with a tree or a pool. */
+__host__ __device__ inline scene_head *head_of(const fxs_scene *there)
+{
+    return (scene_head *)((unsigned char *)parents_of(there) - sizeof(scene_head));
+}
+
+__device__ inline const unsigned char *rows_in_host(const fxs_scene *scene, uint32_t chunk)
+{
+    return fxs_aligned(head_of(scene)->rows + (size_t)chunk * scene->chunk_bytes);
+}
+
+/* The rows of a chunk, in the pool or not. */
+__device__ inline const unsigned char *rows_of(const fxs_scene *scene, uint32_t chunk)
+{
+    return scene->places && scene->places[chunk] == FXS_NOTHING ? rows_in_host(scene, chunk) : fxs_rows(scene, chunk);
+}
+
+/* Of a chunk that frame `number` draws: it keeps its place. */
+__device__ inline void keep_place(const fxs_scene *scene, uint32_t chunk, uint32_t number)
+{
+    if (scene->places && scene->places[chunk] != FXS_NOTHING)
+        head_of(scene)->stamps[scene->places[chunk]] = number;
+}
+
+/* Finds a place that frame `number` does not draw, and makes it the chunk's, which is not there yet. FXS_NOTHING where
+   there is none near. */
+__device__ inline uint32_t take_place(const fxs_scene *scene, uint32_t *places, uint32_t chunk, uint32_t number)
+{
+    scene_head *head = head_of(scene);
+    for (uint32_t turn = 0; turn < TURNS_MOST && head->place_count; turn++) {
+        const uint32_t place = atomicAdd(&head->next_place, 1) % head->place_count;
+        const uint32_t stamp = *(volatile uint32_t *)&head->stamps[place];
+        if (stamp == number || atomicCAS(&head->stamps[place], stamp, number) != stamp)
+            continue;
+        if (head->owners[place] != FXS_NOTHING)
+            places[head->owners[place]] = FXS_NOTHING;
+        head->owners[place] = chunk;
+        return place;
+    }
+    return FXS_NOTHING;
+}
+
+/* A block a chunk that can be seen: brings its rows into the pool of its scene. */
+__global__ void __launch_bounds__(FETCH_THREADS) fetch_chunks(const __grid_constant__ frame_buffers f)
+{
+    __shared__ uint32_t place;
+    wait_for_last_kernel();
+    if (blockIdx.x >= f.status->chunks)
+        return;
+    const fxs_object_view *o = &f.objects[f.chunk_objects[blockIdx.x]];
+    const fxs_scene *scene = &o->scene;
+    const uint32_t chunk = chunk_at(&f, f.chunk_views[blockIdx.x].chunk) - o->first_chunk;
+    uint32_t *places = (uint32_t *)scene->places;
+    if (!places)
+        return;
+    if (threadIdx.x == 0) {
+        place = FXS_NOTHING;
+        if (atomicCAS(&places[chunk], FXS_NOTHING, BUSY) == FXS_NOTHING)
+            places[chunk] = place = take_place(scene, places, chunk, f.number);
+    }
+    __syncthreads();
+    if (place == FXS_NOTHING)
+        return;
+    const uint4 *from = (const uint4 *)rows_in_host(scene, chunk);
+    uint4 *to = (uint4 *)(scene->rows + (size_t)place * scene->chunk_bytes);
+    for (uint32_t i = threadIdx.x; i < scene->chunk_bytes / sizeof *to; i += FETCH_THREADS)
+        to[i] = from[i];
+}
+
+}
+
+#endif
