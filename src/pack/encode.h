@@ -85,10 +85,6 @@ void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_ga
 /* The gain of a code: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */
 double fxs_gain(int code);
 
-/* Writes the residual of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest` is
-   the residual, and becomes the error of these codes. */
-void fxs_encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record);
-
 /* Turns the records of a chunk, one after the other, into its rows. */
 void fxs_encode_rows(const fxs_encoder *encoder, const unsigned char *records, unsigned char *rows);
 
