@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "src/base/byte_reader.h"
+#include "src/gaussian/attributes.h"
 #include "src/pack/coded.h"
 #include "src/pack/encode.h"
 #include "src/pack/order.h"
@@ -394,7 +395,7 @@ static void test_sh_steps_up_to_the_limit(void)
     memset(&info, 0, sizeof info);
     fxs_ranges_clear(&ranges);
     make_gaussians(1);
-    fxs_ranges_take(&ranges, gaussians, fxs_opacity(gaussians), 0);
+    fxs_ranges_take(&ranges, gaussians, fxs_opacity_of_logit(gaussians->opacity), 0);
     for (size_t k = 0; k < sizeof steps / sizeof *steps; k++)
         for (int degree = 0; degree < 3; degree++) {
             const float most = (float)ldexp(127 * steps[k], -19);
@@ -1055,7 +1056,7 @@ static void test_stages(void)
     make_gaussians(MAX_COUNT);
     for (int degree = 1; degree <= 3; degree++) {
         for (size_t i = 0; i < MAX_COUNT; i++)
-            fxs_sh_item_set(&items[i], &gaussians[i], fxs_opacity(&gaussians[i]), degree);
+            fxs_sh_item_set(&items[i], &gaussians[i], fxs_opacity_of_logit(gaussians[i].opacity), degree);
         for (size_t i = 0; i < sizeof entries / sizeof *entries; i++)
             check_stages(items, i % 2 ? FXS_PROFILE_COMPACT : FXS_PROFILE_SMALL, degree, entries[i]);
     }

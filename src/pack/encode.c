@@ -33,7 +33,9 @@ void fxs_hold_scales(fxs_gaussian *g)
 
 int fxs_bring_in(fxs_gaussian *g, double limit)
 {
-    const double most = fmax(fmax(fabs(g->position[0]), fabs(g->position[1])), fabs(g->position[2]));
+    double most = 0;
+    for (int i = 0; i < 3; i++)
+        most = fabs(g->position[i]) > most ? fabs(g->position[i]) : most;
     if (!(most > limit))
         return 0;
     for (int i = 0; i < 3; i++) {
@@ -74,11 +76,6 @@ static double base_colour(const fxs_gaussian *g, int channel)
 {
     double colour = 0.5 + FXS_SH_0 * g->dc[channel];
     return colour < -60 ? -60 : colour > 60 ? 60 : colour;
-}
-
-double fxs_opacity(const fxs_gaussian *g)
-{
-    return fxs_opacity_of_logit(g->opacity);
 }
 
 /* 4^(1 - law), and 254 / sqrt(4^(1 - law) - 1/255); law 0 has even steps */

@@ -62,9 +62,6 @@ typedef struct fxs_encoder {
     int sh_degree;
 } fxs_encoder;
 
-/* 1 / (1 + exp(-logit)) */
-double fxs_opacity(const fxs_gaussian *gaussian);
-
 enum { FXS_RECORD_BYTES = 63 };      /* the most bytes of the codes of a Gaussian */
 
 /* The codes of a Gaussian, as they are in the rows. */

@@ -6,6 +6,8 @@
 
 typedef struct fxs_pack_stages {
     const char *name;
+    /* Puts e^x, as fxs_exp has it, in the place of each x. */
+    void (*exponentials)(double *x, uint32_t count);
     /* Finds signed entries whose sum is near a vector, an index for each stage; the vector becomes what is left. */
     void (*find)(const fxs_palette *palette, fxs_sh_vector vector, uint8_t indices[FXS_PALETTE_STAGES]);
     /* The signed index of the nearest of `count` vectors, at most 16. There are as many as the next multiple of 8. */

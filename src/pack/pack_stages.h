@@ -20,6 +20,34 @@ enum {
     WINDOW = 48                    /* Gaussians before one whose errors it makes good, at most */
 };
 
+/* ---- Exponentials ---------------------------------------------------------------------------------------------- */
+
+/* Of 8 numbers within +-700, where powers of two are normal numbers. */
+static inline void find_exponentials(double x[8])
+{
+    for (int i = 0; i < 8; i++) {
+        int exponent;
+        const double series = fxs_exp_series(x[i], &exponent);
+        x[i] = series * fxs_power_of_two(exponent);
+    }
+}
+
+static void NAMED(fxs_pack_exponentials_, ISA)(double *x, uint32_t count)
+{
+    uint32_t i = 0;
+    for (; i + 8 <= count; i += 8) {
+        int within = 1;
+        for (uint32_t k = 0; k < 8; k++)
+            within &= fabs(x[i + k]) <= 700;
+        if (within)
+            find_exponentials(x + i);
+        for (uint32_t k = 0; k < 8 && !within; k++)
+            x[i + k] = fxs_exp(x[i + k]);
+    }
+    for (; i < count; i++)
+        x[i] = fxs_exp(x[i]);
+}
+
 /* ---- Finding --------------------------------------------------------------------------------------------------- */
 
 /* A sum of signed entries of the first stages. */
@@ -312,5 +340,6 @@ static void NAMED(fxs_pack_code_chunk_, ISA)(const fxs_palette *p, const fxs_sh_
         code_one(&c, i, middle, records + i * stride, loss);
 }
 
-const fxs_pack_stages NAMED(fxs_pack_stages_, ISA) = {STRING_OF(ISA), NAMED(fxs_pack_find_, ISA),
-                                                      NAMED(fxs_pack_nearest_, ISA), NAMED(fxs_pack_code_chunk_, ISA)};
+const fxs_pack_stages NAMED(fxs_pack_stages_, ISA) = {
+    STRING_OF(ISA), NAMED(fxs_pack_exponentials_, ISA), NAMED(fxs_pack_find_, ISA), NAMED(fxs_pack_nearest_, ISA),
+    NAMED(fxs_pack_code_chunk_, ISA)};

@@ -294,13 +294,14 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
         if ((first + step - 1) / step * step >= end)
             continue;
         const fxs_sh_item *chunk = items + fxs_palette_sample_at(count, first / FXS_CHUNK);
-        for (uint32_t i = 0; i < end - first; i++)
+        const uint32_t meant = l->palette->centred ? end - first : 0;
+        for (uint32_t i = 0; i < meant; i++)
             vector_of(vectors[i], &chunk[i], l->palette->unit_exponent);
-        find_mean(mean, vectors, chunk, l->palette->centred ? end - first : 0);
+        find_mean(mean, vectors, chunk, meant);
         for (int d = 0; d < WIDTH; d++)
             l->most = absolute(mean[d]) > l->most ? absolute(mean[d]) : l->most;
         for (uint32_t i = (first + step - 1) / step * step; i < end; i += step, l->count++) {
-            memcpy(l->vectors[l->count], vectors[i - first], sizeof *vectors);
+            vector_of(l->vectors[l->count], &chunk[i - first], l->palette->unit_exponent);
             subtract(l->vectors[l->count], mean);
         }
     }
