@@ -509,7 +509,7 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
         if (is_packed(p, later))
             PREFETCH_TO_WRITE(&p->ranges[later - p->first]);
         if (is_packed(p, chunk))
-            fxs_ranges_take(&p->ranges[chunk - p->first], g, opacities[i], p->encoder.sh_degree);
+            p->stages->take_ranges(&p->ranges[chunk - p->first], g, opacities[i], p->encoder.sh_degree);
         if (p->sample)
             take_sample(p, slots[own[i]], g, opacities[i]);
     }
@@ -624,7 +624,7 @@ static void encode_part(packer *p, batch *b, uint32_t part)
         }
         const fxs_gaussian *g = fit(&b->gaussians[i]);
         changed |= !is_within(&p->ranges[chunk - p->first], g);
-        fxs_encode(&p->encoder, &p->chunks[chunk - p->first], g, opacities[i - first], record, &loss);
+        p->stages->encode(&p->encoder, &p->chunks[chunk - p->first], g, opacities[i - first], record, &loss);
         memcpy(to, record, bytes);
         if (p->items)
             fxs_sh_item_set(&p->items[slot - p->first_chunk * FXS_CHUNK], g, opacities[i - first],

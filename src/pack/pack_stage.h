@@ -2,12 +2,16 @@
 #ifndef FXS_PACK_STAGE_H
 #define FXS_PACK_STAGE_H
 
-#include "palette.h"
+#include "encode.h"
 
 typedef struct fxs_pack_stages {
     const char *name;
     /* Puts e^x, as fxs_exp has it, in the place of each x. */
     void (*exponentials)(double *x, uint32_t count);
+    /* fxs_ranges_take, fxs_encode */
+    void (*take_ranges)(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
+    void (*encode)(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_gaussian *gaussian, double opacity,
+                   unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss);
     /* Finds signed entries whose sum is near a vector, an index for each stage; the vector becomes what is left. */
     void (*find)(const fxs_palette *palette, fxs_sh_vector vector, uint8_t indices[FXS_PALETTE_STAGES]);
     /* The signed index of the nearest of `count` vectors, at most 16. There are as many as the next multiple of 8. */

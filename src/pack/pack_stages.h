@@ -5,12 +5,12 @@
 
 #include <math.h>
 
-#include "encode.h"
-
 #define JOIN(a, b) a##b
 #define NAMED(a, b) JOIN(a, b)
 #define STRING(a) #a
 #define STRING_OF(a) STRING(a)
+
+#include "encode_stages.h"
 
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
@@ -341,5 +341,5 @@ static void NAMED(fxs_pack_code_chunk_, ISA)(const fxs_palette *p, const fxs_sh_
 }
 
 const fxs_pack_stages NAMED(fxs_pack_stages_, ISA) = {
-    STRING_OF(ISA), NAMED(fxs_pack_exponentials_, ISA), NAMED(fxs_pack_find_, ISA), NAMED(fxs_pack_nearest_, ISA),
-    NAMED(fxs_pack_code_chunk_, ISA)};
+    STRING_OF(ISA), NAMED(fxs_pack_exponentials_, ISA), NAMED(fxs_pack_take_ranges_, ISA), NAMED(fxs_pack_encode_, ISA),
+    NAMED(fxs_pack_find_, ISA), NAMED(fxs_pack_nearest_, ISA), NAMED(fxs_pack_code_chunk_, ISA)};
