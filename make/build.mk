@@ -46,7 +46,7 @@ DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda
 LIBRARY := $(wildcard $(patsubst %,src/%/*.c,base gaussian scene scene/read scene/write scene/edit pack camera image fit) \
                       $(patsubst %,port/%/*.c,posix backend board)) \
            $(wildcard $(patsubst %,kernels/fit/fit_%.c,$(FIT_KERNELS_$(KERNEL_FOLDER)))) \
-           $(wildcard $(patsubst %,kernels/pack/pack_%.c,$(PACK_KERNELS_$(KERNEL_FOLDER))))
+           $(wildcard $(patsubst %,kernels/pack/*_%.c,$(PACK_KERNELS_$(KERNEL_FOLDER))))
 LIBRARY += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/gl/egl.c) $(call with,OSMESA,port/gl/osmesa.c))
 LIBRARY += $(B)/declarations.c
 WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) \

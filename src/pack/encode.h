@@ -60,14 +60,14 @@ void fxs_code_coefficients(const float *x, int count, double step, int32_t *code
 /* The largest magnitude of `count` coefficients, 0 or at least 8; NaN counts as 0. */
 static inline float fxs_largest_coefficient(const float *sh, int count)
 {
-    enum { LANES = 8 };              /* so that comparisons do not wait for each other */
-    float most[LANES] = {0};
-    for (int i = 0; i < count; i += LANES) {
-        const float *x = count - i < LANES ? sh + count - LANES : sh + i;
-        for (int k = 0; k < LANES; k++)
+    enum { SEVERAL = 8 };            /* so that comparisons do not wait for each other */
+    float most[SEVERAL] = {0};
+    for (int i = 0; i < count; i += SEVERAL) {
+        const float *x = count - i < SEVERAL ? sh + count - SEVERAL : sh + i;
+        for (int k = 0; k < SEVERAL; k++)
             most[k] = fabsf(x[k]) > most[k] ? fabsf(x[k]) : most[k];
     }
-    for (int left = LANES / 2; left > 0; left /= 2)
+    for (int left = SEVERAL / 2; left > 0; left /= 2)
         for (int k = 0; k < left; k++)
             most[k] = most[left + k] > most[k] ? most[left + k] : most[k];
     return most[0];

@@ -2,6 +2,7 @@
 #ifndef FXS_PACK_STAGE_H
 #define FXS_PACK_STAGE_H
 
+#include "coarsen.h"
 #include "encode.h"
 
 typedef struct fxs_pack_stages {
@@ -17,6 +18,8 @@ typedef struct fxs_pack_stages {
     /* The signed index of the nearest of `count` vectors, at most 16. There are as many as the next multiple of 8. */
     uint32_t (*nearest)(const fxs_sh_vector *vectors, const int32_t *squares, uint32_t count,
                         const fxs_sh_vector vector);
+    /* Merges a set of more than `most` Gaussians until that many are left, and adds to the errors. */
+    void (*coarsen)(fxs_merger *merger, uint32_t most, fxs_merge_error *sums);
     /* fxs_palette_code_chunk */
     void (*code_chunk)(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                        unsigned char *records, size_t stride, fxs_sh_loss *loss);

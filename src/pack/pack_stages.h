@@ -12,6 +12,8 @@
 
 #include "encode_stages.h"
 
+void NAMED(fxs_coarsen_, ISA)(fxs_merger *merger, uint32_t most, fxs_merge_error *sums);
+
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
     GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP,
@@ -342,4 +344,5 @@ static void NAMED(fxs_pack_code_chunk_, ISA)(const fxs_palette *p, const fxs_sh_
 
 const fxs_pack_stages NAMED(fxs_pack_stages_, ISA) = {
     STRING_OF(ISA), NAMED(fxs_pack_exponentials_, ISA), NAMED(fxs_pack_take_ranges_, ISA), NAMED(fxs_pack_encode_, ISA),
-    NAMED(fxs_pack_find_, ISA), NAMED(fxs_pack_nearest_, ISA), NAMED(fxs_pack_code_chunk_, ISA)};
+    NAMED(fxs_pack_find_, ISA), NAMED(fxs_pack_nearest_, ISA), NAMED(fxs_coarsen_, ISA),
+    NAMED(fxs_pack_code_chunk_, ISA)};
