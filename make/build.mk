@@ -30,21 +30,23 @@ LIBS := $(foreach name,CJSON ZIP PNG JPEG WEBP ZLIB DEFLATE ZSTD GLES CURL CUDA,
 # AVX-512 masks.
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 # Lanes that are not wanted may overflow, as do the bits of a .jpg in stb_image_write: -fwrapv says that this is no
-# fault. -O3: project takes 9 % less, an import 10 %. Nobody reads errno or traps of src/pack/coarsen, and without them
-# its loops become vectors, with the same bytes.
+# fault. -O3: project takes 9 % less, an import 10 %. Nobody reads errno or traps of src/pack/coarsen and the
+# stages of packing, and without them their loops become vectors, with the same bytes.
 isa = $(if $(filter src/image/image_encode,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv) $(if $(filter kernels/% src/pack/%,$(1)),$(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
-      $(if $(filter src/pack/coarsen,$(1)),-O3 -fno-math-errno -fno-trapping-math) $(if $(filter src/fit/% kernels/fit/% src/camera/% src/pack/% src/scene/% src/gaussian/% tests/gpu/test_fit% tests/test_fit_%,$(1)),$(SINGLES))
+      $(if $(filter src/pack/coarsen src/pack/pack_c kernels/pack/%,$(1)),-O3 -fno-math-errno -fno-trapping-math) $(if $(filter src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% tests/gpu/test_fit% tests/test_fit_%,$(1)),$(SINGLES))
 
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
 FIT_KERNELS_x86 := sse41 avx2 avx512
 FIT_KERNELS_arm := neon
+PACK_KERNELS_x86 := avx2
 KERNELS := $(if $(KERNEL_FOLDER),$(wildcard kernels/simd/$(KERNEL_FOLDER)/*.c))
 CORE := $(wildcard src/core/*.c kernels/*.c) $(KERNELS)
 DEVICES := $(call with,GLES,kernels/gles/*.c) $(call with,CUDA,kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu)
 LIBRARY := $(wildcard $(patsubst %,src/%/*.c,base gaussian scene scene/read scene/write scene/edit pack camera image fit) \
                       $(patsubst %,port/%/*.c,posix backend board)) \
-           $(wildcard $(patsubst %,kernels/fit/fit_%.c,$(FIT_KERNELS_$(KERNEL_FOLDER))))
+           $(wildcard $(patsubst %,kernels/fit/fit_%.c,$(FIT_KERNELS_$(KERNEL_FOLDER)))) \
+           $(wildcard $(patsubst %,kernels/pack/*_%.c,$(PACK_KERNELS_$(KERNEL_FOLDER))))
 LIBRARY += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/gl/egl.c) $(call with,OSMESA,port/gl/osmesa.c))
 LIBRARY += $(B)/declarations.c
 WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) \

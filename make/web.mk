@@ -16,7 +16,7 @@ WEB_GLES := $(wildcard kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES)
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
 sources_of_import := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
-                     src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) \
+                     src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) port/backend/pack_stages.c \
                      $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c source.c text.c zip.c) \
                      $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
 # What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are

@@ -6,9 +6,12 @@
 #include <unistd.h>
 
 #include "src/base/byte_reader.h"
+#include "src/gaussian/attributes.h"
 #include "src/pack/coded.h"
 #include "src/pack/encode.h"
 #include "src/pack/order.h"
+#include "src/pack/pack_stage.h"
+#include "src/base/run.h"
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/pack.h>
 #include <fixsplat/pool.h>
@@ -392,7 +395,7 @@ static void test_sh_steps_up_to_the_limit(void)
     memset(&info, 0, sizeof info);
     fxs_ranges_clear(&ranges);
     make_gaussians(1);
-    fxs_ranges_take(&ranges, gaussians, fxs_opacity(gaussians), 0);
+    fxs_ranges_take(&ranges, gaussians, fxs_opacity_of_logit(gaussians->opacity), 0);
     for (size_t k = 0; k < sizeof steps / sizeof *steps; k++)
         for (int degree = 0; degree < 3; degree++) {
             const float most = (float)ldexp(127 * steps[k], -19);
@@ -1013,6 +1016,53 @@ static void test_errors_of_sh_cancel(void)
 
 static int live, allocations, failing;      /* blocks; the allocation that fails, counted from 0 */
 
+/* Codes chunks of `count` Gaussians by the stages for the instruction sets in `cpu`. */
+static fxs_sh_loss code_chunks(unsigned cpu, const fxs_palette *p, const fxs_sh_item *items, uint32_t count,
+                               int8_t mean[48], unsigned char *records)
+{
+    fxs_sh_loss loss = {0, 0};
+    for (uint32_t first = 0; first < MAX_COUNT; first += FXS_CHUNK)
+        fxs_pack_stages_choose(cpu)->code_chunk(p, items + first, count, mean, records + first * FXS_RECORD_BYTES,
+                                                FXS_RECORD_BYTES, &loss);
+    return loss;
+}
+
+static void check_stages(const fxs_sh_item *items, enum fxs_profile which, int degree, uint32_t entries)
+{
+    static unsigned char records[2][(MAX_COUNT + FXS_CHUNK) * FXS_RECORD_BYTES];
+    static fxs_palette p;
+    const fxs_pack_options options = {.run = fxs_run_here};
+    int8_t mean[2][48];
+    memset(&p, 0, sizeof p);
+    p.profile = which;
+    p.sh_degree = degree;
+    CHECK(fxs_palette_learn(&p, entries, items, MAX_COUNT, &options, &message) == 0);
+    const fxs_sh_loss plain = code_chunks(0, &p, items, FXS_CHUNK - entries, mean[0], records[0]);
+    const fxs_sh_loss best = code_chunks(~0u, &p, items, FXS_CHUNK - entries, mean[1], records[1]);
+    CHECK(!memcmp(mean[0], mean[1], sizeof mean[0]));
+    CHECK(!memcmp(records[0], records[1], sizeof records[0]));
+    CHECK(plain.largest == best.largest && plain.squares == best.squares && plain.largest > 0);
+    for (uint32_t count = 1; count <= 16; count++)
+        CHECK(fxs_pack_stages_choose(0)->nearest(p.groups[0], p.group_squares[0], count, p.vectors[1][count]) ==
+              fxs_pack_stages_choose(~0u)->nearest(p.groups[0], p.group_squares[0], count, p.vectors[1][count]));
+}
+
+/* Each instruction set gives the bytes of C, with few entries and with many. */
+static void test_stages(void)
+{
+    static const uint32_t entries[] = {1, 2, 9, 23, 77, 128};
+    fxs_sh_item *items = calloc(MAX_COUNT + FXS_CHUNK, sizeof *items);
+    printf("  %s\n", fxs_pack_stages_choose(~0u)->name);
+    make_gaussians(MAX_COUNT);
+    for (int degree = 1; degree <= 3; degree++) {
+        for (size_t i = 0; i < MAX_COUNT; i++)
+            fxs_sh_item_set(&items[i], &gaussians[i], fxs_opacity_of_logit(gaussians[i].opacity), degree);
+        for (size_t i = 0; i < sizeof entries / sizeof *entries; i++)
+            check_stages(items, i % 2 ? FXS_PROFILE_COMPACT : FXS_PROFILE_SMALL, degree, entries[i]);
+    }
+    free(items);
+}
+
 static void *count_allocation(void *argument, size_t bytes)
 {
     (void)argument;
@@ -1572,6 +1622,7 @@ int main(void)
     RUN(test_means_of_chunks);
     RUN(test_palettes_are_good);
     RUN(test_errors_of_sh_cancel);
+    RUN(test_stages);
     RUN(test_every_allocation_fails);
     RUN(test_threads_learning_a_palette);
     RUN(test_threads);

@@ -6,6 +6,7 @@
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/pool.h>
 #include "src/core/chunk.h"
+#include "src/gaussian/attributes.h"
 #include "src/pack/coarsen.h"
 #include "src/pack/decode.h"
 #include "src/pack/encode.h"
@@ -121,7 +122,8 @@ static sums sums_of(const fxs_scene *scene, uint32_t number)
             continue;
         fxs_decode(scene, &chunk, rows, i, &g);
         const double x = exp(2.0 * g.scale[0]), y = exp(2.0 * g.scale[1]), z = exp(2.0 * g.scale[2]);
-        const double area = sqrt(x * y + x * z + y * z), weight = area * fmax(fxs_opacity(&g) - FXS_FAINTEST, 0);
+        const double area = sqrt(x * y + x * z + y * z);
+        const double weight = area * fmax(fxs_opacity_of_logit(g.opacity) - (double)FXS_FAINTEST, 0);
         s.weight += weight;
         s.area += area;
         for (int k = 0; k < 3; k++) {

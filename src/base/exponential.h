@@ -10,23 +10,25 @@
 #define FXS_LN_2_HIGH 0x1.62e42fee00000p-1    /* its product with an integer up to 2^20 is exact */
 #define FXS_LN_2_LOW 0x1.a39ef35793c76p-33
 
-/* x 2^n, exact where the result is a normal number. */
-static inline double fxs_scaled(double x, int n)
+/* 2^n, n in -1022..1023. */
+static inline double fxs_power_of_two(int n)
 {
-    if (n < -1021 || n > 1023)
-        return ldexp(x, n);
     const uint64_t bits = (uint64_t)(n + 1023) << 52;
     double power;
     memcpy(&power, &bits, sizeof power);
-    return x * power;
+    return power;
+}
+
+/* x 2^n, exact where the result is a normal number. */
+static inline double fxs_scaled(double x, int n)
+{
+    return n < -1021 || n > 1023 ? ldexp(x, n) : x * fxs_power_of_two(n);
 }
 
 /* x = n ln 2 + r, |r| <= ln 2 / 2; e^r = 1 + r (1 + r / 2 (1 + r / 3 (...))), up to r^14. Where a quotient is half of
-   another one, it is not divided again. */
-static inline double fxs_exp(double x)
+   another one, it is not divided again. Returns e^r, for x in -746..710. */
+static inline double fxs_exp_series(double x, int *exponent)
 {
-    if (!(x > -746 && x < 710))
-        return x > 0 ? INFINITY : x < 0 ? 0 : x;
     const double scaled = x * 1.4426950408889634 + 0.5;
     const int n = (int)scaled - ((int)scaled > scaled);
     const double r = (x - n * FXS_LN_2_HIGH) - n * FXS_LN_2_LOW;
@@ -38,7 +40,17 @@ static inline double fxs_exp(double x)
     sum = 1 + r5 * (1 + r3 / 2 * sum);
     sum = 1 + r3 * (1 + r / 4 * sum);
     sum = 1 + r * (1 + r / 2 * sum);
-    return fxs_scaled(sum, n);
+    *exponent = n;
+    return sum;
+}
+
+static inline double fxs_exp(double x)
+{
+    int exponent;
+    if (!(x > -746 && x < 710))
+        return x > 0 ? INFINITY : x < 0 ? 0 : x;
+    const double series = fxs_exp_series(x, &exponent);
+    return fxs_scaled(series, exponent);
 }
 
 /* x = 2^n m, m in sqrt(1/2)..sqrt(2); ln m = 2 (s + s^3 / 3 + s^5 / 5 + ...), s = (m - 1) / (m + 1), up to s^23. */

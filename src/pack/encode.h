@@ -2,14 +2,24 @@
 #ifndef FXS_ENCODE_H
 #define FXS_ENCODE_H
 
+#include <math.h>
+
 #include <fixsplat/packed.h>
 #include "palette.h"
 #include <fixsplat/gaussian.h>
+#include "src/gaussian/attributes.h"
 
 #define FXS_LOG2_E 1.4426950408889634
 
 /* floor(x) in low..high; NaN is low. */
 int fxs_floor_within(double x, int low, int high);
+
+/* The colour of SH degree 0, within +-60. */
+static inline double fxs_base_colour(const fxs_gaussian *g, int channel)
+{
+    const double colour = fxs_colour_of_dc(g->dc[channel]);
+    return colour < -60 ? -60 : colour > 60 ? 60 : colour;
+}
 
 /* ln(sigma) within +-20; NaN becomes -20. */
 float fxs_held_scale(float scale);
@@ -35,11 +45,33 @@ typedef struct fxs_chunk_ranges {
 void fxs_ranges_clear(fxs_chunk_ranges *ranges);
 void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
-/* round(x / step) in +-127 of `count` coefficients, halves upwards, or all 0 for a step of 0. `step` is a float. */
+/* round(x / step) in +-127, halves upwards, or 0 for a step of 0. x and step are floats of 24 bits, so no quotient but
+   an exact half lies within 2^-26 of a half; and the quotient by way of 1 / step, which is wrong by 2^-45 at most, is on
+   the right side of it once 2^-30 is added. */
+static inline int32_t fxs_coefficient_code(double x, double step, double inverse)
+{
+    const double most = 127 * step, above = x > -most ? x : -most, held = above < most ? above : most;
+    return (int32_t)(held * inverse + (128.5 + 0x1p-30)) - 128;
+}
+
+/* The same of `count` coefficients. */
 void fxs_code_coefficients(const float *x, int count, double step, int32_t *codes);
 
 /* The largest magnitude of `count` coefficients, 0 or at least 8; NaN counts as 0. */
-float fxs_largest_coefficient(const float *sh, int count);
+static inline float fxs_largest_coefficient(const float *sh, int count)
+{
+    enum { SEVERAL = 8 };            /* so that comparisons do not wait for each other */
+    float most[SEVERAL] = {0};
+    for (int i = 0; i < count; i += SEVERAL) {
+        const float *x = count - i < SEVERAL ? sh + count - SEVERAL : sh + i;
+        for (int k = 0; k < SEVERAL; k++)
+            most[k] = fabsf(x[k]) > most[k] ? fabsf(x[k]) : most[k];
+    }
+    for (int left = SEVERAL / 2; left > 0; left /= 2)
+        for (int k = 0; k < left; k++)
+            most[k] = most[left + k] > most[k] ? most[left + k] : most[k];
+    return most[0];
+}
 
 /* Writes what a header says of positions. */
 void fxs_encode_places(fxs_chunk *chunk, const fxs_range position[3]);
@@ -62,9 +94,6 @@ typedef struct fxs_encoder {
     int sh_degree;
 } fxs_encoder;
 
-/* 1 / (1 + exp(-logit)) */
-double fxs_opacity(const fxs_gaussian *gaussian);
-
 enum { FXS_RECORD_BYTES = 63 };      /* the most bytes of the codes of a Gaussian */
 
 /* The codes of a Gaussian, as they are in the rows. */
@@ -84,10 +113,6 @@ void fxs_encode(const fxs_encoder *encoder, const fxs_chunk *chunk, const fxs_ga
 
 /* The gain of a code: (8 + bits 2..0) 2^(bits 7..3) 2^-32. */
 double fxs_gain(int code);
-
-/* Writes the residual of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest` is
-   the residual, and becomes the error of these codes. */
-void fxs_encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record);
 
 /* Turns the records of a chunk, one after the other, into its rows. */
 void fxs_encode_rows(const fxs_encoder *encoder, const unsigned char *records, unsigned char *rows);

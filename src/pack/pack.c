@@ -8,12 +8,14 @@
 #include <fixsplat/packed.h>
 #include "src/base/exponential.h"
 #include <fixsplat/message.h>
+#include "src/base/pages_internal.h"
 #include "src/base/run.h"
 #include "src/base/try_internal.h"
 #include "src/gaussian/attributes.h"
 #include "coded.h"
 #include "framing.h"
 #include "order.h"
+#include "pack_stage.h"
 #include "part.h"
 #include "tree.h"
 
@@ -68,6 +70,7 @@ struct packer {
     fxs_pack_report *report;
     fxs_pack_options options;
     fxs_message *message;
+    const fxs_pack_stages *stages;
     findings *findings;              /* of each of PARTS parts */
     batch *batches;                  /* two: jobs work on one while the other is filled */
     int ready;                       /* index of the batch that jobs work on */
@@ -189,12 +192,18 @@ static int all_finite(const float *values, int count)
     return finite;
 }
 
-/* NaN counts as opaque, or as thin. */
-double fxs_weight(const fxs_gaussian *g)
+/* ln of the product of the two largest sigmas; NaN counts as thin. */
+static double log_area(const fxs_gaussian *g)
 {
     const float a = fxs_held_scale(g->scale[0]), b = fxs_held_scale(g->scale[1]), c = fxs_held_scale(g->scale[2]);
-    const float least = fminf(fminf(a, b), c);
-    return fxs_exp((double)(a + b + c - least)) / (isnan(g->opacity) ? 1 : 1 + fxs_exp(-(double)g->opacity));
+    const float less = a < b ? a : b, least = less < c ? less : c;
+    return (double)(a + b + c - least);
+}
+
+/* NaN counts as opaque. */
+double fxs_weight(const fxs_gaussian *g)
+{
+    return fxs_exp(log_area(g)) / (isnan(g->opacity) ? 1 : 1 + fxs_exp(-(double)g->opacity));
 }
 
 int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped)
@@ -231,13 +240,12 @@ static const fxs_gaussian *fit(fxs_gaussian *g)
     return g;
 }
 
-static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, findings *f)
+static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, double weight, findings *f)
 {
     if (!fxs_drawable(g, p->info->sh_degree, &f->dropped)) {
         entry->position[0] = NAN;
         return;
     }
-    const double weight = fxs_weight(g);
     f->brought_in += (uint64_t)is_far(g);
     fit(g);
     memcpy(entry->position, g->position, sizeof g->position);
@@ -262,11 +270,20 @@ static uint64_t hash_of(const fxs_gaussian *g, uint64_t index)
 
 static void take_positions(packer *p, batch *b, uint32_t part)
 {
-    for (long i = first_of(b, part), end = first_of(b, part + 1); i < end; i++) {
+    const long first = first_of(b, part), end = first_of(b, part + 1);
+    double areas[BATCH / PARTS + 1], rests[BATCH / PARTS + 1];
+    for (long i = first; i < end; i++) {
+        areas[i - first] = log_area(&b->gaussians[i]);
+        rests[i - first] = -(double)b->gaussians[i].opacity;
+    }
+    p->stages->exponentials(areas, (uint32_t)(end - first));
+    p->stages->exponentials(rests, (uint32_t)(end - first));
+    for (long i = first; i < end; i++) {
         const uint64_t index = b->first + (uint64_t)i;
         if (p->by_part)
             p->findings[part].source += hash_of(&b->gaussians[i], index);
-        take_position(p, &p->entries[index], &b->gaussians[i], &p->findings[part]);
+        take_position(p, &p->entries[index], &b->gaussians[i], areas[i - first] / (1 + rests[i - first]),
+                      &p->findings[part]);
         if (index % p->seen_step == 0 && !isnan(p->entries[index].position[0]))
             p->seen[index / p->seen_step] = fxs_seen_of(&b->gaussians[i]);
     }
@@ -379,6 +396,7 @@ static int find_slots(packer *p)
     for (uint32_t i = 0; p->coded && i < count; i++)
         p->entries[i].index = i;
     p->slots = fxs_allocate(p->options.allocator, count, sizeof *p->slots);
+    fxs_use_large_pages(p->slots, count * sizeof *p->slots);
     if (!p->slots)
         return fail_memory(p, count);
     place_in_slots(p);
@@ -462,19 +480,28 @@ static void take_sample(packer *p, uint32_t slot, const fxs_gaussian *g, double 
         fxs_sh_item_set(&p->sample[at + slot % FXS_CHUNK], g, opacity, p->encoder.sh_degree);
 }
 
+/* 1 / (1 + e^x) of each x. Many at once, as each exponential is one long chain that waits for nothing else. */
+static void find_opacities(const packer *p, double *x, uint32_t count)
+{
+    p->stages->exponentials(x, count);
+    for (uint32_t i = 0; i < count; i++)
+        x[i] = 1 / (1 + x[i]);
+}
+
 /* A chunk belongs to the same part in every batch. */
 static void take_ranges(packer *p, batch *b, uint32_t part)
 {
     const uint32_t *slots = p->slots + b->first;
     uint16_t own[BATCH];
-    double opacities[BATCH];         /* found first, as they wait for nothing else */
+    double opacities[BATCH];
     uint32_t count = 0;
     for (uint32_t i = 0; i < (uint32_t)b->count; i++) {
         own[count] = (uint16_t)i;
         count += slots[i] / FXS_CHUNK % PARTS == part && is_read(p, slots[i]);
     }
     for (uint32_t i = 0; i < count; i++)
-        opacities[i] = fxs_opacity(&b->gaussians[own[i]]);
+        opacities[i] = -(double)b->gaussians[own[i]].opacity;
+    find_opacities(p, opacities, count);
     for (uint32_t i = 0; i < count; i++) {
         const fxs_gaussian *g = fit(&b->gaussians[own[i]]);
         const uint32_t chunk = slots[own[i]] / FXS_CHUNK;
@@ -482,7 +509,7 @@ static void take_ranges(packer *p, batch *b, uint32_t part)
         if (is_packed(p, later))
             PREFETCH_TO_WRITE(&p->ranges[later - p->first]);
         if (is_packed(p, chunk))
-            fxs_ranges_take(&p->ranges[chunk - p->first], g, opacities[i], p->encoder.sh_degree);
+            p->stages->take_ranges(&p->ranges[chunk - p->first], g, opacities[i], p->encoder.sh_degree);
         if (p->sample)
             take_sample(p, slots[own[i]], g, opacities[i]);
     }
@@ -519,7 +546,9 @@ static int allocate_palette(packer *p)
         fxs_palette_write(p->coded->palette, (int8_t *)p->palette_bytes);
         return 0;
     }
-    p->sample = fxs_allocate_zeroed(p->options.allocator, fxs_palette_sample(p->header->count), sizeof *p->sample);
+    const uint32_t sampled = fxs_palette_sample(p->header->count);
+    p->sample = fxs_allocate_zeroed(p->options.allocator, sampled, sizeof *p->sample);
+    fxs_use_large_pages(p->sample, sampled * sizeof *p->sample);
     p->palette = fxs_allocate_zeroed(p->options.allocator, 1, sizeof *p->palette);
     if (!p->sample || !p->palette)
         return fail_memory(p, p->header->count);
@@ -546,6 +575,7 @@ static int find_palette(packer *p)
         fxs_release(p->options.allocator, p->sample);
         p->sample = 0;
         p->items = fxs_allocate(p->options.allocator, (size_t)held * FXS_CHUNK, sizeof *p->items);
+        fxs_use_large_pages(p->items, (size_t)held * FXS_CHUNK * sizeof *p->items);
     }
     return p->sample || p->items ? 0 : fail_memory(p, h->count);
 }
@@ -578,8 +608,9 @@ static void encode_part(packer *p, batch *b, uint32_t part)
     double opacities[BATCH / PARTS + 1];
     int changed = 0;
     const long first = first_of(b, part), end = first_of(b, part + 1);
-    for (long i = first; i < end && !p->coded; i++)
-        opacities[i - first] = fxs_opacity(&b->gaussians[i]);
+    for (long i = first; i < end; i++)
+        opacities[i - first] = -(double)b->gaussians[i].opacity;
+    find_opacities(p, opacities, p->coded ? 0 : (uint32_t)(end - first));
     for (long i = first; i < end; i++) {
         const uint32_t slot = slots[i], chunk = slot / FXS_CHUNK;
         fetch(p, slots[i + AHEAD < end ? i + AHEAD : i]);
@@ -593,7 +624,7 @@ static void encode_part(packer *p, batch *b, uint32_t part)
         }
         const fxs_gaussian *g = fit(&b->gaussians[i]);
         changed |= !is_within(&p->ranges[chunk - p->first], g);
-        fxs_encode(&p->encoder, &p->chunks[chunk - p->first], g, opacities[i - first], record, &loss);
+        p->stages->encode(&p->encoder, &p->chunks[chunk - p->first], g, opacities[i - first], record, &loss);
         memcpy(to, record, bytes);
         if (p->items)
             fxs_sh_item_set(&p->items[slot - p->first_chunk * FXS_CHUNK], g, opacities[i - first],
@@ -755,6 +786,7 @@ static int allocate_packed(packer *p, fxs_packed_scene *scene, size_t bytes)
         p->message->bytes_needed = bytes + 63;
         return FXS_ERR_MEMORY;
     }
+    fxs_use_large_pages(scene->allocation, bytes + 63);
     scene->data = (void *)(((uintptr_t)scene->allocation + 63) / 64 * 64);
     return 0;
 }
@@ -875,6 +907,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
         return fxs_fail(p->message, "%llu Gaussians: expected 1 to %u", (unsigned long long)p->info->count,
                         FXS_MAX_COUNT);
     p->entries = fxs_allocate_zeroed(p->options.allocator, (size_t)p->info->count, sizeof *p->entries);
+    fxs_use_large_pages(p->entries, (size_t)p->info->count * sizeof *p->entries);
     p->batches = fxs_allocate(p->options.allocator, 2, sizeof *p->batches);
     p->findings = fxs_allocate_zeroed(p->options.allocator, PARTS, sizeof *p->findings);
     p->seen_step = (p->info->count - 1) / FXS_SEEN_MOST + 1;
@@ -929,6 +962,7 @@ static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file
     p.info = info;
     p.report = report;
     p.message = message;
+    p.stages = fxs_pack_stages_choose(~0u);
     if (options)
         p.options = *options;
     p.encoder.profile = p.options.profile;

@@ -5,19 +5,16 @@
 #include <string.h>
 
 #include "encode.h"
-#include "src/base/exponential.h"
+#include "pack_stage.h"
+#include "palette_vector.h"
 
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
-    GROUPS = FXS_PALETTE_GROUPS, GROUP = ENTRIES / GROUPS,
-    MOST = 1270,                   /* units; sums of 7 vectors stay in 16 bits, their products in 32 */
-    BEAM = 2,                      /* sums kept from stage to stage */
-    TRIED = 3,                     /* groups of entries that are looked into */
+    GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP, MOST = FXS_PALETTE_MOST,
     NEVER = 1 << 30,               /* a cost that no entry has */
     SAMPLE = 16384,                /* Gaussians that a palette is learned from, about */
     LLOYD_ROUNDS = 5, JOINT_ROUNDS = 2,
-    JOBS = 16,
-    WINDOW = 48                    /* Gaussians before one whose errors it makes good, at most */
+    JOBS = 16
 };
 
 /* The largest number of entries with which the packed scene has at most 40 bytes a Gaussian, or 20 in the profile
@@ -56,194 +53,30 @@ void fxs_sh_item_set(fxs_sh_item *item, const fxs_gaussian *g, double opacity, i
         item->codes[i] = (int8_t)codes[i];
 }
 
-static int16_t hold(int64_t x)
-{
-    return (int16_t)(x > -MOST ? x < MOST ? x : MOST : -MOST);
-}
-
-/* Coefficients in units. A step that would make every code too large is cut to one that does. */
-static void vector_of(fxs_sh_vector vector, const fxs_sh_item *item, int unit_exponent)
-{
-    const double wanted_q12 = fxs_scaled(item->step, unit_exponent + 12);
-    const int32_t step_q12 = wanted_q12 < MOST << 12 ? (int32_t)wanted_q12 : MOST << 12;
-    memset(vector, 0, sizeof(fxs_sh_vector));
-    for (int k = 0; k < 15; k++)
-        for (int c = 0; c < 3; c++)
-            vector[16 * c + k] = hold((item->codes[3 * k + c] * step_q12 + 2048) >> 12);
-}
-
-/* Of a chunk, weighted by opacity. */
-static void find_mean(fxs_sh_vector mean, const fxs_palette *p, const fxs_sh_item *items, uint32_t count)
-{
-    int32_t sums[WIDTH] = {0}, weight = 0;
-    for (uint32_t i = 0; i < count && p->centred; i++) {
-        fxs_sh_vector vector;
-        vector_of(vector, &items[i], p->unit_exponent);
-        for (int d = 0; d < WIDTH; d++)
-            sums[d] += vector[d] * items[i].opacity;
-        weight += items[i].opacity;
-    }
-    for (int d = 0; d < WIDTH; d++)
-        mean[d] = (int16_t)(weight ? sums[d] / weight : 0);
-}
-
 static void copy_held(fxs_sh_vector to, const fxs_sh_vector from, int sign)
 {
     for (int d = 0; d < WIDTH; d++)
         to[d] = hold(sign * from[d]);
 }
 
-static void subtract(fxs_sh_vector vector, const fxs_sh_vector from)
-{
-    for (int d = 0; d < WIDTH; d++)
-        vector[d] = (int16_t)(vector[d] - from[d]);
-}
-
-/* An entry by its signed index. */
-static void subtract_entry(fxs_sh_vector vector, const fxs_palette *p, uint32_t stage, uint32_t index)
-{
-    const int16_t *entry = p->vectors[stage][index % ENTRIES];
-    const int sign = index & FXS_PALETTE_NEGATIVE ? -1 : 1;
-    for (int d = 0; d < WIDTH; d++)
-        vector[d] = (int16_t)(vector[d] - sign * entry[d]);
-}
-
-/* ---- Finding --------------------------------------------------------------------------------------------------- */
-
-static int32_t dot(const int16_t *restrict a, const int16_t *restrict b)
-{
-    int32_t sum = 0;
-#if defined(__GNUC__)
-#pragma GCC unroll 6
-#endif
-    for (int d = 0; d < WIDTH; d++)
-        sum += a[d] * b[d];
-    return sum;
-}
-
-static int32_t absolute(int32_t x)
-{
-    return x < 0 ? -x : x;
-}
-
-static uint32_t groups_of(const fxs_palette *p)
-{
-    return (p->entries + GROUP - 1) / GROUP;
-}
-
-/* A sum of signed entries of the first stages. */
-typedef struct candidate {
-    fxs_sh_vector left;            /* x - sum */
-    int32_t cost;                  /* |left|^2 - |x|^2 */
-    uint8_t indices[STAGES];
-} candidate;
-
-/* A cost and its place: the least key is that of the least cost, the first of equal ones. */
-typedef int64_t key;
-
-static key key_of(int32_t cost, uint32_t place)
-{
-    return (key)cost * 256 + place;
-}
-
-static int32_t cost_of(key k)
-{
-    return (int32_t)((k - (k & 255)) / 256);
-}
-
-/* The least of `count` keys, whose places are 0 to count - 1; its cost is the highest then. Without branches on costs:
-   nobody could foretell them. Several minima at a time do not wait for each other. */
-static key take_least(key *keys, uint32_t count)
-{
-    enum { LANES = 4 };
-    key least[LANES] = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
-    uint32_t i = 0;
-    for (; i + LANES <= count; i += LANES)
-        for (uint32_t k = 0; k < LANES; k++)
-            least[k] = keys[i + k] < least[k] ? keys[i + k] : least[k];
-    for (; i < count; i++)
-        least[0] = keys[i] < least[0] ? keys[i] : least[0];
-    for (uint32_t k = 1; k < LANES; k++)
-        least[0] = least[k] < least[0] ? least[k] : least[0];
-    keys[least[0] & 255] = key_of(INT32_MAX, least[0] & 255);
-    return least[0];
-}
-
-/* cost + |left -+ vector|^2 - |left|^2 = cost + |vector|^2 -+ 2 left vector, of `count` vectors, whose places begin
-   with `place`, and the better sign of each. */
-static void find_costs(key *restrict keys, uint32_t place, int32_t cost, const fxs_sh_vector left,
-                       const fxs_sh_vector *vectors, const int32_t *squares, uint32_t count)
-{
-    for (uint32_t j = 0; j < count; j++)
-        keys[j] = key_of(cost + squares[j] - 2 * absolute(dot(left, vectors[j])), place + j);
-}
-
-/* What the entries of the groups that are nearest to what is left of a sum would make of its cost; `place` is that of
-   the first key. */
-static void try_groups(key keys[TRIED * GROUP], uint32_t place, uint32_t groups[TRIED], const candidate *from,
-                       const fxs_palette *p, uint32_t stage)
-{
-    key all[GROUPS];
-    const uint32_t count = groups_of(p);
-    find_costs(all, 0, 0, from->left, p->groups[stage], p->group_squares[stage], count);
-    for (uint32_t g = 0; g < TRIED; g++) {
-        groups[g] = take_least(all, count) & 255;
-        find_costs(keys + g * GROUP, place + g * GROUP, from->cost, from->left, p->vectors[stage] + groups[g] * GROUP,
-                   p->squares[stage] + groups[g] * GROUP, GROUP);
-    }
-}
-
-/* The best sums of one stage more. Returns their number. */
-static uint32_t extend(candidate to[BEAM], const candidate from[BEAM], uint32_t count, const fxs_palette *p,
-                       uint32_t stage)
-{
-    key keys[BEAM * TRIED * GROUP];
-    uint32_t groups[BEAM * TRIED];
-    for (uint32_t i = 0; i < count; i++)
-        try_groups(keys + i * TRIED * GROUP, i * TRIED * GROUP, groups + i * TRIED, &from[i], p, stage);
-    for (uint32_t i = 0; i < BEAM; i++) {
-        const key least = take_least(keys, count * TRIED * GROUP);
-        const uint32_t best = least & 255;
-        const candidate *parent = &from[best / (TRIED * GROUP)];
-        const uint32_t j = groups[best / GROUP] * GROUP + best % GROUP;
-        const uint32_t index = j | (dot(parent->left, p->vectors[stage][j]) < 0 ? FXS_PALETTE_NEGATIVE : 0);
-        to[i] = *parent;
-        to[i].cost = cost_of(least);
-        to[i].indices[stage] = (uint8_t)index;
-        subtract_entry(to[i].left, p, stage, index);
-    }
-    return BEAM;
-}
-
-/* Finds signed entries whose sum is near a vector, an index for each stage; the vector becomes what is left. */
-static void find(const fxs_palette *p, fxs_sh_vector vector, uint8_t indices[STAGES])
-{
-    candidate sums[2][BEAM] = {{{{0}, 0, {0}}}};
-    uint32_t count = 1;
-    memcpy(sums[0][0].left, vector, sizeof sums[0][0].left);
-    for (uint32_t stage = 0; stage < p->stages; stage++)
-        count = extend(sums[(stage + 1) & 1], sums[stage & 1], count, p, stage);
-    memcpy(indices, sums[p->stages & 1][0].indices, STAGES);
-    memcpy(vector, sums[p->stages & 1][0].left, sizeof(fxs_sh_vector));
-}
-
-/* The squares of a stage, from its vectors. There are no entries beyond the last. */
+/* The squares of a stage, from its vectors. There are no entries and no groups beyond the last. */
 static void prepare_stage(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t j = 0; j < ENTRIES; j++)
         p->squares[stage][j] = j < p->entries ? dot(p->vectors[stage][j], p->vectors[stage][j]) : NEVER;
-    for (uint32_t g = 0; g < groups_of(p); g++)
-        p->group_squares[stage][g] = dot(p->groups[stage][g], p->groups[stage][g]);
+    for (uint32_t g = 0; g < GROUPS; g++)
+        p->group_squares[stage][g] = g < groups_of(p) ? dot(p->groups[stage][g], p->groups[stage][g]) : NEVER;
 }
 
 /* ---- Learning -------------------------------------------------------------------------------------------------- */
 
 typedef struct learner {
     fxs_palette *palette;
+    const fxs_pack_stages *stages;
     fxs_sh_vector *vectors;        /* of the sample; then what the stages so far leave of them */
     uint32_t count;
     uint8_t (*indices)[STAGES];    /* of each vector */
-    int64_t (*sums)[WIDTH];        /* of the vectors of each entry */
+    int32_t (*sums)[WIDTH];        /* of the vectors of each entry, 2^14 at most */
     int32_t *total;                /* their number */
     const fxs_pack_options *options;
     uint32_t rounds, stage;
@@ -266,29 +99,13 @@ static uint32_t first_of(const learner *l, uint32_t job)
     return (uint32_t)((uint64_t)l->count * job / JOBS);
 }
 
-/* The signed index of the nearest of `count` vectors from `first` on. */
-static uint32_t nearest(const fxs_sh_vector *vectors, const int32_t *squares, uint32_t first, uint32_t count,
-                        const fxs_sh_vector vector)
-{
-    int32_t least = INT32_MAX;
-    uint32_t best = 0;
-    for (uint32_t j = first; j < first + count; j++) {
-        const int32_t product = dot(vector, vectors[j]), cost = squares[j] - 2 * absolute(product);
-        if (cost < least) {
-            least = cost;
-            best = j | (product < 0 ? FXS_PALETTE_NEGATIVE : 0);
-        }
-    }
-    return best;
-}
-
 static void find_group(void *argument, uint32_t job)
 {
     const learner *l = argument;
     const fxs_palette *p = l->palette;
     for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++)
-        l->indices[i][l->stage] = (uint8_t)nearest(p->groups[l->stage], p->group_squares[l->stage], 0, groups_of(p),
-                                                   l->vectors[i]);
+        l->indices[i][l->stage] = (uint8_t)l->stages->nearest(p->groups[l->stage], p->group_squares[l->stage],
+                                                              groups_of(p), l->vectors[i]);
 }
 
 /* The nearest in the group of the entry that it had. */
@@ -299,8 +116,8 @@ static void find_entry(void *argument, uint32_t job)
     for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++) {
         uint8_t *index = &l->indices[i][l->stage];
         const uint32_t first = *index % ENTRIES / GROUP * GROUP, left = p->entries - first;
-        *index = (uint8_t)nearest(p->vectors[l->stage], p->squares[l->stage], first, left < GROUP ? left : GROUP,
-                                  l->vectors[i]);
+        *index = (uint8_t)(first + l->stages->nearest(p->vectors[l->stage] + first, p->squares[l->stage] + first,
+                                                      left < GROUP ? left : GROUP, l->vectors[i]));
     }
 }
 
@@ -388,7 +205,7 @@ static void find_sums(void *argument, uint32_t job)
 {
     const learner *l = argument;
     for (uint32_t i = first_of(l, job); i < first_of(l, job + 1); i++)
-        find(l->palette, l->vectors[i], l->indices[i]);
+        l->stages->find(l->palette, l->vectors[i], l->indices[i]);
 }
 
 /* All stages at once: the best sums are found for whole vectors, then each stage's entries move by the mean of what all
@@ -409,13 +226,6 @@ static void learn_jointly(learner *l)
     }
     for (uint32_t s = 0; s < p->stages; s++)
         prepare_stage(p, s);
-}
-
-/* round(x / step), within 8 bits */
-static int32_t code_of(int32_t x, int32_t step)
-{
-    const int32_t code = (2 * absolute(x) + step) / (2 * step), held = code < 127 ? code : 127;
-    return x < 0 ? -held : held;
 }
 
 /* To 8 bits, with one step for all and for the means of the chunks. */
@@ -480,11 +290,14 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
     l->most = 0;
     for (uint32_t first = 0; first < count; first += FXS_CHUNK) {
         const uint32_t end = count - first < FXS_CHUNK ? count : first + FXS_CHUNK;
-        fxs_sh_vector mean;
+        fxs_sh_vector mean, vectors[FXS_CHUNK];
         if ((first + step - 1) / step * step >= end)
             continue;
         const fxs_sh_item *chunk = items + fxs_palette_sample_at(count, first / FXS_CHUNK);
-        find_mean(mean, l->palette, chunk, end - first);
+        const uint32_t meant = l->palette->centred ? end - first : 0;
+        for (uint32_t i = 0; i < meant; i++)
+            vector_of(vectors[i], &chunk[i], l->palette->unit_exponent);
+        find_mean(mean, vectors, chunk, meant);
         for (int d = 0; d < WIDTH; d++)
             l->most = absolute(mean[d]) > l->most ? absolute(mean[d]) : l->most;
         for (uint32_t i = (first + step - 1) / step * step; i < end; i += step, l->count++) {
@@ -537,7 +350,7 @@ static int learn_with(learn_fn *work, fxs_palette *palette, const fxs_sh_item *i
 {
     const fxs_allocator *allocator = options->allocator;
     const uint32_t step = step_for(count), sampled = (count - 1) / step + 1;
-    learner l = {.palette = palette, .options = options};
+    learner l = {.palette = palette, .stages = fxs_pack_stages_choose(~0u), .options = options};
     l.vectors = fxs_allocate(allocator, sampled, sizeof *l.vectors);
     l.indices = fxs_allocate_zeroed(allocator, sampled, sizeof *l.indices);
     l.sums = fxs_allocate_zeroed(allocator, palette->entries, sizeof *l.sums);
@@ -660,118 +473,10 @@ void fxs_palette_write(const fxs_palette *p, int8_t *to)
                 *to++ = (int8_t)(p->vectors[s][j][d] / p->step);
 }
 
-/* ---- Coding ---------------------------------------------------------------------------------------------------- */
-
-/* How much of what Gaussian `from` adds to the picture falls where `to` adds, over what `to` adds there itself: for
-   round Gaussians of areas a and b (sigma^2) at distance d the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))); the
-   exponential here is (1 - t / 8)^4. `square` is d^2, less than 8 (a + b). Times 256, 0 to 1024. */
-static int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area,
-                          double square)
-{
-    const double both = from_area + to_area;
-    const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);
-    const double overlap = 2 * from_area / both * tail * from->opacity / to->opacity;
-    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* 4/3 times 3 is 4, in however many bits */
-}
-
-/* 2^(area / 8) */
-static double area_of(const fxs_sh_item *item)
-{
-    static const double eighths[8] = {1, 1.0905077326652577, 1.189207115002721, 1.2968395546510096, 1.4142135623730951,
-                                      1.5422108254079408, 1.681792830507429, 1.8340080864093424};
-    return fxs_scaled(eighths[item->area & 7], (item->area - (item->area & 7)) / 8);
-}
-
-/* What is coded of a chunk, and the areas of its Gaussians. */
-typedef struct coder {
-    const fxs_palette *palette;
-    const fxs_sh_item *items;
-    double places[3][FXS_CHUNK], areas[FXS_CHUNK];
-    fxs_sh_vector errors[FXS_CHUNK];   /* true less coded, units */
-} coder;
-
-/* Half the errors that fall where Gaussian i does, but no more than the vector is long. */
-static void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
-{
-    const uint32_t first = i > WINDOW ? i - WINDOW : 0;
-    int32_t sums_q8[WIDTH] = {0};
-    int16_t shift[WIDTH];
-    double squares[WINDOW];
-    for (uint32_t j = first; j < i; j++) {
-        const double x = c->places[0][j] - c->places[0][i], y = c->places[1][j] - c->places[1][i];
-        const double z = c->places[2][j] - c->places[2][i];
-        squares[j - first] = x * x + y * y + z * z;
-    }
-    for (uint32_t j = first; j < i; j++) {
-        if (!(c->items[j].opacity && squares[j - first] < 8 * (c->areas[j] + c->areas[i])))
-            continue;
-        const int16_t q8 = overlap_q8(&c->items[j], c->areas[j], &c->items[i], c->areas[i], squares[j - first]);
-        for (int d = 0; d < WIDTH && q8 > 8; d++)
-            sums_q8[d] += q8 * c->errors[j][d];
-    }
-    for (int d = 0; d < WIDTH; d++)
-        shift[d] = hold(sums_q8[d] / 512);
-    const int32_t own = dot(vector, vector), other = dot(shift, shift);
-    const int32_t part_q8 = other > own ? (int32_t)(256 * sqrt((double)own / other)) : 256;
-    for (int d = 0; d < WIDTH; d++)
-        vector[d] = hold(vector[d] + shift[d] * part_q8 / 256);
-}
-
-/* What `coded`, in units, differs from what was read. */
-static void note(fxs_sh_loss *loss, const fxs_palette *p, const fxs_sh_item *item, const fxs_sh_vector coded)
-{
-    const double unit = ldexp(1, -p->unit_exponent);
-    for (int k = 0; k < FXS_SH_COUNT(p->sh_degree); k++)
-        for (int c = 0; c < 3; c++) {
-            const double e = fabs((double)item->codes[3 * k + c] * item->step - coded[16 * c + k] * unit);
-            loss->largest = e > loss->largest ? e : loss->largest;
-            loss->squares += e * e;
-        }
-}
-
-static void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsigned char *record, fxs_sh_loss *loss)
-{
-    const fxs_palette *p = c->palette;
-    uint8_t indices[STAGES];
-    fxs_sh_vector wanted, left;
-    vector_of(wanted, &c->items[i], p->unit_exponent);
-    subtract(wanted, mean);
-    memcpy(left, wanted, sizeof left);
-    if (c->items[i].opacity)
-        add_errors(c, i, left);
-    memcpy(c->errors[i], wanted, sizeof wanted);
-    subtract(c->errors[i], left);
-    find(p, left, indices);
-    memset(record, 0, fxs_sh_bytes(p->profile, p->sh_degree));
-    memcpy(record, indices, p->stages);
-    if (p->profile == FXS_PROFILE_COMPACT)
-        fxs_encode_rest(left, FXS_SH_COUNT(p->sh_degree), p->unit_exponent, record);
-    for (int d = 0; d < WIDTH; d++) {
-        c->errors[i][d] = (int16_t)(c->errors[i][d] + left[d]);
-        wanted[d] = (int16_t)(wanted[d] + mean[d] - c->errors[i][d]);
-    }
-    note(loss, p, &c->items[i], wanted);
-}
-
 void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint32_t count, int8_t mean[48],
                             unsigned char *records, size_t stride, fxs_sh_loss *loss)
 {
-    coder c;                         /* not cleared: it is large */
-    fxs_sh_vector middle;
-    c.palette = p;
-    c.items = items;
-    find_mean(middle, p, items, count);
-    for (int d = 0; d < WIDTH; d++) {
-        mean[d] = (int8_t)code_of(middle[d], p->step);
-        middle[d] = (int16_t)(mean[d] * p->step);
-    }
-    for (uint32_t i = 0; i < count; i++)
-        c.areas[i] = area_of(&items[i]);
-    for (int k = 0; k < 3; k++)
-        for (uint32_t i = 0; i < count; i++)
-            c.places[k][i] = (double)items[i].position[k];
-    for (uint32_t i = 0; i < count; i++)
-        code_one(&c, i, middle, records + i * stride, loss);
+    fxs_pack_stages_choose(~0u)->code_chunk(p, items, count, mean, records, stride, loss);
 }
 
 /* The residual of profile compact, of 3 bits each: (2 code + 1) gain. */

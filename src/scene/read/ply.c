@@ -77,9 +77,19 @@ static int read_fixed_row(ply_reader *reader, const fxs_ply_element *rows, float
         return FXS_ERR_FILE;
     const column *columns = reader->column_table, *end = columns + reader->columns;
     for (const run *r = reader->run_table; r < reader->run_table + reader->runs; r++) {
+        const uint8_t *from = row + r->offset;
+        const size_t stride = r->stride;
         float *to = fields + r->field;
-        for (uint32_t i = 0; i < r->count; i++, to += r->stride)
-            *to = fxs_load_float(row + r->offset + 4 * i);
+        uint32_t left = r->count;
+        for (; left >= 5; left -= 5, from += 20, to += 5 * stride) {
+            to[0] = fxs_load_float(from);
+            to[stride] = fxs_load_float(from + 4);
+            to[2 * stride] = fxs_load_float(from + 8);
+            to[3 * stride] = fxs_load_float(from + 12);
+            to[4 * stride] = fxs_load_float(from + 16);
+        }
+        for (; left > 0; left--, from += 4, to += stride)
+            *to = fxs_load_float(from);
     }
     for (const column *c = columns; c < end && !reader->all_float; c++)
         fields[c->field] = (float)fxs_ply_load_number(row + c->offset, c->type, reader->header.encoding);
