@@ -338,13 +338,13 @@ instructions_of() {
 # Compiles the library once for all targets, and links each, as $work/NAME.
 build() {
     case $(clang -dumpmachine) in
-    x86_64*) kernels='kernels/*.c kernels/simd/x86/*.c kernels/fit/fit_[sa]*.c' ;;
+    x86_64*) kernels='kernels/*.c kernels/simd/x86/*.c kernels/fit/fit_[sa]*.c kernels/pack/*.c' ;;
     aarch64*) kernels='kernels/*.c kernels/simd/arm/*.c kernels/fit/fit_neon.c' ;;
     *) kernels='kernels/*.c' ;;
     esac
     mkdir "$work/objects"
-    for source in src/*/*.c src/*/*/*.c $kernels port/posix/output.c port/posix/files.c port/backend/fit_engines.c \
-        tests/fuzz_*.c; do
+    for source in src/*/*.c src/*/*/*.c $kernels port/posix/output.c port/posix/files.c port/posix/pages.c \
+        port/backend/fit_engines.c port/backend/pack_stages.c tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"
     done | xargs -P "$jobs" -I COMMAND sh -c COMMAND || return

@@ -1042,9 +1042,11 @@ static void check_stages(const fxs_sh_item *items, enum fxs_profile which, int d
     CHECK(!memcmp(mean[0], mean[1], sizeof mean[0]));
     CHECK(!memcmp(records[0], records[1], sizeof records[0]));
     CHECK(plain.largest == best.largest && plain.squares == best.squares && plain.largest > 0);
+    const fxs_palette *learned = &p;
+    const fxs_sh_vector *groups = learned->groups[0];
     for (uint32_t count = 1; count <= 16; count++)
-        CHECK(fxs_pack_stages_choose(0)->nearest(p.groups[0], p.group_squares[0], count, p.vectors[1][count]) ==
-              fxs_pack_stages_choose(~0u)->nearest(p.groups[0], p.group_squares[0], count, p.vectors[1][count]));
+        CHECK(fxs_pack_stages_choose(0)->nearest(groups, p.group_squares[0], count, learned->vectors[1][count]) ==
+              fxs_pack_stages_choose(~0u)->nearest(groups, p.group_squares[0], count, learned->vectors[1][count]));
 }
 
 /* Each instruction set gives the bytes of C, with few entries and with many. */
@@ -1061,6 +1063,92 @@ static void test_stages(void)
             check_stages(items, i % 2 ? FXS_PROFILE_COMPACT : FXS_PROFILE_SMALL, degree, entries[i]);
     }
     free(items);
+}
+
+/* Exponentials, ranges and codes by the stages for the instruction sets in `cpu`. */
+static void run_stages(unsigned cpu, enum fxs_profile which, int degree, double *numbers, fxs_chunk_ranges *ranges,
+                       unsigned char *records, fxs_loss *loss)
+{
+    const fxs_pack_stages *stages = fxs_pack_stages_choose(cpu);
+    const fxs_encoder encoder = {which, degree};
+    fxs_chunk chunk;
+    for (uint32_t i = 0; i < MAX_COUNT; i++)
+        numbers[i] = -(double)gaussians[i].opacity * (i % 100 ? 1 : 200);
+    stages->exponentials(numbers, MAX_COUNT - 3);
+    for (uint32_t first = 0; first < MAX_COUNT; first += FXS_CHUNK) {
+        const uint32_t end = first + FXS_CHUNK < MAX_COUNT ? first + FXS_CHUNK : MAX_COUNT;
+        fxs_ranges_clear(ranges);
+        for (uint32_t i = first; i < end; i++)
+            stages->take_ranges(ranges, &gaussians[i], 1 / (1 + numbers[i]), degree);
+        fxs_encode_header(&chunk, ranges++, &(fxs_scene_file_info){.count = 0});
+        for (uint32_t i = first; i < end; i++)
+            stages->encode(&encoder, &chunk, &gaussians[i], 1 / (1 + numbers[i]), records + i * FXS_RECORD_BYTES, loss);
+    }
+}
+
+/* Each instruction set gives the bytes of C, of opacities by each law, also where a chunk has one number alone. */
+static void test_stages_of_codes(void)
+{
+    static double numbers[2][MAX_COUNT];
+    static fxs_chunk_ranges ranges[2][MAX_COUNT / FXS_CHUNK + 1];
+    static unsigned char records[2][MAX_COUNT * FXS_RECORD_BYTES];
+    make_gaussians(MAX_COUNT);
+    for (uint32_t i = 0; i < MAX_COUNT; i++) {
+        gaussians[i].opacity -= (float)(i / FXS_CHUNK % 8);
+        if (i / FXS_CHUNK == 3)
+            gaussians[i] = gaussians[3 * FXS_CHUNK];
+    }
+    for (int degree = 0; degree <= 3; degree++)
+        for (int which = 0; which <= FXS_PROFILE_SMALL; which++) {
+            fxs_loss loss[2] = {{{0}, {0}}};
+            memset(records, 0, sizeof records);
+            for (int k = 0; k < 2; k++)
+                run_stages(k ? ~0u : 0, (enum fxs_profile)which, degree, numbers[k], ranges[k], records[k], &loss[k]);
+            CHECK(!memcmp(numbers[0], numbers[1], sizeof numbers[0]));
+            CHECK(!memcmp(ranges[0], ranges[1], sizeof ranges[0]));
+            CHECK(!memcmp(records[0], records[1], sizeof records[0]));
+            CHECK(!memcmp(&loss[0], &loss[1], sizeof *loss));
+        }
+    for (uint32_t i = 0; i < MAX_COUNT - 3; i++)
+        CHECK(numbers[1][i] == fxs_exp(-(double)gaussians[i].opacity * (i % 100 ? 1 : 200)));
+}
+
+/* What a set becomes, by the stage for the instruction sets in `cpu`: Gaussians, and what each was merged into. */
+static uint32_t coarsen(unsigned cpu, uint32_t first, uint32_t count, uint32_t most, fxs_coarse *out, uint16_t *into,
+                        fxs_merge_error *sums)
+{
+    static fxs_coarse set[FXS_MERGE_MOST];
+    fxs_merger *merger = malloc(fxs_merger_bytes());
+    fxs_merge_error none;
+    for (uint32_t i = 0; i < count; i++)
+        fxs_coarse_set(&set[i], &gaussians[first + i]);
+    *sums = (fxs_merge_error){0, 0};
+    fxs_merge_begin(merger, 3);
+    fxs_merge_add(merger, set, count);
+    fxs_pack_stages_choose(cpu)->coarsen(merger, most, sums);
+    const uint32_t left = fxs_merge_end(merger, count, out, &none);
+    fxs_merge_into(merger, into);
+    free(merger);
+    return left;
+}
+
+/* Each instruction set merges as C does, also where Gaussians lie in one place. */
+static void test_stages_of_merging(void)
+{
+    static fxs_coarse out[2][FXS_MERGE_MOST];
+    static uint16_t into[2][FXS_MERGE_MOST];
+    fxs_merge_error sums[2];
+    make_gaussians(8 * FXS_MERGE_MOST);
+    for (uint32_t i = 0; i < 100; i++)
+        memcpy(gaussians[i].position, gaussians[0].position, sizeof gaussians[0].position);
+    for (uint32_t set = 0; set < 8; set++) {
+        const uint32_t count = FXS_MERGE_MOST - 67 * set, most = set % 2 ? count / 4 : count / 2;
+        memset(out, 0, sizeof out);
+        for (int k = 0; k < 2; k++)
+            CHECK(coarsen(k ? ~0u : 0, set * FXS_MERGE_MOST, count, most, out[k], into[k], &sums[k]) == most);
+        CHECK(!memcmp(out[0], out[1], most * sizeof *out[0]) && !memcmp(into[0], into[1], count * sizeof *into[0]));
+        CHECK(!memcmp(&sums[0], &sums[1], sizeof *sums) && sums[0].error > 0);
+    }
 }
 
 static void *count_allocation(void *argument, size_t bytes)
@@ -1623,6 +1711,8 @@ int main(void)
     RUN(test_palettes_are_good);
     RUN(test_errors_of_sh_cancel);
     RUN(test_stages);
+    RUN(test_stages_of_codes);
+    RUN(test_stages_of_merging);
     RUN(test_every_allocation_fails);
     RUN(test_threads_learning_a_palette);
     RUN(test_threads);

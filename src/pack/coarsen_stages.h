@@ -239,25 +239,29 @@ static void find_order(fxs_merger *m, float shift)
             m->places[k][i] = m->places[k][WINDOW + m->count + i] = INFINITY;
 }
 
-/* `which` is a candidate of Gaussian `of`, nearest first, where it is nearer than another. `again`: it may be one. */
-static inline void take(fxs_merger *m, uint32_t of, uint32_t which, float distance, int again)
+/* The candidates of a Gaussian, nearest first. */
+typedef struct candidates {
+    float distances[NEAREST];
+    uint16_t which[NEAREST];
+    uint32_t count;
+} candidates;
+
+/* Another is a candidate where it is nearer than one of them. `again`: it may be one of them. */
+static inline void take(candidates *c, uint16_t other, float distance, int again)
 {
-    float *distances = m->distances[of];
-    uint16_t *nearest = m->nearest[of];
-    const uint32_t count = m->nearest_count[of];
-    uint32_t at = count < NEAREST ? count : NEAREST - 1;
-    if (count == NEAREST && !(distance < distances[at]))
+    uint32_t at = c->count < NEAREST ? c->count : NEAREST - 1;
+    if (c->count == NEAREST && !(distance < c->distances[at]))
         return;
-    for (uint32_t k = 0; k < count && again; k++)
-        if (nearest[k] == which)
+    for (uint32_t k = 0; k < c->count && again; k++)
+        if (c->which[k] == other)
             return;
-    m->nearest_count[of] = (uint8_t)(at + 1);
-    for (; at > 0 && distance < distances[at - 1]; at--) {
-        distances[at] = distances[at - 1];
-        nearest[at] = nearest[at - 1];
+    c->count = at + 1;
+    for (; at > 0 && distance < c->distances[at - 1]; at--) {
+        c->distances[at] = c->distances[at - 1];
+        c->which[at] = c->which[at - 1];
     }
-    distances[at] = distance;
-    nearest[at] = (uint16_t)which;
+    c->distances[at] = distance;
+    c->which[at] = other;
 }
 
 /* Squared distances of WINDOW that follow one another on the curve from that at a place. */
@@ -274,14 +278,21 @@ static inline void find_distances(float distances[WINDOW], const fxs_merger *m, 
 static void look_along(fxs_merger *m, int again)
 {
     for (uint32_t i = 0; i < m->count; i++) {
-        const uint32_t after = m->count - 1 - i < WINDOW ? m->count - 1 - i : WINDOW;
+        const uint32_t of = m->order[i], after = m->count - 1 - i < WINDOW ? m->count - 1 - i : WINDOW;
+        candidates c;
         float distances[WINDOW];
+        memcpy(c.distances, m->distances[of], sizeof c.distances);
+        memcpy(c.which, m->nearest[of], sizeof c.which);
+        c.count = m->nearest_count[of];
         find_distances(distances, m, i, WINDOW + i);
         for (uint32_t k = i < WINDOW ? WINDOW - i : 0; k < WINDOW; k++)
-            take(m, m->order[i], m->order[i + k - WINDOW], distances[k], again);
+            take(&c, m->order[i + k - WINDOW], distances[k], again);
         find_distances(distances, m, WINDOW + i + 1, WINDOW + i);
         for (uint32_t k = 0; k < after; k++)
-            take(m, m->order[i], m->order[i + 1 + k], distances[k], again);
+            take(&c, m->order[i + 1 + k], distances[k], again);
+        memcpy(m->distances[of], c.distances, sizeof c.distances);
+        memcpy(m->nearest[of], c.which, sizeof c.which);
+        m->nearest_count[of] = (uint8_t)c.count;
     }
 }
 

@@ -13,8 +13,8 @@ library="$(echo src/core src/base src/gaussian src/scene src/scene/read src/scen
     src/camera src/image src/pack | sed 's|[^ ]*|&/*.c|g') port/posix/output.c port/posix/files.c"
 golden="$library tests/test_golden.c tools/metrics.c port/backend/[!f]*.c port/backend/foveate.c \
     port/posix/[!fo]*.c"
-photos="$library tests/test_photo_bytes.c port/posix/[!fo]*.c src/fit/photo*.c"
-files="$library tests/test_fxs_bytes.c"
+photos="$library tests/test_photo_bytes.c port/backend/pack_stages.c port/posix/[!fo]*.c src/fit/photo*.c"
+files="$library port/backend/pack_stages.c port/posix/pages.c tests/test_fxs_bytes.c"
 
 # What tools/probe.sh finds, with which the Makefile builds src/pack: floats are no wider than they are written. A tree
 # of levels of detail wants that, and is refused else.
