@@ -254,8 +254,8 @@ static const option_row own_rows[] = {
      "of --levels: fit the coarse Gaussians of each level to pictures of the scene, by so many steps (default 200), and "
      "measure in them what each node is worth. 0: only measure"},
     {"cameras", "CAMERAS", TEXT(cameras), .help =
-     "of --refine: the pictures are seen by cameras of this file (64 at most, evenly spaced), in the axes of what is "
-     "written. By default they are from around the scene and within it"},
+     "of --refine: the pictures are seen by cameras of this file (64 at most, evenly spaced; 16 with --refine=0), in the "
+     "axes of what is written. By default they are from around the scene and within it"},
     {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 512", .help =
      "of .fxs: only the I-th of N parts (N up to 512), which convert merges: convert PART... OUT. All parts are made of "
      "the same files with the same options"},

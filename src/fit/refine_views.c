@@ -39,25 +39,31 @@ static void read_box(const void *data, double low[3], double high[3])
     }
 }
 
+static uint32_t most_views(const fxs_refine_options *o)
+{
+    return o->steps ? FXS_REFINE_VIEWS : FXS_REFINE_MEASURED;
+}
+
 /* -1 to 1 */
 static double random_between(uint32_t view, uint32_t axis)
 {
     return 2 * (double)fxs_fit_uniform(fxs_fit_random(0, view, axis)) - 1;
 }
 
-static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *scene, const fxs_context *context,
+static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *scene, const fxs_refine_options *o,
                        const double low[3], const double high[3], fxs_message *message)
 {
+    const uint32_t count = most_views(o);
     fxs_first_choice c;
     fxs_object object;
     double back[3], up[3], cosine = 1, sine = 0;
     fxs_object_init(&object, scene);
-    FXS_TRY(fxs_first_view_choose(&c, context, &object, 1, low, high, message));
+    FXS_TRY(fxs_first_view_choose(&c, o->context, &object, 1, low, high, message));
     FXS_TRY(fxs_level_back(back, up, c.up, message));
     const double side[3] = {up[1] * back[2] - up[2] * back[1], up[2] * back[0] - up[0] * back[2],
                             up[0] * back[1] - up[1] * back[0]};
-    for (uint32_t i = 0; i < FXS_REFINE_VIEWS; i++) {
-        const double rise = LOWEST + (HIGHEST - LOWEST) * (i + 0.5) / FXS_REFINE_VIEWS, out = sqrt(1 - rise * rise);
+    for (uint32_t i = 0; i < count; i++) {
+        const double rise = LOWEST + (HIGHEST - LOWEST) * (i + 0.5) / count, out = sqrt(1 - rise * rise);
         const double turned = cosine;
         double eye[3], target[3];
         c.part = parts[i % PARTS];
@@ -73,7 +79,7 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
         cosine = cosine * TURN_COSINE - sine * TURN_SINE;
         sine = sine * TURN_COSINE + turned * TURN_SINE;
     }
-    return FXS_REFINE_VIEWS;
+    return (int)count;
 }
 
 /* Makes the longer side of a view at most so many pixels. */
@@ -100,7 +106,7 @@ static int choose_given(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_refine_
     uint32_t count = 0;
     for (size_t i = 0; i < o->view_count; i++)
         usable += (size_t)is_usable(&o->views[i]);
-    const size_t most = usable < FXS_REFINE_VIEWS ? usable : FXS_REFINE_VIEWS;
+    const size_t most = usable < most_views(o) ? usable : most_views(o);
     for (size_t i = 0; i < o->view_count && count < most; i++) {
         if (!is_usable(&o->views[i]) || seen++ != count * usable / most)
             continue;
@@ -148,17 +154,17 @@ static int take_photograph(const fxs_refine_views *v, fxs_fit_photograph *p, con
 }
 
 static int take_photographs(fxs_refine_views *v, const fxs_file_view *views, const fxs_scene *scene,
-                            const fxs_context *context, fxs_message *message)
+                            const fxs_refine_options *o, fxs_message *message)
 {
     const size_t bytes = (size_t)FXS_REFINE_SIZES * FXS_REFINE_VIEWS * 3 * LONGER * LONGER;
     v->pixels = malloc(bytes);
     if (!v->pixels)
         return fxs_fail_memory(message, "pictures of the scene", bytes);
-    for (int size = 0; size < FXS_REFINE_SIZES; size++)
+    for (int size = o->steps ? FXS_REFINE_LARGE : FXS_REFINE_SMALL; size < FXS_REFINE_SIZES; size++)
         for (uint32_t i = 0; i < v->count; i++) {
             fxs_file_view view = views[i];
             limit(&view, sizes[size]);
-            FXS_TRY(take_photograph(v, &v->photographs[size][i], &view, scene, context, message));
+            FXS_TRY(take_photograph(v, &v->photographs[size][i], &view, scene, o->context, message));
         }
     return 0;
 }
@@ -175,11 +181,11 @@ int fxs_refine_views_make(fxs_refine_views *v, const fxs_scene *scene, const voi
     v->extent = square > 0 ? (float)(sqrt(square) / 2) : 1;
     int count = choose_given(views, o);
     if (!count)
-        count = look_around(views, scene, o->context, low, high, message);
+        count = look_around(views, scene, o, low, high, message);
     if (count < 0)
         return count;
     v->count = (uint32_t)count;
-    return take_photographs(v, views, scene, o->context, message);
+    return take_photographs(v, views, scene, o, message);
 }
 
 void fxs_refine_views_free(fxs_refine_views *v)

@@ -5,7 +5,7 @@
 #include <fixsplat/refine.h>
 #include "stepper.h"
 
-/* The views in two sizes. */
+/* The views in two sizes; the large ones only where there are steps. */
 enum { FXS_REFINE_LARGE, FXS_REFINE_SMALL, FXS_REFINE_SIZES };
 
 typedef struct fxs_refine_views {

@@ -26,6 +26,7 @@ enum {
 };
 
 #define NONE UINT32_MAX
+#define UNSEEN 0.2                     /* how much a gain counts beside one that is measured */
 #define SEEN 0.55                      /* of a Gaussian's area (coarsen.h) what is seen in the mean: 0.5 of a disc, 0.58 of
                                           a ball */
 
@@ -878,14 +879,31 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
+/* Of the gains of a tree as it is, in the unit of errors that were measured, a part is added to these: what no view shows
+   is not worth nothing. */
+static void blend_errors(fxs_tree_editor *e, const double *errors)
+{
+    const tree *t = &e->tree;
+    double measured = 0, known = 0;
+    for (uint32_t i = 0; i < t->count; i++) {
+        fxs_node from;
+        memcpy(&from, e->nodes + (size_t)i * sizeof from, sizeof from);
+        fxs_node_turn(&from);
+        t->nodes[i].sums.error = fxs_exp(from.gain_q8 / (256 * FXS_LOG2_E));
+        measured += errors[i] > 0 ? errors[i] : 0;
+        known += errors[i] > 0 ? t->nodes[i].sums.error : 0;
+    }
+    for (uint32_t i = 0; i < t->count; i++)
+        t->nodes[i].sums.error = errors[i] + (known > 0 ? UNSEEN * measured / known : 0) * t->nodes[i].sums.error;
+}
+
 int fxs_tree_edit_gains(fxs_tree_editor *e, const double *errors, fxs_message *message)
 {
     const tree *t = &e->tree;
     group *groups = fxs_allocate(NULL, t->count, sizeof *groups);
     if (!groups)
         return fxs_fail_memory(message, NULL, t->count * sizeof *groups);
-    for (uint32_t i = 0; i < t->count; i++)
-        t->nodes[i].sums.error = errors[i];
+    blend_errors(e, errors);
     pool_gains(t, groups);
     for (uint32_t i = 0; i < t->count; i++) {
         unsigned char *to = e->nodes + i * sizeof(fxs_node);

@@ -21,14 +21,16 @@ extern "C" {
 
 #define FXS_REFINE_STEPS 200u          /* steps of a level that are usual, */
 #define FXS_REFINE_STEPS_MOST 100000u  /* and the most */
-#define FXS_REFINE_VIEWS 64u           /* views, at most */
+#define FXS_REFINE_VIEWS 64u           /* views, at most, */
+#define FXS_REFINE_MEASURED 16u        /* and without steps */
 
 typedef struct fxs_refine_options {
     const fxs_context *context;        /* renders; its run, pool and threads also make the steps. Not null */
     uint32_t steps;                    /* of each level, at most FXS_REFINE_STEPS_MOST. 0: the Gaussians stay as they
                                           are, and only what opening the nodes is worth is measured */
     const fxs_file_view *views;        /* cameras that show the scene as it will be seen, null: there are none. Those */
-    size_t view_count;                 /* in perspective are used, FXS_REFINE_VIEWS at most, evenly spaced */
+    size_t view_count;                 /* in perspective are used, FXS_REFINE_VIEWS at most (without
+                                          steps FXS_REFINE_MEASURED), evenly spaced */
     unsigned cpu;                      /* instruction sets that may be used for steps, bits of enum fxs_cpu */
     fxs_progress_fn *progress;         /* may be null */
     void *argument;                    /* first argument of progress */
