@@ -16,14 +16,15 @@
 #include "fit_internal.h"
 #include "random.h"
 
-enum { LONGER = 720, SHORTER = 480, FOV = 50, PARTS = 6 };
+enum { LEAST = 720, MOST = 1920 };     /* pixels of the longer side of a large picture */
+enum { FOV = 50, PARTS = 6 };
 
 #define LOWEST (-0.3)                  /* sines of elevations */
 #define HIGHEST 0.95
 #define TURN_COSINE (-0.7373688780783197)   /* of the golden angle, 2.39996 */
 #define TURN_SINE 0.6754902942615238
 
-static const int sizes[FXS_REFINE_SIZES] = {LONGER, LONGER / 3 * 2};   /* longer side of a picture, at most */
+#define FEW 1048576.0                  /* Gaussians: the smallest pictures do for so many */
 static const double parts[PARTS] = {1, 0.7, 0.5, 0.35, 0.25, 0.15};
 
 /* ---- Choosing ---------------------------------------------------------------------------------------------------- */
@@ -50,9 +51,26 @@ static double random_between(uint32_t view, uint32_t axis)
     return 2 * (double)fxs_fit_uniform(fxs_fit_random(0, view, axis)) - 1;
 }
 
+/* Pixels of the longer side of a picture, at most. A scene of more Gaussians is looked at in larger pictures: what is
+   fitted to small ones is too soft there. */
+static int longer_of(const fxs_scene *scene, int size)
+{
+    const double longer = LEAST * sqrt(scene->count / FEW);
+    const int large = longer < LEAST ? LEAST : longer < MOST ? (int)longer : MOST;
+    return size == FXS_REFINE_LARGE ? large : large / 3 * 2;
+}
+
+/* Bytes of a large picture. */
+static size_t picture_bytes(const fxs_scene *scene)
+{
+    const size_t longer = (size_t)longer_of(scene, FXS_REFINE_LARGE);
+    return 3 * longer * longer;
+}
+
 static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *scene, const fxs_refine_options *o,
                        const double low[3], const double high[3], fxs_message *message)
 {
+    const int longer = longer_of(scene, FXS_REFINE_LARGE), shorter = longer / 3 * 2;
     const uint32_t count = most_views(o);
     fxs_first_choice c;
     fxs_object object;
@@ -69,12 +87,12 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
         c.part = parts[i % PARTS];
         for (int k = 0; k < 3; k++)
             c.from[k] = out * (cosine * back[k] + sine * side[k]) + rise * up[k];
-        FXS_TRY(fxs_first_view_make(&c, low, high, FOV, LONGER, SHORTER, &views[i], message));
+        FXS_TRY(fxs_first_view_make(&c, low, high, FOV, longer, shorter, &views[i], message));
         for (int k = 0; k < 3; k++) {
             eye[k] = views[i].position[k];
             target[k] = (low[k] + high[k]) / 2 + (1 - c.part) * (high[k] - low[k]) / 2 * random_between(i, (uint32_t)k);
         }
-        FXS_TRY(fxs_view_look_at(&views[i], eye, target, up, FOV, LONGER, SHORTER, message));
+        FXS_TRY(fxs_view_look_at(&views[i], eye, target, up, FOV, longer, shorter, message));
         views[i].near = fxs_near_of_box(low, high);
         cosine = cosine * TURN_COSINE - sine * TURN_SINE;
         sine = sine * TURN_COSINE + turned * TURN_SINE;
@@ -95,7 +113,7 @@ static int is_usable(const fxs_file_view *view)
     fxs_camera camera;
     fxs_message unwanted;
     fxs_file_view small = *view;
-    limit(&small, sizes[FXS_REFINE_SMALL]);
+    limit(&small, LEAST / 3 * 2);
     return view->projection == FXS_PERSPECTIVE && !fxs_camera_from_view(&camera, &small, &unwanted);
 }
 
@@ -139,7 +157,7 @@ static int render(const fxs_context *context, const fxs_scene *scene, const fxs_
 static int take_photograph(const fxs_refine_views *v, fxs_fit_photograph *p, const fxs_file_view *view,
                            const fxs_scene *scene, const fxs_context *context, fxs_message *message)
 {
-    uint8_t *to = v->pixels + (size_t)(p - v->photographs[0]) * 3 * LONGER * LONGER;
+    uint8_t *to = v->pixels + (size_t)(p - v->photographs[0]) * picture_bytes(scene);
     const size_t pixels = (size_t)view->width * (size_t)view->height;
     uint8_t *rgba = malloc(4 * pixels);
     const int error = rgba ? render(context, scene, view, rgba, message)
@@ -156,14 +174,14 @@ static int take_photograph(const fxs_refine_views *v, fxs_fit_photograph *p, con
 static int take_photographs(fxs_refine_views *v, const fxs_file_view *views, const fxs_scene *scene,
                             const fxs_refine_options *o, fxs_message *message)
 {
-    const size_t bytes = (size_t)FXS_REFINE_SIZES * FXS_REFINE_VIEWS * 3 * LONGER * LONGER;
+    const size_t bytes = FXS_REFINE_SIZES * FXS_REFINE_VIEWS * picture_bytes(scene);
     v->pixels = malloc(bytes);
     if (!v->pixels)
         return fxs_fail_memory(message, "pictures of the scene", bytes);
     for (int size = o->steps ? FXS_REFINE_LARGE : FXS_REFINE_SMALL; size < FXS_REFINE_SIZES; size++)
         for (uint32_t i = 0; i < v->count; i++) {
             fxs_file_view view = views[i];
-            limit(&view, sizes[size]);
+            limit(&view, longer_of(scene, size));
             FXS_TRY(take_photograph(v, &v->photographs[size][i], &view, scene, o->context, message));
         }
     return 0;
