@@ -1,0 +1,566 @@
+#version 310 es
+precision highp float;
+precision highp int;
+layout(local_size_x = 64, local_size_y = 1, local_size_z = 1) in;
+struct Frame {
+    ivec2 size;
+    ivec2 tiles;
+    uint places;
+    uint spans;
+    uint chunk_room;
+    uint large_room;
+    uint page_room;
+    uint drawn;
+    uint seen;
+    uint ranks;
+    uint visible;
+    uint records;
+    uint boxes;
+    uint depths;
+    uint larges;
+    uint spans_at;
+    uint next;
+    uint classes;
+    uint cleared;
+    int cutoff;
+    int cut_q11_;
+    uint format;
+    ivec4 background_q13_;
+    int depth_bits;
+    uint colour;
+    uint coverage;
+    uint mean_depth;
+    uint median_depth;
+    uint id;
+    uint occluder;
+    uint backdrop;
+};
+struct Object {
+    uvec4 position_q32_[3];
+    uvec4 eye_q32_[3];
+    ivec4 rotation_q30_[3];
+    ivec4 row_q15_[2];
+    ivec4 forward_q15_[2];
+    ivec4 tint_q13_;
+    uvec2 near_q32_;
+    uvec2 dilation_q30_;
+    ivec2 f_q12_;
+    ivec2 c_q12_;
+    ivec2 slope_low_q23_;
+    ivec2 slope_high_q23_;
+    ivec2 edge_low_q23_;
+    ivec2 edge_high_q23_;
+    ivec2 hidden_low_q23_;
+    ivec2 hidden_high_q23_;
+    ivec2 hidden;
+    ivec2 hidden_end;
+    uint focal_q32_;
+    int focal_exponent;
+    int veil_exponent;
+    int jacobian_exponent;
+    int offset_q11_;
+    int degree;
+    int antialiased;
+    int orthographic;
+    int plane_exponent;
+    uint profile;
+    int scene_degree;
+    uint chunk_words;
+    uint palette_entries;
+    int palette_step_q19_;
+    uint scale_mantissa;
+    int scale_exponent;
+    int plain;
+    uint crop_count;
+    uint keep_count;
+    uint first_chunk;
+    uint first_place;
+    uint end_place;
+    uint span;
+    uint part_chunk;
+    uint rows_at;
+    uvec4 crops[32];
+};
+struct Splat {
+    uint u0_q24_;
+    uint v0_q24_;
+    int ux_q24_;
+    int uy_q24_;
+    int vy_q24_;
+    int offset_q11_;
+    ivec2 rows;
+};
+struct Bounds {
+    ivec2 c_q14_;
+    uint breadth_q8_;
+    int shear_q8_;
+    int half_width_q8_;
+    uint square_radius;
+};
+struct Span {
+    int first;
+    int last;
+};
+struct Pixel {
+    int transmittance;
+    ivec3 sum;
+};
+const int FXS_CUT_Q11_ = 18432;
+const int FXS_FAINT_Q11_ = 22697;
+const int FXS_LEVEL_MAX_Q11_ = 32767;
+const int FXS_ALPHA_MAX_Q15_ = 32440;
+const int FXS_CLEAR_Q15_ = 32767;
+const int FXS_CLOSED_Q15_ = 33;
+const uint CHUNK = 256u;
+const uint THREADS = 128u;
+const uint ROW_OF_GROUPS = 32768u;
+const uint RECORD = 64u;
+const uint LARGE = 8u;
+const uint PAGE = 4096u;
+const uint CLASSES = 16u;
+const uint CUT_OFF = 2147483648u;
+const uint NOTHING = 4294967295u;
+const int BOX_COLUMNS = 6;
+const int BOX_ROWS = 7;
+const uint VISIBLE_CHUNKS = 0u;
+const uint LARGES = 1u;
+const uint PAGES = 2u;
+const uint DAMAGED = 3u;
+const uint VISIBLE = 4u;
+const uint ENTRIES = 5u;
+const uint CLASS_COUNTS = 16u;
+const uint TILES = 64u;
+const int EVERYWHERE_Q8_ = 1073741824;
+const uint SIDE = 8u;
+const uint SOME = 64u;
+layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 0) readonly buffer type_10_block_1Compute { uint _group_1_binding_0_cs[]; };
+layout(std430, binding = 1) readonly buffer type_12_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) readonly buffer type_13_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
+layout(std430, binding = 3) buffer type_10_block_4Compute { uint _group_1_binding_3_cs[]; };
+shared ivec2 rows[512];
+shared ivec4 others[64];
+shared uint touching[4];
+shared uint open_round;
+int fxs_mul_q15_(int a, int b) {
+    return (((a * b) + 16384) >> 15u);
+}
+int fxs_min(int a_1, int b_1) {
+    return ((a_1 < b_1) ? a_1 : b_1);
+}
+int fxs_coordinate_q13_(int coordinate_q24_) {
+    int c = 0;
+    c = (coordinate_q24_ >> 11u);
+    int _e4 = c;
+    int _e6 = fxs_min(_e4, 32767);
+    int _e7 = c;
+    return ((_e7 < -32767) ? -32767 : _e6);
+}
+int fxs_row_level_q11_(int v_q13_, int offset_q11_) {
+    int _e2 = fxs_mul_q15_(v_q13_, v_q13_);
+    int _e5 = fxs_min((_e2 + offset_q11_), FXS_LEVEL_MAX_Q11_);
+    return _e5;
+}
+int fxs_level_q11_(int u_q13_, int row_level_q11_) {
+    int _e2 = fxs_mul_q15_(u_q13_, u_q13_);
+    int _e5 = fxs_min((_e2 + row_level_q11_), FXS_LEVEL_MAX_Q11_);
+    return _e5;
+}
+int fxs_limit_q11_(int offset_q11_1, int cut_q11_) {
+    int _e4 = fxs_min((offset_q11_1 + cut_q11_), FXS_FAINT_Q11_);
+    return _e4;
+}
+int fxs_alpha_q15_(int level_q11_) {
+    int p_1 = 0;
+    int _e2 = fxs_mul_q15_(-4236, level_q11_);
+    p_1 = (_e2 + 16016);
+    int _e6 = p_1;
+    int _e7 = fxs_mul_q15_(_e6, level_q11_);
+    p_1 = (_e7 - 32730);
+    int _e10 = p_1;
+    int _e11 = fxs_mul_q15_(_e10, level_q11_);
+    p_1 = (_e11 + 32767);
+    int _e14 = p_1;
+    int _e15 = p_1;
+    int _e16 = fxs_mul_q15_(_e14, _e15);
+    p_1 = _e16;
+    int _e17 = p_1;
+    int _e18 = p_1;
+    int _e19 = fxs_mul_q15_(_e17, _e18);
+    p_1 = _e19;
+    int _e20 = p_1;
+    int _e21 = p_1;
+    int _e22 = fxs_mul_q15_(_e20, _e21);
+    p_1 = _e22;
+    int _e23 = p_1;
+    int _e25 = fxs_min(_e23, FXS_ALPHA_MAX_Q15_);
+    return _e25;
+}
+int fxs_weight_q15_(int alpha_q15_, int transmittance_q15_) {
+    int _e2 = fxs_mul_q15_(alpha_q15_, transmittance_q15_);
+    return _e2;
+}
+int fxs_accumulate_q13_(int sum_q13_, int weight_q15_, int colour_q13_) {
+    int _e3 = fxs_mul_q15_(weight_q15_, colour_q13_);
+    int _e6 = fxs_min((sum_q13_ + _e3), 32767);
+    return _e6;
+}
+int fxs_resolve_8bit(int sum_q13_1, int transmittance_q15_1, int background_q13_) {
+    int _e3 = fxs_accumulate_q13_(sum_q13_1, transmittance_q15_1, background_q13_);
+    int _e11 = fxs_min((((_e3 * 255) + 4096) >> 13u), 255);
+    return _e11;
+}
+int fxs_coverage_8bit(int transmittance_q15_2) {
+    return ((((FXS_CLEAR_Q15_ - transmittance_q15_2) * 255) + 16384) >> 15u);
+}
+uint tile_at(uint number) {
+    uint rest = 0u;
+    uint class_number = CLASSES;
+    int _e4 = _group_0_binding_0_cs.tiles.x;
+    int _e8 = _group_0_binding_0_cs.tiles.y;
+    uint tiles = uint((_e4 * _e8));
+    rest = number;
+    bool loop_init = true;
+    while(true) {
+        if (!loop_init) {
+            uint _e42 = class_number;
+            class_number = (_e42 - 1u);
+        }
+        loop_init = false;
+        uint _e14 = class_number;
+        if ((_e14 > 0u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e19 = class_number;
+            uint count = _group_1_binding_0_cs[((CLASS_COUNTS + _e19) - 1u)];
+            uint _e25 = rest;
+            if ((_e25 < count)) {
+                uint _e30 = _group_0_binding_0_cs.classes;
+                uint _e31 = class_number;
+                uint _e36 = rest;
+                uint _e39 = _group_1_binding_0_cs[((_e30 + ((_e31 - 1u) * tiles)) + _e36)];
+                return _e39;
+            }
+            uint _e40 = rest;
+            rest = (_e40 - count);
+        }
+    }
+    return NOTHING;
+}
+bool fits() {
+    bool local_2 = false;
+    bool local_3 = false;
+    uint _e2 = _group_1_binding_0_cs[2];
+    uint _e5 = _group_0_binding_0_cs.page_room;
+    if ((_e2 <= _e5)) {
+        uint _e11 = _group_1_binding_0_cs[1];
+        uint _e14 = _group_0_binding_0_cs.large_room;
+        local_2 = (_e11 <= _e14);
+    } else {
+        local_2 = false;
+    }
+    bool _e17 = local_2;
+    if (_e17) {
+        uint _e22 = _group_1_binding_0_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_3 = (_e22 <= _e25);
+    } else {
+        local_3 = false;
+    }
+    bool _e28 = local_3;
+    return _e28;
+}
+bool place_splat(uint i_1, uint slot, uint x, uint y) {
+    uint u = 0u;
+    uint v = 0u;
+    bool touches = false;
+    uint row = 0u;
+    bool local_4 = false;
+    uvec4 a_2 = _group_1_binding_2_cs[(2u * slot)];
+    uvec4 b_2 = _group_1_binding_2_cs[((2u * slot) + 1u)];
+    int offset_q11_2 = int((b_2.y & 65535u));
+    int _e22 = _group_0_binding_0_cs.cut_q11_;
+    int _e23 = fxs_limit_q11_(offset_q11_2, _e22);
+    u = ((a_2.x + (x * a_2.z)) + (y * a_2.w));
+    v = (a_2.y + (y * b_2.x));
+    bool loop_init_1 = true;
+    while(true) {
+        if (!loop_init_1) {
+            uint _e82 = row;
+            row = (_e82 + 1u);
+        }
+        loop_init_1 = false;
+        uint _e41 = row;
+        if ((_e41 < SIDE)) {
+        } else {
+            break;
+        }
+        {
+            uint _e44 = u;
+            int left = int(_e44);
+            uint _e46 = u;
+            int right = int((_e46 + (7u * a_2.z)));
+            uint _e52 = v;
+            int _e54 = fxs_coordinate_q13_(int(_e52));
+            int _e55 = fxs_row_level_q11_(_e54, offset_q11_2);
+            int least = max(max(left, -(right)), 0);
+            uint _e63 = row;
+            rows[((SIDE * i_1) + _e63)] = ivec2(left, _e55);
+            bool _e67 = touches;
+            if (!(_e67)) {
+                int _e71 = fxs_coordinate_q13_(least);
+                int _e72 = fxs_level_q11_(_e71, _e55);
+                local_4 = (_e72 <= _e23);
+            } else {
+                local_4 = true;
+            }
+            bool _e75 = local_4;
+            touches = _e75;
+            uint _e76 = u;
+            u = (_e76 + a_2.w);
+            uint _e79 = v;
+            v = (_e79 + b_2.x);
+        }
+    }
+    others[i_1] = ivec4(int(a_2.z), _e23, (int((b_2.y >> 16u)) | int((b_2.z << 16u))), int((b_2.z >> 16u)));
+    bool _e103 = touches;
+    return _e103;
+}
+int blend_splat(inout Pixel p_2, uint i_2, uint column, uint row_1) {
+    bool local_5 = false;
+    ivec2 at_row = rows[((SIDE * i_2) + row_1)];
+    ivec4 other = others[i_2];
+    int u_1 = (at_row.x + (int(column) * other.x));
+    int _e18 = fxs_coordinate_q13_(u_1);
+    int _e20 = fxs_level_q11_(_e18, at_row.y);
+    if (!((_e20 > other.y))) {
+        int _e27 = p_2.transmittance;
+        local_5 = (_e27 < FXS_CLOSED_Q15_);
+    } else {
+        local_5 = true;
+    }
+    bool _e31 = local_5;
+    if (_e31) {
+        return 0;
+    }
+    int _e33 = fxs_alpha_q15_(_e20);
+    int _e35 = p_2.transmittance;
+    int _e36 = fxs_weight_q15_(_e33, _e35);
+    int _e38 = p_2.transmittance;
+    p_2.transmittance = (_e38 - _e36);
+    ivec3 _e41 = p_2.sum;
+    int _e45 = fxs_mul_q15_(_e36, (other.z & 65535));
+    int _e49 = fxs_mul_q15_(_e36, (other.z >> 16u));
+    int _e51 = fxs_mul_q15_(_e36, other.w);
+    p_2.sum = (_e41 + ivec3(_e45, _e49, _e51));
+    return _e36;
+}
+ivec3 background_of(uint word_2) {
+    uvec3 rgb = uvec3((word_2 & 255u), ((word_2 >> 8u) & 255u), ((word_2 >> 16u) & 255u));
+    return ivec3((((rgb * 8192u) + uvec3(127u)) / uvec3(255u)));
+}
+void put_colour(inout Pixel p_3, uint at) {
+    ivec3 background_q13_1 = ivec3(0);
+    uint word_3 = 0u;
+    ivec3 _e3 = p_3.sum;
+    ivec3 sum = min(_e3, ivec3(32767));
+    int transmittance = p_3.transmittance;
+    uint _e11 = _group_0_binding_0_cs.format;
+    if ((_e11 == 3u)) {
+        uvec3 rgb_1 = uvec3(min((((sum * 65535) + ivec3(4096)) >> uvec3(13u)), ivec3(65535)));
+        uint alpha = uint(((((FXS_CLEAR_Q15_ - transmittance) * 65535) + 16384) >> 15u));
+        uint _e38 = _group_0_binding_0_cs.colour;
+        _group_1_binding_3_cs[(_e38 + (2u * at))] = (rgb_1.x | (rgb_1.y << 16u));
+        uint _e51 = _group_0_binding_0_cs.colour;
+        _group_1_binding_3_cs[((_e51 + (2u * at)) + 1u)] = (rgb_1.z | (alpha << 16u));
+        return;
+    }
+    ivec4 _e64 = _group_0_binding_0_cs.background_q13_;
+    background_q13_1 = _e64.xyz;
+    uint _e69 = _group_0_binding_0_cs.backdrop;
+    if ((_e69 != NOTHING)) {
+        uint _e75 = _group_0_binding_0_cs.backdrop;
+        uint _e78 = _group_1_binding_3_cs[(_e75 + at)];
+        ivec3 _e79 = background_of(_e78);
+        background_q13_1 = _e79;
+    }
+    int _e82 = background_q13_1.x;
+    int _e83 = fxs_resolve_8bit(sum.x, transmittance, _e82);
+    uint r = uint(_e83);
+    int _e87 = background_q13_1.y;
+    int _e88 = fxs_resolve_8bit(sum.y, transmittance, _e87);
+    uint g = uint(_e88);
+    int _e92 = background_q13_1.z;
+    int _e93 = fxs_resolve_8bit(sum.z, transmittance, _e92);
+    uint b_3 = uint(_e93);
+    word_3 = (((r | (g << 8u)) | (b_3 << 16u)) | 4278190080u);
+    uint _e106 = _group_0_binding_0_cs.format;
+    if ((_e106 == 1u)) {
+        uint _e109 = word_3;
+        int _e112 = fxs_coverage_8bit(transmittance);
+        word_3 = ((_e109 & 16777215u) | (uint(_e112) << 24u));
+    }
+    uint _e119 = _group_0_binding_0_cs.format;
+    if ((_e119 == 2u)) {
+        word_3 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_3 * 31u) + 127u) / 255u));
+    }
+    uint _e149 = _group_0_binding_0_cs.colour;
+    uint _e152 = word_3;
+    _group_1_binding_3_cs[(_e149 + at)] = _e152;
+    return;
+}
+void main() {
+    uvec3 group = gl_WorkGroupID;
+    uint thread = gl_LocalInvocationIndex;
+    bool local = false;
+    bool local_1 = false;
+    Pixel p = Pixel(0, ivec3(0));
+    uint first = 0u;
+    uint word = 0u;
+    uint bits = 0u;
+    uint number_1 = ((group.y * ROW_OF_GROUPS) + group.x);
+    uint _e9 = tile_at((number_1 / 4u));
+    if (!((_e9 == NOTHING))) {
+        bool _e15 = fits();
+        local = !(_e15);
+    } else {
+        local = true;
+    }
+    bool _e18 = local;
+    if (_e18) {
+        return;
+    }
+    int _e22 = _group_0_binding_0_cs.tiles.x;
+    uint across = uint(_e22);
+    uint x_1 = (((_e9 % across) * 16u) + ((number_1 % 2u) * SIDE));
+    uint y_1 = (((_e9 / across) * 16u) + (((number_1 / 2u) % 2u) * SIDE));
+    uint column_1 = (thread % SIDE);
+    uint row_2 = (thread / SIDE);
+    int _e50 = _group_0_binding_0_cs.size.x;
+    if (((x_1 + column_1) < uint(_e50))) {
+        int _e59 = _group_0_binding_0_cs.size.y;
+        local_1 = ((y_1 + row_2) < uint(_e59));
+    } else {
+        local_1 = false;
+    }
+    bool inside = local_1;
+    uint count_1 = _group_1_binding_0_cs[(TILES + _e9)];
+    uint _e72 = _group_0_binding_0_cs.next;
+    uint _e75 = _group_1_binding_0_cs[(_e72 + _e9)];
+    uint list = (_e75 - count_1);
+    p = Pixel((inside ? FXS_CLEAR_Q15_ : 0), ivec3(0));
+    if ((thread < 4u)) {
+        atomicExchange(touching[thread], 0u);
+    }
+    if ((thread == 0u)) {
+        open_round = 0u;
+    }
+    memoryBarrierShared();
+    barrier();
+    bool loop_init_2 = true;
+    while(true) {
+        if (!loop_init_2) {
+            uint _e176 = first;
+            first = (_e176 + SOME);
+        }
+        loop_init_2 = false;
+        uint _e95 = first;
+        if ((_e95 < count_1)) {
+        } else {
+            break;
+        }
+        {
+            uint _e97 = first;
+            uint round_ = ((_e97 / SOME) + 1u);
+            uint words = (2u * (round_ % 2u));
+            int _e107 = p.transmittance;
+            if ((_e107 >= FXS_CLOSED_Q15_)) {
+                open_round = round_;
+            }
+            uint _e111 = first;
+            if (((_e111 + thread) < count_1)) {
+                uint _e115 = first;
+                uint slot_1 = _group_1_binding_1_cs[((list + _e115) + thread)].x;
+                if (((slot_1 & CUT_OFF) == 0u)) {
+                    bool _e125 = place_splat(thread, slot_1, x_1, y_1);
+                    if (_e125) {
+                        uint _e135 = atomicOr(touching[(words + (thread / 32u))], (1u << (thread % 32u)));
+                    }
+                }
+            }
+            memoryBarrierShared();
+            barrier();
+            uint _e137 = open_round;
+            memoryBarrierShared();
+            barrier();
+            if ((_e137 != round_)) {
+                break;
+            }
+            if ((thread < 2u)) {
+                atomicExchange(touching[((2u - words) + thread)], 0u);
+            }
+            word = 0u;
+            bool loop_init_3 = true;
+            while(true) {
+                if (!loop_init_3) {
+                    uint _e173 = word;
+                    word = (_e173 + 1u);
+                }
+                loop_init_3 = false;
+                uint _e149 = word;
+                if ((_e149 < 2u)) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e153 = word;
+                    uint _e156 = atomicOr(touching[(words + _e153)], 0u);
+                    bits = _e156;
+                    bool loop_init_4 = true;
+                    while(true) {
+                        if (!loop_init_4) {
+                            uint _e168 = bits;
+                            uint _e169 = bits;
+                            bits = (_e168 & (_e169 - 1u));
+                        }
+                        loop_init_4 = false;
+                        uint _e158 = bits;
+                        if ((_e158 != 0u)) {
+                        } else {
+                            break;
+                        }
+                        {
+                            uint _e162 = word;
+                            uint _e164 = bits;
+                            int _e167 = blend_splat(p, ((32u * _e162) + min(uint(findLSB(_e164)), 32u)), column_1, row_2);
+                        }
+                    }
+                }
+            }
+            memoryBarrierShared();
+            barrier();
+        }
+    }
+    if (inside) {
+        int _e183 = _group_0_binding_0_cs.size.x;
+        uint at_1 = ((((y_1 + row_2) * uint(_e183)) + x_1) + column_1);
+        uint _e190 = _group_0_binding_0_cs.colour;
+        if ((_e190 != NOTHING)) {
+            put_colour(p, at_1);
+        }
+        uint _e195 = _group_0_binding_0_cs.coverage;
+        if ((_e195 != NOTHING)) {
+            uint _e201 = _group_0_binding_0_cs.coverage;
+            int _e205 = p.transmittance;
+            int _e206 = fxs_coverage_8bit(_e205);
+            _group_1_binding_3_cs[(_e201 + at_1)] = uint(_e206);
+            return;
+        } else {
+            return;
+        }
+    } else {
+        return;
+    }
+}
