@@ -9,7 +9,7 @@ const [modules, folder] = process.argv.slice(2);
 const { parseWgsl, validate, writeGlsl } =
     await import(pathToFileURL(resolve(modules, "node_modules/naga-wasm/dist/node.js")));
 const room = "kernels/compute/";
-const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "blend"];
+const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "blend", "trace", "ids"];
 
 // pixel.h is written in so few words of C that these make it WGSL.
 function pixelHeader()

@@ -105,6 +105,19 @@ struct Pixel {
     int transmittance;
     ivec3 sum;
 };
+struct Quarter {
+    uint tile;
+    uint x;
+    uint y;
+    uint list;
+    uint count;
+};
+struct Place {
+    uint column;
+    uint row;
+    uint at;
+    bool inside;
+};
 const int FXS_CUT_Q11_ = 18432;
 const int FXS_FAINT_Q11_ = 22697;
 const int FXS_LEVEL_MAX_Q11_ = 32767;
@@ -116,6 +129,7 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -250,26 +264,26 @@ uint tile_at(uint number) {
     return NOTHING;
 }
 bool fits() {
-    bool local_2 = false;
-    bool local_3 = false;
+    bool local = false;
+    bool local_1 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_2 = (_e11 <= _e14);
+        local = (_e11 <= _e14);
     } else {
-        local_2 = false;
+        local = false;
     }
-    bool _e17 = local_2;
+    bool _e17 = local;
     if (_e17) {
         uint _e22 = _group_1_binding_0_cs[0];
         uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_3 = (_e22 <= _e25);
+        local_1 = (_e22 <= _e25);
     } else {
-        local_3 = false;
+        local_1 = false;
     }
-    bool _e28 = local_3;
+    bool _e28 = local_1;
     return _e28;
 }
 bool place_splat(uint i_1, uint slot, uint x, uint y) {
@@ -277,7 +291,7 @@ bool place_splat(uint i_1, uint slot, uint x, uint y) {
     uint v = 0u;
     bool touches = false;
     uint row = 0u;
-    bool local_4 = false;
+    bool local_2 = false;
     uvec4 a_2 = _group_1_binding_2_cs[(2u * slot)];
     uvec4 b_2 = _group_1_binding_2_cs[((2u * slot) + 1u)];
     int offset_q11_2 = int((b_2.y & 65535u));
@@ -312,11 +326,11 @@ bool place_splat(uint i_1, uint slot, uint x, uint y) {
             if (!(_e67)) {
                 int _e71 = fxs_coordinate_q13_(least);
                 int _e72 = fxs_level_q11_(_e71, _e55);
-                local_4 = (_e72 <= _e23);
+                local_2 = (_e72 <= _e23);
             } else {
-                local_4 = true;
+                local_2 = true;
             }
-            bool _e75 = local_4;
+            bool _e75 = local_2;
             touches = _e75;
             uint _e76 = u;
             u = (_e76 + a_2.w);
@@ -328,24 +342,24 @@ bool place_splat(uint i_1, uint slot, uint x, uint y) {
     bool _e103 = touches;
     return _e103;
 }
-int blend_splat(inout Pixel p_2, uint i_2, uint column, uint row_1) {
-    bool local_5 = false;
+int blend_splat(inout Pixel p_2, uint i_2, int limit, uint column, uint row_1) {
+    bool local_3 = false;
     ivec2 at_row = rows[((SIDE * i_2) + row_1)];
     ivec4 other = others[i_2];
     int u_1 = (at_row.x + (int(column) * other.x));
-    int _e18 = fxs_coordinate_q13_(u_1);
-    int _e20 = fxs_level_q11_(_e18, at_row.y);
-    if (!((_e20 > other.y))) {
+    int _e19 = fxs_coordinate_q13_(u_1);
+    int _e21 = fxs_level_q11_(_e19, at_row.y);
+    if (!((_e21 > limit))) {
         int _e27 = p_2.transmittance;
-        local_5 = (_e27 < FXS_CLOSED_Q15_);
+        local_3 = (_e27 < FXS_CLOSED_Q15_);
     } else {
-        local_5 = true;
+        local_3 = true;
     }
-    bool _e31 = local_5;
+    bool _e31 = local_3;
     if (_e31) {
         return 0;
     }
-    int _e33 = fxs_alpha_q15_(_e20);
+    int _e33 = fxs_alpha_q15_(_e21);
     int _e35 = p_2.transmittance;
     int _e36 = fxs_weight_q15_(_e33, _e35);
     int _e38 = p_2.transmittance;
@@ -411,130 +425,170 @@ void put_colour(inout Pixel p_3, uint at) {
     _group_1_binding_3_cs[(_e149 + at)] = _e152;
     return;
 }
-void main() {
-    uvec3 group = gl_WorkGroupID;
-    uint thread = gl_LocalInvocationIndex;
-    bool local = false;
-    bool local_1 = false;
-    Pixel p = Pixel(0, ivec3(0));
-    uint first = 0u;
-    uint word = 0u;
-    uint bits = 0u;
-    uint number_1 = ((group.y * ROW_OF_GROUPS) + group.x);
-    uint _e9 = tile_at((number_1 / 4u));
-    if (!((_e9 == NOTHING))) {
-        bool _e15 = fits();
-        local = !(_e15);
+Quarter quarter_of(uvec3 group_1) {
+    bool local_4 = false;
+    uint number_1 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
+    int _e9 = _group_0_binding_0_cs.tiles.x;
+    uint across = uint(_e9);
+    uint _e13 = tile_at((number_1 / 4u));
+    if (!((_e13 == NOTHING))) {
+        bool _e19 = fits();
+        local_4 = !(_e19);
     } else {
-        local = true;
+        local_4 = true;
     }
-    bool _e18 = local;
-    if (_e18) {
-        return;
+    bool _e22 = local_4;
+    if (_e22) {
+        return Quarter(4294967295u, 0u, 0u, 0u, 0u);
     }
-    int _e22 = _group_0_binding_0_cs.tiles.x;
-    uint across = uint(_e22);
-    uint x_1 = (((_e9 % across) * 16u) + ((number_1 % 2u) * SIDE));
-    uint y_1 = (((_e9 / across) * 16u) + (((number_1 / 2u) % 2u) * SIDE));
-    uint column_1 = (thread % SIDE);
-    uint row_2 = (thread / SIDE);
-    int _e50 = _group_0_binding_0_cs.size.x;
-    if (((x_1 + column_1) < uint(_e50))) {
-        int _e59 = _group_0_binding_0_cs.size.y;
-        local_1 = ((y_1 + row_2) < uint(_e59));
+    uint count_1 = _group_1_binding_0_cs[(TILES + _e13)];
+    uint _e55 = _group_0_binding_0_cs.next;
+    uint _e58 = _group_1_binding_0_cs[(_e55 + _e13)];
+    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_1 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_1 / 2u) % 2u) * SIDE)), (_e58 - count_1), count_1);
+}
+Place place_of(Quarter q, uint thread_1) {
+    bool local_5 = false;
+    uint column_1 = (thread_1 % SIDE);
+    uint row_2 = (thread_1 / SIDE);
+    int _e11 = _group_0_binding_0_cs.size.x;
+    int _e22 = _group_0_binding_0_cs.size.x;
+    if (((q.x + column_1) < uint(_e22))) {
+        int _e32 = _group_0_binding_0_cs.size.y;
+        local_5 = ((q.y + row_2) < uint(_e32));
     } else {
-        local_1 = false;
+        local_5 = false;
     }
-    bool inside = local_1;
-    uint count_1 = _group_1_binding_0_cs[(TILES + _e9)];
-    uint _e72 = _group_0_binding_0_cs.next;
-    uint _e75 = _group_1_binding_0_cs[(_e72 + _e9)];
-    uint list = (_e75 - count_1);
-    p = Pixel((inside ? FXS_CLEAR_Q15_ : 0), ivec3(0));
-    if ((thread < 4u)) {
-        atomicExchange(touching[thread], 0u);
+    bool _e36 = local_5;
+    return Place(column_1, row_2, ((((q.y + row_2) * uint(_e11)) + q.x) + column_1), _e36);
+}
+void clear_rounds(uint thread_2) {
+    if ((thread_2 < 4u)) {
+        atomicExchange(touching[thread_2], 0u);
     }
-    if ((thread == 0u)) {
+    if ((thread_2 == 0u)) {
         open_round = 0u;
     }
     memoryBarrierShared();
     barrier();
+    return;
+}
+void place_round(Quarter q_1, uint thread_3, uint first_1, uint words) {
+    if (((first_1 + thread_3) < q_1.count)) {
+        uint slot_1 = _group_1_binding_1_cs[((q_1.list + first_1) + thread_3)].x;
+        if (((slot_1 & CUT_OFF) == 0u)) {
+            bool _e20 = place_splat(thread_3, slot_1, q_1.x, q_1.y);
+            if (_e20) {
+                uint _e30 = atomicOr(touching[(words + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
+                return;
+            } else {
+                return;
+            }
+        } else {
+            return;
+        }
+    } else {
+        return;
+    }
+}
+void put_pixel(inout Pixel p_4, uint at_1) {
+    uint _e4 = _group_0_binding_0_cs.colour;
+    if ((_e4 != NOTHING)) {
+        put_colour(p_4, at_1);
+    }
+    uint _e9 = _group_0_binding_0_cs.coverage;
+    if ((_e9 != NOTHING)) {
+        uint _e15 = _group_0_binding_0_cs.coverage;
+        int _e19 = p_4.transmittance;
+        int _e20 = fxs_coverage_8bit(_e19);
+        _group_1_binding_3_cs[(_e15 + at_1)] = uint(_e20);
+        return;
+    } else {
+        return;
+    }
+}
+void main() {
+    uvec3 group = gl_WorkGroupID;
+    uint thread = gl_LocalInvocationIndex;
+    Pixel p = Pixel(0, ivec3(0));
+    uint first = 0u;
+    uint word = 0u;
+    uint bits = 0u;
+    Quarter _e2 = quarter_of(group);
+    if ((_e2.tile == NOTHING)) {
+        return;
+    }
+    Place _e6 = place_of(_e2, thread);
+    p = Pixel((_e6.inside ? FXS_CLEAR_Q15_ : 0), ivec3(0));
+    clear_rounds(thread);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e176 = first;
-            first = (_e176 + SOME);
+            uint _e81 = first;
+            first = (_e81 + SOME);
         }
         loop_init_2 = false;
-        uint _e95 = first;
-        if ((_e95 < count_1)) {
+        uint _e17 = first;
+        if ((_e17 < _e2.count)) {
         } else {
             break;
         }
         {
-            uint _e97 = first;
-            uint round_ = ((_e97 / SOME) + 1u);
-            uint words = (2u * (round_ % 2u));
-            int _e107 = p.transmittance;
-            if ((_e107 >= FXS_CLOSED_Q15_)) {
+            uint _e20 = first;
+            uint round_ = ((_e20 / SOME) + 1u);
+            uint words_1 = (2u * (round_ % 2u));
+            int _e30 = p.transmittance;
+            if ((_e30 >= FXS_CLOSED_Q15_)) {
                 open_round = round_;
             }
-            uint _e111 = first;
-            if (((_e111 + thread) < count_1)) {
-                uint _e115 = first;
-                uint slot_1 = _group_1_binding_1_cs[((list + _e115) + thread)].x;
-                if (((slot_1 & CUT_OFF) == 0u)) {
-                    bool _e125 = place_splat(thread, slot_1, x_1, y_1);
-                    if (_e125) {
-                        uint _e135 = atomicOr(touching[(words + (thread / 32u))], (1u << (thread % 32u)));
-                    }
-                }
-            }
+            uint _e34 = first;
+            place_round(_e2, thread, _e34, words_1);
             memoryBarrierShared();
             barrier();
-            uint _e137 = open_round;
+            uint _e36 = open_round;
             memoryBarrierShared();
             barrier();
-            if ((_e137 != round_)) {
+            if ((_e36 != round_)) {
                 break;
             }
             if ((thread < 2u)) {
-                atomicExchange(touching[((2u - words) + thread)], 0u);
+                atomicExchange(touching[((2u - words_1) + thread)], 0u);
             }
             word = 0u;
             bool loop_init_3 = true;
             while(true) {
                 if (!loop_init_3) {
-                    uint _e173 = word;
-                    word = (_e173 + 1u);
+                    uint _e78 = word;
+                    word = (_e78 + 1u);
                 }
                 loop_init_3 = false;
-                uint _e149 = word;
-                if ((_e149 < 2u)) {
+                uint _e48 = word;
+                if ((_e48 < 2u)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e153 = word;
-                    uint _e156 = atomicOr(touching[(words + _e153)], 0u);
-                    bits = _e156;
+                    uint _e52 = word;
+                    uint _e55 = atomicOr(touching[(words_1 + _e52)], 0u);
+                    bits = _e55;
                     bool loop_init_4 = true;
                     while(true) {
                         if (!loop_init_4) {
-                            uint _e168 = bits;
-                            uint _e169 = bits;
-                            bits = (_e168 & (_e169 - 1u));
+                            uint _e73 = bits;
+                            uint _e74 = bits;
+                            bits = (_e73 & (_e74 - 1u));
                         }
                         loop_init_4 = false;
-                        uint _e158 = bits;
-                        if ((_e158 != 0u)) {
+                        uint _e57 = bits;
+                        if ((_e57 != 0u)) {
                         } else {
                             break;
                         }
                         {
-                            uint _e162 = word;
-                            uint _e164 = bits;
-                            int _e167 = blend_splat(p, ((32u * _e162) + min(uint(findLSB(_e164)), 32u)), column_1, row_2);
+                            uint _e61 = word;
+                            uint _e63 = bits;
+                            uint i_3 = ((32u * _e61) + min(uint(findLSB(_e63)), 32u));
+                            int _e69 = others[i_3].y;
+                            int _e72 = blend_splat(p, i_3, _e69, _e6.column, _e6.row);
                         }
                     }
                 }
@@ -543,23 +597,9 @@ void main() {
             barrier();
         }
     }
-    if (inside) {
-        int _e183 = _group_0_binding_0_cs.size.x;
-        uint at_1 = ((((y_1 + row_2) * uint(_e183)) + x_1) + column_1);
-        uint _e190 = _group_0_binding_0_cs.colour;
-        if ((_e190 != NOTHING)) {
-            put_colour(p, at_1);
-        }
-        uint _e195 = _group_0_binding_0_cs.coverage;
-        if ((_e195 != NOTHING)) {
-            uint _e201 = _group_0_binding_0_cs.coverage;
-            int _e205 = p.transmittance;
-            int _e206 = fxs_coverage_8bit(_e205);
-            _group_1_binding_3_cs[(_e201 + at_1)] = uint(_e206);
-            return;
-        } else {
-            return;
-        }
+    if (_e6.inside) {
+        put_pixel(p, _e6.at);
+        return;
     } else {
         return;
     }

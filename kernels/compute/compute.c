@@ -20,7 +20,7 @@ typedef struct job {
     const fxs_drawn *drawn;        /* null: all leaves are drawn */
     uint32_t places, cut_room;
     fxs_compute_frame frame;
-    uint64_t memory_words, picture_words;
+    uint64_t memory_words, picture_words, read_words;
     uint32_t status[FXS_COMPUTE_STATUS];
 } job;
 
@@ -403,10 +403,10 @@ static int check_targets(const fxs_request *r)
 {
     const fxs_targets *t = r->targets;
     const int error = fxs_targets_check(t, r->cameras->width, r->cameras->height);
-    return error                                                                       ? error
-           : t->format > FXS_FORMAT_RGBA16_COVERAGE || fxs_targets_traced(t)           ? FXS_ERR_UNSUPPORTED
-           : !t->colour.pixels && !t->coverage.pixels                                  ? FXS_ERR_TARGET
-                                                                                       : 0;
+    return error ? error
+           : t->format > FXS_FORMAT_RGBA16_COVERAGE ? FXS_ERR_UNSUPPORTED
+           : t->colour.pixels || t->coverage.pixels || t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels
+               ? 0 : FXS_ERR_TARGET;
 }
 
 static int place_objects(job *j)
@@ -580,6 +580,11 @@ static uint32_t words_at(uint64_t *used, uint64_t words)
     return (uint32_t)at;
 }
 
+static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
+{
+    return image->pixels ? words_at(used, words) : FXS_NOTHING;
+}
+
 /* Where all lies in the memory, the counts and the picture. */
 static void lay_out(job *j)
 {
@@ -600,7 +605,7 @@ static void lay_out(job *j)
     f->chunk_room = c->chunk_room;
     f->large_room = c->large_room;
     f->page_room = c->page_room;
-    f->spans_at = words_at(&words, 4 * ((uint64_t)f->spans + 1));
+    f->spans_at = words_at(&words, FXS_COMPUTE_SPAN * ((uint64_t)f->spans + 1));
     f->drawn = j->drawn ? words_at(&words, 2 * (uint64_t)j->places) : 0;
     f->ranks = words_at(&words, j->places / 32 + 1);
     f->visible = words_at(&words, j->places);
@@ -619,11 +624,14 @@ static void lay_out(job *j)
         f->background_q13[i] = fxs_is_premultiplied(t->format)
                                    ? 0 : fxs_background_q13(j->request->options.background[i]);
     f->depth_bits = fxs_depth_bits(t);
-    f->mean_depth = f->median_depth = f->id = f->occluder = FXS_NOTHING;
-    f->colour = t->colour.pixels ? words_at(&picture, pixels * (t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1))
-                                 : FXS_NOTHING;
-    f->coverage = t->coverage.pixels ? words_at(&picture, pixels) : FXS_NOTHING;
-    f->backdrop = t->backdrop.pixels ? words_at(&picture, pixels) : FXS_NOTHING;
+    f->colour = plane_at(&picture, &t->colour, pixels * (t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1));
+    f->coverage = plane_at(&picture, &t->coverage, pixels);
+    f->mean_depth = plane_at(&picture, &t->mean_depth, pixels);
+    f->median_depth = plane_at(&picture, &t->median_depth, pixels);
+    f->id = plane_at(&picture, &t->id, 2 * pixels);
+    j->read_words = picture;
+    f->occluder = plane_at(&picture, &t->occluder, pixels);
+    f->backdrop = plane_at(&picture, &t->backdrop, pixels);
     j->picture_words = picture;
 }
 
@@ -647,7 +655,7 @@ static int reserve_frame(const job *j, fxs_message *why)
     error = error ? error : reserve(c, FXS_COMPUTE_ENTRIES, (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room,
                                     GL_DYNAMIC_COPY, why);
     error = error ? error : reserve(c, FXS_COMPUTE_PICTURE, 4 * j->picture_words, GL_DYNAMIC_COPY, why);
-    error = error ? error : reserve(c, FXS_COMPUTE_DOWNLOAD, 4 * (FXS_COMPUTE_STATUS + j->picture_words),
+    error = error ? error : reserve(c, FXS_COMPUTE_DOWNLOAD, 4 * (FXS_COMPUTE_STATUS + j->read_words),
                                     GL_STREAM_READ, why);
     return error ? error : reserve(c, FXS_COMPUTE_UNIFORMS, FXS_COMPUTE_STRIDE * ((uint64_t)f->spans + 1),
                                    GL_STREAM_DRAW, why);
@@ -689,24 +697,26 @@ static int put_places(const job *j, fxs_message *why)
     if (!to)
         return failure(j->c, why);
     for (uint32_t i = 0; next_span(j, &s); i++) {
-        to[4 * i] = s.first_place;
-        to[4 * i + 1] = s.end_place;
+        uint32_t *words = to + FXS_COMPUTE_SPAN * i;
+        words[0] = s.first_place;
+        words[1] = s.end_place;
+        words[4] = j->objects[s.object].id;
+        words[5] = j->objects[s.object].first_chunk;
     }
-    to[4 * f->spans] = 0;
-    to[4 * f->spans + 1] = f->places;
+    to[FXS_COMPUTE_SPAN * f->spans] = 0;
+    to[FXS_COMPUTE_SPAN * f->spans + 1] = f->places;
     if (j->drawn)
         memcpy(to + (f->drawn - f->spans_at), j->drawn, j->places * sizeof *j->drawn);
     return unmap(j->c, why);
 }
 
-static int put_backdrop(const job *j, fxs_message *why)
+/* An image of four bytes a pixel that is read. */
+static int put_plane(const job *j, const fxs_image *image, uint32_t at, fxs_message *why)
 {
-    const fxs_image *image = &j->request->targets->backdrop;
     const uint64_t row = 4 * (uint64_t)j->view.width;
     if (!image->pixels)
         return 0;
-    unsigned char *to = map(j->c, FXS_COMPUTE_PICTURE, 4 * (uint64_t)j->frame.backdrop,
-                            row * (uint64_t)j->view.height);
+    unsigned char *to = map(j->c, FXS_COMPUTE_PICTURE, 4 * (uint64_t)at, row * (uint64_t)j->view.height);
     if (!to)
         return failure(j->c, why);
     for (int32_t y = 0; y < j->view.height; y++)
@@ -809,8 +819,13 @@ static void draw(const job *j)
     bind(c, 3, FXS_COMPUTE_PICTURE);
     start(c, FXS_COMPUTE_sort_lists);
     dispatch(c, tiles);
-    start(c, FXS_COMPUTE_blend_tiles);
+    start(c, fxs_targets_traced(j->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles);
     dispatch(c, 4 * tiles);
+    if (j->frame.id != FXS_NOTHING) {
+        bind(c, 1, FXS_COMPUTE_MEMORY);
+        start(c, FXS_COMPUTE_name_pixels);
+        dispatch(c, groups_of((uint64_t)j->view.width * (uint64_t)j->view.height));
+    }
 }
 
 static void read_time(fxs_compute *c)
@@ -847,21 +862,21 @@ static int run_stages(const job *j, fxs_message *why)
     gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
     gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_PICTURE]);
     gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 4 * FXS_COMPUTE_STATUS,
-                          (GLsizeiptr)(4 * j->picture_words));
+                          (GLsizeiptr)(4 * j->read_words));
     return check(c, why);
 }
 
 /* ---- Reading back ------------------------------------------------------------------------------------------------ */
 
 /* A plane of words to an image of as many bytes a pixel: a word's low ones, or two words. */
-static void copy_plane(const job *j, const fxs_image *to, int bytes, const uint32_t *plane)
+static void copy_plane(const job *j, const fxs_image *to, int bytes, const uint32_t *picture, uint32_t at)
 {
     const size_t width = (size_t)j->view.width;
     if (!to->pixels)
         return;
     for (int32_t y = 0; y < j->view.height; y++) {
         unsigned char *row = fxs_image_at(to, 0, y, bytes);
-        const unsigned char *from = (const unsigned char *)plane + (size_t)y * width * (bytes > 4 ? 8 : 4);
+        const unsigned char *from = (const unsigned char *)(picture + at) + (size_t)y * width * (bytes > 4 ? 8 : 4);
         if (bytes >= 4)
             memcpy(row, from, width * (size_t)bytes);
         else
@@ -884,15 +899,18 @@ static int read_back(job *j, fxs_message *why)
     const fxs_targets *t = j->request->targets;
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
     const uint32_t *from = c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0,
-                                                (GLsizeiptr)(4 * (FXS_COMPUTE_STATUS + j->picture_words)),
+                                                (GLsizeiptr)(4 * (FXS_COMPUTE_STATUS + j->read_words)),
                                                 GL_MAP_READ_BIT);
     if (!from)
         return failure(c, why);
     memcpy(j->status, from, sizeof j->status);
     if (!needs_more(j) && !j->status[FXS_COMPUTE_DAMAGED]) {
         const uint32_t *picture = from + FXS_COMPUTE_STATUS;
-        copy_plane(j, &t->colour, fxs_pixel_bytes(t->format), picture + j->frame.colour);
-        copy_plane(j, &t->coverage, 1, picture + j->frame.coverage);
+        copy_plane(j, &t->colour, fxs_pixel_bytes(t->format), picture, j->frame.colour);
+        copy_plane(j, &t->coverage, 1, picture, j->frame.coverage);
+        copy_plane(j, &t->mean_depth, 4, picture, j->frame.mean_depth);
+        copy_plane(j, &t->median_depth, 4, picture, j->frame.median_depth);
+        copy_plane(j, &t->id, 8, picture, j->frame.id);
     }
     const int error = unmap(c, why);
     return error                                ? error
@@ -923,7 +941,8 @@ static int render(job *j, uint64_t gaussians, fxs_message *why)
         error = reserve_frame(j, why);
         error = error ? error : put_uniforms(j, why);
         error = error ? error : put_places(j, why);
-        error = error ? error : put_backdrop(j, why);
+        error = error ? error : put_plane(j, &j->request->targets->occluder, j->frame.occluder, why);
+        error = error ? error : put_plane(j, &j->request->targets->backdrop, j->frame.backdrop, why);
         error = error ? error : run_stages(j, why);
         error = error ? error : read_back(j, why);
         if (error)

@@ -112,6 +112,7 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;

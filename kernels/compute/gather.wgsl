@@ -62,7 +62,7 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
     storageBarrier();
     workgroupBarrier();
     for (var i = thread; i <= frame.spans; i += THREADS) {       // behind the spans: the frame
-        let span = frame.spans_at + 4u * i;
+        let span = frame.spans_at + SPAN * i;
         let low = rank_of(memory[span]);
         let high = min(rank_of(memory[span + 1u]), frame.chunk_room);
         memory[span + 2u] = low;

@@ -106,6 +106,7 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -283,7 +284,7 @@ void main() {
         {
             uint _e95 = _group_0_binding_0_cs.spans_at;
             uint _e97 = i_2;
-            uint span = (_e95 + (4u * _e97));
+            uint span = (_e95 + (SPAN * _e97));
             uint _e102 = _group_1_binding_1_cs[span];
             uint _e103 = rank_of(_e102);
             uint _e108 = _group_1_binding_1_cs[(span + 1u)];

@@ -169,7 +169,7 @@ fn project_chunk(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
         atomicStore(&visible_here, 0u);
     }
     workgroupBarrier();
-    let span = frame.spans_at + 4u * object.span;
+    let span = frame.spans_at + SPAN * object.span;
     let half = group.y * ROW_OF_GROUPS + group.x;
     let ordinal = memory[span + 2u] + half / 2u;
     if (ordinal < memory[span + 3u]) {

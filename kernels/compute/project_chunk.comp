@@ -143,6 +143,7 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -2317,7 +2318,7 @@ void main() {
     barrier();
     uint _e8 = _group_0_binding_0_cs.spans_at;
     uint _e12 = _group_0_binding_1_cs.span;
-    uint span = (_e8 + (4u * _e12));
+    uint span = (_e8 + (SPAN * _e12));
     uint half_1 = ((group.y * ROW_OF_GROUPS) + group.x);
     uint _e24 = _group_1_binding_1_cs[(span + 2u)];
     uint ordinal = (_e24 + (half_1 / 2u));

@@ -6,6 +6,7 @@ const THREADS: u32 = 128u;         // of a workgroup of project and fill: half a
 const ROW_OF_GROUPS: u32 = 32768u; // workgroups along x: more are rows of them
 const RECORD: u32 = 64u;           // words of a chunk's record
 const LARGE: u32 = 8u;             // words of a large splat's record
+const SPAN: u32 = 8u;              // words of a span: see spans_at
 const PAGE: u32 = 4096u;           // entries: rows of tiles begin at multiples of it
 const CLASSES: u32 = 16u;          // of tiles, by the magnitude of their lists
 const CUT_OFF: u32 = 0x80000000u;  // as FXS_ENTRY_CUT_OFF
@@ -40,7 +41,8 @@ struct Frame {
     boxes: u32,                    // two words a slot
     depths: u32,                   // by slot
     larges: u32,
-    spans_at: u32,                 // of each span its first place, its end, and of these as they are among the visible
+    spans_at: u32,                 // of each span its first place, its end, these as they are among the visible, the
+                                   // object's id and its first chunk
     next: u32,                     // in the counts: where the tiles' next entries go,
     classes: u32,                  // and the tiles by class
     cleared: u32,                  // words of the counts that are 0 at first

@@ -1,0 +1,173 @@
+// What blend and trace have in common: a workgroup takes 8x8 pixels, a quarter of a tile. It takes 64 splats of the list
+// at a time: each thread tests one against the rows of the quarter, then takes those that can touch any, for its own
+// pixel.
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(0) var<storage, read> counts: array<u32>;
+@group(1) @binding(1) var<storage, read> entries: array<vec2<u32>>;
+@group(1) @binding(2) var<storage, read> splats: array<vec4<u32>>;
+@group(1) @binding(3) var<storage, read_write> picture: array<u32>;
+
+const SIDE: u32 = 8u;
+const SOME: u32 = 64u;
+
+// Of each splat of a round: u and the level at the first pixel of each row; ux, limit, colours.
+var<workgroup> rows: array<vec2<i32>, 512>;
+var<workgroup> others: array<vec4<i32>, 64>;
+var<workgroup> touching: array<atomic<u32>, 4>;    // two words for this round, two for the next
+var<workgroup> open_round: u32;                    // the last one before which a pixel was open
+
+struct Pixel {
+    transmittance: i32,
+    sum: vec3<i32>,
+}
+
+// Puts a splat at the quarter at (x, y). Returns whether it can touch a pixel there: u grows along a row, so the least
+// |u| is at an end, or 0 between them.
+fn place_splat(i: u32, slot: u32, x: u32, y: u32) -> bool
+{
+    let a = splats[2u * slot];
+    let b = splats[2u * slot + 1u];
+    let offset_q11 = i32(b.y & 0xffffu);
+    let limit = fxs_limit_q11(offset_q11, frame.cut_q11);
+    var u = a.x + x * a.z + y * a.w;
+    var v = a.y + y * b.x;
+    var touches = false;
+    for (var row = 0u; row < SIDE; row += 1u) {
+        let left = bitcast<i32>(u);
+        let right = bitcast<i32>(u + (SIDE - 1u) * a.z);
+        let level = fxs_row_level_q11(fxs_coordinate_q13(bitcast<i32>(v)), offset_q11);
+        let least = max(max(left, -right), 0);
+        rows[SIDE * i + row] = vec2<i32>(left, level);
+        touches = touches || fxs_level_q11(fxs_coordinate_q13(least), level) <= limit;
+        u += a.w;
+        v += b.x;
+    }
+    others[i] = vec4<i32>(bitcast<i32>(a.z), limit, bitcast<i32>(b.y >> 16u) | bitcast<i32>(b.z << 16u),
+                          bitcast<i32>(b.z >> 16u));
+    return touches;
+}
+
+// Blends a splat whose level may be up to `limit`. Returns its weight.
+fn blend_splat(p: ptr<function, Pixel>, i: u32, limit: i32, column: u32, row: u32) -> i32
+{
+    let at_row = rows[SIDE * i + row];
+    let other = others[i];
+    let u = at_row.x + i32(column) * other.x;
+    let level = fxs_level_q11(fxs_coordinate_q13(u), at_row.y);
+    if (level > limit || (*p).transmittance < FXS_CLOSED_Q15) {
+        return 0;
+    }
+    let weight = fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance);
+    (*p).transmittance -= weight;
+    // Sums only grow: cut to 32767 once, by resolve.
+    (*p).sum += vec3<i32>(fxs_mul_q15(weight, other.z & 0xffff), fxs_mul_q15(weight, other.z >> 16u),
+                          fxs_mul_q15(weight, other.w));
+    return weight;
+}
+
+fn background_of(word: u32) -> vec3<i32>
+{
+    let rgb = vec3<u32>(word & 255u, (word >> 8u) & 255u, (word >> 16u) & 255u);
+    return vec3<i32>((rgb * 8192u + 127u) / 255u);
+}
+
+fn put_colour(p: ptr<function, Pixel>, at: u32)
+{
+    let sum = min((*p).sum, vec3<i32>(32767));
+    let transmittance = (*p).transmittance;
+    if (frame.format == 3u) {
+        let rgb = vec3<u32>(min((sum * 65535 + 4096) >> vec3<u32>(13u), vec3<i32>(65535)));
+        let alpha = u32(((FXS_CLEAR_Q15 - transmittance) * 65535 + 16384) >> 15u);
+        picture[frame.colour + 2u * at] = rgb.x | (rgb.y << 16u);
+        picture[frame.colour + 2u * at + 1u] = rgb.z | (alpha << 16u);
+        return;
+    }
+    var background_q13 = frame.background_q13.xyz;
+    if (frame.backdrop != NOTHING) {
+        background_q13 = background_of(picture[frame.backdrop + at]);
+    }
+    let r = u32(fxs_resolve_8bit(sum.x, transmittance, background_q13.x));
+    let g = u32(fxs_resolve_8bit(sum.y, transmittance, background_q13.y));
+    let b = u32(fxs_resolve_8bit(sum.z, transmittance, background_q13.z));
+    var word = r | (g << 8u) | (b << 16u) | 0xff000000u;
+    if (frame.format == 1u) {
+        word = (word & 0xffffffu) | (u32(fxs_coverage_8bit(transmittance)) << 24u);
+    }
+    if (frame.format == 2u) {
+        word = (((r * 31u + 127u) / 255u) << 11u) | (((g * 63u + 127u) / 255u) << 5u) | ((b * 31u + 127u) / 255u);
+    }
+    picture[frame.colour + at] = word;
+}
+
+// A quarter of a tile, the same for all threads of a workgroup.
+struct Quarter {
+    tile: u32,                     // NOTHING: there is none
+    x: u32,
+    y: u32,
+    list: u32,
+    count: u32,
+}
+
+fn quarter_of(group: vec3<u32>) -> Quarter
+{
+    let number = group.y * ROW_OF_GROUPS + group.x;
+    let across = u32(frame.tiles.x);
+    let tile = tile_at(number / 4u);
+    if (tile == NOTHING || !fits()) {
+        return Quarter(NOTHING, 0u, 0u, 0u, 0u);
+    }
+    let count = counts[TILES + tile];
+    return Quarter(tile, tile % across * 16u + number % 2u * SIDE, tile / across * 16u + number / 2u % 2u * SIDE,
+                   counts[frame.next + tile] - count, count);
+}
+
+// The pixel of a thread.
+struct Place {
+    column: u32,                   // in the quarter
+    row: u32,
+    at: u32,                       // in a plane of the picture
+    inside: bool,
+}
+
+fn place_of(q: Quarter, thread: u32) -> Place
+{
+    let column = thread % SIDE;
+    let row = thread / SIDE;
+    return Place(column, row, (q.y + row) * u32(frame.size.x) + q.x + column,
+                 q.x + column < u32(frame.size.x) && q.y + row < u32(frame.size.y));
+}
+
+fn clear_rounds(thread: u32)
+{
+    if (thread < 4u) {
+        atomicStore(&touching[thread], 0u);
+    }
+    if (thread == 0u) {
+        open_round = 0u;
+    }
+    workgroupBarrier();
+}
+
+// Puts the splats of a round to the quarter, and marks those that touch a pixel; `words`: of this round.
+fn place_round(q: Quarter, thread: u32, first: u32, words: u32)
+{
+    if (first + thread < q.count) {
+        let slot = entries[q.list + first + thread].x;
+        if ((slot & CUT_OFF) == 0u) {
+            if (place_splat(thread, slot, q.x, q.y)) {
+                atomicOr(&touching[words + thread / 32u], 1u << (thread % 32u));
+            }
+        }
+    }
+}
+
+fn put_pixel(p: ptr<function, Pixel>, at: u32)
+{
+    if (frame.colour != NOTHING) {
+        put_colour(p, at);
+    }
+    if (frame.coverage != NOTHING) {
+        picture[frame.coverage + at] = u32(fxs_coverage_8bit((*p).transmittance));
+    }
+}

@@ -1,0 +1,780 @@
+#version 310 es
+precision highp float;
+precision highp int;
+layout(local_size_x = 64, local_size_y = 1, local_size_z = 1) in;
+struct Frame {
+    ivec2 size;
+    ivec2 tiles;
+    uint places;
+    uint spans;
+    uint chunk_room;
+    uint large_room;
+    uint page_room;
+    uint drawn;
+    uint seen;
+    uint ranks;
+    uint visible;
+    uint records;
+    uint boxes;
+    uint depths;
+    uint larges;
+    uint spans_at;
+    uint next;
+    uint classes;
+    uint cleared;
+    int cutoff;
+    int cut_q11_;
+    uint format;
+    ivec4 background_q13_;
+    int depth_bits;
+    uint colour;
+    uint coverage;
+    uint mean_depth;
+    uint median_depth;
+    uint id;
+    uint occluder;
+    uint backdrop;
+};
+struct Object {
+    uvec4 position_q32_[3];
+    uvec4 eye_q32_[3];
+    ivec4 rotation_q30_[3];
+    ivec4 row_q15_[2];
+    ivec4 forward_q15_[2];
+    ivec4 tint_q13_;
+    uvec2 near_q32_;
+    uvec2 dilation_q30_;
+    ivec2 f_q12_;
+    ivec2 c_q12_;
+    ivec2 slope_low_q23_;
+    ivec2 slope_high_q23_;
+    ivec2 edge_low_q23_;
+    ivec2 edge_high_q23_;
+    ivec2 hidden_low_q23_;
+    ivec2 hidden_high_q23_;
+    ivec2 hidden;
+    ivec2 hidden_end;
+    uint focal_q32_;
+    int focal_exponent;
+    int veil_exponent;
+    int jacobian_exponent;
+    int offset_q11_;
+    int degree;
+    int antialiased;
+    int orthographic;
+    int plane_exponent;
+    uint profile;
+    int scene_degree;
+    uint chunk_words;
+    uint palette_entries;
+    int palette_step_q19_;
+    uint scale_mantissa;
+    int scale_exponent;
+    int plain;
+    uint crop_count;
+    uint keep_count;
+    uint first_chunk;
+    uint first_place;
+    uint end_place;
+    uint span;
+    uint part_chunk;
+    uint rows_at;
+    uvec4 crops[32];
+};
+struct Splat {
+    uint u0_q24_;
+    uint v0_q24_;
+    int ux_q24_;
+    int uy_q24_;
+    int vy_q24_;
+    int offset_q11_;
+    ivec2 rows;
+};
+struct Bounds {
+    ivec2 c_q14_;
+    uint breadth_q8_;
+    int shear_q8_;
+    int half_width_q8_;
+    uint square_radius;
+};
+struct Span {
+    int first;
+    int last;
+};
+struct Pixel {
+    int transmittance;
+    ivec3 sum;
+};
+struct Quarter {
+    uint tile;
+    uint x;
+    uint y;
+    uint list;
+    uint count;
+};
+struct Place {
+    uint column;
+    uint row;
+    uint at;
+    bool inside;
+};
+struct Traced {
+    uint limit;
+    int weight;
+    uint largest;
+    uint median;
+    uvec2 sum;
+};
+const int FXS_CUT_Q11_ = 18432;
+const int FXS_FAINT_Q11_ = 22697;
+const int FXS_LEVEL_MAX_Q11_ = 32767;
+const int FXS_ALPHA_MAX_Q15_ = 32440;
+const int FXS_CLEAR_Q15_ = 32767;
+const int FXS_CLOSED_Q15_ = 33;
+const uint CHUNK = 256u;
+const uint THREADS = 128u;
+const uint ROW_OF_GROUPS = 32768u;
+const uint RECORD = 64u;
+const uint LARGE = 8u;
+const uint SPAN = 8u;
+const uint PAGE = 4096u;
+const uint CLASSES = 16u;
+const uint CUT_OFF = 2147483648u;
+const uint NOTHING = 4294967295u;
+const int BOX_COLUMNS = 6;
+const int BOX_ROWS = 7;
+const uint VISIBLE_CHUNKS = 0u;
+const uint LARGES = 1u;
+const uint PAGES = 2u;
+const uint DAMAGED = 3u;
+const uint VISIBLE = 4u;
+const uint ENTRIES = 5u;
+const uint CLASS_COUNTS = 16u;
+const uint TILES = 64u;
+const int EVERYWHERE_Q8_ = 1073741824;
+const uint SIDE = 8u;
+const uint SOME = 64u;
+const int HALF_Q15_ = 16384;
+layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 0) readonly buffer type_11_block_1Compute { uint _group_1_binding_0_cs[]; };
+layout(std430, binding = 1) readonly buffer type_12_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) readonly buffer type_13_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
+layout(std430, binding = 3) buffer type_11_block_4Compute { uint _group_1_binding_3_cs[]; };
+shared ivec2 rows[512];
+shared ivec4 others[64];
+shared uint touching[4];
+shared uint open_round;
+shared uint keys[64];
+int fxs_mul_q15_(int a, int b) {
+    return (((a * b) + 16384) >> 15u);
+}
+int fxs_min(int a_1, int b_1) {
+    return ((a_1 < b_1) ? a_1 : b_1);
+}
+int fxs_coordinate_q13_(int coordinate_q24_) {
+    int c = 0;
+    c = (coordinate_q24_ >> 11u);
+    int _e4 = c;
+    int _e6 = fxs_min(_e4, 32767);
+    int _e7 = c;
+    return ((_e7 < -32767) ? -32767 : _e6);
+}
+int fxs_row_level_q11_(int v_q13_, int offset_q11_) {
+    int _e2 = fxs_mul_q15_(v_q13_, v_q13_);
+    int _e5 = fxs_min((_e2 + offset_q11_), FXS_LEVEL_MAX_Q11_);
+    return _e5;
+}
+int fxs_level_q11_(int u_q13_, int row_level_q11_) {
+    int _e2 = fxs_mul_q15_(u_q13_, u_q13_);
+    int _e5 = fxs_min((_e2 + row_level_q11_), FXS_LEVEL_MAX_Q11_);
+    return _e5;
+}
+int fxs_limit_q11_(int offset_q11_1, int cut_q11_) {
+    int _e4 = fxs_min((offset_q11_1 + cut_q11_), FXS_FAINT_Q11_);
+    return _e4;
+}
+int fxs_alpha_q15_(int level_q11_) {
+    int p_1 = 0;
+    int _e2 = fxs_mul_q15_(-4236, level_q11_);
+    p_1 = (_e2 + 16016);
+    int _e6 = p_1;
+    int _e7 = fxs_mul_q15_(_e6, level_q11_);
+    p_1 = (_e7 - 32730);
+    int _e10 = p_1;
+    int _e11 = fxs_mul_q15_(_e10, level_q11_);
+    p_1 = (_e11 + 32767);
+    int _e14 = p_1;
+    int _e15 = p_1;
+    int _e16 = fxs_mul_q15_(_e14, _e15);
+    p_1 = _e16;
+    int _e17 = p_1;
+    int _e18 = p_1;
+    int _e19 = fxs_mul_q15_(_e17, _e18);
+    p_1 = _e19;
+    int _e20 = p_1;
+    int _e21 = p_1;
+    int _e22 = fxs_mul_q15_(_e20, _e21);
+    p_1 = _e22;
+    int _e23 = p_1;
+    int _e25 = fxs_min(_e23, FXS_ALPHA_MAX_Q15_);
+    return _e25;
+}
+int fxs_weight_q15_(int alpha_q15_, int transmittance_q15_) {
+    int _e2 = fxs_mul_q15_(alpha_q15_, transmittance_q15_);
+    return _e2;
+}
+int fxs_accumulate_q13_(int sum_q13_, int weight_q15_, int colour_q13_) {
+    int _e3 = fxs_mul_q15_(weight_q15_, colour_q13_);
+    int _e6 = fxs_min((sum_q13_ + _e3), 32767);
+    return _e6;
+}
+int fxs_resolve_8bit(int sum_q13_1, int transmittance_q15_1, int background_q13_) {
+    int _e3 = fxs_accumulate_q13_(sum_q13_1, transmittance_q15_1, background_q13_);
+    int _e11 = fxs_min((((_e3 * 255) + 4096) >> 13u), 255);
+    return _e11;
+}
+int fxs_coverage_8bit(int transmittance_q15_2) {
+    return ((((FXS_CLEAR_Q15_ - transmittance_q15_2) * 255) + 16384) >> 15u);
+}
+uvec2 add_wide(uvec2 a_2, uvec2 b_2) {
+    uint low = (a_2.x + b_2.x);
+    return uvec2(low, ((a_2.y + b_2.y) + ((low < a_2.x) ? 1u : 0u)));
+}
+uvec2 shift_left(uvec2 a_12, uint n) {
+    if ((n == 0u)) {
+        return a_12;
+    }
+    if ((n >= 32u)) {
+        return uvec2(0u, (a_12.x << (n - 32u)));
+    }
+    return uvec2((a_12.x << n), ((a_12.y << n) | (a_12.x >> (32u - n))));
+}
+uvec2 shift_right(uvec2 a_13, uint n_1) {
+    if ((n_1 == 0u)) {
+        return a_13;
+    }
+    if ((n_1 >= 32u)) {
+        return uvec2((a_13.y >> (n_1 - 32u)), 0u);
+    }
+    return uvec2(((a_13.x >> n_1) | (a_13.y << (32u - n_1))), (a_13.y >> n_1));
+}
+int zeros_of(uint x_2) {
+    return int(uint(31 - findMSB(x_2)));
+}
+uint tile_at(uint number) {
+    uint rest = 0u;
+    uint class_number = CLASSES;
+    int _e4 = _group_0_binding_0_cs.tiles.x;
+    int _e8 = _group_0_binding_0_cs.tiles.y;
+    uint tiles = uint((_e4 * _e8));
+    rest = number;
+    bool loop_init = true;
+    while(true) {
+        if (!loop_init) {
+            uint _e42 = class_number;
+            class_number = (_e42 - 1u);
+        }
+        loop_init = false;
+        uint _e14 = class_number;
+        if ((_e14 > 0u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e19 = class_number;
+            uint count = _group_1_binding_0_cs[((CLASS_COUNTS + _e19) - 1u)];
+            uint _e25 = rest;
+            if ((_e25 < count)) {
+                uint _e30 = _group_0_binding_0_cs.classes;
+                uint _e31 = class_number;
+                uint _e36 = rest;
+                uint _e39 = _group_1_binding_0_cs[((_e30 + ((_e31 - 1u) * tiles)) + _e36)];
+                return _e39;
+            }
+            uint _e40 = rest;
+            rest = (_e40 - count);
+        }
+    }
+    return NOTHING;
+}
+bool fits() {
+    bool local_2 = false;
+    bool local_3 = false;
+    uint _e2 = _group_1_binding_0_cs[2];
+    uint _e5 = _group_0_binding_0_cs.page_room;
+    if ((_e2 <= _e5)) {
+        uint _e11 = _group_1_binding_0_cs[1];
+        uint _e14 = _group_0_binding_0_cs.large_room;
+        local_2 = (_e11 <= _e14);
+    } else {
+        local_2 = false;
+    }
+    bool _e17 = local_2;
+    if (_e17) {
+        uint _e22 = _group_1_binding_0_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_3 = (_e22 <= _e25);
+    } else {
+        local_3 = false;
+    }
+    bool _e28 = local_3;
+    return _e28;
+}
+bool place_splat(uint i_1, uint slot, uint x_7, uint y) {
+    uint u = 0u;
+    uint v = 0u;
+    bool touches = false;
+    uint row = 0u;
+    bool local_4 = false;
+    uvec4 a_16 = _group_1_binding_2_cs[(2u * slot)];
+    uvec4 b_10 = _group_1_binding_2_cs[((2u * slot) + 1u)];
+    int offset_q11_2 = int((b_10.y & 65535u));
+    int _e22 = _group_0_binding_0_cs.cut_q11_;
+    int _e23 = fxs_limit_q11_(offset_q11_2, _e22);
+    u = ((a_16.x + (x_7 * a_16.z)) + (y * a_16.w));
+    v = (a_16.y + (y * b_10.x));
+    bool loop_init_1 = true;
+    while(true) {
+        if (!loop_init_1) {
+            uint _e82 = row;
+            row = (_e82 + 1u);
+        }
+        loop_init_1 = false;
+        uint _e41 = row;
+        if ((_e41 < SIDE)) {
+        } else {
+            break;
+        }
+        {
+            uint _e44 = u;
+            int left = int(_e44);
+            uint _e46 = u;
+            int right = int((_e46 + (7u * a_16.z)));
+            uint _e52 = v;
+            int _e54 = fxs_coordinate_q13_(int(_e52));
+            int _e55 = fxs_row_level_q11_(_e54, offset_q11_2);
+            int least = max(max(left, -(right)), 0);
+            uint _e63 = row;
+            rows[((SIDE * i_1) + _e63)] = ivec2(left, _e55);
+            bool _e67 = touches;
+            if (!(_e67)) {
+                int _e71 = fxs_coordinate_q13_(least);
+                int _e72 = fxs_level_q11_(_e71, _e55);
+                local_4 = (_e72 <= _e23);
+            } else {
+                local_4 = true;
+            }
+            bool _e75 = local_4;
+            touches = _e75;
+            uint _e76 = u;
+            u = (_e76 + a_16.w);
+            uint _e79 = v;
+            v = (_e79 + b_10.x);
+        }
+    }
+    others[i_1] = ivec4(int(a_16.z), _e23, (int((b_10.y >> 16u)) | int((b_10.z << 16u))), int((b_10.z >> 16u)));
+    bool _e103 = touches;
+    return _e103;
+}
+int blend_splat(inout Pixel p_3, uint i_2, int limit, uint column, uint row_1) {
+    bool local_5 = false;
+    ivec2 at_row = rows[((SIDE * i_2) + row_1)];
+    ivec4 other_1 = others[i_2];
+    int u_1 = (at_row.x + (int(column) * other_1.x));
+    int _e19 = fxs_coordinate_q13_(u_1);
+    int _e21 = fxs_level_q11_(_e19, at_row.y);
+    if (!((_e21 > limit))) {
+        int _e27 = p_3.transmittance;
+        local_5 = (_e27 < FXS_CLOSED_Q15_);
+    } else {
+        local_5 = true;
+    }
+    bool _e31 = local_5;
+    if (_e31) {
+        return 0;
+    }
+    int _e33 = fxs_alpha_q15_(_e21);
+    int _e35 = p_3.transmittance;
+    int _e36 = fxs_weight_q15_(_e33, _e35);
+    int _e38 = p_3.transmittance;
+    p_3.transmittance = (_e38 - _e36);
+    ivec3 _e41 = p_3.sum;
+    int _e45 = fxs_mul_q15_(_e36, (other_1.z & 65535));
+    int _e49 = fxs_mul_q15_(_e36, (other_1.z >> 16u));
+    int _e51 = fxs_mul_q15_(_e36, other_1.w);
+    p_3.sum = (_e41 + ivec3(_e45, _e49, _e51));
+    return _e36;
+}
+ivec3 background_of(uint word_2) {
+    uvec3 rgb = uvec3((word_2 & 255u), ((word_2 >> 8u) & 255u), ((word_2 >> 16u) & 255u));
+    return ivec3((((rgb * 8192u) + uvec3(127u)) / uvec3(255u)));
+}
+void put_colour(inout Pixel p_4, uint at) {
+    ivec3 background_q13_1 = ivec3(0);
+    uint word_3 = 0u;
+    ivec3 _e3 = p_4.sum;
+    ivec3 sum_1 = min(_e3, ivec3(32767));
+    int transmittance_2 = p_4.transmittance;
+    uint _e11 = _group_0_binding_0_cs.format;
+    if ((_e11 == 3u)) {
+        uvec3 rgb_1 = uvec3(min((((sum_1 * 65535) + ivec3(4096)) >> uvec3(13u)), ivec3(65535)));
+        uint alpha = uint(((((FXS_CLEAR_Q15_ - transmittance_2) * 65535) + 16384) >> 15u));
+        uint _e38 = _group_0_binding_0_cs.colour;
+        _group_1_binding_3_cs[(_e38 + (2u * at))] = (rgb_1.x | (rgb_1.y << 16u));
+        uint _e51 = _group_0_binding_0_cs.colour;
+        _group_1_binding_3_cs[((_e51 + (2u * at)) + 1u)] = (rgb_1.z | (alpha << 16u));
+        return;
+    }
+    ivec4 _e64 = _group_0_binding_0_cs.background_q13_;
+    background_q13_1 = _e64.xyz;
+    uint _e69 = _group_0_binding_0_cs.backdrop;
+    if ((_e69 != NOTHING)) {
+        uint _e75 = _group_0_binding_0_cs.backdrop;
+        uint _e78 = _group_1_binding_3_cs[(_e75 + at)];
+        ivec3 _e79 = background_of(_e78);
+        background_q13_1 = _e79;
+    }
+    int _e82 = background_q13_1.x;
+    int _e83 = fxs_resolve_8bit(sum_1.x, transmittance_2, _e82);
+    uint r = uint(_e83);
+    int _e87 = background_q13_1.y;
+    int _e88 = fxs_resolve_8bit(sum_1.y, transmittance_2, _e87);
+    uint g = uint(_e88);
+    int _e92 = background_q13_1.z;
+    int _e93 = fxs_resolve_8bit(sum_1.z, transmittance_2, _e92);
+    uint b_11 = uint(_e93);
+    word_3 = (((r | (g << 8u)) | (b_11 << 16u)) | 4278190080u);
+    uint _e106 = _group_0_binding_0_cs.format;
+    if ((_e106 == 1u)) {
+        uint _e109 = word_3;
+        int _e112 = fxs_coverage_8bit(transmittance_2);
+        word_3 = ((_e109 & 16777215u) | (uint(_e112) << 24u));
+    }
+    uint _e119 = _group_0_binding_0_cs.format;
+    if ((_e119 == 2u)) {
+        word_3 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_11 * 31u) + 127u) / 255u));
+    }
+    uint _e149 = _group_0_binding_0_cs.colour;
+    uint _e152 = word_3;
+    _group_1_binding_3_cs[(_e149 + at)] = _e152;
+    return;
+}
+Quarter quarter_of(uvec3 group_1) {
+    bool local_6 = false;
+    uint number_1 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
+    int _e9 = _group_0_binding_0_cs.tiles.x;
+    uint across = uint(_e9);
+    uint _e13 = tile_at((number_1 / 4u));
+    if (!((_e13 == NOTHING))) {
+        bool _e19 = fits();
+        local_6 = !(_e19);
+    } else {
+        local_6 = true;
+    }
+    bool _e22 = local_6;
+    if (_e22) {
+        return Quarter(4294967295u, 0u, 0u, 0u, 0u);
+    }
+    uint count_1 = _group_1_binding_0_cs[(TILES + _e13)];
+    uint _e55 = _group_0_binding_0_cs.next;
+    uint _e58 = _group_1_binding_0_cs[(_e55 + _e13)];
+    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_1 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_1 / 2u) % 2u) * SIDE)), (_e58 - count_1), count_1);
+}
+Place place_of(Quarter q_1, uint thread_1) {
+    bool local_7 = false;
+    uint column_1 = (thread_1 % SIDE);
+    uint row_2 = (thread_1 / SIDE);
+    int _e11 = _group_0_binding_0_cs.size.x;
+    int _e22 = _group_0_binding_0_cs.size.x;
+    if (((q_1.x + column_1) < uint(_e22))) {
+        int _e32 = _group_0_binding_0_cs.size.y;
+        local_7 = ((q_1.y + row_2) < uint(_e32));
+    } else {
+        local_7 = false;
+    }
+    bool _e36 = local_7;
+    return Place(column_1, row_2, ((((q_1.y + row_2) * uint(_e11)) + q_1.x) + column_1), _e36);
+}
+void clear_rounds(uint thread_2) {
+    if ((thread_2 < 4u)) {
+        atomicExchange(touching[thread_2], 0u);
+    }
+    if ((thread_2 == 0u)) {
+        open_round = 0u;
+    }
+    memoryBarrierShared();
+    barrier();
+    return;
+}
+void place_round(Quarter q_2, uint thread_3, uint first_1, uint words) {
+    if (((first_1 + thread_3) < q_2.count)) {
+        uint slot_2 = _group_1_binding_1_cs[((q_2.list + first_1) + thread_3)].x;
+        if (((slot_2 & CUT_OFF) == 0u)) {
+            bool _e20 = place_splat(thread_3, slot_2, q_2.x, q_2.y);
+            if (_e20) {
+                uint _e30 = atomicOr(touching[(words + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
+                return;
+            } else {
+                return;
+            }
+        } else {
+            return;
+        }
+    } else {
+        return;
+    }
+}
+void put_pixel(inout Pixel p_5, uint at_1) {
+    uint _e4 = _group_0_binding_0_cs.colour;
+    if ((_e4 != NOTHING)) {
+        put_colour(p_5, at_1);
+    }
+    uint _e9 = _group_0_binding_0_cs.coverage;
+    if ((_e9 != NOTHING)) {
+        uint _e15 = _group_0_binding_0_cs.coverage;
+        int _e19 = p_5.transmittance;
+        int _e20 = fxs_coverage_8bit(_e19);
+        _group_1_binding_3_cs[(_e15 + at_1)] = uint(_e20);
+        return;
+    } else {
+        return;
+    }
+}
+uint key_of(uint depth) {
+    bool local_8 = false;
+    int _e3 = zeros_of((depth | 1u));
+    if (!((depth == NOTHING))) {
+        local_8 = (depth == 0u);
+    } else {
+        local_8 = true;
+    }
+    bool _e12 = local_8;
+    if (_e12) {
+        return depth;
+    }
+    int _e17 = _group_0_binding_0_cs.depth_bits;
+    return ((uint(((63 - _e3) - _e17)) << 26u) | (((depth << uint(_e3)) >> 5u) & 67108863u));
+}
+uint depth_of_key(uint key) {
+    int _e8 = _group_0_binding_0_cs.depth_bits;
+    int shift_1 = (((int((key >> 26u)) - 32) + _e8) - 26);
+    uint mantissa = (67108864u | (key & 67108863u));
+    if ((shift_1 > 5)) {
+        return 4294967294u;
+    }
+    if ((shift_1 >= 0)) {
+        return (mantissa << uint(shift_1));
+    }
+    if ((shift_1 > -32)) {
+        return (mantissa >> uint(-(shift_1)));
+    }
+    return 0u;
+}
+uvec2 depth_sum(int weight, uint key_1) {
+    int code_q15_ = min(int((((key_1 & 67108863u) + 1024u) >> 11u)), 32767);
+    int _e18 = _group_0_binding_0_cs.depth_bits;
+    int shift_2 = (min(((int((key_1 >> 26u)) - 32) + _e18), 32) + 8);
+    if ((shift_2 < 0)) {
+        return uvec2(0u, 0u);
+    }
+    int _e29 = fxs_mul_q15_(weight, code_q15_);
+    uvec2 _e35 = shift_left(uvec2(uint((weight + _e29)), 0u), uint(shift_2));
+    return _e35;
+}
+uint mean_depth(uvec2 sum, int transmittance) {
+    uint weight_2 = uint((FXS_CLEAR_Q15_ - transmittance));
+    if ((weight_2 == 0u)) {
+        return NOTHING;
+    }
+    uvec2 _e12 = add_wide(sum, uvec2((weight_2 << 7u), 0u));
+    uvec2 _e14 = shift_right(_e12, 8u);
+    uint a_17 = ((_e14.y >> 16u) % weight_2);
+    uint b_12 = ((a_17 << 16u) | (_e14.y & 65535u));
+    uint c_1 = (((b_12 % weight_2) << 16u) | (_e14.x >> 16u));
+    uint d = (((c_1 % weight_2) << 16u) | (_e14.x & 65535u));
+    if ((_e14.y >= weight_2)) {
+        return 4294967294u;
+    }
+    return min((((c_1 / weight_2) << 16u) | (d / weight_2)), 4294967294u);
+}
+void note(inout Traced t_1, int before, int weight_1, uint key_2, uint slot_1) {
+    uvec2 _e7 = t_1.sum;
+    uvec2 _e8 = depth_sum(weight_1, key_2);
+    uvec2 _e9 = add_wide(_e7, _e8);
+    t_1.sum = _e9;
+    if ((before >= HALF_Q15_)) {
+        t_1.median = key_2;
+    }
+    int _e14 = t_1.weight;
+    if ((weight_1 > _e14)) {
+        t_1.weight = weight_1;
+        t_1.largest = slot_1;
+        return;
+    } else {
+        return;
+    }
+}
+void put_traces(inout Traced t_2, int transmittance_1, uint at_2) {
+    uint _e5 = _group_0_binding_0_cs.mean_depth;
+    if ((_e5 != NOTHING)) {
+        uint _e11 = _group_0_binding_0_cs.mean_depth;
+        uvec2 _e15 = t_2.sum;
+        uint _e16 = mean_depth(_e15, transmittance_1);
+        _group_1_binding_3_cs[(_e11 + at_2)] = _e16;
+    }
+    uint _e19 = _group_0_binding_0_cs.median_depth;
+    if ((_e19 != NOTHING)) {
+        uint _e25 = _group_0_binding_0_cs.median_depth;
+        uint _e29 = t_2.median;
+        uint _e30 = depth_of_key(_e29);
+        _group_1_binding_3_cs[(_e25 + at_2)] = ((transmittance_1 >= HALF_Q15_) ? NOTHING : _e30);
+    }
+    uint _e37 = _group_0_binding_0_cs.id;
+    if ((_e37 != NOTHING)) {
+        uint _e43 = _group_0_binding_0_cs.id;
+        uint _e49 = t_2.largest;
+        _group_1_binding_3_cs[(_e43 + (2u * at_2))] = _e49;
+        return;
+    } else {
+        return;
+    }
+}
+void main() {
+    uvec3 group = gl_WorkGroupID;
+    uint thread = gl_LocalInvocationIndex;
+    Pixel p = Pixel(0, ivec3(0));
+    Traced t = Traced(4294967295u, 0, 4294967295u, 4294967295u, uvec2(0u, 0u));
+    bool local = false;
+    uint first = 0u;
+    bool local_1 = false;
+    uint word = 0u;
+    uint bits = 0u;
+    Quarter _e2 = quarter_of(group);
+    if ((_e2.tile == NOTHING)) {
+        return;
+    }
+    Place _e6 = place_of(_e2, thread);
+    p = Pixel((_e6.inside ? FXS_CLEAR_Q15_ : 0), ivec3(0));
+    if (_e6.inside) {
+        uint _e29 = _group_0_binding_0_cs.occluder;
+        local = (_e29 != NOTHING);
+    } else {
+        local = false;
+    }
+    bool _e33 = local;
+    if (_e33) {
+        uint _e38 = _group_0_binding_0_cs.occluder;
+        uint _e42 = _group_1_binding_3_cs[(_e38 + _e6.at)];
+        uint _e43 = key_of(_e42);
+        t.limit = _e43;
+    }
+    clear_rounds(thread);
+    bool loop_init_2 = true;
+    while(true) {
+        if (!loop_init_2) {
+            uint _e158 = first;
+            first = (_e158 + SOME);
+        }
+        loop_init_2 = false;
+        uint _e46 = first;
+        if ((_e46 < _e2.count)) {
+        } else {
+            break;
+        }
+        {
+            uint _e49 = first;
+            uint round_ = ((_e49 / SOME) + 1u);
+            uint words_1 = (2u * (round_ % 2u));
+            int _e59 = p.transmittance;
+            if ((_e59 >= FXS_CLOSED_Q15_)) {
+                uint _e66 = first;
+                uint _e70 = _group_1_binding_1_cs[(_e2.list + _e66)].y;
+                uint _e72 = t.limit;
+                local_1 = (_e70 <= _e72);
+            } else {
+                local_1 = false;
+            }
+            bool _e75 = local_1;
+            if (_e75) {
+                open_round = round_;
+            }
+            uint _e77 = first;
+            place_round(_e2, thread, _e77, words_1);
+            uint _e78 = first;
+            if (((_e78 + thread) < _e2.count)) {
+                uint _e86 = first;
+                uint _e91 = _group_1_binding_1_cs[((_e2.list + _e86) + thread)].y;
+                keys[thread] = _e91;
+            }
+            memoryBarrierShared();
+            barrier();
+            uint _e93 = open_round;
+            memoryBarrierShared();
+            barrier();
+            if ((_e93 != round_)) {
+                break;
+            }
+            if ((thread < 2u)) {
+                atomicExchange(touching[((2u - words_1) + thread)], 0u);
+            }
+            word = 0u;
+            bool loop_init_3 = true;
+            while(true) {
+                if (!loop_init_3) {
+                    uint _e155 = word;
+                    word = (_e155 + 1u);
+                }
+                loop_init_3 = false;
+                uint _e105 = word;
+                if ((_e105 < 2u)) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e109 = word;
+                    uint _e112 = atomicOr(touching[(words_1 + _e109)], 0u);
+                    bits = _e112;
+                    bool loop_init_4 = true;
+                    while(true) {
+                        if (!loop_init_4) {
+                            uint _e150 = bits;
+                            uint _e151 = bits;
+                            bits = (_e150 & (_e151 - 1u));
+                        }
+                        loop_init_4 = false;
+                        uint _e114 = bits;
+                        if ((_e114 != 0u)) {
+                        } else {
+                            break;
+                        }
+                        {
+                            uint _e118 = word;
+                            uint _e120 = bits;
+                            uint i_3 = ((32u * _e118) + min(uint(findLSB(_e120)), 32u));
+                            int before_1 = p.transmittance;
+                            uint key_3 = keys[i_3];
+                            int _e131 = others[i_3].y;
+                            uint _e133 = t.limit;
+                            int _e139 = blend_splat(p, i_3, ((key_3 <= _e133) ? _e131 : -1), _e6.column, _e6.row);
+                            if ((_e139 > 0)) {
+                                uint _e144 = first;
+                                uint _e149 = _group_1_binding_1_cs[((_e2.list + _e144) + i_3)].x;
+                                note(t, before_1, _e139, key_3, _e149);
+                            }
+                        }
+                    }
+                }
+            }
+            memoryBarrierShared();
+            barrier();
+        }
+    }
+    if (_e6.inside) {
+        put_pixel(p, _e6.at);
+        int _e164 = p.transmittance;
+        put_traces(t, _e164, _e6.at);
+        return;
+    } else {
+        return;
+    }
+}
