@@ -19,7 +19,6 @@ typedef struct job {
     fxs_object_view *objects;
     const fxs_drawn *drawn;        /* null: all leaves are drawn */
     uint32_t places, cut_room;
-    fxs_compute_frame frame;
     uint64_t memory_words, picture_words, read_words;
     uint32_t status[FXS_COMPUTE_STATUS];
 } job;
@@ -590,7 +589,7 @@ static void lay_out(job *j)
 {
     const fxs_compute *c = j->c;
     const fxs_targets *t = j->request->targets;
-    fxs_compute_frame *f = &j->frame;
+    fxs_compute_frame *f = &j->c->frame;
     const uint64_t tiles = (uint64_t)j->view.tiles_x * (uint64_t)j->view.tiles_y;
     const uint64_t pixels = (uint64_t)j->view.width * (uint64_t)j->view.height;
     uint64_t words = TABLE_WORDS, picture = 0;
@@ -638,7 +637,7 @@ static void lay_out(job *j)
 static int reserve_frame(const job *j, fxs_message *why)
 {
     fxs_compute *c = j->c;
-    const fxs_compute_frame *f = &j->frame;
+    const fxs_compute_frame *f = &j->c->frame;
     const uint64_t tiles = (uint64_t)f->tiles[0] * (uint64_t)f->tiles[1];
     const GLuint memory = c->buffers[FXS_COMPUTE_MEMORY];
     const uint64_t had = c->bytes[FXS_COMPUTE_MEMORY];
@@ -675,11 +674,11 @@ static int unmap(const fxs_compute *c, fxs_message *why)
 
 static int put_uniforms(const job *j, fxs_message *why)
 {
-    unsigned char *to = map(j->c, FXS_COMPUTE_UNIFORMS, 0, FXS_COMPUTE_STRIDE * ((uint64_t)j->frame.spans + 1));
+    unsigned char *to = map(j->c, FXS_COMPUTE_UNIFORMS, 0, FXS_COMPUTE_STRIDE * ((uint64_t)j->c->frame.spans + 1));
     span s = {0, 0, 0, 0};
     if (!to)
         return failure(j->c, why);
-    memcpy(to, &j->frame, sizeof j->frame);
+    memcpy(to, &j->c->frame, sizeof j->c->frame);
     for (uint32_t i = 0; next_span(j, &s); i++) {
         fxs_compute_object object;
         fill_object(&object, j, &s, i);
@@ -691,7 +690,7 @@ static int put_uniforms(const job *j, fxs_message *why)
 /* The spans' places, and the chunks of the cut. */
 static int put_places(const job *j, fxs_message *why)
 {
-    const fxs_compute_frame *f = &j->frame;
+    const fxs_compute_frame *f = &j->c->frame;
     uint32_t *to = map(j->c, FXS_COMPUTE_MEMORY, 4 * (uint64_t)f->spans_at, 4 * (uint64_t)(f->ranks - f->spans_at));
     span s = {0, 0, 0, 0};
     if (!to)
@@ -766,7 +765,7 @@ static void locate(const job *j)
     const fxs_compute *c = j->c;
     span s = {0, 0, 0, 0};
     start(c, FXS_COMPUTE_clear_counts);
-    dispatch(c, groups_of(j->frame.cleared));
+    dispatch(c, groups_of(j->c->frame.cleared));
     start(c, FXS_COMPUTE_locate_chunks);
     for (uint32_t i = 0; next_span(j, &s); i++) {
         if (!j->objects[s.object].visible)
@@ -800,19 +799,19 @@ static void list(const job *j)
     const fxs_compute *c = j->c;
     bind(c, 0, FXS_COMPUTE_ARGUMENTS);
     start(c, FXS_COMPUTE_start_lists);
-    dispatch(c, (uint64_t)j->frame.tiles[1]);
+    dispatch(c, (uint64_t)j->c->frame.tiles[1]);
     bind(c, 0, FXS_COMPUTE_SPLATS);
     bind(c, 3, FXS_COMPUTE_ENTRIES);
     start(c, FXS_COMPUTE_fill_lists);
-    dispatch_indirect(c, j->frame.spans);
+    dispatch_indirect(c, j->c->frame.spans);
     c->gl.UseProgram(c->programs[FXS_COMPUTE_fill_large]);
-    dispatch_indirect(c, j->frame.spans + 1);
+    dispatch_indirect(c, j->c->frame.spans + 1);
 }
 
 static void draw(const job *j)
 {
     const fxs_compute *c = j->c;
-    const uint64_t tiles = (uint64_t)j->frame.tiles[0] * (uint64_t)j->frame.tiles[1];
+    const uint64_t tiles = (uint64_t)j->c->frame.tiles[0] * (uint64_t)j->c->frame.tiles[1];
     bind(c, 0, FXS_COMPUTE_COUNTS);
     bind(c, 1, FXS_COMPUTE_ENTRIES);
     bind(c, 2, FXS_COMPUTE_SPLATS);
@@ -821,7 +820,7 @@ static void draw(const job *j)
     dispatch(c, tiles);
     start(c, fxs_targets_traced(j->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles);
     dispatch(c, 4 * tiles);
-    if (j->frame.id != FXS_NOTHING) {
+    if (j->c->frame.id != FXS_NOTHING) {
         bind(c, 1, FXS_COMPUTE_MEMORY);
         start(c, FXS_COMPUTE_name_pixels);
         dispatch(c, groups_of((uint64_t)j->view.width * (uint64_t)j->view.height));
@@ -846,7 +845,7 @@ static int run_stages(const job *j, fxs_message *why)
     const fxs_compute_gl *gl = &c->gl;
     if (c->timer)
         gl->BeginQuery(TIME_ELAPSED, c->query);
-    gl->BindBufferRange(GL_UNIFORM_BUFFER, 0, c->buffers[FXS_COMPUTE_UNIFORMS], 0, sizeof j->frame);
+    gl->BindBufferRange(GL_UNIFORM_BUFFER, 0, c->buffers[FXS_COMPUTE_UNIFORMS], 0, sizeof j->c->frame);
     gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, c->buffers[FXS_COMPUTE_ARGUMENTS]);
     bind(c, 1, FXS_COMPUTE_MEMORY);
     bind(c, 2, FXS_COMPUTE_COUNTS);
@@ -887,7 +886,7 @@ static void copy_plane(const job *j, const fxs_image *to, int bytes, const uint3
 
 static int needs_more(const job *j)
 {
-    const fxs_compute_frame *f = &j->frame;
+    const fxs_compute_frame *f = &j->c->frame;
     return j->status[FXS_COMPUTE_PAGES] > f->page_room || j->status[FXS_COMPUTE_LARGES] > f->large_room ||
            j->status[FXS_COMPUTE_VISIBLE_CHUNKS] > f->chunk_room;
 }
@@ -906,11 +905,11 @@ static int read_back(job *j, fxs_message *why)
     memcpy(j->status, from, sizeof j->status);
     if (!needs_more(j) && !j->status[FXS_COMPUTE_DAMAGED]) {
         const uint32_t *picture = from + FXS_COMPUTE_STATUS;
-        copy_plane(j, &t->colour, fxs_pixel_bytes(t->format), picture, j->frame.colour);
-        copy_plane(j, &t->coverage, 1, picture, j->frame.coverage);
-        copy_plane(j, &t->mean_depth, 4, picture, j->frame.mean_depth);
-        copy_plane(j, &t->median_depth, 4, picture, j->frame.median_depth);
-        copy_plane(j, &t->id, 8, picture, j->frame.id);
+        copy_plane(j, &t->colour, fxs_pixel_bytes(t->format), picture, j->c->frame.colour);
+        copy_plane(j, &t->coverage, 1, picture, j->c->frame.coverage);
+        copy_plane(j, &t->mean_depth, 4, picture, j->c->frame.mean_depth);
+        copy_plane(j, &t->median_depth, 4, picture, j->c->frame.median_depth);
+        copy_plane(j, &t->id, 8, picture, j->c->frame.id);
     }
     const int error = unmap(c, why);
     return error                                ? error
@@ -941,8 +940,8 @@ static int render(job *j, uint64_t gaussians, fxs_message *why)
         error = reserve_frame(j, why);
         error = error ? error : put_uniforms(j, why);
         error = error ? error : put_places(j, why);
-        error = error ? error : put_plane(j, &j->request->targets->occluder, j->frame.occluder, why);
-        error = error ? error : put_plane(j, &j->request->targets->backdrop, j->frame.backdrop, why);
+        error = error ? error : put_plane(j, &j->request->targets->occluder, j->c->frame.occluder, why);
+        error = error ? error : put_plane(j, &j->request->targets->backdrop, j->c->frame.backdrop, why);
         error = error ? error : run_stages(j, why);
         error = error ? error : read_back(j, why);
         if (error)

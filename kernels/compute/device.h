@@ -93,6 +93,7 @@ struct fxs_compute {
     uint64_t bytes[FXS_COMPUTE_BUFFERS];
     int timer;
     uint32_t chunk_room, large_room, page_room;    /* of the next frame, at least */
+    fxs_compute_frame frame;       /* that is under way, or the last one */
     uint64_t nanoseconds;
 };
 
