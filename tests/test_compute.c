@@ -106,6 +106,21 @@ static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stat
     return error;
 }
 
+/* Says where the first bytes are that differ, and how many do. */
+static int is_equal(const picture *a, const picture *b)
+{
+    size_t first = a->bytes, differing = 0;
+    for (size_t i = 0; i < a->bytes; i++)
+        if (a->block[i] != b->block[i]) {
+            first = first < i ? first : i;
+            differing++;
+        }
+    if (differing)
+        printf("  %zu of %zu bytes differ, from %zu on: %d, not %d\n", differing, a->bytes, first, b->block[first],
+               a->block[first]);
+    return !differing;
+}
+
 /* Both pictures have the same bytes, and the frames the same counts. */
 static int is_same(fxs_request *request, picture *a, picture *b)
 {
@@ -119,7 +134,7 @@ static int is_same(fxs_request *request, picture *a, picture *b)
         return error_a == error_b;
     }
     return CHECK(of_a.visible == of_b.visible) && CHECK(of_a.gaussians == of_b.gaussians) &&
-           CHECK(of_a.drawn == of_b.drawn) && !memcmp(a->block, b->block, a->bytes);
+           CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b);
 }
 
 /* ---- Random objects ---------------------------------------------------------------------------------------------- */
@@ -297,10 +312,37 @@ static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint
         return 0;
     for (int32_t i = 0; i < count; i++) {
         const uint32_t slot = n * FXS_CHUNK + indices[i] % FXS_CHUNK;
-        if (!CHECK(!memcmp(&splats[slot], &own[i], sizeof *own)) || !CHECK(depths[slot] == keys[i]))
+        if (!CHECK(!memcmp(&splats[slot], &own[i], sizeof *own)) || !CHECK(depths[slot] == keys[i])) {
+            const uint32_t *a = (const uint32_t *)&splats[slot], *b = (const uint32_t *)&own[i];
+            for (int k = 0; k < 8; k++)
+                printf("  word %d: %08x, not %08x\n", k, (unsigned)a[k], (unsigned)b[k]);
             return 0;
+        }
     }
     return (uint32_t)count;
+}
+
+/* Every list is near to far, by the depths of its slots. */
+static int check_lists(const uint32_t *depths)
+{
+    const fxs_compute_frame *f = &device->frame;
+    const uint32_t tiles = (uint32_t)(f->tiles[0] * f->tiles[1]);
+    uint32_t *counts = read_words(FXS_COMPUTE_COUNTS, 0, f->classes);
+    int good = 1;
+    for (uint32_t tile = 0; tile < tiles && good; tile++) {
+        const uint32_t count = counts[FXS_COMPUTE_TILES + tile], first = counts[f->next + tile] - count;
+        uint32_t *entries = read_words(FXS_COMPUTE_ENTRIES, 2 * (uint64_t)first, 2 * (uint64_t)count + 2);
+        for (uint32_t i = 0; i < count && good; i++) {
+            const uint32_t slot = entries[2 * i] & ~FXS_ENTRY_CUT_OFF, key = entries[2 * i + 1];
+            good = CHECK(key == depths[slot]) &&
+                   CHECK(!i || FXS_KEY(entries[2 * i - 1], entries[2 * i - 2]) < FXS_KEY(key, entries[2 * i]));
+        }
+        if (!good)
+            printf("  tile %u, %u entries\n", (unsigned)tile, (unsigned)count);
+        free(entries);
+    }
+    free(counts);
+    return good;
 }
 
 static int compare_stages(const fxs_scene *scene)
@@ -327,7 +369,7 @@ static int compare_stages(const fxs_scene *scene)
         CHECK(n == 0 || places[n] > places[n - 1]);
         visible += compare_chunk(&view, scene, places[n], n, splats, depths);
     }
-    const int same = CHECK(visible == stats.visible);
+    const int same = CHECK(visible == stats.visible) && check_lists(depths);
     free(status);
     free(places);
     free(depths);
@@ -336,7 +378,7 @@ static int compare_stages(const fxs_scene *scene)
     return same;
 }
 
-/* project and shade. That no other chunk can be seen, the counts of whole frames say. */
+/* project, shade and sort. That no other chunk can be seen, the counts of whole frames say. */
 static void stages(void)
 {
     state = 20263;
@@ -443,6 +485,170 @@ static void parts_and_levels(void)
     }
 }
 
+/* ---- What fails -------------------------------------------------------------------------------------------------- */
+
+static PFNGLGETINTEGERVPROC real_GetIntegerv;
+static GLenum limited;
+
+static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
+{
+    real_GetIntegerv(name, value);
+    if (name == limited)
+        *value = 1;
+}
+
+static PFNGLGETSHADERIVPROC real_GetShaderiv;
+
+static void GL_APIENTRY fake_GetShaderiv(GLuint shader, GLenum name, GLint *value)
+{
+    real_GetShaderiv(shader, name, value);
+    if (name == GL_COMPILE_STATUS)
+        *value = 0;
+}
+
+static void GL_APIENTRY fake_GetShaderInfoLog(GLuint shader, GLsizei size, GLsizei *length, GLchar *text)
+{
+    (void)shader, (void)length;
+    snprintf(text, (size_t)size, "0:17: what is\nthat?");
+}
+
+static const GLubyte *GL_APIENTRY fake_GetString(GLenum name)
+{
+    return (const GLubyte *)(name == GL_VERSION ? "OpenGL ES 3.0 Old" : "old");
+}
+
+static void init_fails(void)
+{
+    static const GLenum limits[] = {GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS,
+                                    GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, GL_MAX_SHADER_STORAGE_BLOCK_SIZE};
+    fxs_compute *c;
+    CHECK(open_with(&c, "glDispatchCompute", 0) == FXS_ERR_UNSUPPORTED);
+    CHECK(!strcmp(why.text, "no compute shaders: no function glDispatchCompute"));
+    CHECK(open_with(&c, "glGetString", (fxs_compute_function)fake_GetString) == FXS_ERR_UNSUPPORTED);
+    CHECK(!strcmp(why.text, "OpenGL ES 3.1 is needed, this is OpenGL ES 3.0 Old"));
+    real_GetIntegerv = device->gl.GetIntegerv;
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        limited = limits[i];
+        CHECK(open_with(&c, "glGetIntegerv", (fxs_compute_function)fake_GetIntegerv) == FXS_ERR_UNSUPPORTED);
+        CHECK(strstr(why.text, "than") != 0);
+    }
+    real_GetShaderiv = device->gl.GetShaderiv;
+    fakes[1] = (struct fake){"glGetShaderInfoLog", (fxs_compute_function)fake_GetShaderInfoLog};
+    CHECK(open_with(&c, "glGetShaderiv", (fxs_compute_function)fake_GetShaderiv) == FXS_ERR_UNSUPPORTED);
+    CHECK(!strcmp(why.text, "clear_counts does not compile: 0:17: what is that?"));
+    fakes[1] = (struct fake){0, 0};
+}
+
+static GLenum failing;                     /* what glGetError says, until `failures` are over */
+static int failures;
+
+static GLenum GL_APIENTRY fake_GetError(void)
+{
+    return failures > 0 ? failures--, failing : GL_NO_ERROR;
+}
+
+static GLboolean GL_APIENTRY no_unmap(GLenum target)
+{
+    device->gl.UnmapBuffer(target);
+    return GL_FALSE;
+}
+
+static void *GL_APIENTRY no_map(GLenum target, GLintptr at, GLsizeiptr bytes, GLbitfield access)
+{
+    (void)target, (void)at, (void)bytes, (void)access;
+    return 0;
+}
+
+/* An error of the device ends a frame; the next one is right. */
+static void frames_fail(void)
+{
+    part p;
+    fxs_request request;
+    fxs_compute *c;
+    if (!part_make(&p, "knot", 3000))
+        return;
+    const fxs_object object = one_object(&p.scene);
+    fxs_request_init(&request, &object, 1);
+    look_at(request.cameras, 100, 80, 12.8);
+    picture a = picture_new(100, 80, FXS_FORMAT_RGBA8), b = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    request.targets[0] = a.targets;
+    CHECK(!render_there(&request, 0));
+    request.targets[0] = b.targets;
+    if (CHECK(!open_with(&c, 0, 0))) {
+        for (int i = 0; i < 4; i++) {
+            const fxs_compute_gl gl = c->gl;
+            fxs_compute_scene copy = {.key = 0};
+            const fxs_compute_scene *copies[] = {&copy};
+            void *memory = malloc(fxs_compute_memory(&request));
+            CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
+            failing = i ? 0x0507 : GL_OUT_OF_MEMORY;       /* GL_CONTEXT_LOST */
+            failures = i ? 1000 : 2;
+            if (i < 2)
+                c->gl.GetError = fake_GetError;
+            else if (i == 2)
+                c->gl.MapBufferRange = no_map;
+            else
+                c->gl.UnmapBuffer = no_unmap;
+            CHECK(fxs_compute_render(c, &request, copies, memory, 0, &why) == (i ? FXS_ERR_DEVICE : FXS_ERR_MEMORY));
+            CHECK(!strcmp(why.text, i ? "the device failed, or its context was lost" : "the device is out of memory"));
+            c->gl = gl;
+            picture_clear(&b);
+            CHECK(!fxs_compute_render(c, &request, copies, memory, 0, &why));
+            CHECK(!memcmp(a.block, b.block, a.bytes));
+            fxs_compute_drop(c, &copy);
+            free(memory);
+        }
+        close_compute(c);
+    }
+    picture_free(&a);
+    picture_free(&b);
+    part_free(&p);
+}
+
+static int yes(void *argument)
+{
+    (void)argument;
+    return 1;
+}
+
+/* What a frame or a scene is not given room for, stopped frames, damaged scenes, wrong arguments. */
+static void refusals(void)
+{
+    const uint64_t most = device->most;
+    part p;
+    fxs_request request;
+    if (!part_make(&p, "knot", 3000))
+        return;
+    fxs_object object = one_object(&p.scene);
+    picture a = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    fxs_request_init(&request, &object, 1);
+    look_at(request.cameras, 100, 80, 12.8);
+    request.targets[0] = a.targets;
+    device->most = 30000;                  /* as no device has it: the frame's first buffers do not fit */
+    part_bytes = most;
+    CHECK(render_by(device, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
+    device->most = most;
+    part_bytes = 1000;                     /* one chunk takes more */
+    CHECK(render_by(device, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
+    part_bytes = 0;
+    request.options.stop = yes;
+    CHECK(render_by(device, &request, 0) == FXS_ERR_STOPPED);
+    request.options.stop = 0;
+    request.options.sh_degree = 4;
+    CHECK(render_by(device, &request, 0) == FXS_ERR_ARGUMENT);
+    request.options.sh_degree = 3;
+    request.targets->format = FXS_FORMAT_BGRA8;
+    CHECK(render_by(device, &request, 0) == FXS_ERR_UNSUPPORTED);
+    request.targets->format = FXS_FORMAT_RGBA8;
+    fxs_targets_init(request.targets);
+    CHECK(render_by(device, &request, 0) == FXS_ERR_TARGET);
+    request.targets[0] = a.targets;
+    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* step_shift of the first chunk */
+    CHECK(render_by(device, &request, 0) == FXS_ERR_SCENE);
+    picture_free(&a);
+    part_free(&p);
+}
+
 int main(void)
 {
     if (fxs_egl_open(&egl, &why) || open_with(&device, 0, 0)) {
@@ -458,6 +664,9 @@ int main(void)
     RUN(veils);
     RUN(captured_scenes);
     RUN(parts_and_levels);
+    RUN(init_fails);
+    RUN(frames_fail);
+    RUN(refusals);
     close_compute(device);
     fxs_egl_close(egl);
     return check_report();

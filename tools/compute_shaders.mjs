@@ -50,7 +50,8 @@ function reachable(text)
 }
 
 // What naga leaves out: the bindings, which a buffer of GLSL ES names in its text. And what it puts in: workgroup memory
-// is set to 0 by one thread alone, which no stage relies on.
+// is set to 0 by one thread alone, which no stage relies on, and an atomic is read and written by atomics that change it,
+// which threads wait for; it can be read and written as it is.
 function glslText(wgsl, entry)
 {
     const module = parseWgsl(wgsl), info = validate(module);
@@ -58,6 +59,8 @@ function glslText(wgsl, entry)
         .replace(/layout\((std\d+)\)([^{]*\{[^}]*_group_\d_binding_(\d)_cs)/g, "layout($1, binding = $3)$2")
         .replace(/    if \(gl_LocalInvocationID == uvec3\(0u\)\) \{[^}]*\}\n    memoryBarrierShared\(\);\n    barrier\(\);\n/,
                  "")
+        .replace(/ = atomicOr\((.*), 0u\);/g, " = $1;")
+        .replace(/^( *)atomicExchange\((.*), (.*)\);/gm, "$1$2 = $3;")
         .replace(/(uvec2 mul_wide\(uint (\w+), uint (\w+)\) )\{[^}]*\}/,
                  "$1{\n    uint high;\n    uint low;\n    umulExtended($2, $3, high, low);\n" +
                  "    return uvec2(low, high);\n}");

@@ -463,7 +463,7 @@ Place place_of(Quarter q, uint thread_1) {
 }
 void clear_rounds(uint thread_2) {
     if ((thread_2 < 4u)) {
-        atomicExchange(touching[thread_2], 0u);
+        touching[thread_2] = 0u;
     }
     if ((thread_2 == 0u)) {
         open_round = 0u;
@@ -551,7 +551,7 @@ void main() {
                 break;
             }
             if ((thread < 2u)) {
-                atomicExchange(touching[((2u - words_1) + thread)], 0u);
+                touching[((2u - words_1) + thread)] = 0u;
             }
             word = 0u;
             bool loop_init_3 = true;
@@ -568,7 +568,7 @@ void main() {
                 }
                 {
                     uint _e52 = word;
-                    uint _e55 = atomicOr(touching[(words_1 + _e52)], 0u);
+                    uint _e55 = touching[(words_1 + _e52)];
                     bits = _e55;
                     bool loop_init_4 = true;
                     while(true) {

@@ -129,7 +129,7 @@ void main() {
     uint i_4 = (((at_1.y * ROW_OF_GROUPS) * THREADS) + at_1.x);
     uint _e10 = _group_0_binding_0_cs.cleared;
     if ((i_4 < _e10)) {
-        atomicExchange(_group_1_binding_2_cs[i_4], 0u);
+        _group_1_binding_2_cs[i_4] = 0u;
         return;
     } else {
         return;

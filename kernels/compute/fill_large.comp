@@ -383,10 +383,10 @@ Span span_of(inout Splat s_4, inout Bounds b_16, int r_q12_1, int row_2) {
 bool fits() {
     bool local_10 = false;
     bool local_11 = false;
-    uint _e2 = atomicOr(_group_1_binding_2_cs[2], 0u);
+    uint _e2 = _group_1_binding_2_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
-        uint _e11 = atomicOr(_group_1_binding_2_cs[1], 0u);
+        uint _e11 = _group_1_binding_2_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
         local_10 = (_e11 <= _e14);
     } else {
@@ -394,7 +394,7 @@ bool fits() {
     }
     bool _e17 = local_10;
     if (_e17) {
-        uint _e22 = atomicOr(_group_1_binding_2_cs[0], 0u);
+        uint _e22 = _group_1_binding_2_cs[0];
         uint _e25 = _group_0_binding_0_cs.chunk_room;
         local_11 = (_e22 <= _e25);
     } else {
@@ -452,7 +452,7 @@ void main() {
     int _e64 = radius_q12_(_e63);
     uint _e68 = _group_0_binding_0_cs.depths;
     uint depth_2 = _group_1_binding_1_cs[(_e68 + slot_3)];
-    uint _e74 = atomicOr(_group_1_binding_2_cs[1], 0u);
+    uint _e74 = _group_1_binding_2_cs[1];
     uint _e77 = _group_0_binding_0_cs.large_room;
     if ((number < min(_e74, _e77))) {
         bool _e82 = fits();

@@ -136,10 +136,10 @@ layout(std430, binding = 3) buffer type_16_block_3Compute { uvec2 _group_1_bindi
 bool fits() {
     bool local_10 = false;
     bool local_11 = false;
-    uint _e2 = atomicOr(_group_1_binding_2_cs[2], 0u);
+    uint _e2 = _group_1_binding_2_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
-        uint _e11 = atomicOr(_group_1_binding_2_cs[1], 0u);
+        uint _e11 = _group_1_binding_2_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
         local_10 = (_e11 <= _e14);
     } else {
@@ -147,7 +147,7 @@ bool fits() {
     }
     bool _e17 = local_10;
     if (_e17) {
-        uint _e22 = atomicOr(_group_1_binding_2_cs[0], 0u);
+        uint _e22 = _group_1_binding_2_cs[0];
         uint _e25 = _group_0_binding_0_cs.chunk_room;
         local_11 = (_e22 <= _e25);
     } else {
@@ -218,7 +218,7 @@ void main() {
     uint thread = gl_LocalInvocationIndex;
     bool local = false;
     uint half_ = ((group.y * ROW_OF_GROUPS) + group.x);
-    uint _e11 = atomicOr(_group_1_binding_2_cs[0], 0u);
+    uint _e11 = _group_1_binding_2_cs[0];
     uint _e14 = _group_0_binding_0_cs.chunk_room;
     if (((half_ / 2u) < min(_e11, _e14))) {
         bool _e19 = fits();

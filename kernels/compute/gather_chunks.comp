@@ -173,7 +173,7 @@ void put_arguments(uint at_2, uint groups) {
 }
 uint rank_of(uint place) {
     uint _e4 = _group_0_binding_0_cs.seen;
-    uint _e9 = atomicOr(_group_1_binding_2_cs[(_e4 + (place / 32u))], 0u);
+    uint _e9 = _group_1_binding_2_cs[(_e4 + (place / 32u))];
     uint below_1 = (_e9 & ((1u << (place % 32u)) - 1u));
     uint _e20 = _group_0_binding_0_cs.ranks;
     uint _e25 = _group_1_binding_1_cs[(_e20 + (place / 32u))];
@@ -209,7 +209,7 @@ void main() {
             uint _e23 = own;
             uint _e27 = _group_0_binding_0_cs.seen;
             uint _e28 = i;
-            uint _e31 = atomicOr(_group_1_binding_2_cs[(_e27 + _e28)], 0u);
+            uint _e31 = _group_1_binding_2_cs[(_e27 + _e28)];
             own = (_e23 + uint(bitCount(_e31)));
         }
     }
@@ -236,7 +236,7 @@ void main() {
             _group_1_binding_1_cs[(_e46 + _e47)] = _e50;
             uint _e54 = _group_0_binding_0_cs.seen;
             uint _e55 = i_1;
-            uint _e58 = atomicOr(_group_1_binding_2_cs[(_e54 + _e55)], 0u);
+            uint _e58 = _group_1_binding_2_cs[(_e54 + _e55)];
             bits = _e58;
             bool loop_init_3 = true;
             while(true) {
@@ -299,7 +299,7 @@ void main() {
     }
     if ((thread == 127u)) {
         uint _e134 = at;
-        atomicExchange(_group_1_binding_2_cs[0], _e134);
+        _group_1_binding_2_cs[0] = _e134;
         return;
     } else {
         return;

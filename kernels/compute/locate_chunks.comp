@@ -995,7 +995,7 @@ bool look_at(uint place) {
     uint at_8 = (32u * (_e30 - _e33));
     bool _e36 = is_valid(at_8);
     if (!(_e36)) {
-        atomicExchange(_group_1_binding_2_cs[3], 1u);
+        _group_1_binding_2_cs[3] = 1u;
         return false;
     }
     Located _e42 = locate(at_8);
@@ -1031,7 +1031,7 @@ void main() {
     }
     bool inside_1 = local;
     if ((thread < 4u)) {
-        atomicExchange(seen_bits[thread], 0u);
+        seen_bits[thread] = 0u;
     }
     memoryBarrierShared();
     barrier();
@@ -1044,7 +1044,7 @@ void main() {
     memoryBarrierShared();
     barrier();
     if ((thread < 4u)) {
-        uint bits_1 = atomicOr(seen_bits[thread], 0u);
+        uint bits_1 = seen_bits[thread];
         if ((bits_1 != 0u)) {
             uint _e55 = _group_0_binding_0_cs.seen;
             uint _e62 = atomicOr(_group_1_binding_2_cs[((_e55 + ((place_1 - thread) / 32u)) + thread)], bits_1);

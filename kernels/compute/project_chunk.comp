@@ -2312,7 +2312,7 @@ void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
     if ((thread == 0u)) {
-        atomicExchange(visible_here, 0u);
+        visible_here = 0u;
     }
     memoryBarrierShared();
     barrier();
@@ -2331,7 +2331,7 @@ void main() {
     memoryBarrierShared();
     barrier();
     if ((thread == 0u)) {
-        uint _e54 = atomicOr(visible_here, 0u);
+        uint _e54 = visible_here;
         uint _e55 = atomicAdd(_group_1_binding_2_cs[4], _e54);
         return;
     } else {

@@ -210,7 +210,7 @@ void main() {
             uint at = ((TILES + row) + column_1);
             own = 0u;
             if ((column_1 < across)) {
-                uint _e27 = atomicOr(_group_1_binding_2_cs[at], 0u);
+                uint _e27 = _group_1_binding_2_cs[at];
                 own = _e27;
             }
             uint _e28 = tiles_before;
@@ -233,10 +233,10 @@ void main() {
             entries_before = _e50;
             if ((column_1 < across)) {
                 uint _e54 = length_;
-                atomicExchange(_group_1_binding_2_cs[at], _e54);
+                _group_1_binding_2_cs[at] = _e54;
                 uint _e58 = _group_0_binding_0_cs.next;
                 uint _e62 = length_;
-                atomicExchange(_group_1_binding_2_cs[((_e58 + row) + column_1)], (_e45 - _e62));
+                _group_1_binding_2_cs[((_e58 + row) + column_1)] = (_e45 - _e62);
             }
         }
     }
@@ -252,7 +252,7 @@ void main() {
         uint _e89 = atomicAdd(_group_1_binding_2_cs[2], ((_e84 / PAGE) + 1u));
         first_page = _e89;
         if ((group.x == 0u)) {
-            uint _e95 = atomicOr(_group_1_binding_2_cs[1], 0u);
+            uint _e95 = _group_1_binding_2_cs[1];
             uint _e98 = _group_0_binding_0_cs.large_room;
             uint larges = min(_e95, _e98);
             uint _e103 = _group_0_binding_0_cs.spans;
@@ -280,12 +280,12 @@ void main() {
         {
             uint _e129 = column;
             uint tile = (row + _e129);
-            uint _e135 = atomicOr(_group_1_binding_2_cs[(TILES + tile)], 0u);
+            uint _e135 = _group_1_binding_2_cs[(TILES + tile)];
             uint _e136 = class_of(_e135);
             uint _e142 = atomicAdd(_group_1_binding_2_cs[(CLASS_COUNTS + _e136)], 1u);
             uint _e146 = _group_0_binding_0_cs.classes;
             int _e151 = _group_0_binding_0_cs.tiles.y;
-            atomicExchange(_group_1_binding_2_cs[((_e146 + ((_e136 * across) * uint(_e151))) + _e142)], tile);
+            _group_1_binding_2_cs[((_e146 + ((_e136 * across) * uint(_e151))) + _e142)] = tile;
             uint _e160 = _group_0_binding_0_cs.next;
             uint _e164 = first_page;
             uint _e167 = atomicAdd(_group_1_binding_2_cs[(_e160 + tile)], (_e164 * PAGE));

@@ -497,7 +497,7 @@ Place place_of(Quarter q_1, uint thread_1) {
 }
 void clear_rounds(uint thread_2) {
     if ((thread_2 < 4u)) {
-        atomicExchange(touching[thread_2], 0u);
+        touching[thread_2] = 0u;
     }
     if ((thread_2 == 0u)) {
         open_round = 0u;
@@ -715,7 +715,7 @@ void main() {
                 break;
             }
             if ((thread < 2u)) {
-                atomicExchange(touching[((2u - words_1) + thread)], 0u);
+                touching[((2u - words_1) + thread)] = 0u;
             }
             word = 0u;
             bool loop_init_3 = true;
@@ -732,7 +732,7 @@ void main() {
                 }
                 {
                     uint _e109 = word;
-                    uint _e112 = atomicOr(touching[(words_1 + _e109)], 0u);
+                    uint _e112 = touching[(words_1 + _e109)];
                     bits = _e112;
                     bool loop_init_4 = true;
                     while(true) {
