@@ -51,9 +51,9 @@ fn ellipse_span(s: ptr<function, Splat>, b: ptr<function, Bounds>, r: i32, row: 
     var right = max(half_top + x_top, half_bottom + x_bottom);
     var tangent = mul_wide(shift_right(mul_wide(u32(abs((*b).shear_q8)), u32(r)), 12u).x, u32(r));
     if ((*b).shear_q8 < 0) {
-        tangent = sub_wide(wide(0u, 0u), tangent);
+        tangent = negate(tangent);
     }
-    let opposite = sub_wide(wide(0u, 0u), tangent);
+    let opposite = negate(tangent);
     let low = mul_signed(top, reach);
     let high = mul_signed(bottom, reach);
     if (!less(tangent, low) && !less(high, tangent)) {

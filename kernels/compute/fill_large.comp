@@ -142,51 +142,56 @@ int fxs_limit_q11_(int offset_q11_1, int cut_q11_) {
     int _e4 = fxs_min((offset_q11_1 + cut_q11_), FXS_FAINT_Q11_);
     return _e4;
 }
-uvec2 sub_wide(uvec2 a_3, uvec2 b_4) {
-    return uvec2((a_3.x - b_4.x), ((a_3.y - b_4.y) - ((a_3.x < b_4.x) ? 1u : 0u)));
+uvec2 add_wide(uvec2 a_2, uvec2 b_3) {
+    uint low = (a_2.x + b_3.x);
+    return uvec2(low, ((a_2.y + b_3.y) + ((low < a_2.x) ? 1u : 0u)));
 }
-bool less(uvec2 a_6, uvec2 b_5) {
-    return ((a_6.y == b_5.y) ? (a_6.x < b_5.x) : (int(a_6.y) < int(b_5.y)));
+uvec2 negate(uvec2 a_5) {
+    uvec2 _e5 = add_wide(~(a_5), uvec2(1u, 0u));
+    return _e5;
 }
-uvec2 mul_wide(uint a_7, uint b_6) {
+bool less(uvec2 a_7, uvec2 b_5) {
+    return ((a_7.y == b_5.y) ? (a_7.x < b_5.x) : (int(a_7.y) < int(b_5.y)));
+}
+uvec2 mul_wide(uint a_8, uint b_6) {
     uint high;
     uint low;
-    umulExtended(a_7, b_6, high, low);
+    umulExtended(a_8, b_6, high, low);
     return uvec2(low, high);
 }
-uint mul_high(uint a_8, uint b_7) {
-    uvec2 _e2 = mul_wide(a_8, b_7);
+uint mul_high(uint a_9, uint b_7) {
+    uvec2 _e2 = mul_wide(a_9, b_7);
     return _e2.y;
 }
-uvec2 mul_mixed(int a_9, uint b_8) {
-    uvec2 _e3 = mul_wide(uint(a_9), b_8);
-    return uvec2(_e3.x, (_e3.y - ((a_9 < 0) ? b_8 : 0u)));
+uvec2 mul_mixed(int a_10, uint b_8) {
+    uvec2 _e3 = mul_wide(uint(a_10), b_8);
+    return uvec2(_e3.x, (_e3.y - ((a_10 < 0) ? b_8 : 0u)));
 }
-uvec2 mul_signed(int a_10, int b_9) {
-    uvec2 _e3 = mul_mixed(a_10, uint(b_9));
-    return uvec2(_e3.x, (_e3.y - ((b_9 < 0) ? uint(a_10) : 0u)));
+uvec2 mul_signed(int a_11, int b_9) {
+    uvec2 _e3 = mul_mixed(a_11, uint(b_9));
+    return uvec2(_e3.x, (_e3.y - ((b_9 < 0) ? uint(a_11) : 0u)));
 }
-uvec2 shift_right(uvec2 a_13, uint n_1) {
+uvec2 shift_right(uvec2 a_14, uint n_1) {
     if ((n_1 == 0u)) {
-        return a_13;
+        return a_14;
     }
     if ((n_1 >= 32u)) {
-        return uvec2((a_13.y >> (n_1 - 32u)), 0u);
+        return uvec2((a_14.y >> (n_1 - 32u)), 0u);
     }
-    return uvec2(((a_13.x >> n_1) | (a_13.y << (32u - n_1))), (a_13.y >> n_1));
+    return uvec2(((a_14.x >> n_1) | (a_14.y << (32u - n_1))), (a_14.y >> n_1));
 }
-uvec2 shift_signed(uvec2 a_14, uint n_2) {
-    int high = int(a_14.y);
+uvec2 shift_signed(uvec2 a_15, uint n_2) {
+    int high = int(a_15.y);
     if ((n_2 == 0u)) {
-        return a_14;
+        return a_15;
     }
     if ((n_2 >= 32u)) {
         return uvec2(uint((high >> (n_2 - 32u))), uint((high >> 31u)));
     }
-    return uvec2(((a_14.x >> n_2) | (a_14.y << (32u - n_2))), uint((high >> n_2)));
+    return uvec2(((a_15.x >> n_2) | (a_15.y << (32u - n_2))), uint((high >> n_2)));
 }
-int low_of(uvec2 a_15) {
-    return int(a_15.x);
+int low_of(uvec2 a_16) {
+    return int(a_16.x);
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));
@@ -309,45 +314,45 @@ Span ellipse_span(inout Splat s_2, inout Bounds b_14, int r, int row_1) {
     tangent = _e74;
     int _e77 = b_14.shear_q8_;
     if ((_e77 < 0)) {
-        uvec2 _e83 = tangent;
-        uvec2 _e84 = sub_wide(uvec2(0u, 0u), _e83);
-        tangent = _e84;
+        uvec2 _e80 = tangent;
+        uvec2 _e81 = negate(_e80);
+        tangent = _e81;
     }
-    uvec2 _e88 = tangent;
-    uvec2 _e89 = sub_wide(uvec2(0u, 0u), _e88);
-    uvec2 _e90 = mul_signed(top, reach);
-    uvec2 _e91 = mul_signed(bottom, reach);
-    uvec2 _e92 = tangent;
-    bool _e93 = less(_e92, _e90);
-    if (!(_e93)) {
-        uvec2 _e97 = tangent;
-        bool _e98 = less(_e91, _e97);
-        local_8 = !(_e98);
+    uvec2 _e82 = tangent;
+    uvec2 _e83 = negate(_e82);
+    uvec2 _e84 = mul_signed(top, reach);
+    uvec2 _e85 = mul_signed(bottom, reach);
+    uvec2 _e86 = tangent;
+    bool _e87 = less(_e86, _e84);
+    if (!(_e87)) {
+        uvec2 _e91 = tangent;
+        bool _e92 = less(_e85, _e91);
+        local_8 = !(_e92);
     } else {
         local_8 = false;
     }
-    bool _e101 = local_8;
-    if (_e101) {
+    bool _e95 = local_8;
+    if (_e95) {
         right = reach;
     }
-    bool _e102 = less(_e89, _e90);
-    if (!(_e102)) {
-        bool _e106 = less(_e91, _e89);
-        local_9 = !(_e106);
+    bool _e96 = less(_e83, _e84);
+    if (!(_e96)) {
+        bool _e100 = less(_e85, _e83);
+        local_9 = !(_e100);
     } else {
         local_9 = false;
     }
-    bool _e109 = local_9;
-    if (_e109) {
+    bool _e103 = local_9;
+    if (_e103) {
         left = -(reach);
     }
-    int _e113 = b_14.c_q14_.x;
-    int c_q8_1 = (_e113 >> 6u);
+    int _e107 = b_14.c_q14_.x;
+    int c_q8_1 = (_e107 >> 6u);
     int margin = ((reach >> 8u) + 32);
-    int _e120 = left;
-    int _e125 = right;
-    Span _e131 = columns_between((c_q8_1 + max((_e120 - margin), -(reach))), (c_q8_1 - max((-(_e125) - margin), -(reach))));
-    return _e131;
+    int _e114 = left;
+    int _e119 = right;
+    Span _e125 = columns_between((c_q8_1 + max((_e114 - margin), -(reach))), (c_q8_1 - max((-(_e119) - margin), -(reach))));
+    return _e125;
 }
 Span square_span(int centre_q14_, uint radius, int tiles) {
     int pixel = (centre_q14_ >> 14u);

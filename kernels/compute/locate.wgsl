@@ -13,7 +13,7 @@ const LIMIT_Q32: wide = wide(0u, 0x10000000u);   // 2^60
 
 fn is_within(x: wide, most: wide) -> bool
 {
-    return !less(most, x) && !less(x, sub_wide(wide(0u, 0u), most));
+    return !less(most, x) && !less(x, negate(most));
 }
 
 fn origin_of(at: u32, i: u32) -> wide

@@ -150,65 +150,69 @@ uvec2 sub_wide(uvec2 a_1, uvec2 b_1) {
 bool is_negative(uvec2 a_2) {
     return (int(a_2.y) < 0);
 }
-uvec2 magnitude(uvec2 a_3) {
-    bool _e1 = is_negative(a_3);
+uvec2 negate(uvec2 a_3) {
+    uvec2 _e5 = add_wide(~(a_3), uvec2(1u, 0u));
+    return _e5;
+}
+uvec2 magnitude(uvec2 a_4) {
+    bool _e1 = is_negative(a_4);
     if (_e1) {
-        uvec2 _e5 = sub_wide(uvec2(0u, 0u), a_3);
-        return _e5;
+        uvec2 _e2 = negate(a_4);
+        return _e2;
     }
-    return a_3;
+    return a_4;
 }
-bool less(uvec2 a_4, uvec2 b_2) {
-    return ((a_4.y == b_2.y) ? (a_4.x < b_2.x) : (int(a_4.y) < int(b_2.y)));
+bool less(uvec2 a_5, uvec2 b_2) {
+    return ((a_5.y == b_2.y) ? (a_5.x < b_2.x) : (int(a_5.y) < int(b_2.y)));
 }
-uvec2 mul_wide(uint a_5, uint b_3) {
+uvec2 mul_wide(uint a_6, uint b_3) {
     uint high;
     uint low;
-    umulExtended(a_5, b_3, high, low);
+    umulExtended(a_6, b_3, high, low);
     return uvec2(low, high);
 }
-uvec2 mul_mixed(int a_7, uint b_5) {
-    uvec2 _e3 = mul_wide(uint(a_7), b_5);
-    return uvec2(_e3.x, (_e3.y - ((a_7 < 0) ? b_5 : 0u)));
+uvec2 mul_mixed(int a_8, uint b_5) {
+    uvec2 _e3 = mul_wide(uint(a_8), b_5);
+    return uvec2(_e3.x, (_e3.y - ((a_8 < 0) ? b_5 : 0u)));
 }
-uvec2 mul_signed(int a_8, int b_6) {
-    uvec2 _e3 = mul_mixed(a_8, uint(b_6));
-    return uvec2(_e3.x, (_e3.y - ((b_6 < 0) ? uint(a_8) : 0u)));
+uvec2 mul_signed(int a_9, int b_6) {
+    uvec2 _e3 = mul_mixed(a_9, uint(b_6));
+    return uvec2(_e3.x, (_e3.y - ((b_6 < 0) ? uint(a_9) : 0u)));
 }
-uvec2 mul_word(uvec2 a_9, uint b_7) {
-    uvec2 _e3 = mul_wide(a_9.x, b_7);
-    return uvec2(_e3.x, (_e3.y + (a_9.y * b_7)));
+uvec2 mul_word(uvec2 a_10, uint b_7) {
+    uvec2 _e3 = mul_wide(a_10.x, b_7);
+    return uvec2(_e3.x, (_e3.y + (a_10.y * b_7)));
 }
-uvec2 shift_left(uvec2 a_10, uint n) {
+uvec2 shift_left(uvec2 a_11, uint n) {
     if ((n == 0u)) {
-        return a_10;
-    }
-    if ((n >= 32u)) {
-        return uvec2(0u, (a_10.x << (n - 32u)));
-    }
-    return uvec2((a_10.x << n), ((a_10.y << n) | (a_10.x >> (32u - n))));
-}
-uvec2 shift_right(uvec2 a_11, uint n_1) {
-    if ((n_1 == 0u)) {
         return a_11;
     }
-    if ((n_1 >= 32u)) {
-        return uvec2((a_11.y >> (n_1 - 32u)), 0u);
+    if ((n >= 32u)) {
+        return uvec2(0u, (a_11.x << (n - 32u)));
     }
-    return uvec2(((a_11.x >> n_1) | (a_11.y << (32u - n_1))), (a_11.y >> n_1));
+    return uvec2((a_11.x << n), ((a_11.y << n) | (a_11.x >> (32u - n))));
 }
-uvec2 shift_signed(uvec2 a_12, uint n_2) {
-    int high_4 = int(a_12.y);
-    if ((n_2 == 0u)) {
+uvec2 shift_right(uvec2 a_12, uint n_1) {
+    if ((n_1 == 0u)) {
         return a_12;
+    }
+    if ((n_1 >= 32u)) {
+        return uvec2((a_12.y >> (n_1 - 32u)), 0u);
+    }
+    return uvec2(((a_12.x >> n_1) | (a_12.y << (32u - n_1))), (a_12.y >> n_1));
+}
+uvec2 shift_signed(uvec2 a_13, uint n_2) {
+    int high_4 = int(a_13.y);
+    if ((n_2 == 0u)) {
+        return a_13;
     }
     if ((n_2 >= 32u)) {
         return uvec2(uint((high_4 >> (n_2 - 32u))), uint((high_4 >> 31u)));
     }
-    return uvec2(((a_12.x >> n_2) | (a_12.y << (32u - n_2))), uint((high_4 >> n_2)));
+    return uvec2(((a_13.x >> n_2) | (a_13.y << (32u - n_2))), uint((high_4 >> n_2)));
 }
-int low_of(uvec2 a_13) {
-    return int(a_13.x);
+int low_of(uvec2 a_14) {
+    return int(a_14.x);
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));
@@ -352,14 +356,14 @@ bool is_within(uvec2 x_7, uvec2 most) {
     bool local_6 = false;
     bool _e2 = less(most, x_7);
     if (!(_e2)) {
-        uvec2 _e9 = sub_wide(uvec2(0u, 0u), most);
-        bool _e10 = less(x_7, _e9);
-        local_6 = !(_e10);
+        uvec2 _e6 = negate(most);
+        bool _e7 = less(x_7, _e6);
+        local_6 = !(_e7);
     } else {
         local_6 = false;
     }
-    bool _e13 = local_6;
-    return _e13;
+    bool _e10 = local_6;
+    return _e10;
 }
 uvec2 origin_of(uint at, uint i_3) {
     uint _e7 = _group_1_binding_0_cs[(at + (2u * i_3))];

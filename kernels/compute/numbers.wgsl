@@ -23,10 +23,16 @@ fn is_negative(a: wide) -> bool
     return bitcast<i32>(a.y) < 0;
 }
 
+// Not 0 - a: NVIDIA's compiler of GLSL (driver 580) loses the sign of such a word where it is shifted next.
+fn negate(a: wide) -> wide
+{
+    return add_wide(~a, wide(1u, 0u));
+}
+
 fn magnitude(a: wide) -> wide
 {
     if (is_negative(a)) {
-        return sub_wide(wide(0u, 0u), a);
+        return negate(a);
     }
     return a;
 }

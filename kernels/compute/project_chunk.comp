@@ -193,66 +193,70 @@ uvec2 sub_wide(uvec2 a_3, uvec2 b_3) {
 bool is_negative(uvec2 a_4) {
     return (int(a_4.y) < 0);
 }
-uvec2 magnitude(uvec2 a_5) {
-    bool _e1 = is_negative(a_5);
+uvec2 negate(uvec2 a_5) {
+    uvec2 _e5 = add_wide(~(a_5), uvec2(1u, 0u));
+    return _e5;
+}
+uvec2 magnitude(uvec2 a_6) {
+    bool _e1 = is_negative(a_6);
     if (_e1) {
-        uvec2 _e5 = sub_wide(uvec2(0u, 0u), a_5);
-        return _e5;
+        uvec2 _e2 = negate(a_6);
+        return _e2;
     }
-    return a_5;
+    return a_6;
 }
-bool less(uvec2 a_6, uvec2 b_4) {
-    return ((a_6.y == b_4.y) ? (a_6.x < b_4.x) : (int(a_6.y) < int(b_4.y)));
+bool less(uvec2 a_7, uvec2 b_4) {
+    return ((a_7.y == b_4.y) ? (a_7.x < b_4.x) : (int(a_7.y) < int(b_4.y)));
 }
-uvec2 mul_wide(uint a_7, uint b_5) {
+uvec2 mul_wide(uint a_8, uint b_5) {
     uint high;
     uint low;
-    umulExtended(a_7, b_5, high, low);
+    umulExtended(a_8, b_5, high, low);
     return uvec2(low, high);
 }
-uint mul_high(uint a_8, uint b_6) {
-    uvec2 _e2 = mul_wide(a_8, b_6);
+uint mul_high(uint a_9, uint b_6) {
+    uvec2 _e2 = mul_wide(a_9, b_6);
     return _e2.y;
 }
-uvec2 mul_mixed(int a_9, uint b_7) {
-    uvec2 _e3 = mul_wide(uint(a_9), b_7);
-    return uvec2(_e3.x, (_e3.y - ((a_9 < 0) ? b_7 : 0u)));
+uvec2 mul_mixed(int a_10, uint b_7) {
+    uvec2 _e3 = mul_wide(uint(a_10), b_7);
+    return uvec2(_e3.x, (_e3.y - ((a_10 < 0) ? b_7 : 0u)));
 }
-uvec2 mul_signed(int a_10, int b_8) {
-    uvec2 _e3 = mul_mixed(a_10, uint(b_8));
-    return uvec2(_e3.x, (_e3.y - ((b_8 < 0) ? uint(a_10) : 0u)));
+uvec2 mul_signed(int a_11, int b_8) {
+    uvec2 _e3 = mul_mixed(a_11, uint(b_8));
+    return uvec2(_e3.x, (_e3.y - ((b_8 < 0) ? uint(a_11) : 0u)));
 }
-uvec2 mul_word(uvec2 a_11, uint b_9) {
-    uvec2 _e3 = mul_wide(a_11.x, b_9);
-    return uvec2(_e3.x, (_e3.y + (a_11.y * b_9)));
+uvec2 mul_word(uvec2 a_12, uint b_9) {
+    uvec2 _e3 = mul_wide(a_12.x, b_9);
+    return uvec2(_e3.x, (_e3.y + (a_12.y * b_9)));
 }
-uvec2 shift_left(uvec2 a_12, uint n) {
+uvec2 shift_left(uvec2 a_13, uint n) {
     if ((n == 0u)) {
-        return a_12;
-    }
-    if ((n >= 32u)) {
-        return uvec2(0u, (a_12.x << (n - 32u)));
-    }
-    return uvec2((a_12.x << n), ((a_12.y << n) | (a_12.x >> (32u - n))));
-}
-uvec2 shift_right(uvec2 a_13, uint n_1) {
-    if ((n_1 == 0u)) {
         return a_13;
     }
-    if ((n_1 >= 32u)) {
-        return uvec2((a_13.y >> (n_1 - 32u)), 0u);
+    if ((n >= 32u)) {
+        return uvec2(0u, (a_13.x << (n - 32u)));
     }
-    return uvec2(((a_13.x >> n_1) | (a_13.y << (32u - n_1))), (a_13.y >> n_1));
+    return uvec2((a_13.x << n), ((a_13.y << n) | (a_13.x >> (32u - n))));
 }
-uvec2 shift_signed(uvec2 a_14, uint n_2) {
-    int high_3 = int(a_14.y);
-    if ((n_2 == 0u)) {
+uvec2 shift_right(uvec2 a_14, uint n_1) {
+    if ((n_1 == 0u)) {
         return a_14;
+    }
+    if ((n_1 >= 32u)) {
+        return uvec2((a_14.y >> (n_1 - 32u)), 0u);
+    }
+    return uvec2(((a_14.x >> n_1) | (a_14.y << (32u - n_1))), (a_14.y >> n_1));
+}
+uvec2 shift_signed(uvec2 a_15, uint n_2) {
+    int high_3 = int(a_15.y);
+    if ((n_2 == 0u)) {
+        return a_15;
     }
     if ((n_2 >= 32u)) {
         return uvec2(uint((high_3 >> (n_2 - 32u))), uint((high_3 >> 31u)));
     }
-    return uvec2(((a_14.x >> n_2) | (a_14.y << (32u - n_2))), uint((high_3 >> n_2)));
+    return uvec2(((a_15.x >> n_2) | (a_15.y << (32u - n_2))), uint((high_3 >> n_2)));
 }
 uvec2 round_shift(uvec2 x_1, int n_3) {
     uvec2 _e5 = shift_signed(x_1, uint((n_3 - 1)));
@@ -260,8 +264,8 @@ uvec2 round_shift(uvec2 x_1, int n_3) {
     uvec2 _e11 = shift_signed(_e9, 1u);
     return _e11;
 }
-int low_of(uvec2 a_15) {
-    return int(a_15.x);
+int low_of(uvec2 a_16) {
+    return int(a_16.x);
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));
@@ -676,8 +680,8 @@ bool off_picture(inout Projected centre_2, int exponent_1) {
     bool _e40 = local_7;
     return _e40;
 }
-int dot_i(ivec3 a_16, ivec3 b_10) {
-    return (((a_16.x * b_10.x) + (a_16.y * b_10.y)) + (a_16.z * b_10.z));
+int dot_i(ivec3 a_17, ivec3 b_10) {
+    return (((a_17.x * b_10.x) + (a_17.y * b_10.y)) + (a_17.z * b_10.z));
 }
 uvec2 square_wide(int x_7) {
     uint size = uint(abs(x_7));
@@ -688,7 +692,7 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
     Covariance out_ = Covariance(0u, 0u, 0, uvec2(0u), uvec2(0u), 0);
     uint dilation = 0u;
     int _e5 = dot_i(p_2, p_2);
-    uint a_18 = uint(_e5);
+    uint a_19 = uint(_e5);
     int _e7 = dot_i(q_3, q_3);
     uint c_8 = uint(_e7);
     uvec2 _e16 = square_wide(((p_2.y * q_3.z) - (p_2.z * q_3.y)));
@@ -701,7 +705,7 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
         uint _e38 = dilation;
         dilation = max(_e38, (322122547u >> uint((2 * exponent_2))));
     }
-    uvec2 _e49 = add_wide(uvec2(a_18, 0u), uvec2(c_8, 0u));
+    uvec2 _e49 = add_wide(uvec2(a_19, 0u), uvec2(c_8, 0u));
     uint _e50 = dilation;
     uvec2 _e53 = add_wide(_e49, uvec2(_e50, 0u));
     int _e55 = dot_i(p_2, q_3);
@@ -712,7 +716,7 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
     uvec2 _e60 = add_wide(_e34, _e59);
     out_.det_q60_ = _e60;
     uint _e62 = dilation;
-    out_.a_q30_ = (a_18 + _e62);
+    out_.a_q30_ = (a_19 + _e62);
     uint _e65 = dilation;
     out_.c_q30_ = (c_8 + _e65);
     out_.exponent = exponent_2;
@@ -745,8 +749,8 @@ uint sqrt_q8_(Root r, int exponent_3) {
     uint _e9 = scale_down(_e4, ((22 - r.half_) - exponent_3));
     return _e9;
 }
-uint product_shifted(uint a_17, uint b_11, uint n_5) {
-    uvec2 _e3 = mul_wide(a_17, b_11);
+uint product_shifted(uint a_18, uint b_11, uint n_5) {
+    uvec2 _e3 = mul_wide(a_18, b_11);
     uvec2 _e4 = shift_right(_e3, n_5);
     return _e4.x;
 }
@@ -782,12 +786,12 @@ void whiten(inout Placed out_1, inout Covariance s, Root c_1, inout Projected ce
     uvec2 _e88 = mul_signed(position_3.y, uy);
     uvec2 _e89 = add_wide(_e86, _e88);
     uvec2 _e91 = mul_signed(position_3.y, vy);
-    uvec2 _e97 = sub_wide(uvec2(0u, 0u), _e89);
-    uvec2 _e99 = shift_signed(_e97, 14u);
-    out_1.splat.u0_q24_ = (_e99.x + 1024u);
-    uvec2 _e108 = sub_wide(uvec2(0u, 0u), _e91);
-    uvec2 _e110 = shift_signed(_e108, 14u);
-    out_1.splat.v0_q24_ = (_e110.x + 1024u);
+    uvec2 _e94 = negate(_e89);
+    uvec2 _e96 = shift_signed(_e94, 14u);
+    out_1.splat.u0_q24_ = (_e96.x + 1024u);
+    uvec2 _e102 = negate(_e91);
+    uvec2 _e104 = shift_signed(_e102, 14u);
+    out_1.splat.v0_q24_ = (_e104.x + 1024u);
     out_1.splat.ux_q24_ = ux;
     out_1.splat.uy_q24_ = uy;
     out_1.splat.vy_q24_ = vy;
@@ -1002,47 +1006,47 @@ bool veil(inout Placed out_4, inout Covariance s_2, inout Projected centre_5, ui
     uvec2 _e64 = mul_signed(_e61, _e40);
     uvec2 _e65 = mul_signed(_e63, uy_q18_);
     uvec2 _e66 = add_wide(_e64, _e65);
-    uvec2 _e70 = sub_wide(uvec2(0u, 0u), _e66);
-    uvec2 _e72 = shift_signed(_e70, 20u);
-    uvec2 _e76 = mul_signed(_e63, _e59);
-    uvec2 _e77 = sub_wide(uvec2(0u, 0u), _e76);
-    uvec2 _e79 = shift_signed(_e77, 20u);
-    uvec2 _e80 = wide_of(_e40);
+    uvec2 _e67 = negate(_e66);
+    uvec2 _e69 = shift_signed(_e67, 20u);
+    uvec2 _e70 = mul_signed(_e63, _e59);
+    uvec2 _e71 = negate(_e70);
+    uvec2 _e73 = shift_signed(_e71, 20u);
+    uvec2 _e74 = wide_of(_e40);
+    uvec2 _e75 = round_shift(_e74, shift_3);
+    int _e76 = low_of(_e75);
+    uvec2 _e77 = wide_of(uy_q18_);
+    uvec2 _e78 = round_shift(_e77, shift_3);
+    int _e79 = low_of(_e78);
+    uvec2 _e80 = wide_of(_e59);
     uvec2 _e81 = round_shift(_e80, shift_3);
     int _e82 = low_of(_e81);
-    uvec2 _e83 = wide_of(uy_q18_);
-    uvec2 _e84 = round_shift(_e83, shift_3);
-    int _e85 = low_of(_e84);
-    uvec2 _e86 = wide_of(_e59);
-    uvec2 _e87 = round_shift(_e86, shift_3);
-    int _e88 = low_of(_e87);
-    out_4.splat.u0_q24_ = (((_e72.x - uint((middle_1.x * _e82))) - uint((middle_1.y * _e85))) + 1024u);
-    out_4.splat.v0_q24_ = ((_e79.x - uint((middle_1.y * _e88))) + 1024u);
-    out_4.splat.ux_q24_ = _e82;
-    out_4.splat.uy_q24_ = _e85;
-    out_4.splat.vy_q24_ = _e88;
-    int _e122 = _group_0_binding_0_cs.size.y;
-    out_4.splat.rows = ivec2(0, (_e122 - 1));
-    int _e136 = _group_0_binding_0_cs.cutoff;
-    out_4.bounds = Bounds(ivec2(0), 0u, 0, EVERYWHERE_Q8_, ((_e136 == 1) ? 131072u : 0u));
+    out_4.splat.u0_q24_ = (((_e69.x - uint((middle_1.x * _e76))) - uint((middle_1.y * _e79))) + 1024u);
+    out_4.splat.v0_q24_ = ((_e73.x - uint((middle_1.y * _e82))) + 1024u);
+    out_4.splat.ux_q24_ = _e76;
+    out_4.splat.uy_q24_ = _e79;
+    out_4.splat.vy_q24_ = _e82;
+    int _e116 = _group_0_binding_0_cs.size.y;
+    out_4.splat.rows = ivec2(0, (_e116 - 1));
+    int _e130 = _group_0_binding_0_cs.cutoff;
+    out_4.bounds = Bounds(ivec2(0), 0u, 0, EVERYWHERE_Q8_, ((_e130 == 1) ? 131072u : 0u));
     uvec2 r_q24_ = uvec2(((r_q12_2 + 1u) * 4096u), 0u);
-    uvec2 _e149 = mul_signed(middle_1.x, _e82);
-    uvec2 _e152 = mul_signed(middle_1.y, abs(_e85));
-    uvec2 _e153 = add_wide(_e149, _e152);
-    uvec2 _e154 = add_wide(r_q24_, _e153);
-    uvec2 _e155 = magnitude(_e72);
-    bool _e156 = less(_e154, _e155);
-    if (!(_e156)) {
-        uvec2 _e161 = mul_signed(middle_1.y, _e88);
-        uvec2 _e162 = add_wide(r_q24_, _e161);
-        uvec2 _e163 = magnitude(_e79);
-        bool _e164 = less(_e162, _e163);
-        local_16 = !(_e164);
+    uvec2 _e143 = mul_signed(middle_1.x, _e76);
+    uvec2 _e146 = mul_signed(middle_1.y, abs(_e79));
+    uvec2 _e147 = add_wide(_e143, _e146);
+    uvec2 _e148 = add_wide(r_q24_, _e147);
+    uvec2 _e149 = magnitude(_e69);
+    bool _e150 = less(_e148, _e149);
+    if (!(_e150)) {
+        uvec2 _e155 = mul_signed(middle_1.y, _e82);
+        uvec2 _e156 = add_wide(r_q24_, _e155);
+        uvec2 _e157 = magnitude(_e73);
+        bool _e158 = less(_e156, _e157);
+        local_16 = !(_e158);
     } else {
         local_16 = false;
     }
-    bool _e167 = local_16;
-    return _e167;
+    bool _e161 = local_16;
+    return _e161;
 }
 bool project_shape(inout Placed out_5, uint record_3, inout Projected centre_6, uint scale_word, uint rotation_word) {
     ivec3 sizes_q16_ = ivec3(0);
@@ -1263,7 +1267,7 @@ uint spread_scale(uint x_13, uint y, uint z_1, uint bits) {
     return ((((x_13 << 3u) | (x_13 >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u)) | (((z_1 << (10u - bits)) | (z_1 >> ((2u * bits) - 10u))) << 20u));
 }
 Codes small_codes(uint rows, uint g) {
-    uint a_19 = _group_1_binding_0_cs[(rows + g)];
+    uint a_20 = _group_1_binding_0_cs[(rows + g)];
     uint b_27 = _group_1_binding_0_cs[((rows + CHUNK) + g)];
     uint c_9 = _group_1_binding_0_cs[((rows + 512u) + g)];
     uint _e23 = byte_at((((4u * rows) + 3072u) + g));
@@ -1271,12 +1275,12 @@ Codes small_codes(uint rows, uint g) {
     uint red = ((b_27 >> 11u) & 127u);
     uint green = ((b_27 >> 18u) & 127u);
     uint blue = ((b_27 >> 25u) & 63u);
-    uint _e50 = spread_11_((a_19 & 2047u));
-    uint _e55 = spread_11_(((a_19 >> 11u) & 2047u));
+    uint _e50 = spread_11_((a_20 & 2047u));
+    uint _e55 = spread_11_(((a_20 >> 11u) & 2047u));
     uint _e58 = spread_11_((b_27 & 2047u));
     uint _e67 = spread_scale((_e23 & 127u), q1_, ((c_9 >> 20u) & 127u), 7u);
     uint _e86 = spread_scale((c_9 & 127u), ((c_9 >> 7u) & 127u), ((c_9 >> 14u) & 63u), 6u);
-    return Codes(uvec3(_e50, _e55, _e58), (_e67 | (((a_19 >> 22u) & 3u) << 30u)), _e86, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_19 & 4278190080u)));
+    return Codes(uvec3(_e50, _e55, _e58), (_e67 | (((a_20 >> 22u) & 3u) << 30u)), _e86, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_20 & 4278190080u)));
 }
 Codes codes_of(uint rows_1, uint g_1) {
     uint _e4 = _group_0_binding_1_cs.profile;
@@ -1908,45 +1912,45 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_22, int r_1, int row_1) {
     tangent = _e74;
     int _e77 = b_22.shear_q8_;
     if ((_e77 < 0)) {
-        uvec2 _e83 = tangent;
-        uvec2 _e84 = sub_wide(uvec2(0u, 0u), _e83);
-        tangent = _e84;
+        uvec2 _e80 = tangent;
+        uvec2 _e81 = negate(_e80);
+        tangent = _e81;
     }
-    uvec2 _e88 = tangent;
-    uvec2 _e89 = sub_wide(uvec2(0u, 0u), _e88);
-    uvec2 _e90 = mul_signed(top, reach);
-    uvec2 _e91 = mul_signed(bottom, reach);
-    uvec2 _e92 = tangent;
-    bool _e93 = less(_e92, _e90);
-    if (!(_e93)) {
-        uvec2 _e97 = tangent;
-        bool _e98 = less(_e91, _e97);
-        local_22 = !(_e98);
+    uvec2 _e82 = tangent;
+    uvec2 _e83 = negate(_e82);
+    uvec2 _e84 = mul_signed(top, reach);
+    uvec2 _e85 = mul_signed(bottom, reach);
+    uvec2 _e86 = tangent;
+    bool _e87 = less(_e86, _e84);
+    if (!(_e87)) {
+        uvec2 _e91 = tangent;
+        bool _e92 = less(_e85, _e91);
+        local_22 = !(_e92);
     } else {
         local_22 = false;
     }
-    bool _e101 = local_22;
-    if (_e101) {
+    bool _e95 = local_22;
+    if (_e95) {
         right = reach;
     }
-    bool _e102 = less(_e89, _e90);
-    if (!(_e102)) {
-        bool _e106 = less(_e91, _e89);
-        local_23 = !(_e106);
+    bool _e96 = less(_e83, _e84);
+    if (!(_e96)) {
+        bool _e100 = less(_e85, _e83);
+        local_23 = !(_e100);
     } else {
         local_23 = false;
     }
-    bool _e109 = local_23;
-    if (_e109) {
+    bool _e103 = local_23;
+    if (_e103) {
         left = -(reach);
     }
-    int _e113 = b_22.c_q14_.x;
-    int c_q8_2 = (_e113 >> 6u);
+    int _e107 = b_22.c_q14_.x;
+    int c_q8_2 = (_e107 >> 6u);
     int margin = ((reach >> 8u) + 32);
-    int _e120 = left;
-    int _e125 = right;
-    Span _e131 = columns_between((c_q8_2 + max((_e120 - margin), -(reach))), (c_q8_2 - max((-(_e125) - margin), -(reach))));
-    return _e131;
+    int _e114 = left;
+    int _e119 = right;
+    Span _e125 = columns_between((c_q8_2 + max((_e114 - margin), -(reach))), (c_q8_2 - max((-(_e119) - margin), -(reach))));
+    return _e125;
 }
 Span square_span(int centre_q14_, uint radius, int tiles) {
     int pixel_1 = (centre_q14_ >> 14u);

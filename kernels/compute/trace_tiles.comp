@@ -240,23 +240,23 @@ uvec2 add_wide(uvec2 a_2, uvec2 b_2) {
     uint low = (a_2.x + b_2.x);
     return uvec2(low, ((a_2.y + b_2.y) + ((low < a_2.x) ? 1u : 0u)));
 }
-uvec2 shift_left(uvec2 a_12, uint n) {
+uvec2 shift_left(uvec2 a_13, uint n) {
     if ((n == 0u)) {
-        return a_12;
-    }
-    if ((n >= 32u)) {
-        return uvec2(0u, (a_12.x << (n - 32u)));
-    }
-    return uvec2((a_12.x << n), ((a_12.y << n) | (a_12.x >> (32u - n))));
-}
-uvec2 shift_right(uvec2 a_13, uint n_1) {
-    if ((n_1 == 0u)) {
         return a_13;
     }
-    if ((n_1 >= 32u)) {
-        return uvec2((a_13.y >> (n_1 - 32u)), 0u);
+    if ((n >= 32u)) {
+        return uvec2(0u, (a_13.x << (n - 32u)));
     }
-    return uvec2(((a_13.x >> n_1) | (a_13.y << (32u - n_1))), (a_13.y >> n_1));
+    return uvec2((a_13.x << n), ((a_13.y << n) | (a_13.x >> (32u - n))));
+}
+uvec2 shift_right(uvec2 a_14, uint n_1) {
+    if ((n_1 == 0u)) {
+        return a_14;
+    }
+    if ((n_1 >= 32u)) {
+        return uvec2((a_14.y >> (n_1 - 32u)), 0u);
+    }
+    return uvec2(((a_14.x >> n_1) | (a_14.y << (32u - n_1))), (a_14.y >> n_1));
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));
@@ -326,13 +326,13 @@ bool place_splat(uint i_1, uint slot, uint x_7, uint y) {
     bool touches = false;
     uint row = 0u;
     bool local_4 = false;
-    uvec4 a_16 = _group_1_binding_2_cs[(2u * slot)];
+    uvec4 a_17 = _group_1_binding_2_cs[(2u * slot)];
     uvec4 b_10 = _group_1_binding_2_cs[((2u * slot) + 1u)];
     int offset_q11_2 = int((b_10.y & 65535u));
     int _e22 = _group_0_binding_0_cs.cut_q11_;
     int _e23 = fxs_limit_q11_(offset_q11_2, _e22);
-    u = ((a_16.x + (x_7 * a_16.z)) + (y * a_16.w));
-    v = (a_16.y + (y * b_10.x));
+    u = ((a_17.x + (x_7 * a_17.z)) + (y * a_17.w));
+    v = (a_17.y + (y * b_10.x));
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
@@ -349,7 +349,7 @@ bool place_splat(uint i_1, uint slot, uint x_7, uint y) {
             uint _e44 = u;
             int left = int(_e44);
             uint _e46 = u;
-            int right = int((_e46 + (7u * a_16.z)));
+            int right = int((_e46 + (7u * a_17.z)));
             uint _e52 = v;
             int _e54 = fxs_coordinate_q13_(int(_e52));
             int _e55 = fxs_row_level_q11_(_e54, offset_q11_2);
@@ -367,12 +367,12 @@ bool place_splat(uint i_1, uint slot, uint x_7, uint y) {
             bool _e75 = local_4;
             touches = _e75;
             uint _e76 = u;
-            u = (_e76 + a_16.w);
+            u = (_e76 + a_17.w);
             uint _e79 = v;
             v = (_e79 + b_10.x);
         }
     }
-    others[i_1] = ivec4(int(a_16.z), _e23, (int((b_10.y >> 16u)) | int((b_10.z << 16u))), int((b_10.z >> 16u)));
+    others[i_1] = ivec4(int(a_17.z), _e23, (int((b_10.y >> 16u)) | int((b_10.z << 16u))), int((b_10.z >> 16u)));
     bool _e103 = touches;
     return _e103;
 }
@@ -588,8 +588,8 @@ uint mean_depth(uvec2 sum, int transmittance) {
     }
     uvec2 _e12 = add_wide(sum, uvec2((weight_2 << 7u), 0u));
     uvec2 _e14 = shift_right(_e12, 8u);
-    uint a_17 = ((_e14.y >> 16u) % weight_2);
-    uint b_12 = ((a_17 << 16u) | (_e14.y & 65535u));
+    uint a_18 = ((_e14.y >> 16u) % weight_2);
+    uint b_12 = ((a_18 << 16u) | (_e14.y & 65535u));
     uint c_1 = (((b_12 % weight_2) << 16u) | (_e14.x >> 16u));
     uint d = (((c_1 % weight_2) << 16u) | (_e14.x & 65535u));
     if ((_e14.y >= weight_2)) {
