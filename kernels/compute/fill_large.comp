@@ -190,8 +190,8 @@ uvec2 shift_signed(uvec2 a_15, uint n_2) {
     }
     return uvec2(((a_15.x >> n_2) | (a_15.y << (32u - n_2))), uint((high >> n_2)));
 }
-int low_of(uvec2 a_16) {
-    return int(a_16.x);
+int low_of(uvec2 a_17) {
+    return int(a_17.x);
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));

@@ -211,8 +211,8 @@ uvec2 shift_signed(uvec2 a_13, uint n_2) {
     }
     return uvec2(((a_13.x >> n_2) | (a_13.y << (32u - n_2))), uint((high_4 >> n_2)));
 }
-int low_of(uvec2 a_14) {
-    return int(a_14.x);
+int low_of(uvec2 a_15) {
+    return int(a_15.x);
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));

@@ -116,6 +116,13 @@ fn shift_signed(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), bitcast<u32>(high >> n));
 }
 
+// Towards plus infinity, n above 0: -(-a >> n), without a sign that a compiler could lose (see negate).
+fn shift_up(a: wide, n: u32) -> wide
+{
+    let most = shift_right(wide(0xffffffffu, 0xffffffffu), 64u - n);
+    return shift_signed(add_wide(a, most), n);
+}
+
 // x 2^-n, rounded to nearest, halves up; n in 1..62
 fn round_shift(x: wide, n: i32) -> wide
 {

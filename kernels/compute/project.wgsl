@@ -256,8 +256,8 @@ fn whiten(out: ptr<function, Placed>, s: ptr<function, Covariance>, c: Root, cen
                            i32(half_width + (half_width >> 8u) + 32u), 0u);
     let u_q38 = add_wide(mul_signed(position.x, ux), mul_signed(position.y, uy));
     let v_q38 = mul_signed(position.y, vy);
-    (*out).splat.u0_q24 = shift_signed(negate(u_q38), 14u).x + 1024u;
-    (*out).splat.v0_q24 = shift_signed(negate(v_q38), 14u).x + 1024u;
+    (*out).splat.u0_q24 = 1024u - shift_up(u_q38, 14u).x;
+    (*out).splat.v0_q24 = 1024u - shift_up(v_q38, 14u).x;
     (*out).splat.ux_q24 = ux;
     (*out).splat.uy_q24 = uy;
     (*out).splat.vy_q24 = vy;
@@ -362,13 +362,13 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
     let x_q26 = from_middle_q26(centre, 0u, e);
     let y_q26 = from_middle_q26(centre, 1u, e);
     let u_q44 = add_wide(mul_signed(x_q26, ux_q18), mul_signed(y_q26, uy_q18));
-    let u_q24 = shift_signed(negate(u_q44), 20u);
-    let v_q24 = shift_signed(negate(mul_signed(y_q26, vy_q18)), 20u);
+    let u_q24 = shift_up(u_q44, 20u);                  // these two: times -1
+    let v_q24 = shift_up(mul_signed(y_q26, vy_q18), 20u);
     let ux = low_of(round_shift(wide_of(ux_q18), shift));
     let uy = low_of(round_shift(wide_of(uy_q18), shift));
     let vy = low_of(round_shift(wide_of(vy_q18), shift));
-    (*out).splat.u0_q24 = u_q24.x - u32(middle.x * ux) - bitcast<u32>(middle.y * uy) + 1024u;
-    (*out).splat.v0_q24 = v_q24.x - bitcast<u32>(middle.y * vy) + 1024u;
+    (*out).splat.u0_q24 = 1024u - u_q24.x - bitcast<u32>(middle.x * ux) - bitcast<u32>(middle.y * uy);
+    (*out).splat.v0_q24 = 1024u - v_q24.x - bitcast<u32>(middle.y * vy);
     (*out).splat.ux_q24 = ux;
     (*out).splat.uy_q24 = uy;
     (*out).splat.vy_q24 = vy;

@@ -258,14 +258,20 @@ uvec2 shift_signed(uvec2 a_15, uint n_2) {
     }
     return uvec2(((a_15.x >> n_2) | (a_15.y << (32u - n_2))), uint((high_3 >> n_2)));
 }
-uvec2 round_shift(uvec2 x_1, int n_3) {
-    uvec2 _e5 = shift_signed(x_1, uint((n_3 - 1)));
+uvec2 shift_up(uvec2 a_16, uint n_3) {
+    uvec2 _e7 = shift_right(uvec2(4294967295u, 4294967295u), (64u - n_3));
+    uvec2 _e8 = add_wide(a_16, _e7);
+    uvec2 _e9 = shift_signed(_e8, n_3);
+    return _e9;
+}
+uvec2 round_shift(uvec2 x_1, int n_4) {
+    uvec2 _e5 = shift_signed(x_1, uint((n_4 - 1)));
     uvec2 _e9 = add_wide(_e5, uvec2(1u, 0u));
     uvec2 _e11 = shift_signed(_e9, 1u);
     return _e11;
 }
-int low_of(uvec2 a_16) {
-    return int(a_16.x);
+int low_of(uvec2 a_17) {
+    return int(a_17.x);
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));
@@ -275,8 +281,8 @@ int zeros_of_wide(uvec2 x_3) {
     int _e6 = zeros_of(x_3.y);
     return ((x_3.y != 0u) ? _e6 : (32 + _e2));
 }
-int divide_by(int x_4, uint n_4) {
-    return ((x_4 < 0) ? -((-(x_4) >> n_4)) : (x_4 >> n_4));
+int divide_by(int x_4, uint n_5) {
+    return ((x_4 < 0) ? -((-(x_4) >> n_5)) : (x_4 >> n_5));
 }
 uint reciprocal(uint m) {
     uint y_q30_ = 0u;
@@ -680,8 +686,8 @@ bool off_picture(inout Projected centre_2, int exponent_1) {
     bool _e40 = local_7;
     return _e40;
 }
-int dot_i(ivec3 a_17, ivec3 b_10) {
-    return (((a_17.x * b_10.x) + (a_17.y * b_10.y)) + (a_17.z * b_10.z));
+int dot_i(ivec3 a_18, ivec3 b_10) {
+    return (((a_18.x * b_10.x) + (a_18.y * b_10.y)) + (a_18.z * b_10.z));
 }
 uvec2 square_wide(int x_7) {
     uint size = uint(abs(x_7));
@@ -692,7 +698,7 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
     Covariance out_ = Covariance(0u, 0u, 0, uvec2(0u), uvec2(0u), 0);
     uint dilation = 0u;
     int _e5 = dot_i(p_2, p_2);
-    uint a_19 = uint(_e5);
+    uint a_20 = uint(_e5);
     int _e7 = dot_i(q_3, q_3);
     uint c_8 = uint(_e7);
     uvec2 _e16 = square_wide(((p_2.y * q_3.z) - (p_2.z * q_3.y)));
@@ -705,7 +711,7 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
         uint _e38 = dilation;
         dilation = max(_e38, (322122547u >> uint((2 * exponent_2))));
     }
-    uvec2 _e49 = add_wide(uvec2(a_19, 0u), uvec2(c_8, 0u));
+    uvec2 _e49 = add_wide(uvec2(a_20, 0u), uvec2(c_8, 0u));
     uint _e50 = dilation;
     uvec2 _e53 = add_wide(_e49, uvec2(_e50, 0u));
     int _e55 = dot_i(p_2, q_3);
@@ -716,7 +722,7 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
     uvec2 _e60 = add_wide(_e34, _e59);
     out_.det_q60_ = _e60;
     uint _e62 = dilation;
-    out_.a_q30_ = (a_19 + _e62);
+    out_.a_q30_ = (a_20 + _e62);
     uint _e65 = dilation;
     out_.c_q30_ = (c_8 + _e65);
     out_.exponent = exponent_2;
@@ -749,9 +755,9 @@ uint sqrt_q8_(Root r, int exponent_3) {
     uint _e9 = scale_down(_e4, ((22 - r.half_) - exponent_3));
     return _e9;
 }
-uint product_shifted(uint a_18, uint b_11, uint n_5) {
-    uvec2 _e3 = mul_wide(a_18, b_11);
-    uvec2 _e4 = shift_right(_e3, n_5);
+uint product_shifted(uint a_19, uint b_11, uint n_6) {
+    uvec2 _e3 = mul_wide(a_19, b_11);
+    uvec2 _e4 = shift_right(_e3, n_6);
     return _e4.x;
 }
 void whiten(inout Placed out_1, inout Covariance s, Root c_1, inout Projected centre_3, uint r_q12_) {
@@ -786,12 +792,10 @@ void whiten(inout Placed out_1, inout Covariance s, Root c_1, inout Projected ce
     uvec2 _e88 = mul_signed(position_3.y, uy);
     uvec2 _e89 = add_wide(_e86, _e88);
     uvec2 _e91 = mul_signed(position_3.y, vy);
-    uvec2 _e94 = negate(_e89);
-    uvec2 _e96 = shift_signed(_e94, 14u);
-    out_1.splat.u0_q24_ = (_e96.x + 1024u);
-    uvec2 _e102 = negate(_e91);
-    uvec2 _e104 = shift_signed(_e102, 14u);
-    out_1.splat.v0_q24_ = (_e104.x + 1024u);
+    uvec2 _e96 = shift_up(_e89, 14u);
+    out_1.splat.u0_q24_ = (1024u - _e96.x);
+    uvec2 _e103 = shift_up(_e91, 14u);
+    out_1.splat.v0_q24_ = (1024u - _e103.x);
     out_1.splat.ux_q24_ = ux;
     out_1.splat.uy_q24_ = uy;
     out_1.splat.vy_q24_ = vy;
@@ -1006,47 +1010,45 @@ bool veil(inout Placed out_4, inout Covariance s_2, inout Projected centre_5, ui
     uvec2 _e64 = mul_signed(_e61, _e40);
     uvec2 _e65 = mul_signed(_e63, uy_q18_);
     uvec2 _e66 = add_wide(_e64, _e65);
-    uvec2 _e67 = negate(_e66);
-    uvec2 _e69 = shift_signed(_e67, 20u);
-    uvec2 _e70 = mul_signed(_e63, _e59);
-    uvec2 _e71 = negate(_e70);
-    uvec2 _e73 = shift_signed(_e71, 20u);
-    uvec2 _e74 = wide_of(_e40);
-    uvec2 _e75 = round_shift(_e74, shift_3);
-    int _e76 = low_of(_e75);
-    uvec2 _e77 = wide_of(uy_q18_);
-    uvec2 _e78 = round_shift(_e77, shift_3);
-    int _e79 = low_of(_e78);
-    uvec2 _e80 = wide_of(_e59);
-    uvec2 _e81 = round_shift(_e80, shift_3);
-    int _e82 = low_of(_e81);
-    out_4.splat.u0_q24_ = (((_e69.x - uint((middle_1.x * _e76))) - uint((middle_1.y * _e79))) + 1024u);
-    out_4.splat.v0_q24_ = ((_e73.x - uint((middle_1.y * _e82))) + 1024u);
-    out_4.splat.ux_q24_ = _e76;
-    out_4.splat.uy_q24_ = _e79;
-    out_4.splat.vy_q24_ = _e82;
-    int _e116 = _group_0_binding_0_cs.size.y;
-    out_4.splat.rows = ivec2(0, (_e116 - 1));
-    int _e130 = _group_0_binding_0_cs.cutoff;
-    out_4.bounds = Bounds(ivec2(0), 0u, 0, EVERYWHERE_Q8_, ((_e130 == 1) ? 131072u : 0u));
+    uvec2 _e68 = shift_up(_e66, 20u);
+    uvec2 _e69 = mul_signed(_e63, _e59);
+    uvec2 _e71 = shift_up(_e69, 20u);
+    uvec2 _e72 = wide_of(_e40);
+    uvec2 _e73 = round_shift(_e72, shift_3);
+    int _e74 = low_of(_e73);
+    uvec2 _e75 = wide_of(uy_q18_);
+    uvec2 _e76 = round_shift(_e75, shift_3);
+    int _e77 = low_of(_e76);
+    uvec2 _e78 = wide_of(_e59);
+    uvec2 _e79 = round_shift(_e78, shift_3);
+    int _e80 = low_of(_e79);
+    out_4.splat.u0_q24_ = (((1024u - _e68.x) - uint((middle_1.x * _e74))) - uint((middle_1.y * _e77)));
+    out_4.splat.v0_q24_ = ((1024u - _e71.x) - uint((middle_1.y * _e80)));
+    out_4.splat.ux_q24_ = _e74;
+    out_4.splat.uy_q24_ = _e77;
+    out_4.splat.vy_q24_ = _e80;
+    int _e114 = _group_0_binding_0_cs.size.y;
+    out_4.splat.rows = ivec2(0, (_e114 - 1));
+    int _e128 = _group_0_binding_0_cs.cutoff;
+    out_4.bounds = Bounds(ivec2(0), 0u, 0, EVERYWHERE_Q8_, ((_e128 == 1) ? 131072u : 0u));
     uvec2 r_q24_ = uvec2(((r_q12_2 + 1u) * 4096u), 0u);
-    uvec2 _e143 = mul_signed(middle_1.x, _e76);
-    uvec2 _e146 = mul_signed(middle_1.y, abs(_e79));
-    uvec2 _e147 = add_wide(_e143, _e146);
-    uvec2 _e148 = add_wide(r_q24_, _e147);
-    uvec2 _e149 = magnitude(_e69);
-    bool _e150 = less(_e148, _e149);
-    if (!(_e150)) {
-        uvec2 _e155 = mul_signed(middle_1.y, _e82);
-        uvec2 _e156 = add_wide(r_q24_, _e155);
-        uvec2 _e157 = magnitude(_e73);
-        bool _e158 = less(_e156, _e157);
-        local_16 = !(_e158);
+    uvec2 _e141 = mul_signed(middle_1.x, _e74);
+    uvec2 _e144 = mul_signed(middle_1.y, abs(_e77));
+    uvec2 _e145 = add_wide(_e141, _e144);
+    uvec2 _e146 = add_wide(r_q24_, _e145);
+    uvec2 _e147 = magnitude(_e68);
+    bool _e148 = less(_e146, _e147);
+    if (!(_e148)) {
+        uvec2 _e153 = mul_signed(middle_1.y, _e80);
+        uvec2 _e154 = add_wide(r_q24_, _e153);
+        uvec2 _e155 = magnitude(_e71);
+        bool _e156 = less(_e154, _e155);
+        local_16 = !(_e156);
     } else {
         local_16 = false;
     }
-    bool _e161 = local_16;
-    return _e161;
+    bool _e159 = local_16;
+    return _e159;
 }
 bool project_shape(inout Placed out_5, uint record_3, inout Projected centre_6, uint scale_word, uint rotation_word) {
     ivec3 sizes_q16_ = ivec3(0);
@@ -1267,7 +1269,7 @@ uint spread_scale(uint x_13, uint y, uint z_1, uint bits) {
     return ((((x_13 << 3u) | (x_13 >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u)) | (((z_1 << (10u - bits)) | (z_1 >> ((2u * bits) - 10u))) << 20u));
 }
 Codes small_codes(uint rows, uint g) {
-    uint a_20 = _group_1_binding_0_cs[(rows + g)];
+    uint a_21 = _group_1_binding_0_cs[(rows + g)];
     uint b_27 = _group_1_binding_0_cs[((rows + CHUNK) + g)];
     uint c_9 = _group_1_binding_0_cs[((rows + 512u) + g)];
     uint _e23 = byte_at((((4u * rows) + 3072u) + g));
@@ -1275,12 +1277,12 @@ Codes small_codes(uint rows, uint g) {
     uint red = ((b_27 >> 11u) & 127u);
     uint green = ((b_27 >> 18u) & 127u);
     uint blue = ((b_27 >> 25u) & 63u);
-    uint _e50 = spread_11_((a_20 & 2047u));
-    uint _e55 = spread_11_(((a_20 >> 11u) & 2047u));
+    uint _e50 = spread_11_((a_21 & 2047u));
+    uint _e55 = spread_11_(((a_21 >> 11u) & 2047u));
     uint _e58 = spread_11_((b_27 & 2047u));
     uint _e67 = spread_scale((_e23 & 127u), q1_, ((c_9 >> 20u) & 127u), 7u);
     uint _e86 = spread_scale((c_9 & 127u), ((c_9 >> 7u) & 127u), ((c_9 >> 14u) & 63u), 6u);
-    return Codes(uvec3(_e50, _e55, _e58), (_e67 | (((a_20 >> 22u) & 3u) << 30u)), _e86, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_20 & 4278190080u)));
+    return Codes(uvec3(_e50, _e55, _e58), (_e67 | (((a_21 >> 22u) & 3u) << 30u)), _e86, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_21 & 4278190080u)));
 }
 Codes codes_of(uint rows_1, uint g_1) {
     uint _e4 = _group_0_binding_1_cs.profile;

@@ -127,8 +127,8 @@ layout(std430, binding = 0) buffer type_11_block_1Compute { uint _group_1_bindin
 layout(std430, binding = 2) buffer type_13_block_2Compute { uint _group_1_binding_2_cs[]; };
 shared uint sums[128];
 shared uint first_page;
-uint add_most(uint a_15, uint b_8) {
-    return (((a_15 + b_8) < a_15) ? 4294967295u : (a_15 + b_8));
+uint add_most(uint a_16, uint b_8) {
+    return (((a_16 + b_8) < a_16) ? 4294967295u : (a_16 + b_8));
 }
 uint sum_to(uint thread_1, uint own_1, bool cut) {
     uint d = 1u;

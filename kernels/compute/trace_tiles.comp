@@ -326,13 +326,13 @@ bool place_splat(uint i_1, uint slot, uint x_7, uint y) {
     bool touches = false;
     uint row = 0u;
     bool local_4 = false;
-    uvec4 a_17 = _group_1_binding_2_cs[(2u * slot)];
+    uvec4 a_18 = _group_1_binding_2_cs[(2u * slot)];
     uvec4 b_10 = _group_1_binding_2_cs[((2u * slot) + 1u)];
     int offset_q11_2 = int((b_10.y & 65535u));
     int _e22 = _group_0_binding_0_cs.cut_q11_;
     int _e23 = fxs_limit_q11_(offset_q11_2, _e22);
-    u = ((a_17.x + (x_7 * a_17.z)) + (y * a_17.w));
-    v = (a_17.y + (y * b_10.x));
+    u = ((a_18.x + (x_7 * a_18.z)) + (y * a_18.w));
+    v = (a_18.y + (y * b_10.x));
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
@@ -349,7 +349,7 @@ bool place_splat(uint i_1, uint slot, uint x_7, uint y) {
             uint _e44 = u;
             int left = int(_e44);
             uint _e46 = u;
-            int right = int((_e46 + (7u * a_17.z)));
+            int right = int((_e46 + (7u * a_18.z)));
             uint _e52 = v;
             int _e54 = fxs_coordinate_q13_(int(_e52));
             int _e55 = fxs_row_level_q11_(_e54, offset_q11_2);
@@ -367,12 +367,12 @@ bool place_splat(uint i_1, uint slot, uint x_7, uint y) {
             bool _e75 = local_4;
             touches = _e75;
             uint _e76 = u;
-            u = (_e76 + a_17.w);
+            u = (_e76 + a_18.w);
             uint _e79 = v;
             v = (_e79 + b_10.x);
         }
     }
-    others[i_1] = ivec4(int(a_17.z), _e23, (int((b_10.y >> 16u)) | int((b_10.z << 16u))), int((b_10.z >> 16u)));
+    others[i_1] = ivec4(int(a_18.z), _e23, (int((b_10.y >> 16u)) | int((b_10.z << 16u))), int((b_10.z >> 16u)));
     bool _e103 = touches;
     return _e103;
 }
@@ -588,8 +588,8 @@ uint mean_depth(uvec2 sum, int transmittance) {
     }
     uvec2 _e12 = add_wide(sum, uvec2((weight_2 << 7u), 0u));
     uvec2 _e14 = shift_right(_e12, 8u);
-    uint a_18 = ((_e14.y >> 16u) % weight_2);
-    uint b_12 = ((a_18 << 16u) | (_e14.y & 65535u));
+    uint a_19 = ((_e14.y >> 16u) % weight_2);
+    uint b_12 = ((a_19 << 16u) | (_e14.y & 65535u));
     uint c_1 = (((b_12 % weight_2) << 16u) | (_e14.x >> 16u));
     uint d = (((c_1 % weight_2) << 16u) | (_e14.x & 65535u));
     if ((_e14.y >= weight_2)) {
