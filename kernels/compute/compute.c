@@ -8,7 +8,7 @@
 #define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
 
-enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 8, TRIES = 6 };
+enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 8, TRIES = 6, MERGES = 5 };
 
 /* A frame on its way. */
 typedef struct job {
@@ -564,7 +564,7 @@ static uint32_t larger(uint64_t a, uint64_t b)
 static void guess_rooms(job *j, uint64_t gaussians)
 {
     fxs_compute *c = j->c;
-    const uint64_t slots = j->drawn ? (uint64_t)j->places * FXS_CHUNK : gaussians, all = c->most / ENTRY_BYTES;
+    const uint64_t slots = j->drawn ? (uint64_t)j->places * FXS_CHUNK : gaussians, all = c->most / (2 * ENTRY_BYTES);
     const uint64_t entries = 2 * slots + 65536 < all ? 2 * slots + 65536 : all;
     const uint64_t chunks = c->most / (FXS_CHUNK * SPLAT_BYTES);
     c->chunk_room = larger(c->chunk_room, j->places < chunks ? j->places + 1 : chunks);
@@ -616,6 +616,9 @@ static void lay_out(job *j)
     f->seen = (uint32_t)(FXS_COMPUTE_TILES + tiles);
     f->cleared = f->next = f->seen + j->places / 32 + 1;
     f->classes = (uint32_t)(f->next + tiles);
+    f->blocks = (uint32_t)(f->classes + FXS_COMPUTE_CLASSES * tiles);
+    f->block_room = (uint32_t)(tiles + (uint64_t)c->page_room * (FXS_COMPUTE_PAGE / FXS_COMPUTE_BLOCK));
+    f->spare = c->page_room * FXS_COMPUTE_PAGE;
     f->cutoff = (int32_t)j->view.cutoff;
     f->cut_q11 = j->view.cut_q11;
     f->format = t->format;
@@ -638,7 +641,6 @@ static int reserve_frame(const job *j, fxs_message *why)
 {
     fxs_compute *c = j->c;
     const fxs_compute_frame *f = &j->c->frame;
-    const uint64_t tiles = (uint64_t)f->tiles[0] * (uint64_t)f->tiles[1];
     const GLuint memory = c->buffers[FXS_COMPUTE_MEMORY];
     const uint64_t had = c->bytes[FXS_COMPUTE_MEMORY];
     int error = reserve(c, FXS_COMPUTE_MEMORY, 4 * j->memory_words, GL_DYNAMIC_COPY, why);
@@ -646,12 +648,12 @@ static int reserve_frame(const job *j, fxs_message *why)
         c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, memory);
         put(c, 0, fxs_offset_of_code_q11, sizeof fxs_offset_of_code_q11);
     }
-    error = error ? error : reserve(c, FXS_COMPUTE_COUNTS, 4 * (f->classes + FXS_COMPUTE_CLASSES * tiles),
+    error = error ? error : reserve(c, FXS_COMPUTE_COUNTS, 4 * (f->blocks + 2 * (uint64_t)f->block_room),
                                     GL_DYNAMIC_COPY, why);
     error = error ? error : reserve(c, FXS_COMPUTE_ARGUMENTS, 16 * ((uint64_t)f->spans + 2), GL_DYNAMIC_COPY, why);
     error = error ? error : reserve(c, FXS_COMPUTE_SPLATS, (uint64_t)FXS_CHUNK * SPLAT_BYTES * f->chunk_room,
                                     GL_DYNAMIC_COPY, why);
-    error = error ? error : reserve(c, FXS_COMPUTE_ENTRIES, (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room,
+    error = error ? error : reserve(c, FXS_COMPUTE_ENTRIES, 2 * (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room,
                                     GL_DYNAMIC_COPY, why);
     error = error ? error : reserve(c, FXS_COMPUTE_PICTURE, 4 * j->picture_words, GL_DYNAMIC_COPY, why);
     error = error ? error : reserve(c, FXS_COMPUTE_DOWNLOAD, 4 * (FXS_COMPUTE_STATUS + j->read_words),
@@ -816,8 +818,12 @@ static void draw(const job *j)
     bind(c, 1, FXS_COMPUTE_ENTRIES);
     bind(c, 2, FXS_COMPUTE_SPLATS);
     bind(c, 3, FXS_COMPUTE_PICTURE);
-    start(c, FXS_COMPUTE_sort_lists);
-    dispatch(c, tiles);
+    start(c, FXS_COMPUTE_sort_blocks);
+    dispatch(c, j->c->frame.block_room);
+    for (int i = 0; i < MERGES && (uint64_t)FXS_COMPUTE_BLOCK << 4 * i < (uint64_t)j->places * FXS_CHUNK; i++) {
+        start(c, FXS_COMPUTE_merge_10 + i);
+        dispatch(c, j->c->frame.block_room);
+    }
     start(c, fxs_targets_traced(j->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles);
     dispatch(c, 4 * tiles);
     if (j->c->frame.id != FXS_NOTHING) {
@@ -921,7 +927,7 @@ static void make_more(job *j)
 {
     fxs_compute *c = j->c;
     const uint64_t larges = j->status[FXS_COMPUTE_LARGES], pages = j->status[FXS_COMPUTE_PAGES];
-    const uint64_t most_pages = c->most / (FXS_COMPUTE_PAGE * ENTRY_BYTES);
+    const uint64_t most_pages = c->most / (2 * FXS_COMPUTE_PAGE * ENTRY_BYTES);
     const uint64_t spare = pages + pages / 8 <= most_pages ? pages / 8 : 0;
     c->chunk_room = larger(c->chunk_room, j->status[FXS_COMPUTE_VISIBLE_CHUNKS]);
     if (larges > c->large_room)

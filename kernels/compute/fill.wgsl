@@ -2,7 +2,7 @@
 // The entries of the tiles' lists, in no order: depth and slot.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<storage, read> splats: array<u32>;
+@group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;
 @group(1) @binding(1) var<storage, read> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> entries: array<vec2<u32>>;   // slot, depth
@@ -57,14 +57,13 @@ fn fill_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
 
 fn large_splat(slot: u32) -> Splat
 {
-    let at = 8u * slot;
-    let rows = splats[at + 7u];
-    return Splat(splats[at], splats[at + 1u], bitcast<i32>(splats[at + 2u]), bitcast<i32>(splats[at + 3u]),
-                 bitcast<i32>(splats[at + 4u]), i32(splats[at + 5u] & 0xffffu),
-                 vec2<i32>(i32(rows & 0xffffu), i32(rows >> 16u)));
+    let a = splats[2u * slot];
+    let b = splats[2u * slot + 1u];
+    return Splat(a.x, a.y, bitcast<i32>(a.z), bitcast<i32>(a.w), bitcast<i32>(b.x), i32(b.y & 0xffffu),
+                 vec2<i32>(i32(b.w & 0xffffu), i32(b.w >> 16u)));
 }
 
-// A workgroup a large splat: a tile row a thread, then their tiles.
+// A workgroup a large splat: a tile row a thread; then 8x8 of their tiles at a time.
 @compute @workgroup_size(64)
 fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
@@ -91,9 +90,9 @@ fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
         }
         spans[thread] = own;
         workgroupBarrier();
-        for (var i = 0; i < min(i32(LARGE_THREADS), rows.last - first + 1); i += 1) {
+        for (var i = i32(thread / 8u); i < min(i32(LARGE_THREADS), rows.last - first + 1); i += 8) {
             let of_row = spans[i];
-            for (var column = of_row.x + i32(thread); column <= of_row.y; column += i32(LARGE_THREADS)) {
+            for (var column = of_row.x + i32(thread % 8u); column <= of_row.y; column += 8) {
                 let cut_off = column < of_row.z || column > of_row.w;
                 put_entry(u32((first + i) * frame.tiles.x + column), slot | select(0u, CUT_OFF, cut_off), depth);
             }

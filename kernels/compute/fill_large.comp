@@ -21,6 +21,10 @@ struct Frame {
     uint spans_at;
     uint next;
     uint classes;
+    uint blocks;
+    uint block_room;
+    uint spare;
+    uint unused;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -114,6 +118,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -125,15 +130,16 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
+const uint BLOCKS = 7u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint LARGE_THREADS = 64u;
 layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 0) readonly buffer type_13_block_1Compute { uint _group_1_binding_0_cs[]; };
-layout(std430, binding = 1) readonly buffer type_13_block_2Compute { uint _group_1_binding_1_cs[]; };
-layout(std430, binding = 2) buffer type_15_block_3Compute { uint _group_1_binding_2_cs[]; };
-layout(std430, binding = 3) buffer type_16_block_4Compute { uvec2 _group_1_binding_3_cs[]; };
+layout(std430, binding = 0) readonly buffer type_13_block_1Compute { uvec4 _group_1_binding_0_cs[]; };
+layout(std430, binding = 1) readonly buffer type_14_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_16_block_3Compute { uint _group_1_binding_2_cs[]; };
+layout(std430, binding = 3) buffer type_17_block_4Compute { uvec2 _group_1_binding_3_cs[]; };
 shared ivec4 spans[64];
 int fxs_min(int a_1, int b_2) {
     return ((a_1 < b_2) ? a_1 : b_2);
@@ -415,15 +421,9 @@ void put_entry(uint tile, uint slot, uint depth) {
     return;
 }
 Splat large_splat(uint slot_2) {
-    uint at = (8u * slot_2);
-    uint rows = _group_1_binding_0_cs[(at + 7u)];
-    uint _e10 = _group_1_binding_0_cs[at];
-    uint _e15 = _group_1_binding_0_cs[(at + 1u)];
-    uint _e20 = _group_1_binding_0_cs[(at + 2u)];
-    uint _e26 = _group_1_binding_0_cs[(at + 3u)];
-    uint _e32 = _group_1_binding_0_cs[(at + 4u)];
-    uint _e38 = _group_1_binding_0_cs[(at + 5u)];
-    return Splat(_e10, _e15, int(_e20), int(_e26), int(_e32), int((_e38 & 65535u)), ivec2(int((rows & 65535u)), int((rows >> 16u))));
+    uvec4 a_18 = _group_1_binding_0_cs[(2u * slot_2)];
+    uvec4 b_17 = _group_1_binding_0_cs[((2u * slot_2) + 1u)];
+    return Splat(a_18.x, a_18.y, int(a_18.z), int(a_18.w), int(b_17.x), int((b_17.y & 65535u)), ivec2(int((b_17.w & 65535u)), int((b_17.w >> 16u))));
 }
 void main() {
     uvec3 group_1 = gl_WorkGroupID;
@@ -441,16 +441,16 @@ void main() {
     uint number = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
     uint _e9 = _group_0_binding_0_cs.larges;
     uint _e13 = _group_0_binding_0_cs.large_room;
-    uint at_1 = (_e9 + (LARGE * min(number, (_e13 - 1u))));
-    uint slot_3 = _group_1_binding_1_cs[at_1];
+    uint at = (_e9 + (LARGE * min(number, (_e13 - 1u))));
+    uint slot_3 = _group_1_binding_1_cs[at];
     Splat _e22 = large_splat(slot_3);
     s = _e22;
-    uint _e28 = _group_1_binding_1_cs[(at_1 + 1u)];
-    uint _e34 = _group_1_binding_1_cs[(at_1 + 2u)];
-    uint _e41 = _group_1_binding_1_cs[(at_1 + 3u)];
-    uint _e46 = _group_1_binding_1_cs[(at_1 + 4u)];
-    uint _e52 = _group_1_binding_1_cs[(at_1 + 5u)];
-    uint _e58 = _group_1_binding_1_cs[(at_1 + 6u)];
+    uint _e28 = _group_1_binding_1_cs[(at + 1u)];
+    uint _e34 = _group_1_binding_1_cs[(at + 2u)];
+    uint _e41 = _group_1_binding_1_cs[(at + 3u)];
+    uint _e46 = _group_1_binding_1_cs[(at + 4u)];
+    uint _e52 = _group_1_binding_1_cs[(at + 5u)];
+    uint _e58 = _group_1_binding_1_cs[(at + 6u)];
     b = Bounds(ivec2(int(_e28), int(_e34)), _e41, int(_e46), int(_e52), _e58);
     Span _e61 = rows_of(s, b);
     int _e63 = s.offset_q11_;
@@ -470,8 +470,8 @@ void main() {
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            int _e177 = first;
-            first = (_e177 + 64);
+            int _e181 = first;
+            first = (_e181 + 64);
         }
         loop_init = false;
         int _e87 = first;
@@ -505,50 +505,50 @@ void main() {
             spans[thread_1] = _e122;
             memoryBarrierShared();
             barrier();
-            i = 0;
+            i = int((thread_1 / 8u));
             bool loop_init_1 = true;
             while(true) {
                 if (!loop_init_1) {
-                    int _e174 = i;
-                    i = (_e174 + 1);
+                    int _e178 = i;
+                    i = (_e178 + 8);
                 }
                 loop_init_1 = false;
-                int _e125 = i;
-                int _e128 = first;
-                if ((_e125 < min(64, ((_e61.last - _e128) + 1)))) {
+                int _e127 = i;
+                int _e130 = first;
+                if ((_e127 < min(64, ((_e61.last - _e130) + 1)))) {
                 } else {
                     break;
                 }
                 {
-                    int _e135 = i;
-                    ivec4 of_row = spans[_e135];
-                    column = (of_row.x + int(thread_1));
+                    int _e137 = i;
+                    ivec4 of_row = spans[_e137];
+                    column = (of_row.x + int((thread_1 % 8u)));
                     bool loop_init_2 = true;
                     while(true) {
                         if (!loop_init_2) {
-                            int _e171 = column;
-                            column = (_e171 + 64);
+                            int _e175 = column;
+                            column = (_e175 + 8);
                         }
                         loop_init_2 = false;
-                        int _e142 = column;
-                        if ((_e142 <= of_row.y)) {
+                        int _e146 = column;
+                        if ((_e146 <= of_row.y)) {
                         } else {
                             break;
                         }
                         {
-                            int _e145 = column;
-                            if (!((_e145 < of_row.z))) {
-                                int _e151 = column;
-                                local_3 = (_e151 > of_row.w);
+                            int _e149 = column;
+                            if (!((_e149 < of_row.z))) {
+                                int _e155 = column;
+                                local_3 = (_e155 > of_row.w);
                             } else {
                                 local_3 = true;
                             }
                             bool cut_off = local_3;
-                            int _e156 = first;
-                            int _e157 = i;
-                            int _e162 = _group_0_binding_0_cs.tiles.x;
-                            int _e164 = column;
-                            put_entry(uint((((_e156 + _e157) * _e162) + _e164)), (slot_3 | (cut_off ? CUT_OFF : 0u)), depth_2);
+                            int _e160 = first;
+                            int _e161 = i;
+                            int _e166 = _group_0_binding_0_cs.tiles.x;
+                            int _e168 = column;
+                            put_entry(uint((((_e160 + _e161) * _e166) + _e168)), (slot_3 | (cut_off ? CUT_OFF : 0u)), depth_2);
                         }
                     }
                 }

@@ -41,6 +41,20 @@ fn class_of(length: u32) -> u32
     return min(u32(firstLeadingBit(length | 1u)), CLASSES - 1u);
 }
 
+// What is to be sorted of a list.
+fn put_blocks(tile: u32, length: u32)
+{
+    let blocks = select(0u, (length - 1u) / BLOCK + 1u, length > 1u);
+    if (blocks == 0u) {
+        return;
+    }
+    let first = atomicAdd(&counts[BLOCKS], blocks);
+    for (var i = 0u; i < blocks && first + i < frame.block_room; i += 1u) {
+        atomicStore(&counts[frame.blocks + 2u * (first + i)], tile);
+        atomicStore(&counts[frame.blocks + 2u * (first + i) + 1u], i);
+    }
+}
+
 @compute @workgroup_size(128)
 fn start_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
@@ -83,7 +97,9 @@ fn start_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     workgroupBarrier();
     for (var column = thread; column < across; column += THREADS) {
         let tile = row + column;
-        let class_number = class_of(atomicLoad(&counts[TILES + tile]));
+        let length = atomicLoad(&counts[TILES + tile]);
+        let class_number = class_of(length);
+        put_blocks(tile, length);
         let place = atomicAdd(&counts[CLASS_COUNTS + class_number], 1u);
         atomicStore(&counts[frame.classes + class_number * across * u32(frame.tiles.y) + place], tile);
         atomicAdd(&counts[frame.next + tile], first_page * PAGE);

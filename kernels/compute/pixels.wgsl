@@ -109,6 +109,13 @@ struct Quarter {
     count: u32,
 }
 
+// Where the list of a tile is, sorted: in the other half of the entries after an odd number of merges.
+fn list_of(tile: u32, count: u32) -> u32
+{
+    let merges = (max(32u - countLeadingZeros(max(count, 1u) - 1u), 10u) - 7u) / 4u;
+    return counts[frame.next + tile] - count + select(0u, frame.spare, merges % 2u == 1u);
+}
+
 fn quarter_of(group: vec3<u32>) -> Quarter
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
@@ -119,7 +126,7 @@ fn quarter_of(group: vec3<u32>) -> Quarter
     }
     let count = counts[TILES + tile];
     return Quarter(tile, tile % across * 16u + number % 2u * SIDE, tile / across * 16u + number / 2u % 2u * SIDE,
-                   counts[frame.next + tile] - count, count);
+                   list_of(tile, count), count);
 }
 
 // The pixel of a thread.

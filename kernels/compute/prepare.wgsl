@@ -6,9 +6,10 @@
 @group(1) @binding(0) var<storage, read> scene: array<u32>;            // palette, then rows
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> splats: array<u32>;
+@group(1) @binding(3) var<storage, read_write> splats: array<vec4<u32>>;   // two each
 
 var<workgroup> visible_here: atomic<u32>;
+var<workgroup> record: array<u32, 64>;           // of the chunk: see put_record in locate.wgsl
 
 // A depth key times the scale.
 fn scale_depth(key: u32) -> u32
@@ -26,19 +27,19 @@ fn scale_depth(key: u32) -> u32
 }
 
 // fxs_object_change, of crop boxes
-fn is_kept(record: u32, position: vec3<u32>) -> bool
+fn is_kept(position: vec3<u32>) -> bool
 {
     var centre: array<wide, 3>;
     for (var i = 0u; i < 3u; i += 1u) {
-        let reach = shift_left(mul_wide(memory[record + 34u + i], position[i]), memory[record + 37u]);
-        centre[i] = add_wide(wide_at(record + 28u + 2u * i), reach);
+        let reach = shift_left(mul_wide(record[34u + i], position[i]), record[37]);
+        centre[i] = add_wide(wide_at(28u + 2u * i), reach);
     }
     return is_within_crops(&centre, &centre);
 }
 
-fn offset_of(record: u32, opacity: u32, share_q8: u32) -> i32
+fn offset_of(opacity: u32, share_q8: u32) -> i32
 {
-    let code = CHUNK * memory[record + 17u] + opacity;
+    let code = CHUNK * record[17] + opacity;
     var offset_q11 = half_of(memory[code / 2u], code);
     if (share_q8 != 256u) {
         offset_q11 = share_of_q11(offset_q11, share_q8);
@@ -115,65 +116,72 @@ fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
 
 fn put_splat(slot: u32, s: ptr<function, Splat>, colour_q13: vec3<i32>)
 {
-    let at = 8u * slot;
-    splats[at] = (*s).u0_q24;
-    splats[at + 1u] = (*s).v0_q24;
-    splats[at + 2u] = bitcast<u32>((*s).ux_q24);
-    splats[at + 3u] = bitcast<u32>((*s).uy_q24);
-    splats[at + 4u] = bitcast<u32>((*s).vy_q24);
-    splats[at + 5u] = u32((*s).offset_q11) | (u32(colour_q13.x) << 16u);
-    splats[at + 6u] = u32(colour_q13.y) | (u32(colour_q13.z) << 16u);
-    splats[at + 7u] = u32((*s).rows.x) | (u32((*s).rows.y) << 16u);
+    splats[2u * slot] = vec4<u32>((*s).u0_q24, (*s).v0_q24, bitcast<u32>((*s).ux_q24), bitcast<u32>((*s).uy_q24));
+    splats[2u * slot + 1u] = vec4<u32>(bitcast<u32>((*s).vy_q24), u32((*s).offset_q11) | (u32(colour_q13.x) << 16u),
+                                       u32(colour_q13.y) | (u32(colour_q13.z) << 16u),
+                                       u32((*s).rows.x) | (u32((*s).rows.y) << 16u));
 }
 
-fn project_gaussian(place: u32, slot: u32)
+// Returns the Gaussian's box.
+fn project_gaussian(chunk: u32, slot: u32) -> wide
 {
-    let record = frame.records + RECORD * place;
-    var chunk = place;
-    if (frame.drawn != 0u) {
-        chunk = memory[frame.drawn + 2u * place];
-    }
     let g = slot % CHUNK;
     let rows = object.rows_at + (chunk - object.first_chunk - object.part_chunk) * object.chunk_words;
     let codes = codes_of(rows, g);
     let opacity = codes.colour >> 24u;
     var centre: Projected;
     var out: Placed;
-    var box = wide(0u, 0u);
-    if (opacity != 0u) {
-        if (project_centre(&centre, record, codes.position)) {
-            out.splat.offset_q11 = offset_of(record, opacity, memory[record + 47u]);
-            if (project_shape(&out, record, &centre, codes.scale, codes.rotation) &&
-                (object.crop_count == 0u || is_kept(record, codes.position))) {
-                var key = depth_key(record, centre.camera.z);
-                if (object.plain == 0) {
-                    key = scale_depth(key);
-                }
-                let colour = min((shade(record, rows, g, codes) * object.tint_q13.xyz + 4096) >> vec3<u32>(13u),
-                                 vec3<i32>(32767));
-                put_splat(slot, &out.splat, colour);
-                memory[frame.depths + slot] = key;
-                box = list_splat(slot, &out);
-                atomicAdd(&visible_here, 1u);
-            }
-        }
+    if (opacity == 0u) {
+        return wide(0u, 0u);
     }
-    memory[frame.boxes + 2u * slot] = box.x;
-    memory[frame.boxes + 2u * slot + 1u] = box.y;
+    if (!project_centre(&centre, codes.position)) {
+        return wide(0u, 0u);
+    }
+    out.splat.offset_q11 = offset_of(opacity, record[47]);
+    if (!project_shape(&out, &centre, codes.scale, codes.rotation)) {
+        return wide(0u, 0u);
+    }
+    if (object.crop_count != 0u && !is_kept(codes.position)) {
+        return wide(0u, 0u);
+    }
+    var key = depth_key(centre.camera.z);
+    if (object.plain == 0) {
+        key = scale_depth(key);
+    }
+    let colour = min((shade(rows, g, codes) * object.tint_q13.xyz + 4096) >> vec3<u32>(13u), vec3<i32>(32767));
+    put_splat(slot, &out.splat, colour);
+    memory[frame.depths + slot] = key;
+    atomicAdd(&visible_here, 1u);
+    return list_splat(slot, &out);
 }
 
 @compute @workgroup_size(128)
 fn project_chunk(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
-    if (thread == 0u) {
-        atomicStore(&visible_here, 0u);
-    }
-    workgroupBarrier();
     let span = frame.spans_at + SPAN * object.span;
     let half = group.y * ROW_OF_GROUPS + group.x;
     let ordinal = memory[span + 2u] + half / 2u;
-    if (ordinal < memory[span + 3u]) {
-        project_gaussian(memory[frame.visible + ordinal], ordinal * CHUNK + half % 2u * THREADS + thread);
+    let inside = ordinal < memory[span + 3u];
+    var place = 0u;
+    if (inside) {
+        place = memory[frame.visible + ordinal];
+    }
+    if (thread == 0u) {
+        atomicStore(&visible_here, 0u);
+    }
+    if (thread < RECORD) {
+        record[thread] = memory[frame.records + RECORD * place + thread];
+    }
+    workgroupBarrier();
+    if (inside) {
+        let slot = ordinal * CHUNK + half % 2u * THREADS + thread;
+        var chunk = place;
+        if (frame.drawn != 0u) {
+            chunk = memory[frame.drawn + 2u * place];
+        }
+        let box = project_gaussian(chunk, slot);
+        memory[frame.boxes + 2u * slot] = box.x;
+        memory[frame.boxes + 2u * slot + 1u] = box.y;
     }
     workgroupBarrier();
     if (thread == 0u) {

@@ -35,63 +35,68 @@ const SIDE_Q23: i32 = 0x20000000;  // 64
 
 fn number_at(at: u32) -> i32
 {
-    return bitcast<i32>(memory[at]);
+    return bitcast<i32>(record[at]);
 }
 
 fn wide_at(at: u32) -> wide
 {
-    return wide(memory[at], memory[at + 1u]);
+    return wide(record[at], record[at + 1u]);
 }
 
 // (base + m code) >> 16 of an axis, below 2^30: the products in two parts, of m's upper and lower 16 bits.
-fn camera_of(record: u32, i: u32, code: vec3<u32>) -> i32
+fn camera_of(i: u32, code: vec3<u32>) -> i32
 {
-    let base_q16 = wide_at(record + 2u * i);
-    var low = base_q16.x & 0xffffu;
-    var sum = (base_q16.y << 16u) | (base_q16.x >> 16u);
-    for (var j = 0u; j < 3u; j += 1u) {
-        let m_q16 = memory[record + 6u + 3u * i + j];
-        let below = (m_q16 & 0xffffu) * code[j];
-        sum += bitcast<u32>((bitcast<i32>(m_q16) >> 16u) * i32(code[j])) + (below >> 16u);
-        low += below & 0xffffu;
+    let base_q16 = wide_at(2u * i);
+    let m_q16 = vec3<u32>(record[6u + 3u * i], record[7u + 3u * i], record[8u + 3u * i]);
+    let below = (m_q16 & vec3<u32>(0xffffu)) * code;
+    let above = (bitcast<vec3<i32>>(m_q16) >> vec3<u32>(16u)) * vec3<i32>(code);
+    let rest = below & vec3<u32>(0xffffu);
+    let low = (base_q16.x & 0xffffu) + rest.x + rest.y + rest.z;
+    let carried = (below.x >> 16u) + (below.y >> 16u) + (below.z >> 16u) + (low >> 16u);
+    return bitcast<i32>((base_q16.y << 16u) | (base_q16.x >> 16u)) + above.x + above.y + above.z + i32(carried);
+}
+
+struct Axis {
+    slope_q23: i32,
+    position_q14: i32,
+    out_of_range: bool,
+}
+
+fn project_axis(x: i32, side: i32, zeros: i32, inverse_q30: u32, f_q12: i32, c_q12: i32) -> Axis
+{
+    let off_axis = x >= side || -x >= side;
+    var slope = low_of(round_shift(mul_mixed(x, inverse_q30), 39 - zeros));
+    if (off_axis) {
+        slope = select(SIDE_Q23, -SIDE_Q23, x < 0);
     }
-    return bitcast<i32>(sum + (low >> 16u));
+    let middle_q14 = sub_wide(shift_left(wide_of(c_q12), 2u), wide(8192u, 0u));
+    let position = add_wide(round_shift(mul_signed(f_q12, slope), 21), middle_q14);
+    return Axis(slope, low_of(position), off_axis || !less(magnitude(position), wide(u32(CENTRE_LIMIT_Q14), 0u)));
 }
 
 // Whether it is beyond the near plane.
-fn project_centre(centre: ptr<function, Projected>, record: u32, code: vec3<u32>) -> bool
+fn project_centre(centre: ptr<function, Projected>, code: vec3<u32>) -> bool
 {
-    let z = camera_of(record, 2u, code);
-    if (z <= number_at(record + 21u)) {
+    let z = camera_of(2u, code);
+    if (z <= number_at(21u)) {
         return false;
     }
     let parallel = object.orthographic != 0;
-    let zeros = select(zeros_of(u32(z)), number_at(record + 19u), parallel);
+    let zeros = select(zeros_of(u32(z)), number_at(19u), parallel);
     var inverse_q30 = 0x40000000u;
-    var side = number_at(record + 20u);
+    var side = number_at(20u);
     if (!parallel) {
         inverse_q30 = reciprocal(u32(z) << u32(zeros));
         side = 64 * min(z, 0x1ffffff);
     }
-    (*centre).camera = vec3<i32>(camera_of(record, 0u, code), camera_of(record, 1u, code), z);
+    (*centre).camera = vec3<i32>(camera_of(0u, code), camera_of(1u, code), z);
     (*centre).zeros = zeros;
     (*centre).inverse_q30 = inverse_q30;
-    (*centre).out_of_range = false;
-    for (var i = 0u; i < 2u; i += 1u) {
-        let x = (*centre).camera[i];
-        let off_axis = x >= side || -x >= side;
-        var slope = low_of(round_shift(mul_mixed(x, inverse_q30), 39 - zeros));
-        if (off_axis) {
-            slope = select(SIDE_Q23, -SIDE_Q23, x < 0);
-        }
-        let middle_q14 = sub_wide(shift_left(wide_of(object.c_q12[i]), 2u), wide(8192u, 0u));
-        let position = add_wide(round_shift(mul_signed(object.f_q12[i], slope), 21), middle_q14);
-        if (off_axis || !less(magnitude(position), wide(u32(CENTRE_LIMIT_Q14), 0u))) {
-            (*centre).out_of_range = true;
-        }
-        (*centre).slope_q23[i] = slope;
-        (*centre).position_q14[i] = low_of(position);
-    }
+    let x = project_axis((*centre).camera.x, side, zeros, inverse_q30, object.f_q12.x, object.c_q12.x);
+    let y = project_axis((*centre).camera.y, side, zeros, inverse_q30, object.f_q12.y, object.c_q12.y);
+    (*centre).slope_q23 = vec2<i32>(x.slope_q23, y.slope_q23);
+    (*centre).position_q14 = vec2<i32>(x.position_q14, y.position_q14);
+    (*centre).out_of_range = x.out_of_range || y.out_of_range;
     return true;
 }
 
@@ -148,14 +153,14 @@ fn rotation_column(q: vec4<i32>, i: u32) -> vec3<i32>
 }
 
 // f sigma_max / z 2^jacobian_exponent = mantissa 2^exponent, in [0.5, 1)
-fn screen_size(record: u32, centre: ptr<function, Projected>, size_q16: i32, exponent: ptr<function, i32>) -> u32
+fn screen_size(centre: ptr<function, Projected>, size_q16: i32, exponent: ptr<function, i32>) -> u32
 {
     let whole = -(-size_q16 >> 16u);
     let size_q15 = u32(exp2_q15((-size_q16 & 65535) >> 1u));
     let over_z_q30 = shift_right(mul_wide(size_q15, (*centre).inverse_q30), 15u).x;
     let mantissa = mul_high(over_z_q30, object.focal_q32);
     let zeros = zeros_of(mantissa);
-    *exponent = whole - number_at(record + 18u) + (*centre).zeros + object.focal_exponent + object.jacobian_exponent +
+    *exponent = whole - number_at(18u) + (*centre).zeros + object.focal_exponent + object.jacobian_exponent +
                 2 - zeros;
     return mantissa << u32(zeros);
 }
@@ -382,17 +387,26 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
 
 // ----------------------------------------------------------------------------------------------------------------
 
-fn project_shape(out: ptr<function, Placed>, record: u32, centre: ptr<function, Projected>, scale_word: u32,
+// A Gaussian's axis of 2^-below of the largest one's size, Q15.
+fn axis_size_q15(below_q16: i32, size_q32: u32, shift: i32) -> i32
+{
+    let ratio_q15 = u32(exp2_q15((below_q16 & 65535) >> 1u));
+    return i32(scale_down(product_shifted(ratio_q15, size_q32, 31u), shift + (below_q16 >> 16u)));
+}
+
+fn turn_q15(row: vec3<i32>, column: vec3<i32>, size_q15: i32) -> i32
+{
+    return fxs_mul_q15((dot_i(row, column) + 16384) >> 15u, size_q15);
+}
+
+fn project_shape(out: ptr<function, Placed>, centre: ptr<function, Projected>, scale_word: u32,
                  rotation_word: u32) -> bool
 {
-    var sizes_q16: vec3<i32>;
-    for (var i = 0u; i < 3u; i += 1u) {
-        let code = (scale_word >> (10u * i)) & 1023u;
-        sizes_q16[i] = number_at(record + 15u) - i32((code * code * memory[record + 16u] + 128u) >> 8u);
-    }
+    let code = (vec3<u32>(scale_word) >> vec3<u32>(0u, 10u, 20u)) & vec3<u32>(1023u);
+    let sizes_q16 = vec3<i32>(number_at(15u)) - vec3<i32>((code * code * record[16] + 128u) >> vec3<u32>(8u));
     let most = max(max(sizes_q16.x, sizes_q16.y), sizes_q16.z);
     var size_exponent: i32;
-    let size_q32 = screen_size(record, centre, most, &size_exponent);
+    let size_q32 = screen_size(centre, most, &size_exponent);
     let is_veil = size_exponent > 16 || (*centre).out_of_range;
     if (is_veil) {
         if (size_exponent < object.veil_exponent) {
@@ -408,17 +422,15 @@ fn project_shape(out: ptr<function, Placed>, record: u32, centre: ptr<function, 
     }
     let row_x = jacobian_row(0u, (*centre).slope_q23.x);
     let row_y = jacobian_row(1u, (*centre).slope_q23.y);
-    var t_x: vec3<i32>;
-    var t_y: vec3<i32>;
-    for (var i = 0u; i < 3u; i += 1u) {
-        let column = rotation_column(q, i);
-        let below_q16 = most - sizes_q16[i];
-        let ratio_q15 = u32(exp2_q15((below_q16 & 65535) >> 1u));
-        let k_q15 = i32(scale_down(product_shifted(ratio_q15, size_q32, 31u),
-                                   1 + exponent - size_exponent + (below_q16 >> 16u)));
-        t_x[i] = fxs_mul_q15((dot_i(row_x, column) + 16384) >> 15u, k_q15);
-        t_y[i] = fxs_mul_q15((dot_i(row_y, column) + 16384) >> 15u, k_q15);
-    }
+    let shift = 1 + exponent - size_exponent;
+    let a = axis_size_q15(most - sizes_q16.x, size_q32, shift);
+    let b = axis_size_q15(most - sizes_q16.y, size_q32, shift);
+    let c = axis_size_q15(most - sizes_q16.z, size_q32, shift);
+    let column_x = rotation_column(q, 0u);
+    let column_y = rotation_column(q, 1u);
+    let column_z = rotation_column(q, 2u);
+    let t_x = vec3<i32>(turn_q15(row_x, column_x, a), turn_q15(row_x, column_y, b), turn_q15(row_x, column_z, c));
+    let t_y = vec3<i32>(turn_q15(row_y, column_x, a), turn_q15(row_y, column_y, b), turn_q15(row_y, column_z, c));
     var least = 64u;
     if (is_veil) {
         least = veil_dilation_q30(exponent);
@@ -444,18 +456,18 @@ fn project_shape(out: ptr<function, Placed>, record: u32, centre: ptr<function, 
     if (is_veil) {
         return veil(out, &s, centre, r_q12);
     }
-    let c = root_of_q30(s.c_q30);
-    whiten(out, &s, c, centre, r_q12);
+    let root_c = root_of_q30(s.c_q30);
+    whiten(out, &s, root_c, centre, r_q12);
     if (frame.cutoff == 1) {
         return square(out, &s);
     }
-    return clip(out, sqrt_q8(c, exponent), r_q12);
+    return clip(out, sqrt_q8(root_c, exponent), r_q12);
 }
 
-fn depth_key(record: u32, z: i32) -> u32
+fn depth_key(z: i32) -> u32
 {
     let zeros = zeros_of(u32(z));
-    return (u32(number_at(record + 18u) - zeros - 1 + 32) << 26u) | (((u32(z) << u32(zeros)) >> 5u) & 0x3ffffffu);
+    return (u32(number_at(18u) - zeros - 1 + 32) << 26u) | (((u32(z) << u32(zeros)) >> 5u) & 0x3ffffffu);
 }
 
 // fxs_share_of_q11

@@ -21,6 +21,10 @@ struct Frame {
     uint spans_at;
     uint next;
     uint classes;
+    uint blocks;
+    uint block_room;
+    uint spare;
+    uint unused;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -126,11 +130,22 @@ struct Placed {
     Splat splat;
     Bounds bounds;
 };
+struct Axis {
+    int slope_q23_;
+    int position_q14_;
+    bool out_of_range;
+};
 struct Codes {
     uvec3 position;
     uint rotation;
     uint scale;
     uint colour;
+};
+struct Basis {
+    ivec4 a;
+    ivec4 b;
+    ivec4 c;
+    ivec4 d;
 };
 const int FXS_CUT_Q11_ = 18432;
 const int FXS_FAINT_Q11_ = 22697;
@@ -145,6 +160,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -156,6 +172,7 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
+const uint BLOCKS = 7u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
@@ -164,11 +181,12 @@ const int SIDE_Q23_ = 536870912;
 const uint COMPACT = 1u;
 const uint SMALL = 2u;
 layout(std140, binding = 1) uniform Object_block_0Compute { Object _group_0_binding_1_cs; };
-layout(std430, binding = 1) buffer type_14_block_1Compute { uint _group_1_binding_1_cs[]; };
-layout(std140, binding = 0) uniform Frame_block_2Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 0) readonly buffer type_14_block_3Compute { uint _group_1_binding_0_cs[]; };
-layout(std430, binding = 2) buffer type_27_block_4Compute { uint _group_1_binding_2_cs[]; };
-layout(std430, binding = 3) buffer type_14_block_5Compute { uint _group_1_binding_3_cs[]; };
+shared uint record[64];
+layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 0) readonly buffer type_21_block_2Compute { uint _group_1_binding_0_cs[]; };
+layout(std430, binding = 1) buffer type_21_block_3Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_25_block_4Compute { uint _group_1_binding_2_cs[]; };
+layout(std430, binding = 3) buffer type_26_block_5Compute { uvec4 _group_1_binding_3_cs[]; };
 shared uint visible_here;
 int fxs_mul_q15_(int a, int b) {
     return (((a * b) + 16384) >> 15u);
@@ -184,8 +202,8 @@ uvec2 wide_of(int x) {
     return uvec2(uint(x), uint((x >> 31u)));
 }
 uvec2 add_wide(uvec2 a_2, uvec2 b_2) {
-    uint low_3 = (a_2.x + b_2.x);
-    return uvec2(low_3, ((a_2.y + b_2.y) + ((low_3 < a_2.x) ? 1u : 0u)));
+    uint low_2 = (a_2.x + b_2.x);
+    return uvec2(low_2, ((a_2.y + b_2.y) + ((low_2 < a_2.x) ? 1u : 0u)));
 }
 uvec2 sub_wide(uvec2 a_3, uvec2 b_3) {
     return uvec2((a_3.x - b_3.x), ((a_3.y - b_3.y) - ((a_3.x < b_3.x) ? 1u : 0u)));
@@ -322,11 +340,11 @@ uint sqrt_of(uint x_5) {
         return 0u;
     }
     int _e4 = zeros_of(x_5);
-    uint shift_2 = (uint(_e4) & 4294967294u);
-    uint m_3 = (x_5 << shift_2);
+    uint shift_3 = (uint(_e4) & 4294967294u);
+    uint m_3 = (x_5 << shift_3);
     uint _e9 = rsqrt(m_3);
     uint _e10 = mul_high(m_3, _e9);
-    return (_e10 >> (14u + (shift_2 / 2u)));
+    return (_e10 >> (14u + (shift_3 / 2u)));
 }
 int exp2_q15_(int f_q15_) {
     int p_1 = 0;
@@ -475,157 +493,127 @@ bool is_within_crops(inout uvec2 low_1[3], inout uvec2 high_2[3]) {
     return _e52;
 }
 int number_at(uint at) {
-    uint _e3 = _group_1_binding_1_cs[at];
+    uint _e3 = record[at];
     return int(_e3);
 }
 uvec2 wide_at(uint at_1) {
-    uint _e3 = _group_1_binding_1_cs[at_1];
-    uint _e8 = _group_1_binding_1_cs[(at_1 + 1u)];
+    uint _e3 = record[at_1];
+    uint _e8 = record[(at_1 + 1u)];
     return uvec2(_e3, _e8);
 }
-int camera_of(uint record, uint i_3, uvec3 code) {
-    uint low_2 = 0u;
-    uint sum = 0u;
-    uint j = 0u;
-    uvec2 _e6 = wide_at((record + (2u * i_3)));
-    low_2 = (_e6.x & 65535u);
-    sum = ((_e6.y << 16u) | (_e6.x >> 16u));
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            uint _e56 = j;
-            j = (_e56 + 1u);
-        }
-        loop_init_2 = false;
-        uint _e21 = j;
-        if ((_e21 < 3u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e30 = j;
-            uint m_q16_ = _group_1_binding_1_cs[(((record + 6u) + (3u * i_3)) + _e30)];
-            uint _e36 = j;
-            uint below = ((m_q16_ & 65535u) * code[_e36]);
-            uint _e39 = sum;
-            uint _e43 = j;
-            sum = (_e39 + (uint(((int(m_q16_) >> 16u) * int(code[_e43]))) + (below >> 16u)));
-            uint _e52 = low_2;
-            low_2 = (_e52 + (below & 65535u));
-        }
-    }
-    uint _e59 = sum;
-    uint _e60 = low_2;
-    return int((_e59 + (_e60 >> 16u)));
+int camera_of(uint i_3, uvec3 code) {
+    uvec2 _e4 = wide_at((2u * i_3));
+    uint _e11 = record[(6u + (3u * i_3))];
+    uint _e18 = record[(7u + (3u * i_3))];
+    uint _e25 = record[(8u + (3u * i_3))];
+    uvec3 m_q16_ = uvec3(_e11, _e18, _e25);
+    uvec3 below = ((m_q16_ & uvec3(65535u)) * code);
+    ivec3 above = ((ivec3(m_q16_) >> uvec3(16u)) * ivec3(code));
+    uvec3 rest = (below & uvec3(65535u));
+    uint low_4 = ((((_e4.x & 65535u) + rest.x) + rest.y) + rest.z);
+    uint carried = ((((below.x >> 16u) + (below.y >> 16u)) + (below.z >> 16u)) + (low_4 >> 16u));
+    return ((((int(((_e4.y << 16u) | (_e4.x >> 16u))) + above.x) + above.y) + above.z) + int(carried));
 }
-bool project_centre(inout Projected centre, uint record_1, uvec3 code_1) {
-    uint inverse_q30_ = 1073741824u;
-    int side = 0;
-    uint i_4 = 0u;
+Axis project_axis(int x_7, int side, int zeros, uint inverse_q30_, int f_q12_, int c_q12_) {
     bool local_5 = false;
     int slope = 0;
     bool local_6 = false;
-    int _e4 = camera_of(record_1, 2u, code_1);
-    int _e7 = number_at((record_1 + 21u));
-    if ((_e4 <= _e7)) {
+    if (!((x_7 >= side))) {
+        local_5 = (-(x_7) >= side);
+    } else {
+        local_5 = true;
+    }
+    bool off_axis = local_5;
+    uvec2 _e14 = mul_mixed(x_7, inverse_q30_);
+    uvec2 _e17 = round_shift(_e14, (39 - zeros));
+    int _e18 = low_of(_e17);
+    slope = _e18;
+    if (off_axis) {
+        slope = ((x_7 < 0) ? -536870912 : SIDE_Q23_);
+    }
+    uvec2 _e25 = wide_of(c_q12_);
+    uvec2 _e27 = shift_left(_e25, 2u);
+    uvec2 _e31 = sub_wide(_e27, uvec2(8192u, 0u));
+    int _e32 = slope;
+    uvec2 _e33 = mul_signed(f_q12_, _e32);
+    uvec2 _e35 = round_shift(_e33, 21);
+    uvec2 _e36 = add_wide(_e35, _e31);
+    int _e37 = slope;
+    int _e38 = low_of(_e36);
+    if (!(off_axis)) {
+        uvec2 _e42 = magnitude(_e36);
+        bool _e46 = less(_e42, uvec2(1073741824u, 0u));
+        local_6 = !(_e46);
+    } else {
+        local_6 = true;
+    }
+    bool _e49 = local_6;
+    return Axis(_e37, _e38, _e49);
+}
+bool project_centre(inout Projected centre, uvec3 code_1) {
+    uint inverse_q30_1 = 1073741824u;
+    int side_1 = 0;
+    bool local_7 = false;
+    int _e3 = camera_of(2u, code_1);
+    int _e5 = number_at(21u);
+    if ((_e3 <= _e5)) {
         return false;
     }
-    int _e12 = _group_0_binding_1_cs.orthographic;
-    bool parallel = (_e12 != 0);
-    int _e16 = zeros_of(uint(_e4));
-    int _e19 = number_at((record_1 + 19u));
-    int zeros = (parallel ? _e19 : _e16);
-    int _e25 = number_at((record_1 + 20u));
-    side = _e25;
+    int _e10 = _group_0_binding_1_cs.orthographic;
+    bool parallel = (_e10 != 0);
+    int _e14 = zeros_of(uint(_e3));
+    int _e16 = number_at(19u);
+    int zeros_2 = (parallel ? _e16 : _e14);
+    int _e21 = number_at(20u);
+    side_1 = _e21;
     if (!(parallel)) {
-        uint _e31 = reciprocal((uint(_e4) << uint(zeros)));
-        inverse_q30_ = _e31;
-        side = (64 * min(_e4, 33554431));
+        uint _e27 = reciprocal((uint(_e3) << uint(zeros_2)));
+        inverse_q30_1 = _e27;
+        side_1 = (64 * min(_e3, 33554431));
     }
-    int _e38 = camera_of(record_1, 0u, code_1);
-    int _e40 = camera_of(record_1, 1u, code_1);
-    centre.camera = ivec3(_e38, _e40, _e4);
-    centre.zeros = zeros;
-    uint _e44 = inverse_q30_;
-    centre.inverse_q30_ = _e44;
-    centre.out_of_range = false;
-    bool loop_init_3 = true;
-    while(true) {
-        if (!loop_init_3) {
-            uint _e121 = i_4;
-            i_4 = (_e121 + 1u);
-        }
-        loop_init_3 = false;
-        uint _e49 = i_4;
-        if ((_e49 < 2u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e53 = i_4;
-            int x_14 = centre.camera[_e53];
-            int _e56 = side;
-            if (!((x_14 >= _e56))) {
-                int _e62 = side;
-                local_5 = (-(x_14) >= _e62);
-            } else {
-                local_5 = true;
-            }
-            bool off_axis = local_5;
-            uint _e66 = inverse_q30_;
-            uvec2 _e67 = mul_mixed(x_14, _e66);
-            uvec2 _e70 = round_shift(_e67, (39 - zeros));
-            int _e71 = low_of(_e70);
-            slope = _e71;
-            if (off_axis) {
-                slope = ((x_14 < 0) ? -536870912 : SIDE_Q23_);
-            }
-            uint _e80 = i_4;
-            int _e82 = _group_0_binding_1_cs.c_q12_[_e80];
-            uvec2 _e83 = wide_of(_e82);
-            uvec2 _e85 = shift_left(_e83, 2u);
-            uvec2 _e89 = sub_wide(_e85, uvec2(8192u, 0u));
-            uint _e92 = i_4;
-            int _e94 = _group_0_binding_1_cs.f_q12_[_e92];
-            int _e95 = slope;
-            uvec2 _e96 = mul_signed(_e94, _e95);
-            uvec2 _e98 = round_shift(_e96, 21);
-            uvec2 _e99 = add_wide(_e98, _e89);
-            if (!(off_axis)) {
-                uvec2 _e103 = magnitude(_e99);
-                bool _e107 = less(_e103, uvec2(1073741824u, 0u));
-                local_6 = !(_e107);
-            } else {
-                local_6 = true;
-            }
-            bool _e110 = local_6;
-            if (_e110) {
-                centre.out_of_range = true;
-            }
-            uint _e114 = i_4;
-            int _e116 = slope;
-            centre.slope_q23_[_e114] = _e116;
-            uint _e118 = i_4;
-            int _e120 = low_of(_e99);
-            centre.position_q14_[_e118] = _e120;
-        }
+    int _e34 = camera_of(0u, code_1);
+    int _e36 = camera_of(1u, code_1);
+    centre.camera = ivec3(_e34, _e36, _e3);
+    centre.zeros = zeros_2;
+    uint _e40 = inverse_q30_1;
+    centre.inverse_q30_ = _e40;
+    int _e43 = centre.camera.x;
+    int _e44 = side_1;
+    uint _e45 = inverse_q30_1;
+    int _e49 = _group_0_binding_1_cs.f_q12_.x;
+    int _e53 = _group_0_binding_1_cs.c_q12_.x;
+    Axis _e54 = project_axis(_e43, _e44, zeros_2, _e45, _e49, _e53);
+    int _e57 = centre.camera.y;
+    int _e58 = side_1;
+    uint _e59 = inverse_q30_1;
+    int _e63 = _group_0_binding_1_cs.f_q12_.y;
+    int _e67 = _group_0_binding_1_cs.c_q12_.y;
+    Axis _e68 = project_axis(_e57, _e58, zeros_2, _e59, _e63, _e67);
+    centre.slope_q23_ = ivec2(_e54.slope_q23_, _e68.slope_q23_);
+    centre.position_q14_ = ivec2(_e54.position_q14_, _e68.position_q14_);
+    if (!(_e54.out_of_range)) {
+        local_7 = _e68.out_of_range;
+    } else {
+        local_7 = true;
     }
+    bool _e84 = local_7;
+    centre.out_of_range = _e84;
     return true;
 }
-ivec3 jacobian_row(uint i_5, int slope_q23_) {
-    int _e5 = _group_0_binding_1_cs.slope_low_q23_[i_5];
-    int _e9 = _group_0_binding_1_cs.slope_high_q23_[i_5];
+ivec3 jacobian_row(uint i_4, int slope_q23_) {
+    int _e5 = _group_0_binding_1_cs.slope_low_q23_[i_4];
+    int _e9 = _group_0_binding_1_cs.slope_high_q23_[i_4];
     int slope_1 = min(max(slope_q23_, _e5), _e9);
     int _e13 = _group_0_binding_1_cs.jacobian_exponent;
     int slope_q15_ = (((slope_1 >> uint((7 + _e13))) + 1) >> 1u);
-    ivec4 _e25 = _group_0_binding_1_cs.forward_q15_[i_5];
+    ivec4 _e25 = _group_0_binding_1_cs.forward_q15_[i_4];
     ivec3 forward = _e25.xyz;
-    ivec4 _e30 = _group_0_binding_1_cs.row_q15_[i_5];
+    ivec4 _e30 = _group_0_binding_1_cs.row_q15_[i_4];
     return (_e30.xyz - (((slope_q15_ * forward) + ivec3(16384)) >> uvec3(15u)));
 }
-int rotation_code_q15_(uint word_1, uint i_6) {
-    int code_5 = int(((word_1 >> (20u - (10u * i_6))) & 1023u));
-    return (((((2 * code_5) - 1023) * 23194) + 512) >> 10u);
+int rotation_code_q15_(uint word_1, uint i_5) {
+    int code_4 = int(((word_1 >> (20u - (10u * i_5))) & 1023u));
+    return (((((2 * code_4) - 1023) * 23194) + 512) >> 10u);
 }
 bool quaternion(inout ivec4 q_1, uint word_2) {
     uint largest = (word_2 >> 30u);
@@ -637,60 +625,60 @@ bool quaternion(inout ivec4 q_1, uint word_2) {
         return false;
     }
     uint _e21 = sqrt_of((1073741824u - uint(square_q30_)));
-    int most_1 = int(_e21);
-    q_1 = ivec4(((largest == 0u) ? most_1 : _e5), ((largest == 1u) ? most_1 : ((largest > 1u) ? _e7 : _e5)), ((largest == 2u) ? most_1 : ((largest > 2u) ? _e9 : _e7)), ((largest == 3u) ? most_1 : _e9));
+    int most = int(_e21);
+    q_1 = ivec4(((largest == 0u) ? most : _e5), ((largest == 1u) ? most : ((largest > 1u) ? _e7 : _e5)), ((largest == 2u) ? most : ((largest > 2u) ? _e9 : _e7)), ((largest == 3u) ? most : _e9));
     return true;
 }
-ivec3 rotation_column(ivec4 q_2, uint i_7) {
+ivec3 rotation_column(ivec4 q_2, uint i_6) {
     int w = q_2.x;
-    int x_15 = q_2.y;
+    int x_16 = q_2.y;
     int y_1 = q_2.z;
     int z_2 = q_2.w;
-    if ((i_7 == 0u)) {
-        return ivec3((32768 - ((((y_1 * y_1) + (z_2 * z_2)) + 8192) >> 14u)), ((((x_15 * y_1) + (w * z_2)) + 8192) >> 14u), ((((x_15 * z_2) - (w * y_1)) + 8192) >> 14u));
+    if ((i_6 == 0u)) {
+        return ivec3((32768 - ((((y_1 * y_1) + (z_2 * z_2)) + 8192) >> 14u)), ((((x_16 * y_1) + (w * z_2)) + 8192) >> 14u), ((((x_16 * z_2) - (w * y_1)) + 8192) >> 14u));
     }
-    if ((i_7 == 1u)) {
-        return ivec3(((((x_15 * y_1) - (w * z_2)) + 8192) >> 14u), (32768 - ((((x_15 * x_15) + (z_2 * z_2)) + 8192) >> 14u)), ((((y_1 * z_2) + (w * x_15)) + 8192) >> 14u));
+    if ((i_6 == 1u)) {
+        return ivec3(((((x_16 * y_1) - (w * z_2)) + 8192) >> 14u), (32768 - ((((x_16 * x_16) + (z_2 * z_2)) + 8192) >> 14u)), ((((y_1 * z_2) + (w * x_16)) + 8192) >> 14u));
     }
-    return ivec3(((((x_15 * z_2) + (w * y_1)) + 8192) >> 14u), ((((y_1 * z_2) - (w * x_15)) + 8192) >> 14u), (32768 - ((((x_15 * x_15) + (y_1 * y_1)) + 8192) >> 14u)));
+    return ivec3(((((x_16 * z_2) + (w * y_1)) + 8192) >> 14u), ((((y_1 * z_2) - (w * x_16)) + 8192) >> 14u), (32768 - ((((x_16 * x_16) + (y_1 * y_1)) + 8192) >> 14u)));
 }
-uint screen_size(uint record_2, inout Projected centre_1, int size_q16_, inout int exponent) {
+uint screen_size(inout Projected centre_1, int size_q16_, inout int exponent) {
     int whole = -((-(size_q16_) >> 16u));
-    int _e13 = exp2_q15_(((-(size_q16_) & 65535) >> 1u));
-    uint size_q15_ = uint(_e13);
-    uint _e16 = centre_1.inverse_q30_;
-    uvec2 _e17 = mul_wide(size_q15_, _e16);
-    uvec2 _e19 = shift_right(_e17, 15u);
-    uint over_z_q30_ = _e19.x;
-    uint _e23 = _group_0_binding_1_cs.focal_q32_;
-    uint _e24 = mul_high(over_z_q30_, _e23);
-    int _e25 = zeros_of(_e24);
-    int _e28 = number_at((record_2 + 18u));
-    int _e31 = centre_1.zeros;
-    int _e35 = _group_0_binding_1_cs.focal_exponent;
-    int _e39 = _group_0_binding_1_cs.jacobian_exponent;
-    exponent = ((((((whole - _e28) + _e31) + _e35) + _e39) + 2) - _e25);
-    return (_e24 << uint(_e25));
+    int _e12 = exp2_q15_(((-(size_q16_) & 65535) >> 1u));
+    uint size_q15_1 = uint(_e12);
+    uint _e15 = centre_1.inverse_q30_;
+    uvec2 _e16 = mul_wide(size_q15_1, _e15);
+    uvec2 _e18 = shift_right(_e16, 15u);
+    uint over_z_q30_ = _e18.x;
+    uint _e22 = _group_0_binding_1_cs.focal_q32_;
+    uint _e23 = mul_high(over_z_q30_, _e22);
+    int _e24 = zeros_of(_e23);
+    int _e26 = number_at(18u);
+    int _e29 = centre_1.zeros;
+    int _e33 = _group_0_binding_1_cs.focal_exponent;
+    int _e37 = _group_0_binding_1_cs.jacobian_exponent;
+    exponent = ((((((whole - _e26) + _e29) + _e33) + _e37) + 2) - _e24);
+    return (_e23 << uint(_e24));
 }
 bool off_picture(inout Projected centre_2, int exponent_1) {
-    bool local_7 = false;
+    bool local_8 = false;
     uint radius_q14_ = (57344u * ((1u << uint(max(exponent_1, 0))) + 1u));
-    ivec2 position_2 = centre_2.position_q14_;
+    ivec2 position_3 = centre_2.position_q14_;
     ivec2 _e15 = _group_0_binding_0_cs.tiles;
     uvec2 end = (uvec2(_e15) << uvec2(18u));
-    if (!(any(greaterThan(uvec2(max(-(position_2), ivec2(0))), uvec2(radius_q14_))))) {
-        local_7 = any(greaterThan(uvec2(max(position_2, ivec2(0))), (end + uvec2(radius_q14_))));
+    if (!(any(greaterThan(uvec2(max(-(position_3), ivec2(0))), uvec2(radius_q14_))))) {
+        local_8 = any(greaterThan(uvec2(max(position_3, ivec2(0))), (end + uvec2(radius_q14_))));
     } else {
-        local_7 = true;
+        local_8 = true;
     }
-    bool _e40 = local_7;
+    bool _e40 = local_8;
     return _e40;
 }
 int dot_i(ivec3 a_18, ivec3 b_10) {
     return (((a_18.x * b_10.x) + (a_18.y * b_10.y)) + (a_18.z * b_10.z));
 }
-uvec2 square_wide(int x_7) {
-    uint size = uint(abs(x_7));
+uvec2 square_wide(int x_8) {
+    uint size = uint(abs(x_8));
     uvec2 _e3 = mul_wide(size, size);
     return _e3;
 }
@@ -698,9 +686,9 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
     Covariance out_ = Covariance(0u, 0u, 0, uvec2(0u), uvec2(0u), 0);
     uint dilation = 0u;
     int _e5 = dot_i(p_2, p_2);
-    uint a_20 = uint(_e5);
+    uint a_21 = uint(_e5);
     int _e7 = dot_i(q_3, q_3);
-    uint c_8 = uint(_e7);
+    uint c_3 = uint(_e7);
     uvec2 _e16 = square_wide(((p_2.y * q_3.z) - (p_2.z * q_3.y)));
     uvec2 _e24 = square_wide(((p_2.z * q_3.x) - (p_2.x * q_3.z)));
     uvec2 _e25 = add_wide(_e16, _e24);
@@ -711,7 +699,7 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
         uint _e38 = dilation;
         dilation = max(_e38, (322122547u >> uint((2 * exponent_2))));
     }
-    uvec2 _e49 = add_wide(uvec2(a_20, 0u), uvec2(c_8, 0u));
+    uvec2 _e49 = add_wide(uvec2(a_21, 0u), uvec2(c_3, 0u));
     uint _e50 = dilation;
     uvec2 _e53 = add_wide(_e49, uvec2(_e50, 0u));
     int _e55 = dot_i(p_2, q_3);
@@ -722,33 +710,33 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
     uvec2 _e60 = add_wide(_e34, _e59);
     out_.det_q60_ = _e60;
     uint _e62 = dilation;
-    out_.a_q30_ = (a_20 + _e62);
+    out_.a_q30_ = (a_21 + _e62);
     uint _e65 = dilation;
-    out_.c_q30_ = (c_8 + _e65);
+    out_.c_q30_ = (c_3 + _e65);
     out_.exponent = exponent_2;
     Covariance _e68 = out_;
     return _e68;
 }
-Root root_of_q60_(uvec2 x_8) {
-    int _e1 = zeros_of_wide(x_8);
-    int zeros_1 = (_e1 & -2);
-    uvec2 _e5 = shift_left(x_8, uint(zeros_1));
+Root root_of_q60_(uvec2 x_9) {
+    int _e1 = zeros_of_wide(x_9);
+    int zeros_3 = (_e1 & -2);
+    uvec2 _e5 = shift_left(x_9, uint(zeros_3));
     uint m_4 = _e5.y;
     uint _e7 = rsqrt(m_4);
-    return Root(m_4, _e7, (2 - (zeros_1 / 2)));
+    return Root(m_4, _e7, (2 - (zeros_3 / 2)));
 }
-Root root_of_q30_(uint x_9) {
-    int _e1 = zeros_of(x_9);
-    int zeros_2 = (_e1 & -2);
-    uint m_5 = (x_9 << uint(zeros_2));
+Root root_of_q30_(uint x_10) {
+    int _e1 = zeros_of(x_10);
+    int zeros_4 = (_e1 & -2);
+    uint m_5 = (x_10 << uint(zeros_4));
     uint _e6 = rsqrt(m_5);
-    return Root(m_5, _e6, (1 - (zeros_2 / 2)));
+    return Root(m_5, _e6, (1 - (zeros_4 / 2)));
 }
-uint scale_down(uint x_10, int shift) {
+uint scale_down(uint x_11, int shift) {
     if ((shift > 32)) {
         return 0u;
     }
-    return (((x_10 >> uint((shift - 1))) + 1u) >> 1u);
+    return (((x_11 >> uint((shift - 1))) + 1u) >> 1u);
 }
 uint sqrt_q8_(Root r, int exponent_3) {
     uint _e4 = mul_high(r.m, r.inverse_q30_);
@@ -761,7 +749,7 @@ uint product_shifted(uint a_19, uint b_11, uint n_6) {
     return _e4.x;
 }
 void whiten(inout Placed out_1, inout Covariance s, Root c_1, inout Projected centre_3, uint r_q12_) {
-    int e = s.exponent;
+    int e_1 = s.exponent;
     int b_q30_ = s.b_q30_;
     uvec2 _e10 = s.det_q60_;
     Root _e11 = root_of_q60_(_e10);
@@ -770,28 +758,28 @@ void whiten(inout Placed out_1, inout Covariance s, Root c_1, inout Projected ce
     uint _e17 = mul_high(c_1.m, c_1.inverse_q30_);
     uint _e20 = mul_high(_e11.m, _e11.inverse_q30_);
     uint _e24 = product_shifted(c_1.inverse_q30_, _e11.inverse_q30_, 31u);
-    uint _e30 = scale_down(c_1.inverse_q30_, ((6 + c_1.half_) + e));
+    uint _e30 = scale_down(c_1.inverse_q30_, ((6 + c_1.half_) + e_1));
     int vy = int(_e30);
     uint _e34 = product_shifted(_e17, _e11.inverse_q30_, 30u);
-    uint _e41 = scale_down(_e34, (((6 - c_1.half_) + _e11.half_) + e));
+    uint _e41 = scale_down(_e34, (((6 - c_1.half_) + _e11.half_) + e_1));
     int ux = int(_e41);
     uvec2 _e43 = mul_mixed(b_q30_, _e24);
-    uvec2 _e50 = round_shift(_e43, (((35 + c_1.half_) + _e11.half_) + e));
+    uvec2 _e50 = round_shift(_e43, (((35 + c_1.half_) + _e11.half_) + e_1));
     int _e51 = low_of(_e50);
     int uy = -(_e51);
-    uint _e53 = sqrt_q8_(_e14, e);
+    uint _e53 = sqrt_q8_(_e14, e_1);
     uint _e55 = product_shifted(_e53, r_q12_, 12u);
-    ivec2 position_3 = centre_3.position_q14_;
+    ivec2 position_4 = centre_3.position_q14_;
     uint _e61 = product_shifted(_e20, c_1.inverse_q30_, 30u);
-    uint _e68 = scale_down(_e61, (((22 - _e11.half_) + c_1.half_) - e));
+    uint _e68 = scale_down(_e61, (((22 - _e11.half_) + c_1.half_) - e_1));
     uvec2 _e70 = mul_mixed(b_q30_, c_1.inverse_q30_);
-    uvec2 _e75 = round_shift(_e70, ((52 + c_1.half_) - e));
+    uvec2 _e75 = round_shift(_e70, ((52 + c_1.half_) - e_1));
     int _e76 = low_of(_e75);
-    out_1.bounds = Bounds(position_3, _e68, _e76, int(((_e55 + (_e55 >> 8u)) + 32u)), 0u);
-    uvec2 _e86 = mul_signed(position_3.x, ux);
-    uvec2 _e88 = mul_signed(position_3.y, uy);
+    out_1.bounds = Bounds(position_4, _e68, _e76, int(((_e55 + (_e55 >> 8u)) + 32u)), 0u);
+    uvec2 _e86 = mul_signed(position_4.x, ux);
+    uvec2 _e88 = mul_signed(position_4.y, uy);
     uvec2 _e89 = add_wide(_e86, _e88);
-    uvec2 _e91 = mul_signed(position_3.y, vy);
+    uvec2 _e91 = mul_signed(position_4.y, vy);
     uvec2 _e96 = shift_up(_e89, 14u);
     out_1.splat.u0_q24_ = (1024u - _e96.x);
     uvec2 _e103 = shift_up(_e91, 14u);
@@ -803,13 +791,13 @@ void whiten(inout Placed out_1, inout Covariance s, Root c_1, inout Projected ce
 }
 bool clip(inout Placed out_2, uint sigma_q8_, uint r_q12_1) {
     int half_height = 0;
-    bool local_8 = false;
     bool local_9 = false;
     bool local_10 = false;
     bool local_11 = false;
     bool local_12 = false;
     bool local_13 = false;
     bool local_14 = false;
+    bool local_15 = false;
     uint _e4 = product_shifted(sigma_q8_, r_q12_1, 12u);
     half_height = int(_e4);
     int _e7 = half_height;
@@ -824,54 +812,54 @@ bool clip(inout Placed out_2, uint sigma_q8_, uint r_q12_1) {
     int last_1 = ((c_q8_.y + _e31) >> 8u);
     ivec2 size_1 = _group_0_binding_0_cs.size;
     if (!(((c_q8_.x + half_width) < 0))) {
-        local_8 = ((c_q8_.x - half_width) > ((size_1.x - 1) << 8u));
-    } else {
-        local_8 = true;
-    }
-    bool _e54 = local_8;
-    if (!(_e54)) {
-        local_9 = (last_1 < 0);
+        local_9 = ((c_q8_.x - half_width) > ((size_1.x - 1) << 8u));
     } else {
         local_9 = true;
     }
-    bool _e61 = local_9;
-    if (!(_e61)) {
-        local_10 = (first_1 >= size_1.y);
+    bool _e54 = local_9;
+    if (!(_e54)) {
+        local_10 = (last_1 < 0);
     } else {
         local_10 = true;
     }
-    bool _e68 = local_10;
-    if (!(_e68)) {
-        local_11 = (first_1 > last_1);
+    bool _e61 = local_10;
+    if (!(_e61)) {
+        local_11 = (first_1 >= size_1.y);
     } else {
         local_11 = true;
     }
-    bool _e74 = local_11;
+    bool _e68 = local_11;
+    if (!(_e68)) {
+        local_12 = (first_1 > last_1);
+    } else {
+        local_12 = true;
+    }
+    bool _e74 = local_12;
     if (_e74) {
         return false;
     }
     int _e81 = _group_0_binding_1_cs.hidden.x;
     if (((c_q8_.x - half_width) >= (_e81 * 256))) {
         int _e90 = _group_0_binding_1_cs.hidden.y;
-        local_12 = (first_1 >= _e90);
-    } else {
-        local_12 = false;
-    }
-    bool _e93 = local_12;
-    if (_e93) {
-        int _e101 = _group_0_binding_1_cs.hidden_end.x;
-        local_13 = ((c_q8_.x + half_width) <= ((_e101 - 1) * 256));
+        local_13 = (first_1 >= _e90);
     } else {
         local_13 = false;
     }
-    bool _e108 = local_13;
-    if (_e108) {
-        int _e114 = _group_0_binding_1_cs.hidden_end.y;
-        local_14 = (last_1 < _e114);
+    bool _e93 = local_13;
+    if (_e93) {
+        int _e101 = _group_0_binding_1_cs.hidden_end.x;
+        local_14 = ((c_q8_.x + half_width) <= ((_e101 - 1) * 256));
     } else {
         local_14 = false;
     }
-    bool _e117 = local_14;
+    bool _e108 = local_14;
+    if (_e108) {
+        int _e114 = _group_0_binding_1_cs.hidden_end.y;
+        local_15 = (last_1 < _e114);
+    } else {
+        local_15 = false;
+    }
+    bool _e117 = local_15;
     if (_e117) {
         return false;
     }
@@ -881,15 +869,15 @@ bool clip(inout Placed out_2, uint sigma_q8_, uint r_q12_1) {
 bool square(inout Placed out_3, inout Covariance s_1) {
     uvec2 least_q60_ = uvec2(1u, 0u);
     uvec2 more = uvec2(0u);
-    bool local_15 = false;
-    int e_1 = s_1.exponent;
+    bool local_16 = false;
+    int e_2 = s_1.exponent;
     uint _e5 = s_1.a_q30_;
     uint _e9 = s_1.c_q30_;
     uvec2 _e12 = add_wide(uvec2(_e5, 0u), uvec2(_e9, 0u));
     uvec2 _e14 = shift_right(_e12, 1u);
     uint mid_q30_ = _e14.x;
-    if ((e_1 < 15)) {
-        uvec2 _e28 = shift_right(uvec2(2576980377u, 26843545u), uint((4 * e_1)));
+    if ((e_2 < 15)) {
+        uvec2 _e28 = shift_right(uvec2(2576980377u, 26843545u), uint((4 * e_2)));
         least_q60_ = _e28;
     }
     uvec2 _e29 = mul_wide(mid_q30_, mid_q30_);
@@ -910,7 +898,7 @@ bool square(inout Placed out_3, inout Covariance s_1) {
     uvec2 _e53 = add_wide(uvec2(mid_q30_, 0u), _e52);
     uvec2 _e55 = shift_left(_e53, 30u);
     Root _e56 = root_of_q60_(_e55);
-    uint _e57 = sqrt_q8_(_e56, e_1);
+    uint _e57 = sqrt_q8_(_e56, e_2);
     int radius_1 = int((((3u * _e57) + 255u) >> 8u));
     out_3.bounds.square_radius = uint(radius_1);
     int _e73 = _group_0_binding_0_cs.size.y;
@@ -919,11 +907,11 @@ bool square(inout Placed out_3, inout Covariance s_1) {
     ivec2 pixel = (_e80 >> uvec2(14u));
     if (all(greaterThanEqual(((pixel + ivec2(radius_1)) + ivec2(15)), ivec2(16)))) {
         ivec2 _e97 = _group_0_binding_0_cs.tiles;
-        local_15 = all(lessThan(pixel, (ivec2(radius_1) + (16 * _e97))));
+        local_16 = all(lessThan(pixel, (ivec2(radius_1) + (16 * _e97))));
     } else {
-        local_15 = false;
+        local_16 = false;
     }
-    bool _e105 = local_15;
+    bool _e105 = local_16;
     return _e105;
 }
 uint veil_dilation_q30_(int exponent_4) {
@@ -935,41 +923,41 @@ uint veil_dilation_q30_(int exponent_4) {
     uvec2 _e14 = add_wide(_e10, uvec2(1u, 0u));
     return ((_e14.y != 0u) ? 4294967295u : max(_e14.x, 64u));
 }
-int cut_to_16_q26_(uvec2 x_11) {
-    uvec2 most_2 = uvec2(1073741824u, 0u);
-    uvec2 _e4 = magnitude(x_11);
-    bool _e5 = less(most_2, _e4);
+int cut_to_16_q26_(uvec2 x_12) {
+    uvec2 most_1 = uvec2(1073741824u, 0u);
+    uvec2 _e4 = magnitude(x_12);
+    bool _e5 = less(most_1, _e4);
     if (_e5) {
-        bool _e6 = is_negative(x_11);
+        bool _e6 = is_negative(x_12);
         return (_e6 ? -1073741824 : 1073741824);
     }
-    int _e10 = low_of(x_11);
+    int _e10 = low_of(x_12);
     return _e10;
 }
-int shift_and_cut(uvec2 x_12, int shift_1) {
+int shift_and_cut(uvec2 x_13, int shift_1) {
     if ((shift_1 < 0)) {
-        int _e4 = cut_to_16_q26_(x_12);
+        int _e4 = cut_to_16_q26_(x_13);
         uvec2 _e5 = wide_of(_e4);
         uvec2 _e8 = shift_left(_e5, uint(-(shift_1)));
         int _e9 = cut_to_16_q26_(_e8);
         return _e9;
     }
-    uvec2 _e13 = shift_signed(x_12, uint(min(shift_1, 62)));
+    uvec2 _e13 = shift_signed(x_13, uint(min(shift_1, 62)));
     int _e14 = cut_to_16_q26_(_e13);
     return _e14;
 }
-int from_middle_q26_(inout Projected centre_4, uint i_8, int exponent_5) {
-    int _e5 = centre_4.camera[i_8];
+int from_middle_q26_(inout Projected centre_4, uint i_7, int exponent_5) {
+    int _e5 = centre_4.camera[i_7];
     uint _e7 = centre_4.inverse_q30_;
     uvec2 _e8 = mul_mixed(_e5, _e7);
     uvec2 _e10 = shift_signed(_e8, 34u);
     int _e11 = low_of(_e10);
-    int _e15 = _group_0_binding_1_cs.c_q12_[i_8];
+    int _e15 = _group_0_binding_1_cs.c_q12_[i_7];
     uvec2 _e16 = wide_of(_e15);
-    int _e20 = _group_0_binding_0_cs.tiles[i_8];
+    int _e20 = _group_0_binding_0_cs.tiles[i_7];
     uvec2 _e25 = wide_of(((_e20 << 15u) + 2048));
     uvec2 _e26 = sub_wide(_e16, _e25);
-    int _e30 = _group_0_binding_1_cs.f_q12_[i_8];
+    int _e30 = _group_0_binding_1_cs.f_q12_[i_7];
     uvec2 _e31 = mul_signed(_e30, _e11);
     int _e35 = centre_4.zeros;
     int _e37 = shift_and_cut(_e31, ((14 + exponent_5) - _e35));
@@ -982,9 +970,9 @@ int from_middle_q26_(inout Projected centre_4, uint i_8, int exponent_5) {
     return _e44;
 }
 bool veil(inout Placed out_4, inout Covariance s_2, inout Projected centre_5, uint r_q12_2) {
-    bool local_16 = false;
-    int e_2 = s_2.exponent;
-    int shift_3 = (min(e_2, 60) - 6);
+    bool local_17 = false;
+    int e_3 = s_2.exponent;
+    int shift_4 = (min(e_3, 60) - 6);
     ivec2 _e12 = _group_0_binding_0_cs.tiles;
     ivec2 middle_1 = (_e12 * 8);
     uint _e16 = s_2.c_q30_;
@@ -1005,8 +993,8 @@ bool veil(inout Placed out_4, inout Covariance s_2, inout Projected centre_5, ui
     int uy_q18_ = -(_e50);
     uvec2 _e58 = round_shift(uvec2(_e17.inverse_q30_, 0u), (12 + _e17.half_));
     int _e59 = low_of(_e58);
-    int _e61 = from_middle_q26_(centre_5, 0u, e_2);
-    int _e63 = from_middle_q26_(centre_5, 1u, e_2);
+    int _e61 = from_middle_q26_(centre_5, 0u, e_3);
+    int _e63 = from_middle_q26_(centre_5, 1u, e_3);
     uvec2 _e64 = mul_signed(_e61, _e40);
     uvec2 _e65 = mul_signed(_e63, uy_q18_);
     uvec2 _e66 = add_wide(_e64, _e65);
@@ -1014,13 +1002,13 @@ bool veil(inout Placed out_4, inout Covariance s_2, inout Projected centre_5, ui
     uvec2 _e69 = mul_signed(_e63, _e59);
     uvec2 _e71 = shift_up(_e69, 20u);
     uvec2 _e72 = wide_of(_e40);
-    uvec2 _e73 = round_shift(_e72, shift_3);
+    uvec2 _e73 = round_shift(_e72, shift_4);
     int _e74 = low_of(_e73);
     uvec2 _e75 = wide_of(uy_q18_);
-    uvec2 _e76 = round_shift(_e75, shift_3);
+    uvec2 _e76 = round_shift(_e75, shift_4);
     int _e77 = low_of(_e76);
     uvec2 _e78 = wide_of(_e59);
-    uvec2 _e79 = round_shift(_e78, shift_3);
+    uvec2 _e79 = round_shift(_e78, shift_4);
     int _e80 = low_of(_e79);
     out_4.splat.u0_q24_ = (((1024u - _e68.x) - uint((middle_1.x * _e74))) - uint((middle_1.y * _e77)));
     out_4.splat.v0_q24_ = ((1024u - _e71.x) - uint((middle_1.y * _e80)));
@@ -1043,186 +1031,155 @@ bool veil(inout Placed out_4, inout Covariance s_2, inout Projected centre_5, ui
         uvec2 _e154 = add_wide(r_q24_, _e153);
         uvec2 _e155 = magnitude(_e71);
         bool _e156 = less(_e154, _e155);
-        local_16 = !(_e156);
+        local_17 = !(_e156);
     } else {
-        local_16 = false;
+        local_17 = false;
     }
-    bool _e159 = local_16;
+    bool _e159 = local_17;
     return _e159;
 }
-bool project_shape(inout Placed out_5, uint record_3, inout Projected centre_6, uint scale_word, uint rotation_word) {
-    ivec3 sizes_q16_ = ivec3(0);
-    uint i_9 = 0u;
+int axis_size_q15_(int below_q16_, uint size_q32_, int shift_2) {
+    int _e7 = exp2_q15_(((below_q16_ & 65535) >> 1u));
+    uint ratio_q15_ = uint(_e7);
+    uint _e10 = product_shifted(ratio_q15_, size_q32_, 31u);
+    uint _e14 = scale_down(_e10, (shift_2 + (below_q16_ >> 16u)));
+    return int(_e14);
+}
+int turn_q15_(ivec3 row, ivec3 column, int size_q15_) {
+    int _e3 = dot_i(row, column);
+    int _e8 = fxs_mul_q15_(((_e3 + 16384) >> 15u), size_q15_);
+    return _e8;
+}
+bool project_shape(inout Placed out_5, inout Projected centre_6, uint scale_word, uint rotation_word) {
     int size_exponent = 0;
-    bool local_17 = false;
+    bool local_18 = false;
     ivec4 q_4 = ivec4(0);
-    ivec3 t_x = ivec3(0);
-    ivec3 t_y = ivec3(0);
-    uint i_10 = 0u;
     uint least = 64u;
     Covariance s_3 = Covariance(0u, 0u, 0, uvec2(0u), uvec2(0u), 0);
     int offset_q11_2 = 0;
     uint r2_q11_ = 0u;
-    bool loop_init_4 = true;
-    while(true) {
-        if (!loop_init_4) {
-            uint _e35 = i_9;
-            i_9 = (_e35 + 1u);
-        }
-        loop_init_4 = false;
-        uint _e8 = i_9;
-        if ((_e8 < 3u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e12 = i_9;
-            uint code_6 = ((scale_word >> (10u * _e12)) & 1023u);
-            uint _e17 = i_9;
-            int _e21 = number_at((record_3 + 15u));
-            uint _e27 = _group_1_binding_1_cs[(record_3 + 16u)];
-            sizes_q16_[_e17] = (_e21 - int(((((code_6 * code_6) * _e27) + 128u) >> 8u)));
-        }
-    }
-    int _e39 = sizes_q16_.x;
-    int _e41 = sizes_q16_.y;
-    int _e44 = sizes_q16_.z;
-    int most_3 = max(max(_e39, _e41), _e44);
-    uint _e47 = screen_size(record_3, centre_6, most_3, size_exponent);
-    int _e48 = size_exponent;
-    if (!((_e48 > 16))) {
-        bool _e55 = centre_6.out_of_range;
-        local_17 = _e55;
+    uvec3 code_5 = ((uvec3(scale_word) >> uvec3(0u, 10u, 20u)) & uvec3(1023u));
+    int _e14 = number_at(15u);
+    uint _e19 = record[16];
+    ivec3 sizes_q16_ = (ivec3(_e14) - ivec3(((((code_5 * code_5) * _e19) + uvec3(128u)) >> uvec3(8u))));
+    int most_2 = max(max(sizes_q16_.x, sizes_q16_.y), sizes_q16_.z);
+    uint _e35 = screen_size(centre_6, most_2, size_exponent);
+    int _e36 = size_exponent;
+    if (!((_e36 > 16))) {
+        bool _e43 = centre_6.out_of_range;
+        local_18 = _e43;
     } else {
-        local_17 = true;
+        local_18 = true;
     }
-    bool is_veil = local_17;
+    bool is_veil = local_18;
     if (is_veil) {
-        int _e58 = size_exponent;
-        int _e61 = _group_0_binding_1_cs.veil_exponent;
-        if ((_e58 < _e61)) {
+        int _e46 = size_exponent;
+        int _e49 = _group_0_binding_1_cs.veil_exponent;
+        if ((_e46 < _e49)) {
             return false;
         }
     } else {
-        int _e64 = size_exponent;
-        bool _e65 = off_picture(centre_6, _e64);
-        if (_e65) {
+        int _e52 = size_exponent;
+        bool _e53 = off_picture(centre_6, _e52);
+        if (_e53) {
             return false;
         }
     }
-    int _e67 = size_exponent;
-    int exponent_6 = max(_e67, 0);
-    bool _e71 = quaternion(q_4, rotation_word);
-    if (!(_e71)) {
+    int _e55 = size_exponent;
+    int exponent_6 = max(_e55, 0);
+    bool _e59 = quaternion(q_4, rotation_word);
+    if (!(_e59)) {
         return false;
     }
-    int _e77 = centre_6.slope_q23_.x;
-    ivec3 _e78 = jacobian_row(0u, _e77);
-    int _e82 = centre_6.slope_q23_.y;
-    ivec3 _e83 = jacobian_row(1u, _e82);
-    bool loop_init_5 = true;
-    while(true) {
-        if (!loop_init_5) {
-            uint _e131 = i_10;
-            i_10 = (_e131 + 1u);
-        }
-        loop_init_5 = false;
-        uint _e88 = i_10;
-        if ((_e88 < 3u)) {
-        } else {
-            break;
-        }
-        {
-            ivec4 _e91 = q_4;
-            uint _e92 = i_10;
-            ivec3 _e93 = rotation_column(_e91, _e92);
-            uint _e94 = i_10;
-            int _e96 = sizes_q16_[_e94];
-            int below_q16_ = (most_3 - _e96);
-            int _e102 = exp2_q15_(((below_q16_ & 65535) >> 1u));
-            uint ratio_q15_ = uint(_e102);
-            uint _e105 = product_shifted(ratio_q15_, _e47, 31u);
-            int _e108 = size_exponent;
-            uint _e113 = scale_down(_e105, (((1 + exponent_6) - _e108) + (below_q16_ >> 16u)));
-            int k_q15_ = int(_e113);
-            uint _e115 = i_10;
-            int _e117 = dot_i(_e78, _e93);
-            int _e122 = fxs_mul_q15_(((_e117 + 16384) >> 15u), k_q15_);
-            t_x[_e115] = _e122;
-            uint _e123 = i_10;
-            int _e125 = dot_i(_e83, _e93);
-            int _e130 = fxs_mul_q15_(((_e125 + 16384) >> 15u), k_q15_);
-            t_y[_e123] = _e130;
-        }
-    }
+    int _e65 = centre_6.slope_q23_.x;
+    ivec3 _e66 = jacobian_row(0u, _e65);
+    int _e70 = centre_6.slope_q23_.y;
+    ivec3 _e71 = jacobian_row(1u, _e70);
+    int _e74 = size_exponent;
+    int shift_5 = ((1 + exponent_6) - _e74);
+    int _e78 = axis_size_q15_((most_2 - sizes_q16_.x), _e35, shift_5);
+    int _e81 = axis_size_q15_((most_2 - sizes_q16_.y), _e35, shift_5);
+    int _e84 = axis_size_q15_((most_2 - sizes_q16_.z), _e35, shift_5);
+    ivec4 _e85 = q_4;
+    ivec3 _e87 = rotation_column(_e85, 0u);
+    ivec4 _e88 = q_4;
+    ivec3 _e90 = rotation_column(_e88, 1u);
+    ivec4 _e91 = q_4;
+    ivec3 _e93 = rotation_column(_e91, 2u);
+    int _e94 = turn_q15_(_e66, _e87, _e78);
+    int _e95 = turn_q15_(_e66, _e90, _e81);
+    int _e96 = turn_q15_(_e66, _e93, _e84);
+    ivec3 t_x = ivec3(_e94, _e95, _e96);
+    int _e98 = turn_q15_(_e71, _e87, _e78);
+    int _e99 = turn_q15_(_e71, _e90, _e81);
+    int _e100 = turn_q15_(_e71, _e93, _e84);
+    ivec3 t_y = ivec3(_e98, _e99, _e100);
     if (is_veil) {
-        uint _e136 = veil_dilation_q30_(exponent_6);
-        least = _e136;
+        uint _e104 = veil_dilation_q30_(exponent_6);
+        least = _e104;
     }
-    ivec3 _e137 = t_x;
-    ivec3 _e138 = t_y;
-    uint _e139 = least;
-    Covariance _e140 = covariance_of(_e137, _e138, exponent_6, _e139);
-    s_3 = _e140;
-    int _e144 = out_5.splat.offset_q11_;
-    offset_q11_2 = _e144;
-    int _e148 = _group_0_binding_1_cs.antialiased;
-    if ((_e148 != 0)) {
-        uint _e153 = s_3.det_undilated_q60_.x;
-        uint _e156 = s_3.det_undilated_q60_.y;
-        if (((_e153 | _e156) == 0u)) {
+    uint _e105 = least;
+    Covariance _e106 = covariance_of(t_x, t_y, exponent_6, _e105);
+    s_3 = _e106;
+    int _e110 = out_5.splat.offset_q11_;
+    offset_q11_2 = _e110;
+    int _e114 = _group_0_binding_1_cs.antialiased;
+    if ((_e114 != 0)) {
+        uint _e119 = s_3.det_undilated_q60_.x;
+        uint _e122 = s_3.det_undilated_q60_.y;
+        if (((_e119 | _e122) == 0u)) {
             return false;
         }
-        uvec2 _e162 = s_3.det_q60_;
-        int _e163 = log2_q16_(_e162);
-        uvec2 _e165 = s_3.det_undilated_q60_;
-        int _e166 = log2_q16_(_e165);
-        int log2_ = (_e163 - _e166);
-        int _e168 = offset_q11_2;
-        uvec2 _e170 = mul_signed(log2_, 45426);
-        uvec2 _e174 = add_wide(_e170, uvec2(1048576u, 0u));
-        uvec2 _e176 = shift_signed(_e174, 21u);
-        int _e177 = low_of(_e176);
-        offset_q11_2 = (_e168 + _e177);
+        uvec2 _e128 = s_3.det_q60_;
+        int _e129 = log2_q16_(_e128);
+        uvec2 _e131 = s_3.det_undilated_q60_;
+        int _e132 = log2_q16_(_e131);
+        int log2_ = (_e129 - _e132);
+        int _e134 = offset_q11_2;
+        uvec2 _e136 = mul_signed(log2_, 45426);
+        uvec2 _e140 = add_wide(_e136, uvec2(1048576u, 0u));
+        uvec2 _e142 = shift_signed(_e140, 21u);
+        int _e143 = low_of(_e142);
+        offset_q11_2 = (_e134 + _e143);
     }
-    int _e179 = offset_q11_2;
-    if ((_e179 > FXS_FAINT_Q11_)) {
+    int _e145 = offset_q11_2;
+    if ((_e145 > FXS_FAINT_Q11_)) {
         return false;
     }
-    int _e185 = offset_q11_2;
-    out_5.splat.offset_q11_ = _e185;
-    int _e186 = offset_q11_2;
-    int _e188 = fxs_limit_q11_(_e186, FXS_CUT_Q11_);
-    int _e189 = offset_q11_2;
-    r2_q11_ = uint((_e188 - _e189));
-    int _e195 = _group_0_binding_0_cs.cutoff;
-    if ((_e195 == 1)) {
-        int _e199 = offset_q11_2;
-        r2_q11_ = uint((FXS_FAINT_Q11_ - _e199));
+    int _e151 = offset_q11_2;
+    out_5.splat.offset_q11_ = _e151;
+    int _e152 = offset_q11_2;
+    int _e154 = fxs_limit_q11_(_e152, FXS_CUT_Q11_);
+    int _e155 = offset_q11_2;
+    r2_q11_ = uint((_e154 - _e155));
+    int _e161 = _group_0_binding_0_cs.cutoff;
+    if ((_e161 == 1)) {
+        int _e165 = offset_q11_2;
+        r2_q11_ = uint((FXS_FAINT_Q11_ - _e165));
     }
-    uint _e202 = r2_q11_;
-    uint _e207 = sqrt_of(((_e202 + 1u) << 13u));
-    uint r_q12_5 = (_e207 + 1u);
+    uint _e168 = r2_q11_;
+    uint _e173 = sqrt_of(((_e168 + 1u) << 13u));
+    uint r_q12_5 = (_e173 + 1u);
     if (is_veil) {
-        bool _e210 = veil(out_5, s_3, centre_6, r_q12_5);
-        return _e210;
+        bool _e176 = veil(out_5, s_3, centre_6, r_q12_5);
+        return _e176;
     }
-    uint _e212 = s_3.c_q30_;
-    Root _e213 = root_of_q30_(_e212);
-    whiten(out_5, s_3, _e213, centre_6, r_q12_5);
-    int _e216 = _group_0_binding_0_cs.cutoff;
-    if ((_e216 == 1)) {
-        bool _e219 = square(out_5, s_3);
-        return _e219;
+    uint _e178 = s_3.c_q30_;
+    Root _e179 = root_of_q30_(_e178);
+    whiten(out_5, s_3, _e179, centre_6, r_q12_5);
+    int _e182 = _group_0_binding_0_cs.cutoff;
+    if ((_e182 == 1)) {
+        bool _e185 = square(out_5, s_3);
+        return _e185;
     }
-    uint _e220 = sqrt_q8_(_e213, exponent_6);
-    bool _e221 = clip(out_5, _e220, r_q12_5);
-    return _e221;
+    uint _e186 = sqrt_q8_(_e179, exponent_6);
+    bool _e187 = clip(out_5, _e186, r_q12_5);
+    return _e187;
 }
-uint depth_key(uint record_4, int z) {
-    int _e3 = zeros_of(uint(z));
-    int _e6 = number_at((record_4 + 18u));
-    return ((uint((((_e6 - _e3) - 1) + 32)) << 26u) | (((uint(z) << uint(_e3)) >> 5u) & 67108863u));
+uint depth_key(int z) {
+    int _e2 = zeros_of(uint(z));
+    int _e4 = number_at(18u);
+    return ((uint((((_e4 - _e2) - 1) + 32)) << 26u) | (((uint(z) << uint(_e2)) >> 5u) & 67108863u));
 }
 uint falling_q30_(uint l_q16_) {
     uint whole_1 = (l_q16_ >> 16u);
@@ -1259,30 +1216,27 @@ uint byte_at(uint byte) {
     uint _e5 = _group_1_binding_0_cs[(byte / 4u)];
     return ((_e5 >> (8u * (byte % 4u))) & 255u);
 }
-int signed_byte_of(uint word_3, uint i_11) {
-    return (int((word_3 << (24u - (8u * i_11)))) >> 24u);
-}
 uint spread_11_(uint code_2) {
     return ((code_2 << 5u) | (code_2 >> 6u));
 }
-uint spread_scale(uint x_13, uint y, uint z_1, uint bits) {
-    return ((((x_13 << 3u) | (x_13 >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u)) | (((z_1 << (10u - bits)) | (z_1 >> ((2u * bits) - 10u))) << 20u));
+uint spread_scale(uint x_14, uint y, uint z_1, uint bits) {
+    return ((((x_14 << 3u) | (x_14 >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u)) | (((z_1 << (10u - bits)) | (z_1 >> ((2u * bits) - 10u))) << 20u));
 }
 Codes small_codes(uint rows, uint g) {
-    uint a_21 = _group_1_binding_0_cs[(rows + g)];
-    uint b_27 = _group_1_binding_0_cs[((rows + CHUNK) + g)];
-    uint c_9 = _group_1_binding_0_cs[((rows + 512u) + g)];
+    uint a_22 = _group_1_binding_0_cs[(rows + g)];
+    uint b_30 = _group_1_binding_0_cs[((rows + CHUNK) + g)];
+    uint c_4 = _group_1_binding_0_cs[((rows + 512u) + g)];
     uint _e23 = byte_at((((4u * rows) + 3072u) + g));
-    uint q1_ = (((c_9 >> 27u) | ((b_27 >> 31u) << 5u)) | ((_e23 >> 7u) << 6u));
-    uint red = ((b_27 >> 11u) & 127u);
-    uint green = ((b_27 >> 18u) & 127u);
-    uint blue = ((b_27 >> 25u) & 63u);
-    uint _e50 = spread_11_((a_21 & 2047u));
-    uint _e55 = spread_11_(((a_21 >> 11u) & 2047u));
-    uint _e58 = spread_11_((b_27 & 2047u));
-    uint _e67 = spread_scale((_e23 & 127u), q1_, ((c_9 >> 20u) & 127u), 7u);
-    uint _e86 = spread_scale((c_9 & 127u), ((c_9 >> 7u) & 127u), ((c_9 >> 14u) & 63u), 6u);
-    return Codes(uvec3(_e50, _e55, _e58), (_e67 | (((a_21 >> 22u) & 3u) << 30u)), _e86, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_21 & 4278190080u)));
+    uint q1_ = (((c_4 >> 27u) | ((b_30 >> 31u) << 5u)) | ((_e23 >> 7u) << 6u));
+    uint red = ((b_30 >> 11u) & 127u);
+    uint green = ((b_30 >> 18u) & 127u);
+    uint blue = ((b_30 >> 25u) & 63u);
+    uint _e50 = spread_11_((a_22 & 2047u));
+    uint _e55 = spread_11_(((a_22 >> 11u) & 2047u));
+    uint _e58 = spread_11_((b_30 & 2047u));
+    uint _e67 = spread_scale((_e23 & 127u), q1_, ((c_4 >> 20u) & 127u), 7u);
+    uint _e86 = spread_scale((c_4 & 127u), ((c_4 >> 7u) & 127u), ((c_4 >> 14u) & 63u), 6u);
+    return Codes(uvec3(_e50, _e55, _e58), (_e67 | (((a_22 >> 22u) & 3u) << 30u)), _e86, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_22 & 4278190080u)));
 }
 Codes codes_of(uint rows_1, uint g_1) {
     uint _e4 = _group_0_binding_1_cs.profile;
@@ -1302,546 +1256,359 @@ Codes codes_of(uint rows_1, uint g_1) {
     uint _e45 = _group_1_binding_0_cs[((rows_1 + 896u) + g_1)];
     return Codes(uvec3(_e14, _e20, _e26), _e33, _e39, _e45);
 }
-ivec3 q15_direction(uint record_5, uvec3 position) {
-    uvec2 offset_q32_[3] = uvec2[3](uvec2(0u), uvec2(0u), uvec2(0u));
-    uvec2 most = uvec2(1u, 0u);
-    uint i_12 = 0u;
-    ivec3 d = ivec3(0);
-    uint i_13 = 0u;
-    ivec3 out_6 = ivec3(0);
-    uint i_14 = 0u;
-    bool loop_init_6 = true;
-    while(true) {
-        if (!loop_init_6) {
-            uint _e44 = i_12;
-            i_12 = (_e44 + 1u);
-        }
-        loop_init_6 = false;
-        uint _e9 = i_12;
-        if ((_e9 < 3u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e15 = i_12;
-            uint _e18 = _group_1_binding_1_cs[((record_5 + 34u) + _e15)];
-            uint _e19 = i_12;
-            uvec2 _e21 = mul_wide(_e18, position[_e19]);
-            uint _e26 = _group_1_binding_1_cs[(record_5 + 37u)];
-            uvec2 _e27 = shift_left(_e21, _e26);
-            uint _e28 = i_12;
-            uint _e33 = i_12;
-            uvec2 _e36 = wide_at(((record_5 + 22u) + (2u * _e33)));
-            uvec2 _e37 = add_wide(_e36, _e27);
-            offset_q32_[_e28] = _e37;
-            uvec2 _e38 = most;
-            uint _e39 = i_12;
-            uvec2 _e41 = offset_q32_[_e39];
-            uvec2 _e42 = magnitude(_e41);
-            most = (_e38 | _e42);
-        }
-    }
-    uvec2 _e47 = most;
-    int _e48 = zeros_of_wide(_e47);
-    uint shift_4 = uint(max((49 - _e48), 0));
-    bool loop_init_7 = true;
-    while(true) {
-        if (!loop_init_7) {
-            uint _e67 = i_13;
-            i_13 = (_e67 + 1u);
-        }
-        loop_init_7 = false;
-        uint _e57 = i_13;
-        if ((_e57 < 3u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e60 = i_13;
-            uint _e62 = i_13;
-            uvec2 _e64 = offset_q32_[_e62];
-            uvec2 _e65 = shift_signed(_e64, shift_4);
-            int _e66 = low_of(_e65);
-            d[_e60] = _e66;
-        }
-    }
-    int _e71 = d.x;
-    int _e73 = d.x;
-    int _e77 = d.y;
-    int _e79 = d.y;
-    int _e84 = d.z;
-    int _e86 = d.z;
-    uint square_1 = max(((uint((_e71 * _e73)) + uint((_e77 * _e79))) + uint((_e84 * _e86))), 1u);
-    int _e92 = zeros_of(square_1);
-    uint zeros_3 = (uint(_e92) & 4294967294u);
-    uint _e97 = rsqrt((square_1 << zeros_3));
-    bool loop_init_8 = true;
-    while(true) {
-        if (!loop_init_8) {
-            uint _e121 = i_14;
-            i_14 = (_e121 + 1u);
-        }
-        loop_init_8 = false;
-        uint _e101 = i_14;
-        if ((_e101 < 3u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e104 = i_14;
-            int _e106 = d[_e104];
-            uvec2 _e112 = mul_mixed((_e106 * (1 << (zeros_3 / 2u))), _e97);
-            uvec2 _e114 = round_shift(_e112, 31);
-            uint _e115 = i_14;
-            int _e117 = low_of(_e114);
-            out_6[_e115] = min(max(_e117, -32767), 32767);
-        }
-    }
-    ivec3 _e124 = out_6;
-    return _e124;
+uvec2 from_eye(uint i_8, uint position) {
+    uvec2 _e6 = wide_at((22u + (2u * i_8)));
+    uint _e11 = record[(34u + i_8)];
+    uvec2 _e12 = mul_wide(_e11, position);
+    uint _e15 = record[37];
+    uvec2 _e16 = shift_left(_e12, _e15);
+    uvec2 _e17 = add_wide(_e6, _e16);
+    return _e17;
 }
-void basis(inout int b_12[15], ivec3 d_1, int degree) {
-    int x_16 = d_1.x;
-    int y_2 = d_1.y;
-    int z_3 = d_1.z;
+int unit_q15_(int x_15, uint zeros_1, uint inverse_q30_2) {
+    uvec2 _e8 = mul_mixed((x_15 * (1 << (zeros_1 / 2u))), inverse_q30_2);
+    uvec2 _e10 = round_shift(_e8, 31);
+    int _e11 = low_of(_e10);
+    return min(max(_e11, -32767), 32767);
+}
+ivec3 direction_q15_(uvec3 position_1) {
+    uvec2 _e3 = from_eye(0u, position_1.x);
+    uvec2 _e6 = from_eye(1u, position_1.y);
+    uvec2 _e9 = from_eye(2u, position_1.z);
+    uvec2 _e10 = magnitude(_e3);
+    uvec2 _e11 = magnitude(_e6);
+    uvec2 _e13 = magnitude(_e9);
+    uvec2 most_3 = (((_e10 | _e11) | _e13) | uvec2(1u, 0u));
+    int _e19 = zeros_of_wide(most_3);
+    uint shift_6 = uint(max((49 - _e19), 0));
+    uvec2 _e25 = shift_signed(_e3, shift_6);
+    int _e26 = low_of(_e25);
+    uvec2 _e27 = shift_signed(_e6, shift_6);
+    int _e28 = low_of(_e27);
+    uvec2 _e29 = shift_signed(_e9, shift_6);
+    int _e30 = low_of(_e29);
+    ivec3 d_2 = ivec3(_e26, _e28, _e30);
+    uint square_1 = max(((uint((d_2.x * d_2.x)) + uint((d_2.y * d_2.y))) + uint((d_2.z * d_2.z))), 1u);
+    int _e48 = zeros_of(square_1);
+    uint zeros_5 = (uint(_e48) & 4294967294u);
+    uint _e53 = rsqrt((square_1 << zeros_5));
+    int _e55 = unit_q15_(d_2.x, zeros_5, _e53);
+    int _e57 = unit_q15_(d_2.y, zeros_5, _e53);
+    int _e59 = unit_q15_(d_2.z, zeros_5, _e53);
+    return ivec3(_e55, _e57, _e59);
+}
+Basis basis_of(ivec3 d, int degree) {
+    Basis b_12 = Basis(ivec4(0), ivec4(0), ivec4(0), ivec4(0));
+    int x_17 = d.x;
+    int y_2 = d.y;
+    int z_3 = d.z;
     int _e8 = fxs_mul_q15_(-16011, y_2);
-    b_12[0] = _e8;
-    int _e11 = fxs_mul_q15_(16011, z_3);
-    b_12[1] = _e11;
-    int _e14 = fxs_mul_q15_(-16011, x_16);
-    b_12[2] = _e14;
+    int _e10 = fxs_mul_q15_(16011, z_3);
+    int _e12 = fxs_mul_q15_(-16011, x_17);
+    b_12.a = ivec4(_e8, _e10, _e12, 0);
     if ((degree < 2)) {
-        return;
+        Basis _e17 = b_12;
+        return _e17;
     }
-    int _e17 = fxs_mul_q15_(x_16, x_16);
-    int _e18 = fxs_mul_q15_(y_2, y_2);
-    int _e19 = fxs_mul_q15_(z_3, z_3);
-    int _e20 = fxs_mul_q15_(x_16, y_2);
-    int _e21 = fxs_mul_q15_(y_2, z_3);
-    int _e22 = fxs_mul_q15_(x_16, z_3);
-    int _e25 = fxs_mul_q15_(17900, _e20);
-    b_12[3] = (2 * _e25);
-    int _e30 = fxs_mul_q15_(17900, _e21);
-    b_12[4] = (-2 * _e30);
-    int _e39 = fxs_mul_q15_(10335, (((2 * _e19) - _e17) - _e18));
-    b_12[5] = _e39;
-    int _e42 = fxs_mul_q15_(17900, _e22);
-    b_12[6] = (-2 * _e42);
-    int _e48 = fxs_mul_q15_(17900, (_e17 - _e18));
-    b_12[7] = _e48;
+    int _e18 = fxs_mul_q15_(x_17, x_17);
+    int _e19 = fxs_mul_q15_(y_2, y_2);
+    int _e20 = fxs_mul_q15_(z_3, z_3);
+    int _e21 = fxs_mul_q15_(x_17, y_2);
+    int _e22 = fxs_mul_q15_(y_2, z_3);
+    int _e23 = fxs_mul_q15_(x_17, z_3);
+    int _e27 = fxs_mul_q15_(17900, _e21);
+    b_12.a.w = (2 * _e27);
+    int _e32 = fxs_mul_q15_(17900, _e22);
+    int _e40 = fxs_mul_q15_(10335, (((2 * _e20) - _e18) - _e19));
+    int _e42 = fxs_mul_q15_(17900, _e23);
+    int _e47 = fxs_mul_q15_(17900, (_e18 - _e19));
+    b_12.b = ivec4((-2 * _e32), _e40, (-2 * _e42), _e47);
     if ((degree < 3)) {
-        return;
+        Basis _e51 = b_12;
+        return _e51;
     }
-    int _e53 = fxs_mul_q15_(19335, y_2);
-    int _e58 = divide_by(((3 * _e17) - _e18), 1u);
-    int _e59 = fxs_mul_q15_(_e53, _e58);
-    b_12[8] = (-2 * _e59);
-    int _e64 = fxs_mul_q15_(23680, _e20);
+    int _e54 = fxs_mul_q15_(19335, y_2);
+    int _e59 = divide_by(((3 * _e18) - _e19), 1u);
+    int _e60 = fxs_mul_q15_(_e54, _e59);
+    int _e64 = fxs_mul_q15_(23680, _e21);
     int _e65 = fxs_mul_q15_(_e64, z_3);
-    b_12[9] = (4 * _e65);
-    int _e70 = fxs_mul_q15_(14976, y_2);
-    int _e76 = divide_by((((4 * _e19) - _e17) - _e18), 2u);
-    int _e77 = fxs_mul_q15_(_e70, _e76);
-    b_12[10] = (-4 * _e77);
-    int _e82 = fxs_mul_q15_(12228, z_3);
-    int _e92 = divide_by((((2 * _e19) - (3 * _e17)) - (3 * _e18)), 2u);
-    int _e93 = fxs_mul_q15_(_e82, _e92);
-    b_12[11] = (4 * _e93);
-    int _e98 = fxs_mul_q15_(14976, x_16);
-    int _e104 = divide_by((((4 * _e19) - _e17) - _e18), 2u);
-    int _e105 = fxs_mul_q15_(_e98, _e104);
-    b_12[12] = (-4 * _e105);
-    int _e110 = fxs_mul_q15_(23680, z_3);
-    int _e112 = fxs_mul_q15_(_e110, (_e17 - _e18));
-    b_12[13] = (2 * _e112);
-    int _e117 = fxs_mul_q15_(19335, x_16);
-    int _e122 = divide_by((_e17 - (3 * _e18)), 1u);
-    int _e123 = fxs_mul_q15_(_e117, _e122);
-    b_12[14] = (-2 * _e123);
-    return;
+    int _e69 = fxs_mul_q15_(14976, y_2);
+    int _e75 = divide_by((((4 * _e20) - _e18) - _e19), 2u);
+    int _e76 = fxs_mul_q15_(_e69, _e75);
+    int _e80 = fxs_mul_q15_(12228, z_3);
+    int _e90 = divide_by((((2 * _e20) - (3 * _e18)) - (3 * _e19)), 2u);
+    int _e91 = fxs_mul_q15_(_e80, _e90);
+    b_12.c = ivec4((-2 * _e60), (4 * _e65), (-4 * _e76), (4 * _e91));
+    int _e97 = fxs_mul_q15_(14976, x_17);
+    int _e103 = divide_by((((4 * _e20) - _e18) - _e19), 2u);
+    int _e104 = fxs_mul_q15_(_e97, _e103);
+    int _e108 = fxs_mul_q15_(23680, z_3);
+    int _e110 = fxs_mul_q15_(_e108, (_e18 - _e19));
+    int _e114 = fxs_mul_q15_(19335, x_17);
+    int _e119 = divide_by((_e18 - (3 * _e19)), 1u);
+    int _e120 = fxs_mul_q15_(_e114, _e119);
+    b_12.d = ivec4((-4 * _e104), (2 * _e110), (-2 * _e120), 0);
+    Basis _e125 = b_12;
+    return _e125;
+}
+ivec3 sh_of(uint at_2, uint k) {
+    uint word_5 = ((at_2 + ((3u * k) * CHUNK)) / 4u);
+    uvec3 up = uvec3((24u - (8u * (at_2 % 4u))));
+    uint _e18 = _group_1_binding_0_cs[word_5];
+    uint _e23 = _group_1_binding_0_cs[(word_5 + 64u)];
+    uint _e28 = _group_1_binding_0_cs[(word_5 + 128u)];
+    uvec3 words = uvec3(_e18, _e23, _e28);
+    return (ivec3((words << up)) >> uvec3(24u));
+}
+ivec3 band_sum_q16_(ivec3 band_q15_, int step_q19_) {
+    return (((((band_q15_ + ivec3(512)) >> uvec3(10u)) * step_q19_) + ivec3(128)) >> uvec3(8u));
+}
+ivec3 bands_q16_(Basis b_13, uint rows_2, uint g_2) {
+    ivec3 sum = ivec3(0);
+    uint at_5 = (((4u * rows_2) + 4608u) + g_2);
+    ivec3 _e11 = sh_of(at_5, 0u);
+    ivec3 _e16 = sh_of(at_5, 1u);
+    ivec3 _e22 = sh_of(at_5, 2u);
+    int _e26 = number_at(44u);
+    ivec3 _e27 = band_sum_q16_((((b_13.a.x * _e11) + (b_13.a.y * _e16)) + (b_13.a.z * _e22)), _e26);
+    sum = _e27;
+    int _e31 = _group_0_binding_1_cs.degree;
+    if ((_e31 > 1)) {
+        ivec3 _e34 = sum;
+        ivec3 _e38 = sh_of(at_5, 3u);
+        ivec3 _e43 = sh_of(at_5, 4u);
+        ivec3 _e49 = sh_of(at_5, 5u);
+        ivec3 _e55 = sh_of(at_5, 6u);
+        ivec3 _e61 = sh_of(at_5, 7u);
+        int _e65 = number_at(45u);
+        ivec3 _e66 = band_sum_q16_((((((b_13.a.w * _e38) + (b_13.b.x * _e43)) + (b_13.b.y * _e49)) + (b_13.b.z * _e55)) + (b_13.b.w * _e61)), _e65);
+        sum = (_e34 + _e66);
+    }
+    int _e70 = _group_0_binding_1_cs.degree;
+    if ((_e70 > 2)) {
+        ivec3 _e73 = sum;
+        ivec3 _e77 = sh_of(at_5, 8u);
+        ivec3 _e82 = sh_of(at_5, 9u);
+        ivec3 _e88 = sh_of(at_5, 10u);
+        ivec3 _e94 = sh_of(at_5, 11u);
+        ivec3 _e100 = sh_of(at_5, 12u);
+        ivec3 _e106 = sh_of(at_5, 13u);
+        ivec3 _e112 = sh_of(at_5, 14u);
+        int _e116 = number_at(46u);
+        ivec3 _e117 = band_sum_q16_((((((((b_13.c.x * _e77) + (b_13.c.y * _e82)) + (b_13.c.z * _e88)) + (b_13.c.w * _e94)) + (b_13.d.x * _e100)) + (b_13.d.y * _e106)) + (b_13.d.z * _e112)), _e116);
+        sum = (_e73 + _e117);
+    }
+    ivec3 _e119 = sum;
+    return _e119;
+}
+int dot_of(ivec4 b_14, uint word_3) {
+    ivec4 bytes_1 = (ivec4((uvec4(word_3) << uvec4(24u, 16u, 8u, 0u))) >> uvec4(24u));
+    return ((((b_14.x * bytes_1.x) + (b_14.y * bytes_1.y)) + (b_14.z * bytes_1.z)) + (b_14.w * bytes_1.w));
+}
+int dot_16_(Basis b_15, uint a_20, uint c_2, uint d_1, uint e) {
+    int _e6 = dot_of(b_15.a, a_20);
+    int _e8 = dot_of(b_15.b, c_2);
+    int _e11 = dot_of(b_15.c, d_1);
+    int _e14 = dot_of(b_15.d, e);
+    return (((_e6 + _e8) + _e11) + _e14);
+}
+int mean_dot(Basis b_16, uint channel) {
+    uint at_6 = (48u + (4u * channel));
+    uint _e8 = record[at_6];
+    uint _e13 = record[(at_6 + 1u)];
+    uint _e18 = record[(at_6 + 2u)];
+    uint _e23 = record[(at_6 + 3u)];
+    int _e24 = dot_16_(b_16, _e8, _e13, _e18, _e23);
+    return _e24;
+}
+int entry_dot(Basis b_17, uint at_3) {
+    uint _e4 = _group_1_binding_0_cs[at_3];
+    uint _e9 = _group_1_binding_0_cs[(at_3 + 1u)];
+    uint _e14 = _group_1_binding_0_cs[(at_3 + 2u)];
+    uint _e19 = _group_1_binding_0_cs[(at_3 + 3u)];
+    int _e20 = dot_16_(b_17, _e4, _e9, _e14, _e19);
+    return _e20;
+}
+ivec3 entry_sum(Basis b_18, uint stage, uint code_3) {
+    uint _e7 = _group_0_binding_1_cs.palette_entries;
+    uint index = min((code_3 & 127u), (_e7 - 1u));
+    uint _e14 = _group_0_binding_1_cs.palette_entries;
+    uint at_7 = (12u * ((stage * _e14) + index));
+    int _e25 = entry_dot(b_18, at_7);
+    int _e28 = entry_dot(b_18, (at_7 + 4u));
+    int _e31 = entry_dot(b_18, (at_7 + 8u));
+    return ((((code_3 & 128u) != 0u) ? -1 : 1) * ivec3(_e25, _e28, _e31));
+}
+uint bits_at(uint byte_1, uint bit) {
+    uint at_8 = (byte_1 + (bit / 8u));
+    uint shift_7 = ((8u * (at_8 % 4u)) + (bit % 8u));
+    uint _e16 = _group_1_binding_0_cs[(at_8 / 4u)];
+    uint low_5 = (_e16 >> shift_7);
+    if ((shift_7 == 0u)) {
+        return low_5;
+    }
+    uint _e26 = _group_1_binding_0_cs[((at_8 / 4u) + 1u)];
+    return (low_5 | (_e26 << (32u - shift_7)));
+}
+int odd_dot(ivec4 b_19, uint bits_1) {
+    ivec4 code_6 = ivec4((((uvec4(bits_1) >> uvec4(0u, 3u, 6u, 9u)) & uvec4(7u)) ^ uvec4(4u)));
+    ivec4 odd = ((2 * code_6) - ivec4(7));
+    return ((((b_19.x * odd.x) + (b_19.y * odd.y)) + (b_19.z * odd.z)) + (b_19.w * odd.w));
 }
 uint sh_count(int degree_1) {
     return uint((((degree_1 + 1) * (degree_1 + 1)) - 1));
 }
-void add_bands(inout ivec3 sum_q16_, inout int b_13[15], uint record_6, uint rows_2, uint g_2) {
-    int d_2 = 1;
-    ivec3 band_q15_ = ivec3(0);
-    uint k = 0u;
-    uint c_2 = 0u;
-    uint at_3 = (((4u * rows_2) + 4608u) + g_2);
-    bool loop_init_9 = true;
-    while(true) {
-        if (!loop_init_9) {
-            int _e86 = d_2;
-            d_2 = (_e86 + 1);
-        }
-        loop_init_9 = false;
-        int _e12 = d_2;
-        int _e15 = _group_0_binding_1_cs.degree;
-        if ((_e12 <= _e15)) {
-        } else {
-            break;
-        }
-        {
-            band_q15_ = ivec3(0);
-            int _e20 = d_2;
-            uint _e23 = sh_count((_e20 - 1));
-            k = _e23;
-            bool loop_init_10 = true;
-            while(true) {
-                if (!loop_init_10) {
-                    uint _e61 = k;
-                    k = (_e61 + 1u);
-                }
-                loop_init_10 = false;
-                uint _e25 = k;
-                int _e26 = d_2;
-                uint _e27 = sh_count(_e26);
-                if ((_e25 < _e27)) {
-                } else {
-                    break;
-                }
-                {
-                    c_2 = 0u;
-                    bool loop_init_11 = true;
-                    while(true) {
-                        if (!loop_init_11) {
-                            uint _e58 = c_2;
-                            c_2 = (_e58 + 1u);
-                        }
-                        loop_init_11 = false;
-                        uint _e31 = c_2;
-                        if ((_e31 < 3u)) {
-                        } else {
-                            break;
-                        }
-                        {
-                            uint _e35 = k;
-                            uint _e37 = c_2;
-                            uint byte_2 = (at_3 + (((3u * _e35) + _e37) * CHUNK));
-                            uint _e42 = c_2;
-                            int _e44 = band_q15_[_e42];
-                            uint _e45 = k;
-                            int _e47 = b_13[_e45];
-                            uint _e52 = _group_1_binding_0_cs[(byte_2 / 4u)];
-                            int _e55 = signed_byte_of(_e52, (byte_2 % 4u));
-                            band_q15_[_e42] = (_e44 + (_e47 * _e55));
-                        }
-                    }
-                }
-            }
-            int _e66 = d_2;
-            int _e69 = number_at(((record_6 + 43u) + uint(_e66)));
-            ivec3 _e70 = sum_q16_;
-            ivec3 _e71 = band_q15_;
-            sum_q16_ = (_e70 + (((((_e71 + ivec3(512)) >> uvec3(10u)) * _e69) + ivec3(128)) >> uvec3(8u)));
-        }
-    }
-    return;
+int residual_q16_(Basis b_20, uint record_at, uint channel_1, uint gain) {
+    int _e9 = _group_0_binding_1_cs.scene_degree;
+    uint _e10 = sh_count(_e9);
+    uint first_2 = (32u + ((3u * channel_1) * _e10));
+    uint _e13 = bits_at(record_at, first_2);
+    uint _e16 = bits_at(record_at, (first_2 + 24u));
+    int _e18 = odd_dot(b_20.a, _e13);
+    int _e22 = odd_dot(b_20.b, (_e13 >> 12u));
+    int _e25 = odd_dot(b_20.c, _e16);
+    int _e30 = odd_dot(b_20.d, (_e16 >> 12u));
+    int odd_1 = (((_e18 + _e22) + _e25) + _e30);
+    return ((odd_1 * int((8u + (gain & 7u)))) >> (31u - (gain >> 3u)));
 }
-int dot_16_(inout int b_14[15], uvec4 words) {
-    int sum_1 = 0;
-    uint k_1 = 0u;
-    bool loop_init_12 = true;
-    while(true) {
-        if (!loop_init_12) {
-            uint _e23 = k_1;
-            k_1 = (_e23 + 1u);
-        }
-        loop_init_12 = false;
-        uint _e6 = k_1;
-        if ((_e6 < 15u)) {
-        } else {
-            break;
-        }
-        {
-            int _e9 = sum_1;
-            uint _e10 = k_1;
-            int _e12 = b_14[_e10];
-            uint _e13 = k_1;
-            uint _e17 = k_1;
-            int _e20 = signed_byte_of(words[(_e13 / 4u)], (_e17 % 4u));
-            sum_1 = (_e9 + (_e12 * _e20));
-        }
-    }
-    int _e26 = sum_1;
-    return _e26;
+int scaled_q16_(int sum_1) {
+    int _e3 = _group_0_binding_1_cs.palette_step_q19_;
+    uvec2 _e4 = mul_signed(sum_1, _e3);
+    uvec2 _e6 = shift_signed(_e4, 18u);
+    int _e7 = low_of(_e6);
+    return _e7;
 }
-void add_mean(inout ivec3 sum_2, inout int b_15[15], uint record_7) {
-    uint c_3 = 0u;
-    bool loop_init_13 = true;
-    while(true) {
-        if (!loop_init_13) {
-            uint _e38 = c_3;
-            c_3 = (_e38 + 1u);
-        }
-        loop_init_13 = false;
-        uint _e5 = c_3;
-        if ((_e5 < 3u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e11 = c_3;
-            uint at_4 = ((record_7 + 48u) + (4u * _e11));
-            uint _e14 = c_3;
-            int _e16 = sum_2[_e14];
-            uint _e19 = _group_1_binding_1_cs[at_4];
-            uint _e24 = _group_1_binding_1_cs[(at_4 + 1u)];
-            uint _e29 = _group_1_binding_1_cs[(at_4 + 2u)];
-            uint _e34 = _group_1_binding_1_cs[(at_4 + 3u)];
-            int _e36 = dot_16_(b_15, uvec4(_e19, _e24, _e29, _e34));
-            sum_2[_e14] = (_e16 + _e36);
-        }
-    }
-    return;
-}
-void add_entry(inout ivec3 sum_3, inout int b_16[15], uint stage, uint code_3) {
-    uint c_4 = 0u;
-    uint _e8 = _group_0_binding_1_cs.palette_entries;
-    uint index = min((code_3 & 127u), (_e8 - 1u));
-    int sign_ = (((code_3 & 128u) != 0u) ? -1 : 1);
-    bool loop_init_14 = true;
-    while(true) {
-        if (!loop_init_14) {
-            uint _e60 = c_4;
-            c_4 = (_e60 + 1u);
-        }
-        loop_init_14 = false;
-        uint _e21 = c_4;
-        if ((_e21 < 3u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e27 = _group_0_binding_1_cs.palette_entries;
-            uint _e32 = c_4;
-            uint at_5 = ((12u * ((stage * _e27) + index)) + (4u * _e32));
-            uint _e35 = c_4;
-            int _e37 = sum_3[_e35];
-            uint _e40 = _group_1_binding_0_cs[at_5];
-            uint _e45 = _group_1_binding_0_cs[(at_5 + 1u)];
-            uint _e50 = _group_1_binding_0_cs[(at_5 + 2u)];
-            uint _e55 = _group_1_binding_0_cs[(at_5 + 3u)];
-            int _e57 = dot_16_(b_16, uvec4(_e40, _e45, _e50, _e55));
-            sum_3[_e35] = (_e37 + (sign_ * _e57));
-        }
-    }
-    return;
-}
-int code_at(uint byte_1, uint bit) {
-    uint code_4 = 0u;
-    uint at_6 = (byte_1 + (bit / 8u));
-    uint shift_5 = ((8u * (at_6 % 4u)) + (bit % 8u));
-    uint _e16 = _group_1_binding_0_cs[(at_6 / 4u)];
-    code_4 = (_e16 >> shift_5);
-    if ((shift_5 > 29u)) {
-        uint _e21 = code_4;
-        uint _e28 = _group_1_binding_0_cs[((at_6 / 4u) + 1u)];
-        code_4 = (_e21 | (_e28 << (32u - shift_5)));
-    }
-    uint _e33 = code_4;
-    return int(((_e33 & 7u) ^ 4u));
-}
-ivec3 palette_sum_q16_(inout int b_17[15], uint record_8, uint rows_3, uint g_3) {
+ivec3 palette_q16_(Basis b_21, uint rows_3, uint g_3) {
     uint stages = 0u;
     uint bytes = 0u;
-    uint at_2 = 0u;
-    ivec3 sum_4 = ivec3(0);
+    uint at_4 = 0u;
+    ivec3 sum_2 = ivec3(0);
     uint stage_1 = 0u;
-    ivec3 out_7 = ivec3(0);
-    uint c_5 = 0u;
-    uint c_6 = 0u;
-    int odd = 0;
-    uint k_2 = 0u;
+    ivec3 out_6 = ivec3(0);
     int degree_2 = _group_0_binding_1_cs.scene_degree;
-    uint _e9 = _group_0_binding_1_cs.profile;
-    bool compact = (_e9 == COMPACT);
+    uint _e8 = _group_0_binding_1_cs.profile;
+    bool compact = (_e8 == COMPACT);
     stages = ((degree_2 == 1) ? 4u : 6u);
-    uint _e18 = stages;
-    bytes = _e18;
-    at_2 = ((4u * rows_3) + 3328u);
+    uint _e17 = stages;
+    bytes = _e17;
+    at_4 = ((4u * rows_3) + 3328u);
     if (compact) {
         stages = 3u;
         bytes = ((degree_2 == 1) ? 8u : ((degree_2 == 2) ? 13u : 21u));
-        at_2 = ((4u * rows_3) + 4608u);
+        at_4 = ((4u * rows_3) + 4608u);
     }
-    uint _e39 = at_2;
-    uint _e40 = bytes;
-    at_2 = (_e39 + (g_3 * _e40));
-    add_mean(sum_4, b_17, record_8);
-    bool loop_init_15 = true;
+    uint _e38 = at_4;
+    uint _e39 = bytes;
+    at_4 = (_e38 + (g_3 * _e39));
+    int _e43 = mean_dot(b_21, 0u);
+    int _e45 = mean_dot(b_21, 1u);
+    int _e47 = mean_dot(b_21, 2u);
+    sum_2 = ivec3(_e43, _e45, _e47);
+    bool loop_init_2 = true;
     while(true) {
-        if (!loop_init_15) {
+        if (!loop_init_2) {
+            uint _e63 = stage_1;
+            stage_1 = (_e63 + 1u);
+        }
+        loop_init_2 = false;
+        uint _e52 = stage_1;
+        uint _e53 = stages;
+        if ((_e52 < _e53)) {
+        } else {
+            break;
+        }
+        {
+            ivec3 _e55 = sum_2;
             uint _e56 = stage_1;
-            stage_1 = (_e56 + 1u);
-        }
-        loop_init_15 = false;
-        uint _e48 = stage_1;
-        uint _e49 = stages;
-        if ((_e48 < _e49)) {
-        } else {
-            break;
-        }
-        {
-            uint _e51 = stage_1;
-            uint _e52 = at_2;
-            uint _e53 = stage_1;
-            uint _e55 = byte_at((_e52 + _e53));
-            add_entry(sum_4, b_17, _e51, _e55);
+            uint _e57 = at_4;
+            uint _e58 = stage_1;
+            uint _e60 = byte_at((_e57 + _e58));
+            ivec3 _e61 = entry_sum(b_21, _e56, _e60);
+            sum_2 = (_e55 + _e61);
         }
     }
-    bool loop_init_16 = true;
-    while(true) {
-        if (!loop_init_16) {
-            uint _e77 = c_5;
-            c_5 = (_e77 + 1u);
-        }
-        loop_init_16 = false;
-        uint _e62 = c_5;
-        if ((_e62 < 3u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e65 = c_5;
-            uint _e67 = c_5;
-            int _e69 = sum_4[_e67];
-            int _e72 = _group_0_binding_1_cs.palette_step_q19_;
-            uvec2 _e73 = mul_signed(_e69, _e72);
-            uvec2 _e75 = shift_signed(_e73, 18u);
-            int _e76 = low_of(_e75);
-            out_7[_e65] = _e76;
-        }
-    }
+    int _e67 = sum_2.x;
+    int _e68 = scaled_q16_(_e67);
+    int _e70 = sum_2.y;
+    int _e71 = scaled_q16_(_e70);
+    int _e73 = sum_2.z;
+    int _e74 = scaled_q16_(_e73);
+    out_6 = ivec3(_e68, _e71, _e74);
     if (compact) {
-        uint _e80 = at_2;
-        uint _e83 = byte_at((_e80 + 3u));
-        bool loop_init_17 = true;
-        while(true) {
-            if (!loop_init_17) {
-                uint _e136 = c_6;
-                c_6 = (_e136 + 1u);
-            }
-            loop_init_17 = false;
-            uint _e86 = c_6;
-            if ((_e86 < 3u)) {
-            } else {
-                break;
-            }
-            {
-                odd = 0;
-                k_2 = 0u;
-                bool loop_init_18 = true;
-                while(true) {
-                    if (!loop_init_18) {
-                        uint _e117 = k_2;
-                        k_2 = (_e117 + 1u);
-                    }
-                    loop_init_18 = false;
-                    uint _e93 = k_2;
-                    uint _e94 = sh_count(degree_2);
-                    if ((_e93 < _e94)) {
-                    } else {
-                        break;
-                    }
-                    {
-                        int _e96 = odd;
-                        uint _e97 = k_2;
-                        int _e99 = b_17[_e97];
-                        uint _e100 = at_2;
-                        uint _e103 = c_6;
-                        uint _e104 = sh_count(degree_2);
-                        uint _e106 = k_2;
-                        int _e110 = code_at(_e100, (32u + (3u * ((_e103 * _e104) + _e106))));
-                        odd = (_e96 + (_e99 * ((2 * _e110) - 7)));
-                    }
-                }
-                uint shift_6 = (31u - (_e83 >> 3u));
-                uint _e124 = c_6;
-                int _e126 = out_7[_e124];
-                int _e127 = odd;
-                out_7[_e124] = (_e126 + ((_e127 * int((8u + (_e83 & 7u)))) >> shift_6));
-            }
-        }
+        uint _e77 = at_4;
+        uint _e80 = byte_at((_e77 + 3u));
+        ivec3 _e81 = out_6;
+        uint _e82 = at_4;
+        int _e84 = residual_q16_(b_21, _e82, 0u, _e80);
+        uint _e85 = at_4;
+        int _e87 = residual_q16_(b_21, _e85, 1u, _e80);
+        uint _e88 = at_4;
+        int _e90 = residual_q16_(b_21, _e88, 2u, _e80);
+        out_6 = (_e81 + ivec3(_e84, _e87, _e90));
     }
-    ivec3 _e139 = out_7;
-    return _e139;
+    ivec3 _e93 = out_6;
+    return _e93;
 }
-ivec3 shade(uint record_9, uint rows_4, uint g_4, Codes codes) {
-    ivec3 sum_q16_1 = ivec3(0);
-    uint c_7 = 0u;
-    int b_18[15] = int[15](0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
-    bool loop_init_19 = true;
-    while(true) {
-        if (!loop_init_19) {
-            uint _e38 = c_7;
-            c_7 = (_e38 + 1u);
-        }
-        loop_init_19 = false;
-        uint _e7 = c_7;
-        if ((_e7 < 3u)) {
+ivec3 shade(uint rows_4, uint g_4, Codes codes) {
+    ivec3 sum_q16_ = ivec3(0);
+    uvec3 code_7 = ((uvec3(codes.colour) >> uvec3(0u, 8u, 16u)) & uvec3(255u));
+    uint _e15 = record[41];
+    uint _e18 = record[42];
+    uint _e21 = record[43];
+    uvec3 step_ = (uvec3(_e15, _e18, _e21) * code_7);
+    int _e25 = number_at(38u);
+    int _e27 = number_at(39u);
+    int _e29 = number_at(40u);
+    sum_q16_ = (ivec3(_e25, _e27, _e29) + ivec3(((step_ + uvec3(8u)) >> uvec3(4u))));
+    int _e42 = _group_0_binding_1_cs.degree;
+    if ((_e42 > 0)) {
+        ivec3 _e46 = direction_q15_(codes.position);
+        int _e49 = _group_0_binding_1_cs.degree;
+        Basis _e50 = basis_of(_e46, _e49);
+        uint _e53 = _group_0_binding_1_cs.palette_entries;
+        if ((_e53 != 0u)) {
+            ivec3 _e56 = sum_q16_;
+            ivec3 _e57 = palette_q16_(_e50, rows_4, g_4);
+            sum_q16_ = (_e56 + _e57);
         } else {
-            break;
-        }
-        {
-            uint _e13 = c_7;
-            uint _e16 = _group_1_binding_1_cs[((record_9 + 41u) + _e13)];
-            uint _e19 = c_7;
-            uint step_ = (_e16 * ((codes.colour >> (8u * _e19)) & 255u));
-            uint _e25 = c_7;
-            uint _e29 = c_7;
-            int _e31 = number_at(((record_9 + 38u) + _e29));
-            sum_q16_1[_e25] = (_e31 + int(((step_ + 8u) >> 4u)));
+            ivec3 _e59 = sum_q16_;
+            ivec3 _e60 = bands_q16_(_e50, rows_4, g_4);
+            sum_q16_ = (_e59 + _e60);
         }
     }
-    int _e43 = _group_0_binding_1_cs.degree;
-    if ((_e43 > 0)) {
-        ivec3 _e48 = q15_direction(record_9, codes.position);
-        int _e51 = _group_0_binding_1_cs.degree;
-        basis(b_18, _e48, _e51);
-        uint _e54 = _group_0_binding_1_cs.palette_entries;
-        if ((_e54 != 0u)) {
-            ivec3 _e57 = sum_q16_1;
-            ivec3 _e58 = palette_sum_q16_(b_18, record_9, rows_4, g_4);
-            sum_q16_1 = (_e57 + _e58);
-        } else {
-            add_bands(sum_q16_1, b_18, record_9, rows_4, g_4);
-        }
-    }
-    ivec3 _e60 = sum_q16_1;
-    return min(max(((_e60 + ivec3(4)) >> uvec3(3u)), ivec3(0)), ivec3(32767));
+    ivec3 _e62 = sum_q16_;
+    return min(max(((_e62 + ivec3(4)) >> uvec3(3u)), ivec3(0)), ivec3(32767));
 }
 Span columns_between(int left_q8_, int right_q8_) {
-    bool local_18 = false;
     bool local_19 = false;
-    int first_2 = ((left_q8_ + 255) >> 8u);
+    bool local_20 = false;
+    int first_3 = ((left_q8_ + 255) >> 8u);
     int last_2 = (right_q8_ >> 8u);
     if (!((last_2 < 0))) {
         int _e16 = _group_0_binding_0_cs.size.x;
-        local_18 = (first_2 >= _e16);
-    } else {
-        local_18 = true;
-    }
-    bool _e19 = local_18;
-    if (!(_e19)) {
-        local_19 = (first_2 > last_2);
+        local_19 = (first_3 >= _e16);
     } else {
         local_19 = true;
     }
-    bool _e25 = local_19;
+    bool _e19 = local_19;
+    if (!(_e19)) {
+        local_20 = (first_3 > last_2);
+    } else {
+        local_20 = true;
+    }
+    bool _e25 = local_20;
     if (_e25) {
         return Span(0, -1);
     }
     int _e38 = _group_0_binding_0_cs.tiles.x;
     int _e44 = _group_0_binding_0_cs.size.x;
-    return Span((max(first_2, 0) >> 4u), ((last_2 >= _e44) ? (_e38 - 1) : (last_2 >> 4u)));
+    return Span((max(first_3, 0) >> 4u), ((last_2 >= _e44) ? (_e38 - 1) : (last_2 >> 4u)));
 }
-Span columns_of(inout Bounds b_19) {
-    int _e3 = b_19.c_q14_.x;
+Span columns_of(inout Bounds b_22) {
+    int _e3 = b_22.c_q14_.x;
     int c_q8_1 = (_e3 >> 6u);
-    int _e7 = b_19.half_width_q8_;
-    int _e10 = b_19.half_width_q8_;
+    int _e7 = b_22.half_width_q8_;
+    int _e10 = b_22.half_width_q8_;
     Span _e12 = columns_between((c_q8_1 - _e7), (c_q8_1 + _e10));
     return _e12;
 }
@@ -1851,68 +1618,68 @@ int radius_q12_(int offset_q11_4) {
     uint _e11 = sqrt_of((uint(((_e4 - offset_q11_4) + 1)) << 13u));
     return (int(_e11) + 1);
 }
-int v_at_row(inout Splat s_4, inout Bounds b_20, int row) {
-    int _e7 = b_20.c_q14_.y;
+int v_at_row(inout Splat s_4, inout Bounds b_23, int row_1) {
+    int _e7 = b_23.c_q14_.y;
     int _e10 = s_4.vy_q24_;
-    uvec2 _e11 = mul_signed(((row << 14u) - _e7), _e10);
+    uvec2 _e11 = mul_signed(((row_1 << 14u) - _e7), _e10);
     uvec2 _e13 = shift_signed(_e11, 26u);
     int _e14 = low_of(_e13);
     return _e14;
 }
-int half_at(inout Bounds b_21, int r_q12_3, int v_q12_) {
+int half_at(inout Bounds b_24, int r_q12_3, int v_q12_) {
     uint _e7 = sqrt_of(uint(((r_q12_3 * r_q12_3) - (v_q12_ * v_q12_))));
     uint root = (_e7 + 1u);
-    uint _e11 = b_21.breadth_q8_;
+    uint _e11 = b_24.breadth_q8_;
     uvec2 _e12 = mul_wide(_e11, root);
     uvec2 _e14 = shift_right(_e12, 12u);
     return int(_e14.x);
 }
-Span ellipse_span(inout Splat s_5, inout Bounds b_22, int r_1, int row_1) {
-    bool local_20 = false;
+Span ellipse_span(inout Splat s_5, inout Bounds b_25, int r_1, int row_2) {
     bool local_21 = false;
+    bool local_22 = false;
     int left = 0;
     int right = 0;
     uvec2 tangent = uvec2(0u);
-    bool local_22 = false;
     bool local_23 = false;
-    int _e6 = v_at_row(s_5, b_22, (row_1 * 16));
-    int _e11 = v_at_row(s_5, b_22, ((row_1 * 16) + 15));
-    int reach = b_22.half_width_q8_;
+    bool local_24 = false;
+    int _e6 = v_at_row(s_5, b_25, (row_2 * 16));
+    int _e11 = v_at_row(s_5, b_25, ((row_2 * 16) + 15));
+    int reach = b_25.half_width_q8_;
     if (!((_e6 > (r_1 + 2)))) {
-        local_20 = (_e11 < (-(r_1) - 2));
+        local_21 = (_e11 < (-(r_1) - 2));
     } else {
-        local_20 = true;
+        local_21 = true;
     }
-    bool _e25 = local_20;
+    bool _e25 = local_21;
     if (_e25) {
-        local_21 = (reach != EVERYWHERE_Q8_);
+        local_22 = (reach != EVERYWHERE_Q8_);
     } else {
-        local_21 = false;
+        local_22 = false;
     }
-    bool _e31 = local_21;
+    bool _e31 = local_22;
     if (_e31) {
         return Span(0, -1);
     }
     int top = min(max(_e6, -(r_1)), r_1);
     int bottom = min(max((_e11 + 1), -(r_1)), r_1);
-    int _e42 = b_22.shear_q8_;
+    int _e42 = b_25.shear_q8_;
     uvec2 _e43 = mul_signed(_e42, top);
     uvec2 _e45 = shift_signed(_e43, 12u);
     int _e46 = low_of(_e45);
-    int _e48 = b_22.shear_q8_;
+    int _e48 = b_25.shear_q8_;
     uvec2 _e49 = mul_signed(_e48, bottom);
     uvec2 _e51 = shift_signed(_e49, 12u);
     int _e52 = low_of(_e51);
-    int _e53 = half_at(b_22, r_1, top);
-    int _e54 = half_at(b_22, r_1, bottom);
+    int _e53 = half_at(b_25, r_1, top);
+    int _e54 = half_at(b_25, r_1, bottom);
     left = -(max((_e53 - _e46), (_e54 - _e52)));
     right = max((_e53 + _e46), (_e54 + _e52));
-    int _e65 = b_22.shear_q8_;
+    int _e65 = b_25.shear_q8_;
     uvec2 _e69 = mul_wide(uint(abs(_e65)), uint(r_1));
     uvec2 _e71 = shift_right(_e69, 12u);
     uvec2 _e74 = mul_wide(_e71.x, uint(r_1));
     tangent = _e74;
-    int _e77 = b_22.shear_q8_;
+    int _e77 = b_25.shear_q8_;
     if ((_e77 < 0)) {
         uvec2 _e80 = tangent;
         uvec2 _e81 = negate(_e80);
@@ -1927,26 +1694,26 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_22, int r_1, int row_1) {
     if (!(_e87)) {
         uvec2 _e91 = tangent;
         bool _e92 = less(_e85, _e91);
-        local_22 = !(_e92);
+        local_23 = !(_e92);
     } else {
-        local_22 = false;
+        local_23 = false;
     }
-    bool _e95 = local_22;
+    bool _e95 = local_23;
     if (_e95) {
         right = reach;
     }
     bool _e96 = less(_e83, _e84);
     if (!(_e96)) {
         bool _e100 = less(_e85, _e83);
-        local_23 = !(_e100);
+        local_24 = !(_e100);
     } else {
-        local_23 = false;
+        local_24 = false;
     }
-    bool _e103 = local_23;
+    bool _e103 = local_24;
     if (_e103) {
         left = -(reach);
     }
-    int _e107 = b_22.c_q14_.x;
+    int _e107 = b_25.c_q14_.x;
     int c_q8_2 = (_e107 >> 6u);
     int margin = ((reach >> 8u) + 32);
     int _e114 = left;
@@ -1956,15 +1723,15 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_22, int r_1, int row_1) {
 }
 Span square_span(int centre_q14_, uint radius, int tiles) {
     int pixel_1 = (centre_q14_ >> 14u);
-    int first_3 = ((pixel_1 - int(radius)) >> 4u);
+    int first_4 = ((pixel_1 - int(radius)) >> 4u);
     int last_3 = ((((pixel_1 + int(radius)) + 15) >> 4u) - 1);
-    return Span(min(max(first_3, 0), tiles), min(max(last_3, -1), (tiles - 1)));
+    return Span(min(max(first_4, 0), tiles), min(max(last_3, -1), (tiles - 1)));
 }
-Span rows_of(inout Splat s_6, inout Bounds b_23) {
+Span rows_of(inout Splat s_6, inout Bounds b_26) {
     int _e4 = _group_0_binding_0_cs.cutoff;
     if ((_e4 == 1)) {
-        int _e9 = b_23.c_q14_.y;
-        uint _e11 = b_23.square_radius;
+        int _e9 = b_26.c_q14_.y;
+        uint _e11 = b_26.square_radius;
         int _e15 = _group_0_binding_0_cs.tiles.y;
         Span _e16 = square_span(_e9, _e11, _e15);
         return _e16;
@@ -1973,16 +1740,16 @@ Span rows_of(inout Splat s_6, inout Bounds b_23) {
     int _e24 = s_6.rows.y;
     return Span((_e19 >> 4u), (_e24 >> 4u));
 }
-Span span_of(inout Splat s_7, inout Bounds b_24, int r_q12_4, int row_2) {
+Span span_of(inout Splat s_7, inout Bounds b_27, int r_q12_4, int row_3) {
     int _e6 = _group_0_binding_0_cs.cutoff;
     if ((_e6 == 1)) {
-        int _e11 = b_24.c_q14_.x;
-        uint _e13 = b_24.square_radius;
+        int _e11 = b_27.c_q14_.x;
+        uint _e13 = b_27.square_radius;
         int _e17 = _group_0_binding_0_cs.tiles.x;
         Span _e18 = square_span(_e11, _e13, _e17);
         return _e18;
     }
-    Span _e19 = ellipse_span(s_7, b_24, r_q12_4, row_2);
+    Span _e19 = ellipse_span(s_7, b_27, r_q12_4, row_3);
     return _e19;
 }
 uint scale_depth(uint key) {
@@ -1999,60 +1766,60 @@ uint scale_depth(uint key) {
     }
     return ((uint(exponent_7) << 26u) | (((_e10 << uint(_e11)) >> 5u) & 67108863u));
 }
-bool is_kept(uint record_10, uvec3 position_1) {
+bool is_kept(uvec3 position_2) {
     uvec2 centre_7[3] = uvec2[3](uvec2(0u), uvec2(0u), uvec2(0u));
-    uint i_15 = 0u;
-    bool loop_init_20 = true;
+    uint i_9 = 0u;
+    bool loop_init_3 = true;
     while(true) {
-        if (!loop_init_20) {
-            uint _e34 = i_15;
-            i_15 = (_e34 + 1u);
+        if (!loop_init_3) {
+            uint _e29 = i_9;
+            i_9 = (_e29 + 1u);
         }
-        loop_init_20 = false;
-        uint _e5 = i_15;
-        if ((_e5 < 3u)) {
+        loop_init_3 = false;
+        uint _e4 = i_9;
+        if ((_e4 < 3u)) {
         } else {
             break;
         }
         {
-            uint _e11 = i_15;
-            uint _e14 = _group_1_binding_1_cs[((record_10 + 34u) + _e11)];
-            uint _e15 = i_15;
-            uvec2 _e17 = mul_wide(_e14, position_1[_e15]);
-            uint _e22 = _group_1_binding_1_cs[(record_10 + 37u)];
-            uvec2 _e23 = shift_left(_e17, _e22);
-            uint _e24 = i_15;
-            uint _e29 = i_15;
-            uvec2 _e32 = wide_at(((record_10 + 28u) + (2u * _e29)));
-            uvec2 _e33 = add_wide(_e32, _e23);
-            centre_7[_e24] = _e33;
+            uint _e9 = i_9;
+            uint _e12 = record[(34u + _e9)];
+            uint _e13 = i_9;
+            uvec2 _e15 = mul_wide(_e12, position_2[_e13]);
+            uint _e18 = record[37];
+            uvec2 _e19 = shift_left(_e15, _e18);
+            uint _e20 = i_9;
+            uint _e24 = i_9;
+            uvec2 _e27 = wide_at((28u + (2u * _e24)));
+            uvec2 _e28 = add_wide(_e27, _e19);
+            centre_7[_e20] = _e28;
         }
     }
-    bool _e37 = is_within_crops(centre_7, centre_7);
-    return _e37;
+    bool _e32 = is_within_crops(centre_7, centre_7);
+    return _e32;
 }
-int offset_of(uint record_11, uint opacity, uint share_q8_1) {
+int offset_of(uint opacity, uint share_q8_1) {
     uint offset_q11_5 = 0u;
-    uint _e8 = _group_1_binding_1_cs[(record_11 + 17u)];
-    uint code_7 = ((CHUNK * _e8) + opacity);
-    uint _e15 = _group_1_binding_1_cs[(code_7 / 2u)];
-    uint _e16 = half_of(_e15, code_7);
-    offset_q11_5 = _e16;
+    uint _e5 = record[17];
+    uint code_8 = ((CHUNK * _e5) + opacity);
+    uint _e12 = _group_1_binding_1_cs[(code_8 / 2u)];
+    uint _e13 = half_of(_e12, code_8);
+    offset_q11_5 = _e13;
     if ((share_q8_1 != 256u)) {
-        uint _e20 = offset_q11_5;
-        uint _e21 = share_of_q11_(_e20, share_q8_1);
-        offset_q11_5 = _e21;
+        uint _e17 = offset_q11_5;
+        uint _e18 = share_of_q11_(_e17, share_q8_1);
+        offset_q11_5 = _e18;
     }
-    uint _e22 = offset_q11_5;
-    int _e26 = _group_0_binding_1_cs.offset_q11_;
-    return (int(_e22) + _e26);
+    uint _e19 = offset_q11_5;
+    int _e23 = _group_0_binding_1_cs.offset_q11_;
+    return (int(_e19) + _e23);
 }
-void count_tiles(int row_3, Span s_8) {
+void count_tiles(int row_4, Span s_8) {
     if ((s_8.first > s_8.last)) {
         return;
     }
     int _e9 = _group_0_binding_0_cs.tiles.x;
-    uint tile = (TILES + uint((row_3 * _e9)));
+    uint tile = (TILES + uint((row_4 * _e9)));
     uint _e19 = atomicAdd(_group_1_binding_2_cs[(tile + uint(s_8.first))], 1u);
     int _e24 = _group_0_binding_0_cs.tiles.x;
     if ((s_8.last < (_e24 - 1))) {
@@ -2062,149 +1829,149 @@ void count_tiles(int row_3, Span s_8) {
         return;
     }
 }
-void put_large(uint slot, inout Bounds b_25) {
+void put_large(uint slot, inout Bounds b_28) {
     uint _e5 = atomicAdd(_group_1_binding_2_cs[1], 1u);
     uint _e8 = _group_0_binding_0_cs.large_room;
     if ((_e5 < _e8)) {
         uint _e12 = _group_0_binding_0_cs.larges;
-        uint at_7 = (_e12 + (LARGE * _e5));
-        _group_1_binding_1_cs[at_7] = slot;
-        int _e24 = b_25.c_q14_.x;
-        _group_1_binding_1_cs[(at_7 + 1u)] = uint(_e24);
-        int _e32 = b_25.c_q14_.y;
-        _group_1_binding_1_cs[(at_7 + 2u)] = uint(_e32);
-        uint _e39 = b_25.breadth_q8_;
-        _group_1_binding_1_cs[(at_7 + 3u)] = _e39;
-        int _e45 = b_25.shear_q8_;
-        _group_1_binding_1_cs[(at_7 + 4u)] = uint(_e45);
-        int _e52 = b_25.half_width_q8_;
-        _group_1_binding_1_cs[(at_7 + 5u)] = uint(_e52);
-        uint _e59 = b_25.square_radius;
-        _group_1_binding_1_cs[(at_7 + 6u)] = _e59;
+        uint at_9 = (_e12 + (LARGE * _e5));
+        _group_1_binding_1_cs[at_9] = slot;
+        int _e24 = b_28.c_q14_.x;
+        _group_1_binding_1_cs[(at_9 + 1u)] = uint(_e24);
+        int _e32 = b_28.c_q14_.y;
+        _group_1_binding_1_cs[(at_9 + 2u)] = uint(_e32);
+        uint _e39 = b_28.breadth_q8_;
+        _group_1_binding_1_cs[(at_9 + 3u)] = _e39;
+        int _e45 = b_28.shear_q8_;
+        _group_1_binding_1_cs[(at_9 + 4u)] = uint(_e45);
+        int _e52 = b_28.half_width_q8_;
+        _group_1_binding_1_cs[(at_9 + 5u)] = uint(_e52);
+        uint _e59 = b_28.square_radius;
+        _group_1_binding_1_cs[(at_9 + 6u)] = _e59;
         return;
     } else {
         return;
     }
 }
-uvec2 list_splat(uint slot_1, inout Placed out_8) {
+uvec2 list_splat(uint slot_1, inout Placed out_7) {
     Splat s_9 = Splat(0u, 0u, 0, 0, 0, 0, ivec2(0));
-    Bounds b_26 = Bounds(ivec2(0), 0u, 0, 0, 0u);
-    bool local_24 = false;
+    Bounds b_29 = Bounds(ivec2(0), 0u, 0, 0, 0u);
     bool local_25 = false;
     bool local_26 = false;
     bool local_27 = false;
     bool local_28 = false;
     bool local_29 = false;
     bool local_30 = false;
-    uvec2 box = uvec2(0u, 0u);
-    int row_4 = 0;
     bool local_31 = false;
+    uvec2 box = uvec2(0u, 0u);
+    int row_5 = 0;
     bool local_32 = false;
-    Splat _e3 = out_8.splat;
+    bool local_33 = false;
+    Splat _e3 = out_7.splat;
     s_9 = _e3;
-    Bounds _e6 = out_8.bounds;
-    b_26 = _e6;
-    Span _e8 = rows_of(s_9, b_26);
-    Span _e9 = columns_of(b_26);
+    Bounds _e6 = out_7.bounds;
+    b_29 = _e6;
+    Span _e8 = rows_of(s_9, b_29);
+    Span _e9 = columns_of(b_29);
     int _e12 = _group_0_binding_0_cs.cutoff;
     bool is_square = (_e12 == 1);
     if (!(is_square)) {
-        local_24 = (_e9.first > _e9.last);
+        local_25 = (_e9.first > _e9.last);
     } else {
-        local_24 = false;
+        local_25 = false;
     }
-    bool _e22 = local_24;
+    bool _e22 = local_25;
     if (_e22) {
         return uvec2(0u, 0u);
     }
     int _e30 = _group_0_binding_0_cs.tiles.x;
     uint first_tile = uint(((_e8.first * _e30) + _e9.first));
     if (!(is_square)) {
-        local_25 = (_e8.first == _e8.last);
-    } else {
-        local_25 = false;
-    }
-    bool _e42 = local_25;
-    if (_e42) {
-        int _e47 = s_9.rows.x;
-        local_26 = (_e47 > 0);
+        local_26 = (_e8.first == _e8.last);
     } else {
         local_26 = false;
     }
-    bool _e51 = local_26;
-    if (_e51) {
-        int _e56 = s_9.rows.y;
-        int _e60 = _group_0_binding_0_cs.size.y;
-        local_27 = (_e56 < (_e60 - 1));
+    bool _e42 = local_26;
+    if (_e42) {
+        int _e47 = s_9.rows.x;
+        local_27 = (_e47 > 0);
     } else {
         local_27 = false;
     }
-    bool _e65 = local_27;
-    if (_e65) {
-        local_28 = ((_e9.last - _e9.first) < 4);
+    bool _e51 = local_27;
+    if (_e51) {
+        int _e56 = s_9.rows.y;
+        int _e60 = _group_0_binding_0_cs.size.y;
+        local_28 = (_e56 < (_e60 - 1));
     } else {
         local_28 = false;
     }
-    bool _e74 = local_28;
+    bool _e65 = local_28;
+    if (_e65) {
+        local_29 = ((_e9.last - _e9.first) < 4);
+    } else {
+        local_29 = false;
+    }
+    bool _e74 = local_29;
     if (_e74) {
         count_tiles(_e8.first, _e9);
         return uvec2(((2u << uint((_e9.last - _e9.first))) - 1u), (first_tile << 10u));
     }
     if (!(is_square)) {
-        local_29 = ((_e9.last - _e9.first) >= BOX_COLUMNS);
-    } else {
-        local_29 = true;
-    }
-    bool _e96 = local_29;
-    if (!(_e96)) {
-        local_30 = ((_e8.last - _e8.first) >= BOX_ROWS);
+        local_30 = ((_e9.last - _e9.first) >= BOX_COLUMNS);
     } else {
         local_30 = true;
     }
-    bool large = local_30;
+    bool _e96 = local_30;
+    if (!(_e96)) {
+        local_31 = ((_e8.last - _e8.first) >= BOX_ROWS);
+    } else {
+        local_31 = true;
+    }
+    bool large = local_31;
     int _e108 = s_9.offset_q11_;
     int _e109 = radius_q12_(_e108);
-    row_4 = _e8.first;
-    bool loop_init_21 = true;
+    row_5 = _e8.first;
+    bool loop_init_4 = true;
     while(true) {
-        if (!loop_init_21) {
-            int _e154 = row_4;
-            row_4 = (_e154 + 1);
+        if (!loop_init_4) {
+            int _e154 = row_5;
+            row_5 = (_e154 + 1);
         }
-        loop_init_21 = false;
-        int _e116 = row_4;
+        loop_init_4 = false;
+        int _e116 = row_5;
         if ((_e116 <= _e8.last)) {
         } else {
             break;
         }
         {
-            int _e119 = row_4;
-            Span _e120 = span_of(s_9, b_26, _e109, _e119);
-            int _e121 = row_4;
+            int _e119 = row_5;
+            Span _e120 = span_of(s_9, b_29, _e109, _e119);
+            int _e121 = row_5;
             count_tiles(_e121, _e120);
             if (!(large)) {
-                local_31 = (_e120.first <= _e120.last);
+                local_32 = (_e120.first <= _e120.last);
             } else {
-                local_31 = false;
+                local_32 = false;
             }
-            bool _e129 = local_31;
+            bool _e129 = local_32;
             if (_e129) {
-                uint bits_1 = ((2u << uint((_e120.last - _e9.first))) - (1u << uint((_e120.first - _e9.first))));
+                uint bits_2 = ((2u << uint((_e120.last - _e9.first))) - (1u << uint((_e120.first - _e9.first))));
                 uvec2 _e143 = box;
-                int _e147 = row_4;
-                uvec2 _e152 = shift_left(uvec2(bits_1, 0u), uint((BOX_COLUMNS * (_e147 - _e8.first))));
+                int _e147 = row_5;
+                uvec2 _e152 = shift_left(uvec2(bits_2, 0u), uint((BOX_COLUMNS * (_e147 - _e8.first))));
                 box = (_e143 | _e152);
             }
         }
     }
     if (large) {
-        local_32 = (_e8.first <= _e8.last);
+        local_33 = (_e8.first <= _e8.last);
     } else {
-        local_32 = false;
+        local_33 = false;
     }
-    bool _e163 = local_32;
+    bool _e163 = local_33;
     if (_e163) {
-        put_large(slot_1, b_26);
+        put_large(slot_1, b_29);
     }
     uint _e165 = box.x;
     uint _e167 = box.y;
@@ -2217,128 +1984,128 @@ uvec2 list_splat(uint slot_1, inout Placed out_8) {
     return uvec2(_e173, (_e175 | (first_tile << 10u)));
 }
 void put_splat(uint slot_2, inout Splat s_10, ivec3 colour_q13_1) {
-    uint at_8 = (8u * slot_2);
     uint _e8 = s_10.u0_q24_;
-    _group_1_binding_3_cs[at_8] = _e8;
-    uint _e14 = s_10.v0_q24_;
-    _group_1_binding_3_cs[(at_8 + 1u)] = _e14;
-    int _e20 = s_10.ux_q24_;
-    _group_1_binding_3_cs[(at_8 + 2u)] = uint(_e20);
-    int _e27 = s_10.uy_q24_;
-    _group_1_binding_3_cs[(at_8 + 3u)] = uint(_e27);
-    int _e34 = s_10.vy_q24_;
-    _group_1_binding_3_cs[(at_8 + 4u)] = uint(_e34);
-    int _e41 = s_10.offset_q11_;
-    _group_1_binding_3_cs[(at_8 + 5u)] = (uint(_e41) | (uint(colour_q13_1.x) << 16u));
-    _group_1_binding_3_cs[(at_8 + 6u)] = (uint(colour_q13_1.y) | (uint(colour_q13_1.z) << 16u));
-    int _e65 = s_10.rows.x;
-    int _e69 = s_10.rows.y;
-    _group_1_binding_3_cs[(at_8 + 7u)] = (uint(_e65) | (uint(_e69) << 16u));
+    uint _e10 = s_10.v0_q24_;
+    int _e12 = s_10.ux_q24_;
+    int _e15 = s_10.uy_q24_;
+    _group_1_binding_3_cs[(2u * slot_2)] = uvec4(_e8, _e10, uint(_e12), uint(_e15));
+    int _e25 = s_10.vy_q24_;
+    int _e28 = s_10.offset_q11_;
+    int _e44 = s_10.rows.x;
+    int _e48 = s_10.rows.y;
+    _group_1_binding_3_cs[((2u * slot_2) + 1u)] = uvec4(uint(_e25), (uint(_e28) | (uint(colour_q13_1.x) << 16u)), (uint(colour_q13_1.y) | (uint(colour_q13_1.z) << 16u)), (uint(_e44) | (uint(_e48) << 16u)));
     return;
 }
-void project_gaussian(uint place, uint slot_3) {
-    uint chunk = 0u;
+uvec2 project_gaussian(uint chunk_1, uint slot_3) {
     Projected centre_8 = Projected(ivec3(0), 0, 0u, ivec2(0), ivec2(0), false);
-    Placed out_9 = Placed(Splat(0u, 0u, 0, 0, 0, 0, ivec2(0)), Bounds(ivec2(0), 0u, 0, 0, 0u));
-    uvec2 box_1 = uvec2(0u, 0u);
-    bool local_33 = false;
+    Placed out_8 = Placed(Splat(0u, 0u, 0, 0, 0, 0, ivec2(0)), Bounds(ivec2(0), 0u, 0, 0, 0u));
     bool local_34 = false;
     uint key_1 = 0u;
-    uint _e4 = _group_0_binding_0_cs.records;
-    uint record_12 = (_e4 + (RECORD * place));
-    chunk = place;
-    uint _e11 = _group_0_binding_0_cs.drawn;
-    if ((_e11 != 0u)) {
-        uint _e17 = _group_0_binding_0_cs.drawn;
-        uint _e22 = _group_1_binding_1_cs[(_e17 + (2u * place))];
-        chunk = _e22;
-    }
     uint g_5 = (slot_3 % CHUNK);
-    uint _e27 = _group_0_binding_1_cs.rows_at;
-    uint _e28 = chunk;
-    uint _e31 = _group_0_binding_1_cs.first_chunk;
-    uint _e35 = _group_0_binding_1_cs.part_chunk;
-    uint _e39 = _group_0_binding_1_cs.chunk_words;
-    uint rows_5 = (_e27 + (((_e28 - _e31) - _e35) * _e39));
-    Codes _e42 = codes_of(rows_5, g_5);
-    uint opacity_1 = (_e42.colour >> 24u);
-    if ((opacity_1 != 0u)) {
-        bool _e55 = project_centre(centre_8, record_12, _e42.position);
-        if (_e55) {
-            uint _e62 = _group_1_binding_1_cs[(record_12 + 47u)];
-            int _e63 = offset_of(record_12, opacity_1, _e62);
-            out_9.splat.offset_q11_ = _e63;
-            bool _e66 = project_shape(out_9, record_12, centre_8, _e42.scale, _e42.rotation);
-            if (_e66) {
-                uint _e71 = _group_0_binding_1_cs.crop_count;
-                if (!((_e71 == 0u))) {
-                    bool _e78 = is_kept(record_12, _e42.position);
-                    local_34 = _e78;
-                } else {
-                    local_34 = true;
-                }
-                bool _e80 = local_34;
-                local_33 = _e80;
-            } else {
-                local_33 = false;
-            }
-            bool _e82 = local_33;
-            if (_e82) {
-                int _e85 = centre_8.camera.z;
-                uint _e86 = depth_key(record_12, _e85);
-                key_1 = _e86;
-                int _e90 = _group_0_binding_1_cs.plain;
-                if ((_e90 == 0)) {
-                    uint _e93 = key_1;
-                    uint _e94 = scale_depth(_e93);
-                    key_1 = _e94;
-                }
-                ivec3 _e95 = shade(record_12, rows_5, g_5, _e42);
-                ivec4 _e98 = _group_0_binding_1_cs.tint_q13_;
-                ivec3 colour = min((((_e95 * _e98.xyz) + ivec3(4096)) >> uvec3(13u)), ivec3(32767));
-                put_splat(slot_3, out_9.splat, colour);
-                uint _e114 = _group_0_binding_0_cs.depths;
-                uint _e117 = key_1;
-                _group_1_binding_1_cs[(_e114 + slot_3)] = _e117;
-                uvec2 _e118 = list_splat(slot_3, out_9);
-                box_1 = _e118;
-                uint _e121 = atomicAdd(visible_here, 1u);
-            }
-        }
+    uint _e6 = _group_0_binding_1_cs.rows_at;
+    uint _e9 = _group_0_binding_1_cs.first_chunk;
+    uint _e13 = _group_0_binding_1_cs.part_chunk;
+    uint _e17 = _group_0_binding_1_cs.chunk_words;
+    uint rows_5 = (_e6 + (((chunk_1 - _e9) - _e13) * _e17));
+    Codes _e20 = codes_of(rows_5, g_5);
+    uint opacity_1 = (_e20.colour >> 24u);
+    if ((opacity_1 == 0u)) {
+        return uvec2(0u, 0u);
     }
-    uint _e125 = _group_0_binding_0_cs.boxes;
-    uint _e131 = box_1.x;
-    _group_1_binding_1_cs[(_e125 + (2u * slot_3))] = _e131;
-    uint _e135 = _group_0_binding_0_cs.boxes;
-    uint _e143 = box_1.y;
-    _group_1_binding_1_cs[((_e135 + (2u * slot_3)) + 1u)] = _e143;
-    return;
+    bool _e32 = project_centre(centre_8, _e20.position);
+    if (!(_e32)) {
+        return uvec2(0u, 0u);
+    }
+    uint _e41 = record[47];
+    int _e42 = offset_of(opacity_1, _e41);
+    out_8.splat.offset_q11_ = _e42;
+    bool _e45 = project_shape(out_8, centre_8, _e20.scale, _e20.rotation);
+    if (!(_e45)) {
+        return uvec2(0u, 0u);
+    }
+    uint _e52 = _group_0_binding_1_cs.crop_count;
+    if ((_e52 != 0u)) {
+        bool _e58 = is_kept(_e20.position);
+        local_34 = !(_e58);
+    } else {
+        local_34 = false;
+    }
+    bool _e61 = local_34;
+    if (_e61) {
+        return uvec2(0u, 0u);
+    }
+    int _e67 = centre_8.camera.z;
+    uint _e68 = depth_key(_e67);
+    key_1 = _e68;
+    int _e72 = _group_0_binding_1_cs.plain;
+    if ((_e72 == 0)) {
+        uint _e75 = key_1;
+        uint _e76 = scale_depth(_e75);
+        key_1 = _e76;
+    }
+    ivec3 _e77 = shade(rows_5, g_5, _e20);
+    ivec4 _e80 = _group_0_binding_1_cs.tint_q13_;
+    ivec3 colour = min((((_e77 * _e80.xyz) + ivec3(4096)) >> uvec3(13u)), ivec3(32767));
+    put_splat(slot_3, out_8.splat, colour);
+    uint _e96 = _group_0_binding_0_cs.depths;
+    uint _e99 = key_1;
+    _group_1_binding_1_cs[(_e96 + slot_3)] = _e99;
+    uint _e102 = atomicAdd(visible_here, 1u);
+    uvec2 _e103 = list_splat(slot_3, out_8);
+    return _e103;
 }
 void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
+    uint place = 0u;
+    uint chunk = 0u;
+    uint _e4 = _group_0_binding_0_cs.spans_at;
+    uint _e8 = _group_0_binding_1_cs.span;
+    uint span = (_e4 + (SPAN * _e8));
+    uint half_1 = ((group.y * ROW_OF_GROUPS) + group.x);
+    uint _e20 = _group_1_binding_1_cs[(span + 2u)];
+    uint ordinal = (_e20 + (half_1 / 2u));
+    uint _e28 = _group_1_binding_1_cs[(span + 3u)];
+    bool inside_1 = (ordinal < _e28);
+    if (inside_1) {
+        uint _e35 = _group_0_binding_0_cs.visible;
+        uint _e38 = _group_1_binding_1_cs[(_e35 + ordinal)];
+        place = _e38;
+    }
     if ((thread == 0u)) {
         visible_here = 0u;
     }
+    if ((thread < RECORD)) {
+        uint _e50 = _group_0_binding_0_cs.records;
+        uint _e52 = place;
+        uint _e57 = _group_1_binding_1_cs[((_e50 + (RECORD * _e52)) + thread)];
+        record[thread] = _e57;
+    }
     memoryBarrierShared();
     barrier();
-    uint _e8 = _group_0_binding_0_cs.spans_at;
-    uint _e12 = _group_0_binding_1_cs.span;
-    uint span = (_e8 + (SPAN * _e12));
-    uint half_1 = ((group.y * ROW_OF_GROUPS) + group.x);
-    uint _e24 = _group_1_binding_1_cs[(span + 2u)];
-    uint ordinal = (_e24 + (half_1 / 2u));
-    uint _e32 = _group_1_binding_1_cs[(span + 3u)];
-    if ((ordinal < _e32)) {
-        uint _e37 = _group_0_binding_0_cs.visible;
-        uint _e40 = _group_1_binding_1_cs[(_e37 + ordinal)];
-        project_gaussian(_e40, (((ordinal * CHUNK) + ((half_1 % 2u) * THREADS)) + thread));
+    if (inside_1) {
+        uint slot_4 = (((ordinal * CHUNK) + ((half_1 % 2u) * THREADS)) + thread);
+        uint _e66 = place;
+        chunk = _e66;
+        uint _e70 = _group_0_binding_0_cs.drawn;
+        if ((_e70 != 0u)) {
+            uint _e76 = _group_0_binding_0_cs.drawn;
+            uint _e78 = place;
+            uint _e82 = _group_1_binding_1_cs[(_e76 + (2u * _e78))];
+            chunk = _e82;
+        }
+        uint _e83 = chunk;
+        uvec2 _e84 = project_gaussian(_e83, slot_4);
+        uint _e88 = _group_0_binding_0_cs.boxes;
+        _group_1_binding_1_cs[(_e88 + (2u * slot_4))] = _e84.x;
+        uint _e97 = _group_0_binding_0_cs.boxes;
+        _group_1_binding_1_cs[((_e97 + (2u * slot_4)) + 1u)] = _e84.y;
     }
     memoryBarrierShared();
     barrier();
     if ((thread == 0u)) {
-        uint _e54 = visible_here;
-        uint _e55 = atomicAdd(_group_1_binding_2_cs[4], _e54);
+        uint _e110 = visible_here;
+        uint _e111 = atomicAdd(_group_1_binding_2_cs[4], _e110);
         return;
     } else {
         return;

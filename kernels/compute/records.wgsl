@@ -8,6 +8,7 @@ const RECORD: u32 = 64u;           // words of a chunk's record
 const LARGE: u32 = 8u;             // words of a large splat's record
 const SPAN: u32 = 8u;              // words of a span: see spans_at
 const PAGE: u32 = 4096u;           // entries: rows of tiles begin at multiples of it
+const BLOCK: u32 = 1024u;          // entries that a workgroup sorts
 const CLASSES: u32 = 16u;          // of tiles, by the magnitude of their lists
 const CUT_OFF: u32 = 0x80000000u;  // as FXS_ENTRY_CUT_OFF
 const NOTHING: u32 = 0xffffffffu;
@@ -22,6 +23,7 @@ const PAGES: u32 = 2u;
 const DAMAGED: u32 = 3u;
 const VISIBLE: u32 = 4u;
 const ENTRIES: u32 = 5u;           // two words
+const BLOCKS: u32 = 7u;            // of lists that are sorted
 const CLASS_COUNTS: u32 = 16u;
 const TILES: u32 = 64u;            // the lengths of the tiles' lists
 
@@ -44,7 +46,11 @@ struct Frame {
     spans_at: u32,                 // of each span its first place, its end, these as they are among the visible, the
                                    // object's id and its first chunk
     next: u32,                     // in the counts: where the tiles' next entries go,
-    classes: u32,                  // and the tiles by class
+    classes: u32,                  // the tiles by class,
+    blocks: u32,                   // and of each block of a list the tile and which one it is
+    block_room: u32,
+    spare: u32,                    // where as many entries are again, to merge lists
+    unused: u32,
     cleared: u32,                  // words of the counts that are 0 at first
     cutoff: i32,                   // 1: square
     cut_q11: i32,

@@ -21,6 +21,10 @@ struct Frame {
     uint spans_at;
     uint next;
     uint classes;
+    uint blocks;
+    uint block_room;
+    uint spare;
+    uint unused;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -108,6 +112,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -119,6 +124,7 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
+const uint BLOCKS = 7u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
@@ -180,6 +186,46 @@ uint sum_to(uint thread_1, uint own_1, bool cut) {
 uint class_of(uint length_1) {
     return min(uint(uint(findMSB((length_1 | 1u)))), 15u);
 }
+void put_blocks(uint tile, uint length_2) {
+    uint i_1 = 0u;
+    bool local = false;
+    uint blocks = ((length_2 > 1u) ? (((length_2 - 1u) / BLOCK) + 1u) : 0u);
+    if ((blocks == 0u)) {
+        return;
+    }
+    uint _e16 = atomicAdd(_group_1_binding_2_cs[7], blocks);
+    bool loop_init_1 = true;
+    while(true) {
+        if (!loop_init_1) {
+            uint _e54 = i_1;
+            i_1 = (_e54 + 1u);
+        }
+        loop_init_1 = false;
+        uint _e19 = i_1;
+        if ((_e19 < blocks)) {
+            uint _e23 = i_1;
+            uint _e27 = _group_0_binding_0_cs.block_room;
+            local = ((_e16 + _e23) < _e27);
+        } else {
+            local = false;
+        }
+        bool _e30 = local;
+        if (_e30) {
+        } else {
+            break;
+        }
+        {
+            uint _e34 = _group_0_binding_0_cs.blocks;
+            uint _e36 = i_1;
+            _group_1_binding_2_cs[(_e34 + (2u * (_e16 + _e36)))] = tile;
+            uint _e44 = _group_0_binding_0_cs.blocks;
+            uint _e46 = i_1;
+            uint _e53 = i_1;
+            _group_1_binding_2_cs[((_e44 + (2u * (_e16 + _e46))) + 1u)] = _e53;
+        }
+    }
+    return;
+}
 void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
@@ -192,13 +238,13 @@ void main() {
     int _e5 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e5);
     uint row = (group.x * across);
-    bool loop_init_1 = true;
+    bool loop_init_2 = true;
     while(true) {
-        if (!loop_init_1) {
+        if (!loop_init_2) {
             uint _e64 = first;
             first = (_e64 + THREADS);
         }
-        loop_init_1 = false;
+        loop_init_2 = false;
         uint _e15 = first;
         if ((_e15 < across)) {
         } else {
@@ -265,13 +311,13 @@ void main() {
     memoryBarrierShared();
     barrier();
     column = thread;
-    bool loop_init_2 = true;
+    bool loop_init_3 = true;
     while(true) {
-        if (!loop_init_2) {
+        if (!loop_init_3) {
             uint _e168 = column;
             column = (_e168 + THREADS);
         }
-        loop_init_2 = false;
+        loop_init_3 = false;
         uint _e127 = column;
         if ((_e127 < across)) {
         } else {
@@ -279,16 +325,17 @@ void main() {
         }
         {
             uint _e129 = column;
-            uint tile = (row + _e129);
-            uint _e135 = _group_1_binding_2_cs[(TILES + tile)];
-            uint _e136 = class_of(_e135);
+            uint tile_1 = (row + _e129);
+            uint length_3 = _group_1_binding_2_cs[(TILES + tile_1)];
+            uint _e136 = class_of(length_3);
+            put_blocks(tile_1, length_3);
             uint _e142 = atomicAdd(_group_1_binding_2_cs[(CLASS_COUNTS + _e136)], 1u);
             uint _e146 = _group_0_binding_0_cs.classes;
             int _e151 = _group_0_binding_0_cs.tiles.y;
-            _group_1_binding_2_cs[((_e146 + ((_e136 * across) * uint(_e151))) + _e142)] = tile;
+            _group_1_binding_2_cs[((_e146 + ((_e136 * across) * uint(_e151))) + _e142)] = tile_1;
             uint _e160 = _group_0_binding_0_cs.next;
             uint _e164 = first_page;
-            uint _e167 = atomicAdd(_group_1_binding_2_cs[(_e160 + tile)], (_e164 * PAGE));
+            uint _e167 = atomicAdd(_group_1_binding_2_cs[(_e160 + tile_1)], (_e164 * PAGE));
         }
     }
     return;

@@ -21,6 +21,10 @@ struct Frame {
     uint spans_at;
     uint next;
     uint classes;
+    uint blocks;
+    uint block_room;
+    uint spare;
+    uint unused;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -138,6 +142,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -149,6 +154,7 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
+const uint BLOCKS = 7u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
@@ -282,9 +288,9 @@ uint tile_at(uint number) {
         }
         {
             uint _e19 = class_number;
-            uint count = _group_1_binding_0_cs[((CLASS_COUNTS + _e19) - 1u)];
+            uint count_1 = _group_1_binding_0_cs[((CLASS_COUNTS + _e19) - 1u)];
             uint _e25 = rest;
-            if ((_e25 < count)) {
+            if ((_e25 < count_1)) {
                 uint _e30 = _group_0_binding_0_cs.classes;
                 uint _e31 = class_number;
                 uint _e36 = rest;
@@ -292,7 +298,7 @@ uint tile_at(uint number) {
                 return _e39;
             }
             uint _e40 = rest;
-            rest = (_e40 - count);
+            rest = (_e40 - count_1);
         }
     }
     return NOTHING;
@@ -459,6 +465,13 @@ void put_colour(inout Pixel p_4, uint at) {
     _group_1_binding_3_cs[(_e149 + at)] = _e152;
     return;
 }
+uint list_of(uint tile, uint count) {
+    uint merges = ((max((32u - uint(31 - findMSB((max(count, 1u) - 1u)))), 10u) - 7u) / 4u);
+    uint _e18 = _group_0_binding_0_cs.next;
+    uint _e21 = _group_1_binding_0_cs[(_e18 + tile)];
+    uint _e26 = _group_0_binding_0_cs.spare;
+    return ((_e21 - count) + (((merges % 2u) == 1u) ? _e26 : 0u));
+}
 Quarter quarter_of(uvec3 group_1) {
     bool local_6 = false;
     uint number_1 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
@@ -475,10 +488,9 @@ Quarter quarter_of(uvec3 group_1) {
     if (_e22) {
         return Quarter(4294967295u, 0u, 0u, 0u, 0u);
     }
-    uint count_1 = _group_1_binding_0_cs[(TILES + _e13)];
-    uint _e55 = _group_0_binding_0_cs.next;
-    uint _e58 = _group_1_binding_0_cs[(_e55 + _e13)];
-    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_1 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_1 / 2u) % 2u) * SIDE)), (_e58 - count_1), count_1);
+    uint count_2 = _group_1_binding_0_cs[(TILES + _e13)];
+    uint _e52 = list_of(_e13, count_2);
+    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_1 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_1 / 2u) % 2u) * SIDE)), _e52, count_2);
 }
 Place place_of(Quarter q_1, uint thread_1) {
     bool local_7 = false;
