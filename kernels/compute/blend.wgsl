@@ -10,14 +10,19 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
     let place = place_of(q, thread);
     var p = Pixel(select(0, FXS_CLEAR_Q15, place.inside), vec3<i32>(0));
-    clear_rounds(thread);
+    var open = place.inside;
+    var fetched = fetch_splat(fetch_entry(q, thread));
+    var entry = fetch_entry(q, SOME + thread);
+    clear_rounds(thread, open);
     for (var first = 0u; first < q.count; first += SOME) {
         let round = first / SOME + 1u;
         let words = 2u * (round % 2u);
-        if (p.transmittance >= FXS_CLOSED_Q15) {
+        if (open) {
             open_round = round;
         }
-        place_round(q, thread, first, words);
+        place_fetched(q, thread, fetched, words);
+        fetched = fetch_splat(entry);              // while this round is blended
+        entry = fetch_entry(q, first + 2u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
         }
@@ -27,8 +32,12 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         for (var word = 0u; word < 2u; word += 1u) {
             for (var bits = atomicLoad(&touching[words + word]); bits != 0u; bits &= bits - 1u) {
                 let i = 32u * word + countTrailingZeros(bits);
-                blend_splat(&p, i, others[i].y, place.column, place.row);
+                blend_splat(&p, i, place.column, place.row);
             }
+        }
+        if (open && p.transmittance < FXS_CLOSED_Q15) {
+            open = false;
+            close_pixel(thread);
         }
         workgroupBarrier();
     }

@@ -109,6 +109,11 @@ struct Pixel {
     int transmittance;
     ivec3 sum;
 };
+struct Fetched {
+    uvec2 entry;
+    uvec4 a;
+    uvec4 b;
+};
 struct Quarter {
     uint tile;
     uint x;
@@ -135,6 +140,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint MERGES = 5u;
 const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -148,20 +154,22 @@ const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
 const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint SIDE = 8u;
 const uint SOME = 64u;
-layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 0) readonly buffer type_10_block_1Compute { uint _group_1_binding_0_cs[]; };
-layout(std430, binding = 1) readonly buffer type_12_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
-layout(std430, binding = 2) readonly buffer type_13_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
-layout(std430, binding = 3) buffer type_10_block_4Compute { uint _group_1_binding_3_cs[]; };
+layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
+layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 1) readonly buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) readonly buffer type_14_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
+layout(std430, binding = 3) buffer type_11_block_4Compute { uint _group_1_binding_3_cs[]; };
 shared ivec2 rows[512];
 shared ivec4 others[64];
 shared uint touching[4];
 shared uint open_round;
+shared uint open_pixels[2];
 int fxs_mul_q15_(int a, int b) {
     return (((a * b) + 16384) >> 15u);
 }
@@ -233,139 +241,180 @@ int fxs_resolve_8bit(int sum_q13_1, int transmittance_q15_1, int background_q13_
 int fxs_coverage_8bit(int transmittance_q15_2) {
     return ((((FXS_CLEAR_Q15_ - transmittance_q15_2) * 255) + 16384) >> 15u);
 }
-uint tile_at(uint number) {
-    uint rest = 0u;
-    uint class_number = CLASSES;
-    int _e4 = _group_0_binding_0_cs.tiles.x;
-    int _e8 = _group_0_binding_0_cs.tiles.y;
-    uint tiles = uint((_e4 * _e8));
-    rest = number;
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e42 = class_number;
-            class_number = (_e42 - 1u);
-        }
-        loop_init = false;
-        uint _e14 = class_number;
-        if ((_e14 > 0u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e19 = class_number;
-            uint count_1 = _group_1_binding_0_cs[((CLASS_COUNTS + _e19) - 1u)];
-            uint _e25 = rest;
-            if ((_e25 < count_1)) {
-                uint _e30 = _group_0_binding_0_cs.classes;
-                uint _e31 = class_number;
-                uint _e36 = rest;
-                uint _e39 = _group_1_binding_0_cs[((_e30 + ((_e31 - 1u) * tiles)) + _e36)];
-                return _e39;
-            }
-            uint _e40 = rest;
-            rest = (_e40 - count_1);
-        }
+uint classes_before(uint number, uvec4 sizes, inout uint start, inout uint all_) {
+    uint _e4 = all_;
+    uint w = (_e4 + sizes.w);
+    uint z = (w + sizes.z);
+    uint y = (z + sizes.y);
+    uint x = (y + sizes.x);
+    uvec4 ends = uvec4(x, y, z, w);
+    uvec4 before = mix(uvec4(0u), uvec4(1u), greaterThanEqual(uvec4(number), ends));
+    uvec4 last = (before * ends);
+    all_ = x;
+    uint _e22 = start;
+    start = max(_e22, max(max(last.x, last.y), max(last.z, last.w)));
+    return (((before.x + before.y) + before.z) + before.w);
+}
+uvec4 class_sizes(uint first_1) {
+    uint at_2 = (CLASS_COUNTS + first_1);
+    uint _e5 = _group_1_binding_0_cs[at_2];
+    uint _e10 = _group_1_binding_0_cs[(at_2 + 1u)];
+    uint _e15 = _group_1_binding_0_cs[(at_2 + 2u)];
+    uint _e20 = _group_1_binding_0_cs[(at_2 + 3u)];
+    return uvec4(_e5, _e10, _e15, _e20);
+}
+uint tile_at(uint number_1) {
+    uint start_1 = 0u;
+    uint all_1 = 0u;
+    uvec4 _e2 = class_sizes(12u);
+    uvec4 _e4 = class_sizes(8u);
+    uvec4 _e6 = class_sizes(4u);
+    uvec4 _e8 = class_sizes(0u);
+    uint _e13 = classes_before(number_1, _e2, start_1, all_1);
+    uint _e14 = classes_before(number_1, _e4, start_1, all_1);
+    uint _e16 = classes_before(number_1, _e6, start_1, all_1);
+    uint _e18 = classes_before(number_1, _e8, start_1, all_1);
+    uint before_1 = (((_e13 + _e14) + _e16) + _e18);
+    if ((before_1 == CLASSES)) {
+        return NOTHING;
     }
-    return NOTHING;
+    uint _e26 = _group_0_binding_0_cs.classes;
+    int _e32 = _group_0_binding_0_cs.tiles.x;
+    int _e36 = _group_0_binding_0_cs.tiles.y;
+    uint _e42 = start_1;
+    uint _e45 = _group_1_binding_0_cs[(((_e26 + ((15u - before_1) * uint((_e32 * _e36)))) + number_1) - _e42)];
+    return _e45;
 }
 bool fits() {
-    bool local = false;
     bool local_1 = false;
+    bool local_2 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local = (_e11 <= _e14);
-    } else {
-        local = false;
-    }
-    bool _e17 = local;
-    if (_e17) {
-        uint _e22 = _group_1_binding_0_cs[0];
-        uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_1 = (_e22 <= _e25);
+        local_1 = (_e11 <= _e14);
     } else {
         local_1 = false;
     }
-    bool _e28 = local_1;
+    bool _e17 = local_1;
+    if (_e17) {
+        uint _e22 = _group_1_binding_0_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_2 = (_e22 <= _e25);
+    } else {
+        local_2 = false;
+    }
+    bool _e28 = local_2;
     return _e28;
 }
-bool place_splat(uint i_1, uint slot, uint x, uint y) {
+uvec2 fetch_entry(Quarter q, uint i_1) {
+    if ((i_1 < q.count)) {
+        uvec2 _e8 = _group_1_binding_1_cs[(q.list + i_1)];
+        return _e8;
+    }
+    return uvec2(4294967295u, 4294967295u);
+}
+Fetched fetch_splat(uvec2 entry_1) {
+    Fetched f = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
+    f.entry = entry_1;
+    if (((entry_1.x & CUT_OFF) == 0u)) {
+        uvec4 _e14 = _group_1_binding_2_cs[(2u * entry_1.x)];
+        f.a = _e14;
+        uvec4 _e23 = _group_1_binding_2_cs[((2u * entry_1.x) + 1u)];
+        f.b = _e23;
+    }
+    Fetched _e24 = f;
+    return _e24;
+}
+bool place_splat(uint i_2, Fetched f_1, Quarter q_1) {
     uint u = 0u;
     uint v = 0u;
     bool touches = false;
+    uint open_1 = 0u;
     uint row = 0u;
-    bool local_2 = false;
-    uvec4 a_2 = _group_1_binding_2_cs[(2u * slot)];
-    uvec4 b_2 = _group_1_binding_2_cs[((2u * slot) + 1u)];
-    int offset_q11_2 = int((b_2.y & 65535u));
-    int _e22 = _group_0_binding_0_cs.cut_q11_;
-    int _e23 = fxs_limit_q11_(offset_q11_2, _e22);
-    u = ((a_2.x + (x * a_2.z)) + (y * a_2.w));
-    v = (a_2.y + (y * b_2.x));
-    bool loop_init_1 = true;
+    bool local_3 = false;
+    int offset_q11_2 = int((f_1.b.y & 65535u));
+    int _e10 = _group_0_binding_0_cs.cut_q11_;
+    int _e11 = fxs_limit_q11_(offset_q11_2, _e10);
+    uint ux = f_1.a.z;
+    u = ((f_1.a.x + (q_1.x * ux)) + (q_1.y * f_1.a.w));
+    v = (f_1.a.y + (q_1.y * f_1.b.x));
+    uint _e37 = open_pixels[0];
+    open_1 = _e37;
+    bool loop_init = true;
     while(true) {
-        if (!loop_init_1) {
-            uint _e82 = row;
-            row = (_e82 + 1u);
+        if (!loop_init) {
+            uint _e104 = row;
+            row = (_e104 + 1u);
         }
-        loop_init_1 = false;
+        loop_init = false;
         uint _e41 = row;
         if ((_e41 < SIDE)) {
         } else {
             break;
         }
         {
-            uint _e44 = u;
-            int left = int(_e44);
-            uint _e46 = u;
-            int right = int((_e46 + (7u * a_2.z)));
-            uint _e52 = v;
-            int _e54 = fxs_coordinate_q13_(int(_e52));
-            int _e55 = fxs_row_level_q11_(_e54, offset_q11_2);
-            int least = max(max(left, -(right)), 0);
-            uint _e63 = row;
-            rows[((SIDE * i_1) + _e63)] = ivec2(left, _e55);
-            bool _e67 = touches;
-            if (!(_e67)) {
-                int _e71 = fxs_coordinate_q13_(least);
-                int _e72 = fxs_level_q11_(_e71, _e55);
-                local_2 = (_e72 <= _e23);
-            } else {
-                local_2 = true;
+            uint _e44 = row;
+            if ((_e44 == 4u)) {
+                uint _e49 = open_pixels[1];
+                open_1 = _e49;
             }
-            bool _e75 = local_2;
-            touches = _e75;
-            uint _e76 = u;
-            u = (_e76 + a_2.w);
-            uint _e79 = v;
-            v = (_e79 + b_2.x);
+            uint _e50 = open_1;
+            uint of_row = (_e50 & 255u);
+            if ((of_row != 0u)) {
+                uint _e55 = u;
+                int left = int((_e55 + (min(uint(findLSB(of_row)), 32u) * ux)));
+                uint _e60 = u;
+                int right = int((_e60 + ((31u - uint(31 - findMSB(of_row))) * ux)));
+                uint _e67 = v;
+                int _e69 = fxs_coordinate_q13_(int(_e67));
+                int _e70 = fxs_row_level_q11_(_e69, offset_q11_2);
+                int least = max(max(left, -(right)), 0);
+                uint _e78 = row;
+                uint _e81 = u;
+                rows[((SIDE * i_2) + _e78)] = ivec2(int(_e81), _e70);
+                bool _e84 = touches;
+                if (!(_e84)) {
+                    int _e88 = fxs_coordinate_q13_(least);
+                    int _e89 = fxs_level_q11_(_e88, _e70);
+                    local_3 = (_e89 <= _e11);
+                } else {
+                    local_3 = true;
+                }
+                bool _e92 = local_3;
+                touches = _e92;
+            }
+            uint _e93 = open_1;
+            open_1 = (_e93 >> 8u);
+            uint _e96 = u;
+            u = (_e96 + f_1.a.w);
+            uint _e100 = v;
+            v = (_e100 + f_1.b.x);
         }
     }
-    others[i_1] = ivec4(int(a_2.z), _e23, (int((b_2.y >> 16u)) | int((b_2.z << 16u))), int((b_2.z >> 16u)));
-    bool _e103 = touches;
-    return _e103;
+    others[i_2] = ivec4(int(ux), _e11, int(((f_1.b.y >> 16u) | (f_1.b.z << 16u))), int((f_1.b.z >> 16u)));
+    bool _e126 = touches;
+    return _e126;
 }
-int blend_splat(inout Pixel p_2, uint i_2, int limit, uint column, uint row_1) {
-    bool local_3 = false;
-    ivec2 at_row = rows[((SIDE * i_2) + row_1)];
-    ivec4 other = others[i_2];
+int blend_splat(inout Pixel p_2, uint i_3, uint column, uint row_1) {
+    bool local_4 = false;
+    ivec2 at_row = rows[((SIDE * i_3) + row_1)];
+    ivec4 other = others[i_3];
     int u_1 = (at_row.x + (int(column) * other.x));
-    int _e19 = fxs_coordinate_q13_(u_1);
-    int _e21 = fxs_level_q11_(_e19, at_row.y);
-    if (!((_e21 > limit))) {
+    int _e18 = fxs_coordinate_q13_(u_1);
+    int _e20 = fxs_level_q11_(_e18, at_row.y);
+    if (!((_e20 > other.y))) {
         int _e27 = p_2.transmittance;
-        local_3 = (_e27 < FXS_CLOSED_Q15_);
+        local_4 = (_e27 < FXS_CLOSED_Q15_);
     } else {
-        local_3 = true;
+        local_4 = true;
     }
-    bool _e31 = local_3;
+    bool _e31 = local_4;
     if (_e31) {
         return 0;
     }
-    int _e33 = fxs_alpha_q15_(_e21);
+    int _e33 = fxs_alpha_q15_(_e20);
     int _e35 = p_2.transmittance;
     int _e36 = fxs_weight_q15_(_e33, _e35);
     int _e38 = p_2.transmittance;
@@ -414,8 +463,8 @@ void put_colour(inout Pixel p_3, uint at) {
     uint g = uint(_e88);
     int _e92 = background_q13_1.z;
     int _e93 = fxs_resolve_8bit(sum.z, transmittance, _e92);
-    uint b_3 = uint(_e93);
-    word_3 = (((r | (g << 8u)) | (b_3 << 16u)) | 4278190080u);
+    uint b_2 = uint(_e93);
+    word_3 = (((r | (g << 8u)) | (b_2 << 16u)) | 4278190080u);
     uint _e106 = _group_0_binding_0_cs.format;
     if ((_e106 == 1u)) {
         uint _e109 = word_3;
@@ -424,7 +473,7 @@ void put_colour(inout Pixel p_3, uint at) {
     }
     uint _e119 = _group_0_binding_0_cs.format;
     if ((_e119 == 2u)) {
-        word_3 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_3 * 31u) + 127u) / 255u));
+        word_3 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_2 * 31u) + 127u) / 255u));
     }
     uint _e149 = _group_0_binding_0_cs.colour;
     uint _e152 = word_3;
@@ -439,41 +488,44 @@ uint list_of(uint tile, uint count) {
     return ((_e21 - count) + (((merges % 2u) == 1u) ? _e26 : 0u));
 }
 Quarter quarter_of(uvec3 group_1) {
-    bool local_4 = false;
-    uint number_1 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
+    bool local_5 = false;
+    uint number_2 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
     int _e9 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e9);
-    uint _e13 = tile_at((number_1 / 4u));
+    uint _e13 = tile_at((number_2 / 4u));
     if (!((_e13 == NOTHING))) {
         bool _e19 = fits();
-        local_4 = !(_e19);
+        local_5 = !(_e19);
     } else {
-        local_4 = true;
+        local_5 = true;
     }
-    bool _e22 = local_4;
+    bool _e22 = local_5;
     if (_e22) {
         return Quarter(4294967295u, 0u, 0u, 0u, 0u);
     }
-    uint count_2 = _group_1_binding_0_cs[(TILES + _e13)];
-    uint _e52 = list_of(_e13, count_2);
-    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_1 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_1 / 2u) % 2u) * SIDE)), _e52, count_2);
+    uint count_1 = _group_1_binding_0_cs[(TILES + _e13)];
+    uint _e52 = list_of(_e13, count_1);
+    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_2 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_2 / 2u) % 2u) * SIDE)), _e52, count_1);
 }
-Place place_of(Quarter q, uint thread_1) {
-    bool local_5 = false;
+Place place_of(Quarter q_2, uint thread_1) {
+    bool local_6 = false;
     uint column_1 = (thread_1 % SIDE);
     uint row_2 = (thread_1 / SIDE);
     int _e11 = _group_0_binding_0_cs.size.x;
     int _e22 = _group_0_binding_0_cs.size.x;
-    if (((q.x + column_1) < uint(_e22))) {
+    if (((q_2.x + column_1) < uint(_e22))) {
         int _e32 = _group_0_binding_0_cs.size.y;
-        local_5 = ((q.y + row_2) < uint(_e32));
+        local_6 = ((q_2.y + row_2) < uint(_e32));
     } else {
-        local_5 = false;
+        local_6 = false;
     }
-    bool _e36 = local_5;
-    return Place(column_1, row_2, ((((q.y + row_2) * uint(_e11)) + q.x) + column_1), _e36);
+    bool _e36 = local_6;
+    return Place(column_1, row_2, ((((q_2.y + row_2) * uint(_e11)) + q_2.x) + column_1), _e36);
 }
-void clear_rounds(uint thread_2) {
+void clear_rounds(uint thread_2, bool inside) {
+    if ((thread_2 < 2u)) {
+        open_pixels[thread_2] = 0u;
+    }
     if ((thread_2 < 4u)) {
         touching[thread_2] = 0u;
     }
@@ -482,19 +534,23 @@ void clear_rounds(uint thread_2) {
     }
     memoryBarrierShared();
     barrier();
+    if (inside) {
+        uint _e24 = atomicOr(open_pixels[(thread_2 / 32u)], (1u << (thread_2 % 32u)));
+    }
+    memoryBarrierShared();
+    barrier();
     return;
 }
-void place_round(Quarter q_1, uint thread_3, uint first_1, uint words) {
-    if (((first_1 + thread_3) < q_1.count)) {
-        uint slot_1 = _group_1_binding_1_cs[((q_1.list + first_1) + thread_3)].x;
-        if (((slot_1 & CUT_OFF) == 0u)) {
-            bool _e20 = place_splat(thread_3, slot_1, q_1.x, q_1.y);
-            if (_e20) {
-                uint _e30 = atomicOr(touching[(words + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
-                return;
-            } else {
-                return;
-            }
+void close_pixel(uint thread_3) {
+    uint _e10 = atomicAnd(open_pixels[(thread_3 / 32u)], ~((1u << (thread_3 % 32u))));
+    return;
+}
+void place_fetched(Quarter q_3, uint thread_4, Fetched f_2, uint words) {
+    if (((f_2.entry.x & CUT_OFF) == 0u)) {
+        bool _e10 = place_splat(thread_4, f_2, q_3);
+        if (_e10) {
+            uint _e20 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+            return;
         } else {
             return;
         }
@@ -522,88 +578,116 @@ void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
     Pixel p = Pixel(0, ivec3(0));
+    bool open = false;
+    Fetched fetched = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
+    uvec2 entry = uvec2(0u);
     uint first = 0u;
     uint word = 0u;
     uint bits = 0u;
+    bool local = false;
     Quarter _e2 = quarter_of(group);
     if ((_e2.tile == NOTHING)) {
         return;
     }
     Place _e6 = place_of(_e2, thread);
     p = Pixel((_e6.inside ? FXS_CLEAR_Q15_ : 0), ivec3(0));
-    clear_rounds(thread);
-    bool loop_init_2 = true;
+    open = _e6.inside;
+    uvec2 _e17 = fetch_entry(_e2, thread);
+    Fetched _e18 = fetch_splat(_e17);
+    fetched = _e18;
+    uvec2 _e22 = fetch_entry(_e2, (SOME + thread));
+    entry = _e22;
+    bool _e24 = open;
+    clear_rounds(thread, _e24);
+    bool loop_init_1 = true;
     while(true) {
-        if (!loop_init_2) {
-            uint _e81 = first;
-            first = (_e81 + SOME);
+        if (!loop_init_1) {
+            uint _e101 = first;
+            first = (_e101 + SOME);
         }
-        loop_init_2 = false;
-        uint _e17 = first;
-        if ((_e17 < _e2.count)) {
+        loop_init_1 = false;
+        uint _e27 = first;
+        if ((_e27 < _e2.count)) {
         } else {
             break;
         }
         {
-            uint _e20 = first;
-            uint round_ = ((_e20 / SOME) + 1u);
+            uint _e30 = first;
+            uint round_ = ((_e30 / SOME) + 1u);
             uint words_1 = (2u * (round_ % 2u));
-            int _e30 = p.transmittance;
-            if ((_e30 >= FXS_CLOSED_Q15_)) {
+            bool _e39 = open;
+            if (_e39) {
                 open_round = round_;
             }
-            uint _e34 = first;
-            place_round(_e2, thread, _e34, words_1);
+            Fetched _e41 = fetched;
+            place_fetched(_e2, thread, _e41, words_1);
+            uvec2 _e42 = entry;
+            Fetched _e43 = fetch_splat(_e42);
+            fetched = _e43;
+            uint _e44 = first;
+            uvec2 _e48 = fetch_entry(_e2, ((_e44 + 128u) + thread));
+            entry = _e48;
             memoryBarrierShared();
             barrier();
-            uint _e36 = open_round;
+            uint _e50 = open_round;
             memoryBarrierShared();
             barrier();
-            if ((_e36 != round_)) {
+            if ((_e50 != round_)) {
                 break;
             }
             if ((thread < 2u)) {
                 touching[((2u - words_1) + thread)] = 0u;
             }
             word = 0u;
-            bool loop_init_3 = true;
+            bool loop_init_2 = true;
             while(true) {
-                if (!loop_init_3) {
-                    uint _e78 = word;
-                    word = (_e78 + 1u);
+                if (!loop_init_2) {
+                    uint _e88 = word;
+                    word = (_e88 + 1u);
                 }
-                loop_init_3 = false;
-                uint _e48 = word;
-                if ((_e48 < 2u)) {
+                loop_init_2 = false;
+                uint _e62 = word;
+                if ((_e62 < 2u)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e52 = word;
-                    uint _e55 = touching[(words_1 + _e52)];
-                    bits = _e55;
-                    bool loop_init_4 = true;
+                    uint _e66 = word;
+                    uint _e69 = touching[(words_1 + _e66)];
+                    bits = _e69;
+                    bool loop_init_3 = true;
                     while(true) {
-                        if (!loop_init_4) {
-                            uint _e73 = bits;
-                            uint _e74 = bits;
-                            bits = (_e73 & (_e74 - 1u));
+                        if (!loop_init_3) {
+                            uint _e83 = bits;
+                            uint _e84 = bits;
+                            bits = (_e83 & (_e84 - 1u));
                         }
-                        loop_init_4 = false;
-                        uint _e57 = bits;
-                        if ((_e57 != 0u)) {
+                        loop_init_3 = false;
+                        uint _e71 = bits;
+                        if ((_e71 != 0u)) {
                         } else {
                             break;
                         }
                         {
-                            uint _e61 = word;
-                            uint _e63 = bits;
-                            uint i_3 = ((32u * _e61) + min(uint(findLSB(_e63)), 32u));
-                            int _e69 = others[i_3].y;
-                            int _e72 = blend_splat(p, i_3, _e69, _e6.column, _e6.row);
+                            uint _e75 = word;
+                            uint _e77 = bits;
+                            uint i_4 = ((32u * _e75) + min(uint(findLSB(_e77)), 32u));
+                            int _e82 = blend_splat(p, i_4, _e6.column, _e6.row);
                         }
                     }
                 }
+            }
+            bool _e91 = open;
+            if (_e91) {
+                int _e95 = p.transmittance;
+                local = (_e95 < FXS_CLOSED_Q15_);
+            } else {
+                local = false;
+            }
+            bool _e99 = local;
+            if (_e99) {
+                open = false;
+                close_pixel(thread);
             }
             memoryBarrierShared();
             barrier();

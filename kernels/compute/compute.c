@@ -651,6 +651,7 @@ static int reserve_frame(const job *j, fxs_message *why)
     error = error ? error : reserve(c, FXS_COMPUTE_COUNTS, 4 * (f->blocks + 2 * (uint64_t)f->block_room),
                                     GL_DYNAMIC_COPY, why);
     error = error ? error : reserve(c, FXS_COMPUTE_ARGUMENTS, 16 * ((uint64_t)f->spans + 2), GL_DYNAMIC_COPY, why);
+    error = error ? error : reserve(c, FXS_COMPUTE_LATER, 16 * (1 + MERGES), GL_DYNAMIC_COPY, why);
     error = error ? error : reserve(c, FXS_COMPUTE_SPLATS, (uint64_t)FXS_CHUNK * SPLAT_BYTES * f->chunk_room,
                                     GL_DYNAMIC_COPY, why);
     error = error ? error : reserve(c, FXS_COMPUTE_ENTRIES, 2 * (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room,
@@ -802,10 +803,11 @@ static void list(const job *j)
     bind(c, 0, FXS_COMPUTE_ARGUMENTS);
     start(c, FXS_COMPUTE_start_lists);
     dispatch(c, (uint64_t)j->c->frame.tiles[1]);
-    bind(c, 0, FXS_COMPUTE_SPLATS);
+    bind(c, 0, FXS_COMPUTE_LATER);
     bind(c, 3, FXS_COMPUTE_ENTRIES);
     start(c, FXS_COMPUTE_fill_lists);
     dispatch_indirect(c, j->c->frame.spans);
+    bind(c, 0, FXS_COMPUTE_SPLATS);
     c->gl.UseProgram(c->programs[FXS_COMPUTE_fill_large]);
     dispatch_indirect(c, j->c->frame.spans + 1);
 }
@@ -814,15 +816,16 @@ static void draw(const job *j)
 {
     const fxs_compute *c = j->c;
     const uint64_t tiles = (uint64_t)j->c->frame.tiles[0] * (uint64_t)j->c->frame.tiles[1];
+    c->gl.BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, c->buffers[FXS_COMPUTE_LATER]);
     bind(c, 0, FXS_COMPUTE_COUNTS);
     bind(c, 1, FXS_COMPUTE_ENTRIES);
     bind(c, 2, FXS_COMPUTE_SPLATS);
     bind(c, 3, FXS_COMPUTE_PICTURE);
     start(c, FXS_COMPUTE_sort_blocks);
-    dispatch(c, j->c->frame.block_room);
-    for (int i = 0; i < MERGES && (uint64_t)FXS_COMPUTE_BLOCK << 4 * i < (uint64_t)j->places * FXS_CHUNK; i++) {
-        start(c, FXS_COMPUTE_merge_10 + i);
-        dispatch(c, j->c->frame.block_room);
+    dispatch_indirect(c, 0);
+    for (uint32_t i = 0; i < MERGES && (uint64_t)FXS_COMPUTE_BLOCK << 4 * i < (uint64_t)j->places * FXS_CHUNK; i++) {
+        start(c, FXS_COMPUTE_merge_10 + (int)i);
+        dispatch_indirect(c, 1 + i);
     }
     start(c, fxs_targets_traced(j->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles);
     dispatch(c, 4 * tiles);

@@ -2,7 +2,8 @@
 // The entries of the tiles' lists, in no order: depth and slot.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;
+@group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;          // of fill_large alone
+@group(1) @binding(0) var<storage, read_write> later: array<u32>;           // arguments of sort_blocks and the merges
 @group(1) @binding(1) var<storage, read> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> entries: array<vec2<u32>>;   // slot, depth
@@ -45,11 +46,30 @@ fn fill_box(slot: u32)
     }
 }
 
+fn put_arguments(at: u32, groups: u32)
+{
+    later[4u * at] = min(groups, ROW_OF_GROUPS);
+    later[4u * at + 1u] = (groups + ROW_OF_GROUPS - 1u) / ROW_OF_GROUPS;
+    later[4u * at + 2u] = 1u;
+}
+
+fn put_later()
+{
+    let blocks = min(atomicLoad(&counts[BLOCKS]), frame.block_room);
+    put_arguments(0u, blocks);
+    for (var i = 0u; i < MERGES; i += 1u) {
+        put_arguments(1u + i, select(0u, blocks, atomicLoad(&counts[LONGEST]) > BLOCK << (4u * i)));
+    }
+}
+
 // Two workgroups a chunk.
 @compute @workgroup_size(128)
 fn fill_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
     let half = group.y * ROW_OF_GROUPS + group.x;
+    if (half == 0u && thread == 0u) {
+        put_later();
+    }
     if (half / 2u < min(atomicLoad(&counts[VISIBLE_CHUNKS]), frame.chunk_room) && fits()) {
         fill_box(half * THREADS + thread);
     }

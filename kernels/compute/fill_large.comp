@@ -118,6 +118,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint MERGES = 5u;
 const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -131,6 +132,7 @@ const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
 const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
@@ -227,23 +229,23 @@ uint sqrt_of(uint x_5) {
     return (_e10 >> (14u + (shift / 2u)));
 }
 Span columns_between(int left_q8_, int right_q8_) {
-    bool local_4 = false;
     bool local_5 = false;
+    bool local_6 = false;
     int first_1 = ((left_q8_ + 255) >> 8u);
     int last = (right_q8_ >> 8u);
     if (!((last < 0))) {
         int _e16 = _group_0_binding_0_cs.size.x;
-        local_4 = (first_1 >= _e16);
-    } else {
-        local_4 = true;
-    }
-    bool _e19 = local_4;
-    if (!(_e19)) {
-        local_5 = (first_1 > last);
+        local_5 = (first_1 >= _e16);
     } else {
         local_5 = true;
     }
-    bool _e25 = local_5;
+    bool _e19 = local_5;
+    if (!(_e19)) {
+        local_6 = (first_1 > last);
+    } else {
+        local_6 = true;
+    }
+    bool _e25 = local_6;
     if (_e25) {
         return Span(0, -1);
     }
@@ -274,28 +276,28 @@ int half_at(inout Bounds b_13, int r_q12_, int v_q12_) {
     return int(_e14.x);
 }
 Span ellipse_span(inout Splat s_2, inout Bounds b_14, int r, int row_1) {
-    bool local_6 = false;
     bool local_7 = false;
+    bool local_8 = false;
     int left = 0;
     int right = 0;
     uvec2 tangent = uvec2(0u);
-    bool local_8 = false;
     bool local_9 = false;
+    bool local_10 = false;
     int _e6 = v_at_row(s_2, b_14, (row_1 * 16));
     int _e11 = v_at_row(s_2, b_14, ((row_1 * 16) + 15));
     int reach = b_14.half_width_q8_;
     if (!((_e6 > (r + 2)))) {
-        local_6 = (_e11 < (-(r) - 2));
+        local_7 = (_e11 < (-(r) - 2));
     } else {
-        local_6 = true;
+        local_7 = true;
     }
-    bool _e25 = local_6;
+    bool _e25 = local_7;
     if (_e25) {
-        local_7 = (reach != EVERYWHERE_Q8_);
+        local_8 = (reach != EVERYWHERE_Q8_);
     } else {
-        local_7 = false;
+        local_8 = false;
     }
-    bool _e31 = local_7;
+    bool _e31 = local_8;
     if (_e31) {
         return Span(0, -1);
     }
@@ -333,22 +335,22 @@ Span ellipse_span(inout Splat s_2, inout Bounds b_14, int r, int row_1) {
     if (!(_e87)) {
         uvec2 _e91 = tangent;
         bool _e92 = less(_e85, _e91);
-        local_8 = !(_e92);
+        local_9 = !(_e92);
     } else {
-        local_8 = false;
+        local_9 = false;
     }
-    bool _e95 = local_8;
+    bool _e95 = local_9;
     if (_e95) {
         right = reach;
     }
     bool _e96 = less(_e83, _e84);
     if (!(_e96)) {
         bool _e100 = less(_e85, _e83);
-        local_9 = !(_e100);
+        local_10 = !(_e100);
     } else {
-        local_9 = false;
+        local_10 = false;
     }
-    bool _e103 = local_9;
+    bool _e103 = local_10;
     if (_e103) {
         left = -(reach);
     }
@@ -392,26 +394,26 @@ Span span_of(inout Splat s_4, inout Bounds b_16, int r_q12_1, int row_2) {
     return _e19;
 }
 bool fits() {
-    bool local_10 = false;
     bool local_11 = false;
+    bool local_12 = false;
     uint _e2 = _group_1_binding_2_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_2_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_10 = (_e11 <= _e14);
-    } else {
-        local_10 = false;
-    }
-    bool _e17 = local_10;
-    if (_e17) {
-        uint _e22 = _group_1_binding_2_cs[0];
-        uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_11 = (_e22 <= _e25);
+        local_11 = (_e11 <= _e14);
     } else {
         local_11 = false;
     }
-    bool _e28 = local_11;
+    bool _e17 = local_11;
+    if (_e17) {
+        uint _e22 = _group_1_binding_2_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_12 = (_e22 <= _e25);
+    } else {
+        local_12 = false;
+    }
+    bool _e28 = local_12;
     return _e28;
 }
 void put_entry(uint tile, uint slot, uint depth) {
@@ -430,27 +432,27 @@ void main() {
     uint thread_1 = gl_LocalInvocationIndex;
     Splat s = Splat(0u, 0u, 0, 0, 0, 0, ivec2(0));
     Bounds b = Bounds(ivec2(0), 0u, 0, 0, 0u);
-    bool local_1 = false;
+    bool local_2 = false;
     int first = 0;
     ivec4 own = ivec4(0);
-    bool local_2 = false;
+    bool local_3 = false;
     Span touched = Span(0, 0);
     int i = 0;
     int column = 0;
-    bool local_3 = false;
+    bool local_4 = false;
     uint number = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
     uint _e9 = _group_0_binding_0_cs.larges;
     uint _e13 = _group_0_binding_0_cs.large_room;
-    uint at = (_e9 + (LARGE * min(number, (_e13 - 1u))));
-    uint slot_3 = _group_1_binding_1_cs[at];
+    uint at_1 = (_e9 + (LARGE * min(number, (_e13 - 1u))));
+    uint slot_3 = _group_1_binding_1_cs[at_1];
     Splat _e22 = large_splat(slot_3);
     s = _e22;
-    uint _e28 = _group_1_binding_1_cs[(at + 1u)];
-    uint _e34 = _group_1_binding_1_cs[(at + 2u)];
-    uint _e41 = _group_1_binding_1_cs[(at + 3u)];
-    uint _e46 = _group_1_binding_1_cs[(at + 4u)];
-    uint _e52 = _group_1_binding_1_cs[(at + 5u)];
-    uint _e58 = _group_1_binding_1_cs[(at + 6u)];
+    uint _e28 = _group_1_binding_1_cs[(at_1 + 1u)];
+    uint _e34 = _group_1_binding_1_cs[(at_1 + 2u)];
+    uint _e41 = _group_1_binding_1_cs[(at_1 + 3u)];
+    uint _e46 = _group_1_binding_1_cs[(at_1 + 4u)];
+    uint _e52 = _group_1_binding_1_cs[(at_1 + 5u)];
+    uint _e58 = _group_1_binding_1_cs[(at_1 + 6u)];
     b = Bounds(ivec2(int(_e28), int(_e34)), _e41, int(_e46), int(_e52), _e58);
     Span _e61 = rows_of(s, b);
     int _e63 = s.offset_q11_;
@@ -461,11 +463,11 @@ void main() {
     uint _e77 = _group_0_binding_0_cs.large_room;
     if ((number < min(_e74, _e77))) {
         bool _e82 = fits();
-        local_1 = _e82;
+        local_2 = _e82;
     } else {
-        local_1 = false;
+        local_2 = false;
     }
-    bool listed = local_1;
+    bool listed = local_2;
     first = _e61.first;
     bool loop_init = true;
     while(true) {
@@ -484,11 +486,11 @@ void main() {
             int row_3 = (_e90 + int(thread_1));
             own = ivec4(0, -1, 0, -1);
             if ((row_3 <= _e61.last)) {
-                local_2 = listed;
+                local_3 = listed;
             } else {
-                local_2 = false;
+                local_3 = false;
             }
-            bool _e104 = local_2;
+            bool _e104 = local_3;
             if (_e104) {
                 Span _e105 = span_of(s, b, _e64, row_3);
                 touched = _e105;
@@ -539,11 +541,11 @@ void main() {
                             int _e149 = column;
                             if (!((_e149 < of_row.z))) {
                                 int _e155 = column;
-                                local_3 = (_e155 > of_row.w);
+                                local_4 = (_e155 > of_row.w);
                             } else {
-                                local_3 = true;
+                                local_4 = true;
                             }
-                            bool cut_off = local_3;
+                            bool cut_off = local_4;
                             int _e160 = first;
                             int _e161 = i;
                             int _e166 = _group_0_binding_0_cs.tiles.x;

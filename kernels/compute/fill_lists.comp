@@ -118,6 +118,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint MERGES = 5u;
 const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -131,35 +132,37 @@ const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
 const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint LARGE_THREADS = 64u;
 layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 1) readonly buffer type_14_block_1Compute { uint _group_1_binding_1_cs[]; };
-layout(std430, binding = 2) buffer type_16_block_2Compute { uint _group_1_binding_2_cs[]; };
-layout(std430, binding = 3) buffer type_17_block_3Compute { uvec2 _group_1_binding_3_cs[]; };
+layout(std430, binding = 0) buffer type_14_block_1Compute { uint _group_1_binding_0_cs[]; };
+layout(std430, binding = 1) readonly buffer type_14_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_16_block_3Compute { uint _group_1_binding_2_cs[]; };
+layout(std430, binding = 3) buffer type_17_block_4Compute { uvec2 _group_1_binding_3_cs[]; };
 bool fits() {
-    bool local_10 = false;
     bool local_11 = false;
+    bool local_12 = false;
     uint _e2 = _group_1_binding_2_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_2_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_10 = (_e11 <= _e14);
-    } else {
-        local_10 = false;
-    }
-    bool _e17 = local_10;
-    if (_e17) {
-        uint _e22 = _group_1_binding_2_cs[0];
-        uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_11 = (_e22 <= _e25);
+        local_11 = (_e11 <= _e14);
     } else {
         local_11 = false;
     }
-    bool _e28 = local_11;
+    bool _e17 = local_11;
+    if (_e17) {
+        uint _e22 = _group_1_binding_2_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_12 = (_e22 <= _e25);
+    } else {
+        local_12 = false;
+    }
+    bool _e28 = local_12;
     return _e28;
 }
 void put_entry(uint tile, uint slot, uint depth) {
@@ -219,21 +222,64 @@ void fill_box(uint slot_1) {
     }
     return;
 }
+void put_arguments(uint at, uint groups) {
+    _group_1_binding_0_cs[(4u * at)] = min(groups, ROW_OF_GROUPS);
+    _group_1_binding_0_cs[((4u * at) + 1u)] = (((groups + ROW_OF_GROUPS) - 1u) / ROW_OF_GROUPS);
+    _group_1_binding_0_cs[((4u * at) + 2u)] = 1u;
+    return;
+}
+void put_later() {
+    uint i_2 = 0u;
+    uint _e2 = _group_1_binding_2_cs[7];
+    uint _e5 = _group_0_binding_0_cs.block_room;
+    uint blocks = min(_e2, _e5);
+    put_arguments(0u, blocks);
+    bool loop_init = true;
+    while(true) {
+        if (!loop_init) {
+            uint _e27 = i_2;
+            i_2 = (_e27 + 1u);
+        }
+        loop_init = false;
+        uint _e10 = i_2;
+        if ((_e10 < MERGES)) {
+        } else {
+            break;
+        }
+        {
+            uint _e14 = i_2;
+            uint _e19 = _group_1_binding_2_cs[8];
+            uint _e22 = i_2;
+            put_arguments((1u + _e14), ((_e19 > (BLOCK << (4u * _e22))) ? blocks : 0u));
+        }
+    }
+    return;
+}
 void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
     bool local = false;
+    bool local_1 = false;
     uint half_ = ((group.y * ROW_OF_GROUPS) + group.x);
-    uint _e11 = _group_1_binding_2_cs[0];
-    uint _e14 = _group_0_binding_0_cs.chunk_room;
-    if (((half_ / 2u) < min(_e11, _e14))) {
-        bool _e19 = fits();
-        local = _e19;
+    if ((half_ == 0u)) {
+        local = (thread == 0u);
     } else {
         local = false;
     }
-    bool _e21 = local;
-    if (_e21) {
+    bool _e14 = local;
+    if (_e14) {
+        put_later();
+    }
+    uint _e19 = _group_1_binding_2_cs[0];
+    uint _e22 = _group_0_binding_0_cs.chunk_room;
+    if (((half_ / 2u) < min(_e19, _e22))) {
+        bool _e27 = fits();
+        local_1 = _e27;
+    } else {
+        local_1 = false;
+    }
+    bool _e29 = local_1;
+    if (_e29) {
         fill_box(((half_ * THREADS) + thread));
         return;
     } else {

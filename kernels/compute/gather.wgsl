@@ -67,7 +67,7 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
         let high = min(rank_of(memory[span + 1u]), frame.chunk_room);
         memory[span + 2u] = low;
         memory[span + 3u] = high;
-        put_arguments(i, 2u * (max(high, low) - low));
+        put_arguments(i, max(2u * (max(high, low) - low), select(0u, 1u, i == frame.spans)));   // fill: at least one
     }
     if (thread == THREADS - 1u) {
         atomicStore(&counts[VISIBLE_CHUNKS], at);

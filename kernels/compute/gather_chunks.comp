@@ -112,6 +112,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint MERGES = 5u;
 const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -125,6 +126,7 @@ const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
 const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
@@ -277,8 +279,8 @@ void main() {
     bool loop_init_4 = true;
     while(true) {
         if (!loop_init_4) {
-            uint _e127 = i_2;
-            i_2 = (_e127 + THREADS);
+            uint _e136 = i_2;
+            i_2 = (_e136 + THREADS);
         }
         loop_init_4 = false;
         uint _e88 = i_2;
@@ -300,12 +302,14 @@ void main() {
             _group_1_binding_1_cs[(span + 2u)] = _e103;
             _group_1_binding_1_cs[(span + 3u)] = high_1;
             uint _e122 = i_2;
-            put_arguments(_e122, (2u * (max(high_1, _e103) - _e103)));
+            uint _e129 = i_2;
+            uint _e132 = _group_0_binding_0_cs.spans;
+            put_arguments(_e122, max((2u * (max(high_1, _e103) - _e103)), ((_e129 == _e132) ? 1u : 0u)));
         }
     }
     if ((thread == 127u)) {
-        uint _e134 = at;
-        _group_1_binding_2_cs[0] = _e134;
+        uint _e143 = at;
+        _group_1_binding_2_cs[0] = _e143;
         return;
     } else {
         return;

@@ -48,6 +48,9 @@ fn put_blocks(tile: u32, length: u32)
     if (blocks == 0u) {
         return;
     }
+    if (blocks > 1u) {
+        atomicMax(&counts[LONGEST], length);
+    }
     let first = atomicAdd(&counts[BLOCKS], blocks);
     for (var i = 0u; i < blocks && first + i < frame.block_room; i += 1u) {
         atomicStore(&counts[frame.blocks + 2u * (first + i)], tile);

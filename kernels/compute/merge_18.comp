@@ -117,6 +117,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint MERGES = 5u;
 const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -130,13 +131,14 @@ const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
 const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint BINS = 512u;
-layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 0) readonly buffer type_10_block_1Compute { uint _group_1_binding_0_cs[]; };
-layout(std430, binding = 1) buffer type_12_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
+layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
+layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 1) buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
 bool fits() {
     bool local = false;
     bool local_1 = false;
@@ -165,9 +167,9 @@ bool is_below(uvec2 a, uvec2 b) {
 }
 Block block_of(uvec3 group_6) {
     bool local_2 = false;
-    uint number_1 = ((group_6.y * ROW_OF_GROUPS) + group_6.x);
+    uint number_2 = ((group_6.y * ROW_OF_GROUPS) + group_6.x);
     uint _e8 = _group_1_binding_0_cs[7];
-    if (!((number_1 >= _e8))) {
+    if (!((number_2 >= _e8))) {
         bool _e13 = fits();
         local_2 = !(_e13);
     } else {
@@ -178,15 +180,15 @@ Block block_of(uvec3 group_6) {
         return Block(0u, 0u, 0u);
     }
     uint _e24 = _group_0_binding_0_cs.blocks;
-    uint tile = _group_1_binding_0_cs[(_e24 + (2u * number_1))];
-    uint count_1 = _group_1_binding_0_cs[(TILES + tile)];
+    uint tile = _group_1_binding_0_cs[(_e24 + (2u * number_2))];
+    uint count = _group_1_binding_0_cs[(TILES + tile)];
     uint _e38 = _group_0_binding_0_cs.next;
     uint _e41 = _group_1_binding_0_cs[(_e38 + tile)];
     uint _e47 = _group_0_binding_0_cs.blocks;
-    uint _e54 = _group_1_binding_0_cs[((_e47 + (2u * number_1)) + 1u)];
-    return Block((_e41 - count_1), count_1, (BLOCK * _e54));
+    uint _e54 = _group_1_binding_0_cs[((_e47 + (2u * number_2)) + 1u)];
+    return Block((_e41 - count), count, (BLOCK * _e54));
 }
-uint count_below(uint first, uint length_, uvec2 key) {
+uint count_below(uint first_1, uint length_, uvec2 key) {
     uint low = 0u;
     uint high = 0u;
     high = length_;
@@ -201,7 +203,7 @@ uint count_below(uint first, uint length_, uvec2 key) {
             uint _e9 = low;
             uint _e10 = high;
             uint middle = ((_e9 + _e10) / 2u);
-            uvec2 _e17 = _group_1_binding_1_cs[(first + middle)];
+            uvec2 _e17 = _group_1_binding_1_cs[(first_1 + middle)];
             bool _e18 = is_below(_e17, key);
             if (_e18) {
                 low = (middle + 1u);
@@ -227,13 +229,13 @@ void merge(uint thread_8, Block block, uint run, bool from_spare) {
     uint target_list = (block.list + (from_spare ? 0u : _e18));
     uint end = min((block.first + BLOCK), block.count);
     i_8 = (block.first + thread_8);
-    bool loop_init_1 = true;
+    bool loop_init = true;
     while(true) {
-        if (!loop_init_1) {
+        if (!loop_init) {
             uint _e81 = i_8;
             i_8 = (_e81 + THREADS);
         }
-        loop_init_1 = false;
+        loop_init = false;
         uint _e30 = i_8;
         if ((_e30 < end)) {
         } else {
@@ -248,13 +250,13 @@ void merge(uint thread_8, Block block, uint run, bool from_spare) {
             uint _e42 = i_8;
             place_1 = ((first_run << run) + (_e42 & ((1u << run) - 1u)));
             other = first_run;
-            bool loop_init_2 = true;
+            bool loop_init_1 = true;
             while(true) {
-                if (!loop_init_2) {
+                if (!loop_init_1) {
                     uint _e74 = other;
                     other = (_e74 + 1u);
                 }
-                loop_init_2 = false;
+                loop_init_1 = false;
                 uint _e51 = other;
                 if ((_e51 < (first_run + 16u))) {
                 } else {
@@ -262,17 +264,17 @@ void merge(uint thread_8, Block block, uint run, bool from_spare) {
                 }
                 {
                     uint _e55 = other;
-                    uint first_1 = (_e55 << run);
+                    uint first_2 = (_e55 << run);
                     uint _e57 = other;
                     if ((_e57 != own_1)) {
-                        local_3 = (first_1 < block.count);
+                        local_3 = (first_2 < block.count);
                     } else {
                         local_3 = false;
                     }
                     bool _e64 = local_3;
                     if (_e64) {
                         uint _e65 = place_1;
-                        uint _e72 = count_below((source + first_1), min((1u << run), (block.count - first_1)), key_1);
+                        uint _e72 = count_below((source + first_2), min((1u << run), (block.count - first_2)), key_1);
                         place_1 = (_e65 + _e72);
                     }
                 }

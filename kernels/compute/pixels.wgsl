@@ -16,46 +16,80 @@ var<workgroup> rows: array<vec2<i32>, 512>;
 var<workgroup> others: array<vec4<i32>, 64>;
 var<workgroup> touching: array<atomic<u32>, 4>;    // two words for this round, two for the next
 var<workgroup> open_round: u32;                    // the last one before which a pixel was open
+var<workgroup> open_pixels: array<atomic<u32>, 2>; // a byte a row
 
 struct Pixel {
     transmittance: i32,
     sum: vec3<i32>,
 }
 
-// Puts a splat at the quarter at (x, y). Returns whether it can touch a pixel there: u grows along a row, so the least
-// |u| is at an end, or 0 between them.
-fn place_splat(i: u32, slot: u32, x: u32, y: u32) -> bool
+// A splat on its way to a round.
+struct Fetched {
+    entry: vec2<u32>,              // with CUT_OFF: there is none
+    a: vec4<u32>,
+    b: vec4<u32>,
+}
+
+fn fetch_entry(q: Quarter, i: u32) -> vec2<u32>
 {
-    let a = splats[2u * slot];
-    let b = splats[2u * slot + 1u];
-    let offset_q11 = i32(b.y & 0xffffu);
-    let limit = fxs_limit_q11(offset_q11, frame.cut_q11);
-    var u = a.x + x * a.z + y * a.w;
-    var v = a.y + y * b.x;
-    var touches = false;
-    for (var row = 0u; row < SIDE; row += 1u) {
-        let left = bitcast<i32>(u);
-        let right = bitcast<i32>(u + (SIDE - 1u) * a.z);
-        let level = fxs_row_level_q11(fxs_coordinate_q13(bitcast<i32>(v)), offset_q11);
-        let least = max(max(left, -right), 0);
-        rows[SIDE * i + row] = vec2<i32>(left, level);
-        touches = touches || fxs_level_q11(fxs_coordinate_q13(least), level) <= limit;
-        u += a.w;
-        v += b.x;
+    if (i < q.count) {
+        return entries[q.list + i];
     }
-    others[i] = vec4<i32>(bitcast<i32>(a.z), limit, bitcast<i32>(b.y >> 16u) | bitcast<i32>(b.z << 16u),
-                          bitcast<i32>(b.z >> 16u));
+    return vec2<u32>(NOTHING, NOTHING);
+}
+
+fn fetch_splat(entry: vec2<u32>) -> Fetched
+{
+    var f: Fetched;
+    f.entry = entry;
+    if ((entry.x & CUT_OFF) == 0u) {
+        f.a = splats[2u * entry.x];
+        f.b = splats[2u * entry.x + 1u];
+    }
+    return f;
+}
+
+// Puts a splat at a quarter. Returns whether it can touch an open pixel there: u grows along a row, so the least |u| is
+// at the first open pixel or the last, or 0 between them.
+fn place_splat(i: u32, f: Fetched, q: Quarter) -> bool
+{
+    let offset_q11 = i32(f.b.y & 0xffffu);
+    let limit = fxs_limit_q11(offset_q11, frame.cut_q11);
+    let ux = f.a.z;
+    var u = f.a.x + q.x * ux + q.y * f.a.w;
+    var v = f.a.y + q.y * f.b.x;
+    var touches = false;
+    var open = atomicLoad(&open_pixels[0]);
+    for (var row = 0u; row < SIDE; row += 1u) {
+        if (row == SIDE / 2u) {
+            open = atomicLoad(&open_pixels[1]);
+        }
+        let of_row = open & 255u;
+        if (of_row != 0u) {
+            let left = bitcast<i32>(u + countTrailingZeros(of_row) * ux);
+            let right = bitcast<i32>(u + (31u - countLeadingZeros(of_row)) * ux);
+            let level = fxs_row_level_q11(fxs_coordinate_q13(bitcast<i32>(v)), offset_q11);
+            let least = max(max(left, -right), 0);
+            rows[SIDE * i + row] = vec2<i32>(bitcast<i32>(u), level);
+            touches = touches || fxs_level_q11(fxs_coordinate_q13(least), level) <= limit;
+        }
+        open >>= 8u;
+        u += f.a.w;
+        v += f.b.x;
+    }
+    others[i] = vec4<i32>(bitcast<i32>(ux), limit, bitcast<i32>((f.b.y >> 16u) | (f.b.z << 16u)),
+                          bitcast<i32>(f.b.z >> 16u));
     return touches;
 }
 
-// Blends a splat whose level may be up to `limit`. Returns its weight.
-fn blend_splat(p: ptr<function, Pixel>, i: u32, limit: i32, column: u32, row: u32) -> i32
+// Blends a splat of the round. Returns its weight. Rows without open pixels are not there.
+fn blend_splat(p: ptr<function, Pixel>, i: u32, column: u32, row: u32) -> i32
 {
     let at_row = rows[SIDE * i + row];
     let other = others[i];
     let u = at_row.x + i32(column) * other.x;
     let level = fxs_level_q11(fxs_coordinate_q13(u), at_row.y);
-    if (level > limit || (*p).transmittance < FXS_CLOSED_Q15) {
+    if (level > other.y || (*p).transmittance < FXS_CLOSED_Q15) {
         return 0;
     }
     let weight = fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance);
@@ -145,8 +179,11 @@ fn place_of(q: Quarter, thread: u32) -> Place
                  q.x + column < u32(frame.size.x) && q.y + row < u32(frame.size.y));
 }
 
-fn clear_rounds(thread: u32)
+fn clear_rounds(thread: u32, inside: bool)
 {
+    if (thread < 2u) {
+        atomicStore(&open_pixels[thread], 0u);
+    }
     if (thread < 4u) {
         atomicStore(&touching[thread], 0u);
     }
@@ -154,17 +191,23 @@ fn clear_rounds(thread: u32)
         open_round = 0u;
     }
     workgroupBarrier();
+    if (inside) {
+        atomicOr(&open_pixels[thread / 32u], 1u << (thread % 32u));
+    }
+    workgroupBarrier();
 }
 
-// Puts the splats of a round to the quarter, and marks those that touch a pixel; `words`: of this round.
-fn place_round(q: Quarter, thread: u32, first: u32, words: u32)
+fn close_pixel(thread: u32)
 {
-    if (first + thread < q.count) {
-        let slot = entries[q.list + first + thread].x;
-        if ((slot & CUT_OFF) == 0u) {
-            if (place_splat(thread, slot, q.x, q.y)) {
-                atomicOr(&touching[words + thread / 32u], 1u << (thread % 32u));
-            }
+    atomicAnd(&open_pixels[thread / 32u], ~(1u << (thread % 32u)));
+}
+
+// Puts a splat to the quarter, and marks it where it touches an open pixel; `words`: of this round.
+fn place_fetched(q: Quarter, thread: u32, f: Fetched, words: u32)
+{
+    if ((f.entry.x & CUT_OFF) == 0u) {
+        if (place_splat(thread, f, q)) {
+            atomicOr(&touching[words + thread / 32u], 1u << (thread % 32u));
         }
     }
 }

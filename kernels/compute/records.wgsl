@@ -8,6 +8,7 @@ const RECORD: u32 = 64u;           // words of a chunk's record
 const LARGE: u32 = 8u;             // words of a large splat's record
 const SPAN: u32 = 8u;              // words of a span: see spans_at
 const PAGE: u32 = 4096u;           // entries: rows of tiles begin at multiples of it
+const MERGES: u32 = 5u;            // of 16 runs: a list has at most 2^28 entries
 const BLOCK: u32 = 1024u;          // entries that a workgroup sorts
 const CLASSES: u32 = 16u;          // of tiles, by the magnitude of their lists
 const CUT_OFF: u32 = 0x80000000u;  // as FXS_ENTRY_CUT_OFF
@@ -24,6 +25,7 @@ const DAMAGED: u32 = 3u;
 const VISIBLE: u32 = 4u;
 const ENTRIES: u32 = 5u;           // two words
 const BLOCKS: u32 = 7u;            // of lists that are sorted
+const LONGEST: u32 = 8u;           // list
 const CLASS_COUNTS: u32 = 16u;
 const TILES: u32 = 64u;            // the lengths of the tiles' lists
 

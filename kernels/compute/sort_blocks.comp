@@ -117,6 +117,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint MERGES = 5u;
 const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -130,13 +131,14 @@ const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
 const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint BINS = 512u;
-layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 0) readonly buffer type_10_block_1Compute { uint _group_1_binding_0_cs[]; };
-layout(std430, binding = 1) buffer type_12_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
+layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
+layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 1) buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
 shared uvec2 keys[1024];
 shared uint places[1024];
 shared uint bins[512];
@@ -170,9 +172,9 @@ bool is_below(uvec2 a, uvec2 b) {
 }
 Block block_of(uvec3 group_6) {
     bool local_2 = false;
-    uint number_1 = ((group_6.y * ROW_OF_GROUPS) + group_6.x);
+    uint number_2 = ((group_6.y * ROW_OF_GROUPS) + group_6.x);
     uint _e8 = _group_1_binding_0_cs[7];
-    if (!((number_1 >= _e8))) {
+    if (!((number_2 >= _e8))) {
         bool _e13 = fits();
         local_2 = !(_e13);
     } else {
@@ -183,29 +185,29 @@ Block block_of(uvec3 group_6) {
         return Block(0u, 0u, 0u);
     }
     uint _e24 = _group_0_binding_0_cs.blocks;
-    uint tile = _group_1_binding_0_cs[(_e24 + (2u * number_1))];
-    uint count_1 = _group_1_binding_0_cs[(TILES + tile)];
+    uint tile = _group_1_binding_0_cs[(_e24 + (2u * number_2))];
+    uint count = _group_1_binding_0_cs[(TILES + tile)];
     uint _e38 = _group_0_binding_0_cs.next;
     uint _e41 = _group_1_binding_0_cs[(_e38 + tile)];
     uint _e47 = _group_0_binding_0_cs.blocks;
-    uint _e54 = _group_1_binding_0_cs[((_e47 + (2u * number_1)) + 1u)];
-    return Block((_e41 - count_1), count_1, (BLOCK * _e54));
+    uint _e54 = _group_1_binding_0_cs[((_e47 + (2u * number_2)) + 1u)];
+    return Block((_e41 - count), count, (BLOCK * _e54));
 }
 void place_bins(uint thread_6) {
     uint own = 0u;
     uint i_5 = 0u;
     uint d = 1u;
     uint below = 0u;
-    uint start_1 = 0u;
+    uint start_3 = 0u;
     uint i_6 = 0u;
     i_5 = (4u * thread_6);
-    bool loop_init_1 = true;
+    bool loop_init = true;
     while(true) {
-        if (!loop_init_1) {
+        if (!loop_init) {
             uint _e18 = i_5;
             i_5 = (_e18 + 1u);
         }
-        loop_init_1 = false;
+        loop_init = false;
         uint _e6 = i_5;
         if ((_e6 < ((4u * thread_6) + 4u))) {
         } else {
@@ -220,13 +222,13 @@ void place_bins(uint thread_6) {
     }
     uint _e23 = own;
     sums[thread_6] = _e23;
-    bool loop_init_2 = true;
+    bool loop_init_1 = true;
     while(true) {
-        if (!loop_init_2) {
+        if (!loop_init_1) {
             uint _e43 = d;
             d = (_e43 * 2u);
         }
-        loop_init_2 = false;
+        loop_init_1 = false;
         uint _e26 = d;
         if ((_e26 < THREADS)) {
         } else {
@@ -251,15 +253,15 @@ void place_bins(uint thread_6) {
     }
     uint _e48 = sums[thread_6];
     uint _e49 = own;
-    start_1 = (_e48 - _e49);
+    start_3 = (_e48 - _e49);
     i_6 = (4u * thread_6);
-    bool loop_init_3 = true;
+    bool loop_init_2 = true;
     while(true) {
-        if (!loop_init_3) {
+        if (!loop_init_2) {
             uint _e71 = i_6;
             i_6 = (_e71 + 1u);
         }
-        loop_init_3 = false;
+        loop_init_2 = false;
         uint _e55 = i_6;
         if ((_e55 < ((4u * thread_6) + 4u))) {
         } else {
@@ -269,10 +271,10 @@ void place_bins(uint thread_6) {
             uint _e62 = i_6;
             uint size = bins[_e62];
             uint _e66 = i_6;
-            uint _e68 = start_1;
+            uint _e68 = start_3;
             bins[_e66] = _e68;
-            uint _e69 = start_1;
-            start_1 = (_e69 + size);
+            uint _e69 = start_3;
+            start_3 = (_e69 + size);
         }
     }
     memoryBarrierShared();
@@ -284,13 +286,13 @@ void fetch(uint thread_7, uint at, uint some) {
     uint most = 0u;
     uint i_7 = 0u;
     i_7 = thread_7;
-    bool loop_init_4 = true;
+    bool loop_init_3 = true;
     while(true) {
-        if (!loop_init_4) {
+        if (!loop_init_3) {
             uint _e24 = i_7;
             i_7 = (_e24 + THREADS);
         }
-        loop_init_4 = false;
+        loop_init_3 = false;
         uint _e8 = i_7;
         if ((_e8 < some)) {
         } else {
@@ -330,15 +332,15 @@ void main() {
         return;
     }
     uint some_1 = min((_e2.count - _e2.first), BLOCK);
-    uint at_1 = (_e2.list + _e2.first);
+    uint at_2 = (_e2.list + _e2.first);
     i = thread;
-    bool loop_init_7 = true;
+    bool loop_init_6 = true;
     while(true) {
-        if (!loop_init_7) {
+        if (!loop_init_6) {
             uint _e22 = i;
             i = (_e22 + THREADS);
         }
-        loop_init_7 = false;
+        loop_init_6 = false;
         uint _e15 = i;
         if ((_e15 < BINS)) {
         } else {
@@ -355,19 +357,19 @@ void main() {
     }
     memoryBarrierShared();
     barrier();
-    fetch(thread, at_1, some_1);
+    fetch(thread, at_2, some_1);
     uint low_1 = bounds[0];
     uint _e39 = bounds[1];
     uint bits = (32u - uint(31 - findMSB((_e39 - low_1))));
     uint shift = (max(bits, 9u) - 9u);
     i_1 = thread;
-    bool loop_init_8 = true;
+    bool loop_init_7 = true;
     while(true) {
-        if (!loop_init_8) {
+        if (!loop_init_7) {
             uint _e61 = i_1;
             i_1 = (_e61 + THREADS);
         }
-        loop_init_8 = false;
+        loop_init_7 = false;
         uint _e48 = i_1;
         if ((_e48 < some_1)) {
         } else {
@@ -383,13 +385,13 @@ void main() {
     barrier();
     place_bins(thread);
     i_2 = thread;
-    bool loop_init_9 = true;
+    bool loop_init_8 = true;
     while(true) {
-        if (!loop_init_9) {
+        if (!loop_init_8) {
             uint _e81 = i_2;
             i_2 = (_e81 + THREADS);
         }
-        loop_init_9 = false;
+        loop_init_8 = false;
         uint _e65 = i_2;
         if ((_e65 < some_1)) {
         } else {
@@ -406,13 +408,13 @@ void main() {
     memoryBarrierShared();
     barrier();
     i_3 = thread;
-    bool loop_init_10 = true;
+    bool loop_init_9 = true;
     while(true) {
-        if (!loop_init_10) {
+        if (!loop_init_9) {
             uint _e132 = i_3;
             i_3 = (_e132 + THREADS);
         }
-        loop_init_10 = false;
+        loop_init_9 = false;
         uint _e85 = i_3;
         if ((_e85 < some_1)) {
         } else {
@@ -432,13 +434,13 @@ void main() {
             place = _e106;
             uint _e108 = start;
             k = _e108;
-            bool loop_init_11 = true;
+            bool loop_init_10 = true;
             while(true) {
-                if (!loop_init_11) {
+                if (!loop_init_10) {
                     uint _e125 = k;
                     k = (_e125 + 1u);
                 }
-                loop_init_11 = false;
+                loop_init_10 = false;
                 uint _e110 = k;
                 if ((_e110 < end_1)) {
                 } else {
@@ -454,7 +456,7 @@ void main() {
                 }
             }
             uint _e129 = place;
-            _group_1_binding_1_cs[(at_1 + _e129)] = key_3;
+            _group_1_binding_1_cs[(at_2 + _e129)] = key_3;
         }
     }
     return;

@@ -112,6 +112,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint MERGES = 5u;
 const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -125,6 +126,7 @@ const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
 const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
@@ -193,35 +195,38 @@ void put_blocks(uint tile, uint length_2) {
     if ((blocks == 0u)) {
         return;
     }
-    uint _e16 = atomicAdd(_group_1_binding_2_cs[7], blocks);
+    if ((blocks > 1u)) {
+        uint _e18 = atomicMax(_group_1_binding_2_cs[8], length_2);
+    }
+    uint _e21 = atomicAdd(_group_1_binding_2_cs[7], blocks);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e54 = i_1;
-            i_1 = (_e54 + 1u);
+            uint _e59 = i_1;
+            i_1 = (_e59 + 1u);
         }
         loop_init_1 = false;
-        uint _e19 = i_1;
-        if ((_e19 < blocks)) {
-            uint _e23 = i_1;
-            uint _e27 = _group_0_binding_0_cs.block_room;
-            local = ((_e16 + _e23) < _e27);
+        uint _e24 = i_1;
+        if ((_e24 < blocks)) {
+            uint _e28 = i_1;
+            uint _e32 = _group_0_binding_0_cs.block_room;
+            local = ((_e21 + _e28) < _e32);
         } else {
             local = false;
         }
-        bool _e30 = local;
-        if (_e30) {
+        bool _e35 = local;
+        if (_e35) {
         } else {
             break;
         }
         {
-            uint _e34 = _group_0_binding_0_cs.blocks;
-            uint _e36 = i_1;
-            _group_1_binding_2_cs[(_e34 + (2u * (_e16 + _e36)))] = tile;
-            uint _e44 = _group_0_binding_0_cs.blocks;
-            uint _e46 = i_1;
-            uint _e53 = i_1;
-            _group_1_binding_2_cs[((_e44 + (2u * (_e16 + _e46))) + 1u)] = _e53;
+            uint _e39 = _group_0_binding_0_cs.blocks;
+            uint _e41 = i_1;
+            _group_1_binding_2_cs[(_e39 + (2u * (_e21 + _e41)))] = tile;
+            uint _e49 = _group_0_binding_0_cs.blocks;
+            uint _e51 = i_1;
+            uint _e58 = i_1;
+            _group_1_binding_2_cs[((_e49 + (2u * (_e21 + _e51))) + 1u)] = _e58;
         }
     }
     return;

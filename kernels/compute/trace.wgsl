@@ -1,7 +1,7 @@
 // Needs pixel numbers records order pixels
 // trace: blend and resolve with depths, ids and an occluder, src/core/trace.c.
 
-var<workgroup> keys: array<u32, 64>;       // of a round's splats
+var<workgroup> own: array<vec2<u32>, 64>;  // the entries of a round
 
 const HALF_Q15: i32 = 16384;
 
@@ -105,17 +105,20 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     if (place.inside && frame.occluder != NOTHING) {
         t.limit = key_of(picture[frame.occluder + place.at]);
     }
-    clear_rounds(thread);
+    var open = place.inside;
+    var fetched = fetch_splat(fetch_entry(q, thread));
+    var entry = fetch_entry(q, SOME + thread);
+    clear_rounds(thread, open);
     for (var first = 0u; first < q.count; first += SOME) {
         let round = first / SOME + 1u;
         let words = 2u * (round % 2u);
-        if (p.transmittance >= FXS_CLOSED_Q15 && entries[q.list + first].y <= t.limit) {
+        if (open) {
             open_round = round;
         }
-        place_round(q, thread, first, words);
-        if (first + thread < q.count) {
-            keys[thread] = entries[q.list + first + thread].y;
-        }
+        place_fetched(q, thread, fetched, words);
+        own[thread] = fetched.entry;
+        fetched = fetch_splat(entry);              // while this round is blended
+        entry = fetch_entry(q, first + 2u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
         }
@@ -125,13 +128,18 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         for (var word = 0u; word < 2u; word += 1u) {
             for (var bits = atomicLoad(&touching[words + word]); bits != 0u; bits &= bits - 1u) {
                 let i = 32u * word + countTrailingZeros(bits);
-                let before = p.transmittance;
-                let key = keys[i];
-                let weight = blend_splat(&p, i, select(-1, others[i].y, key <= t.limit), place.column, place.row);
-                if (weight > 0) {
-                    note(&t, before, weight, key, entries[q.list + first + i].x);
+                if (own[i].y <= t.limit) {
+                    let before = p.transmittance;
+                    let weight = blend_splat(&p, i, place.column, place.row);
+                    if (weight > 0) {
+                        note(&t, before, weight, own[i].y, own[i].x);
+                    }
                 }
             }
+        }
+        if (open && (p.transmittance < FXS_CLOSED_Q15 || own[0].y > t.limit)) {
+            open = false;
+            close_pixel(thread);
         }
         workgroupBarrier();
     }

@@ -109,6 +109,11 @@ struct Pixel {
     int transmittance;
     ivec3 sum;
 };
+struct Fetched {
+    uvec2 entry;
+    uvec4 a;
+    uvec4 b;
+};
 struct Quarter {
     uint tile;
     uint x;
@@ -142,6 +147,7 @@ const uint RECORD = 64u;
 const uint LARGE = 8u;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
+const uint MERGES = 5u;
 const uint BLOCK = 1024u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -155,22 +161,24 @@ const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
 const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint SIDE = 8u;
 const uint SOME = 64u;
 const int HALF_Q15_ = 16384;
-layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 0) readonly buffer type_11_block_1Compute { uint _group_1_binding_0_cs[]; };
-layout(std430, binding = 1) readonly buffer type_12_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
-layout(std430, binding = 2) readonly buffer type_13_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
-layout(std430, binding = 3) buffer type_11_block_4Compute { uint _group_1_binding_3_cs[]; };
+layout(std430, binding = 0) readonly buffer type_12_block_0Compute { uint _group_1_binding_0_cs[]; };
+layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 1) readonly buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) readonly buffer type_14_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
+layout(std430, binding = 3) buffer type_12_block_4Compute { uint _group_1_binding_3_cs[]; };
 shared ivec2 rows[512];
 shared ivec4 others[64];
 shared uint touching[4];
 shared uint open_round;
-shared uint keys[64];
+shared uint open_pixels[2];
+shared uvec2 own[64];
 int fxs_mul_q15_(int a, int b) {
     return (((a * b) + 16384) >> 15u);
 }
@@ -267,139 +275,180 @@ uvec2 shift_right(uvec2 a_14, uint n_1) {
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));
 }
-uint tile_at(uint number) {
-    uint rest = 0u;
-    uint class_number = CLASSES;
-    int _e4 = _group_0_binding_0_cs.tiles.x;
-    int _e8 = _group_0_binding_0_cs.tiles.y;
-    uint tiles = uint((_e4 * _e8));
-    rest = number;
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e42 = class_number;
-            class_number = (_e42 - 1u);
-        }
-        loop_init = false;
-        uint _e14 = class_number;
-        if ((_e14 > 0u)) {
-        } else {
-            break;
-        }
-        {
-            uint _e19 = class_number;
-            uint count_1 = _group_1_binding_0_cs[((CLASS_COUNTS + _e19) - 1u)];
-            uint _e25 = rest;
-            if ((_e25 < count_1)) {
-                uint _e30 = _group_0_binding_0_cs.classes;
-                uint _e31 = class_number;
-                uint _e36 = rest;
-                uint _e39 = _group_1_binding_0_cs[((_e30 + ((_e31 - 1u) * tiles)) + _e36)];
-                return _e39;
-            }
-            uint _e40 = rest;
-            rest = (_e40 - count_1);
-        }
+uint classes_before(uint number, uvec4 sizes, inout uint start, inout uint all_) {
+    uint _e4 = all_;
+    uint w = (_e4 + sizes.w);
+    uint z = (w + sizes.z);
+    uint y = (z + sizes.y);
+    uint x_7 = (y + sizes.x);
+    uvec4 ends = uvec4(x_7, y, z, w);
+    uvec4 before_1 = mix(uvec4(0u), uvec4(1u), greaterThanEqual(uvec4(number), ends));
+    uvec4 last = (before_1 * ends);
+    all_ = x_7;
+    uint _e22 = start;
+    start = max(_e22, max(max(last.x, last.y), max(last.z, last.w)));
+    return (((before_1.x + before_1.y) + before_1.z) + before_1.w);
+}
+uvec4 class_sizes(uint first_1) {
+    uint at_3 = (CLASS_COUNTS + first_1);
+    uint _e5 = _group_1_binding_0_cs[at_3];
+    uint _e10 = _group_1_binding_0_cs[(at_3 + 1u)];
+    uint _e15 = _group_1_binding_0_cs[(at_3 + 2u)];
+    uint _e20 = _group_1_binding_0_cs[(at_3 + 3u)];
+    return uvec4(_e5, _e10, _e15, _e20);
+}
+uint tile_at(uint number_1) {
+    uint start_1 = 0u;
+    uint all_1 = 0u;
+    uvec4 _e2 = class_sizes(12u);
+    uvec4 _e4 = class_sizes(8u);
+    uvec4 _e6 = class_sizes(4u);
+    uvec4 _e8 = class_sizes(0u);
+    uint _e13 = classes_before(number_1, _e2, start_1, all_1);
+    uint _e14 = classes_before(number_1, _e4, start_1, all_1);
+    uint _e16 = classes_before(number_1, _e6, start_1, all_1);
+    uint _e18 = classes_before(number_1, _e8, start_1, all_1);
+    uint before_2 = (((_e13 + _e14) + _e16) + _e18);
+    if ((before_2 == CLASSES)) {
+        return NOTHING;
     }
-    return NOTHING;
+    uint _e26 = _group_0_binding_0_cs.classes;
+    int _e32 = _group_0_binding_0_cs.tiles.x;
+    int _e36 = _group_0_binding_0_cs.tiles.y;
+    uint _e42 = start_1;
+    uint _e45 = _group_1_binding_0_cs[(((_e26 + ((15u - before_2) * uint((_e32 * _e36)))) + number_1) - _e42)];
+    return _e45;
 }
 bool fits() {
-    bool local_2 = false;
     bool local_3 = false;
+    bool local_4 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_2 = (_e11 <= _e14);
-    } else {
-        local_2 = false;
-    }
-    bool _e17 = local_2;
-    if (_e17) {
-        uint _e22 = _group_1_binding_0_cs[0];
-        uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_3 = (_e22 <= _e25);
+        local_3 = (_e11 <= _e14);
     } else {
         local_3 = false;
     }
-    bool _e28 = local_3;
+    bool _e17 = local_3;
+    if (_e17) {
+        uint _e22 = _group_1_binding_0_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_4 = (_e22 <= _e25);
+    } else {
+        local_4 = false;
+    }
+    bool _e28 = local_4;
     return _e28;
 }
-bool place_splat(uint i_1, uint slot, uint x_7, uint y) {
+uvec2 fetch_entry(Quarter q_1, uint i_1) {
+    if ((i_1 < q_1.count)) {
+        uvec2 _e8 = _group_1_binding_1_cs[(q_1.list + i_1)];
+        return _e8;
+    }
+    return uvec2(4294967295u, 4294967295u);
+}
+Fetched fetch_splat(uvec2 entry_1) {
+    Fetched f = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
+    f.entry = entry_1;
+    if (((entry_1.x & CUT_OFF) == 0u)) {
+        uvec4 _e14 = _group_1_binding_2_cs[(2u * entry_1.x)];
+        f.a = _e14;
+        uvec4 _e23 = _group_1_binding_2_cs[((2u * entry_1.x) + 1u)];
+        f.b = _e23;
+    }
+    Fetched _e24 = f;
+    return _e24;
+}
+bool place_splat(uint i_2, Fetched f_1, Quarter q_2) {
     uint u = 0u;
     uint v = 0u;
     bool touches = false;
+    uint open_1 = 0u;
     uint row = 0u;
-    bool local_4 = false;
-    uvec4 a_18 = _group_1_binding_2_cs[(2u * slot)];
-    uvec4 b_10 = _group_1_binding_2_cs[((2u * slot) + 1u)];
-    int offset_q11_2 = int((b_10.y & 65535u));
-    int _e22 = _group_0_binding_0_cs.cut_q11_;
-    int _e23 = fxs_limit_q11_(offset_q11_2, _e22);
-    u = ((a_18.x + (x_7 * a_18.z)) + (y * a_18.w));
-    v = (a_18.y + (y * b_10.x));
-    bool loop_init_1 = true;
+    bool local_5 = false;
+    int offset_q11_2 = int((f_1.b.y & 65535u));
+    int _e10 = _group_0_binding_0_cs.cut_q11_;
+    int _e11 = fxs_limit_q11_(offset_q11_2, _e10);
+    uint ux = f_1.a.z;
+    u = ((f_1.a.x + (q_2.x * ux)) + (q_2.y * f_1.a.w));
+    v = (f_1.a.y + (q_2.y * f_1.b.x));
+    uint _e37 = open_pixels[0];
+    open_1 = _e37;
+    bool loop_init = true;
     while(true) {
-        if (!loop_init_1) {
-            uint _e82 = row;
-            row = (_e82 + 1u);
+        if (!loop_init) {
+            uint _e104 = row;
+            row = (_e104 + 1u);
         }
-        loop_init_1 = false;
+        loop_init = false;
         uint _e41 = row;
         if ((_e41 < SIDE)) {
         } else {
             break;
         }
         {
-            uint _e44 = u;
-            int left = int(_e44);
-            uint _e46 = u;
-            int right = int((_e46 + (7u * a_18.z)));
-            uint _e52 = v;
-            int _e54 = fxs_coordinate_q13_(int(_e52));
-            int _e55 = fxs_row_level_q11_(_e54, offset_q11_2);
-            int least = max(max(left, -(right)), 0);
-            uint _e63 = row;
-            rows[((SIDE * i_1) + _e63)] = ivec2(left, _e55);
-            bool _e67 = touches;
-            if (!(_e67)) {
-                int _e71 = fxs_coordinate_q13_(least);
-                int _e72 = fxs_level_q11_(_e71, _e55);
-                local_4 = (_e72 <= _e23);
-            } else {
-                local_4 = true;
+            uint _e44 = row;
+            if ((_e44 == 4u)) {
+                uint _e49 = open_pixels[1];
+                open_1 = _e49;
             }
-            bool _e75 = local_4;
-            touches = _e75;
-            uint _e76 = u;
-            u = (_e76 + a_18.w);
-            uint _e79 = v;
-            v = (_e79 + b_10.x);
+            uint _e50 = open_1;
+            uint of_row = (_e50 & 255u);
+            if ((of_row != 0u)) {
+                uint _e55 = u;
+                int left = int((_e55 + (min(uint(findLSB(of_row)), 32u) * ux)));
+                uint _e60 = u;
+                int right = int((_e60 + ((31u - uint(31 - findMSB(of_row))) * ux)));
+                uint _e67 = v;
+                int _e69 = fxs_coordinate_q13_(int(_e67));
+                int _e70 = fxs_row_level_q11_(_e69, offset_q11_2);
+                int least = max(max(left, -(right)), 0);
+                uint _e78 = row;
+                uint _e81 = u;
+                rows[((SIDE * i_2) + _e78)] = ivec2(int(_e81), _e70);
+                bool _e84 = touches;
+                if (!(_e84)) {
+                    int _e88 = fxs_coordinate_q13_(least);
+                    int _e89 = fxs_level_q11_(_e88, _e70);
+                    local_5 = (_e89 <= _e11);
+                } else {
+                    local_5 = true;
+                }
+                bool _e92 = local_5;
+                touches = _e92;
+            }
+            uint _e93 = open_1;
+            open_1 = (_e93 >> 8u);
+            uint _e96 = u;
+            u = (_e96 + f_1.a.w);
+            uint _e100 = v;
+            v = (_e100 + f_1.b.x);
         }
     }
-    others[i_1] = ivec4(int(a_18.z), _e23, (int((b_10.y >> 16u)) | int((b_10.z << 16u))), int((b_10.z >> 16u)));
-    bool _e103 = touches;
-    return _e103;
+    others[i_2] = ivec4(int(ux), _e11, int(((f_1.b.y >> 16u) | (f_1.b.z << 16u))), int((f_1.b.z >> 16u)));
+    bool _e126 = touches;
+    return _e126;
 }
-int blend_splat(inout Pixel p_3, uint i_2, int limit, uint column, uint row_1) {
-    bool local_5 = false;
-    ivec2 at_row = rows[((SIDE * i_2) + row_1)];
-    ivec4 other_1 = others[i_2];
+int blend_splat(inout Pixel p_3, uint i_3, uint column, uint row_1) {
+    bool local_6 = false;
+    ivec2 at_row = rows[((SIDE * i_3) + row_1)];
+    ivec4 other_1 = others[i_3];
     int u_1 = (at_row.x + (int(column) * other_1.x));
-    int _e19 = fxs_coordinate_q13_(u_1);
-    int _e21 = fxs_level_q11_(_e19, at_row.y);
-    if (!((_e21 > limit))) {
+    int _e18 = fxs_coordinate_q13_(u_1);
+    int _e20 = fxs_level_q11_(_e18, at_row.y);
+    if (!((_e20 > other_1.y))) {
         int _e27 = p_3.transmittance;
-        local_5 = (_e27 < FXS_CLOSED_Q15_);
+        local_6 = (_e27 < FXS_CLOSED_Q15_);
     } else {
-        local_5 = true;
+        local_6 = true;
     }
-    bool _e31 = local_5;
+    bool _e31 = local_6;
     if (_e31) {
         return 0;
     }
-    int _e33 = fxs_alpha_q15_(_e21);
+    int _e33 = fxs_alpha_q15_(_e20);
     int _e35 = p_3.transmittance;
     int _e36 = fxs_weight_q15_(_e33, _e35);
     int _e38 = p_3.transmittance;
@@ -448,8 +497,8 @@ void put_colour(inout Pixel p_4, uint at) {
     uint g = uint(_e88);
     int _e92 = background_q13_1.z;
     int _e93 = fxs_resolve_8bit(sum_1.z, transmittance_2, _e92);
-    uint b_11 = uint(_e93);
-    word_3 = (((r | (g << 8u)) | (b_11 << 16u)) | 4278190080u);
+    uint b_10 = uint(_e93);
+    word_3 = (((r | (g << 8u)) | (b_10 << 16u)) | 4278190080u);
     uint _e106 = _group_0_binding_0_cs.format;
     if ((_e106 == 1u)) {
         uint _e109 = word_3;
@@ -458,7 +507,7 @@ void put_colour(inout Pixel p_4, uint at) {
     }
     uint _e119 = _group_0_binding_0_cs.format;
     if ((_e119 == 2u)) {
-        word_3 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_11 * 31u) + 127u) / 255u));
+        word_3 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_10 * 31u) + 127u) / 255u));
     }
     uint _e149 = _group_0_binding_0_cs.colour;
     uint _e152 = word_3;
@@ -473,41 +522,44 @@ uint list_of(uint tile, uint count) {
     return ((_e21 - count) + (((merges % 2u) == 1u) ? _e26 : 0u));
 }
 Quarter quarter_of(uvec3 group_1) {
-    bool local_6 = false;
-    uint number_1 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
+    bool local_7 = false;
+    uint number_2 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
     int _e9 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e9);
-    uint _e13 = tile_at((number_1 / 4u));
+    uint _e13 = tile_at((number_2 / 4u));
     if (!((_e13 == NOTHING))) {
         bool _e19 = fits();
-        local_6 = !(_e19);
+        local_7 = !(_e19);
     } else {
-        local_6 = true;
+        local_7 = true;
     }
-    bool _e22 = local_6;
+    bool _e22 = local_7;
     if (_e22) {
         return Quarter(4294967295u, 0u, 0u, 0u, 0u);
     }
-    uint count_2 = _group_1_binding_0_cs[(TILES + _e13)];
-    uint _e52 = list_of(_e13, count_2);
-    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_1 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_1 / 2u) % 2u) * SIDE)), _e52, count_2);
+    uint count_1 = _group_1_binding_0_cs[(TILES + _e13)];
+    uint _e52 = list_of(_e13, count_1);
+    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_2 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_2 / 2u) % 2u) * SIDE)), _e52, count_1);
 }
-Place place_of(Quarter q_1, uint thread_1) {
-    bool local_7 = false;
+Place place_of(Quarter q_3, uint thread_1) {
+    bool local_8 = false;
     uint column_1 = (thread_1 % SIDE);
     uint row_2 = (thread_1 / SIDE);
     int _e11 = _group_0_binding_0_cs.size.x;
     int _e22 = _group_0_binding_0_cs.size.x;
-    if (((q_1.x + column_1) < uint(_e22))) {
+    if (((q_3.x + column_1) < uint(_e22))) {
         int _e32 = _group_0_binding_0_cs.size.y;
-        local_7 = ((q_1.y + row_2) < uint(_e32));
+        local_8 = ((q_3.y + row_2) < uint(_e32));
     } else {
-        local_7 = false;
+        local_8 = false;
     }
-    bool _e36 = local_7;
-    return Place(column_1, row_2, ((((q_1.y + row_2) * uint(_e11)) + q_1.x) + column_1), _e36);
+    bool _e36 = local_8;
+    return Place(column_1, row_2, ((((q_3.y + row_2) * uint(_e11)) + q_3.x) + column_1), _e36);
 }
-void clear_rounds(uint thread_2) {
+void clear_rounds(uint thread_2, bool inside) {
+    if ((thread_2 < 2u)) {
+        open_pixels[thread_2] = 0u;
+    }
     if ((thread_2 < 4u)) {
         touching[thread_2] = 0u;
     }
@@ -516,19 +568,23 @@ void clear_rounds(uint thread_2) {
     }
     memoryBarrierShared();
     barrier();
+    if (inside) {
+        uint _e24 = atomicOr(open_pixels[(thread_2 / 32u)], (1u << (thread_2 % 32u)));
+    }
+    memoryBarrierShared();
+    barrier();
     return;
 }
-void place_round(Quarter q_2, uint thread_3, uint first_1, uint words) {
-    if (((first_1 + thread_3) < q_2.count)) {
-        uint slot_2 = _group_1_binding_1_cs[((q_2.list + first_1) + thread_3)].x;
-        if (((slot_2 & CUT_OFF) == 0u)) {
-            bool _e20 = place_splat(thread_3, slot_2, q_2.x, q_2.y);
-            if (_e20) {
-                uint _e30 = atomicOr(touching[(words + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
-                return;
-            } else {
-                return;
-            }
+void close_pixel(uint thread_3) {
+    uint _e10 = atomicAnd(open_pixels[(thread_3 / 32u)], ~((1u << (thread_3 % 32u))));
+    return;
+}
+void place_fetched(Quarter q_4, uint thread_4, Fetched f_2, uint words) {
+    if (((f_2.entry.x & CUT_OFF) == 0u)) {
+        bool _e10 = place_splat(thread_4, f_2, q_4);
+        if (_e10) {
+            uint _e20 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+            return;
         } else {
             return;
         }
@@ -553,14 +609,14 @@ void put_pixel(inout Pixel p_5, uint at_1) {
     }
 }
 uint key_of(uint depth) {
-    bool local_8 = false;
+    bool local_9 = false;
     int _e3 = zeros_of((depth | 1u));
     if (!((depth == NOTHING))) {
-        local_8 = (depth == 0u);
+        local_9 = (depth == 0u);
     } else {
-        local_8 = true;
+        local_9 = true;
     }
-    bool _e12 = local_8;
+    bool _e12 = local_9;
     if (_e12) {
         return depth;
     }
@@ -600,16 +656,16 @@ uint mean_depth(uvec2 sum, int transmittance) {
     }
     uvec2 _e12 = add_wide(sum, uvec2((weight_2 << 7u), 0u));
     uvec2 _e14 = shift_right(_e12, 8u);
-    uint a_19 = ((_e14.y >> 16u) % weight_2);
-    uint b_12 = ((a_19 << 16u) | (_e14.y & 65535u));
-    uint c_1 = (((b_12 % weight_2) << 16u) | (_e14.x >> 16u));
+    uint a_18 = ((_e14.y >> 16u) % weight_2);
+    uint b_11 = ((a_18 << 16u) | (_e14.y & 65535u));
+    uint c_1 = (((b_11 % weight_2) << 16u) | (_e14.x >> 16u));
     uint d = (((c_1 % weight_2) << 16u) | (_e14.x & 65535u));
     if ((_e14.y >= weight_2)) {
         return 4294967294u;
     }
     return min((((c_1 / weight_2) << 16u) | (d / weight_2)), 4294967294u);
 }
-void note(inout Traced t_1, int before, int weight_1, uint key_2, uint slot_1) {
+void note(inout Traced t_1, int before, int weight_1, uint key_2, uint slot) {
     uvec2 _e7 = t_1.sum;
     uvec2 _e8 = depth_sum(weight_1, key_2);
     uvec2 _e9 = add_wide(_e7, _e8);
@@ -620,7 +676,7 @@ void note(inout Traced t_1, int before, int weight_1, uint key_2, uint slot_1) {
     int _e14 = t_1.weight;
     if ((weight_1 > _e14)) {
         t_1.weight = weight_1;
-        t_1.largest = slot_1;
+        t_1.largest = slot;
         return;
     } else {
         return;
@@ -657,10 +713,14 @@ void main() {
     Pixel p = Pixel(0, ivec3(0));
     Traced t = Traced(4294967295u, 0, 4294967295u, 4294967295u, uvec2(0u, 0u));
     bool local = false;
+    bool open = false;
+    Fetched fetched = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
+    uvec2 entry = uvec2(0u);
     uint first = 0u;
-    bool local_1 = false;
     uint word = 0u;
     uint bits = 0u;
+    bool local_1 = false;
+    bool local_2 = false;
     Quarter _e2 = quarter_of(group);
     if ((_e2.tile == NOTHING)) {
         return;
@@ -680,102 +740,123 @@ void main() {
         uint _e43 = key_of(_e42);
         t.limit = _e43;
     }
-    clear_rounds(thread);
-    bool loop_init_2 = true;
+    open = _e6.inside;
+    uvec2 _e46 = fetch_entry(_e2, thread);
+    Fetched _e47 = fetch_splat(_e46);
+    fetched = _e47;
+    uvec2 _e51 = fetch_entry(_e2, (SOME + thread));
+    entry = _e51;
+    bool _e53 = open;
+    clear_rounds(thread, _e53);
+    bool loop_init_1 = true;
     while(true) {
-        if (!loop_init_2) {
-            uint _e158 = first;
-            first = (_e158 + SOME);
+        if (!loop_init_1) {
+            uint _e165 = first;
+            first = (_e165 + SOME);
         }
-        loop_init_2 = false;
-        uint _e46 = first;
-        if ((_e46 < _e2.count)) {
+        loop_init_1 = false;
+        uint _e56 = first;
+        if ((_e56 < _e2.count)) {
         } else {
             break;
         }
         {
-            uint _e49 = first;
-            uint round_ = ((_e49 / SOME) + 1u);
+            uint _e59 = first;
+            uint round_ = ((_e59 / SOME) + 1u);
             uint words_1 = (2u * (round_ % 2u));
-            int _e59 = p.transmittance;
-            if ((_e59 >= FXS_CLOSED_Q15_)) {
-                uint _e66 = first;
-                uint _e70 = _group_1_binding_1_cs[(_e2.list + _e66)].y;
-                uint _e72 = t.limit;
-                local_1 = (_e70 <= _e72);
-            } else {
-                local_1 = false;
-            }
-            bool _e75 = local_1;
-            if (_e75) {
+            bool _e68 = open;
+            if (_e68) {
                 open_round = round_;
             }
+            Fetched _e70 = fetched;
+            place_fetched(_e2, thread, _e70, words_1);
+            uvec2 _e74 = fetched.entry;
+            own[thread] = _e74;
+            uvec2 _e75 = entry;
+            Fetched _e76 = fetch_splat(_e75);
+            fetched = _e76;
             uint _e77 = first;
-            place_round(_e2, thread, _e77, words_1);
-            uint _e78 = first;
-            if (((_e78 + thread) < _e2.count)) {
-                uint _e86 = first;
-                uint _e91 = _group_1_binding_1_cs[((_e2.list + _e86) + thread)].y;
-                keys[thread] = _e91;
-            }
+            uvec2 _e81 = fetch_entry(_e2, ((_e77 + 128u) + thread));
+            entry = _e81;
             memoryBarrierShared();
             barrier();
-            uint _e93 = open_round;
+            uint _e83 = open_round;
             memoryBarrierShared();
             barrier();
-            if ((_e93 != round_)) {
+            if ((_e83 != round_)) {
                 break;
             }
             if ((thread < 2u)) {
                 touching[((2u - words_1) + thread)] = 0u;
             }
             word = 0u;
-            bool loop_init_3 = true;
+            bool loop_init_2 = true;
             while(true) {
-                if (!loop_init_3) {
-                    uint _e155 = word;
-                    word = (_e155 + 1u);
+                if (!loop_init_2) {
+                    uint _e140 = word;
+                    word = (_e140 + 1u);
                 }
-                loop_init_3 = false;
-                uint _e105 = word;
-                if ((_e105 < 2u)) {
+                loop_init_2 = false;
+                uint _e95 = word;
+                if ((_e95 < 2u)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e109 = word;
-                    uint _e112 = touching[(words_1 + _e109)];
-                    bits = _e112;
-                    bool loop_init_4 = true;
+                    uint _e99 = word;
+                    uint _e102 = touching[(words_1 + _e99)];
+                    bits = _e102;
+                    bool loop_init_3 = true;
                     while(true) {
-                        if (!loop_init_4) {
-                            uint _e150 = bits;
-                            uint _e151 = bits;
-                            bits = (_e150 & (_e151 - 1u));
+                        if (!loop_init_3) {
+                            uint _e135 = bits;
+                            uint _e136 = bits;
+                            bits = (_e135 & (_e136 - 1u));
                         }
-                        loop_init_4 = false;
-                        uint _e114 = bits;
-                        if ((_e114 != 0u)) {
+                        loop_init_3 = false;
+                        uint _e104 = bits;
+                        if ((_e104 != 0u)) {
                         } else {
                             break;
                         }
                         {
-                            uint _e118 = word;
-                            uint _e120 = bits;
-                            uint i_3 = ((32u * _e118) + min(uint(findLSB(_e120)), 32u));
-                            int before_1 = p.transmittance;
-                            uint key_3 = keys[i_3];
-                            int _e131 = others[i_3].y;
-                            uint _e133 = t.limit;
-                            int _e139 = blend_splat(p, i_3, ((key_3 <= _e133) ? _e131 : -1), _e6.column, _e6.row);
-                            if ((_e139 > 0)) {
-                                uint _e144 = first;
-                                uint _e149 = _group_1_binding_1_cs[((_e2.list + _e144) + i_3)].x;
-                                note(t, before_1, _e139, key_3, _e149);
+                            uint _e108 = word;
+                            uint _e110 = bits;
+                            uint i_4 = ((32u * _e108) + min(uint(findLSB(_e110)), 32u));
+                            uint _e116 = own[i_4].y;
+                            uint _e118 = t.limit;
+                            if ((_e116 <= _e118)) {
+                                int before_3 = p.transmittance;
+                                int _e124 = blend_splat(p, i_4, _e6.column, _e6.row);
+                                if ((_e124 > 0)) {
+                                    uint _e130 = own[i_4].y;
+                                    uint _e134 = own[i_4].x;
+                                    note(t, before_3, _e124, _e130, _e134);
+                                }
                             }
                         }
                     }
                 }
+            }
+            bool _e143 = open;
+            if (_e143) {
+                int _e147 = p.transmittance;
+                if (!((_e147 < FXS_CLOSED_Q15_))) {
+                    uint _e156 = own[0].y;
+                    uint _e158 = t.limit;
+                    local_2 = (_e156 > _e158);
+                } else {
+                    local_2 = true;
+                }
+                bool _e161 = local_2;
+                local_1 = _e161;
+            } else {
+                local_1 = false;
+            }
+            bool _e163 = local_1;
+            if (_e163) {
+                open = false;
+                close_pixel(thread);
             }
             memoryBarrierShared();
             barrier();
@@ -783,8 +864,8 @@ void main() {
     }
     if (_e6.inside) {
         put_pixel(p, _e6.at);
-        int _e164 = p.transmittance;
-        put_traces(t, _e164, _e6.at);
+        int _e171 = p.transmittance;
+        put_traces(t, _e171, _e6.at);
         return;
     } else {
         return;
