@@ -24,7 +24,7 @@ int main(void)
 #else
 
 #include <fixsplat/egl.h>
-#include "kernels/compute/device.h"
+#include "kernels/compute/records.h"
 
 enum { SCENES = 2, OBJECTS = 4 };
 
@@ -639,6 +639,13 @@ static void refusals(void)
     part_bytes = most;
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
     c->most = most;
+    fxs_compute_limit(c, 1 << 20);
+    part_bytes = most;
+    CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1 << 20);
+    CHECK(!strcmp(why.text, "the device memory allowed is too small"));
+    fxs_compute_limit(c, 1000);
+    CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && c->scene_bytes == 0);
+    fxs_compute_limit(c, 0);
     part_bytes = 1000;                     /* one chunk takes more */
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
     part_bytes = 0;

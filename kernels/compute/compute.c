@@ -1,6 +1,6 @@
 /* The compute back end: scenes on the device, and frames from the objects to the caller's targets. The stages are the
  * .wgsl files beside this one; shaders.h has them in GLSL ES 3.10. */
-#include "device.h"
+#include "records.h"
 #include "shaders.h"
 #include "src/core/memory.h"
 #include "src/core/parts.h"
@@ -60,6 +60,17 @@ static int too_large(fxs_message *why, uint64_t bytes)
     return FXS_ERR_MEMORY;
 }
 
+/* Whether so many more bytes of the device may be taken. */
+static int allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
+{
+    const uint64_t needed = fxs_compute_taken(c) + c->scene_bytes + bytes;
+    if (!c->limit || needed <= c->limit)
+        return 0;
+    say(why, FXS_ERR_MEMORY, "the device memory allowed is too small", "");
+    why->bytes_needed = needed;
+    return FXS_ERR_MEMORY;
+}
+
 /* Takes the errors that are pending. Returns 0 where there were none. A lost context may report errors for ever. */
 static int check(const fxs_compute *c, fxs_message *why)
 {
@@ -106,6 +117,11 @@ uint64_t fxs_compute_taken(const fxs_compute *c)
     for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
         sum += c->bytes[i];
     return sum;
+}
+
+void fxs_compute_limit(fxs_compute *c, uint64_t bytes)
+{
+    c->limit = bytes;
 }
 
 static int load_functions(fxs_compute_gl *gl, fxs_compute_load_fn *load, void *argument, fxs_message *why)
@@ -249,10 +265,13 @@ static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs
         return 0;
     if (bytes > c->most)
         return too_large(why, bytes);
+    int error = allow(c, bytes - c->bytes[buffer], why);
+    if (error)
+        return error;
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[buffer]);
     c->gl.BufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)bytes, 0, usage);
     c->bytes[buffer] = bytes;
-    const int error = check(c, why);
+    error = check(c, why);
     if (error)
         c->bytes[buffer] = 0;
     return error;
@@ -288,11 +307,15 @@ static int make_buffer(fxs_compute *c, fxs_compute_scene *copy, uint32_t *name, 
 {
     GLuint made = 0;
     bytes = bytes ? bytes : 64;
+    const int error = allow(c, bytes, why);
+    if (error)
+        return error;
     c->gl.GenBuffers(1, &made);
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, made);
     c->gl.BufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)bytes, 0, GL_STATIC_DRAW);
     *name = made;
     copy->bytes += bytes;
+    c->scene_bytes += bytes;
     return check(c, why);
 }
 
@@ -357,6 +380,7 @@ void fxs_compute_drop(fxs_compute *c, fxs_compute_scene *copy)
     if (copy->heads && !use(c, &why)) {
         c->gl.DeleteBuffers(1, &copy->heads);
         c->gl.DeleteBuffers(FXS_COMPUTE_PARTS, copy->parts);
+        c->scene_bytes -= copy->bytes;
         check(c, &why);
     }
     memset(copy, 0, sizeof *copy);

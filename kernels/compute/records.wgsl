@@ -1,4 +1,4 @@
-// What the stages hand to each other. Frame and Object are filled in by the host (device.h has the same structs); the
+// What the stages hand to each other. Frame and Object are filled in by the host (records.h has the same structs); the
 // frame's memory is one array of words, in which Frame says where things lie.
 
 const CHUNK: u32 = 256u;           // Gaussians

@@ -22,7 +22,6 @@ typedef struct compute_backend {
     uint32_t copy_room;
     void *memory;
     size_t memory_bytes;
-    uint64_t max_memory;
 } compute_backend;
 
 static void close_device(void *self)
@@ -64,13 +63,14 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     compute_backend *b = calloc(1, sizeof *b);
     if (!b)
         return fxs_fail_memory(why, 0, sizeof *b);
-    b->max_memory = options->max_memory;
     const int error = fxs_egl_open(&b->port, why) ? FXS_ERR_DEVICE : make_compute(b, why);
-    if (error)
+    if (error) {
         close_device(b);
-    else
-        *self = b;
-    return error;
+        return error;
+    }
+    fxs_compute_limit(b->compute, options->max_memory);
+    *self = b;
+    return 0;
 }
 
 static int device_name(int device, char *name, size_t size, fxs_message *why)
@@ -158,7 +158,7 @@ static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *wh
     return 0;
 }
 
-/* Memory of the host, and whether the device's would be within its limit. */
+/* Memory of the host. */
 static int make_room(compute_backend *b, const fxs_request *r, fxs_message *why)
 {
     const size_t bytes = fxs_compute_memory(r);

@@ -13,7 +13,7 @@
 #include <fixsplat/egl.h>
 #include <fixsplat/map.h>
 #include <fixsplat/packed.h>
-#include "kernels/compute/device.h"
+#include "kernels/compute/records.h"
 
 #define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
 

@@ -50,6 +50,9 @@ FXS_API size_t fxs_compute_bytes(void);
 FXS_API int fxs_compute_init(fxs_compute *compute, fxs_compute_load_fn *load, fxs_compute_use_fn *use, void *argument,
                              fxs_message *why);
 
+/* Sets the most bytes of device memory that frames and scenes may take together; 0, as at first: no limit. */
+FXS_API void fxs_compute_limit(fxs_compute *compute, uint64_t bytes);
+
 /* Deletes what was made, but for scenes. */
 FXS_API void fxs_compute_free(fxs_compute *compute);
 

@@ -1,6 +1,6 @@
 /* The compute back end: its objects in the device, and the structs that its shaders read (records.wgsl). */
-#ifndef FXS_COMPUTE_DEVICE_H
-#define FXS_COMPUTE_DEVICE_H
+#ifndef FXS_COMPUTE_RECORDS_H
+#define FXS_COMPUTE_RECORDS_H
 
 #include <GLES3/gl31.h>
 
@@ -92,7 +92,8 @@ struct fxs_compute {
     char renderer[128];
     uint64_t most;                 /* bytes of a storage buffer */
     GLuint programs[FXS_COMPUTE_PROGRAMS], buffers[FXS_COMPUTE_BUFFERS], query;
-    uint64_t bytes[FXS_COMPUTE_BUFFERS];
+    uint64_t bytes[FXS_COMPUTE_BUFFERS], scene_bytes;
+    uint64_t limit;                /* of these together; 0: none */
     int timer;
     uint32_t chunk_room, large_room, page_room;    /* of the next frame, at least */
     fxs_compute_frame frame;       /* that is under way, or the last one */
