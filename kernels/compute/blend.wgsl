@@ -16,7 +16,7 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     clear_rounds(thread, open);
     for (var first = 0u; first < q.count; first += SOME) {
         let round = first / SOME + 1u;
-        let words = 2u * (round % 2u);
+        let words = 4u * (round % 2u);
         if (open) {
             open_round = round;
         }
@@ -26,11 +26,11 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         if (workgroupUniformLoad(&open_round) != round) {
             break;
         }
-        if (thread < 2u) {
-            atomicStore(&touching[2u - words + thread], 0u);
+        if (thread < 4u) {
+            atomicStore(&touching[4u - words + thread], 0u);
         }
         for (var word = 0u; word < 2u; word += 1u) {
-            for (var bits = atomicLoad(&touching[words + word]); bits != 0u; bits &= bits - 1u) {
+            for (var bits = atomicLoad(&touching[words + thread / 32u * 2u + word]); bits != 0u; bits &= bits - 1u) {
                 let i = 32u * word + countTrailingZeros(bits);
                 blend_splat(&p, i, place.column, place.row);
             }

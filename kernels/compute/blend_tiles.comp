@@ -167,7 +167,7 @@ layout(std430, binding = 2) readonly buffer type_14_block_3Compute { uvec4 _grou
 layout(std430, binding = 3) buffer type_11_block_4Compute { uint _group_1_binding_3_cs[]; };
 shared ivec2 rows[512];
 shared ivec4 others[64];
-shared uint touching[4];
+shared uint touching[8];
 shared uint open_round;
 shared uint open_pixels[2];
 int fxs_mul_q15_(int a, int b) {
@@ -327,10 +327,11 @@ Fetched fetch_splat(uvec2 entry_1) {
     Fetched _e24 = f;
     return _e24;
 }
-bool place_splat(uint i_2, Fetched f_1, Quarter q_1) {
+bvec2 place_splat(uint i_2, Fetched f_1, Quarter q_1) {
     uint u = 0u;
     uint v = 0u;
     bool touches = false;
+    bool upper = false;
     uint open_1 = 0u;
     uint row = 0u;
     bool local_3 = false;
@@ -340,62 +341,66 @@ bool place_splat(uint i_2, Fetched f_1, Quarter q_1) {
     uint ux = f_1.a.z;
     u = ((f_1.a.x + (q_1.x * ux)) + (q_1.y * f_1.a.w));
     v = (f_1.a.y + (q_1.y * f_1.b.x));
-    uint _e37 = open_pixels[0];
-    open_1 = _e37;
+    uint _e39 = open_pixels[0];
+    open_1 = _e39;
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e104 = row;
-            row = (_e104 + 1u);
+            uint _e108 = row;
+            row = (_e108 + 1u);
         }
         loop_init = false;
-        uint _e41 = row;
-        if ((_e41 < SIDE)) {
+        uint _e43 = row;
+        if ((_e43 < SIDE)) {
         } else {
             break;
         }
         {
-            uint _e44 = row;
-            if ((_e44 == 4u)) {
-                uint _e49 = open_pixels[1];
-                open_1 = _e49;
+            uint _e46 = row;
+            if ((_e46 == 4u)) {
+                uint _e51 = open_pixels[1];
+                open_1 = _e51;
+                bool _e52 = touches;
+                upper = _e52;
+                touches = false;
             }
-            uint _e50 = open_1;
-            uint of_row = (_e50 & 255u);
+            uint _e54 = open_1;
+            uint of_row = (_e54 & 255u);
             if ((of_row != 0u)) {
-                uint _e55 = u;
-                int left = int((_e55 + (min(uint(findLSB(of_row)), 32u) * ux)));
-                uint _e60 = u;
-                int right = int((_e60 + ((31u - uint(31 - findMSB(of_row))) * ux)));
-                uint _e67 = v;
-                int _e69 = fxs_coordinate_q13_(int(_e67));
-                int _e70 = fxs_row_level_q11_(_e69, offset_q11_2);
+                uint _e59 = u;
+                int left = int((_e59 + (min(uint(findLSB(of_row)), 32u) * ux)));
+                uint _e64 = u;
+                int right = int((_e64 + ((31u - uint(31 - findMSB(of_row))) * ux)));
+                uint _e71 = v;
+                int _e73 = fxs_coordinate_q13_(int(_e71));
+                int _e74 = fxs_row_level_q11_(_e73, offset_q11_2);
                 int least = max(max(left, -(right)), 0);
-                uint _e78 = row;
-                uint _e81 = u;
-                rows[((SIDE * i_2) + _e78)] = ivec2(int(_e81), _e70);
-                bool _e84 = touches;
-                if (!(_e84)) {
-                    int _e88 = fxs_coordinate_q13_(least);
-                    int _e89 = fxs_level_q11_(_e88, _e70);
-                    local_3 = (_e89 <= _e11);
+                uint _e82 = row;
+                uint _e85 = u;
+                rows[((SIDE * i_2) + _e82)] = ivec2(int(_e85), _e74);
+                bool _e88 = touches;
+                if (!(_e88)) {
+                    int _e92 = fxs_coordinate_q13_(least);
+                    int _e93 = fxs_level_q11_(_e92, _e74);
+                    local_3 = (_e93 <= _e11);
                 } else {
                     local_3 = true;
                 }
-                bool _e92 = local_3;
-                touches = _e92;
+                bool _e96 = local_3;
+                touches = _e96;
             }
-            uint _e93 = open_1;
-            open_1 = (_e93 >> 8u);
-            uint _e96 = u;
-            u = (_e96 + f_1.a.w);
-            uint _e100 = v;
-            v = (_e100 + f_1.b.x);
+            uint _e97 = open_1;
+            open_1 = (_e97 >> 8u);
+            uint _e100 = u;
+            u = (_e100 + f_1.a.w);
+            uint _e104 = v;
+            v = (_e104 + f_1.b.x);
         }
     }
     others[i_2] = ivec4(int(ux), _e11, int(((f_1.b.y >> 16u) | (f_1.b.z << 16u))), int((f_1.b.z >> 16u)));
-    bool _e126 = touches;
-    return _e126;
+    bool _e130 = upper;
+    bool _e131 = touches;
+    return bvec2(_e130, _e131);
 }
 int blend_splat(inout Pixel p_2, uint i_3, uint column, uint row_1) {
     bool local_4 = false;
@@ -526,7 +531,7 @@ void clear_rounds(uint thread_2, bool inside) {
     if ((thread_2 < 2u)) {
         open_pixels[thread_2] = 0u;
     }
-    if ((thread_2 < 4u)) {
+    if ((thread_2 < 8u)) {
         touching[thread_2] = 0u;
     }
     if ((thread_2 == 0u)) {
@@ -547,9 +552,12 @@ void close_pixel(uint thread_3) {
 }
 void place_fetched(Quarter q_3, uint thread_4, Fetched f_2, uint words) {
     if (((f_2.entry.x & CUT_OFF) == 0u)) {
-        bool _e10 = place_splat(thread_4, f_2, q_3);
-        if (_e10) {
-            uint _e20 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+        bvec2 _e10 = place_splat(thread_4, f_2, q_3);
+        if (_e10.x) {
+            uint _e21 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+        }
+        if (_e10.y) {
+            uint _e34 = atomicOr(touching[((words + 2u) + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
             return;
         } else {
             return;
@@ -602,8 +610,8 @@ void main() {
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e101 = first;
-            first = (_e101 + SOME);
+            uint _e106 = first;
+            first = (_e106 + SOME);
         }
         loop_init_1 = false;
         uint _e27 = first;
@@ -614,7 +622,7 @@ void main() {
         {
             uint _e30 = first;
             uint round_ = ((_e30 / SOME) + 1u);
-            uint words_1 = (2u * (round_ % 2u));
+            uint words_1 = (4u * (round_ % 2u));
             bool _e39 = open;
             if (_e39) {
                 open_round = round_;
@@ -635,15 +643,15 @@ void main() {
             if ((_e50 != round_)) {
                 break;
             }
-            if ((thread < 2u)) {
-                touching[((2u - words_1) + thread)] = 0u;
+            if ((thread < 4u)) {
+                touching[((4u - words_1) + thread)] = 0u;
             }
             word = 0u;
             bool loop_init_2 = true;
             while(true) {
                 if (!loop_init_2) {
-                    uint _e88 = word;
-                    word = (_e88 + 1u);
+                    uint _e93 = word;
+                    word = (_e93 + 1u);
                 }
                 loop_init_2 = false;
                 uint _e62 = word;
@@ -652,40 +660,40 @@ void main() {
                     break;
                 }
                 {
-                    uint _e66 = word;
-                    uint _e69 = touching[(words_1 + _e66)];
-                    bits = _e69;
+                    uint _e71 = word;
+                    uint _e74 = touching[((words_1 + ((thread / 32u) * 2u)) + _e71)];
+                    bits = _e74;
                     bool loop_init_3 = true;
                     while(true) {
                         if (!loop_init_3) {
-                            uint _e83 = bits;
-                            uint _e84 = bits;
-                            bits = (_e83 & (_e84 - 1u));
+                            uint _e88 = bits;
+                            uint _e89 = bits;
+                            bits = (_e88 & (_e89 - 1u));
                         }
                         loop_init_3 = false;
-                        uint _e71 = bits;
-                        if ((_e71 != 0u)) {
+                        uint _e76 = bits;
+                        if ((_e76 != 0u)) {
                         } else {
                             break;
                         }
                         {
-                            uint _e75 = word;
-                            uint _e77 = bits;
-                            uint i_4 = ((32u * _e75) + min(uint(findLSB(_e77)), 32u));
-                            int _e82 = blend_splat(p, i_4, _e6.column, _e6.row);
+                            uint _e80 = word;
+                            uint _e82 = bits;
+                            uint i_4 = ((32u * _e80) + min(uint(findLSB(_e82)), 32u));
+                            int _e87 = blend_splat(p, i_4, _e6.column, _e6.row);
                         }
                     }
                 }
             }
-            bool _e91 = open;
-            if (_e91) {
-                int _e95 = p.transmittance;
-                local = (_e95 < FXS_CLOSED_Q15_);
+            bool _e96 = open;
+            if (_e96) {
+                int _e100 = p.transmittance;
+                local = (_e100 < FXS_CLOSED_Q15_);
             } else {
                 local = false;
             }
-            bool _e99 = local;
-            if (_e99) {
+            bool _e104 = local;
+            if (_e104) {
                 open = false;
                 close_pixel(thread);
             }

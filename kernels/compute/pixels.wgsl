@@ -14,7 +14,9 @@ const SOME: u32 = 64u;
 // Of each splat of a round: u and the level at the first pixel of each row; ux, limit, colours.
 var<workgroup> rows: array<vec2<i32>, 512>;
 var<workgroup> others: array<vec4<i32>, 64>;
-var<workgroup> touching: array<atomic<u32>, 4>;    // two words for this round, two for the next
+// Four words for this round, four for the next: two for the upper four rows, two for the lower ones, as where 32 threads
+// go together, each half takes its own splats.
+var<workgroup> touching: array<atomic<u32>, 8>;
 var<workgroup> open_round: u32;                    // the last one before which a pixel was open
 var<workgroup> open_pixels: array<atomic<u32>, 2>; // a byte a row
 
@@ -49,9 +51,9 @@ fn fetch_splat(entry: vec2<u32>) -> Fetched
     return f;
 }
 
-// Puts a splat at a quarter. Returns whether it can touch an open pixel there: u grows along a row, so the least |u| is
-// at the first open pixel or the last, or 0 between them.
-fn place_splat(i: u32, f: Fetched, q: Quarter) -> bool
+// Puts a splat at a quarter. Returns whether it can touch an open pixel of the upper rows, and of the lower ones: u
+// grows along a row, so the least |u| is at the first open pixel or the last, or 0 between them.
+fn place_splat(i: u32, f: Fetched, q: Quarter) -> vec2<bool>
 {
     let offset_q11 = i32(f.b.y & 0xffffu);
     let limit = fxs_limit_q11(offset_q11, frame.cut_q11);
@@ -59,10 +61,13 @@ fn place_splat(i: u32, f: Fetched, q: Quarter) -> bool
     var u = f.a.x + q.x * ux + q.y * f.a.w;
     var v = f.a.y + q.y * f.b.x;
     var touches = false;
+    var upper = false;
     var open = atomicLoad(&open_pixels[0]);
     for (var row = 0u; row < SIDE; row += 1u) {
         if (row == SIDE / 2u) {
             open = atomicLoad(&open_pixels[1]);
+            upper = touches;
+            touches = false;
         }
         let of_row = open & 255u;
         if (of_row != 0u) {
@@ -79,7 +84,7 @@ fn place_splat(i: u32, f: Fetched, q: Quarter) -> bool
     }
     others[i] = vec4<i32>(bitcast<i32>(ux), limit, bitcast<i32>((f.b.y >> 16u) | (f.b.z << 16u)),
                           bitcast<i32>(f.b.z >> 16u));
-    return touches;
+    return vec2<bool>(upper, touches);
 }
 
 // Blends a splat of the round. Returns its weight. Rows without open pixels are not there.
@@ -184,7 +189,7 @@ fn clear_rounds(thread: u32, inside: bool)
     if (thread < 2u) {
         atomicStore(&open_pixels[thread], 0u);
     }
-    if (thread < 4u) {
+    if (thread < 8u) {
         atomicStore(&touching[thread], 0u);
     }
     if (thread == 0u) {
@@ -206,8 +211,12 @@ fn close_pixel(thread: u32)
 fn place_fetched(q: Quarter, thread: u32, f: Fetched, words: u32)
 {
     if ((f.entry.x & CUT_OFF) == 0u) {
-        if (place_splat(thread, f, q)) {
+        let touches = place_splat(thread, f, q);
+        if (touches.x) {
             atomicOr(&touching[words + thread / 32u], 1u << (thread % 32u));
+        }
+        if (touches.y) {
+            atomicOr(&touching[words + 2u + thread / 32u], 1u << (thread % 32u));
         }
     }
 }
