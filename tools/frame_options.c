@@ -141,13 +141,14 @@ const option_row frame_rows[] = {
      "threads, 1 to 64 (default: one a processor); the picture does not depend on it"},
     {"max-memory", "BYTES", BYTES(max_memory), .help =
      "working memory of a frame, also as 64K, 3M, 2G: rendered in bands where it does not hold every Gaussian; the "
-     "picture does not depend on it. With --backend cuda: device memory, with what fits of the scene"},
+     "picture does not depend on it. With --backend cuda: device memory, with what fits of the scene; with "
+     "gles-compute: device memory, scene included"},
     {"cpu", "LIST", TEXT(cpu), .help =
      "instruction sets that may be used: all (default), c for none, or names out of sse41,avx2,avx512,neon"},
     {"backend", "NAME", TEXT(backend), .help =
      "what renders: cpu; gles (OpenGL ES 3.0 by EGL) or osmesa in place of blend and resolve; gles-fetch (gles "
-     "without lists); cuda: the same bytes. gles-quads: inexact, blended by the device. auto (default): cpu. See "
-     "fixsplat info --backends"},
+     "without lists); gles-compute (every stage in compute shaders of OpenGL ES 3.1); cuda: the same bytes. "
+     "gles-quads: inexact, blended by the device. auto (default): cpu. See fixsplat info --backends"},
     {"device", "LIST", take_devices, 0, .help =
      "GPUs of --backend cuda: numbers from 0 on with commas, or all (default 0); render --view all shares the views "
      "out among them, other commands take the first"},

@@ -17,11 +17,12 @@ src/fit         src/scene src/pack src/gaussian src/image src/camera src/base sr
 kernels/simd/lanes  src/core
 kernels/simd    kernels/simd/lanes kernels src/core
 kernels/gles    src/core
+kernels/compute src/core
 kernels/cuda    src/core
 kernels/fit     src/fit kernels/cuda
 kernels/pack    src/pack
 kernels         kernels/simd/lanes src/core
-port            src kernels/gles kernels/cuda kernels/fit kernels
+port            src kernels/gles kernels/compute kernels/cuda kernels/fit kernels
 tools           public
 '
 
@@ -37,6 +38,7 @@ src/scene     formats scene_file scene_filter scene_write scene_decimate fxs_fil
 src/fit       fit photos blocks refine
 kernels       kernels
 kernels/gles  gles
+kernels/compute  compute
 kernels/cuda  cuda
 port/posix    clock map pool pager
 port/gl       egl osmesa

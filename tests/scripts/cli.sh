@@ -465,7 +465,7 @@ fi
 # ---- Back ends -------------------------------------------------------------------------------------------------------
 
 succeeds "info --backends" info --backends
-for backend in gles gles-fetch osmesa; do
+for backend in gles gles-fetch gles-compute osmesa; do
     reason=$("$fixsplat" info --backends | sed -n "s/^$backend  *not here: //p")
     if [ "$reason" ]; then
         skip "--backend $backend" "$reason"
@@ -477,6 +477,8 @@ for backend in gles gles-fetch osmesa; do
 done
 export __EGL_VENDOR_LIBRARY_FILENAMES=none MESA_EXTENSION_OVERRIDE=-GL_ARB_ES3_compatibility
 fails "--backend gles without a driver" 1 "--backend gles: (no|built)" render knot.ply $small --hash --backend gles
+fails "--backend gles-compute without a driver" 1 "--backend gles-compute: (no|built)" render knot.ply $small --hash \
+    --backend gles-compute
 fails "--backend osmesa of an old Mesa" 1 "--backend osmesa: (no|built)" render knot.ply $small --hash --backend osmesa
 unset __EGL_VENDOR_LIBRARY_FILENAMES
 export MESA_EXTENSION_OVERRIDE=-GL_EXT_shader_framebuffer_fetch

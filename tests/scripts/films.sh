@@ -296,7 +296,7 @@ for place in '0 0 200 150' '64 32 64 64' '71 39 55 41' '199 149 1 1'; do
     check "--scissor $place: the pixels" cmp part.raw wanted.raw
     check "--scissor $place: the ids" cmp part-ids.raw wanted-ids.raw
 done
-for backend in gles gles-fetch osmesa cuda; do
+for backend in gles gles-fetch gles-compute osmesa cuda; do
     run render $whole --scissor 71,39,55,41 --backend $backend -o other.raw
     if [ $status = 0 ]; then
         part whole.raw 200 4 71 39 55 41 >wanted.raw

@@ -21,11 +21,12 @@ extern "C" {
    build: `device` and `open` of a back end that the build lacks say why it is missing. */
 FXS_API const fxs_backend *fxs_backend_at(int index);
 
-/* The back end of that name: cpu, auto (also the processor), gles, gles-fetch, gles-quads, osmesa, cuda; else null. */
+/* The back end of that name: cpu, auto (also the processor), gles, gles-fetch, gles-quads, gles-compute, osmesa, cuda;
+   else null. */
 FXS_API const fxs_backend *fxs_backend_find(const char *name);
 
 FXS_API extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_quads,
-                         fxs_backend_osmesa, fxs_backend_cuda;
+                         fxs_backend_gles_compute, fxs_backend_osmesa, fxs_backend_cuda;
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,122 @@
+// Needs pixel numbers records bin
+// The entries of the tiles' lists, in no order: depth and slot.
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;          // of fill_large alone
+@group(1) @binding(0) var<storage, read_write> later: array<u32>;           // arguments of sort_blocks and the merges
+@group(1) @binding(1) var<storage, read> memory: array<u32>;
+@group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
+@group(1) @binding(3) var<storage, read_write> entries: array<vec2<u32>>;   // slot, depth
+
+const LARGE_THREADS: u32 = 64u;
+
+var<workgroup> spans: array<vec4<i32>, 64>;      // of a tile row: listed, touched
+
+fn fits() -> bool
+{
+    return atomicLoad(&counts[PAGES]) <= frame.page_room && atomicLoad(&counts[LARGES]) <= frame.large_room &&
+           atomicLoad(&counts[VISIBLE_CHUNKS]) <= frame.chunk_room;
+}
+
+fn put_entry(tile: u32, slot: u32, depth: u32)
+{
+    entries[atomicAdd(&counts[frame.next + tile], 1u)] = vec2<u32>(slot, depth);
+}
+
+fn fill_box(slot: u32)
+{
+    var bits = wide(memory[frame.boxes + 2u * slot], memory[frame.boxes + 2u * slot + 1u]);
+    let first_tile = bits.y >> 10u;
+    let across = u32(frame.tiles.x);
+    bits.y &= 1023u;
+    if ((bits.x | bits.y) == 0u) {
+        return;
+    }
+    let depth = memory[frame.depths + slot];
+    while ((bits.x | bits.y) != 0u) {
+        var bit = 0u;
+        if (bits.x != 0u) {
+            bit = countTrailingZeros(bits.x);
+            bits.x &= bits.x - 1u;
+        } else {
+            bit = 32u + countTrailingZeros(bits.y);
+            bits.y &= bits.y - 1u;
+        }
+        put_entry(first_tile + bit / 6u * across + bit % 6u, slot, depth);
+    }
+}
+
+fn put_arguments(at: u32, groups: u32)
+{
+    later[4u * at] = min(groups, ROW_OF_GROUPS);
+    later[4u * at + 1u] = (groups + ROW_OF_GROUPS - 1u) / ROW_OF_GROUPS;
+    later[4u * at + 2u] = 1u;
+}
+
+fn put_later()
+{
+    let blocks = min(atomicLoad(&counts[BLOCKS]), frame.block_room);
+    put_arguments(0u, blocks);
+    for (var i = 0u; i < MERGES; i += 1u) {
+        put_arguments(1u + i, select(0u, blocks, atomicLoad(&counts[LONGEST]) > BLOCK << (4u * i)));
+    }
+}
+
+// Two workgroups a chunk.
+@compute @workgroup_size(128)
+fn fill_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let half = group.y * ROW_OF_GROUPS + group.x;
+    if (half == 0u && thread == 0u) {
+        put_later();
+    }
+    if (half / 2u < min(atomicLoad(&counts[VISIBLE_CHUNKS]), frame.chunk_room) && fits()) {
+        fill_box(half * THREADS + thread);
+    }
+}
+
+fn large_splat(slot: u32) -> Splat
+{
+    let a = splats[2u * slot];
+    let b = splats[2u * slot + 1u];
+    return Splat(a.x, a.y, bitcast<i32>(a.z), bitcast<i32>(a.w), bitcast<i32>(b.x), i32(b.y & 0xffffu),
+                 vec2<i32>(i32(b.w & 0xffffu), i32(b.w >> 16u)));
+}
+
+// A workgroup a large splat: a tile row a thread; then 8x8 of their tiles at a time.
+@compute @workgroup_size(64)
+fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let number = group.y * ROW_OF_GROUPS + group.x;
+    let at = frame.larges + LARGE * min(number, frame.large_room - 1u);
+    let slot = memory[at];
+    var s = large_splat(slot);
+    var b = Bounds(vec2<i32>(bitcast<i32>(memory[at + 1u]), bitcast<i32>(memory[at + 2u])), memory[at + 3u],
+                   bitcast<i32>(memory[at + 4u]), bitcast<i32>(memory[at + 5u]), memory[at + 6u]);
+    let rows = rows_of(&s, &b);
+    let r_q12 = radius_q12(s.offset_q11);
+    let depth = memory[frame.depths + slot];
+    let listed = number < min(atomicLoad(&counts[LARGES]), frame.large_room) && fits();
+    for (var first = rows.first; first <= rows.last; first += i32(LARGE_THREADS)) {
+        let row = first + i32(thread);
+        var own = vec4<i32>(0, -1, 0, -1);
+        if (row <= rows.last && listed) {
+            let list = span_of(&s, &b, r_q12, row);
+            var touched = list;
+            if (frame.cutoff == 1) {
+                touched = ellipse_span(&s, &b, r_q12, row);
+            }
+            own = vec4<i32>(list.first, list.last, touched.first, touched.last);
+        }
+        spans[thread] = own;
+        workgroupBarrier();
+        for (var i = i32(thread / 8u); i < min(i32(LARGE_THREADS), rows.last - first + 1); i += 8) {
+            let of_row = spans[i];
+            for (var column = of_row.x + i32(thread % 8u); column <= of_row.y; column += 8) {
+                let cut_off = column < of_row.z || column > of_row.w;
+                put_entry(u32((first + i) * frame.tiles.x + column), slot | select(0u, CUT_OFF, cut_off), depth);
+            }
+        }
+        workgroupBarrier();
+    }
+}

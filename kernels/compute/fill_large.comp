@@ -1,0 +1,563 @@
+#version 310 es
+precision highp float;
+precision highp int;
+layout(local_size_x = 64, local_size_y = 1, local_size_z = 1) in;
+struct Frame {
+    ivec2 size;
+    ivec2 tiles;
+    uint places;
+    uint spans;
+    uint chunk_room;
+    uint large_room;
+    uint page_room;
+    uint drawn;
+    uint seen;
+    uint ranks;
+    uint visible;
+    uint records;
+    uint boxes;
+    uint depths;
+    uint larges;
+    uint spans_at;
+    uint next;
+    uint classes;
+    uint blocks;
+    uint block_room;
+    uint spare;
+    uint unused;
+    uint cleared;
+    int cutoff;
+    int cut_q11_;
+    uint format;
+    ivec4 background_q13_;
+    int depth_bits;
+    uint colour;
+    uint coverage;
+    uint mean_depth;
+    uint median_depth;
+    uint id;
+    uint occluder;
+    uint backdrop;
+};
+struct Object {
+    uvec4 position_q32_[3];
+    uvec4 eye_q32_[3];
+    ivec4 rotation_q30_[3];
+    ivec4 row_q15_[2];
+    ivec4 forward_q15_[2];
+    ivec4 tint_q13_;
+    uvec2 near_q32_;
+    uvec2 dilation_q30_;
+    ivec2 f_q12_;
+    ivec2 c_q12_;
+    ivec2 slope_low_q23_;
+    ivec2 slope_high_q23_;
+    ivec2 edge_low_q23_;
+    ivec2 edge_high_q23_;
+    ivec2 hidden_low_q23_;
+    ivec2 hidden_high_q23_;
+    ivec2 hidden;
+    ivec2 hidden_end;
+    uint focal_q32_;
+    int focal_exponent;
+    int veil_exponent;
+    int jacobian_exponent;
+    int offset_q11_;
+    int degree;
+    int antialiased;
+    int orthographic;
+    int plane_exponent;
+    uint profile;
+    int scene_degree;
+    uint chunk_words;
+    uint palette_entries;
+    int palette_step_q19_;
+    uint scale_mantissa;
+    int scale_exponent;
+    int plain;
+    uint crop_count;
+    uint keep_count;
+    uint first_chunk;
+    uint first_place;
+    uint end_place;
+    uint span;
+    uint part_chunk;
+    uint rows_at;
+    uvec4 crops[32];
+};
+struct Splat {
+    uint u0_q24_;
+    uint v0_q24_;
+    int ux_q24_;
+    int uy_q24_;
+    int vy_q24_;
+    int offset_q11_;
+    ivec2 rows;
+};
+struct Bounds {
+    ivec2 c_q14_;
+    uint breadth_q8_;
+    int shear_q8_;
+    int half_width_q8_;
+    uint square_radius;
+};
+struct Span {
+    int first;
+    int last;
+};
+const int FXS_CUT_Q11_ = 18432;
+const int FXS_FAINT_Q11_ = 22697;
+const int FXS_LEVEL_MAX_Q11_ = 32767;
+const int FXS_ALPHA_MAX_Q15_ = 32440;
+const int FXS_CLEAR_Q15_ = 32767;
+const int FXS_CLOSED_Q15_ = 33;
+const uint CHUNK = 256u;
+const uint THREADS = 128u;
+const uint ROW_OF_GROUPS = 32768u;
+const uint RECORD = 64u;
+const uint LARGE = 8u;
+const uint SPAN = 8u;
+const uint PAGE = 4096u;
+const uint MERGES = 5u;
+const uint BLOCK = 1024u;
+const uint CLASSES = 16u;
+const uint CUT_OFF = 2147483648u;
+const uint NOTHING = 4294967295u;
+const int BOX_COLUMNS = 6;
+const int BOX_ROWS = 7;
+const uint VISIBLE_CHUNKS = 0u;
+const uint LARGES = 1u;
+const uint PAGES = 2u;
+const uint DAMAGED = 3u;
+const uint VISIBLE = 4u;
+const uint ENTRIES = 5u;
+const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
+const uint CLASS_COUNTS = 16u;
+const uint TILES = 64u;
+const int EVERYWHERE_Q8_ = 1073741824;
+const uint LARGE_THREADS = 64u;
+layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 0) readonly buffer type_13_block_1Compute { uvec4 _group_1_binding_0_cs[]; };
+layout(std430, binding = 1) readonly buffer type_14_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_16_block_3Compute { uint _group_1_binding_2_cs[]; };
+layout(std430, binding = 3) buffer type_17_block_4Compute { uvec2 _group_1_binding_3_cs[]; };
+shared ivec4 spans[64];
+int fxs_min(int a_1, int b_2) {
+    return ((a_1 < b_2) ? a_1 : b_2);
+}
+int fxs_limit_q11_(int offset_q11_1, int cut_q11_) {
+    int _e4 = fxs_min((offset_q11_1 + cut_q11_), FXS_FAINT_Q11_);
+    return _e4;
+}
+uvec2 add_wide(uvec2 a_2, uvec2 b_3) {
+    uint low = (a_2.x + b_3.x);
+    return uvec2(low, ((a_2.y + b_3.y) + ((low < a_2.x) ? 1u : 0u)));
+}
+uvec2 negate(uvec2 a_5) {
+    uvec2 _e5 = add_wide(~(a_5), uvec2(1u, 0u));
+    return _e5;
+}
+bool less(uvec2 a_7, uvec2 b_5) {
+    return ((a_7.y == b_5.y) ? (a_7.x < b_5.x) : (int(a_7.y) < int(b_5.y)));
+}
+uvec2 mul_wide(uint a_8, uint b_6) {
+    uint high;
+    uint low;
+    umulExtended(a_8, b_6, high, low);
+    return uvec2(low, high);
+}
+uint mul_high(uint a_9, uint b_7) {
+    uvec2 _e2 = mul_wide(a_9, b_7);
+    return _e2.y;
+}
+uvec2 mul_mixed(int a_10, uint b_8) {
+    uvec2 _e3 = mul_wide(uint(a_10), b_8);
+    return uvec2(_e3.x, (_e3.y - ((a_10 < 0) ? b_8 : 0u)));
+}
+uvec2 mul_signed(int a_11, int b_9) {
+    uvec2 _e3 = mul_mixed(a_11, uint(b_9));
+    return uvec2(_e3.x, (_e3.y - ((b_9 < 0) ? uint(a_11) : 0u)));
+}
+uvec2 shift_right(uvec2 a_14, uint n_1) {
+    if ((n_1 == 0u)) {
+        return a_14;
+    }
+    if ((n_1 >= 32u)) {
+        return uvec2((a_14.y >> (n_1 - 32u)), 0u);
+    }
+    return uvec2(((a_14.x >> n_1) | (a_14.y << (32u - n_1))), (a_14.y >> n_1));
+}
+uvec2 shift_signed(uvec2 a_15, uint n_2) {
+    int high = int(a_15.y);
+    if ((n_2 == 0u)) {
+        return a_15;
+    }
+    if ((n_2 >= 32u)) {
+        return uvec2(uint((high >> (n_2 - 32u))), uint((high >> 31u)));
+    }
+    return uvec2(((a_15.x >> n_2) | (a_15.y << (32u - n_2))), uint((high >> n_2)));
+}
+int low_of(uvec2 a_17) {
+    return int(a_17.x);
+}
+int zeros_of(uint x_2) {
+    return int(uint(31 - findMSB(x_2)));
+}
+uint rsqrt_step(uint m_1, uint y_q30_1) {
+    uint _e8 = mul_high((2u * y_q30_1), y_q30_1);
+    uint _e9 = mul_high(m_1, _e8);
+    uint _e12 = mul_high((2u * y_q30_1), (2u * (1610612736u - _e9)));
+    return _e12;
+}
+uint rsqrt(uint m_2) {
+    uint _e3 = mul_high(m_2, 1431655765u);
+    uint _e5 = rsqrt_step(m_2, (2369829601u - _e3));
+    uint _e6 = rsqrt_step(m_2, _e5);
+    uint _e7 = rsqrt_step(m_2, _e6);
+    return _e7;
+}
+uint sqrt_of(uint x_5) {
+    if ((x_5 == 0u)) {
+        return 0u;
+    }
+    int _e4 = zeros_of(x_5);
+    uint shift = (uint(_e4) & 4294967294u);
+    uint m_3 = (x_5 << shift);
+    uint _e9 = rsqrt(m_3);
+    uint _e10 = mul_high(m_3, _e9);
+    return (_e10 >> (14u + (shift / 2u)));
+}
+Span columns_between(int left_q8_, int right_q8_) {
+    bool local_5 = false;
+    bool local_6 = false;
+    int first_1 = ((left_q8_ + 255) >> 8u);
+    int last = (right_q8_ >> 8u);
+    if (!((last < 0))) {
+        int _e16 = _group_0_binding_0_cs.size.x;
+        local_5 = (first_1 >= _e16);
+    } else {
+        local_5 = true;
+    }
+    bool _e19 = local_5;
+    if (!(_e19)) {
+        local_6 = (first_1 > last);
+    } else {
+        local_6 = true;
+    }
+    bool _e25 = local_6;
+    if (_e25) {
+        return Span(0, -1);
+    }
+    int _e38 = _group_0_binding_0_cs.tiles.x;
+    int _e44 = _group_0_binding_0_cs.size.x;
+    return Span((max(first_1, 0) >> 4u), ((last >= _e44) ? (_e38 - 1) : (last >> 4u)));
+}
+int radius_q12_(int offset_q11_2) {
+    int _e3 = _group_0_binding_0_cs.cut_q11_;
+    int _e4 = fxs_limit_q11_(offset_q11_2, _e3);
+    uint _e11 = sqrt_of((uint(((_e4 - offset_q11_2) + 1)) << 13u));
+    return (int(_e11) + 1);
+}
+int v_at_row(inout Splat s_1, inout Bounds b_12, int row) {
+    int _e7 = b_12.c_q14_.y;
+    int _e10 = s_1.vy_q24_;
+    uvec2 _e11 = mul_signed(((row << 14u) - _e7), _e10);
+    uvec2 _e13 = shift_signed(_e11, 26u);
+    int _e14 = low_of(_e13);
+    return _e14;
+}
+int half_at(inout Bounds b_13, int r_q12_, int v_q12_) {
+    uint _e7 = sqrt_of(uint(((r_q12_ * r_q12_) - (v_q12_ * v_q12_))));
+    uint root = (_e7 + 1u);
+    uint _e11 = b_13.breadth_q8_;
+    uvec2 _e12 = mul_wide(_e11, root);
+    uvec2 _e14 = shift_right(_e12, 12u);
+    return int(_e14.x);
+}
+Span ellipse_span(inout Splat s_2, inout Bounds b_14, int r, int row_1) {
+    bool local_7 = false;
+    bool local_8 = false;
+    int left = 0;
+    int right = 0;
+    uvec2 tangent = uvec2(0u);
+    bool local_9 = false;
+    bool local_10 = false;
+    int _e6 = v_at_row(s_2, b_14, (row_1 * 16));
+    int _e11 = v_at_row(s_2, b_14, ((row_1 * 16) + 15));
+    int reach = b_14.half_width_q8_;
+    if (!((_e6 > (r + 2)))) {
+        local_7 = (_e11 < (-(r) - 2));
+    } else {
+        local_7 = true;
+    }
+    bool _e25 = local_7;
+    if (_e25) {
+        local_8 = (reach != EVERYWHERE_Q8_);
+    } else {
+        local_8 = false;
+    }
+    bool _e31 = local_8;
+    if (_e31) {
+        return Span(0, -1);
+    }
+    int top = min(max(_e6, -(r)), r);
+    int bottom = min(max((_e11 + 1), -(r)), r);
+    int _e42 = b_14.shear_q8_;
+    uvec2 _e43 = mul_signed(_e42, top);
+    uvec2 _e45 = shift_signed(_e43, 12u);
+    int _e46 = low_of(_e45);
+    int _e48 = b_14.shear_q8_;
+    uvec2 _e49 = mul_signed(_e48, bottom);
+    uvec2 _e51 = shift_signed(_e49, 12u);
+    int _e52 = low_of(_e51);
+    int _e53 = half_at(b_14, r, top);
+    int _e54 = half_at(b_14, r, bottom);
+    left = -(max((_e53 - _e46), (_e54 - _e52)));
+    right = max((_e53 + _e46), (_e54 + _e52));
+    int _e65 = b_14.shear_q8_;
+    uvec2 _e69 = mul_wide(uint(abs(_e65)), uint(r));
+    uvec2 _e71 = shift_right(_e69, 12u);
+    uvec2 _e74 = mul_wide(_e71.x, uint(r));
+    tangent = _e74;
+    int _e77 = b_14.shear_q8_;
+    if ((_e77 < 0)) {
+        uvec2 _e80 = tangent;
+        uvec2 _e81 = negate(_e80);
+        tangent = _e81;
+    }
+    uvec2 _e82 = tangent;
+    uvec2 _e83 = negate(_e82);
+    uvec2 _e84 = mul_signed(top, reach);
+    uvec2 _e85 = mul_signed(bottom, reach);
+    uvec2 _e86 = tangent;
+    bool _e87 = less(_e86, _e84);
+    if (!(_e87)) {
+        uvec2 _e91 = tangent;
+        bool _e92 = less(_e85, _e91);
+        local_9 = !(_e92);
+    } else {
+        local_9 = false;
+    }
+    bool _e95 = local_9;
+    if (_e95) {
+        right = reach;
+    }
+    bool _e96 = less(_e83, _e84);
+    if (!(_e96)) {
+        bool _e100 = less(_e85, _e83);
+        local_10 = !(_e100);
+    } else {
+        local_10 = false;
+    }
+    bool _e103 = local_10;
+    if (_e103) {
+        left = -(reach);
+    }
+    int _e107 = b_14.c_q14_.x;
+    int c_q8_1 = (_e107 >> 6u);
+    int margin = ((reach >> 8u) + 32);
+    int _e114 = left;
+    int _e119 = right;
+    Span _e125 = columns_between((c_q8_1 + max((_e114 - margin), -(reach))), (c_q8_1 - max((-(_e119) - margin), -(reach))));
+    return _e125;
+}
+Span square_span(int centre_q14_, uint radius, int tiles) {
+    int pixel = (centre_q14_ >> 14u);
+    int first_2 = ((pixel - int(radius)) >> 4u);
+    int last_1 = ((((pixel + int(radius)) + 15) >> 4u) - 1);
+    return Span(min(max(first_2, 0), tiles), min(max(last_1, -1), (tiles - 1)));
+}
+Span rows_of(inout Splat s_3, inout Bounds b_15) {
+    int _e4 = _group_0_binding_0_cs.cutoff;
+    if ((_e4 == 1)) {
+        int _e9 = b_15.c_q14_.y;
+        uint _e11 = b_15.square_radius;
+        int _e15 = _group_0_binding_0_cs.tiles.y;
+        Span _e16 = square_span(_e9, _e11, _e15);
+        return _e16;
+    }
+    int _e19 = s_3.rows.x;
+    int _e24 = s_3.rows.y;
+    return Span((_e19 >> 4u), (_e24 >> 4u));
+}
+Span span_of(inout Splat s_4, inout Bounds b_16, int r_q12_1, int row_2) {
+    int _e6 = _group_0_binding_0_cs.cutoff;
+    if ((_e6 == 1)) {
+        int _e11 = b_16.c_q14_.x;
+        uint _e13 = b_16.square_radius;
+        int _e17 = _group_0_binding_0_cs.tiles.x;
+        Span _e18 = square_span(_e11, _e13, _e17);
+        return _e18;
+    }
+    Span _e19 = ellipse_span(s_4, b_16, r_q12_1, row_2);
+    return _e19;
+}
+bool fits() {
+    bool local_11 = false;
+    bool local_12 = false;
+    uint _e2 = _group_1_binding_2_cs[2];
+    uint _e5 = _group_0_binding_0_cs.page_room;
+    if ((_e2 <= _e5)) {
+        uint _e11 = _group_1_binding_2_cs[1];
+        uint _e14 = _group_0_binding_0_cs.large_room;
+        local_11 = (_e11 <= _e14);
+    } else {
+        local_11 = false;
+    }
+    bool _e17 = local_11;
+    if (_e17) {
+        uint _e22 = _group_1_binding_2_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_12 = (_e22 <= _e25);
+    } else {
+        local_12 = false;
+    }
+    bool _e28 = local_12;
+    return _e28;
+}
+void put_entry(uint tile, uint slot, uint depth) {
+    uint _e7 = _group_0_binding_0_cs.next;
+    uint _e11 = atomicAdd(_group_1_binding_2_cs[(_e7 + tile)], 1u);
+    _group_1_binding_3_cs[_e11] = uvec2(slot, depth);
+    return;
+}
+Splat large_splat(uint slot_2) {
+    uvec4 a_18 = _group_1_binding_0_cs[(2u * slot_2)];
+    uvec4 b_17 = _group_1_binding_0_cs[((2u * slot_2) + 1u)];
+    return Splat(a_18.x, a_18.y, int(a_18.z), int(a_18.w), int(b_17.x), int((b_17.y & 65535u)), ivec2(int((b_17.w & 65535u)), int((b_17.w >> 16u))));
+}
+void main() {
+    uvec3 group_1 = gl_WorkGroupID;
+    uint thread_1 = gl_LocalInvocationIndex;
+    Splat s = Splat(0u, 0u, 0, 0, 0, 0, ivec2(0));
+    Bounds b = Bounds(ivec2(0), 0u, 0, 0, 0u);
+    bool local_2 = false;
+    int first = 0;
+    ivec4 own = ivec4(0);
+    bool local_3 = false;
+    Span touched = Span(0, 0);
+    int i = 0;
+    int column = 0;
+    bool local_4 = false;
+    uint number = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
+    uint _e9 = _group_0_binding_0_cs.larges;
+    uint _e13 = _group_0_binding_0_cs.large_room;
+    uint at_1 = (_e9 + (LARGE * min(number, (_e13 - 1u))));
+    uint slot_3 = _group_1_binding_1_cs[at_1];
+    Splat _e22 = large_splat(slot_3);
+    s = _e22;
+    uint _e28 = _group_1_binding_1_cs[(at_1 + 1u)];
+    uint _e34 = _group_1_binding_1_cs[(at_1 + 2u)];
+    uint _e41 = _group_1_binding_1_cs[(at_1 + 3u)];
+    uint _e46 = _group_1_binding_1_cs[(at_1 + 4u)];
+    uint _e52 = _group_1_binding_1_cs[(at_1 + 5u)];
+    uint _e58 = _group_1_binding_1_cs[(at_1 + 6u)];
+    b = Bounds(ivec2(int(_e28), int(_e34)), _e41, int(_e46), int(_e52), _e58);
+    Span _e61 = rows_of(s, b);
+    int _e63 = s.offset_q11_;
+    int _e64 = radius_q12_(_e63);
+    uint _e68 = _group_0_binding_0_cs.depths;
+    uint depth_2 = _group_1_binding_1_cs[(_e68 + slot_3)];
+    uint _e74 = _group_1_binding_2_cs[1];
+    uint _e77 = _group_0_binding_0_cs.large_room;
+    if ((number < min(_e74, _e77))) {
+        bool _e82 = fits();
+        local_2 = _e82;
+    } else {
+        local_2 = false;
+    }
+    bool listed = local_2;
+    first = _e61.first;
+    bool loop_init = true;
+    while(true) {
+        if (!loop_init) {
+            int _e181 = first;
+            first = (_e181 + 64);
+        }
+        loop_init = false;
+        int _e87 = first;
+        if ((_e87 <= _e61.last)) {
+        } else {
+            break;
+        }
+        {
+            int _e90 = first;
+            int row_3 = (_e90 + int(thread_1));
+            own = ivec4(0, -1, 0, -1);
+            if ((row_3 <= _e61.last)) {
+                local_3 = listed;
+            } else {
+                local_3 = false;
+            }
+            bool _e104 = local_3;
+            if (_e104) {
+                Span _e105 = span_of(s, b, _e64, row_3);
+                touched = _e105;
+                int _e109 = _group_0_binding_0_cs.cutoff;
+                if ((_e109 == 1)) {
+                    Span _e112 = ellipse_span(s, b, _e64, row_3);
+                    touched = _e112;
+                }
+                int _e116 = touched.first;
+                int _e118 = touched.last;
+                own = ivec4(_e105.first, _e105.last, _e116, _e118);
+            }
+            ivec4 _e122 = own;
+            spans[thread_1] = _e122;
+            memoryBarrierShared();
+            barrier();
+            i = int((thread_1 / 8u));
+            bool loop_init_1 = true;
+            while(true) {
+                if (!loop_init_1) {
+                    int _e178 = i;
+                    i = (_e178 + 8);
+                }
+                loop_init_1 = false;
+                int _e127 = i;
+                int _e130 = first;
+                if ((_e127 < min(64, ((_e61.last - _e130) + 1)))) {
+                } else {
+                    break;
+                }
+                {
+                    int _e137 = i;
+                    ivec4 of_row = spans[_e137];
+                    column = (of_row.x + int((thread_1 % 8u)));
+                    bool loop_init_2 = true;
+                    while(true) {
+                        if (!loop_init_2) {
+                            int _e175 = column;
+                            column = (_e175 + 8);
+                        }
+                        loop_init_2 = false;
+                        int _e146 = column;
+                        if ((_e146 <= of_row.y)) {
+                        } else {
+                            break;
+                        }
+                        {
+                            int _e149 = column;
+                            if (!((_e149 < of_row.z))) {
+                                int _e155 = column;
+                                local_4 = (_e155 > of_row.w);
+                            } else {
+                                local_4 = true;
+                            }
+                            bool cut_off = local_4;
+                            int _e160 = first;
+                            int _e161 = i;
+                            int _e166 = _group_0_binding_0_cs.tiles.x;
+                            int _e168 = column;
+                            put_entry(uint((((_e160 + _e161) * _e166) + _e168)), (slot_3 | (cut_off ? CUT_OFF : 0u)), depth_2);
+                        }
+                    }
+                }
+            }
+            memoryBarrierShared();
+            barrier();
+        }
+    }
+    return;
+}

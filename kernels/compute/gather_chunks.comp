@@ -1,0 +1,317 @@
+#version 310 es
+precision highp float;
+precision highp int;
+layout(local_size_x = 128, local_size_y = 1, local_size_z = 1) in;
+struct Frame {
+    ivec2 size;
+    ivec2 tiles;
+    uint places;
+    uint spans;
+    uint chunk_room;
+    uint large_room;
+    uint page_room;
+    uint drawn;
+    uint seen;
+    uint ranks;
+    uint visible;
+    uint records;
+    uint boxes;
+    uint depths;
+    uint larges;
+    uint spans_at;
+    uint next;
+    uint classes;
+    uint blocks;
+    uint block_room;
+    uint spare;
+    uint unused;
+    uint cleared;
+    int cutoff;
+    int cut_q11_;
+    uint format;
+    ivec4 background_q13_;
+    int depth_bits;
+    uint colour;
+    uint coverage;
+    uint mean_depth;
+    uint median_depth;
+    uint id;
+    uint occluder;
+    uint backdrop;
+};
+struct Object {
+    uvec4 position_q32_[3];
+    uvec4 eye_q32_[3];
+    ivec4 rotation_q30_[3];
+    ivec4 row_q15_[2];
+    ivec4 forward_q15_[2];
+    ivec4 tint_q13_;
+    uvec2 near_q32_;
+    uvec2 dilation_q30_;
+    ivec2 f_q12_;
+    ivec2 c_q12_;
+    ivec2 slope_low_q23_;
+    ivec2 slope_high_q23_;
+    ivec2 edge_low_q23_;
+    ivec2 edge_high_q23_;
+    ivec2 hidden_low_q23_;
+    ivec2 hidden_high_q23_;
+    ivec2 hidden;
+    ivec2 hidden_end;
+    uint focal_q32_;
+    int focal_exponent;
+    int veil_exponent;
+    int jacobian_exponent;
+    int offset_q11_;
+    int degree;
+    int antialiased;
+    int orthographic;
+    int plane_exponent;
+    uint profile;
+    int scene_degree;
+    uint chunk_words;
+    uint palette_entries;
+    int palette_step_q19_;
+    uint scale_mantissa;
+    int scale_exponent;
+    int plain;
+    uint crop_count;
+    uint keep_count;
+    uint first_chunk;
+    uint first_place;
+    uint end_place;
+    uint span;
+    uint part_chunk;
+    uint rows_at;
+    uvec4 crops[32];
+};
+struct Splat {
+    uint u0_q24_;
+    uint v0_q24_;
+    int ux_q24_;
+    int uy_q24_;
+    int vy_q24_;
+    int offset_q11_;
+    ivec2 rows;
+};
+struct Bounds {
+    ivec2 c_q14_;
+    uint breadth_q8_;
+    int shear_q8_;
+    int half_width_q8_;
+    uint square_radius;
+};
+struct Span {
+    int first;
+    int last;
+};
+const uint CHUNK = 256u;
+const uint THREADS = 128u;
+const uint ROW_OF_GROUPS = 32768u;
+const uint RECORD = 64u;
+const uint LARGE = 8u;
+const uint SPAN = 8u;
+const uint PAGE = 4096u;
+const uint MERGES = 5u;
+const uint BLOCK = 1024u;
+const uint CLASSES = 16u;
+const uint CUT_OFF = 2147483648u;
+const uint NOTHING = 4294967295u;
+const int BOX_COLUMNS = 6;
+const int BOX_ROWS = 7;
+const uint VISIBLE_CHUNKS = 0u;
+const uint LARGES = 1u;
+const uint PAGES = 2u;
+const uint DAMAGED = 3u;
+const uint VISIBLE = 4u;
+const uint ENTRIES = 5u;
+const uint BLOCKS = 7u;
+const uint LONGEST = 8u;
+const uint CLASS_COUNTS = 16u;
+const uint TILES = 64u;
+const int EVERYWHERE_Q8_ = 1073741824;
+layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 0) buffer type_11_block_1Compute { uint _group_1_binding_0_cs[]; };
+layout(std430, binding = 1) buffer type_11_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_13_block_3Compute { uint _group_1_binding_2_cs[]; };
+shared uint sums[128];
+uint sum_before(uint thread_1, uint own_1) {
+    uint d = 1u;
+    uint below = 0u;
+    sums[thread_1] = own_1;
+    bool loop_init = true;
+    while(true) {
+        if (!loop_init) {
+            uint _e23 = d;
+            d = (_e23 * 2u);
+        }
+        loop_init = false;
+        uint _e6 = d;
+        if ((_e6 < THREADS)) {
+        } else {
+            break;
+        }
+        {
+            memoryBarrierShared();
+            barrier();
+            below = 0u;
+            uint _e11 = d;
+            if ((thread_1 >= _e11)) {
+                uint _e14 = d;
+                uint _e17 = sums[(thread_1 - _e14)];
+                below = _e17;
+            }
+            memoryBarrierShared();
+            barrier();
+            uint _e20 = sums[thread_1];
+            uint _e21 = below;
+            sums[thread_1] = (_e20 + _e21);
+        }
+    }
+    memoryBarrierShared();
+    barrier();
+    uint _e28 = sums[thread_1];
+    return (_e28 - own_1);
+}
+void put_arguments(uint at_2, uint groups) {
+    _group_1_binding_0_cs[(4u * at_2)] = min(groups, ROW_OF_GROUPS);
+    _group_1_binding_0_cs[((4u * at_2) + 1u)] = (((groups + ROW_OF_GROUPS) - 1u) / ROW_OF_GROUPS);
+    _group_1_binding_0_cs[((4u * at_2) + 2u)] = 1u;
+    return;
+}
+uint rank_of(uint place) {
+    uint _e4 = _group_0_binding_0_cs.seen;
+    uint _e9 = _group_1_binding_2_cs[(_e4 + (place / 32u))];
+    uint below_1 = (_e9 & ((1u << (place % 32u)) - 1u));
+    uint _e20 = _group_0_binding_0_cs.ranks;
+    uint _e25 = _group_1_binding_1_cs[(_e20 + (place / 32u))];
+    return (_e25 + uint(bitCount(below_1)));
+}
+void main() {
+    uint thread = gl_LocalInvocationIndex;
+    uint own = 0u;
+    uint i = 0u;
+    uint at = 0u;
+    uint i_1 = 0u;
+    uint bits = 0u;
+    uint i_2 = 0u;
+    uint _e3 = _group_0_binding_0_cs.places;
+    uint words = ((_e3 / 32u) + 1u);
+    uint each = (((words + THREADS) - 1u) / THREADS);
+    uint first = min((thread * each), words);
+    uint end = min((first + each), words);
+    i = first;
+    bool loop_init_1 = true;
+    while(true) {
+        if (!loop_init_1) {
+            uint _e34 = i;
+            i = (_e34 + 1u);
+        }
+        loop_init_1 = false;
+        uint _e21 = i;
+        if ((_e21 < end)) {
+        } else {
+            break;
+        }
+        {
+            uint _e23 = own;
+            uint _e27 = _group_0_binding_0_cs.seen;
+            uint _e28 = i;
+            uint _e31 = _group_1_binding_2_cs[(_e27 + _e28)];
+            own = (_e23 + uint(bitCount(_e31)));
+        }
+    }
+    uint _e37 = own;
+    uint _e38 = sum_before(thread, _e37);
+    at = _e38;
+    i_1 = first;
+    bool loop_init_2 = true;
+    while(true) {
+        if (!loop_init_2) {
+            uint _e84 = i_1;
+            i_1 = (_e84 + 1u);
+        }
+        loop_init_2 = false;
+        uint _e41 = i_1;
+        if ((_e41 < end)) {
+        } else {
+            break;
+        }
+        {
+            uint _e46 = _group_0_binding_0_cs.ranks;
+            uint _e47 = i_1;
+            uint _e50 = at;
+            _group_1_binding_1_cs[(_e46 + _e47)] = _e50;
+            uint _e54 = _group_0_binding_0_cs.seen;
+            uint _e55 = i_1;
+            uint _e58 = _group_1_binding_2_cs[(_e54 + _e55)];
+            bits = _e58;
+            bool loop_init_3 = true;
+            while(true) {
+                if (!loop_init_3) {
+                    uint _e79 = bits;
+                    uint _e80 = bits;
+                    bits = (_e79 & (_e80 - 1u));
+                }
+                loop_init_3 = false;
+                uint _e60 = bits;
+                if ((_e60 != 0u)) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e66 = _group_0_binding_0_cs.visible;
+                    uint _e67 = at;
+                    uint _e71 = i_1;
+                    uint _e73 = bits;
+                    _group_1_binding_1_cs[(_e66 + _e67)] = ((32u * _e71) + min(uint(findLSB(_e73)), 32u));
+                    uint _e76 = at;
+                    at = (_e76 + 1u);
+                }
+            }
+        }
+    }
+    memoryBarrierBuffer();
+    barrier();
+    memoryBarrierShared();
+    barrier();
+    i_2 = thread;
+    bool loop_init_4 = true;
+    while(true) {
+        if (!loop_init_4) {
+            uint _e136 = i_2;
+            i_2 = (_e136 + THREADS);
+        }
+        loop_init_4 = false;
+        uint _e88 = i_2;
+        uint _e91 = _group_0_binding_0_cs.spans;
+        if ((_e88 <= _e91)) {
+        } else {
+            break;
+        }
+        {
+            uint _e95 = _group_0_binding_0_cs.spans_at;
+            uint _e97 = i_2;
+            uint span = (_e95 + (SPAN * _e97));
+            uint _e102 = _group_1_binding_1_cs[span];
+            uint _e103 = rank_of(_e102);
+            uint _e108 = _group_1_binding_1_cs[(span + 1u)];
+            uint _e109 = rank_of(_e108);
+            uint _e112 = _group_0_binding_0_cs.chunk_room;
+            uint high_1 = min(_e109, _e112);
+            _group_1_binding_1_cs[(span + 2u)] = _e103;
+            _group_1_binding_1_cs[(span + 3u)] = high_1;
+            uint _e122 = i_2;
+            uint _e129 = i_2;
+            uint _e132 = _group_0_binding_0_cs.spans;
+            put_arguments(_e122, max((2u * (max(high_1, _e103) - _e103)), ((_e129 == _e132) ? 1u : 0u)));
+        }
+    }
+    if ((thread == 127u)) {
+        uint _e143 = at;
+        _group_1_binding_2_cs[0] = _e143;
+        return;
+    } else {
+        return;
+    }
+}

@@ -1,0 +1,45 @@
+// Needs records
+// The slots that trace found become ids, a thread a pixel.
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(1) var<storage, read> memory: array<u32>;
+@group(1) @binding(3) var<storage, read_write> picture: array<u32>;
+
+// The span of a place: the last that does not begin behind it.
+fn span_of(place: u32) -> u32
+{
+    var low = 0u;
+    var high = frame.spans;
+    while (high - low > 1u) {
+        let middle = (low + high) / 2u;
+        if (memory[frame.spans_at + SPAN * middle] <= place) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return frame.spans_at + SPAN * low;
+}
+
+@compute @workgroup_size(128)
+fn name_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let pixel = (group.y * ROW_OF_GROUPS + group.x) * THREADS + thread;
+    let at = frame.id + 2u * pixel;
+    if (pixel >= u32(frame.size.x * frame.size.y)) {
+        return;
+    }
+    let slot = picture[at];
+    var id = vec2<u32>(NOTHING);
+    if (slot != NOTHING) {
+        let place = memory[frame.visible + slot / CHUNK];
+        let span = span_of(place);
+        var chunk = place;
+        if (frame.drawn != 0u) {
+            chunk = memory[frame.drawn + 2u * place];
+        }
+        id = vec2<u32>(memory[span + 4u], (chunk - memory[span + 5u]) * CHUNK + slot % CHUNK);
+    }
+    picture[at] = id.x;
+    picture[at + 1u] = id.y;
+}

@@ -1,0 +1,110 @@
+// Needs numbers records
+// Where each tile's list begins, a workgroup a tile row.
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(1) @binding(0) var<storage, read_write> arguments: array<u32>;
+@group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
+
+var<workgroup> sums: array<u32, 128>;
+var<workgroup> first_page: u32;
+
+// a + b, at most 2^32 - 1
+fn add_most(a: u32, b: u32) -> u32
+{
+    return select(a + b, 0xffffffffu, a + b < a);
+}
+
+// The sum over the threads up to this one; of lengths, cut to 2^32 - 1: more than fits in any case.
+fn sum_to(thread: u32, own: u32, cut: bool) -> u32
+{
+    workgroupBarrier();
+    sums[thread] = own;
+    for (var d = 1u; d < THREADS; d *= 2u) {
+        workgroupBarrier();
+        var below = 0u;
+        if (thread >= d) {
+            below = sums[thread - d];
+        }
+        workgroupBarrier();
+        if (cut) {
+            sums[thread] = add_most(sums[thread], below);
+        } else {
+            sums[thread] += below;
+        }
+    }
+    workgroupBarrier();
+    return sums[thread];
+}
+
+fn class_of(length: u32) -> u32
+{
+    return min(u32(firstLeadingBit(length | 1u)), CLASSES - 1u);
+}
+
+// What is to be sorted of a list.
+fn put_blocks(tile: u32, length: u32)
+{
+    let blocks = select(0u, (length - 1u) / BLOCK + 1u, length > 1u);
+    if (blocks == 0u) {
+        return;
+    }
+    if (blocks > 1u) {
+        atomicMax(&counts[LONGEST], length);
+    }
+    let first = atomicAdd(&counts[BLOCKS], blocks);
+    for (var i = 0u; i < blocks && first + i < frame.block_room; i += 1u) {
+        atomicStore(&counts[frame.blocks + 2u * (first + i)], tile);
+        atomicStore(&counts[frame.blocks + 2u * (first + i) + 1u], i);
+    }
+}
+
+@compute @workgroup_size(128)
+fn start_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let across = u32(frame.tiles.x);
+    let row = group.x * across;
+    var tiles_before = 0u;
+    var entries_before = 0u;
+    for (var first = 0u; first < across; first += THREADS) {
+        let column = first + thread;
+        let at = TILES + row + column;
+        var own = 0u;
+        if (column < across) {
+            own = atomicLoad(&counts[at]);
+        }
+        var length = tiles_before + sum_to(thread, own, false);
+        tiles_before += sums[THREADS - 1u];
+        if (column >= across) {
+            length = 0u;
+        }
+        let end = add_most(entries_before, sum_to(thread, length, true));
+        entries_before = add_most(entries_before, sums[THREADS - 1u]);
+        if (column < across) {
+            atomicStore(&counts[at], length);
+            atomicStore(&counts[frame.next + row + column], end - length);
+        }
+    }
+    if (thread == 0u) {
+        if (atomicAdd(&counts[ENTRIES], entries_before) + entries_before < entries_before) {
+            atomicAdd(&counts[ENTRIES + 1u], 1u);
+        }
+        first_page = atomicAdd(&counts[PAGES], entries_before / PAGE + 1u);
+        if (group.x == 0u) {
+            let larges = min(atomicLoad(&counts[LARGES]), frame.large_room);
+            let at = 4u * (frame.spans + 1u);
+            arguments[at] = min(larges, ROW_OF_GROUPS);
+            arguments[at + 1u] = (larges + ROW_OF_GROUPS - 1u) / ROW_OF_GROUPS;
+            arguments[at + 2u] = 1u;
+        }
+    }
+    workgroupBarrier();
+    for (var column = thread; column < across; column += THREADS) {
+        let tile = row + column;
+        let length = atomicLoad(&counts[TILES + tile]);
+        let class_number = class_of(length);
+        put_blocks(tile, length);
+        let place = atomicAdd(&counts[CLASS_COUNTS + class_number], 1u);
+        atomicStore(&counts[frame.classes + class_number * across * u32(frame.tiles.y) + place], tile);
+        atomicAdd(&counts[frame.next + tile], first_page * PAGE);
+    }
+}

@@ -1,0 +1,190 @@
+// Needs pixel numbers records crop project shade bin
+// The chunks that can be seen: project, shade and bin, two workgroups a chunk.
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> object: Object;
+@group(1) @binding(0) var<storage, read> scene: array<u32>;            // palette, then rows
+@group(1) @binding(1) var<storage, read_write> memory: array<u32>;
+@group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
+@group(1) @binding(3) var<storage, read_write> splats: array<vec4<u32>>;   // two each
+
+var<workgroup> visible_here: atomic<u32>;
+var<workgroup> record: array<u32, 64>;           // of the chunk: see put_record in locate.wgsl
+
+// A depth key times the scale.
+fn scale_depth(key: u32) -> u32
+{
+    let product = mul_high((0x4000000u | (key & 0x3ffffffu)) << 5u, object.scale_mantissa);
+    let zeros = zeros_of(product);
+    let exponent = i32(key >> 26u) + object.scale_exponent + 1 - zeros;
+    if (exponent < 0) {
+        return 0u;
+    }
+    if (exponent > 63) {
+        return 0xffffffffu;
+    }
+    return (u32(exponent) << 26u) | (((product << u32(zeros)) >> 5u) & 0x3ffffffu);
+}
+
+// fxs_object_change, of crop boxes
+fn is_kept(position: vec3<u32>) -> bool
+{
+    var centre: array<wide, 3>;
+    for (var i = 0u; i < 3u; i += 1u) {
+        let reach = shift_left(mul_wide(record[34u + i], position[i]), record[37]);
+        centre[i] = add_wide(wide_at(28u + 2u * i), reach);
+    }
+    return is_within_crops(&centre, &centre);
+}
+
+fn offset_of(opacity: u32, share_q8: u32) -> i32
+{
+    let code = CHUNK * record[17] + opacity;
+    var offset_q11 = half_of(memory[code / 2u], code);
+    if (share_q8 != 256u) {
+        offset_q11 = share_of_q11(offset_q11, share_q8);
+    }
+    return i32(offset_q11) + object.offset_q11;
+}
+
+// Adds 1 to the counts where a splat's tiles begin on a tile row, takes it where they have ended.
+fn count_tiles(row: i32, s: Span)
+{
+    if (s.first > s.last) {
+        return;
+    }
+    let tile = TILES + u32(row * frame.tiles.x);
+    atomicAdd(&counts[tile + u32(s.first)], 1u);
+    if (s.last < frame.tiles.x - 1) {
+        atomicAdd(&counts[tile + u32(s.last) + 1u], 0xffffffffu);
+    }
+}
+
+// A splat that fits in no box, for fill_large.
+fn put_large(slot: u32, b: ptr<function, Bounds>)
+{
+    let place = atomicAdd(&counts[LARGES], 1u);
+    if (place < frame.large_room) {
+        let at = frame.larges + LARGE * place;
+        memory[at] = slot;
+        memory[at + 1u] = bitcast<u32>((*b).c_q14.x);
+        memory[at + 2u] = bitcast<u32>((*b).c_q14.y);
+        memory[at + 3u] = (*b).breadth_q8;
+        memory[at + 4u] = bitcast<u32>((*b).shear_q8);
+        memory[at + 5u] = bitcast<u32>((*b).half_width_q8);
+        memory[at + 6u] = (*b).square_radius;
+    }
+}
+
+// Counts the tiles of a splat. Returns its box: bit 6 r + c of 42 for each tile of a row and column, and above the
+// first tile; 0 where it is large, or listed nowhere.
+fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
+{
+    var s = (*out).splat;
+    var b = (*out).bounds;
+    let rows = rows_of(&s, &b);
+    let columns = columns_of(&b);
+    let is_square = frame.cutoff == 1;
+    if (!is_square && columns.first > columns.last) {
+        return wide(0u, 0u);
+    }
+    let first_tile = u32(rows.first * frame.tiles.x + columns.first);
+    if (!is_square && rows.first == rows.last && s.rows.x > 0 && s.rows.y < frame.size.y - 1 &&
+        columns.last - columns.first < 4) {          // as fxs_bin_c does
+        count_tiles(rows.first, columns);
+        return wide((2u << u32(columns.last - columns.first)) - 1u, first_tile << 10u);
+    }
+    let large = is_square || columns.last - columns.first >= BOX_COLUMNS || rows.last - rows.first >= BOX_ROWS;
+    let r_q12 = radius_q12(s.offset_q11);
+    var box = wide(0u, 0u);
+    for (var row = rows.first; row <= rows.last; row += 1) {
+        let tiles = span_of(&s, &b, r_q12, row);
+        count_tiles(row, tiles);
+        if (!large && tiles.first <= tiles.last) {
+            let bits = (2u << u32(tiles.last - columns.first)) - (1u << u32(tiles.first - columns.first));
+            box |= shift_left(wide(bits, 0u), u32(BOX_COLUMNS * (row - rows.first)));
+        }
+    }
+    if (large && rows.first <= rows.last) {
+        put_large(slot, &b);
+    }
+    if ((box.x | box.y) == 0u) {
+        return box;
+    }
+    return wide(box.x, box.y | (first_tile << 10u));
+}
+
+fn put_splat(slot: u32, s: ptr<function, Splat>, colour_q13: vec3<i32>)
+{
+    splats[2u * slot] = vec4<u32>((*s).u0_q24, (*s).v0_q24, bitcast<u32>((*s).ux_q24), bitcast<u32>((*s).uy_q24));
+    splats[2u * slot + 1u] = vec4<u32>(bitcast<u32>((*s).vy_q24), u32((*s).offset_q11) | (u32(colour_q13.x) << 16u),
+                                       u32(colour_q13.y) | (u32(colour_q13.z) << 16u),
+                                       u32((*s).rows.x) | (u32((*s).rows.y) << 16u));
+}
+
+// Returns the Gaussian's box.
+fn project_gaussian(chunk: u32, slot: u32) -> wide
+{
+    let g = slot % CHUNK;
+    let rows = object.rows_at + (chunk - object.first_chunk - object.part_chunk) * object.chunk_words;
+    let codes = codes_of(rows, g);
+    let opacity = codes.colour >> 24u;
+    var centre: Projected;
+    var out: Placed;
+    if (opacity == 0u) {
+        return wide(0u, 0u);
+    }
+    if (!project_centre(&centre, codes.position)) {
+        return wide(0u, 0u);
+    }
+    out.splat.offset_q11 = offset_of(opacity, record[47]);
+    if (!project_shape(&out, &centre, codes.scale, codes.rotation)) {
+        return wide(0u, 0u);
+    }
+    if (object.crop_count != 0u && !is_kept(codes.position)) {
+        return wide(0u, 0u);
+    }
+    var key = depth_key(centre.camera.z);
+    if (object.plain == 0) {
+        key = scale_depth(key);
+    }
+    let colour = min((shade(rows, g, codes) * object.tint_q13.xyz + 4096) >> vec3<u32>(13u), vec3<i32>(32767));
+    put_splat(slot, &out.splat, colour);
+    memory[frame.depths + slot] = key;
+    atomicAdd(&visible_here, 1u);
+    return list_splat(slot, &out);
+}
+
+@compute @workgroup_size(128)
+fn project_chunk(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let span = frame.spans_at + SPAN * object.span;
+    let half = group.y * ROW_OF_GROUPS + group.x;
+    let ordinal = memory[span + 2u] + half / 2u;
+    let inside = ordinal < memory[span + 3u];
+    var place = 0u;
+    if (inside) {
+        place = memory[frame.visible + ordinal];
+    }
+    if (thread == 0u) {
+        atomicStore(&visible_here, 0u);
+    }
+    if (thread < RECORD) {
+        record[thread] = memory[frame.records + RECORD * place + thread];
+    }
+    workgroupBarrier();
+    if (inside) {
+        let slot = ordinal * CHUNK + half % 2u * THREADS + thread;
+        var chunk = place;
+        if (frame.drawn != 0u) {
+            chunk = memory[frame.drawn + 2u * place];
+        }
+        let box = project_gaussian(chunk, slot);
+        memory[frame.boxes + 2u * slot] = box.x;
+        memory[frame.boxes + 2u * slot + 1u] = box.y;
+    }
+    workgroupBarrier();
+    if (thread == 0u) {
+        atomicAdd(&counts[VISIBLE], atomicLoad(&visible_here));
+    }
+}

@@ -1,0 +1,502 @@
+// project: src/core/project.c, a thread a Gaussian.
+
+struct Projected {
+    camera: vec3<i32>,
+    zeros: i32,
+    inverse_q30: u32,
+    slope_q23: vec2<i32>,
+    position_q14: vec2<i32>,
+    out_of_range: bool,
+}
+
+// In units of 4^exponent pixels^2.
+struct Covariance {
+    a_q30: u32,
+    c_q30: u32,
+    b_q30: i32,
+    det_q60: wide,
+    det_undilated_q60: wide,
+    exponent: i32,
+}
+
+struct Root {
+    m: u32,
+    inverse_q30: u32,
+    half: i32,
+}
+
+struct Placed {
+    splat: Splat,
+    bounds: Bounds,
+}
+
+const CENTRE_LIMIT_Q14: i32 = 0x40000000;
+const SIDE_Q23: i32 = 0x20000000;  // 64
+
+fn number_at(at: u32) -> i32
+{
+    return bitcast<i32>(record[at]);
+}
+
+fn wide_at(at: u32) -> wide
+{
+    return wide(record[at], record[at + 1u]);
+}
+
+// (base + m code) >> 16 of an axis, below 2^30: the products in two parts, of m's upper and lower 16 bits.
+fn camera_of(i: u32, code: vec3<u32>) -> i32
+{
+    let base_q16 = wide_at(2u * i);
+    let m_q16 = vec3<u32>(record[6u + 3u * i], record[7u + 3u * i], record[8u + 3u * i]);
+    let below = (m_q16 & vec3<u32>(0xffffu)) * code;
+    let above = (bitcast<vec3<i32>>(m_q16) >> vec3<u32>(16u)) * vec3<i32>(code);
+    let rest = below & vec3<u32>(0xffffu);
+    let low = (base_q16.x & 0xffffu) + rest.x + rest.y + rest.z;
+    let carried = (below.x >> 16u) + (below.y >> 16u) + (below.z >> 16u) + (low >> 16u);
+    return bitcast<i32>((base_q16.y << 16u) | (base_q16.x >> 16u)) + above.x + above.y + above.z + i32(carried);
+}
+
+struct Axis {
+    slope_q23: i32,
+    position_q14: i32,
+    out_of_range: bool,
+}
+
+fn project_axis(x: i32, side: i32, zeros: i32, inverse_q30: u32, f_q12: i32, c_q12: i32) -> Axis
+{
+    let off_axis = x >= side || -x >= side;
+    var slope = low_of(round_shift(mul_mixed(x, inverse_q30), 39 - zeros));
+    if (off_axis) {
+        slope = select(SIDE_Q23, -SIDE_Q23, x < 0);
+    }
+    let middle_q14 = sub_wide(shift_left(wide_of(c_q12), 2u), wide(8192u, 0u));
+    let position = add_wide(round_shift(mul_signed(f_q12, slope), 21), middle_q14);
+    return Axis(slope, low_of(position), off_axis || !less(magnitude(position), wide(u32(CENTRE_LIMIT_Q14), 0u)));
+}
+
+// Whether it is beyond the near plane.
+fn project_centre(centre: ptr<function, Projected>, code: vec3<u32>) -> bool
+{
+    let z = camera_of(2u, code);
+    if (z <= number_at(21u)) {
+        return false;
+    }
+    let parallel = object.orthographic != 0;
+    let zeros = select(zeros_of(u32(z)), number_at(19u), parallel);
+    var inverse_q30 = 0x40000000u;
+    var side = number_at(20u);
+    if (!parallel) {
+        inverse_q30 = reciprocal(u32(z) << u32(zeros));
+        side = 64 * min(z, 0x1ffffff);
+    }
+    (*centre).camera = vec3<i32>(camera_of(0u, code), camera_of(1u, code), z);
+    (*centre).zeros = zeros;
+    (*centre).inverse_q30 = inverse_q30;
+    let x = project_axis((*centre).camera.x, side, zeros, inverse_q30, object.f_q12.x, object.c_q12.x);
+    let y = project_axis((*centre).camera.y, side, zeros, inverse_q30, object.f_q12.y, object.c_q12.y);
+    (*centre).slope_q23 = vec2<i32>(x.slope_q23, y.slope_q23);
+    (*centre).position_q14 = vec2<i32>(x.position_q14, y.position_q14);
+    (*centre).out_of_range = x.out_of_range || y.out_of_range;
+    return true;
+}
+
+// A row of J W, over f/z 2^jacobian_exponent, Q15.
+fn jacobian_row(i: u32, slope_q23: i32) -> vec3<i32>
+{
+    let slope = clamp(slope_q23, object.slope_low_q23[i], object.slope_high_q23[i]);
+    let slope_q15 = ((slope >> u32(7 + object.jacobian_exponent)) + 1) >> 1u;
+    let forward = object.forward_q15[i].xyz;
+    return object.row_q15[i].xyz - ((slope_q15 * forward + vec3<i32>(16384)) >> vec3<u32>(15u));
+}
+
+fn rotation_code_q15(word: u32, i: u32) -> i32
+{
+    let code = i32((word >> (20u - 10u * i)) & 1023u);
+    return ((2 * code - 1023) * 23194 + 512) >> 10u;
+}
+
+// Whether the three components are no longer than 1.
+fn quaternion(q: ptr<function, vec4<i32>>, word: u32) -> bool
+{
+    let largest = word >> 30u;
+    let a = rotation_code_q15(word, 0u);
+    let b = rotation_code_q15(word, 1u);
+    let c = rotation_code_q15(word, 2u);
+    let square_q30 = a * a + b * b + c * c;
+    if (square_q30 > 0x40000000) {
+        return false;
+    }
+    let most = i32(sqrt_of(0x40000000u - u32(square_q30)));
+    *q = vec4<i32>(select(a, most, largest == 0u), select(select(a, b, largest > 1u), most, largest == 1u),
+                   select(select(b, c, largest > 2u), most, largest == 2u), select(c, most, largest == 3u));
+    return true;
+}
+
+// Column i of the rotation matrix of a quaternion w, x, y, z.
+fn rotation_column(q: vec4<i32>, i: u32) -> vec3<i32>
+{
+    let w = q.x;
+    let x = q.y;
+    let y = q.z;
+    let z = q.w;
+    let half = 8192;
+    if (i == 0u) {
+        return vec3<i32>(32768 - ((y * y + z * z + half) >> 14u), (x * y + w * z + half) >> 14u,
+                         (x * z - w * y + half) >> 14u);
+    }
+    if (i == 1u) {
+        return vec3<i32>((x * y - w * z + half) >> 14u, 32768 - ((x * x + z * z + half) >> 14u),
+                         (y * z + w * x + half) >> 14u);
+    }
+    return vec3<i32>((x * z + w * y + half) >> 14u, (y * z - w * x + half) >> 14u,
+                     32768 - ((x * x + y * y + half) >> 14u));
+}
+
+// f sigma_max / z 2^jacobian_exponent = mantissa 2^exponent, in [0.5, 1)
+fn screen_size(centre: ptr<function, Projected>, size_q16: i32, exponent: ptr<function, i32>) -> u32
+{
+    let whole = -(-size_q16 >> 16u);
+    let size_q15 = u32(exp2_q15((-size_q16 & 65535) >> 1u));
+    let over_z_q30 = shift_right(mul_wide(size_q15, (*centre).inverse_q30), 15u).x;
+    let mantissa = mul_high(over_z_q30, object.focal_q32);
+    let zeros = zeros_of(mantissa);
+    *exponent = whole - number_at(18u) + (*centre).zeros + object.focal_exponent + object.jacobian_exponent +
+                2 - zeros;
+    return mantissa << u32(zeros);
+}
+
+// Whether a Gaussian of this size cannot touch the picture; below 2^32, as exponent is at most 16.
+fn off_picture(centre: ptr<function, Projected>, exponent: i32) -> bool
+{
+    let radius_q14 = 57344u * ((1u << u32(max(exponent, 0))) + 1u);
+    let position = (*centre).position_q14;
+    let end = vec2<u32>(frame.tiles) << vec2<u32>(18u);
+    return any(vec2<u32>(max(-position, vec2<i32>(0))) > vec2<u32>(radius_q14)) ||
+           any(vec2<u32>(max(position, vec2<i32>(0))) > end + radius_q14);
+}
+
+fn dot_i(a: vec3<i32>, b: vec3<i32>) -> i32
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+fn square_wide(x: i32) -> wide
+{
+    let size = u32(abs(x));
+    return mul_wide(size, size);
+}
+
+fn covariance_of(p: vec3<i32>, q: vec3<i32>, exponent: i32, least_dilation_q30: u32) -> Covariance
+{
+    var out: Covariance;
+    let a = u32(dot_i(p, p));
+    let c = u32(dot_i(q, q));
+    let undilated = add_wide(add_wide(square_wide(p.y * q.z - p.z * q.y), square_wide(p.z * q.x - p.x * q.z)),
+                             square_wide(p.x * q.y - p.y * q.x));
+    var dilation = least_dilation_q30;
+    if (exponent < 15) {
+        dilation = max(dilation, 322122547u >> u32(2 * exponent));
+    }
+    let sum = add_wide(add_wide(wide(a, 0u), wide(c, 0u)), wide(dilation, 0u));
+    out.b_q30 = dot_i(p, q);
+    out.det_undilated_q60 = undilated;
+    out.det_q60 = add_wide(undilated, mul_word(sum, dilation));
+    out.a_q30 = a + dilation;
+    out.c_q30 = c + dilation;
+    out.exponent = exponent;
+    return out;
+}
+
+fn root_of_q60(x: wide) -> Root
+{
+    let zeros = zeros_of_wide(x) & ~1;
+    let m = shift_left(x, u32(zeros)).y;
+    return Root(m, rsqrt(m), 2 - zeros / 2);
+}
+
+fn root_of_q30(x: u32) -> Root
+{
+    let zeros = zeros_of(x) & ~1;
+    let m = x << u32(zeros);
+    return Root(m, rsqrt(m), 1 - zeros / 2);
+}
+
+// x 2^-shift rounded to nearest; shift above 0, x below 2^32 - 1
+fn scale_down(x: u32, shift: i32) -> u32
+{
+    if (shift > 32) {
+        return 0u;
+    }
+    return ((x >> u32(shift - 1)) + 1u) >> 1u;
+}
+
+fn sqrt_q8(r: Root, exponent: i32) -> u32
+{
+    return scale_down(mul_high(r.m, r.inverse_q30), 22 - r.half - exponent);
+}
+
+fn product_shifted(a: u32, b: u32, n: u32) -> u32
+{
+    return shift_right(mul_wide(a, b), n).x;
+}
+
+fn whiten(out: ptr<function, Placed>, s: ptr<function, Covariance>, c: Root, centre: ptr<function, Projected>,
+          r_q12: u32)
+{
+    let e = (*s).exponent;
+    let b_q30 = (*s).b_q30;
+    let d = root_of_q60((*s).det_q60);
+    let a = root_of_q30((*s).a_q30);
+    let root_c_q30 = mul_high(c.m, c.inverse_q30);
+    let root_d_q30 = mul_high(d.m, d.inverse_q30);
+    let inverse_q29 = product_shifted(c.inverse_q30, d.inverse_q30, 31u);
+    let vy = i32(scale_down(c.inverse_q30, 6 + c.half + e));
+    let ux = i32(scale_down(product_shifted(root_c_q30, d.inverse_q30, 30u), 6 - c.half + d.half + e));
+    let uy = -low_of(round_shift(mul_mixed(b_q30, inverse_q29), 35 + c.half + d.half + e));
+    let half_width = product_shifted(sqrt_q8(a, e), r_q12, 12u);
+    let position = (*centre).position_q14;
+    (*out).bounds = Bounds(position,
+                           scale_down(product_shifted(root_d_q30, c.inverse_q30, 30u), 22 - d.half + c.half - e),
+                           low_of(round_shift(mul_mixed(b_q30, c.inverse_q30), 52 + c.half - e)),
+                           i32(half_width + (half_width >> 8u) + 32u), 0u);
+    let u_q38 = add_wide(mul_signed(position.x, ux), mul_signed(position.y, uy));
+    let v_q38 = mul_signed(position.y, vy);
+    (*out).splat.u0_q24 = 1024u - shift_up(u_q38, 14u).x;
+    (*out).splat.v0_q24 = 1024u - shift_up(v_q38, 14u).x;
+    (*out).splat.ux_q24 = ux;
+    (*out).splat.uy_q24 = uy;
+    (*out).splat.vy_q24 = vy;
+}
+
+// Whether the ellipse touches the picture, and more of it than is hidden.
+fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
+{
+    var half_height = i32(product_shifted(sigma_q8, r_q12, 12u));
+    half_height += (half_height >> 8u) + 32;
+    let half_width = (*out).bounds.half_width_q8;
+    let c_q8 = (*out).bounds.c_q14 >> vec2<u32>(6u);
+    let first = (c_q8.y - half_height + 255) >> 8u;
+    let last = (c_q8.y + half_height) >> 8u;
+    let size = frame.size;
+    if (c_q8.x + half_width < 0 || c_q8.x - half_width > (size.x - 1) << 8u || last < 0 || first >= size.y ||
+        first > last) {
+        return false;
+    }
+    if (c_q8.x - half_width >= object.hidden.x * 256 && first >= object.hidden.y &&
+        c_q8.x + half_width <= (object.hidden_end.x - 1) * 256 && last < object.hidden_end.y) {
+        return false;
+    }
+    (*out).splat.rows = vec2<i32>(max(first, 0), min(last, size.y - 1));
+    return true;
+}
+
+// The square of Kerbl et al. 2023: whether it touches the picture.
+fn square(out: ptr<function, Placed>, s: ptr<function, Covariance>) -> bool
+{
+    let e = (*s).exponent;
+    let mid_q30 = shift_right(add_wide(wide((*s).a_q30, 0u), wide((*s).c_q30, 0u)), 1u).x;
+    var least_q60 = wide(1u, 0u);
+    if (e < 15) {                  // 2^60 / 10 = 0x0199999999999999
+        least_q60 = shift_right(wide(0x99999999u, 0x01999999u), u32(4 * e));
+    }
+    let spread_q60 = sub_wide(mul_wide(mid_q30, mid_q30), (*s).det_q60);
+    var more = spread_q60;
+    if (less(spread_q60, least_q60)) {
+        more = least_q60;
+    }
+    let spread = root_of_q60(more);
+    let root = shift_left(wide(mul_high(spread.m, spread.inverse_q30), 0u), 1u);
+    let lambda_q30 = add_wide(wide(mid_q30, 0u), shift_right(root, u32(1 - spread.half)));
+    let sigma_q8 = sqrt_q8(root_of_q60(shift_left(lambda_q30, 30u)), e);
+    let radius = i32((3u * sigma_q8 + 255u) >> 8u);
+    (*out).bounds.square_radius = u32(radius);
+    (*out).splat.rows = vec2<i32>(0, frame.size.y - 1);
+    let pixel = (*out).bounds.c_q14 >> vec2<u32>(14u);
+    return all(pixel + radius + 15 >= vec2<i32>(16)) && all(pixel < radius + 16 * frame.tiles);
+}
+
+// ---- Veils -----------------------------------------------------------------------------------------------------
+
+fn veil_dilation_q30(exponent: i32) -> u32
+{
+    if (exponent > 31) {
+        return 64u;
+    }
+    let dilation = add_wide(shift_right(object.dilation_q30, u32(2 * exponent)), wide(1u, 0u));
+    return select(max(dilation.x, 64u), 0xffffffffu, dilation.y != 0u);
+}
+
+fn cut_to_16_q26(x: wide) -> i32
+{
+    let most = wide(0x40000000u, 0u);
+    if (less(most, magnitude(x))) {
+        return select(0x40000000, -0x40000000, is_negative(x));
+    }
+    return low_of(x);
+}
+
+fn shift_and_cut(x: wide, shift: i32) -> i32
+{
+    if (shift < 0) {
+        return cut_to_16_q26(shift_left(wide_of(cut_to_16_q26(x)), u32(-shift)));
+    }
+    return cut_to_16_q26(shift_signed(x, u32(min(shift, 62))));
+}
+
+fn from_middle_q26(centre: ptr<function, Projected>, i: u32, exponent: i32) -> i32
+{
+    let slope = low_of(shift_signed(mul_mixed((*centre).camera[i], (*centre).inverse_q30), 34u));
+    let middle_q12 = sub_wide(wide_of(object.c_q12[i]), wide_of((frame.tiles[i] << 15u) + 2048));
+    let moved = shift_and_cut(mul_signed(object.f_q12[i], slope), 14 + exponent - (*centre).zeros);
+    return cut_to_16_q26(add_wide(wide_of(moved), wide_of(shift_and_cut(shift_left(middle_q12, 14u), exponent))));
+}
+
+// Whether a pixel is within r of the centre.
+fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<function, Projected>, r_q12: u32) -> bool
+{
+    let e = (*s).exponent;
+    let shift = min(e, 60) - 6;
+    let middle = frame.tiles * 8;
+    let c = root_of_q30((*s).c_q30);
+    let d = root_of_q60((*s).det_q60);
+    let inverse_q29 = product_shifted(c.inverse_q30, d.inverse_q30, 31u);
+    let ratio_q30 = shift_right(mul_wide(mul_high(c.m, c.inverse_q30), d.inverse_q30), 30u);
+    let ux_q18 = low_of(round_shift(shift_left(ratio_q30, 2u), 14 - c.half + d.half));
+    let uy_q18 = -low_of(round_shift(mul_mixed((*s).b_q30, inverse_q29), 41 + c.half + d.half));
+    let vy_q18 = low_of(round_shift(wide(c.inverse_q30, 0u), 12 + c.half));
+    let x_q26 = from_middle_q26(centre, 0u, e);
+    let y_q26 = from_middle_q26(centre, 1u, e);
+    let u_q44 = add_wide(mul_signed(x_q26, ux_q18), mul_signed(y_q26, uy_q18));
+    let u_q24 = shift_up(u_q44, 20u);                  // these two: times -1
+    let v_q24 = shift_up(mul_signed(y_q26, vy_q18), 20u);
+    let ux = low_of(round_shift(wide_of(ux_q18), shift));
+    let uy = low_of(round_shift(wide_of(uy_q18), shift));
+    let vy = low_of(round_shift(wide_of(vy_q18), shift));
+    (*out).splat.u0_q24 = 1024u - u_q24.x - bitcast<u32>(middle.x * ux) - bitcast<u32>(middle.y * uy);
+    (*out).splat.v0_q24 = 1024u - v_q24.x - bitcast<u32>(middle.y * vy);
+    (*out).splat.ux_q24 = ux;
+    (*out).splat.uy_q24 = uy;
+    (*out).splat.vy_q24 = vy;
+    (*out).splat.rows = vec2<i32>(0, frame.size.y - 1);
+    (*out).bounds = Bounds(vec2<i32>(0), 0u, 0, EVERYWHERE_Q8, select(0u, 0x20000u, frame.cutoff == 1));
+    let r_q24 = wide((r_q12 + 1u) * 4096u, 0u);
+    let across = add_wide(mul_signed(middle.x, ux), mul_signed(middle.y, abs(uy)));
+    return !less(add_wide(r_q24, across), magnitude(u_q24)) &&
+           !less(add_wide(r_q24, mul_signed(middle.y, vy)), magnitude(v_q24));
+}
+
+// ----------------------------------------------------------------------------------------------------------------
+
+// A Gaussian's axis of 2^-below of the largest one's size, Q15.
+fn axis_size_q15(below_q16: i32, size_q32: u32, shift: i32) -> i32
+{
+    let ratio_q15 = u32(exp2_q15((below_q16 & 65535) >> 1u));
+    return i32(scale_down(product_shifted(ratio_q15, size_q32, 31u), shift + (below_q16 >> 16u)));
+}
+
+fn turn_q15(row: vec3<i32>, column: vec3<i32>, size_q15: i32) -> i32
+{
+    return fxs_mul_q15((dot_i(row, column) + 16384) >> 15u, size_q15);
+}
+
+fn project_shape(out: ptr<function, Placed>, centre: ptr<function, Projected>, scale_word: u32,
+                 rotation_word: u32) -> bool
+{
+    let code = (vec3<u32>(scale_word) >> vec3<u32>(0u, 10u, 20u)) & vec3<u32>(1023u);
+    let sizes_q16 = vec3<i32>(number_at(15u)) - vec3<i32>((code * code * record[16] + 128u) >> vec3<u32>(8u));
+    let most = max(max(sizes_q16.x, sizes_q16.y), sizes_q16.z);
+    var size_exponent: i32;
+    let size_q32 = screen_size(centre, most, &size_exponent);
+    let is_veil = size_exponent > 16 || (*centre).out_of_range;
+    if (is_veil) {
+        if (size_exponent < object.veil_exponent) {
+            return false;
+        }
+    } else if (off_picture(centre, size_exponent)) {
+        return false;
+    }
+    let exponent = max(size_exponent, 0);
+    var q: vec4<i32>;
+    if (!quaternion(&q, rotation_word)) {
+        return false;
+    }
+    let row_x = jacobian_row(0u, (*centre).slope_q23.x);
+    let row_y = jacobian_row(1u, (*centre).slope_q23.y);
+    let shift = 1 + exponent - size_exponent;
+    let a = axis_size_q15(most - sizes_q16.x, size_q32, shift);
+    let b = axis_size_q15(most - sizes_q16.y, size_q32, shift);
+    let c = axis_size_q15(most - sizes_q16.z, size_q32, shift);
+    let column_x = rotation_column(q, 0u);
+    let column_y = rotation_column(q, 1u);
+    let column_z = rotation_column(q, 2u);
+    let t_x = vec3<i32>(turn_q15(row_x, column_x, a), turn_q15(row_x, column_y, b), turn_q15(row_x, column_z, c));
+    let t_y = vec3<i32>(turn_q15(row_y, column_x, a), turn_q15(row_y, column_y, b), turn_q15(row_y, column_z, c));
+    var least = 64u;
+    if (is_veil) {
+        least = veil_dilation_q30(exponent);
+    }
+    var s = covariance_of(t_x, t_y, exponent, least);
+    var offset_q11 = (*out).splat.offset_q11;
+    if (object.antialiased != 0) {
+        if ((s.det_undilated_q60.x | s.det_undilated_q60.y) == 0u) {
+            return false;
+        }
+        let log2 = log2_q16(s.det_q60) - log2_q16(s.det_undilated_q60);
+        offset_q11 += low_of(shift_signed(add_wide(mul_signed(log2, 45426), wide(0x100000u, 0u)), 21u));
+    }
+    if (offset_q11 > FXS_FAINT_Q11) {
+        return false;
+    }
+    (*out).splat.offset_q11 = offset_q11;
+    var r2_q11 = u32(fxs_limit_q11(offset_q11, FXS_CUT_Q11) - offset_q11);
+    if (frame.cutoff == 1) {
+        r2_q11 = u32(FXS_FAINT_Q11 - offset_q11);
+    }
+    let r_q12 = sqrt_of((r2_q11 + 1u) << 13u) + 1u;
+    if (is_veil) {
+        return veil(out, &s, centre, r_q12);
+    }
+    let root_c = root_of_q30(s.c_q30);
+    whiten(out, &s, root_c, centre, r_q12);
+    if (frame.cutoff == 1) {
+        return square(out, &s);
+    }
+    return clip(out, sqrt_q8(root_c, exponent), r_q12);
+}
+
+fn depth_key(z: i32) -> u32
+{
+    let zeros = zeros_of(u32(z));
+    return (u32(number_at(18u) - zeros - 1 + 32) << 26u) | (((u32(z) << u32(zeros)) >> 5u) & 0x3ffffffu);
+}
+
+// fxs_share_of_q11
+fn falling_q30(l_q16: u32) -> u32
+{
+    let whole = l_q16 >> 16u;
+    if (whole > 30u) {
+        return 0u;
+    }
+    return (u32(exp2_q15(i32(l_q16 & 65535u) >> 1u)) << 15u) >> whole;
+}
+
+fn octaves_below_q16(x_q30: u32) -> u32
+{
+    return u32(max((30 << 16u) - log2_q16(wide(x_q30, 0u)), 0));
+}
+
+fn share_of_q11(offset_q11: u32, share_q8: u32) -> u32
+{
+    let faint = u32(FXS_FAINT_Q11);
+    if (offset_q11 > faint) {
+        return faint + 1u;
+    }
+    let opacity_q30 = falling_q30((offset_q11 * 94548u + 2048u) >> 12u);
+    let clear_q30 = 0x40000000u - min(opacity_q30, 1063004406u);
+    let share_q30 = 0x40000000u - falling_q30((octaves_below_q16(clear_q30) * share_q8) >> 8u);
+    if (share_q30 == 0u) {
+        return faint + 1u;
+    }
+    let offset = shift_right(add_wide(mul_wide(octaves_below_q16(share_q30), 90852u), wide(0x100000u, 0u)), 21u).x;
+    return min(offset, faint + 1u);
+}

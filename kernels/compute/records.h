@@ -1,0 +1,103 @@
+/* The compute back end: its objects in the device, and the structs that its shaders read (records.wgsl). */
+#ifndef FXS_COMPUTE_RECORDS_H
+#define FXS_COMPUTE_RECORDS_H
+
+#include <GLES3/gl31.h>
+
+#include <fixsplat/compute.h>
+#include <fixsplat/stage.h>
+
+/* F(type's name, function's name) of each function of OpenGL ES 3.1 that is called. */
+#define FXS_COMPUTE_FUNCTIONS(F) \
+    F(ATTACHSHADER, AttachShader) F(BEGINQUERY, BeginQuery) F(BINDBUFFER, BindBuffer) \
+    F(BINDBUFFERBASE, BindBufferBase) F(BINDBUFFERRANGE, BindBufferRange) F(BUFFERDATA, BufferData) \
+    F(BUFFERSUBDATA, BufferSubData) F(COMPILESHADER, CompileShader) F(COPYBUFFERSUBDATA, CopyBufferSubData) \
+    F(CREATEPROGRAM, CreateProgram) F(CREATESHADER, CreateShader) F(DELETEBUFFERS, DeleteBuffers) \
+    F(DELETEPROGRAM, DeleteProgram) F(DELETEQUERIES, DeleteQueries) F(DELETESHADER, DeleteShader) \
+    F(DISPATCHCOMPUTE, DispatchCompute) F(DISPATCHCOMPUTEINDIRECT, DispatchComputeIndirect) \
+    F(ENDQUERY, EndQuery) F(GENBUFFERS, GenBuffers) F(GENQUERIES, GenQueries) F(GETERROR, GetError) \
+    F(GETINTEGERV, GetIntegerv) F(GETPROGRAMINFOLOG, GetProgramInfoLog) F(GETPROGRAMIV, GetProgramiv) \
+    F(GETQUERYOBJECTUIV, GetQueryObjectuiv) F(GETSHADERINFOLOG, GetShaderInfoLog) F(GETSHADERIV, GetShaderiv) \
+    F(GETSTRING, GetString) F(GETSTRINGI, GetStringi) F(LINKPROGRAM, LinkProgram) \
+    F(MAPBUFFERRANGE, MapBufferRange) F(MEMORYBARRIER, MemoryBarrier) F(SHADERSOURCE, ShaderSource) \
+    F(UNMAPBUFFER, UnmapBuffer) F(USEPROGRAM, UseProgram)
+
+#define FXS_COMPUTE_MEMBER(type, name) PFNGL##type##PROC name;
+typedef struct fxs_compute_gl {
+    FXS_COMPUTE_FUNCTIONS(FXS_COMPUTE_MEMBER)
+} fxs_compute_gl;
+
+/* Programs, in the order of a frame: F(entry point) */
+#define FXS_COMPUTE_PROGRAMS_OF(F) \
+    F(clear_counts) F(locate_chunks) F(gather_chunks) F(project_chunk) F(start_lists) F(fill_lists) F(fill_large) \
+    F(sort_blocks) F(merge_10) F(merge_14) F(merge_18) F(merge_22) F(merge_26) F(blend_tiles) F(trace_tiles) \
+    F(name_pixels)
+#define FXS_COMPUTE_NUMBER(entry) FXS_COMPUTE_##entry,
+enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
+
+/* Buffers. */
+enum {
+    FXS_COMPUTE_UNIFORMS,          /* the frame, then the objects, FXS_COMPUTE_STRIDE bytes each */
+    FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_PICTURE,
+    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,          /* of indirect dispatches; of those of sort */
+    FXS_COMPUTE_DOWNLOAD,          /* what is read back: status and picture */
+    FXS_COMPUTE_BUFFERS
+};
+
+enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16 };   /* bytes; words of the counts that are read back */
+
+/* Constants of records.wgsl. */
+enum {
+    FXS_COMPUTE_THREADS = 128, FXS_COMPUTE_ROW = 32768, FXS_COMPUTE_RECORD = 64, FXS_COMPUTE_LARGE = 8,
+    FXS_COMPUTE_PAGE = 4096, FXS_COMPUTE_BLOCK = 1024, FXS_COMPUTE_CLASSES = 16, FXS_COMPUTE_TILES = 64, FXS_COMPUTE_SPAN = 8
+};
+enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_COMPUTE_DAMAGED, FXS_COMPUTE_VISIBLE,
+       FXS_COMPUTE_ENTRY_COUNT };
+
+typedef struct fxs_compute_frame {
+    int32_t size[2], tiles[2];
+    uint32_t places, spans, chunk_room, large_room, page_room;
+    uint32_t drawn, seen, ranks, visible, records, boxes, depths, larges, spans_at, next, classes;
+    uint32_t blocks, block_room, spare, unused, cleared;
+    int32_t cutoff, cut_q11;
+    uint32_t format;
+    int32_t background_q13[4];
+    int32_t depth_bits;
+    uint32_t colour, coverage, mean_depth, median_depth, id, occluder, backdrop;
+} fxs_compute_frame;
+
+typedef struct fxs_compute_object {
+    uint32_t position_q32[3][4], eye_q32[3][4];
+    int32_t rotation_q30[3][4], row_q15[2][4], forward_q15[2][4], tint_q13[4];
+    uint32_t near_q32[2], dilation_q30[2];
+    int32_t f_q12[2], c_q12[2], slope_low_q23[2], slope_high_q23[2], edge_low_q23[2], edge_high_q23[2];
+    int32_t hidden_low_q23[2], hidden_high_q23[2], hidden[2], hidden_end[2];
+    uint32_t focal_q32;
+    int32_t focal_exponent, veil_exponent, jacobian_exponent, offset_q11, degree, antialiased, orthographic;
+    int32_t plane_exponent;
+    uint32_t profile;
+    int32_t scene_degree;
+    uint32_t chunk_words, palette_entries;
+    int32_t palette_step_q19;
+    uint32_t scale_mantissa;
+    int32_t scale_exponent, plain;
+    uint32_t crop_count, keep_count, first_chunk, first_place, end_place, span, part_chunk, rows_at, unused[3];
+    uint32_t crops[FXS_MAX_CROPS][16];
+} fxs_compute_object;
+
+struct fxs_compute {
+    fxs_compute_gl gl;
+    fxs_compute_use_fn *use;
+    void *use_argument;
+    char renderer[128];
+    uint64_t most;                 /* bytes of a storage buffer */
+    GLuint programs[FXS_COMPUTE_PROGRAMS], buffers[FXS_COMPUTE_BUFFERS], query;
+    uint64_t bytes[FXS_COMPUTE_BUFFERS], scene_bytes;
+    uint64_t limit;                /* of these together; 0: none */
+    int timer;
+    uint32_t chunk_room, large_room, page_room;    /* of the next frame, at least */
+    fxs_compute_frame frame;       /* that is under way, or the last one */
+    uint64_t nanoseconds;
+};
+
+#endif

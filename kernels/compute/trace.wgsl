@@ -1,0 +1,150 @@
+// Needs pixel numbers records order pixels
+// trace: blend and resolve with depths, ids and an occluder, src/core/trace.c.
+
+var<workgroup> own: array<vec2<u32>, 64>;  // the entries of a round
+
+const HALF_Q15: i32 = 16384;
+
+struct Traced {
+    limit: u32,                    // key: what is farther is hidden
+    weight: i32,                   // the largest,
+    largest: u32,                  // and its slot
+    median: u32,                   // key
+    sum: wide,                     // of depths
+}
+
+// fxs_depth_key, and the next three in stage.h
+fn key_of(depth: u32) -> u32
+{
+    let zeros = zeros_of(depth | 1u);
+    if (depth == NOTHING || depth == 0u) {
+        return depth;
+    }
+    return (u32(63 - zeros - frame.depth_bits) << 26u) | (((depth << u32(zeros)) >> 5u) & 0x3ffffffu);
+}
+
+fn depth_of_key(key: u32) -> u32
+{
+    let shift = i32(key >> 26u) - 32 + frame.depth_bits - 26;
+    let mantissa = 0x4000000u | (key & 0x3ffffffu);
+    if (shift > 5) {
+        return NOTHING - 1u;
+    }
+    if (shift >= 0) {
+        return mantissa << u32(shift);
+    }
+    if (shift > -32) {
+        return mantissa >> u32(-shift);
+    }
+    return 0u;
+}
+
+fn depth_sum(weight: i32, key: u32) -> wide
+{
+    let code_q15 = min(i32(((key & 0x3ffffffu) + 1024u) >> 11u), 32767);
+    let shift = min(i32(key >> 26u) - 32 + frame.depth_bits, 32) + 8;
+    if (shift < 0) {
+        return wide(0u, 0u);
+    }
+    return shift_left(wide(u32(weight + fxs_mul_q15(weight, code_q15)), 0u), u32(shift));
+}
+
+// (sum + weight / 2) / weight, both with 8 bits below a unit: by digits of 16 bits, as the weight has 15.
+fn mean_depth(sum: wide, transmittance: i32) -> u32
+{
+    let weight = u32(FXS_CLEAR_Q15 - transmittance);
+    if (weight == 0u) {
+        return NOTHING;
+    }
+    let dividend = shift_right(add_wide(sum, wide(weight << 7u, 0u)), 8u);
+    let a = (dividend.y >> 16u) % weight;
+    let b = (a << 16u) | (dividend.y & 0xffffu);
+    let c = ((b % weight) << 16u) | (dividend.x >> 16u);
+    let d = ((c % weight) << 16u) | (dividend.x & 0xffffu);
+    if (dividend.y >= weight) {
+        return NOTHING - 1u;
+    }
+    return min(((c / weight) << 16u) | (d / weight), NOTHING - 1u);
+}
+
+fn note(t: ptr<function, Traced>, before: i32, weight: i32, key: u32, slot: u32)
+{
+    (*t).sum = add_wide((*t).sum, depth_sum(weight, key));
+    if (before >= HALF_Q15) {
+        (*t).median = key;
+    }
+    if (weight > (*t).weight) {
+        (*t).weight = weight;
+        (*t).largest = slot;
+    }
+}
+
+fn put_traces(t: ptr<function, Traced>, transmittance: i32, at: u32)
+{
+    if (frame.mean_depth != NOTHING) {
+        picture[frame.mean_depth + at] = mean_depth((*t).sum, transmittance);
+    }
+    if (frame.median_depth != NOTHING) {
+        picture[frame.median_depth + at] = select(depth_of_key((*t).median), NOTHING, transmittance >= HALF_Q15);
+    }
+    if (frame.id != NOTHING) {
+        picture[frame.id + 2u * at] = (*t).largest;
+    }
+}
+
+@compute @workgroup_size(64)
+fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let q = quarter_of(group);
+    if (q.tile == NOTHING) {
+        return;
+    }
+    let place = place_of(q, thread);
+    var p = Pixel(select(0, FXS_CLEAR_Q15, place.inside), vec3<i32>(0));
+    var t = Traced(NOTHING, 0, NOTHING, NOTHING, wide(0u, 0u));
+    if (place.inside && frame.occluder != NOTHING) {
+        t.limit = key_of(picture[frame.occluder + place.at]);
+    }
+    var open = place.inside;
+    var fetched = fetch_splat(fetch_entry(q, thread));
+    var entry = fetch_entry(q, SOME + thread);
+    clear_rounds(thread, open);
+    for (var first = 0u; first < q.count; first += SOME) {
+        let round = first / SOME + 1u;
+        let words = 4u * (round % 2u);
+        if (open) {
+            open_round = round;
+        }
+        place_fetched(q, thread, fetched, words);
+        own[thread] = fetched.entry;
+        fetched = fetch_splat(entry);              // while this round is blended
+        entry = fetch_entry(q, first + 2u * SOME + thread);
+        if (workgroupUniformLoad(&open_round) != round) {
+            break;
+        }
+        if (thread < 4u) {
+            atomicStore(&touching[4u - words + thread], 0u);
+        }
+        for (var word = 0u; word < 2u; word += 1u) {
+            for (var bits = atomicLoad(&touching[words + thread / 32u * 2u + word]); bits != 0u; bits &= bits - 1u) {
+                let i = 32u * word + countTrailingZeros(bits);
+                if (own[i].y <= t.limit) {
+                    let before = p.transmittance;
+                    let weight = blend_splat(&p, i, place.column, place.row);
+                    if (weight > 0) {
+                        note(&t, before, weight, own[i].y, own[i].x);
+                    }
+                }
+            }
+        }
+        if (open && (p.transmittance < FXS_CLOSED_Q15 || own[0].y > t.limit)) {
+            open = false;
+            close_pixel(thread);
+        }
+        workgroupBarrier();
+    }
+    if (place.inside) {
+        put_pixel(&p, place.at);
+        put_traces(&t, p.transmittance, place.at);
+    }
+}

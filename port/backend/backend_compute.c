@@ -1,0 +1,283 @@
+/* Fills in the table of backend.h for whole frames in compute shaders of OpenGL ES (kernels/compute), by EGL. */
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/backends.h>
+#include <fixsplat/clock.h>
+#include <fixsplat/message.h>
+#if defined(FXS_WITH_GLES) && defined(FXS_WITH_EGL)
+#define HERE 1
+#include <fixsplat/compute.h>
+#include <fixsplat/egl.h>
+#endif
+
+#ifdef HERE
+
+typedef struct compute_backend {
+    void *port;
+    fxs_compute *compute;
+    fxs_compute_scene *scenes;     /* those that are on the device */
+    uint32_t scene_count, scene_room;
+    const fxs_compute_scene **copies;          /* of the objects of a request */
+    uint32_t copy_room;
+    void *memory;
+    size_t memory_bytes;
+} compute_backend;
+
+static void close_device(void *self)
+{
+    compute_backend *b = self;
+    if (!b)
+        return;
+    for (uint32_t i = 0; i < b->scene_count; i++)
+        fxs_compute_drop(b->compute, &b->scenes[i]);
+    if (b->compute)
+        fxs_compute_free(b->compute);
+    free(b->compute);
+    fxs_egl_close(b->port);
+    free(b->scenes);
+    free(b->copies);
+    free(b->memory);
+    free(b);
+}
+
+static int make_compute(compute_backend *b, fxs_message *why)
+{
+    fxs_compute *compute = malloc(fxs_compute_bytes());
+    if (!compute)
+        return fxs_fail_memory(why, 0, fxs_compute_bytes());
+    const int error = fxs_compute_init(compute, fxs_egl_load, fxs_egl_use, b->port, why);
+    if (error)
+        free(compute);
+    else
+        b->compute = compute;
+    return error;
+}
+
+static int open_device(void **self, const fxs_backend_options *options, fxs_message *why)
+{
+    *self = 0;
+    if (options->device != 0)
+        return fxs_fail_as(FXS_ERR_DEVICE, why, "there is no device %d: the first that can be had is 0",
+                           options->device);
+    compute_backend *b = calloc(1, sizeof *b);
+    if (!b)
+        return fxs_fail_memory(why, 0, sizeof *b);
+    const int error = fxs_egl_open(&b->port, why) ? FXS_ERR_DEVICE : make_compute(b, why);
+    if (error) {
+        close_device(b);
+        return error;
+    }
+    fxs_compute_limit(b->compute, options->max_memory);
+    *self = b;
+    return 0;
+}
+
+static int device_name(int device, char *name, size_t size, fxs_message *why)
+{
+    const fxs_backend_options options = {.device = device};
+    void *self;
+    const int error = open_device(&self, &options, why);
+    if (error)
+        return error;
+    const char *renderer = fxs_compute_renderer(((compute_backend *)self)->compute);
+    const size_t length = strlen(renderer) < size ? strlen(renderer) : size - 1;
+    memcpy(name, renderer, length);
+    name[length] = 0;
+    close_device(self);
+    return 0;
+}
+
+static void forget(void *self, const fxs_scene *scene)
+{
+    compute_backend *b = self;
+    for (uint32_t i = 0; i < b->scene_count; i++)
+        if (b->scenes[i].key == scene) {
+            fxs_compute_drop(b->compute, &b->scenes[i]);
+            b->scenes[i] = b->scenes[--b->scene_count];
+            return;
+        }
+}
+
+/* Room for one more scene. */
+static int grow_scenes(compute_backend *b, fxs_message *why)
+{
+    if (b->scene_count < b->scene_room)
+        return 0;
+    const uint32_t room = 2 * b->scene_room + 4;
+    fxs_compute_scene *scenes = realloc(b->scenes, room * sizeof *scenes);
+    if (!scenes)
+        return fxs_fail_memory(why, 0, room * sizeof *scenes);
+    b->scenes = scenes;
+    b->scene_room = room;
+    return 0;
+}
+
+/* The place of the copy of a scene, which is made where there is none or it has changed. */
+static int find_scene(compute_backend *b, const fxs_scene *scene, uint32_t *place, fxs_message *why)
+{
+    for (*place = 0; *place < b->scene_count; ++*place)
+        if (b->scenes[*place].key == scene && !memcmp(&b->scenes[*place].here, scene, sizeof *scene))
+            return 0;
+    forget(b, scene);
+    int error = grow_scenes(b, why);
+    if (error)
+        return error;
+    fxs_compute_scene copy = {.key = 0};
+    error = fxs_compute_upload(b->compute, &copy, scene, why);
+    if (error)
+        return error;
+    copy.key = scene;
+    *place = b->scene_count++;
+    b->scenes[*place] = copy;
+    return 0;
+}
+
+/* The copies of the objects' scenes, by number first, as more of them may move those there are. */
+static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *why)
+{
+    uint32_t place = 0;
+    if (r->count > b->copy_room) {
+        free(b->copies);
+        b->copies = malloc(r->count * sizeof *b->copies);
+        b->copy_room = b->copies ? r->count : 0;
+        if (!b->copies)
+            return fxs_fail_memory(why, 0, r->count * sizeof *b->copies);
+    }
+    for (uint32_t i = 0; i < r->count; i++) {
+        const int error = find_scene(b, r->objects[i].scene, &place, why);
+        if (error)
+            return error;
+    }
+    for (uint32_t i = 0; i < r->count; i++) {
+        const int error = find_scene(b, r->objects[i].scene, &place, why);
+        if (error)
+            return error;
+        b->copies[i] = &b->scenes[place];
+    }
+    return 0;
+}
+
+/* Memory of the host. */
+static int make_room(compute_backend *b, const fxs_request *r, fxs_message *why)
+{
+    const size_t bytes = fxs_compute_memory(r);
+    if (bytes > b->memory_bytes) {
+        free(b->memory);
+        b->memory = malloc(bytes);
+        b->memory_bytes = b->memory ? bytes : 0;
+        if (!b->memory)
+            return fxs_fail_memory(why, 0, bytes);
+    }
+    return 0;
+}
+
+static int check_request(const fxs_request *r, fxs_message *why)
+{
+    if (r->eyes < 1 || r->eyes > 2 || (r->count && !r->objects))
+        return fxs_fail_as(FXS_ERR_ARGUMENT, why, "%s", fxs_strerror(FXS_ERR_ARGUMENT));
+    if (r->eyes == 2 && !r->exact)
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "compute shaders render each eye by itself: exact only");
+    if (r->eyes == 2 && (r->cameras[0].width != r->cameras[1].width || r->cameras[0].height != r->cameras[1].height ||
+                         r->cameras[0].projection != r->cameras[1].projection))
+        return fxs_fail_as(FXS_ERR_SIZE, why, "the pictures of two eyes differ in size or projection");
+    if (!fxs_compute_memory(r))
+        return fxs_fail_as(FXS_ERR_OBJECT, why, "%s", fxs_strerror(FXS_ERR_OBJECT));
+    return 0;
+}
+
+static void add_stats(fxs_stats *sum, const fxs_stats *eye)
+{
+    sum->gaussians = eye->gaussians;
+    sum->drawn = eye->drawn;
+    sum->memory = eye->memory;
+    sum->visible += eye->visible;
+    sum->entries += eye->entries;
+    sum->bands += eye->bands;
+    sum->runs += eye->runs;
+}
+
+static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
+{
+    compute_backend *b = self;
+    fxs_stats sum = {0};
+    const uint64_t started = fxs_clock(0);
+    int error = check_request(request, why);
+    error = error ? error : find_copies(b, request, why);
+    error = error ? error : make_room(b, request, why);
+    for (uint32_t eye = 0; eye < request->eyes && !error; eye++) {
+        fxs_request own = *request;
+        fxs_stats of_eye;
+        own.eyes = 1;
+        own.cameras[0] = request->cameras[eye];
+        own.targets[0] = request->targets[eye];
+        error = fxs_compute_render(b->compute, &own, b->copies, b->memory, &of_eye, why);
+        if (!error)
+            add_stats(&sum, &of_eye);
+    }
+    sum.frame_nanoseconds = fxs_clock(0) - started;
+    if (!error && stats)
+        *stats = sum;
+    return error;
+}
+
+static uint64_t nanoseconds(const void *self)
+{
+    return fxs_compute_nanoseconds(((const compute_backend *)self)->compute);
+}
+
+#else
+
+static int absent(fxs_message *why)
+{
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "built without the headers in libegl-dev, libgles-dev");
+}
+
+static int device_name(int device, char *name, size_t size, fxs_message *why)
+{
+    (void)device, (void)name, (void)size;
+    return absent(why);
+}
+
+static int open_device(void **self, const fxs_backend_options *options, fxs_message *why)
+{
+    (void)options;
+    *self = 0;
+    return absent(why);
+}
+
+static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
+{
+    (void)self, (void)request, (void)stats;
+    return absent(why);
+}
+
+static void forget(void *self, const fxs_scene *scene)
+{
+    (void)self, (void)scene;
+}
+
+static uint64_t nanoseconds(const void *self)
+{
+    (void)self;
+    return 0;
+}
+
+static void close_device(void *self)
+{
+    (void)self;
+}
+
+#endif
+
+static const char *version(const void *self, enum fxs_stage stage)
+{
+    (void)self, (void)stage;
+    return "gles-compute";
+}
+
+const fxs_backend fxs_backend_gles_compute = {
+    .name = "gles-compute", .does = "whole frames in compute shaders of OpenGL ES 3.1, the same bytes",
+    .can = FXS_CAN_EXACT | FXS_CAN_TRACE | FXS_CAN_COMPOSE, .device = device_name, .open = open_device, .render = render, .forget = forget,
+    .version = version, .nanoseconds = nanoseconds, .close = close_device
+};

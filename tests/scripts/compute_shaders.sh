@@ -1,0 +1,29 @@
+#!/bin/sh
+# The compute shaders: the GLSL of kernels/compute is what tools/compute_shaders.mjs makes of the WGSL beside it and of
+# pixel.h; and the WGSL compiles as it is in Chromium, for WebGPU by SwiftShader.
+. tests/scripts/lib/check.sh
+B=${B:-build}
+modules=${NODE_MODULES:-$B/page/node_modules}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+
+same_text() {
+    for file in "$work"/*.comp kernels/compute/*.comp; do
+        cmp -s "$work/${file##*/}" "kernels/compute/${file##*/}" ||
+            { echo "${file##*/} is old: node tools/compute_shaders.mjs $B/page kernels/compute"; return 1; }
+    done
+}
+
+if ! have node || [ ! -d "$modules/naga-wasm" ]; then
+    skip "compute shaders" "not here: node or naga-wasm (make setup test)"
+    finish
+    exit
+fi
+check "the shaders are made" node tools/compute_shaders.mjs "${modules%/node_modules}" "$work"
+check "kernels/compute has them" same_text
+if have chromium && [ -d "$modules/puppeteer-core" ]; then
+    check "WebGPU compiles their WGSL" node tests/web/wgsl.mjs "$work" "$modules"
+else
+    skip "WebGPU compiles their WGSL" "not here: chromium or puppeteer-core (make setup test)"
+fi
+finish

@@ -1,0 +1,693 @@
+/* The compute back end against the processor: each stage of random chunks, whole frames of random objects into every
+ * target, real scenes, long lists, small buffers; what it says and returns where the device fails, by functions put in
+ * place of the real ones. */
+#include <string.h>
+
+#include <fixsplat/camera.h>
+#include "check.h"
+#include "one_scene.h"
+#include "random_scene.h"
+#include "random_world.h"
+#include "tree_scene.h"
+
+#if !defined(FXS_WITH_GLES) || !defined(FXS_WITH_EGL)
+static void compute(void)
+{
+    SKIP("built without the headers of OpenGL ES and EGL");
+}
+
+int main(void)
+{
+    RUN(compute);
+    return check_report();
+}
+#else
+
+#include <fixsplat/egl.h>
+#include "kernels/compute/records.h"
+
+enum { SCENES = 2, OBJECTS = 4 };
+
+static void *egl;
+static fxs_compute *device;
+static uint64_t part_bytes;                /* not 0: of a part of a scene, at most */
+static fxs_message why;
+
+/* ---- Functions put in place of others ---------------------------------------------------------------------------- */
+
+static struct fake {
+    const char *name;
+    fxs_compute_function function;
+} fakes[2];
+
+static fxs_compute_function load(void *argument, const char *name)
+{
+    for (int i = 0; i < 2 && fakes[i].name; i++)
+        if (!strcmp(name, fakes[i].name))
+            return fakes[i].function;
+    return fxs_egl_load(argument, name);
+}
+
+/* Makes a back end of its own with a fake function. Returns the error; *out is null then. */
+static int open_with(fxs_compute **out, const char *name, fxs_compute_function function)
+{
+    fakes[0] = (struct fake){name, function};
+    *out = malloc(fxs_compute_bytes());
+    why.text[0] = 0;
+    const int error = fxs_compute_init(*out, load, fxs_egl_use, egl, &why);
+    if (error) {
+        free(*out);
+        *out = 0;
+    }
+    fakes[0] = (struct fake){0, 0};
+    return error;
+}
+
+static void close_compute(fxs_compute *c)
+{
+    if (c)
+        fxs_compute_free(c);
+    free(c);
+}
+
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
+
+/* By the processor, in plain C. */
+static int render_there(const fxs_request *request, fxs_stats *stats)
+{
+    fxs_context context;
+    fxs_init(&context, 0);
+    const size_t bytes = fxs_request_bytes(&context, request, 0);
+    void *memory = check_aligned(bytes);
+    const int error = fxs_render(&context, request, memory, bytes, stats);
+    free(memory);
+    return error;
+}
+
+/* The scenes of a request on the device, one for each object, as their numbers do not matter here. */
+static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stats)
+{
+    fxs_compute_scene copies[OBJECTS] = {{.key = 0}};
+    const fxs_compute_scene *of_objects[OBJECTS];
+    const uint64_t most = c->most;
+    int error = 0;
+    c->most = part_bytes ? part_bytes : most;
+    for (uint32_t i = 0; i < request->count && !error; i++) {
+        error = fxs_compute_upload(c, &copies[i], request->objects[i].scene, &why);
+        of_objects[i] = &copies[i];
+    }
+    c->most = most;
+    const size_t bytes = fxs_compute_memory(request);
+    void *memory = malloc(bytes + !bytes);
+    error = error ? error : fxs_compute_render(c, request, of_objects, memory, stats, &why);
+    free(memory);
+    for (uint32_t i = 0; i < request->count; i++)
+        fxs_compute_drop(c, &copies[i]);
+    return error;
+}
+
+/* Says where the first bytes are that differ, and how many do. */
+static int is_equal(const picture *a, const picture *b)
+{
+    size_t first = a->bytes, differing = 0;
+    for (size_t i = 0; i < a->bytes; i++)
+        if (a->block[i] != b->block[i]) {
+            first = first < i ? first : i;
+            differing++;
+        }
+    if (differing)
+        printf("  %zu of %zu bytes differ, from %zu on: %d, not %d\n", differing, a->bytes, first, b->block[first],
+               a->block[first]);
+    return !differing;
+}
+
+/* Both pictures have the same bytes, and the frames the same counts. */
+static int is_same(fxs_request *request, picture *a, picture *b)
+{
+    fxs_stats of_a, of_b;
+    request->targets[0] = a->targets;
+    const int error_a = render_there(request, &of_a);
+    request->targets[0] = b->targets;
+    const int error_b = render_by(device, request, &of_b);
+    if (error_a || error_b) {
+        printf("  %d, %d: %s\n", error_a, error_b, error_b ? why.text : "");
+        return error_a == error_b;
+    }
+    return CHECK(of_a.visible == of_b.visible) && CHECK(of_a.gaussians == of_b.gaussians) &&
+           CHECK(of_a.drawn == of_b.drawn) && is_equal(a, b);
+}
+
+/* ---- Random objects ---------------------------------------------------------------------------------------------- */
+
+/* Any value that a chunk may have. */
+static void fill_wild(const packed_scene *s)
+{
+    for (uint32_t c = 0; c < s->header->chunk_count; c++) {
+        fxs_chunk *chunk = &s->chunks[c];
+        do {
+            const int places = between(0, 58);
+            for (int i = 0; i < 3; i++) {
+                chunk->origin_q32[i] = (int64_t)next() >> (63 - places) >> 3;
+                chunk->step_q32[i] = (uint32_t)next() >> between(0, 31);
+                chunk->colour_q16[i] = between(-(64 << 16), 64 << 16);
+                chunk->colour_step_q20[i] = (uint32_t)between(0, 1 << 18);
+                chunk->sh_step_q19[i] = (uint16_t)between(0, 32767);
+            }
+            chunk->step_shift = (uint16_t)between(0, 12);
+            chunk->scale_q16 = between(-(32 << 16), 32 << 16);
+            chunk->scale_step_q24 = (uint16_t)between(0, 1026);
+        } while (!fxs_chunk_valid(chunk));
+    }
+}
+
+static void random_crops(fxs_object *object, fxs_crop crops[2])
+{
+    object->crops = crops;
+    object->crop_count = (uint32_t)between(0, 2);
+    for (int i = 0; i < 2; i++) {
+        crops[i].outside = between(0, 1);
+        for (int k = 0; k < 3; k++) {
+            crops[i].low_q32[k] = (int64_t)between(-4194304, 0) * 4096;
+            crops[i].high_q32[k] = (int64_t)between(0, 4194304) * 4096;
+        }
+    }
+}
+
+static void random_object(fxs_object *object, const fxs_scene *scene, fxs_crop crops[2])
+{
+    fxs_camera turned;
+    fxs_object_init(object, scene);
+    object->id = (uint32_t)next();
+    if (between(0, 2) == 0)
+        return;
+    random_camera(&turned);
+    memcpy(object->rotation_q30, turned.rotation_q30, sizeof object->rotation_q30);
+    object->scale_q32 = between(0, 1) ? FXS_ONE_Q32 : (int64_t)between(1 << 20, 1 << 27) * 64;
+    object->opacity_q16 = (uint32_t)between(1, 65536);
+    object->visible = between(0, 7) != 0;
+    for (int i = 0; i < 3; i++) {
+        object->translation_q32[i] = (int64_t)between(-1048576, 1048576) * 4096;
+        object->tint_q13[i] = between(0, 1) ? 8192 : (uint32_t)between(0, 32768);
+    }
+    random_crops(object, crops);
+}
+
+static void random_window(fxs_camera *camera)
+{
+    if (between(0, 3) == 0) {
+        camera->whole_x = between(0, 50);
+        camera->whole_y = between(0, 50);
+        camera->whole_width = camera->width + camera->whole_x + between(0, 50);
+        camera->whole_height = camera->height + camera->whole_y + between(0, 50);
+    }
+    if (between(0, 3) == 0) {
+        camera->hidden_width = between(0, camera->width);
+        camera->hidden_height = between(0, camera->height);
+    }
+}
+
+/* Leaves out some of the targets, and asks for an occluder or a backdrop. */
+static void random_targets(picture *a, picture *b, uint32_t *read)
+{
+    const unsigned without = (unsigned)next();
+    const int occluded = between(0, 2) == 0, over = between(0, 2) == 0 && !fxs_is_premultiplied(a->targets.format);
+    const size_t pixels = (size_t)a->width * (size_t)a->height;
+    picture *const both[] = {a, b};
+    for (size_t i = 0; i < pixels; i++)
+        read[i] = between(0, 9) ? (uint32_t)between(0, 1 << 20) : FXS_NOTHING;
+    for (int i = 0; i < 2; i++) {
+        fxs_targets *t = &both[i]->targets;
+        fxs_image *const images[] = {&t->coverage, &t->mean_depth, &t->median_depth, &t->id};
+        for (int k = 0; k < 4; k++)
+            if (without >> k & 1 || without >> 5 & 1)
+                images[k]->pixels = 0;
+        t->depth_bits = without >> 6 & 1 ? 0 : (int)(without >> 7 & 15) + 1;
+        if (occluded)
+            t->occluder = (fxs_image){read, 4 * (ptrdiff_t)a->width};
+        if (over)
+            t->backdrop = (fxs_image){read, 4 * (ptrdiff_t)a->width};
+    }
+}
+
+static int random_frame(int wild)
+{
+    packed_scene packed[SCENES];
+    fxs_scene scenes[SCENES];
+    fxs_object objects[OBJECTS];
+    fxs_crop crops[OBJECTS][2];
+    fxs_request request;
+    const uint32_t count = (uint32_t)between(1, OBJECTS);
+    for (int i = 0; i < SCENES; i++) {
+        packed[i] = random_scene((enum fxs_profile)between(0, 2), 1500);
+        if (wild)
+            fill_wild(&packed[i]);
+        if (!CHECK(!fxs_scene_open(&scenes[i], packed[i].data, packed[i].bytes)))
+            return 0;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        random_object(&objects[i], &scenes[between(0, SCENES - 1)], crops[i]);
+    fxs_request_init(&request, objects, count);
+    random_view(request.cameras, &request.options);
+    random_near(request.cameras);
+    random_window(request.cameras);
+    if (wild)
+        request.cameras->fx_q12 = between(1, INT32_MAX) >> between(0, 20), request.cameras->fx_q12 |= 1;
+    picture a = picture_new(request.cameras->width, request.cameras->height, (enum fxs_format)between(0, 3));
+    picture b = picture_new(request.cameras->width, request.cameras->height, a.targets.format);
+    uint32_t *read = malloc(4 * (size_t)a.width * (size_t)a.height);
+    random_targets(&a, &b, read);
+    const int same = is_same(&request, &a, &b);
+    free(read);
+    picture_free(&a);
+    picture_free(&b);
+    for (int i = 0; i < SCENES; i++)
+        free(packed[i].data);
+    return same;
+}
+
+static void random_frames(void)
+{
+    state = 20261;
+    for (int i = 0; i < 200; i++)
+        if (!CHECK(random_frame(0))) {
+            printf("  frame %d\n", i);
+            return;
+        }
+}
+
+static void wild_frames(void)
+{
+    state = 20262;
+    for (int i = 0; i < 200; i++)
+        if (!CHECK(random_frame(1))) {
+            printf("  frame %d\n", i);
+            return;
+        }
+}
+
+/* ---- Stages ------------------------------------------------------------------------------------------------------ */
+
+static void *read_words(int buffer, uint64_t first, uint64_t count)
+{
+    uint32_t *words = malloc(4 * count);
+    device->gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    device->gl.BindBuffer(GL_COPY_READ_BUFFER, device->buffers[buffer]);
+    const void *from = device->gl.MapBufferRange(GL_COPY_READ_BUFFER, (GLintptr)(4 * first), (GLsizeiptr)(4 * count),
+                                                 GL_MAP_READ_BIT);
+    if (CHECK(from))
+        memcpy(words, from, 4 * count);
+    device->gl.UnmapBuffer(GL_COPY_READ_BUFFER);
+    return words;
+}
+
+/* The splats and depths of the chunk that is the n-th of those that can be seen. Returns how many there are. */
+static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, uint32_t n,
+                              const fxs_splat *splats, const uint32_t *depths)
+{
+    fxs_splat own[FXS_CHUNK];
+    fxs_bounds bounds[FXS_CHUNK];
+    uint32_t indices[FXS_CHUNK], keys[FXS_CHUNK];
+    const int32_t count = fxs_project_c(view, scene, chunk, own, bounds, indices, keys);
+    if (!CHECK(count >= 0) || !CHECK(!fxs_shade_c(view, scene, chunk, indices, (uint32_t)count, own)))
+        return 0;
+    for (int32_t i = 0; i < count; i++) {
+        const uint32_t slot = n * FXS_CHUNK + indices[i] % FXS_CHUNK;
+        if (!CHECK(!memcmp(&splats[slot], &own[i], sizeof *own)) || !CHECK(depths[slot] == keys[i])) {
+            const uint32_t *a = (const uint32_t *)&splats[slot], *b = (const uint32_t *)&own[i];
+            for (int k = 0; k < 8; k++)
+                printf("  word %d: %08x, not %08x\n", k, (unsigned)a[k], (unsigned)b[k]);
+            return 0;
+        }
+    }
+    return (uint32_t)count;
+}
+
+/* Where a list is, once it is sorted: each merge of 16 runs moves it to the other half. */
+static uint32_t place_of(const fxs_compute_frame *f, const uint32_t *counts, uint32_t tile)
+{
+    const uint32_t count = counts[FXS_COMPUTE_TILES + tile];
+    int merges = 0;
+    while ((uint32_t)FXS_COMPUTE_BLOCK << 4 * merges < count)
+        merges++;
+    return counts[f->next + tile] - count + (merges % 2 ? f->spare : 0);
+}
+
+/* Every list is near to far, by the depths of its slots. */
+static int check_lists(const uint32_t *depths)
+{
+    const fxs_compute_frame *f = &device->frame;
+    const uint32_t tiles = (uint32_t)(f->tiles[0] * f->tiles[1]);
+    uint32_t *counts = read_words(FXS_COMPUTE_COUNTS, 0, f->classes);
+    int good = 1;
+    for (uint32_t tile = 0; tile < tiles && good; tile++) {
+        const uint32_t count = counts[FXS_COMPUTE_TILES + tile], first = place_of(f, counts, tile);
+        uint32_t *entries = read_words(FXS_COMPUTE_ENTRIES, 2 * (uint64_t)first, 2 * (uint64_t)count + 2);
+        for (uint32_t i = 0; i < count && good; i++) {
+            const uint32_t slot = entries[2 * i] & ~FXS_ENTRY_CUT_OFF, key = entries[2 * i + 1];
+            good = CHECK(key == depths[slot]) &&
+                   CHECK(!i || FXS_KEY(entries[2 * i - 1], entries[2 * i - 2]) < FXS_KEY(key, entries[2 * i]));
+        }
+        if (!good)
+            printf("  tile %u, %u entries\n", (unsigned)tile, (unsigned)count);
+        free(entries);
+    }
+    free(counts);
+    return good;
+}
+
+static int compare_stages(const fxs_scene *scene)
+{
+    const fxs_object object = one_object(scene);
+    fxs_request request;
+    fxs_stats stats;
+    fxs_view view;
+    fxs_request_init(&request, &object, 1);
+    random_view(request.cameras, &request.options);
+    random_near(request.cameras);
+    picture p = picture_new(request.cameras->width, request.cameras->height, FXS_FORMAT_RGBA8);
+    request.targets[0] = p.targets;
+    if (!CHECK(!render_by(device, &request, &stats)) ||
+        !CHECK(!one_view_init(&view, scene, request.cameras, &request.options)))
+        return 0;
+    const fxs_compute_frame *f = &device->frame;
+    uint32_t *status = read_words(FXS_COMPUTE_COUNTS, 0, FXS_COMPUTE_STATUS), visible = 0;
+    const uint32_t chunks = status[FXS_COMPUTE_VISIBLE_CHUNKS];
+    uint32_t *places = read_words(FXS_COMPUTE_MEMORY, f->visible, chunks + 1);
+    uint32_t *depths = read_words(FXS_COMPUTE_MEMORY, f->depths, FXS_CHUNK * (uint64_t)chunks + 1);
+    fxs_splat *splats = read_words(FXS_COMPUTE_SPLATS, 0, 8 * FXS_CHUNK * (uint64_t)chunks + 1);
+    for (uint32_t n = 0; n < chunks; n++) {
+        CHECK(n == 0 || places[n] > places[n - 1]);
+        visible += compare_chunk(&view, scene, places[n], n, splats, depths);
+    }
+    const int same = CHECK(visible == stats.visible) && check_lists(depths);
+    free(status);
+    free(places);
+    free(depths);
+    free(splats);
+    picture_free(&p);
+    return same;
+}
+
+/* project, shade and sort. That no other chunk can be seen, the counts of whole frames say. */
+static void stages(void)
+{
+    state = 20263;
+    for (int i = 0; i < 60; i++) {
+        packed_scene packed = random_scene((enum fxs_profile)(i % 3), 3000);
+        fxs_scene scene;
+        if (i % 2)
+            fill_wild(&packed);
+        CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+        const int same = compare_stages(&scene);
+        free(packed.data);
+        if (!same) {
+            printf("  scene %d\n", i);
+            return;
+        }
+    }
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
+
+static int look_at(fxs_camera *camera, int width, int height, double distance)
+{
+    const double eye[3] = {0.9, -2.6, -distance}, look[3] = {0, 0.4, 0}, up[3] = {0, -1, 0};
+    fxs_file_view view;
+    return CHECK(!fxs_view_look_at(&view, eye, look, up, 40, width, height, &why) &&
+                 !fxs_camera_from_view(camera, &view, &why));
+}
+
+static void compare_scene(const fxs_scene *scene, int width, int height, double distance, uint32_t budget)
+{
+    const fxs_object object = one_object(scene);
+    fxs_request request;
+    fxs_request_init(&request, &object, 1);
+    request.options.budget = budget;
+    if (!look_at(request.cameras, width, height, distance))
+        return;
+    picture a = picture_new(width, height, FXS_FORMAT_RGBA8), b = picture_new(width, height, FXS_FORMAT_RGBA8);
+    if (!CHECK(is_same(&request, &a, &b)))
+        printf("  %d x %d\n", width, height);
+    picture_free(&a);
+    picture_free(&b);
+}
+
+/* Lists of all lengths, up to that of the scene on the only tile of a picture. */
+static void sizes(void)
+{
+    part p;
+    if (!part_make(&p, "knot", 30000))
+        return;
+    const int all[][2] = {{1, 1}, {16, 16}, {15, 17}, {33, 31}, {100, 75}, {1279, 719}, {4096, 40}, {40, 4096}};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        compare_scene(&p.scene, all[i][0], all[i][1], 12.8, 0);
+    part_free(&p);
+}
+
+/* Every Gaussian in every tile, so that far more entries are needed than were guessed. */
+static void veils(void)
+{
+    state = 20264;
+    packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 3000);
+    fxs_scene scene;
+    for (uint32_t c = 0; c < packed.header->chunk_count; c++) {
+        packed.chunks[c].scale_q16 = 4 << 16;
+        packed.chunks[c].scale_step_q24 = 0;
+    }
+    CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+    compare_scene(&scene, 640, 480, 40, 0);
+    free(packed.data);
+}
+
+static void captured_scenes(void)
+{
+    static const char *const names[] = {"snowmiku/snowmiku.ply", "skull/skull.sog", "kitchen-marble/kitchen-marble.spz"};
+    int there = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        part p;
+        if (part_load(&p, names[i])) {
+            there++;
+            compare_scene(&p.scene, 320, 180, 4, 0);
+            compare_scene(&p.scene, 320, 180, 0.5, 0);
+        }
+        part_free(&p);
+    }
+    if (!there)
+        SKIP("the captured scenes are not here");
+}
+
+/* A scene with a tree, whole and by budgets, in parts of few chunks. */
+static void parts_and_levels(void)
+{
+    for (int profile = 0; profile < 3; profile++) {
+        fxs_packed_scene packed;
+        fxs_scene scene;
+        if (!CHECK(pack_tree("knot", (enum fxs_profile)profile, &packed, &scene)))
+            return;
+        for (int i = 0; i < 2; i++) {
+            part_bytes = i ? 160000 : 0;
+            compare_scene(&scene, 200, 150, 12.8, 0);
+            compare_scene(&scene, 200, 150, 12.8, 5000);
+            compare_scene(&scene, 200, 150, 2, 20000);
+        }
+        part_bytes = 0;
+        fxs_packed_scene_free(&packed);
+    }
+}
+
+/* ---- What fails -------------------------------------------------------------------------------------------------- */
+
+static PFNGLGETINTEGERVPROC real_GetIntegerv;
+static GLenum limited;
+
+static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
+{
+    real_GetIntegerv(name, value);
+    if (name == limited)
+        *value = 1;
+}
+
+static PFNGLGETSHADERIVPROC real_GetShaderiv;
+
+static void GL_APIENTRY fake_GetShaderiv(GLuint shader, GLenum name, GLint *value)
+{
+    real_GetShaderiv(shader, name, value);
+    if (name == GL_COMPILE_STATUS)
+        *value = 0;
+}
+
+static void GL_APIENTRY fake_GetShaderInfoLog(GLuint shader, GLsizei size, GLsizei *length, GLchar *text)
+{
+    (void)shader, (void)length;
+    snprintf(text, (size_t)size, "0:17: what is\nthat?");
+}
+
+static const GLubyte *GL_APIENTRY fake_GetString(GLenum name)
+{
+    return (const GLubyte *)(name == GL_VERSION ? "OpenGL ES 3.0 Old" : "old");
+}
+
+static void init_fails(void)
+{
+    static const GLenum limits[] = {GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS,
+                                    GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, GL_MAX_SHADER_STORAGE_BLOCK_SIZE};
+    fxs_compute *c;
+    CHECK(open_with(&c, "glDispatchCompute", 0) == FXS_ERR_UNSUPPORTED);
+    CHECK(!strcmp(why.text, "no compute shaders: no function glDispatchCompute"));
+    CHECK(open_with(&c, "glGetString", (fxs_compute_function)fake_GetString) == FXS_ERR_UNSUPPORTED);
+    CHECK(!strcmp(why.text, "OpenGL ES 3.1 is needed, this is OpenGL ES 3.0 Old"));
+    real_GetIntegerv = device->gl.GetIntegerv;
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        limited = limits[i];
+        CHECK(open_with(&c, "glGetIntegerv", (fxs_compute_function)fake_GetIntegerv) == FXS_ERR_UNSUPPORTED);
+        CHECK(strstr(why.text, "than") != 0);
+    }
+    real_GetShaderiv = device->gl.GetShaderiv;
+    fakes[1] = (struct fake){"glGetShaderInfoLog", (fxs_compute_function)fake_GetShaderInfoLog};
+    CHECK(open_with(&c, "glGetShaderiv", (fxs_compute_function)fake_GetShaderiv) == FXS_ERR_UNSUPPORTED);
+    CHECK(!strcmp(why.text, "clear_counts does not compile: 0:17: what is that?"));
+    fakes[1] = (struct fake){0, 0};
+}
+
+static GLenum failing;                     /* what glGetError says, until `failures` are over */
+static int failures;
+
+static GLenum GL_APIENTRY fake_GetError(void)
+{
+    return failures > 0 ? failures--, failing : GL_NO_ERROR;
+}
+
+static GLboolean GL_APIENTRY no_unmap(GLenum target)
+{
+    device->gl.UnmapBuffer(target);
+    return GL_FALSE;
+}
+
+static void *GL_APIENTRY no_map(GLenum target, GLintptr at, GLsizeiptr bytes, GLbitfield access)
+{
+    (void)target, (void)at, (void)bytes, (void)access;
+    return 0;
+}
+
+/* An error of the device ends a frame; the next one is right. */
+static void frames_fail(void)
+{
+    part p;
+    fxs_request request;
+    fxs_compute *c;
+    if (!part_make(&p, "knot", 3000))
+        return;
+    const fxs_object object = one_object(&p.scene);
+    fxs_request_init(&request, &object, 1);
+    look_at(request.cameras, 100, 80, 12.8);
+    picture a = picture_new(100, 80, FXS_FORMAT_RGBA8), b = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    request.targets[0] = a.targets;
+    CHECK(!render_there(&request, 0));
+    request.targets[0] = b.targets;
+    if (CHECK(!open_with(&c, 0, 0))) {
+        for (int i = 0; i < 4; i++) {
+            const fxs_compute_gl gl = c->gl;
+            fxs_compute_scene copy = {.key = 0};
+            const fxs_compute_scene *copies[] = {&copy};
+            void *memory = malloc(fxs_compute_memory(&request));
+            CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
+            failing = i ? 0x0507 : GL_OUT_OF_MEMORY;       /* GL_CONTEXT_LOST */
+            failures = i ? 1000 : 20;              /* what was there before is not the frame's */
+            if (i < 2)
+                c->gl.GetError = fake_GetError;
+            else if (i == 2)
+                c->gl.MapBufferRange = no_map;
+            else
+                c->gl.UnmapBuffer = no_unmap;
+            CHECK(fxs_compute_render(c, &request, copies, memory, 0, &why) == (i ? FXS_ERR_DEVICE : FXS_ERR_MEMORY));
+            CHECK(!strcmp(why.text, i ? "the device failed, or its context was lost" : "the device is out of memory"));
+            c->gl = gl;
+            picture_clear(&b);
+            CHECK(!fxs_compute_render(c, &request, copies, memory, 0, &why));
+            CHECK(!memcmp(a.block, b.block, a.bytes));
+            fxs_compute_drop(c, &copy);
+            free(memory);
+        }
+        close_compute(c);
+    }
+    picture_free(&a);
+    picture_free(&b);
+    part_free(&p);
+}
+
+static int yes(void *argument)
+{
+    (void)argument;
+    return 1;
+}
+
+/* What a frame or a scene is not given room for, stopped frames, damaged scenes, wrong arguments. */
+static void refusals(void)
+{
+    part p;
+    fxs_request request;
+    fxs_compute *c;
+    if (!part_make(&p, "knot", 3000) || !CHECK(!open_with(&c, 0, 0)))
+        return;
+    const uint64_t most = c->most;
+    fxs_object object = one_object(&p.scene);
+    picture a = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    fxs_request_init(&request, &object, 1);
+    look_at(request.cameras, 100, 80, 12.8);
+    request.targets[0] = a.targets;
+    c->most = 30000;                  /* as no device has it: the frame's first buffers do not fit */
+    part_bytes = most;
+    CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
+    c->most = most;
+    fxs_compute_limit(c, 1 << 20);
+    part_bytes = most;
+    CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1 << 20);
+    CHECK(!strcmp(why.text, "the device memory allowed is too small"));
+    fxs_compute_limit(c, 1000);
+    CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && c->scene_bytes == 0);
+    fxs_compute_limit(c, 0);
+    part_bytes = 1000;                     /* one chunk takes more */
+    CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1000);
+    part_bytes = 0;
+    request.options.stop = yes;
+    CHECK(render_by(c, &request, 0) == FXS_ERR_STOPPED);
+    request.options.stop = 0;
+    request.options.sh_degree = 4;
+    CHECK(render_by(c, &request, 0) == FXS_ERR_ARGUMENT);
+    request.options.sh_degree = 3;
+    request.targets->format = FXS_FORMAT_BGRA8;
+    CHECK(render_by(c, &request, 0) == FXS_ERR_UNSUPPORTED);
+    request.targets->format = FXS_FORMAT_RGBA8;
+    fxs_targets_init(request.targets);
+    CHECK(render_by(c, &request, 0) == FXS_ERR_TARGET);
+    request.targets[0] = a.targets;
+    ((unsigned char *)p.packed.data)[192 + 74] = 77;   /* step_shift of the first chunk */
+    CHECK(render_by(c, &request, 0) == FXS_ERR_SCENE);
+    close_compute(c);
+    picture_free(&a);
+    part_free(&p);
+}
+
+int main(void)
+{
+    if (fxs_egl_open(&egl, &why) || open_with(&device, 0, 0)) {
+        printf("%s\n", why.text);
+        printf("skip compute\n");
+        check_skipped++;
+        return check_report();
+    }
+    RUN(stages);
+    RUN(random_frames);
+    RUN(wild_frames);
+    RUN(sizes);
+    RUN(veils);
+    RUN(captured_scenes);
+    RUN(parts_and_levels);
+    RUN(init_fails);
+    RUN(frames_fail);
+    RUN(refusals);
+    close_compute(device);
+    fxs_egl_close(egl);
+    return check_report();
+}
+#endif
