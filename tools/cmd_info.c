@@ -275,13 +275,13 @@ static void print_backends(void)
         fxs_message why;
         int device = 0;
         for (; !b->device(device, name, sizeof name, &why); device++) {
-            printf("%-11s here: %s", b->name, name);
+            printf("%-13s here: %s", b->name, name);
             if (b->can & FXS_CAN_DEVICES)
                 printf(", --device %d", device);
             printf(" (%s)\n", b->does);
         }
         if (!device)
-            printf("%-11s not here: %s (%s)\n", b->name, why.text, b->does);
+            printf("%-13s not here: %s (%s)\n", b->name, why.text, b->does);
     }
 }
 
