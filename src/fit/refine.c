@@ -54,6 +54,7 @@ static int fail_memory(const refiner *r, size_t bytes)
     return fxs_fail_memory(r->message, "levels of detail", bytes);
 }
 
+/* Checks all nodes and their headers: those of leaves were checked when the scene was opened. */
 static int read_tree(refiner *r)
 {
     r->leaves = r->scene.chunk_count;
@@ -68,7 +69,10 @@ static int read_tree(refiner *r)
         return fail_memory(r, r->chunks * (sizeof *r->nodes + r->views.count * sizeof *r->errors));
     for (uint32_t i = r->leaves - 1; i-- > 0;) {
         uint8_t *level = &r->levels[r->leaves + i];
-        const int error = fxs_node_read(&r->nodes[i], &r->scene, i);
+        fxs_chunk header;
+        int error = fxs_node_read(&r->nodes[i], &r->scene, i);
+        if (!error)
+            error = fxs_chunk_read(&header, &r->scene, r->leaves + i);
         if (error)
             return fxs_fail_as(error, r->message, "%s", fxs_strerror(error));
         for (int side = 0; side < 2; side++) {

@@ -94,8 +94,8 @@ int fxs_tree_write(const fxs_tree *tree, unsigned char *nodes, fxs_message *mess
 /* Changes a tree that is built: the Gaussians of nodes, and what opening each is worth. For one thread. */
 typedef struct fxs_tree_editor fxs_tree_editor;
 
-/* Begins. `scene` is open on `data`, has a tree, and stays. Returns 0, or an error and a message; fxs_tree_edit_end
-   frees *editor, which is null after an error. */
+/* Begins. `scene` is open on `data`, has a tree whose nodes and headers were checked, and stays. Returns 0, or an error
+   and a message; fxs_tree_edit_end frees *editor, which is null after an error. */
 int fxs_tree_edit(fxs_tree_editor **editor, const fxs_scene *scene, void *data, fxs_message *message);
 void fxs_tree_edit_end(fxs_tree_editor *editor);       /* null is allowed */
 
