@@ -19,8 +19,8 @@ typedef struct fxs_coarse {
     float opacity;                     /* 0 to 1 */
 } fxs_coarse;
 
-/* What its opacity counts for: a Gaussian is drawn as far out as its alpha is FXS_FAINTEST, and up to there its integral
-   is that of opacity - FXS_FAINTEST without an end. */
+/* What its opacity counts for: a Gaussian is drawn as far out as its alpha is FXS_FAINTEST, and up to there its
+   integral is that of opacity - FXS_FAINTEST without an end. */
 static inline float fxs_coarse_drawn(const fxs_coarse *coarse)
 {
     return coarse->opacity > FXS_FAINTEST ? coarse->opacity - FXS_FAINTEST : 0;

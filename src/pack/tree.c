@@ -26,9 +26,8 @@ enum {
 };
 
 #define NONE UINT32_MAX
-#define UNSEEN 0.2                     /* how much a gain counts beside one that is measured */
-#define SEEN 0.55                      /* of a Gaussian's area (coarsen.h) what is seen in the mean: 0.5 of a disc, 0.58 of
-                                          a ball */
+#define UNMEASURED 0.2                 /* how much a gain counts beside one that is measured */
+#define SEEN 0.55                      /* of a Gaussian's area (coarsen.h) in the mean: 0.5 of a disc, 0.58 of a ball */
 
 typedef struct node {
     uint32_t first, leaves;            /* a run of leaves */
@@ -879,8 +878,8 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
-/* Of the gains of a tree as it is, in the unit of errors that were measured, a part is added to these: what no view shows
-   is not worth nothing. */
+/* Of the gains of a tree as it is, in the unit of errors that were measured, a part is added to these: what no view
+   shows is not worth nothing. */
 static void blend_errors(fxs_tree_editor *e, const double *errors)
 {
     const tree *t = &e->tree;
@@ -894,7 +893,7 @@ static void blend_errors(fxs_tree_editor *e, const double *errors)
         known += errors[i] > 0 ? t->nodes[i].sums.error : 0;
     }
     for (uint32_t i = 0; i < t->count; i++)
-        t->nodes[i].sums.error = errors[i] + (known > 0 ? UNSEEN * measured / known : 0) * t->nodes[i].sums.error;
+        t->nodes[i].sums.error = errors[i] + (known > 0 ? UNMEASURED * measured / known : 0) * t->nodes[i].sums.error;
 }
 
 int fxs_tree_edit_gains(fxs_tree_editor *e, const double *errors, fxs_message *message)

@@ -438,9 +438,9 @@ typedef struct fxs_frame_memory {
 FXS_API size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                                int32_t height, fxs_frame_memory *memory);
 
-/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and at most 68 bytes more for every
-   Gaussian, of which a chunk that is not full counts as 256, and 512 for every object. 0 where an argument is out of
-   range, or the memory more than a size_t can count. */
+/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and at most 68 bytes more for
+   every Gaussian, of which a chunk that is not full counts as 256, and 512 for every object. 0 where an argument is out
+   of range, or the memory more than a size_t can count. */
 FXS_API size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                                 int32_t height);
 
