@@ -94,6 +94,16 @@ void fxs_chunk_box(const fxs_chunk *chunk, float box[6])
     }
 }
 
+void fxs_chunk_boxes(const unsigned char *chunks, uint32_t count, float (*boxes)[6])
+{
+    for (uint32_t i = 0; i < count; i++) {
+        fxs_chunk chunk;
+        memcpy(&chunk, chunks + (size_t)i * sizeof chunk, sizeof chunk);
+        fxs_chunk_turn(&chunk);
+        fxs_chunk_box(&chunk, boxes[i]);
+    }
+}
+
 static void widen(float box[6], const float by[6])
 {
     for (int i = 0; i < 3; i++) {
@@ -731,14 +741,10 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
     float (*boxes)[6] = fxs_allocate(options->allocator, scene->chunk_count, sizeof *boxes);
     fxs_tree *t = NULL;
     int error = boxes ? 0 : fxs_fail_memory(message, NULL, scene->chunk_count * sizeof *boxes);
-    for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
-        fxs_chunk chunk;
-        memcpy(&chunk, scene->chunks + (size_t)i * sizeof chunk, sizeof chunk);
-        fxs_chunk_turn(&chunk);
-        fxs_chunk_box(&chunk, boxes[i]);
-    }
-    if (!error)
+    if (!error) {
+        fxs_chunk_boxes(scene->chunks, scene->chunk_count, boxes);
         error = fxs_tree_plan(&t, boxes, scene->chunk_count, options, message);
+    }
     fxs_release(options->allocator, boxes);
     if (!error)
         error = fxs_tree_build_run(t, &run, options, message);

@@ -25,6 +25,9 @@ typedef struct fxs_tree fxs_tree;
 /* The box of the centres that a chunk's codes reach: low, high. The header is in this processor's byte order. */
 void fxs_chunk_box(const fxs_chunk *chunk, float box[6]);
 
+/* The boxes of chunks by their headers as they lie in a packed scene. */
+void fxs_chunk_boxes(const unsigned char *chunks, uint32_t count, float (*boxes)[6]);
+
 /* Plans the tree over `leaves` chunks with these boxes, two or more: which nodes there are. Copies the options. Returns
    0, or FXS_ERR_MEMORY and a message; fxs_tree_free frees *tree in either case, null too. */
 int fxs_tree_plan(fxs_tree **tree, float (*boxes)[6], uint32_t leaves, const fxs_pack_options *options,
