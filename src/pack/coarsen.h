@@ -37,6 +37,10 @@ typedef struct fxs_merge_error {
 
 typedef struct fxs_merger fxs_merger;
 
+/* The stage coarsen of pack_stage.h for an instruction set. */
+#define FXS_COARSEN(isa) FXS_COARSEN_OF(isa)
+#define FXS_COARSEN_OF(isa) void fxs_coarsen_##isa(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
+
 /* Bytes of a merger, which is working memory for one thread, aligned as by malloc. */
 size_t fxs_merger_bytes(void);
 

@@ -12,7 +12,7 @@
 
 #include "encode_stages.h"
 
-void NAMED(fxs_coarsen_, ISA)(fxs_merger *merger, uint32_t most, fxs_merge_error *sums);
+FXS_COARSEN(ISA);
 
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
