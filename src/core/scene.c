@@ -105,25 +105,34 @@ static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsig
     return 0;
 }
 
-/* What the header says stays as it was read, even where the scene's bytes have changed since. */
-static int open_heads(fxs_scene *scene, const fxs_packed_header *h, const fxs_scene_parts *parts,
-                      const unsigned char *head, const unsigned char *tree)
+/* Opens a scene of `bytes` bytes at `head`; with 0 one of which only the heads are there. The header is read once:
+   another program may change it at any time, and what follows must not be longer than what was found to be there. */
+static int open_heads(fxs_scene *scene, const unsigned char *head, const unsigned char *tree, size_t bytes)
 {
-    scene->chunks = head + sizeof *h;
-    scene->palette = h->palette_entries ? (const int8_t *)(head + parts->palette) : 0;
-    scene->profile = (enum fxs_profile)h->profile;
-    scene->count = h->count - h->holes;
-    scene->chunk_count = h->chunk_count;
-    scene->chunk_bytes = h->chunk_bytes;
-    scene->palette_entries = h->palette_entries;
-    scene->palette_step_q19 = h->palette_step_q19;
-    scene->sh_degree = (int)h->sh_degree;
-    scene->antialiased = (h->flags & FXS_PACKED_ANTIALIASED) != 0;
-    scene->rows = scene->nodes = scene->node_chunks = scene->node_rows = 0;
-    scene->places = 0;
-    int error = 0;
-    if (parts->bytes > parts->tree)
-        error = tree ? open_tree(scene, parts, tree) : FXS_ERR_ARGUMENT;
+    fxs_packed_header h;
+    fxs_scene_parts parts;
+    int error = read_header(&h, &parts, head);
+    if (!error && bytes && bytes < parts.bytes)
+        error = FXS_ERR_SCENE;
+    if (error)
+        return error;
+    memset(scene, 0, sizeof *scene);
+    scene->chunks = head + sizeof h;
+    scene->palette = h.palette_entries ? (const int8_t *)(head + parts.palette) : 0;
+    scene->rows = bytes ? head + parts.rows : 0;
+    scene->profile = (enum fxs_profile)h.profile;
+    scene->count = h.count - h.holes;
+    scene->chunk_count = h.chunk_count;
+    scene->chunk_bytes = h.chunk_bytes;
+    scene->palette_entries = h.palette_entries;
+    scene->palette_step_q19 = h.palette_step_q19;
+    scene->sh_degree = (int)h.sh_degree;
+    scene->antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0;
+    if (parts.bytes > parts.tree) {
+        tree = bytes ? head + parts.tree : tree;
+        error = tree ? open_tree(scene, &parts, tree) : FXS_ERR_ARGUMENT;
+        scene->node_rows = bytes ? head + parts.node_rows : 0;
+    }
     for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
         fxs_chunk header;
         error = fxs_chunk_read(&header, scene, i);
@@ -133,31 +142,13 @@ static int open_heads(fxs_scene *scene, const fxs_packed_header *h, const fxs_sc
 
 int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree)
 {
-    fxs_packed_header h;
-    fxs_scene_parts parts;
-    if (!scene || !head || (uintptr_t)head % 64 || (uintptr_t)tree % 64)
-        return FXS_ERR_ARGUMENT;
-    const int error = read_header(&h, &parts, head);
-    return error ? error : open_heads(scene, &h, &parts, head, tree);
+    return !scene || !head || (uintptr_t)head % 64 || (uintptr_t)tree % 64 ? FXS_ERR_ARGUMENT
+                                                                            : open_heads(scene, head, tree, 0);
 }
 
 int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
 {
-    const unsigned char *start = data;
-    fxs_packed_header h;
-    fxs_scene_parts parts;
     if (!scene || !data || (uintptr_t)data % 64)
         return FXS_ERR_ARGUMENT;
-    if (bytes < sizeof h)
-        return FXS_ERR_SCENE;
-    int error = read_header(&h, &parts, data);
-    if (!error && bytes < parts.bytes)
-        error = FXS_ERR_SCENE;
-    if (!error)
-        error = open_heads(scene, &h, &parts, start, start + parts.tree);
-    if (error)
-        return error;
-    scene->rows = start + parts.rows;
-    scene->node_rows = scene->nodes ? start + parts.node_rows : 0;
-    return 0;
+    return bytes < sizeof(fxs_packed_header) ? FXS_ERR_SCENE : open_heads(scene, data, 0, bytes);
 }
