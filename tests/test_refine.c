@@ -1,5 +1,5 @@
 /* Refined levels of detail: pictures within a budget come nearer to the whole, the bytes do not depend on threads or
-   kernels, and hostile options are refused. */
+   kernels, and hostile options and trees are refused. */
 #include <stdlib.h>
 
 #include <fixsplat/camera.h>
