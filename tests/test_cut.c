@@ -256,8 +256,8 @@ static void test_same_bytes(void)
     }
 }
 
-/* The colours of the levels: the same by all kernels, threads and memory; grey where all leaves are drawn, and not where
-   nodes are. */
+/* The colours of the levels: the same by all kernels, threads and memory; grey where all leaves are drawn, and not
+   where nodes are. */
 static void test_level_colours(void)
 {
     const fxs_object object = one_object(&scenes[0]);

@@ -1,5 +1,5 @@
 /* Refined levels of detail: pictures within a budget come nearer to the whole, the bytes do not depend on threads or
-   kernels, and hostile options are refused. */
+   kernels, and hostile options and trees are refused. */
 #include <stdlib.h>
 
 #include <fixsplat/camera.h>
@@ -242,6 +242,61 @@ static void check_refused(void)
     fxs_packed_scene_free(&smooth);
 }
 
+/* Headers and nodes of a tree with other numbers, as a file with right checksums may have: an error, or levels that can
+   be drawn. */
+static void check_damaged(void)
+{
+    const fxs_pack_options with = {.tree = 1};
+    fxs_packed_scene packed;
+    fxs_scene scene;
+    uint32_t state = 1, refused = 0, refined = 0;
+    if (!pack(&packed, 1000, &with, 0) || !CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes)))
+        return;
+    unsigned char *const whole = malloc(packed.bytes), *const data = packed.data;
+    const size_t tree = (size_t)(scene.nodes - data), heads = (size_t)(scene.node_rows - scene.nodes);
+    memcpy(whole, data, packed.bytes);
+    for (uint32_t round = 0; round < 60; round++) {
+        memcpy(data, whole, packed.bytes);
+        for (uint32_t i = 0; i < 1 + round % 4; i++) {
+            state = state * 1664525 + 1013904223;
+            data[tree + (state >> 8) % heads] ^= (unsigned char)(1u << (state >> 29));
+        }
+        const int error = refine_with(&packed, round % 2, 1, ~0u, 1);
+        CHECK(!error || error == FXS_ERR_SCENE);
+        refused += error != 0;
+        refined += error == 0;
+    }
+    printf("  %u refused, %u refined\n", (unsigned)refused, (unsigned)refined);
+    CHECK(refused > 5 && refined > 5);
+    free(whole);
+    fxs_packed_scene_free(&packed);
+}
+
+/* Nodes with any children that a node may have: a chunk below two nodes makes no tree. */
+static void check_shared(void)
+{
+    const fxs_pack_options with = {.tree = 1};
+    fxs_packed_scene packed;
+    fxs_scene scene;
+    uint32_t state = 7;
+    if (!pack(&packed, COUNT, &with, 0) || !CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes)))
+        return;
+    const uint32_t leaves = scene.chunk_count;
+    fxs_node *const nodes = (fxs_node *)(void *)((unsigned char *)packed.data + (scene.nodes - scene.chunks) +
+                                                 sizeof(fxs_packed_header));
+    for (int round = 0; round < 20; round++) {
+        for (uint32_t i = 0; i + 1 < leaves; i++)
+            for (uint32_t side = 0; side < 2; side++) {
+                state = state * 1664525 + 1013904223;
+                const uint32_t later = leaves - 2 - i, any = state >> 8;
+                const uint32_t child = later > 1 && state >> 30 ? leaves + i + 1 + any % later : any % leaves;
+                nodes[i].children[side] = fxs_little_32(child);
+            }
+        CHECK(refine_with(&packed, 0, 1, ~0u, 1) == FXS_ERR_SCENE);
+    }
+    fxs_packed_scene_free(&packed);
+}
+
 /* All in one place, or so far apart that nothing is seen; a camera that looks away. */
 static void check_odd(void)
 {
@@ -270,6 +325,8 @@ int main(void)
     RUN_AS("same_bytes", check_same(VIEWS, COUNT));
     RUN_AS("same_bytes_from_around", check_same(0, 300));
     RUN_AS("refused", check_refused());
+    RUN_AS("damaged", check_damaged());
+    RUN_AS("shared", check_shared());
     RUN_AS("odd", check_odd());
     return check_report();
 }

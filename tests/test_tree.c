@@ -103,8 +103,8 @@ static void check_gains(const fxs_scene *scene)
 
 /* ---- What is kept ------------------------------------------------------------------------------------------------ */
 
-/* Of a chunk: the sums of opacity, as it is drawn, times area, the root of the sum of the squares of the products of two
-   sigmas, and of that times position and colour. */
+/* Of a chunk: the sums of opacity, as it is drawn, times area, the root of the sum of the squares of the products of
+   two sigmas, and of that times position and colour. */
 typedef struct sums {
     double weight, area, at[3], dc[3];
     uint32_t count;

@@ -251,14 +251,14 @@ static const option_row own_rows[] = {
     {"levels", 0, FLAG(load.tree), .help =
      "of .fxs: with levels of detail, a tree of coarser Gaussians, which makes it about twice as large"},
     {"refine", "[=STEPS]", take_refine, 0, 0, FXS_REFINE_STEPS_MOST, .help =
-     "of --levels: fit the coarse Gaussians of each level to pictures of the scene, by so many steps (default 200), and "
-     "measure in them what each node is worth. 0: only measure"},
+     "of --levels: fit the coarse Gaussians of each level to pictures of the scene, by so many steps (default 200), "
+     "and measure in them what each node is worth. 0: only measure"},
     {"cameras", "CAMERAS", TEXT(cameras), .help =
-     "of --refine: the pictures are seen by cameras of this file (64 at most, evenly spaced; 16 with --refine=0), in the "
-     "axes of what is written. By default they are from around the scene and within it"},
+     "of --refine: the pictures are seen by cameras of this file (64 at most, evenly spaced; 16 with --refine=0), in "
+     "the axes of what is written. By default they are from around the scene and within it"},
     {"block", "I/N", take_block, 0, .expected = "I/N, I from 1 to N, N up to 512", .help =
-     "of .fxs: only the I-th of N parts (N up to 512), which convert merges: convert PART... OUT. All parts are made of "
-     "the same files with the same options"},
+     "of .fxs: only the I-th of N parts (N up to 512), which convert merges: convert PART... OUT. All parts are made "
+     "of the same files with the same options"},
     {"start-view", "EYE,LOOK[,FOV]|CAMERAS[:VIEW]", take_start, 0, .expected =
      "six numbers or seven, the last 1 to 170, or a camera file", .help =
      "of .fxs: the camera that render and view begin with where none is given: from X,Y,Z to X,Y,Z, its "
@@ -320,8 +320,8 @@ static int read_options(convert_options *o, int argc, char **argv)
 
 /* ---- .fxs ------------------------------------------------------------------------------------------------------ */
 
-/* Whether a view may lose more than the profile promises, so that pictures are compared: with small always, with compact
-   where SH are rounded by 0.01, root mean square. */
+/* Whether a view may lose more than the profile promises, so that pictures are compared: with small always, with
+   compact where SH are rounded by 0.01, root mean square. */
 static int is_to_be_checked(const fxs_opened *packed)
 {
     const enum fxs_profile profile = packed->scene->profile;
@@ -339,8 +339,8 @@ static void check_views(const world *packed, const convert_options *o, const loa
     frame_options options;
     quality q;
     if (packed->scenes[0].opened->scene->count > MOST) {
-        note("%s: not compared with the floats, which is done up to %d Gaussians; info --compare does it for any number",
-             o->out, MOST);
+        note("%s: not compared with the floats, which is done up to %d Gaussians; info --compare does it for any "
+             "number", o->out, MOST);
         return;
     }
     again.again = 1;

@@ -248,7 +248,8 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
     int error =
         file ? fxs_open_gaussians(path, file, info, &options, &loaded->opened, &message)
         : is_standard_input(path)
-            ? fxs_open_memory(shown(path), standard_input.bytes, standard_input.size, &options, &loaded->opened, &message)
+            ? fxs_open_memory(shown(path), standard_input.bytes, standard_input.size, &options, &loaded->opened,
+                              &message)
             : fxs_open(path, &options, &loaded->opened, &message);
     const size_t pool = error || file || options.pager || is_standard_input(path) ? 0
                         : pool_for(loaded->opened, o->budget);

@@ -9,7 +9,8 @@ void fxs_use_large_pages(void *block, size_t bytes)
 {
 #ifdef MADV_HUGEPAGE
     const uintptr_t large = (uintptr_t)1 << 21;
-    const uintptr_t first = ((uintptr_t)block + large - 1) / large * large, end = ((uintptr_t)block + bytes) / large * large;
+    const uintptr_t first = ((uintptr_t)block + large - 1) / large * large;
+    const uintptr_t end = ((uintptr_t)block + bytes) / large * large;
     if (block && first < end)
         (void)madvise((void *)first, end - first, MADV_HUGEPAGE);
 #else

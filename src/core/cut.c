@@ -249,8 +249,8 @@ static uint32_t own_share_q8(const search *s, const visit *v)
     return v->opened && !v->short_of ? v->share_q8 * (256 - fxs_faded_q8(&v->sight, s->fading)) >> 8 : v->share_q8;
 }
 
-/* From the leaves up: what is to be drawn and is not there is drawn by the nearest chunk above it that is. Then all that
-   is to be drawn is wanted, what is needed most first. */
+/* From the leaves up: what is to be drawn and is not there is drawn by the nearest chunk above it that is. Then all
+   that is to be drawn is wanted, what is needed most first. */
 static void find_missing(search *s)
 {
     for (uint32_t i = s->visit_count; i-- > 0;) {

@@ -7,7 +7,7 @@
 /* A chunk that is drawn. */
 typedef struct fxs_drawn {
     uint32_t chunk;                /* of all objects */
-    uint16_t share_q8;             /* of its optical depth: 256 leaves it as it is; 1 to 4096 */
+    uint16_t share_q8;             /* of its optical depth: 256 leaves it as it is; 1 to 1024 */
     uint16_t grow_q8;              /* log2 by which its sigmas grow; 0 to 256 */
 } fxs_drawn;
 

@@ -119,9 +119,9 @@ typedef struct fxs_frame {
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
                    size_t memory_bytes);
 
-/* Cuts up the memory, places the objects and chooses their chunks; where the memory does not hold every Gaussian, finds out how many splats each tile
-   row has. Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has what would do),
-   FXS_ERR_OBJECT, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
+/* Cuts up the memory, places the objects and chooses their chunks; where the memory does not hold every Gaussian, finds
+   out how many splats each tile row has. Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has
+   what would do), FXS_ERR_OBJECT, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
 int fxs_frame_begin(fxs_frame *f);
 
 /* Bytes of a request's frame of this size, whatever its cameras; 0 where an argument is out of range. *memory may be
@@ -160,7 +160,7 @@ static inline uint64_t fxs_now(const fxs_frame *f)
     return config->clock ? config->clock(config->clock_argument) : 0;
 }
 
-/* The places in the list of drawn chunks of a block: from fxs_block_start(f, block) to fxs_block_start(f, block + 1). */
+/* Where a block's places in the list of drawn chunks begin; they end where those of the next one begin. */
 static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
 {
     uint64_t chunk = (uint64_t)block * f->block_chunks;

@@ -39,7 +39,7 @@ FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat);
 /* A chunk's header was read: returns 0 where none of its Gaussians is within the crop boxes. */
 FXS_STAGE int fxs_object_has_chunk(const fxs_object_view *object, const fxs_chunk *header);
 
-/* The project stage, on a chunk of the object, counted from its own first one, of which a share is drawn, 1 to 4096 of
+/* The project stage, on a chunk of the object, counted from its own first one, of which a share is drawn, 1 to 1024 of
    256 of its optical depth, and whose sigmas grow by 2^grow, 0 to 256 of 256; `indices` are in the object's scene. */
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                            uint32_t share_q8, uint32_t grow_q8, fxs_splat *splats, fxs_bounds *bounds,

@@ -35,9 +35,10 @@ uint32_t fxs_band_keep(fxs_frame *f, uint32_t place, uint32_t slot, uint32_t cou
 #define FXS_BLOCK_FAILED UINT32_MAX   /* the scene was damaged or changed */
 
 /* The first stages on splats of a chunk of an object, in the slots from `slot` on; bin works on any slots. project is
-   given the chunk's place in the list of drawn ones, shade its number among those of all objects. project leaves out splats that the band does not need, and returns how many are left, or FXS_ERR_SCENE. That is also the
-   error where the plan left no room for 256 splats before end_slot: the scene's bytes have changed since. shade returns
-   0 or FXS_ERR_SCENE. */
+   given the chunk's place in the list of drawn ones, shade its number among those of all objects. project leaves out
+   splats that the band does not need, and returns how many are left, or FXS_ERR_SCENE. That is also the error where the
+   plan left no room for 256 splats before end_slot: the scene's bytes have changed since. shade returns 0 or
+   FXS_ERR_SCENE. */
 int32_t fxs_prepare_project(fxs_frame *f, uint32_t object, uint32_t place, uint32_t slot, uint32_t end_slot);
 int fxs_prepare_shade(fxs_frame *f, uint32_t object, uint32_t chunk, uint32_t slot, uint32_t count);
 void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count);

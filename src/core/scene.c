@@ -59,33 +59,37 @@ size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header)
+/* Copies and checks the header, and finds the parts. */
+static int read_header(fxs_packed_header *h, fxs_scene_parts *parts, const void *header)
 {
-    fxs_packed_header h;
     layout l;
-    if (!parts || !header)
-        return FXS_ERR_ARGUMENT;
-    memcpy(&h, header, sizeof h);
-    fxs_packed_header_turn(&h);
-    if (h.magic != FXS_PACKED_MAGIC)
+    memcpy(h, header, sizeof *h);
+    fxs_packed_header_turn(h);
+    if (h->magic != FXS_PACKED_MAGIC)
         return FXS_ERR_SCENE;
-    if (h.version != FXS_PACKED_VERSION && h.version != FXS_PACKED_VERSION_TREE)
+    if (h->version != FXS_PACKED_VERSION && h->version != FXS_PACKED_VERSION_TREE)
         return FXS_ERR_VERSION;
-    const int has_tree = h.version == FXS_PACKED_VERSION_TREE;
-    if (h.sh_degree > 3 || h.profile > FXS_PROFILE_SMALL || h.palette_step_q19 > 32767 ||
-        !layout_of(&l, h.count, (int)h.sh_degree, (enum fxs_profile)h.profile, h.palette_entries) ||
-        h.chunk_count != fxs_chunks_of(h.count) || h.holes > h.count || (has_tree && h.chunk_count < 2) ||
-        h.chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h.profile, (int)h.sh_degree))
+    const int has_tree = h->version == FXS_PACKED_VERSION_TREE;
+    if (h->sh_degree > 3 || h->profile > FXS_PROFILE_SMALL || h->palette_step_q19 > 32767 ||
+        !layout_of(&l, h->count, (int)h->sh_degree, (enum fxs_profile)h->profile, h->palette_entries) ||
+        h->chunk_count != fxs_chunks_of(h->count) || h->holes > h->count || (has_tree && h->chunk_count < 2) ||
+        h->chunk_bytes != fxs_chunk_bytes((enum fxs_profile)h->profile, (int)h->sh_degree))
         return FXS_ERR_SCENE;
     *parts = (fxs_scene_parts){.palette = l.palette, .rows = l.rows, .tree = l.bytes, .node_chunks = l.bytes,
                                .node_rows = l.bytes, .bytes = l.bytes};
     if (has_tree) {
-        const tree_layout t = lay_out_tree(h.chunk_count - 1, h.chunk_bytes);
+        const tree_layout t = lay_out_tree(h->chunk_count - 1, h->chunk_bytes);
         parts->node_chunks = l.bytes + t.chunks;
         parts->node_rows = l.bytes + t.rows;
         parts->bytes = l.bytes + t.bytes;
     }
     return 0;
+}
+
+int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header)
+{
+    fxs_packed_header h;
+    return parts && header ? read_header(&h, parts, header) : FXS_ERR_ARGUMENT;
 }
 
 /* The tree of a scene, at `start`. */
@@ -101,20 +105,21 @@ static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsig
     return 0;
 }
 
-int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree)
+/* Opens a scene of `bytes` bytes at `head`; with 0 one of which only the heads are there. The header is read once:
+   another program may change it at any time, and what follows must not be longer than what was found to be there. */
+static int open_heads(fxs_scene *scene, const unsigned char *head, const unsigned char *tree, size_t bytes)
 {
-    const unsigned char *start = head;
     fxs_packed_header h;
     fxs_scene_parts parts;
-    if (!scene || !head || (uintptr_t)head % 64 || (uintptr_t)tree % 64)
-        return FXS_ERR_ARGUMENT;
-    int error = fxs_scene_find_parts(&parts, head);
+    int error = read_header(&h, &parts, head);
+    if (!error && bytes && bytes < parts.bytes)
+        error = FXS_ERR_SCENE;
     if (error)
         return error;
-    memcpy(&h, head, sizeof h);
-    fxs_packed_header_turn(&h);
-    scene->chunks = start + sizeof h;
-    scene->palette = h.palette_entries ? (const int8_t *)(start + parts.palette) : 0;
+    memset(scene, 0, sizeof *scene);
+    scene->chunks = head + sizeof h;
+    scene->palette = h.palette_entries ? (const int8_t *)(head + parts.palette) : 0;
+    scene->rows = bytes ? head + parts.rows : 0;
     scene->profile = (enum fxs_profile)h.profile;
     scene->count = h.count - h.holes;
     scene->chunk_count = h.chunk_count;
@@ -123,10 +128,11 @@ int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree)
     scene->palette_step_q19 = h.palette_step_q19;
     scene->sh_degree = (int)h.sh_degree;
     scene->antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0;
-    scene->rows = scene->nodes = scene->node_chunks = scene->node_rows = 0;
-    scene->places = 0;
-    if (parts.bytes > parts.tree)
+    if (parts.bytes > parts.tree) {
+        tree = bytes ? head + parts.tree : tree;
         error = tree ? open_tree(scene, &parts, tree) : FXS_ERR_ARGUMENT;
+        scene->node_rows = bytes ? head + parts.node_rows : 0;
+    }
     for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
         fxs_chunk header;
         error = fxs_chunk_read(&header, scene, i);
@@ -134,21 +140,15 @@ int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree)
     return error;
 }
 
+int fxs_scene_open_parts(fxs_scene *scene, const void *head, const void *tree)
+{
+    return !scene || !head || (uintptr_t)head % 64 || (uintptr_t)tree % 64 ? FXS_ERR_ARGUMENT
+                                                                            : open_heads(scene, head, tree, 0);
+}
+
 int fxs_scene_open(fxs_scene *scene, const void *data, size_t bytes)
 {
-    const unsigned char *start = data;
-    fxs_scene_parts parts;
     if (!scene || !data || (uintptr_t)data % 64)
         return FXS_ERR_ARGUMENT;
-    if (bytes < sizeof(fxs_packed_header))
-        return FXS_ERR_SCENE;
-    int error = fxs_scene_find_parts(&parts, data);
-    if (error)
-        return error;
-    if (bytes < parts.bytes)
-        return FXS_ERR_SCENE;
-    error = fxs_scene_open_parts(scene, data, start + parts.tree);
-    scene->rows = start + parts.rows;
-    scene->node_rows = scene->nodes ? start + parts.node_rows : 0;
-    return error;
+    return bytes < sizeof(fxs_packed_header) ? FXS_ERR_SCENE : open_heads(scene, data, 0, bytes);
 }

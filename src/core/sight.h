@@ -16,7 +16,8 @@ typedef struct fxs_sight {
     int32_t swell_q8;              /* log2 by which its mass grows: 0 to FXS_SWELL_SEEN_Q8; of a leaf 0 */
 } fxs_sight;
 
-/* The nodes that fade are those whose keys are above the last one that was opened by less than the width. */
+/* The last key is that of the first node that there was no room for, or of the last one where all are opened. Nodes fade
+   whose keys are above it by less than the width. */
 typedef struct fxs_fading {
     int32_t last_key_q8, width_q8;
 } fxs_fading;

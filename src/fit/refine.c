@@ -32,7 +32,7 @@ typedef struct refiner {
     fxs_scene scene;
     fxs_node *nodes;
     uint8_t *levels;                   /* of the chunks, leaves and then nodes */
-    uint32_t *parents;                 /* chunks */
+    uint32_t *parents;                 /* chunks; 0: none, as a leaf is no parent */
     uint32_t chunks, leaves;
     int highest;                       /* level of the root */
     const fxs_refine_options *options;
@@ -54,6 +54,8 @@ static int fail_memory(const refiner *r, size_t bytes)
     return fxs_fail_memory(r->message, "levels of detail", bytes);
 }
 
+/* Checks all nodes and their headers: those of leaves were checked when the scene was opened. Where no chunk is below
+   two nodes, it is a tree, as there are two children a node. */
 static int read_tree(refiner *r)
 {
     r->leaves = r->scene.chunk_count;
@@ -68,11 +70,16 @@ static int read_tree(refiner *r)
         return fail_memory(r, r->chunks * (sizeof *r->nodes + r->views.count * sizeof *r->errors));
     for (uint32_t i = r->leaves - 1; i-- > 0;) {
         uint8_t *level = &r->levels[r->leaves + i];
-        const int error = fxs_node_read(&r->nodes[i], &r->scene, i);
+        fxs_chunk header;
+        int error = fxs_node_read(&r->nodes[i], &r->scene, i);
+        if (!error)
+            error = fxs_chunk_read(&header, &r->scene, r->leaves + i);
         if (error)
             return fxs_fail_as(error, r->message, "%s", fxs_strerror(error));
         for (int side = 0; side < 2; side++) {
             const uint32_t child = r->nodes[i].children[side];
+            if (r->parents[child])
+                return fxs_fail_as(FXS_ERR_SCENE, r->message, "the tree of levels has a chunk below two nodes");
             r->parents[child] = r->leaves + i;
             if (r->levels[child] == UINT8_MAX)
                 return fxs_fail_as(FXS_ERR_SCENE, r->message, "the tree of levels is too deep");

@@ -154,10 +154,10 @@ static int render(const fxs_context *context, const fxs_scene *scene, const fxs_
     return error ? fxs_fail_as(error, message, "%s", fxs_strerror(error)) : 0;
 }
 
-static int take_photograph(const fxs_refine_views *v, fxs_fit_photograph *p, const fxs_file_view *view,
-                           const fxs_scene *scene, const fxs_context *context, fxs_message *message)
+/* The pixels go to `to`. */
+static int take_photograph(fxs_fit_photograph *p, uint8_t *to, const fxs_file_view *view, const fxs_scene *scene,
+                           const fxs_context *context, fxs_message *message)
 {
-    uint8_t *to = v->pixels + (size_t)(p - v->photographs[0]) * picture_bytes(scene);
     const size_t pixels = (size_t)view->width * (size_t)view->height;
     uint8_t *rgba = malloc(4 * pixels);
     const int error = rgba ? render(context, scene, view, rgba, message)
@@ -174,15 +174,16 @@ static int take_photograph(const fxs_refine_views *v, fxs_fit_photograph *p, con
 static int take_photographs(fxs_refine_views *v, const fxs_file_view *views, const fxs_scene *scene,
                             const fxs_refine_options *o, fxs_message *message)
 {
-    const size_t bytes = FXS_REFINE_SIZES * FXS_REFINE_VIEWS * picture_bytes(scene);
-    v->pixels = malloc(bytes);
-    if (!v->pixels)
+    const int first = o->steps ? FXS_REFINE_LARGE : FXS_REFINE_SMALL;
+    const size_t each = picture_bytes(scene), bytes = (size_t)(FXS_REFINE_SIZES - first) * v->count * each;
+    uint8_t *to = v->pixels = malloc(bytes);
+    if (!to)
         return fxs_fail_memory(message, "pictures of the scene", bytes);
-    for (int size = o->steps ? FXS_REFINE_LARGE : FXS_REFINE_SMALL; size < FXS_REFINE_SIZES; size++)
-        for (uint32_t i = 0; i < v->count; i++) {
+    for (int size = first; size < FXS_REFINE_SIZES; size++)
+        for (uint32_t i = 0; i < v->count; i++, to += each) {
             fxs_file_view view = views[i];
             limit(&view, longer_of(scene, size));
-            FXS_TRY(take_photograph(v, &v->photographs[size][i], &view, scene, o->context, message));
+            FXS_TRY(take_photograph(&v->photographs[size][i], to, &view, scene, o->context, message));
         }
     return 0;
 }

@@ -19,8 +19,8 @@ typedef struct fxs_coarse {
     float opacity;                     /* 0 to 1 */
 } fxs_coarse;
 
-/* What its opacity counts for: a Gaussian is drawn as far out as its alpha is FXS_FAINTEST, and up to there its integral
-   is that of opacity - FXS_FAINTEST without an end. */
+/* What its opacity counts for: a Gaussian is drawn as far out as its alpha is FXS_FAINTEST, and up to there its
+   integral is that of opacity - FXS_FAINTEST without an end. */
 static inline float fxs_coarse_drawn(const fxs_coarse *coarse)
 {
     return coarse->opacity > FXS_FAINTEST ? coarse->opacity - FXS_FAINTEST : 0;
@@ -36,6 +36,10 @@ typedef struct fxs_merge_error {
 } fxs_merge_error;
 
 typedef struct fxs_merger fxs_merger;
+
+/* The stage coarsen of pack_stage.h for an instruction set. */
+#define FXS_COARSEN(isa) FXS_COARSEN_OF(isa)
+#define FXS_COARSEN_OF(isa) void fxs_coarsen_##isa(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
 
 /* Bytes of a merger, which is working memory for one thread, aligned as by malloc. */
 size_t fxs_merger_bytes(void);

@@ -8,7 +8,7 @@
    Every operation is one of floats that IEEE 754 defines, and no sum depends on how many are computed at once, so the
    result is the same on every processor. Loops over LANES are written for vectors.
 
-   This is the stage coarsen of pack_stage.h for an instruction set, ISA. gather_rows transposes LANES rows of fields. */
+   This is the stage coarsen of pack_stage.h for an instruction set, ISA. gather_rows transposes LANES rows. */
 #include "merger.h"
 
 #include <math.h>
@@ -71,8 +71,7 @@ static inline void find_products(lanes product, const group *a, const group *b, 
 }
 
 /* Of the mass of both, what does not hide the other's. products: <Ga, Gb> / pi in each plane. */
-static inline void find_masses(lanes mass, const group *a, const group *b,
-                               lanes products[PLANES], int count)
+static inline void find_masses(lanes mass, const group *a, const group *b, lanes products[PLANES], int count)
 {
     for (int i = 0; i < count; i++) {
         const float x = a->f[OPACITY][i], y = b->f[OPACITY][i];
@@ -85,8 +84,7 @@ static inline void find_masses(lanes mass, const group *a, const group *b,
 
 /* What a and b become, and the share of a. Where opacity would exceed its most by a factor r, variances grow by
    the root of r instead. */
-static inline void join(group *out, lanes share, const group *a, const group *b,
-                 lanes products[PLANES], int count)
+static inline void join(group *out, lanes share, const group *a, const group *b, lanes products[PLANES], int count)
 {
     lanes mass;
     find_masses(mass, a, b, products, count);
@@ -483,4 +481,3 @@ FXS_COARSEN(ISA)
         merge(m, best.a, best.b, best.error / grown(&best), sums);
     }
 }
-

@@ -46,8 +46,8 @@ void fxs_ranges_clear(fxs_chunk_ranges *ranges);
 void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *gaussian, double opacity, int sh_degree);
 
 /* round(x / step) in +-127, halves upwards, or 0 for a step of 0. x and step are floats of 24 bits, so no quotient but
-   an exact half lies within 2^-26 of a half; and the quotient by way of 1 / step, which is wrong by 2^-45 at most, is on
-   the right side of it once 2^-30 is added. */
+   an exact half lies within 2^-26 of a half; and the quotient by way of 1 / step, which is wrong by 2^-45 at most, is
+   on the right side of it once 2^-30 is added. */
 static inline int32_t fxs_coefficient_code(double x, double step, double inverse)
 {
     const double most = 127 * step, above = x > -most ? x : -most, held = above < most ? above : most;

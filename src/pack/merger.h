@@ -94,8 +94,4 @@ static inline uint32_t now(const fxs_merger *m, uint32_t i)
     return i;
 }
 
-/* The stage coarsen of pack_stage.h for an instruction set. */
-#define FXS_COARSEN(isa) FXS_COARSEN_OF(isa)
-#define FXS_COARSEN_OF(isa) void fxs_coarsen_##isa(fxs_merger *m, uint32_t most, fxs_merge_error *sums)
-
 #endif

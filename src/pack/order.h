@@ -17,9 +17,9 @@ typedef struct fxs_order_entry {
 /* Sorts entries whose positions are given in file order, and sets their indexes. Entries that are left out come last,
    before them those ordered by themselves, except that their first ones fill the last chunk of the others. Each stretch
    of FXS_CHUNK is a leaf of a tree, and each subtree a stretch of leaves; only the last leaf is shorter. Where `reach`
-   is not 0, a leaf whose box is longer than about so many times the distance of its Gaussians from the middle is cut into
-   several chunks, and FXS_BEGINS_CHUNK is set in the index of the first entry of each but the first one. Needs 100 KB
-   while it runs. options->run is not null. Returns 0 or FXS_ERR_MEMORY. */
+   is not 0, a leaf whose box is longer than about so many times the distance of its Gaussians from the middle is cut
+   into several chunks, and FXS_BEGINS_CHUNK is set in the index of the first entry of each but the first one. Needs 100
+   KB while it runs. options->run is not null. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_pack_options *options);
 
 /* Sets the indexes of at most FXS_CHUNK entries to their order along a Morton curve in their cube, then by index, so

@@ -12,7 +12,7 @@
 
 #include "encode_stages.h"
 
-void NAMED(fxs_coarsen_, ISA)(fxs_merger *merger, uint32_t most, fxs_merge_error *sums);
+FXS_COARSEN(ISA);
 
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
@@ -223,7 +223,7 @@ static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent,
    round Gaussians of areas a and b (sigma^2) at distance d the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))); the
    exponential here is (1 - t / 8)^4. `square` is d^2, less than 8 (a + b). Times 256, 0 to 1024. */
 static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area,
-                          double square)
+                                 double square)
 {
     const double both = from_area + to_area;
     const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);

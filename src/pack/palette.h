@@ -42,8 +42,8 @@ typedef struct fxs_palette {
     int32_t group_squares[FXS_PALETTE_STAGES][FXS_PALETTE_GROUPS];
 } fxs_palette;
 
-/* Returns how many entries a stage should have in a scene of `count` Gaussians in so many chunks, so that the palette is
-   worth its bytes; 0 for a scene without a palette. */
+/* Returns how many entries a stage should have in a scene of `count` Gaussians in so many chunks, so that the palette
+   is worth its bytes; 0 for a scene without a palette. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree);
 
 /* A palette is learned from a sample of about 2^14 Gaussians and the means of their chunks. So of a scene of `count`

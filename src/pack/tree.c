@@ -26,15 +26,14 @@ enum {
 };
 
 #define NONE UINT32_MAX
-#define UNSEEN 0.2                     /* how much a gain counts beside one that is measured */
-#define SEEN 0.55                      /* of a Gaussian's area (coarsen.h) what is seen in the mean: 0.5 of a disc, 0.58 of
-                                          a ball */
+#define UNMEASURED 0.2                 /* how much a gain counts beside one that is measured */
+#define SEEN 0.55                      /* of a Gaussian's area (coarsen.h) in the mean: 0.5 of a disc, 0.58 of a ball */
 
 typedef struct node {
     uint32_t first, leaves;            /* a run of leaves */
     uint32_t children[2];              /* places of nodes; a leaf's number plus the number of nodes */
     uint32_t parent, number;
-    uint32_t part, at;                 /* which part built it, or NONE; the place of its chunk among what is written */
+    uint32_t part, at;                 /* the part that built it, or FXS_TREE_ABOVE; the place of its chunk there */
     fxs_node_sums sums;
 } node;
 
@@ -95,6 +94,16 @@ void fxs_chunk_box(const fxs_chunk *chunk, float box[6])
     }
 }
 
+void fxs_chunk_boxes(const unsigned char *chunks, uint32_t count, float (*boxes)[6])
+{
+    for (uint32_t i = 0; i < count; i++) {
+        fxs_chunk chunk;
+        memcpy(&chunk, chunks + (size_t)i * sizeof chunk, sizeof chunk);
+        fxs_chunk_turn(&chunk);
+        fxs_chunk_box(&chunk, boxes[i]);
+    }
+}
+
 static void widen(float box[6], const float by[6])
 {
     for (int i = 0; i < 3; i++) {
@@ -148,7 +157,7 @@ static void cut_run(tree *t, uint32_t place, int level, uint32_t *next)
         }
         const uint32_t child = (*next)++;
         n->children[side] = child;
-        t->nodes[child] = (node){.first = first, .leaves = leaves, .parent = place, .part = NONE};
+        t->nodes[child] = (node){.first = first, .leaves = leaves, .parent = place, .part = FXS_TREE_ABOVE};
         cut_run(t, child, level + 1, next);
     }
 }
@@ -185,7 +194,7 @@ static int find_shape(tree *t)
     t->costs = fxs_allocate(t->options.allocator, t->count + 1, sizeof *t->costs);
     if (!t->nodes || !t->costs)
         return -1;
-    t->nodes[0] = (node){.leaves = t->count + 1, .parent = NONE, .part = NONE};
+    t->nodes[0] = (node){.leaves = t->count + 1, .parent = NONE, .part = FXS_TREE_ABOVE};
     cut_run(t, 0, 0, &next);
     fxs_release(t->options.allocator, t->costs);
     t->costs = 0;
@@ -206,7 +215,7 @@ static int is_topmost(const tree *t, const node *n, uint32_t first, uint32_t end
 /* Whether a node is built now: it lies in the run, or what there is above the parts. */
 static int is_own(const tree *t, const node *n)
 {
-    return t->source ? n->part == NONE : is_within(n, t->run.first, t->run.end);
+    return t->source ? n->part == FXS_TREE_ABOVE : is_within(n, t->run.first, t->run.end);
 }
 
 /* ---- Chunks ------------------------------------------------------------------------------------------------------ */
@@ -571,6 +580,21 @@ static uint32_t number_of(const tree *t, uint32_t child)
     return child < t->count ? t->count + 1 + t->nodes[child].number : child - t->count;
 }
 
+/* Node i of a scene, in its place among the others. */
+static fxs_node node_at(const unsigned char *nodes, uint32_t i)
+{
+    fxs_node n;
+    memcpy(&n, nodes + (size_t)i * sizeof n, sizeof n);
+    fxs_node_turn(&n);
+    return n;
+}
+
+static void put_node(unsigned char *nodes, uint32_t i, fxs_node n)
+{
+    fxs_node_turn(&n);
+    memcpy(nodes + (size_t)i * sizeof n, &n, sizeof n);
+}
+
 static void set_swell(fxs_node *to, const fxs_node_sums *sums)
 {
     const double swell = sums->own > 0 ? sums->opacity / sums->own : 1;
@@ -591,8 +615,7 @@ int fxs_tree_write(const fxs_tree *t, unsigned char *to, fxs_message *message)
                         (int16_t)log2_of(gain_of(&groups[i]), 256, INT16_MAX),
                         (int16_t)(s->error > 0 ? log2_of(s->size / s->error, 128, INT16_MAX) : 0), 0, 0};
         set_swell(&out, s);
-        fxs_node_turn(&out);
-        memcpy(to + (size_t)n->number * sizeof out, &out, sizeof out);
+        put_node(to, n->number, out);
     }
     fxs_release(t->options.allocator, groups);
     return 0;
@@ -718,14 +741,10 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
     float (*boxes)[6] = fxs_allocate(options->allocator, scene->chunk_count, sizeof *boxes);
     fxs_tree *t = NULL;
     int error = boxes ? 0 : fxs_fail_memory(message, NULL, scene->chunk_count * sizeof *boxes);
-    for (uint32_t i = 0; i < scene->chunk_count && !error; i++) {
-        fxs_chunk chunk;
-        memcpy(&chunk, scene->chunks + (size_t)i * sizeof chunk, sizeof chunk);
-        fxs_chunk_turn(&chunk);
-        fxs_chunk_box(&chunk, boxes[i]);
-    }
-    if (!error)
+    if (!error) {
+        fxs_chunk_boxes(scene->chunks, scene->chunk_count, boxes);
         error = fxs_tree_plan(&t, boxes, scene->chunk_count, options, message);
+    }
     fxs_release(options->allocator, boxes);
     if (!error)
         error = fxs_tree_build_run(t, &run, options, message);
@@ -755,7 +774,7 @@ uint32_t fxs_tree_count_above(const fxs_tree *t)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < t->count; i++)
-        count += t->nodes[i].part == NONE;
+        count += t->nodes[i].part == FXS_TREE_ABOVE;
     return count;
 }
 
@@ -785,9 +804,7 @@ struct fxs_tree_editor {
 
 static void take_node(tree *t, uint32_t number)
 {
-    fxs_node from;
-    memcpy(&from, t->run.scene->nodes + (size_t)number * sizeof from, sizeof from);
-    fxs_node_turn(&from);
+    const fxs_node from = node_at(t->run.scene->nodes, number);
     t->nodes[number] = (node){.number = number, .at = number};
     for (int i = 0; i < 2; i++)
         t->nodes[number].children[i] =
@@ -851,13 +868,9 @@ void fxs_tree_edit_merge(fxs_tree_editor *e, uint32_t number)
 /* What was fitted to pictures of the leaves has their opacity as they are seen. */
 static void clear_swell(const fxs_tree_editor *e, uint32_t number)
 {
-    unsigned char *to = e->nodes + (size_t)number * sizeof(fxs_node);
-    fxs_node out;
-    memcpy(&out, to, sizeof out);
-    fxs_node_turn(&out);
-    out.swell_q8 = 0;
-    fxs_node_turn(&out);
-    memcpy(to, &out, sizeof out);
+    fxs_node n = node_at(e->nodes, number);
+    n.swell_q8 = 0;
+    put_node(e->nodes, number, n);
 }
 
 void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian *gaussians, uint32_t count)
@@ -879,22 +892,19 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
-/* Of the gains of a tree as it is, in the unit of errors that were measured, a part is added to these: what no view shows
-   is not worth nothing. */
+/* Of the gains of a tree as it is, in the unit of errors that were measured, a part is added to these: what no view
+   shows is not worth nothing. */
 static void blend_errors(fxs_tree_editor *e, const double *errors)
 {
     const tree *t = &e->tree;
     double measured = 0, known = 0;
     for (uint32_t i = 0; i < t->count; i++) {
-        fxs_node from;
-        memcpy(&from, e->nodes + (size_t)i * sizeof from, sizeof from);
-        fxs_node_turn(&from);
-        t->nodes[i].sums.error = fxs_exp(from.gain_q8 / (256 * FXS_LOG2_E));
+        t->nodes[i].sums.error = fxs_exp(node_at(e->nodes, i).gain_q8 / (256 * FXS_LOG2_E));
         measured += errors[i] > 0 ? errors[i] : 0;
         known += errors[i] > 0 ? t->nodes[i].sums.error : 0;
     }
     for (uint32_t i = 0; i < t->count; i++)
-        t->nodes[i].sums.error = errors[i] + (known > 0 ? UNSEEN * measured / known : 0) * t->nodes[i].sums.error;
+        t->nodes[i].sums.error = errors[i] + (known > 0 ? UNMEASURED * measured / known : 0) * t->nodes[i].sums.error;
 }
 
 int fxs_tree_edit_gains(fxs_tree_editor *e, const double *errors, fxs_message *message)
@@ -906,13 +916,9 @@ int fxs_tree_edit_gains(fxs_tree_editor *e, const double *errors, fxs_message *m
     blend_errors(e, errors);
     pool_gains(t, groups);
     for (uint32_t i = 0; i < t->count; i++) {
-        unsigned char *to = e->nodes + i * sizeof(fxs_node);
-        fxs_node out;
-        memcpy(&out, to, sizeof out);
-        fxs_node_turn(&out);
-        out.gain_q8 = (int16_t)log2_of(gain_of(&groups[i]), 256, INT16_MAX);
-        fxs_node_turn(&out);
-        memcpy(to, &out, sizeof out);
+        fxs_node n = node_at(e->nodes, i);
+        n.gain_q8 = (int16_t)log2_of(gain_of(&groups[i]), 256, INT16_MAX);
+        put_node(e->nodes, i, n);
     }
     fxs_release(NULL, groups);
     return 0;

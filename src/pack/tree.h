@@ -25,6 +25,9 @@ typedef struct fxs_tree fxs_tree;
 /* The box of the centres that a chunk's codes reach: low, high. The header is in this processor's byte order. */
 void fxs_chunk_box(const fxs_chunk *chunk, float box[6]);
 
+/* The boxes of chunks by their headers as they lie in a packed scene. */
+void fxs_chunk_boxes(const unsigned char *chunks, uint32_t count, float (*boxes)[6]);
+
 /* Plans the tree over `leaves` chunks with these boxes, two or more: which nodes there are. Copies the options. Returns
    0, or FXS_ERR_MEMORY and a message; fxs_tree_free frees *tree in either case, null too. */
 int fxs_tree_plan(fxs_tree **tree, float (*boxes)[6], uint32_t leaves, const fxs_pack_options *options,
@@ -94,8 +97,8 @@ int fxs_tree_write(const fxs_tree *tree, unsigned char *nodes, fxs_message *mess
 /* Changes a tree that is built: the Gaussians of nodes, and what opening each is worth. For one thread. */
 typedef struct fxs_tree_editor fxs_tree_editor;
 
-/* Begins. `scene` is open on `data`, has a tree, and stays. Returns 0, or an error and a message; fxs_tree_edit_end
-   frees *editor, which is null after an error. */
+/* Begins. `scene` is open on `data`, has a tree whose nodes and headers were checked, and stays. Returns 0, or an error
+   and a message; fxs_tree_edit_end frees *editor, which is null after an error. */
 int fxs_tree_edit(fxs_tree_editor **editor, const fxs_scene *scene, void *data, fxs_message *message);
 void fxs_tree_edit_end(fxs_tree_editor *editor);       /* null is allowed */
 

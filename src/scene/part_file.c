@@ -411,12 +411,7 @@ static int plan_tree(merger *m)
     float (*boxes)[6] = fxs_allocate(NULL, m->header.chunk_count, sizeof *boxes);
     if (!boxes)
         return fxs_fail_memory(m->message, NULL, m->header.chunk_count * sizeof *boxes);
-    for (uint32_t i = 0; i < m->header.chunk_count; i++) {
-        fxs_chunk chunk;
-        memcpy(&chunk, m->head + sizeof m->header + (size_t)i * sizeof chunk, sizeof chunk);
-        fxs_chunk_turn(&chunk);
-        fxs_chunk_box(&chunk, boxes[i]);
-    }
+    fxs_chunk_boxes(m->head + sizeof m->header, m->header.chunk_count, boxes);
     const int error = fxs_tree_plan(&m->tree, boxes, m->header.chunk_count, &options, m->message);
     fxs_release(NULL, boxes);
     return error;

@@ -4,7 +4,8 @@
 
 #include <fixsplat/pack.h>
 
-/* Returns 1 where a file begins as a part does, 0 where it does not or is no regular file, or an error and a message. */
+/* Returns 1 where a file begins as a part does, 0 where it does not or is no regular file; or an error with a
+   message. */
 int fxs_part_file_is(const char *path, fxs_message *message);
 
 /* Writes a part of fxs_pack_part, as output.h says, with its checksums, which it fills in. Returns 0, or FXS_ERR_FILE

@@ -236,7 +236,7 @@ typedef struct fxs_options {
     /* Of scenes with a tree (packed.h), which chunks are drawn: coarse ones stand for all that lie below them. Both
        limits are 0 where there is none; then the leaves are drawn, as of scenes without a tree. */
     uint32_t budget;               /* Gaussians, in whole chunks of 256; with as many as all objects have there is no
-                                      limit. The root of each tree is drawn even beyond it */
+                                      limit. Drawn even beyond it: the root of each tree, and objects without one */
     uint32_t detail_q8;            /* pixels: what is smaller is not drawn more finely */
     int budget_of_window;          /* of a camera that is a window: not 0: the budget is for what it shows, without its
                                       hidden part. 0: for the whole picture, whose pixels the window has */
@@ -438,16 +438,16 @@ typedef struct fxs_frame_memory {
 FXS_API size_t fxs_frame_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                                int32_t height, fxs_frame_memory *memory);
 
-/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and at most 68 bytes more for every
-   Gaussian, of which a chunk that is not full counts as 256, and 512 for every object. 0 where an argument is out of
-   range, or the memory more than a size_t can count. */
+/* The working memory of two eyes with pictures of this size: that of fxs_frame_bytes, and at most 68 bytes more for
+   every Gaussian, of which a chunk that is not full counts as 256, and 512 for every object. 0 where an argument is out
+   of range, or the memory more than a size_t can count. */
 FXS_API size_t fxs_stereo_bytes(const fxs_context *context, const fxs_object *objects, uint32_t count, int32_t width,
                                 int32_t height);
 
 typedef struct fxs_stats {
     uint32_t gaussians;            /* in all objects */
     uint32_t drawn;                /* slots of the chunks that were projected: with a budget at most that, or a chunk
-                                      for each tree; else all */
+                                      for each tree and objects without one; else all */
     uint32_t missing;              /* chunks that were not there: with 0 the picture is what it is to be */
     uint32_t visible;              /* left after culling */
     uint64_t entries;              /* tile list entries */

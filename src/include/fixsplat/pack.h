@@ -64,9 +64,9 @@ typedef struct fxs_pack_options {
                                  and 120 bytes a chunk while it is built */
 } fxs_pack_options;
 
-/* The bytes of a file's packed scene, without a tree, if no Gaussian is left out and its chunks are full. They are known before the
-   Gaussians are read. Few Gaussians far beyond the others take some chunks more, at most 8 for one. 0: the file has too
-   many Gaussians. */
+/* The bytes of a file's packed scene, without a tree, if no Gaussian is left out and its chunks are full. They are
+   known before the Gaussians are read. Few Gaussians far beyond the others take some chunks more, at most 8 for one. 0:
+   the file has too many Gaussians. */
 FXS_API size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
 /* Reads an open scene file from its start three times, or more often where SH are packed by a palette: once more for
