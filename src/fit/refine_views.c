@@ -103,9 +103,10 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
 /* Makes the longer side of a view at most so many pixels. */
 static void limit(fxs_file_view *view, int most)
 {
-    const int longer = view->width > view->height ? view->width : view->height;
+    const int64_t longer = view->width > view->height ? view->width : view->height;
     if (longer > most)
-        fxs_view_resize(view, (view->width * most + longer / 2) / longer, (view->height * most + longer / 2) / longer);
+        fxs_view_resize(view, (int)((view->width * most + longer / 2) / longer),
+                        (int)((view->height * most + longer / 2) / longer));
 }
 
 static int is_usable(const fxs_file_view *view)
