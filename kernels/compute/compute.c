@@ -27,9 +27,10 @@ static int check(const fxs_compute *c, fxs_message *why)
     GLenum first = GL_NO_ERROR, next;
     for (int i = 0; i < 16 && (next = c->gl.GetError()) != GL_NO_ERROR; i++)
         first = first == GL_NO_ERROR ? next : first;
-    return first == GL_NO_ERROR         ? 0
-           : first == GL_OUT_OF_MEMORY ? fxs_plan_say(why, FXS_ERR_MEMORY, "the device is out of memory", "")
-                                        : fxs_plan_say(why, FXS_ERR_DEVICE, "the device failed, or its context was lost", "");
+    return first == GL_NO_ERROR ? 0
+           : first == GL_OUT_OF_MEMORY
+               ? fxs_plan_say(why, FXS_ERR_MEMORY, "the device is out of memory", "")
+               : fxs_plan_say(why, FXS_ERR_DEVICE, "the device failed, or its context was lost", "");
 }
 
 /* The same for a call that failed, whether it left an error or not: never 0. */
@@ -41,7 +42,8 @@ static int failure(const fxs_compute *c, fxs_message *why)
 
 static int use(const fxs_compute *c, fxs_message *why)
 {
-    return c->use && c->use(c->use_argument) ? fxs_plan_say(why, FXS_ERR_DEVICE, "the context cannot be made current", "") : 0;
+    return c->use && c->use(c->use_argument)
+               ? fxs_plan_say(why, FXS_ERR_DEVICE, "the context cannot be made current", "") : 0;
 }
 
 /* ---- The device -------------------------------------------------------------------------------------------------- */
@@ -283,7 +285,8 @@ static int copy_scene(fxs_compute *c, fxs_compute_scene *copy, fxs_message *why)
 int fxs_compute_upload(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene *scene, fxs_message *why)
 {
     if (scene->places)
-        return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "a scene of which a part is in memory cannot be on the device", "");
+        return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "a scene of which a part is in memory cannot be on the device",
+                            "");
     int error = use(c, why);
     if (error)
         return error;

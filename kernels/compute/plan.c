@@ -3,7 +3,8 @@
 #include "src/core/memory.h"
 #include "src/core/parts.h"
 
-enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 8, TRIES = 6, MERGES = 5 };
+enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 8, TRIES = 6,
+       MERGES = 5 };
 
 /* A stretch of an object's chunks that are drawn, whose rows lie in one part of its scene. */
 typedef struct span {

@@ -1,5 +1,5 @@
-/* What a frame of the compute back ends is: its buffers, what is put into them, the dispatches of its stages, and what is
- * done again where lists were longer than their room. Here is no API: compute.c carries it out by OpenGL ES, and
+/* What a frame of the compute back ends is: its buffers, what is put into them, the dispatches of its stages, and what
+ * is done again where lists were longer than their room. Here is no API: compute.c carries it out by OpenGL ES, and
  * port/web/webgpu.js by WebGPU.
  *
  *     fxs_plan_begin(&plan, request, memory, why)         fill in plan.part_chunks
@@ -64,8 +64,8 @@ int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 /* Writes the uniforms, plan->bytes[FXS_COMPUTE_UNIFORMS] bytes of them. */
 void fxs_plan_uniforms(const fxs_plan *plan, void *to);
 
-/* The bytes of the places, and writes these, which lie in the memory from word plan->frame.spans_at on. The memory begins
-   with fxs_offset_of_code_q11. */
+/* The bytes of the places, and writes these, which lie in the memory from word plan->frame.spans_at on. The memory
+   begins with fxs_offset_of_code_q11. */
 size_t fxs_plan_places_bytes(const fxs_plan *plan);
 void fxs_plan_places(const fxs_plan *plan, uint32_t *to);
 
