@@ -1,9 +1,10 @@
 // node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: what tests/scripts/webgl.sh asks of a Screen; 1: and its speed.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
+import { WEBGL } from './flags.mjs'
 import { frame, FRAMES, hashOf, launch, open, runIn, runTests, shared, work } from './screens.mjs'
 
-const browser = await launch('--use-angle=swiftshader', '--enable-unsafe-swiftshader')
+const browser = await launch(...WEBGL)
 const { run } = await open(browser, 'isolated')
 
 const tests = {
@@ -251,16 +252,18 @@ const tests = {
     assert.equal(said.at(-1), hashOf(FRAMES.framed))
   },
 
-  async 'without WebGL'() {
+  async 'without WebGL and WebGPU'() {
     const other = await launch('--disable-gpu', '--disable-software-rasterizer')
     try {
       const said = await runIn(other, '',
         `const screen = await Screen.open(canvas(), 'wasm')
-        return [await wordsOf(Screen.open(canvas(), 'webgl2')), hash(await drawn(screen, args[0]))]`,
+        return [await wordsOf(Screen.open(canvas(), 'webgl2')), await wordsOf(Screen.open(canvas(), 'webgpu')),
+          hash(await drawn(screen, args[0]))]`,
         FRAMES.framed
       )
       assert.match(said[0], /no WebGL 2 here/)
-      assert.equal(said[1], hashOf(FRAMES.framed))
+      assert.match(said[1], /no WebGPU here/)
+      assert.equal(said[2], hashOf(FRAMES.framed))
     } finally {
       await other.close()
     }

@@ -1,9 +1,9 @@
 // node webgpu.mjs PACKAGE WORK MODULES COMMAND [1]: what tests/scripts/webgpu.sh asks of a Screen; 1: and its speed.
 import assert from 'node:assert/strict'
-import { frame, FRAMES, hashOf, launch, open, runIn, runTests, shared } from './screens.mjs'
+import { WEBGPU } from './flags.mjs'
+import { frame, FRAMES, hashOf, launch, near, open, runIn, runTests, shared } from './screens.mjs'
 
-const browser = await launch('--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader', '--enable-features=Vulkan',
-                             '--use-vulkan=swiftshader', '--use-angle=swiftshader', '--enable-unsafe-swiftshader')
+const browser = await launch(...WEBGPU)
 const { run, page } = await open(browser, 'isolated')
 
 const { 'in bands': bands, 'square cut-off': fog, 'larger again': large, ...most } = FRAMES
@@ -75,7 +75,7 @@ const tests = {
 
   async 'nothing is shown before it is whole'() {
     const [first, second] = await run(`${COUNTS}
-      const screen = await Screen.open(canvas(), 'webgpu'), placed = [{ scene: await sceneOf('fog') }], seen = []
+      const screen = await Screen.open(canvas(), 'webgpu'), placed = [{ scene: await sceneOf('knot') }], seen = []
       for (let i = 0; i < 2; i++) {
         Object.assign(counts, { submit: 0, getCurrentTexture: 0, bytes: 0 })
         screen.draw(placed, args[0].camera, args[0].options)
@@ -84,7 +84,7 @@ const tests = {
       }
       undo.forEach((one) => one())
       screen.free()
-      return seen`, FRAMES['a list in parts'])
+      return seen`, frame('knot', 640, 360, [], {}, near))
     assert.ok(first.submit >= 3, `${first.submit} submits: the first try fitted`)
     assert.equal(first.getCurrentTexture, 1)
     assert.deepEqual([second.submit, second.getCurrentTexture], [2, 1])
