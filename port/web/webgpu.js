@@ -12,20 +12,51 @@ const STRIDE = 1024             // bytes of a uniform, as FXS_COMPUTE_STRIDE
 const STEP = 13                 // words of fxs_step
 const LOST = 'the WebGPU device was lost: open another Screen'
 
-// The picture's words as colours. Formats of 8 bits take k / 255 exactly.
-const SHOW = `
-@group(0) @binding(0) var<storage, read> picture: array<u32>;
-@group(0) @binding(1) var<uniform> place: vec4<i32>;       // x, y, width, where the colours begin
-@vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32>
+const NOTHING = 0xffffffff      // as FXS_NOTHING
+const DEPTH_BITS = 16           // of the depths that a caller's depth buffer is turned to
+
+// Beside the stages: the picture's words as colours of a texture, whose formats of 8 bits take k / 255 exactly; and the
+// depth buffer of a caller as the occluder, as kernels/gles/mesh.frag has it.
+const ENDS = `
+struct Place {
+    corner: vec2<i32>,
+    size: vec2<i32>,
+    colour: i32,
+    occluder: i32,
+    planes: vec2<f32>,
+}
+@group(0) @binding(0) var<uniform> place: Place;
+@group(0) @binding(1) var<storage, read> picture: array<u32>;
+@group(0) @binding(1) var<storage, read_write> hiding: array<u32>;
+@group(0) @binding(2) var depths: texture_depth_2d;
+
+@vertex
+fn cover(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32>
 {
     return vec4<f32>(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
-@fragment fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32>
+
+@fragment
+fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32>
 {
-    let pixel = vec2<i32>(at.xy) - place.xy;
-    return unpack4x8unorm(picture[place.w + pixel.y * place.z + pixel.x]);
+    let pixel = vec2<i32>(at.xy) - place.corner;
+    return unpack4x8unorm(picture[place.colour + pixel.y * place.size.x + pixel.x]);
+}
+
+@compute @workgroup_size(8, 8)
+fn hide(@builtin(global_invocation_id) id: vec3<u32>)
+{
+    let pixel = vec2<i32>(id.xy);
+    if (any(pixel >= place.size)) {
+        return;
+    }
+    let inverse = mix(place.planes.x, place.planes.y, textureLoad(depths, pixel + place.corner, 0));
+    let z = ${2 ** DEPTH_BITS}.0 / inverse;
+    let nothing = inverse <= min(place.planes.x, place.planes.y) || z >= 4294967040.0;
+    hiding[place.occluder + pixel.y * place.size.x + pixel.x] = select(u32(z), ${NOTHING}u, nothing);
 }`
 const FORMATS = ['rgba8unorm', 'bgra8unorm', 'rgba16float', 'rgba32float']
+const ONE_OVER = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha' }
 
 // ---- Devices --------------------------------------------------------------------------------------------------
 
@@ -74,15 +105,18 @@ class Programs {
 
   of(entryPoint) {
     const stage = Object.keys(parts).find((name) => texts[name].includes(`fn ${entryPoint}(`))
-    const module = this.#module(stage, () => parts[stage].map((part) => texts[part]).join('\n'))
+    const module = stage
+      ? this.#module(stage, () => parts[stage].map((part) => texts[part]).join('\n'))
+      : this.#module('ends', () => ENDS)
     const descriptor = { layout: 'auto', compute: { module, entryPoint } }
     return (this.#made[entryPoint] ??= pipelineOf('Compute', this.#device, entryPoint, module, descriptor))
   }
 
-  show(format) {
-    const module = this.#module('show', () => SHOW)
-    const descriptor = { layout: 'auto', vertex: { module }, fragment: { module, targets: [{ format }] } }
-    return (this.#made[format] ??= pipelineOf('Render', this.#device, 'show', module, descriptor))
+  show(format, over) {
+    const module = this.#module('ends', () => ENDS)
+    const target = { format, blend: over ? { color: ONE_OVER, alpha: ONE_OVER } : undefined }
+    const descriptor = { layout: 'auto', vertex: { module }, fragment: { module, targets: [target] } }
+    return (this.#made[`${format} ${over}`] ??= pipelineOf('Render', this.#device, 'show', module, descriptor))
   }
 }
 
@@ -94,6 +128,18 @@ function programsOf(device) {
 }
 
 // ---- Frames ---------------------------------------------------------------------------------------------------
+
+/** Whether a picture lies in the textures that it is drawn into. */
+function checkInto({ texture, x = 0, y = 0, depth, over }, width, height, alpha) {
+  if (!FORMATS.includes(texture?.format)) throw new Error(`\`into\` needs a texture of one of ${FORMATS.join(', ')}`)
+  for (const one of depth ? [texture, depth.texture] : [texture])
+    if (!(x >= 0 && y >= 0 && x + width <= one.width && y + height <= one.height && one.sampleCount === 1))
+      throw new Error(`${width} x ${height} pixels from ${x}, ${y} on do not lie in the texture`)
+  if (depth && !depth.texture.format.startsWith('depth')) throw new Error('`into.depth` needs a depth texture')
+  if (depth && !(depth.planes?.length === 2 && depth.planes.every((plane) => plane > 0)))
+    throw new Error('`into.depth` needs two planes, the distances that 0 and 1 stand for')
+  if (over && !alpha) throw new Error('`into.over` needs `alpha`')
+}
 
 const KINDS = ['validation', 'out-of-memory', 'internal']
 
@@ -109,7 +155,7 @@ export class Computed {
   #rooms                       // the place of the device's rooms in the module
   #buffers = []
   #status
-  #corner                      // the uniform of SHOW
+  #place                       // the uniform of ENDS
   #scenes = new Map()          // their copies: { heads, rows }
   #next                        // the frame that waits
   #running                     // until none does
@@ -144,7 +190,7 @@ export class Computed {
     this.#context = canvas.getContext('webgpu')
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
     this.#format = navigator.gpu.getPreferredCanvasFormat()
-    await programsOf(this.device).show(this.#format)
+    await programsOf(this.device).show(this.#format, false)
     this.#context.configure({ device: this.device, format: this.#format, alphaMode: 'premultiplied' })
   }
 
@@ -161,12 +207,12 @@ export class Computed {
     const { maxStorageBufferBindingSize, maxBufferSize } = this.device.limits
     this.#rooms = this.#core.place(this.#core.c.gpu_open(Math.min(maxStorageBufferBindingSize, maxBufferSize)))
     this.#status = this.#buffer(4 * STATUS, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
-    this.#corner = this.#buffer(16, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
+    this.#place = this.#buffer(32, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
   }
 
   #giveBack() {
     this.#forget(() => true)
-    for (const buffer of [...this.#buffers, this.#status, this.#corner]) buffer.destroy()
+    for (const buffer of [...this.#buffers, this.#status, this.#place]) buffer.destroy()
     this.#buffers = []
     this.#last = undefined
     this.#core.c.release(this.#rooms)
@@ -230,11 +276,11 @@ export class Computed {
   /** Plans a frame, and has it drawn when the one before it is. */
   draw(core, width, height, { alpha, into, ...options }, objects) {
     if (this.lost) throw new Error(LOST)
-    this.#checkPlace(into, width, height)
+    this.#checkPlace(into, width, height, alpha)
     const scenes = objects.map(({ scene }) => scene)
     for (const scene of scenes) core.check(core.c.gpu_parts(this.#rooms, scene.inside[1]))
     const [background, shDegree, square, budget, detail, limit] = this.#valuesOf(core, options)
-    const values = [alpha ? 1 : 0, 0, 16, background, shDegree, square, budget, detail]
+    const values = [alpha ? 1 : 0, into?.depth ? 1 : 0, DEPTH_BITS, background, shDegree, square, budget, detail]
     const at = core.place(core.c.gpu_begin(this.#rooms, ...values))
     const [drawn] = core.get(0, 1)
     if (this.#next) core.c.gpu_end(this.#next.at)
@@ -243,16 +289,12 @@ export class Computed {
     return { drawn, missing: 0 }
   }
 
-  #checkPlace(into, width, height) {
+  #checkPlace(into, width, height, alpha) {
     const most = this.device.limits.maxTextureDimension2D
     if (!into && !this.#context) throw new Error('a Screen without a canvas draws `into` a texture')
     if (!into && Math.max(width, height) > most)
       throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
-    if (!into) return
-    const { texture, x = 0, y = 0 } = into
-    if (!FORMATS.includes(texture?.format)) throw new Error(`\`into\` needs a texture of one of ${FORMATS.join(', ')}`)
-    if (!(x >= 0 && y >= 0 && x + width <= texture.width && y + height <= texture.height))
-      throw new Error(`${width} x ${height} pixels from ${x}, ${y} on do not lie in the texture`)
+    if (into) checkInto(into, width, height, alpha)
   }
 
   async #run() {
@@ -276,7 +318,9 @@ export class Computed {
   async #carryOut(frame) {
     const core = this.#core
     this.#forget((scene) => scene.isFreed)
-    const show = await programsOf(this.device).show(frame.into?.texture.format ?? this.#format)
+    const { texture, over = false, depth } = frame.into ?? {}
+    const show = await programsOf(this.device).show(texture?.format ?? this.#format, over)
+    if (depth) await this.#need('trace_tiles', 'hide')
     do {
       this.#stay()
       const words = await this.#scoped(() => this.#submit(frame))
@@ -313,15 +357,18 @@ export class Computed {
   #submit(frame) {
     const core = this.#core
     core.check(core.c.gpu_lay_out(frame.at))
-    const [uniforms, bytes, places, placesBytes, placesAt, steps, count, colour, , ...sizes] = core.get(0, 9 + BUFFERS)
+    const [uniforms, bytes, places, placesBytes, placesAt, steps, count, ...rest] = core.get(0, 9 + BUFFERS)
+    const [colour, occluder, ...sizes] = rest
     const words = new Int32Array(core.c.memory.buffer, steps, STEP * count).slice()
     frame.colour = colour
     this.#reserve(sizes, frame.limit)
     this.#write(UNIFORMS, 0, uniforms, bytes)
+    this.#writePlace(frame, colour, occluder)
     this.#write(MEMORY, placesAt, places, placesBytes)
     const copies = frame.scenes.map((scene) => this.#copyOf(scene))
     const encoder = this.device.createCommandEncoder()
     const pass = encoder.beginComputePass()
+    if (frame.into?.depth) this.#hide(pass, frame)
     for (let i = 0; i < words.length; i += STEP) this.#step(pass, copies, words.subarray(i, i + STEP))
     pass.end()
     encoder.copyBufferToBuffer(this.#buffers[COUNTS], 0, this.#status, 0, 4 * STATUS)
@@ -336,33 +383,47 @@ export class Computed {
     return words
   }
 
-  /** An fxs_step. */
-  #step(pass, copies, [program, , x, y, indirect, indirectAt, ...rest]) {
-    const pipeline = this.#pipelines[this.#names[program]]
-    const [uniform, object, part] = rest.slice(4)
-    const bufferOf = (number) =>
-      number === HEADS ? copies[object].heads : number === ROWS ? copies[object].rows[part] : this.#buffers[number]
-    const bound = (resource, binding) => ({ binding, resource })
-    const uniforms = [0, ...(uniform ? [uniform] : [])].map((offset) => ({ buffer: this.#buffers[UNIFORMS], offset, size: STRIDE }))
-    const entries = rest.slice(0, 4).flatMap((number, i) => (number === NONE ? [] : [bound({ buffer: bufferOf(number) }, i)]))
-    const groups = [uniforms.map(bound), entries]
-    pass.setPipeline(pipeline)
-    groups.forEach((entries, i) =>
-      pass.setBindGroup(i, this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(i), entries })))
-    if (indirect === NONE) pass.dispatchWorkgroups(x, y)
-    else pass.dispatchWorkgroupsIndirect(this.#buffers[indirect], indirectAt)
+  /** A Place of ENDS. */
+  #writePlace({ width, height, into: { x = 0, y = 0, depth } = {} }, colour, occluder) {
+    const words = new Int32Array([x, y, width, height, colour, occluder, 0, 0])
+    new Float32Array(words.buffer).set(depth?.planes.map((plane) => 1 / plane) ?? [], 6)
+    this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
-  #show({ width, height, into, colour }, pipeline) {
+  #bind(pass, pipeline, group, resources) {
+    const entries = resources.map((resource, binding) => ({ binding, resource })).filter(({ resource }) => resource)
+    const layout = pipeline.getBindGroupLayout(group)
+    pass.setBindGroup(group, this.device.createBindGroup({ layout, entries }))
+  }
+
+  /** An fxs_step. */
+  #step(pass, copies, [program, , x, y, arguments_, argumentsAt, a, b, c, d, uniform, object, part]) {
+    const pipeline = this.#pipelines[this.#names[program]]
+    const { heads, rows } = copies[object] ?? {}
+    const bufferOf = (number) => (number === HEADS ? heads : number === ROWS ? rows[part] : this.#buffers[number])
+    const uniforms = (uniform ? [0, uniform] : [0]).map((offset) => ({ buffer: this.#buffers[UNIFORMS], offset, size: STRIDE }))
+    pass.setPipeline(pipeline)
+    this.#bind(pass, pipeline, 0, uniforms)
+    this.#bind(pass, pipeline, 1, [a, b, c, d].map((number) => (number === NONE ? null : { buffer: bufferOf(number) })))
+    if (arguments_ === NONE) pass.dispatchWorkgroups(x, y)
+    else pass.dispatchWorkgroupsIndirect(this.#buffers[arguments_], argumentsAt)
+  }
+
+  #hide(pass, { width, height, into: { depth } }) {
+    const view = depth.texture.createView({ aspect: 'depth-only' })
+    pass.setPipeline(this.#pipelines.hide)
+    this.#bind(pass, this.#pipelines.hide, 0, [{ buffer: this.#place }, { buffer: this.#buffers[PICTURE] }, view])
+    pass.dispatchWorkgroups(Math.ceil(width / 8), Math.ceil(height / 8))
+  }
+
+  #show({ width, height, into }, pipeline) {
     if (!into) this.#resize(width, height)
     const { texture = this.#context.getCurrentTexture(), x = 0, y = 0 } = into ?? {}
-    this.device.queue.writeBuffer(this.#corner, 0, new Int32Array([x, y, width, colour]))
     const encoder = this.device.createCommandEncoder()
     const target = { view: texture.createView(), loadOp: into ? 'load' : 'clear', storeOp: 'store' }
     const pass = encoder.beginRenderPass({ colorAttachments: [target] })
-    const entries = [this.#buffers[PICTURE], this.#corner].map((buffer, binding) => ({ binding, resource: { buffer } }))
     pass.setPipeline(pipeline)
-    pass.setBindGroup(0, this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(0), entries }))
+    this.#bind(pass, pipeline, 0, [{ buffer: this.#place }, { buffer: this.#buffers[PICTURE] }])
     pass.setScissorRect(x, y, width, height)
     pass.draw(3)
     pass.end()

@@ -30,5 +30,8 @@ if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then
     cp "$scenes/snowmiku/cameras.json" "$work"
 fi
 asks webgpu.mjs "$B/fixsplat" $SPEED
-if [ "$FXS_PROCESSORS" = all ]; then WEBGPU=1 asks gpu_page.mjs "$work" "$B/fixsplat"; fi
+if [ "$FXS_PROCESSORS" = all ]; then
+    export WEBGPU=1
+    asks gpu_page.mjs "$work" "$B/fixsplat"
+fi
 finish

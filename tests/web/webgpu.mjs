@@ -121,6 +121,73 @@ const tests = {
     assert.deepEqual([hashes, textures], [hashOf(FRAMES['a row of tiles']), 2])
   },
 
+  async "the caller's textures: a corner, behind a mesh, over what is there"() {
+    const [corner, edge, behind, wanted, apart, hides] = await run(
+      `const device = await (await navigator.gpu.requestAdapter()).requestDevice(), { width, height } = args[0].options
+      const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC | GPUTextureUsage.TEXTURE_BINDING
+      const size = [192, 128], made = (format) => device.createTexture({ size, format, usage })
+      const texture = made('rgba8unorm'), depth = { texture: made('depth32float'), planes: [0.25, Infinity] }
+      // A triangle at a depth of 4, and what is not covered as far as can be.
+      const code = \`@vertex fn at(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32>
+        { return vec4<f32>(f32(i % 2u) * 1.4 - 0.8, f32(i / 2u) * 1.3 - 0.7, 0.9375, 1.0); }
+        @fragment fn red() -> @location(0) vec4<f32> { return vec4<f32>(1.0, 0.0, 0.0, 1.0); }\`
+      const module = device.createShaderModule({ code })
+      const pipeline = device.createRenderPipeline({ layout: 'auto', vertex: { module },
+        fragment: { module, targets: [{ format: 'rgba8unorm' }] },
+        depthStencil: { format: 'depth32float', depthWriteEnabled: true, depthCompare: 'less' } })
+      function drawMesh() {
+        const encoder = device.createCommandEncoder(), clearValue = [0, 0, 1, 1]
+        const colour = { view: texture.createView(), loadOp: 'clear', storeOp: 'store', clearValue }
+        const depths = { view: depth.texture.createView(), depthLoadOp: 'clear', depthStoreOp: 'store', depthClearValue: 1 }
+        const pass = encoder.beginRenderPass({ colorAttachments: [colour], depthStencilAttachment: depths })
+        pass.setPipeline(pipeline)
+        pass.draw(3)
+        pass.end()
+        device.queue.submit([encoder.finish()])
+      }
+      async function read(texture) {
+        const buffer = device.createBuffer({ size: 4 * 192 * 128, usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST })
+        const encoder = device.createCommandEncoder()
+        encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: 4 * 192 }, size)
+        device.queue.submit([encoder.finish()])
+        await buffer.mapAsync(GPUMapMode.READ)
+        return new Uint32Array(buffer.getMappedRange()).slice()
+      }
+      const cut = (words) => Uint32Array.from({ length: width * height },
+        (_, i) => words[192 * (9 + Math.floor(i / width)) + 7 + (i % width)])
+      const bytes = (words) => new Uint8ClampedArray(words.buffer)
+      const screen = await Screen.open(null, 'webgpu', { device }), placed = [{ scene: await sceneOf('knot') }]
+      const draws = (options, into) => {
+        screen.draw(placed, args[0].camera, { ...args[0].options, ...options, into: { texture, x: 7, y: 9, ...into } })
+        return screen.finish()
+      }
+      drawMesh()
+      await draws()
+      const first = await read(texture), corner = hash(bytes(cut(first)))
+      drawMesh()
+      await draws({ alpha: true }, { depth })
+      const behind = hash(bytes(cut(await read(texture))))
+      const hidden = cut(await read(depth.texture)).map((word) => (word === 0x3f800000 ? 0xffffffff : 4 << 16))
+      const targets = { colour: 'premultiplied', occluder: hidden }
+      const { colour } = placed[0].scene.render(args[0].camera, { ...args[0].options, targets })
+      drawMesh()
+      const before = bytes(cut(await read(texture)))
+      await draws({ alpha: true }, { depth, over: true })
+      const over = bytes(cut(await read(texture)))
+      const most = over.reduce((most, byte, i) =>
+        Math.max(most, Math.abs(byte - Math.min(255, colour[i] + before[i] * (1 - colour[4 * (i >> 2) + 3] / 255)))), 0)
+      const hides = new Set(hidden).size === 2 && hash(colour) !== hash(placed[0].scene.render(args[0].camera,
+        { ...args[0].options, alpha: true }))
+      return [corner, first[192 * 8 + 6] === 0xffff0000, behind, hash(colour), most, hides]`,
+      frame('knot', 160, 100)
+    )
+    assert.equal(corner, hashOf(frame('knot', 160, 100)))
+    assert.equal(edge, true)
+    assert.equal(behind, wanted)
+    assert.equal(hides, true)
+    assert.ok(apart <= 1, `${apart} apart`)
+  },
+
   async 'in a Worker'() {
     const some = [FRAMES.framed, FRAMES['two objects']]
     const hashes = await run(
