@@ -5,6 +5,8 @@
 #include "kernels/compute/plan.h"
 #include "web.h"
 
+#define PART_BYTES (1 << 27)       /* at most: every device has buffers so large, and they can be mapped */
+
 /* A frame on its way, which needs nothing that the next one changes. */
 typedef struct web_plan {
     fxs_plan plan;
@@ -23,7 +25,7 @@ EXPORT(gpu_programs) const char *fxs_web_gpu_programs(void)
     return FXS_COMPUTE_PROGRAMS_OF(NAME);
 }
 
-/* A device whose storage buffers have at most so many bytes; `release` frees it. */
+/* The rooms of a device whose storage buffers have at most so many bytes; `release` frees them. */
 EXPORT(gpu_open) fxs_plan_rooms *fxs_web_gpu_open(double most)
 {
     fxs_plan_rooms *rooms = fxs_web_allocate(sizeof *rooms);
@@ -32,7 +34,18 @@ EXPORT(gpu_open) fxs_plan_rooms *fxs_web_gpu_open(double most)
     return rooms;
 }
 
+/* The next frame begins with little room. */
+EXPORT(gpu_reset) void fxs_web_gpu_reset(fxs_plan_rooms *rooms)
+{
+    *rooms = (fxs_plan_rooms){.most = rooms->most};
+}
+
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
+
+static uint32_t part_chunks(const fxs_plan_rooms *rooms, const fxs_scene *scene)
+{
+    return fxs_plan_part_chunks(scene, rooms->most < PART_BYTES ? rooms->most : PART_BYTES, fxs_web_message());
+}
 
 /* The number of parts of a scene, or an error. */
 EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_web_scene *s)
@@ -40,9 +53,8 @@ EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_w
     if (s->scene.places)
         return fxs_plan_say(fxs_web_message(), FXS_ERR_UNSUPPORTED,
                             "a scene that comes in parts cannot be on the device: load it with `paging: false`", "");
-    const uint32_t part_chunks = fxs_plan_part_chunks(&s->scene, rooms->most, fxs_web_message());
-    return part_chunks ? (int)(((uint64_t)fxs_scene_chunks(&s->scene) + part_chunks - 1) / part_chunks)
-                       : FXS_ERR_MEMORY;
+    const uint32_t each = part_chunks(rooms, &s->scene);
+    return each ? (int)(((uint64_t)fxs_scene_chunks(&s->scene) + each - 1) / each) : FXS_ERR_MEMORY;
 }
 
 /* Out: the bytes of a part, or of the heads, and of its pieces the address, the bytes, and where they lie in it. */
@@ -50,8 +62,7 @@ EXPORT(gpu_pieces) void fxs_web_gpu_pieces(const fxs_plan_rooms *rooms, const fx
 {
     double *out = fxs_web_numbers();
     fxs_piece pieces[3];
-    const uint32_t part_chunks = fxs_plan_part_chunks(&s->scene, rooms->most, fxs_web_message());
-    *out++ = (double)fxs_plan_pieces(&s->scene, part_chunks, part, pieces);
+    *out++ = (double)fxs_plan_pieces(&s->scene, part_chunks(rooms, &s->scene), part, pieces);
     for (int i = 0; i < 3; i++) {
         *out++ = (double)(uintptr_t)pieces[i].from;
         *out++ = (double)pieces[i].bytes;
@@ -82,11 +93,10 @@ static void take_targets(fxs_targets *t, ptrdiff_t row, int alpha, int occluded,
 
 static int begin(web_plan *w)
 {
-    fxs_message *why = fxs_web_message();
     w->memory = fxs_web_allocate(fxs_plan_memory(&w->request));
-    int error = w->memory ? fxs_plan_begin(&w->plan, &w->request, w->memory, why) : FXS_ERR_MEMORY;
+    int error = w->memory ? fxs_plan_begin(&w->plan, &w->request, w->memory, fxs_web_message()) : FXS_ERR_MEMORY;
     for (uint32_t i = 0; i < w->request.count && !error; i++) {
-        w->plan.part_chunks[i] = fxs_plan_part_chunks(w->request.objects[i].scene, w->rooms->most, why);
+        w->plan.part_chunks[i] = part_chunks(w->rooms, w->request.objects[i].scene);
         error = w->plan.part_chunks[i] ? 0 : FXS_ERR_MEMORY;
     }
     return error;
@@ -120,8 +130,8 @@ static void take_step(void *argument, const fxs_step *step)
     w->steps[w->step_count++] = *step;
 }
 
-/* Out: the address and the bytes of uniforms, of places, and where these lie in the memory; the address and the number of
-   the steps; where colours and occluder lie in the picture, words; then the bytes of each buffer. */
+/* Out: the address and the bytes of uniforms, of places, and where these lie in the memory; the address and the number
+   of the steps; where colours and occluder lie in the picture, words; then the bytes of each buffer. */
 EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
 {
     fxs_plan *p = &w->plan;

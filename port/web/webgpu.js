@@ -11,7 +11,6 @@ const [NONE, HEADS, ROWS] = [-1, -2, -3]
 const STRIDE = 1024             // bytes of a uniform, as FXS_COMPUTE_STRIDE
 const STEP = 13                 // words of fxs_step
 const LOST = 'the WebGPU device was lost: open another Screen'
-
 const NOTHING = 0xffffffff      // as FXS_NOTHING
 const DEPTH_BITS = 16           // of the depths that a caller's depth buffer is turned to
 
@@ -160,7 +159,7 @@ export class Computed {
   #next                        // the frame that waits
   #running                     // until none does
   #failure                     // of the last frame,
-  #last                        // or what it was: { width, height, colour }
+  #last                        // and the last one that was whole: { width, height, colour }
   #freed = false
 
   constructor(canvas, core, device, valuesOf) {
@@ -183,7 +182,10 @@ export class Computed {
     this.#names = this.#core.text(this.#core.c.gpu_programs()).trim().split(' ')
     await this.#need(...this.#names.filter((name) => !/trace_tiles|name_pixels/.test(name)))
     if (this.#canvas) await this.#take(this.#canvas)
-    this.#begin()
+    const { maxStorageBufferBindingSize, maxBufferSize } = this.device.limits
+    this.#rooms = this.#core.place(this.#core.c.gpu_open(Math.min(maxStorageBufferBindingSize, maxBufferSize)))
+    this.#status = this.#buffer(4 * STATUS, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
+    this.#place = this.#buffer(32, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
   }
 
   async #take(canvas) {
@@ -202,20 +204,12 @@ export class Computed {
 
   // ---- Buffers ------------------------------------------------------------------------------------------------
 
-  /** With little room, as at first. */
-  #begin() {
-    const { maxStorageBufferBindingSize, maxBufferSize } = this.device.limits
-    this.#rooms = this.#core.place(this.#core.c.gpu_open(Math.min(maxStorageBufferBindingSize, maxBufferSize)))
-    this.#status = this.#buffer(4 * STATUS, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
-    this.#place = this.#buffer(32, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
-  }
-
+  /** What a frame has failed with; the next begins with little room. */
   #giveBack() {
     this.#forget(() => true)
-    for (const buffer of [...this.#buffers, this.#status, this.#place]) buffer.destroy()
+    for (const buffer of this.#buffers) buffer.destroy()
     this.#buffers = []
-    this.#last = undefined
-    this.#core.c.release(this.#rooms)
+    this.#core.c.gpu_reset(this.#rooms)
   }
 
   #buffer(size, usage, mappedAtCreation = false) {
@@ -306,7 +300,6 @@ export class Computed {
       } catch (error) {
         this.#failure = error
         if (!this.#freed) this.#giveBack()
-        if (!this.#freed) this.#begin()
       } finally {
         this.#core.c.gpu_end(frame.at)
       }
@@ -401,7 +394,8 @@ export class Computed {
     const pipeline = this.#pipelines[this.#names[program]]
     const { heads, rows } = copies[object] ?? {}
     const bufferOf = (number) => (number === HEADS ? heads : number === ROWS ? rows[part] : this.#buffers[number])
-    const uniforms = (uniform ? [0, uniform] : [0]).map((offset) => ({ buffer: this.#buffers[UNIFORMS], offset, size: STRIDE }))
+    const buffer = this.#buffers[UNIFORMS]
+    const uniforms = (uniform ? [0, uniform] : [0]).map((offset) => ({ buffer, offset, size: STRIDE }))
     pass.setPipeline(pipeline)
     this.#bind(pass, pipeline, 0, uniforms)
     this.#bind(pass, pipeline, 1, [a, b, c, d].map((number) => (number === NONE ? null : { buffer: bufferOf(number) })))
@@ -442,6 +436,7 @@ export class Computed {
 
   async pixels() {
     await this.finish()
+    if (!this.#last) throw new Error('nothing was drawn yet')
     const { width, height, colour } = this.#last
     const size = 4 * width * height
     const buffer = this.#buffer(size, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
@@ -459,6 +454,8 @@ export class Computed {
     if (this.#next) this.#core.c.gpu_end(this.#next.at)
     this.#next = undefined
     this.#giveBack()
+    for (const buffer of [this.#status, this.#place]) buffer.destroy()
+    this.#core.c.release(this.#rooms)
     this.#context?.unconfigure()
   }
 }

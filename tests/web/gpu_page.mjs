@@ -43,7 +43,9 @@ await run({
 
   async 'a device that is lost in mid-frame: the same anew, then the next'() {
     const watch = `const { requestDevice } = GPUAdapter.prototype
-      GPUAdapter.prototype.requestDevice = async function (how) { return (self.device = await requestDevice.call(this, how)) }
+      GPUAdapter.prototype.requestDevice = async function (how) {
+        return (self.device = await requestDevice.call(this, how))
+      }
       const { submit } = GPUQueue.prototype
       GPUQueue.prototype.submit = function (list) {
         submit.call(this, list)

@@ -138,7 +138,8 @@ const tests = {
       function drawMesh() {
         const encoder = device.createCommandEncoder(), clearValue = [0, 0, 1, 1]
         const colour = { view: texture.createView(), loadOp: 'clear', storeOp: 'store', clearValue }
-        const depths = { view: depth.texture.createView(), depthLoadOp: 'clear', depthStoreOp: 'store', depthClearValue: 1 }
+        const view = depth.texture.createView()
+        const depths = { view, depthLoadOp: 'clear', depthStoreOp: 'store', depthClearValue: 1 }
         const pass = encoder.beginRenderPass({ colorAttachments: [colour], depthStencilAttachment: depths })
         pass.setPipeline(pipeline)
         pass.draw(3)
@@ -146,7 +147,8 @@ const tests = {
         device.queue.submit([encoder.finish()])
       }
       async function read(texture) {
-        const buffer = device.createBuffer({ size: 4 * 192 * 128, usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST })
+        const usage = GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST
+        const buffer = device.createBuffer({ size: 4 * 192 * 128, usage })
         const encoder = device.createCommandEncoder()
         encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: 4 * 192 }, size)
         device.queue.submit([encoder.finish()])

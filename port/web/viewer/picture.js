@@ -36,8 +36,8 @@ export class Picture {
     return this.#screen?.backend
   }
 
-  /** Draws with a back end from now on, or with the one that a trial finds the fastest; where it cannot be had, with the
-      next. False where the processor takes the place of the graphics card. */
+  /** Draws with a back end from now on, or with the one that a trial finds the fastest; where it cannot be had, with
+      the next. False where the processor takes the place of the graphics card. */
   async open(engine, wanted) {
     const backend = wanted || 'wasm'
     const screen = await this.#openNext(engine, backend)
