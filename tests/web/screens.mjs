@@ -4,7 +4,7 @@ import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
-import { resolve } from 'node:path'
+import { join, resolve } from 'node:path'
 
 export const [folder, work, modules, command, speed] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
@@ -43,12 +43,16 @@ const WORKER = `import { drawn, hash, Screen } from '/common.js'
     }
   }`
 const PAGE = '<!doctype html><title>fixsplat</title>'
-const TEXTS = { '/': PAGE, '/isolated': PAGE, '/common.js': COMMON, '/worker.js': WORKER }
+const MAP = { imports: { 'three/webgpu': '/three/three.webgpu.js', fixsplat: '/fixsplat.js' } }
+const MESH = `${PAGE}<script type="importmap">${JSON.stringify(MAP)}</script>`
+const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/common.js': COMMON, '/worker.js': WORKER }
+const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build` }
 
 const server = createServer((request, answer) => {
   const path = decodeURIComponent(new URL(request.url, 'http://x').pathname)
-  const file = path.startsWith('/work/') ? work + path.slice(5) : folder + path
-  const kind = TEXTS[path] === PAGE ? 'text/html' : KINDS[path.split('.').pop()]
+  const [, first, ...rest] = path.split('/')
+  const file = rest.length && FOLDERS[first] ? join(FOLDERS[first], ...rest) : folder + path
+  const kind = TEXTS[path]?.startsWith(PAGE) ? 'text/html' : KINDS[path.split('.').pop()]
   answer.setHeader('content-type', kind ?? 'application/octet-stream')
   answer.setHeader('cross-origin-embedder-policy', 'require-corp')
   if (path === '/isolated') answer.setHeader('cross-origin-opener-policy', 'same-origin')
