@@ -1,7 +1,7 @@
 #!/bin/sh
 # A Screen of the npm package (docs/web.md) in headless Chromium, whose WebGPU is SwiftShader's: the pixels of the
-# command; what is not shown, lost devices, errors in words, what is given back. With FXS_PROCESSORS=all scenes of
-# shared/scenes and the viewer's page too; SPEED=1 measures.
+# command; what is not shown, textures of the caller, lost devices, errors in words, what is given back. With
+# FXS_PROCESSORS=all scenes of shared/scenes, an example with three.js and the viewer's page too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgpu chromium -- puppeteer-core
@@ -29,7 +29,7 @@ if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then
     done
     cp "$scenes/snowmiku/cameras.json" "$work"
 fi
-asks webgpu.mjs "$B/fixsplat" $SPEED
+asks webgpu.mjs "$B/fixsplat"
 if [ "$FXS_PROCESSORS" = all ]; then
     export WEBGPU=1
     asks gpu_page.mjs "$work" "$B/fixsplat"

@@ -135,7 +135,7 @@ export async function runTests(browser, tests, measure) {
       failed = 1
       console.log(`FAIL ${name}: ${error.message}`)
     }
-  if (speed && shared.length) await measure?.()
+  if (speed && shared.length) await measure()
   await browser.close()
   server.close()
   process.exit(failed)

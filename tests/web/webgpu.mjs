@@ -1,4 +1,4 @@
-// node webgpu.mjs PACKAGE WORK MODULES COMMAND [1]: what tests/scripts/webgpu.sh asks of a Screen; 1: and its speed.
+// node webgpu.mjs PACKAGE WORK MODULES COMMAND: what tests/scripts/webgpu.sh asks of a Screen.
 import assert from 'node:assert/strict'
 import { WEBGPU } from './flags.mjs'
 import { frame, FRAMES, hashOf, launch, near, open, runIn, runTests, shared } from './screens.mjs'
@@ -47,14 +47,6 @@ const tests = {
       screen.free()
       return hashes`, frames)
     assert.deepEqual(hashes, hashesOf(frames))
-  },
-
-  async 'scenes of shared/scenes'() {
-    const some = Object.fromEntries(shared.map((scene) => [scene, frame(scene, 200, 150)]))
-    assert.deepEqual(await run(`const screen = await Screen.open(canvas(), 'webgpu')
-      ${DRAWS}
-      screen.free()
-      return hashes`, some), hashesOf(some))
   },
 
   async 'without threads, in parts of a device with small buffers'() {
@@ -123,7 +115,7 @@ const tests = {
 
   async "the caller's textures: a corner, behind a mesh, over what is there"() {
     const [corner, edge, behind, wanted, apart, hides] = await run(
-      `const device = await (await navigator.gpu.requestAdapter()).requestDevice(), { width, height } = args[0].options
+      `const screen = await Screen.open(null, 'webgpu'), { device } = screen, { width, height } = args[0].options
       const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC | GPUTextureUsage.TEXTURE_BINDING
       const size = [192, 128], made = (format) => device.createTexture({ size, format, usage })
       const texture = made('rgba8unorm'), depth = { texture: made('depth32float'), planes: [0.25, Infinity] }
@@ -158,7 +150,7 @@ const tests = {
       const cut = (words) => Uint32Array.from({ length: width * height },
         (_, i) => words[192 * (9 + Math.floor(i / width)) + 7 + (i % width)])
       const bytes = (words) => new Uint8ClampedArray(words.buffer)
-      const screen = await Screen.open(null, 'webgpu', { device }), placed = [{ scene: await sceneOf('knot') }]
+      const placed = [{ scene: await sceneOf('knot') }]
       const draws = (options, into) => {
         screen.draw(placed, args[0].camera, { ...args[0].options, ...options, into: { texture, x: 7, y: 9, ...into } })
         return screen.finish()
@@ -188,44 +180,6 @@ const tests = {
     assert.equal(behind, wanted)
     assert.equal(hides, true)
     assert.ok(apart <= 1, `${apart} apart`)
-  },
-
-  async 'a mesh of three.js that stands in a scene: docs/examples/three.js'() {
-    const [before, within, behind, apart] = await runIn(browser, 'mesh',
-      `const { open } = await import('/examples/three.js')
-      const [width, height] = [160, 100], element = Object.assign(document.createElement('canvas'), { width, height })
-      const mesh = await open(element, '/work/knot.fxs'), orange = 0xff0080ff
-      const read = () => mesh.renderer.readRenderTargetPixelsAsync(mesh.target, 0, 0, width, height)
-      const drawAt = async (...at) => {
-        mesh.mesh.position.set(...at)
-        await mesh.draw([0, 1, 4], [0, 0, 0])
-        return read()
-      }
-      const count = (bytes) => new Uint32Array(bytes.buffer, bytes.byteOffset, width * height)
-        .reduce((sum, word) => sum + (word === orange ? 1 : 0), 0)
-      const before = count(await drawAt(0, 0.5, 2)), within = count(await drawAt(0.5, 0, 0.3))
-      const last = await drawAt(0, 0, -90), options = { width, height, alpha: true }
-      const { scene, ...how } = mesh.placed[0], view = { eye: [0, 1, 4], look: [0, 0, 0], up: [0, 1, 0], near: 0.1 }
-      const { render } = await import('/fixsplat.js'), wanted = render([{ scene, ...how }], view, options)
-      const apart = last.reduce((most, byte, i) => {
-        const colour = wanted[i] + [0x20, 0x30, 0x40, 255][i % 4] * (1 - wanted[4 * (i >> 2) + 3] / 255)
-        return Math.max(most, Math.abs(byte - Math.min(255, colour)))
-      }, 0)
-      return [before, within, count(last), apart]`)
-    assert.ok(before > 1.2 * within && within > 100, `${before} pixels of the mesh before the scene, ${within} within`)
-    assert.equal(behind, 0)
-    assert.ok(apart <= 1, `${apart} apart`)
-  },
-
-  async 'in a Worker'() {
-    const some = [FRAMES.framed, FRAMES['two objects']]
-    const hashes = await run(
-      `const worker = new Worker('/worker.js', { type: 'module' })
-      const given = document.body.appendChild(document.createElement('canvas')).transferControlToOffscreen()
-      const said = new Promise((done) => (worker.onmessage = (event) => done(event.data)))
-      worker.postMessage({ canvas: given, backend: 'webgpu', frames: args[0] }, [given])
-      return said.finally(() => worker.terminate())`, some)
-    assert.deepEqual(hashes, some.map(hashOf))
   },
 
   async '20 Screens are given back'() {
@@ -305,4 +259,53 @@ const tests = {
   },
 }
 
-await runTests(browser, tests)
+// What takes long, as each page and worker compiles the shaders anew.
+const more = {
+  async 'scenes of shared/scenes'() {
+    const some = Object.fromEntries(shared.map((scene) => [scene, frame(scene, 200, 150)]))
+    assert.deepEqual(await run(`const screen = await Screen.open(canvas(), 'webgpu')
+      ${DRAWS}
+      screen.free()
+      return hashes`, some), hashesOf(some))
+  },
+
+  async 'a mesh of three.js that stands in a scene: docs/examples/three.js'() {
+    const [before, within, behind, apart] = await runIn(browser, 'mesh',
+      `const { open } = await import('/examples/three.js')
+      const [width, height] = [160, 100], element = Object.assign(document.createElement('canvas'), { width, height })
+      const mesh = await open(element, '/work/knot.fxs'), orange = 0xff0080ff
+      const read = () => mesh.renderer.readRenderTargetPixelsAsync(mesh.target, 0, 0, width, height)
+      const drawAt = async (...at) => {
+        mesh.mesh.position.set(...at)
+        await mesh.draw([0, 1, 4], [0, 0, 0])
+        return read()
+      }
+      const count = (bytes) => new Uint32Array(bytes.buffer, bytes.byteOffset, width * height)
+        .reduce((sum, word) => sum + (word === orange ? 1 : 0), 0)
+      const before = count(await drawAt(0, 0.5, 2)), within = count(await drawAt(0.5, 0, 0.3))
+      const last = await drawAt(0, 0, -90), options = { width, height, alpha: true }
+      const { scene, ...how } = mesh.placed[0], view = { eye: [0, 1, 4], look: [0, 0, 0], up: [0, 1, 0], near: 0.1 }
+      const { render } = await import('/fixsplat.js'), wanted = render([{ scene, ...how }], view, options)
+      const apart = last.reduce((most, byte, i) => {
+        const colour = wanted[i] + [0x20, 0x30, 0x40, 255][i % 4] * (1 - wanted[4 * (i >> 2) + 3] / 255)
+        return Math.max(most, Math.abs(byte - Math.min(255, colour)))
+      }, 0)
+      return [before, within, count(last), apart]`)
+    assert.ok(before > 1.2 * within && within > 100, `${before} pixels of the mesh before the scene, ${within} within`)
+    assert.equal(behind, 0)
+    assert.ok(apart <= 1, `${apart} apart`)
+  },
+
+  async 'in a Worker'() {
+    const some = [FRAMES.framed, FRAMES['two objects']]
+    const hashes = await run(
+      `const worker = new Worker('/worker.js', { type: 'module' })
+      const given = document.body.appendChild(document.createElement('canvas')).transferControlToOffscreen()
+      const said = new Promise((done) => (worker.onmessage = (event) => done(event.data)))
+      worker.postMessage({ canvas: given, backend: 'webgpu', frames: args[0] }, [given])
+      return said.finally(() => worker.terminate())`, some)
+    assert.deepEqual(hashes, some.map(hashOf))
+  },
+}
+
+await runTests(browser, process.env.FXS_PROCESSORS === 'all' ? { ...tests, ...more } : tests)
