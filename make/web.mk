@@ -28,7 +28,8 @@ wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS) -DFXS_TO_PACK) \
                 $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
 WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/gles/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
-             import/src/base/foreign.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c
+             import/src/base/foreign.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
+             $(addprefix import/src/pack/,coarsen.c framing.c part.c tree.c)
 # The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
 # (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \

@@ -518,7 +518,7 @@ static void test_keys(void)
     CHECK(v.graph && v.help && v.rate && v.light && shows(&v, v.views[0], 64, 48));
     key(&v, 'v');
     CHECK(v.divisor == 4);
-    for (int i = 0; i < 5 && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* the back ends here, in turn */
+    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* those here, in turn */
         key(&v, 'b');
         CHECK(shows(&v, v.views[0], 64, 48));
     }
@@ -1150,7 +1150,7 @@ static void test_crop(void)
     write_text(first, "knot-cropped-001.ply", "mine");
     CHECK(write_cropped(&v, "knot-cropped-002.ply") == left);
     CHECK(!remove(first) && write_cropped(&v, "knot-cropped-001.ply") == left);
-    for (int i = 0; i < 5 && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* the back ends here, in turn */
+    for (int i = 0; fxs_backend_at(i) && (i == 0 || strcmp(v.options.backend, "cpu")); i++) {   /* those here, in turn */
         key(&v, 'b');
         CHECK(drawn(&v) == left && shows(&v, v.views[0], 64, 48));
     }

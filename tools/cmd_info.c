@@ -275,19 +275,19 @@ static void print_backends(void)
         fxs_message why;
         int device = 0;
         for (; !b->device(device, name, sizeof name, &why); device++) {
-            printf("%-11s here: %s", b->name, name);
+            printf("%-13s here: %s", b->name, name);
             if (b->can & FXS_CAN_DEVICES)
                 printf(", --device %d", device);
             printf(" (%s)\n", b->does);
         }
         if (!device)
-            printf("%-11s not here: %s (%s)\n", b->name, why.text, b->does);
+            printf("%-13s not here: %s (%s)\n", b->name, why.text, b->does);
     }
 }
 
 static void print_can_json(unsigned can)
 {
-    static const char *const names[] = {"exact", "trace", "compose", "share_eyes", "devices"};   /* FXS_CAN_* */
+    static const char *const names[] = {"exact", "trace", "compose", "share_eyes", "devices", "part"};   /* FXS_CAN_* */
     for (unsigned i = 0; i < sizeof names / sizeof *names; i++)
         printf("%s\"%s\": %s", i ? ", " : "\"can\": {", names[i], can >> i & 1 ? "true" : "false");
     printf("}");
@@ -371,7 +371,7 @@ static const option_row own_rows[] = {
     {"backends", 0, FLAG(backends), .help =
      "what can blend here, and why something cannot; with --json an array of objects: name, does, devices, here, "
      "why_not (null where it is here), and can: exact (the same bytes), trace (depths and ids), compose (meshes, "
-     "coverage), share_eyes, devices (several)"},
+     "coverage), share_eyes, devices (several), part (scenes of which a part is in memory)"},
     {0}
 };
 

@@ -55,7 +55,7 @@ int renderer_open(renderer *r, const frame_options *options)
 
 int renderer_may_page(const renderer *r)
 {
-    return r->backend && !(r->backend->can & FXS_CAN_DEVICES);
+    return r->backend && (r->backend->can & FXS_CAN_PART);
 }
 
 void renderer_close(renderer *r)

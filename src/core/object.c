@@ -164,6 +164,8 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
     int32_t kept = 0;
     if (!object->visible)
         return 0;
+    if (object->plain && share_q8 == 256 && !grow_q8)      /* before anything is on the stack */
+        return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
     if (share_q8 != 256 || grow_q8) {
         changed = *view;
         changed.share_q8 = share_q8;

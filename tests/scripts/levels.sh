@@ -110,6 +110,9 @@ camera='--eye 4.6,-1.9,-12.7 --look 0,-2.2,0'
 check "render --budget of a large scene: the bytes of another pool" equal \
     "$(hash_of large.fxs --budget 60000 --orbit 3)" "$(hash_of large.fxs --budget 60000 --orbit 3 --pool 200M)"
 "$fixsplat" bench large.fxs $small --budget 60000 --json >bench.json
+! "$fixsplat" info --backends | grep -q '^gles-compute  *here' ||
+    check "render --budget of a large scene by a back end that copies whole scenes" equal \
+        "$(hash_of large.fxs $camera --budget 60000 --backend gles-compute)" "$(hash_of large.fxs $camera --budget 60000)"
 check "bench --budget of a large scene" grep -q '"budget": 60000' bench.json
 root=$(($(wc -c <large.fxs) - ($(od -An -tu4 -j12 -N4 large.fxs) - 1) * 16128))
 { head -c $root large.fxs; printf damaged; tail -c +$((root + 8)) large.fxs; } >damaged.fxs

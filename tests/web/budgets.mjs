@@ -1,7 +1,7 @@
 // node budgets.mjs PART FIXSPLAT SCENES MODULES FOLDER [SCENE...]: prints a table of levels of detail for tools/bench.sh.
 // cuts: frames with a budget beside as many Gaussians of splat-transform, Spark and a pruned scene.
-// budgets: PSNR, time and bytes of frames with less and less of a budget; ROUNDS of times (5). FITTED: a fit of snowmiku's
-// photographs, for a captured scene of a million; LANDSCAPE: how many Gaussians that has (10000000).
+// budgets: PSNR, time and bytes of frames with less and less of a budget; ROUNDS of times (5). LANDSCAPE: how many Gaussians
+// that has (10000000).
 // steps: from frame to frame of a slow path, in FRAMES (240). boards: what one draws in a tenth of a second.
 // FOLDER keeps what is made of the scenes; what is there already is taken. MODULES: of tools/page_modules.sh.
 import { execFileSync, spawnSync } from 'node:child_process'
@@ -10,7 +10,7 @@ import {
 } from 'node:fs'
 
 const [part, fixsplat, scenes, modules, folder, ...asked] = process.argv.slice(2)
-const { ROUNDS = 5, FRAMES = 240, LANDSCAPE = 10000000, FITTED } = process.env
+const { ROUNDS = 5, FRAMES = 240, LANDSCAPE = 10000000 } = process.env
 const run = (program, ...words) =>
     execFileSync(program, words.flat(Infinity).map(String), { encoding: 'utf8', maxBuffer: 1 << 30 })
 const mean = values => values.reduce((sum, x) => sum + x, 0) / values.length
@@ -40,10 +40,13 @@ const SCENES = {
     'boatyard-tile3': { file: 'boatyard-tile3/boatyard-tile3.ply', up: [0, 0, 1] },
     skull: { file: 'skull/skull.sog', up: [0, -1, 0] },
     landscape: { made: LANDSCAPE, size: '1920x1080' },
-    fitted: { path: FITTED, cameras: 'snowmiku/cameras.json', timed: 1 },
+    // a million captured Gaussians: seven scenes side by side, each as large
+    captured: { up: [0, -1, 0], beside: ['snowmiku/snowmiku.ply', 'kitchen-marble/kitchen-marble.ply',
+        'statue-st-peter/st-peter.ply', 'luma-seal/luma-seal.ply', 'guitar/guitar.ply',
+        'boatyard-tile3/boatyard-tile3.ply', 'skull/skull.sog'] },
 }
 const [WIDTH, HEIGHT, VIEWS, EIGHTH] = [960, 640, 9, 8]
-const REFINED = ['snowmiku', 'luma-seal', 'boatyard-tile3']
+const COMPARED = ['snowmiku', 'luma-seal', 'boatyard-tile3']
 
 const dot = (a, b) => a.reduce((sum, x, k) => sum + x * b[k], 0)
 const cross = (a, b) => [0, 1, 2].map(k => a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
@@ -67,12 +70,28 @@ const around = ({ seen: [low, high] }, up) => {
     })
 }
 
+// Scenes in three columns, two apart, each from -1 to 1 in the direction where it is largest.
+const sideBySide = (files, to) => {
+    const { up } = SCENES['boatyard-tile3'], parts = files.map((file, i) => {
+        const [turned, part] = ['turned', 'part'].map(name => `${folder}/${name}-${i}.ply`)
+        run(fixsplat, 'convert', `${scenes}/${file}`, turned, file.startsWith('boatyard') ? ['--up', up.join(',')] : [])
+        const { seen: [low, high] } = JSON.parse(run(fixsplat, 'info', turned, '--json'))
+        const scale = 2 / Math.max(...low.map((x, k) => high[k] - x)), place = [2 * (i % 3), 0, 2 * Math.floor(i / 3)]
+        const move = place.map((x, k) => x - scale * (low[k] + high[k]) / 2)
+        run(fixsplat, 'convert', turned, part, '--scale', scale, `--translate=${move.join(',')}`)
+        rmSync(turned)
+        return part
+    })
+    run(fixsplat, 'convert', parts, to)
+    parts.forEach(part => rmSync(part))
+}
+
 // A scene with its levels, and the views that are measured: every eighth of its cameras, or around it; of a made one
 // the view that render takes.
 const open = name => {
-    const { file, path = `${scenes}/${file}`, made, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
+    const { file, made, beside, cameras, up, size = `${WIDTH}x${HEIGHT}`, timed = 0 } = SCENES[name]
     const source = made ? kept(`${name}.ply`, to => run(fixsplat, 'make-scene', name, '--count', made, '-o', to))
-        : path
+        : beside ? kept(`${name}.ply`, to => sideBySide(beside, to)) : `${scenes}/${file}`
     const levels = convert(source, `${name}.fxs`, '--levels'), info = JSON.parse(run(fixsplat, 'info', levels, '--json'))
     const given = cameras && JSON.parse(readFileSync(`${scenes}/${cameras}`))
     const scene = { name, source, levels, info, given, count: info.packed, timed: [], options: ['--size', size] }
@@ -158,7 +177,7 @@ const cuts = () => {
     say(`PSNR against the whole, dB, mean (worst) of ${WIDTH}x${HEIGHT} views: of snowmiku every eighth of its cameras,`,
         `which --refine did not have; of the others ${VIEWS} around them. All as .fxs of the profile default.`)
     head('scene, what is drawn', ...SHARES.map(share => `${100 * share} %`))
-    for (const name of REFINED.filter(isAsked)) {
+    for (const name of COMPARED.filter(isAsked)) {
         const scene = open(name), whole = pictures(scene, scene.levels)
         const counts = SHARES.map(share => Math.round(share * scene.count))
         const packed = path => convert(path, `${path.slice(folder.length + 1, -4)}.fxs`)
@@ -198,12 +217,12 @@ const less = (name, shares, more) => {
     const scene = open(name), whole = pictures(scene, scene.levels), leaves = scene.info.tree.at(-1)
     const budgets = shares.map(share => Math.round(share * scene.count))
     const found = budgets.map(n => pictures(scene, scene.levels, ['--budget', n]))
-    const better = REFINED.includes(name) && budgets.map(n => pictures(scene, refined(scene), ['--budget', n]).frames)
+    const better = budgets.map(n => pictures(scene, refined(scene), ['--budget', n]).frames)
     const took = times(budgets.map(n => [scene.levels, scene.options, scene.timed, '--budget', n]), more)
     budgets.forEach((budget, i) => {
         const drawn = mean(found[i].stats.map(stats => stats.drawn)), bytes = drawn / 256 * leaves.bytes / leaves.nodes
         row(name, budget, `${round(100 * shares[i])} %`, Math.round(drawn), (bytes / 1e6).toFixed(2),
-            both(against(whole, found[i].frames)), better ? both(against(whole, better[i])) : '-', took[i].toFixed(2))
+            both(against(whole, found[i].frames)), both(against(whole, better[i])), took[i].toFixed(2))
     })
 }
 
@@ -211,7 +230,7 @@ const budgets = () => {
     say('PSNR against the whole, dB, mean (worst) of the views; bytes of the chunks that are drawn, mean of the views;',
         `user time of a frame by one thread, the median of ${ROUNDS} rounds in turns, on processors that had other work.`)
     head('scene', 'budget', 'of all', 'drawn', 'MB', 'PSNR', 'refined', 'ms')
-    for (const name of ['landscape', ...(FITTED ? ['fitted'] : []), 'snowmiku', 'skull', 'luma-seal', 'boatyard-tile3'].filter(isAsked))
+    for (const name of ['landscape', 'captured', 'snowmiku', 'skull', 'luma-seal', 'boatyard-tile3'].filter(isAsked))
         less(name, [1, 0.5, 0.25, 0.125, 0.0625, 0.03125], name === 'landscape' ? 20 : 50)
 }
 

@@ -12,13 +12,14 @@ extern "C" {
 #endif
 
 /* The abilities of a back end beyond colour. Requests beyond them end with FXS_ERR_UNSUPPORTED; the processor has all
-   but the last. */
+   but FXS_CAN_DEVICES. */
 enum fxs_backend_can {
     FXS_CAN_EXACT = 1,             /* renders the same bytes as the processor */
     FXS_CAN_TRACE = 2,             /* depth and id targets */
     FXS_CAN_COMPOSE = 4,           /* occluder, backdrop, coverage target, RGBA16 */
     FXS_CAN_SHARE_EYES = 8,        /* two eyes with one order and one set of colours; else each eye is a frame */
-    FXS_CAN_DEVICES = 16           /* several devices, each of which may render on a thread of its own */
+    FXS_CAN_DEVICES = 16,          /* several devices, each of which may render on a thread of its own */
+    FXS_CAN_PART = 32              /* scenes of which a part is in memory (fxs_scene.places) */
 };
 
 /* All fields 0: the defaults. */
