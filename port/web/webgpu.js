@@ -204,7 +204,7 @@ export class Computed {
 
   // ---- Buffers ------------------------------------------------------------------------------------------------
 
-  /** What a frame has failed with; the next begins with little room. */
+  /** After a failure, and at the end: the next frame begins with little room. */
   #giveBack() {
     this.#forget(() => true)
     for (const buffer of this.#buffers) buffer.destroy()
