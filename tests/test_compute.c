@@ -24,7 +24,7 @@ int main(void)
 #else
 
 #include <fixsplat/egl.h>
-#include "kernels/compute/records.h"
+#include "kernels/compute/gl31.h"
 
 enum { SCENES = 2, OBJECTS = 4 };
 
@@ -89,14 +89,14 @@ static int render_by(fxs_compute *c, const fxs_request *request, fxs_stats *stat
 {
     fxs_compute_scene copies[OBJECTS] = {{.key = 0}};
     const fxs_compute_scene *of_objects[OBJECTS];
-    const uint64_t most = c->most;
+    const uint64_t most = c->rooms.most;
     int error = 0;
-    c->most = part_bytes ? part_bytes : most;
+    c->rooms.most = part_bytes ? part_bytes : most;
     for (uint32_t i = 0; i < request->count && !error; i++) {
         error = fxs_compute_upload(c, &copies[i], request->objects[i].scene, &why);
         of_objects[i] = &copies[i];
     }
-    c->most = most;
+    c->rooms.most = most;
     const size_t bytes = fxs_compute_memory(request);
     void *memory = malloc(bytes + !bytes);
     error = error ? error : fxs_compute_render(c, request, of_objects, memory, stats, &why);
@@ -335,7 +335,7 @@ static uint32_t place_of(const fxs_compute_frame *f, const uint32_t *counts, uin
 /* Every list is near to far, by the depths of its slots. */
 static int check_lists(const uint32_t *depths)
 {
-    const fxs_compute_frame *f = &device->frame;
+    const fxs_compute_frame *f = &device->plan.frame;
     const uint32_t tiles = (uint32_t)(f->tiles[0] * f->tiles[1]);
     uint32_t *counts = read_words(FXS_COMPUTE_COUNTS, 0, f->classes);
     int good = 1;
@@ -369,7 +369,7 @@ static int compare_stages(const fxs_scene *scene)
     if (!CHECK(!render_by(device, &request, &stats)) ||
         !CHECK(!one_view_init(&view, scene, request.cameras, &request.options)))
         return 0;
-    const fxs_compute_frame *f = &device->frame;
+    const fxs_compute_frame *f = &device->plan.frame;
     uint32_t *status = read_words(FXS_COMPUTE_COUNTS, 0, FXS_COMPUTE_STATUS), visible = 0;
     const uint32_t chunks = status[FXS_COMPUTE_VISIBLE_CHUNKS];
     uint32_t *places = read_words(FXS_COMPUTE_MEMORY, f->visible, chunks + 1);
@@ -629,16 +629,16 @@ static void refusals(void)
     fxs_compute *c;
     if (!part_make(&p, "knot", 3000) || !CHECK(!open_with(&c, 0, 0)))
         return;
-    const uint64_t most = c->most;
+    const uint64_t most = c->rooms.most;
     fxs_object object = one_object(&p.scene);
     picture a = picture_new(100, 80, FXS_FORMAT_RGBA8);
     fxs_request_init(&request, &object, 1);
     look_at(request.cameras, 100, 80, 12.8);
     request.targets[0] = a.targets;
-    c->most = 30000;                  /* as no device has it: the frame's first buffers do not fit */
+    c->rooms.most = 30000;                  /* as no device has it: the frame's first buffers do not fit */
     part_bytes = most;
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 30000);
-    c->most = most;
+    c->rooms.most = most;
     fxs_compute_limit(c, 1 << 20);
     part_bytes = most;
     CHECK(render_by(c, &request, 0) == FXS_ERR_MEMORY && why.bytes_needed > 1 << 20);

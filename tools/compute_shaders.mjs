@@ -1,37 +1,14 @@
 // node tools/compute_shaders.mjs MODULES FOLDER: writes the compute shaders to FOLDER: ENTRY.comp, each entry point in GLSL
 // ES 3.10 (kernels/compute has these), and STAGE.wgsl, whole as WebGPU takes them, if FOLDER is another one. They are
 // made of kernels/compute/*.wgsl and src/include/fixsplat/pixel.h; naga-wasm (npm) is in MODULES/node_modules.
-import { readFileSync, writeFileSync } from "node:fs";
+import { writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { resolve } from "node:path";
+import { room, stages, stageText } from "./stages.mjs";
 
 const [modules, folder] = process.argv.slice(2);
 const { parseWgsl, validate, writeGlsl } =
     await import(pathToFileURL(resolve(modules, "node_modules/naga-wasm/dist/node.js")));
-const room = "kernels/compute/";
-const stages = ["locate", "gather", "prepare", "lists", "fill", "sort", "blend", "trace", "ids"];
-
-// pixel.h is written in so few words of C that these make it WGSL.
-function pixelHeader()
-{
-    return readFileSync("src/include/fixsplat/pixel.h", "utf8")
-        .replace(/\/\*[^]*?\*\//g, "")
-        .replace(/[ \t]+$/gm, "")
-        .replace(/^#define (\w+) (\d+)$/gm, "const $1: i32 = $2;")
-        .replace(/^#.*\n/gm, "")
-        .replace(/FXS_FN int (\w+)\(([^)]*)\)/g, (all, name, parameters) =>
-            `fn ${name}(${parameters.replace(/int (\w+)/g, "$1: i32")}) -> i32`)
-        .replace(/return ([^?;]*) \? ([^:;]*) : ([^;]*);/g, "return select($3, $2, $1);")
-        .replace(/\bint (\w+) = /g, "var $1 = ");
-}
-
-function stageText(name)
-{
-    const own = readFileSync(`${room}${name}.wgsl`, "utf8");
-    const needed = own.match(/^\/\/ Needs (.*)$/m)[1].split(" ");
-    const parts = needed.map((part) => part === "pixel" ? pixelHeader() : readFileSync(`${room}${part}.wgsl`, "utf8"));
-    return [...parts, own].join("\n");
-}
 
 // The functions that main needs, in their order.
 function reachable(text)

@@ -1,31 +1,8 @@
-/* The compute back end: its objects in the device, and the structs that its shaders read (records.wgsl). */
+/* What host and shaders of the compute back ends share: the programs, the buffers, and the structs of records.wgsl. */
 #ifndef FXS_COMPUTE_RECORDS_H
 #define FXS_COMPUTE_RECORDS_H
 
-#include <GLES3/gl31.h>
-
-#include <fixsplat/compute.h>
 #include <fixsplat/stage.h>
-
-/* F(type's name, function's name) of each function of OpenGL ES 3.1 that is called. */
-#define FXS_COMPUTE_FUNCTIONS(F) \
-    F(ATTACHSHADER, AttachShader) F(BEGINQUERY, BeginQuery) F(BINDBUFFER, BindBuffer) \
-    F(BINDBUFFERBASE, BindBufferBase) F(BINDBUFFERRANGE, BindBufferRange) F(BUFFERDATA, BufferData) \
-    F(BUFFERSUBDATA, BufferSubData) F(COMPILESHADER, CompileShader) F(COPYBUFFERSUBDATA, CopyBufferSubData) \
-    F(CREATEPROGRAM, CreateProgram) F(CREATESHADER, CreateShader) F(DELETEBUFFERS, DeleteBuffers) \
-    F(DELETEPROGRAM, DeleteProgram) F(DELETEQUERIES, DeleteQueries) F(DELETESHADER, DeleteShader) \
-    F(DISPATCHCOMPUTE, DispatchCompute) F(DISPATCHCOMPUTEINDIRECT, DispatchComputeIndirect) \
-    F(ENDQUERY, EndQuery) F(GENBUFFERS, GenBuffers) F(GENQUERIES, GenQueries) F(GETERROR, GetError) \
-    F(GETINTEGERV, GetIntegerv) F(GETPROGRAMINFOLOG, GetProgramInfoLog) F(GETPROGRAMIV, GetProgramiv) \
-    F(GETQUERYOBJECTUIV, GetQueryObjectuiv) F(GETSHADERINFOLOG, GetShaderInfoLog) F(GETSHADERIV, GetShaderiv) \
-    F(GETSTRING, GetString) F(GETSTRINGI, GetStringi) F(LINKPROGRAM, LinkProgram) \
-    F(MAPBUFFERRANGE, MapBufferRange) F(MEMORYBARRIER, MemoryBarrier) F(SHADERSOURCE, ShaderSource) \
-    F(UNMAPBUFFER, UnmapBuffer) F(USEPROGRAM, UseProgram)
-
-#define FXS_COMPUTE_MEMBER(type, name) PFNGL##type##PROC name;
-typedef struct fxs_compute_gl {
-    FXS_COMPUTE_FUNCTIONS(FXS_COMPUTE_MEMBER)
-} fxs_compute_gl;
 
 /* Programs, in the order of a frame: F(entry point) */
 #define FXS_COMPUTE_PROGRAMS_OF(F) \
@@ -84,20 +61,5 @@ typedef struct fxs_compute_object {
     uint32_t crop_count, keep_count, first_chunk, first_place, end_place, span, part_chunk, rows_at, unused[3];
     uint32_t crops[FXS_MAX_CROPS][16];
 } fxs_compute_object;
-
-struct fxs_compute {
-    fxs_compute_gl gl;
-    fxs_compute_use_fn *use;
-    void *use_argument;
-    char renderer[128];
-    uint64_t most;                 /* bytes of a storage buffer */
-    GLuint programs[FXS_COMPUTE_PROGRAMS], buffers[FXS_COMPUTE_BUFFERS], query;
-    uint64_t bytes[FXS_COMPUTE_BUFFERS], scene_bytes;
-    uint64_t limit;                /* of these together; 0: none */
-    int timer;
-    uint32_t chunk_room, large_room, page_room;    /* of the next frame, at least */
-    fxs_compute_frame frame;       /* that is under way, or the last one */
-    uint64_t nanoseconds;
-};
 
 #endif

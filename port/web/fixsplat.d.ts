@@ -359,41 +359,71 @@ export function foresee(objects: readonly Placed[], camera?: Camera, options?: F
     null where no Gaussian contributes. */
 export function pick(x: number, y: number, objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Picked | null
 
+/** Where a Screen of the back end 'webgpu' draws in place of its canvas: textures of its device. They are read and
+    written until `finish` is fulfilled. */
+export interface IntoTexture {
+  /** A texture with the usage RENDER_ATTACHMENT and the format rgba8unorm, bgra8unorm, rgba16float or rgba32float. The
+      colours are those of an sRGB picture. */
+  texture: GPUTexture
+  /** The pixel of the texture, from its top left corner, for the top left corner of the picture; 0 and 0 by default. */
+  x?: number
+  y?: number
+  /** The depth buffer of what is drawn already, with the usage TEXTURE_BINDING, at the same pixels: a Gaussian whose
+      centre is farther adds nothing to that pixel. `planes` are the distances from the camera, in scene units, that 0
+      and 1 stand for, of a camera with perspective. Either may be the farther one, which hides nothing and may be
+      Infinity. */
+  depth?: { texture: GPUTexture; planes: readonly [number, number] }
+  /** With `alpha`: true blends the picture over what is in the texture. False, the default, replaces that. */
+  over?: boolean
+}
+
 /** Options of a picture that is drawn on a Screen. */
 export interface ScreenOptions extends FrameOptions {
   /** For the back ends of WebGL 2: draws into a framebuffer of the Screen's context in place of the canvas. `x` and `y`
       are the pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default. The default
       `framebuffer` is null, the canvas itself, which then keeps its size. */
-  into?: { framebuffer?: WebGLFramebuffer | null; x?: number; y?: number }
+  into?: { framebuffer?: WebGLFramebuffer | null; x?: number; y?: number } | IntoTexture
 }
+
+type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'
 
 /** A canvas for any number of pictures, one after the other, in the page or in a Worker. A canvas keeps the kind of its
     context, so a Screen of another kind needs another canvas. After `free`, using the Screen throws an Error. */
 export class Screen {
   private constructor()
   /**
-   * Opens a canvas with a back end. 'wasm' copies the picture of `render` to the canvas. 'webgl2' draws the same bytes
-   * on the GPU. 'webgl2-quads' draws on the GPU too, but its picture is not exact. The promise is rejected where the
-   * canvas already has a context of another kind, and, for both back ends of WebGL 2, where there is no WebGL 2 or no
-   * simd128. The scenes that will be drawn must be loaded with the same `simd` and `threads`.
+   * Opens a canvas with a back end. 'wasm' copies the picture of `render` to the canvas. 'webgpu' renders the same bytes
+   * on the GPU, to which it copies a scene once. 'webgl2' prepares the same bytes on the processor, and draws them on
+   * the GPU. 'webgl2-quads' draws on the GPU too, but its picture is not exact. The promise is rejected where the
+   * canvas already has a context of another kind, and, for all but 'wasm', where there is no WebGPU or WebGL 2, or no
+   * simd128. The scenes that will be drawn must be loaded with the same `simd` and `threads`. For 'webgpu' the canvas
+   * may be null, and `device` is a device of the caller; without it, all Screens share one. It cannot draw scenes that
+   * come in parts.
    */
   static open(
-    canvas: HTMLCanvasElement | OffscreenCanvas,
-    backend: 'wasm' | 'webgl2' | 'webgl2-quads',
-    options?: LoadOptions
+    canvas: HTMLCanvasElement | OffscreenCanvas | null,
+    backend: Backend,
+    options?: LoadOptions & { device?: GPUDevice }
   ): Promise<Screen>
   /** The back end that `open` was given. */
-  readonly backend: 'wasm' | 'webgl2' | 'webgl2-quads'
-  /** Whether the WebGL context was lost. `draw` then throws an Error; a new Screen on another canvas can go on. */
+  readonly backend: Backend
+  /** Whether the WebGL context or the WebGPU device was lost. `draw` then throws an Error; a new Screen can go on, of
+      WebGL on another canvas. */
   readonly lost: boolean
-  /** The WebGL 2 context of the canvas; undefined with the back end 'wasm'. */
+  /** The WebGL 2 context of the canvas; undefined with other back ends. */
   readonly gl: WebGL2RenderingContext | undefined
-  /** Draws objects as `render` does, and sets the canvas to the size of the picture. */
+  /** The device of the back end 'webgpu'; undefined with others. */
+  readonly device: GPUDevice | undefined
+  /** Draws objects as `render` does, and sets the canvas to the size of the picture. With the back end 'webgpu' the
+      canvas keeps its picture until the next one is whole, at the latest when `finish` is fulfilled; of pictures that are
+      drawn while one is on its way, only the last is shown. */
   draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): Drawn
-  /** Is fulfilled when the GPU has completed all pictures that were drawn. */
+  /** Is fulfilled when the GPU has completed all pictures that were drawn. With the back end 'webgpu' it is rejected with
+      an Error where the last of them could not be drawn. */
   finish(): Promise<void>
-  /** The last picture: the pixels from the top row down, four bytes each: red, green, blue, alpha. */
-  pixels(): Uint8ClampedArray
+  /** The last picture: the pixels from the top row down, four bytes each: red, green, blue, alpha. With the back end
+      'webgpu' a promise of them. */
+  pixels(): Uint8ClampedArray | Promise<Uint8ClampedArray>
   /** Frees the memory of the Screen. The canvas keeps its picture. It may be called again. */
   free(): void
 }

@@ -367,6 +367,10 @@ export class Scene {
     return this.#core.c.threads?.() ?? 1
   }
 
+  get isFreed() {
+    return !this.#scene
+  }
+
   /** Its module and place there; no part of the interface. */
   get inside() {
     if (!this.#scene) throw new Error(`${this.name}: was freed`)
@@ -673,6 +677,10 @@ function divided(pixels) {
   return pixels
 }
 
+function resize(canvas, width, height) {
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height })
+}
+
 /** A canvas of two dimensions, with pictures of the processor. */
 class Copied {
   #context
@@ -685,6 +693,7 @@ class Copied {
   }
 
   draw(core, width, height, options) {
+    resize(this.#context.canvas, width, height)
     ;[this.#pixels] = draw(core, width, height, 1, { ...options, targets: undefined })
     const facts = drawnBy(core)
     const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
@@ -727,6 +736,7 @@ class Drawn {
   draw(core, width, height, { into, alpha, ...options }) {
     const { framebuffer = null, x = 0, y = 0 } = into ?? {}
     const { gl } = this
+    if (!into) resize(gl.canvas, width, height)
     if (!into && (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height) && !this.lost)
       throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
     core.gl = this.#functions
@@ -766,13 +776,20 @@ class Drawn {
   }
 }
 
+const BACKENDS = ['wasm', 'webgl2', 'webgl2-quads', 'webgpu']
+
+async function wayOf(canvas, backend, core, options) {
+  if (backend === 'wasm') return new Copied(canvas)
+  if (backend === 'webgpu') return (await import('./webgpu.js')).Computed.open(canvas, core, options, valuesOf)
+  const { Functions } = await import('./webgl.js')
+  return new Drawn(canvas, core, Functions, backend === 'webgl2-quads')
+}
+
 export class Screen {
-  #canvas
   #core
   #way
 
-  constructor(canvas, backend, core, way) {
-    this.#canvas = canvas
+  constructor(backend, core, way) {
     this.#core = core
     this.#way = way
     this.backend = backend
@@ -780,11 +797,9 @@ export class Screen {
   }
 
   static async open(canvas, backend, options = {}) {
-    numberOf(['wasm', 'webgl2', 'webgl2-quads'], backend)
-    const { Functions } = backend === 'wasm' ? {} : await import('./webgl.js')
+    numberOf(BACKENDS, backend)
     const core = await coreFor(options)
-    if (backend === 'wasm') return new Screen(canvas, backend, core, new Copied(canvas))
-    return new Screen(canvas, backend, core, new Drawn(canvas, core, Functions, backend === 'webgl2-quads'))
+    return new Screen(backend, core, await wayOf(canvas, backend, core, options))
   }
 
   get inside() {
@@ -800,13 +815,15 @@ export class Screen {
     return this.inside.gl
   }
 
+  get device() {
+    return this.inside.device
+  }
+
   draw(objects, camera = {}, options = {}) {
     const way = this.inside
     const [core, width, height] = begin(objects, camera, options)
     if (core !== this.#core) throw new Error('the Screen and the scenes are of different modules')
-    if (!options.into && (this.#canvas.width !== width || this.#canvas.height !== height))
-      Object.assign(this.#canvas, { width, height })
-    return way.draw(core, width, height, options)
+    return way.draw(core, width, height, options, objects)
   }
 
   pixels() {
@@ -814,7 +831,7 @@ export class Screen {
   }
 
   async finish() {
-    this.inside.finish()
+    await this.inside.finish()
   }
 
   free() {

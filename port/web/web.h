@@ -46,6 +46,13 @@ typedef struct fxs_web_frame {
     fxs_stats stats;
 } fxs_web_frame;
 
+/* Fills in a request by the objects and the camera that were set before. */
+void fxs_web_request(fxs_request *request, uint32_t background, int sh_degree, int square, uint32_t budget,
+                     uint32_t detail_q8);
+
+/* The crop boxes of the objects, which the caller frees from now on. */
+void *fxs_web_take_crops(void);
+
 /* Begins a frame with working memory, at most `limit` bytes unless that is 0. _end frees the memory, or the next frame
    where this one trapped. Errors: FXS_ERR_MEMORY. */
 int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, uint32_t budget,

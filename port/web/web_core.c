@@ -296,12 +296,9 @@ static void begin_turn(void)
         }
 }
 
-int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, uint32_t budget,
-                        uint32_t detail_q8, size_t limit)
+void fxs_web_request(fxs_request *r, uint32_t background, int sh_degree, int square, uint32_t budget,
+                     uint32_t detail_q8)
 {
-    fxs_request *r = &frame->request;
-    frame->context = &context;
-    frame->stats = (fxs_stats){0};
     fxs_request_init(r, objects, object_count);
     r->eyes = eyes;
     memcpy(r->cameras, cameras, sizeof cameras);
@@ -313,7 +310,22 @@ int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree
     r->options.detail_q8 = detail_q8;
     r->options.want = fxs_web_want;
     begin_turn();
-    frame->memory = frame_memory(r, &frame->bytes, limit);
+}
+
+void *fxs_web_take_crops(void)
+{
+    void *taken = crops;
+    crops = NULL;
+    return taken;
+}
+
+int fxs_web_frame_begin(fxs_web_frame *frame, uint32_t background, int sh_degree, int square, uint32_t budget,
+                        uint32_t detail_q8, size_t limit)
+{
+    frame->context = &context;
+    frame->stats = (fxs_stats){0};
+    fxs_web_request(&frame->request, background, sh_degree, square, budget, detail_q8);
+    frame->memory = frame_memory(&frame->request, &frame->bytes, limit);
     return frame->memory ? 0 : FXS_ERR_MEMORY;
 }
 

@@ -13,7 +13,7 @@
 #include <fixsplat/egl.h>
 #include <fixsplat/map.h>
 #include <fixsplat/packed.h>
-#include "kernels/compute/records.h"
+#include "kernels/compute/gl31.h"
 
 #define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
 
@@ -184,7 +184,7 @@ int main(int argc, char **argv)
     compute->gl.UseProgram = use_and_time;
     compute->gl.CopyBufferSubData = copy_untimed;
     compute->gl.GenQueries(FXS_COMPUTE_PROGRAMS, queries);
-    printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_renderer(compute), (double)compute->most / 1048576);
+    printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_renderer(compute), (double)compute->rooms.most / 1048576);
     printf("| scene | visible | entries" FXS_COMPUTE_PROGRAMS_OF(HEAD) " | frame | to the host | same | MB |\n");
     for (int i = 1; i < argc; i++)
         rows_of_scene(argv[i]);

@@ -30,9 +30,11 @@ make_scenes() {
 
 check "builds" builds
 of_parts="$package/paged.js $package/store.js"      # fetched with the first scene that comes in parts
-check "size" at_most 42500 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js \
-    $(ls "$package"/*.js | grep -v -e /paged.js -e /store.js)
+of_webgpu="$package/webgpu.js $package/stages.js"
+check "size" at_most 42700 "$package"/viewer/*.html "$package"/viewer/*.css "$package"/viewer/*.js \
+    $(ls "$package"/*.js | grep -v -e /paged.js -e /store.js -e /webgpu.js -e /stages.js)
 check "size of what scenes in parts need" at_most 7500 $of_parts
+check "size of what WebGPU needs" at_most 26500 $of_webgpu
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
 asks page.mjs "${PICTURES:-$work}" "$B/fixsplat"

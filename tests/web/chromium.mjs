@@ -6,6 +6,7 @@ import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
 import { resolve } from 'node:path'
+import { WEBGL, WEBGPU } from './flags.mjs'
 
 export const [folder, scenes, modules, pictures, command] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
@@ -66,7 +67,7 @@ export const base = `http://127.0.0.1:${server.address().port}`
 const browser = await puppeteer.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
   protocolTimeout: 600000,
-  args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+  args: ['--no-sandbox', ...(process.env.WEBGPU ? WEBGPU : WEBGL),
     '--enable-blink-features=ForceEagerMeasureMemory', '--host-resolver-rules=MAP far.test 127.0.0.1'],
 })
 export const page = await browser.newPage()

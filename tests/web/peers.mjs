@@ -6,6 +6,7 @@ import { createRequire } from 'node:module'
 import { cpus } from 'node:os'
 import { join, resolve } from 'node:path'
 import { gzipSync } from 'node:zlib'
+import { WEBGL } from './flags.mjs'
 
 const [folder, scenes, modules, pictures, rounds = '3', ...asked] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
@@ -312,7 +313,7 @@ async function measure(base, name, scene, round) {
   sent.clear()
   const browser = await puppeteer.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+    args: ['--no-sandbox', ...WEBGL],
     protocolTimeout: 600000,
   })
   try {

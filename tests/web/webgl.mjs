@@ -1,123 +1,11 @@
 // node webgl.mjs PACKAGE WORK MODULES COMMAND [1]: what tests/scripts/webgl.sh asks of a Screen; 1: and its speed.
 import assert from 'node:assert/strict'
-import { execFileSync } from 'node:child_process'
-import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
-import { createServer } from 'node:http'
-import { createRequire } from 'node:module'
-import { resolve } from 'node:path'
+import { readFileSync } from 'node:fs'
+import { WEBGL } from './flags.mjs'
+import { frame, FRAMES, hashOf, launch, open, runIn, runTests, shared, work } from './screens.mjs'
 
-const [folder, work, modules, command, speed] = process.argv.slice(2)
-const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
-const KINDS = { js: 'text/javascript', wasm: 'application/wasm' }
-
-// What the page and the worker share.
-const COMMON = `import { load, Screen } from '/fixsplat.js'
-  export { Screen }
-  export const canvas = () => new OffscreenCanvas(8, 8)
-  const scenes = {}
-  export const sceneOf = (name, options) =>
-    (scenes[name + JSON.stringify(options)] ??= load('/work/' + name + '.fxs', options))
-  export function hash(bytes) {
-    let h = 0xcbf29ce484222325n
-    for (const byte of bytes) h = BigInt.asUintN(64, (h ^ BigInt(byte)) * 0x100000001b3n)
-    return h.toString(16).padStart(16, '0')
-  }
-  export function psnr(a, b) {
-    let sum = 0
-    for (let i = 0; i < a.length; i++) sum += i % 4 < 3 ? (a[i] - b[i]) ** 2 : 0
-    return 10 * Math.log10((255 ** 2 * a.length * 0.75) / sum)
-  }
-  export async function drawn(screen, { objects, camera, options }) {
-    const placed = await Promise.all(objects.map(async (o) => ({ ...o, scene: await sceneOf(o.scene) })))
-    screen.draw(placed, camera, options)
-    return screen.pixels()
-  }`
-const WORKER = `import { drawn, hash, Screen } from '/common.js'
-  onmessage = async ({ data: { canvas, backend, frames } }) => {
-    try {
-      const screen = await Screen.open(canvas, backend), hashes = []
-      for (const frame of frames) hashes.push(hash(await drawn(screen, frame)))
-      postMessage(hashes)
-    } catch (error) {
-      postMessage(error.message)
-    }
-  }`
-const PAGE = '<!doctype html><title>fixsplat</title>'
-const TEXTS = { '/': PAGE, '/isolated': PAGE, '/common.js': COMMON, '/worker.js': WORKER }
-
-const server = createServer((request, answer) => {
-  const path = decodeURIComponent(new URL(request.url, 'http://x').pathname)
-  const file = path.startsWith('/work/') ? work + path.slice(5) : folder + path
-  const kind = TEXTS[path] === PAGE ? 'text/html' : KINDS[path.split('.').pop()]
-  answer.setHeader('content-type', kind ?? 'application/octet-stream')
-  answer.setHeader('cross-origin-embedder-policy', 'require-corp')
-  if (path === '/isolated') answer.setHeader('cross-origin-opener-policy', 'same-origin')
-  if (TEXTS[path]) answer.end(TEXTS[path])
-  else if (existsSync(file)) createReadStream(file).pipe(answer)
-  else answer.writeHead(404).end()
-}).listen(0, '127.0.0.1')
-await new Promise((done) => server.once('listening', done))
-const base = `http://127.0.0.1:${server.address().port}/`
-
-const launch = (...args) =>
-  puppeteer.launch({
-    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', ...args],
-    protocolTimeout: 600000,
-  })
-
-/** What runs code in a page. On the isolated one there are threads, and memory that they share. */
-async function open(browser, address) {
-  const page = await browser.newPage()
-  await page.goto(base + address)
-  const run = (body, ...values) =>
-    page.evaluate(`(async (...args) => {
-      const { Screen, canvas, sceneOf, hash, psnr, drawn } = await import('/common.js')
-      const wordsOf = (made) => made.then(() => 'nothing', (error) => error.message)
-      ${body} })(...${JSON.stringify(values)})`)
-  return { run, close: () => page.close() }
-}
-
-/** The same once, in a page of its own. */
-async function runIn(browser, address, ...args) {
-  const page = await open(browser, address)
-  return page.run(...args).finally(page.close)
-}
-
-const browser = await launch('--use-angle=swiftshader', '--enable-unsafe-swiftshader')
+const browser = await launch(...WEBGL)
 const { run } = await open(browser, 'isolated')
-
-/** A frame: what the page draws and what the command is asked for. */
-const frame = (scene, width, height, args = [], options = {}, camera = {}, more = []) => ({
-  objects: [{ scene }, ...more],
-  camera,
-  options: { width, height, ...options },
-  args: [`${work}/${scene}.fxs`, ...more.map((o) => `${work}/${o.scene}.fxs`), '--size', `${width}x${height}`, ...args],
-})
-
-const hashOf = ({ args }) =>
-  execFileSync(command, ['render', ...args, '-o', `${work}/picture.ppm`, '--hash'], { encoding: 'utf8' }).trim()
-
-const near = { eye: [2, -1, -4], look: [0, 0.3, 0], fov: 65, up: [0.1, -1, 0.2], near: 0.5 }
-const nearly = ['--eye', '2,-1,-4', '--look', '0,0.3,0', '--fov', '65', '--up', '0.1,-1,0.2', '--near', '0.5']
-const turned = { translation: [1, 0.5, -2], rotation: [0.5, 0.5, -0.5, 0.5], scale: 0.75 }
-const FRAMES = {
-  framed: frame('knot', 320, 200),
-  'eye, look and background': frame('knot', 131, 77, [...nearly, '--bg', '112233'], { background: 0x112233 }, near),
-  'coverage, SH degree 1': frame('knot', 201, 149, ['--alpha', '--sh-degree', '1'], { alpha: true, shDegree: 1 }),
-  'square cut-off': frame('fog', 200, 150, ['--cutoff', 'square', '--bg', 'ffffff'],
-                          { cutoff: 'square', background: 0xffffff }),
-  'a budget': frame('levels', 200, 150, ['--budget', '6000', ...nearly], { budget: 6000 }, near),
-  'in bands': frame('knot', 200, 150, ['--max-memory', '900000'], { maxMemory: 900000 }),
-  'two objects': frame('knot', 200, 150,
-                       ['--eye', '1,-2,-9', '--place', `${work}/fog.fxs:1,0.5,-2,0.5,0.5,-0.5,0.5,0.75`],
-                       {}, { eye: [1, -2, -9] }, [{ scene: 'fog', ...turned }]),
-  'one pixel': frame('knot', 1, 1),
-  'a list in parts': frame('fog', 17, 16),
-  'a row of tiles': frame('knot', 640, 5),
-  'larger again': frame('knot', 640, 480),
-}
-const shared = readdirSync(work).flatMap((name) => name.match(/^(shared-.*)\.fxs$/)?.[1] ?? [])
 
 const tests = {
   async 'the pixels of the command: webgl2, one Screen'() {
@@ -351,29 +239,31 @@ const tests = {
       c.allocate = allocate
       return [words, await wordsOf(drawn(full, args[0])), await wordsOf(Screen.open(flat, 'webgl2')),
         await wordsOf(Screen.open(screen.gl.canvas, 'wasm')),
-        await wordsOf(Screen.open(canvas(), 'webgpu')), await wordsOf(Screen.open(canvas(), 'webgl2', { simd: false })),
+        await wordsOf(Screen.open(canvas(), 'webgl')), await wordsOf(Screen.open(canvas(), 'webgl2', { simd: false })),
         await wordsOf(drawn(freed, args[0])), await wordsOf((async () => screen.draw([{ scene: plain }]))()),
         await wordsOf(drawn(screen, { ...args[0], options: { width: 16384, height: 16384 } })),
         hash(await drawn(screen, args[0]))]`,
       FRAMES.framed
     )
     const wanted = [/^too little memory/, /nothing/, /no WebGL 2 here, or/, /another kind/,
-                    /webgpu: expected one of wasm, webgl2, webgl2-quads/, /without simd128/,
+                    /webgl: expected one of wasm, webgl2, webgl2-quads, webgpu/, /without simd128/,
                     /was freed/, /different modules/, /16384 x 16384 pixels|memory/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.equal(said.at(-1), hashOf(FRAMES.framed))
   },
 
-  async 'without WebGL'() {
+  async 'without WebGL and WebGPU'() {
     const other = await launch('--disable-gpu', '--disable-software-rasterizer')
     try {
       const said = await runIn(other, '',
         `const screen = await Screen.open(canvas(), 'wasm')
-        return [await wordsOf(Screen.open(canvas(), 'webgl2')), hash(await drawn(screen, args[0]))]`,
+        return [await wordsOf(Screen.open(canvas(), 'webgl2')), await wordsOf(Screen.open(canvas(), 'webgpu')),
+          hash(await drawn(screen, args[0]))]`,
         FRAMES.framed
       )
       assert.match(said[0], /no WebGL 2 here/)
-      assert.equal(said[1], hashOf(FRAMES.framed))
+      assert.match(said[1], /no WebGPU here/)
+      assert.equal(said[2], hashOf(FRAMES.framed))
     } finally {
       await other.close()
     }
@@ -404,16 +294,4 @@ async function measure() {
     }
 }
 
-let failed = 0
-for (const [name, test] of Object.entries(tests))
-  try {
-    await test()
-    console.log(`ok ${name}`)
-  } catch (error) {
-    failed = 1
-    console.log(`FAIL ${name}: ${error.message}`)
-  }
-if (speed && shared.length) await measure()
-await browser.close()
-server.close()
-process.exit(failed)
+await runTests(browser, tests, measure)

@@ -4,6 +4,7 @@ import { readFileSync, readdirSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
 import { resolve } from 'node:path'
+import { WEBGPU } from './flags.mjs'
 
 const [folder, modules] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
@@ -11,8 +12,7 @@ const names = readdirSync(folder).filter((name) => name.endsWith('.wgsl'))
 const server = createServer((request, response) => response.end('<!doctype html>')).listen(0)
 const browser = await puppeteer.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-  args: ['--no-sandbox', '--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader', '--enable-features=Vulkan',
-    '--use-vulkan=swiftshader'],
+  args: ['--no-sandbox', ...WEBGPU],
 })
 
 /** Runs in the page. */

@@ -82,7 +82,8 @@ const settings = `
   <option value="0,0,1">Tipped forward</option><option value="0,0,-1">Tipped back</option></select></label>
 <label>Drawn by <select name="backend">
   <option value="">What is faster</option><option value="wasm">Processor</option>
-  <option value="webgl2">Graphics card</option>
+  <option value="webgpu">Graphics card</option>
+  <option value="webgl2">Graphics card and processor</option>
   <option value="webgl2-quads">Graphics card, roughly</option></select></label>
 <p class="fine" id="draws"></p>
 ${check('colours', 'Gloss and reflections', 'checked')}

@@ -8,11 +8,13 @@ const LEAST_PIXELS = 1 << 14
 const SHOWN_MS = 100 // after a worker's picture, the browser shows it
 const AGAIN_MS = 5000 // a context that is lost sooner is not asked for again
 const TRIES = 3
-const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i // what WebGL is drawn by
+const BY_PROCESSOR = /swiftshader|llvmpipe|lavapipe|softpipe|software|basic render/i // what a browser draws by
+const NEXT = { webgpu: 'webgl2', webgl2: 'wasm', 'webgl2-quads': 'wasm' } // where one cannot be had
 
 export const backends = {
   wasm: 'the processor',
-  webgl2: 'the graphics card',
+  webgpu: 'the graphics card',
+  webgl2: 'the graphics card and the processor',
   'webgl2-quads': 'the graphics card, roughly',
 }
 
@@ -34,13 +36,22 @@ export class Picture {
     return this.#screen?.backend
   }
 
-  /** Draws with a back end from now on, or with the one that a trial finds the faster. False where it is another. */
+  /** Draws with a back end from now on, or with the one that a trial finds the fastest; where it cannot be had, with
+      the next. False where the processor takes the place of the graphics card. */
   async open(engine, wanted) {
-    const screen = await this.#open(engine, wanted || 'wasm').catch(() => null)
+    const backend = wanted || 'wasm'
+    const screen = await this.#openNext(engine, backend)
     if (engine !== this.#screen?.engine) [this.#divisor, this.#most] = [1, MOST_PIXELS]
-    this.#screen = screen ?? (await this.#open(engine, 'wasm'))
+    this.#screen = screen
     this.#tried = !!wanted
-    return !!screen
+    return screen.backend === backend || screen.backend !== 'wasm'
+  }
+
+  #openNext(engine, backend) {
+    return this.#open(engine, backend).catch((error) => {
+      if (!NEXT[backend]) throw error
+      return this.#openNext(engine, NEXT[backend])
+    })
   }
 
   close() {
@@ -82,7 +93,7 @@ export class Picture {
   #show({ canvas }) {
     if (!canvas.nextSibling) return
     setTimeout(() => {
-      for (let last; (last = canvas.nextSibling); last.remove()) last.free?.()
+      while (canvas.nextSibling) free(canvas.nextSibling)
     }, SHOWN_MS)
   }
 
@@ -104,35 +115,37 @@ export class Picture {
 
   // ---- Back ends ----------------------------------------------------------------------------------------------------
 
-  /** The other exact back end's turn, once, out of sight and in a worker of its own: where that is the faster, it draws
-      from now on, and this is its engine. */
+  /** The other exact back ends' turn, once, out of sight and in a worker of its own: where one is faster, it draws from
+      now on, and this is its engine. */
   async try(newEngine, camera, options) {
-    if (this.#tried || !hasGraphicsCard()) return null
+    if (this.#tried) return null
     this.#tried = true
     const own = this.#screen
+    const backends = await ofGraphicsCard()
+    if (!backends.length || own !== this.#screen) return null
     const engine = newEngine()
-    const other = await this.#copy(engine, own).catch(() => null)
-    const wins = other && (await isFaster(other, own, camera, options).catch(() => false))
-    if (wins && own === this.#screen) {
-      this.#screen = other
-      return engine
-    }
-    engine.end()
-    other?.canvas.remove()
-    return null
+    const others = await this.#copies(engine, own, backends).catch(() => [])
+    const found = await fastest(own, others, camera, options).catch(() => own)
+    const wins = found !== own && own === this.#screen
+    for (const other of others) if (!wins || other !== found) free(other.canvas)
+    if (wins) this.#screen = found
+    else engine.end()
+    return wins ? engine : null
   }
 
   /** Of a scene of which only parts are here there is no copy, and so no trial. */
-  async #copy(engine, own) {
+  async #copies(engine, own, backends) {
     await engine.open(await own.engine.ask('packed'))
-    return this.#open(engine, 'webgl2')
+    const opened = []
+    for (const backend of backends) opened.push(await this.#open(engine, backend).catch(() => null))
+    return opened.filter(Boolean)
   }
 
-  /** Goes on after a context was lost: with another of the same kind, or with the processor. */
+  /** Goes on after a context or a device was lost: with another of the same kind, or with the next back end. */
   async lost(id) {
     const { engine, id: own, backend, openedAt } = this.#screen ?? {}
     if (!engine || id !== own) return false
-    await this.open(engine, performance.now() - openedAt > AGAIN_MS ? backend : 'wasm')
+    await this.open(engine, performance.now() - openedAt > AGAIN_MS ? backend : NEXT[backend])
     return true
   }
 }
@@ -142,9 +155,24 @@ function paint(canvas, pixels, { width, height }) {
   canvas.getContext('2d').putImageData(new ImageData(pixels, width), 0, 0)
 }
 
-/** Not where the processor does its work. */
-function hasGraphicsCard() {
-  if (!globalThis.OffscreenCanvas) return false
+function free(canvas) {
+  canvas.free?.()
+  canvas.remove()
+}
+
+/** The exact back ends that a graphics card draws by: not where the processor does its work. */
+async function ofGraphicsCard() {
+  if (!globalThis.OffscreenCanvas) return []
+  return [(await hasWebGpu()) && 'webgpu', hasWebGl() && 'webgl2'].filter(Boolean)
+}
+
+async function hasWebGpu() {
+  const { info } = (await navigator.gpu?.requestAdapter().catch(() => null)) ?? {}
+  const names = [info?.vendor, info?.architecture, info?.device, info?.description]
+  return !!info && !info.isFallbackAdapter && !names.some((name) => BY_PROCESSOR.test(name))
+}
+
+function hasWebGl() {
   const gl = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true })
   const info = gl?.getExtension('WEBGL_debug_renderer_info')
   const name = gl?.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER)
@@ -152,7 +180,8 @@ function hasGraphicsCard() {
   return !!gl && !BY_PROCESSOR.test(name)
 }
 
-async function isFaster(other, own, camera, { divisor, ...options }) {
+/** Of these the one whose picture takes the least time. */
+async function fastest(own, others, camera, { divisor, ...options }) {
   const least = async ({ engine }, id) => {
     const times = []
     while (times.length < TRIES) {
@@ -161,5 +190,10 @@ async function isFaster(other, own, camera, { divisor, ...options }) {
     }
     return Math.min(...times)
   }
-  return (await least(other, other.id)) < (await least(own, 0))
+  let [found, time] = [own, others.length ? Infinity : 0]
+  for (const other of others) {
+    const taken = await least(other, other.id).catch(() => Infinity)
+    if (taken < time) [found, time] = [other, taken]
+  }
+  return found === own || (await least(own, 0)) <= time ? own : found
 }

@@ -1,4 +1,4 @@
-type Backend = 'wasm' | 'webgl2' | 'webgl2-quads'
+type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'
 
 /** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
     threads, noui. */

@@ -94,7 +94,7 @@ export class Viewer extends HTMLElement {
     this.setAttribute('state', value)
   }
 
-  /** What draws: wasm, webgl2 or webgl2-quads. */
+  /** What draws: wasm, webgl2, webgl2-quads or webgpu. */
   get backend() {
     return this.#picture.backend
   }

@@ -28,18 +28,22 @@ function onScreen(call) {
   else call()
 }
 
-/** What was drawn, with the pixels where there is no screen. */
-async function draw(screen, camera, options) {
+/** What was drawn, with the pixels where there is no screen; null where the screen has failed. */
+async function draw(id, camera, options) {
+  const screen = screens[id]
   if (!screen) {
     const { colour, drawn, missing } = scene.render(camera, { ...options, targets: { colour: true } })
     return { pixels: colour, drawn, missing }
   }
+  let facts = null
   try {
-    const facts = screen.draw([{ scene }], camera, options)
+    facts = screen.draw([{ scene }], camera, options)
     await screen.finish()
     return facts
   } catch (error) {
-    if (!screen.lost) throw error
+    if (facts) postMessage({ stage: 'lost', id })
+    else if (!screen.lost) throw error
+    return null
   }
 }
 
@@ -91,8 +95,11 @@ const words = {
   },
 
   async screen(id, canvas, backend) {
+    if (backend === 'webgpu' && scene.paged) throw new Error('WebGPU draws no scene in parts')
     screens[id] = await Screen.open(canvas, backend, how)
-    canvas.addEventListener('webglcontextlost', () => postMessage({ stage: 'lost', id }))
+    const lost = () => postMessage({ stage: 'lost', id })
+    canvas.addEventListener('webglcontextlost', lost)
+    screens[id].device?.lost.then(lost)
   },
 
   close(id) {
@@ -103,16 +110,16 @@ const words = {
   /** On a screen; without one the pixels are the answer. */
   async draw(id, camera, options) {
     const start = performance.now()
-    const screen = screens[id]
-    const facts = await draw(screen, camera, options)
+    const facts = await draw(id, camera, options)
     foresee(camera, options)
     onScreen(drawn)
-    return { ...facts, milliseconds: performance.now() - start, lost: screen?.lost }
+    return { ...facts, milliseconds: performance.now() - start, lost: !facts }
   },
 
   /** What one or two eyes see, each as alone: the pixels of each, or where WebGL draws a bitmap. */
   async eyes(cameras, options, backend) {
-    const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
+    const by = backend === 'webgpu' ? 'webgl2' : backend
+    const bitmap = by !== 'wasm' && (await bitmapOf(cameras, options, by).catch(() => null))
     if (bitmap) return { bitmap }
     if (!cameras[1]) return { pictures: [scene.render(cameras[0], options)] }
     return { pictures: scene.renderStereo(...cameras, { ...options, exact: true }) }

@@ -1,0 +1,559 @@
+/* The plan of a frame. */
+#include "plan.h"
+#include "src/core/memory.h"
+#include "src/core/parts.h"
+
+enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 8, TRIES = 6,
+       MERGES = 5 };
+
+/* A stretch of an object's chunks that are drawn, whose rows lie in one part of its scene. */
+typedef struct span {
+    uint32_t object, first_place, end_place, part;
+} span;
+
+/* ---- Messages ---------------------------------------------------------------------------------------------------- */
+
+int fxs_plan_say(fxs_message *why, int error, const char *text, const char *what)
+{
+    const char *parts[] = {text, what};
+    size_t used = 0;
+    for (int i = 0; i < 2; i++) {
+        size_t length = strlen(parts[i]), room = sizeof why->text - 1 - used;
+        length = length < room ? length : room;
+        memcpy(why->text + used, parts[i], length);
+        used += length;
+    }
+    why->text[used] = 0;
+    for (char *c = why->text; *c; c++)
+        *c = *c == '\n' ? ' ' : *c;
+    why->bytes_needed = 0;
+    return error;
+}
+
+static int said(fxs_message *why, int error)
+{
+    return error ? fxs_plan_say(why, error, fxs_strerror(error), "") : 0;
+}
+
+static int too_large(fxs_message *why, uint64_t bytes)
+{
+    fxs_plan_say(why, FXS_ERR_MEMORY, "the frame takes more than a storage buffer of this device can hold", "");
+    why->bytes_needed = bytes;
+    return FXS_ERR_MEMORY;
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
+
+static uint32_t palette_bytes(const fxs_scene *scene)
+{
+    const uint32_t stages = fxs_palette_stages(scene->profile, scene->sh_degree);
+    return scene->palette ? (stages * scene->palette_entries * FXS_PALETTE_STRIDE + 63) / 64 * 64 : 0;
+}
+
+uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message *why)
+{
+    const uint32_t chunks = fxs_scene_chunks(scene), palette = palette_bytes(scene);
+    const uint64_t room = most > palette ? (most - palette) / (scene->chunk_bytes + !scene->chunk_bytes) : 0;
+    if (!room || (uint64_t)chunks * HEADER_BYTES > most) {
+        too_large(why, (uint64_t)chunks * (HEADER_BYTES + scene->chunk_bytes));
+        return 0;
+    }
+    return room < UINT32_MAX ? (uint32_t)room : UINT32_MAX;
+}
+
+/* Chunks `first` to before `end` of what lies in two pieces, the leaves' and the nodes'. */
+static uint64_t two_pieces(const fxs_scene *scene, uint64_t at, uint32_t first, uint32_t end, uint64_t size,
+                           const unsigned char *leaves, const unsigned char *nodes, fxs_piece *pieces)
+{
+    const uint32_t leaf_end = end < scene->chunk_count ? end : scene->chunk_count;
+    if (first < leaf_end) {
+        pieces[0] = (fxs_piece){leaves + first * size, (leaf_end - first) * size, at};
+        at += pieces[0].bytes;
+        first = leaf_end;
+    }
+    if (first < end) {
+        pieces[1] = (fxs_piece){nodes + (first - scene->chunk_count) * size, (end - first) * size, at};
+        at += pieces[1].bytes;
+    }
+    return at;
+}
+
+uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t part, fxs_piece pieces[3])
+{
+    const uint32_t chunks = fxs_scene_chunks(scene), palette = palette_bytes(scene);
+    memset(pieces, 0, 3 * sizeof *pieces);
+    if (part < 0)
+        return two_pieces(scene, 0, 0, chunks, HEADER_BYTES, scene->chunks, scene->node_chunks, pieces);
+    const uint32_t first = (uint32_t)part * part_chunks;
+    const uint32_t end = chunks - first < part_chunks ? chunks : first + part_chunks;
+    pieces[2] = (fxs_piece){scene->palette, palette, 0};
+    return two_pieces(scene, palette, first, end, scene->chunk_bytes, scene->rows, scene->node_rows, pieces);
+}
+
+/* ---- The request ------------------------------------------------------------------------------------------------- */
+
+/* Counts the chunks of the objects. */
+static int count_objects(fxs_plan *p)
+{
+    const fxs_request *r = p->request;
+    uint64_t chunks = 0;
+    int error = !r->objects && r->count ? FXS_ERR_ARGUMENT : r->count > FXS_MAX_OBJECTS ? FXS_ERR_OBJECT : 0;
+    p->gaussians = 0;
+    for (uint32_t i = 0; i < r->count && !error; i++) {
+        error = fxs_object_check(&r->objects[i]);
+        chunks += error ? 0 : r->objects[i].scene->chunk_count;
+        p->gaussians += error ? 0 : r->objects[i].scene->count;
+    }
+    if (!error && chunks > FXS_MAX_COUNT / FXS_CHUNK)
+        error = FXS_ERR_OBJECT;
+    p->places = (uint32_t)chunks;
+    p->cut_room = error ? 0 : fxs_cut_room(r->objects, r->count, &r->options);
+    return error;
+}
+
+static uint64_t objects_bytes(uint32_t count)
+{
+    return (count * (uint64_t)sizeof(fxs_object_view) + 63) / 64 * 64;
+}
+
+static uint64_t parts_bytes(uint32_t count)
+{
+    return (count * (uint64_t)sizeof(uint32_t) + 63) / 64 * 64;
+}
+
+/* The objects' views, their parts' chunks, and a cut. */
+size_t fxs_plan_memory(const fxs_request *request)
+{
+    fxs_plan p = {.request = request};
+    if (count_objects(&p))
+        return 0;
+    const uint64_t bytes = 64 + objects_bytes(request->count) + parts_bytes(request->count) +
+                           (p.cut_room ? fxs_cut_bytes(p.cut_room) : 0);
+    return bytes <= SIZE_MAX ? (size_t)bytes : 0;
+}
+
+static int check_targets(const fxs_request *r)
+{
+    const fxs_targets *t = r->targets;
+    const int error = fxs_targets_check(t, r->cameras->width, r->cameras->height);
+    return error ? error
+           : t->format > FXS_FORMAT_RGBA16_COVERAGE ? FXS_ERR_UNSUPPORTED
+           : t->colour.pixels || t->coverage.pixels || t->mean_depth.pixels || t->median_depth.pixels || t->id.pixels
+               ? 0 : FXS_ERR_TARGET;
+}
+
+static int place_objects(fxs_plan *p)
+{
+    uint32_t chunks = 0;
+    int error = 0;
+    for (uint32_t i = 0; i < p->request->count && !error; i++) {
+        const fxs_object *object = &p->request->objects[i];
+        error = fxs_object_view_init(&p->objects[i], &p->view, p->request->cameras, object);
+        p->objects[i].first_chunk = chunks;
+        chunks += fxs_cut_chunks(object->scene, p->cut_room != 0);
+        p->objects[i].end_chunk = chunks;
+    }
+    return error;
+}
+
+static int choose_chunks(fxs_plan *p, void *memory)
+{
+    fxs_cut cut = {.objects = p->request->objects, .object_count = p->request->count,
+                   .options = &p->request->options, .eye_count = 1, .cameras = {p->request->cameras},
+                   .views = {p->objects}, .room = p->cut_room, .memory = memory};
+    const int error = fxs_cut_find(&cut);
+    p->drawn = cut.drawn;
+    p->places = cut.count;
+    return error;
+}
+
+int fxs_plan_begin(fxs_plan *p, const fxs_request *request, void *memory, fxs_message *why)
+{
+    const fxs_options *o = &request->options;
+    unsigned char *parts = (unsigned char *)memory + objects_bytes(request->count);
+    memset(p, 0, sizeof *p);
+    p->request = request;
+    int error = o->sh_degree < 0 || o->sh_degree > 3 || (unsigned)o->cutoff > FXS_CUTOFF_SQUARE ? FXS_ERR_ARGUMENT : 0;
+    error = error ? error : count_objects(p);
+    error = error ? error : fxs_view_init(&p->view, request->cameras, o);
+    error = error ? error : check_targets(request);
+    p->objects = memory;
+    p->part_chunks = (uint32_t *)(void *)parts;
+    error = error ? error : place_objects(p);
+    if (!error && p->cut_room)
+        error = choose_chunks(p, parts + parts_bytes(request->count));
+    if (!error && o->stop && o->stop(o->stop_argument))
+        error = FXS_ERR_STOPPED;
+    return said(why, error);
+}
+
+/* ---- Spans ------------------------------------------------------------------------------------------------------- */
+
+static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
+{
+    return p->drawn ? p->drawn[place].chunk : place;
+}
+
+/* Goes on to the next span; *s is all 0 at first. Returns 0 where there is none. */
+static int next_span(const fxs_plan *p, span *s)
+{
+    uint32_t place = s->end_place;
+    if (place >= p->places)
+        return 0;
+    while (chunk_of(p, place) >= p->objects[s->object].end_chunk)
+        s->object++;
+    const fxs_object_view *object = &p->objects[s->object];
+    const uint32_t part_chunks = p->part_chunks[s->object];
+    s->first_place = place;
+    s->part = (chunk_of(p, place) - object->first_chunk) / part_chunks;
+    const uint64_t part_end = object->first_chunk + (uint64_t)(s->part + 1) * part_chunks;
+    const uint32_t end = part_end < object->end_chunk ? (uint32_t)part_end : object->end_chunk;
+    if (!p->drawn)
+        place = end;
+    while (place < p->places && chunk_of(p, place) < end)
+        place++;
+    s->end_place = place;
+    return 1;
+}
+
+static void split(uint32_t out[2], uint64_t x)
+{
+    out[0] = (uint32_t)x;
+    out[1] = (uint32_t)(x >> 32);
+}
+
+static void fill_view(fxs_compute_object *o, const fxs_view *v)
+{
+    const uint64_t x = (uint64_t)v->tiles_x * FXS_TILE, y = (uint64_t)v->tiles_y * FXS_TILE;
+    split(o->near_q32, (uint64_t)v->near_q32);
+    split(o->dilation_q30, ((x * x + y * y) << 30) / 14400);
+    for (int i = 0; i < 3; i++) {
+        split(o->position_q32[i], (uint64_t)v->position_q32[i]);
+        split(o->eye_q32[i], (uint64_t)v->eye_q32[i]);
+        memcpy(o->rotation_q30[i], v->rotation_q30 + 3 * i, 3 * sizeof(int32_t));
+    }
+    for (int i = 0; i < 2; i++) {
+        memcpy(o->row_q15[i], v->row_q15[i], sizeof v->row_q15[i]);
+        memcpy(o->forward_q15[i], v->forward_q15[i], sizeof v->forward_q15[i]);
+        o->f_q12[i] = (int32_t)(i ? v->fy_q12 : v->fx_q12);
+        o->c_q12[i] = (int32_t)(i ? v->cy_q12 : v->cx_q12);
+        o->slope_low_q23[i] = v->slope_low_q23[i];
+        o->slope_high_q23[i] = v->slope_high_q23[i];
+        o->edge_low_q23[i] = v->edge_low_q23[i];
+        o->edge_high_q23[i] = v->edge_high_q23[i];
+        o->hidden_low_q23[i] = v->hidden_low_q23[i];
+        o->hidden_high_q23[i] = v->hidden_high_q23[i];
+        o->hidden[i] = v->hidden[i];
+        o->hidden_end[i] = v->hidden_end[i];
+    }
+    o->focal_q32 = v->focal_q32;
+    o->focal_exponent = v->focal_exponent;
+    o->veil_exponent = v->veil_exponent;
+    o->jacobian_exponent = v->jacobian_exponent;
+    o->offset_q11 = v->offset_q11;
+    o->degree = v->sh_degree;
+    o->antialiased = v->antialiased;
+    o->orthographic = v->orthographic;
+    o->plane_exponent = v->plane_exponent;
+}
+
+static void fill_object(fxs_compute_object *o, const fxs_plan *p, const span *s, uint32_t number)
+{
+    const fxs_object_view *view = &p->objects[s->object];
+    const fxs_scene *scene = &view->scene;
+    memset(o, 0, sizeof *o);
+    fill_view(o, &view->view);
+    o->profile = scene->profile;
+    o->scene_degree = scene->sh_degree;
+    o->chunk_words = scene->chunk_bytes / 4;
+    o->palette_entries = scene->palette ? scene->palette_entries : 0;
+    o->palette_step_q19 = (int32_t)scene->palette_step_q19;
+    o->scale_mantissa = view->scale.mantissa;
+    o->scale_exponent = view->scale.exponent;
+    o->plain = view->plain;
+    memcpy(o->tint_q13, view->tint_q13, sizeof view->tint_q13);
+    o->crop_count = view->crop_count;
+    o->keep_count = view->keep_count;
+    o->first_chunk = view->first_chunk;
+    o->first_place = s->first_place;
+    o->end_place = s->end_place;
+    o->span = number;
+    o->part_chunk = s->part * p->part_chunks[s->object];
+    o->rows_at = palette_bytes(scene) / 4;
+    for (uint32_t i = 0; i < view->crop_count; i++) {
+        const fxs_crop *crop = &view->crops[i];
+        for (int k = 0; k < 3; k++) {
+            split(o->crops[i] + 2 * k, (uint64_t)crop->low_q32[k]);
+            split(o->crops[i] + 6 + 2 * k, (uint64_t)crop->high_q32[k]);
+        }
+        o->crops[i][12] = crop->outside != 0;
+    }
+}
+
+/* ---- Memory of a frame ------------------------------------------------------------------------------------------- */
+
+static uint32_t larger(uint64_t a, uint64_t b)
+{
+    const uint64_t x = a > b ? a : b;
+    return x < UINT32_MAX ? (uint32_t)x : UINT32_MAX;
+}
+
+/* How much a frame is likely to need, at first. */
+static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
+{
+    const uint64_t slots = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians, all = r->most / (2 * ENTRY_BYTES);
+    const uint64_t entries = 2 * slots + 65536 < all ? 2 * slots + 65536 : all;
+    const uint64_t chunks = r->most / (FXS_CHUNK * SPLAT_BYTES);
+    r->chunks = larger(r->chunks, p->places < chunks ? p->places + 1 : chunks);
+    r->larges = larger(r->larges, slots / 16 + 4096);
+    r->pages = larger(r->pages, entries / FXS_COMPUTE_PAGE);
+}
+
+static uint32_t words_at(uint64_t *used, uint64_t words)
+{
+    const uint64_t at = *used;
+    *used += (words + 15) / 16 * 16;
+    return (uint32_t)at;
+}
+
+static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
+{
+    return image->pixels ? words_at(used, words) : FXS_NOTHING;
+}
+
+/* Where all lies in the memory, the counts and the picture, and how large the buffers are. */
+static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
+{
+    const fxs_targets *t = p->request->targets;
+    fxs_compute_frame *f = &p->frame;
+    const uint64_t tiles = (uint64_t)p->view.tiles_x * (uint64_t)p->view.tiles_y;
+    const uint64_t pixels = (uint64_t)p->view.width * (uint64_t)p->view.height;
+    uint64_t words = TABLE_WORDS, picture = 0;
+    span s = {0, 0, 0, 0};
+    for (f->spans = 0; next_span(p, &s); f->spans++)
+        ;
+    f->size[0] = p->view.width;
+    f->size[1] = p->view.height;
+    f->tiles[0] = p->view.tiles_x;
+    f->tiles[1] = p->view.tiles_y;
+    f->places = p->places;
+    f->chunk_room = r->chunks;
+    f->large_room = r->larges;
+    f->page_room = r->pages;
+    f->spans_at = words_at(&words, FXS_COMPUTE_SPAN * ((uint64_t)f->spans + 1));
+    f->drawn = p->drawn ? words_at(&words, 2 * (uint64_t)p->places) : 0;
+    f->ranks = words_at(&words, p->places / 32 + 1);
+    f->visible = words_at(&words, p->places);
+    f->records = words_at(&words, (uint64_t)FXS_COMPUTE_RECORD * p->places);
+    f->boxes = words_at(&words, 2 * (uint64_t)FXS_CHUNK * r->chunks);
+    f->depths = words_at(&words, (uint64_t)FXS_CHUNK * r->chunks);
+    f->larges = words_at(&words, (uint64_t)FXS_COMPUTE_LARGE * r->larges);
+    f->seen = (uint32_t)(FXS_COMPUTE_TILES + tiles);
+    f->cleared = f->next = f->seen + p->places / 32 + 1;
+    f->classes = (uint32_t)(f->next + tiles);
+    f->blocks = (uint32_t)(f->classes + FXS_COMPUTE_CLASSES * tiles);
+    f->block_room = (uint32_t)(tiles + (uint64_t)r->pages * (FXS_COMPUTE_PAGE / FXS_COMPUTE_BLOCK));
+    f->spare = r->pages * FXS_COMPUTE_PAGE;
+    f->cutoff = (int32_t)p->view.cutoff;
+    f->cut_q11 = p->view.cut_q11;
+    f->format = t->format;
+    for (int i = 0; i < 3; i++)
+        f->background_q13[i] = fxs_is_premultiplied(t->format)
+                                   ? 0 : fxs_background_q13(p->request->options.background[i]);
+    f->depth_bits = fxs_depth_bits(t);
+    f->colour = plane_at(&picture, &t->colour, pixels * (t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1));
+    f->coverage = plane_at(&picture, &t->coverage, pixels);
+    f->mean_depth = plane_at(&picture, &t->mean_depth, pixels);
+    f->median_depth = plane_at(&picture, &t->median_depth, pixels);
+    f->id = plane_at(&picture, &t->id, 2 * pixels);
+    p->read_words = picture;
+    f->occluder = plane_at(&picture, &t->occluder, pixels);
+    f->backdrop = plane_at(&picture, &t->backdrop, pixels);
+    p->bytes[FXS_COMPUTE_UNIFORMS] = FXS_COMPUTE_STRIDE * ((uint64_t)f->spans + 1);
+    p->bytes[FXS_COMPUTE_MEMORY] = 4 * words;
+    p->bytes[FXS_COMPUTE_COUNTS] = 4 * (f->blocks + 2 * (uint64_t)f->block_room);
+    p->bytes[FXS_COMPUTE_SPLATS] = (uint64_t)FXS_CHUNK * SPLAT_BYTES * f->chunk_room;
+    p->bytes[FXS_COMPUTE_ENTRIES] = 2 * (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room;
+    p->bytes[FXS_COMPUTE_PICTURE] = 4 * picture;
+    p->bytes[FXS_COMPUTE_ARGUMENTS] = 16 * ((uint64_t)f->spans + 2);
+    p->bytes[FXS_COMPUTE_LATER] = 16 * (1 + MERGES);
+    p->bytes[FXS_COMPUTE_DOWNLOAD] = 4 * (FXS_COMPUTE_STATUS + p->read_words);
+}
+
+int fxs_plan_lay_out(fxs_plan *p, fxs_plan_rooms *rooms, fxs_message *why)
+{
+    guess_rooms(p, rooms);
+    lay_out(p, rooms);
+    for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
+        if (p->bytes[i] > rooms->most)
+            return too_large(why, p->bytes[i]);
+    return 0;
+}
+
+void fxs_plan_uniforms(const fxs_plan *p, void *to)
+{
+    unsigned char *bytes = to;
+    span s = {0, 0, 0, 0};
+    memcpy(bytes, &p->frame, sizeof p->frame);
+    for (uint32_t i = 0; next_span(p, &s); i++) {
+        fxs_compute_object object;
+        fill_object(&object, p, &s, i);
+        memcpy(bytes + FXS_COMPUTE_STRIDE * (i + 1), &object, sizeof object);
+    }
+}
+
+size_t fxs_plan_places_bytes(const fxs_plan *p)
+{
+    return 4 * (size_t)(p->frame.ranks - p->frame.spans_at);
+}
+
+/* The spans' places, and the chunks of the cut. */
+void fxs_plan_places(const fxs_plan *p, uint32_t *to)
+{
+    const fxs_compute_frame *f = &p->frame;
+    span s = {0, 0, 0, 0};
+    for (uint32_t i = 0; next_span(p, &s); i++) {
+        uint32_t *words = to + FXS_COMPUTE_SPAN * i;
+        words[0] = s.first_place;
+        words[1] = s.end_place;
+        words[4] = p->objects[s.object].id;
+        words[5] = p->objects[s.object].first_chunk;
+    }
+    to[FXS_COMPUTE_SPAN * f->spans] = 0;
+    to[FXS_COMPUTE_SPAN * f->spans + 1] = f->places;
+    for (uint32_t i = 0; i < p->places && p->drawn; i++) {
+        uint32_t *words = to + (f->drawn - f->spans_at) + 2 * (size_t)i;
+        words[0] = p->drawn[i].chunk;
+        words[1] = p->drawn[i].share_q8 | (uint32_t)p->drawn[i].grow_q8 << 16;
+    }
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+
+/* The bindings of each program: FXS_PLAN_HEADS, FXS_PLAN_ROWS, buffers. */
+static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
+#define NONE FXS_PLAN_NONE
+#define OF(program, a, b, c, d) [FXS_COMPUTE_##program] = {a, b, c, d},
+    OF(clear_counts, NONE, NONE, FXS_COMPUTE_COUNTS, NONE)
+    OF(locate_chunks, FXS_PLAN_HEADS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, NONE)
+    OF(gather_chunks, FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, NONE)
+    OF(project_chunk, FXS_PLAN_ROWS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS)
+    OF(start_lists, FXS_COMPUTE_ARGUMENTS, NONE, FXS_COMPUTE_COUNTS, NONE)
+    OF(fill_lists, FXS_COMPUTE_LATER, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES)
+    OF(fill_large, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES)
+#define OF_LISTS(program) OF(program, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, NONE, NONE)
+    OF_LISTS(sort_blocks) OF_LISTS(merge_10) OF_LISTS(merge_14) OF_LISTS(merge_18) OF_LISTS(merge_22) OF_LISTS(merge_26)
+    OF(blend_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
+    OF(trace_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
+    OF(name_pixels, NONE, FXS_COMPUTE_MEMORY, NONE, FXS_COMPUTE_PICTURE)
+};
+
+static fxs_step step_of(uint32_t program)
+{
+    fxs_step step = {.program = program, .waits = 1, .arguments = FXS_PLAN_NONE};
+    memcpy(step.buffers, buffers_of[program], sizeof step.buffers);
+    return step;
+}
+
+/* So many workgroups, in rows. */
+static fxs_step direct(uint32_t program, uint64_t groups)
+{
+    fxs_step step = step_of(program);
+    step.groups[0] = (uint32_t)(groups < FXS_COMPUTE_ROW ? groups : FXS_COMPUTE_ROW);
+    step.groups[1] = (uint32_t)((groups + FXS_COMPUTE_ROW - 1) / FXS_COMPUTE_ROW);
+    return step;
+}
+
+static fxs_step indirect(uint32_t program, int32_t arguments, uint32_t number)
+{
+    fxs_step step = step_of(program);
+    step.arguments = arguments;
+    step.arguments_at = 16 * number;
+    return step;
+}
+
+static uint64_t groups_of(uint64_t threads)
+{
+    return (threads + FXS_COMPUTE_THREADS - 1) / FXS_COMPUTE_THREADS;
+}
+
+/* A step for each span that can be seen; the first waits. */
+static void of_spans(const fxs_plan *p, uint32_t program, fxs_step_fn *step, void *argument)
+{
+    span s = {0, 0, 0, 0};
+    uint32_t waits = 1;
+    for (uint32_t i = 0; next_span(p, &s); i++) {
+        if (!p->objects[s.object].visible)
+            continue;
+        fxs_step one = program == FXS_COMPUTE_locate_chunks
+                           ? direct(program, groups_of(s.end_place - s.first_place / 32 * 32))
+                           : indirect(program, FXS_COMPUTE_ARGUMENTS, i);
+        one.waits = waits;
+        one.uniform = FXS_COMPUTE_STRIDE * (i + 1);
+        one.object = s.object;
+        one.part = s.part;
+        step(argument, &one);
+        waits = 0;
+    }
+}
+
+void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
+{
+#define DO(...) \
+    do { \
+        const fxs_step one = __VA_ARGS__; \
+        step(argument, &one); \
+    } while (0)
+    const fxs_compute_frame *f = &p->frame;
+    const uint64_t tiles = (uint64_t)f->tiles[0] * (uint64_t)f->tiles[1];
+    DO(direct(FXS_COMPUTE_clear_counts, groups_of(f->cleared)));
+    of_spans(p, FXS_COMPUTE_locate_chunks, step, argument);
+    DO(direct(FXS_COMPUTE_gather_chunks, 1));
+    of_spans(p, FXS_COMPUTE_project_chunk, step, argument);
+    DO(direct(FXS_COMPUTE_start_lists, (uint64_t)f->tiles[1]));
+    DO(indirect(FXS_COMPUTE_fill_lists, FXS_COMPUTE_ARGUMENTS, f->spans));
+    fxs_step large = indirect(FXS_COMPUTE_fill_large, FXS_COMPUTE_ARGUMENTS, f->spans + 1);
+    large.waits = 0;
+    step(argument, &large);
+    DO(indirect(FXS_COMPUTE_sort_blocks, FXS_COMPUTE_LATER, 0));
+    for (uint32_t i = 0; i < MERGES && (uint64_t)FXS_COMPUTE_BLOCK << 4 * i < (uint64_t)p->places * FXS_CHUNK; i++)
+        DO(indirect(FXS_COMPUTE_merge_10 + i, FXS_COMPUTE_LATER, 1 + i));
+    DO(direct(fxs_targets_traced(p->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles, 4 * tiles));
+    if (f->id != FXS_NOTHING)
+        DO(direct(FXS_COMPUTE_name_pixels, groups_of((uint64_t)f->size[0] * (uint64_t)f->size[1])));
+}
+
+/* ---- Lists longer than their room -------------------------------------------------------------------------------- */
+
+static int needs_more(const fxs_plan *p)
+{
+    const fxs_compute_frame *f = &p->frame;
+    return p->status[FXS_COMPUTE_PAGES] > f->page_room || p->status[FXS_COMPUTE_LARGES] > f->large_room ||
+           p->status[FXS_COMPUTE_VISIBLE_CHUNKS] > f->chunk_room;
+}
+
+/* Room for what the frame needed, and an eighth more of what may change with the view. */
+static void make_more(const fxs_plan *p, fxs_plan_rooms *r)
+{
+    const uint64_t larges = p->status[FXS_COMPUTE_LARGES], pages = p->status[FXS_COMPUTE_PAGES];
+    const uint64_t most_pages = r->most / (2 * FXS_COMPUTE_PAGE * ENTRY_BYTES);
+    const uint64_t spare = pages + pages / 8 <= most_pages ? pages / 8 : 0;
+    r->chunks = larger(r->chunks, p->status[FXS_COMPUTE_VISIBLE_CHUNKS]);
+    if (larges > r->larges)
+        r->larges = larger(larges + larges / 8, 0);
+    if (pages > r->pages)
+        r->pages = larger(pages + spare, 0);
+}
+
+int fxs_plan_look(fxs_plan *p, fxs_plan_rooms *rooms, const uint32_t *status, fxs_message *why)
+{
+    memcpy(p->status, status, sizeof p->status);
+    if (p->status[FXS_COMPUTE_DAMAGED])
+        return said(why, FXS_ERR_SCENE);
+    if (!needs_more(p))
+        return 0;
+    if (++p->tries == TRIES)
+        return fxs_plan_say(why, FXS_ERR_DEVICE, "the device counts a frame differently each time", "");
+    make_more(p, rooms);
+    return 1;
+}

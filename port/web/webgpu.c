@@ -1,0 +1,176 @@
+/* Frames in compute shaders (kernels/compute) for webgpu.js, which carries out by WebGPU what is planned here. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "kernels/compute/plan.h"
+#include "web.h"
+
+#define PART_BYTES (1 << 27)       /* at most: every device has buffers so large, and they can be mapped */
+
+/* A frame on its way, which needs nothing that the next one changes. */
+typedef struct web_plan {
+    fxs_plan plan;
+    fxs_plan_rooms *rooms;         /* of its device */
+    fxs_request request;
+    void *crops, *memory;
+    uint32_t *words;               /* uniforms, places and steps, as they are handed over */
+    fxs_step *steps;
+    uint32_t step_count;
+} web_plan;
+
+/* The entry points, in the order of their numbers, each with a space behind it. */
+EXPORT(gpu_programs) const char *fxs_web_gpu_programs(void)
+{
+#define NAME(entry) #entry " "
+    return FXS_COMPUTE_PROGRAMS_OF(NAME);
+}
+
+/* The rooms of a device whose storage buffers have at most so many bytes; `release` frees them. */
+EXPORT(gpu_open) fxs_plan_rooms *fxs_web_gpu_open(double most)
+{
+    fxs_plan_rooms *rooms = fxs_web_allocate(sizeof *rooms);
+    if (rooms)
+        *rooms = (fxs_plan_rooms){.most = (uint64_t)most / 64 * 64};
+    return rooms;
+}
+
+/* The next frame begins with little room. */
+EXPORT(gpu_reset) void fxs_web_gpu_reset(fxs_plan_rooms *rooms)
+{
+    *rooms = (fxs_plan_rooms){.most = rooms->most};
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------------------------ */
+
+static uint32_t part_chunks(const fxs_plan_rooms *rooms, const fxs_scene *scene)
+{
+    return fxs_plan_part_chunks(scene, rooms->most < PART_BYTES ? rooms->most : PART_BYTES, fxs_web_message());
+}
+
+/* The number of parts of a scene, or an error. */
+EXPORT(gpu_parts) int fxs_web_gpu_parts(const fxs_plan_rooms *rooms, const fxs_web_scene *s)
+{
+    if (s->scene.places)
+        return fxs_plan_say(fxs_web_message(), FXS_ERR_UNSUPPORTED,
+                            "a scene that comes in parts cannot be on the device: load it with `paging: false`", "");
+    const uint32_t each = part_chunks(rooms, &s->scene);
+    return each ? (int)(((uint64_t)fxs_scene_chunks(&s->scene) + each - 1) / each) : FXS_ERR_MEMORY;
+}
+
+/* Out: the bytes of a part, or of the heads, and of its pieces the address, the bytes, and where they lie in it. */
+EXPORT(gpu_pieces) void fxs_web_gpu_pieces(const fxs_plan_rooms *rooms, const fxs_web_scene *s, int part)
+{
+    double *out = fxs_web_numbers();
+    fxs_piece pieces[3];
+    *out++ = (double)fxs_plan_pieces(&s->scene, part_chunks(rooms, &s->scene), part, pieces);
+    for (int i = 0; i < 3; i++) {
+        *out++ = (double)(uintptr_t)pieces[i].from;
+        *out++ = (double)pieces[i].bytes;
+        *out++ = (double)pieces[i].at;
+    }
+}
+
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
+
+EXPORT(gpu_end) void fxs_web_gpu_end(web_plan *w)
+{
+    free(w->words);
+    free(w->memory);
+    free(w->crops);
+    free(w);
+}
+
+/* Images are on the device alone; what is not null is there. */
+static void take_targets(fxs_targets *t, ptrdiff_t row, int alpha, int occluded, int depth_bits)
+{
+    fxs_targets_init(t);
+    t->format = alpha ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
+    t->depth_bits = depth_bits;
+    t->colour = (fxs_image){(void *)0x40, row};
+    if (occluded)
+        t->occluder = (fxs_image){(void *)0x50000000, row};
+}
+
+static int begin(web_plan *w)
+{
+    w->memory = fxs_web_allocate(fxs_plan_memory(&w->request));
+    int error = w->memory ? fxs_plan_begin(&w->plan, &w->request, w->memory, fxs_web_message()) : FXS_ERR_MEMORY;
+    for (uint32_t i = 0; i < w->request.count && !error; i++) {
+        w->plan.part_chunks[i] = part_chunks(w->rooms, w->request.objects[i].scene);
+        error = w->plan.part_chunks[i] ? 0 : FXS_ERR_MEMORY;
+    }
+    return error;
+}
+
+/* Begins a frame of the objects and the camera that were set before; `gpu_end` frees it. Out: the Gaussians that are
+   drawn. */
+EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, int occluded, int depth_bits,
+                                              uint32_t background, int sh_degree, int square, uint32_t budget,
+                                              uint32_t detail_q8)
+{
+    web_plan *w = fxs_web_allocate(sizeof *w);
+    if (!w)
+        return NULL;
+    memset(w, 0, sizeof *w);
+    w->rooms = rooms;
+    fxs_web_request(&w->request, background, sh_degree, square, budget, detail_q8);
+    take_targets(w->request.targets, 4 * (ptrdiff_t)w->request.cameras->width, alpha, occluded, depth_bits);
+    w->crops = fxs_web_take_crops();
+    if (begin(w)) {
+        fxs_web_gpu_end(w);
+        return NULL;
+    }
+    fxs_web_numbers()[0] = (double)w->plan.places * FXS_CHUNK;
+    return w;
+}
+
+static void take_step(void *argument, const fxs_step *step)
+{
+    web_plan *w = argument;
+    w->steps[w->step_count++] = *step;
+}
+
+/* Out: the address and the bytes of uniforms, of places, and where these lie in the memory; the address and the number
+   of the steps; where colours and occluder lie in the picture, words; then the bytes of each buffer. */
+EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
+{
+    fxs_plan *p = &w->plan;
+    double *out = fxs_web_numbers();
+    const int error = fxs_plan_lay_out(p, w->rooms, fxs_web_message());
+    if (error)
+        return error;
+    const size_t uniforms = (size_t)p->bytes[FXS_COMPUTE_UNIFORMS], places = fxs_plan_places_bytes(p);
+    free(w->words);
+    w->words = fxs_web_allocate(uniforms + places + (FXS_COMPUTE_PROGRAMS + 2 * p->frame.spans) * sizeof *w->steps);
+    if (!w->words)
+        return FXS_ERR_MEMORY;
+    memset(w->words, 0, uniforms + places);
+    fxs_plan_uniforms(p, w->words);
+    fxs_plan_places(p, w->words + uniforms / 4);
+    w->steps = (fxs_step *)(void *)(w->words + (uniforms + places) / 4);
+    w->step_count = 0;
+    fxs_plan_steps(p, take_step, w);
+    const double facts[] = {(double)(uintptr_t)w->words, (double)uniforms,
+                            (double)(uintptr_t)(w->words + uniforms / 4), (double)places, 4.0 * p->frame.spans_at,
+                            (double)(uintptr_t)w->steps, w->step_count, p->frame.colour, p->frame.occluder};
+    memcpy(out, facts, sizeof facts);
+    for (size_t i = 0; i < FXS_COMPUTE_BUFFERS; i++)
+        out[sizeof facts / sizeof *facts + i] = (double)p->bytes[i];
+    return 0;
+}
+
+/* As fxs_plan_look. In: the status. */
+EXPORT(gpu_look) int fxs_web_gpu_look(web_plan *w)
+{
+    uint32_t status[FXS_COMPUTE_STATUS];
+    for (int i = 0; i < FXS_COMPUTE_STATUS; i++)
+        status[i] = (uint32_t)fxs_web_numbers()[i];
+    return fxs_plan_look(&w->plan, w->rooms, status, fxs_web_message());
+}
+
+/* What the memory begins with. Out: its bytes. */
+EXPORT(gpu_table) const void *fxs_web_gpu_table(void)
+{
+    fxs_web_numbers()[0] = sizeof fxs_offset_of_code_q11;
+    return fxs_offset_of_code_q11;
+}

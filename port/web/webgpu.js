@@ -1,0 +1,461 @@
+// Frames by WebGPU. The module in C plans them (kernels/compute/plan.c), the shaders are those of kernels/compute, and
+// here the plans are carried out. A frame is shown when the device says that all of its lists fitted; else it is done
+// again with more room. Pixels stay on the device.
+
+import { parts, texts } from './stages.js'
+
+const STATUS = 16               // words, as FXS_COMPUTE_STATUS
+const [UNIFORMS, MEMORY, COUNTS, PICTURE] = [0, 1, 2, 5]       // as in kernels/compute/records.h,
+const BUFFERS = 8               // but for the one that OpenGL reads back
+const [NONE, HEADS, ROWS] = [-1, -2, -3]
+const STRIDE = 1024             // bytes of a uniform, as FXS_COMPUTE_STRIDE
+const STEP = 13                 // words of fxs_step
+const LOST = 'the WebGPU device was lost: open another Screen'
+const NOTHING = 0xffffffff      // as FXS_NOTHING
+const DEPTH_BITS = 16           // of the depths that a caller's depth buffer is turned to
+
+// Beside the stages: the picture's words as colours of a texture, whose formats of 8 bits take k / 255 exactly; and the
+// depth buffer of a caller as the occluder, as kernels/gles/mesh.frag has it.
+const ENDS = `
+struct Place {
+    corner: vec2<i32>,
+    size: vec2<i32>,
+    colour: i32,
+    occluder: i32,
+    planes: vec2<f32>,
+}
+@group(0) @binding(0) var<uniform> place: Place;
+@group(0) @binding(1) var<storage, read> picture: array<u32>;
+@group(0) @binding(1) var<storage, read_write> hiding: array<u32>;
+@group(0) @binding(2) var depths: texture_depth_2d;
+
+@vertex
+fn cover(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32>
+{
+    return vec4<f32>(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+@fragment
+fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32>
+{
+    let pixel = vec2<i32>(at.xy) - place.corner;
+    return unpack4x8unorm(picture[place.colour + pixel.y * place.size.x + pixel.x]);
+}
+
+@compute @workgroup_size(8, 8)
+fn hide(@builtin(global_invocation_id) id: vec3<u32>)
+{
+    let pixel = vec2<i32>(id.xy);
+    if (any(pixel >= place.size)) {
+        return;
+    }
+    let inverse = mix(place.planes.x, place.planes.y, textureLoad(depths, pixel + place.corner, 0));
+    let z = ${2 ** DEPTH_BITS}.0 / inverse;
+    let nothing = inverse <= min(place.planes.x, place.planes.y) || z >= 4294967040.0;
+    hiding[place.occluder + pixel.y * place.size.x + pixel.x] = select(u32(z), ${NOTHING}u, nothing);
+}`
+const FORMATS = ['rgba8unorm', 'bgra8unorm', 'rgba16float', 'rgba32float']
+const ONE_OVER = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha' }
+
+// ---- Devices --------------------------------------------------------------------------------------------------
+
+let own                         // of the Screens that are given none
+
+async function makeDevice() {
+  const adapter = await globalThis.navigator?.gpu?.requestAdapter({ powerPreference: 'high-performance' })
+  if (!adapter) throw new Error('there is no WebGPU here')
+  const { maxStorageBufferBindingSize, maxBufferSize } = adapter.limits
+  const device = await adapter.requestDevice({ requiredLimits: { maxStorageBufferBindingSize, maxBufferSize } })
+  device.lost.then(() => (own = undefined))
+  return device
+}
+
+function ownDevice() {
+  own ??= makeDevice()
+  own.catch(() => (own = undefined))
+  return own
+}
+
+/** A pipeline, or an Error with the line that does not compile. */
+async function pipelineOf(kind, device, what, module, descriptor) {
+  try {
+    return await device[`create${kind}PipelineAsync`](descriptor)
+  } catch (error) {
+    const { messages } = await module.getCompilationInfo()
+    const [first] = messages.filter(({ type }) => type === 'error')
+    const words = first ? `line ${first.lineNum}: ${first.message}` : error.message
+    throw new Error(`${what} does not compile: ${words}`)
+  }
+}
+
+/** The programs of a device, each made when it is first asked for. */
+class Programs {
+  #device
+  #modules = {}
+  #made = {}
+
+  constructor(device) {
+    this.#device = device
+  }
+
+  #module(name, code) {
+    return (this.#modules[name] ??= this.#device.createShaderModule({ code: code() }))
+  }
+
+  of(entryPoint) {
+    const stage = Object.keys(parts).find((name) => texts[name].includes(`fn ${entryPoint}(`))
+    const module = stage
+      ? this.#module(stage, () => parts[stage].map((part) => texts[part]).join('\n'))
+      : this.#module('ends', () => ENDS)
+    const descriptor = { layout: 'auto', compute: { module, entryPoint } }
+    return (this.#made[entryPoint] ??= pipelineOf('Compute', this.#device, entryPoint, module, descriptor))
+  }
+
+  show(format, over) {
+    const module = this.#module('ends', () => ENDS)
+    const target = { format, blend: over ? { color: ONE_OVER, alpha: ONE_OVER } : undefined }
+    const descriptor = { layout: 'auto', vertex: { module }, fragment: { module, targets: [target] } }
+    return (this.#made[`${format} ${over}`] ??= pipelineOf('Render', this.#device, 'show', module, descriptor))
+  }
+}
+
+const programs = new WeakMap()
+
+function programsOf(device) {
+  if (!programs.has(device)) programs.set(device, new Programs(device))
+  return programs.get(device)
+}
+
+// ---- Frames ---------------------------------------------------------------------------------------------------
+
+/** Whether a picture lies in the textures that it is drawn into. */
+function checkInto({ texture, x = 0, y = 0, depth, over }, width, height, alpha) {
+  if (!FORMATS.includes(texture?.format)) throw new Error(`\`into\` needs a texture of one of ${FORMATS.join(', ')}`)
+  for (const one of depth ? [texture, depth.texture] : [texture])
+    if (!(x >= 0 && y >= 0 && x + width <= one.width && y + height <= one.height && one.sampleCount === 1))
+      throw new Error(`${width} x ${height} pixels from ${x}, ${y} on do not lie in the texture`)
+  if (depth && !depth.texture.format.startsWith('depth')) throw new Error('`into.depth` needs a depth texture')
+  if (depth && !(depth.planes?.length === 2 && depth.planes.every((plane) => plane > 0)))
+    throw new Error('`into.depth` needs two planes, the distances that 0 and 1 stand for')
+  if (over && !alpha) throw new Error('`into.over` needs `alpha`')
+}
+
+const KINDS = ['validation', 'out-of-memory', 'internal']
+
+/** Draws the frames of a Screen, one after the other: of those that wait meanwhile, the last. */
+export class Computed {
+  #canvas
+  #core
+  #valuesOf
+  #context
+  #format                      // of the canvas
+  #names                       // of the programs, by their numbers,
+  #pipelines = {}              // and those that are there, by their names
+  #rooms                       // the place of the device's rooms in the module
+  #buffers = []
+  #status
+  #place                       // the uniform of ENDS
+  #scenes = new Map()          // their copies: { heads, rows }
+  #next                        // the frame that waits
+  #running                     // until none does
+  #failure                     // of the last frame,
+  #last                        // and the last one that was whole: { width, height, colour }
+  #freed = false
+
+  constructor(canvas, core, device, valuesOf) {
+    this.#canvas = canvas
+    this.#core = core
+    this.#valuesOf = valuesOf
+    this.device = device
+    this.lost = false
+    device.lost.then(() => (this.lost = true))
+  }
+
+  static async open(canvas, core, { device }, valuesOf) {
+    if (!core.c.gpu_open) throw new Error('the module without simd128 has no WebGPU')
+    const way = new Computed(canvas, core, device ?? (await ownDevice()), valuesOf)
+    await way.#open()
+    return way
+  }
+
+  async #open() {
+    this.#names = this.#core.text(this.#core.c.gpu_programs()).trim().split(' ')
+    await this.#need(...this.#names.filter((name) => !/trace_tiles|name_pixels/.test(name)))
+    if (this.#canvas) await this.#take(this.#canvas)
+    const { maxStorageBufferBindingSize, maxBufferSize } = this.device.limits
+    this.#rooms = this.#core.place(this.#core.c.gpu_open(Math.min(maxStorageBufferBindingSize, maxBufferSize)))
+    this.#status = this.#buffer(4 * STATUS, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
+    this.#place = this.#buffer(32, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
+  }
+
+  async #take(canvas) {
+    this.#context = canvas.getContext('webgpu')
+    if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
+    this.#format = navigator.gpu.getPreferredCanvasFormat()
+    await programsOf(this.device).show(this.#format, false)
+    this.#context.configure({ device: this.device, format: this.#format, alphaMode: 'premultiplied' })
+  }
+
+  async #need(...names) {
+    const missing = names.filter((name) => !this.#pipelines[name])
+    const made = await Promise.all(missing.map((name) => programsOf(this.device).of(name)))
+    missing.forEach((name, i) => (this.#pipelines[name] = made[i]))
+  }
+
+  // ---- Buffers ------------------------------------------------------------------------------------------------
+
+  /** After a failure, and at the end: the next frame begins with little room. */
+  #giveBack() {
+    this.#forget(() => true)
+    for (const buffer of this.#buffers) buffer.destroy()
+    this.#buffers = []
+    this.#core.c.gpu_reset(this.#rooms)
+  }
+
+  #buffer(size, usage, mappedAtCreation = false) {
+    return this.device.createBuffer({ size, usage, mappedAtCreation })
+  }
+
+  /** Makes the buffers as large as the plan wants them. */
+  #reserve(sizes, limit) {
+    const { STORAGE, UNIFORM, INDIRECT, COPY_SRC, COPY_DST } = GPUBufferUsage
+    const bytes = sizes.map((size, i) => Math.max(size, this.#buffers[i]?.size ?? 64))
+    const sum = bytes.reduce((a, b) => a + b)
+    if (limit && sum > limit) throw new Error(`too little memory: the frame takes ${sum} bytes of the device`)
+    bytes.forEach((size, i) => {
+      if (size === this.#buffers[i]?.size) return
+      this.#buffers[i]?.destroy()
+      this.#buffers[i] = this.#buffer(size, (i ? STORAGE | INDIRECT : UNIFORM) | COPY_SRC | COPY_DST)
+      if (i === MEMORY) this.#write(MEMORY, 0, this.#core.c.gpu_table(), this.#core.get(0, 1)[0])
+    })
+  }
+
+  /** Of a copy: not every browser takes memory that threads share. */
+  #write(buffer, to, at, bytes) {
+    this.device.queue.writeBuffer(this.#buffers[buffer], to, this.#core.bytes(at, bytes).slice())
+  }
+
+  /** A part of a scene, or its heads. */
+  #upload(at, part) {
+    this.#core.c.gpu_pieces(this.#rooms, at, part)
+    const [bytes, ...pieces] = this.#core.get(0, 10)
+    const buffer = this.#buffer(Math.max(bytes, 64), GPUBufferUsage.STORAGE, true)
+    const to = new Uint8Array(buffer.getMappedRange())
+    for (let i = 0; i < 9; i += 3) to.set(this.#core.bytes(pieces[i], pieces[i + 1]), pieces[i + 2])
+    buffer.unmap()
+    return buffer
+  }
+
+  /** The copy of a scene, which is made once. */
+  #copyOf(scene) {
+    if (!this.#scenes.has(scene)) {
+      const at = scene.inside[1]
+      const count = this.#core.check(this.#core.c.gpu_parts(this.#rooms, at))
+      const rows = Array.from({ length: count }, (_, part) => this.#upload(at, part))
+      this.#scenes.set(scene, { heads: this.#upload(at, HEADS), rows })
+    }
+    return this.#scenes.get(scene)
+  }
+
+  #forget(which) {
+    for (const [scene, { heads, rows }] of this.#scenes)
+      if (which(scene)) {
+        for (const buffer of [heads, ...rows]) buffer.destroy()
+        this.#scenes.delete(scene)
+      }
+  }
+
+  // ---- Drawing ------------------------------------------------------------------------------------------------
+
+  /** Plans a frame, and has it drawn when the one before it is. */
+  draw(core, width, height, { alpha, into, ...options }, objects) {
+    if (this.lost) throw new Error(LOST)
+    this.#checkPlace(into, width, height, alpha)
+    const scenes = objects.map(({ scene }) => scene)
+    for (const scene of scenes) core.check(core.c.gpu_parts(this.#rooms, scene.inside[1]))
+    const [background, shDegree, square, budget, detail, limit] = this.#valuesOf(core, options)
+    const values = [alpha ? 1 : 0, into?.depth ? 1 : 0, DEPTH_BITS, background, shDegree, square, budget, detail]
+    const at = core.place(core.c.gpu_begin(this.#rooms, ...values))
+    const [drawn] = core.get(0, 1)
+    if (this.#next) core.c.gpu_end(this.#next.at)
+    this.#next = { at, scenes, width, height, into, limit }
+    this.#running ??= this.#run()
+    return { drawn, missing: 0 }
+  }
+
+  #checkPlace(into, width, height, alpha) {
+    const most = this.device.limits.maxTextureDimension2D
+    if (!into && !this.#context) throw new Error('a Screen without a canvas draws `into` a texture')
+    if (!into && Math.max(width, height) > most)
+      throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
+    if (into) checkInto(into, width, height, alpha)
+  }
+
+  async #run() {
+    while (this.#next) {
+      const frame = this.#next
+      this.#next = this.#failure = undefined
+      try {
+        await this.#carryOut(frame)
+      } catch (error) {
+        this.#failure = error
+        if (!this.#freed) this.#giveBack()
+      } finally {
+        this.#core.c.gpu_end(frame.at)
+      }
+    }
+    this.#running = undefined
+  }
+
+  /** Until all of it fits; then it is shown. */
+  async #carryOut(frame) {
+    const core = this.#core
+    this.#forget((scene) => scene.isFreed)
+    const { texture, over = false, depth } = frame.into ?? {}
+    const show = await programsOf(this.device).show(texture?.format ?? this.#format, over)
+    if (depth) await this.#need('trace_tiles', 'hide')
+    do {
+      this.#stay()
+      const words = await this.#scoped(() => this.#submit(frame))
+      this.#stay()
+      core.put(...words)
+    } while (core.check(core.c.gpu_look(frame.at)))
+    this.#last = frame
+    await this.#scoped(() => this.#show(frame, show))
+  }
+
+  #stay() {
+    if (this.#freed) throw new Error('the Screen was freed')
+  }
+
+  /** What a function gives, or the device's error. */
+  async #scoped(act) {
+    let result, thrown
+    for (const kind of KINDS) this.device.pushErrorScope(kind)
+    try {
+      result = act()
+    } catch (error) {
+      thrown = error
+    }
+    const errors = Promise.all(KINDS.map(() => this.device.popErrorScope()))
+    const [given, found] = await Promise.allSettled([result, errors])
+    if (this.lost) throw new Error(LOST)
+    const error = thrown ?? found.reason ?? found.value.find((one) => one) ?? given.reason
+    if (error instanceof GPUOutOfMemoryError) throw new Error('the device is out of memory')
+    if (error) throw error instanceof Error ? error : new Error(error.message)
+    return given.value
+  }
+
+  /** Has the device do the plan's steps. Returns a promise of the status. */
+  #submit(frame) {
+    const core = this.#core
+    core.check(core.c.gpu_lay_out(frame.at))
+    const [uniforms, bytes, places, placesBytes, placesAt, steps, count, ...rest] = core.get(0, 9 + BUFFERS)
+    const [colour, occluder, ...sizes] = rest
+    const words = new Int32Array(core.c.memory.buffer, steps, STEP * count).slice()
+    frame.colour = colour
+    this.#reserve(sizes, frame.limit)
+    this.#write(UNIFORMS, 0, uniforms, bytes)
+    this.#writePlace(frame, colour, occluder)
+    this.#write(MEMORY, placesAt, places, placesBytes)
+    const copies = frame.scenes.map((scene) => this.#copyOf(scene))
+    const encoder = this.device.createCommandEncoder()
+    const pass = encoder.beginComputePass()
+    if (frame.into?.depth) this.#hide(pass, frame)
+    for (let i = 0; i < words.length; i += STEP) this.#step(pass, copies, words.subarray(i, i + STEP))
+    pass.end()
+    encoder.copyBufferToBuffer(this.#buffers[COUNTS], 0, this.#status, 0, 4 * STATUS)
+    this.device.queue.submit([encoder.finish()])
+    return this.#read()
+  }
+
+  async #read() {
+    await this.#status.mapAsync(GPUMapMode.READ)
+    const words = new Uint32Array(this.#status.getMappedRange()).slice()
+    this.#status.unmap()
+    return words
+  }
+
+  /** A Place of ENDS. */
+  #writePlace({ width, height, into: { x = 0, y = 0, depth } = {} }, colour, occluder) {
+    const words = new Int32Array([x, y, width, height, colour, occluder, 0, 0])
+    new Float32Array(words.buffer).set(depth?.planes.map((plane) => 1 / plane) ?? [], 6)
+    this.device.queue.writeBuffer(this.#place, 0, words)
+  }
+
+  #bind(pass, pipeline, group, resources) {
+    const entries = resources.map((resource, binding) => ({ binding, resource })).filter(({ resource }) => resource)
+    const layout = pipeline.getBindGroupLayout(group)
+    pass.setBindGroup(group, this.device.createBindGroup({ layout, entries }))
+  }
+
+  /** An fxs_step. */
+  #step(pass, copies, [program, , x, y, arguments_, argumentsAt, a, b, c, d, uniform, object, part]) {
+    const pipeline = this.#pipelines[this.#names[program]]
+    const { heads, rows } = copies[object] ?? {}
+    const bufferOf = (number) => (number === HEADS ? heads : number === ROWS ? rows[part] : this.#buffers[number])
+    const buffer = this.#buffers[UNIFORMS]
+    const uniforms = (uniform ? [0, uniform] : [0]).map((offset) => ({ buffer, offset, size: STRIDE }))
+    pass.setPipeline(pipeline)
+    this.#bind(pass, pipeline, 0, uniforms)
+    this.#bind(pass, pipeline, 1, [a, b, c, d].map((number) => (number === NONE ? null : { buffer: bufferOf(number) })))
+    if (arguments_ === NONE) pass.dispatchWorkgroups(x, y)
+    else pass.dispatchWorkgroupsIndirect(this.#buffers[arguments_], argumentsAt)
+  }
+
+  #hide(pass, { width, height, into: { depth } }) {
+    const view = depth.texture.createView({ aspect: 'depth-only' })
+    pass.setPipeline(this.#pipelines.hide)
+    this.#bind(pass, this.#pipelines.hide, 0, [{ buffer: this.#place }, { buffer: this.#buffers[PICTURE] }, view])
+    pass.dispatchWorkgroups(Math.ceil(width / 8), Math.ceil(height / 8))
+  }
+
+  #show({ width, height, into }, pipeline) {
+    if (!into) this.#resize(width, height)
+    const { texture = this.#context.getCurrentTexture(), x = 0, y = 0 } = into ?? {}
+    const encoder = this.device.createCommandEncoder()
+    const target = { view: texture.createView(), loadOp: into ? 'load' : 'clear', storeOp: 'store' }
+    const pass = encoder.beginRenderPass({ colorAttachments: [target] })
+    pass.setPipeline(pipeline)
+    this.#bind(pass, pipeline, 0, [{ buffer: this.#place }, { buffer: this.#buffers[PICTURE] }])
+    pass.setScissorRect(x, y, width, height)
+    pass.draw(3)
+    pass.end()
+    this.device.queue.submit([encoder.finish()])
+  }
+
+  /** Not before there is a picture of the new size. */
+  #resize(width, height) {
+    if (this.#canvas.width !== width || this.#canvas.height !== height) Object.assign(this.#canvas, { width, height })
+  }
+
+  async finish() {
+    await this.#running
+    if (this.#failure) throw this.#failure
+  }
+
+  async pixels() {
+    await this.finish()
+    if (!this.#last) throw new Error('nothing was drawn yet')
+    const { width, height, colour } = this.#last
+    const size = 4 * width * height
+    const buffer = this.#buffer(size, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
+    const encoder = this.device.createCommandEncoder()
+    encoder.copyBufferToBuffer(this.#buffers[PICTURE], 4 * colour, buffer, 0, size)
+    this.device.queue.submit([encoder.finish()])
+    await buffer.mapAsync(GPUMapMode.READ)
+    const pixels = new Uint8ClampedArray(buffer.getMappedRange()).slice()
+    buffer.destroy()
+    return pixels
+  }
+
+  free() {
+    this.#freed = true
+    if (this.#next) this.#core.c.gpu_end(this.#next.at)
+    this.#next = undefined
+    this.#giveBack()
+    for (const buffer of [this.#status, this.#place]) buffer.destroy()
+    this.#core.c.release(this.#rooms)
+    this.#context?.unconfigure()
+  }
+}

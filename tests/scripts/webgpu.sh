@@ -1,0 +1,37 @@
+#!/bin/sh
+# A Screen of the npm package (docs/web.md) in headless Chromium, whose WebGPU is SwiftShader's: the pixels of the
+# command; what is not shown, textures of the caller, lost devices, errors in words, what is given back. With
+# FXS_PROCESSORS=all scenes of shared/scenes, an example with three.js and the viewer's page too.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/web.sh
+needs webgpu chromium -- puppeteer-core
+
+# make_scene NAME KIND COUNT OPTION...
+make_scene() {
+    name=$1
+    "$B/fixsplat" make-scene "$2" --count "$3" -o "$work/$name.ply" >/dev/null
+    shift 3
+    "$B/fixsplat" convert "$work/$name.ply" "$work/$name.fxs" "$@" >/dev/null 2>&1
+}
+
+pack() { "$B/fixsplat" convert "$scenes/$1" "$work/shared-$(basename "$1" | sed 's/\..*//').fxs" >/dev/null; }
+
+check "builds" builds
+check "makes a scene" make_scene knot knot 20000
+check "makes another" make_scene fog fog 40000
+check "makes a small one" make_scene few knot 3000
+check "with levels" make_scene levels knot 20000 --levels
+check "packed compact" make_scene compact knot 3000 --profile compact
+check "packed small" make_scene small knot 3000 --profile small
+if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then
+    for scene in guitar/guitar.compressed.ply train-1000/train-1000.ply snowmiku/snowmiku.ply; do
+        check "packs $scene" pack "$scene"
+    done
+    cp "$scenes/snowmiku/cameras.json" "$work"
+fi
+asks webgpu.mjs "$B/fixsplat"
+if [ "$FXS_PROCESSORS" = all ]; then
+    export WEBGPU=1
+    asks gpu_page.mjs "$work" "$B/fixsplat"
+fi
+finish

@@ -1,0 +1,99 @@
+// node gpu_page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: the viewer's page where there is WebGPU.
+import assert from 'node:assert/strict'
+import { changed, hash, inside, moved, native, open, page, pause, run, without } from './chromium.mjs'
+
+const SCENE = '?scene=/scenes/few.fxs'
+const exact = async (backend) => {
+  assert.equal(await inside('return v.backend'), backend)
+  assert.equal(await hash(), native('few.fxs', await viewOf(), '640x360'))
+}
+const viewOf = () => inside('return v.view')
+const engineOf = () => page.workers().find((worker) => worker.url().endsWith('/viewer/worker.js'))
+const before = (more) => (text) => `${more}\n${text}`
+const noAdapter = 'GPU.prototype.requestAdapter = async () => null'
+
+/** For a page where WebGPU counts as a graphics card's, and one of its workers, by its number, as slow. */
+const slowWorker = (number) => `if (globalThis.GPU) {
+  GPU.prototype.requestAdapter = async () => ({ info: { vendor: 'a card' } })
+  let workers = 0
+  window.Worker = class extends Worker {
+    number = workers++
+    set onmessage(hear) {
+      super.onmessage = (event) => {
+        const { result } = event.data
+        if (result?.milliseconds && this.number === ${number}) result.milliseconds += 1e6
+        if (result?.milliseconds && this.number === 1) window.tried = true
+        if (result?.milliseconds && this.number === 0 && window.tried) window.trialEnded = true
+        hear(event)
+      }
+    }
+  }
+}`
+
+await run({
+  async 'asked for: the bytes of the command, and in the settings'() {
+    await open(`${SCENE}&backend=webgpu`)
+    await exact('webgpu')
+    await inside(`$('set').click()`)
+    assert.equal(await inside(`return v.shadowRoot.querySelector('[name=backend]').value`), 'webgpu')
+    await inside(`$('set').click(); v.setAttribute('backend', 'wasm')`)
+    await moved()
+    await exact('wasm')
+  },
+
+  async 'a device that is lost in mid-frame: the same anew, then the next'() {
+    const watch = `const { requestDevice } = GPUAdapter.prototype
+      GPUAdapter.prototype.requestDevice = async function (how) {
+        return (self.device = await requestDevice.call(this, how))
+      }
+      const { submit } = GPUQueue.prototype
+      GPUQueue.prototype.submit = function (list) {
+        submit.call(this, list)
+        if (self.losing) self.device.destroy()
+        self.losing = false
+      }`
+    const lose = async () => {
+      await engineOf().evaluate(() => (self.losing = true))
+      await inside(`const next = v.getAttribute('background') === '#0e1116' ? '#0e1117' : '#0e1116'
+        const drawn = new Promise((done) => v.addEventListener('picture', done, { once: true }))
+        v.setAttribute('background', next)
+        await drawn`)
+      await moved()
+    }
+    await changed('/viewer/worker.js', before(watch), async () => {
+      await open(`${SCENE}&backend=webgpu&background=%23102030`)
+      await inside(`const now = performance.now.bind(performance); let more = 0; v.later = () => (more += 6000);
+        performance.now = () => now() + more; v.later()`)
+      await lose()
+      await exact('webgpu')
+      await lose()
+      await inside(`v.setAttribute('background', '#0e1116')`)
+      await moved()
+      await exact('webgl2')
+      assert.equal(await inside(`return $('error').hidden`), true)
+    })
+  },
+
+  async 'no WebGPU: WebGL 2 takes over'() {
+    await changed('/viewer/worker.js', before(noAdapter), async () => {
+      await open(`${SCENE}&backend=webgpu`)
+      await exact('webgl2')
+      assert.doesNotMatch(await inside(`return $('note').textContent`), /the processor/)
+    })
+  },
+
+  async 'the fastest is found by a trial'() {
+    for (const [slow, faster] of [[0, 'webgpu'], [1, 'wasm']])
+      await without(slowWorker(slow), async () => {
+        await open(SCENE)
+        await page.waitForFunction(() => window.trialEnded, { timeout: 120000 })
+        await moved()
+        await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot
+          .getElementById('stage').children.length === 1)
+        await exact(faster)
+      })
+    await open(SCENE)
+    await pause(1000)
+    assert.equal(page.workers().filter((worker) => worker.url().endsWith('/viewer/worker.js')).length, 1)
+  },
+})
