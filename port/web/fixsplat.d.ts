@@ -392,11 +392,11 @@ type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'
 export class Screen {
   private constructor()
   /**
-   * Opens a canvas with a back end. 'wasm' copies the picture of `render` to the canvas. 'webgpu' renders the same bytes
-   * on the GPU, to which it copies a scene once. 'webgl2' prepares the same bytes on the processor, and draws them on
-   * the GPU. 'webgl2-quads' draws on the GPU too, but its picture is not exact. The promise is rejected where the
-   * canvas already has a context of another kind, and, for all but 'wasm', where there is no WebGPU or WebGL 2, or no
-   * simd128. The scenes that will be drawn must be loaded with the same `simd` and `threads`. For 'webgpu' the canvas
+   * Opens a canvas with a back end. 'wasm' copies the picture of `render` to the canvas. 'webgpu' renders the same
+   * bytes on the GPU, to which it copies a scene once. 'webgl2' prepares the same bytes on the processor, and draws
+   * them on the GPU. 'webgl2-quads' draws on the GPU too, but its picture is not exact. The promise is rejected where
+   * the canvas already has a context of another kind, and, for all but 'wasm', where there is no WebGPU or WebGL 2, or
+   * no simd128. The scenes that will be drawn must be loaded with the same `simd` and `threads`. For 'webgpu' the canvas
    * may be null, and `device` is a device of the caller; without it, all Screens share one. It cannot draw scenes that
    * come in parts.
    */
@@ -415,11 +415,11 @@ export class Screen {
   /** The device of the back end 'webgpu'; undefined with others. */
   readonly device: GPUDevice | undefined
   /** Draws objects as `render` does, and sets the canvas to the size of the picture. With the back end 'webgpu' the
-      canvas keeps its picture until the next one is whole, at the latest when `finish` is fulfilled; of pictures that are
-      drawn while one is on its way, only the last is shown. */
+      canvas keeps its picture until the next one is whole, at the latest when `finish` is fulfilled; of pictures that
+      are drawn while one is on its way, only the last is shown. */
   draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): Drawn
-  /** Is fulfilled when the GPU has completed all pictures that were drawn. With the back end 'webgpu' it is rejected with
-      an Error where the last of them could not be drawn. */
+  /** Is fulfilled when the GPU has completed all pictures that were drawn. With the back end 'webgpu' it is rejected
+      with an Error where the last of them could not be drawn. */
   finish(): Promise<void>
   /** The last picture: the pixels from the top row down, four bytes each: red, green, blue, alpha. With the back end
       'webgpu' a promise of them. */

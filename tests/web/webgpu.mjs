@@ -226,7 +226,8 @@ const tests = {
       FRAMES['one pixel']
     )
     const wanted = [/another kind: take another canvas/, /without simd128/, /was freed/, /different modules/,
-                    /16384 x 16384 pixels/, /too little memory/, /texture of one of rgba8unorm/, /memory|size/, /nothing/]
+                    /16384 x 16384 pixels/, /too little memory/, /texture of one of rgba8unorm/, /memory|size/,
+                    /nothing/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.equal(said.at(-1), hashOf(FRAMES['one pixel']))
   },
@@ -245,8 +246,8 @@ const tests = {
 
   async 'a device that is lost in mid-frame'() {
     const [finish, lost, draws, again] = await run(
-      `const screen = await Screen.open(canvas(), 'webgpu'), scene = await sceneOf('knot'), { camera, options } = args[0]
-      screen.draw([{ scene }], camera, options)
+      `const screen = await Screen.open(canvas(), 'webgpu'), { camera, options } = args[0]
+      screen.draw([{ scene: await sceneOf('knot') }], camera, options)
       screen.device.destroy()
       const said = [await wordsOf(screen.finish()), screen.lost, await wordsOf(drawn(screen, args[0]))]
       screen.free()

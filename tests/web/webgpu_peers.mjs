@@ -1,6 +1,6 @@
-// node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [VIEWER...]]: frames by WebGPU (SwiftShader) of this package, of the
-// engine of PlayCanvas and of three.js's GaussianSplat, of guitar.ply at 1280x720, while the camera goes around. MODULES:
-// a node_modules with playcanvas, three and puppeteer-core. Each in a fresh browser, in turns.
+// node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [VIEWER...]]: frames by WebGPU (SwiftShader) of this package, of
+// the engine of PlayCanvas and of three.js's GaussianSplat, of guitar.ply at 1280x720, while the camera goes around.
+// MODULES: a node_modules with playcanvas, three and puppeteer-core. Each in a fresh browser, in turns.
 import { createReadStream, existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
@@ -15,8 +15,8 @@ const MAP = { three: '/modules/three/build/three.webgpu.js', 'three/webgpu': '/m
   playcanvas: '/modules/playcanvas/build/playcanvas.min.mjs' }
 const FRAMES = 7 // after two that are not counted
 
-// Each opens the scene and returns a function that draws from an eye, y up, the scene turned by half a turn about x, and
-// awaits until the device is done.
+// Each opens the scene and returns a function that draws from an eye, y up, the scene turned by half a turn about x,
+// and awaits until the device is done.
 const VIEWERS = {
   fixsplat: `const { load, Screen } = await import('/fixsplat.js')
     const screen = await Screen.open(canvas, 'webgpu'), placed = [{ scene: await load(url), rotation: [0, 1, 0, 0] }]
