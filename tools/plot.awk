@@ -79,12 +79,13 @@ function py(y) { return bottom - (y - low_y) / (high_y - low_y) * (bottom - top)
 
 # A shape for each series, so that colour is not all that tells them apart.
 function mark(x, y, s,    shape) {
-    shape = s % 5
+    shape = s % 6
     if (shape == 1)
         printf "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"5.5\" class=\"s%d\"/>\n", x, y, s
     else
         printf "<path d=\"M%.1f %.1f%s\" class=\"s%d\"/>\n", x, y, shape == 2 ? "m-4-4h8v8h-8z" \
-            : shape == 3 ? "m0-5.5l5 9h-10z" : shape == 4 ? "m0-5.8l5.2 5.8-5.2 5.8-5.2-5.8z" : "m0 5.5l5-9h-10z", s
+            : shape == 3 ? "m0-5.5l5 9h-10z" : shape == 4 ? "m0-5.8l5.2 5.8-5.2 5.8-5.2-5.8z" \
+            : shape == 5 ? "m0 5.5l5-9h-10z" : "m-1.5-5h3v3.5h3.5v3h-3.5v3.5h-3v-3.5h-3.5v-3h3.5z", s
 }
 
 function floor_of(v) { return v < int(v) ? int(v) - 1 : int(v) }
@@ -119,12 +120,12 @@ function style() {
     print "text { font: 13px system-ui, sans-serif; fill: #666 } .title { font-size: 16px; font-weight: 600 }"
     print ".small { font-size: 11px } .grid { stroke: #808080; stroke-opacity: 0.3 } .axis { stroke: #808080 }"
     print ".path { fill: none; stroke-width: 2 }"
-    print ".s1 { fill: #2a78d6 } .s2 { fill: #d9541e } .s3 { fill: #128a5f } .s4 { fill: #7a4fc9 } .s5 { fill: #b8860b }"
-    print ".l1 { stroke: #2a78d6 } .l2 { stroke: #d9541e } .l3 { stroke: #128a5f } .l4 { stroke: #7a4fc9 } .l5 { stroke: #b8860b }"
+    print ".s1 { fill: #2a78d6 } .s2 { fill: #d9541e } .s3 { fill: #128a5f } .s4 { fill: #7a4fc9 } .s5 { fill: #b8860b } .s6 { fill: #c23b80 }"
+    print ".l1 { stroke: #2a78d6 } .l2 { stroke: #d9541e } .l3 { stroke: #128a5f } .l4 { stroke: #7a4fc9 } .l5 { stroke: #b8860b } .l6 { stroke: #c23b80 }"
     print "@media (prefers-color-scheme: dark) {"
     print "text { fill: #d0d0d0 }"
-    print ".s1 { fill: #5aa0f0 } .s2 { fill: #f07848 } .s3 { fill: #35c08c } .s4 { fill: #a98cf0 } .s5 { fill: #e0b040 }"
-    print ".l1 { stroke: #5aa0f0 } .l2 { stroke: #f07848 } .l3 { stroke: #35c08c } .l4 { stroke: #a98cf0 } .l5 { stroke: #e0b040 } }"
+    print ".s1 { fill: #5aa0f0 } .s2 { fill: #f07848 } .s3 { fill: #35c08c } .s4 { fill: #a98cf0 } .s5 { fill: #e0b040 } .s6 { fill: #f07ab8 }"
+    print ".l1 { stroke: #5aa0f0 } .l2 { stroke: #f07848 } .l3 { stroke: #35c08c } .l4 { stroke: #a98cf0 } .l5 { stroke: #e0b040 } .l6 { stroke: #f07ab8 } }"
     print "</style>"
 }
 
