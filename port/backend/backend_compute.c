@@ -228,45 +228,8 @@ static uint64_t nanoseconds(const void *self)
 
 #else
 
-static int absent(fxs_message *why)
-{
-    return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "built without the headers in libegl-dev, libgles-dev");
-}
-
-static int device_name(int device, char *name, size_t size, fxs_message *why)
-{
-    (void)device, (void)name, (void)size;
-    return absent(why);
-}
-
-static int open_device(void **self, const fxs_backend_options *options, fxs_message *why)
-{
-    (void)options;
-    *self = 0;
-    return absent(why);
-}
-
-static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why)
-{
-    (void)self, (void)request, (void)stats;
-    return absent(why);
-}
-
-static void forget(void *self, const fxs_scene *scene)
-{
-    (void)self, (void)scene;
-}
-
-static uint64_t nanoseconds(const void *self)
-{
-    (void)self;
-    return 0;
-}
-
-static void close_device(void *self)
-{
-    (void)self;
-}
+#define ABSENT "built without the headers in libegl-dev, libgles-dev"
+#include "absent.h"
 
 #endif
 
