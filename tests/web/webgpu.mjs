@@ -50,19 +50,30 @@ const tests = {
   },
 
   async 'without threads, in parts of a device with small buffers'() {
-    const some = { framed: frame('knot', 160, 100), 'a budget': FRAMES['a budget'] }
-    const [hashes, parts] = await runIn(browser, '',
-      `const device = await (await navigator.gpu.requestAdapter()).requestDevice()
+    const devices = [[1000000, 'knot', { framed: frame('knot', 160, 100) }],
+                     [500000, 'levels', { 'a budget': frame('levels', 100, 75, ['--budget', '6000'], { budget: 6000 }) }]]
+    const seen = await runIn(browser, '',
+      `const device = await (await navigator.gpu.requestAdapter()).requestDevice(), seen = []
       const { maxBufferSize, maxTextureDimension2D } = device.limits
-      const limits = { maxStorageBufferBindingSize: 1000000, maxBufferSize, maxTextureDimension2D }
-      Object.defineProperty(device, 'limits', { value: limits })
-      const screen = await Screen.open(canvas(), 'webgpu', { device }), [core, at] = (await sceneOf('knot')).inside
-      ${DRAWS}
-      return [hashes, core.c.gpu_parts(core.c.gpu_open(1000000), at)]`,
-      some
+      const { createBuffer } = GPUDevice.prototype
+      let largest
+      GPUDevice.prototype.createBuffer = function (how) {
+        if (how.usage & GPUBufferUsage.STORAGE) largest = Math.max(largest, how.size)
+        return createBuffer.call(this, how)
+      }
+      for (const [most, name, frames] of args[0]) {
+        largest = 0
+        const limits = { maxStorageBufferBindingSize: most, maxBufferSize, maxTextureDimension2D }
+        Object.defineProperty(device, 'limits', { value: limits, configurable: true })
+        const screen = await Screen.open(canvas(), 'webgpu', { device }), [core, at] = (await sceneOf(name)).inside
+        ${DRAWS.replace('args[0]', 'frames')}
+        screen.free()
+        seen.push([hashes, core.c.gpu_parts(core.c.gpu_open(most), at), largest <= most])
+      }
+      return seen`,
+      devices
     )
-    assert.deepEqual(hashes, hashesOf(some))
-    assert.equal(parts, 2)
+    assert.deepEqual(seen, devices.map(([, , frames], i) => [hashesOf(frames), [2, 6][i], true]))
   },
 
   async 'nothing is shown before it is whole'() {
