@@ -10,7 +10,14 @@ const exact = async (backend) => {
 const viewOf = () => inside('return v.view')
 const engineOf = () => page.workers().find((worker) => worker.url().endsWith('/viewer/worker.js'))
 const before = (more) => (text) => `${more}\n${text}`
-const noAdapter = 'GPU.prototype.requestAdapter = async () => null'
+const faults = {
+  'no adapter': 'GPU.prototype.requestAdapter = async () => null',
+  'no device': `GPUAdapter.prototype.requestDevice = async () => Promise.reject(new Error('limits'))`,
+  'a shader that does not compile': `const { createShaderModule } = GPUDevice.prototype
+    GPUDevice.prototype.createShaderModule = function ({ code }) {
+      return createShaderModule.call(this, { code: code.replace('fn gather_chunks(', 'fn gather_chunks(what ') })
+    }`,
+}
 
 /** For a page where WebGPU counts as a graphics card's, and one of its workers, by its number, as slow. */
 const slowWorker = (number) => `if (globalThis.GPU) {
@@ -74,13 +81,12 @@ await run({
     })
   },
 
-  async 'no WebGPU: WebGL 2 takes over'() {
-    await changed('/viewer/worker.js', before(noAdapter), async () => {
+  ...Object.fromEntries(Object.entries(faults).map(([what, fault]) => [`${what}: WebGL 2 takes over`, () =>
+    changed('/viewer/worker.js', before(fault), async () => {
       await open(`${SCENE}&backend=webgpu`)
       await exact('webgl2')
       assert.doesNotMatch(await inside(`return $('note').textContent`), /the processor/)
-    })
-  },
+    })])),
 
   async 'the fastest is found by a trial'() {
     for (const [slow, faster] of [[0, 'webgpu'], [1, 'wasm']])
