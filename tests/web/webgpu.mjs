@@ -1,7 +1,9 @@
 // node webgpu.mjs PACKAGE WORK MODULES COMMAND: what tests/scripts/webgpu.sh asks of a Screen.
 import assert from 'node:assert/strict'
+import { execFileSync } from 'node:child_process'
+import { readFileSync, writeFileSync } from 'node:fs'
 import { WEBGPU } from './flags.mjs'
-import { frame, FRAMES, hashOf, launch, near, open, runIn, runTests, shared } from './screens.mjs'
+import { command, frame, FRAMES, hash, hashOf, launch, near, open, runIn, runTests, shared, work } from './screens.mjs'
 
 const browser = await launch(...WEBGPU)
 const { run, page } = await open(browser, 'isolated')
@@ -11,11 +13,60 @@ const frames = {
   ...most,
   'square cut-off': frame('few', 200, 150, ['--cutoff', 'square', '--bg', 'ffffff'],
                           { cutoff: 'square', background: 0xffffff }),
-  'profile compact': frame('compact', 200, 150),
-  'profile small': frame('small', 200, 150),
   'a detail': frame('levels', 200, 150, ['--detail', '2.5'], { detail: 2.5 }),
   'first again': FRAMES.framed,
 }
+
+// The scenes of tests/golden in each profile, as webgpu.sh makes them.
+const golden = {}
+for (const kind of ['knot', 'landscape', 'needles', 'fog', 'layers', 'cubes'])
+  for (const profile of ['default', 'compact', 'small'])
+    golden[`${kind} ${profile}`] = frame(`${kind}-${profile}`, 96, 64)
+
+// Random objects, from far enough away that the command's depths have 26 bits behind the point.
+const random = ((state) => (low, high) => {
+  state = (Math.imul(state, 1664525) + 1013904223) >>> 0
+  return low + ((high - low) * state) / 2 ** 32
+})(1)
+const vector = (...range) => [random(...range), random(...range), random(...range)]
+const one = (list) => list[Math.floor(random(0, list.length))]
+const objectOf = (id) => ({
+  scene: one(['knot', 'levels', 'needles-default', 'fog-small', 'cubes-compact']),
+  translation: vector(-2, 2),
+  rotation: [random(0.1, 1), ...vector(-1, 1)],
+  scale: random(0.3, 1.2),
+  opacity: random(0.3, 1),
+  tint: vector(0, 2),
+  visible: random(0, 1) < 0.9,
+  id: 1000 * id,
+  crops: random(0, 1) < 0.4 ? [{ low: vector(-4, -1), high: vector(1, 4), keep: one(['inside', 'outside']) }] : [],
+})
+const DEPTH_BITS = 26
+function randomFrame(_, i) {
+  const objects = Array.from({ length: 1 + i }, (_, id) => objectOf(id))
+  const [[x, y], budget, file] = [vector(-3, 3), i % 2 ? 5000 : 0, `${work}/random-${i}.json`]
+  const size = [Math.floor(random(1, 120)), Math.floor(random(1, 90))]
+  const text = { objects: objects.map(({ scene, ...how }) => ({ file: `${scene}.fxs`, ...how })) }
+  writeFileSync(file, JSON.stringify(text))
+  return {
+    objects,
+    camera: { eye: [x, y, -18], look: [0, 0, 0], fov: 40, near: 0.5 },
+    options: { width: size[0], height: size[1], alpha: i % 3 > 0, budget, depthBits: DEPTH_BITS },
+    args: ['--scene', file, '--size', size.join('x'), '--eye', `${x},${y},-18`, '--look', '0,0,0', '--fov', '40',
+           '--near', '0.5', ...(budget ? ['--budget', budget] : []), ...(i % 3 ? ['--alpha'] : [])],
+  }
+}
+
+/** The hashes of the command's files: a picture of colours, ids, depths of both kinds. */
+function filesOf({ args }) {
+  const names = ['colour.raw', 'ids.raw', 'depth.pfm', 'meanDepth.pfm'].map((name) => `${work}/${name}`)
+  for (const [kind, at] of [['median', 2], ['mean', 3]])
+    execFileSync(command, ['render', ...args, '-o', names[0], '--ids', names[1], '--depth', names[at],
+                           '--depth-kind', kind, '--quiet'])
+  const [colour, ids, depth, meanDepth] = names.map((name) => hash(readFileSync(name)))
+  return { colour, ids, depth, meanDepth }
+}
+
 const hashesOf = (some) => Object.fromEntries(Object.entries(some).map(([name, frame]) => [name, hashOf(frame)]))
 const DRAWS = `const hashes = {}
   for (const [name, frame] of Object.entries(args[0])) hashes[name] = hash(await drawn(screen, frame))`
@@ -49,9 +100,44 @@ const tests = {
     assert.deepEqual(hashes, hashesOf(frames))
   },
 
+  async 'the golden scenes in each profile'() {
+    const hashes = await run(`const screen = await Screen.open(canvas(), 'webgpu')
+      ${DRAWS}
+      screen.free()
+      return hashes`, golden)
+    assert.deepEqual(hashes, hashesOf(golden))
+  },
+
+  async 'random objects: colours, ids and depths in buffers of the caller'() {
+    const some = Array.from({ length: 6 }, randomFrame)
+    const hashes = await run(`const screen = await Screen.open(null, 'webgpu'), seen = []
+      const usage = GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST
+      const filled = (codes, { width, height, depthBits }) => new Uint8Array([
+        ...new TextEncoder().encode('Pf\\n' + width + ' ' + height + '\\n-1.0\\n'),
+        ...new Uint8Array(Float32Array.from({ length: width * height }, (_, i) => {
+          const code = codes[width * (height - 1 - Math.floor(i / width)) + (i % width)]
+          return code === 0xffffffff ? Infinity : code / 2 ** depthBits
+        }).buffer)])
+      for (const frame of args[0]) {
+        const { options } = frame, targets = {}, hashes = {}
+        for (const [name, words] of Object.entries({ colour: 1, ids: 2, depth: 1, meanDepth: 1 }))
+          targets[name] = screen.device.createBuffer({ size: 4 * words * options.width * options.height, usage })
+        await drawn(screen, { ...frame, options: { ...options, targets } })
+        for (const [name, buffer] of Object.entries(targets)) {
+          await buffer.mapAsync(GPUMapMode.READ)
+          const codes = new Uint32Array(buffer.getMappedRange())
+          hashes[name] = hash(/epth/.test(name) ? filled(codes, options) : new Uint8Array(codes.buffer))
+        }
+        seen.push(hashes)
+      }
+      screen.free()
+      return seen`, some)
+    assert.deepEqual(hashes, some.map(filesOf))
+  },
+
   async 'without threads, in parts of a device with small buffers'() {
     const devices = [[1000000, 'knot', { framed: frame('knot', 160, 100) }],
-                     [500000, 'levels', { 'a budget': frame('levels', 100, 75, ['--budget', '6000'], { budget: 6000 }) }]]
+                     [500000, 'levels', { budget: frame('levels', 100, 75, ['--budget', '6000'], { budget: 6000 }) }]]
     const seen = await runIn(browser, '',
       `const device = await (await navigator.gpu.requestAdapter()).requestDevice(), seen = []
       const { maxBufferSize, maxTextureDimension2D } = device.limits
@@ -170,11 +256,11 @@ const tests = {
       await draws()
       const first = await read(texture), corner = hash(bytes(cut(first)))
       drawMesh()
-      await draws({ alpha: true }, { depth })
+      await draws({ alpha: true, depthBits: 20 }, { depth })
       const behind = hash(bytes(cut(await read(texture))))
-      const hidden = cut(await read(depth.texture)).map((word) => (word === 0x3f800000 ? 0xffffffff : 4 << 16))
+      const hidden = cut(await read(depth.texture)).map((word) => (word === 0x3f800000 ? 0xffffffff : 4 << 20))
       const targets = { colour: 'premultiplied', occluder: hidden }
-      const { colour } = placed[0].scene.render(args[0].camera, { ...args[0].options, targets })
+      const { colour } = placed[0].scene.render(args[0].camera, { ...args[0].options, depthBits: 20, targets })
       drawMesh()
       const before = bytes(cut(await read(texture)))
       await draws({ alpha: true }, { depth, over: true })
@@ -225,7 +311,7 @@ const tests = {
       await note(() => screen.draw([{ scene: plain }]))
       await note(() => screen.draw(placed, camera, { width: 16384, height: 16384 }))
       await note(() => screen.draw(placed, camera, { ...options, maxMemory: 100000 }) && screen.finish())
-      await note(() => screen.draw(placed, camera, { ...options, into: { texture: {} } }))
+      await note(() => screen.draw(placed, camera, { width: 0, height: 0 }))
       const { createBuffer } = GPUDevice.prototype
       GPUDevice.prototype.createBuffer = function (how) {
         return createBuffer.call(this, { ...how, size: how.size > 1000 && !how.mappedAtCreation ? 2 ** 41 : how.size })
@@ -237,8 +323,7 @@ const tests = {
       FRAMES['one pixel']
     )
     const wanted = [/another kind: take another canvas/, /without simd128/, /was freed/, /different modules/,
-                    /16384 x 16384 pixels/, /too little memory/, /texture of one of rgba8unorm/, /memory|size/,
-                    /nothing/]
+                    /16384 x 16384 pixels/, /too little memory/, /0 x 0 pixels/, /memory|size/, /nothing/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.equal(said.at(-1), hashOf(FRAMES['one pixel']))
   },
@@ -255,19 +340,111 @@ const tests = {
     assert.match(said, /^[a-z_]+ does not compile: line \d+: /)
   },
 
-  async 'a device that is lost in mid-frame'() {
-    const [finish, lost, draws, again] = await run(
-      `const screen = await Screen.open(canvas(), 'webgpu'), { camera, options } = args[0]
-      screen.draw([{ scene: await sceneOf('knot') }], camera, options)
-      screen.device.destroy()
-      const said = [await wordsOf(screen.finish()), screen.lost, await wordsOf(drawn(screen, args[0]))]
+  async 'a canvas of no size'() {
+    const hashes = await run(`const empty = new OffscreenCanvas(0, 0), screen = await Screen.open(empty, 'webgpu')
+      const hashes = [hash(await drawn(screen, args[0]))]
+      Object.assign(empty, { width: 0, height: 0 })
+      hashes.push(hash(await drawn(screen, args[0])), empty.width)
       screen.free()
+      return hashes`, FRAMES['one pixel'])
+    assert.deepEqual(hashes, [hashOf(FRAMES['one pixel']), hashOf(FRAMES['one pixel']), 1])
+  },
+
+  async 'textures and buffers that cannot be drawn into: one line, and nothing is drawn'() {
+    const [said, kept, again] = await run(
+      `const screen = await Screen.open(null, 'webgpu'), { device } = screen, said = []
+      const other = await (await navigator.gpu.requestAdapter()).requestDevice()
+      const { RENDER_ATTACHMENT, TEXTURE_BINDING, COPY_SRC } = GPUTextureUsage, { COPY_DST, MAP_READ } = GPUBufferUsage
+      const usage = RENDER_ATTACHMENT | TEXTURE_BINDING | COPY_SRC
+      const made = (how, of = device) => of.createTexture({ size: [8, 8], format: 'rgba8unorm', usage, ...how })
+      const depthOf = (how, of) => ({ texture: made({ format: 'depth32float', ...how }, of), planes: [1, 9] })
+      const bufferOf = (how, of = device) => of.createBuffer({ size: 8, usage: COPY_DST, ...how })
+      const texture = made(), gone = made(), placed = [{ scene: await sceneOf('knot') }]
+      gone.destroy()
+      const draws = async (into, options) => {
+        screen.draw(placed, args[0].camera, { ...args[0].options, into, ...options })
+        await screen.finish()
+      }
+      for (const [into, options] of [
+        [], [{}], [{ texture: made({ format: 'r8unorm' }) }], [{ texture: made({ usage: COPY_SRC }) }],
+        [{ texture, x: 8 }], [{ texture: made({ sampleCount: 4, usage: RENDER_ATTACHMENT | TEXTURE_BINDING }) }],
+        [{ texture: made({}, other) }], [{ texture: gone }], [{ texture, depth: { planes: [1, 9] } }],
+        [{ texture, depth: depthOf({ format: 'stencil8' }) }], [{ texture, depth: depthOf({ usage: COPY_SRC }) }],
+        [{ texture, x: 1, depth: depthOf({ size: [1, 8] }) }], [{ texture, depth: depthOf({}, other) }],
+        [{ texture, depth: { ...depthOf(), planes: [1, 0] } }], [{ texture, over: true }],
+        [{ texture }, { targets: { grey: bufferOf() } }], [{ texture }, { targets: { ids: bufferOf({ size: 4 }) } }],
+        [{ texture }, { targets: { ids: bufferOf({ usage: GPUBufferUsage.STORAGE }) } }],
+        [{ texture }, { targets: { depth: bufferOf({}, other) } }],
+        [{ texture }, { depthBits: 29 }],
+      ]) said.push(await wordsOf(draws(into, options)))
+      const usual = { size: 2048, usage: COPY_DST | MAP_READ }, buffer = device.createBuffer(usual)
+      const encoder = device.createCommandEncoder()
+      encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: 256 }, [8, 8])
+      device.queue.submit([encoder.finish()])
+      await buffer.mapAsync(GPUMapMode.READ)
+      const kept = new Uint32Array(buffer.getMappedRange()).every((word) => !word)
+      await draws({ texture })
+      const again = hash(await screen.pixels())
+      screen.free()
+      return [said, kept, again]`,
+      FRAMES['one pixel']
+    )
+    const wanted = [/without a canvas/, /texture of one of rgba8unorm/, /texture of one of rgba8unorm/,
+                    /`into` needs a texture with the usage RENDER_ATTACHMENT/, /from 8, 0 on do not lie/,
+                    /do not lie/, /cannot be used with/, /[Dd]estroyed texture/, /a texture of depths/,
+                    /a texture of depths/, /`into.depth` needs a texture with the usage TEXTURE_BINDING/,
+                    /do not lie in the texture of `into.depth`/, /cannot be used with/, /two planes/, /needs `alpha`/,
+                    /grey: expected one of colour/, /ids needs a buffer of 8 bytes/, /with the usage COPY_DST/,
+                    /cannot be used with/, /depthBits 29/]
+    wanted.forEach((words, i) => assert.match(said[i], words))
+    assert.equal(said.length, wanted.length)
+    assert.ok(said.every((words) => !words.includes('\n')), said.join('; '))
+    assert.equal(kept, true)
+    assert.equal(again, hashOf(FRAMES['one pixel']))
+  },
+
+  async 'a device that is lost: before a frame, between two, in one, and while a Screen opens; or not to be had'() {
+    const [said, shown, lost, again] = await run(
+      `const said = [], { camera, options } = args[0], placed = [{ scene: await sceneOf('knot') }]
+      const note = async (act) => said.push(await wordsOf((async () => act())()))
+      const [before, between, within] = await Promise.all([1, 2, 3].map(() => Screen.open(canvas(), 'webgpu')))
+      await drawn(between, args[0])
+      ${COUNTS}
+      const { submit } = GPUQueue.prototype
+      GPUQueue.prototype.submit = function (list) {
+        submit.call(this, list)
+        within.device.destroy()
+      }
+      within.draw(placed, camera, options)
+      await note(() => within.finish())
+      GPUQueue.prototype.submit = submit
+      await note(() => between.pixels())
+      for (const screen of [before, between, within]) await note(() => drawn(screen, args[0]))
+      undo.forEach((one) => one())
+      const lost = [before, between, within].map((screen) => screen.lost), { device } = before
+      for (const screen of [before, between, within]) screen.free()
+      await note(() => Screen.open(canvas(), 'webgpu', { device }))
+      const { requestAdapter } = GPU.prototype, { requestDevice } = GPUAdapter.prototype
+      GPU.prototype.requestAdapter = async () => null
+      await note(() => Screen.open(canvas(), 'webgpu'))
+      GPU.prototype.requestAdapter = requestAdapter
+      GPUAdapter.prototype.requestDevice = function () {
+        return requestDevice.call(this, { requiredLimits: { maxBufferSize: 2 ** 50 } })
+      }
+      await note(() => Screen.open(canvas(), 'webgpu'))
+      GPUAdapter.prototype.requestDevice = async function (how) {
+        const made = await requestDevice.call(this, how)
+        made.destroy()
+        return made
+      }
+      await note(() => Screen.open(canvas(), 'webgpu'))
+      GPUAdapter.prototype.requestDevice = requestDevice
       const other = await Screen.open(canvas(), 'webgpu')
-      return [...said, hash(await drawn(other, args[0]))]`, FRAMES.framed)
-    assert.match(finish, /device was lost: open another Screen/)
-    assert.equal(lost, true)
-    assert.match(draws, /device was lost: open another Screen/)
-    assert.equal(again, hashOf(FRAMES.framed))
+      return [said, counts.getCurrentTexture, lost, hash(await drawn(other, args[0]))]`, FRAMES.framed)
+    const wanted = [...Array(6).fill(/^the WebGPU device was lost: open another Screen$/), /^there is no WebGPU here$/,
+                    /^there is no WebGPU device: [^\n]*limit[^\n]*$/, /device was lost/]
+    wanted.forEach((words, i) => assert.match(said[i], words))
+    assert.deepEqual([shown, lost, again], [0, [true, true, true], hashOf(FRAMES.framed)])
   },
 }
 
