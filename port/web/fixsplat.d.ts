@@ -359,19 +359,20 @@ export function foresee(objects: readonly Placed[], camera?: Camera, options?: F
     null where no Gaussian contributes. */
 export function pick(x: number, y: number, objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Picked | null
 
-/** Where a Screen of the back end 'webgpu' draws in place of its canvas: textures of its device. They are read and
+/** Where a Screen of the back end 'webgpu' draws in place of its whole canvas: textures of its device. They are read and
     written until `finish` is fulfilled. */
 export interface IntoTexture {
   /** A texture with the usage RENDER_ATTACHMENT and the format rgba8unorm, bgra8unorm, rgba16float or rgba32float. The
-      colours are those of an sRGB picture. */
-  texture: GPUTexture
+      colours are those of an sRGB picture. Without it, the picture is drawn into a part of the Screen's canvas, which
+      keeps its size and what is beside the picture. */
+  texture?: GPUTexture
   /** The pixel of the texture, from its top left corner, for the top left corner of the picture; 0 and 0 by default. */
   x?: number
   y?: number
   /** The depth buffer of what is drawn already, in a depth format and with the usage TEXTURE_BINDING, at the same
-      pixels: a Gaussian whose centre is farther adds nothing to that pixel. `planes` are the distances from the camera, in scene units, that 0
-      and 1 stand for, of a camera with perspective. Either may be the farther one, which hides nothing and may be
-      Infinity. */
+      pixels: a Gaussian whose centre is farther adds nothing to that pixel. `planes` are the distances from the
+      camera, in scene units, that 0 and 1 stand for, of a camera with perspective. Either may be the farther one, which
+      hides nothing and may be Infinity. */
   depth?: { texture: GPUTexture; planes: readonly [number, number] }
   /** With `alpha`: true blends the picture over what is in the texture. False, the default, replaces that. */
   over?: boolean

@@ -173,6 +173,7 @@ export class Computed {
   #valuesOf
   #context
   #format                      // of the canvas
+  #parts                       // what is on it, where pictures are drawn into parts of it
   #names                       // of the programs, by their numbers,
   #pipelines = {}              // and those that are there, by their names
   #rooms                       // the place of the device's rooms in the module
@@ -218,7 +219,8 @@ export class Computed {
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
     this.#format = navigator.gpu.getPreferredCanvasFormat()
     await programsOf(this.device).show(this.#format, false)
-    this.#context.configure({ device: this.device, format: this.#format, alphaMode: 'premultiplied' })
+    const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_DST
+    this.#context.configure({ device: this.device, format: this.#format, alphaMode: 'premultiplied', usage })
   }
 
   async #need(...names) {
@@ -296,6 +298,7 @@ export class Computed {
   draw(core, width, height, { alpha, into, targets = {}, depthBits = 16, ...options }, objects) {
     if (this.lost) throw new Error(LOST)
     checkTargets(targets, width * height)
+    if (into && !into.texture && this.#context) into = { ...into, texture: this.#partsOf(this.#canvas) }
     this.#checkPlace(into, width, height, alpha, Object.keys(targets).length > 0)
     const scenes = objects.map(({ scene }) => scene)
     for (const scene of scenes) core.check(core.c.gpu_parts(this.#rooms, scene.inside[1]))
@@ -463,6 +466,16 @@ export class Computed {
     pass.setScissorRect(x, y, width, height)
     pass.draw(3)
     pass.end()
+    if (!into) this.#parts = undefined
+    if (texture !== this.#parts) return
+    const shown = this.#context.getCurrentTexture()
+    encoder.copyTextureToTexture({ texture }, { texture: shown }, [shown.width, shown.height])
+  }
+
+  #partsOf({ width, height }) {
+    if (this.#parts?.width === width && this.#parts.height === height) return this.#parts
+    const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC
+    return (this.#parts = this.device.createTexture({ size: [width, height], format: this.#format, usage }))
   }
 
   /** Not before there is a picture of the new size. */

@@ -1,6 +1,6 @@
 // node gpu_page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: the viewer's page where there is WebGPU.
 import assert from 'node:assert/strict'
-import { changed, hash, inside, moved, native, open, page, pause, run, without } from './chromium.mjs'
+import { changed, engineOf, hash, inside, moved, native, open, page, pause, run, without } from './chromium.mjs'
 
 const SCENE = '?scene=/scenes/few.fxs'
 const exact = async (backend) => {
@@ -8,7 +8,6 @@ const exact = async (backend) => {
   assert.equal(await hash(), native('few.fxs', await viewOf(), '640x360'))
 }
 const viewOf = () => inside('return v.view')
-const engineOf = () => page.workers().find((worker) => worker.url().endsWith('/viewer/worker.js'))
 const before = (more) => (text) => `${more}\n${text}`
 const faults = {
   'no adapter': 'GPU.prototype.requestAdapter = async () => null',

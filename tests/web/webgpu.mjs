@@ -198,6 +198,24 @@ const tests = {
     assert.equal(shown, hashOf(FRAMES.framed))
   },
 
+  async 'two eyes on one canvas'() {
+    const some = [frame('few', 40, 30), frame('few', 40, 30, ['--eye', '2,-1,-4'], {}, { eye: [2, -1, -4] })]
+    const [hashes, beyond] = await run(`const shown = new OffscreenCanvas(80, 30)
+      const screen = await Screen.open(shown, 'webgpu'), placed = [{ scene: await sceneOf('few') }]
+      const flat = new OffscreenCanvas(80, 30).getContext('2d')
+      for (const [i, { camera, options }] of args[0].entries()) {
+        screen.draw(placed, camera, { ...options, into: { x: 40 * i } })
+        await screen.finish()
+      }
+      flat.drawImage(shown.transferToImageBitmap(), 0, 0)
+      const hashes = [0, 40].map((x) => hash(flat.getImageData(x, 0, 40, 30).data))
+      const beyond = await wordsOf((async () => screen.draw(placed, {}, { width: 41, height: 30, into: { x: 40 } }))())
+      screen.free()
+      return [hashes, beyond]`, some)
+    assert.deepEqual(hashes, some.map(hashOf))
+    assert.match(beyond, /41 x 30 pixels from 40, 0 on do not lie/)
+  },
+
   async 'the last of frames that wait'() {
     const [hashes, textures] = await run(`${COUNTS}
       const screen = await Screen.open(canvas(), 'webgpu'), scene = await sceneOf('knot')
