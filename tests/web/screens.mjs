@@ -8,7 +8,7 @@ import { join, resolve } from 'node:path'
 
 export const [folder, work, modules, command, speed] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
-const KINDS = { js: 'text/javascript', wasm: 'application/wasm' }
+const KINDS = { js: 'text/javascript', mjs: 'text/javascript', wasm: 'application/wasm' }
 
 export function hash(bytes) {
   let h = 0xcbf29ce484222325n
@@ -45,10 +45,17 @@ const WORKER = `import { drawn, hash, Screen } from '/common.js'
     }
   }`
 const PAGE = '<!doctype html><title>fixsplat</title>'
-const MAP = { imports: { 'three/webgpu': '/three/three.webgpu.js', fixsplat: '/fixsplat.js' } }
+const MAP = {
+  imports: {
+    'three/webgpu': '/three/three.webgpu.js',
+    playcanvas: '/playcanvas/playcanvas.mjs',
+    fixsplat: '/fixsplat.js',
+  },
+}
 const MESH = `${PAGE}<script type="importmap">${JSON.stringify(MAP)}</script>`
 const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/common.js': COMMON, '/worker.js': WORKER }
-const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build` }
+const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build`,
+                  playcanvas: `${modules}/playcanvas/build` }
 
 const server = createServer((request, answer) => {
   const path = decodeURIComponent(new URL(request.url, 'http://x').pathname)
