@@ -1,5 +1,5 @@
-// A mesh of PlayCanvas that stands in a scene of Gaussians, drawn by one WebGPU device: in a page with an import map for
-// `playcanvas` and `fixsplat`, and a <canvas>.
+// A mesh of PlayCanvas that stands in a scene of Gaussians, drawn by one WebGPU device: in a page with an import map
+// for `playcanvas` and `fixsplat`, and a <canvas>.
 import * as pc from 'playcanvas'
 import { load, Screen } from 'fixsplat'
 

@@ -359,8 +359,8 @@ export function foresee(objects: readonly Placed[], camera?: Camera, options?: F
     null where no Gaussian contributes. */
 export function pick(x: number, y: number, objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Picked | null
 
-/** Where a Screen of the back end 'webgpu' draws in place of its whole canvas: textures of its device. They are read and
-    written until `finish` is fulfilled. */
+/** Where a Screen of the back end 'webgpu' draws in place of its whole canvas: textures of its device. They are read
+    and written until `finish` is fulfilled. */
 export interface IntoTexture {
   /** A texture with the usage RENDER_ATTACHMENT and the format rgba8unorm, bgra8unorm, rgba16float or rgba32float. The
       colours are those of an sRGB picture. Without it, the picture is drawn into a part of the Screen's canvas, which
@@ -378,10 +378,10 @@ export interface IntoTexture {
   over?: boolean
 }
 
-/** What a Screen of the back end 'webgpu' copies into buffers of its device, beside the picture: the targets of a Frame,
-    as numbers of 32 bits in the rows of pixels from the top. A buffer needs the usage COPY_DST and 4 bytes a pixel, for
-    `ids` 8. It is written when the picture is whole, at the latest when `finish` is fulfilled. `colour` has four bytes a
-    pixel: red, green, blue, alpha. */
+/** What a Screen of the back end 'webgpu' copies into buffers of its device, beside the picture: the targets of a
+    Frame, as numbers of 32 bits in the rows of pixels from the top. A buffer needs the usage COPY_DST and 4 bytes a
+    pixel, for `ids` 8. It is written when the picture is whole, at the latest when `finish` is fulfilled. `colour` has
+    four bytes a pixel: red, green, blue, alpha. */
 export interface IntoBuffers {
   colour?: GPUBuffer
   depth?: GPUBuffer

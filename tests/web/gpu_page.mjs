@@ -87,6 +87,16 @@ await run({
       assert.doesNotMatch(await inside(`return $('note').textContent`), /the processor/)
     })])),
 
+  async 'an element of no size, and back'() {
+    await open(`${SCENE}&backend=webgpu`)
+    await inside(`v.style.cssText = 'display: block; width: 0; height: 0'`)
+    await pause(500)
+    await inside(`v.style.cssText = ''`)
+    await moved()
+    await exact('webgpu')
+    assert.equal(await inside(`return $('error').hidden`), true)
+  },
+
   async 'the fastest is found by a trial'() {
     for (const [slow, faster] of [[0, 'webgpu'], [1, 'wasm']])
       await without(slowWorker(slow), async () => {
