@@ -66,10 +66,11 @@ await run({
         await drawn`)
       await moved()
     }
-    await changed('/viewer/worker.js', before(watch), async () => {
+    // What is soon does not depend on the machine.
+    const later = (text) => text.replace('AGAIN_MS = 5000', 'AGAIN_MS = 500000')
+    await changed('/viewer/picture.js', later, () => changed('/viewer/worker.js', before(watch), async () => {
       await open(`${SCENE}&backend=webgpu&background=%23102030`)
-      await inside(`const now = performance.now.bind(performance); let more = 0; v.later = () => (more += 6000);
-        performance.now = () => now() + more; v.later()`)
+      await inside(`const now = performance.now.bind(performance); performance.now = () => now() + 600000`)
       await lose()
       await exact('webgpu')
       await lose()
@@ -77,7 +78,7 @@ await run({
       await moved()
       await exact('webgl2')
       assert.equal(await inside(`return $('error').hidden`), true)
-    })
+    }))
   },
 
   ...Object.fromEntries(Object.entries(faults).map(([what, fault]) => [`${what}: WebGL 2 takes over`, () =>
