@@ -37,10 +37,10 @@ static fxs_message why;
 
 static struct fake {
     const char *name;
-    fxs_compute_function function;
+    fxs_gl_function function;
 } fakes[2];
 
-static fxs_compute_function load(void *argument, const char *name)
+static fxs_gl_function load(void *argument, const char *name)
 {
     for (int i = 0; i < 2 && fakes[i].name; i++)
         if (!strcmp(name, fakes[i].name))
@@ -49,7 +49,7 @@ static fxs_compute_function load(void *argument, const char *name)
 }
 
 /* Makes a back end of its own with a fake function. Returns the error; *out is null then. */
-static int open_with(fxs_compute **out, const char *name, fxs_compute_function function)
+static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
     *out = malloc(fxs_compute_bytes());
@@ -290,7 +290,7 @@ static void wild_frames(void)
 static void *read_words(int buffer, uint64_t first, uint64_t count)
 {
     uint32_t *words = malloc(4 * count);
-    device->gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    device->more.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     device->gl.BindBuffer(GL_COPY_READ_BUFFER, device->buffers[buffer]);
     const void *from = device->gl.MapBufferRange(GL_COPY_READ_BUFFER, (GLintptr)(4 * first), (GLsizeiptr)(4 * count),
                                                  GL_MAP_READ_BIT);
@@ -534,17 +534,17 @@ static void init_fails(void)
     fxs_compute *c;
     CHECK(open_with(&c, "glDispatchCompute", 0) == FXS_ERR_UNSUPPORTED);
     CHECK(!strcmp(why.text, "no compute shaders: no function glDispatchCompute"));
-    CHECK(open_with(&c, "glGetString", (fxs_compute_function)fake_GetString) == FXS_ERR_UNSUPPORTED);
+    CHECK(open_with(&c, "glGetString", (fxs_gl_function)fake_GetString) == FXS_ERR_UNSUPPORTED);
     CHECK(!strcmp(why.text, "OpenGL ES 3.1 is needed, this is OpenGL ES 3.0 Old"));
     real_GetIntegerv = device->gl.GetIntegerv;
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         limited = limits[i];
-        CHECK(open_with(&c, "glGetIntegerv", (fxs_compute_function)fake_GetIntegerv) == FXS_ERR_UNSUPPORTED);
+        CHECK(open_with(&c, "glGetIntegerv", (fxs_gl_function)fake_GetIntegerv) == FXS_ERR_UNSUPPORTED);
         CHECK(strstr(why.text, "than") != 0);
     }
     real_GetShaderiv = device->gl.GetShaderiv;
-    fakes[1] = (struct fake){"glGetShaderInfoLog", (fxs_compute_function)fake_GetShaderInfoLog};
-    CHECK(open_with(&c, "glGetShaderiv", (fxs_compute_function)fake_GetShaderiv) == FXS_ERR_UNSUPPORTED);
+    fakes[1] = (struct fake){"glGetShaderInfoLog", (fxs_gl_function)fake_GetShaderInfoLog};
+    CHECK(open_with(&c, "glGetShaderiv", (fxs_gl_function)fake_GetShaderiv) == FXS_ERR_UNSUPPORTED);
     CHECK(!strcmp(why.text, "clear_counts does not compile: 0:17: what is that?"));
     fakes[1] = (struct fake){0, 0};
 }
@@ -586,7 +586,7 @@ static void frames_fail(void)
     request.targets[0] = b.targets;
     if (CHECK(!open_with(&c, 0, 0))) {
         for (int i = 0; i < 4; i++) {
-            const fxs_compute_gl gl = c->gl;
+            const fxs_gl gl = c->gl;
             fxs_compute_scene copy = {.key = 0};
             const fxs_compute_scene *copies[] = {&copy};
             void *memory = malloc(fxs_compute_memory(&request));

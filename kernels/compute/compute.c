@@ -21,23 +21,24 @@ static int allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
     return FXS_ERR_MEMORY;
 }
 
-/* Takes the errors that are pending. Returns 0 where there were none. A lost context may report errors for ever. */
-static int check(const fxs_compute *c, fxs_message *why)
+static int said(int error, fxs_message *why)
 {
-    GLenum first = GL_NO_ERROR, next;
-    for (int i = 0; i < 16 && (next = c->gl.GetError()) != GL_NO_ERROR; i++)
-        first = first == GL_NO_ERROR ? next : first;
-    return first == GL_NO_ERROR ? 0
-           : first == GL_OUT_OF_MEMORY
+    return !error ? 0
+           : error == FXS_ERR_MEMORY
                ? fxs_plan_say(why, FXS_ERR_MEMORY, "the device is out of memory", "")
                : fxs_plan_say(why, FXS_ERR_DEVICE, "the device failed, or its context was lost", "");
+}
+
+/* Takes the errors that are pending. Returns 0 where there were none. */
+static int check(const fxs_compute *c, fxs_message *why)
+{
+    return said(fxs_gl_check(&c->gl), why);
 }
 
 /* The same for a call that failed, whether it left an error or not: never 0. */
 static int failure(const fxs_compute *c, fxs_message *why)
 {
-    const int error = check(c, why);
-    return error ? error : fxs_plan_say(why, FXS_ERR_DEVICE, "the device failed, or its context was lost", "");
+    return said(fxs_gl_failure(&c->gl), why);
 }
 
 static int use(const fxs_compute *c, fxs_message *why)
@@ -76,26 +77,18 @@ void fxs_compute_limit(fxs_compute *c, uint64_t bytes)
     c->limit = bytes;
 }
 
-static int load_functions(fxs_compute_gl *gl, fxs_compute_load_fn *load, void *argument, fxs_message *why)
+/* Returns null, or the name of a function that there is not. */
+static const char *load_more(fxs_compute_gl *table, fxs_gl_load_fn *load, void *argument)
 {
-#define LOAD(type, name) \
-    gl->name = (PFNGL##type##PROC)load(argument, "gl" #name); \
-    if (!gl->name) \
-        return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "no compute shaders: no function gl", #name);
-    FXS_COMPUTE_FUNCTIONS(LOAD)
+    FXS_COMPUTE_FUNCTIONS(FXS_GL_LOAD)
     return 0;
 }
 
-static int has_extension(const fxs_compute_gl *gl, const char *name)
+static int load_functions(fxs_compute *c, fxs_gl_load_fn *load, void *argument, fxs_message *why)
 {
-    GLint count = 0;
-    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; i++) {
-        const char *one = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i);
-        if (one && !strcmp(one, name))
-            return 1;
-    }
-    return 0;
+    const char *missing = fxs_gl_load(&c->gl, load, argument);
+    missing = missing ? missing : load_more(&c->more, load, argument);
+    return missing ? fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "no compute shaders: no function ", missing) : 0;
 }
 
 static int check_version(fxs_compute *c, fxs_message *why)
@@ -109,7 +102,7 @@ static int check_version(fxs_compute *c, fxs_message *why)
     const char *number = strncmp(version, es, sizeof es - 1) ? "" : version + sizeof es - 1;
     if (number[0] < '3' || number[0] > '9' || (number[0] == '3' && (number[1] != '.' || number[2] < '1')))
         return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "OpenGL ES 3.1 is needed, this is ", version);
-    c->timer = has_extension(&c->gl, "GL_EXT_disjoint_timer_query");
+    c->timer = fxs_gl_has_extension(&c->gl, "GL_EXT_disjoint_timer_query");
     return 0;
 }
 
@@ -139,24 +132,10 @@ static int check_limits(fxs_compute *c, fxs_message *why)
 
 static int make_program(fxs_compute *c, int which, const char *entry, const char *text, fxs_message *why)
 {
-    const fxs_compute_gl *gl = &c->gl;
     char log[400] = "";
-    GLint done = 0;
-    const GLuint shader = gl->CreateShader(GL_COMPUTE_SHADER), program = c->programs[which] = gl->CreateProgram();
-    gl->ShaderSource(shader, 1, &text, 0);
-    gl->CompileShader(shader);
-    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &done);
-    if (!done)
-        gl->GetShaderInfoLog(shader, sizeof log, 0, log);
-    gl->AttachShader(program, shader);
-    gl->DeleteShader(shader);
-    if (done) {
-        gl->LinkProgram(program);
-        gl->GetProgramiv(program, GL_LINK_STATUS, &done);
-        if (!done)
-            gl->GetProgramInfoLog(program, sizeof log, 0, log);
-    }
-    if (done)
+    const GLuint program = c->programs[which] = c->gl.CreateProgram();
+    if (fxs_gl_compile(&c->gl, program, GL_COMPUTE_SHADER, &text, 1, log, sizeof log) &&
+        fxs_gl_link(&c->gl, program, log, sizeof log))
         return 0;
     fxs_message which_one;
     fxs_plan_say(&which_one, 0, entry, " does not compile: ");
@@ -174,14 +153,13 @@ static int make_objects(fxs_compute *c, fxs_message *why)
     return error ? error : check(c, why);
 }
 
-int fxs_compute_init(fxs_compute *c, fxs_compute_load_fn *load, fxs_compute_use_fn *use_fn, void *argument,
-                     fxs_message *why)
+int fxs_compute_init(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn, void *argument, fxs_message *why)
 {
     memset(c, 0, sizeof *c);
     c->use = use_fn;
     c->use_argument = argument;
     int error = use(c, why);
-    error = error ? error : load_functions(&c->gl, load, argument, why);
+    error = error ? error : load_functions(c, load, argument, why);
     error = error ? error : check_version(c, why);
     error = error ? error : check_limits(c, why);
     if (error)
@@ -201,9 +179,7 @@ void fxs_compute_free(fxs_compute *c)
     fxs_message why;
     if (use(c, &why))
         return;                    /* its objects went with the context */
-    c->gl.UseProgram(0);
-    for (int i = 0; i < FXS_COMPUTE_PROGRAMS; i++)
-        c->gl.DeleteProgram(c->programs[i]);
+    fxs_gl_delete_programs(&c->gl, FXS_COMPUTE_PROGRAMS, c->programs);
     c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     if (c->timer)
         c->gl.DeleteQueries(1, &c->query);
@@ -243,7 +219,7 @@ static void give_back(fxs_compute *c)
 static void put(fxs_compute *c, uint64_t at, const void *from, uint64_t bytes)
 {
     if (bytes)
-        c->gl.BufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)at, (GLsizeiptr)bytes, from);
+        c->more.BufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)at, (GLsizeiptr)bytes, from);
 }
 
 /* A buffer of a part of a scene, or of its heads. */
@@ -392,30 +368,30 @@ static void take_step(void *argument, const fxs_step *step)
 {
     walk *w = argument;
     const fxs_compute *c = w->c;
-    const fxs_compute_gl *gl = &c->gl;
+    const fxs_gl *gl = &c->gl;
     if (step->waits)
-        gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+        c->more.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     if (w->program != step->program)
         gl->UseProgram(c->programs[step->program]);
     w->program = step->program;
     for (GLuint i = 0; i < 4; i++) {
         const int32_t buffer = step->buffers[i];
         if (buffer != FXS_PLAN_NONE)
-            gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i,
-                               buffer == FXS_PLAN_HEADS  ? w->copies[step->object]->heads
-                               : buffer == FXS_PLAN_ROWS ? w->copies[step->object]->parts[step->part]
-                                                         : c->buffers[buffer]);
+            c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, i,
+                                   buffer == FXS_PLAN_HEADS  ? w->copies[step->object]->heads
+                                   : buffer == FXS_PLAN_ROWS ? w->copies[step->object]->parts[step->part]
+                                                             : c->buffers[buffer]);
     }
     if (step->uniform)
-        gl->BindBufferRange(GL_UNIFORM_BUFFER, 1, c->buffers[FXS_COMPUTE_UNIFORMS], (GLintptr)step->uniform,
-                            sizeof(fxs_compute_object));
+        c->more.BindBufferRange(GL_UNIFORM_BUFFER, 1, c->buffers[FXS_COMPUTE_UNIFORMS], (GLintptr)step->uniform,
+                                sizeof(fxs_compute_object));
     if (step->arguments == FXS_PLAN_NONE) {
         if (step->groups[0])
-            gl->DispatchCompute(step->groups[0], step->groups[1], 1);
+            c->more.DispatchCompute(step->groups[0], step->groups[1], 1);
         return;
     }
     gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, c->buffers[step->arguments]);
-    gl->DispatchComputeIndirect((GLintptr)step->arguments_at);
+    c->more.DispatchComputeIndirect((GLintptr)step->arguments_at);
 }
 
 static void read_time(fxs_compute *c)
@@ -432,21 +408,21 @@ static void read_time(fxs_compute *c)
 /* All stages, and the copy of what is read back. */
 static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copies, fxs_message *why)
 {
-    const fxs_compute_gl *gl = &c->gl;
+    const fxs_gl *gl = &c->gl;
     walk w = {c, copies, FXS_COMPUTE_PROGRAMS};
     if (c->timer)
         gl->BeginQuery(TIME_ELAPSED, c->query);
-    gl->BindBufferRange(GL_UNIFORM_BUFFER, 0, c->buffers[FXS_COMPUTE_UNIFORMS], 0, sizeof c->plan.frame);
+    c->more.BindBufferRange(GL_UNIFORM_BUFFER, 0, c->buffers[FXS_COMPUTE_UNIFORMS], 0, sizeof c->plan.frame);
     fxs_plan_steps(&c->plan, take_step, &w);
     if (c->timer)
         gl->EndQuery(TIME_ELAPSED);
-    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    c->more.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
     gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_COUNTS]);
-    gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
     gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_PICTURE]);
-    gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 4 * FXS_COMPUTE_STATUS,
-                          (GLsizeiptr)(4 * c->plan.read_words));
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 4 * FXS_COMPUTE_STATUS,
+                              (GLsizeiptr)(4 * c->plan.read_words));
     return check(c, why);
 }
 

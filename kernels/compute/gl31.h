@@ -5,31 +5,23 @@
 #include <GLES3/gl31.h>
 
 #include <fixsplat/compute.h>
+#include "kernels/gl/gl.h"
 #include "plan.h"
 
-/* F(type's name, function's name) of each function of OpenGL ES 3.1 that is called. */
+/* F(type's name, function's name) of each function that is called beside those of kernels/gl. */
 #define FXS_COMPUTE_FUNCTIONS(F) \
-    F(ATTACHSHADER, AttachShader) F(BEGINQUERY, BeginQuery) F(BINDBUFFER, BindBuffer) \
-    F(BINDBUFFERBASE, BindBufferBase) F(BINDBUFFERRANGE, BindBufferRange) F(BUFFERDATA, BufferData) \
-    F(BUFFERSUBDATA, BufferSubData) F(COMPILESHADER, CompileShader) F(COPYBUFFERSUBDATA, CopyBufferSubData) \
-    F(CREATEPROGRAM, CreateProgram) F(CREATESHADER, CreateShader) F(DELETEBUFFERS, DeleteBuffers) \
-    F(DELETEPROGRAM, DeleteProgram) F(DELETEQUERIES, DeleteQueries) F(DELETESHADER, DeleteShader) \
-    F(DISPATCHCOMPUTE, DispatchCompute) F(DISPATCHCOMPUTEINDIRECT, DispatchComputeIndirect) \
-    F(ENDQUERY, EndQuery) F(GENBUFFERS, GenBuffers) F(GENQUERIES, GenQueries) F(GETERROR, GetError) \
-    F(GETINTEGERV, GetIntegerv) F(GETPROGRAMINFOLOG, GetProgramInfoLog) F(GETPROGRAMIV, GetProgramiv) \
-    F(GETQUERYOBJECTUIV, GetQueryObjectuiv) F(GETSHADERINFOLOG, GetShaderInfoLog) F(GETSHADERIV, GetShaderiv) \
-    F(GETSTRING, GetString) F(GETSTRINGI, GetStringi) F(LINKPROGRAM, LinkProgram) \
-    F(MAPBUFFERRANGE, MapBufferRange) F(MEMORYBARRIER, MemoryBarrier) F(SHADERSOURCE, ShaderSource) \
-    F(UNMAPBUFFER, UnmapBuffer) F(USEPROGRAM, UseProgram)
-
-#define FXS_COMPUTE_MEMBER(type, name) PFNGL##type##PROC name;
+    F(BINDBUFFERBASE, BindBufferBase) F(BINDBUFFERRANGE, BindBufferRange) F(BUFFERSUBDATA, BufferSubData) \
+    F(COPYBUFFERSUBDATA, CopyBufferSubData) F(DISPATCHCOMPUTE, DispatchCompute) \
+    F(DISPATCHCOMPUTEINDIRECT, DispatchComputeIndirect) F(GETINTEGER64I_V, GetInteger64i_v) \
+    F(GETINTEGERI_V, GetIntegeri_v) F(MEMORYBARRIER, MemoryBarrier)
 typedef struct fxs_compute_gl {
-    FXS_COMPUTE_FUNCTIONS(FXS_COMPUTE_MEMBER)
+    FXS_COMPUTE_FUNCTIONS(FXS_GL_MEMBER)
 } fxs_compute_gl;
 
 struct fxs_compute {
-    fxs_compute_gl gl;
-    fxs_compute_use_fn *use;
+    fxs_gl gl;
+    fxs_compute_gl more;           /* functions */
+    fxs_gl_use_fn *use;
     void *use_argument;
     char renderer[128];
     GLuint programs[FXS_COMPUTE_PROGRAMS], buffers[FXS_COMPUTE_BUFFERS], query;

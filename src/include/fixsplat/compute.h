@@ -15,20 +15,13 @@
 #ifndef FXS_COMPUTE_H
 #define FXS_COMPUTE_H
 
-#include "fixsplat.h"
+#include "gl_target.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 typedef struct fxs_compute fxs_compute;
-
-/* Finds a function of OpenGL ES by its name; null where there is none. As eglGetProcAddress. */
-typedef void (*fxs_compute_function)(void);
-typedef fxs_compute_function fxs_compute_load_fn(void *argument, const char *name);
-
-/* Makes the context current on the calling thread. Returns 0, or another value where it cannot. */
-typedef int fxs_compute_use_fn(void *argument);
 
 #define FXS_COMPUTE_PARTS 64       /* buffers of a scene's rows: with the 128 MiB that every device has, 8 GiB */
 
@@ -47,7 +40,7 @@ FXS_API size_t fxs_compute_bytes(void);
 /* Loads the functions and compiles the shaders. `use`: every call here makes the context current by it; null: the caller
    sees to that. Errors: FXS_ERR_UNSUPPORTED (no compute shaders, a limit below what is needed, a shader that does not
    compile), FXS_ERR_DEVICE, FXS_ERR_MEMORY; then nothing is left behind. */
-FXS_API int fxs_compute_init(fxs_compute *compute, fxs_compute_load_fn *load, fxs_compute_use_fn *use, void *argument,
+FXS_API int fxs_compute_init(fxs_compute *compute, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
                              fxs_message *why);
 
 /* Sets the most bytes of device memory that frames and scenes may take together; 0, as at first: no limit. */
