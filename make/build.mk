@@ -125,7 +125,7 @@ $(call objects,$(wildcard port/gl/osmesa.c)): $(B)/with/OSMESA
 # The shaders' texts, and src/include/fixsplat/pixel.h that those of gles are built around, as arrays of characters,
 # without comments and spaces about a line.
 GLES_SHADERS := src/include/fixsplat/pixel.h $(wildcard $(patsubst %,kernels/%/*.vert,gl gles) $(patsubst %,kernels/%/*.frag,gl gles))
-COMPUTE_SHADERS := $(wildcard kernels/compute/*.comp)
+COMPUTE_SHADERS := $(wildcard $(addprefix kernels/compute/*.,comp frag glsl) kernels/gl/*.vert kernels/gl/*.frag)
 $(B)/kernels/gles/shaders.h: $(GLES_SHADERS)
 $(B)/kernels/compute/shaders.h: $(COMPUTE_SHADERS)
 $(B)/kernels/%/shaders.h: make/build.mk
@@ -133,9 +133,9 @@ $(B)/kernels/%/shaders.h: make/build.mk
 	@for f in $(filter-out %.mk,$^); do echo "static const char $$(basename $$f | tr . _)[] = {"; \
 	    sed -e ':more' -e '/\/\*/{/\*\//!{N' -e 'b more' -e '}' -e 's|/\*.*\*/||' -e '}' -e 's|//.*||' \
 	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
-$(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
-$(B)/kernels/compute/compute.o: $(B)/kernels/compute/shaders.h
-$(B)/kernels/gles/gles.o $(B)/kernels/compute/compute.o: CPPFLAGS += -I$(@D)
+WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/framebuffer.o)
+$(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
+$(WITH_SHADERS): CPPFLAGS += -I$(@D)
 
 # What the headers declare, as a text that the library carries.
 $(B)/declarations.c: $(HEADERS) tools/declarations.sh make/build.mk $(B)/commands/compile

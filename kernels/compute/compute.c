@@ -10,8 +10,7 @@
 
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
-/* Whether so many more bytes of the device may be taken. */
-static int allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
+int fxs_compute_allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
 {
     const uint64_t needed = fxs_compute_taken(c) + c->scene_bytes + bytes;
     if (!c->limit || needed <= c->limit)
@@ -29,8 +28,7 @@ static int said(int error, fxs_message *why)
                : fxs_plan_say(why, FXS_ERR_DEVICE, "the device failed, or its context was lost", "");
 }
 
-/* Takes the errors that are pending. Returns 0 where there were none. */
-static int check(const fxs_compute *c, fxs_message *why)
+int fxs_compute_check(const fxs_compute *c, fxs_message *why)
 {
     return said(fxs_gl_check(&c->gl), why);
 }
@@ -66,7 +64,7 @@ uint64_t fxs_compute_nanoseconds(const fxs_compute *c)
 
 uint64_t fxs_compute_taken(const fxs_compute *c)
 {
-    uint64_t sum = 0;
+    uint64_t sum = c->shift ? (uint64_t)c->word_rows * 4 << c->shift : 0;
     for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
         sum += c->bytes[i];
     return sum;
@@ -150,7 +148,7 @@ static int make_objects(fxs_compute *c, fxs_message *why)
     c->gl.GenBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     if (c->timer)
         c->gl.GenQueries(1, &c->query);
-    return error ? error : check(c, why);
+    return error ? error : fxs_compute_check(c, why);
 }
 
 int fxs_compute_init(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn, void *argument, fxs_message *why)
@@ -164,7 +162,7 @@ int fxs_compute_init(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn
     error = error ? error : check_limits(c, why);
     if (error)
         return error;
-    check(c, why);                 /* not ours */
+    fxs_compute_check(c, why);     /* not ours */
     error = make_objects(c, why);
     if (error) {
         const fxs_message first = *why;
@@ -179,11 +177,12 @@ void fxs_compute_free(fxs_compute *c)
     fxs_message why;
     if (use(c, &why))
         return;                    /* its objects went with the context */
+    fxs_compute_end_drawing(c);
     fxs_gl_delete_programs(&c->gl, FXS_COMPUTE_PROGRAMS, c->programs);
     c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     if (c->timer)
         c->gl.DeleteQueries(1, &c->query);
-    check(c, &why);
+    fxs_compute_check(c, &why);
 }
 
 /* Makes a buffer at least so large; what was in it is lost then. Returns 0 or an error. */
@@ -191,13 +190,13 @@ static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs
 {
     if (bytes <= c->bytes[buffer])
         return 0;
-    int error = allow(c, bytes - c->bytes[buffer], why);
+    int error = fxs_compute_allow(c, bytes - c->bytes[buffer], why);
     if (error)
         return error;
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[buffer]);
     c->gl.BufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)bytes, 0, usage);
     c->bytes[buffer] = bytes;
-    error = check(c, why);
+    error = fxs_compute_check(c, why);
     if (error)
         c->bytes[buffer] = 0;
     return error;
@@ -211,7 +210,7 @@ static void give_back(fxs_compute *c)
     c->gl.GenBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     memset(c->bytes, 0, sizeof c->bytes);
     c->rooms = (fxs_plan_rooms){.most = c->rooms.most};
-    check(c, &why);
+    fxs_compute_check(c, &why);
 }
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
@@ -229,7 +228,7 @@ static int make_part(fxs_compute *c, fxs_compute_scene *copy, uint32_t *name, in
     GLuint made = 0;
     uint64_t bytes = fxs_plan_pieces(&copy->here, copy->part_chunks, part, pieces);
     bytes = bytes ? bytes : 64;
-    const int error = allow(c, bytes, why);
+    const int error = fxs_compute_allow(c, bytes, why);
     if (error)
         return error;
     c->gl.GenBuffers(1, &made);
@@ -240,7 +239,7 @@ static int make_part(fxs_compute *c, fxs_compute_scene *copy, uint32_t *name, in
     c->scene_bytes += bytes;
     for (int i = 0; i < 3; i++)
         put(c, pieces[i].at, pieces[i].from, pieces[i].bytes);
-    return check(c, why);
+    return fxs_compute_check(c, why);
 }
 
 static int copy_scene(fxs_compute *c, fxs_compute_scene *copy, fxs_message *why)
@@ -263,13 +262,16 @@ int fxs_compute_upload(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene 
     if (scene->places)
         return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "a scene of which a part is in memory cannot be on the device",
                             "");
+    GLint bound = 0;
     int error = use(c, why);
     if (error)
         return error;
-    check(c, why);                 /* not ours */
+    fxs_compute_check(c, why);     /* not ours */
     fxs_compute_drop(c, copy);
     copy->here = *scene;
+    c->gl.GetIntegerv(GL_COPY_WRITE_BUFFER_BINDING, &bound);
     error = copy_scene(c, copy, why);
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, (GLuint)bound);
     if (error) {
         const fxs_message first = *why;
         fxs_compute_drop(c, copy);
@@ -285,7 +287,7 @@ void fxs_compute_drop(fxs_compute *c, fxs_compute_scene *copy)
         c->gl.DeleteBuffers(1, &copy->heads);
         c->gl.DeleteBuffers(FXS_COMPUTE_PARTS, copy->parts);
         c->scene_bytes -= copy->bytes;
-        check(c, &why);
+        fxs_compute_check(c, &why);
     }
     memset(copy, 0, sizeof *copy);
 }
@@ -398,23 +400,21 @@ static void read_time(fxs_compute *c)
 {
     GLuint nanoseconds = 0;
     GLint disjoint = 0;
-    if (!c->timer)
-        return;
     c->gl.GetQueryObjectuiv(c->query, GL_QUERY_RESULT, &nanoseconds);
     c->gl.GetIntegerv(DISJOINT, &disjoint);
     c->nanoseconds += disjoint ? 0 : nanoseconds;
 }
 
-/* All stages, and the copy of what is read back. */
-static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copies, fxs_message *why)
+/* All stages, and the copy of what is read back. Another's context may have a timer that runs. */
+static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copies, int timed, fxs_message *why)
 {
     const fxs_gl *gl = &c->gl;
     walk w = {c, copies, FXS_COMPUTE_PROGRAMS};
-    if (c->timer)
+    if (timed)
         gl->BeginQuery(TIME_ELAPSED, c->query);
     c->more.BindBufferRange(GL_UNIFORM_BUFFER, 0, c->buffers[FXS_COMPUTE_UNIFORMS], 0, sizeof c->plan.frame);
     fxs_plan_steps(&c->plan, take_step, &w);
-    if (c->timer)
+    if (timed)
         gl->EndQuery(TIME_ELAPSED);
     c->more.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
@@ -422,8 +422,8 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
     c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
     gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_PICTURE]);
     c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 4 * FXS_COMPUTE_STATUS,
-                              (GLsizeiptr)(4 * c->plan.read_words));
-    return check(c, why);
+                              (GLsizeiptr)(c->plan.bytes[FXS_COMPUTE_DOWNLOAD] - 4 * FXS_COMPUTE_STATUS));
+    return fxs_compute_check(c, why);
 }
 
 /* ---- Reading back ------------------------------------------------------------------------------------------------ */
@@ -446,7 +446,7 @@ static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, con
 }
 
 /* The status; and where all fitted, the pixels. Returns as fxs_plan_look. */
-static int read_back(fxs_compute *c, fxs_message *why)
+static int read_back(fxs_compute *c, int pixels, fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
     const fxs_view *view = &c->plan.view;
@@ -457,7 +457,7 @@ static int read_back(fxs_compute *c, fxs_message *why)
     if (!from)
         return failure(c, why);
     const int result = fxs_plan_look(&c->plan, &c->rooms, from, why);
-    if (!result) {
+    if (!result && pixels) {
         const uint32_t *picture = from + FXS_COMPUTE_STATUS;
         copy_plane(view, &t->colour, fxs_pixel_bytes(t->format), picture, f->colour);
         copy_plane(view, &t->coverage, 1, picture, f->coverage);
@@ -467,29 +467,36 @@ static int read_back(fxs_compute *c, fxs_message *why)
     }
     const fxs_message first = *why;
     int error = unmap(c, why);
-    error = error ? error : check(c, why);
+    error = error ? error : fxs_compute_check(c, why);
     if (!error && result < 0)
         *why = first;
     return error ? error : result;
 }
 
-static int render(fxs_compute *c, const fxs_compute_scene *const *copies, fxs_message *why)
+/* `target` null: into the request's. */
+static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
+                  fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
+    const int timed = c->timer && !target;
     int result;
     c->nanoseconds = 0;
     do {
         result = fxs_plan_lay_out(&c->plan, &c->rooms, why);
+        if (target)
+            c->plan.bytes[FXS_COMPUTE_DOWNLOAD] = 4 * FXS_COMPUTE_STATUS;
         result = result ? result : reserve_frame(c, why);
         result = result ? result : put_uniforms(c, why);
         result = result ? result : put_places(c, why);
-        result = result ? result : put_plane(c, &t->occluder, c->plan.frame.occluder, why);
-        result = result ? result : put_plane(c, &t->backdrop, c->plan.frame.backdrop, why);
-        result = result ? result : run_stages(c, copies, why);
-        result = result ? result : read_back(c, why);
-        if (result >= 0)
+        result = result ? result : target ? fxs_compute_take_mesh(c, target, why)
+                                          : put_plane(c, &t->occluder, c->plan.frame.occluder, why);
+        result = result || target ? result : put_plane(c, &t->backdrop, c->plan.frame.backdrop, why);
+        result = result ? result : run_stages(c, copies, timed, why);
+        result = result ? result : read_back(c, !target, why);
+        if (result >= 0 && timed)
             read_time(c);
     } while (result > 0);
+    result = result || !target ? result : fxs_compute_show(c, target, why);
     if (result == FXS_ERR_MEMORY || result == FXS_ERR_DEVICE)
         give_back(c);
     return result;
@@ -510,8 +517,8 @@ static void fill_stats(const fxs_compute *c, fxs_stats *stats)
     stats->memory.total = (size_t)fxs_compute_taken(c);
 }
 
-int fxs_compute_render(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
-                       fxs_stats *stats, fxs_message *why)
+int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
+                      fxs_message *why)
 {
     if (!c || !request || !memory || (!copies && request->count))
         return fxs_plan_say(why, FXS_ERR_ARGUMENT, fxs_strerror(FXS_ERR_ARGUMENT), "");
@@ -521,9 +528,22 @@ int fxs_compute_render(fxs_compute *c, const fxs_request *request, const fxs_com
         return error;
     for (uint32_t i = 0; i < request->count; i++)
         c->plan.part_chunks[i] = copies[i]->part_chunks;
-    check(c, why);                 /* not ours */
-    error = render(c, copies, why);
+    fxs_compute_check(c, why);     /* not ours */
+    return 0;
+}
+
+int fxs_compute_finish(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
+                       fxs_stats *stats, fxs_message *why)
+{
+    const int error = render(c, copies, target, why);
     if (!error && stats)
         fill_stats(c, stats);
     return error;
+}
+
+int fxs_compute_render(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
+                       fxs_stats *stats, fxs_message *why)
+{
+    const int error = fxs_compute_begin(c, request, copies, memory, why);
+    return error ? error : fxs_compute_finish(c, copies, 0, stats, why);
 }

@@ -18,6 +18,8 @@ typedef struct fxs_compute_gl {
     FXS_COMPUTE_FUNCTIONS(FXS_GL_MEMBER)
 } fxs_compute_gl;
 
+enum { FXS_COMPUTE_DRAWING = 3 };         /* programs of framebuffer.c */
+
 struct fxs_compute {
     fxs_gl gl;
     fxs_compute_gl more;           /* functions */
@@ -31,6 +33,33 @@ struct fxs_compute {
     fxs_plan_rooms rooms;
     fxs_plan plan;                 /* of the frame that is under way, or the last one */
     uint64_t nanoseconds;
+    GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* of framebuffer.c, made when first asked for */
+    int32_t word_rows, most_rows;  /* of the texture of words */
+    int shift;                     /* log2 of its width; 0: fragment shaders read storage buffers */
 };
+
+/* Whether so many more bytes of the device may be taken: 0 or FXS_ERR_MEMORY. */
+int fxs_compute_allow(const fxs_compute *compute, uint64_t bytes, fxs_message *why);
+
+/* Takes the errors that are pending. Returns 0 where there were none. */
+int fxs_compute_check(const fxs_compute *compute, fxs_message *why);
+
+/* The two halves of a frame: what can be wrong with a request; and the rest, into the request's targets, or into a
+   target of the caller. */
+int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
+                      void *memory, fxs_message *why);
+int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
+                       fxs_stats *stats, fxs_message *why);
+
+/* ---- framebuffer.c ----------------------------------------------------------------------------------------------- */
+
+/* Fills in the planes of the picture that are read, from the target's textures. */
+int fxs_compute_take_mesh(const fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
+
+/* Draws the picture into the target. */
+int fxs_compute_show(fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
+
+/* Deletes what draws needed. */
+void fxs_compute_end_drawing(fxs_compute *compute);
 
 #endif

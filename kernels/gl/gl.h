@@ -1,5 +1,5 @@
-/* What the back ends of OpenGL ES share: the functions of OpenGL ES 3.0 that they call, as a table of pointers, programs,
- * errors, and the state of a context. */
+/* What the back ends of OpenGL ES share: the functions of OpenGL ES 3.0 that they call, as a table of pointers;
+ * programs, errors, and the state of a context. */
 #ifndef FXS_GL_H
 #define FXS_GL_H
 

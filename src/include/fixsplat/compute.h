@@ -67,7 +67,17 @@ FXS_API int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
                                const fxs_compute_scene *const *copies, void *memory, fxs_stats *stats,
                                fxs_message *why);
 
-/* The device's time for the last frame, without reading back; 0 where it has no timer. */
+/* Renders the first eye of a request into a target, in the caller's GL context, as fxs_gles_render does: its own targets
+   are not used, the bytes are the same, and the GL state is left as it was, with the same exceptions. No pixel is read
+   back; but whether the frame fitted into the device's buffers is, 64 bytes, for which it waits before it draws.
+   fxs_compute_render alone does not leave the state.
+   Errors: those of fxs_compute_render, with FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render has them, and
+   FXS_ERR_UNSUPPORTED for `fetch` and `quads` too. After an error nothing was drawn, unless the device failed while it
+   drew. The first time takes longer, as shaders are compiled. */
+FXS_API int fxs_compute_draw(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
+                             const fxs_gles_target *target, void *memory, fxs_stats *stats, fxs_message *why);
+
+/* The device's time for the last frame, without reading back; 0 where it has no timer. Not of fxs_compute_draw. */
 FXS_API uint64_t fxs_compute_nanoseconds(const fxs_compute *compute);
 
 /* The device's memory beside scenes, bytes. */

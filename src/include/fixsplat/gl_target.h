@@ -1,5 +1,5 @@
-/* What the back ends of OpenGL ES, gles.h and compute.h, take from a program with a context of its own: how functions are
- * found, how the context is made current, and where a frame is drawn. */
+/* What the back ends of OpenGL ES, gles.h and compute.h, take from a program with a context of its own: how functions
+ * are found, how the context is made current, and where a frame is drawn. */
 #ifndef FXS_GL_TARGET_H
 #define FXS_GL_TARGET_H
 
@@ -16,8 +16,8 @@ typedef fxs_gl_function fxs_gl_load_fn(void *argument, const char *name);
 /* Makes the context current on the calling thread. Returns 0, or another value where it cannot. */
 typedef int fxs_gl_use_fn(void *argument);
 
-/* Where fxs_gles_render and fxs_compute_draw draw: a framebuffer of the caller with one colour buffer of 8 bits, normalised, linear, not
-   multisampled; bound to a texture, or 0 for the context's own. */
+/* Where fxs_gles_render and fxs_compute_draw draw: a framebuffer of the caller with one colour buffer of 8 bits,
+   normalised, linear, not multisampled; bound to a texture, or 0 for the context's own. */
 typedef struct fxs_gles_target {
     uint32_t framebuffer;          /* its name */
     int32_t x, y;                  /* of the picture's lower left corner */
