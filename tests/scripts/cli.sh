@@ -474,6 +474,20 @@ for backend in gles gles-fetch gles-compute osmesa; do
         succeeds "bench --backend $backend" bench knot.ply $small --backend $backend --json
         check "bench --backend $backend: said" grep -q "\"backend\": \"$backend\"" logs/out
     fi
+    [ "$backend$reason" = gles-compute ] || continue
+    for more in '' '--tangents -1.38,1.19,1.0,-1.2' --foveate '--foveate=20,30,10,20,4 --alpha'; do
+        run render knot.ply $small --stereo 0.1 $more --backend gles-compute --hash
+        check "--stereo $more --backend gles-compute: each eye by itself, and said" equal \
+            "$status $(cat logs/out logs/err)" "0 $(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more)
+fixsplat: --backend gles-compute: each eye is rendered by itself, as by --stereo-exact"
+        check "one hash with --stereo-exact $more --backend gles-compute" equal \
+            "$(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more --backend gles-compute)" \
+            "$(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more)"
+    done
+    for more in --foveate '--foveate=20,30,10,20,4 --alpha' '--foveate --ortho 4'; do
+        check "one hash with $more --backend gles-compute" equal \
+            "$(hash_of knot.ply --size 160x120 $more --backend gles-compute)" "$(hash_of knot.ply --size 160x120 $more)"
+    done
 done
 export __EGL_VENDOR_LIBRARY_FILENAMES=none MESA_EXTENSION_OVERRIDE=-GL_ARB_ES3_compatibility
 fails "--backend gles without a driver" 1 "--backend gles: (no|built)" render knot.ply $small --hash --backend gles
