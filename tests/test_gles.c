@@ -11,6 +11,7 @@
 #include "packed_scene.h"
 #include "procedural_scene.h"
 #ifdef FXS_WITH_GLES
+#include "losing_gl.h"
 #include <GLES3/gl31.h>
 
 #include <fixsplat/compute.h>
@@ -1318,17 +1319,22 @@ static void depths_and_ids_refused(void)
 
 /* ---- By compute shaders ------------------------------------------------------------------------------------------ */
 
-static int open_compute(GLint size)
+static int open_compute_by(fxs_gl_load_fn *by, GLint size)
 {
     fake_limits(size, 0);
     compute = malloc(fxs_compute_bytes());
-    const int error = fxs_compute_init(compute, load, port->use, context, &why_not);
+    const int error = fxs_compute_init(compute, by, port->use, context, &why_not);
     if (error) {
         free(compute);
         compute = 0;
     }
     memset(fakes, 0, sizeof fakes);
     return error;
+}
+
+static int open_compute(GLint size)
+{
+    return open_compute_by(load, size);
 }
 
 static void close_compute(void)
@@ -1378,6 +1384,100 @@ static void compute_depths_and_ids(void)
     run_by_compute(one_depths_and_ids);
 }
 
+static fxs_gl_function load_losing(void *argument, const char *name)
+{
+    return losing_load(load, argument, name);
+}
+
+/* Frames whose device fails from the n-th call on: an error, and in the target all of the picture or nothing; then the
+   bytes of the processor. */
+static void compute_draws_lose_by(int by_texture)
+{
+    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    static const GLenum losses[] = {CONTEXT_LOST, GL_OUT_OF_MEMORY};
+    subject s, none;
+    long calls = 1, fails = 0;
+    caller c = make_caller();
+    fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7};
+    no_blocks = by_texture;
+    if (!make_subject(&s, "knot", 500, 111, 83))
+        return;
+    none = s;
+    none.camera.width = none.camera.height = 0;
+    uint8_t *expected = new_picture(&s);
+    const mesh m = make_mesh(&s);
+    t.occluder = make_texture(&s, m.depths, 0, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT);
+    t.backdrop = make_texture(&s, m.colours, 0, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE);
+    CHECK(!render_mesh(&s, 0, 0, &m, 0, 0, expected));
+    for (long n = -1; n < calls && !check_faults; n += 1 + n / 64) {
+        settle();
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
+        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+        lose_after(n < 0 ? LONG_MAX : n, losses[n % 2 == 1]);
+        const int error = render(&s, 0, 0, &t, 0, 0, 0);
+        calls = n < 0 ? LONG_MAX - calls_left : calls;
+        find_again();
+        fails += error != 0;
+        settle();
+        if (!CHECK(!error || (n >= 0 && is_loss(error))) ||
+            !CHECK(in_target(&s, &t, expected) || (error && in_target(&none, &t, expected))))
+            printf("  call %ld of %ld: %d, %s\n", n, calls, error, why_not.text);
+        CHECK(!render(&s, 0, 0, &t, 0, 0, 0) && in_target(&s, &t, expected));
+    }
+    CHECK(calls > 100 && fails > 50);
+    GL(DELETETEXTURES, DeleteTextures)(1, &t.occluder);
+    GL(DELETETEXTURES, DeleteTextures)(1, &t.backdrop);
+    free(expected);
+    free_mesh(m);
+    fxs_packed_scene_free(&s.packed);
+}
+
+static void compute_draws_lose(void)
+{
+    for (int by_texture = 0; by_texture < 2; by_texture++) {
+        no_blocks = by_texture;
+        if (open_compute_by(load_losing, by_texture ? 256 : 0))
+            SKIP(why_not.text);
+        compute_draws_lose_by(by_texture);
+        close_compute();
+    }
+}
+
+static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
+{
+    static const GLchar *const broken = "#version 310 es\nvoid main() {\n    that;\n}\n";
+    const int is_shown = strstr(parts[count - 1], "uvec4 bytes") != 0;
+    real_ShaderSource(shader, is_shown ? 1 : count, is_shown ? &broken : parts, n);
+}
+
+/* A driver that does not compile a shader of draws: said each time, with the line; the state is kept, and frames into
+   memory go on. */
+static void compute_without_shader(void)
+{
+    subject s;
+    state before, after;
+    caller c = make_caller();
+    const fxs_gles_target t = {.framebuffer = c.framebuffers[0]};
+    real_ShaderSource = (PFNGLSHADERSOURCEPROC)port->load(context, "glShaderSource");
+    fake(1, "glShaderSource", (fxs_gl_function)unshown_ShaderSource);
+    if (open_compute(0))
+        SKIP(why_not.text);
+    if (!make_subject(&s, "knot", 100, 40, 30))
+        return;
+    upset(&c);
+    dump(&before);
+    for (int i = 0; i < 2; i++) {
+        CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+        CHECK(strstr(why_not.text, "a shader of the framebuffer does not compile: ") && strstr(why_not.text, ":3"));
+        CHECK(!strchr(why_not.text, '\n'));
+    }
+    dump(&after);
+    CHECK(!memcmp(&before, &after, sizeof before));
+    settle();
+    close_compute();
+    fxs_packed_scene_free(&s.packed);
+}
+
 /* Making and ending it leaves the state; a picture larger than a texture of words is refused; wrong arguments. */
 static void compute_refuses(void)
 {
@@ -1413,6 +1513,7 @@ static void compute_refuses(void)
     close_compute();
     dump(&after);
     CHECK(!memcmp(&before, &after, sizeof before));
+    settle();
     fxs_packed_scene_free(&s.packed);
 }
 
@@ -1728,6 +1829,8 @@ int main(void)
             RUN(compute_target_meshes);
             RUN(compute_depths_and_ids);
             RUN(compute_refuses);
+            RUN(compute_draws_lose);
+            RUN(compute_without_shader);
         }
         RUN(init_keeps_state);
         RUN(missing_functions);

@@ -39,6 +39,13 @@ static int failure(const fxs_compute *c, fxs_message *why)
     return said(fxs_gl_failure(&c->gl), why);
 }
 
+/* The same for what the device seems to lack, as it does too where its context was lost. */
+int fxs_compute_lacks(const fxs_compute *c, const char *text, const char *what, fxs_message *why)
+{
+    const int error = fxs_compute_check(c, why);
+    return error ? error : fxs_plan_say(why, FXS_ERR_UNSUPPORTED, text, what);
+}
+
 static int use(const fxs_compute *c, fxs_message *why)
 {
     return c->use && c->use(c->use_argument)
@@ -121,7 +128,7 @@ static int check_limits(fxs_compute *c, fxs_message *why)
         GLint has = 0;
         c->gl.GetIntegerv(limits[i].name, &has);
         if (has < limits[i].least)
-            return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, limits[i].says, "");
+            return fxs_compute_lacks(c, limits[i].says, "", why);
         if (limits[i].name == GL_MAX_SHADER_STORAGE_BLOCK_SIZE)
             c->rooms.most = (uint64_t)has / 64 * 64;
     }
@@ -137,7 +144,7 @@ static int make_program(fxs_compute *c, int which, const char *entry, const char
         return 0;
     fxs_message which_one;
     fxs_plan_say(&which_one, 0, entry, " does not compile: ");
-    return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, which_one.text, log);
+    return fxs_compute_lacks(c, which_one.text, log, why);
 }
 
 static int make_objects(fxs_compute *c, fxs_message *why)
@@ -158,11 +165,13 @@ int fxs_compute_init(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn
     c->use_argument = argument;
     int error = use(c, why);
     error = error ? error : load_functions(c, load, argument, why);
-    error = error ? error : check_version(c, why);
-    error = error ? error : check_limits(c, why);
     if (error)
         return error;
     fxs_compute_check(c, why);     /* not ours */
+    error = check_version(c, why);
+    error = error ? error : check_limits(c, why);
+    if (error)
+        return error;
     error = make_objects(c, why);
     if (error) {
         const fxs_message first = *why;
@@ -454,8 +463,9 @@ static int read_back(fxs_compute *c, int pixels, fxs_message *why)
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
     const uint32_t *from = c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0,
                                                 (GLsizeiptr)c->plan.bytes[FXS_COMPUTE_DOWNLOAD], GL_MAP_READ_BIT);
-    if (!from)
-        return failure(c, why);
+    int error = from ? fxs_compute_check(c, why) : failure(c, why);
+    if (error)
+        return error;
     const int result = fxs_plan_look(&c->plan, &c->rooms, from, why);
     if (!result && pixels) {
         const uint32_t *picture = from + FXS_COMPUTE_STATUS;
@@ -466,7 +476,7 @@ static int read_back(fxs_compute *c, int pixels, fxs_message *why)
         copy_plane(view, &t->id, 8, picture, f->id);
     }
     const fxs_message first = *why;
-    int error = unmap(c, why);
+    error = unmap(c, why);
     error = error ? error : fxs_compute_check(c, why);
     if (!error && result < 0)
         *why = first;

@@ -33,6 +33,7 @@ typedef struct kept {
 
 static void save(const fxs_compute *c, kept *k)
 {
+    memset(k, 0, sizeof *k);       /* a context that is lost says nothing */
     fxs_gl_save(&c->gl, &k->state);
     for (int i = 0; i < BOUND; i++)
         c->gl.GetIntegerv(bound[i][1], &k->bound[i]);
@@ -68,7 +69,7 @@ static int add_shader(const fxs_compute *c, int which, GLenum kind, const char *
                            which == TAKE_MESH ? depth_frag : "",
                            text};
     return fxs_gl_compile(&c->gl, c->drawing[which], kind, parts, sizeof parts / sizeof *parts, log, sizeof log)
-               ? 0 : fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "a shader of the framebuffer does not compile: ", log);
+               ? 0 : fxs_compute_lacks(c, "a shader of the framebuffer does not compile: ", log, why);
 }
 
 static int make_program(fxs_compute *c, int which, fxs_message *why)
@@ -80,7 +81,7 @@ static int make_program(fxs_compute *c, int which, fxs_message *why)
     if (!error && which != TAKE_MESH)
         error = add_shader(c, which, GL_FRAGMENT_SHADER, framebuffer_frag, why);
     return error || fxs_gl_link(&c->gl, c->drawing[which], log, sizeof log)
-               ? error : fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "the framebuffer's shaders do not link: ", log);
+               ? error : fxs_compute_lacks(c, "the framebuffer's shaders do not link: ", log, why);
 }
 
 void fxs_compute_end_drawing(fxs_compute *c)

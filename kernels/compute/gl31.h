@@ -44,6 +44,9 @@ int fxs_compute_allow(const fxs_compute *compute, uint64_t bytes, fxs_message *w
 /* Takes the errors that are pending. Returns 0 where there were none. */
 int fxs_compute_check(const fxs_compute *compute, fxs_message *why);
 
+/* The error of what the device lacks: FXS_ERR_UNSUPPORTED, or that of a context that was lost. */
+int fxs_compute_lacks(const fxs_compute *compute, const char *text, const char *what, fxs_message *why);
+
 /* The two halves of a frame: what can be wrong with a request; and the rest, into the request's targets, or into a
    target of the caller. */
 int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,

@@ -1,5 +1,6 @@
 /* The state of a context: saved, set for a draw, restored. */
 #include "gl.h"
+#include "src/core/memory.h"
 
 /* All off for a draw but the last. */
 static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_DITHER, GL_RASTERIZER_DISCARD,
@@ -17,6 +18,7 @@ enum { BLEND = sizeof blend / sizeof *blend };
 
 void fxs_gl_save(const fxs_gl *gl, fxs_gl_state *s)
 {
+    memset(s, 0, sizeof *s);       /* a context that is lost says nothing */
     gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
     gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->vertex_array);
     gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);

@@ -62,7 +62,8 @@ FXS_API void fxs_compute_drop(fxs_compute *compute, fxs_compute_scene *copy);
 FXS_API size_t fxs_compute_memory(const fxs_request *request);
 
 /* Renders the first eye of a request into its targets, and waits. copies[i] is the copy of the scene of object i.
-   Errors: those of fxs_render, and FXS_ERR_UNSUPPORTED for formats that are the processor's alone. */
+   Errors: those of fxs_render, and FXS_ERR_UNSUPPORTED for formats that are the processor's alone; then the targets hold
+   what they held before, or where the device failed last of all, the whole picture. */
 FXS_API int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
                                const fxs_compute_scene *const *copies, void *memory, fxs_stats *stats,
                                fxs_message *why);
