@@ -132,6 +132,7 @@ struct Place {
     uint column;
     uint row;
     uint at;
+    uint words;
     bvec2 inside;
 };
 const int FXS_CUT_Q11_ = 18432;
@@ -170,6 +171,7 @@ const int EVERYWHERE_Q8_ = 1073741824;
 const uint SIDE = 8u;
 const uint SOME = 64u;
 const uint APART = 4u;
+const uint CROWD = 2048u;
 layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
 layout(std430, binding = 1) readonly buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
@@ -180,6 +182,7 @@ shared uvec4 shades[64];
 shared uint touching[8];
 shared uint open_round;
 shared uint open_pixels[4];
+shared uint masks[128];
 int fxs_mul_q15_(int a, int b) {
     return (((a * b) + 16384) >> 15u);
 }
@@ -296,26 +299,26 @@ uint tile_at(uint number_1) {
     return _e45;
 }
 bool fits() {
-    bool local_2 = false;
     bool local_3 = false;
+    bool local_4 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_2 = (_e11 <= _e14);
-    } else {
-        local_2 = false;
-    }
-    bool _e17 = local_2;
-    if (_e17) {
-        uint _e22 = _group_1_binding_0_cs[0];
-        uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_3 = (_e22 <= _e25);
+        local_3 = (_e11 <= _e14);
     } else {
         local_3 = false;
     }
-    bool _e28 = local_3;
+    bool _e17 = local_3;
+    if (_e17) {
+        uint _e22 = _group_1_binding_0_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_4 = (_e22 <= _e25);
+    } else {
+        local_4 = false;
+    }
+    bool _e28 = local_4;
     return _e28;
 }
 uvec2 fetch_entry(Half h, uint i_1) {
@@ -338,110 +341,108 @@ Fetched fetch_splat(uvec2 entry_1) {
     return _e24;
 }
 bool reaches(uint u, uint ux, uint open_1, int level, int limit) {
-    bool local_4 = false;
+    bool local_5 = false;
     int left = int((u + (min(uint(findLSB(open_1)), 32u) * ux)));
     int right = int((u + ((31u - uint(31 - findMSB(open_1))) * ux)));
     if ((open_1 != 0u)) {
         int _e23 = fxs_coordinate_q13_(max(max(left, -(right)), 0));
         int _e24 = fxs_level_q11_(_e23, level);
-        local_4 = (_e24 <= limit);
+        local_5 = (_e24 <= limit);
     } else {
-        local_4 = false;
+        local_5 = false;
     }
-    bool _e27 = local_4;
+    bool _e27 = local_5;
     return _e27;
 }
-bvec2 place_splat(uint i_2, Fetched f_1, Half h_1) {
+bvec2 touch(Fetched f_1, Half h_1) {
     uint u_1 = 0u;
     uint v = 0u;
     bvec2 touches = bvec2(false);
     uint row = 0u;
     int offset_q11_2 = int((f_1.b.y & 65535u));
-    int _e10 = _group_0_binding_0_cs.cut_q11_;
-    int _e11 = fxs_limit_q11_(offset_q11_2, _e10);
+    int _e9 = _group_0_binding_0_cs.cut_q11_;
+    int _e10 = fxs_limit_q11_(offset_q11_2, _e9);
     uint ux_1 = f_1.a.z;
-    uvec2 at_3 = uvec2(((f_1.a.x + (h_1.x * ux_1)) + (h_1.y * f_1.a.w)), (f_1.a.y + (h_1.y * f_1.b.x)));
     uint first_2 = (max((f_1.b.w & 65535u), h_1.y) - h_1.y);
     uint last_1 = min((max((f_1.b.w >> 16u), h_1.y) - h_1.y), 7u);
-    u_1 = (at_3.x + (first_2 * f_1.a.w));
-    v = (at_3.y + (first_2 * f_1.b.x));
-    shapes[i_2] = uvec4(at_3, ux_1, f_1.a.w);
-    shades[i_2] = uvec4(f_1.b.xyz, uint(_e11));
+    u_1 = ((f_1.a.x + (h_1.x * ux_1)) + ((h_1.y + first_2) * f_1.a.w));
+    v = (f_1.a.y + ((h_1.y + first_2) * f_1.b.x));
     row = first_2;
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e114 = row;
-            row = (_e114 + 1u);
+            uint _e93 = row;
+            row = (_e93 + 1u);
         }
         loop_init = false;
-        uint _e77 = row;
-        if ((_e77 <= last_1)) {
+        uint _e56 = row;
+        if ((_e56 <= last_1)) {
         } else {
             break;
         }
         {
-            uint _e80 = row;
-            uint _e84 = open_pixels[(_e80 / 2u)];
-            uint _e86 = row;
-            uint open_2 = (_e84 >> (16u * (_e86 % 2u)));
-            uint _e91 = v;
-            int _e93 = fxs_coordinate_q13_(int(_e91));
-            int _e94 = fxs_row_level_q11_(_e93, offset_q11_2);
-            bvec2 _e95 = touches;
-            uint _e96 = u_1;
-            bool _e99 = reaches(_e96, ux_1, (open_2 & 255u), _e94, _e11);
-            uint _e100 = u_1;
-            bool _e103 = reaches(_e100, ux_1, (open_2 & 65280u), _e94, _e11);
-            touches = bvec2(_e95.x || bvec2(_e99, _e103).x, _e95.y || bvec2(_e99, _e103).y);
-            uint _e106 = u_1;
-            u_1 = (_e106 + f_1.a.w);
-            uint _e110 = v;
-            v = (_e110 + f_1.b.x);
+            uint _e59 = row;
+            uint _e63 = open_pixels[(_e59 / 2u)];
+            uint _e65 = row;
+            uint open_3 = (_e63 >> (16u * (_e65 % 2u)));
+            uint _e70 = v;
+            int _e72 = fxs_coordinate_q13_(int(_e70));
+            int _e73 = fxs_row_level_q11_(_e72, offset_q11_2);
+            bvec2 _e74 = touches;
+            uint _e75 = u_1;
+            bool _e78 = reaches(_e75, ux_1, (open_3 & 255u), _e73, _e10);
+            uint _e79 = u_1;
+            bool _e82 = reaches(_e79, ux_1, (open_3 & 65280u), _e73, _e10);
+            touches = bvec2(_e74.x || bvec2(_e78, _e82).x, _e74.y || bvec2(_e78, _e82).y);
+            uint _e85 = u_1;
+            u_1 = (_e85 + f_1.a.w);
+            uint _e89 = v;
+            v = (_e89 + f_1.b.x);
         }
     }
-    bvec2 _e117 = touches;
-    return _e117;
+    bvec2 _e96 = touches;
+    return _e96;
 }
-Taken take(uint i_3, uint row_1) {
-    uvec4 shape = shapes[i_3];
-    uvec4 shade = shades[i_3];
+Taken take(uint i_2, uint row_1) {
+    uvec4 shape = shapes[i_2];
+    uvec4 shade = shades[i_2];
     int v_1 = int((shape.y + (row_1 * shade.x)));
     int _e18 = fxs_coordinate_q13_(v_1);
     int _e23 = fxs_row_level_q11_(_e18, int((shade.y & 65535u)));
     return Taken((shape.x + (row_1 * shape.w)), shape.z, _e23, int(shade.w), ivec3(uvec3((shade.y >> 16u), (shade.z & 65535u), (shade.z >> 16u))));
 }
 int blend_splat(inout Pixel p_2, Taken t, uint column) {
-    bool local_5 = false;
+    bool local_6 = false;
     int _e8 = fxs_coordinate_q13_(int((t.u + (column * t.ux))));
-    int _e10 = fxs_level_q11_(_e8, t.level);
-    if ((_e10 <= t.limit)) {
-        int _e16 = p_2.transmittance;
-        local_5 = (_e16 >= FXS_CLOSED_Q15_);
+    int _e9 = fxs_mul_q15_(_e8, _e8);
+    int level_1 = (_e9 + t.level);
+    if ((level_1 <= t.limit)) {
+        int _e17 = p_2.transmittance;
+        local_6 = (_e17 >= FXS_CLOSED_Q15_);
     } else {
-        local_5 = false;
+        local_6 = false;
     }
-    bool counts_1 = local_5;
-    int _e21 = fxs_alpha_q15_(_e10);
-    int _e23 = p_2.transmittance;
-    int _e24 = fxs_weight_q15_(_e21, _e23);
-    int weight = (counts_1 ? _e24 : 0);
-    int _e28 = p_2.transmittance;
-    p_2.transmittance = (_e28 - weight);
-    ivec3 _e31 = p_2.sum;
-    int _e34 = fxs_mul_q15_(weight, t.colour.x);
-    int _e37 = fxs_mul_q15_(weight, t.colour.y);
-    int _e40 = fxs_mul_q15_(weight, t.colour.z);
-    p_2.sum = (_e31 + ivec3(_e34, _e37, _e40));
+    bool counts_1 = local_6;
+    int _e22 = fxs_alpha_q15_(level_1);
+    int _e24 = p_2.transmittance;
+    int _e25 = fxs_weight_q15_(_e22, _e24);
+    int weight = (counts_1 ? _e25 : 0);
+    int _e29 = p_2.transmittance;
+    p_2.transmittance = (_e29 - weight);
+    ivec3 _e32 = p_2.sum;
+    int _e35 = fxs_mul_q15_(weight, t.colour.x);
+    int _e38 = fxs_mul_q15_(weight, t.colour.y);
+    int _e41 = fxs_mul_q15_(weight, t.colour.z);
+    p_2.sum = (_e32 + ivec3(_e35, _e38, _e41));
     return weight;
 }
-ivec3 background_of(uint word_2) {
-    uvec3 rgb = uvec3((word_2 & 255u), ((word_2 >> 8u) & 255u), ((word_2 >> 16u) & 255u));
+ivec3 background_of(uint word_1) {
+    uvec3 rgb = uvec3((word_1 & 255u), ((word_1 >> 8u) & 255u), ((word_1 >> 16u) & 255u));
     return ivec3((((rgb * 8192u) + uvec3(127u)) / uvec3(255u)));
 }
 void put_colour(inout Pixel p_3, uint at) {
     ivec3 background_q13_1 = ivec3(0);
-    uint word_3 = 0u;
+    uint word_2 = 0u;
     ivec3 _e3 = p_3.sum;
     ivec3 sum = min(_e3, ivec3(32767));
     int transmittance = p_3.transmittance;
@@ -473,19 +474,19 @@ void put_colour(inout Pixel p_3, uint at) {
     int _e92 = background_q13_1.z;
     int _e93 = fxs_resolve_8bit(sum.z, transmittance, _e92);
     uint b_2 = uint(_e93);
-    word_3 = (((r | (g << 8u)) | (b_2 << 16u)) | 4278190080u);
+    word_2 = (((r | (g << 8u)) | (b_2 << 16u)) | 4278190080u);
     uint _e106 = _group_0_binding_0_cs.format;
     if ((_e106 == 1u)) {
-        uint _e109 = word_3;
+        uint _e109 = word_2;
         int _e112 = fxs_coverage_8bit(transmittance);
-        word_3 = ((_e109 & 16777215u) | (uint(_e112) << 24u));
+        word_2 = ((_e109 & 16777215u) | (uint(_e112) << 24u));
     }
     uint _e119 = _group_0_binding_0_cs.format;
     if ((_e119 == 2u)) {
-        word_3 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_2 * 31u) + 127u) / 255u));
+        word_2 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_2 * 31u) + 127u) / 255u));
     }
     uint _e149 = _group_0_binding_0_cs.colour;
-    uint _e152 = word_3;
+    uint _e152 = word_2;
     _group_1_binding_3_cs[(_e149 + at)] = _e152;
     return;
 }
@@ -497,7 +498,7 @@ uint list_of(uint tile, uint count) {
     return ((_e21 - count) + (((merges % 2u) == 1u) ? _e26 : 0u));
 }
 Half half_tile_of(uvec3 group_1) {
-    bool local_6 = false;
+    bool local_7 = false;
     uint number_2 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
     int _e9 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e9);
@@ -506,11 +507,11 @@ Half half_tile_of(uvec3 group_1) {
     uint _e17 = tile_at((number_2 >> of_tile));
     if (!((_e17 == NOTHING))) {
         bool _e23 = fits();
-        local_6 = !(_e23);
+        local_7 = !(_e23);
     } else {
-        local_6 = true;
+        local_7 = true;
     }
-    bool _e26 = local_6;
+    bool _e26 = local_7;
     if (_e26) {
         return Half(4294967295u, 0u, 0u, 0u, 0u);
     }
@@ -521,14 +522,15 @@ Half half_tile_of(uvec3 group_1) {
     return Half(_e17, ((_e17 % across) << _e41), (((_e17 / across) << _e46) + ((number_2 & of_tile) * SIDE)), _e52, count_1);
 }
 Place place_of(Half h_2, uint thread_1) {
-    uint column_1 = (((thread_1 / 32u) * SIDE) + (thread_1 % APART));
-    uint row_2 = ((thread_1 % 32u) / APART);
+    uint _e4 = _group_0_binding_0_cs.tile_bits;
+    bool pairs = (_e4 > 3u);
+    uint column_1 = (pairs ? (((thread_1 / 32u) * SIDE) + (thread_1 % APART)) : (thread_1 % SIDE));
+    uint row_3 = (pairs ? ((thread_1 % 32u) / APART) : (thread_1 / SIDE));
     uvec2 x_1 = (uvec2(h_2.x) + uvec2(column_1, (column_1 + APART)));
-    int _e24 = _group_0_binding_0_cs.size.x;
-    int _e33 = _group_0_binding_0_cs.size.x;
-    uint _e39 = _group_0_binding_0_cs.tile_bits;
-    int _e50 = _group_0_binding_0_cs.size.y;
-    return Place(column_1, row_2, ((((h_2.y + row_2) * uint(_e24)) + h_2.x) + column_1), bvec2(lessThan(x_1, uvec2(min(uint(_e33), (h_2.x + (1u << _e39))))).x && bvec2(((h_2.y + row_2) < uint(_e50))).x, lessThan(x_1, uvec2(min(uint(_e33), (h_2.x + (1u << _e39))))).y && bvec2(((h_2.y + row_2) < uint(_e50))).y));
+    int _e35 = _group_0_binding_0_cs.size.x;
+    int _e48 = _group_0_binding_0_cs.size.x;
+    int _e57 = _group_0_binding_0_cs.size.y;
+    return Place(column_1, row_3, ((((h_2.y + row_3) * uint(_e35)) + h_2.x) + column_1), ((column_1 / SIDE) * 2u), bvec2(bvec2(lessThan(x_1, uvec2(uint(_e48))).x && bvec2(((h_2.y + row_3) < uint(_e57))).x, lessThan(x_1, uvec2(uint(_e48))).y && bvec2(((h_2.y + row_3) < uint(_e57))).y).x && bvec2(true, pairs).x, bvec2(lessThan(x_1, uvec2(uint(_e48))).x && bvec2(((h_2.y + row_3) < uint(_e57))).x, lessThan(x_1, uvec2(uint(_e48))).y && bvec2(((h_2.y + row_3) < uint(_e57))).y).y && bvec2(true, pairs).y));
 }
 uint bit_of(Place place, bool second) {
     return (1u << ((((place.row % 2u) * 16u) + place.column) + (second ? APART : 0u)));
@@ -557,18 +559,25 @@ void close_pixel(Place place_2, bool second_1) {
     uint _e9 = atomicAnd(open_pixels[(place_2.row / 2u)], ~(_e7));
     return;
 }
-void place_fetched(Half h_3, uint thread_3, Fetched f_2, uint words) {
-    if (((f_2.entry.x & CUT_OFF) == 0u)) {
-        bvec2 _e10 = place_splat(thread_3, f_2, h_3);
-        if (_e10.x) {
-            uint _e21 = atomicOr(touching[(words + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
-        }
-        if (_e10.y) {
-            uint _e34 = atomicOr(touching[((words + 2u) + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
-            return;
-        } else {
-            return;
-        }
+void put_splat(Half h_3, uint thread_3, Fetched f_2) {
+    int _e10 = _group_0_binding_0_cs.cut_q11_;
+    int _e11 = fxs_limit_q11_(int((f_2.b.y & 65535u)), _e10);
+    shapes[thread_3] = uvec4(((f_2.a.x + (h_3.x * f_2.a.z)) + (h_3.y * f_2.a.w)), (f_2.a.y + (h_3.y * f_2.b.x)), f_2.a.zw);
+    shades[thread_3] = uvec4(f_2.b.xyz, uint(_e11));
+    return;
+}
+void place_splat(Half h_4, uint thread_4, Fetched f_3, uint words) {
+    if (((f_3.entry.x & CUT_OFF) != 0u)) {
+        return;
+    }
+    put_splat(h_4, thread_4, f_3);
+    bvec2 _e10 = touch(f_3, h_4);
+    if (_e10.x) {
+        uint _e21 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+    }
+    if (_e10.y) {
+        uint _e34 = atomicOr(touching[((words + 2u) + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+        return;
     } else {
         return;
     }
@@ -589,136 +598,270 @@ void put_pixel(inout Pixel p_4, uint at_1) {
         return;
     }
 }
+void blend_round(inout Pixel p_5, inout Pixel q_1, Place place_3, uint words_1) {
+    uint word_3 = 0u;
+    uint bits = 0u;
+    Taken next = Taken(0u, 0u, 0, 0, ivec3(0));
+    bool loop_init_1 = true;
+    while(true) {
+        if (!loop_init_1) {
+            uint _e58 = word_3;
+            word_3 = (_e58 + 1u);
+        }
+        loop_init_1 = false;
+        uint _e6 = word_3;
+        if ((_e6 < 2u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e12 = word_3;
+            uint _e15 = touching[((words_1 + place_3.words) + _e12)];
+            bits = _e15;
+            uint _e18 = word_3;
+            uint _e20 = bits;
+            Taken _e26 = take(((32u * _e18) + (min(uint(findLSB(_e20)), 32u) % 32u)), place_3.row);
+            next = _e26;
+            while(true) {
+                uint _e28 = bits;
+                if ((_e28 != 0u)) {
+                } else {
+                    break;
+                }
+                {
+                    Taken taken = next;
+                    uint _e32 = bits;
+                    uint _e33 = bits;
+                    bits = (_e32 & (_e33 - 1u));
+                    uint _e38 = word_3;
+                    uint _e40 = bits;
+                    Taken _e46 = take(((32u * _e38) + (min(uint(findLSB(_e40)), 32u) % 32u)), place_3.row);
+                    next = _e46;
+                    int _e48 = blend_splat(p_5, taken, place_3.column);
+                    uint _e51 = _group_0_binding_0_cs.tile_bits;
+                    if ((_e51 > 3u)) {
+                        int _e57 = blend_splat(q_1, taken, (place_3.column + APART));
+                    }
+                }
+            }
+        }
+    }
+    return;
+}
+void mark_pixels(Half h_5, uint thread_5, Fetched f_4) {
+    uint row_2 = 0u;
+    uint open_2 = 0u;
+    bool local_8 = false;
+    if (((f_4.entry.x & CUT_OFF) != 0u)) {
+        return;
+    }
+    put_splat(h_5, thread_5, f_4);
+    uint _e12 = shades[thread_5].w;
+    int limit_1 = int(_e12);
+    uint first_3 = (max((f_4.b.w & 65535u), h_5.y) - h_5.y);
+    uint last_2 = min((max((f_4.b.w >> 16u), h_5.y) - h_5.y), 7u);
+    row_2 = first_3;
+    bool loop_init_2 = true;
+    while(true) {
+        if (!loop_init_2) {
+            uint _e93 = row_2;
+            row_2 = (_e93 + 1u);
+        }
+        loop_init_2 = false;
+        uint _e33 = row_2;
+        if ((_e33 <= last_2)) {
+        } else {
+            break;
+        }
+        {
+            uint _e35 = row_2;
+            Taken _e36 = take(thread_5, _e35);
+            uint _e38 = row_2;
+            uint _e42 = open_pixels[(_e38 / 2u)];
+            uint _e44 = row_2;
+            open_2 = ((_e42 >> (16u * (_e44 % 2u))) & 255u);
+            bool loop_init_3 = true;
+            while(true) {
+                if (!loop_init_3) {
+                    uint _e88 = open_2;
+                    uint _e89 = open_2;
+                    open_2 = (_e88 & (_e89 - 1u));
+                }
+                loop_init_3 = false;
+                uint _e52 = open_2;
+                if ((_e52 != 0u)) {
+                    local_8 = (_e36.level <= limit_1);
+                } else {
+                    local_8 = false;
+                }
+                bool _e60 = local_8;
+                if (_e60) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e61 = open_2;
+                    uint column_2 = min(uint(findLSB(_e61)), 32u);
+                    int _e68 = fxs_coordinate_q13_(int((_e36.u + (column_2 * _e36.ux))));
+                    int _e70 = fxs_level_q11_(_e68, _e36.level);
+                    if ((_e70 <= limit_1)) {
+                        uint _e75 = row_2;
+                        uint _e87 = atomicOr(masks[((2u * ((SIDE * _e75) + column_2)) + (thread_5 / 32u))], (1u << (thread_5 % 32u)));
+                    }
+                }
+            }
+        }
+    }
+    return;
+}
+void blend_crowd(inout Pixel p_6, Place place_4) {
+    uint word_4 = 0u;
+    uint bits_1 = 0u;
+    bool loop_init_4 = true;
+    while(true) {
+        if (!loop_init_4) {
+            uint _e39 = word_4;
+            word_4 = (_e39 + 1u);
+        }
+        loop_init_4 = false;
+        uint _e4 = word_4;
+        if ((_e4 < 2u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e15 = word_4;
+            uint _e19 = atomicExchange(masks[((2u * ((SIDE * place_4.row) + place_4.column)) + _e15)], 0u);
+            bits_1 = _e19;
+            bool loop_init_5 = true;
+            while(true) {
+                if (!loop_init_5) {
+                    uint _e34 = bits_1;
+                    uint _e35 = bits_1;
+                    bits_1 = (_e34 & (_e35 - 1u));
+                }
+                loop_init_5 = false;
+                uint _e21 = bits_1;
+                if ((_e21 != 0u)) {
+                } else {
+                    break;
+                }
+                {
+                    uint _e25 = word_4;
+                    uint _e27 = bits_1;
+                    Taken _e31 = take(((32u * _e25) + min(uint(findLSB(_e27)), 32u)), place_4.row);
+                    int _e33 = blend_splat(p_6, _e31, place_4.column);
+                }
+            }
+        }
+    }
+    return;
+}
 void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
+    bool local = false;
     Pixel p = Pixel(0, ivec3(0));
     Pixel q = Pixel(0, ivec3(0));
     bvec2 open = bvec2(false);
     Fetched fetched = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
     uvec2 entry = uvec2(0u);
     uint first = 0u;
-    uint word = 0u;
-    uint bits = 0u;
-    Taken next = Taken(0u, 0u, 0, 0, ivec3(0));
-    bool local = false;
     bool local_1 = false;
+    bool local_2 = false;
     Half _e2 = half_tile_of(group);
     if ((_e2.tile == NOTHING)) {
         return;
     }
     Place _e6 = place_of(_e2, thread);
+    uint _e9 = _group_0_binding_0_cs.tile_bits;
+    if ((_e9 == 3u)) {
+        local = (_e2.count >= CROWD);
+    } else {
+        local = false;
+    }
+    bool crowded = local;
     p = Pixel((_e6.inside.x ? FXS_CLEAR_Q15_ : 0), ivec3(0));
     q = Pixel((_e6.inside.y ? FXS_CLEAR_Q15_ : 0), ivec3(0));
     open = _e6.inside;
-    uvec2 _e27 = fetch_entry(_e2, thread);
-    Fetched _e28 = fetch_splat(_e27);
-    fetched = _e28;
-    uvec2 _e32 = fetch_entry(_e2, (SOME + thread));
-    entry = _e32;
+    uvec2 _e39 = fetch_entry(_e2, thread);
+    Fetched _e40 = fetch_splat(_e39);
+    fetched = _e40;
+    uvec2 _e44 = fetch_entry(_e2, (SOME + thread));
+    entry = _e44;
+    masks[thread] = 0u;
+    masks[(64u + thread)] = 0u;
     clear_rounds(thread, _e6);
-    bool loop_init_1 = true;
+    bool loop_init_6 = true;
     while(true) {
-        if (!loop_init_1) {
-            uint _e151 = first;
-            first = (_e151 + SOME);
+        if (!loop_init_6) {
+            uint _e117 = first;
+            first = (_e117 + SOME);
         }
-        loop_init_1 = false;
-        uint _e36 = first;
-        if ((_e36 < _e2.count)) {
+        loop_init_6 = false;
+        uint _e56 = first;
+        if ((_e56 < _e2.count)) {
         } else {
             break;
         }
         {
-            uint _e39 = first;
-            uint round_ = ((_e39 / SOME) + 1u);
-            uint words_1 = (4u * (round_ % 2u));
-            bvec2 _e48 = open;
-            if (any(_e48)) {
+            uint _e59 = first;
+            uint round_ = ((_e59 / SOME) + 1u);
+            uint words_2 = (4u * (round_ % 2u));
+            bvec2 _e68 = open;
+            if (any(_e68)) {
                 open_round = round_;
             }
-            Fetched _e51 = fetched;
-            place_fetched(_e2, thread, _e51, words_1);
-            uvec2 _e52 = entry;
-            Fetched _e53 = fetch_splat(_e52);
-            fetched = _e53;
-            uint _e54 = first;
-            uvec2 _e58 = fetch_entry(_e2, ((_e54 + 128u) + thread));
-            entry = _e58;
+            if (crowded) {
+                Fetched _e71 = fetched;
+                mark_pixels(_e2, thread, _e71);
+            } else {
+                Fetched _e72 = fetched;
+                place_splat(_e2, thread, _e72, words_2);
+            }
+            uvec2 _e73 = entry;
+            Fetched _e74 = fetch_splat(_e73);
+            fetched = _e74;
+            uint _e75 = first;
+            uvec2 _e79 = fetch_entry(_e2, ((_e75 + 128u) + thread));
+            entry = _e79;
             memoryBarrierShared();
             barrier();
-            uint _e60 = open_round;
+            uint _e81 = open_round;
             memoryBarrierShared();
             barrier();
-            if ((_e60 != round_)) {
+            if ((_e81 != round_)) {
                 break;
             }
             if ((thread < 4u)) {
-                touching[((4u - words_1) + thread)] = 0u;
+                touching[((4u - words_2) + thread)] = 0u;
             }
-            word = 0u;
-            bool loop_init_2 = true;
-            while(true) {
-                if (!loop_init_2) {
-                    uint _e122 = word;
-                    word = (_e122 + 1u);
-                }
-                loop_init_2 = false;
-                uint _e72 = word;
-                if ((_e72 < 2u)) {
-                } else {
-                    break;
-                }
-                {
-                    uint _e81 = word;
-                    uint _e84 = touching[((words_1 + ((thread / 32u) * 2u)) + _e81)];
-                    bits = _e84;
-                    uint _e87 = word;
-                    uint _e89 = bits;
-                    Taken _e95 = take(((32u * _e87) + (min(uint(findLSB(_e89)), 32u) % 32u)), _e6.row);
-                    next = _e95;
-                    while(true) {
-                        uint _e97 = bits;
-                        if ((_e97 != 0u)) {
-                        } else {
-                            break;
-                        }
-                        {
-                            Taken taken = next;
-                            uint _e101 = bits;
-                            uint _e102 = bits;
-                            bits = (_e101 & (_e102 - 1u));
-                            uint _e107 = word;
-                            uint _e109 = bits;
-                            Taken _e115 = take(((32u * _e107) + (min(uint(findLSB(_e109)), 32u) % 32u)), _e6.row);
-                            next = _e115;
-                            int _e117 = blend_splat(p, taken, _e6.column);
-                            int _e121 = blend_splat(q, taken, (_e6.column + APART));
-                        }
-                    }
-                }
-            }
-            bool _e126 = open.x;
-            if (_e126) {
-                int _e130 = p.transmittance;
-                local = (_e130 < FXS_CLOSED_Q15_);
+            if (crowded) {
+                blend_crowd(p, _e6);
             } else {
-                local = false;
+                blend_round(p, q, _e6, words_2);
             }
-            bool _e134 = local;
-            if (_e134) {
-                open.x = false;
-                close_pixel(_e6, false);
-            }
-            bool _e139 = open.y;
-            if (_e139) {
-                int _e143 = q.transmittance;
-                local_1 = (_e143 < FXS_CLOSED_Q15_);
+            bool _e92 = open.x;
+            if (_e92) {
+                int _e96 = p.transmittance;
+                local_1 = (_e96 < FXS_CLOSED_Q15_);
             } else {
                 local_1 = false;
             }
-            bool _e147 = local_1;
-            if (_e147) {
+            bool _e100 = local_1;
+            if (_e100) {
+                open.x = false;
+                close_pixel(_e6, false);
+            }
+            bool _e105 = open.y;
+            if (_e105) {
+                int _e109 = q.transmittance;
+                local_2 = (_e109 < FXS_CLOSED_Q15_);
+            } else {
+                local_2 = false;
+            }
+            bool _e113 = local_2;
+            if (_e113) {
                 open.y = false;
                 close_pixel(_e6, true);
             }

@@ -1,6 +1,6 @@
-// What blend and trace have in common: a workgroup takes 16x8 pixels, a half of a tile. It takes 64 splats of the list at
-// a time: each thread tests one against the rows of the half, then takes those that can touch the 8x8 pixels that it is
-// among, for two pixels of its own.
+// What blend and trace have in common: a workgroup has 16x8 pixels, a half of a tile, two pixels a thread; or a tile of
+// 8x8, one pixel a thread. It takes 64 splats of the list at a time: each thread tests one against the rows of the half,
+// then takes those that can touch the 8x8 pixels that it is among.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
@@ -61,19 +61,16 @@ fn reaches(u: u32, ux: u32, open: u32, level: i32, limit: i32) -> bool
     return open != 0u && fxs_level_q11(fxs_coordinate_q13(max(max(left, -right), 0)), level) <= limit;
 }
 
-// Puts a splat at a half. Returns whether it can touch an open pixel of its left 8x8, and of its right ones.
-fn place_splat(i: u32, f: Fetched, h: Half) -> vec2<bool>
+// Whether a splat can touch an open pixel of a half's left 8x8, and of its right ones.
+fn touch(f: Fetched, h: Half) -> vec2<bool>
 {
     let offset_q11 = i32(f.b.y & 0xffffu);
     let limit = fxs_limit_q11(offset_q11, frame.cut_q11);
     let ux = f.a.z;
-    let at = vec2<u32>(f.a.x + h.x * ux + h.y * f.a.w, f.a.y + h.y * f.b.x);
     let first = max(f.b.w & 0xffffu, h.y) - h.y;
     let last = min(max(f.b.w >> 16u, h.y) - h.y, SIDE - 1u);
-    var u = at.x + first * f.a.w;
-    var v = at.y + first * f.b.x;
-    shapes[i] = vec4<u32>(at, ux, f.a.w);
-    shades[i] = vec4<u32>(f.b.xyz, u32(limit));
+    var u = f.a.x + h.x * ux + (h.y + first) * f.a.w;
+    var v = f.a.y + (h.y + first) * f.b.x;
     var touches = vec2<bool>(false);
     for (var row = first; row <= last; row += 1u) {
         let open = atomicLoad(&open_pixels[row / 2u]) >> (16u * (row % 2u));
@@ -106,7 +103,8 @@ fn take(i: u32, row: u32) -> Taken
 // Blends it at a column. Returns its weight.
 fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
 {
-    let level = fxs_level_q11(fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux)), t.level);
+    let u_q13 = fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux));
+    let level = fxs_mul_q15(u_q13, u_q13) + t.level;           // fxs_level_q11: what that cuts is over the limit
     let counts = level <= t.limit && (*p).transmittance >= FXS_CLOSED_Q15;
     let weight = select(0, fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance), counts);
     (*p).transmittance -= weight;
@@ -150,7 +148,7 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
     picture[frame.colour + at] = word;
 }
 
-// A half of a tile, or a tile of 8x8 pixels, as the left of its 16 columns. The same for all threads of a workgroup.
+// A half of a tile, or a tile of 8x8 pixels: the left ones of a half. The same for all threads of a workgroup.
 struct Half {
     tile: u32,                     // NOTHING: there is none
     x: u32,
@@ -180,11 +178,12 @@ fn half_tile_of(group: vec3<u32>) -> Half
                 (tile / across << frame.tile_bits) + (number & of_tile) * SIDE, list_of(tile, count), count);
 }
 
-// The two pixels of a thread, in a row, APART.
+// The pixels of a thread: two in a row, APART, or one.
 struct Place {
     column: u32,                   // in the half
     row: u32,
     at: u32,                       // in a plane of the picture
+    words: u32,                    // of touching, from the first of the round
     inside: vec2<bool>,
 }
 
@@ -192,12 +191,13 @@ const APART: u32 = 4u;
 
 fn place_of(h: Half, thread: u32) -> Place
 {
-    let column = thread / 32u * SIDE + thread % APART;
-    let row = thread % 32u / APART;
+    let pairs = frame.tile_bits > 3u;
+    let column = select(thread % SIDE, thread / 32u * SIDE + thread % APART, pairs);
+    let row = select(thread / SIDE, thread % 32u / APART, pairs);
     let x = h.x + vec2<u32>(column, column + APART);
-    return Place(column, row, (h.y + row) * u32(frame.size.x) + h.x + column,
-                 x < vec2<u32>(min(u32(frame.size.x), h.x + (1u << frame.tile_bits))) &
-                     vec2<bool>(h.y + row < u32(frame.size.y)));
+    return Place(column, row, (h.y + row) * u32(frame.size.x) + h.x + column, column / SIDE * 2u,
+                 x < vec2<u32>(u32(frame.size.x)) & vec2<bool>(h.y + row < u32(frame.size.y)) &
+                     vec2<bool>(true, pairs));
 }
 
 fn bit_of(place: Place, second: bool) -> u32
@@ -227,17 +227,27 @@ fn close_pixel(place: Place, second: bool)
     atomicAnd(&open_pixels[place.row / 2u], ~bit_of(place, second));
 }
 
-// Puts a splat to the half, and marks it where it touches an open pixel; `words`: of this round.
-fn place_fetched(h: Half, thread: u32, f: Fetched, words: u32)
+// Puts a splat into the round.
+fn put_splat(h: Half, thread: u32, f: Fetched)
 {
-    if ((f.entry.x & CUT_OFF) == 0u) {
-        let touches = place_splat(thread, f, h);
-        if (touches.x) {
-            atomicOr(&touching[words + thread / 32u], 1u << (thread % 32u));
-        }
-        if (touches.y) {
-            atomicOr(&touching[words + 2u + thread / 32u], 1u << (thread % 32u));
-        }
+    let limit = fxs_limit_q11(i32(f.b.y & 0xffffu), frame.cut_q11);
+    shapes[thread] = vec4<u32>(f.a.x + h.x * f.a.z + h.y * f.a.w, f.a.y + h.y * f.b.x, f.a.zw);
+    shades[thread] = vec4<u32>(f.b.xyz, u32(limit));
+}
+
+// And marks it where it touches an open pixel; `words`: of this round.
+fn place_splat(h: Half, thread: u32, f: Fetched, words: u32)
+{
+    if ((f.entry.x & CUT_OFF) != 0u) {
+        return;
+    }
+    put_splat(h, thread, f);
+    let touches = touch(f, h);
+    if (touches.x) {
+        atomicOr(&touching[words + thread / 32u], 1u << (thread % 32u));
+    }
+    if (touches.y) {
+        atomicOr(&touching[words + 2u + thread / 32u], 1u << (thread % 32u));
     }
 }
 

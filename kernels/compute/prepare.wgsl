@@ -150,7 +150,8 @@ fn project_gaussian(chunk: u32, slot: u32) -> wide
         key = scale_depth(key);
     }
     let colour = min((shade(rows, g, codes) * object.tint_q13.xyz + 4096) >> vec3<u32>(13u), vec3<i32>(32767));
-    put_splat(slot, &out.splat, colour);
+    var splat = out.splat;         // a pointer to a member is not valid in every SPIR-V
+    put_splat(slot, &splat, colour);
     memory[frame.depths + slot] = key;
     atomicAdd(&visible_here, 1u);
     return list_splat(slot, &out);

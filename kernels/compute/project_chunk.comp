@@ -2032,6 +2032,7 @@ uvec2 project_gaussian(uint chunk_1, uint slot_3) {
     Placed out_8 = Placed(Splat(0u, 0u, 0, 0, 0, 0, ivec2(0)), Bounds(ivec2(0), 0u, 0, 0, 0u));
     bool local_34 = false;
     uint key_1 = 0u;
+    Splat splat = Splat(0u, 0u, 0, 0, 0, 0, ivec2(0));
     uint g_5 = (slot_3 % CHUNK);
     uint _e6 = _group_0_binding_1_cs.rows_at;
     uint _e9 = _group_0_binding_1_cs.first_chunk;
@@ -2077,13 +2078,15 @@ uvec2 project_gaussian(uint chunk_1, uint slot_3) {
     ivec3 _e77 = shade(rows_5, g_5, _e20);
     ivec4 _e80 = _group_0_binding_1_cs.tint_q13_;
     ivec3 colour = min((((_e77 * _e80.xyz) + ivec3(4096)) >> uvec3(13u)), ivec3(32767));
-    put_splat(slot_3, out_8.splat, colour);
-    uint _e96 = _group_0_binding_0_cs.depths;
-    uint _e99 = key_1;
-    _group_1_binding_1_cs[(_e96 + slot_3)] = _e99;
-    uint _e102 = atomicAdd(visible_here, 1u);
-    uvec2 _e103 = list_splat(slot_3, out_8);
-    return _e103;
+    Splat _e93 = out_8.splat;
+    splat = _e93;
+    put_splat(slot_3, splat, colour);
+    uint _e98 = _group_0_binding_0_cs.depths;
+    uint _e101 = key_1;
+    _group_1_binding_1_cs[(_e98 + slot_3)] = _e101;
+    uint _e104 = atomicAdd(visible_here, 1u);
+    uvec2 _e105 = list_splat(slot_3, out_8);
+    return _e105;
 }
 void main() {
     uvec3 group = gl_WorkGroupID;

@@ -141,7 +141,7 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         if (any(open)) {
             open_round = round;
         }
-        place_fetched(h, thread, fetched, words);
+        place_splat(h, thread, fetched, words);
         own[thread] = fetched.entry;
         fetched = fetch_splat(entry);              // while this round is blended
         entry = fetch_entry(h, first + 2u * SOME + thread);
@@ -152,7 +152,7 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
             atomicStore(&touching[4u - words + thread], 0u);
         }
         for (var word = 0u; word < 2u; word += 1u) {
-            for (var bits = atomicLoad(&touching[words + thread / 32u * 2u + word]); bits != 0u; bits &= bits - 1u) {
+            for (var bits = atomicLoad(&touching[words + place.words + word]); bits != 0u; bits &= bits - 1u) {
                 let i = 32u * word + countTrailingZeros(bits);
                 trace_splat(&p, &s, take(i, place.row), place.column, own[i]);
                 trace_splat(&q, &t, take(i, place.row), place.column + APART, own[i]);

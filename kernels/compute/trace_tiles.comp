@@ -132,6 +132,7 @@ struct Place {
     uint column;
     uint row;
     uint at;
+    uint words;
     bvec2 inside;
 };
 struct Traced {
@@ -385,61 +386,58 @@ bool reaches(uint u, uint ux, uint open_1, int level, int limit) {
     bool _e27 = local_6;
     return _e27;
 }
-bvec2 place_splat(uint i_2, Fetched f_1, Half h_1) {
+bvec2 touch(Fetched f_1, Half h_1) {
     uint u_1 = 0u;
     uint v = 0u;
     bvec2 touches = bvec2(false);
     uint row = 0u;
     int offset_q11_2 = int((f_1.b.y & 65535u));
-    int _e10 = _group_0_binding_0_cs.cut_q11_;
-    int _e11 = fxs_limit_q11_(offset_q11_2, _e10);
+    int _e9 = _group_0_binding_0_cs.cut_q11_;
+    int _e10 = fxs_limit_q11_(offset_q11_2, _e9);
     uint ux_1 = f_1.a.z;
-    uvec2 at_6 = uvec2(((f_1.a.x + (h_1.x * ux_1)) + (h_1.y * f_1.a.w)), (f_1.a.y + (h_1.y * f_1.b.x)));
     uint first_2 = (max((f_1.b.w & 65535u), h_1.y) - h_1.y);
     uint last_1 = min((max((f_1.b.w >> 16u), h_1.y) - h_1.y), 7u);
-    u_1 = (at_6.x + (first_2 * f_1.a.w));
-    v = (at_6.y + (first_2 * f_1.b.x));
-    shapes[i_2] = uvec4(at_6, ux_1, f_1.a.w);
-    shades[i_2] = uvec4(f_1.b.xyz, uint(_e11));
+    u_1 = ((f_1.a.x + (h_1.x * ux_1)) + ((h_1.y + first_2) * f_1.a.w));
+    v = (f_1.a.y + ((h_1.y + first_2) * f_1.b.x));
     row = first_2;
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e114 = row;
-            row = (_e114 + 1u);
+            uint _e93 = row;
+            row = (_e93 + 1u);
         }
         loop_init = false;
-        uint _e77 = row;
-        if ((_e77 <= last_1)) {
+        uint _e56 = row;
+        if ((_e56 <= last_1)) {
         } else {
             break;
         }
         {
-            uint _e80 = row;
-            uint _e84 = open_pixels[(_e80 / 2u)];
-            uint _e86 = row;
-            uint open_2 = (_e84 >> (16u * (_e86 % 2u)));
-            uint _e91 = v;
-            int _e93 = fxs_coordinate_q13_(int(_e91));
-            int _e94 = fxs_row_level_q11_(_e93, offset_q11_2);
-            bvec2 _e95 = touches;
-            uint _e96 = u_1;
-            bool _e99 = reaches(_e96, ux_1, (open_2 & 255u), _e94, _e11);
-            uint _e100 = u_1;
-            bool _e103 = reaches(_e100, ux_1, (open_2 & 65280u), _e94, _e11);
-            touches = bvec2(_e95.x || bvec2(_e99, _e103).x, _e95.y || bvec2(_e99, _e103).y);
-            uint _e106 = u_1;
-            u_1 = (_e106 + f_1.a.w);
-            uint _e110 = v;
-            v = (_e110 + f_1.b.x);
+            uint _e59 = row;
+            uint _e63 = open_pixels[(_e59 / 2u)];
+            uint _e65 = row;
+            uint open_2 = (_e63 >> (16u * (_e65 % 2u)));
+            uint _e70 = v;
+            int _e72 = fxs_coordinate_q13_(int(_e70));
+            int _e73 = fxs_row_level_q11_(_e72, offset_q11_2);
+            bvec2 _e74 = touches;
+            uint _e75 = u_1;
+            bool _e78 = reaches(_e75, ux_1, (open_2 & 255u), _e73, _e10);
+            uint _e79 = u_1;
+            bool _e82 = reaches(_e79, ux_1, (open_2 & 65280u), _e73, _e10);
+            touches = bvec2(_e74.x || bvec2(_e78, _e82).x, _e74.y || bvec2(_e78, _e82).y);
+            uint _e85 = u_1;
+            u_1 = (_e85 + f_1.a.w);
+            uint _e89 = v;
+            v = (_e89 + f_1.b.x);
         }
     }
-    bvec2 _e117 = touches;
-    return _e117;
+    bvec2 _e96 = touches;
+    return _e96;
 }
-Taken take(uint i_3, uint row_1) {
-    uvec4 shape = shapes[i_3];
-    uvec4 shade = shades[i_3];
+Taken take(uint i_2, uint row_1) {
+    uvec4 shape = shapes[i_2];
+    uvec4 shade = shades[i_2];
     int v_1 = int((shape.y + (row_1 * shade.x)));
     int _e18 = fxs_coordinate_q13_(v_1);
     int _e23 = fxs_row_level_q11_(_e18, int((shade.y & 65535u)));
@@ -448,25 +446,26 @@ Taken take(uint i_3, uint row_1) {
 int blend_splat(inout Pixel p_3, Taken t_1, uint column) {
     bool local_7 = false;
     int _e8 = fxs_coordinate_q13_(int((t_1.u + (column * t_1.ux))));
-    int _e10 = fxs_level_q11_(_e8, t_1.level);
-    if ((_e10 <= t_1.limit)) {
-        int _e16 = p_3.transmittance;
-        local_7 = (_e16 >= FXS_CLOSED_Q15_);
+    int _e9 = fxs_mul_q15_(_e8, _e8);
+    int level_1 = (_e9 + t_1.level);
+    if ((level_1 <= t_1.limit)) {
+        int _e17 = p_3.transmittance;
+        local_7 = (_e17 >= FXS_CLOSED_Q15_);
     } else {
         local_7 = false;
     }
     bool counts_1 = local_7;
-    int _e21 = fxs_alpha_q15_(_e10);
-    int _e23 = p_3.transmittance;
-    int _e24 = fxs_weight_q15_(_e21, _e23);
-    int weight_2 = (counts_1 ? _e24 : 0);
-    int _e28 = p_3.transmittance;
-    p_3.transmittance = (_e28 - weight_2);
-    ivec3 _e31 = p_3.sum;
-    int _e34 = fxs_mul_q15_(weight_2, t_1.colour.x);
-    int _e37 = fxs_mul_q15_(weight_2, t_1.colour.y);
-    int _e40 = fxs_mul_q15_(weight_2, t_1.colour.z);
-    p_3.sum = (_e31 + ivec3(_e34, _e37, _e40));
+    int _e22 = fxs_alpha_q15_(level_1);
+    int _e24 = p_3.transmittance;
+    int _e25 = fxs_weight_q15_(_e22, _e24);
+    int weight_2 = (counts_1 ? _e25 : 0);
+    int _e29 = p_3.transmittance;
+    p_3.transmittance = (_e29 - weight_2);
+    ivec3 _e32 = p_3.sum;
+    int _e35 = fxs_mul_q15_(weight_2, t_1.colour.x);
+    int _e38 = fxs_mul_q15_(weight_2, t_1.colour.y);
+    int _e41 = fxs_mul_q15_(weight_2, t_1.colour.z);
+    p_3.sum = (_e32 + ivec3(_e35, _e38, _e41));
     return weight_2;
 }
 ivec3 background_of(uint word_2) {
@@ -555,14 +554,15 @@ Half half_tile_of(uvec3 group_1) {
     return Half(_e17, ((_e17 % across) << _e41), (((_e17 / across) << _e46) + ((number_2 & of_tile) * SIDE)), _e52, count_1);
 }
 Place place_of(Half h_2, uint thread_1) {
-    uint column_2 = (((thread_1 / 32u) * SIDE) + (thread_1 % APART));
-    uint row_2 = ((thread_1 % 32u) / APART);
+    uint _e4 = _group_0_binding_0_cs.tile_bits;
+    bool pairs = (_e4 > 3u);
+    uint column_2 = (pairs ? (((thread_1 / 32u) * SIDE) + (thread_1 % APART)) : (thread_1 % SIDE));
+    uint row_2 = (pairs ? ((thread_1 % 32u) / APART) : (thread_1 / SIDE));
     uvec2 x_8 = (uvec2(h_2.x) + uvec2(column_2, (column_2 + APART)));
-    int _e24 = _group_0_binding_0_cs.size.x;
-    int _e33 = _group_0_binding_0_cs.size.x;
-    uint _e39 = _group_0_binding_0_cs.tile_bits;
-    int _e50 = _group_0_binding_0_cs.size.y;
-    return Place(column_2, row_2, ((((h_2.y + row_2) * uint(_e24)) + h_2.x) + column_2), bvec2(lessThan(x_8, uvec2(min(uint(_e33), (h_2.x + (1u << _e39))))).x && bvec2(((h_2.y + row_2) < uint(_e50))).x, lessThan(x_8, uvec2(min(uint(_e33), (h_2.x + (1u << _e39))))).y && bvec2(((h_2.y + row_2) < uint(_e50))).y));
+    int _e35 = _group_0_binding_0_cs.size.x;
+    int _e48 = _group_0_binding_0_cs.size.x;
+    int _e57 = _group_0_binding_0_cs.size.y;
+    return Place(column_2, row_2, ((((h_2.y + row_2) * uint(_e35)) + h_2.x) + column_2), ((column_2 / SIDE) * 2u), bvec2(bvec2(lessThan(x_8, uvec2(uint(_e48))).x && bvec2(((h_2.y + row_2) < uint(_e57))).x, lessThan(x_8, uvec2(uint(_e48))).y && bvec2(((h_2.y + row_2) < uint(_e57))).y).x && bvec2(true, pairs).x, bvec2(lessThan(x_8, uvec2(uint(_e48))).x && bvec2(((h_2.y + row_2) < uint(_e57))).x, lessThan(x_8, uvec2(uint(_e48))).y && bvec2(((h_2.y + row_2) < uint(_e57))).y).y && bvec2(true, pairs).y));
 }
 uint bit_of(Place place, bool second) {
     return (1u << ((((place.row % 2u) * 16u) + place.column) + (second ? APART : 0u)));
@@ -591,18 +591,25 @@ void close_pixel(Place place_2, bool second_1) {
     uint _e9 = atomicAnd(open_pixels[(place_2.row / 2u)], ~(_e7));
     return;
 }
-void place_fetched(Half h_3, uint thread_3, Fetched f_2, uint words) {
-    if (((f_2.entry.x & CUT_OFF) == 0u)) {
-        bvec2 _e10 = place_splat(thread_3, f_2, h_3);
-        if (_e10.x) {
-            uint _e21 = atomicOr(touching[(words + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
-        }
-        if (_e10.y) {
-            uint _e34 = atomicOr(touching[((words + 2u) + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
-            return;
-        } else {
-            return;
-        }
+void put_splat(Half h_3, uint thread_3, Fetched f_2) {
+    int _e10 = _group_0_binding_0_cs.cut_q11_;
+    int _e11 = fxs_limit_q11_(int((f_2.b.y & 65535u)), _e10);
+    shapes[thread_3] = uvec4(((f_2.a.x + (h_3.x * f_2.a.z)) + (h_3.y * f_2.a.w)), (f_2.a.y + (h_3.y * f_2.b.x)), f_2.a.zw);
+    shades[thread_3] = uvec4(f_2.b.xyz, uint(_e11));
+    return;
+}
+void place_splat(Half h_4, uint thread_4, Fetched f_3, uint words) {
+    if (((f_3.entry.x & CUT_OFF) != 0u)) {
+        return;
+    }
+    put_splat(h_4, thread_4, f_3);
+    bvec2 _e10 = touch(f_3, h_4);
+    if (_e10.x) {
+        uint _e21 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+    }
+    if (_e10.y) {
+        uint _e34 = atomicOr(touching[((words + 2u) + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+        return;
     } else {
         return;
     }
@@ -800,8 +807,8 @@ void main() {
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e183 = first;
-            first = (_e183 + SOME);
+            uint _e180 = first;
+            first = (_e180 + SOME);
         }
         loop_init_1 = false;
         uint _e48 = first;
@@ -818,7 +825,7 @@ void main() {
                 open_round = round_;
             }
             Fetched _e63 = fetched;
-            place_fetched(_e2, thread, _e63, words_1);
+            place_splat(_e2, thread, _e63, words_1);
             uvec2 _e67 = fetched.entry;
             own[thread] = _e67;
             uvec2 _e68 = entry;
@@ -842,8 +849,8 @@ void main() {
             bool loop_init_2 = true;
             while(true) {
                 if (!loop_init_2) {
-                    uint _e130 = word;
-                    word = (_e130 + 1u);
+                    uint _e127 = word;
+                    word = (_e127 + 1u);
                 }
                 loop_init_2 = false;
                 uint _e88 = word;
@@ -852,73 +859,73 @@ void main() {
                     break;
                 }
                 {
-                    uint _e97 = word;
-                    uint _e100 = touching[((words_1 + ((thread / 32u) * 2u)) + _e97)];
-                    bits = _e100;
+                    uint _e94 = word;
+                    uint _e97 = touching[((words_1 + _e6.words) + _e94)];
+                    bits = _e97;
                     bool loop_init_3 = true;
                     while(true) {
                         if (!loop_init_3) {
-                            uint _e125 = bits;
-                            uint _e126 = bits;
-                            bits = (_e125 & (_e126 - 1u));
+                            uint _e122 = bits;
+                            uint _e123 = bits;
+                            bits = (_e122 & (_e123 - 1u));
                         }
                         loop_init_3 = false;
-                        uint _e102 = bits;
-                        if ((_e102 != 0u)) {
+                        uint _e99 = bits;
+                        if ((_e99 != 0u)) {
                         } else {
                             break;
                         }
                         {
-                            uint _e106 = word;
-                            uint _e108 = bits;
-                            uint i_4 = ((32u * _e106) + min(uint(findLSB(_e108)), 32u));
-                            Taken _e112 = take(i_4, _e6.row);
-                            uvec2 _e116 = own[i_4];
-                            trace_splat(p, s, _e112, _e6.column, _e116);
-                            Taken _e118 = take(i_4, _e6.row);
-                            uvec2 _e124 = own[i_4];
-                            trace_splat(q, t, _e118, (_e6.column + APART), _e124);
+                            uint _e103 = word;
+                            uint _e105 = bits;
+                            uint i_3 = ((32u * _e103) + min(uint(findLSB(_e105)), 32u));
+                            Taken _e109 = take(i_3, _e6.row);
+                            uvec2 _e113 = own[i_3];
+                            trace_splat(p, s, _e109, _e6.column, _e113);
+                            Taken _e115 = take(i_3, _e6.row);
+                            uvec2 _e121 = own[i_3];
+                            trace_splat(q, t, _e115, (_e6.column + APART), _e121);
                         }
                     }
                 }
             }
-            bool _e134 = open.x;
-            if (_e134) {
-                int _e138 = p.transmittance;
-                if (!((_e138 < FXS_CLOSED_Q15_))) {
-                    uint _e147 = own[0].y;
-                    uint _e149 = s.limit;
-                    local_1 = (_e147 > _e149);
+            bool _e131 = open.x;
+            if (_e131) {
+                int _e135 = p.transmittance;
+                if (!((_e135 < FXS_CLOSED_Q15_))) {
+                    uint _e144 = own[0].y;
+                    uint _e146 = s.limit;
+                    local_1 = (_e144 > _e146);
                 } else {
                     local_1 = true;
                 }
-                bool _e152 = local_1;
-                local = _e152;
+                bool _e149 = local_1;
+                local = _e149;
             } else {
                 local = false;
             }
-            bool _e154 = local;
-            if (_e154) {
+            bool _e151 = local;
+            if (_e151) {
                 open.x = false;
                 close_pixel(_e6, false);
             }
-            bool _e159 = open.y;
-            if (_e159) {
-                int _e163 = q.transmittance;
-                if (!((_e163 < FXS_CLOSED_Q15_))) {
-                    uint _e172 = own[0].y;
-                    uint _e174 = t.limit;
-                    local_3 = (_e172 > _e174);
+            bool _e156 = open.y;
+            if (_e156) {
+                int _e160 = q.transmittance;
+                if (!((_e160 < FXS_CLOSED_Q15_))) {
+                    uint _e169 = own[0].y;
+                    uint _e171 = t.limit;
+                    local_3 = (_e169 > _e171);
                 } else {
                     local_3 = true;
                 }
-                bool _e177 = local_3;
-                local_2 = _e177;
+                bool _e174 = local_3;
+                local_2 = _e174;
             } else {
                 local_2 = false;
             }
-            bool _e179 = local_2;
-            if (_e179) {
+            bool _e176 = local_2;
+            if (_e176) {
                 open.y = false;
                 close_pixel(_e6, true);
             }

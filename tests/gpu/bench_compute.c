@@ -180,9 +180,9 @@ int main(int argc, char **argv)
     if (!compute->timer)
         return puts("the device has no timer (EXT_disjoint_timer_query)"), 1;
     use_program = compute->gl.UseProgram;
-    copy_buffer = compute->gl.CopyBufferSubData;
+    copy_buffer = compute->more.CopyBufferSubData;
     compute->gl.UseProgram = use_and_time;
-    compute->gl.CopyBufferSubData = copy_untimed;
+    compute->more.CopyBufferSubData = copy_untimed;
     compute->gl.GenQueries(FXS_COMPUTE_PROGRAMS, queries);
     printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_renderer(compute), (double)compute->rooms.most / 1048576);
     printf("| scene | visible | entries" FXS_COMPUTE_PROGRAMS_OF(HEAD) " | frame | to the host | same | MB |\n");
