@@ -114,3 +114,26 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         put_pixel(&q, place.at + APART);
     }
 }
+
+// The pixels of empty lists, a thread each: what trace_tiles gives where there is no splat, too.
+@compute @workgroup_size(128)
+fn clear_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let at = (group.y * ROW_OF_GROUPS + group.x) * THREADS + thread;
+    let size = vec2<u32>(frame.size);
+    let tile = vec2<u32>(at % size.x, at / size.x) >> vec2<u32>(frame.tile_bits);
+    if (at >= size.x * size.y || !fits() || counts[TILES + tile.y * u32(frame.tiles.x) + tile.x] != 0u) {
+        return;
+    }
+    var p = Pixel(FXS_CLEAR_Q15, vec3<i32>(0));
+    put_pixel(&p, at);
+    if (frame.mean_depth != NOTHING) {
+        picture[frame.mean_depth + at] = NOTHING;
+    }
+    if (frame.median_depth != NOTHING) {
+        picture[frame.median_depth + at] = NOTHING;
+    }
+    if (frame.id != NOTHING) {
+        picture[frame.id + 2u * at] = NOTHING;
+    }
+}

@@ -212,28 +212,28 @@ int fxs_limit_q11_(int offset_q11_1, int cut_q11_) {
     return _e4;
 }
 int fxs_alpha_q15_(int level_q11_) {
-    int p_1 = 0;
+    int p_2 = 0;
     int _e2 = fxs_mul_q15_(-4236, level_q11_);
-    p_1 = (_e2 + 16016);
-    int _e6 = p_1;
+    p_2 = (_e2 + 16016);
+    int _e6 = p_2;
     int _e7 = fxs_mul_q15_(_e6, level_q11_);
-    p_1 = (_e7 - 32730);
-    int _e10 = p_1;
+    p_2 = (_e7 - 32730);
+    int _e10 = p_2;
     int _e11 = fxs_mul_q15_(_e10, level_q11_);
-    p_1 = (_e11 + 32767);
-    int _e14 = p_1;
-    int _e15 = p_1;
+    p_2 = (_e11 + 32767);
+    int _e14 = p_2;
+    int _e15 = p_2;
     int _e16 = fxs_mul_q15_(_e14, _e15);
-    p_1 = _e16;
-    int _e17 = p_1;
-    int _e18 = p_1;
+    p_2 = _e16;
+    int _e17 = p_2;
+    int _e18 = p_2;
     int _e19 = fxs_mul_q15_(_e17, _e18);
-    p_1 = _e19;
-    int _e20 = p_1;
-    int _e21 = p_1;
+    p_2 = _e19;
+    int _e20 = p_2;
+    int _e21 = p_2;
     int _e22 = fxs_mul_q15_(_e20, _e21);
-    p_1 = _e22;
-    int _e23 = p_1;
+    p_2 = _e22;
+    int _e23 = p_2;
     int _e25 = fxs_min(_e23, FXS_ALPHA_MAX_Q15_);
     return _e25;
 }
@@ -299,26 +299,26 @@ uint tile_at(uint number_1) {
     return _e45;
 }
 bool fits() {
-    bool local_3 = false;
-    bool local_4 = false;
+    bool local_5 = false;
+    bool local_6 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_3 = (_e11 <= _e14);
+        local_5 = (_e11 <= _e14);
     } else {
-        local_3 = false;
+        local_5 = false;
     }
-    bool _e17 = local_3;
+    bool _e17 = local_5;
     if (_e17) {
         uint _e22 = _group_1_binding_0_cs[0];
         uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_4 = (_e22 <= _e25);
+        local_6 = (_e22 <= _e25);
     } else {
-        local_4 = false;
+        local_6 = false;
     }
-    bool _e28 = local_4;
+    bool _e28 = local_6;
     return _e28;
 }
 uvec2 fetch_entry(Half h, uint i_1) {
@@ -341,17 +341,17 @@ Fetched fetch_splat(uvec2 entry_1) {
     return _e24;
 }
 bool reaches(uint u, uint ux, uint open_1, int level, int limit) {
-    bool local_5 = false;
+    bool local_7 = false;
     int left = int((u + (min(uint(findLSB(open_1)), 32u) * ux)));
     int right = int((u + ((31u - uint(31 - findMSB(open_1))) * ux)));
     if ((open_1 != 0u)) {
         int _e23 = fxs_coordinate_q13_(max(max(left, -(right)), 0));
         int _e24 = fxs_level_q11_(_e23, level);
-        local_5 = (_e24 <= limit);
+        local_7 = (_e24 <= limit);
     } else {
-        local_5 = false;
+        local_7 = false;
     }
-    bool _e27 = local_5;
+    bool _e27 = local_7;
     return _e27;
 }
 bvec2 touch(Fetched f_1, Half h_1) {
@@ -411,41 +411,41 @@ Taken take(uint i_2, uint row_1) {
     int _e23 = fxs_row_level_q11_(_e18, int((shade.y & 65535u)));
     return Taken((shape.x + (row_1 * shape.w)), shape.z, _e23, int(shade.w), ivec3(uvec3((shade.y >> 16u), (shade.z & 65535u), (shade.z >> 16u))));
 }
-int blend_splat(inout Pixel p_2, Taken t, uint column) {
-    bool local_6 = false;
+int blend_splat(inout Pixel p_3, Taken t, uint column) {
+    bool local_8 = false;
     int _e8 = fxs_coordinate_q13_(int((t.u + (column * t.ux))));
     int _e9 = fxs_mul_q15_(_e8, _e8);
     int level_1 = (_e9 + t.level);
     if ((level_1 <= t.limit)) {
-        int _e17 = p_2.transmittance;
-        local_6 = (_e17 >= FXS_CLOSED_Q15_);
+        int _e17 = p_3.transmittance;
+        local_8 = (_e17 >= FXS_CLOSED_Q15_);
     } else {
-        local_6 = false;
+        local_8 = false;
     }
-    bool counts_1 = local_6;
+    bool counts_1 = local_8;
     int _e22 = fxs_alpha_q15_(level_1);
-    int _e24 = p_2.transmittance;
+    int _e24 = p_3.transmittance;
     int _e25 = fxs_weight_q15_(_e22, _e24);
     int weight = (counts_1 ? _e25 : 0);
-    int _e29 = p_2.transmittance;
-    p_2.transmittance = (_e29 - weight);
-    ivec3 _e32 = p_2.sum;
+    int _e29 = p_3.transmittance;
+    p_3.transmittance = (_e29 - weight);
+    ivec3 _e32 = p_3.sum;
     int _e35 = fxs_mul_q15_(weight, t.colour.x);
     int _e38 = fxs_mul_q15_(weight, t.colour.y);
     int _e41 = fxs_mul_q15_(weight, t.colour.z);
-    p_2.sum = (_e32 + ivec3(_e35, _e38, _e41));
+    p_3.sum = (_e32 + ivec3(_e35, _e38, _e41));
     return weight;
 }
 ivec3 background_of(uint word_1) {
     uvec3 rgb = uvec3((word_1 & 255u), ((word_1 >> 8u) & 255u), ((word_1 >> 16u) & 255u));
     return ivec3((((rgb * 8192u) + uvec3(127u)) / uvec3(255u)));
 }
-void put_colour(inout Pixel p_3, uint at) {
+void put_colour(inout Pixel p_4, uint at) {
     ivec3 background_q13_1 = ivec3(0);
     uint word_2 = 0u;
-    ivec3 _e3 = p_3.sum;
+    ivec3 _e3 = p_4.sum;
     ivec3 sum = min(_e3, ivec3(32767));
-    int transmittance = p_3.transmittance;
+    int transmittance = p_4.transmittance;
     uint _e11 = _group_0_binding_0_cs.format;
     if ((_e11 == 3u)) {
         uvec3 rgb_1 = uvec3(min((((sum * 65535) + ivec3(4096)) >> uvec3(13u)), ivec3(65535)));
@@ -497,9 +497,9 @@ uint list_of(uint tile, uint count) {
     uint _e26 = _group_0_binding_0_cs.spare;
     return ((_e21 - count) + (((merges % 2u) == 1u) ? _e26 : 0u));
 }
-Half half_tile_of(uvec3 group_1) {
-    bool local_7 = false;
-    uint number_2 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
+Half half_tile_of(uvec3 group_2) {
+    bool local_9 = false;
+    uint number_2 = ((group_2.y * ROW_OF_GROUPS) + group_2.x);
     int _e9 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e9);
     uint _e13 = _group_0_binding_0_cs.tile_bits;
@@ -507,11 +507,11 @@ Half half_tile_of(uvec3 group_1) {
     uint _e17 = tile_at((number_2 >> of_tile));
     if (!((_e17 == NOTHING))) {
         bool _e23 = fits();
-        local_7 = !(_e23);
+        local_9 = !(_e23);
     } else {
-        local_7 = true;
+        local_9 = true;
     }
-    bool _e26 = local_7;
+    bool _e26 = local_9;
     if (_e26) {
         return Half(4294967295u, 0u, 0u, 0u, 0u);
     }
@@ -521,11 +521,11 @@ Half half_tile_of(uvec3 group_1) {
     uint _e52 = list_of(_e17, count_1);
     return Half(_e17, ((_e17 % across) << _e41), (((_e17 / across) << _e46) + ((number_2 & of_tile) * SIDE)), _e52, count_1);
 }
-Place place_of(Half h_2, uint thread_1) {
+Place place_of(Half h_2, uint thread_2) {
     uint _e4 = _group_0_binding_0_cs.tile_bits;
     bool pairs = (_e4 > 3u);
-    uint column_1 = (pairs ? (((thread_1 / 32u) * SIDE) + (thread_1 % APART)) : (thread_1 % SIDE));
-    uint row_3 = (pairs ? ((thread_1 % 32u) / APART) : (thread_1 / SIDE));
+    uint column_1 = (pairs ? (((thread_2 / 32u) * SIDE) + (thread_2 % APART)) : (thread_2 % SIDE));
+    uint row_3 = (pairs ? ((thread_2 % 32u) / APART) : (thread_2 / SIDE));
     uvec2 x_1 = (uvec2(h_2.x) + uvec2(column_1, (column_1 + APART)));
     int _e35 = _group_0_binding_0_cs.size.x;
     int _e48 = _group_0_binding_0_cs.size.x;
@@ -535,14 +535,14 @@ Place place_of(Half h_2, uint thread_1) {
 uint bit_of(Place place, bool second) {
     return (1u << ((((place.row % 2u) * 16u) + place.column) + (second ? APART : 0u)));
 }
-void clear_rounds(uint thread_2, Place place_1) {
-    if ((thread_2 < 4u)) {
-        open_pixels[thread_2] = 0u;
+void clear_rounds(uint thread_3, Place place_1) {
+    if ((thread_3 < 4u)) {
+        open_pixels[thread_3] = 0u;
     }
-    if ((thread_2 < 8u)) {
-        touching[thread_2] = 0u;
+    if ((thread_3 < 8u)) {
+        touching[thread_3] = 0u;
     }
-    if ((thread_2 == 0u)) {
+    if ((thread_3 == 0u)) {
         open_round = 0u;
     }
     memoryBarrierShared();
@@ -559,38 +559,38 @@ void close_pixel(Place place_2, bool second_1) {
     uint _e9 = atomicAnd(open_pixels[(place_2.row / 2u)], ~(_e7));
     return;
 }
-void put_splat(Half h_3, uint thread_3, Fetched f_2) {
+void put_splat(Half h_3, uint thread_4, Fetched f_2) {
     int _e10 = _group_0_binding_0_cs.cut_q11_;
     int _e11 = fxs_limit_q11_(int((f_2.b.y & 65535u)), _e10);
-    shapes[thread_3] = uvec4(((f_2.a.x + (h_3.x * f_2.a.z)) + (h_3.y * f_2.a.w)), (f_2.a.y + (h_3.y * f_2.b.x)), f_2.a.zw);
-    shades[thread_3] = uvec4(f_2.b.xyz, uint(_e11));
+    shapes[thread_4] = uvec4(((f_2.a.x + (h_3.x * f_2.a.z)) + (h_3.y * f_2.a.w)), (f_2.a.y + (h_3.y * f_2.b.x)), f_2.a.zw);
+    shades[thread_4] = uvec4(f_2.b.xyz, uint(_e11));
     return;
 }
-void place_splat(Half h_4, uint thread_4, Fetched f_3, uint words) {
+void place_splat(Half h_4, uint thread_5, Fetched f_3, uint words) {
     if (((f_3.entry.x & CUT_OFF) != 0u)) {
         return;
     }
-    put_splat(h_4, thread_4, f_3);
+    put_splat(h_4, thread_5, f_3);
     bvec2 _e10 = touch(f_3, h_4);
     if (_e10.x) {
-        uint _e21 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+        uint _e21 = atomicOr(touching[(words + (thread_5 / 32u))], (1u << (thread_5 % 32u)));
     }
     if (_e10.y) {
-        uint _e34 = atomicOr(touching[((words + 2u) + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+        uint _e34 = atomicOr(touching[((words + 2u) + (thread_5 / 32u))], (1u << (thread_5 % 32u)));
         return;
     } else {
         return;
     }
 }
-void put_pixel(inout Pixel p_4, uint at_1) {
+void put_pixel(inout Pixel p_5, uint at_1) {
     uint _e4 = _group_0_binding_0_cs.colour;
     if ((_e4 != NOTHING)) {
-        put_colour(p_4, at_1);
+        put_colour(p_5, at_1);
     }
     uint _e9 = _group_0_binding_0_cs.coverage;
     if ((_e9 != NOTHING)) {
         uint _e15 = _group_0_binding_0_cs.coverage;
-        int _e19 = p_4.transmittance;
+        int _e19 = p_5.transmittance;
         int _e20 = fxs_coverage_8bit(_e19);
         _group_1_binding_3_cs[(_e15 + at_1)] = uint(_e20);
         return;
@@ -598,7 +598,7 @@ void put_pixel(inout Pixel p_4, uint at_1) {
         return;
     }
 }
-void blend_round(inout Pixel p_5, inout Pixel q_1, Place place_3, uint words_1) {
+void blend_round(inout Pixel p_6, inout Pixel q_1, Place place_3, uint words_1) {
     uint word_3 = 0u;
     uint bits = 0u;
     Taken next = Taken(0u, 0u, 0, 0, ivec3(0));
@@ -637,7 +637,7 @@ void blend_round(inout Pixel p_5, inout Pixel q_1, Place place_3, uint words_1) 
                     uint _e40 = bits;
                     Taken _e46 = take(((32u * _e38) + (min(uint(findLSB(_e40)), 32u) % 32u)), place_3.row);
                     next = _e46;
-                    int _e48 = blend_splat(p_5, taken, place_3.column);
+                    int _e48 = blend_splat(p_6, taken, place_3.column);
                     uint _e51 = _group_0_binding_0_cs.tile_bits;
                     if ((_e51 > 3u)) {
                         int _e57 = blend_splat(q_1, taken, (place_3.column + APART));
@@ -648,15 +648,15 @@ void blend_round(inout Pixel p_5, inout Pixel q_1, Place place_3, uint words_1) 
     }
     return;
 }
-void mark_pixels(Half h_5, uint thread_5, Fetched f_4) {
+void mark_pixels(Half h_5, uint thread_6, Fetched f_4) {
     uint row_2 = 0u;
     uint open_2 = 0u;
-    bool local_8 = false;
+    bool local_10 = false;
     if (((f_4.entry.x & CUT_OFF) != 0u)) {
         return;
     }
-    put_splat(h_5, thread_5, f_4);
-    uint _e12 = shades[thread_5].w;
+    put_splat(h_5, thread_6, f_4);
+    uint _e12 = shades[thread_6].w;
     int limit_1 = int(_e12);
     uint first_3 = (max((f_4.b.w & 65535u), h_5.y) - h_5.y);
     uint last_2 = min((max((f_4.b.w >> 16u), h_5.y) - h_5.y), 7u);
@@ -675,7 +675,7 @@ void mark_pixels(Half h_5, uint thread_5, Fetched f_4) {
         }
         {
             uint _e35 = row_2;
-            Taken _e36 = take(thread_5, _e35);
+            Taken _e36 = take(thread_6, _e35);
             uint _e38 = row_2;
             uint _e42 = open_pixels[(_e38 / 2u)];
             uint _e44 = row_2;
@@ -690,11 +690,11 @@ void mark_pixels(Half h_5, uint thread_5, Fetched f_4) {
                 loop_init_3 = false;
                 uint _e52 = open_2;
                 if ((_e52 != 0u)) {
-                    local_8 = (_e36.level <= limit_1);
+                    local_10 = (_e36.level <= limit_1);
                 } else {
-                    local_8 = false;
+                    local_10 = false;
                 }
-                bool _e60 = local_8;
+                bool _e60 = local_10;
                 if (_e60) {
                 } else {
                     break;
@@ -706,7 +706,7 @@ void mark_pixels(Half h_5, uint thread_5, Fetched f_4) {
                     int _e70 = fxs_level_q11_(_e68, _e36.level);
                     if ((_e70 <= limit_1)) {
                         uint _e75 = row_2;
-                        uint _e87 = atomicOr(masks[((2u * ((SIDE * _e75) + column_2)) + (thread_5 / 32u))], (1u << (thread_5 % 32u)));
+                        uint _e87 = atomicOr(masks[((2u * ((SIDE * _e75) + column_2)) + (thread_6 / 32u))], (1u << (thread_6 % 32u)));
                     }
                 }
             }
@@ -714,7 +714,7 @@ void mark_pixels(Half h_5, uint thread_5, Fetched f_4) {
     }
     return;
 }
-void blend_crowd(inout Pixel p_6, Place place_4) {
+void blend_crowd(inout Pixel p_7, Place place_4) {
     uint word_4 = 0u;
     uint bits_1 = 0u;
     bool loop_init_4 = true;
@@ -750,7 +750,7 @@ void blend_crowd(inout Pixel p_6, Place place_4) {
                     uint _e25 = word_4;
                     uint _e27 = bits_1;
                     Taken _e31 = take(((32u * _e25) + min(uint(findLSB(_e27)), 32u)), place_4.row);
-                    int _e33 = blend_splat(p_6, _e31, place_4.column);
+                    int _e33 = blend_splat(p_7, _e31, place_4.column);
                 }
             }
         }

@@ -3,7 +3,7 @@
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;          // of fill_large alone
-@group(1) @binding(0) var<storage, read_write> later: array<u32>;           // arguments of sort_blocks and the merges
+@group(1) @binding(0) var<storage, read_write> later: array<u32>;           // arguments of blend, sort_blocks and the merges
 @group(1) @binding(1) var<storage, read> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> entries: array<vec2<u32>>;   // slot, depth
@@ -53,10 +53,12 @@ fn put_arguments(at: u32, groups: u32)
 
 fn put_later()
 {
+    let empty = atomicLoad(&counts[CLASS_COUNTS]);
+    put_arguments(0u, (u32(frame.tiles.x * frame.tiles.y) - empty) << (frame.tile_bits - 3u));
     let long = min(atomicLoad(&counts[LONG_BLOCKS]), frame.block_room);
-    put_arguments(0u, min(atomicLoad(&counts[SHORT_BLOCKS]) + long, frame.block_room));
+    put_arguments(1u, min(atomicLoad(&counts[SHORT_BLOCKS]) + long, frame.block_room));
     for (var i = 0u; i < MERGES; i += 1u) {
-        put_arguments(1u + i, select(0u, long * (BLOCK / THREADS), atomicLoad(&counts[LONGEST]) > BLOCK << (4u * i)));
+        put_arguments(2u + i, select(0u, long * (BLOCK / THREADS), atomicLoad(&counts[LONGEST]) > BLOCK << (4u * i)));
     }
 }
 

@@ -231,29 +231,34 @@ void put_arguments(uint at, uint groups) {
 }
 void put_later() {
     uint i_1 = 0u;
-    uint _e2 = _group_1_binding_2_cs[8];
-    uint _e5 = _group_0_binding_0_cs.block_room;
-    uint long_ = min(_e2, _e5);
-    uint _e10 = _group_1_binding_2_cs[7];
-    uint _e14 = _group_0_binding_0_cs.block_room;
-    put_arguments(0u, min((_e10 + long_), _e14));
+    uint empty = _group_1_binding_2_cs[16];
+    int _e7 = _group_0_binding_0_cs.tiles.x;
+    int _e11 = _group_0_binding_0_cs.tiles.y;
+    uint _e17 = _group_0_binding_0_cs.tile_bits;
+    put_arguments(0u, ((uint((_e7 * _e11)) - empty) << (_e17 - 3u)));
+    uint _e23 = _group_1_binding_2_cs[8];
+    uint _e26 = _group_0_binding_0_cs.block_room;
+    uint long_ = min(_e23, _e26);
+    uint _e31 = _group_1_binding_2_cs[7];
+    uint _e35 = _group_0_binding_0_cs.block_room;
+    put_arguments(1u, min((_e31 + long_), _e35));
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e37 = i_1;
-            i_1 = (_e37 + 1u);
+            uint _e58 = i_1;
+            i_1 = (_e58 + 1u);
         }
         loop_init = false;
-        uint _e18 = i_1;
-        if ((_e18 < MERGES)) {
+        uint _e39 = i_1;
+        if ((_e39 < MERGES)) {
         } else {
             break;
         }
         {
-            uint _e22 = i_1;
-            uint _e29 = _group_1_binding_2_cs[9];
-            uint _e32 = i_1;
-            put_arguments((1u + _e22), ((_e29 > (BLOCK << (4u * _e32))) ? (long_ * 4u) : 0u));
+            uint _e43 = i_1;
+            uint _e50 = _group_1_binding_2_cs[9];
+            uint _e53 = i_1;
+            put_arguments((2u + _e43), ((_e50 > (BLOCK << (4u * _e53))) ? (long_ * 4u) : 0u));
         }
     }
     return;

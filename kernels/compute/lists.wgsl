@@ -36,9 +36,10 @@ fn sum_to(thread: u32, own: u32, cut: bool) -> u32
     return sums[thread];
 }
 
+// 0: of empty lists
 fn class_of(length: u32) -> u32
 {
-    return min(u32(firstLeadingBit(length | 1u)), CLASSES - 1u);
+    return min(32u - countLeadingZeros(length), CLASSES - 1u);
 }
 
 // What is to be sorted of a list.

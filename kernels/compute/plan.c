@@ -386,7 +386,7 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
     p->bytes[FXS_COMPUTE_ENTRIES] = 2 * (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room;
     p->bytes[FXS_COMPUTE_PICTURE] = 4 * picture;
     p->bytes[FXS_COMPUTE_ARGUMENTS] = 16 * ((uint64_t)f->spans + 2);
-    p->bytes[FXS_COMPUTE_LATER] = 16 * (1 + MERGES);
+    p->bytes[FXS_COMPUTE_LATER] = 16 * (2 + MERGES);
     p->bytes[FXS_COMPUTE_DOWNLOAD] = 4 * (FXS_COMPUTE_STATUS + p->read_words);
 }
 
@@ -456,6 +456,7 @@ static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
     OF_LISTS(sort_blocks) OF_LISTS(merge_9) OF_LISTS(merge_13) OF_LISTS(merge_17) OF_LISTS(merge_21) OF_LISTS(merge_25)
     OF(blend_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
     OF(trace_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
+    OF(clear_pixels, FXS_COMPUTE_COUNTS, NONE, NONE, FXS_COMPUTE_PICTURE)
     OF(name_pixels, NONE, FXS_COMPUTE_MEMORY, NONE, FXS_COMPUTE_PICTURE)
 };
 
@@ -516,7 +517,7 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
         step(argument, &one); \
     } while (0)
     const fxs_compute_frame *f = &p->frame;
-    const uint64_t tiles = (uint64_t)f->tiles[0] * (uint64_t)f->tiles[1];
+    const uint64_t pixels = (uint64_t)f->size[0] * (uint64_t)f->size[1];
     DO(direct(FXS_COMPUTE_clear_counts, groups_of(f->cleared)));
     of_spans(p, FXS_COMPUTE_locate_chunks, step, argument);
     DO(direct(FXS_COMPUTE_gather_chunks, 1));
@@ -526,13 +527,16 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
     fxs_step large = indirect(FXS_COMPUTE_fill_large, FXS_COMPUTE_ARGUMENTS, f->spans + 1);
     large.waits = 0;
     step(argument, &large);
-    DO(indirect(FXS_COMPUTE_sort_blocks, FXS_COMPUTE_LATER, 0));
+    DO(indirect(FXS_COMPUTE_sort_blocks, FXS_COMPUTE_LATER, 1));
     for (uint32_t i = 0; i < p->merges; i++)
-        DO(indirect(FXS_COMPUTE_merge_9 + i, FXS_COMPUTE_LATER, 1 + i));
-    DO(direct(fxs_targets_traced(p->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles,
-              tiles << (f->tile_bits - 3)));
+        DO(indirect(FXS_COMPUTE_merge_9 + i, FXS_COMPUTE_LATER, 2 + i));
+    DO(indirect(fxs_targets_traced(p->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles,
+                FXS_COMPUTE_LATER, 0));
+    fxs_step clear = direct(FXS_COMPUTE_clear_pixels, groups_of(pixels));
+    clear.waits = 0;
+    step(argument, &clear);
     if (f->id != FXS_NOTHING)
-        DO(direct(FXS_COMPUTE_name_pixels, groups_of((uint64_t)f->size[0] * (uint64_t)f->size[1])));
+        DO(direct(FXS_COMPUTE_name_pixels, groups_of(pixels)));
 }
 
 /* ---- Lists longer than their room -------------------------------------------------------------------------------- */

@@ -8,7 +8,7 @@
 #define FXS_COMPUTE_PROGRAMS_OF(F) \
     F(clear_counts) F(locate_chunks) F(gather_chunks) F(project_chunk) F(start_lists) F(fill_lists) F(fill_large) \
     F(sort_blocks) F(merge_9) F(merge_13) F(merge_17) F(merge_21) F(merge_25) F(blend_tiles) F(trace_tiles) \
-    F(name_pixels)
+    F(clear_pixels) F(name_pixels)
 #define FXS_COMPUTE_NUMBER(entry) FXS_COMPUTE_##entry,
 enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
 
@@ -16,7 +16,7 @@ enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
 enum {
     FXS_COMPUTE_UNIFORMS,          /* the frame, then the objects, FXS_COMPUTE_STRIDE bytes each */
     FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_PICTURE,
-    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,          /* of indirect dispatches; of those of sort */
+    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,          /* of indirect dispatches; of those of blend and sort */
     FXS_COMPUTE_DOWNLOAD,          /* what is read back: status and picture */
     FXS_COMPUTE_BUFFERS
 };

@@ -11,7 +11,7 @@ const SPAN: u32 = 8u;              // words of a span: see spans_at
 const PAGE: u32 = 4096u;           // entries: rows of tiles begin at multiples of it
 const MERGES: u32 = 5u;            // of 16 runs: a list has at most 2^29 entries
 const BLOCK: u32 = 512u;           // entries that a workgroup sorts
-const CLASSES: u32 = 16u;          // of tiles, by the magnitude of their lists
+const CLASSES: u32 = 16u;          // of tiles, by the magnitude of their lists; the first: of empty ones
 const CUT_OFF: u32 = 0x80000000u;  // as FXS_ENTRY_CUT_OFF
 const NOTHING: u32 = 0xffffffffu;
 

@@ -188,7 +188,7 @@ uint sum_to(uint thread_1, uint own_1, bool cut) {
     return _e36;
 }
 uint class_of(uint length_1) {
-    return min(uint(uint(findMSB((length_1 | 1u)))), 15u);
+    return min((32u - uint(31 - findMSB(length_1))), 15u);
 }
 void put_blocks(uint tile, uint length_2) {
     uint at = 0u;
