@@ -174,8 +174,8 @@ fn half_tile_of(group: vec3<u32>) -> Half
         return Half(NOTHING, 0u, 0u, 0u, 0u);
     }
     let count = counts[TILES + tile];
-    return Half(tile, tile % across << frame.tile_bits,
-                (tile / across << frame.tile_bits) + (number & of_tile) * SIDE, list_of(tile, count), count);
+    return Half(tile, (tile % across) << frame.tile_bits,
+                ((tile / across) << frame.tile_bits) + (number & of_tile) * SIDE, list_of(tile, count), count);
 }
 
 // The pixels of a thread: two in a row, APART, or one.
@@ -196,7 +196,7 @@ fn place_of(h: Half, thread: u32) -> Place
     let row = select(thread / SIDE, thread % 32u / APART, pairs);
     let x = h.x + vec2<u32>(column, column + APART);
     return Place(column, row, (h.y + row) * u32(frame.size.x) + h.x + column, column / SIDE * 2u,
-                 x < vec2<u32>(u32(frame.size.x)) & vec2<bool>(h.y + row < u32(frame.size.y)) &
+                 (x < vec2<u32>(u32(frame.size.x))) & vec2<bool>(h.y + row < u32(frame.size.y)) &
                      vec2<bool>(true, pairs));
 }
 
