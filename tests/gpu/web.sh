@@ -1,0 +1,59 @@
+#!/bin/sh
+# tests/gpu/web.sh PACKAGE SCENES MODULES: the npm package by WebGPU of a graphics card of this machine, in headless
+# Chromium: the pixels of the command, of made scenes by each profile and of SCENES, then milliseconds a frame beside
+# other engines. SCENES: a folder with NAME/NAME.ply of guitar and snowmiku; MODULES: a node_modules with playcanvas,
+# three and puppeteer-core. CHROMIUM: the browser (default /usr/bin/chromium). FXS_WEBGPU_FLAGS: its flags, in place of
+# those that find a card. B: the folder of fixsplat (default build). SIZE: of the pixels (default 1280x720). SIZES,
+# ROUNDS, FRAMES: of each engine. Some 3 minutes, at most 6.
+cd "$(dirname "$0")/../.." || exit 1
+B=${B:-build}
+package=$(realpath "$1") scenes=$(realpath "$2") modules=$(realpath "$3")
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+failed=
+start=$(date +%s)
+
+say() {
+    echo "== $* ($(($(date +%s) - start)) s)"
+}
+
+# pack NAME FILE PROFILE
+pack() { "$B/fixsplat" convert "$2" "$work/$1.fxs" --profile "$3" --quiet || failed="$failed $1"; }
+
+say "adapters"
+FXS_WEBGPU_FLAGS=$(timeout -k 5 80 node tests/web/adapters.mjs "$modules") || { echo "no adapter of a card"; exit 1; }
+export FXS_WEBGPU_FLAGS
+echo "flags: $FXS_WEBGPU_FLAGS"
+
+say "scenes"
+for scene in knot:20000 fog:40000 few:3000 landscape:150000 needles:20000 layers:10000 cubes:4096; do
+    name=${scene%:*} kind=${scene%:*}
+    [ "$name" = few ] && kind=knot
+    "$B/fixsplat" make-scene "$kind" --count "${scene#*:}" -o "$work/$name.ply" --quiet || failed="$failed $name"
+    for profile in default compact small; do
+        pack "shared-$name-$profile" "$work/$name.ply" $profile
+    done
+    pack "$name" "$work/$name.ply" default
+done
+pack compact "$work/few.ply" compact
+pack small "$work/few.ply" small
+"$B/fixsplat" convert "$work/knot.ply" "$work/levels.fxs" --levels --quiet || failed="$failed levels"
+for name in guitar snowmiku; do
+    pack "shared-$name" "$scenes/$name/$name.ply" default
+done
+
+say "the pixels of the command"
+FXS_PROCESSORS=all SIZE=${SIZE:-1280x720} timeout -k 5 90 \
+    node tests/web/webgpu.mjs "$package" "$work" "$modules" "$B/fixsplat" || failed="$failed webgpu.mjs"
+
+for size in ${SIZES:-1920x1080 1280x720}; do
+    for name in guitar snowmiku; do
+        say "$name at $size"
+        FRAMES=${FRAMES:-60} timeout -k 5 45 \
+            node tests/web/webgpu_peers.mjs "$package" "$scenes" "$modules" "${ROUNDS:-2}" $name $size ||
+            failed="$failed peers"
+    done
+done
+say "done"
+[ -z "$failed" ] || { echo "FAIL web:$failed"; exit 1; }
+echo "ok   web"
