@@ -42,7 +42,7 @@ FIT_KERNELS_arm := neon
 PACK_KERNELS_x86 := avx2
 KERNELS := $(if $(KERNEL_FOLDER),$(wildcard kernels/simd/$(KERNEL_FOLDER)/*.c))
 CORE := $(wildcard src/core/*.c kernels/*.c) $(KERNELS)
-DEVICES := $(call with,GLES,kernels/gles/*.c kernels/compute/*.c) $(call with,CUDA,kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu)
+DEVICES := $(call with,GLES,kernels/gl/*.c kernels/gles/*.c kernels/compute/*.c) $(call with,CUDA,kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu)
 LIBRARY := $(wildcard $(patsubst %,src/%/*.c,base gaussian scene scene/read scene/write scene/edit pack camera image fit) \
                       $(patsubst %,port/%/*.c,posix backend board)) \
            $(wildcard $(patsubst %,kernels/fit/fit_%.c,$(FIT_KERNELS_$(KERNEL_FOLDER)))) \
@@ -118,14 +118,14 @@ $(B)/%.o: %.cu $(B)/commands/nvcc
 # These are there only with their library, and do not ask.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
 $(call objects,$(wildcard port/http/*.c)): $(B)/with/MICROHTTPD
-$(call objects,$(wildcard kernels/gles/*.c kernels/compute/*.c)): $(B)/with/GLES
+$(call objects,$(wildcard kernels/gl/*.c kernels/gles/*.c kernels/compute/*.c)): $(B)/with/GLES
 $(call objects,$(wildcard port/gl/egl.c)): $(B)/with/EGL
 $(call objects,$(wildcard port/gl/osmesa.c)): $(B)/with/OSMESA
 
 # The shaders' texts, and src/include/fixsplat/pixel.h that those of gles are built around, as arrays of characters,
 # without comments and spaces about a line.
-GLES_SHADERS := src/include/fixsplat/pixel.h $(wildcard kernels/gles/*.vert kernels/gles/*.frag)
-COMPUTE_SHADERS := $(wildcard kernels/compute/*.comp)
+GLES_SHADERS := src/include/fixsplat/pixel.h $(wildcard $(patsubst %,kernels/%/*.vert,gl gles) $(patsubst %,kernels/%/*.frag,gl gles))
+COMPUTE_SHADERS := $(wildcard $(addprefix kernels/compute/*.,comp frag glsl) kernels/gl/*.vert kernels/gl/*.frag)
 $(B)/kernels/gles/shaders.h: $(GLES_SHADERS)
 $(B)/kernels/compute/shaders.h: $(COMPUTE_SHADERS)
 $(B)/kernels/%/shaders.h: make/build.mk
@@ -133,9 +133,9 @@ $(B)/kernels/%/shaders.h: make/build.mk
 	@for f in $(filter-out %.mk,$^); do echo "static const char $$(basename $$f | tr . _)[] = {"; \
 	    sed -e ':more' -e '/\/\*/{/\*\//!{N' -e 'b more' -e '}' -e 's|/\*.*\*/||' -e '}' -e 's|//.*||' \
 	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
-$(B)/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
-$(B)/kernels/compute/compute.o: $(B)/kernels/compute/shaders.h
-$(B)/kernels/gles/gles.o $(B)/kernels/compute/compute.o: CPPFLAGS += -I$(@D)
+WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/framebuffer.o)
+$(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
+$(WITH_SHADERS): CPPFLAGS += -I$(@D)
 
 # What the headers declare, as a text that the library carries.
 $(B)/declarations.c: $(HEADERS) tools/declarations.sh make/build.mk $(B)/commands/compile

@@ -19,7 +19,7 @@ case $(uname -m) in x86_64) simd=x86 ;; *) simd=arm ;; esac
 
 # draw: the changes, one a line.
 draw() {
-    find src kernels/*.[ch] kernels/gles kernels/fit kernels/simd/lanes kernels/simd/$simd port/backend \
+    find src kernels/*.[ch] kernels/gl kernels/gles kernels/fit kernels/simd/lanes kernels/simd/$simd port/backend \
         port/http port/board/*.[ch] tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
         xargs awk -v seed="$seed" -v count="$count" -f tests/mutants.awk
 }

@@ -25,6 +25,7 @@ int main(void)
 
 #include <fixsplat/egl.h>
 #include "kernels/compute/gl31.h"
+#include "losing_gl.h"
 
 enum { SCENES = 2, OBJECTS = 4 };
 
@@ -37,10 +38,10 @@ static fxs_message why;
 
 static struct fake {
     const char *name;
-    fxs_compute_function function;
+    fxs_gl_function function;
 } fakes[2];
 
-static fxs_compute_function load(void *argument, const char *name)
+static fxs_gl_function load(void *argument, const char *name)
 {
     for (int i = 0; i < 2 && fakes[i].name; i++)
         if (!strcmp(name, fakes[i].name))
@@ -49,7 +50,7 @@ static fxs_compute_function load(void *argument, const char *name)
 }
 
 /* Makes a back end of its own with a fake function. Returns the error; *out is null then. */
-static int open_with(fxs_compute **out, const char *name, fxs_compute_function function)
+static int open_with(fxs_compute **out, const char *name, fxs_gl_function function)
 {
     fakes[0] = (struct fake){name, function};
     *out = malloc(fxs_compute_bytes());
@@ -290,7 +291,7 @@ static void wild_frames(void)
 static void *read_words(int buffer, uint64_t first, uint64_t count)
 {
     uint32_t *words = malloc(4 * count);
-    device->gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    device->more.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     device->gl.BindBuffer(GL_COPY_READ_BUFFER, device->buffers[buffer]);
     const void *from = device->gl.MapBufferRange(GL_COPY_READ_BUFFER, (GLintptr)(4 * first), (GLsizeiptr)(4 * count),
                                                  GL_MAP_READ_BIT);
@@ -530,21 +531,22 @@ static const GLubyte *GL_APIENTRY fake_GetString(GLenum name)
 static void init_fails(void)
 {
     static const GLenum limits[] = {GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS, GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS,
-                                    GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, GL_MAX_SHADER_STORAGE_BLOCK_SIZE};
+                                    GL_MAX_COMPUTE_SHARED_MEMORY_SIZE, GL_MAX_SHADER_STORAGE_BLOCK_SIZE,
+                                    GL_MAX_UNIFORM_BLOCK_SIZE};
     fxs_compute *c;
     CHECK(open_with(&c, "glDispatchCompute", 0) == FXS_ERR_UNSUPPORTED);
     CHECK(!strcmp(why.text, "no compute shaders: no function glDispatchCompute"));
-    CHECK(open_with(&c, "glGetString", (fxs_compute_function)fake_GetString) == FXS_ERR_UNSUPPORTED);
+    CHECK(open_with(&c, "glGetString", (fxs_gl_function)fake_GetString) == FXS_ERR_UNSUPPORTED);
     CHECK(!strcmp(why.text, "OpenGL ES 3.1 is needed, this is OpenGL ES 3.0 Old"));
     real_GetIntegerv = device->gl.GetIntegerv;
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         limited = limits[i];
-        CHECK(open_with(&c, "glGetIntegerv", (fxs_compute_function)fake_GetIntegerv) == FXS_ERR_UNSUPPORTED);
+        CHECK(open_with(&c, "glGetIntegerv", (fxs_gl_function)fake_GetIntegerv) == FXS_ERR_UNSUPPORTED);
         CHECK(strstr(why.text, "than") != 0);
     }
     real_GetShaderiv = device->gl.GetShaderiv;
-    fakes[1] = (struct fake){"glGetShaderInfoLog", (fxs_compute_function)fake_GetShaderInfoLog};
-    CHECK(open_with(&c, "glGetShaderiv", (fxs_compute_function)fake_GetShaderiv) == FXS_ERR_UNSUPPORTED);
+    fakes[1] = (struct fake){"glGetShaderInfoLog", (fxs_gl_function)fake_GetShaderInfoLog};
+    CHECK(open_with(&c, "glGetShaderiv", (fxs_gl_function)fake_GetShaderiv) == FXS_ERR_UNSUPPORTED);
     CHECK(!strcmp(why.text, "clear_counts does not compile: 0:17: what is that?"));
     fakes[1] = (struct fake){0, 0};
 }
@@ -586,12 +588,12 @@ static void frames_fail(void)
     request.targets[0] = b.targets;
     if (CHECK(!open_with(&c, 0, 0))) {
         for (int i = 0; i < 4; i++) {
-            const fxs_compute_gl gl = c->gl;
+            const fxs_gl gl = c->gl;
             fxs_compute_scene copy = {.key = 0};
             const fxs_compute_scene *copies[] = {&copy};
             void *memory = malloc(fxs_compute_memory(&request));
             CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
-            failing = i ? 0x0507 : GL_OUT_OF_MEMORY;       /* GL_CONTEXT_LOST */
+            failing = i ? CONTEXT_LOST : GL_OUT_OF_MEMORY;
             failures = i ? 1000 : 20;              /* what was there before is not the frame's */
             if (i < 2)
                 c->gl.GetError = fake_GetError;
@@ -612,6 +614,122 @@ static void frames_fail(void)
     }
     picture_free(&a);
     picture_free(&b);
+    part_free(&p);
+}
+
+/* ---- What is lost at any call ------------------------------------------------------------------------------------ */
+
+static fxs_gl_function load_losing(void *argument, const char *name)
+{
+    return losing_load(fxs_egl_load, argument, name);
+}
+
+static int open_losing(fxs_compute **out)
+{
+    *out = malloc(fxs_compute_bytes());
+    const int error = fxs_compute_init(*out, load_losing, fxs_egl_use, egl, &why);
+    if (error)
+        free(*out);
+    return error;
+}
+
+/* How many calls there are where none fails: of LONG_MAX, those that are left. */
+static long calls_made(void)
+{
+    const long calls = LONG_MAX - calls_left;
+    find_again();
+    return calls;
+}
+
+static const GLenum losses[] = {CONTEXT_LOST, GL_OUT_OF_MEMORY};
+
+static void init_loses(void)
+{
+    fxs_compute *c;
+    if (!CHECK(!open_losing(&c)))
+        return;
+    const long calls = calls_made();
+    close_compute(c);
+    CHECK(calls > 6 * FXS_COMPUTE_PROGRAMS);
+    for (int k = 0; k < 2; k++)
+        for (long n = 0; n < calls && !check_faults; n += 1 + n / 16) {
+            lose_after(n, losses[k]);
+            why.text[0] = 0;
+            const int error = open_losing(&c);
+            find_again();
+            if (!CHECK(is_loss(error) && why.text[0]))
+                printf("  call %ld: %d, %s\n", n, error, why.text);
+            if (!error)
+                close_compute(c);
+        }
+    CHECK(!open_losing(&c));
+    close_compute(c);
+}
+
+/* Each call of a scene's way to the device, and of a frame into every target: an error, or the whole picture; nothing
+   of a picture after an error; and then the bytes of the processor. */
+static void frames_lose(void)
+{
+    part p;
+    fxs_request request;
+    fxs_compute *c;
+    fxs_compute_scene copy = {.key = 0};
+    const fxs_compute_scene *copies[] = {&copy};
+    if (!part_make(&p, "knot", 3000) || !CHECK(!open_losing(&c)))
+        return;
+    const fxs_object object = one_object(&p.scene);
+    fxs_request_init(&request, &object, 1);
+    look_at(request.cameras, 100, 80, 12.8);
+    picture a = picture_new(100, 80, FXS_FORMAT_RGBA8), b = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    picture untouched = picture_new(100, 80, FXS_FORMAT_RGBA8);
+    uint32_t *occluder = calloc(100 * 80, 4);
+    memset(occluder, 9, 100 * 80 * 4 / 2);
+    a.targets.occluder = b.targets.occluder = (fxs_image){occluder, 400};
+    request.targets[0] = a.targets;
+    CHECK(!render_there(&request, 0));
+    request.targets[0] = b.targets;
+    void *memory = malloc(fxs_compute_memory(&request));
+    find_again();
+    CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
+    const long of_upload = calls_made();
+    CHECK(!fxs_compute_render(c, &request, copies, memory, 0, &why));
+    const long of_frame = calls_made();
+    CHECK(of_upload > 6 && of_frame > 60);
+    long fails = 0;
+    for (int k = 0; k < 2; k++) {
+        for (long n = 0; n < of_upload && !check_faults; n++) {
+            lose_after(n, losses[k]);
+            const int error = fxs_compute_upload(c, &copy, &p.scene, &why);
+            find_again();
+            if (!CHECK(!error || (is_loss(error) && !copy.heads && !c->scene_bytes)))
+                printf("  upload, call %ld: %d\n", n, error);
+            CHECK(!fxs_compute_upload(c, &copy, &p.scene, &why));
+        }
+        for (long n = 0; n < of_frame && !check_faults; n++) {
+            for (int again = 0; again < 2; again++) {      /* with the buffers there, and without them */
+                picture_clear(&b);
+                lose_after(n, losses[k]);
+                const int error = fxs_compute_render(c, &request, copies, memory, 0, &why);
+                find_again();
+                fails += error != 0;
+                if (!CHECK(!error || is_loss(error)) ||
+                    !CHECK(!memcmp(b.block, a.block, a.bytes) ||
+                           (error && !memcmp(b.block, untouched.block, a.bytes))))
+                    printf("  call %ld of %ld: %d\n", n, of_frame, error);
+            }
+            picture_clear(&b);
+            CHECK(!fxs_compute_render(c, &request, copies, memory, 0, &why));
+            CHECK(is_equal(&a, &b));
+        }
+    }
+    CHECK(fails > 5 * of_frame / 2);
+    fxs_compute_drop(c, &copy);
+    close_compute(c);
+    free(memory);
+    free(occluder);
+    picture_free(&a);
+    picture_free(&b);
+    picture_free(&untouched);
     part_free(&p);
 }
 
@@ -685,6 +803,8 @@ int main(void)
     RUN(parts_and_levels);
     RUN(init_fails);
     RUN(frames_fail);
+    RUN(init_loses);
+    RUN(frames_lose);
     RUN(refusals);
     close_compute(device);
     fxs_egl_close(egl);

@@ -530,7 +530,7 @@ static void check_inside(const eyes *e, const uint8_t *whole, const fxs_foveatio
 
 static void test_back_ends(void)
 {
-    static const char *const names[] = {"gles", "osmesa", "cuda"};
+    static const char *const names[] = {"gles", "gles-compute", "osmesa", "cuda"};
     fxs_packed_scene packed;
     fxs_scene scene;
     fxs_foveation f;

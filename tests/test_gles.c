@@ -1,6 +1,6 @@
 /* The GLES back end against the processor, byte for byte: sizes, formats, runs, small limits, real scenes, into a
- * target of the caller with the state kept; what it says and returns where the device fails, by functions put in
- * place of the real ones. */
+ * target of the caller with the state kept, as compute shaders draw into it too; what it says and returns where the
+ * device fails, by functions put in place of the real ones. */
 #include <math.h>
 #include <string.h>
 
@@ -11,8 +11,10 @@
 #include "packed_scene.h"
 #include "procedural_scene.h"
 #ifdef FXS_WITH_GLES
-#include <GLES3/gl3.h>
+#include "losing_gl.h"
+#include <GLES3/gl31.h>
 
+#include <fixsplat/compute.h>
 #include <fixsplat/gles.h>
 #include <fixsplat/pixel.h>
 
@@ -94,6 +96,7 @@ static void fake(int i, const char *name, fxs_gl_function function)
 
 static PFNGLGETINTEGERVPROC real_GetIntegerv;
 static GLint limit, read_type;             /* 0: the device's own */
+static int no_blocks;                      /* no storage buffers in fragment shaders */
 
 static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
 {
@@ -104,6 +107,8 @@ static void GL_APIENTRY fake_GetIntegerv(GLenum name, GLint *value)
         *value = read_type;
     if (read_type && name == GL_ALIASED_POINT_SIZE_RANGE)
         value[0] = value[1] = 1;
+    if (no_blocks && name == GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS)
+        *value = 0;
 }
 
 static void fake_limits(GLint size, GLint type)
@@ -170,6 +175,28 @@ static void run_backwards(void *pool, void (*job)(void *argument, uint32_t i), v
         job(argument, jobs);
 }
 
+static fxs_compute *compute;               /* not null: it draws into targets, in place of fxs_gles_render */
+
+/* The objects have one scene. */
+static int draw_by_compute(const fxs_request *request, const fxs_gles_target *target, fxs_stats *stats)
+{
+    fxs_compute_scene copy = {.key = 0};
+    const fxs_compute_scene *const copies[] = {&copy, &copy};
+    void *memory = malloc(fxs_compute_memory(request));
+    int error = fxs_compute_upload(compute, &copy, request->objects->scene, &why_not);
+    error = error ? error : fxs_compute_draw(compute, request, copies, target, memory, stats, &why_not);
+    fxs_compute_drop(compute, &copy);
+    free(memory);
+    return error;
+}
+
+static int render_target(const fxs_context *c, fxs_gles *gles, const fxs_request *request,
+                         const fxs_gles_target *target, void *memory, size_t bytes, fxs_stats *stats)
+{
+    return compute ? draw_by_compute(request, target, stats)
+                   : fxs_gles_render(gles, c, request, target, memory, bytes, stats);
+}
+
 /* Renders; pixels null: into the target. */
 static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs_gles_target *target, void *pixels,
                   ptrdiff_t stride, fxs_stats *stats)
@@ -182,7 +209,7 @@ static int render(const subject *s, fxs_draw_fn *draw, fxs_gles *gles, const fxs
     void *memory = check_aligned(bytes);
     const fxs_object object = one_object(&s->scene);
     const fxs_request request = request_for(&object, 1, &s->options, 1, &s->camera, 0, 0);
-    int error = target ? fxs_gles_render(gles, &c, &request, target, memory, bytes, stats)
+    int error = target ? render_target(&c, gles, &request, target, memory, bytes, stats)
                        : one_render(&c, &s->scene, &s->camera, &s->options, s->format, memory, bytes, pixels, stride,
                                     stats);
     free(memory);
@@ -207,7 +234,7 @@ static fxs_draw_fn *const exact[] = {fxs_gles_draw, fxs_gles_draw_fetch};
 
 static int exact_ways(const fxs_gles *gles)
 {
-    return fxs_gles_no_fetch(gles) ? 1 : 2;
+    return compute || fxs_gles_no_fetch(gles) ? 1 : 2;
 }
 
 /* The back end's pictures, with `stride` and from `first` on, are the processor's. stats: by lists. */
@@ -678,6 +705,7 @@ enum { UNITS = 10 };                       /* textures that the back end binds *
 /* More of a context's state than the back end touches; what a context does not know stays 0. */
 typedef struct state {
     GLint values[64][4], units[UNITS][3];
+    GLint64 places[6][3];
     GLboolean switches[16];
 } state;
 
@@ -693,7 +721,8 @@ static void dump(state *s)
         GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_COLOR_CLEAR_VALUE, GL_CULL_FACE_MODE, GL_FRONT_FACE,
         GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_UNPACK_ALIGNMENT,
         GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_IMAGE_HEIGHT,
-        GL_UNPACK_SKIP_IMAGES, GL_DRAW_BUFFER0, GL_READ_BUFFER, GL_LINE_WIDTH, GL_POLYGON_OFFSET_FACTOR};
+        GL_UNPACK_SKIP_IMAGES, GL_DRAW_BUFFER0, GL_READ_BUFFER, GL_LINE_WIDTH, GL_POLYGON_OFFSET_FACTOR,
+        GL_SHADER_STORAGE_BUFFER_BINDING, GL_DISPATCH_INDIRECT_BUFFER_BINDING};
     static const GLenum switches[] = {
         GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_DITHER, GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE,
         GL_SAMPLE_COVERAGE, GL_STENCIL_TEST, GL_SCISSOR_TEST, GL_POLYGON_OFFSET_FILL,
@@ -710,6 +739,13 @@ static void dump(state *s)
         GL(GETINTEGERV, GetIntegerv)(GL_SAMPLER_BINDING, &s->units[i][2]);
     }
     GL(ACTIVETEXTURE, ActiveTexture)((GLenum)s->values[13][0]);
+    for (GLuint i = 0; i < 6; i++) {
+        static const GLenum of[][3] = {
+            {GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER_START, GL_SHADER_STORAGE_BUFFER_SIZE},
+            {GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER_START, GL_UNIFORM_BUFFER_SIZE}};
+        for (int k = 0; k < 3; k++)
+            GL(GETINTEGER64I_V, GetInteger64i_v)(of[i / 4][k], i % 4, &s->places[i][k]);
+    }
     while (GL(GETERROR, GetError)())
         ;
 }
@@ -734,7 +770,7 @@ static GLuint make_program(void)
 enum { WIDE = 240, HIGH = 160 };           /* of the caller's texture */
 
 typedef struct caller {
-    GLuint texture, framebuffers[2], program, vertex_array, buffers[2], samplers[UNITS], textures[UNITS], renderbuffer;
+    GLuint texture, framebuffers[2], program, vertex_array, buffers[4], samplers[UNITS], textures[UNITS], renderbuffer;
 } caller;
 
 /* Everything other than it is in a new context. */
@@ -748,6 +784,17 @@ static void upset(caller *c)
     GL(BINDVERTEXARRAY, BindVertexArray)(c->vertex_array);
     GL(BINDBUFFER, BindBuffer)(GL_ARRAY_BUFFER, c->buffers[0]);
     GL(BINDBUFFER, BindBuffer)(GL_PIXEL_UNPACK_BUFFER, c->buffers[1]);
+    for (GLuint i = 0; i < 6; i++) {
+        const GLenum target = i < 4 ? GL_SHADER_STORAGE_BUFFER : GL_UNIFORM_BUFFER;
+        if (i % 2)
+            GL(BINDBUFFERRANGE, BindBufferRange)(target, i % 4, c->buffers[2], 256, 64);
+        else
+            GL(BINDBUFFERBASE, BindBufferBase)(target, i % 4, c->buffers[3]);
+    }
+    GL(BINDBUFFER, BindBuffer)(GL_SHADER_STORAGE_BUFFER, c->buffers[3]);
+    GL(BINDBUFFER, BindBuffer)(GL_COPY_READ_BUFFER, c->buffers[2]);
+    GL(BINDBUFFER, BindBuffer)(GL_COPY_WRITE_BUFFER, c->buffers[3]);
+    GL(BINDBUFFER, BindBuffer)(GL_DISPATCH_INDIRECT_BUFFER, c->buffers[3]);
     GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c->framebuffers[1]);
     GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, c->framebuffers[0]);
     GL(BINDRENDERBUFFER, BindRenderbuffer)(GL_RENDERBUFFER, c->renderbuffer);
@@ -788,7 +835,11 @@ static caller make_caller(void)
     GL(GENTEXTURES, GenTextures)(1, &c.texture);
     GL(GENTEXTURES, GenTextures)(UNITS, c.textures);
     GL(GENSAMPLERS, GenSamplers)(UNITS, c.samplers);
-    GL(GENBUFFERS, GenBuffers)(2, c.buffers);
+    GL(GENBUFFERS, GenBuffers)(4, c.buffers);
+    for (int i = 2; i < 4; i++) {
+        GL(BINDBUFFER, BindBuffer)(GL_COPY_WRITE_BUFFER, c.buffers[i]);
+        GL(BUFFERDATA, BufferData)(GL_COPY_WRITE_BUFFER, 1024, 0, GL_STATIC_DRAW);
+    }
     GL(GENRENDERBUFFERS, GenRenderbuffers)(1, &c.renderbuffer);
     GL(GENVERTEXARRAYS, GenVertexArrays)(1, &c.vertex_array);
     GL(GENFRAMEBUFFERS, GenFramebuffers)(2, c.framebuffers);
@@ -800,14 +851,19 @@ static caller make_caller(void)
     return c;
 }
 
+static void read_target(const fxs_gles_target *t, uint8_t *pixels)
+{
+    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, t->framebuffer);
+    GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+}
+
 /* Pixels of the caller's texture that are not those of the picture, or of what was beside it. */
 static int differing_pixels(const subject *s, const fxs_gles_target *t, const uint8_t *expected)
 {
     const int width = s->camera.width, height = s->camera.height;
     uint8_t *pixels = malloc(WIDE * HIGH * 4);
     int differing = 0;
-    GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, t->framebuffer);
-    GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+    read_target(t, pixels);
     for (int y = 0; y < HIGH; y++)
         for (int x = 0; x < WIDE; x++) {
             static const uint8_t beside[4] = {51, 102, 153, 204};
@@ -914,8 +970,7 @@ static void target_over_by(int small)
         upset(&c);
         CHECK(!render(&s, 0, gles, &t, 0, 0, 0));
         settle();
-        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_READ_FRAMEBUFFER, t.framebuffer);
-        GL(READPIXELS, ReadPixels)(0, 0, WIDE, HIGH, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+        read_target(&t, pixels);
         for (int i = 0; i < 111 * 83; i++)
             most = fmax(most, off_by(pixels + 4 * ((7 + i / 111) * WIDE + 13 + i % 111), expected + 4 * i));
         if (!CHECK(most <= 1))
@@ -999,9 +1054,11 @@ static GLuint make_texture(const subject *s, const void *pixels, int top_down, G
     return texture;
 }
 
-/* From the caller's textures: a depth in words gives the bytes of the processor; a depth buffer all but a few. */
+/* From the caller's textures: a depth in words gives the bytes of the processor; a depth buffer all but a few, and by
+   compute shaders those of fragment shaders. */
 static void target_meshes(void)
 {
+    static uint8_t by_fragments[8][WIDE * HIGH * 4], pixels_now[WIDE * HIGH * 4];
     static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
     const float near_plane = 0.5f;
     subject s;
@@ -1051,6 +1108,8 @@ static void target_meshes(void)
             CHECK(differing_pixels(&s, &t, expected) <= pixels / 200);
         else
             CHECK(in_target(&s, &t, expected));
+        read_target(&t, compute ? pixels_now : by_fragments[i % 8]);
+        CHECK(!compute || !memcmp(pixels_now, by_fragments[i], sizeof pixels_now));
         GL(DELETETEXTURES, DeleteTextures)(1, by_buffer ? &t.depth_buffer : &t.occluder);
         GL(DELETETEXTURES, DeleteTextures)(1, &t.backdrop);
     }
@@ -1115,7 +1174,7 @@ static int render_two(const subject *s, fxs_gles *gles, const fxs_targets *targe
     const fxs_request request = request_for(objects, 2, &s->options, 1, &s->camera, targets, 0);
     const size_t bytes = fxs_frame_bytes(&c, objects, 2, s->camera.width, s->camera.height, 0);
     void *memory = check_aligned(bytes);
-    const int error = t ? fxs_gles_render(gles, &c, &request, t, memory, bytes, 0)
+    const int error = t ? render_target(&c, gles, &request, t, memory, bytes, 0)
                         : fxs_render(&c, &request, memory, bytes, 0);
     free(memory);
     return error;
@@ -1256,6 +1315,206 @@ static void depths_and_ids_refused(void)
     CHECK(render(&s, 0, gles, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
     fxs_packed_scene_free(&s.packed);
     close_gles(gles);
+}
+
+/* ---- By compute shaders ------------------------------------------------------------------------------------------ */
+
+static int open_compute_by(fxs_gl_load_fn *by, GLint size)
+{
+    fake_limits(size, 0);
+    compute = malloc(fxs_compute_bytes());
+    const int error = fxs_compute_init(compute, by, port->use, context, &why_not);
+    if (error) {
+        free(compute);
+        compute = 0;
+    }
+    memset(fakes, 0, sizeof fakes);
+    return error;
+}
+
+static int open_compute(GLint size)
+{
+    return open_compute_by(load, size);
+}
+
+static void close_compute(void)
+{
+    if (compute)
+        fxs_compute_free(compute);
+    free(compute);
+    compute = 0;
+    no_blocks = 0;
+}
+
+/* Runs a test whose targets are drawn by compute shaders, from a storage buffer, and from a texture of several rows. */
+static void run_by_compute(void (*test)(void))
+{
+    for (int by_texture = 0; by_texture < 2; by_texture++) {
+        no_blocks = by_texture;
+        if (open_compute(by_texture ? 256 : 0))
+            SKIP(why_not.text);
+        test();
+        close_compute();
+    }
+}
+
+static void compute_target(void)
+{
+    run_by_compute(target);
+}
+
+static void compute_target_over(void)
+{
+    run_by_compute(target_over);
+}
+
+static void compute_target_meshes(void)
+{
+    run_by_compute(target_meshes);
+}
+
+static void one_depths_and_ids(void)
+{
+    depths_and_ids_by(0);
+    depths_and_ids_refused();
+}
+
+static void compute_depths_and_ids(void)
+{
+    run_by_compute(one_depths_and_ids);
+}
+
+static fxs_gl_function load_losing(void *argument, const char *name)
+{
+    return losing_load(load, argument, name);
+}
+
+/* Frames whose device fails from the n-th call on: an error, and in the target all of the picture or nothing; then the
+   bytes of the processor. */
+static void compute_draws_lose_by(int by_texture)
+{
+    static const GLfloat beside[4] = {0.2f, 0.4f, 0.6f, 0.8f};
+    static const GLenum losses[] = {CONTEXT_LOST, GL_OUT_OF_MEMORY};
+    subject s, none;
+    long calls = 1, fails = 0;
+    caller c = make_caller();
+    fxs_gles_target t = {.framebuffer = c.framebuffers[0], .x = 13, .y = 7};
+    no_blocks = by_texture;
+    if (!make_subject(&s, "knot", 500, 111, 83))
+        return;
+    none = s;
+    none.camera.width = none.camera.height = 0;
+    uint8_t *expected = new_picture(&s);
+    const mesh m = make_mesh(&s);
+    t.occluder = make_texture(&s, m.depths, 0, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT);
+    t.backdrop = make_texture(&s, m.colours, 0, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE);
+    CHECK(!render_mesh(&s, 0, 0, &m, 0, 0, expected));
+    for (long n = -1; n < calls && !check_faults; n += 1 + n / 64) {
+        settle();
+        GL(BINDFRAMEBUFFER, BindFramebuffer)(GL_DRAW_FRAMEBUFFER, c.framebuffers[0]);
+        GL(CLEARBUFFERFV, ClearBufferfv)(GL_COLOR, 0, beside);
+        lose_after(n < 0 ? LONG_MAX : n, losses[n % 2 == 1]);
+        const int error = render(&s, 0, 0, &t, 0, 0, 0);
+        calls = n < 0 ? LONG_MAX - calls_left : calls;
+        find_again();
+        fails += error != 0;
+        settle();
+        if (!CHECK(!error || (n >= 0 && is_loss(error))) ||
+            !CHECK(in_target(&s, &t, expected) || (error && in_target(&none, &t, expected))))
+            printf("  call %ld of %ld: %d, %s\n", n, calls, error, why_not.text);
+        CHECK(!render(&s, 0, 0, &t, 0, 0, 0) && in_target(&s, &t, expected));
+    }
+    CHECK(calls > 100 && fails > 50);
+    GL(DELETETEXTURES, DeleteTextures)(1, &t.occluder);
+    GL(DELETETEXTURES, DeleteTextures)(1, &t.backdrop);
+    free(expected);
+    free_mesh(m);
+    fxs_packed_scene_free(&s.packed);
+}
+
+static void compute_draws_lose(void)
+{
+    for (int by_texture = 0; by_texture < 2; by_texture++) {
+        no_blocks = by_texture;
+        if (open_compute_by(load_losing, by_texture ? 256 : 0))
+            SKIP(why_not.text);
+        compute_draws_lose_by(by_texture);
+        close_compute();
+    }
+}
+
+static void GL_APIENTRY unshown_ShaderSource(GLuint shader, GLsizei count, const GLchar *const *parts, const GLint *n)
+{
+    static const GLchar *const broken = "#version 310 es\nvoid main() {\n    that;\n}\n";
+    const int is_shown = strstr(parts[count - 1], "uvec4 bytes") != 0;
+    real_ShaderSource(shader, is_shown ? 1 : count, is_shown ? &broken : parts, n);
+}
+
+/* A driver that does not compile a shader of draws: said each time, with the line; the state is kept, and frames into
+   memory go on. */
+static void compute_without_shader(void)
+{
+    subject s;
+    state before, after;
+    caller c = make_caller();
+    const fxs_gles_target t = {.framebuffer = c.framebuffers[0]};
+    real_ShaderSource = (PFNGLSHADERSOURCEPROC)port->load(context, "glShaderSource");
+    fake(1, "glShaderSource", (fxs_gl_function)unshown_ShaderSource);
+    if (open_compute(0))
+        SKIP(why_not.text);
+    if (!make_subject(&s, "knot", 100, 40, 30))
+        return;
+    upset(&c);
+    dump(&before);
+    for (int i = 0; i < 2; i++) {
+        CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+        CHECK(strstr(why_not.text, "a shader of the framebuffer does not compile: ") && strstr(why_not.text, ":3"));
+        CHECK(!strchr(why_not.text, '\n'));
+    }
+    dump(&after);
+    CHECK(!memcmp(&before, &after, sizeof before));
+    settle();
+    close_compute();
+    fxs_packed_scene_free(&s.packed);
+}
+
+/* Making and ending it leaves the state; a picture larger than a texture of words is refused; wrong arguments. */
+static void compute_refuses(void)
+{
+    state before, after;
+    subject s;
+    caller c = make_caller();
+    upset(&c);
+    dump(&before);
+    no_blocks = 1;
+    if (open_compute(64))
+        SKIP(why_not.text);
+    dump(&after);
+    CHECK(!memcmp(&before, &after, sizeof before));
+    settle();
+    if (!make_subject(&s, "knot", 100, 80, 64))
+        return;
+    fxs_gles_target t = {.framebuffer = c.framebuffers[0]};
+    CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+    CHECK(!strcmp(why_not.text, "the picture is larger than the device's textures"));
+    t.fetch = 1;
+    CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_UNSUPPORTED);
+    t.fetch = 0;
+    t.depth_bits = 29;
+    CHECK(render(&s, 0, 0, &t, 0, 0, 0) == FXS_ERR_TARGET);
+    CHECK(fxs_compute_draw(compute, 0, 0, &t, 0, 0, &why_not) == FXS_ERR_ARGUMENT);
+    t.depth_bits = 0;
+    fxs_packed_scene_free(&s.packed);
+    if (!make_subject(&s, "knot", 100, 64, 64))
+        return;
+    upset(&c);
+    dump(&before);
+    CHECK(!render(&s, 0, 0, &t, 0, 0, 0));     /* as large as the texture */
+    close_compute();
+    dump(&after);
+    CHECK(!memcmp(&before, &after, sizeof before));
+    settle();
+    fxs_packed_scene_free(&s.packed);
 }
 
 /* Making and ending a back end leaves the state too. */
@@ -1564,6 +1823,15 @@ int main(void)
         RUN(depths_and_ids);
         RUN(depths_and_ids_without_shader);
         RUN(depths_and_ids_refused);
+        if (!strcmp(port->name, "EGL")) {      /* OSMesa has desktop OpenGL */
+            RUN(compute_target);
+            RUN(compute_target_over);
+            RUN(compute_target_meshes);
+            RUN(compute_depths_and_ids);
+            RUN(compute_refuses);
+            RUN(compute_draws_lose);
+            RUN(compute_without_shader);
+        }
         RUN(init_keeps_state);
         RUN(missing_functions);
         RUN(unfit_contexts);

@@ -12,6 +12,7 @@
 #include <GLES3/gl3.h>
 #include <SDL.h>
 
+#include <fixsplat/compute.h>
 #include <fixsplat/gles.h>
 #include <fixsplat/kernels.h>
 #include <fixsplat/renderer.h>
@@ -115,6 +116,63 @@ static fxs_gl_function load(void *unused, const char *name)
     return (fxs_gl_function)SDL_GL_GetProcAddress(name);
 }
 
+/* Two ways to draw a scene, with the same bytes: the whole frame by compute shaders, or the last stages by fragment
+   shaders and the others on the processor. */
+typedef struct drawer {
+    fxs_compute *compute;                                  /* null: OpenGL ES 3.0 */
+    fxs_compute_scene scene;                               /* on the device */
+    fxs_gles *gles;
+    fxs_context context;
+    void *memory;
+    size_t bytes;
+} drawer;
+
+static int open_drawer(drawer *d, const fxs_request *request, fxs_message *why)
+{
+    memset(d, 0, sizeof *d);
+    d->compute = malloc(fxs_compute_bytes());
+    if (d->compute && fxs_compute_init(d->compute, load, NULL, NULL, why)) {
+        free(d->compute);
+        d->compute = NULL;
+    }
+    puts(d->compute ? "by compute shaders" : "by fragment shaders");
+    strcpy(why->text, "no memory");
+    if (d->compute) {
+        d->memory = malloc(fxs_compute_memory(request));
+        return !d->memory || fxs_compute_upload(d->compute, &d->scene, request->objects->scene, why);
+    }
+    fxs_init(&d->context, NULL);                           /* or with threads: fixsplat/pool.h */
+    fxs_kernels_choose(&d->context.kernels, fxs_cpu_detect());
+    d->bytes = fxs_frame_bytes(&d->context, request->objects, 1, WIDTH, HEIGHT, NULL);
+    d->gles = malloc(fxs_gles_bytes());
+    return !d->gles || posix_memalign(&d->memory, 64, d->bytes) ||
+           fxs_gles_init(d->gles, load, NULL, NULL, why->text);
+}
+
+static int draw_scene(drawer *d, const fxs_request *request, const fxs_gles_target *target, fxs_message *why)
+{
+    const fxs_compute_scene *const scenes[] = {&d->scene};
+    if (d->compute)
+        return fxs_compute_draw(d->compute, request, scenes, target, d->memory, NULL, why);
+    const int error = fxs_gles_render(d->gles, &d->context, request, target, d->memory, d->bytes, NULL);
+    if (error)
+        snprintf(why->text, sizeof why->text, "%s", fxs_strerror(error));
+    return error;
+}
+
+static void close_drawer(drawer *d)
+{
+    if (d->compute) {
+        fxs_compute_drop(d->compute, &d->scene);
+        fxs_compute_free(d->compute);
+    }
+    if (d->gles)
+        fxs_gles_free(d->gles);
+    free(d->compute);
+    free(d->gles);
+    free(d->memory);
+}
+
 /* What the last frame shows at a pixel, counted from the upper left: no second frame is drawn. */
 static void pick(int x, int y)
 {
@@ -146,11 +204,10 @@ int main(int argc, char **argv)
 {
     fxs_message why = {.text = "usage: engine SCENE [PICTURE X Y]"};
     fxs_opened *opened;
-    fxs_context context;
+    drawer d;
     fxs_object object;
     fxs_request request;
     fxs_gles_target target;
-    void *memory = NULL;
     if ((argc != 2 && argc != 5) || fxs_open(argv[1], NULL, &opened, &why))
         return fail(why.text);
     if (SDL_Init(SDL_INIT_VIDEO) || SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_ES) ||
@@ -162,20 +219,13 @@ int main(int argc, char **argv)
         return fail(SDL_GetError());
     make_framebuffers();
     const GLuint program = make_program();
-    fxs_gles *gles = malloc(fxs_gles_bytes());
-    if (!gles || fxs_gles_init(gles, load, NULL, NULL, why.text))
-        return fail(gles ? why.text : "no memory");
-
-    fxs_init(&context, NULL);                              /* or with threads: fixsplat/pool.h */
-    fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
     fxs_object_init(&object, opened->scene);
     object.id = 7;
     fxs_request_init(&request, &object, 1);
     if (fxs_camera_from_matrices(&request.cameras[0], view, projection, WIDTH, HEIGHT, &why))
         return fail(why.text);
-    const size_t bytes = fxs_frame_bytes(&context, &object, 1, WIDTH, HEIGHT, NULL);
-    if (posix_memalign(&memory, 64, bytes))
-        return fail("no memory");
+    if (open_drawer(&d, &request, &why))
+        return fail(why.text);
     fxs_gles_target_init(&target);
     target.framebuffer = framebuffers[SCENE];
     target.depth_buffer = textures[DEPTH];                 /* the mesh hides the Gaussians behind it, */
@@ -185,9 +235,8 @@ int main(int argc, char **argv)
     target.depths_and_ids = 1;
     for (SDL_Event event = {0}; event.type != SDL_QUIT && SDL_WaitEvent(&event);) {
         draw_mesh(program);
-        const int error = fxs_gles_render(gles, &context, &request, &target, memory, bytes, NULL);
-        if (error)
-            return fail(fxs_strerror(error));
+        if (draw_scene(&d, &request, &target, &why))
+            return fail(why.text);
         show(window);
         if (argc == 5) {
             pick(atoi(argv[3]), atoi(argv[4]));
@@ -196,7 +245,7 @@ int main(int argc, char **argv)
         if (event.type == SDL_MOUSEBUTTONDOWN)
             pick(event.button.x, event.button.y);
     }
-    fxs_gles_free(gles);
+    close_drawer(&d);
     fxs_close(opened);
     SDL_Quit();
     return 0;

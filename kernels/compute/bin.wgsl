@@ -7,7 +7,8 @@ fn columns_between(left_q8: i32, right_q8: i32) -> Span
     if (last < 0 || first >= frame.size.x || first > last) {
         return Span(0, -1);
     }
-    return Span(max(first, 0) >> 4u, select(last >> 4u, frame.tiles.x - 1, last >= frame.size.x));
+    return Span(max(first, 0) >> frame.tile_bits,
+                select(last >> frame.tile_bits, frame.tiles.x - 1, last >= frame.size.x));
 }
 
 fn columns_of(b: ptr<function, Bounds>) -> Span
@@ -35,8 +36,8 @@ fn half_at(b: ptr<function, Bounds>, r_q12: i32, v_q12: i32) -> i32
 
 fn ellipse_span(s: ptr<function, Splat>, b: ptr<function, Bounds>, r: i32, row: i32) -> Span
 {
-    let top_q12 = v_at_row(s, b, row * 16);
-    let bottom_q12 = v_at_row(s, b, row * 16 + 15);
+    let top_q12 = v_at_row(s, b, row << frame.tile_bits);
+    let bottom_q12 = v_at_row(s, b, ((row + 1) << frame.tile_bits) - 1);
     let reach = (*b).half_width_q8;
     if ((top_q12 > r + 2 || bottom_q12 < -r - 2) && reach != EVERYWHERE_Q8) {
         return Span(0, -1);
@@ -67,6 +68,7 @@ fn ellipse_span(s: ptr<function, Splat>, b: ptr<function, Bounds>, r: i32, row: 
     return columns_between(c_q8 + max(left - margin, -reach), c_q8 - max(-right - margin, -reach));
 }
 
+// Of tiles of 16 pixels, as all are then.
 fn square_span(centre_q14: i32, radius: u32, tiles: i32) -> Span
 {
     let pixel = centre_q14 >> 14u;
@@ -81,7 +83,7 @@ fn rows_of(s: ptr<function, Splat>, b: ptr<function, Bounds>) -> Span
     if (frame.cutoff == 1) {
         return square_span((*b).c_q14.y, (*b).square_radius, frame.tiles.y);
     }
-    return Span((*s).rows.x >> 4u, (*s).rows.y >> 4u);
+    return Span((*s).rows.x >> frame.tile_bits, (*s).rows.y >> frame.tile_bits);
 }
 
 // and its tiles in one of them.

@@ -24,7 +24,7 @@ struct Frame {
     uint blocks;
     uint block_room;
     uint spare;
-    uint unused;
+    uint tile_bits;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -114,18 +114,25 @@ struct Fetched {
     uvec4 a;
     uvec4 b;
 };
-struct Quarter {
+struct Half {
     uint tile;
     uint x;
     uint y;
     uint list;
     uint count;
 };
+struct Taken {
+    uint u;
+    uint ux;
+    int level;
+    int limit;
+    ivec3 colour;
+};
 struct Place {
     uint column;
     uint row;
     uint at;
-    bool inside;
+    bvec2 inside;
 };
 const int FXS_CUT_Q11_ = 18432;
 const int FXS_FAINT_Q11_ = 22697;
@@ -138,10 +145,11 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint MERGES = 5u;
-const uint BLOCK = 1024u;
+const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -153,23 +161,25 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
-const uint BLOCKS = 7u;
-const uint LONGEST = 8u;
+const uint SHORT_BLOCKS = 7u;
+const uint LONG_BLOCKS = 8u;
+const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint SIDE = 8u;
 const uint SOME = 64u;
+const uint APART = 4u;
 layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
 layout(std430, binding = 1) readonly buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
 layout(std430, binding = 2) readonly buffer type_14_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
 layout(std430, binding = 3) buffer type_11_block_4Compute { uint _group_1_binding_3_cs[]; };
-shared ivec2 rows[512];
-shared ivec4 others[64];
+shared uvec4 shapes[64];
+shared uvec4 shades[64];
 shared uint touching[8];
 shared uint open_round;
-shared uint open_pixels[2];
+shared uint open_pixels[4];
 int fxs_mul_q15_(int a, int b) {
     return (((a * b) + 16384) >> 15u);
 }
@@ -286,31 +296,31 @@ uint tile_at(uint number_1) {
     return _e45;
 }
 bool fits() {
-    bool local_1 = false;
     bool local_2 = false;
+    bool local_3 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_1 = (_e11 <= _e14);
-    } else {
-        local_1 = false;
-    }
-    bool _e17 = local_1;
-    if (_e17) {
-        uint _e22 = _group_1_binding_0_cs[0];
-        uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_2 = (_e22 <= _e25);
+        local_2 = (_e11 <= _e14);
     } else {
         local_2 = false;
     }
-    bool _e28 = local_2;
+    bool _e17 = local_2;
+    if (_e17) {
+        uint _e22 = _group_1_binding_0_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_3 = (_e22 <= _e25);
+    } else {
+        local_3 = false;
+    }
+    bool _e28 = local_3;
     return _e28;
 }
-uvec2 fetch_entry(Quarter q, uint i_1) {
-    if ((i_1 < q.count)) {
-        uvec2 _e8 = _group_1_binding_1_cs[(q.list + i_1)];
+uvec2 fetch_entry(Half h, uint i_1) {
+    if ((i_1 < h.count)) {
+        uvec2 _e8 = _group_1_binding_1_cs[(h.list + i_1)];
         return _e8;
     }
     return uvec2(4294967295u, 4294967295u);
@@ -327,109 +337,103 @@ Fetched fetch_splat(uvec2 entry_1) {
     Fetched _e24 = f;
     return _e24;
 }
-bvec2 place_splat(uint i_2, Fetched f_1, Quarter q_1) {
-    uint u = 0u;
+bool reaches(uint u, uint ux, uint open_1, int level, int limit) {
+    bool local_4 = false;
+    int left = int((u + (min(uint(findLSB(open_1)), 32u) * ux)));
+    int right = int((u + ((31u - uint(31 - findMSB(open_1))) * ux)));
+    if ((open_1 != 0u)) {
+        int _e23 = fxs_coordinate_q13_(max(max(left, -(right)), 0));
+        int _e24 = fxs_level_q11_(_e23, level);
+        local_4 = (_e24 <= limit);
+    } else {
+        local_4 = false;
+    }
+    bool _e27 = local_4;
+    return _e27;
+}
+bvec2 place_splat(uint i_2, Fetched f_1, Half h_1) {
+    uint u_1 = 0u;
     uint v = 0u;
-    bool touches = false;
-    bool upper = false;
-    uint open_1 = 0u;
+    bvec2 touches = bvec2(false);
     uint row = 0u;
-    bool local_3 = false;
     int offset_q11_2 = int((f_1.b.y & 65535u));
     int _e10 = _group_0_binding_0_cs.cut_q11_;
     int _e11 = fxs_limit_q11_(offset_q11_2, _e10);
-    uint ux = f_1.a.z;
-    u = ((f_1.a.x + (q_1.x * ux)) + (q_1.y * f_1.a.w));
-    v = (f_1.a.y + (q_1.y * f_1.b.x));
-    uint _e39 = open_pixels[0];
-    open_1 = _e39;
+    uint ux_1 = f_1.a.z;
+    uvec2 at_3 = uvec2(((f_1.a.x + (h_1.x * ux_1)) + (h_1.y * f_1.a.w)), (f_1.a.y + (h_1.y * f_1.b.x)));
+    uint first_2 = (max((f_1.b.w & 65535u), h_1.y) - h_1.y);
+    uint last_1 = min((max((f_1.b.w >> 16u), h_1.y) - h_1.y), 7u);
+    u_1 = (at_3.x + (first_2 * f_1.a.w));
+    v = (at_3.y + (first_2 * f_1.b.x));
+    shapes[i_2] = uvec4(at_3, ux_1, f_1.a.w);
+    shades[i_2] = uvec4(f_1.b.xyz, uint(_e11));
+    row = first_2;
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e108 = row;
-            row = (_e108 + 1u);
+            uint _e114 = row;
+            row = (_e114 + 1u);
         }
         loop_init = false;
-        uint _e43 = row;
-        if ((_e43 < SIDE)) {
+        uint _e77 = row;
+        if ((_e77 <= last_1)) {
         } else {
             break;
         }
         {
-            uint _e46 = row;
-            if ((_e46 == 4u)) {
-                uint _e51 = open_pixels[1];
-                open_1 = _e51;
-                bool _e52 = touches;
-                upper = _e52;
-                touches = false;
-            }
-            uint _e54 = open_1;
-            uint of_row = (_e54 & 255u);
-            if ((of_row != 0u)) {
-                uint _e59 = u;
-                int left = int((_e59 + (min(uint(findLSB(of_row)), 32u) * ux)));
-                uint _e64 = u;
-                int right = int((_e64 + ((31u - uint(31 - findMSB(of_row))) * ux)));
-                uint _e71 = v;
-                int _e73 = fxs_coordinate_q13_(int(_e71));
-                int _e74 = fxs_row_level_q11_(_e73, offset_q11_2);
-                int least = max(max(left, -(right)), 0);
-                uint _e82 = row;
-                uint _e85 = u;
-                rows[((SIDE * i_2) + _e82)] = ivec2(int(_e85), _e74);
-                bool _e88 = touches;
-                if (!(_e88)) {
-                    int _e92 = fxs_coordinate_q13_(least);
-                    int _e93 = fxs_level_q11_(_e92, _e74);
-                    local_3 = (_e93 <= _e11);
-                } else {
-                    local_3 = true;
-                }
-                bool _e96 = local_3;
-                touches = _e96;
-            }
-            uint _e97 = open_1;
-            open_1 = (_e97 >> 8u);
-            uint _e100 = u;
-            u = (_e100 + f_1.a.w);
-            uint _e104 = v;
-            v = (_e104 + f_1.b.x);
+            uint _e80 = row;
+            uint _e84 = open_pixels[(_e80 / 2u)];
+            uint _e86 = row;
+            uint open_2 = (_e84 >> (16u * (_e86 % 2u)));
+            uint _e91 = v;
+            int _e93 = fxs_coordinate_q13_(int(_e91));
+            int _e94 = fxs_row_level_q11_(_e93, offset_q11_2);
+            bvec2 _e95 = touches;
+            uint _e96 = u_1;
+            bool _e99 = reaches(_e96, ux_1, (open_2 & 255u), _e94, _e11);
+            uint _e100 = u_1;
+            bool _e103 = reaches(_e100, ux_1, (open_2 & 65280u), _e94, _e11);
+            touches = bvec2(_e95.x || bvec2(_e99, _e103).x, _e95.y || bvec2(_e99, _e103).y);
+            uint _e106 = u_1;
+            u_1 = (_e106 + f_1.a.w);
+            uint _e110 = v;
+            v = (_e110 + f_1.b.x);
         }
     }
-    others[i_2] = ivec4(int(ux), _e11, int(((f_1.b.y >> 16u) | (f_1.b.z << 16u))), int((f_1.b.z >> 16u)));
-    bool _e130 = upper;
-    bool _e131 = touches;
-    return bvec2(_e130, _e131);
+    bvec2 _e117 = touches;
+    return _e117;
 }
-int blend_splat(inout Pixel p_2, uint i_3, uint column, uint row_1) {
-    bool local_4 = false;
-    ivec2 at_row = rows[((SIDE * i_3) + row_1)];
-    ivec4 other = others[i_3];
-    int u_1 = (at_row.x + (int(column) * other.x));
-    int _e18 = fxs_coordinate_q13_(u_1);
-    int _e20 = fxs_level_q11_(_e18, at_row.y);
-    if (!((_e20 > other.y))) {
-        int _e27 = p_2.transmittance;
-        local_4 = (_e27 < FXS_CLOSED_Q15_);
+Taken take(uint i_3, uint row_1) {
+    uvec4 shape = shapes[i_3];
+    uvec4 shade = shades[i_3];
+    int v_1 = int((shape.y + (row_1 * shade.x)));
+    int _e18 = fxs_coordinate_q13_(v_1);
+    int _e23 = fxs_row_level_q11_(_e18, int((shade.y & 65535u)));
+    return Taken((shape.x + (row_1 * shape.w)), shape.z, _e23, int(shade.w), ivec3(uvec3((shade.y >> 16u), (shade.z & 65535u), (shade.z >> 16u))));
+}
+int blend_splat(inout Pixel p_2, Taken t, uint column) {
+    bool local_5 = false;
+    int _e8 = fxs_coordinate_q13_(int((t.u + (column * t.ux))));
+    int _e10 = fxs_level_q11_(_e8, t.level);
+    if ((_e10 <= t.limit)) {
+        int _e16 = p_2.transmittance;
+        local_5 = (_e16 >= FXS_CLOSED_Q15_);
     } else {
-        local_4 = true;
+        local_5 = false;
     }
-    bool _e31 = local_4;
-    if (_e31) {
-        return 0;
-    }
-    int _e33 = fxs_alpha_q15_(_e20);
-    int _e35 = p_2.transmittance;
-    int _e36 = fxs_weight_q15_(_e33, _e35);
-    int _e38 = p_2.transmittance;
-    p_2.transmittance = (_e38 - _e36);
-    ivec3 _e41 = p_2.sum;
-    int _e45 = fxs_mul_q15_(_e36, (other.z & 65535));
-    int _e49 = fxs_mul_q15_(_e36, (other.z >> 16u));
-    int _e51 = fxs_mul_q15_(_e36, other.w);
-    p_2.sum = (_e41 + ivec3(_e45, _e49, _e51));
-    return _e36;
+    bool counts_1 = local_5;
+    int _e21 = fxs_alpha_q15_(_e10);
+    int _e23 = p_2.transmittance;
+    int _e24 = fxs_weight_q15_(_e21, _e23);
+    int weight = (counts_1 ? _e24 : 0);
+    int _e28 = p_2.transmittance;
+    p_2.transmittance = (_e28 - weight);
+    ivec3 _e31 = p_2.sum;
+    int _e34 = fxs_mul_q15_(weight, t.colour.x);
+    int _e37 = fxs_mul_q15_(weight, t.colour.y);
+    int _e40 = fxs_mul_q15_(weight, t.colour.z);
+    p_2.sum = (_e31 + ivec3(_e34, _e37, _e40));
+    return weight;
 }
 ivec3 background_of(uint word_2) {
     uvec3 rgb = uvec3((word_2 & 255u), ((word_2 >> 8u) & 255u), ((word_2 >> 16u) & 255u));
@@ -486,49 +490,51 @@ void put_colour(inout Pixel p_3, uint at) {
     return;
 }
 uint list_of(uint tile, uint count) {
-    uint merges = ((max((32u - uint(31 - findMSB((max(count, 1u) - 1u)))), 10u) - 7u) / 4u);
+    uint merges = ((max((32u - uint(31 - findMSB((max(count, 1u) - 1u)))), 9u) - 6u) / 4u);
     uint _e18 = _group_0_binding_0_cs.next;
     uint _e21 = _group_1_binding_0_cs[(_e18 + tile)];
     uint _e26 = _group_0_binding_0_cs.spare;
     return ((_e21 - count) + (((merges % 2u) == 1u) ? _e26 : 0u));
 }
-Quarter quarter_of(uvec3 group_1) {
-    bool local_5 = false;
+Half half_tile_of(uvec3 group_1) {
+    bool local_6 = false;
     uint number_2 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
     int _e9 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e9);
-    uint _e13 = tile_at((number_2 / 4u));
-    if (!((_e13 == NOTHING))) {
-        bool _e19 = fits();
-        local_5 = !(_e19);
+    uint _e13 = _group_0_binding_0_cs.tile_bits;
+    uint of_tile = (_e13 - 3u);
+    uint _e17 = tile_at((number_2 >> of_tile));
+    if (!((_e17 == NOTHING))) {
+        bool _e23 = fits();
+        local_6 = !(_e23);
     } else {
-        local_5 = true;
+        local_6 = true;
     }
-    bool _e22 = local_5;
-    if (_e22) {
-        return Quarter(4294967295u, 0u, 0u, 0u, 0u);
+    bool _e26 = local_6;
+    if (_e26) {
+        return Half(4294967295u, 0u, 0u, 0u, 0u);
     }
-    uint count_1 = _group_1_binding_0_cs[(TILES + _e13)];
-    uint _e52 = list_of(_e13, count_1);
-    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_2 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_2 / 2u) % 2u) * SIDE)), _e52, count_1);
+    uint count_1 = _group_1_binding_0_cs[(TILES + _e17)];
+    uint _e41 = _group_0_binding_0_cs.tile_bits;
+    uint _e46 = _group_0_binding_0_cs.tile_bits;
+    uint _e52 = list_of(_e17, count_1);
+    return Half(_e17, ((_e17 % across) << _e41), (((_e17 / across) << _e46) + ((number_2 & of_tile) * SIDE)), _e52, count_1);
 }
-Place place_of(Quarter q_2, uint thread_1) {
-    bool local_6 = false;
-    uint column_1 = (thread_1 % SIDE);
-    uint row_2 = (thread_1 / SIDE);
-    int _e11 = _group_0_binding_0_cs.size.x;
-    int _e22 = _group_0_binding_0_cs.size.x;
-    if (((q_2.x + column_1) < uint(_e22))) {
-        int _e32 = _group_0_binding_0_cs.size.y;
-        local_6 = ((q_2.y + row_2) < uint(_e32));
-    } else {
-        local_6 = false;
-    }
-    bool _e36 = local_6;
-    return Place(column_1, row_2, ((((q_2.y + row_2) * uint(_e11)) + q_2.x) + column_1), _e36);
+Place place_of(Half h_2, uint thread_1) {
+    uint column_1 = (((thread_1 / 32u) * SIDE) + (thread_1 % APART));
+    uint row_2 = ((thread_1 % 32u) / APART);
+    uvec2 x_1 = (uvec2(h_2.x) + uvec2(column_1, (column_1 + APART)));
+    int _e24 = _group_0_binding_0_cs.size.x;
+    int _e33 = _group_0_binding_0_cs.size.x;
+    uint _e39 = _group_0_binding_0_cs.tile_bits;
+    int _e50 = _group_0_binding_0_cs.size.y;
+    return Place(column_1, row_2, ((((h_2.y + row_2) * uint(_e24)) + h_2.x) + column_1), bvec2(lessThan(x_1, uvec2(min(uint(_e33), (h_2.x + (1u << _e39))))).x && bvec2(((h_2.y + row_2) < uint(_e50))).x, lessThan(x_1, uvec2(min(uint(_e33), (h_2.x + (1u << _e39))))).y && bvec2(((h_2.y + row_2) < uint(_e50))).y));
 }
-void clear_rounds(uint thread_2, bool inside) {
-    if ((thread_2 < 2u)) {
+uint bit_of(Place place, bool second) {
+    return (1u << ((((place.row % 2u) * 16u) + place.column) + (second ? APART : 0u)));
+}
+void clear_rounds(uint thread_2, Place place_1) {
+    if ((thread_2 < 4u)) {
         open_pixels[thread_2] = 0u;
     }
     if ((thread_2 < 8u)) {
@@ -539,25 +545,26 @@ void clear_rounds(uint thread_2, bool inside) {
     }
     memoryBarrierShared();
     barrier();
-    if (inside) {
-        uint _e24 = atomicOr(open_pixels[(thread_2 / 32u)], (1u << (thread_2 % 32u)));
-    }
+    uint _e23 = bit_of(place_1, false);
+    uint _e29 = bit_of(place_1, true);
+    uint _e34 = atomicOr(open_pixels[(place_1.row / 2u)], ((place_1.inside.x ? _e23 : 0u) | (place_1.inside.y ? _e29 : 0u)));
     memoryBarrierShared();
     barrier();
     return;
 }
-void close_pixel(uint thread_3) {
-    uint _e10 = atomicAnd(open_pixels[(thread_3 / 32u)], ~((1u << (thread_3 % 32u))));
+void close_pixel(Place place_2, bool second_1) {
+    uint _e7 = bit_of(place_2, second_1);
+    uint _e9 = atomicAnd(open_pixels[(place_2.row / 2u)], ~(_e7));
     return;
 }
-void place_fetched(Quarter q_3, uint thread_4, Fetched f_2, uint words) {
+void place_fetched(Half h_3, uint thread_3, Fetched f_2, uint words) {
     if (((f_2.entry.x & CUT_OFF) == 0u)) {
-        bvec2 _e10 = place_splat(thread_4, f_2, q_3);
+        bvec2 _e10 = place_splat(thread_3, f_2, h_3);
         if (_e10.x) {
-            uint _e21 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+            uint _e21 = atomicOr(touching[(words + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
         }
         if (_e10.y) {
-            uint _e34 = atomicOr(touching[((words + 2u) + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+            uint _e34 = atomicOr(touching[((words + 2u) + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
             return;
         } else {
             return;
@@ -586,61 +593,64 @@ void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
     Pixel p = Pixel(0, ivec3(0));
-    bool open = false;
+    Pixel q = Pixel(0, ivec3(0));
+    bvec2 open = bvec2(false);
     Fetched fetched = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
     uvec2 entry = uvec2(0u);
     uint first = 0u;
     uint word = 0u;
     uint bits = 0u;
+    Taken next = Taken(0u, 0u, 0, 0, ivec3(0));
     bool local = false;
-    Quarter _e2 = quarter_of(group);
+    bool local_1 = false;
+    Half _e2 = half_tile_of(group);
     if ((_e2.tile == NOTHING)) {
         return;
     }
     Place _e6 = place_of(_e2, thread);
-    p = Pixel((_e6.inside ? FXS_CLEAR_Q15_ : 0), ivec3(0));
+    p = Pixel((_e6.inside.x ? FXS_CLEAR_Q15_ : 0), ivec3(0));
+    q = Pixel((_e6.inside.y ? FXS_CLEAR_Q15_ : 0), ivec3(0));
     open = _e6.inside;
-    uvec2 _e17 = fetch_entry(_e2, thread);
-    Fetched _e18 = fetch_splat(_e17);
-    fetched = _e18;
-    uvec2 _e22 = fetch_entry(_e2, (SOME + thread));
-    entry = _e22;
-    bool _e24 = open;
-    clear_rounds(thread, _e24);
+    uvec2 _e27 = fetch_entry(_e2, thread);
+    Fetched _e28 = fetch_splat(_e27);
+    fetched = _e28;
+    uvec2 _e32 = fetch_entry(_e2, (SOME + thread));
+    entry = _e32;
+    clear_rounds(thread, _e6);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e106 = first;
-            first = (_e106 + SOME);
+            uint _e151 = first;
+            first = (_e151 + SOME);
         }
         loop_init_1 = false;
-        uint _e27 = first;
-        if ((_e27 < _e2.count)) {
+        uint _e36 = first;
+        if ((_e36 < _e2.count)) {
         } else {
             break;
         }
         {
-            uint _e30 = first;
-            uint round_ = ((_e30 / SOME) + 1u);
+            uint _e39 = first;
+            uint round_ = ((_e39 / SOME) + 1u);
             uint words_1 = (4u * (round_ % 2u));
-            bool _e39 = open;
-            if (_e39) {
+            bvec2 _e48 = open;
+            if (any(_e48)) {
                 open_round = round_;
             }
-            Fetched _e41 = fetched;
-            place_fetched(_e2, thread, _e41, words_1);
-            uvec2 _e42 = entry;
-            Fetched _e43 = fetch_splat(_e42);
-            fetched = _e43;
-            uint _e44 = first;
-            uvec2 _e48 = fetch_entry(_e2, ((_e44 + 128u) + thread));
-            entry = _e48;
+            Fetched _e51 = fetched;
+            place_fetched(_e2, thread, _e51, words_1);
+            uvec2 _e52 = entry;
+            Fetched _e53 = fetch_splat(_e52);
+            fetched = _e53;
+            uint _e54 = first;
+            uvec2 _e58 = fetch_entry(_e2, ((_e54 + 128u) + thread));
+            entry = _e58;
             memoryBarrierShared();
             barrier();
-            uint _e50 = open_round;
+            uint _e60 = open_round;
             memoryBarrierShared();
             barrier();
-            if ((_e50 != round_)) {
+            if ((_e60 != round_)) {
                 break;
             }
             if ((thread < 4u)) {
@@ -650,59 +660,77 @@ void main() {
             bool loop_init_2 = true;
             while(true) {
                 if (!loop_init_2) {
-                    uint _e93 = word;
-                    word = (_e93 + 1u);
+                    uint _e122 = word;
+                    word = (_e122 + 1u);
                 }
                 loop_init_2 = false;
-                uint _e62 = word;
-                if ((_e62 < 2u)) {
+                uint _e72 = word;
+                if ((_e72 < 2u)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e71 = word;
-                    uint _e74 = touching[((words_1 + ((thread / 32u) * 2u)) + _e71)];
-                    bits = _e74;
-                    bool loop_init_3 = true;
+                    uint _e81 = word;
+                    uint _e84 = touching[((words_1 + ((thread / 32u) * 2u)) + _e81)];
+                    bits = _e84;
+                    uint _e87 = word;
+                    uint _e89 = bits;
+                    Taken _e95 = take(((32u * _e87) + (min(uint(findLSB(_e89)), 32u) % 32u)), _e6.row);
+                    next = _e95;
                     while(true) {
-                        if (!loop_init_3) {
-                            uint _e88 = bits;
-                            uint _e89 = bits;
-                            bits = (_e88 & (_e89 - 1u));
-                        }
-                        loop_init_3 = false;
-                        uint _e76 = bits;
-                        if ((_e76 != 0u)) {
+                        uint _e97 = bits;
+                        if ((_e97 != 0u)) {
                         } else {
                             break;
                         }
                         {
-                            uint _e80 = word;
-                            uint _e82 = bits;
-                            uint i_4 = ((32u * _e80) + min(uint(findLSB(_e82)), 32u));
-                            int _e87 = blend_splat(p, i_4, _e6.column, _e6.row);
+                            Taken taken = next;
+                            uint _e101 = bits;
+                            uint _e102 = bits;
+                            bits = (_e101 & (_e102 - 1u));
+                            uint _e107 = word;
+                            uint _e109 = bits;
+                            Taken _e115 = take(((32u * _e107) + (min(uint(findLSB(_e109)), 32u) % 32u)), _e6.row);
+                            next = _e115;
+                            int _e117 = blend_splat(p, taken, _e6.column);
+                            int _e121 = blend_splat(q, taken, (_e6.column + APART));
                         }
                     }
                 }
             }
-            bool _e96 = open;
-            if (_e96) {
-                int _e100 = p.transmittance;
-                local = (_e100 < FXS_CLOSED_Q15_);
+            bool _e126 = open.x;
+            if (_e126) {
+                int _e130 = p.transmittance;
+                local = (_e130 < FXS_CLOSED_Q15_);
             } else {
                 local = false;
             }
-            bool _e104 = local;
-            if (_e104) {
-                open = false;
-                close_pixel(thread);
+            bool _e134 = local;
+            if (_e134) {
+                open.x = false;
+                close_pixel(_e6, false);
+            }
+            bool _e139 = open.y;
+            if (_e139) {
+                int _e143 = q.transmittance;
+                local_1 = (_e143 < FXS_CLOSED_Q15_);
+            } else {
+                local_1 = false;
+            }
+            bool _e147 = local_1;
+            if (_e147) {
+                open.y = false;
+                close_pixel(_e6, true);
             }
             memoryBarrierShared();
             barrier();
         }
     }
-    if (_e6.inside) {
+    if (_e6.inside.x) {
         put_pixel(p, _e6.at);
+    }
+    if (_e6.inside.y) {
+        put_pixel(q, (_e6.at + APART));
         return;
     } else {
         return;

@@ -10,8 +10,7 @@
 
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
-/* Whether so many more bytes of the device may be taken. */
-static int allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
+int fxs_compute_allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
 {
     const uint64_t needed = fxs_compute_taken(c) + c->scene_bytes + bytes;
     if (!c->limit || needed <= c->limit)
@@ -21,23 +20,30 @@ static int allow(const fxs_compute *c, uint64_t bytes, fxs_message *why)
     return FXS_ERR_MEMORY;
 }
 
-/* Takes the errors that are pending. Returns 0 where there were none. A lost context may report errors for ever. */
-static int check(const fxs_compute *c, fxs_message *why)
+static int said(int error, fxs_message *why)
 {
-    GLenum first = GL_NO_ERROR, next;
-    for (int i = 0; i < 16 && (next = c->gl.GetError()) != GL_NO_ERROR; i++)
-        first = first == GL_NO_ERROR ? next : first;
-    return first == GL_NO_ERROR ? 0
-           : first == GL_OUT_OF_MEMORY
+    return !error ? 0
+           : error == FXS_ERR_MEMORY
                ? fxs_plan_say(why, FXS_ERR_MEMORY, "the device is out of memory", "")
                : fxs_plan_say(why, FXS_ERR_DEVICE, "the device failed, or its context was lost", "");
+}
+
+int fxs_compute_check(const fxs_compute *c, fxs_message *why)
+{
+    return said(fxs_gl_check(&c->gl), why);
 }
 
 /* The same for a call that failed, whether it left an error or not: never 0. */
 static int failure(const fxs_compute *c, fxs_message *why)
 {
-    const int error = check(c, why);
-    return error ? error : fxs_plan_say(why, FXS_ERR_DEVICE, "the device failed, or its context was lost", "");
+    return said(fxs_gl_failure(&c->gl), why);
+}
+
+/* The same for what the device seems to lack, as it does too where its context was lost. */
+int fxs_compute_lacks(const fxs_compute *c, const char *text, const char *what, fxs_message *why)
+{
+    const int error = fxs_compute_check(c, why);
+    return error ? error : fxs_plan_say(why, FXS_ERR_UNSUPPORTED, text, what);
 }
 
 static int use(const fxs_compute *c, fxs_message *why)
@@ -65,7 +71,7 @@ uint64_t fxs_compute_nanoseconds(const fxs_compute *c)
 
 uint64_t fxs_compute_taken(const fxs_compute *c)
 {
-    uint64_t sum = 0;
+    uint64_t sum = c->shift ? (uint64_t)c->word_rows * 4 << c->shift : 0;
     for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
         sum += c->bytes[i];
     return sum;
@@ -76,26 +82,18 @@ void fxs_compute_limit(fxs_compute *c, uint64_t bytes)
     c->limit = bytes;
 }
 
-static int load_functions(fxs_compute_gl *gl, fxs_compute_load_fn *load, void *argument, fxs_message *why)
+/* Returns null, or the name of a function that there is not. */
+static const char *load_more(fxs_compute_gl *table, fxs_gl_load_fn *load, void *argument)
 {
-#define LOAD(type, name) \
-    gl->name = (PFNGL##type##PROC)load(argument, "gl" #name); \
-    if (!gl->name) \
-        return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "no compute shaders: no function gl", #name);
-    FXS_COMPUTE_FUNCTIONS(LOAD)
+    FXS_COMPUTE_FUNCTIONS(FXS_GL_LOAD)
     return 0;
 }
 
-static int has_extension(const fxs_compute_gl *gl, const char *name)
+static int load_functions(fxs_compute *c, fxs_gl_load_fn *load, void *argument, fxs_message *why)
 {
-    GLint count = 0;
-    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; i++) {
-        const char *one = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i);
-        if (one && !strcmp(one, name))
-            return 1;
-    }
-    return 0;
+    const char *missing = fxs_gl_load(&c->gl, load, argument);
+    missing = missing ? missing : load_more(&c->more, load, argument);
+    return missing ? fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "no compute shaders: no function ", missing) : 0;
 }
 
 static int check_version(fxs_compute *c, fxs_message *why)
@@ -109,7 +107,7 @@ static int check_version(fxs_compute *c, fxs_message *why)
     const char *number = strncmp(version, es, sizeof es - 1) ? "" : version + sizeof es - 1;
     if (number[0] < '3' || number[0] > '9' || (number[0] == '3' && (number[1] != '.' || number[2] < '1')))
         return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "OpenGL ES 3.1 is needed, this is ", version);
-    c->timer = has_extension(&c->gl, "GL_EXT_disjoint_timer_query");
+    c->timer = fxs_gl_has_extension(&c->gl, "GL_EXT_disjoint_timer_query");
     return 0;
 }
 
@@ -130,7 +128,7 @@ static int check_limits(fxs_compute *c, fxs_message *why)
         GLint has = 0;
         c->gl.GetIntegerv(limits[i].name, &has);
         if (has < limits[i].least)
-            return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, limits[i].says, "");
+            return fxs_compute_lacks(c, limits[i].says, "", why);
         if (limits[i].name == GL_MAX_SHADER_STORAGE_BLOCK_SIZE)
             c->rooms.most = (uint64_t)has / 64 * 64;
     }
@@ -139,28 +137,14 @@ static int check_limits(fxs_compute *c, fxs_message *why)
 
 static int make_program(fxs_compute *c, int which, const char *entry, const char *text, fxs_message *why)
 {
-    const fxs_compute_gl *gl = &c->gl;
     char log[400] = "";
-    GLint done = 0;
-    const GLuint shader = gl->CreateShader(GL_COMPUTE_SHADER), program = c->programs[which] = gl->CreateProgram();
-    gl->ShaderSource(shader, 1, &text, 0);
-    gl->CompileShader(shader);
-    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &done);
-    if (!done)
-        gl->GetShaderInfoLog(shader, sizeof log, 0, log);
-    gl->AttachShader(program, shader);
-    gl->DeleteShader(shader);
-    if (done) {
-        gl->LinkProgram(program);
-        gl->GetProgramiv(program, GL_LINK_STATUS, &done);
-        if (!done)
-            gl->GetProgramInfoLog(program, sizeof log, 0, log);
-    }
-    if (done)
+    const GLuint program = c->programs[which] = c->gl.CreateProgram();
+    if (fxs_gl_compile(&c->gl, program, GL_COMPUTE_SHADER, &text, 1, log, sizeof log) &&
+        fxs_gl_link(&c->gl, program, log, sizeof log))
         return 0;
     fxs_message which_one;
     fxs_plan_say(&which_one, 0, entry, " does not compile: ");
-    return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, which_one.text, log);
+    return fxs_compute_lacks(c, which_one.text, log, why);
 }
 
 static int make_objects(fxs_compute *c, fxs_message *why)
@@ -171,22 +155,23 @@ static int make_objects(fxs_compute *c, fxs_message *why)
     c->gl.GenBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     if (c->timer)
         c->gl.GenQueries(1, &c->query);
-    return error ? error : check(c, why);
+    return error ? error : fxs_compute_check(c, why);
 }
 
-int fxs_compute_init(fxs_compute *c, fxs_compute_load_fn *load, fxs_compute_use_fn *use_fn, void *argument,
-                     fxs_message *why)
+int fxs_compute_init(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn, void *argument, fxs_message *why)
 {
     memset(c, 0, sizeof *c);
     c->use = use_fn;
     c->use_argument = argument;
     int error = use(c, why);
-    error = error ? error : load_functions(&c->gl, load, argument, why);
-    error = error ? error : check_version(c, why);
+    error = error ? error : load_functions(c, load, argument, why);
+    if (error)
+        return error;
+    fxs_compute_check(c, why);     /* not ours */
+    error = check_version(c, why);
     error = error ? error : check_limits(c, why);
     if (error)
         return error;
-    check(c, why);                 /* not ours */
     error = make_objects(c, why);
     if (error) {
         const fxs_message first = *why;
@@ -201,13 +186,12 @@ void fxs_compute_free(fxs_compute *c)
     fxs_message why;
     if (use(c, &why))
         return;                    /* its objects went with the context */
-    c->gl.UseProgram(0);
-    for (int i = 0; i < FXS_COMPUTE_PROGRAMS; i++)
-        c->gl.DeleteProgram(c->programs[i]);
+    fxs_compute_end_drawing(c);
+    fxs_gl_delete_programs(&c->gl, FXS_COMPUTE_PROGRAMS, c->programs);
     c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     if (c->timer)
         c->gl.DeleteQueries(1, &c->query);
-    check(c, &why);
+    fxs_compute_check(c, &why);
 }
 
 /* Makes a buffer at least so large; what was in it is lost then. Returns 0 or an error. */
@@ -215,13 +199,13 @@ static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs
 {
     if (bytes <= c->bytes[buffer])
         return 0;
-    int error = allow(c, bytes - c->bytes[buffer], why);
+    int error = fxs_compute_allow(c, bytes - c->bytes[buffer], why);
     if (error)
         return error;
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[buffer]);
     c->gl.BufferData(GL_COPY_WRITE_BUFFER, (GLsizeiptr)bytes, 0, usage);
     c->bytes[buffer] = bytes;
-    error = check(c, why);
+    error = fxs_compute_check(c, why);
     if (error)
         c->bytes[buffer] = 0;
     return error;
@@ -235,7 +219,7 @@ static void give_back(fxs_compute *c)
     c->gl.GenBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
     memset(c->bytes, 0, sizeof c->bytes);
     c->rooms = (fxs_plan_rooms){.most = c->rooms.most};
-    check(c, &why);
+    fxs_compute_check(c, &why);
 }
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
@@ -243,7 +227,7 @@ static void give_back(fxs_compute *c)
 static void put(fxs_compute *c, uint64_t at, const void *from, uint64_t bytes)
 {
     if (bytes)
-        c->gl.BufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)at, (GLsizeiptr)bytes, from);
+        c->more.BufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)at, (GLsizeiptr)bytes, from);
 }
 
 /* A buffer of a part of a scene, or of its heads. */
@@ -253,7 +237,7 @@ static int make_part(fxs_compute *c, fxs_compute_scene *copy, uint32_t *name, in
     GLuint made = 0;
     uint64_t bytes = fxs_plan_pieces(&copy->here, copy->part_chunks, part, pieces);
     bytes = bytes ? bytes : 64;
-    const int error = allow(c, bytes, why);
+    const int error = fxs_compute_allow(c, bytes, why);
     if (error)
         return error;
     c->gl.GenBuffers(1, &made);
@@ -264,7 +248,7 @@ static int make_part(fxs_compute *c, fxs_compute_scene *copy, uint32_t *name, in
     c->scene_bytes += bytes;
     for (int i = 0; i < 3; i++)
         put(c, pieces[i].at, pieces[i].from, pieces[i].bytes);
-    return check(c, why);
+    return fxs_compute_check(c, why);
 }
 
 static int copy_scene(fxs_compute *c, fxs_compute_scene *copy, fxs_message *why)
@@ -287,13 +271,16 @@ int fxs_compute_upload(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene 
     if (scene->places)
         return fxs_plan_say(why, FXS_ERR_UNSUPPORTED, "a scene of which a part is in memory cannot be on the device",
                             "");
+    GLint bound = 0;
     int error = use(c, why);
     if (error)
         return error;
-    check(c, why);                 /* not ours */
+    fxs_compute_check(c, why);     /* not ours */
     fxs_compute_drop(c, copy);
     copy->here = *scene;
+    c->gl.GetIntegerv(GL_COPY_WRITE_BUFFER_BINDING, &bound);
     error = copy_scene(c, copy, why);
+    c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, (GLuint)bound);
     if (error) {
         const fxs_message first = *why;
         fxs_compute_drop(c, copy);
@@ -309,7 +296,7 @@ void fxs_compute_drop(fxs_compute *c, fxs_compute_scene *copy)
         c->gl.DeleteBuffers(1, &copy->heads);
         c->gl.DeleteBuffers(FXS_COMPUTE_PARTS, copy->parts);
         c->scene_bytes -= copy->bytes;
-        check(c, &why);
+        fxs_compute_check(c, &why);
     }
     memset(copy, 0, sizeof *copy);
 }
@@ -392,62 +379,60 @@ static void take_step(void *argument, const fxs_step *step)
 {
     walk *w = argument;
     const fxs_compute *c = w->c;
-    const fxs_compute_gl *gl = &c->gl;
+    const fxs_gl *gl = &c->gl;
     if (step->waits)
-        gl->MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+        c->more.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     if (w->program != step->program)
         gl->UseProgram(c->programs[step->program]);
     w->program = step->program;
     for (GLuint i = 0; i < 4; i++) {
         const int32_t buffer = step->buffers[i];
         if (buffer != FXS_PLAN_NONE)
-            gl->BindBufferBase(GL_SHADER_STORAGE_BUFFER, i,
-                               buffer == FXS_PLAN_HEADS  ? w->copies[step->object]->heads
-                               : buffer == FXS_PLAN_ROWS ? w->copies[step->object]->parts[step->part]
-                                                         : c->buffers[buffer]);
+            c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, i,
+                                   buffer == FXS_PLAN_HEADS  ? w->copies[step->object]->heads
+                                   : buffer == FXS_PLAN_ROWS ? w->copies[step->object]->parts[step->part]
+                                                             : c->buffers[buffer]);
     }
     if (step->uniform)
-        gl->BindBufferRange(GL_UNIFORM_BUFFER, 1, c->buffers[FXS_COMPUTE_UNIFORMS], (GLintptr)step->uniform,
-                            sizeof(fxs_compute_object));
+        c->more.BindBufferRange(GL_UNIFORM_BUFFER, 1, c->buffers[FXS_COMPUTE_UNIFORMS], (GLintptr)step->uniform,
+                                sizeof(fxs_compute_object));
     if (step->arguments == FXS_PLAN_NONE) {
         if (step->groups[0])
-            gl->DispatchCompute(step->groups[0], step->groups[1], 1);
+            c->more.DispatchCompute(step->groups[0], step->groups[1], 1);
         return;
     }
     gl->BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, c->buffers[step->arguments]);
-    gl->DispatchComputeIndirect((GLintptr)step->arguments_at);
+    c->more.DispatchComputeIndirect((GLintptr)step->arguments_at);
 }
 
 static void read_time(fxs_compute *c)
 {
     GLuint nanoseconds = 0;
     GLint disjoint = 0;
-    if (!c->timer)
-        return;
     c->gl.GetQueryObjectuiv(c->query, GL_QUERY_RESULT, &nanoseconds);
     c->gl.GetIntegerv(DISJOINT, &disjoint);
     c->nanoseconds += disjoint ? 0 : nanoseconds;
 }
 
-/* All stages, and the copy of what is read back. */
-static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copies, fxs_message *why)
+/* All stages, and the copy of what is read back. Another's context may have a timer that runs. */
+static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copies, int timed, fxs_message *why)
 {
-    const fxs_compute_gl *gl = &c->gl;
+    const fxs_gl *gl = &c->gl;
     walk w = {c, copies, FXS_COMPUTE_PROGRAMS};
-    if (c->timer)
+    if (timed)
         gl->BeginQuery(TIME_ELAPSED, c->query);
-    gl->BindBufferRange(GL_UNIFORM_BUFFER, 0, c->buffers[FXS_COMPUTE_UNIFORMS], 0, sizeof c->plan.frame);
+    c->more.BindBufferRange(GL_UNIFORM_BUFFER, 0, c->buffers[FXS_COMPUTE_UNIFORMS], 0, sizeof c->plan.frame);
     fxs_plan_steps(&c->plan, take_step, &w);
-    if (c->timer)
+    if (timed)
         gl->EndQuery(TIME_ELAPSED);
-    gl->MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    c->more.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     gl->BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
     gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_COUNTS]);
-    gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
     gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_PICTURE]);
-    gl->CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 4 * FXS_COMPUTE_STATUS,
-                          (GLsizeiptr)(4 * c->plan.read_words));
-    return check(c, why);
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 4 * FXS_COMPUTE_STATUS,
+                              (GLsizeiptr)(c->plan.bytes[FXS_COMPUTE_DOWNLOAD] - 4 * FXS_COMPUTE_STATUS));
+    return fxs_compute_check(c, why);
 }
 
 /* ---- Reading back ------------------------------------------------------------------------------------------------ */
@@ -470,7 +455,7 @@ static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, con
 }
 
 /* The status; and where all fitted, the pixels. Returns as fxs_plan_look. */
-static int read_back(fxs_compute *c, fxs_message *why)
+static int read_back(fxs_compute *c, int pixels, fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
     const fxs_view *view = &c->plan.view;
@@ -478,10 +463,11 @@ static int read_back(fxs_compute *c, fxs_message *why)
     c->gl.BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
     const uint32_t *from = c->gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0,
                                                 (GLsizeiptr)c->plan.bytes[FXS_COMPUTE_DOWNLOAD], GL_MAP_READ_BIT);
-    if (!from)
-        return failure(c, why);
+    int error = from ? fxs_compute_check(c, why) : failure(c, why);
+    if (error)
+        return error;
     const int result = fxs_plan_look(&c->plan, &c->rooms, from, why);
-    if (!result) {
+    if (!result && pixels) {
         const uint32_t *picture = from + FXS_COMPUTE_STATUS;
         copy_plane(view, &t->colour, fxs_pixel_bytes(t->format), picture, f->colour);
         copy_plane(view, &t->coverage, 1, picture, f->coverage);
@@ -490,30 +476,37 @@ static int read_back(fxs_compute *c, fxs_message *why)
         copy_plane(view, &t->id, 8, picture, f->id);
     }
     const fxs_message first = *why;
-    int error = unmap(c, why);
-    error = error ? error : check(c, why);
+    error = unmap(c, why);
+    error = error ? error : fxs_compute_check(c, why);
     if (!error && result < 0)
         *why = first;
     return error ? error : result;
 }
 
-static int render(fxs_compute *c, const fxs_compute_scene *const *copies, fxs_message *why)
+/* `target` null: into the request's. */
+static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
+                  fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
+    const int timed = c->timer && !target;
     int result;
     c->nanoseconds = 0;
     do {
         result = fxs_plan_lay_out(&c->plan, &c->rooms, why);
+        if (target)
+            c->plan.bytes[FXS_COMPUTE_DOWNLOAD] = 4 * FXS_COMPUTE_STATUS;
         result = result ? result : reserve_frame(c, why);
         result = result ? result : put_uniforms(c, why);
         result = result ? result : put_places(c, why);
-        result = result ? result : put_plane(c, &t->occluder, c->plan.frame.occluder, why);
-        result = result ? result : put_plane(c, &t->backdrop, c->plan.frame.backdrop, why);
-        result = result ? result : run_stages(c, copies, why);
-        result = result ? result : read_back(c, why);
-        if (result >= 0)
+        result = result ? result : target ? fxs_compute_take_mesh(c, target, why)
+                                          : put_plane(c, &t->occluder, c->plan.frame.occluder, why);
+        result = result || target ? result : put_plane(c, &t->backdrop, c->plan.frame.backdrop, why);
+        result = result ? result : run_stages(c, copies, timed, why);
+        result = result ? result : read_back(c, !target, why);
+        if (result >= 0 && timed)
             read_time(c);
     } while (result > 0);
+    result = result || !target ? result : fxs_compute_show(c, target, why);
     if (result == FXS_ERR_MEMORY || result == FXS_ERR_DEVICE)
         give_back(c);
     return result;
@@ -534,8 +527,8 @@ static void fill_stats(const fxs_compute *c, fxs_stats *stats)
     stats->memory.total = (size_t)fxs_compute_taken(c);
 }
 
-int fxs_compute_render(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
-                       fxs_stats *stats, fxs_message *why)
+int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
+                      fxs_message *why)
 {
     if (!c || !request || !memory || (!copies && request->count))
         return fxs_plan_say(why, FXS_ERR_ARGUMENT, fxs_strerror(FXS_ERR_ARGUMENT), "");
@@ -545,9 +538,22 @@ int fxs_compute_render(fxs_compute *c, const fxs_request *request, const fxs_com
         return error;
     for (uint32_t i = 0; i < request->count; i++)
         c->plan.part_chunks[i] = copies[i]->part_chunks;
-    check(c, why);                 /* not ours */
-    error = render(c, copies, why);
+    fxs_compute_check(c, why);     /* not ours */
+    return 0;
+}
+
+int fxs_compute_finish(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
+                       fxs_stats *stats, fxs_message *why)
+{
+    const int error = render(c, copies, target, why);
     if (!error && stats)
         fill_stats(c, stats);
     return error;
+}
+
+int fxs_compute_render(fxs_compute *c, const fxs_request *request, const fxs_compute_scene *const *copies, void *memory,
+                       fxs_stats *stats, fxs_message *why)
+{
+    const int error = fxs_compute_begin(c, request, copies, memory, why);
+    return error ? error : fxs_compute_finish(c, copies, 0, stats, why);
 }

@@ -8,9 +8,7 @@
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> entries: array<vec2<u32>>;   // slot, depth
 
-const LARGE_THREADS: u32 = 64u;
-
-var<workgroup> spans: array<vec4<i32>, 64>;      // of a tile row: listed, touched
+var<workgroup> spans: array<vec4<i32>, 8>;       // of a tile row: listed, touched
 
 fn fits() -> bool
 {
@@ -55,10 +53,10 @@ fn put_arguments(at: u32, groups: u32)
 
 fn put_later()
 {
-    let blocks = min(atomicLoad(&counts[BLOCKS]), frame.block_room);
-    put_arguments(0u, blocks);
+    let long = min(atomicLoad(&counts[LONG_BLOCKS]), frame.block_room);
+    put_arguments(0u, min(atomicLoad(&counts[SHORT_BLOCKS]) + long, frame.block_room));
     for (var i = 0u; i < MERGES; i += 1u) {
-        put_arguments(1u + i, select(0u, blocks, atomicLoad(&counts[LONGEST]) > BLOCK << (4u * i)));
+        put_arguments(1u + i, select(0u, long * (BLOCK / THREADS), atomicLoad(&counts[LONGEST]) > BLOCK << (4u * i)));
     }
 }
 
@@ -83,8 +81,8 @@ fn large_splat(slot: u32) -> Splat
                  vec2<i32>(i32(b.w & 0xffffu), i32(b.w >> 16u)));
 }
 
-// A workgroup a large splat: a tile row a thread; then 8x8 of their tiles at a time.
-@compute @workgroup_size(64)
+// A workgroup takes LARGE_ROWS tile rows of a large splat, 16 tiles of each at a time.
+@compute @workgroup_size(128)
 fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
@@ -93,14 +91,14 @@ fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     var s = large_splat(slot);
     var b = Bounds(vec2<i32>(bitcast<i32>(memory[at + 1u]), bitcast<i32>(memory[at + 2u])), memory[at + 3u],
                    bitcast<i32>(memory[at + 4u]), bitcast<i32>(memory[at + 5u]), memory[at + 6u]);
-    let rows = rows_of(&s, &b);
-    let r_q12 = radius_q12(s.offset_q11);
+    let first = i32(memory[at + 7u]);
     let depth = memory[frame.depths + slot];
     let listed = number < min(atomicLoad(&counts[LARGES]), frame.large_room) && fits();
-    for (var first = rows.first; first <= rows.last; first += i32(LARGE_THREADS)) {
+    if (i32(thread) < LARGE_ROWS) {
         let row = first + i32(thread);
         var own = vec4<i32>(0, -1, 0, -1);
-        if (row <= rows.last && listed) {
+        if (listed && row <= rows_of(&s, &b).last) {
+            let r_q12 = radius_q12(s.offset_q11);
             let list = span_of(&s, &b, r_q12, row);
             var touched = list;
             if (frame.cutoff == 1) {
@@ -109,14 +107,12 @@ fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
             own = vec4<i32>(list.first, list.last, touched.first, touched.last);
         }
         spans[thread] = own;
-        workgroupBarrier();
-        for (var i = i32(thread / 8u); i < min(i32(LARGE_THREADS), rows.last - first + 1); i += 8) {
-            let of_row = spans[i];
-            for (var column = of_row.x + i32(thread % 8u); column <= of_row.y; column += 8) {
-                let cut_off = column < of_row.z || column > of_row.w;
-                put_entry(u32((first + i) * frame.tiles.x + column), slot | select(0u, CUT_OFF, cut_off), depth);
-            }
-        }
-        workgroupBarrier();
+    }
+    workgroupBarrier();
+    let row = thread / 16u;
+    let of_row = spans[row];
+    for (var column = of_row.x + i32(thread % 16u); column <= of_row.y; column += 16) {
+        let cut_off = column < of_row.z || column > of_row.w;
+        put_entry(u32((first + i32(row)) * frame.tiles.x + column), slot | select(0u, CUT_OFF, cut_off), depth);
     }
 }

@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;
 precision highp int;
-layout(local_size_x = 64, local_size_y = 1, local_size_z = 1) in;
+layout(local_size_x = 128, local_size_y = 1, local_size_z = 1) in;
 struct Frame {
     ivec2 size;
     ivec2 tiles;
@@ -24,7 +24,7 @@ struct Frame {
     uint blocks;
     uint block_room;
     uint spare;
-    uint unused;
+    uint tile_bits;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -116,10 +116,11 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint MERGES = 5u;
-const uint BLOCK = 1024u;
+const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -131,18 +132,18 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
-const uint BLOCKS = 7u;
-const uint LONGEST = 8u;
+const uint SHORT_BLOCKS = 7u;
+const uint LONG_BLOCKS = 8u;
+const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
-const uint LARGE_THREADS = 64u;
 layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
 layout(std430, binding = 0) readonly buffer type_13_block_1Compute { uvec4 _group_1_binding_0_cs[]; };
 layout(std430, binding = 1) readonly buffer type_14_block_2Compute { uint _group_1_binding_1_cs[]; };
 layout(std430, binding = 2) buffer type_16_block_3Compute { uint _group_1_binding_2_cs[]; };
 layout(std430, binding = 3) buffer type_17_block_4Compute { uvec2 _group_1_binding_3_cs[]; };
-shared ivec4 spans[64];
+shared ivec4 spans[8];
 int fxs_min(int a_1, int b_2) {
     return ((a_1 < b_2) ? a_1 : b_2);
 }
@@ -231,17 +232,17 @@ uint sqrt_of(uint x_5) {
 Span columns_between(int left_q8_, int right_q8_) {
     bool local_5 = false;
     bool local_6 = false;
-    int first_1 = ((left_q8_ + 255) >> 8u);
+    int first = ((left_q8_ + 255) >> 8u);
     int last = (right_q8_ >> 8u);
     if (!((last < 0))) {
         int _e16 = _group_0_binding_0_cs.size.x;
-        local_5 = (first_1 >= _e16);
+        local_5 = (first >= _e16);
     } else {
         local_5 = true;
     }
     bool _e19 = local_5;
     if (!(_e19)) {
-        local_6 = (first_1 > last);
+        local_6 = (first > last);
     } else {
         local_6 = true;
     }
@@ -249,9 +250,11 @@ Span columns_between(int left_q8_, int right_q8_) {
     if (_e25) {
         return Span(0, -1);
     }
-    int _e38 = _group_0_binding_0_cs.tiles.x;
-    int _e44 = _group_0_binding_0_cs.size.x;
-    return Span((max(first_1, 0) >> 4u), ((last >= _e44) ? (_e38 - 1) : (last >> 4u)));
+    uint _e33 = _group_0_binding_0_cs.tile_bits;
+    uint _e37 = _group_0_binding_0_cs.tile_bits;
+    int _e42 = _group_0_binding_0_cs.tiles.x;
+    int _e48 = _group_0_binding_0_cs.size.x;
+    return Span((max(first, 0) >> _e33), ((last >= _e48) ? (_e42 - 1) : (last >> _e37)));
 }
 int radius_q12_(int offset_q11_2) {
     int _e3 = _group_0_binding_0_cs.cut_q11_;
@@ -283,90 +286,92 @@ Span ellipse_span(inout Splat s_2, inout Bounds b_14, int r, int row_1) {
     uvec2 tangent = uvec2(0u);
     bool local_9 = false;
     bool local_10 = false;
-    int _e6 = v_at_row(s_2, b_14, (row_1 * 16));
-    int _e11 = v_at_row(s_2, b_14, ((row_1 * 16) + 15));
+    uint _e6 = _group_0_binding_0_cs.tile_bits;
+    int _e8 = v_at_row(s_2, b_14, (row_1 << _e6));
+    uint _e13 = _group_0_binding_0_cs.tile_bits;
+    int _e17 = v_at_row(s_2, b_14, (((row_1 + 1) << _e13) - 1));
     int reach = b_14.half_width_q8_;
-    if (!((_e6 > (r + 2)))) {
-        local_7 = (_e11 < (-(r) - 2));
+    if (!((_e8 > (r + 2)))) {
+        local_7 = (_e17 < (-(r) - 2));
     } else {
         local_7 = true;
     }
-    bool _e25 = local_7;
-    if (_e25) {
+    bool _e31 = local_7;
+    if (_e31) {
         local_8 = (reach != EVERYWHERE_Q8_);
     } else {
         local_8 = false;
     }
-    bool _e31 = local_8;
-    if (_e31) {
+    bool _e37 = local_8;
+    if (_e37) {
         return Span(0, -1);
     }
-    int top = min(max(_e6, -(r)), r);
-    int bottom = min(max((_e11 + 1), -(r)), r);
-    int _e42 = b_14.shear_q8_;
-    uvec2 _e43 = mul_signed(_e42, top);
-    uvec2 _e45 = shift_signed(_e43, 12u);
-    int _e46 = low_of(_e45);
+    int top = min(max(_e8, -(r)), r);
+    int bottom = min(max((_e17 + 1), -(r)), r);
     int _e48 = b_14.shear_q8_;
-    uvec2 _e49 = mul_signed(_e48, bottom);
+    uvec2 _e49 = mul_signed(_e48, top);
     uvec2 _e51 = shift_signed(_e49, 12u);
     int _e52 = low_of(_e51);
-    int _e53 = half_at(b_14, r, top);
-    int _e54 = half_at(b_14, r, bottom);
-    left = -(max((_e53 - _e46), (_e54 - _e52)));
-    right = max((_e53 + _e46), (_e54 + _e52));
-    int _e65 = b_14.shear_q8_;
-    uvec2 _e69 = mul_wide(uint(abs(_e65)), uint(r));
-    uvec2 _e71 = shift_right(_e69, 12u);
-    uvec2 _e74 = mul_wide(_e71.x, uint(r));
-    tangent = _e74;
-    int _e77 = b_14.shear_q8_;
-    if ((_e77 < 0)) {
-        uvec2 _e80 = tangent;
-        uvec2 _e81 = negate(_e80);
-        tangent = _e81;
+    int _e54 = b_14.shear_q8_;
+    uvec2 _e55 = mul_signed(_e54, bottom);
+    uvec2 _e57 = shift_signed(_e55, 12u);
+    int _e58 = low_of(_e57);
+    int _e59 = half_at(b_14, r, top);
+    int _e60 = half_at(b_14, r, bottom);
+    left = -(max((_e59 - _e52), (_e60 - _e58)));
+    right = max((_e59 + _e52), (_e60 + _e58));
+    int _e71 = b_14.shear_q8_;
+    uvec2 _e75 = mul_wide(uint(abs(_e71)), uint(r));
+    uvec2 _e77 = shift_right(_e75, 12u);
+    uvec2 _e80 = mul_wide(_e77.x, uint(r));
+    tangent = _e80;
+    int _e83 = b_14.shear_q8_;
+    if ((_e83 < 0)) {
+        uvec2 _e86 = tangent;
+        uvec2 _e87 = negate(_e86);
+        tangent = _e87;
     }
-    uvec2 _e82 = tangent;
-    uvec2 _e83 = negate(_e82);
-    uvec2 _e84 = mul_signed(top, reach);
-    uvec2 _e85 = mul_signed(bottom, reach);
-    uvec2 _e86 = tangent;
-    bool _e87 = less(_e86, _e84);
-    if (!(_e87)) {
-        uvec2 _e91 = tangent;
-        bool _e92 = less(_e85, _e91);
-        local_9 = !(_e92);
+    uvec2 _e88 = tangent;
+    uvec2 _e89 = negate(_e88);
+    uvec2 _e90 = mul_signed(top, reach);
+    uvec2 _e91 = mul_signed(bottom, reach);
+    uvec2 _e92 = tangent;
+    bool _e93 = less(_e92, _e90);
+    if (!(_e93)) {
+        uvec2 _e97 = tangent;
+        bool _e98 = less(_e91, _e97);
+        local_9 = !(_e98);
     } else {
         local_9 = false;
     }
-    bool _e95 = local_9;
-    if (_e95) {
+    bool _e101 = local_9;
+    if (_e101) {
         right = reach;
     }
-    bool _e96 = less(_e83, _e84);
-    if (!(_e96)) {
-        bool _e100 = less(_e85, _e83);
-        local_10 = !(_e100);
+    bool _e102 = less(_e89, _e90);
+    if (!(_e102)) {
+        bool _e106 = less(_e91, _e89);
+        local_10 = !(_e106);
     } else {
         local_10 = false;
     }
-    bool _e103 = local_10;
-    if (_e103) {
+    bool _e109 = local_10;
+    if (_e109) {
         left = -(reach);
     }
-    int _e107 = b_14.c_q14_.x;
-    int c_q8_1 = (_e107 >> 6u);
+    int _e113 = b_14.c_q14_.x;
+    int c_q8_1 = (_e113 >> 6u);
     int margin = ((reach >> 8u) + 32);
-    int _e114 = left;
-    int _e119 = right;
-    Span _e125 = columns_between((c_q8_1 + max((_e114 - margin), -(reach))), (c_q8_1 - max((-(_e119) - margin), -(reach))));
-    return _e125;
+    int _e120 = left;
+    int _e125 = right;
+    Span _e131 = columns_between((c_q8_1 + max((_e120 - margin), -(reach))), (c_q8_1 - max((-(_e125) - margin), -(reach))));
+    return _e131;
 }
 Span square_span(int centre_q14_, uint radius, int tiles) {
     int pixel = (centre_q14_ >> 14u);
-    int first_2 = ((pixel - int(radius)) >> 4u);
+    int first_1 = ((pixel - int(radius)) >> 4u);
     int last_1 = ((((pixel + int(radius)) + 15) >> 4u) - 1);
-    return Span(min(max(first_2, 0), tiles), min(max(last_1, -1), (tiles - 1)));
+    return Span(min(max(first_1, 0), tiles), min(max(last_1, -1), (tiles - 1)));
 }
 Span rows_of(inout Splat s_3, inout Bounds b_15) {
     int _e4 = _group_0_binding_0_cs.cutoff;
@@ -378,8 +383,10 @@ Span rows_of(inout Splat s_3, inout Bounds b_15) {
         return _e16;
     }
     int _e19 = s_3.rows.x;
-    int _e24 = s_3.rows.y;
-    return Span((_e19 >> 4u), (_e24 >> 4u));
+    uint _e22 = _group_0_binding_0_cs.tile_bits;
+    int _e26 = s_3.rows.y;
+    uint _e29 = _group_0_binding_0_cs.tile_bits;
+    return Span((_e19 >> _e22), (_e26 >> _e29));
 }
 Span span_of(inout Splat s_4, inout Bounds b_16, int r_q12_1, int row_2) {
     int _e6 = _group_0_binding_0_cs.cutoff;
@@ -433,11 +440,9 @@ void main() {
     Splat s = Splat(0u, 0u, 0, 0, 0, 0, ivec2(0));
     Bounds b = Bounds(ivec2(0), 0u, 0, 0, 0u);
     bool local_2 = false;
-    int first = 0;
-    ivec4 own = ivec4(0);
+    ivec4 own = ivec4(0, -1, 0, -1);
     bool local_3 = false;
     Span touched = Span(0, 0);
-    int i = 0;
     int column = 0;
     bool local_4 = false;
     uint number = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
@@ -454,109 +459,74 @@ void main() {
     uint _e52 = _group_1_binding_1_cs[(at_1 + 5u)];
     uint _e58 = _group_1_binding_1_cs[(at_1 + 6u)];
     b = Bounds(ivec2(int(_e28), int(_e34)), _e41, int(_e46), int(_e52), _e58);
-    Span _e61 = rows_of(s, b);
-    int _e63 = s.offset_q11_;
-    int _e64 = radius_q12_(_e63);
-    uint _e68 = _group_0_binding_0_cs.depths;
-    uint depth_2 = _group_1_binding_1_cs[(_e68 + slot_3)];
-    uint _e74 = _group_1_binding_2_cs[1];
-    uint _e77 = _group_0_binding_0_cs.large_room;
-    if ((number < min(_e74, _e77))) {
-        bool _e82 = fits();
-        local_2 = _e82;
+    uint _e65 = _group_1_binding_1_cs[(at_1 + 7u)];
+    int first_2 = int(_e65);
+    uint _e70 = _group_0_binding_0_cs.depths;
+    uint depth_2 = _group_1_binding_1_cs[(_e70 + slot_3)];
+    uint _e76 = _group_1_binding_2_cs[1];
+    uint _e79 = _group_0_binding_0_cs.large_room;
+    if ((number < min(_e76, _e79))) {
+        bool _e84 = fits();
+        local_2 = _e84;
     } else {
         local_2 = false;
     }
     bool listed = local_2;
-    first = _e61.first;
+    if ((int(thread_1) < LARGE_ROWS)) {
+        int row_3 = (first_2 + int(thread_1));
+        if (listed) {
+            Span _e100 = rows_of(s, b);
+            local_3 = (row_3 <= _e100.last);
+        } else {
+            local_3 = false;
+        }
+        bool _e104 = local_3;
+        if (_e104) {
+            int _e106 = s.offset_q11_;
+            int _e107 = radius_q12_(_e106);
+            Span _e108 = span_of(s, b, _e107, row_3);
+            touched = _e108;
+            int _e112 = _group_0_binding_0_cs.cutoff;
+            if ((_e112 == 1)) {
+                Span _e115 = ellipse_span(s, b, _e107, row_3);
+                touched = _e115;
+            }
+            int _e119 = touched.first;
+            int _e121 = touched.last;
+            own = ivec4(_e108.first, _e108.last, _e119, _e121);
+        }
+        ivec4 _e125 = own;
+        spans[thread_1] = _e125;
+    }
+    memoryBarrierShared();
+    barrier();
+    uint row_4 = (thread_1 / 16u);
+    ivec4 of_row = spans[row_4];
+    column = (of_row.x + int((thread_1 % 16u)));
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            int _e181 = first;
-            first = (_e181 + 64);
+            int _e165 = column;
+            column = (_e165 + 16);
         }
         loop_init = false;
-        int _e87 = first;
-        if ((_e87 <= _e61.last)) {
+        int _e137 = column;
+        if ((_e137 <= of_row.y)) {
         } else {
             break;
         }
         {
-            int _e90 = first;
-            int row_3 = (_e90 + int(thread_1));
-            own = ivec4(0, -1, 0, -1);
-            if ((row_3 <= _e61.last)) {
-                local_3 = listed;
+            int _e140 = column;
+            if (!((_e140 < of_row.z))) {
+                int _e146 = column;
+                local_4 = (_e146 > of_row.w);
             } else {
-                local_3 = false;
+                local_4 = true;
             }
-            bool _e104 = local_3;
-            if (_e104) {
-                Span _e105 = span_of(s, b, _e64, row_3);
-                touched = _e105;
-                int _e109 = _group_0_binding_0_cs.cutoff;
-                if ((_e109 == 1)) {
-                    Span _e112 = ellipse_span(s, b, _e64, row_3);
-                    touched = _e112;
-                }
-                int _e116 = touched.first;
-                int _e118 = touched.last;
-                own = ivec4(_e105.first, _e105.last, _e116, _e118);
-            }
-            ivec4 _e122 = own;
-            spans[thread_1] = _e122;
-            memoryBarrierShared();
-            barrier();
-            i = int((thread_1 / 8u));
-            bool loop_init_1 = true;
-            while(true) {
-                if (!loop_init_1) {
-                    int _e178 = i;
-                    i = (_e178 + 8);
-                }
-                loop_init_1 = false;
-                int _e127 = i;
-                int _e130 = first;
-                if ((_e127 < min(64, ((_e61.last - _e130) + 1)))) {
-                } else {
-                    break;
-                }
-                {
-                    int _e137 = i;
-                    ivec4 of_row = spans[_e137];
-                    column = (of_row.x + int((thread_1 % 8u)));
-                    bool loop_init_2 = true;
-                    while(true) {
-                        if (!loop_init_2) {
-                            int _e175 = column;
-                            column = (_e175 + 8);
-                        }
-                        loop_init_2 = false;
-                        int _e146 = column;
-                        if ((_e146 <= of_row.y)) {
-                        } else {
-                            break;
-                        }
-                        {
-                            int _e149 = column;
-                            if (!((_e149 < of_row.z))) {
-                                int _e155 = column;
-                                local_4 = (_e155 > of_row.w);
-                            } else {
-                                local_4 = true;
-                            }
-                            bool cut_off = local_4;
-                            int _e160 = first;
-                            int _e161 = i;
-                            int _e166 = _group_0_binding_0_cs.tiles.x;
-                            int _e168 = column;
-                            put_entry(uint((((_e160 + _e161) * _e166) + _e168)), (slot_3 | (cut_off ? CUT_OFF : 0u)), depth_2);
-                        }
-                    }
-                }
-            }
-            memoryBarrierShared();
-            barrier();
+            bool cut_off = local_4;
+            int _e156 = _group_0_binding_0_cs.tiles.x;
+            int _e158 = column;
+            put_entry(uint((((first_2 + int(row_4)) * _e156) + _e158)), (slot_3 | (cut_off ? CUT_OFF : 0u)), depth_2);
         }
     }
     return;

@@ -24,7 +24,7 @@ struct Frame {
     uint blocks;
     uint block_room;
     uint spare;
-    uint unused;
+    uint tile_bits;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -116,10 +116,11 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint MERGES = 5u;
-const uint BLOCK = 1024u;
+const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -131,12 +132,12 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
-const uint BLOCKS = 7u;
-const uint LONGEST = 8u;
+const uint SHORT_BLOCKS = 7u;
+const uint LONG_BLOCKS = 8u;
+const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
-const uint LARGE_THREADS = 64u;
 layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
 layout(std430, binding = 0) buffer type_14_block_1Compute { uint _group_1_binding_0_cs[]; };
 layout(std430, binding = 1) readonly buffer type_14_block_2Compute { uint _group_1_binding_1_cs[]; };
@@ -229,28 +230,30 @@ void put_arguments(uint at, uint groups) {
     return;
 }
 void put_later() {
-    uint i_2 = 0u;
-    uint _e2 = _group_1_binding_2_cs[7];
+    uint i_1 = 0u;
+    uint _e2 = _group_1_binding_2_cs[8];
     uint _e5 = _group_0_binding_0_cs.block_room;
-    uint blocks = min(_e2, _e5);
-    put_arguments(0u, blocks);
+    uint long_ = min(_e2, _e5);
+    uint _e10 = _group_1_binding_2_cs[7];
+    uint _e14 = _group_0_binding_0_cs.block_room;
+    put_arguments(0u, min((_e10 + long_), _e14));
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e27 = i_2;
-            i_2 = (_e27 + 1u);
+            uint _e37 = i_1;
+            i_1 = (_e37 + 1u);
         }
         loop_init = false;
-        uint _e10 = i_2;
-        if ((_e10 < MERGES)) {
+        uint _e18 = i_1;
+        if ((_e18 < MERGES)) {
         } else {
             break;
         }
         {
-            uint _e14 = i_2;
-            uint _e19 = _group_1_binding_2_cs[8];
-            uint _e22 = i_2;
-            put_arguments((1u + _e14), ((_e19 > (BLOCK << (4u * _e22))) ? blocks : 0u));
+            uint _e22 = i_1;
+            uint _e29 = _group_1_binding_2_cs[9];
+            uint _e32 = i_1;
+            put_arguments((1u + _e22), ((_e29 > (BLOCK << (4u * _e32))) ? (long_ * 4u) : 0u));
         }
     }
     return;

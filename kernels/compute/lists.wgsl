@@ -48,13 +48,16 @@ fn put_blocks(tile: u32, length: u32)
     if (blocks == 0u) {
         return;
     }
+    var at = 0u;
     if (blocks > 1u) {
         atomicMax(&counts[LONGEST], length);
+        at = frame.block_room - atomicAdd(&counts[LONG_BLOCKS], blocks) - blocks;
+    } else {
+        at = atomicAdd(&counts[SHORT_BLOCKS], 1u);
     }
-    let first = atomicAdd(&counts[BLOCKS], blocks);
-    for (var i = 0u; i < blocks && first + i < frame.block_room; i += 1u) {
-        atomicStore(&counts[frame.blocks + 2u * (first + i)], tile);
-        atomicStore(&counts[frame.blocks + 2u * (first + i) + 1u], i);
+    for (var i = 0u; i < blocks && at + i < frame.block_room; i += 1u) {
+        atomicStore(&counts[frame.blocks + 2u * (at + i)], tile);
+        atomicStore(&counts[frame.blocks + 2u * (at + i) + 1u], i);
     }
 }
 

@@ -1,6 +1,6 @@
-// What blend and trace have in common: a workgroup takes 8x8 pixels, a quarter of a tile. It takes 64 splats of the list
-// at a time: each thread tests one against the rows of the quarter, then takes those that can touch any, for its own
-// pixel.
+// What blend and trace have in common: a workgroup takes 16x8 pixels, a half of a tile. It takes 64 splats of the list at
+// a time: each thread tests one against the rows of the half, then takes those that can touch the 8x8 pixels that it is
+// among, for two pixels of its own.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
@@ -11,14 +11,15 @@
 const SIDE: u32 = 8u;
 const SOME: u32 = 64u;
 
-// Of each splat of a round: u and the level at the first pixel of each row; ux, limit, colours.
-var<workgroup> rows: array<vec2<i32>, 512>;
-var<workgroup> others: array<vec4<i32>, 64>;
-// Four words for this round, four for the next: two for the upper four rows, two for the lower ones, as where 32 threads
-// go together, each half takes its own splats.
+// The splats of a round, at the half: u and v at its first pixel, ux, uy; vy, offset and red, green and blue, limit. The
+// less memory of a workgroup, the more of them a GPU has at a time, so rows are not kept.
+var<workgroup> shapes: array<vec4<u32>, 64>;
+var<workgroup> shades: array<vec4<u32>, 64>;
+// Four words for this round, four for the next: two for the left 8x8 pixels, two for the right ones, as where 32 threads
+// go together, they take their own splats.
 var<workgroup> touching: array<atomic<u32>, 8>;
 var<workgroup> open_round: u32;                    // the last one before which a pixel was open
-var<workgroup> open_pixels: array<atomic<u32>, 2>; // a byte a row
+var<workgroup> open_pixels: array<atomic<u32>, 4>; // 16 bits a row
 
 struct Pixel {
     transmittance: i32,
@@ -32,10 +33,10 @@ struct Fetched {
     b: vec4<u32>,
 }
 
-fn fetch_entry(q: Quarter, i: u32) -> vec2<u32>
+fn fetch_entry(h: Half, i: u32) -> vec2<u32>
 {
-    if (i < q.count) {
-        return entries[q.list + i];
+    if (i < h.count) {
+        return entries[h.list + i];
     }
     return vec2<u32>(NOTHING, NOTHING);
 }
@@ -51,57 +52,67 @@ fn fetch_splat(entry: vec2<u32>) -> Fetched
     return f;
 }
 
-// Puts a splat at a quarter. Returns whether it can touch an open pixel of the upper rows, and of the lower ones: u
-// grows along a row, so the least |u| is at the first open pixel or the last, or 0 between them.
-fn place_splat(i: u32, f: Fetched, q: Quarter) -> vec2<bool>
+// Whether it can touch an open pixel of a row: u grows along it, so the least |u| is at the first or the last of these,
+// or 0 between them.
+fn reaches(u: u32, ux: u32, open: u32, level: i32, limit: i32) -> bool
+{
+    let left = bitcast<i32>(u + countTrailingZeros(open) * ux);
+    let right = bitcast<i32>(u + (31u - countLeadingZeros(open)) * ux);
+    return open != 0u && fxs_level_q11(fxs_coordinate_q13(max(max(left, -right), 0)), level) <= limit;
+}
+
+// Puts a splat at a half. Returns whether it can touch an open pixel of its left 8x8, and of its right ones.
+fn place_splat(i: u32, f: Fetched, h: Half) -> vec2<bool>
 {
     let offset_q11 = i32(f.b.y & 0xffffu);
     let limit = fxs_limit_q11(offset_q11, frame.cut_q11);
     let ux = f.a.z;
-    var u = f.a.x + q.x * ux + q.y * f.a.w;
-    var v = f.a.y + q.y * f.b.x;
-    var touches = false;
-    var upper = false;
-    var open = atomicLoad(&open_pixels[0]);
-    for (var row = 0u; row < SIDE; row += 1u) {
-        if (row == SIDE / 2u) {
-            open = atomicLoad(&open_pixels[1]);
-            upper = touches;
-            touches = false;
-        }
-        let of_row = open & 255u;
-        if (of_row != 0u) {
-            let left = bitcast<i32>(u + countTrailingZeros(of_row) * ux);
-            let right = bitcast<i32>(u + (31u - countLeadingZeros(of_row)) * ux);
-            let level = fxs_row_level_q11(fxs_coordinate_q13(bitcast<i32>(v)), offset_q11);
-            let least = max(max(left, -right), 0);
-            rows[SIDE * i + row] = vec2<i32>(bitcast<i32>(u), level);
-            touches = touches || fxs_level_q11(fxs_coordinate_q13(least), level) <= limit;
-        }
-        open >>= 8u;
+    let at = vec2<u32>(f.a.x + h.x * ux + h.y * f.a.w, f.a.y + h.y * f.b.x);
+    let first = max(f.b.w & 0xffffu, h.y) - h.y;
+    let last = min(max(f.b.w >> 16u, h.y) - h.y, SIDE - 1u);
+    var u = at.x + first * f.a.w;
+    var v = at.y + first * f.b.x;
+    shapes[i] = vec4<u32>(at, ux, f.a.w);
+    shades[i] = vec4<u32>(f.b.xyz, u32(limit));
+    var touches = vec2<bool>(false);
+    for (var row = first; row <= last; row += 1u) {
+        let open = atomicLoad(&open_pixels[row / 2u]) >> (16u * (row % 2u));
+        let level = fxs_row_level_q11(fxs_coordinate_q13(bitcast<i32>(v)), offset_q11);
+        touches |= vec2<bool>(reaches(u, ux, open & 0xffu, level, limit), reaches(u, ux, open & 0xff00u, level, limit));
         u += f.a.w;
         v += f.b.x;
     }
-    others[i] = vec4<i32>(bitcast<i32>(ux), limit, bitcast<i32>((f.b.y >> 16u) | (f.b.z << 16u)),
-                          bitcast<i32>(f.b.z >> 16u));
-    return vec2<bool>(upper, touches);
+    return touches;
 }
 
-// Blends a splat of the round. Returns its weight. Rows without open pixels are not there.
-fn blend_splat(p: ptr<function, Pixel>, i: u32, column: u32, row: u32) -> i32
+// A splat of the round at a row.
+struct Taken {
+    u: u32,
+    ux: u32,
+    level: i32,
+    limit: i32,
+    colour: vec3<i32>,
+}
+
+fn take(i: u32, row: u32) -> Taken
 {
-    let at_row = rows[SIDE * i + row];
-    let other = others[i];
-    let u = at_row.x + i32(column) * other.x;
-    let level = fxs_level_q11(fxs_coordinate_q13(u), at_row.y);
-    if (level > other.y || (*p).transmittance < FXS_CLOSED_Q15) {
-        return 0;
-    }
-    let weight = fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance);
+    let shape = shapes[i];
+    let shade = shades[i];
+    let v = bitcast<i32>(shape.y + row * shade.x);
+    return Taken(shape.x + row * shape.w, shape.z, fxs_row_level_q11(fxs_coordinate_q13(v), i32(shade.y & 0xffffu)),
+                 i32(shade.w), vec3<i32>(vec3<u32>(shade.y >> 16u, shade.z & 0xffffu, shade.z >> 16u)));
+}
+
+// Blends it at a column. Returns its weight.
+fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
+{
+    let level = fxs_level_q11(fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux)), t.level);
+    let counts = level <= t.limit && (*p).transmittance >= FXS_CLOSED_Q15;
+    let weight = select(0, fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance), counts);
     (*p).transmittance -= weight;
     // Sums only grow: cut to 32767 once, by resolve.
-    (*p).sum += vec3<i32>(fxs_mul_q15(weight, other.z & 0xffff), fxs_mul_q15(weight, other.z >> 16u),
-                          fxs_mul_q15(weight, other.w));
+    (*p).sum += vec3<i32>(fxs_mul_q15(weight, t.colour.x), fxs_mul_q15(weight, t.colour.y),
+                          fxs_mul_q15(weight, t.colour.z));
     return weight;
 }
 
@@ -139,8 +150,8 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
     picture[frame.colour + at] = word;
 }
 
-// A quarter of a tile, the same for all threads of a workgroup.
-struct Quarter {
+// A half of a tile, or a tile of 8x8 pixels, as the left of its 16 columns. The same for all threads of a workgroup.
+struct Half {
     tile: u32,                     // NOTHING: there is none
     x: u32,
     y: u32,
@@ -151,42 +162,52 @@ struct Quarter {
 // Where the list of a tile is, sorted: in the other half of the entries after an odd number of merges.
 fn list_of(tile: u32, count: u32) -> u32
 {
-    let merges = (max(32u - countLeadingZeros(max(count, 1u) - 1u), 10u) - 7u) / 4u;
+    let merges = (max(32u - countLeadingZeros(max(count, 1u) - 1u), 9u) - 6u) / 4u;
     return counts[frame.next + tile] - count + select(0u, frame.spare, merges % 2u == 1u);
 }
 
-fn quarter_of(group: vec3<u32>) -> Quarter
+fn half_tile_of(group: vec3<u32>) -> Half
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
     let across = u32(frame.tiles.x);
-    let tile = tile_at(number / 4u);
+    let of_tile = frame.tile_bits - 3u;            // a bit of the number: which half
+    let tile = tile_at(number >> of_tile);
     if (tile == NOTHING || !fits()) {
-        return Quarter(NOTHING, 0u, 0u, 0u, 0u);
+        return Half(NOTHING, 0u, 0u, 0u, 0u);
     }
     let count = counts[TILES + tile];
-    return Quarter(tile, tile % across * 16u + number % 2u * SIDE, tile / across * 16u + number / 2u % 2u * SIDE,
-                   list_of(tile, count), count);
+    return Half(tile, tile % across << frame.tile_bits,
+                (tile / across << frame.tile_bits) + (number & of_tile) * SIDE, list_of(tile, count), count);
 }
 
-// The pixel of a thread.
+// The two pixels of a thread, in a row, APART.
 struct Place {
-    column: u32,                   // in the quarter
+    column: u32,                   // in the half
     row: u32,
     at: u32,                       // in a plane of the picture
-    inside: bool,
+    inside: vec2<bool>,
 }
 
-fn place_of(q: Quarter, thread: u32) -> Place
+const APART: u32 = 4u;
+
+fn place_of(h: Half, thread: u32) -> Place
 {
-    let column = thread % SIDE;
-    let row = thread / SIDE;
-    return Place(column, row, (q.y + row) * u32(frame.size.x) + q.x + column,
-                 q.x + column < u32(frame.size.x) && q.y + row < u32(frame.size.y));
+    let column = thread / 32u * SIDE + thread % APART;
+    let row = thread % 32u / APART;
+    let x = h.x + vec2<u32>(column, column + APART);
+    return Place(column, row, (h.y + row) * u32(frame.size.x) + h.x + column,
+                 x < vec2<u32>(min(u32(frame.size.x), h.x + (1u << frame.tile_bits))) &
+                     vec2<bool>(h.y + row < u32(frame.size.y)));
 }
 
-fn clear_rounds(thread: u32, inside: bool)
+fn bit_of(place: Place, second: bool) -> u32
 {
-    if (thread < 2u) {
+    return 1u << (place.row % 2u * 16u + place.column + select(0u, APART, second));
+}
+
+fn clear_rounds(thread: u32, place: Place)
+{
+    if (thread < 4u) {
         atomicStore(&open_pixels[thread], 0u);
     }
     if (thread < 8u) {
@@ -196,22 +217,21 @@ fn clear_rounds(thread: u32, inside: bool)
         open_round = 0u;
     }
     workgroupBarrier();
-    if (inside) {
-        atomicOr(&open_pixels[thread / 32u], 1u << (thread % 32u));
-    }
+    atomicOr(&open_pixels[place.row / 2u], select(0u, bit_of(place, false), place.inside.x) |
+                                           select(0u, bit_of(place, true), place.inside.y));
     workgroupBarrier();
 }
 
-fn close_pixel(thread: u32)
+fn close_pixel(place: Place, second: bool)
 {
-    atomicAnd(&open_pixels[thread / 32u], ~(1u << (thread % 32u)));
+    atomicAnd(&open_pixels[place.row / 2u], ~bit_of(place, second));
 }
 
-// Puts a splat to the quarter, and marks it where it touches an open pixel; `words`: of this round.
-fn place_fetched(q: Quarter, thread: u32, f: Fetched, words: u32)
+// Puts a splat to the half, and marks it where it touches an open pixel; `words`: of this round.
+fn place_fetched(h: Half, thread: u32, f: Fetched, words: u32)
 {
     if ((f.entry.x & CUT_OFF) == 0u) {
-        let touches = place_splat(thread, f, q);
+        let touches = place_splat(thread, f, h);
         if (touches.x) {
             atomicOr(&touching[words + thread / 32u], 1u << (thread % 32u));
         }

@@ -307,6 +307,7 @@ static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
     r->chunks = larger(r->chunks, p->places < chunks ? p->places + 1 : chunks);
     r->larges = larger(r->larges, slots / 16 + 4096);
     r->pages = larger(r->pages, entries / FXS_COMPUTE_PAGE);
+    r->merges = larger(r->merges, 1);
 }
 
 static uint32_t words_at(uint64_t *used, uint64_t words)
@@ -321,12 +322,19 @@ static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
     return image->pixels ? words_at(used, words) : FXS_NOTHING;
 }
 
+/* Lists are of tiles of 16x16 pixels. Where there are more Gaussians than pixels, these are small, and tiles of 8x8 have
+   shorter lists of not many more entries. The square of Kerbl et al. is in whole tiles of 16x16. */
+static uint32_t tile_bits(const fxs_plan *p, uint64_t pixels)
+{
+    const uint64_t drawn = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;
+    return drawn > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE ? 3 : 4;
+}
+
 /* Where all lies in the memory, the counts and the picture, and how large the buffers are. */
 static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
 {
     const fxs_targets *t = p->request->targets;
     fxs_compute_frame *f = &p->frame;
-    const uint64_t tiles = (uint64_t)p->view.tiles_x * (uint64_t)p->view.tiles_y;
     const uint64_t pixels = (uint64_t)p->view.width * (uint64_t)p->view.height;
     uint64_t words = TABLE_WORDS, picture = 0;
     span s = {0, 0, 0, 0};
@@ -334,8 +342,10 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
         ;
     f->size[0] = p->view.width;
     f->size[1] = p->view.height;
-    f->tiles[0] = p->view.tiles_x;
-    f->tiles[1] = p->view.tiles_y;
+    f->tile_bits = tile_bits(p, pixels);
+    for (int k = 0; k < 2; k++)
+        f->tiles[k] = (f->size[k] + (1 << f->tile_bits) - 1) >> f->tile_bits;
+    const uint64_t tiles = (uint64_t)f->tiles[0] * (uint64_t)f->tiles[1];
     f->places = p->places;
     f->chunk_room = r->chunks;
     f->large_room = r->larges;
@@ -383,6 +393,7 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
 int fxs_plan_lay_out(fxs_plan *p, fxs_plan_rooms *rooms, fxs_message *why)
 {
     guess_rooms(p, rooms);
+    p->merges = rooms->merges;
     lay_out(p, rooms);
     for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
         if (p->bytes[i] > rooms->most)
@@ -442,7 +453,7 @@ static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
     OF(fill_lists, FXS_COMPUTE_LATER, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES)
     OF(fill_large, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES)
 #define OF_LISTS(program) OF(program, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, NONE, NONE)
-    OF_LISTS(sort_blocks) OF_LISTS(merge_10) OF_LISTS(merge_14) OF_LISTS(merge_18) OF_LISTS(merge_22) OF_LISTS(merge_26)
+    OF_LISTS(sort_blocks) OF_LISTS(merge_9) OF_LISTS(merge_13) OF_LISTS(merge_17) OF_LISTS(merge_21) OF_LISTS(merge_25)
     OF(blend_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
     OF(trace_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
     OF(name_pixels, NONE, FXS_COMPUTE_MEMORY, NONE, FXS_COMPUTE_PICTURE)
@@ -516,20 +527,31 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
     large.waits = 0;
     step(argument, &large);
     DO(indirect(FXS_COMPUTE_sort_blocks, FXS_COMPUTE_LATER, 0));
-    for (uint32_t i = 0; i < MERGES && (uint64_t)FXS_COMPUTE_BLOCK << 4 * i < (uint64_t)p->places * FXS_CHUNK; i++)
-        DO(indirect(FXS_COMPUTE_merge_10 + i, FXS_COMPUTE_LATER, 1 + i));
-    DO(direct(fxs_targets_traced(p->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles, 4 * tiles));
+    for (uint32_t i = 0; i < p->merges; i++)
+        DO(indirect(FXS_COMPUTE_merge_9 + i, FXS_COMPUTE_LATER, 1 + i));
+    DO(direct(fxs_targets_traced(p->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles,
+              tiles << (f->tile_bits - 3)));
     if (f->id != FXS_NOTHING)
         DO(direct(FXS_COMPUTE_name_pixels, groups_of((uint64_t)f->size[0] * (uint64_t)f->size[1])));
 }
 
 /* ---- Lists longer than their room -------------------------------------------------------------------------------- */
 
+/* How often runs are merged where this is the longest list. */
+static uint32_t merges_of(uint32_t longest)
+{
+    uint32_t merges = 0;
+    while ((uint64_t)FXS_COMPUTE_BLOCK << 4 * merges < longest)
+        merges++;
+    return merges;
+}
+
 static int needs_more(const fxs_plan *p)
 {
     const fxs_compute_frame *f = &p->frame;
     return p->status[FXS_COMPUTE_PAGES] > f->page_room || p->status[FXS_COMPUTE_LARGES] > f->large_room ||
-           p->status[FXS_COMPUTE_VISIBLE_CHUNKS] > f->chunk_room;
+           p->status[FXS_COMPUTE_VISIBLE_CHUNKS] > f->chunk_room ||
+           merges_of(p->status[FXS_COMPUTE_LONGEST]) > p->merges;
 }
 
 /* Room for what the frame needed, and an eighth more of what may change with the view. */
@@ -539,6 +561,7 @@ static void make_more(const fxs_plan *p, fxs_plan_rooms *r)
     const uint64_t most_pages = r->most / (2 * FXS_COMPUTE_PAGE * ENTRY_BYTES);
     const uint64_t spare = pages + pages / 8 <= most_pages ? pages / 8 : 0;
     r->chunks = larger(r->chunks, p->status[FXS_COMPUTE_VISIBLE_CHUNKS]);
+    r->merges = larger(r->merges, merges_of(p->status[FXS_COMPUTE_LONGEST]));
     if (larges > r->larges)
         r->larges = larger(larges + larges / 8, 0);
     if (pages > r->pages)

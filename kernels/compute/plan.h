@@ -18,7 +18,7 @@
 /* A device's room for a frame's lists, which grows where a frame needs more. */
 typedef struct fxs_plan_rooms {
     uint64_t most;                 /* bytes of a storage buffer */
-    uint32_t chunks, larges, pages;            /* of the next frame, at least */
+    uint32_t chunks, larges, pages, merges;    /* of the next frame, at least */
 } fxs_plan_rooms;
 
 typedef struct fxs_plan {
@@ -28,7 +28,7 @@ typedef struct fxs_plan {
     uint32_t *part_chunks;         /* of each object: chunks of a part of its scene; for the back end to fill in */
     const fxs_drawn *drawn;        /* null: all leaves are drawn */
     uint64_t gaussians;
-    uint32_t places, cut_room, tries;
+    uint32_t places, cut_room, merges, tries;
     uint64_t bytes[FXS_COMPUTE_BUFFERS];
     uint64_t read_words;           /* of the picture that are read back: its first */
     fxs_compute_frame frame;

@@ -60,8 +60,8 @@ fn count_tiles(row: i32, s: Span)
     }
 }
 
-// A splat that fits in no box, for fill_large.
-fn put_large(slot: u32, b: ptr<function, Bounds>)
+// LARGE_ROWS tile rows of a splat that fits in no box, for fill_large.
+fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
 {
     let place = atomicAdd(&counts[LARGES], 1u);
     if (place < frame.large_room) {
@@ -73,6 +73,7 @@ fn put_large(slot: u32, b: ptr<function, Bounds>)
         memory[at + 4u] = bitcast<u32>((*b).shear_q8);
         memory[at + 5u] = bitcast<u32>((*b).half_width_q8);
         memory[at + 6u] = (*b).square_radius;
+        memory[at + 7u] = u32(first_row);
     }
 }
 
@@ -105,8 +106,8 @@ fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
             box |= shift_left(wide(bits, 0u), u32(BOX_COLUMNS * (row - rows.first)));
         }
     }
-    if (large && rows.first <= rows.last) {
-        put_large(slot, &b);
+    for (var row = rows.first; row <= rows.last && large; row += LARGE_ROWS) {
+        put_large(slot, &b, row);
     }
     if ((box.x | box.y) == 0u) {
         return box;

@@ -33,6 +33,12 @@ struct Placed {
 const CENTRE_LIMIT_Q14: i32 = 0x40000000;
 const SIDE_Q23: i32 = 0x20000000;  // 64
 
+// The picture's size in tiles of 16 pixels.
+fn whole_tiles() -> vec2<i32>
+{
+    return (frame.size + 15) >> vec2<u32>(4u);
+}
+
 fn number_at(at: u32) -> i32
 {
     return bitcast<i32>(record[at]);
@@ -170,7 +176,7 @@ fn off_picture(centre: ptr<function, Projected>, exponent: i32) -> bool
 {
     let radius_q14 = 57344u * ((1u << u32(max(exponent, 0))) + 1u);
     let position = (*centre).position_q14;
-    let end = vec2<u32>(frame.tiles) << vec2<u32>(18u);
+    let end = vec2<u32>(whole_tiles()) << vec2<u32>(18u);
     return any(vec2<u32>(max(-position, vec2<i32>(0))) > vec2<u32>(radius_q14)) ||
            any(vec2<u32>(max(position, vec2<i32>(0))) > end + radius_q14);
 }
@@ -312,7 +318,7 @@ fn square(out: ptr<function, Placed>, s: ptr<function, Covariance>) -> bool
     (*out).bounds.square_radius = u32(radius);
     (*out).splat.rows = vec2<i32>(0, frame.size.y - 1);
     let pixel = (*out).bounds.c_q14 >> vec2<u32>(14u);
-    return all(pixel + radius + 15 >= vec2<i32>(16)) && all(pixel < radius + 16 * frame.tiles);
+    return all(pixel + radius + 15 >= vec2<i32>(16)) && all(pixel < radius + 16 * whole_tiles());
 }
 
 // ---- Veils -----------------------------------------------------------------------------------------------------
@@ -346,7 +352,7 @@ fn shift_and_cut(x: wide, shift: i32) -> i32
 fn from_middle_q26(centre: ptr<function, Projected>, i: u32, exponent: i32) -> i32
 {
     let slope = low_of(shift_signed(mul_mixed((*centre).camera[i], (*centre).inverse_q30), 34u));
-    let middle_q12 = sub_wide(wide_of(object.c_q12[i]), wide_of((frame.tiles[i] << 15u) + 2048));
+    let middle_q12 = sub_wide(wide_of(object.c_q12[i]), wide_of((whole_tiles()[i] << 15u) + 2048));
     let moved = shift_and_cut(mul_signed(object.f_q12[i], slope), 14 + exponent - (*centre).zeros);
     return cut_to_16_q26(add_wide(wide_of(moved), wide_of(shift_and_cut(shift_left(middle_q12, 14u), exponent))));
 }
@@ -356,7 +362,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
 {
     let e = (*s).exponent;
     let shift = min(e, 60) - 6;
-    let middle = frame.tiles * 8;
+    let middle = whole_tiles() * 8;
     let c = root_of_q30((*s).c_q30);
     let d = root_of_q60((*s).det_q60);
     let inverse_q29 = product_shifted(c.inverse_q30, d.inverse_q30, 31u);

@@ -24,7 +24,7 @@ struct Frame {
     uint blocks;
     uint block_room;
     uint spare;
-    uint unused;
+    uint tile_bits;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -158,10 +158,11 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint MERGES = 5u;
-const uint BLOCK = 1024u;
+const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -173,8 +174,9 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
-const uint BLOCKS = 7u;
-const uint LONGEST = 8u;
+const uint SHORT_BLOCKS = 7u;
+const uint LONG_BLOCKS = 8u;
+const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
@@ -183,8 +185,8 @@ const int SIDE_Q23_ = 536870912;
 const uint COMPACT = 1u;
 const uint SMALL = 2u;
 layout(std140, binding = 1) uniform Object_block_0Compute { Object _group_0_binding_1_cs; };
-shared uint record[64];
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
+shared uint record[64];
 layout(std430, binding = 0) readonly buffer type_21_block_2Compute { uint _group_1_binding_0_cs[]; };
 layout(std430, binding = 1) buffer type_21_block_3Compute { uint _group_1_binding_1_cs[]; };
 layout(std430, binding = 2) buffer type_25_block_4Compute { uint _group_1_binding_2_cs[]; };
@@ -494,6 +496,10 @@ bool is_within_crops(inout uvec2 low_1[3], inout uvec2 high_2[3]) {
     bool _e52 = kept;
     return _e52;
 }
+ivec2 whole_tiles() {
+    ivec2 _e2 = _group_0_binding_0_cs.size;
+    return ((_e2 + ivec2(15)) >> uvec2(4u));
+}
 int number_at(uint at) {
     uint _e3 = record[at];
     return int(_e3);
@@ -666,15 +672,15 @@ bool off_picture(inout Projected centre_2, int exponent_1) {
     bool local_8 = false;
     uint radius_q14_ = (57344u * ((1u << uint(max(exponent_1, 0))) + 1u));
     ivec2 position_3 = centre_2.position_q14_;
-    ivec2 _e15 = _group_0_binding_0_cs.tiles;
-    uvec2 end = (uvec2(_e15) << uvec2(18u));
+    ivec2 _e13 = whole_tiles();
+    uvec2 end = (uvec2(_e13) << uvec2(18u));
     if (!(any(greaterThan(uvec2(max(-(position_3), ivec2(0))), uvec2(radius_q14_))))) {
         local_8 = any(greaterThan(uvec2(max(position_3, ivec2(0))), (end + uvec2(radius_q14_))));
     } else {
         local_8 = true;
     }
-    bool _e40 = local_8;
-    return _e40;
+    bool _e38 = local_8;
+    return _e38;
 }
 int dot_i(ivec3 a_18, ivec3 b_10) {
     return (((a_18.x * b_10.x) + (a_18.y * b_10.y)) + (a_18.z * b_10.z));
@@ -908,13 +914,13 @@ bool square(inout Placed out_3, inout Covariance s_1) {
     ivec2 _e80 = out_3.bounds.c_q14_;
     ivec2 pixel = (_e80 >> uvec2(14u));
     if (all(greaterThanEqual(((pixel + ivec2(radius_1)) + ivec2(15)), ivec2(16)))) {
-        ivec2 _e97 = _group_0_binding_0_cs.tiles;
-        local_16 = all(lessThan(pixel, (ivec2(radius_1) + (16 * _e97))));
+        ivec2 _e95 = whole_tiles();
+        local_16 = all(lessThan(pixel, (ivec2(radius_1) + (16 * _e95))));
     } else {
         local_16 = false;
     }
-    bool _e105 = local_16;
-    return _e105;
+    bool _e103 = local_16;
+    return _e103;
 }
 uint veil_dilation_q30_(int exponent_4) {
     if ((exponent_4 > 31)) {
@@ -956,89 +962,89 @@ int from_middle_q26_(inout Projected centre_4, uint i_7, int exponent_5) {
     int _e11 = low_of(_e10);
     int _e15 = _group_0_binding_1_cs.c_q12_[i_7];
     uvec2 _e16 = wide_of(_e15);
-    int _e20 = _group_0_binding_0_cs.tiles[i_7];
-    uvec2 _e25 = wide_of(((_e20 << 15u) + 2048));
-    uvec2 _e26 = sub_wide(_e16, _e25);
-    int _e30 = _group_0_binding_1_cs.f_q12_[i_7];
-    uvec2 _e31 = mul_signed(_e30, _e11);
-    int _e35 = centre_4.zeros;
-    int _e37 = shift_and_cut(_e31, ((14 + exponent_5) - _e35));
-    uvec2 _e38 = wide_of(_e37);
-    uvec2 _e40 = shift_left(_e26, 14u);
-    int _e41 = shift_and_cut(_e40, exponent_5);
-    uvec2 _e42 = wide_of(_e41);
-    uvec2 _e43 = add_wide(_e38, _e42);
-    int _e44 = cut_to_16_q26_(_e43);
-    return _e44;
+    ivec2 _e17 = whole_tiles();
+    uvec2 _e23 = wide_of(((_e17[i_7] << 15u) + 2048));
+    uvec2 _e24 = sub_wide(_e16, _e23);
+    int _e28 = _group_0_binding_1_cs.f_q12_[i_7];
+    uvec2 _e29 = mul_signed(_e28, _e11);
+    int _e33 = centre_4.zeros;
+    int _e35 = shift_and_cut(_e29, ((14 + exponent_5) - _e33));
+    uvec2 _e36 = wide_of(_e35);
+    uvec2 _e38 = shift_left(_e24, 14u);
+    int _e39 = shift_and_cut(_e38, exponent_5);
+    uvec2 _e40 = wide_of(_e39);
+    uvec2 _e41 = add_wide(_e36, _e40);
+    int _e42 = cut_to_16_q26_(_e41);
+    return _e42;
 }
 bool veil(inout Placed out_4, inout Covariance s_2, inout Projected centre_5, uint r_q12_2) {
     bool local_17 = false;
     int e_3 = s_2.exponent;
     int shift_4 = (min(e_3, 60) - 6);
-    ivec2 _e12 = _group_0_binding_0_cs.tiles;
-    ivec2 middle_1 = (_e12 * 8);
-    uint _e16 = s_2.c_q30_;
-    Root _e17 = root_of_q30_(_e16);
-    uvec2 _e19 = s_2.det_q60_;
-    Root _e20 = root_of_q60_(_e19);
-    uint _e24 = product_shifted(_e17.inverse_q30_, _e20.inverse_q30_, 31u);
-    uint _e27 = mul_high(_e17.m, _e17.inverse_q30_);
-    uvec2 _e29 = mul_wide(_e27, _e20.inverse_q30_);
-    uvec2 _e31 = shift_right(_e29, 30u);
-    uvec2 _e33 = shift_left(_e31, 2u);
-    uvec2 _e39 = round_shift(_e33, ((14 - _e17.half_) + _e20.half_));
-    int _e40 = low_of(_e39);
-    int _e42 = s_2.b_q30_;
-    uvec2 _e43 = mul_mixed(_e42, _e24);
-    uvec2 _e49 = round_shift(_e43, ((41 + _e17.half_) + _e20.half_));
-    int _e50 = low_of(_e49);
-    int uy_q18_ = -(_e50);
-    uvec2 _e58 = round_shift(uvec2(_e17.inverse_q30_, 0u), (12 + _e17.half_));
-    int _e59 = low_of(_e58);
-    int _e61 = from_middle_q26_(centre_5, 0u, e_3);
-    int _e63 = from_middle_q26_(centre_5, 1u, e_3);
-    uvec2 _e64 = mul_signed(_e61, _e40);
-    uvec2 _e65 = mul_signed(_e63, uy_q18_);
-    uvec2 _e66 = add_wide(_e64, _e65);
-    uvec2 _e68 = shift_up(_e66, 20u);
-    uvec2 _e69 = mul_signed(_e63, _e59);
-    uvec2 _e71 = shift_up(_e69, 20u);
-    uvec2 _e72 = wide_of(_e40);
-    uvec2 _e73 = round_shift(_e72, shift_4);
-    int _e74 = low_of(_e73);
-    uvec2 _e75 = wide_of(uy_q18_);
-    uvec2 _e76 = round_shift(_e75, shift_4);
-    int _e77 = low_of(_e76);
-    uvec2 _e78 = wide_of(_e59);
-    uvec2 _e79 = round_shift(_e78, shift_4);
-    int _e80 = low_of(_e79);
-    out_4.splat.u0_q24_ = (((1024u - _e68.x) - uint((middle_1.x * _e74))) - uint((middle_1.y * _e77)));
-    out_4.splat.v0_q24_ = ((1024u - _e71.x) - uint((middle_1.y * _e80)));
-    out_4.splat.ux_q24_ = _e74;
-    out_4.splat.uy_q24_ = _e77;
-    out_4.splat.vy_q24_ = _e80;
-    int _e114 = _group_0_binding_0_cs.size.y;
-    out_4.splat.rows = ivec2(0, (_e114 - 1));
-    int _e128 = _group_0_binding_0_cs.cutoff;
-    out_4.bounds = Bounds(ivec2(0), 0u, 0, EVERYWHERE_Q8_, ((_e128 == 1) ? 131072u : 0u));
+    ivec2 _e10 = whole_tiles();
+    ivec2 middle_1 = (_e10 * 8);
+    uint _e14 = s_2.c_q30_;
+    Root _e15 = root_of_q30_(_e14);
+    uvec2 _e17 = s_2.det_q60_;
+    Root _e18 = root_of_q60_(_e17);
+    uint _e22 = product_shifted(_e15.inverse_q30_, _e18.inverse_q30_, 31u);
+    uint _e25 = mul_high(_e15.m, _e15.inverse_q30_);
+    uvec2 _e27 = mul_wide(_e25, _e18.inverse_q30_);
+    uvec2 _e29 = shift_right(_e27, 30u);
+    uvec2 _e31 = shift_left(_e29, 2u);
+    uvec2 _e37 = round_shift(_e31, ((14 - _e15.half_) + _e18.half_));
+    int _e38 = low_of(_e37);
+    int _e40 = s_2.b_q30_;
+    uvec2 _e41 = mul_mixed(_e40, _e22);
+    uvec2 _e47 = round_shift(_e41, ((41 + _e15.half_) + _e18.half_));
+    int _e48 = low_of(_e47);
+    int uy_q18_ = -(_e48);
+    uvec2 _e56 = round_shift(uvec2(_e15.inverse_q30_, 0u), (12 + _e15.half_));
+    int _e57 = low_of(_e56);
+    int _e59 = from_middle_q26_(centre_5, 0u, e_3);
+    int _e61 = from_middle_q26_(centre_5, 1u, e_3);
+    uvec2 _e62 = mul_signed(_e59, _e38);
+    uvec2 _e63 = mul_signed(_e61, uy_q18_);
+    uvec2 _e64 = add_wide(_e62, _e63);
+    uvec2 _e66 = shift_up(_e64, 20u);
+    uvec2 _e67 = mul_signed(_e61, _e57);
+    uvec2 _e69 = shift_up(_e67, 20u);
+    uvec2 _e70 = wide_of(_e38);
+    uvec2 _e71 = round_shift(_e70, shift_4);
+    int _e72 = low_of(_e71);
+    uvec2 _e73 = wide_of(uy_q18_);
+    uvec2 _e74 = round_shift(_e73, shift_4);
+    int _e75 = low_of(_e74);
+    uvec2 _e76 = wide_of(_e57);
+    uvec2 _e77 = round_shift(_e76, shift_4);
+    int _e78 = low_of(_e77);
+    out_4.splat.u0_q24_ = (((1024u - _e66.x) - uint((middle_1.x * _e72))) - uint((middle_1.y * _e75)));
+    out_4.splat.v0_q24_ = ((1024u - _e69.x) - uint((middle_1.y * _e78)));
+    out_4.splat.ux_q24_ = _e72;
+    out_4.splat.uy_q24_ = _e75;
+    out_4.splat.vy_q24_ = _e78;
+    int _e112 = _group_0_binding_0_cs.size.y;
+    out_4.splat.rows = ivec2(0, (_e112 - 1));
+    int _e126 = _group_0_binding_0_cs.cutoff;
+    out_4.bounds = Bounds(ivec2(0), 0u, 0, EVERYWHERE_Q8_, ((_e126 == 1) ? 131072u : 0u));
     uvec2 r_q24_ = uvec2(((r_q12_2 + 1u) * 4096u), 0u);
-    uvec2 _e141 = mul_signed(middle_1.x, _e74);
-    uvec2 _e144 = mul_signed(middle_1.y, abs(_e77));
-    uvec2 _e145 = add_wide(_e141, _e144);
-    uvec2 _e146 = add_wide(r_q24_, _e145);
-    uvec2 _e147 = magnitude(_e68);
-    bool _e148 = less(_e146, _e147);
-    if (!(_e148)) {
-        uvec2 _e153 = mul_signed(middle_1.y, _e80);
-        uvec2 _e154 = add_wide(r_q24_, _e153);
-        uvec2 _e155 = magnitude(_e71);
-        bool _e156 = less(_e154, _e155);
-        local_17 = !(_e156);
+    uvec2 _e139 = mul_signed(middle_1.x, _e72);
+    uvec2 _e142 = mul_signed(middle_1.y, abs(_e75));
+    uvec2 _e143 = add_wide(_e139, _e142);
+    uvec2 _e144 = add_wide(r_q24_, _e143);
+    uvec2 _e145 = magnitude(_e66);
+    bool _e146 = less(_e144, _e145);
+    if (!(_e146)) {
+        uvec2 _e151 = mul_signed(middle_1.y, _e78);
+        uvec2 _e152 = add_wide(r_q24_, _e151);
+        uvec2 _e153 = magnitude(_e69);
+        bool _e154 = less(_e152, _e153);
+        local_17 = !(_e154);
     } else {
         local_17 = false;
     }
-    bool _e159 = local_17;
-    return _e159;
+    bool _e157 = local_17;
+    return _e157;
 }
 int axis_size_q15_(int below_q16_, uint size_q32_, int shift_2) {
     int _e7 = exp2_q15_(((below_q16_ & 65535) >> 1u));
@@ -1602,9 +1608,11 @@ Span columns_between(int left_q8_, int right_q8_) {
     if (_e25) {
         return Span(0, -1);
     }
-    int _e38 = _group_0_binding_0_cs.tiles.x;
-    int _e44 = _group_0_binding_0_cs.size.x;
-    return Span((max(first_3, 0) >> 4u), ((last_2 >= _e44) ? (_e38 - 1) : (last_2 >> 4u)));
+    uint _e33 = _group_0_binding_0_cs.tile_bits;
+    uint _e37 = _group_0_binding_0_cs.tile_bits;
+    int _e42 = _group_0_binding_0_cs.tiles.x;
+    int _e48 = _group_0_binding_0_cs.size.x;
+    return Span((max(first_3, 0) >> _e33), ((last_2 >= _e48) ? (_e42 - 1) : (last_2 >> _e37)));
 }
 Span columns_of(inout Bounds b_22) {
     int _e3 = b_22.c_q14_.x;
@@ -1644,84 +1652,86 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_25, int r_1, int row_2) {
     uvec2 tangent = uvec2(0u);
     bool local_23 = false;
     bool local_24 = false;
-    int _e6 = v_at_row(s_5, b_25, (row_2 * 16));
-    int _e11 = v_at_row(s_5, b_25, ((row_2 * 16) + 15));
+    uint _e6 = _group_0_binding_0_cs.tile_bits;
+    int _e8 = v_at_row(s_5, b_25, (row_2 << _e6));
+    uint _e13 = _group_0_binding_0_cs.tile_bits;
+    int _e17 = v_at_row(s_5, b_25, (((row_2 + 1) << _e13) - 1));
     int reach = b_25.half_width_q8_;
-    if (!((_e6 > (r_1 + 2)))) {
-        local_21 = (_e11 < (-(r_1) - 2));
+    if (!((_e8 > (r_1 + 2)))) {
+        local_21 = (_e17 < (-(r_1) - 2));
     } else {
         local_21 = true;
     }
-    bool _e25 = local_21;
-    if (_e25) {
+    bool _e31 = local_21;
+    if (_e31) {
         local_22 = (reach != EVERYWHERE_Q8_);
     } else {
         local_22 = false;
     }
-    bool _e31 = local_22;
-    if (_e31) {
+    bool _e37 = local_22;
+    if (_e37) {
         return Span(0, -1);
     }
-    int top = min(max(_e6, -(r_1)), r_1);
-    int bottom = min(max((_e11 + 1), -(r_1)), r_1);
-    int _e42 = b_25.shear_q8_;
-    uvec2 _e43 = mul_signed(_e42, top);
-    uvec2 _e45 = shift_signed(_e43, 12u);
-    int _e46 = low_of(_e45);
+    int top = min(max(_e8, -(r_1)), r_1);
+    int bottom = min(max((_e17 + 1), -(r_1)), r_1);
     int _e48 = b_25.shear_q8_;
-    uvec2 _e49 = mul_signed(_e48, bottom);
+    uvec2 _e49 = mul_signed(_e48, top);
     uvec2 _e51 = shift_signed(_e49, 12u);
     int _e52 = low_of(_e51);
-    int _e53 = half_at(b_25, r_1, top);
-    int _e54 = half_at(b_25, r_1, bottom);
-    left = -(max((_e53 - _e46), (_e54 - _e52)));
-    right = max((_e53 + _e46), (_e54 + _e52));
-    int _e65 = b_25.shear_q8_;
-    uvec2 _e69 = mul_wide(uint(abs(_e65)), uint(r_1));
-    uvec2 _e71 = shift_right(_e69, 12u);
-    uvec2 _e74 = mul_wide(_e71.x, uint(r_1));
-    tangent = _e74;
-    int _e77 = b_25.shear_q8_;
-    if ((_e77 < 0)) {
-        uvec2 _e80 = tangent;
-        uvec2 _e81 = negate(_e80);
-        tangent = _e81;
+    int _e54 = b_25.shear_q8_;
+    uvec2 _e55 = mul_signed(_e54, bottom);
+    uvec2 _e57 = shift_signed(_e55, 12u);
+    int _e58 = low_of(_e57);
+    int _e59 = half_at(b_25, r_1, top);
+    int _e60 = half_at(b_25, r_1, bottom);
+    left = -(max((_e59 - _e52), (_e60 - _e58)));
+    right = max((_e59 + _e52), (_e60 + _e58));
+    int _e71 = b_25.shear_q8_;
+    uvec2 _e75 = mul_wide(uint(abs(_e71)), uint(r_1));
+    uvec2 _e77 = shift_right(_e75, 12u);
+    uvec2 _e80 = mul_wide(_e77.x, uint(r_1));
+    tangent = _e80;
+    int _e83 = b_25.shear_q8_;
+    if ((_e83 < 0)) {
+        uvec2 _e86 = tangent;
+        uvec2 _e87 = negate(_e86);
+        tangent = _e87;
     }
-    uvec2 _e82 = tangent;
-    uvec2 _e83 = negate(_e82);
-    uvec2 _e84 = mul_signed(top, reach);
-    uvec2 _e85 = mul_signed(bottom, reach);
-    uvec2 _e86 = tangent;
-    bool _e87 = less(_e86, _e84);
-    if (!(_e87)) {
-        uvec2 _e91 = tangent;
-        bool _e92 = less(_e85, _e91);
-        local_23 = !(_e92);
+    uvec2 _e88 = tangent;
+    uvec2 _e89 = negate(_e88);
+    uvec2 _e90 = mul_signed(top, reach);
+    uvec2 _e91 = mul_signed(bottom, reach);
+    uvec2 _e92 = tangent;
+    bool _e93 = less(_e92, _e90);
+    if (!(_e93)) {
+        uvec2 _e97 = tangent;
+        bool _e98 = less(_e91, _e97);
+        local_23 = !(_e98);
     } else {
         local_23 = false;
     }
-    bool _e95 = local_23;
-    if (_e95) {
+    bool _e101 = local_23;
+    if (_e101) {
         right = reach;
     }
-    bool _e96 = less(_e83, _e84);
-    if (!(_e96)) {
-        bool _e100 = less(_e85, _e83);
-        local_24 = !(_e100);
+    bool _e102 = less(_e89, _e90);
+    if (!(_e102)) {
+        bool _e106 = less(_e91, _e89);
+        local_24 = !(_e106);
     } else {
         local_24 = false;
     }
-    bool _e103 = local_24;
-    if (_e103) {
+    bool _e109 = local_24;
+    if (_e109) {
         left = -(reach);
     }
-    int _e107 = b_25.c_q14_.x;
-    int c_q8_2 = (_e107 >> 6u);
+    int _e113 = b_25.c_q14_.x;
+    int c_q8_2 = (_e113 >> 6u);
     int margin = ((reach >> 8u) + 32);
-    int _e114 = left;
-    int _e119 = right;
-    Span _e125 = columns_between((c_q8_2 + max((_e114 - margin), -(reach))), (c_q8_2 - max((-(_e119) - margin), -(reach))));
-    return _e125;
+    int _e120 = left;
+    int _e125 = right;
+    Span _e131 = columns_between((c_q8_2 + max((_e120 - margin), -(reach))), (c_q8_2 - max((-(_e125) - margin), -(reach))));
+    return _e131;
 }
 Span square_span(int centre_q14_, uint radius, int tiles) {
     int pixel_1 = (centre_q14_ >> 14u);
@@ -1739,8 +1749,10 @@ Span rows_of(inout Splat s_6, inout Bounds b_26) {
         return _e16;
     }
     int _e19 = s_6.rows.x;
-    int _e24 = s_6.rows.y;
-    return Span((_e19 >> 4u), (_e24 >> 4u));
+    uint _e22 = _group_0_binding_0_cs.tile_bits;
+    int _e26 = s_6.rows.y;
+    uint _e29 = _group_0_binding_0_cs.tile_bits;
+    return Span((_e19 >> _e22), (_e26 >> _e29));
 }
 Span span_of(inout Splat s_7, inout Bounds b_27, int r_q12_4, int row_3) {
     int _e6 = _group_0_binding_0_cs.cutoff;
@@ -1831,25 +1843,26 @@ void count_tiles(int row_4, Span s_8) {
         return;
     }
 }
-void put_large(uint slot, inout Bounds b_28) {
-    uint _e5 = atomicAdd(_group_1_binding_2_cs[1], 1u);
-    uint _e8 = _group_0_binding_0_cs.large_room;
-    if ((_e5 < _e8)) {
-        uint _e12 = _group_0_binding_0_cs.larges;
-        uint at_9 = (_e12 + (LARGE * _e5));
+void put_large(uint slot, inout Bounds b_28, int first_row) {
+    uint _e6 = atomicAdd(_group_1_binding_2_cs[1], 1u);
+    uint _e9 = _group_0_binding_0_cs.large_room;
+    if ((_e6 < _e9)) {
+        uint _e13 = _group_0_binding_0_cs.larges;
+        uint at_9 = (_e13 + (LARGE * _e6));
         _group_1_binding_1_cs[at_9] = slot;
-        int _e24 = b_28.c_q14_.x;
-        _group_1_binding_1_cs[(at_9 + 1u)] = uint(_e24);
-        int _e32 = b_28.c_q14_.y;
-        _group_1_binding_1_cs[(at_9 + 2u)] = uint(_e32);
-        uint _e39 = b_28.breadth_q8_;
-        _group_1_binding_1_cs[(at_9 + 3u)] = _e39;
-        int _e45 = b_28.shear_q8_;
-        _group_1_binding_1_cs[(at_9 + 4u)] = uint(_e45);
-        int _e52 = b_28.half_width_q8_;
-        _group_1_binding_1_cs[(at_9 + 5u)] = uint(_e52);
-        uint _e59 = b_28.square_radius;
-        _group_1_binding_1_cs[(at_9 + 6u)] = _e59;
+        int _e25 = b_28.c_q14_.x;
+        _group_1_binding_1_cs[(at_9 + 1u)] = uint(_e25);
+        int _e33 = b_28.c_q14_.y;
+        _group_1_binding_1_cs[(at_9 + 2u)] = uint(_e33);
+        uint _e40 = b_28.breadth_q8_;
+        _group_1_binding_1_cs[(at_9 + 3u)] = _e40;
+        int _e46 = b_28.shear_q8_;
+        _group_1_binding_1_cs[(at_9 + 4u)] = uint(_e46);
+        int _e53 = b_28.half_width_q8_;
+        _group_1_binding_1_cs[(at_9 + 5u)] = uint(_e53);
+        uint _e60 = b_28.square_radius;
+        _group_1_binding_1_cs[(at_9 + 6u)] = _e60;
+        _group_1_binding_1_cs[(at_9 + 7u)] = uint(first_row);
         return;
     } else {
         return;
@@ -1868,6 +1881,7 @@ uvec2 list_splat(uint slot_1, inout Placed out_7) {
     uvec2 box = uvec2(0u, 0u);
     int row_5 = 0;
     bool local_32 = false;
+    int row_6 = 0;
     bool local_33 = false;
     Splat _e3 = out_7.splat;
     s_9 = _e3;
@@ -1966,24 +1980,39 @@ uvec2 list_splat(uint slot_1, inout Placed out_7) {
             }
         }
     }
-    if (large) {
-        local_33 = (_e8.first <= _e8.last);
-    } else {
-        local_33 = false;
+    row_6 = _e8.first;
+    bool loop_init_5 = true;
+    while(true) {
+        if (!loop_init_5) {
+            int _e167 = row_6;
+            row_6 = (_e167 + LARGE_ROWS);
+        }
+        loop_init_5 = false;
+        int _e159 = row_6;
+        if ((_e159 <= _e8.last)) {
+            local_33 = large;
+        } else {
+            local_33 = false;
+        }
+        bool _e165 = local_33;
+        if (_e165) {
+        } else {
+            break;
+        }
+        {
+            int _e166 = row_6;
+            put_large(slot_1, b_29, _e166);
+        }
     }
-    bool _e163 = local_33;
-    if (_e163) {
-        put_large(slot_1, b_29);
+    uint _e171 = box.x;
+    uint _e173 = box.y;
+    if (((_e171 | _e173) == 0u)) {
+        uvec2 _e177 = box;
+        return _e177;
     }
-    uint _e165 = box.x;
-    uint _e167 = box.y;
-    if (((_e165 | _e167) == 0u)) {
-        uvec2 _e171 = box;
-        return _e171;
-    }
-    uint _e173 = box.x;
-    uint _e175 = box.y;
-    return uvec2(_e173, (_e175 | (first_tile << 10u)));
+    uint _e179 = box.x;
+    uint _e181 = box.y;
+    return uvec2(_e179, (_e181 | (first_tile << 10u)));
 }
 void put_splat(uint slot_2, inout Splat s_10, ivec3 colour_q13_1) {
     uint _e8 = s_10.u0_q24_;

@@ -7,7 +7,7 @@
 /* Programs, in the order of a frame: F(entry point) */
 #define FXS_COMPUTE_PROGRAMS_OF(F) \
     F(clear_counts) F(locate_chunks) F(gather_chunks) F(project_chunk) F(start_lists) F(fill_lists) F(fill_large) \
-    F(sort_blocks) F(merge_10) F(merge_14) F(merge_18) F(merge_22) F(merge_26) F(blend_tiles) F(trace_tiles) \
+    F(sort_blocks) F(merge_9) F(merge_13) F(merge_17) F(merge_21) F(merge_25) F(blend_tiles) F(trace_tiles) \
     F(name_pixels)
 #define FXS_COMPUTE_NUMBER(entry) FXS_COMPUTE_##entry,
 enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
@@ -26,16 +26,16 @@ enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16 };   /* bytes; words o
 /* Constants of records.wgsl. */
 enum {
     FXS_COMPUTE_THREADS = 128, FXS_COMPUTE_ROW = 32768, FXS_COMPUTE_RECORD = 64, FXS_COMPUTE_LARGE = 8,
-    FXS_COMPUTE_PAGE = 4096, FXS_COMPUTE_BLOCK = 1024, FXS_COMPUTE_CLASSES = 16, FXS_COMPUTE_TILES = 64, FXS_COMPUTE_SPAN = 8
+    FXS_COMPUTE_PAGE = 4096, FXS_COMPUTE_BLOCK = 512, FXS_COMPUTE_CLASSES = 16, FXS_COMPUTE_TILES = 64, FXS_COMPUTE_SPAN = 8
 };
 enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_COMPUTE_DAMAGED, FXS_COMPUTE_VISIBLE,
-       FXS_COMPUTE_ENTRY_COUNT };
+       FXS_COMPUTE_ENTRY_COUNT, FXS_COMPUTE_LONGEST = 9 };
 
 typedef struct fxs_compute_frame {
     int32_t size[2], tiles[2];
     uint32_t places, spans, chunk_room, large_room, page_room;
     uint32_t drawn, seen, ranks, visible, records, boxes, depths, larges, spans_at, next, classes;
-    uint32_t blocks, block_room, spare, unused, cleared;
+    uint32_t blocks, block_room, spare, tile_bits, cleared;
     int32_t cutoff, cut_q11;
     uint32_t format;
     int32_t background_q13[4];

@@ -5,11 +5,12 @@ const CHUNK: u32 = 256u;           // Gaussians
 const THREADS: u32 = 128u;         // of a workgroup of project and fill: half a chunk
 const ROW_OF_GROUPS: u32 = 32768u; // workgroups along x: more are rows of them
 const RECORD: u32 = 64u;           // words of a chunk's record
-const LARGE: u32 = 8u;             // words of a large splat's record
+const LARGE: u32 = 8u;             // words of a large splat's record, of so many of its tile rows:
+const LARGE_ROWS: i32 = 8;
 const SPAN: u32 = 8u;              // words of a span: see spans_at
 const PAGE: u32 = 4096u;           // entries: rows of tiles begin at multiples of it
-const MERGES: u32 = 5u;            // of 16 runs: a list has at most 2^28 entries
-const BLOCK: u32 = 1024u;          // entries that a workgroup sorts
+const MERGES: u32 = 5u;            // of 16 runs: a list has at most 2^29 entries
+const BLOCK: u32 = 512u;           // entries that a workgroup sorts
 const CLASSES: u32 = 16u;          // of tiles, by the magnitude of their lists
 const CUT_OFF: u32 = 0x80000000u;  // as FXS_ENTRY_CUT_OFF
 const NOTHING: u32 = 0xffffffffu;
@@ -24,8 +25,9 @@ const PAGES: u32 = 2u;
 const DAMAGED: u32 = 3u;
 const VISIBLE: u32 = 4u;
 const ENTRIES: u32 = 5u;           // two words
-const BLOCKS: u32 = 7u;            // of lists that are sorted
-const LONGEST: u32 = 8u;           // list
+const SHORT_BLOCKS: u32 = 7u;      // that are sorted: a list each
+const LONG_BLOCKS: u32 = 8u;       // and of longer lists
+const LONGEST: u32 = 9u;           // list
 const CLASS_COUNTS: u32 = 16u;
 const TILES: u32 = 64u;            // the lengths of the tiles' lists
 
@@ -49,10 +51,11 @@ struct Frame {
                                    // object's id and its first chunk
     next: u32,                     // in the counts: where the tiles' next entries go,
     classes: u32,                  // the tiles by class,
-    blocks: u32,                   // and of each block of a list the tile and which one it is
+    blocks: u32,                   // and of each block of a list the tile and which one it is: short lists' first,
+                                   // those of long lists last
     block_room: u32,
-    spare: u32,                    // where as many entries are again, to merge lists
-    unused: u32,
+    spare: u32,                    // where as many entries are again, to sort lists
+    tile_bits: u32,                // a list is of 2^tile_bits pixels across and down: 16, or 8 (see plan.c)
     cleared: u32,                  // words of the counts that are 0 at first
     cutoff: i32,                   // 1: square
     cut_q11: i32,

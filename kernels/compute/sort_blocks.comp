@@ -24,7 +24,7 @@ struct Frame {
     uint blocks;
     uint block_room;
     uint spare;
-    uint unused;
+    uint tile_bits;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -115,10 +115,11 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint MERGES = 5u;
-const uint BLOCK = 1024u;
+const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -130,20 +131,23 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
-const uint BLOCKS = 7u;
-const uint LONGEST = 8u;
+const uint SHORT_BLOCKS = 7u;
+const uint LONG_BLOCKS = 8u;
+const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
-const uint BINS = 512u;
+const uint SAMPLES = 32u;
+const uint RANGE = 8u;
+const uint BINS = 256u;
 layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
 layout(std430, binding = 1) buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
-shared uvec2 keys[1024];
-shared uint places[1024];
-shared uint bins[512];
-shared uint sums[128];
-shared uint bounds[2];
+shared uvec2 keys[512];
+shared uint bins[256];
+shared uint sums[16];
+shared uint samples[32];
+shared uvec2 bounds[32];
 bool fits() {
     bool local = false;
     bool local_1 = false;
@@ -170,149 +174,277 @@ bool fits() {
 bool is_below(uvec2 a, uvec2 b) {
     return ((a.y == b.y) ? (a.x < b.x) : (a.y < b.y));
 }
-Block block_of(uvec3 group_6) {
+Block block_of(uint number_2) {
     bool local_2 = false;
-    uint number_2 = ((group_6.y * ROW_OF_GROUPS) + group_6.x);
-    uint _e8 = _group_1_binding_0_cs[7];
-    if (!((number_2 >= _e8))) {
-        bool _e13 = fits();
-        local_2 = !(_e13);
+    uint long_ = _group_1_binding_0_cs[8];
+    uint _e6 = _group_1_binding_0_cs[7];
+    if (!((number_2 >= (long_ + _e6)))) {
+        bool _e12 = fits();
+        local_2 = !(_e12);
     } else {
         local_2 = true;
     }
-    bool _e16 = local_2;
-    if (_e16) {
+    bool _e15 = local_2;
+    if (_e15) {
         return Block(0u, 0u, 0u);
     }
-    uint _e24 = _group_0_binding_0_cs.blocks;
-    uint tile = _group_1_binding_0_cs[(_e24 + (2u * number_2))];
-    uint count = _group_1_binding_0_cs[(TILES + tile)];
-    uint _e38 = _group_0_binding_0_cs.next;
-    uint _e41 = _group_1_binding_0_cs[(_e38 + tile)];
-    uint _e47 = _group_0_binding_0_cs.blocks;
-    uint _e54 = _group_1_binding_0_cs[((_e47 + (2u * number_2)) + 1u)];
-    return Block((_e41 - count), count, (BLOCK * _e54));
+    uint _e22 = _group_0_binding_0_cs.blocks;
+    uint _e27 = _group_0_binding_0_cs.block_room;
+    uint at_3 = (_e22 + (2u * ((number_2 < long_) ? ((_e27 - 1u) - number_2) : (number_2 - long_))));
+    uint tile = _group_1_binding_0_cs[at_3];
+    uint count_1 = _group_1_binding_0_cs[(TILES + tile)];
+    uint _e46 = _group_0_binding_0_cs.next;
+    uint _e49 = _group_1_binding_0_cs[(_e46 + tile)];
+    uint _e56 = _group_1_binding_0_cs[(at_3 + 1u)];
+    return Block((_e49 - count_1), count_1, (BLOCK * _e56));
 }
 void place_bins(uint thread_6) {
-    uint own = 0u;
-    uint i_5 = 0u;
-    uint d = 1u;
-    uint below = 0u;
-    uint start_3 = 0u;
-    uint i_6 = 0u;
-    i_5 = (4u * thread_6);
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e18 = i_5;
-            i_5 = (_e18 + 1u);
+    uint size = 0u;
+    uint i_2 = 0u;
+    uint start_2 = 0u;
+    uint i_3 = 0u;
+    uint i_4 = 0u;
+    if ((thread_6 < 16u)) {
+        bool loop_init = true;
+        while(true) {
+            if (!loop_init) {
+                uint _e18 = i_2;
+                i_2 = (_e18 + 1u);
+            }
+            loop_init = false;
+            uint _e8 = i_2;
+            if ((_e8 < 16u)) {
+            } else {
+                break;
+            }
+            {
+                uint _e10 = size;
+                uint _e13 = i_2;
+                uint _e16 = bins[((16u * thread_6) + _e13)];
+                size = (_e10 + _e16);
+            }
         }
-        loop_init = false;
-        uint _e6 = i_5;
-        if ((_e6 < ((4u * thread_6) + 4u))) {
-        } else {
-            break;
-        }
-        {
-            uint _e12 = own;
-            uint _e14 = i_5;
-            uint _e16 = bins[_e14];
-            own = (_e12 + _e16);
-        }
+        uint _e23 = size;
+        sums[thread_6] = _e23;
     }
-    uint _e23 = own;
-    sums[thread_6] = _e23;
+    memoryBarrierShared();
+    barrier();
+    uint bin = (2u * thread_6);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e43 = d;
-            d = (_e43 * 2u);
+            uint _e39 = i_3;
+            i_3 = (_e39 + 1u);
         }
         loop_init_1 = false;
-        uint _e26 = d;
-        if ((_e26 < THREADS)) {
+        uint _e30 = i_3;
+        if ((_e30 < (bin / 16u))) {
         } else {
             break;
         }
         {
-            memoryBarrierShared();
-            barrier();
-            below = 0u;
-            uint _e31 = d;
-            if ((thread_6 >= _e31)) {
-                uint _e34 = d;
-                uint _e37 = sums[(thread_6 - _e34)];
-                below = _e37;
-            }
-            memoryBarrierShared();
-            barrier();
-            uint _e40 = sums[thread_6];
-            uint _e41 = below;
-            sums[thread_6] = (_e40 + _e41);
+            uint _e33 = start_2;
+            uint _e35 = i_3;
+            uint _e37 = sums[_e35];
+            start_2 = (_e33 + _e37);
         }
     }
-    uint _e48 = sums[thread_6];
-    uint _e49 = own;
-    start_3 = (_e48 - _e49);
-    i_6 = (4u * thread_6);
+    i_4 = ((bin / 16u) * 16u);
     bool loop_init_2 = true;
     while(true) {
         if (!loop_init_2) {
-            uint _e71 = i_6;
-            i_6 = (_e71 + 1u);
+            uint _e53 = i_4;
+            i_4 = (_e53 + 1u);
         }
         loop_init_2 = false;
-        uint _e55 = i_6;
-        if ((_e55 < ((4u * thread_6) + 4u))) {
+        uint _e45 = i_4;
+        if ((_e45 < bin)) {
         } else {
             break;
         }
         {
-            uint _e62 = i_6;
-            uint size = bins[_e62];
-            uint _e66 = i_6;
-            uint _e68 = start_3;
-            bins[_e66] = _e68;
-            uint _e69 = start_3;
-            start_3 = (_e69 + size);
+            uint _e47 = start_2;
+            uint _e49 = i_4;
+            uint _e51 = bins[_e49];
+            start_2 = (_e47 + _e51);
         }
+    }
+    uint _e56 = start_2;
+    uint _e59 = bins[bin];
+    uint next = (_e56 + _e59);
+    memoryBarrierShared();
+    barrier();
+    uint _e63 = start_2;
+    bins[bin] = _e63;
+    bins[(bin + 1u)] = next;
+    memoryBarrierShared();
+    barrier();
+    return;
+}
+void bound_ranges(uint thread_7, uint at, uint some) {
+    uint own = 0u;
+    uint place_1 = 0u;
+    uint i_5 = 0u;
+    bool local_3 = false;
+    bool local_4 = false;
+    if ((thread_7 < SAMPLES)) {
+        uint _e17 = _group_1_binding_1_cs[(at + (((thread_7 * max(some, SAMPLES)) / SAMPLES) % some))].y;
+        own = _e17;
+        uint _e20 = own;
+        samples[thread_7] = _e20;
+    }
+    memoryBarrierShared();
+    barrier();
+    if ((thread_7 < SAMPLES)) {
+        bool loop_init_3 = true;
+        while(true) {
+            if (!loop_init_3) {
+                uint _e58 = i_5;
+                i_5 = (_e58 + 1u);
+            }
+            loop_init_3 = false;
+            uint _e27 = i_5;
+            if ((_e27 < SAMPLES)) {
+            } else {
+                break;
+            }
+            {
+                uint _e30 = place_1;
+                uint _e34 = i_5;
+                uint _e36 = samples[_e34];
+                uint _e37 = own;
+                if (!((_e36 < _e37))) {
+                    uint _e43 = i_5;
+                    uint _e45 = samples[_e43];
+                    uint _e46 = own;
+                    if ((_e45 == _e46)) {
+                        uint _e50 = i_5;
+                        local_4 = (_e50 < thread_7);
+                    } else {
+                        local_4 = false;
+                    }
+                    bool _e53 = local_4;
+                    local_3 = _e53;
+                } else {
+                    local_3 = true;
+                }
+                bool _e55 = local_3;
+                place_1 = (_e30 + (_e55 ? 1u : 0u));
+            }
+        }
+        uint _e62 = place_1;
+        uint _e65 = own;
+        bounds[_e62].x = _e65;
+    }
+    memoryBarrierShared();
+    barrier();
+    if ((thread_7 < SAMPLES)) {
+        uint _e75 = bounds[min((thread_7 + 1u), 31u)].x;
+        uint _e79 = bounds[thread_7].x;
+        uint width = (_e75 - _e79);
+        bounds[thread_7].y = (max((32u - uint(31 - findMSB(width))), 3u) - 3u);
     }
     memoryBarrierShared();
     barrier();
     return;
 }
-void fetch(uint thread_7, uint at, uint some) {
-    uint least = NOTHING;
-    uint most = 0u;
-    uint i_7 = 0u;
-    i_7 = thread_7;
-    bool loop_init_3 = true;
+uint bin_of(uint depth) {
+    uint range = 0u;
+    uint step_ = 16u;
+    bool loop_init_4 = true;
     while(true) {
-        if (!loop_init_3) {
-            uint _e24 = i_7;
-            i_7 = (_e24 + THREADS);
+        if (!loop_init_4) {
+            uint _e21 = step_;
+            step_ = (_e21 >> 1u);
         }
-        loop_init_3 = false;
-        uint _e8 = i_7;
-        if ((_e8 < some)) {
+        loop_init_4 = false;
+        uint _e5 = step_;
+        if ((_e5 != 0u)) {
         } else {
             break;
         }
         {
-            uint _e11 = i_7;
-            uvec2 key_1 = _group_1_binding_1_cs[(at + _e11)];
-            uint _e16 = i_7;
-            keys[_e16] = key_1;
-            uint _e18 = least;
-            least = min(_e18, key_1.y);
-            uint _e21 = most;
-            most = max(_e21, key_1.y);
+            uint _e8 = range;
+            uint _e10 = step_;
+            uint _e12 = range;
+            uint _e13 = step_;
+            uint _e17 = bounds[(_e12 + _e13)].x;
+            range = (_e8 + ((_e17 <= depth) ? _e10 : 0u));
         }
     }
-    uint _e29 = least;
-    uint _e30 = atomicMin(bounds[0], _e29);
-    uint _e33 = most;
-    uint _e34 = atomicMax(bounds[1], _e33);
+    uint _e25 = range;
+    uvec2 bound = bounds[_e25];
+    uint _e29 = range;
+    return ((RANGE * _e29) + min(((max(depth, bound.x) - bound.x) >> bound.y), 7u));
+}
+void fill_bins(uint thread_8, uint at_1, uint some_1) {
+    uint i_6 = 0u;
+    uint i_7 = 0u;
+    uint i_8 = 0u;
+    i_6 = thread_8;
+    bool loop_init_5 = true;
+    while(true) {
+        if (!loop_init_5) {
+            uint _e11 = i_6;
+            i_6 = (_e11 + THREADS);
+        }
+        loop_init_5 = false;
+        uint _e4 = i_6;
+        if ((_e4 < BINS)) {
+        } else {
+            break;
+        }
+        {
+            uint _e8 = i_6;
+            bins[_e8] = 0u;
+        }
+    }
+    memoryBarrierShared();
+    barrier();
+    i_7 = thread_8;
+    bool loop_init_6 = true;
+    while(true) {
+        if (!loop_init_6) {
+            uint _e28 = i_7;
+            i_7 = (_e28 + THREADS);
+        }
+        loop_init_6 = false;
+        uint _e15 = i_7;
+        if ((_e15 < some_1)) {
+        } else {
+            break;
+        }
+        {
+            uint _e19 = i_7;
+            uint _e23 = _group_1_binding_1_cs[(at_1 + _e19)].y;
+            uint _e24 = bin_of(_e23);
+            uint _e27 = atomicAdd(bins[_e24], 1u);
+        }
+    }
+    memoryBarrierShared();
+    barrier();
+    place_bins(thread_8);
+    i_8 = thread_8;
+    bool loop_init_7 = true;
+    while(true) {
+        if (!loop_init_7) {
+            uint _e47 = i_8;
+            i_8 = (_e47 + THREADS);
+        }
+        loop_init_7 = false;
+        uint _e32 = i_8;
+        if ((_e32 < some_1)) {
+        } else {
+            break;
+        }
+        {
+            uint _e35 = i_8;
+            uvec2 key_1 = _group_1_binding_1_cs[(at_1 + _e35)];
+            uint _e42 = bin_of(key_1.y);
+            uint _e45 = atomicAdd(bins[_e42], 1u);
+            keys[_e45] = key_1;
+        }
+    }
     memoryBarrierShared();
     barrier();
     return;
@@ -321,142 +453,63 @@ void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
     uint i = 0u;
-    uint i_1 = 0u;
-    uint i_2 = 0u;
-    uint i_3 = 0u;
-    uint start = 0u;
     uint place = 0u;
     uint k = 0u;
-    Block _e2 = block_of(group);
-    if ((_e2.count == 0u)) {
+    Block _e7 = block_of(((group.y * ROW_OF_GROUPS) + group.x));
+    if ((_e7.count == 0u)) {
         return;
     }
-    uint some_1 = min((_e2.count - _e2.first), BLOCK);
-    uint at_2 = (_e2.list + _e2.first);
+    uint some_2 = min((_e7.count - _e7.first), BLOCK);
+    uint at_5 = (_e7.list + _e7.first);
+    bound_ranges(thread, at_5, some_2);
+    fill_bins(thread, at_5, some_2);
     i = thread;
-    bool loop_init_6 = true;
+    bool loop_init_10 = true;
     while(true) {
-        if (!loop_init_6) {
-            uint _e22 = i;
-            i = (_e22 + THREADS);
+        if (!loop_init_10) {
+            uint _e61 = i;
+            i = (_e61 + THREADS);
         }
-        loop_init_6 = false;
-        uint _e15 = i;
-        if ((_e15 < BINS)) {
+        loop_init_10 = false;
+        uint _e20 = i;
+        if ((_e20 < some_2)) {
         } else {
             break;
         }
         {
-            uint _e19 = i;
-            bins[_e19] = 0u;
-        }
-    }
-    if ((thread == 0u)) {
-        bounds[0] = NOTHING;
-        bounds[1] = 0u;
-    }
-    memoryBarrierShared();
-    barrier();
-    fetch(thread, at_2, some_1);
-    uint low_1 = bounds[0];
-    uint _e39 = bounds[1];
-    uint bits = (32u - uint(31 - findMSB((_e39 - low_1))));
-    uint shift = (max(bits, 9u) - 9u);
-    i_1 = thread;
-    bool loop_init_7 = true;
-    while(true) {
-        if (!loop_init_7) {
-            uint _e61 = i_1;
-            i_1 = (_e61 + THREADS);
-        }
-        loop_init_7 = false;
-        uint _e48 = i_1;
-        if ((_e48 < some_1)) {
-        } else {
-            break;
-        }
-        {
-            uint _e52 = i_1;
-            uint _e55 = keys[_e52].y;
-            uint _e60 = atomicAdd(bins[((_e55 - low_1) >> shift)], 1u);
-        }
-    }
-    memoryBarrierShared();
-    barrier();
-    place_bins(thread);
-    i_2 = thread;
-    bool loop_init_8 = true;
-    while(true) {
-        if (!loop_init_8) {
-            uint _e81 = i_2;
-            i_2 = (_e81 + THREADS);
-        }
-        loop_init_8 = false;
-        uint _e65 = i_2;
-        if ((_e65 < some_1)) {
-        } else {
-            break;
-        }
-        {
-            uint _e70 = i_2;
-            uint _e73 = keys[_e70].y;
-            uint _e78 = atomicAdd(bins[((_e73 - low_1) >> shift)], 1u);
-            uint _e80 = i_2;
-            places[_e78] = _e80;
-        }
-    }
-    memoryBarrierShared();
-    barrier();
-    i_3 = thread;
-    bool loop_init_9 = true;
-    while(true) {
-        if (!loop_init_9) {
-            uint _e132 = i_3;
-            i_3 = (_e132 + THREADS);
-        }
-        loop_init_9 = false;
-        uint _e85 = i_3;
-        if ((_e85 < some_1)) {
-        } else {
-            break;
-        }
-        {
-            uint _e88 = i_3;
-            uvec2 key_3 = keys[_e88];
-            uint bin = ((key_3.y - low_1) >> shift);
-            start = 0u;
-            if ((bin > 0u)) {
-                uint _e102 = bins[(bin - 1u)];
-                start = _e102;
+            uint _e23 = i;
+            uvec2 key_3 = keys[_e23];
+            uint _e27 = bin_of(key_3.y);
+            place = 0u;
+            if ((_e27 > 0u)) {
+                uint _e36 = bins[(_e27 - 1u)];
+                place = _e36;
             }
-            uint end_1 = bins[bin];
-            uint _e106 = start;
-            place = _e106;
-            uint _e108 = start;
-            k = _e108;
-            bool loop_init_10 = true;
+            uint end = bins[_e27];
+            uint _e40 = place;
+            k = _e40;
+            bool loop_init_11 = true;
             while(true) {
-                if (!loop_init_10) {
-                    uint _e125 = k;
-                    k = (_e125 + 1u);
+                if (!loop_init_11) {
+                    uint _e54 = k;
+                    k = (_e54 + 1u);
                 }
-                loop_init_10 = false;
-                uint _e110 = k;
-                if ((_e110 < end_1)) {
+                loop_init_11 = false;
+                uint _e42 = k;
+                if ((_e42 < end)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e112 = place;
-                    uint _e117 = k;
-                    uint _e119 = places[_e117];
-                    uvec2 _e121 = keys[_e119];
-                    bool _e122 = is_below(_e121, key_3);
-                    place = (_e112 + (_e122 ? 1u : 0u));
+                    uint _e44 = place;
+                    uint _e48 = k;
+                    uvec2 _e50 = keys[_e48];
+                    bool _e51 = is_below(_e50, key_3);
+                    place = (_e44 + (_e51 ? 1u : 0u));
                 }
             }
-            uint _e129 = place;
-            _group_1_binding_1_cs[(at_2 + _e129)] = key_3;
+            uint _e58 = place;
+            _group_1_binding_1_cs[(at_5 + _e58)] = key_3;
         }
     }
     return;

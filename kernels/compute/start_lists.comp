@@ -24,7 +24,7 @@ struct Frame {
     uint blocks;
     uint block_room;
     uint spare;
-    uint unused;
+    uint tile_bits;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -110,10 +110,11 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint MERGES = 5u;
-const uint BLOCK = 1024u;
+const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -125,8 +126,9 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
-const uint BLOCKS = 7u;
-const uint LONGEST = 8u;
+const uint SHORT_BLOCKS = 7u;
+const uint LONG_BLOCKS = 8u;
+const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
@@ -189,6 +191,7 @@ uint class_of(uint length_1) {
     return min(uint(uint(findMSB((length_1 | 1u)))), 15u);
 }
 void put_blocks(uint tile, uint length_2) {
+    uint at = 0u;
     uint i_1 = 0u;
     bool local = false;
     uint blocks = ((length_2 > 1u) ? (((length_2 - 1u) / BLOCK) + 1u) : 0u);
@@ -196,37 +199,45 @@ void put_blocks(uint tile, uint length_2) {
         return;
     }
     if ((blocks > 1u)) {
-        uint _e18 = atomicMax(_group_1_binding_2_cs[8], length_2);
+        uint _e20 = atomicMax(_group_1_binding_2_cs[9], length_2);
+        uint _e23 = _group_0_binding_0_cs.block_room;
+        uint _e26 = atomicAdd(_group_1_binding_2_cs[8], blocks);
+        at = ((_e23 - _e26) - blocks);
+    } else {
+        uint _e32 = atomicAdd(_group_1_binding_2_cs[7], 1u);
+        at = _e32;
     }
-    uint _e21 = atomicAdd(_group_1_binding_2_cs[7], blocks);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e59 = i_1;
-            i_1 = (_e59 + 1u);
+            uint _e73 = i_1;
+            i_1 = (_e73 + 1u);
         }
         loop_init_1 = false;
-        uint _e24 = i_1;
-        if ((_e24 < blocks)) {
-            uint _e28 = i_1;
-            uint _e32 = _group_0_binding_0_cs.block_room;
-            local = ((_e21 + _e28) < _e32);
+        uint _e35 = i_1;
+        if ((_e35 < blocks)) {
+            uint _e39 = at;
+            uint _e40 = i_1;
+            uint _e44 = _group_0_binding_0_cs.block_room;
+            local = ((_e39 + _e40) < _e44);
         } else {
             local = false;
         }
-        bool _e35 = local;
-        if (_e35) {
+        bool _e47 = local;
+        if (_e47) {
         } else {
             break;
         }
         {
-            uint _e39 = _group_0_binding_0_cs.blocks;
-            uint _e41 = i_1;
-            _group_1_binding_2_cs[(_e39 + (2u * (_e21 + _e41)))] = tile;
-            uint _e49 = _group_0_binding_0_cs.blocks;
-            uint _e51 = i_1;
-            uint _e58 = i_1;
-            _group_1_binding_2_cs[((_e49 + (2u * (_e21 + _e51))) + 1u)] = _e58;
+            uint _e51 = _group_0_binding_0_cs.blocks;
+            uint _e53 = at;
+            uint _e54 = i_1;
+            _group_1_binding_2_cs[(_e51 + (2u * (_e53 + _e54)))] = tile;
+            uint _e62 = _group_0_binding_0_cs.blocks;
+            uint _e64 = at;
+            uint _e65 = i_1;
+            uint _e72 = i_1;
+            _group_1_binding_2_cs[((_e62 + (2u * (_e64 + _e65))) + 1u)] = _e72;
         }
     }
     return;
@@ -258,10 +269,10 @@ void main() {
         {
             uint _e17 = first;
             uint column_1 = (_e17 + thread);
-            uint at = ((TILES + row) + column_1);
+            uint at_1 = ((TILES + row) + column_1);
             own = 0u;
             if ((column_1 < across)) {
-                uint _e27 = _group_1_binding_2_cs[at];
+                uint _e27 = _group_1_binding_2_cs[at_1];
                 own = _e27;
             }
             uint _e28 = tiles_before;
@@ -284,7 +295,7 @@ void main() {
             entries_before = _e50;
             if ((column_1 < across)) {
                 uint _e54 = length_;
-                _group_1_binding_2_cs[at] = _e54;
+                _group_1_binding_2_cs[at_1] = _e54;
                 uint _e58 = _group_0_binding_0_cs.next;
                 uint _e62 = length_;
                 _group_1_binding_2_cs[((_e58 + row) + column_1)] = (_e45 - _e62);
@@ -307,10 +318,10 @@ void main() {
             uint _e98 = _group_0_binding_0_cs.large_room;
             uint larges = min(_e95, _e98);
             uint _e103 = _group_0_binding_0_cs.spans;
-            uint at_1 = (4u * (_e103 + 1u));
-            _group_1_binding_0_cs[at_1] = min(larges, ROW_OF_GROUPS);
-            _group_1_binding_0_cs[(at_1 + 1u)] = (((larges + ROW_OF_GROUPS) - 1u) / ROW_OF_GROUPS);
-            _group_1_binding_0_cs[(at_1 + 2u)] = 1u;
+            uint at_2 = (4u * (_e103 + 1u));
+            _group_1_binding_0_cs[at_2] = min(larges, ROW_OF_GROUPS);
+            _group_1_binding_0_cs[(at_2 + 1u)] = (((larges + ROW_OF_GROUPS) - 1u) / ROW_OF_GROUPS);
+            _group_1_binding_0_cs[(at_2 + 2u)] = 1u;
         }
     }
     memoryBarrierShared();

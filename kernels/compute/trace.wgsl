@@ -92,33 +92,59 @@ fn put_traces(t: ptr<function, Traced>, transmittance: i32, at: u32)
     }
 }
 
+// What of a list's splat a pixel notes.
+fn trace_splat(p: ptr<function, Pixel>, t: ptr<function, Traced>, taken: Taken, column: u32, entry: vec2<u32>)
+{
+    if (entry.y <= (*t).limit) {
+        let before = (*p).transmittance;
+        let weight = blend_splat(p, taken, column);
+        if (weight > 0) {
+            note(t, before, weight, entry.y, entry.x);
+        }
+    }
+}
+
+fn traced_at(inside: bool, at: u32) -> Traced
+{
+    var t = Traced(NOTHING, 0, NOTHING, NOTHING, wide(0u, 0u));
+    if (inside && frame.occluder != NOTHING) {
+        t.limit = key_of(picture[frame.occluder + at]);
+    }
+    return t;
+}
+
+fn put_traced(p: ptr<function, Pixel>, t: ptr<function, Traced>, at: u32)
+{
+    put_pixel(p, at);
+    put_traces(t, (*p).transmittance, at);
+}
+
 @compute @workgroup_size(64)
 fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
-    let q = quarter_of(group);
-    if (q.tile == NOTHING) {
+    let h = half_tile_of(group);
+    if (h.tile == NOTHING) {
         return;
     }
-    let place = place_of(q, thread);
-    var p = Pixel(select(0, FXS_CLEAR_Q15, place.inside), vec3<i32>(0));
-    var t = Traced(NOTHING, 0, NOTHING, NOTHING, wide(0u, 0u));
-    if (place.inside && frame.occluder != NOTHING) {
-        t.limit = key_of(picture[frame.occluder + place.at]);
-    }
+    let place = place_of(h, thread);
+    var p = Pixel(select(0, FXS_CLEAR_Q15, place.inside.x), vec3<i32>(0));
+    var q = Pixel(select(0, FXS_CLEAR_Q15, place.inside.y), vec3<i32>(0));
+    var s = traced_at(place.inside.x, place.at);
+    var t = traced_at(place.inside.y, place.at + APART);
     var open = place.inside;
-    var fetched = fetch_splat(fetch_entry(q, thread));
-    var entry = fetch_entry(q, SOME + thread);
-    clear_rounds(thread, open);
-    for (var first = 0u; first < q.count; first += SOME) {
+    var fetched = fetch_splat(fetch_entry(h, thread));
+    var entry = fetch_entry(h, SOME + thread);
+    clear_rounds(thread, place);
+    for (var first = 0u; first < h.count; first += SOME) {
         let round = first / SOME + 1u;
         let words = 4u * (round % 2u);
-        if (open) {
+        if (any(open)) {
             open_round = round;
         }
-        place_fetched(q, thread, fetched, words);
+        place_fetched(h, thread, fetched, words);
         own[thread] = fetched.entry;
         fetched = fetch_splat(entry);              // while this round is blended
-        entry = fetch_entry(q, first + 2u * SOME + thread);
+        entry = fetch_entry(h, first + 2u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
         }
@@ -128,23 +154,24 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         for (var word = 0u; word < 2u; word += 1u) {
             for (var bits = atomicLoad(&touching[words + thread / 32u * 2u + word]); bits != 0u; bits &= bits - 1u) {
                 let i = 32u * word + countTrailingZeros(bits);
-                if (own[i].y <= t.limit) {
-                    let before = p.transmittance;
-                    let weight = blend_splat(&p, i, place.column, place.row);
-                    if (weight > 0) {
-                        note(&t, before, weight, own[i].y, own[i].x);
-                    }
-                }
+                trace_splat(&p, &s, take(i, place.row), place.column, own[i]);
+                trace_splat(&q, &t, take(i, place.row), place.column + APART, own[i]);
             }
         }
-        if (open && (p.transmittance < FXS_CLOSED_Q15 || own[0].y > t.limit)) {
-            open = false;
-            close_pixel(thread);
+        if (open.x && (p.transmittance < FXS_CLOSED_Q15 || own[0].y > s.limit)) {
+            open.x = false;
+            close_pixel(place, false);
+        }
+        if (open.y && (q.transmittance < FXS_CLOSED_Q15 || own[0].y > t.limit)) {
+            open.y = false;
+            close_pixel(place, true);
         }
         workgroupBarrier();
     }
-    if (place.inside) {
-        put_pixel(&p, place.at);
-        put_traces(&t, p.transmittance, place.at);
+    if (place.inside.x) {
+        put_traced(&p, &s, place.at);
+    }
+    if (place.inside.y) {
+        put_traced(&q, &t, place.at + APART);
     }
 }

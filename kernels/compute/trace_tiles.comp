@@ -24,7 +24,7 @@ struct Frame {
     uint blocks;
     uint block_room;
     uint spare;
-    uint unused;
+    uint tile_bits;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -114,18 +114,25 @@ struct Fetched {
     uvec4 a;
     uvec4 b;
 };
-struct Quarter {
+struct Half {
     uint tile;
     uint x;
     uint y;
     uint list;
     uint count;
 };
+struct Taken {
+    uint u;
+    uint ux;
+    int level;
+    int limit;
+    ivec3 colour;
+};
 struct Place {
     uint column;
     uint row;
     uint at;
-    bool inside;
+    bvec2 inside;
 };
 struct Traced {
     uint limit;
@@ -145,10 +152,11 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint MERGES = 5u;
-const uint BLOCK = 1024u;
+const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -160,24 +168,26 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
-const uint BLOCKS = 7u;
-const uint LONGEST = 8u;
+const uint SHORT_BLOCKS = 7u;
+const uint LONG_BLOCKS = 8u;
+const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint SIDE = 8u;
 const uint SOME = 64u;
+const uint APART = 4u;
 const int HALF_Q15_ = 16384;
 layout(std430, binding = 0) readonly buffer type_12_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
 layout(std430, binding = 1) readonly buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
 layout(std430, binding = 2) readonly buffer type_14_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
 layout(std430, binding = 3) buffer type_12_block_4Compute { uint _group_1_binding_3_cs[]; };
-shared ivec2 rows[512];
-shared ivec4 others[64];
+shared uvec4 shapes[64];
+shared uvec4 shades[64];
 shared uint touching[8];
 shared uint open_round;
-shared uint open_pixels[2];
+shared uint open_pixels[4];
 shared uvec2 own[64];
 int fxs_mul_q15_(int a, int b) {
     return (((a * b) + 16384) >> 15u);
@@ -290,11 +300,11 @@ uint classes_before(uint number, uvec4 sizes, inout uint start, inout uint all_)
     return (((before_1.x + before_1.y) + before_1.z) + before_1.w);
 }
 uvec4 class_sizes(uint first_1) {
-    uint at_3 = (CLASS_COUNTS + first_1);
-    uint _e5 = _group_1_binding_0_cs[at_3];
-    uint _e10 = _group_1_binding_0_cs[(at_3 + 1u)];
-    uint _e15 = _group_1_binding_0_cs[(at_3 + 2u)];
-    uint _e20 = _group_1_binding_0_cs[(at_3 + 3u)];
+    uint at_5 = (CLASS_COUNTS + first_1);
+    uint _e5 = _group_1_binding_0_cs[at_5];
+    uint _e10 = _group_1_binding_0_cs[(at_5 + 1u)];
+    uint _e15 = _group_1_binding_0_cs[(at_5 + 2u)];
+    uint _e20 = _group_1_binding_0_cs[(at_5 + 3u)];
     return uvec4(_e5, _e10, _e15, _e20);
 }
 uint tile_at(uint number_1) {
@@ -320,31 +330,31 @@ uint tile_at(uint number_1) {
     return _e45;
 }
 bool fits() {
-    bool local_3 = false;
     bool local_4 = false;
+    bool local_5 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_3 = (_e11 <= _e14);
-    } else {
-        local_3 = false;
-    }
-    bool _e17 = local_3;
-    if (_e17) {
-        uint _e22 = _group_1_binding_0_cs[0];
-        uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_4 = (_e22 <= _e25);
+        local_4 = (_e11 <= _e14);
     } else {
         local_4 = false;
     }
-    bool _e28 = local_4;
+    bool _e17 = local_4;
+    if (_e17) {
+        uint _e22 = _group_1_binding_0_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_5 = (_e22 <= _e25);
+    } else {
+        local_5 = false;
+    }
+    bool _e28 = local_5;
     return _e28;
 }
-uvec2 fetch_entry(Quarter q_1, uint i_1) {
-    if ((i_1 < q_1.count)) {
-        uvec2 _e8 = _group_1_binding_1_cs[(q_1.list + i_1)];
+uvec2 fetch_entry(Half h, uint i_1) {
+    if ((i_1 < h.count)) {
+        uvec2 _e8 = _group_1_binding_1_cs[(h.list + i_1)];
         return _e8;
     }
     return uvec2(4294967295u, 4294967295u);
@@ -361,109 +371,103 @@ Fetched fetch_splat(uvec2 entry_1) {
     Fetched _e24 = f;
     return _e24;
 }
-bvec2 place_splat(uint i_2, Fetched f_1, Quarter q_2) {
-    uint u = 0u;
+bool reaches(uint u, uint ux, uint open_1, int level, int limit) {
+    bool local_6 = false;
+    int left = int((u + (min(uint(findLSB(open_1)), 32u) * ux)));
+    int right = int((u + ((31u - uint(31 - findMSB(open_1))) * ux)));
+    if ((open_1 != 0u)) {
+        int _e23 = fxs_coordinate_q13_(max(max(left, -(right)), 0));
+        int _e24 = fxs_level_q11_(_e23, level);
+        local_6 = (_e24 <= limit);
+    } else {
+        local_6 = false;
+    }
+    bool _e27 = local_6;
+    return _e27;
+}
+bvec2 place_splat(uint i_2, Fetched f_1, Half h_1) {
+    uint u_1 = 0u;
     uint v = 0u;
-    bool touches = false;
-    bool upper = false;
-    uint open_1 = 0u;
+    bvec2 touches = bvec2(false);
     uint row = 0u;
-    bool local_5 = false;
     int offset_q11_2 = int((f_1.b.y & 65535u));
     int _e10 = _group_0_binding_0_cs.cut_q11_;
     int _e11 = fxs_limit_q11_(offset_q11_2, _e10);
-    uint ux = f_1.a.z;
-    u = ((f_1.a.x + (q_2.x * ux)) + (q_2.y * f_1.a.w));
-    v = (f_1.a.y + (q_2.y * f_1.b.x));
-    uint _e39 = open_pixels[0];
-    open_1 = _e39;
+    uint ux_1 = f_1.a.z;
+    uvec2 at_6 = uvec2(((f_1.a.x + (h_1.x * ux_1)) + (h_1.y * f_1.a.w)), (f_1.a.y + (h_1.y * f_1.b.x)));
+    uint first_2 = (max((f_1.b.w & 65535u), h_1.y) - h_1.y);
+    uint last_1 = min((max((f_1.b.w >> 16u), h_1.y) - h_1.y), 7u);
+    u_1 = (at_6.x + (first_2 * f_1.a.w));
+    v = (at_6.y + (first_2 * f_1.b.x));
+    shapes[i_2] = uvec4(at_6, ux_1, f_1.a.w);
+    shades[i_2] = uvec4(f_1.b.xyz, uint(_e11));
+    row = first_2;
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e108 = row;
-            row = (_e108 + 1u);
+            uint _e114 = row;
+            row = (_e114 + 1u);
         }
         loop_init = false;
-        uint _e43 = row;
-        if ((_e43 < SIDE)) {
+        uint _e77 = row;
+        if ((_e77 <= last_1)) {
         } else {
             break;
         }
         {
-            uint _e46 = row;
-            if ((_e46 == 4u)) {
-                uint _e51 = open_pixels[1];
-                open_1 = _e51;
-                bool _e52 = touches;
-                upper = _e52;
-                touches = false;
-            }
-            uint _e54 = open_1;
-            uint of_row = (_e54 & 255u);
-            if ((of_row != 0u)) {
-                uint _e59 = u;
-                int left = int((_e59 + (min(uint(findLSB(of_row)), 32u) * ux)));
-                uint _e64 = u;
-                int right = int((_e64 + ((31u - uint(31 - findMSB(of_row))) * ux)));
-                uint _e71 = v;
-                int _e73 = fxs_coordinate_q13_(int(_e71));
-                int _e74 = fxs_row_level_q11_(_e73, offset_q11_2);
-                int least = max(max(left, -(right)), 0);
-                uint _e82 = row;
-                uint _e85 = u;
-                rows[((SIDE * i_2) + _e82)] = ivec2(int(_e85), _e74);
-                bool _e88 = touches;
-                if (!(_e88)) {
-                    int _e92 = fxs_coordinate_q13_(least);
-                    int _e93 = fxs_level_q11_(_e92, _e74);
-                    local_5 = (_e93 <= _e11);
-                } else {
-                    local_5 = true;
-                }
-                bool _e96 = local_5;
-                touches = _e96;
-            }
-            uint _e97 = open_1;
-            open_1 = (_e97 >> 8u);
-            uint _e100 = u;
-            u = (_e100 + f_1.a.w);
-            uint _e104 = v;
-            v = (_e104 + f_1.b.x);
+            uint _e80 = row;
+            uint _e84 = open_pixels[(_e80 / 2u)];
+            uint _e86 = row;
+            uint open_2 = (_e84 >> (16u * (_e86 % 2u)));
+            uint _e91 = v;
+            int _e93 = fxs_coordinate_q13_(int(_e91));
+            int _e94 = fxs_row_level_q11_(_e93, offset_q11_2);
+            bvec2 _e95 = touches;
+            uint _e96 = u_1;
+            bool _e99 = reaches(_e96, ux_1, (open_2 & 255u), _e94, _e11);
+            uint _e100 = u_1;
+            bool _e103 = reaches(_e100, ux_1, (open_2 & 65280u), _e94, _e11);
+            touches = bvec2(_e95.x || bvec2(_e99, _e103).x, _e95.y || bvec2(_e99, _e103).y);
+            uint _e106 = u_1;
+            u_1 = (_e106 + f_1.a.w);
+            uint _e110 = v;
+            v = (_e110 + f_1.b.x);
         }
     }
-    others[i_2] = ivec4(int(ux), _e11, int(((f_1.b.y >> 16u) | (f_1.b.z << 16u))), int((f_1.b.z >> 16u)));
-    bool _e130 = upper;
-    bool _e131 = touches;
-    return bvec2(_e130, _e131);
+    bvec2 _e117 = touches;
+    return _e117;
 }
-int blend_splat(inout Pixel p_3, uint i_3, uint column, uint row_1) {
-    bool local_6 = false;
-    ivec2 at_row = rows[((SIDE * i_3) + row_1)];
-    ivec4 other_1 = others[i_3];
-    int u_1 = (at_row.x + (int(column) * other_1.x));
-    int _e18 = fxs_coordinate_q13_(u_1);
-    int _e20 = fxs_level_q11_(_e18, at_row.y);
-    if (!((_e20 > other_1.y))) {
-        int _e27 = p_3.transmittance;
-        local_6 = (_e27 < FXS_CLOSED_Q15_);
+Taken take(uint i_3, uint row_1) {
+    uvec4 shape = shapes[i_3];
+    uvec4 shade = shades[i_3];
+    int v_1 = int((shape.y + (row_1 * shade.x)));
+    int _e18 = fxs_coordinate_q13_(v_1);
+    int _e23 = fxs_row_level_q11_(_e18, int((shade.y & 65535u)));
+    return Taken((shape.x + (row_1 * shape.w)), shape.z, _e23, int(shade.w), ivec3(uvec3((shade.y >> 16u), (shade.z & 65535u), (shade.z >> 16u))));
+}
+int blend_splat(inout Pixel p_3, Taken t_1, uint column) {
+    bool local_7 = false;
+    int _e8 = fxs_coordinate_q13_(int((t_1.u + (column * t_1.ux))));
+    int _e10 = fxs_level_q11_(_e8, t_1.level);
+    if ((_e10 <= t_1.limit)) {
+        int _e16 = p_3.transmittance;
+        local_7 = (_e16 >= FXS_CLOSED_Q15_);
     } else {
-        local_6 = true;
+        local_7 = false;
     }
-    bool _e31 = local_6;
-    if (_e31) {
-        return 0;
-    }
-    int _e33 = fxs_alpha_q15_(_e20);
-    int _e35 = p_3.transmittance;
-    int _e36 = fxs_weight_q15_(_e33, _e35);
-    int _e38 = p_3.transmittance;
-    p_3.transmittance = (_e38 - _e36);
-    ivec3 _e41 = p_3.sum;
-    int _e45 = fxs_mul_q15_(_e36, (other_1.z & 65535));
-    int _e49 = fxs_mul_q15_(_e36, (other_1.z >> 16u));
-    int _e51 = fxs_mul_q15_(_e36, other_1.w);
-    p_3.sum = (_e41 + ivec3(_e45, _e49, _e51));
-    return _e36;
+    bool counts_1 = local_7;
+    int _e21 = fxs_alpha_q15_(_e10);
+    int _e23 = p_3.transmittance;
+    int _e24 = fxs_weight_q15_(_e21, _e23);
+    int weight_2 = (counts_1 ? _e24 : 0);
+    int _e28 = p_3.transmittance;
+    p_3.transmittance = (_e28 - weight_2);
+    ivec3 _e31 = p_3.sum;
+    int _e34 = fxs_mul_q15_(weight_2, t_1.colour.x);
+    int _e37 = fxs_mul_q15_(weight_2, t_1.colour.y);
+    int _e40 = fxs_mul_q15_(weight_2, t_1.colour.z);
+    p_3.sum = (_e31 + ivec3(_e34, _e37, _e40));
+    return weight_2;
 }
 ivec3 background_of(uint word_2) {
     uvec3 rgb = uvec3((word_2 & 255u), ((word_2 >> 8u) & 255u), ((word_2 >> 16u) & 255u));
@@ -520,49 +524,51 @@ void put_colour(inout Pixel p_4, uint at) {
     return;
 }
 uint list_of(uint tile, uint count) {
-    uint merges = ((max((32u - uint(31 - findMSB((max(count, 1u) - 1u)))), 10u) - 7u) / 4u);
+    uint merges = ((max((32u - uint(31 - findMSB((max(count, 1u) - 1u)))), 9u) - 6u) / 4u);
     uint _e18 = _group_0_binding_0_cs.next;
     uint _e21 = _group_1_binding_0_cs[(_e18 + tile)];
     uint _e26 = _group_0_binding_0_cs.spare;
     return ((_e21 - count) + (((merges % 2u) == 1u) ? _e26 : 0u));
 }
-Quarter quarter_of(uvec3 group_1) {
-    bool local_7 = false;
+Half half_tile_of(uvec3 group_1) {
+    bool local_8 = false;
     uint number_2 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
     int _e9 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e9);
-    uint _e13 = tile_at((number_2 / 4u));
-    if (!((_e13 == NOTHING))) {
-        bool _e19 = fits();
-        local_7 = !(_e19);
+    uint _e13 = _group_0_binding_0_cs.tile_bits;
+    uint of_tile = (_e13 - 3u);
+    uint _e17 = tile_at((number_2 >> of_tile));
+    if (!((_e17 == NOTHING))) {
+        bool _e23 = fits();
+        local_8 = !(_e23);
     } else {
-        local_7 = true;
+        local_8 = true;
     }
-    bool _e22 = local_7;
-    if (_e22) {
-        return Quarter(4294967295u, 0u, 0u, 0u, 0u);
+    bool _e26 = local_8;
+    if (_e26) {
+        return Half(4294967295u, 0u, 0u, 0u, 0u);
     }
-    uint count_1 = _group_1_binding_0_cs[(TILES + _e13)];
-    uint _e52 = list_of(_e13, count_1);
-    return Quarter(_e13, (((_e13 % across) * 16u) + ((number_2 % 2u) * SIDE)), (((_e13 / across) * 16u) + (((number_2 / 2u) % 2u) * SIDE)), _e52, count_1);
+    uint count_1 = _group_1_binding_0_cs[(TILES + _e17)];
+    uint _e41 = _group_0_binding_0_cs.tile_bits;
+    uint _e46 = _group_0_binding_0_cs.tile_bits;
+    uint _e52 = list_of(_e17, count_1);
+    return Half(_e17, ((_e17 % across) << _e41), (((_e17 / across) << _e46) + ((number_2 & of_tile) * SIDE)), _e52, count_1);
 }
-Place place_of(Quarter q_3, uint thread_1) {
-    bool local_8 = false;
-    uint column_1 = (thread_1 % SIDE);
-    uint row_2 = (thread_1 / SIDE);
-    int _e11 = _group_0_binding_0_cs.size.x;
-    int _e22 = _group_0_binding_0_cs.size.x;
-    if (((q_3.x + column_1) < uint(_e22))) {
-        int _e32 = _group_0_binding_0_cs.size.y;
-        local_8 = ((q_3.y + row_2) < uint(_e32));
-    } else {
-        local_8 = false;
-    }
-    bool _e36 = local_8;
-    return Place(column_1, row_2, ((((q_3.y + row_2) * uint(_e11)) + q_3.x) + column_1), _e36);
+Place place_of(Half h_2, uint thread_1) {
+    uint column_2 = (((thread_1 / 32u) * SIDE) + (thread_1 % APART));
+    uint row_2 = ((thread_1 % 32u) / APART);
+    uvec2 x_8 = (uvec2(h_2.x) + uvec2(column_2, (column_2 + APART)));
+    int _e24 = _group_0_binding_0_cs.size.x;
+    int _e33 = _group_0_binding_0_cs.size.x;
+    uint _e39 = _group_0_binding_0_cs.tile_bits;
+    int _e50 = _group_0_binding_0_cs.size.y;
+    return Place(column_2, row_2, ((((h_2.y + row_2) * uint(_e24)) + h_2.x) + column_2), bvec2(lessThan(x_8, uvec2(min(uint(_e33), (h_2.x + (1u << _e39))))).x && bvec2(((h_2.y + row_2) < uint(_e50))).x, lessThan(x_8, uvec2(min(uint(_e33), (h_2.x + (1u << _e39))))).y && bvec2(((h_2.y + row_2) < uint(_e50))).y));
 }
-void clear_rounds(uint thread_2, bool inside) {
-    if ((thread_2 < 2u)) {
+uint bit_of(Place place, bool second) {
+    return (1u << ((((place.row % 2u) * 16u) + place.column) + (second ? APART : 0u)));
+}
+void clear_rounds(uint thread_2, Place place_1) {
+    if ((thread_2 < 4u)) {
         open_pixels[thread_2] = 0u;
     }
     if ((thread_2 < 8u)) {
@@ -573,25 +579,26 @@ void clear_rounds(uint thread_2, bool inside) {
     }
     memoryBarrierShared();
     barrier();
-    if (inside) {
-        uint _e24 = atomicOr(open_pixels[(thread_2 / 32u)], (1u << (thread_2 % 32u)));
-    }
+    uint _e23 = bit_of(place_1, false);
+    uint _e29 = bit_of(place_1, true);
+    uint _e34 = atomicOr(open_pixels[(place_1.row / 2u)], ((place_1.inside.x ? _e23 : 0u) | (place_1.inside.y ? _e29 : 0u)));
     memoryBarrierShared();
     barrier();
     return;
 }
-void close_pixel(uint thread_3) {
-    uint _e10 = atomicAnd(open_pixels[(thread_3 / 32u)], ~((1u << (thread_3 % 32u))));
+void close_pixel(Place place_2, bool second_1) {
+    uint _e7 = bit_of(place_2, second_1);
+    uint _e9 = atomicAnd(open_pixels[(place_2.row / 2u)], ~(_e7));
     return;
 }
-void place_fetched(Quarter q_4, uint thread_4, Fetched f_2, uint words) {
+void place_fetched(Half h_3, uint thread_3, Fetched f_2, uint words) {
     if (((f_2.entry.x & CUT_OFF) == 0u)) {
-        bvec2 _e10 = place_splat(thread_4, f_2, q_4);
+        bvec2 _e10 = place_splat(thread_3, f_2, h_3);
         if (_e10.x) {
-            uint _e21 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+            uint _e21 = atomicOr(touching[(words + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
         }
         if (_e10.y) {
-            uint _e34 = atomicOr(touching[((words + 2u) + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+            uint _e34 = atomicOr(touching[((words + 2u) + (thread_3 / 32u))], (1u << (thread_3 % 32u)));
             return;
         } else {
             return;
@@ -658,140 +665,174 @@ uvec2 depth_sum(int weight, uint key_1) {
     return _e35;
 }
 uint mean_depth(uvec2 sum, int transmittance) {
-    uint weight_2 = uint((FXS_CLEAR_Q15_ - transmittance));
-    if ((weight_2 == 0u)) {
+    uint weight_3 = uint((FXS_CLEAR_Q15_ - transmittance));
+    if ((weight_3 == 0u)) {
         return NOTHING;
     }
-    uvec2 _e12 = add_wide(sum, uvec2((weight_2 << 7u), 0u));
+    uvec2 _e12 = add_wide(sum, uvec2((weight_3 << 7u), 0u));
     uvec2 _e14 = shift_right(_e12, 8u);
-    uint a_18 = ((_e14.y >> 16u) % weight_2);
+    uint a_18 = ((_e14.y >> 16u) % weight_3);
     uint b_11 = ((a_18 << 16u) | (_e14.y & 65535u));
-    uint c_1 = (((b_11 % weight_2) << 16u) | (_e14.x >> 16u));
-    uint d = (((c_1 % weight_2) << 16u) | (_e14.x & 65535u));
-    if ((_e14.y >= weight_2)) {
+    uint c_1 = (((b_11 % weight_3) << 16u) | (_e14.x >> 16u));
+    uint d = (((c_1 % weight_3) << 16u) | (_e14.x & 65535u));
+    if ((_e14.y >= weight_3)) {
         return 4294967294u;
     }
-    return min((((c_1 / weight_2) << 16u) | (d / weight_2)), 4294967294u);
+    return min((((c_1 / weight_3) << 16u) | (d / weight_3)), 4294967294u);
 }
-void note(inout Traced t_1, int before, int weight_1, uint key_2, uint slot) {
-    uvec2 _e7 = t_1.sum;
+void note(inout Traced t_2, int before, int weight_1, uint key_2, uint slot) {
+    uvec2 _e7 = t_2.sum;
     uvec2 _e8 = depth_sum(weight_1, key_2);
     uvec2 _e9 = add_wide(_e7, _e8);
-    t_1.sum = _e9;
+    t_2.sum = _e9;
     if ((before >= HALF_Q15_)) {
-        t_1.median = key_2;
+        t_2.median = key_2;
     }
-    int _e14 = t_1.weight;
+    int _e14 = t_2.weight;
     if ((weight_1 > _e14)) {
-        t_1.weight = weight_1;
-        t_1.largest = slot;
+        t_2.weight = weight_1;
+        t_2.largest = slot;
         return;
     } else {
         return;
     }
 }
-void put_traces(inout Traced t_2, int transmittance_1, uint at_2) {
+void put_traces(inout Traced t_3, int transmittance_1, uint at_2) {
     uint _e5 = _group_0_binding_0_cs.mean_depth;
     if ((_e5 != NOTHING)) {
         uint _e11 = _group_0_binding_0_cs.mean_depth;
-        uvec2 _e15 = t_2.sum;
+        uvec2 _e15 = t_3.sum;
         uint _e16 = mean_depth(_e15, transmittance_1);
         _group_1_binding_3_cs[(_e11 + at_2)] = _e16;
     }
     uint _e19 = _group_0_binding_0_cs.median_depth;
     if ((_e19 != NOTHING)) {
         uint _e25 = _group_0_binding_0_cs.median_depth;
-        uint _e29 = t_2.median;
+        uint _e29 = t_3.median;
         uint _e30 = depth_of_key(_e29);
         _group_1_binding_3_cs[(_e25 + at_2)] = ((transmittance_1 >= HALF_Q15_) ? NOTHING : _e30);
     }
     uint _e37 = _group_0_binding_0_cs.id;
     if ((_e37 != NOTHING)) {
         uint _e43 = _group_0_binding_0_cs.id;
-        uint _e49 = t_2.largest;
+        uint _e49 = t_3.largest;
         _group_1_binding_3_cs[(_e43 + (2u * at_2))] = _e49;
         return;
     } else {
         return;
     }
 }
+void trace_splat(inout Pixel p_6, inout Traced t_4, Taken taken, uint column_1, uvec2 entry_2) {
+    uint _e7 = t_4.limit;
+    if ((entry_2.y <= _e7)) {
+        int before_3 = p_6.transmittance;
+        int _e11 = blend_splat(p_6, taken, column_1);
+        if ((_e11 > 0)) {
+            note(t_4, before_3, _e11, entry_2.y, entry_2.x);
+            return;
+        } else {
+            return;
+        }
+    } else {
+        return;
+    }
+}
+Traced traced_at(bool inside, uint at_3) {
+    Traced t_5 = Traced(4294967295u, 0, 4294967295u, 4294967295u, uvec2(0u, 0u));
+    bool local_10 = false;
+    if (inside) {
+        uint _e15 = _group_0_binding_0_cs.occluder;
+        local_10 = (_e15 != NOTHING);
+    } else {
+        local_10 = false;
+    }
+    bool _e19 = local_10;
+    if (_e19) {
+        uint _e24 = _group_0_binding_0_cs.occluder;
+        uint _e27 = _group_1_binding_3_cs[(_e24 + at_3)];
+        uint _e28 = key_of(_e27);
+        t_5.limit = _e28;
+    }
+    Traced _e29 = t_5;
+    return _e29;
+}
+void put_traced(inout Pixel p_7, inout Traced t_6, uint at_4) {
+    put_pixel(p_7, at_4);
+    int _e4 = p_7.transmittance;
+    put_traces(t_6, _e4, at_4);
+    return;
+}
 void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
     Pixel p = Pixel(0, ivec3(0));
-    Traced t = Traced(4294967295u, 0, 4294967295u, 4294967295u, uvec2(0u, 0u));
-    bool local = false;
-    bool open = false;
+    Pixel q = Pixel(0, ivec3(0));
+    Traced s = Traced(0u, 0, 0u, 0u, uvec2(0u));
+    Traced t = Traced(0u, 0, 0u, 0u, uvec2(0u));
+    bvec2 open = bvec2(false);
     Fetched fetched = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
     uvec2 entry = uvec2(0u);
     uint first = 0u;
     uint word = 0u;
     uint bits = 0u;
+    bool local = false;
     bool local_1 = false;
     bool local_2 = false;
-    Quarter _e2 = quarter_of(group);
+    bool local_3 = false;
+    Half _e2 = half_tile_of(group);
     if ((_e2.tile == NOTHING)) {
         return;
     }
     Place _e6 = place_of(_e2, thread);
-    p = Pixel((_e6.inside ? FXS_CLEAR_Q15_ : 0), ivec3(0));
-    if (_e6.inside) {
-        uint _e29 = _group_0_binding_0_cs.occluder;
-        local = (_e29 != NOTHING);
-    } else {
-        local = false;
-    }
-    bool _e33 = local;
-    if (_e33) {
-        uint _e38 = _group_0_binding_0_cs.occluder;
-        uint _e42 = _group_1_binding_3_cs[(_e38 + _e6.at)];
-        uint _e43 = key_of(_e42);
-        t.limit = _e43;
-    }
+    p = Pixel((_e6.inside.x ? FXS_CLEAR_Q15_ : 0), ivec3(0));
+    q = Pixel((_e6.inside.y ? FXS_CLEAR_Q15_ : 0), ivec3(0));
+    Traced _e28 = traced_at(_e6.inside.x, _e6.at);
+    s = _e28;
+    Traced _e35 = traced_at(_e6.inside.y, (_e6.at + APART));
+    t = _e35;
     open = _e6.inside;
-    uvec2 _e46 = fetch_entry(_e2, thread);
-    Fetched _e47 = fetch_splat(_e46);
-    fetched = _e47;
-    uvec2 _e51 = fetch_entry(_e2, (SOME + thread));
-    entry = _e51;
-    bool _e53 = open;
-    clear_rounds(thread, _e53);
+    uvec2 _e39 = fetch_entry(_e2, thread);
+    Fetched _e40 = fetch_splat(_e39);
+    fetched = _e40;
+    uvec2 _e44 = fetch_entry(_e2, (SOME + thread));
+    entry = _e44;
+    clear_rounds(thread, _e6);
     bool loop_init_1 = true;
     while(true) {
         if (!loop_init_1) {
-            uint _e170 = first;
-            first = (_e170 + SOME);
+            uint _e183 = first;
+            first = (_e183 + SOME);
         }
         loop_init_1 = false;
-        uint _e56 = first;
-        if ((_e56 < _e2.count)) {
+        uint _e48 = first;
+        if ((_e48 < _e2.count)) {
         } else {
             break;
         }
         {
-            uint _e59 = first;
-            uint round_ = ((_e59 / SOME) + 1u);
+            uint _e51 = first;
+            uint round_ = ((_e51 / SOME) + 1u);
             uint words_1 = (4u * (round_ % 2u));
-            bool _e68 = open;
-            if (_e68) {
+            bvec2 _e60 = open;
+            if (any(_e60)) {
                 open_round = round_;
             }
-            Fetched _e70 = fetched;
-            place_fetched(_e2, thread, _e70, words_1);
-            uvec2 _e74 = fetched.entry;
-            own[thread] = _e74;
-            uvec2 _e75 = entry;
-            Fetched _e76 = fetch_splat(_e75);
-            fetched = _e76;
-            uint _e77 = first;
-            uvec2 _e81 = fetch_entry(_e2, ((_e77 + 128u) + thread));
-            entry = _e81;
+            Fetched _e63 = fetched;
+            place_fetched(_e2, thread, _e63, words_1);
+            uvec2 _e67 = fetched.entry;
+            own[thread] = _e67;
+            uvec2 _e68 = entry;
+            Fetched _e69 = fetch_splat(_e68);
+            fetched = _e69;
+            uint _e70 = first;
+            uvec2 _e74 = fetch_entry(_e2, ((_e70 + 128u) + thread));
+            entry = _e74;
             memoryBarrierShared();
             barrier();
-            uint _e83 = open_round;
+            uint _e76 = open_round;
             memoryBarrierShared();
             barrier();
-            if ((_e83 != round_)) {
+            if ((_e76 != round_)) {
                 break;
             }
             if ((thread < 4u)) {
@@ -801,79 +842,95 @@ void main() {
             bool loop_init_2 = true;
             while(true) {
                 if (!loop_init_2) {
-                    uint _e145 = word;
-                    word = (_e145 + 1u);
+                    uint _e130 = word;
+                    word = (_e130 + 1u);
                 }
                 loop_init_2 = false;
-                uint _e95 = word;
-                if ((_e95 < 2u)) {
+                uint _e88 = word;
+                if ((_e88 < 2u)) {
                 } else {
                     break;
                 }
                 {
-                    uint _e104 = word;
-                    uint _e107 = touching[((words_1 + ((thread / 32u) * 2u)) + _e104)];
-                    bits = _e107;
+                    uint _e97 = word;
+                    uint _e100 = touching[((words_1 + ((thread / 32u) * 2u)) + _e97)];
+                    bits = _e100;
                     bool loop_init_3 = true;
                     while(true) {
                         if (!loop_init_3) {
-                            uint _e140 = bits;
-                            uint _e141 = bits;
-                            bits = (_e140 & (_e141 - 1u));
+                            uint _e125 = bits;
+                            uint _e126 = bits;
+                            bits = (_e125 & (_e126 - 1u));
                         }
                         loop_init_3 = false;
-                        uint _e109 = bits;
-                        if ((_e109 != 0u)) {
+                        uint _e102 = bits;
+                        if ((_e102 != 0u)) {
                         } else {
                             break;
                         }
                         {
-                            uint _e113 = word;
-                            uint _e115 = bits;
-                            uint i_4 = ((32u * _e113) + min(uint(findLSB(_e115)), 32u));
-                            uint _e121 = own[i_4].y;
-                            uint _e123 = t.limit;
-                            if ((_e121 <= _e123)) {
-                                int before_3 = p.transmittance;
-                                int _e129 = blend_splat(p, i_4, _e6.column, _e6.row);
-                                if ((_e129 > 0)) {
-                                    uint _e135 = own[i_4].y;
-                                    uint _e139 = own[i_4].x;
-                                    note(t, before_3, _e129, _e135, _e139);
-                                }
-                            }
+                            uint _e106 = word;
+                            uint _e108 = bits;
+                            uint i_4 = ((32u * _e106) + min(uint(findLSB(_e108)), 32u));
+                            Taken _e112 = take(i_4, _e6.row);
+                            uvec2 _e116 = own[i_4];
+                            trace_splat(p, s, _e112, _e6.column, _e116);
+                            Taken _e118 = take(i_4, _e6.row);
+                            uvec2 _e124 = own[i_4];
+                            trace_splat(q, t, _e118, (_e6.column + APART), _e124);
                         }
                     }
                 }
             }
-            bool _e148 = open;
-            if (_e148) {
-                int _e152 = p.transmittance;
-                if (!((_e152 < FXS_CLOSED_Q15_))) {
-                    uint _e161 = own[0].y;
-                    uint _e163 = t.limit;
-                    local_2 = (_e161 > _e163);
+            bool _e134 = open.x;
+            if (_e134) {
+                int _e138 = p.transmittance;
+                if (!((_e138 < FXS_CLOSED_Q15_))) {
+                    uint _e147 = own[0].y;
+                    uint _e149 = s.limit;
+                    local_1 = (_e147 > _e149);
                 } else {
-                    local_2 = true;
+                    local_1 = true;
                 }
-                bool _e166 = local_2;
-                local_1 = _e166;
+                bool _e152 = local_1;
+                local = _e152;
             } else {
-                local_1 = false;
+                local = false;
             }
-            bool _e168 = local_1;
-            if (_e168) {
-                open = false;
-                close_pixel(thread);
+            bool _e154 = local;
+            if (_e154) {
+                open.x = false;
+                close_pixel(_e6, false);
+            }
+            bool _e159 = open.y;
+            if (_e159) {
+                int _e163 = q.transmittance;
+                if (!((_e163 < FXS_CLOSED_Q15_))) {
+                    uint _e172 = own[0].y;
+                    uint _e174 = t.limit;
+                    local_3 = (_e172 > _e174);
+                } else {
+                    local_3 = true;
+                }
+                bool _e177 = local_3;
+                local_2 = _e177;
+            } else {
+                local_2 = false;
+            }
+            bool _e179 = local_2;
+            if (_e179) {
+                open.y = false;
+                close_pixel(_e6, true);
             }
             memoryBarrierShared();
             barrier();
         }
     }
-    if (_e6.inside) {
-        put_pixel(p, _e6.at);
-        int _e176 = p.transmittance;
-        put_traces(t, _e176, _e6.at);
+    if (_e6.inside.x) {
+        put_traced(p, s, _e6.at);
+    }
+    if (_e6.inside.y) {
+        put_traced(q, t, (_e6.at + APART));
         return;
     } else {
         return;

@@ -4,7 +4,7 @@
 
 #include <fixsplat/packed.h>
 #include <fixsplat/stage.h>
-#include "gl.h"
+#include "kernels/gl/gl.h"
 #include <fixsplat/gles.h>
 
 #define FXS_GLES_SIDE 2048         /* texels, of what every device has: 2 M records */
@@ -33,7 +33,7 @@ enum {
     FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* the caller's, or made from his; BUFFER: GL's depths */
     FXS_GLES_CARRIED,              /* T and sums so far */
     FXS_GLES_IDS, FXS_GLES_TRACES, /* tiles: ids of records; depths, weights and ids so far */
-    FXS_GLES_UNITS,
+    FXS_GLES_UNITS,                /* FXS_GL_UNITS */
     FXS_GLES_NEXT = FXS_GLES_UNITS,   /* T and sums that are drawn: it takes turns with CARRIED */
     FXS_GLES_WHOLE,                /* fetch: T and sums of a window */
     FXS_GLES_NEXT_TRACES,          /* it takes turns with TRACES */
@@ -87,22 +87,8 @@ struct fxs_gles {
     uint64_t nanoseconds;
 };
 
-/* The GL state that fxs_gles_init and fxs_gles_render touch. */
-typedef struct fxs_gles_state {
-    GLint program, vertex_array, unpack_buffer, array_buffer, renderbuffer, draw_framebuffer, read_framebuffer;
-    GLint active_texture, textures[FXS_GLES_UNITS], samplers[FXS_GLES_UNITS], viewport[4], scissor[4], unpack[3];
-    GLint blend[6];
-    GLboolean switches[8], colour_mask[4];
-} fxs_gles_state;
-
-void fxs_gles_save(const fxs_gl *gl, fxs_gles_state *state);
-void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *state);
-
-/* Sets what every draw wants: switches, masks, unpacking, and the textures of the tiles' shader at their units. */
+/* Sets what every draw wants, with the textures of the tiles' shader at their units. */
 void fxs_gles_set(const fxs_gles *gles);
-
-/* Premultiplied colours over what is there. */
-void fxs_gles_blend_over(const fxs_gl *gl);
 
 /* Of the pixels that a run is drawn to. */
 static inline enum fxs_format fxs_gles_format(const fxs_gles *gles, const fxs_tile_run *run)
@@ -115,13 +101,6 @@ int fxs_gles_has(const fxs_gles *gles, const fxs_tile_run *run);
 
 /* Makes the context current. Returns 0 or FXS_ERR_DEVICE. */
 int fxs_gles_use(const fxs_gles *gles);
-
-/* Takes the errors that are pending. Returns 0 where there were none, else FXS_ERR_DEVICE, or FXS_ERR_MEMORY where the
-   first says so. */
-int fxs_gles_check(const fxs_gles *gles);
-
-/* The same for a call that failed, whether it left an error or not: never 0. */
-int fxs_gles_failure(const fxs_gles *gles);
 
 /* Makes a target of the back end's own at least so large. Errors: FXS_ERR_DEVICE, FXS_ERR_MEMORY. */
 int fxs_gles_make_target(fxs_gles *gles, int target, GLenum format, int32_t width, int32_t height);

@@ -158,7 +158,7 @@ static int upload(fxs_gles *g, batch *b, uint32_t count)
     b->records = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS),
                               (GLsizeiptr)rows * (GLsizeiptr)width * 16);
     if (!b->records)
-        return fxs_gles_failure(g);
+        return fxs_gl_failure(&g->gl);
     fxs_run(b->run->config, fill_part, b, PARTS);
     if (!g->gl.UnmapBuffer(GL_PIXEL_UNPACK_BUFFER))
         return FXS_ERR_DEVICE;
@@ -182,7 +182,7 @@ static int begin_states(fxs_gles *g, const fxs_gles_window *w)
         gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16I, g->whole[0], g->whole[1], 0, GL_RGBA_INTEGER, GL_SHORT, 0);
         if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
             g->whole[0] = g->whole[1] = 0;
-            return fxs_gles_failure(g);
+            return fxs_gl_failure(&g->gl);
         }
     }
     gl->Scissor(0, 0, w->width, w->height);

@@ -42,28 +42,6 @@ uint64_t fxs_gles_nanoseconds(const fxs_gles *g)
 
 /* ---- Functions and limits ---------------------------------------------------------------------------------------- */
 
-static int load_functions(fxs_gl *gl, fxs_gl_load_fn *load, void *argument, char *message)
-{
-#define LOAD(type, name) \
-    gl->name = (PFNGL##type##PROC)load(argument, "gl" #name); \
-    if (!gl->name) \
-        return say(message, "no function gl", #name);
-    FXS_GL_FUNCTIONS(LOAD)
-    return 0;
-}
-
-static int has_extension(const fxs_gl *gl, const char *name)
-{
-    GLint count = 0;
-    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; i++) {
-        const char *one = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i);
-        if (one && !strcmp(one, name))
-            return 1;
-    }
-    return 0;
-}
-
 /* "OpenGL ES 3.2 ...", or of desktop OpenGL "4.5 ...". */
 static int check_version(fxs_gles *g, char *message)
 {
@@ -77,12 +55,12 @@ static int check_version(fxs_gles *g, char *message)
     const char *number = is_es ? version + sizeof es - 1 : version;
     if (number[0] < '3' || number[0] > '9' || (!is_es && number[0] == '3' && (number[1] != '.' || number[2] < '3')))
         return say(message, "the context is too old, OpenGL ES 3.0 is needed: ", version);
-    if (!is_es && !has_extension(&g->gl, "GL_ARB_ES3_compatibility"))
+    if (!is_es && !fxs_gl_has_extension(&g->gl, "GL_ARB_ES3_compatibility"))
         return say(message, "no GL_ARB_ES3_compatibility in OpenGL ", version);
     g->points = is_es;             /* elsewhere their size is a matter of state */
-    g->timer = is_es && has_extension(&g->gl, "GL_EXT_disjoint_timer_query");
-    g->blended_format = !is_es || has_extension(&g->gl, "GL_EXT_color_buffer_half_float") ||
-                        has_extension(&g->gl, "GL_EXT_color_buffer_float") ? GL_RGBA16F : GL_RGB10_A2;
+    g->timer = is_es && fxs_gl_has_extension(&g->gl, "GL_EXT_disjoint_timer_query");
+    g->blended_format = !is_es || fxs_gl_has_extension(&g->gl, "GL_EXT_color_buffer_half_float") ||
+                        fxs_gl_has_extension(&g->gl, "GL_EXT_color_buffer_float") ? GL_RGBA16F : GL_RGB10_A2;
     return 0;
 }
 
@@ -116,7 +94,6 @@ static const char *factor_of(const fxs_gles *g)
 
 static int compile(const fxs_gles *g, GLuint program, GLenum kind, const char *define, const char *text, char *message)
 {
-    const fxs_gl *gl = &g->gl;
     char log[FXS_GLES_MESSAGE] = "";
     const int is_fragment = kind == GL_FRAGMENT_SHADER;
     const char *parts[] = {version,
@@ -126,19 +103,12 @@ static int compile(const fxs_gles *g, GLuint program, GLenum kind, const char *d
                            factor_of(g),
                            is_fragment ? pixel_h : "",
                            is_fragment ? weight_frag : "",
+                           is_fragment ? depth_frag : "",
                            is_fragment ? mesh_frag : "",
                            is_fragment ? records_frag : "",
                            text};
-    GLint done = 0;
-    GLuint shader = gl->CreateShader(kind);
-    gl->ShaderSource(shader, sizeof parts / sizeof *parts, parts, 0);
-    gl->CompileShader(shader);
-    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &done);
-    if (!done)
-        gl->GetShaderInfoLog(shader, sizeof log, 0, log);
-    gl->AttachShader(program, shader);
-    gl->DeleteShader(shader);
-    return done ? 0 : say(message, "the shader does not compile: ", log);
+    return fxs_gl_compile(&g->gl, program, kind, parts, sizeof parts / sizeof *parts, log, sizeof log)
+               ? 0 : say(message, "the shader does not compile: ", log);
 }
 
 static int make_program(fxs_gles *g, int which, const char *define, const char *vertex, const char *fragment,
@@ -148,7 +118,6 @@ static int make_program(fxs_gles *g, int which, const char *define, const char *
                                         "depth_buffer", "backdrop", "carried", "ids",    "traces"};
     const fxs_gl *gl = &g->gl;
     char log[FXS_GLES_MESSAGE] = "";
-    GLint done = 0;
     fxs_gles_program *p = &g->programs[which];
     p->name = gl->CreateProgram();
     int error = compile(g, p->name, GL_VERTEX_SHADER, define, vertex, message);
@@ -158,12 +127,8 @@ static int make_program(fxs_gles *g, int which, const char *define, const char *
         return error;
     gl->BindAttribLocation(p->name, 0, "shape");
     gl->BindAttribLocation(p->name, 1, "look");
-    gl->LinkProgram(p->name);
-    gl->GetProgramiv(p->name, GL_LINK_STATUS, &done);
-    if (!done) {
-        gl->GetProgramInfoLog(p->name, sizeof log, 0, log);
+    if (!fxs_gl_link(gl, p->name, log, sizeof log))
         return say(message, "the shaders do not link: ", log);
-    }
     p->place = gl->GetUniformLocation(p->name, "place");
     p->source = gl->GetUniformLocation(p->name, "source");
     p->background = gl->GetUniformLocation(p->name, "background");
@@ -193,7 +158,7 @@ static int make_programs(fxs_gles *g, char *message)
 /* Where they cannot be, no_fetch says why. (GL_ARM_shader_framebuffer_fetch reads colours as floats: not these.) */
 static void make_fetch_programs(fxs_gles *g)
 {
-    if (!has_extension(&g->gl, "GL_EXT_shader_framebuffer_fetch")) {
+    if (!fxs_gl_has_extension(&g->gl, "GL_EXT_shader_framebuffer_fetch")) {
         say(g->no_fetch, "no GL_EXT_shader_framebuffer_fetch", "");
         return;
     }
@@ -231,7 +196,7 @@ static int make_traced(fxs_gles *g)
                              message);
     if (!error)
         error = make_program(g, FXS_GLES_TRACED, "#define TRACED\n", tiles_vert, tiles_frag, message);
-    return error ? error : fxs_gles_check(g);
+    return error ? error : fxs_gl_check(&g->gl);
 }
 
 /* The same, once. */
@@ -284,7 +249,7 @@ int fxs_gles_use(const fxs_gles *g)
 int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
                   char message[FXS_GLES_MESSAGE])
 {
-    fxs_gles_state state;
+    fxs_gl_state state;
     memset(g, 0, sizeof *g);
     g->use = use;
     g->use_argument = argument;
@@ -292,39 +257,33 @@ int fxs_gles_init(fxs_gles *g, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *a
         say(message, "the context cannot be made current", "");
         return FXS_ERR_DEVICE;
     }
-    int error = load_functions(&g->gl, load, argument, message);
-    if (!error)
-        error = check_version(g, message);
+    const char *missing = fxs_gl_load(&g->gl, load, argument);
+    int error = missing ? say(message, "no function ", missing) : check_version(g, message);
     if (!error)
         error = check_limits(g, message);
     if (error)
         return error;
-    fxs_gles_save(&g->gl, &state);
-    fxs_gles_check(g);
+    fxs_gl_save(&g->gl, &state);
+    fxs_gl_check(&g->gl);
     error = make_programs(g, message);
     make_fetch_programs(g);
     if (!error)
         error = make_objects(g, message);
-    if (!error && (error = fxs_gles_check(g)) != 0)
+    if (!error && (error = fxs_gl_check(&g->gl)) != 0)
         say(message, "the device failed to make textures and buffers", "");
     if (error)
         fxs_gles_free(g);
-    fxs_gles_restore(&g->gl, &state);
+    fxs_gl_restore(&g->gl, &state);
     return error;
 }
 
 void fxs_gles_free(fxs_gles *g)
 {
     const fxs_gl *gl = &g->gl;
-    GLint current = 0;
     if (fxs_gles_use(g))
         return;                    /* its objects went with the context */
-    gl->GetIntegerv(GL_CURRENT_PROGRAM, &current);
-    for (int i = 0; i < FXS_GLES_PROGRAMS; i++) {
-        if ((GLuint)current == g->programs[i].name)
-            gl->UseProgram(0);     /* alone of all objects, it would outlive its deletion */
-        gl->DeleteProgram(g->programs[i].name);
-    }
+    for (int i = 0; i < FXS_GLES_PROGRAMS; i++)
+        fxs_gl_delete_programs(gl, 1, &g->programs[i].name);
     gl->DeleteTextures(FXS_GLES_TEXTURES, g->textures);
     gl->DeleteFramebuffers(FXS_GLES_FRAMEBUFFERS, g->framebuffers);
     gl->DeleteRenderbuffers(FXS_GLES_TARGETS, g->renderbuffers);
@@ -332,22 +291,6 @@ void fxs_gles_free(fxs_gles *g)
     gl->DeleteBuffers(FXS_GLES_BUFFERS, g->buffers);
     if (g->timer)
         gl->DeleteQueries(1, &g->query);
-}
-
-int fxs_gles_check(const fxs_gles *g)
-{
-    int error = 0;
-    GLenum one;
-    /* A context that is lost may say so for ever. */
-    for (int i = 0; i < 16 && (one = g->gl.GetError()) != GL_NO_ERROR; i++)
-        error = error ? error : one == GL_OUT_OF_MEMORY ? FXS_ERR_MEMORY : FXS_ERR_DEVICE;
-    return error;
-}
-
-int fxs_gles_failure(const fxs_gles *g)
-{
-    const int error = fxs_gles_check(g);
-    return error ? error : FXS_ERR_DEVICE;
 }
 
 int fxs_gles_make_target(fxs_gles *g, int target, GLenum format, int32_t width, int32_t height)
@@ -362,7 +305,7 @@ int fxs_gles_make_target(fxs_gles *g, int target, GLenum format, int32_t width, 
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[target]);
     gl->FramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, g->renderbuffers[target]);
     const GLenum status = gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER);
-    const int error = status == GL_FRAMEBUFFER_COMPLETE ? fxs_gles_check(g) : fxs_gles_failure(g);
+    const int error = status == GL_FRAMEBUFFER_COMPLETE ? fxs_gl_check(&g->gl) : fxs_gl_failure(&g->gl);
     if (error)
         return error;
     g->width[target] = width;
@@ -480,34 +423,23 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t
     gl->ReadPixels(0, 0, width, height, format, wide ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE, 0);
     const unsigned char *read = gl->MapBufferRange(GL_PIXEL_PACK_BUFFER, 0, bytes, GL_MAP_READ_BIT);
     if (!read)
-        return fxs_gles_failure(g);
+        return fxs_gl_failure(&g->gl);
     copy_tiles(run, read, x, y, width, height, wide);
-    return gl->UnmapBuffer(GL_PIXEL_PACK_BUFFER) ? fxs_gles_check(g) : FXS_ERR_DEVICE;
+    return gl->UnmapBuffer(GL_PIXEL_PACK_BUFFER) ? fxs_gl_check(&g->gl) : FXS_ERR_DEVICE;
 }
 
 /* ---- Into the caller's target ------------------------------------------------------------------------------------ */
 
-void fxs_gles_target_init(fxs_gles_target *target)
-{
-    memset(target, 0, sizeof *target);
-}
-
 int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *request, const fxs_gles_target *target,
                     void *memory, size_t memory_bytes, fxs_stats *stats)
 {
-    fxs_gles_state state;
+    fxs_gl_state state;
     if (!g || !context || !request || !target)
         return FXS_ERR_ARGUMENT;
-    if (target->depth_bits < 0 || target->depth_bits > 28 || (target->occluder && target->depth_buffer) ||
-        (target->backdrop && target->format != FXS_FORMAT_RGBA8) ||
-        (target->over && target->format != FXS_FORMAT_RGBA8_COVERAGE) ||
-        (target->depths_and_ids && !target->framebuffer) ||
-        (target->depth_buffer &&
-         !(target->plane_0 > 0 && target->plane_1 > 0 && (target->plane_0 < target->plane_1 ||
-                                                          target->plane_1 < target->plane_0))))
-        return FXS_ERR_TARGET;
-    if ((target->format != FXS_FORMAT_RGBA8 && target->format != FXS_FORMAT_RGBA8_COVERAGE) ||
-        (target->fetch && g->no_fetch[0]) ||
+    int error = fxs_gl_check_target(target);
+    if (error)
+        return error;
+    if ((target->fetch && g->no_fetch[0]) ||
         (target->quads && (target->fetch || target->occluder || target->depth_buffer || target->backdrop ||
                            target->over)) ||
         (target->depths_and_ids && (target->fetch || target->quads)) ||
@@ -522,12 +454,12 @@ int fxs_gles_render(fxs_gles *g, const fxs_context *context, const fxs_request *
     drawing.config.draw_unlisted = target->fetch || target->quads;
     if (fxs_gles_use(g))
         return FXS_ERR_DEVICE;
-    fxs_gles_save(&g->gl, &state);
-    fxs_gles_check(g);
+    fxs_gl_save(&g->gl, &state);
+    fxs_gl_check(&g->gl);
     g->target = target;
-    int error = fxs_gles_is_traced(g) ? prepare_traced(g) : 0;
+    error = fxs_gles_is_traced(g) ? prepare_traced(g) : 0;
     error = error ? error : fxs_render(&drawing, &own, memory, memory_bytes, stats);
     g->target = 0;
-    fxs_gles_restore(&g->gl, &state);
+    fxs_gl_restore(&g->gl, &state);
     return error;
 }

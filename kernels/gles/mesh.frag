@@ -33,7 +33,5 @@ uint limit_at(ivec2 texel)
         return depth_key(texelFetch(occluder, texel, 0).x, bits);
     if ((mesh.w & BUFFER) == 0)
         return 0xffffffffu;
-    float depth = texelFetch(depth_buffer, texel, 0).x;
-    float inverse = mix(planes.x, planes.y, depth), z = float(1 << bits) / inverse;
-    return inverse <= min(planes.x, planes.y) || z >= 4294967040.0 ? 0xffffffffu : depth_key(uint(z), bits);
+    return depth_key(distance_of(texelFetch(depth_buffer, texel, 0).x, planes, bits), bits);
 }

@@ -3,6 +3,13 @@
 #include <fixsplat/fixed.h>
 #include "device.h"
 
+void fxs_gles_set(const fxs_gles *g)
+{
+    fxs_gl_set(&g->gl, g->vertex_arrays[0], FXS_GLES_UNITS, g->textures);
+    if (g->target && g->target->over)
+        fxs_gl_blend_over(&g->gl);   /* what else is drawn on has integers, which are not blended */
+}
+
 int fxs_gles_has_occluder(const fxs_gles *g, const fxs_tile_run *run)
 {
     return g->target ? g->target->occluder || g->target->depth_buffer : run->targets->occluder.pixels != 0;
@@ -129,7 +136,7 @@ static int draw_window(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_wind
     put_mesh(g, run, w);
     int error = draw(g, run, w);
     fxs_gles_stop_timer(g);
-    error = error ? error : fxs_gles_check(g);
+    error = error ? error : fxs_gl_check(&g->gl);
     return error || g->target ? error : fxs_gles_read(g, run, FXS_GLES_TARGET, w->x, w->y, w->width, w->height);
 }
 

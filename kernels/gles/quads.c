@@ -44,7 +44,7 @@ static int upload(fxs_gles *g, const fxs_tile_run *run)
     filling f = {run, 0};
     f.instances = fxs_gles_map(g, GL_ARRAY_BUFFER, FXS_GLES_INSTANCES, bytes);
     if (!f.instances)
-        return fxs_gles_failure(g);
+        return fxs_gl_failure(&g->gl);
     fxs_run(run->config, fill_part, &f, PARTS);
     return g->gl.UnmapBuffer(GL_ARRAY_BUFFER) ? 0 : FXS_ERR_DEVICE;
 }
@@ -62,7 +62,7 @@ static void draw(const fxs_gles *g, const fxs_tile_run *run)
         gl->VertexAttribIPointer(i, 4, i ? GL_UNSIGNED_INT : GL_INT, INSTANCE,
                                  (const void *)(INSTANCE / 2 * (size_t)i));
     }
-    fxs_gles_blend_over(gl);
+    fxs_gl_blend_over(gl);
     gl->DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)run->visible);
 }
 
@@ -119,5 +119,5 @@ int fxs_gles_draw_quads(void *argument, const fxs_tile_run *run)
         draw(g, run);
     blit(g, width, height);
     fxs_gles_stop_timer(g);
-    return g->target ? fxs_gles_check(g) : fxs_gles_read(g, run, FXS_GLES_BYTES, 0, 0, width, height);
+    return g->target ? fxs_gl_check(&g->gl) : fxs_gles_read(g, run, FXS_GLES_BYTES, 0, 0, width, height);
 }

@@ -84,7 +84,7 @@ int fxs_gles_make_masks(fxs_gles *g, uint64_t chunks)
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, g->framebuffers[FXS_GLES_MASKED]);
     gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, g->textures[FXS_GLES_MASKS], 0);
     if (gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-        return fxs_gles_failure(g);
+        return fxs_gl_failure(&g->gl);
     g->mask_rows = rows;
     return 0;
 }
@@ -130,7 +130,7 @@ static int begin_batch(batch *b, int32_t first)
     b->lists = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS),
                             (GLsizeiptr)(lists + chunks + ((size_t)g->record_rows << g->shift) * RECORD / 2 + ids));
     if (!b->lists)
-        return fxs_gles_failure(g);
+        return fxs_gl_failure(&g->gl);
     b->chunks = b->lists + lists / 4;
     b->records = b->chunks + chunks / 4;
     b->ids = b->records + RECORD / 4 * (size_t)b->room.records;

@@ -359,26 +359,42 @@ export function foresee(objects: readonly Placed[], camera?: Camera, options?: F
     null where no Gaussian contributes. */
 export function pick(x: number, y: number, objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Picked | null
 
-/** Where a Screen of the back end 'webgpu' draws in place of its canvas: textures of its device. They are read and
-    written until `finish` is fulfilled. */
+/** Where a Screen of the back end 'webgpu' draws in place of its whole canvas: textures of its device. They are read
+    and written until `finish` is fulfilled. */
 export interface IntoTexture {
   /** A texture with the usage RENDER_ATTACHMENT and the format rgba8unorm, bgra8unorm, rgba16float or rgba32float. The
-      colours are those of an sRGB picture. */
-  texture: GPUTexture
+      colours are those of an sRGB picture. Without it, the picture is drawn into a part of the Screen's canvas, which
+      keeps its size and what is beside the picture. */
+  texture?: GPUTexture
   /** The pixel of the texture, from its top left corner, for the top left corner of the picture; 0 and 0 by default. */
   x?: number
   y?: number
-  /** The depth buffer of what is drawn already, with the usage TEXTURE_BINDING, at the same pixels: a Gaussian whose
-      centre is farther adds nothing to that pixel. `planes` are the distances from the camera, in scene units, that 0
-      and 1 stand for, of a camera with perspective. Either may be the farther one, which hides nothing and may be
-      Infinity. */
+  /** The depth buffer of what is drawn already, in a depth format and with the usage TEXTURE_BINDING, at the same
+      pixels: a Gaussian whose centre is farther adds nothing to that pixel. `planes` are the distances from the
+      camera, in scene units, that 0 and 1 stand for, of a camera with perspective. Either may be the farther one, which
+      hides nothing and may be Infinity. */
   depth?: { texture: GPUTexture; planes: readonly [number, number] }
   /** With `alpha`: true blends the picture over what is in the texture. False, the default, replaces that. */
   over?: boolean
 }
 
+/** What a Screen of the back end 'webgpu' copies into buffers of its device, beside the picture: the targets of a
+    Frame, as numbers of 32 bits in the rows of pixels from the top. A buffer needs the usage COPY_DST and 4 bytes a
+    pixel, for `ids` 8. It is written when the picture is whole, at the latest when `finish` is fulfilled. `colour` has
+    four bytes a pixel: red, green, blue, alpha. */
+export interface IntoBuffers {
+  colour?: GPUBuffer
+  depth?: GPUBuffer
+  meanDepth?: GPUBuffer
+  ids?: GPUBuffer
+}
+
 /** Options of a picture that is drawn on a Screen. */
 export interface ScreenOptions extends FrameOptions {
+  /** For the back end 'webgpu'. A Screen without a canvas may draw `targets` alone. */
+  targets?: IntoBuffers
+  /** The number of binary digits of these depths after the point, 1 to 28; 16 by default. */
+  depthBits?: number
   /** For the back ends of WebGL 2: draws into a framebuffer of the Screen's context in place of the canvas. `x` and `y`
       are the pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default. The default
       `framebuffer` is null, the canvas itself, which then keeps its size. */
@@ -419,7 +435,8 @@ export class Screen {
       are drawn while one is on its way, only the last is shown. */
   draw(objects: readonly Placed[], camera?: Camera, options?: ScreenOptions): Drawn
   /** Is fulfilled when the GPU has completed all pictures that were drawn. With the back end 'webgpu' it is rejected
-      with an Error where the last of them could not be drawn. */
+      with an Error of one line where the last of them could not be drawn; nothing of that is shown then, and the next
+      may be drawn. */
   finish(): Promise<void>
   /** The last picture: the pixels from the top row down, four bytes each: red, green, blue, alpha. With the back end
       'webgpu' a promise of them. */

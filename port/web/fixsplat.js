@@ -519,6 +519,8 @@ function sizeOf(camera, options) {
 
 function begin(objects, camera, options) {
   const [width, height] = sizeOf(camera, options)
+  const { depthBits = 16 } = options
+  if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
   const core = placeAll(objects)
   takeCamera(core, objects, camera, width, height)
   return [core, width, height]
@@ -616,7 +618,6 @@ function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
 /** What the one or two cameras see that a module has taken: pixels, or objects of targets. */
 function draw(core, width, height, eyes, options) {
   const { depthBits = 16, exact = false, targets } = options
-  if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
   const { code, bytes, plans } = planOf(width, height, eyes, options)
   const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
   const numbersOf = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)

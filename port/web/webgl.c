@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kernels/gles/gl.h"
+#include "kernels/gl/gl.h"
 #include <fixsplat/gles.h>
 #include "web.h"
 

@@ -80,15 +80,22 @@ EXPORT(gpu_end) void fxs_web_gpu_end(web_plan *w)
     free(w);
 }
 
-/* Images are on the device alone; what is not null is there. */
-static void take_targets(fxs_targets *t, ptrdiff_t row, int alpha, int occluded, int depth_bits)
+/* The bits of `asked`: colours, mean and median depths, ids, an occluder. Images are on the device alone, and their
+   addresses are not followed: in each row one lies behind the other. */
+static void take_targets(fxs_targets *t, int32_t width, int alpha, int depth_bits, uint32_t asked)
 {
+    fxs_image *const images[] = {&t->colour, &t->mean_depth, &t->median_depth, &t->id, &t->occluder};
+    ptrdiff_t row = 0;
     fxs_targets_init(t);
     t->format = alpha ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
     t->depth_bits = depth_bits;
-    t->colour = (fxs_image){(void *)0x40, row};
-    if (occluded)
-        t->occluder = (fxs_image){(void *)0x50000000, row};
+    for (uint32_t i = 0; i < sizeof images / sizeof *images; i++)
+        if (asked >> i & 1) {
+            images[i]->pixels = (void *)(0x40 + row);
+            row += (images[i] == &t->id ? 8 : 4) * (ptrdiff_t)width;
+        }
+    for (uint32_t i = 0; i < sizeof images / sizeof *images; i++)
+        images[i]->stride = row;
 }
 
 static int begin(web_plan *w)
@@ -104,7 +111,7 @@ static int begin(web_plan *w)
 
 /* Begins a frame of the objects and the camera that were set before; `gpu_end` frees it. Out: the Gaussians that are
    drawn. */
-EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, int occluded, int depth_bits,
+EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, int depth_bits, uint32_t asked,
                                               uint32_t background, int sh_degree, int square, uint32_t budget,
                                               uint32_t detail_q8)
 {
@@ -114,7 +121,7 @@ EXPORT(gpu_begin) web_plan *fxs_web_gpu_begin(fxs_plan_rooms *rooms, int alpha, 
     memset(w, 0, sizeof *w);
     w->rooms = rooms;
     fxs_web_request(&w->request, background, sh_degree, square, budget, detail_q8);
-    take_targets(w->request.targets, 4 * (ptrdiff_t)w->request.cameras->width, alpha, occluded, depth_bits);
+    take_targets(w->request.targets, w->request.cameras->width, alpha, depth_bits, asked);
     w->crops = fxs_web_take_crops();
     if (begin(w)) {
         fxs_web_gpu_end(w);
@@ -131,7 +138,7 @@ static void take_step(void *argument, const fxs_step *step)
 }
 
 /* Out: the address and the bytes of uniforms, of places, and where these lie in the memory; the address and the number
-   of the steps; where colours and occluder lie in the picture, words; then the bytes of each buffer. */
+   of the steps; where the images of take_targets lie in the picture, words; then the bytes of each buffer. */
 EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
 {
     fxs_plan *p = &w->plan;
@@ -152,7 +159,8 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
     fxs_plan_steps(p, take_step, w);
     const double facts[] = {(double)(uintptr_t)w->words, (double)uniforms,
                             (double)(uintptr_t)(w->words + uniforms / 4), (double)places, 4.0 * p->frame.spans_at,
-                            (double)(uintptr_t)w->steps, w->step_count, p->frame.colour, p->frame.occluder};
+                            (double)(uintptr_t)w->steps, w->step_count, p->frame.colour, p->frame.mean_depth,
+                            p->frame.median_depth, p->frame.id, p->frame.occluder};
     memcpy(out, facts, sizeof facts);
     for (size_t i = 0; i < FXS_COMPUTE_BUFFERS; i++)
         out[sizeof facts / sizeof *facts + i] = (double)p->bytes[i];

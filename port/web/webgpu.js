@@ -12,7 +12,8 @@ const STRIDE = 1024             // bytes of a uniform, as FXS_COMPUTE_STRIDE
 const STEP = 13                 // words of fxs_step
 const LOST = 'the WebGPU device was lost: open another Screen'
 const NOTHING = 0xffffffff      // as FXS_NOTHING
-const DEPTH_BITS = 16           // of the depths that a caller's depth buffer is turned to
+const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }  // words a pixel, in the order of the module
+const [OCCLUDER, IMAGES] = [4, 5]                       // its number, behind them; and how many there are
 
 // Beside the stages: the picture's words as colours of a texture, whose formats of 8 bits take k / 255 exactly; and the
 // depth buffer of a caller as the occluder, as kernels/gles/mesh.frag has it.
@@ -50,7 +51,7 @@ fn hide(@builtin(global_invocation_id) id: vec3<u32>)
         return;
     }
     let inverse = mix(place.planes.x, place.planes.y, textureLoad(depths, pixel + place.corner, 0));
-    let z = ${2 ** DEPTH_BITS}.0 / inverse;
+    let z = 1.0 / inverse;
     let nothing = inverse <= min(place.planes.x, place.planes.y) || z >= 4294967040.0;
     hiding[place.occluder + pixel.y * place.size.x + pixel.x] = select(u32(z), ${NOTHING}u, nothing);
 }`
@@ -59,13 +60,19 @@ const ONE_OVER = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha' }
 
 // ---- Devices --------------------------------------------------------------------------------------------------
 
+/** What the browser says, without where it found that. */
+const lineOf = ({ message }) => message.split('\n')[0]
+
 let own                         // of the Screens that are given none
 
 async function makeDevice() {
   const adapter = await globalThis.navigator?.gpu?.requestAdapter({ powerPreference: 'high-performance' })
   if (!adapter) throw new Error('there is no WebGPU here')
   const { maxStorageBufferBindingSize, maxBufferSize } = adapter.limits
-  const device = await adapter.requestDevice({ requiredLimits: { maxStorageBufferBindingSize, maxBufferSize } })
+  const requiredLimits = { maxStorageBufferBindingSize, maxBufferSize }
+  const device = await adapter.requestDevice({ requiredLimits }).catch((error) => {
+    throw new Error(`there is no WebGPU device: ${lineOf(error)}`)
+  })
   device.lost.then(() => (own = undefined))
   return device
 }
@@ -83,7 +90,7 @@ async function pipelineOf(kind, device, what, module, descriptor) {
   } catch (error) {
     const { messages } = await module.getCompilationInfo()
     const [first] = messages.filter(({ type }) => type === 'error')
-    const words = first ? `line ${first.lineNum}: ${first.message}` : error.message
+    const words = first ? `line ${first.lineNum}: ${lineOf(first)}` : lineOf(error)
     throw new Error(`${what} does not compile: ${words}`)
   }
 }
@@ -128,16 +135,33 @@ function programsOf(device) {
 
 // ---- Frames ---------------------------------------------------------------------------------------------------
 
-/** Whether a picture lies in the textures that it is drawn into. */
+/** Whether a picture lies in a texture that can be used so. */
+function checkTexture(name, texture, isKind, kind, usage, [x, y, width, height]) {
+  if (!isKind(texture?.format)) throw new Error(`${name} needs a texture of ${kind}`)
+  if (!(texture.usage & GPUTextureUsage[usage])) throw new Error(`${name} needs a texture with the usage ${usage}`)
+  if (!(x >= 0 && y >= 0 && x + width <= texture.width && y + height <= texture.height && texture.sampleCount === 1))
+    throw new Error(`${width} x ${height} pixels from ${x}, ${y} on do not lie in the texture of ${name}`)
+}
+
 function checkInto({ texture, x = 0, y = 0, depth, over }, width, height, alpha) {
-  if (!FORMATS.includes(texture?.format)) throw new Error(`\`into\` needs a texture of one of ${FORMATS.join(', ')}`)
-  for (const one of depth ? [texture, depth.texture] : [texture])
-    if (!(x >= 0 && y >= 0 && x + width <= one.width && y + height <= one.height && one.sampleCount === 1))
-      throw new Error(`${width} x ${height} pixels from ${x}, ${y} on do not lie in the texture`)
-  if (depth && !depth.texture.format.startsWith('depth')) throw new Error('`into.depth` needs a depth texture')
+  const place = [x, y, width, height]
+  const isColour = (format) => FORMATS.includes(format)
+  const isDepth = (format) => /^depth/.test(format)
+  checkTexture('`into`', texture, isColour, `one of ${FORMATS.join(', ')}`, 'RENDER_ATTACHMENT', place)
+  if (depth) checkTexture('`into.depth`', depth.texture, isDepth, 'depths', 'TEXTURE_BINDING', place)
   if (depth && !(depth.planes?.length === 2 && depth.planes.every((plane) => plane > 0)))
     throw new Error('`into.depth` needs two planes, the distances that 0 and 1 stand for')
   if (over && !alpha) throw new Error('`into.over` needs `alpha`')
+}
+
+/** Whether there are buffers for the targets that are asked for. */
+function checkTargets(targets, pixels) {
+  for (const [name, buffer] of Object.entries(targets)) {
+    const bytes = 4 * TARGETS[name] * pixels
+    if (!bytes) throw new Error(`${name}: expected one of ${Object.keys(TARGETS).join(', ')}`)
+    if (!(buffer?.size >= bytes && buffer.usage & GPUBufferUsage.COPY_DST))
+      throw new Error(`${name} needs a buffer of ${bytes} bytes with the usage COPY_DST`)
+  }
 }
 
 const KINDS = ['validation', 'out-of-memory', 'internal']
@@ -149,6 +173,7 @@ export class Computed {
   #valuesOf
   #context
   #format                      // of the canvas
+  #parts                       // what is on it, where pictures are drawn into parts of it
   #names                       // of the programs, by their numbers,
   #pipelines = {}              // and those that are there, by their names
   #rooms                       // the place of the device's rooms in the module
@@ -159,7 +184,7 @@ export class Computed {
   #next                        // the frame that waits
   #running                     // until none does
   #failure                     // of the last frame,
-  #last                        // and the last one that was whole: { width, height, colour }
+  #last                        // and the last one that was whole: { width, height, images }
   #freed = false
 
   constructor(canvas, core, device, valuesOf) {
@@ -182,6 +207,7 @@ export class Computed {
     this.#names = this.#core.text(this.#core.c.gpu_programs()).trim().split(' ')
     await this.#need(...this.#names.filter((name) => !/trace_tiles|name_pixels/.test(name)))
     if (this.#canvas) await this.#take(this.#canvas)
+    if (this.lost) throw new Error(LOST)
     const { maxStorageBufferBindingSize, maxBufferSize } = this.device.limits
     this.#rooms = this.#core.place(this.#core.c.gpu_open(Math.min(maxStorageBufferBindingSize, maxBufferSize)))
     this.#status = this.#buffer(4 * STATUS, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
@@ -193,7 +219,8 @@ export class Computed {
     if (!this.#context) throw new Error('the canvas has a context of another kind: take another canvas')
     this.#format = navigator.gpu.getPreferredCanvasFormat()
     await programsOf(this.device).show(this.#format, false)
-    this.#context.configure({ device: this.device, format: this.#format, alphaMode: 'premultiplied' })
+    const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_DST
+    this.#context.configure({ device: this.device, format: this.#format, alphaMode: 'premultiplied', usage })
   }
 
   async #need(...names) {
@@ -268,25 +295,30 @@ export class Computed {
   // ---- Drawing ------------------------------------------------------------------------------------------------
 
   /** Plans a frame, and has it drawn when the one before it is. */
-  draw(core, width, height, { alpha, into, ...options }, objects) {
+  draw(core, width, height, { alpha, into, targets = {}, depthBits = 16, ...options }, objects) {
     if (this.lost) throw new Error(LOST)
-    this.#checkPlace(into, width, height, alpha)
+    checkTargets(targets, width * height)
+    if (into && !into.texture && this.#context) into = { ...into, texture: this.#partsOf(this.#canvas) }
+    this.#checkPlace(into, width, height, alpha, Object.keys(targets).length > 0)
     const scenes = objects.map(({ scene }) => scene)
     for (const scene of scenes) core.check(core.c.gpu_parts(this.#rooms, scene.inside[1]))
     const [background, shDegree, square, budget, detail, limit] = this.#valuesOf(core, options)
-    const values = [alpha ? 1 : 0, into?.depth ? 1 : 0, DEPTH_BITS, background, shDegree, square, budget, detail]
+    const asked = Object.keys(TARGETS).map((name) => targets[name] || name === 'colour').concat(!!into?.depth)
+    const bits = asked.reduce((sum, is, i) => sum + (is ? 2 ** i : 0), 0)
+    const values = [alpha ? 1 : 0, depthBits, bits, background, shDegree, square, budget, detail]
     const at = core.place(core.c.gpu_begin(this.#rooms, ...values))
     const [drawn] = core.get(0, 1)
     if (this.#next) core.c.gpu_end(this.#next.at)
-    this.#next = { at, scenes, width, height, into, limit }
+    this.#next = { at, scenes, width, height, into, targets, depthBits, bits, limit }
     this.#running ??= this.#run()
     return { drawn, missing: 0 }
   }
 
-  #checkPlace(into, width, height, alpha) {
+  #checkPlace(into, width, height, alpha, hasTargets) {
     const most = this.device.limits.maxTextureDimension2D
-    if (!into && !this.#context) throw new Error('a Screen without a canvas draws `into` a texture')
-    if (!into && Math.max(width, height) > most)
+    if (!into && !this.#context && !hasTargets)
+      throw new Error('a Screen without a canvas draws `into` a texture, or `targets`')
+    if (!into && this.#context && Math.max(width, height) > most)
       throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
     if (into) checkInto(into, width, height, alpha)
   }
@@ -311,9 +343,10 @@ export class Computed {
   async #carryOut(frame) {
     const core = this.#core
     this.#forget((scene) => scene.isFreed)
-    const { texture, over = false, depth } = frame.into ?? {}
-    const show = await programsOf(this.device).show(texture?.format ?? this.#format, over)
-    if (depth) await this.#need('trace_tiles', 'hide')
+    const { texture, over = false } = frame.into ?? {}
+    const format = texture?.format ?? this.#format
+    const show = format && (await programsOf(this.device).show(format, over))
+    if (frame.bits > 1) await this.#need('trace_tiles', 'name_pixels', 'hide')
     do {
       this.#stay()
       const words = await this.#scoped(() => this.#submit(frame))
@@ -342,7 +375,7 @@ export class Computed {
     if (this.lost) throw new Error(LOST)
     const error = thrown ?? found.reason ?? found.value.find((one) => one) ?? given.reason
     if (error instanceof GPUOutOfMemoryError) throw new Error('the device is out of memory')
-    if (error) throw error instanceof Error ? error : new Error(error.message)
+    if (error) throw error instanceof Error ? error : new Error(lineOf(error))
     return given.value
   }
 
@@ -350,13 +383,12 @@ export class Computed {
   #submit(frame) {
     const core = this.#core
     core.check(core.c.gpu_lay_out(frame.at))
-    const [uniforms, bytes, places, placesBytes, placesAt, steps, count, ...rest] = core.get(0, 9 + BUFFERS)
-    const [colour, occluder, ...sizes] = rest
+    const facts = core.get(0, 7 + IMAGES + BUFFERS), [uniforms, bytes, places, placesBytes, placesAt, steps, count] = facts
+    frame.images = facts.slice(7, 7 + IMAGES)
     const words = new Int32Array(core.c.memory.buffer, steps, STEP * count).slice()
-    frame.colour = colour
-    this.#reserve(sizes, frame.limit)
+    this.#reserve(facts.slice(7 + IMAGES), frame.limit)
     this.#write(UNIFORMS, 0, uniforms, bytes)
-    this.#writePlace(frame, colour, occluder)
+    this.#writePlace(frame)
     this.#write(MEMORY, placesAt, places, placesBytes)
     const copies = frame.scenes.map((scene) => this.#copyOf(scene))
     const encoder = this.device.createCommandEncoder()
@@ -377,9 +409,9 @@ export class Computed {
   }
 
   /** A Place of ENDS. */
-  #writePlace({ width, height, into: { x = 0, y = 0, depth } = {} }, colour, occluder) {
-    const words = new Int32Array([x, y, width, height, colour, occluder, 0, 0])
-    new Float32Array(words.buffer).set(depth?.planes.map((plane) => 1 / plane) ?? [], 6)
+  #writePlace({ width, height, into: { x = 0, y = 0, depth } = {}, images, depthBits }) {
+    const words = new Int32Array([x, y, width, height, images[0], images[OCCLUDER], 0, 0])
+    new Float32Array(words.buffer).set(depth?.planes.map((plane) => 1 / (plane * 2 ** depthBits)) ?? [], 6)
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
@@ -410,10 +442,23 @@ export class Computed {
     pass.dispatchWorkgroups(Math.ceil(width / 8), Math.ceil(height / 8))
   }
 
-  #show({ width, height, into }, pipeline) {
+  #show({ width, height, into, targets, images }, pipeline) {
+    const encoder = this.device.createCommandEncoder()
+    Object.keys(TARGETS).forEach((name, i) => {
+      if (targets[name]) this.#copy(encoder, images[i], targets[name], 4 * TARGETS[name] * width * height)
+    })
+    if (pipeline) this.#showColours(encoder, width, height, into, pipeline)
+    this.device.queue.submit([encoder.finish()])
+  }
+
+  /** Words of the picture. */
+  #copy(encoder, from, to, bytes) {
+    encoder.copyBufferToBuffer(this.#buffers[PICTURE], 4 * from, to, 0, bytes)
+  }
+
+  #showColours(encoder, width, height, into, pipeline) {
     if (!into) this.#resize(width, height)
     const { texture = this.#context.getCurrentTexture(), x = 0, y = 0 } = into ?? {}
-    const encoder = this.device.createCommandEncoder()
     const target = { view: texture.createView(), loadOp: into ? 'load' : 'clear', storeOp: 'store' }
     const pass = encoder.beginRenderPass({ colorAttachments: [target] })
     pass.setPipeline(pipeline)
@@ -421,7 +466,16 @@ export class Computed {
     pass.setScissorRect(x, y, width, height)
     pass.draw(3)
     pass.end()
-    this.device.queue.submit([encoder.finish()])
+    if (!into) this.#parts = undefined
+    if (texture !== this.#parts) return
+    const shown = this.#context.getCurrentTexture()
+    encoder.copyTextureToTexture({ texture }, { texture: shown }, [shown.width, shown.height])
+  }
+
+  #partsOf({ width, height }) {
+    if (this.#parts?.width === width && this.#parts.height === height) return this.#parts
+    const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC
+    return (this.#parts = this.device.createTexture({ size: [width, height], format: this.#format, usage }))
   }
 
   /** Not before there is a picture of the new size. */
@@ -437,11 +491,14 @@ export class Computed {
   async pixels() {
     await this.finish()
     if (!this.#last) throw new Error('nothing was drawn yet')
-    const { width, height, colour } = this.#last
+    return this.#scoped(() => this.#readColours(this.#last))
+  }
+
+  async #readColours({ width, height, images }) {
     const size = 4 * width * height
     const buffer = this.#buffer(size, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
     const encoder = this.device.createCommandEncoder()
-    encoder.copyBufferToBuffer(this.#buffers[PICTURE], 4 * colour, buffer, 0, size)
+    this.#copy(encoder, images[0], buffer, size)
     this.device.queue.submit([encoder.finish()])
     await buffer.mapAsync(GPUMapMode.READ)
     const pixels = new Uint8ClampedArray(buffer.getMappedRange()).slice()

@@ -16,13 +16,14 @@ src/scene       src/pack src/gaussian src/base src/core
 src/fit         src/scene src/pack src/gaussian src/image src/camera src/base src/core
 kernels/simd/lanes  src/core
 kernels/simd    kernels/simd/lanes kernels src/core
-kernels/gles    src/core
-kernels/compute src/core
+kernels/gl      src/core
+kernels/gles    kernels/gl src/core
+kernels/compute kernels/gl src/core
 kernels/cuda    src/core
 kernels/fit     src/fit kernels/cuda
 kernels/pack    src/pack
 kernels         kernels/simd/lanes src/core
-port            src kernels/gles kernels/compute kernels/cuda kernels/fit kernels
+port            src kernels/gl kernels/gles kernels/compute kernels/cuda kernels/fit kernels
 tools           public
 '
 
@@ -37,6 +38,7 @@ src/pack      pack
 src/scene     formats scene_file scene_filter scene_write scene_decimate fxs_file world
 src/fit       fit photos blocks refine
 kernels       kernels
+kernels/gl    gl_target
 kernels/gles  gles
 kernels/compute  compute
 kernels/cuda  cuda

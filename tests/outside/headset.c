@@ -1,7 +1,7 @@
-/* headset SCENE: the frame loop of a program for OpenXR, with what the runtime gives where it gives it. The runtime
- * itself is a few lines here: two views with asymmetric fields of view, and swapchains of textures. Each eye's colour is
- * drawn into the runtime's framebuffer on the GPU, and the median depth beside it, by which the runtime brings the
- * picture to where the head is by then. Prints "ok", or what was wrong. */
+/* headset SCENE gles|compute: the frame loop of a program for OpenXR, with what the runtime gives where it gives it.
+ * The runtime itself is a few lines here: two views with asymmetric fields of view, and swapchains of textures. Each
+ * eye's colour is drawn into the runtime's framebuffer on the GPU, and the median depth beside it, by which the runtime
+ * brings the picture to where the head is by then. Prints "ok", or what was wrong. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -11,6 +11,7 @@
 #include <GLES3/gl3.h>
 
 #include <fixsplat/camera.h>
+#include <fixsplat/compute.h>
 #include <fixsplat/egl.h>
 #include <fixsplat/gles.h>
 #include <fixsplat/kernels.h>
@@ -18,8 +19,7 @@
 #include <fixsplat/scene_file.h>
 
 enum { WIDTH = 208, HEIGHT = 224, IMAGES = 3, FRAMES = 4 };
-#define NEAR_PLANE 0.1f
-#define FAR_PLANE 100.0f
+#define NEAR_PLANE 0.1f            /* of the depth images; the far one is at 100 */
 
 /* ---- What OpenXR has: openxr.h's XrPosef, XrFovf, XrView and a swapchain with its images ------------------------- */
 
@@ -38,7 +38,7 @@ typedef struct view {
 } view;
 
 typedef struct swapchain {
-    GLuint colours[IMAGES], depths[IMAGES], framebuffers[IMAGES];
+    GLuint colours[IMAGES], depths[IMAGES], framebuffers[2][IMAGES];   /* of colours; of depths */
     unsigned acquired;             /* counts up */
 } swapchain;
 
@@ -48,11 +48,25 @@ typedef struct swapchain {
     _(void, GenTextures, (GLsizei, GLuint *)) \
     _(void, BindTexture, (GLenum, GLuint)) \
     _(void, TexStorage2D, (GLenum, GLsizei, GLenum, GLsizei, GLsizei)) \
-    _(void, TexSubImage2D, (GLenum, GLint, GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, const void *)) \
+    _(void, TexParameteri, (GLenum, GLenum, GLint)) \
     _(void, GenFramebuffers, (GLsizei, GLuint *)) \
     _(void, BindFramebuffer, (GLenum, GLuint)) \
     _(void, FramebufferTexture2D, (GLenum, GLenum, GLenum, GLuint, GLint)) \
+    _(void, DrawBuffers, (GLsizei, const GLenum *)) \
+    _(void, ReadBuffer, (GLenum)) \
     _(void, ReadPixels, (GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *)) \
+    _(GLuint, CreateProgram, (void)) \
+    _(GLuint, CreateShader, (GLenum)) \
+    _(void, ShaderSource, (GLuint, GLsizei, const GLchar *const *, const GLint *)) \
+    _(void, CompileShader, (GLuint)) \
+    _(void, AttachShader, (GLuint, GLuint)) \
+    _(void, LinkProgram, (GLuint)) \
+    _(void, UseProgram, (GLuint)) \
+    _(void, Viewport, (GLint, GLint, GLsizei, GLsizei)) \
+    _(void, Enable, (GLenum)) \
+    _(void, Disable, (GLenum)) \
+    _(void, DepthFunc, (GLenum)) \
+    _(void, DrawArrays, (GLenum, GLint, GLsizei)) \
     _(GLenum, GetError, (void))
 
 static struct {
@@ -71,20 +85,38 @@ static int load_functions(void *egl)
 
 /* ---- The runtime ------------------------------------------------------------------------------------------------- */
 
-/* xrCreateSwapchain and xrEnumerateSwapchainImages: textures, for colour and for XR_KHR_composition_layer_depth. */
-static void make_swapchain(swapchain *s)
+static GLuint make_texture(GLenum format)
 {
+    GLuint texture;
+    gl.GenTextures(1, &texture);
+    gl.BindTexture(GL_TEXTURE_2D, texture);
+    gl.TexStorage2D(GL_TEXTURE_2D, 1, format, WIDTH, HEIGHT);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    return texture;
+}
+
+static void attach(GLuint framebuffer, GLenum attachment, GLuint texture)
+{
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture, 0);
+}
+
+/* xrCreateSwapchain and xrEnumerateSwapchainImages: textures, for colour and for XR_KHR_composition_layer_depth. The
+   program's framebuffers of them take depths and ids too, which are its own. */
+static void make_swapchain(swapchain *s, GLuint medians, GLuint ids)
+{
+    static const GLenum three[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
     memset(s, 0, sizeof *s);
-    gl.GenTextures(IMAGES, s->colours);
-    gl.GenTextures(IMAGES, s->depths);
-    gl.GenFramebuffers(IMAGES, s->framebuffers);
+    gl.GenFramebuffers(2 * IMAGES, s->framebuffers[0]);
     for (int i = 0; i < IMAGES; i++) {
-        gl.BindTexture(GL_TEXTURE_2D, s->colours[i]);
-        gl.TexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, WIDTH, HEIGHT);
-        gl.BindTexture(GL_TEXTURE_2D, s->depths[i]);
-        gl.TexStorage2D(GL_TEXTURE_2D, 1, GL_DEPTH_COMPONENT32F, WIDTH, HEIGHT);
-        gl.BindFramebuffer(GL_FRAMEBUFFER, s->framebuffers[i]);
-        gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, s->colours[i], 0);
+        s->colours[i] = make_texture(GL_RGBA8);
+        s->depths[i] = make_texture(GL_DEPTH_COMPONENT32F);
+        attach(s->framebuffers[1][i], GL_DEPTH_ATTACHMENT, s->depths[i]);
+        attach(s->framebuffers[0][i], three[0], s->colours[i]);
+        attach(s->framebuffers[0][i], three[1], medians);
+        attach(s->framebuffers[0][i], three[2], ids);
+        gl.DrawBuffers(3, three);
     }
 }
 
@@ -140,25 +172,65 @@ typedef struct program {
     fxs_context context;
     fxs_options options;
     fxs_gles *gles;
+    fxs_compute *compute;          /* null: by gles */
+    fxs_compute_scene copy;        /* on the device */
+    GLuint medians, ids, copies, copying;          /* textures; a framebuffer and its texture, to compare */
+    GLuint to_depth, to_words;     /* programs */
     void *allocation, *memory;
     size_t bytes;
-    uint32_t depths[2][HEIGHT * WIDTH];            /* median, times 2^16 */
-    unsigned char colours[2][HEIGHT * WIDTH * 4];  /* of the processor, to compare */
+    uint32_t depths[2][HEIGHT * WIDTH];            /* of the processor, to compare: median, times 2^16 */
+    unsigned char colours[2][HEIGHT * WIDTH * 4];
 } program;
 
-/* The median depth, as the runtime wants it: that of a depth buffer with these planes, its lowest row first. Where
-   nothing is, the far plane. */
-static void fill_depth(const uint32_t *depths, GLuint texture)
+/* A program that draws over the whole viewport. */
+static GLuint make_program(const char *fragment)
 {
-    static float values[HEIGHT * WIDTH];
-    for (int y = 0; y < HEIGHT; y++)
-        for (int x = 0; x < WIDTH; x++) {
-            const uint32_t depth = depths[(HEIGHT - 1 - y) * WIDTH + x];
-            const float z = depth == FXS_NOTHING ? FAR_PLANE : (float)depth / 65536;
-            values[y * WIDTH + x] = FAR_PLANE * (z - NEAR_PLANE) / (z * (FAR_PLANE - NEAR_PLANE));
-        }
+    static const char vertex[] =
+        "#version 300 es\n"
+        "void main() { gl_Position = vec4(ivec2(gl_VertexID & 1, gl_VertexID >> 1) * 4 - 1, 0, 1); }";
+    const GLuint program = gl.CreateProgram();
+    for (int i = 0; i < 2; i++) {
+        const GLchar *text = i ? fragment : vertex;
+        const GLuint shader = gl.CreateShader(i ? GL_FRAGMENT_SHADER : GL_VERTEX_SHADER);
+        gl.ShaderSource(shader, 1, &text, 0);
+        gl.CompileShader(shader);
+        gl.AttachShader(program, shader);
+    }
+    gl.LinkProgram(program);
+    return program;
+}
+
+static void draw_over(GLuint framebuffer, GLuint program, GLuint texture)
+{
+    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     gl.BindTexture(GL_TEXTURE_2D, texture);
-    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, WIDTH, HEIGHT, GL_DEPTH_COMPONENT, GL_FLOAT, values);
+    gl.UseProgram(program);
+    gl.Viewport(0, 0, WIDTH, HEIGHT);
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+/* The median depth, as the runtime wants it: that of a depth buffer with these planes. Where nothing is, the far
+   plane. */
+static const char to_depth[] =
+    "#version 300 es\nprecision highp float;\nprecision highp int;\nuniform highp usampler2D medians;\n"
+    "void main() {\nuint depth = texelFetch(medians, ivec2(gl_FragCoord.xy), 0).x;\n"
+    "float z = depth == 0xffffffffu ? 100.0 : float(depth) / 65536.0;\n"
+    "gl_FragDepth = 100.0 * (z - 0.1) / (z * (100.0 - 0.1)); }";
+
+static void fill_depth(const program *p, GLuint framebuffer)
+{
+    gl.Enable(GL_DEPTH_TEST);
+    gl.DepthFunc(GL_ALWAYS);
+    draw_over(framebuffer, p->to_depth, p->medians);
+    gl.Disable(GL_DEPTH_TEST);
+}
+
+static int draw(program *p, const fxs_request *request, const fxs_gles_target *target)
+{
+    const fxs_compute_scene *const copies[] = {&p->copy};
+    fxs_message message;
+    return p->compute ? fxs_compute_draw(p->compute, request, copies, target, p->memory, 0, &message)
+                      : fxs_gles_render(p->gles, &p->context, request, target, p->memory, p->bytes, 0);
 }
 
 /* Draws an eye into the image that xrAcquireSwapchainImage names, once xrWaitSwapchainImage says that it is free. */
@@ -171,18 +243,17 @@ static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapcha
     request.options = p->options;
     request.cameras[0] = *camera;
     fxs_gles_target_init(&target);
-    target.framebuffer = s->framebuffers[image];
-    int error = fxs_gles_render(p->gles, &p->context, &request, &target, p->memory, p->bytes, 0);
-    request.targets[0].median_depth.pixels = p->depths[eye];
+    target.framebuffer = s->framebuffers[0][image];
+    target.depths_and_ids = 1;
+    int error = draw(p, &request, &target);
+    fill_depth(p, s->framebuffers[1][image]);
+    request.targets[0].median_depth.pixels = p->depths[eye];      /* to compare: a program has no such frame */
     request.targets[0].median_depth.stride = WIDTH * 4;
-    request.targets[0].colour.pixels = p->colours[eye];       /* to compare: a program leaves it out */
+    request.targets[0].colour.pixels = p->colours[eye];
     request.targets[0].colour.stride = WIDTH * 4;
     if (!error)
         error = fxs_render(&p->context, &request, p->memory, p->bytes, 0);
-    if (error)
-        return printf("eye %d: %s\n", eye, fxs_strerror(error)), 1;
-    fill_depth(p->depths[eye], s->depths[image]);
-    return 0;
+    return error ? printf("eye %d: %s\n", eye, fxs_strerror(error)), 1 : 0;
 }
 
 /* ---- What the runtime finds -------------------------------------------------------------------------------------- */
@@ -191,7 +262,7 @@ static int draw_eye(program *p, int eye, const fxs_camera *camera, const swapcha
 static int compare_colours(const program *p, int eye, const swapchain *s)
 {
     static unsigned char pixels[HEIGHT * WIDTH * 4];
-    gl.BindFramebuffer(GL_FRAMEBUFFER, s->framebuffers[s->acquired % IMAGES]);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, s->framebuffers[0][s->acquired % IMAGES]);
     gl.ReadPixels(0, 0, WIDTH, HEIGHT, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
     for (int y = 0; y < HEIGHT; y++)
         if (memcmp(pixels + y * WIDTH * 4, p->colours[eye] + (HEIGHT - 1 - y) * WIDTH * 4, WIDTH * 4))
@@ -200,6 +271,28 @@ static int compare_colours(const program *p, int eye, const swapchain *s)
     if (error)
         printf("error 0x%x of OpenGL\n", (unsigned)error);
     return error != 0;
+}
+
+static const char to_words[] =
+    "#version 300 es\nprecision highp float;\nprecision highp int;\nuniform highp sampler2D depths;\nout uint word;\n"
+    "void main() { word = floatBitsToUint(texelFetch(depths, ivec2(gl_FragCoord.xy), 0).x); }";
+
+/* The depth image has the processor's median depths, between the planes. */
+static int compare_depths(const program *p, int eye, const swapchain *s)
+{
+    static GLuint words[HEIGHT * WIDTH][4];
+    draw_over(p->copying, p->to_words, s->depths[s->acquired % IMAGES]);
+    gl.ReadPixels(0, 0, WIDTH, HEIGHT, GL_RGBA_INTEGER, GL_UNSIGNED_INT, words);
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            float is;
+            const uint32_t depth = p->depths[eye][(HEIGHT - 1 - y) * WIDTH + x];
+            const double z = depth == FXS_NOTHING ? 100 : depth / 65536.0, expected = 100 * (z - 0.1) / (z * 99.9);
+            memcpy(&is, words[y * WIDTH + x], sizeof is);
+            if (!(fabs(is - expected) < 1e-6))
+                return printf("eye %d, pixel %d, %d: depth %g, not %g\n", eye, x, y, is, expected), 1;
+        }
+    return 0;
 }
 
 /* Mean squared difference of the right picture and the left one brought there: by its depths, or as if all were far away
@@ -237,7 +330,7 @@ static int run_frame(program *p, int frame, swapchain chains[2])
     locate_views(frame, views);
     for (int eye = 0; eye < 2; eye++)
         if (camera_of(&views[eye], &cameras[eye]) || draw_eye(p, eye, &cameras[eye], &chains[eye]) ||
-            compare_colours(p, eye, &chains[eye]))
+            compare_colours(p, eye, &chains[eye]) || compare_depths(p, eye, &chains[eye]))
             return 1;
     const double by_depth = difference(p, cameras, 1), as_far = difference(p, cameras, 0);
     if (by_depth > as_far / 4)
@@ -261,23 +354,59 @@ static int open_scene(program *p, const char *path, fxs_packed_scene *packed)
     return fxs_scene_open(&p->scene, packed->data, packed->bytes) != 0;
 }
 
-/* Once: the context of the program's graphics binding, and what fixsplat keeps in it. */
-static int open_graphics(program *p, void **egl)
+/* Whole frames by compute shaders, where there is OpenGL ES 3.1. */
+static int open_compute(program *p, void *egl)
 {
     fxs_message message;
+    p->compute = (fxs_compute *)malloc(fxs_compute_bytes());
+    if (!p->compute || fxs_compute_init(p->compute, fxs_egl_load, fxs_egl_use, egl, &message))
+        return printf("skip: %s\n", message.text), 77;
+    return fxs_compute_upload(p->compute, &p->copy, &p->scene, &message);
+}
+
+static int open_gles(program *p, void *egl)
+{
     char text[FXS_GLES_MESSAGE];
+    p->gles = (fxs_gles *)malloc(fxs_gles_bytes());
+    return !p->gles || fxs_gles_init(p->gles, fxs_egl_load, fxs_egl_use, egl, text) ? puts("no OpenGL ES 3.0"), 1 : 0;
+}
+
+/* Once: the context of the program's graphics binding, and what fixsplat keeps in it. */
+static int open_graphics(program *p, int by_compute, void **egl)
+{
+    fxs_message message;
     if (fxs_egl_open(egl, &message))
         return printf("skip: %s\n", message.text), 77;
-    p->gles = (fxs_gles *)malloc(fxs_gles_bytes());
-    if (!load_functions(*egl) || !p->gles || fxs_gles_init(p->gles, fxs_egl_load, fxs_egl_use, *egl, text))
-        return puts("no OpenGL ES 3.0"), 1;
+    const int status = !load_functions(*egl) ? 1 : by_compute ? open_compute(p, *egl) : open_gles(p, *egl);
+    if (status)
+        return status;
+    p->medians = make_texture(GL_R32UI);
+    p->ids = make_texture(GL_RG32UI);
+    p->copies = make_texture(GL_R32UI);
+    gl.GenFramebuffers(1, &p->copying);
+    attach(p->copying, GL_COLOR_ATTACHMENT0, p->copies);
+    p->to_depth = make_program(to_depth);
+    p->to_words = make_program(to_words);
     fxs_init(&p->context, 0);
     fxs_kernels_choose(&p->context.kernels, fxs_cpu_detect());
     fxs_options_init(&p->options);
-    p->bytes = fxs_frame_bytes(&p->context, &p->object, 1, WIDTH, HEIGHT, 0);
+    p->bytes = fxs_frame_bytes(&p->context, &p->object, 1, WIDTH, HEIGHT, 0);      /* more than compute shaders need */
     p->allocation = malloc(p->bytes + 63);
     p->memory = (void *)(((uintptr_t)p->allocation + 63) / 64 * 64);
     return p->allocation == 0;
+}
+
+static void close_graphics(program *p, void *egl)
+{
+    if (p->compute) {
+        fxs_compute_drop(p->compute, &p->copy);
+        fxs_compute_free(p->compute);
+    } else
+        fxs_gles_free(p->gles);
+    fxs_egl_close(egl);
+    free(p->compute);
+    free(p->gles);
+    free(p->allocation);
 }
 
 int main(int argc, char **argv)
@@ -286,18 +415,16 @@ int main(int argc, char **argv)
     static swapchain chains[2];
     fxs_packed_scene packed;
     void *egl;
-    int status = argc != 2 || open_scene(&p, argv[1], &packed) ? 1 : open_graphics(&p, &egl);
+    int status = argc != 3 || open_scene(&p, argv[1], &packed)
+                     ? 1 : open_graphics(&p, !strcmp(argv[2], "compute"), &egl);
     if (status)
         return status;
     for (int eye = 0; eye < 2; eye++)
-        make_swapchain(&chains[eye]);
+        make_swapchain(&chains[eye], p.medians, p.ids);
     for (int frame = 0; frame < FRAMES && !status; frame++)
         status = run_frame(&p, frame, chains);
-    fxs_gles_free(p.gles);
-    fxs_egl_close(egl);
+    close_graphics(&p, egl);
     fxs_packed_scene_free(&packed);
-    free(p.gles);
-    free(p.allocation);
     puts(status ? "failed" : "ok");
     return status;
 }

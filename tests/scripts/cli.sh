@@ -474,6 +474,20 @@ for backend in gles gles-fetch gles-compute osmesa; do
         succeeds "bench --backend $backend" bench knot.ply $small --backend $backend --json
         check "bench --backend $backend: said" grep -q "\"backend\": \"$backend\"" logs/out
     fi
+    [ "$backend$reason" = gles-compute ] || continue
+    for more in '' '--tangents -1.38,1.19,1.0,-1.2' --foveate '--foveate=20,30,10,20,4 --alpha'; do
+        run render knot.ply $small --stereo 0.1 $more --backend gles-compute --hash
+        check "--stereo $more --backend gles-compute: each eye by itself, and said" equal \
+            "$status $(cat logs/out logs/err)" "0 $(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more)
+fixsplat: --backend gles-compute: each eye is rendered by itself, as by --stereo-exact"
+        check "one hash with --stereo-exact $more --backend gles-compute" equal \
+            "$(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more --backend gles-compute)" \
+            "$(hash_of knot.ply $small --stereo 0.1 --stereo-exact $more)"
+    done
+    for more in --foveate '--foveate=20,30,10,20,4 --alpha' '--foveate --ortho 4'; do
+        check "one hash with $more --backend gles-compute" equal \
+            "$(hash_of knot.ply --size 160x120 $more --backend gles-compute)" "$(hash_of knot.ply --size 160x120 $more)"
+    done
 done
 export __EGL_VENDOR_LIBRARY_FILENAMES=none MESA_EXTENSION_OVERRIDE=-GL_ARB_ES3_compatibility
 fails "--backend gles without a driver" 1 "--backend gles: (no|built)" render knot.ply $small --hash --backend gles
@@ -481,6 +495,20 @@ fails "--backend gles-compute without a driver" 1 "--backend gles-compute: (no|b
     --backend gles-compute
 fails "--backend osmesa of an old Mesa" 1 "--backend osmesa: (no|built)" render knot.ply $small --hash --backend osmesa
 unset __EGL_VENDOR_LIBRARY_FILENAMES
+MESA_EXTENSION_OVERRIDE=-GL_ARB_stencil_texturing            # a part of OpenGL ES 3.1
+if "$fixsplat" info --backends | grep -q '^gles  *here: llvmpipe'; then
+    fails "--backend gles-compute of OpenGL ES 3.0" 1 \
+        "--backend gles-compute: OpenGL ES 3.1 is needed, this is OpenGL ES 3.0" render knot.ply $small --hash \
+        --backend gles-compute
+    export MESA_EXTENSION_OVERRIDE= MESA_SHADER_CACHE_DISABLE=1 MESA_SHADER_DUMP_PATH=shaders MESA_SHADER_READ_PATH=bad
+    mkdir shaders bad
+    "$fixsplat" render knot.ply $small --hash --backend gles-compute >/dev/null
+    for shader in shaders/CS_*; do sed 's/^void main() {/&\nthat;/' "$shader" >"bad/${shader#*/}"; break; done
+    fails "--backend gles-compute, a shader that does not compile" 1 \
+        "--backend gles-compute: [a-z_0-9]* does not compile: 0:[0-9]+\([0-9]+\): error: .that" render knot.ply $small \
+        --hash --backend gles-compute
+    unset MESA_SHADER_CACHE_DISABLE MESA_SHADER_DUMP_PATH MESA_SHADER_READ_PATH
+fi
 export MESA_EXTENSION_OVERRIDE=-GL_EXT_shader_framebuffer_fetch
 if "$fixsplat" info --backends | grep -q '^gles  *here'; then
     "$fixsplat" info --backends >logs/out

@@ -1,7 +1,7 @@
 #!/bin/sh
 # A Screen of the npm package (docs/web.md) in headless Chromium, whose WebGPU is SwiftShader's: the pixels of the
 # command; what is not shown, textures of the caller, lost devices, errors in words, what is given back. With
-# FXS_PROCESSORS=all scenes of shared/scenes, an example with three.js and the viewer's page too.
+# FXS_PROCESSORS=all scenes of shared/scenes, examples with other engines and the viewer's page too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
 needs webgpu chromium -- puppeteer-core
@@ -21,8 +21,11 @@ check "makes a scene" make_scene knot knot 20000
 check "makes another" make_scene fog fog 40000
 check "makes a small one" make_scene few knot 3000
 check "with levels" make_scene levels knot 20000 --levels
-check "packed compact" make_scene compact knot 3000 --profile compact
-check "packed small" make_scene small knot 3000 --profile small
+for scene in knot:6000 landscape:8000 needles:4000 fog:1500 layers:3000 cubes:4096; do
+    for profile in default compact small; do
+        check "${scene%:*}, $profile" make_scene "${scene%:*}-$profile" "${scene%:*}" "${scene#*:}" --profile $profile
+    done
+done
 if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then
     for scene in guitar/guitar.compressed.ply train-1000/train-1000.ply snowmiku/snowmiku.ply; do
         check "packs $scene" pack "$scene"

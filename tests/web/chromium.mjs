@@ -139,6 +139,8 @@ export async function wordsOf() {
   return inside(`return $('words').textContent`)
 }
 
+/** The viewer's worker. */
+export const engineOf = () => page.workers().find((worker) => worker.url().endsWith('/viewer/worker.js'))
 export const viewOf = () => inside('return v.view')
 export const picture = (name) => page.screenshot({ path: `${pictures}/${name}.png` })
 

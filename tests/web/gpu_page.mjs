@@ -1,6 +1,6 @@
 // node gpu_page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: the viewer's page where there is WebGPU.
 import assert from 'node:assert/strict'
-import { changed, hash, inside, moved, native, open, page, pause, run, without } from './chromium.mjs'
+import { changed, engineOf, hash, inside, moved, native, open, page, pause, run, without } from './chromium.mjs'
 
 const SCENE = '?scene=/scenes/few.fxs'
 const exact = async (backend) => {
@@ -8,9 +8,15 @@ const exact = async (backend) => {
   assert.equal(await hash(), native('few.fxs', await viewOf(), '640x360'))
 }
 const viewOf = () => inside('return v.view')
-const engineOf = () => page.workers().find((worker) => worker.url().endsWith('/viewer/worker.js'))
 const before = (more) => (text) => `${more}\n${text}`
-const noAdapter = 'GPU.prototype.requestAdapter = async () => null'
+const faults = {
+  'no adapter': 'GPU.prototype.requestAdapter = async () => null',
+  'no device': `GPUAdapter.prototype.requestDevice = async () => Promise.reject(new Error('limits'))`,
+  'a shader that does not compile': `const { createShaderModule } = GPUDevice.prototype
+    GPUDevice.prototype.createShaderModule = function ({ code }) {
+      return createShaderModule.call(this, { code: code.replace('fn gather_chunks(', 'fn gather_chunks(what ') })
+    }`,
+}
 
 /** For a page where WebGPU counts as a graphics card's, and one of its workers, by its number, as slow. */
 const slowWorker = (number) => `if (globalThis.GPU) {
@@ -60,10 +66,11 @@ await run({
         await drawn`)
       await moved()
     }
-    await changed('/viewer/worker.js', before(watch), async () => {
+    // What is soon does not depend on the machine.
+    const later = (text) => text.replace('AGAIN_MS = 5000', 'AGAIN_MS = 500000')
+    await changed('/viewer/picture.js', later, () => changed('/viewer/worker.js', before(watch), async () => {
       await open(`${SCENE}&backend=webgpu&background=%23102030`)
-      await inside(`const now = performance.now.bind(performance); let more = 0; v.later = () => (more += 6000);
-        performance.now = () => now() + more; v.later()`)
+      await inside(`const now = performance.now.bind(performance); performance.now = () => now() + 600000`)
       await lose()
       await exact('webgpu')
       await lose()
@@ -71,15 +78,24 @@ await run({
       await moved()
       await exact('webgl2')
       assert.equal(await inside(`return $('error').hidden`), true)
-    })
+    }))
   },
 
-  async 'no WebGPU: WebGL 2 takes over'() {
-    await changed('/viewer/worker.js', before(noAdapter), async () => {
+  ...Object.fromEntries(Object.entries(faults).map(([what, fault]) => [`${what}: WebGL 2 takes over`, () =>
+    changed('/viewer/worker.js', before(fault), async () => {
       await open(`${SCENE}&backend=webgpu`)
       await exact('webgl2')
       assert.doesNotMatch(await inside(`return $('note').textContent`), /the processor/)
-    })
+    })])),
+
+  async 'an element of no size, and back'() {
+    await open(`${SCENE}&backend=webgpu`)
+    await inside(`v.style.cssText = 'display: block; width: 0; height: 0'`)
+    await pause(500)
+    await inside(`v.style.cssText = ''`)
+    await moved()
+    await exact('webgpu')
+    assert.equal(await inside(`return $('error').hidden`), true)
   },
 
   async 'the fastest is found by a trial'() {

@@ -8,7 +8,13 @@ import { join, resolve } from 'node:path'
 
 export const [folder, work, modules, command, speed] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
-const KINDS = { js: 'text/javascript', wasm: 'application/wasm' }
+const KINDS = { js: 'text/javascript', mjs: 'text/javascript', wasm: 'application/wasm' }
+
+export function hash(bytes) {
+  let h = 0xcbf29ce484222325n
+  for (const byte of bytes) h = BigInt.asUintN(64, (h ^ BigInt(byte)) * 0x100000001b3n)
+  return h.toString(16).padStart(16, '0')
+}
 
 // What the page and the worker share.
 const COMMON = `import { load, Screen } from '/fixsplat.js'
@@ -17,11 +23,7 @@ const COMMON = `import { load, Screen } from '/fixsplat.js'
   const scenes = {}
   export const sceneOf = (name, options) =>
     (scenes[name + JSON.stringify(options)] ??= load('/work/' + name + '.fxs', options))
-  export function hash(bytes) {
-    let h = 0xcbf29ce484222325n
-    for (const byte of bytes) h = BigInt.asUintN(64, (h ^ BigInt(byte)) * 0x100000001b3n)
-    return h.toString(16).padStart(16, '0')
-  }
+  export ${hash}
   export function psnr(a, b) {
     let sum = 0
     for (let i = 0; i < a.length; i++) sum += i % 4 < 3 ? (a[i] - b[i]) ** 2 : 0
@@ -43,10 +45,17 @@ const WORKER = `import { drawn, hash, Screen } from '/common.js'
     }
   }`
 const PAGE = '<!doctype html><title>fixsplat</title>'
-const MAP = { imports: { 'three/webgpu': '/three/three.webgpu.js', fixsplat: '/fixsplat.js' } }
+const MAP = {
+  imports: {
+    'three/webgpu': '/three/three.webgpu.js',
+    playcanvas: '/playcanvas/playcanvas.mjs',
+    fixsplat: '/fixsplat.js',
+  },
+}
 const MESH = `${PAGE}<script type="importmap">${JSON.stringify(MAP)}</script>`
 const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/common.js': COMMON, '/worker.js': WORKER }
-const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build` }
+const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build`,
+                  playcanvas: `${modules}/playcanvas/build` }
 
 const server = createServer((request, answer) => {
   const path = decodeURIComponent(new URL(request.url, 'http://x').pathname)

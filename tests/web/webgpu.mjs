@@ -1,7 +1,9 @@
 // node webgpu.mjs PACKAGE WORK MODULES COMMAND: what tests/scripts/webgpu.sh asks of a Screen.
 import assert from 'node:assert/strict'
+import { execFileSync } from 'node:child_process'
+import { readFileSync, writeFileSync } from 'node:fs'
 import { WEBGPU } from './flags.mjs'
-import { frame, FRAMES, hashOf, launch, near, open, runIn, runTests, shared } from './screens.mjs'
+import { command, frame, FRAMES, hash, hashOf, launch, near, open, runIn, runTests, shared, work } from './screens.mjs'
 
 const browser = await launch(...WEBGPU)
 const { run, page } = await open(browser, 'isolated')
@@ -11,11 +13,60 @@ const frames = {
   ...most,
   'square cut-off': frame('few', 200, 150, ['--cutoff', 'square', '--bg', 'ffffff'],
                           { cutoff: 'square', background: 0xffffff }),
-  'profile compact': frame('compact', 200, 150),
-  'profile small': frame('small', 200, 150),
   'a detail': frame('levels', 200, 150, ['--detail', '2.5'], { detail: 2.5 }),
   'first again': FRAMES.framed,
 }
+
+// The scenes of tests/golden in each profile, as webgpu.sh makes them.
+const golden = {}
+for (const kind of ['knot', 'landscape', 'needles', 'fog', 'layers', 'cubes'])
+  for (const profile of ['default', 'compact', 'small'])
+    golden[`${kind} ${profile}`] = frame(`${kind}-${profile}`, 96, 64)
+
+// Random objects, from far enough away that the command's depths have 26 bits behind the point.
+const random = ((state) => (low, high) => {
+  state = (Math.imul(state, 1664525) + 1013904223) >>> 0
+  return low + ((high - low) * state) / 2 ** 32
+})(1)
+const vector = (...range) => [random(...range), random(...range), random(...range)]
+const one = (list) => list[Math.floor(random(0, list.length))]
+const objectOf = (id) => ({
+  scene: one(['knot', 'levels', 'needles-default', 'fog-small', 'cubes-compact']),
+  translation: vector(-2, 2),
+  rotation: [random(0.1, 1), ...vector(-1, 1)],
+  scale: random(0.3, 1.2),
+  opacity: random(0.3, 1),
+  tint: vector(0, 2),
+  visible: random(0, 1) < 0.9,
+  id: 1000 * id,
+  crops: random(0, 1) < 0.4 ? [{ low: vector(-4, -1), high: vector(1, 4), keep: one(['inside', 'outside']) }] : [],
+})
+const DEPTH_BITS = 26
+function randomFrame(_, i) {
+  const objects = Array.from({ length: 1 + i }, (_, id) => objectOf(id))
+  const [[x, y], budget, file] = [vector(-3, 3), i % 2 ? 5000 : 0, `${work}/random-${i}.json`]
+  const size = [Math.floor(random(1, 120)), Math.floor(random(1, 90))]
+  const text = { objects: objects.map(({ scene, ...how }) => ({ file: `${scene}.fxs`, ...how })) }
+  writeFileSync(file, JSON.stringify(text))
+  return {
+    objects,
+    camera: { eye: [x, y, -18], look: [0, 0, 0], fov: 40, near: 0.5 },
+    options: { width: size[0], height: size[1], alpha: i % 3 > 0, budget, depthBits: DEPTH_BITS },
+    args: ['--scene', file, '--size', size.join('x'), '--eye', `${x},${y},-18`, '--look', '0,0,0', '--fov', '40',
+           '--near', '0.5', ...(budget ? ['--budget', budget] : []), ...(i % 3 ? ['--alpha'] : [])],
+  }
+}
+
+/** The hashes of the command's files: a picture of colours, ids, depths of both kinds. */
+function filesOf({ args }) {
+  const names = ['colour.raw', 'ids.raw', 'depth.pfm', 'meanDepth.pfm'].map((name) => `${work}/${name}`)
+  for (const [kind, at] of [['median', 2], ['mean', 3]])
+    execFileSync(command, ['render', ...args, '-o', names[0], '--ids', names[1], '--depth', names[at],
+                           '--depth-kind', kind, '--quiet'])
+  const [colour, ids, depth, meanDepth] = names.map((name) => hash(readFileSync(name)))
+  return { colour, ids, depth, meanDepth }
+}
+
 const hashesOf = (some) => Object.fromEntries(Object.entries(some).map(([name, frame]) => [name, hashOf(frame)]))
 const DRAWS = `const hashes = {}
   for (const [name, frame] of Object.entries(args[0])) hashes[name] = hash(await drawn(screen, frame))`
@@ -49,20 +100,66 @@ const tests = {
     assert.deepEqual(hashes, hashesOf(frames))
   },
 
-  async 'without threads, in parts of a device with small buffers'() {
-    const some = { framed: frame('knot', 160, 100), 'a budget': FRAMES['a budget'] }
-    const [hashes, parts] = await runIn(browser, '',
-      `const device = await (await navigator.gpu.requestAdapter()).requestDevice()
-      const { maxBufferSize, maxTextureDimension2D } = device.limits
-      const limits = { maxStorageBufferBindingSize: 1000000, maxBufferSize, maxTextureDimension2D }
-      Object.defineProperty(device, 'limits', { value: limits })
-      const screen = await Screen.open(canvas(), 'webgpu', { device }), [core, at] = (await sceneOf('knot')).inside
+  async 'the golden scenes in each profile'() {
+    const hashes = await run(`const screen = await Screen.open(canvas(), 'webgpu')
       ${DRAWS}
-      return [hashes, core.c.gpu_parts(core.c.gpu_open(1000000), at)]`,
-      some
+      screen.free()
+      return hashes`, golden)
+    assert.deepEqual(hashes, hashesOf(golden))
+  },
+
+  async 'random objects: colours, ids and depths in buffers of the caller'() {
+    const some = Array.from({ length: 6 }, randomFrame)
+    const hashes = await run(`const screen = await Screen.open(null, 'webgpu'), seen = []
+      const usage = GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST
+      const filled = (codes, { width, height, depthBits }) => new Uint8Array([
+        ...new TextEncoder().encode('Pf\\n' + width + ' ' + height + '\\n-1.0\\n'),
+        ...new Uint8Array(Float32Array.from({ length: width * height }, (_, i) => {
+          const code = codes[width * (height - 1 - Math.floor(i / width)) + (i % width)]
+          return code === 0xffffffff ? Infinity : code / 2 ** depthBits
+        }).buffer)])
+      for (const frame of args[0]) {
+        const { options } = frame, targets = {}, hashes = {}
+        for (const [name, words] of Object.entries({ colour: 1, ids: 2, depth: 1, meanDepth: 1 }))
+          targets[name] = screen.device.createBuffer({ size: 4 * words * options.width * options.height, usage })
+        await drawn(screen, { ...frame, options: { ...options, targets } })
+        for (const [name, buffer] of Object.entries(targets)) {
+          await buffer.mapAsync(GPUMapMode.READ)
+          const codes = new Uint32Array(buffer.getMappedRange())
+          hashes[name] = hash(/epth/.test(name) ? filled(codes, options) : new Uint8Array(codes.buffer))
+        }
+        seen.push(hashes)
+      }
+      screen.free()
+      return seen`, some)
+    assert.deepEqual(hashes, some.map(filesOf))
+  },
+
+  async 'without threads, in parts of a device with small buffers'() {
+    const devices = [[1000000, 'knot', { framed: frame('knot', 160, 100) }],
+                     [500000, 'levels', { budget: frame('levels', 100, 75, ['--budget', '6000'], { budget: 6000 }) }]]
+    const seen = await runIn(browser, '',
+      `const device = await (await navigator.gpu.requestAdapter()).requestDevice(), seen = []
+      const { maxBufferSize, maxTextureDimension2D } = device.limits
+      const { createBuffer } = GPUDevice.prototype
+      let largest
+      GPUDevice.prototype.createBuffer = function (how) {
+        if (how.usage & GPUBufferUsage.STORAGE) largest = Math.max(largest, how.size)
+        return createBuffer.call(this, how)
+      }
+      for (const [most, name, frames] of args[0]) {
+        largest = 0
+        const limits = { maxStorageBufferBindingSize: most, maxBufferSize, maxTextureDimension2D }
+        Object.defineProperty(device, 'limits', { value: limits, configurable: true })
+        const screen = await Screen.open(canvas(), 'webgpu', { device }), [core, at] = (await sceneOf(name)).inside
+        ${DRAWS.replace('args[0]', 'frames')}
+        screen.free()
+        seen.push([hashes, core.c.gpu_parts(core.c.gpu_open(most), at), largest <= most])
+      }
+      return seen`,
+      devices
     )
-    assert.deepEqual(hashes, hashesOf(some))
-    assert.equal(parts, 2)
+    assert.deepEqual(seen, devices.map(([, , frames], i) => [hashesOf(frames), [2, 6][i], true]))
   },
 
   async 'nothing is shown before it is whole'() {
@@ -101,6 +198,24 @@ const tests = {
     assert.equal(shown, hashOf(FRAMES.framed))
   },
 
+  async 'two eyes on one canvas'() {
+    const some = [frame('few', 40, 30), frame('few', 40, 30, ['--eye', '2,-1,-4'], {}, { eye: [2, -1, -4] })]
+    const [hashes, beyond] = await run(`const shown = new OffscreenCanvas(80, 30)
+      const screen = await Screen.open(shown, 'webgpu'), placed = [{ scene: await sceneOf('few') }]
+      const flat = new OffscreenCanvas(80, 30).getContext('2d')
+      for (const [i, { camera, options }] of args[0].entries()) {
+        screen.draw(placed, camera, { ...options, into: { x: 40 * i } })
+        await screen.finish()
+      }
+      flat.drawImage(shown.transferToImageBitmap(), 0, 0)
+      const hashes = [0, 40].map((x) => hash(flat.getImageData(x, 0, 40, 30).data))
+      const beyond = await wordsOf((async () => screen.draw(placed, {}, { width: 41, height: 30, into: { x: 40 } }))())
+      screen.free()
+      return [hashes, beyond]`, some)
+    assert.deepEqual(hashes, some.map(hashOf))
+    assert.match(beyond, /41 x 30 pixels from 40, 0 on do not lie/)
+  },
+
   async 'the last of frames that wait'() {
     const [hashes, textures] = await run(`${COUNTS}
       const screen = await Screen.open(canvas(), 'webgpu'), scene = await sceneOf('knot')
@@ -114,14 +229,15 @@ const tests = {
   },
 
   async "the caller's textures: a corner, behind a mesh, over what is there"() {
+    const amid = frame('knot', 160, 100, ['--eye', '0,-1,-8', '--near', '0.5'], {}, { eye: [0, -1, -8], near: 0.5 })
     const [corner, edge, behind, wanted, apart, hides] = await run(
       `const screen = await Screen.open(null, 'webgpu'), { device } = screen, { width, height } = args[0].options
       const usage = GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC | GPUTextureUsage.TEXTURE_BINDING
       const size = [192, 128], made = (format) => device.createTexture({ size, format, usage })
       const texture = made('rgba8unorm'), depth = { texture: made('depth32float'), planes: [0.25, Infinity] }
-      // A triangle at a depth of 4, and what is not covered as far as can be.
+      // A triangle at a depth of 8, amid the knot, and what is not covered as far as can be.
       const code = \`@vertex fn at(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32>
-        { return vec4<f32>(f32(i % 2u) * 1.4 - 0.8, f32(i / 2u) * 1.3 - 0.7, 0.9375, 1.0); }
+        { return vec4<f32>(f32(i % 2u) * 1.4 - 0.8, f32(i / 2u) * 1.3 - 0.7, 0.96875, 1.0); }
         @fragment fn red() -> @location(0) vec4<f32> { return vec4<f32>(1.0, 0.0, 0.0, 1.0); }\`
       const module = device.createShaderModule({ code })
       const pipeline = device.createRenderPipeline({ layout: 'auto', vertex: { module },
@@ -159,11 +275,11 @@ const tests = {
       await draws()
       const first = await read(texture), corner = hash(bytes(cut(first)))
       drawMesh()
-      await draws({ alpha: true }, { depth })
+      await draws({ alpha: true, depthBits: 20 }, { depth })
       const behind = hash(bytes(cut(await read(texture))))
-      const hidden = cut(await read(depth.texture)).map((word) => (word === 0x3f800000 ? 0xffffffff : 4 << 16))
+      const hidden = cut(await read(depth.texture)).map((word) => (word === 0x3f800000 ? 0xffffffff : 8 << 20))
       const targets = { colour: 'premultiplied', occluder: hidden }
-      const { colour } = placed[0].scene.render(args[0].camera, { ...args[0].options, targets })
+      const { colour } = placed[0].scene.render(args[0].camera, { ...args[0].options, depthBits: 20, targets })
       drawMesh()
       const before = bytes(cut(await read(texture)))
       await draws({ alpha: true }, { depth, over: true })
@@ -173,9 +289,9 @@ const tests = {
       const hides = new Set(hidden).size === 2 && hash(colour) !== hash(placed[0].scene.render(args[0].camera,
         { ...args[0].options, alpha: true }))
       return [corner, first[192 * 8 + 6] === 0xffff0000, behind, hash(colour), most, hides]`,
-      frame('knot', 160, 100)
+      amid
     )
-    assert.equal(corner, hashOf(frame('knot', 160, 100)))
+    assert.equal(corner, hashOf(amid))
     assert.equal(edge, true)
     assert.equal(behind, wanted)
     assert.equal(hides, true)
@@ -214,7 +330,7 @@ const tests = {
       await note(() => screen.draw([{ scene: plain }]))
       await note(() => screen.draw(placed, camera, { width: 16384, height: 16384 }))
       await note(() => screen.draw(placed, camera, { ...options, maxMemory: 100000 }) && screen.finish())
-      await note(() => screen.draw(placed, camera, { ...options, into: { texture: {} } }))
+      await note(() => screen.draw(placed, camera, { width: 0, height: 0 }))
       const { createBuffer } = GPUDevice.prototype
       GPUDevice.prototype.createBuffer = function (how) {
         return createBuffer.call(this, { ...how, size: how.size > 1000 && !how.mappedAtCreation ? 2 ** 41 : how.size })
@@ -226,8 +342,7 @@ const tests = {
       FRAMES['one pixel']
     )
     const wanted = [/another kind: take another canvas/, /without simd128/, /was freed/, /different modules/,
-                    /16384 x 16384 pixels/, /too little memory/, /texture of one of rgba8unorm/, /memory|size/,
-                    /nothing/]
+                    /16384 x 16384 pixels/, /too little memory/, /0 x 0 pixels/, /memory|size/, /nothing/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.equal(said.at(-1), hashOf(FRAMES['one pixel']))
   },
@@ -244,19 +359,111 @@ const tests = {
     assert.match(said, /^[a-z_]+ does not compile: line \d+: /)
   },
 
-  async 'a device that is lost in mid-frame'() {
-    const [finish, lost, draws, again] = await run(
-      `const screen = await Screen.open(canvas(), 'webgpu'), { camera, options } = args[0]
-      screen.draw([{ scene: await sceneOf('knot') }], camera, options)
-      screen.device.destroy()
-      const said = [await wordsOf(screen.finish()), screen.lost, await wordsOf(drawn(screen, args[0]))]
+  async 'a canvas of no size'() {
+    const hashes = await run(`const empty = new OffscreenCanvas(0, 0), screen = await Screen.open(empty, 'webgpu')
+      const hashes = [hash(await drawn(screen, args[0]))]
+      Object.assign(empty, { width: 0, height: 0 })
+      hashes.push(hash(await drawn(screen, args[0])), empty.width)
       screen.free()
+      return hashes`, FRAMES['one pixel'])
+    assert.deepEqual(hashes, [hashOf(FRAMES['one pixel']), hashOf(FRAMES['one pixel']), 1])
+  },
+
+  async 'textures and buffers that cannot be drawn into: one line, and nothing is drawn'() {
+    const [said, kept, again] = await run(
+      `const screen = await Screen.open(null, 'webgpu'), { device } = screen, said = []
+      const other = await (await navigator.gpu.requestAdapter()).requestDevice()
+      const { RENDER_ATTACHMENT, TEXTURE_BINDING, COPY_SRC } = GPUTextureUsage, { COPY_DST, MAP_READ } = GPUBufferUsage
+      const usage = RENDER_ATTACHMENT | TEXTURE_BINDING | COPY_SRC
+      const made = (how, of = device) => of.createTexture({ size: [8, 8], format: 'rgba8unorm', usage, ...how })
+      const depthOf = (how, of) => ({ texture: made({ format: 'depth32float', ...how }, of), planes: [1, 9] })
+      const bufferOf = (how, of = device) => of.createBuffer({ size: 8, usage: COPY_DST, ...how })
+      const texture = made(), gone = made(), placed = [{ scene: await sceneOf('knot') }]
+      gone.destroy()
+      const draws = async (into, options) => {
+        screen.draw(placed, args[0].camera, { ...args[0].options, into, ...options })
+        await screen.finish()
+      }
+      for (const [into, options] of [
+        [], [{}], [{ texture: made({ format: 'r8unorm' }) }], [{ texture: made({ usage: COPY_SRC }) }],
+        [{ texture, x: 8 }], [{ texture: made({ sampleCount: 4, usage: RENDER_ATTACHMENT | TEXTURE_BINDING }) }],
+        [{ texture: made({}, other) }], [{ texture: gone }], [{ texture, depth: { planes: [1, 9] } }],
+        [{ texture, depth: depthOf({ format: 'stencil8' }) }], [{ texture, depth: depthOf({ usage: COPY_SRC }) }],
+        [{ texture, x: 1, depth: depthOf({ size: [1, 8] }) }], [{ texture, depth: depthOf({}, other) }],
+        [{ texture, depth: { ...depthOf(), planes: [1, 0] } }], [{ texture, over: true }],
+        [{ texture }, { targets: { grey: bufferOf() } }], [{ texture }, { targets: { ids: bufferOf({ size: 4 }) } }],
+        [{ texture }, { targets: { ids: bufferOf({ usage: GPUBufferUsage.STORAGE }) } }],
+        [{ texture }, { targets: { depth: bufferOf({}, other) } }],
+        [{ texture }, { depthBits: 29 }],
+      ]) said.push(await wordsOf(draws(into, options)))
+      const usual = { size: 2048, usage: COPY_DST | MAP_READ }, buffer = device.createBuffer(usual)
+      const encoder = device.createCommandEncoder()
+      encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: 256 }, [8, 8])
+      device.queue.submit([encoder.finish()])
+      await buffer.mapAsync(GPUMapMode.READ)
+      const kept = new Uint32Array(buffer.getMappedRange()).every((word) => !word)
+      await draws({ texture })
+      const again = hash(await screen.pixels())
+      screen.free()
+      return [said, kept, again]`,
+      FRAMES['one pixel']
+    )
+    const wanted = [/without a canvas/, /texture of one of rgba8unorm/, /texture of one of rgba8unorm/,
+                    /`into` needs a texture with the usage RENDER_ATTACHMENT/, /from 8, 0 on do not lie/,
+                    /do not lie/, /cannot be used with/, /[Dd]estroyed texture/, /a texture of depths/,
+                    /a texture of depths/, /`into.depth` needs a texture with the usage TEXTURE_BINDING/,
+                    /do not lie in the texture of `into.depth`/, /cannot be used with/, /two planes/, /needs `alpha`/,
+                    /grey: expected one of colour/, /ids needs a buffer of 8 bytes/, /with the usage COPY_DST/,
+                    /cannot be used with/, /depthBits 29/]
+    wanted.forEach((words, i) => assert.match(said[i], words))
+    assert.equal(said.length, wanted.length)
+    assert.ok(said.every((words) => !words.includes('\n')), said.join('; '))
+    assert.equal(kept, true)
+    assert.equal(again, hashOf(FRAMES['one pixel']))
+  },
+
+  async 'a device that is lost: before a frame, between two, in one, and while a Screen opens; or not to be had'() {
+    const [said, shown, lost, again] = await run(
+      `const said = [], { camera, options } = args[0], placed = [{ scene: await sceneOf('knot') }]
+      const note = async (act) => said.push(await wordsOf((async () => act())()))
+      const [before, between, within] = await Promise.all([1, 2, 3].map(() => Screen.open(canvas(), 'webgpu')))
+      await drawn(between, args[0])
+      ${COUNTS}
+      const { submit } = GPUQueue.prototype
+      GPUQueue.prototype.submit = function (list) {
+        submit.call(this, list)
+        within.device.destroy()
+      }
+      within.draw(placed, camera, options)
+      await note(() => within.finish())
+      GPUQueue.prototype.submit = submit
+      await note(() => between.pixels())
+      for (const screen of [before, between, within]) await note(() => drawn(screen, args[0]))
+      undo.forEach((one) => one())
+      const lost = [before, between, within].map((screen) => screen.lost), { device } = before
+      for (const screen of [before, between, within]) screen.free()
+      await note(() => Screen.open(canvas(), 'webgpu', { device }))
+      const { requestAdapter } = GPU.prototype, { requestDevice } = GPUAdapter.prototype
+      GPU.prototype.requestAdapter = async () => null
+      await note(() => Screen.open(canvas(), 'webgpu'))
+      GPU.prototype.requestAdapter = requestAdapter
+      GPUAdapter.prototype.requestDevice = function () {
+        return requestDevice.call(this, { requiredLimits: { maxBufferSize: 2 ** 50 } })
+      }
+      await note(() => Screen.open(canvas(), 'webgpu'))
+      GPUAdapter.prototype.requestDevice = async function (how) {
+        const made = await requestDevice.call(this, how)
+        made.destroy()
+        return made
+      }
+      await note(() => Screen.open(canvas(), 'webgpu'))
+      GPUAdapter.prototype.requestDevice = requestDevice
       const other = await Screen.open(canvas(), 'webgpu')
-      return [...said, hash(await drawn(other, args[0]))]`, FRAMES.framed)
-    assert.match(finish, /device was lost: open another Screen/)
-    assert.equal(lost, true)
-    assert.match(draws, /device was lost: open another Screen/)
-    assert.equal(again, hashOf(FRAMES.framed))
+      return [said, counts.getCurrentTexture, lost, hash(await drawn(other, args[0]))]`, FRAMES.framed)
+    const wanted = [...Array(6).fill(/^the WebGPU device was lost: open another Screen$/), /^there is no WebGPU here$/,
+                    /^there is no WebGPU device: [^\n]*limit[^\n]*$/, /device was lost/]
+    wanted.forEach((words, i) => assert.match(said[i], words))
+    assert.deepEqual([shown, lost, again], [0, [true, true, true], hashOf(FRAMES.framed)])
   },
 }
 
@@ -271,32 +478,35 @@ const more = {
       return hashes`, some), hashesOf(some))
   },
 
-  async 'a mesh of three.js that stands in a scene: docs/examples/three.js'() {
-    const [before, within, behind, apart] = await runIn(browser, 'mesh',
-      `const { open } = await import('/examples/three.js')
-      const [width, height] = [160, 100], element = Object.assign(document.createElement('canvas'), { width, height })
-      const mesh = await open(element, '/work/knot.fxs'), orange = 0xff0080ff
-      const read = () => mesh.renderer.readRenderTargetPixelsAsync(mesh.target, 0, 0, width, height)
-      const drawAt = async (...at) => {
-        mesh.mesh.position.set(...at)
-        await mesh.draw([0, 1, 4], [0, 0, 0])
-        return read()
-      }
-      const count = (bytes) => new Uint32Array(bytes.buffer, bytes.byteOffset, width * height)
-        .reduce((sum, word) => sum + (word === orange ? 1 : 0), 0)
-      const before = count(await drawAt(0, 0.5, 2)), within = count(await drawAt(0.5, 0, 0.3))
-      const last = await drawAt(0, 0, -90), options = { width, height, alpha: true }
-      const { scene, ...how } = mesh.placed[0], view = { eye: [0, 1, 4], look: [0, 0, 0], up: [0, 1, 0], near: 0.1 }
-      const { render } = await import('/fixsplat.js'), wanted = render([{ scene, ...how }], view, options)
-      const apart = last.reduce((most, byte, i) => {
-        const colour = wanted[i] + [0x20, 0x30, 0x40, 255][i % 4] * (1 - wanted[4 * (i >> 2) + 3] / 255)
-        return Math.max(most, Math.abs(byte - Math.min(255, colour)))
-      }, 0)
-      return [before, within, count(last), apart]`)
-    assert.ok(before > 1.2 * within && within > 100, `${before} pixels of the mesh before the scene, ${within} within`)
-    assert.equal(behind, 0)
-    assert.ok(apart <= 1, `${apart} apart`)
-  },
+  ...Object.fromEntries([['three.js', 'position.set'], ['playcanvas.js', 'setPosition']].map(([file, put]) => [
+    `a mesh that stands in a scene: docs/examples/${file}`, async () => {
+      const [before, within, behind, apart] = await runIn(browser, 'mesh',
+        `const { open } = await import('/examples/${file}')
+        const [width, height] = [160, 100], element = Object.assign(document.createElement('canvas'), { width, height })
+        const mesh = await open(element, '/work/knot.fxs'), orange = 0xff0080ff
+        const flat = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true })
+        const shownAt = async (...at) => {
+          mesh.mesh.${put}(...at)
+          await mesh.draw([0, 1, 4], [0, 0, 0])
+          flat.drawImage(element, 0, 0)
+          return flat.getImageData(0, 0, width, height).data
+        }
+        const count = (bytes) => new Uint32Array(bytes.buffer).reduce((sum, word) => sum + (word === orange ? 1 : 0), 0)
+        const before = count(await shownAt(0, 0.5, 2)), within = count(await shownAt(0.5, 0, 0.3))
+        const last = await shownAt(0, 0, -90), options = { width, height, alpha: true }
+        const { scene, ...how } = mesh.placed[0], view = { eye: [0, 1, 4], look: [0, 0, 0], up: [0, 1, 0], near: 0.1 }
+        const { render } = await import('/fixsplat.js'), wanted = render([{ scene, ...how }], view, options)
+        const apart = last.reduce((most, byte, i) => {
+          const colour = wanted[i] + [0x20, 0x30, 0x40, 255][i % 4] * (1 - wanted[4 * (i >> 2) + 3] / 255)
+          return Math.max(most, Math.abs(byte - Math.min(255, colour)))
+        }, 0)
+        return [before, within, count(last), apart]`)
+      console.log(`  ${before} pixels of the mesh before the scene, ${within} within`)
+      assert.ok(before > 1.2 * within && within > 100, 'nothing of the mesh is hidden, or all')
+      assert.equal(behind, 0)
+      assert.ok(apart <= 1, `${apart} apart`)
+    },
+  ])),
 
   async 'in a Worker'() {
     const some = [FRAMES.framed, FRAMES['two objects']]

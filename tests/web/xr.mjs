@@ -3,7 +3,9 @@ import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
-import { base, changed, faults, folder, go, inside, modules, page, rendered, run, scenes, still } from './chromium.mjs'
+import {
+  base, changed, engineOf, faults, folder, go, inside, modules, page, rendered, run, scenes, still,
+} from './chromium.mjs'
 
 const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
 const iwer = readFileSync(resolve(modules, 'iwer/build/iwer.min.js'), 'utf8')
@@ -297,14 +299,24 @@ const tests = {
     })
   },
 
-  async 'by WebGL 2: the same pixels'() {
-    await pose([0, 1.6, 0])
-    await open('webgl2')
-    await enter()
-    await settle()
-    assert.equal(await inside('return v.backend'), 'webgl2')
-    assert.equal(hash(await pixels()), native())
-    await leave()
+  async 'by WebGL 2, and by WebGPU where there is: the same pixels'() {
+    const counts = (text) => `const { transferToImageBitmap } = OffscreenCanvas.prototype
+      self.bitmaps = 0
+      OffscreenCanvas.prototype.transferToImageBitmap = function () {
+        self.bitmaps++
+        return transferToImageBitmap.call(this)
+      }
+      ${text}`
+    for (const backend of process.env.WEBGPU ? ['webgl2', 'webgpu'] : ['webgl2'])
+      await changed('/viewer/worker.js', counts, async () => {
+        await open(backend)
+        await enter()
+        await settle()
+        assert.equal(await inside('return v.backend'), backend)
+        assert.equal(hash(await pixels()), native())
+        assert.ok(await engineOf().evaluate(() => self.bitmaps > 2), 'the processor drew')
+        await leave()
+      })
   },
 
   async 'refused: words'() {

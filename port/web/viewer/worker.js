@@ -64,7 +64,7 @@ function foresee(camera, options) {
   } catch {} // a place where no camera can be
 }
 
-let eyes // what WebGL draws a headset's pictures on: { canvas, screen }
+let eyes // what WebGL or WebGPU draws a headset's pictures on: { canvas, screen }
 
 /** Pictures side by side, or null where that failed. */
 async function bitmapOf(cameras, options, backend) {
@@ -77,9 +77,12 @@ async function bitmapOf(cameras, options, backend) {
   const { canvas, screen } = eyes
   const whole = cameras.length * width
   if (canvas.width !== whole || canvas.height !== height) Object.assign(canvas, { width: whole, height })
-  if (screen.gl.drawingBufferWidth !== whole || screen.gl.drawingBufferHeight !== height) return null
-  cameras.forEach((camera, i) => screen.draw([{ scene }], camera, { ...options, into: { x: i * width } }))
-  await screen.finish()
+  const { gl } = screen
+  if (gl && (gl.drawingBufferWidth !== whole || gl.drawingBufferHeight !== height)) return null
+  for (let i = 0; i < cameras.length; i++) {
+    screen.draw([{ scene }], cameras[i], { ...options, into: { x: i * width } })
+    if (!gl || i === cameras.length - 1) await screen.finish()
+  }
   return canvas.transferToImageBitmap()
 }
 
@@ -116,10 +119,9 @@ const words = {
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
   },
 
-  /** What one or two eyes see, each as alone: the pixels of each, or where WebGL draws a bitmap. */
+  /** What one or two eyes see, each as alone: the pixels of each, or where the graphics card draws a bitmap. */
   async eyes(cameras, options, backend) {
-    const by = backend === 'webgpu' ? 'webgl2' : backend
-    const bitmap = by !== 'wasm' && (await bitmapOf(cameras, options, by).catch(() => null))
+    const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
     if (!cameras[1]) return { pictures: [scene.render(cameras[0], options)] }
     return { pictures: scene.renderStereo(...cameras, { ...options, exact: true }) }

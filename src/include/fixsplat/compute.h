@@ -15,20 +15,13 @@
 #ifndef FXS_COMPUTE_H
 #define FXS_COMPUTE_H
 
-#include "fixsplat.h"
+#include "gl_target.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 typedef struct fxs_compute fxs_compute;
-
-/* Finds a function of OpenGL ES by its name; null where there is none. As eglGetProcAddress. */
-typedef void (*fxs_compute_function)(void);
-typedef fxs_compute_function fxs_compute_load_fn(void *argument, const char *name);
-
-/* Makes the context current on the calling thread. Returns 0, or another value where it cannot. */
-typedef int fxs_compute_use_fn(void *argument);
 
 #define FXS_COMPUTE_PARTS 64       /* buffers of a scene's rows: with the 128 MiB that every device has, 8 GiB */
 
@@ -47,7 +40,7 @@ FXS_API size_t fxs_compute_bytes(void);
 /* Loads the functions and compiles the shaders. `use`: every call here makes the context current by it; null: the caller
    sees to that. Errors: FXS_ERR_UNSUPPORTED (no compute shaders, a limit below what is needed, a shader that does not
    compile), FXS_ERR_DEVICE, FXS_ERR_MEMORY; then nothing is left behind. */
-FXS_API int fxs_compute_init(fxs_compute *compute, fxs_compute_load_fn *load, fxs_compute_use_fn *use, void *argument,
+FXS_API int fxs_compute_init(fxs_compute *compute, fxs_gl_load_fn *load, fxs_gl_use_fn *use, void *argument,
                              fxs_message *why);
 
 /* Sets the most bytes of device memory that frames and scenes may take together; 0, as at first: no limit. */
@@ -69,12 +62,23 @@ FXS_API void fxs_compute_drop(fxs_compute *compute, fxs_compute_scene *copy);
 FXS_API size_t fxs_compute_memory(const fxs_request *request);
 
 /* Renders the first eye of a request into its targets, and waits. copies[i] is the copy of the scene of object i.
-   Errors: those of fxs_render, and FXS_ERR_UNSUPPORTED for formats that are the processor's alone. */
+   Errors: those of fxs_render, and FXS_ERR_UNSUPPORTED for formats that are the processor's alone; then the targets hold
+   what they held before, or where the device failed last of all, the whole picture. */
 FXS_API int fxs_compute_render(fxs_compute *compute, const fxs_request *request,
                                const fxs_compute_scene *const *copies, void *memory, fxs_stats *stats,
                                fxs_message *why);
 
-/* The device's time for the last frame, without reading back; 0 where it has no timer. */
+/* Renders the first eye of a request into a target, in the caller's GL context, as fxs_gles_render does: its own targets
+   are not used, the bytes are the same, and the GL state is left as it was, with the same exceptions. No pixel is read
+   back; but whether the frame fitted into the device's buffers is, 64 bytes, for which it waits before it draws.
+   fxs_compute_render alone does not leave the state.
+   Errors: those of fxs_compute_render, with FXS_ERR_TARGET and FXS_ERR_UNSUPPORTED as fxs_gles_render has them, and
+   FXS_ERR_UNSUPPORTED for `fetch` and `quads` too. After an error nothing was drawn, unless the device failed while it
+   drew. The first time takes longer, as shaders are compiled. */
+FXS_API int fxs_compute_draw(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
+                             const fxs_gles_target *target, void *memory, fxs_stats *stats, fxs_message *why);
+
+/* The device's time for the last frame, without reading back; 0 where it has no timer. Not of fxs_compute_draw. */
 FXS_API uint64_t fxs_compute_nanoseconds(const fxs_compute *compute);
 
 /* The device's memory beside scenes, bytes. */

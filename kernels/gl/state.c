@@ -1,5 +1,6 @@
 /* The state of a context: saved, set for a draw, restored. */
-#include "device.h"
+#include "gl.h"
+#include "src/core/memory.h"
 
 /* All off for a draw but the last. */
 static const GLenum switches[] = {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_DITHER, GL_RASTERIZER_DISCARD,
@@ -10,13 +11,14 @@ enum { SWITCHES = sizeof switches / sizeof *switches };
 static const GLenum unpack[] = {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS};
 enum { UNPACK = sizeof unpack / sizeof *unpack };
 
-/* Of fxs_gles_blend_over. */
+/* Of fxs_gl_blend_over. */
 static const GLenum blend[] = {GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA, GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB,
                                GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA};
 enum { BLEND = sizeof blend / sizeof *blend };
 
-void fxs_gles_save(const fxs_gl *gl, fxs_gles_state *s)
+void fxs_gl_save(const fxs_gl *gl, fxs_gl_state *s)
 {
+    memset(s, 0, sizeof *s);       /* a context that is lost says nothing */
     gl->GetIntegerv(GL_CURRENT_PROGRAM, &s->program);
     gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &s->vertex_array);
     gl->GetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &s->unpack_buffer);
@@ -34,7 +36,7 @@ void fxs_gles_save(const fxs_gl *gl, fxs_gles_state *s)
     for (int i = 0; i < BLEND; i++)
         gl->GetIntegerv(blend[i], &s->blend[i]);
     gl->GetIntegerv(GL_ACTIVE_TEXTURE, &s->active_texture);
-    for (int i = 0; i < FXS_GLES_UNITS; i++) {
+    for (int i = 0; i < FXS_GL_UNITS; i++) {
         gl->ActiveTexture(GL_TEXTURE0 + (GLenum)i);
         gl->GetIntegerv(GL_TEXTURE_BINDING_2D, &s->textures[i]);
         gl->GetIntegerv(GL_SAMPLER_BINDING, &s->samplers[i]);
@@ -42,7 +44,7 @@ void fxs_gles_save(const fxs_gl *gl, fxs_gles_state *s)
     gl->ActiveTexture((GLenum)s->active_texture);
 }
 
-void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *s)
+void fxs_gl_restore(const fxs_gl *gl, const fxs_gl_state *s)
 {
     gl->UseProgram((GLuint)s->program);
     gl->BindVertexArray((GLuint)s->vertex_array);
@@ -60,7 +62,7 @@ void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *s)
         gl->PixelStorei(unpack[i], s->unpack[i]);
     gl->BlendEquationSeparate((GLenum)s->blend[0], (GLenum)s->blend[1]);
     gl->BlendFuncSeparate((GLenum)s->blend[2], (GLenum)s->blend[3], (GLenum)s->blend[4], (GLenum)s->blend[5]);
-    for (int i = 0; i < FXS_GLES_UNITS; i++) {
+    for (int i = 0; i < FXS_GL_UNITS; i++) {
         gl->ActiveTexture(GL_TEXTURE0 + (GLenum)i);
         gl->BindTexture(GL_TEXTURE_2D, (GLuint)s->textures[i]);
         gl->BindSampler((GLuint)i, (GLuint)s->samplers[i]);
@@ -68,28 +70,25 @@ void fxs_gles_restore(const fxs_gl *gl, const fxs_gles_state *s)
     gl->ActiveTexture((GLenum)s->active_texture);
 }
 
-void fxs_gles_blend_over(const fxs_gl *gl)
+void fxs_gl_blend_over(const fxs_gl *gl)
 {
     gl->Enable(GL_BLEND);
     gl->BlendEquationSeparate(GL_FUNC_ADD, GL_FUNC_ADD);
     gl->BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
 }
 
-void fxs_gles_set(const fxs_gles *g)
+void fxs_gl_set(const fxs_gl *gl, GLuint vertex_array, int count, const GLuint *textures)
 {
-    const fxs_gl *gl = &g->gl;
     for (int i = 0; i < SWITCHES - 1; i++)
         gl->Disable(switches[i]);
-    if (g->target && g->target->over)
-        fxs_gles_blend_over(gl);   /* what else is drawn on has integers, which are not blended */
     gl->Enable(GL_SCISSOR_TEST);
     gl->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     for (int i = 0; i < UNPACK; i++)
         gl->PixelStorei(unpack[i], 0);
-    gl->BindVertexArray(g->vertex_arrays[0]);
-    for (int i = 0; i < FXS_GLES_UNITS; i++) {
+    gl->BindVertexArray(vertex_array);
+    for (int i = 0; i < count; i++) {
         gl->ActiveTexture(GL_TEXTURE0 + (GLenum)i);
-        gl->BindTexture(GL_TEXTURE_2D, g->textures[i]);
+        gl->BindTexture(GL_TEXTURE_2D, textures[i]);
         gl->BindSampler((GLuint)i, 0);
     }
 }

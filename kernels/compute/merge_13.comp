@@ -24,7 +24,7 @@ struct Frame {
     uint blocks;
     uint block_room;
     uint spare;
-    uint unused;
+    uint tile_bits;
     uint cleared;
     int cutoff;
     int cut_q11_;
@@ -115,10 +115,11 @@ const uint THREADS = 128u;
 const uint ROW_OF_GROUPS = 32768u;
 const uint RECORD = 64u;
 const uint LARGE = 8u;
+const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
 const uint MERGES = 5u;
-const uint BLOCK = 1024u;
+const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
 const uint NOTHING = 4294967295u;
@@ -130,12 +131,15 @@ const uint PAGES = 2u;
 const uint DAMAGED = 3u;
 const uint VISIBLE = 4u;
 const uint ENTRIES = 5u;
-const uint BLOCKS = 7u;
-const uint LONGEST = 8u;
+const uint SHORT_BLOCKS = 7u;
+const uint LONG_BLOCKS = 8u;
+const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
-const uint BINS = 512u;
+const uint SAMPLES = 32u;
+const uint RANGE = 8u;
+const uint BINS = 256u;
 layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
 layout(std430, binding = 1) buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
@@ -165,130 +169,124 @@ bool fits() {
 bool is_below(uvec2 a, uvec2 b) {
     return ((a.y == b.y) ? (a.x < b.x) : (a.y < b.y));
 }
-Block block_of(uvec3 group_6) {
+Block block_of(uint number_2) {
     bool local_2 = false;
-    uint number_2 = ((group_6.y * ROW_OF_GROUPS) + group_6.x);
-    uint _e8 = _group_1_binding_0_cs[7];
-    if (!((number_2 >= _e8))) {
-        bool _e13 = fits();
-        local_2 = !(_e13);
+    uint long_ = _group_1_binding_0_cs[8];
+    uint _e6 = _group_1_binding_0_cs[7];
+    if (!((number_2 >= (long_ + _e6)))) {
+        bool _e12 = fits();
+        local_2 = !(_e12);
     } else {
         local_2 = true;
     }
-    bool _e16 = local_2;
-    if (_e16) {
+    bool _e15 = local_2;
+    if (_e15) {
         return Block(0u, 0u, 0u);
     }
-    uint _e24 = _group_0_binding_0_cs.blocks;
-    uint tile = _group_1_binding_0_cs[(_e24 + (2u * number_2))];
-    uint count = _group_1_binding_0_cs[(TILES + tile)];
-    uint _e38 = _group_0_binding_0_cs.next;
-    uint _e41 = _group_1_binding_0_cs[(_e38 + tile)];
-    uint _e47 = _group_0_binding_0_cs.blocks;
-    uint _e54 = _group_1_binding_0_cs[((_e47 + (2u * number_2)) + 1u)];
-    return Block((_e41 - count), count, (BLOCK * _e54));
+    uint _e22 = _group_0_binding_0_cs.blocks;
+    uint _e27 = _group_0_binding_0_cs.block_room;
+    uint at_3 = (_e22 + (2u * ((number_2 < long_) ? ((_e27 - 1u) - number_2) : (number_2 - long_))));
+    uint tile = _group_1_binding_0_cs[at_3];
+    uint count_1 = _group_1_binding_0_cs[(TILES + tile)];
+    uint _e46 = _group_0_binding_0_cs.next;
+    uint _e49 = _group_1_binding_0_cs[(_e46 + tile)];
+    uint _e56 = _group_1_binding_0_cs[(at_3 + 1u)];
+    return Block((_e49 - count_1), count_1, (BLOCK * _e56));
 }
-uint count_below(uint first_1, uint length_, uvec2 key) {
-    uint low = 0u;
-    uint high = 0u;
-    high = length_;
-    while(true) {
-        uint _e6 = low;
-        uint _e7 = high;
-        if ((_e6 < _e7)) {
-        } else {
-            break;
-        }
-        {
-            uint _e9 = low;
-            uint _e10 = high;
-            uint middle = ((_e9 + _e10) / 2u);
-            uvec2 _e17 = _group_1_binding_1_cs[(first_1 + middle)];
-            bool _e18 = is_below(_e17, key);
-            if (_e18) {
-                low = (middle + 1u);
-            } else {
-                high = middle;
-            }
-        }
-    }
-    uint _e21 = low;
-    return _e21;
-}
-void merge(uint thread_8, Block block, uint run, bool from_spare) {
-    uint i_8 = 0u;
-    uint place_1 = 0u;
-    uint other = 0u;
-    bool local_3 = false;
-    if ((block.count <= (1u << run))) {
-        return;
-    }
-    uint _e12 = _group_0_binding_0_cs.spare;
-    uint source = (block.list + (from_spare ? _e12 : 0u));
-    uint _e18 = _group_0_binding_0_cs.spare;
-    uint target_list = (block.list + (from_spare ? 0u : _e18));
-    uint end = min((block.first + BLOCK), block.count);
-    i_8 = (block.first + thread_8);
+uint count_below(uvec4 first_1, uvec4 length_, uint run, uvec2 key) {
+    uvec4 count = uvec4(0u);
+    uint step_1 = 0u;
+    step_1 = (1u << run);
     bool loop_init = true;
     while(true) {
         if (!loop_init) {
-            uint _e81 = i_8;
-            i_8 = (_e81 + THREADS);
+            uint _e49 = step_1;
+            step_1 = (_e49 >> 1u);
         }
         loop_init = false;
-        uint _e30 = i_8;
-        if ((_e30 < end)) {
+        uint _e10 = step_1;
+        if ((_e10 != 0u)) {
         } else {
             break;
         }
         {
-            uint _e33 = i_8;
-            uvec2 key_1 = _group_1_binding_1_cs[(source + _e33)];
-            uint _e37 = i_8;
-            uint own_1 = (_e37 >> run);
-            uint first_run = (own_1 & 4294967280u);
-            uint _e42 = i_8;
-            place_1 = ((first_run << run) + (_e42 & ((1u << run) - 1u)));
-            other = first_run;
-            bool loop_init_1 = true;
-            while(true) {
-                if (!loop_init_1) {
-                    uint _e74 = other;
-                    other = (_e74 + 1u);
-                }
-                loop_init_1 = false;
-                uint _e51 = other;
-                if ((_e51 < (first_run + 16u))) {
-                } else {
-                    break;
-                }
-                {
-                    uint _e55 = other;
-                    uint first_2 = (_e55 << run);
-                    uint _e57 = other;
-                    if ((_e57 != own_1)) {
-                        local_3 = (first_2 < block.count);
-                    } else {
-                        local_3 = false;
-                    }
-                    bool _e64 = local_3;
-                    if (_e64) {
-                        uint _e65 = place_1;
-                        uint _e72 = count_below((source + first_2), min((1u << run), (block.count - first_2)), key_1);
-                        place_1 = (_e65 + _e72);
-                    }
-                }
-            }
-            uint _e78 = place_1;
-            _group_1_binding_1_cs[(target_list + _e78)] = key_1;
+            uvec4 _e13 = count;
+            uint _e14 = step_1;
+            uvec4 next = (_e13 + uvec4(_e14));
+            bvec4 inside = lessThanEqual(next, length_);
+            uvec4 at_4 = (first_1 + mix(uvec4(0u), (next - uvec4(1u)), inside));
+            uvec2 _e28 = _group_1_binding_1_cs[at_4.x];
+            bool _e29 = is_below(_e28, key);
+            uvec2 _e33 = _group_1_binding_1_cs[at_4.y];
+            bool _e34 = is_below(_e33, key);
+            uvec2 _e38 = _group_1_binding_1_cs[at_4.z];
+            bool _e39 = is_below(_e38, key);
+            uvec2 _e43 = _group_1_binding_1_cs[at_4.w];
+            bool _e44 = is_below(_e43, key);
+            bvec4 below = bvec4(_e29, _e34, _e39, _e44);
+            uvec4 _e46 = count;
+            count = mix(_e46, next, bvec4(inside.x && below.x, inside.y && below.y, inside.z && below.z, inside.w && below.w));
         }
     }
+    uint _e53 = count.x;
+    uint _e55 = count.y;
+    uint _e58 = count.z;
+    uint _e61 = count.w;
+    return (((_e53 + _e55) + _e58) + _e61);
+}
+void merge(uvec3 group_6, uint thread_9, uint run_1, bool from_spare) {
+    bool local_5 = false;
+    uint place_2 = 0u;
+    uint four = 0u;
+    uint number_3 = ((group_6.y * ROW_OF_GROUPS) + group_6.x);
+    Block _e11 = block_of((number_3 / 4u));
+    uint i_9 = ((_e11.first + ((number_3 % 4u) * THREADS)) + thread_9);
+    if (!((_e11.count <= (1u << run_1)))) {
+        local_5 = (i_9 >= _e11.count);
+    } else {
+        local_5 = true;
+    }
+    bool _e29 = local_5;
+    if (_e29) {
+        return;
+    }
+    uint _e34 = _group_0_binding_0_cs.spare;
+    uint source = (_e11.list + (from_spare ? _e34 : 0u));
+    uint _e40 = _group_0_binding_0_cs.spare;
+    uint target_list = (_e11.list + (from_spare ? 0u : _e40));
+    uvec2 key_1 = _group_1_binding_1_cs[(source + i_9)];
+    uint start_3 = ((i_9 >> (run_1 + 4u)) << (run_1 + 4u));
+    place_2 = start_3;
+    bool loop_init_1 = true;
+    while(true) {
+        if (!loop_init_1) {
+            uint _e95 = four;
+            four = (_e95 + 1u);
+        }
+        loop_init_1 = false;
+        uint _e57 = four;
+        if ((_e57 < 4u)) {
+        } else {
+            break;
+        }
+        {
+            uint _e67 = four;
+            uvec4 first_2 = (uvec4(start_3) + ((uvec4(0u, 1u, 2u, 3u) + uvec4((4u * _e67))) << uvec4(run_1)));
+            uvec4 length_1 = min((max(uvec4(_e11.count), first_2) - first_2), uvec4((1u << run_1)));
+            if ((length_1.x != 0u)) {
+                uint _e85 = place_2;
+                uint _e93 = count_below((uvec4(source) + min(first_2, uvec4((_e11.count - 1u)))), length_1, run_1, key_1);
+                place_2 = (_e85 + _e93);
+            }
+        }
+    }
+    uint _e99 = place_2;
+    _group_1_binding_1_cs[(target_list + _e99)] = key_1;
     return;
 }
 void main() {
-    uvec3 group_5 = gl_WorkGroupID;
-    uint thread_5 = gl_LocalInvocationIndex;
-    Block _e2 = block_of(group_5);
-    merge(thread_5, _e2, 26u, false);
+    uvec3 group_2 = gl_WorkGroupID;
+    uint thread_2 = gl_LocalInvocationIndex;
+    merge(group_2, thread_2, 13u, true);
     return;
 }

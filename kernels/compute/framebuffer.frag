@@ -1,0 +1,37 @@
+// A frame's picture from its words to the caller's framebuffer. BUFFERED: fragment shaders can read a storage buffer.
+layout(location = 0) uniform ivec4 place;    // pixel of the fragment (0, 0); rows go by; width of the picture
+layout(location = 1) uniform ivec4 planes;   // words: of the colours, the depths, the ids; log2 of the width of `words`
+#if defined BUFFERED
+layout(std430, binding = 3) readonly buffer Picture {
+    uint picture[];
+};
+#else
+layout(binding = 0) uniform highp usampler2D words;
+#endif
+layout(location = 0) out vec4 result;
+#if defined TRACED
+layout(location = 1) out uint depth_result;
+layout(location = 2) out uvec2 id_result;
+#endif
+
+uint word_at(int i)
+{
+#if defined BUFFERED
+    return picture[i];
+#else
+    return texelFetch(words, ivec2(i & ((1 << planes.w) - 1), i >> planes.w), 0).x;
+#endif
+}
+
+void main()
+{
+    ivec2 fragment = ivec2(gl_FragCoord.xy);
+    int at = (place.y + place.z * fragment.y) * place.w + place.x + fragment.x;
+    uvec4 bytes = uvec4(word_at(planes.x + at)) >> uvec4(0, 8, 16, 24) & 255u;
+    // the same byte, rounded down or to the nearest
+    result = (vec4(bytes) + 0.25) / 255.0;
+#if defined TRACED
+    depth_result = word_at(planes.y + at);
+    id_result = uvec2(word_at(planes.z + 2 * at), word_at(planes.z + 2 * at + 1));
+#endif
+}

@@ -1,0 +1,28 @@
+// What the caller has drawn, from its textures to the planes of the picture that are read.
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(location = 0) uniform ivec4 size;     // of the picture; texel row of its first row; rows go by
+// Words: of the occluder, the backdrop, -1: there is none; depth_bits; 1: by depth_buffer.
+layout(location = 1) uniform ivec4 planes;
+layout(location = 2) uniform vec2 inverse;   // 1 / distance of what has depth 0, 1 in depth_buffer
+layout(binding = 0) uniform highp usampler2D occluder;
+layout(binding = 1) uniform highp sampler2D depth_buffer;
+layout(binding = 2) uniform highp sampler2D backdrop;
+layout(std430, binding = 3) writeonly buffer Picture {
+    uint picture[];
+};
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= size.x || pixel.y >= size.y)
+        return;
+    ivec2 texel = ivec2(pixel.x, size.z + size.w * pixel.y);
+    int at = pixel.y * size.x + pixel.x;
+    if (planes.x >= 0)
+        picture[planes.x + at] = planes.w == 1 ? distance_of(texelFetch(depth_buffer, texel, 0).x, inverse, planes.z)
+                                               : texelFetch(occluder, texel, 0).x;
+    if (planes.y >= 0) {
+        uvec3 bytes = uvec3(texelFetch(backdrop, texel, 0).rgb * 255.0 + 0.5);
+        picture[planes.y + at] = bytes.r | bytes.g << 8 | bytes.b << 16;
+    }
+}
