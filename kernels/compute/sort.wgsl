@@ -177,7 +177,7 @@ fn merge(group: vec3<u32>, thread: u32, run: u32, from_spare: bool)
     let source = block.list + select(0u, frame.spare, from_spare);
     let target_list = block.list + select(frame.spare, 0u, from_spare);
     let key = entries[source + i];
-    let start = i >> (run + 4u) << (run + 4u);         // of 16 runs
+    let start = (i >> (run + 4u)) << (run + 4u);       // of 16 runs
     var place = start;
     for (var four = 0u; four < 4u; four += 1u) {
         let first = vec4<u32>(start) + ((vec4<u32>(0u, 1u, 2u, 3u) + 4u * four) << vec4<u32>(run));

@@ -17,29 +17,32 @@ say() {
     echo "== $* ($(($(date +%s) - start)) s)"
 }
 
-# pack NAME FILE PROFILE
-pack() { "$B/fixsplat" convert "$2" "$work/$1.fxs" --profile "$3" --quiet || failed="$failed $1"; }
-
 say "adapters"
 FXS_WEBGPU_FLAGS=$(timeout -k 5 80 node tests/web/adapters.mjs "$modules") || { echo "no adapter of a card"; exit 1; }
 export FXS_WEBGPU_FLAGS
 echo "flags: $FXS_WEBGPU_FLAGS"
 
 say "scenes"
-for scene in knot:20000 fog:40000 few:3000 landscape:150000 needles:20000 layers:10000 cubes:4096; do
-    name=${scene%:*} kind=${scene%:*}
-    [ "$name" = few ] && kind=knot
-    "$B/fixsplat" make-scene "$kind" --count "${scene#*:}" -o "$work/$name.ply" --quiet || failed="$failed $name"
+
+# made NAME KIND COUNT OPTION...: as tests/scripts/webgpu.sh makes them
+made() {
+    name=$1
+    "$B/fixsplat" make-scene "$2" --count "$3" -o "$work/$name.ply" --quiet || failed="$failed $name"
+    shift 3
+    "$B/fixsplat" convert "$work/$name.ply" "$work/$name.fxs" --quiet "$@" || failed="$failed $name"
+}
+made knot knot 20000
+made fog fog 40000
+made few knot 3000
+made levels knot 20000 --levels
+for scene in knot:6000 landscape:8000 needles:4000 fog:1500 layers:3000 cubes:4096; do
     for profile in default compact small; do
-        pack "shared-$name-$profile" "$work/$name.ply" $profile
+        made "${scene%:*}-$profile" "${scene%:*}" "${scene#*:}" --profile $profile
+        ln -s "${scene%:*}-$profile.fxs" "$work/shared-${scene%:*}-$profile.fxs"
     done
-    pack "$name" "$work/$name.ply" default
 done
-pack compact "$work/few.ply" compact
-pack small "$work/few.ply" small
-"$B/fixsplat" convert "$work/knot.ply" "$work/levels.fxs" --levels --quiet || failed="$failed levels"
 for name in guitar snowmiku; do
-    pack "shared-$name" "$scenes/$name/$name.ply" default
+    "$B/fixsplat" convert "$scenes/$name/$name.ply" "$work/shared-$name.fxs" --quiet || failed="$failed $name"
 done
 
 say "the pixels of the command"
