@@ -176,8 +176,8 @@ fn half_tile_of(group: vec3<u32>) -> Half
         return Half(NOTHING, 0u, 0u, 0u, 0u);
     }
     let count = counts[TILES + tile];
-    return Half(tile, tile % across << frame.tile_bits,
-                (tile / across << frame.tile_bits) + (number & of_tile) * SIDE, list_of(tile, count), count);
+    return Half(tile, (tile % across) << frame.tile_bits,
+                ((tile / across) << frame.tile_bits) + (number & of_tile) * SIDE, list_of(tile, count), count);
 }
 
 // The two pixels of a thread, in a row, APART.
