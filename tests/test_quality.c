@@ -1,7 +1,7 @@
 /* Quality floors: 8-bit frames against an independent double-precision renderer (reference.c) of the unquantised
  * file, mean and worst of four views a scene: the packed scene of each profile, and the pixel stage alone (blend and
- * resolve) fed with splats projected in doubles. A scene as .spz is measured beside them. What it prints of each scene
- * is a part of the table in docs/measured.md. */
+ * resolve) fed with splats projected in doubles. A scene as .spz is measured beside them. With FXS_PROCESSORS=all of
+ * four times as many pixels: what it prints of each scene then is a part of the table in docs/measured.md. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,7 +40,8 @@ static const struct {
     {".spz 4", {0, 0}, {0, 0}, 64},
 };
 
-enum { WIDTH = 960, HEIGHT = 640, VIEWS = 4, PIXELS = WIDTH * HEIGHT };
+enum { MOST_PIXELS = 960 * 640, VIEWS = 4 };
+static int width = 480, height = 320;       /* of the table 960x640 */
 
 typedef struct subject {
     fxs_scene_file_info info;
@@ -56,7 +57,7 @@ typedef struct subject {
 } subject;
 
 static fxs_pool *pool;
-static uint8_t expected[PIXELS * 4], actual[PIXELS * 4];
+static uint8_t expected[MOST_PIXELS * 4], actual[MOST_PIXELS * 4];
 
 /* ---- The pixel stage, fed from doubles --------------------------------------------------------------------------- */
 
@@ -77,8 +78,8 @@ static int to_fixed(fxs_splat *s, fxs_bounds *b, const struct reference_splat *r
         return 0;
     double radius = sqrt(limit), ux = 1 / sqrt(r->a - r->b * r->b / r->c), vy = 1 / sqrt(r->c);
     double half_height = radius / vy * 1.01 + 0.2, half_width = radius * sqrt(r->a) * 1.01 + 0.2;
-    double first = fmax(0, ceil(cy - half_height)), last = fmin(HEIGHT - 1, floor(cy + half_height));
-    if (first > last || cx + half_width < 0 || cx - half_width > WIDTH - 1)
+    double first = fmax(0, ceil(cy - half_height)), last = fmin(height - 1, floor(cy + half_height));
+    if (first > last || cx + half_width < 0 || cx - half_width > width - 1)
         return 0;
     s->offset_q11 = (uint16_t)lrint(offset * 2048);
     s->ux_q24 = (int32_t)lrint(ldexp(ux, 24));
@@ -112,18 +113,17 @@ static splat_list project_in_doubles(const subject *s, const fxs_file_view *view
 static void pixel_stage(const subject *s, const fxs_file_view *file_view, const struct reference_options *o)
 {
     splat_list list = project_in_doubles(s, file_view, o);
-    fxs_view view = {.width = WIDTH, .height = HEIGHT, .tiles_x = WIDTH / FXS_TILE, .tiles_y = HEIGHT / FXS_TILE,
+    fxs_view view = {.width = width, .height = height, .tiles_x = width / FXS_TILE, .tiles_y = height / FXS_TILE,
                      .cut_q11 = FXS_CUT_Q11};
-    enum { TILES = WIDTH / FXS_TILE * (HEIGHT / FXS_TILE) };
     fxs_bin_c(&view, list.splats, list.bounds, list.count, list.boxes);
     tile_lists lists = tile_lists_new(&view, list.splats, list.bounds, list.boxes, list.depths, list.count);
     fxs_options options;
     fxs_options_init(&options);
-    for (int t = 0; t < TILES; t++) {
+    for (int t = 0; t < view.tiles_x * view.tiles_y; t++) {
         fxs_tile tile;
         int x = t % view.tiles_x * FXS_TILE, y = t / view.tiles_x * FXS_TILE;
         fxs_blend_c(&view, x, y, list.splats, lists.entries + lists.ends[t] - lists.counts[t], lists.counts[t], &tile);
-        fxs_resolve_c(&options, FXS_FORMAT_RGBA8, &tile, FXS_TILE, FXS_TILE, actual + (y * WIDTH + x) * 4, WIDTH * 4);
+        fxs_resolve_c(&options, FXS_FORMAT_RGBA8, &tile, FXS_TILE, FXS_TILE, actual + (y * width + x) * 4, width * 4);
     }
     tile_lists_free(&lists);
     free(list.splats);
@@ -205,7 +205,7 @@ static int views_of_file(subject *s, const char *path)
     for (int i = 0; i < VIEWS && count > 0; i++) {
         s->views[i] = views[i * count / VIEWS];
         snprintf(s->views[i].name, sizeof s->views[i].name, "view %ld", i * count / VIEWS);
-        fxs_view_resize(&s->views[i], WIDTH, HEIGHT);
+        fxs_view_resize(&s->views[i], width, height);
     }
     if (count > 0)
         free(views);
@@ -230,7 +230,7 @@ static int views_around(subject *s, const aspect *a)
     fxs_message m;
     fxs_file_view front;
     double middle[3], radius = 0, filled;
-    if (fxs_view_frame_box(&front, s->report.inner_low, s->report.inner_high, a->up, 50, WIDTH, HEIGHT, &m))
+    if (fxs_view_frame_box(&front, s->report.inner_low, s->report.inner_high, a->up, 50, width, height, &m))
         return -1;
     for (int i = 0; i < 3; i++) {
         middle[i] = (s->report.inner_low[i] + s->report.inner_high[i]) / 2;
@@ -256,7 +256,7 @@ static int views_from(subject *s, const stand stands[VIEWS], const aspect *a)
 {
     fxs_message m;
     for (int v = 0; v < VIEWS; v++) {
-        if (fxs_view_look_at(&s->views[v], stands[v].eye, stands[v].target, a->up, 50, WIDTH, HEIGHT, &m))
+        if (fxs_view_look_at(&s->views[v], stands[v].eye, stands[v].target, a->up, 50, width, height, &m))
             return -1;
         strcpy(s->views[v].name, view_names[v]);
     }
@@ -280,9 +280,9 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
     fxs_options_init(&options);
     if (fxs_scene_open(&scene, packed->data, packed->bytes) || fxs_camera_from_view(&camera, view, &m))
         return -1;
-    size_t bytes = one_frame_bytes(&context, &scene, WIDTH, HEIGHT, 0);
+    size_t bytes = one_frame_bytes(&context, &scene, width, height, 0);
     void *memory = check_aligned(bytes);
-    int error = one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, bytes, actual, WIDTH * 4, 0);
+    int error = one_render(&context, &scene, &camera, &options, FXS_FORMAT_RGBA8, memory, bytes, actual, width * 4, 0);
     free(memory);
     return error;
 }
@@ -290,7 +290,7 @@ static int render_packed(const fxs_packed_scene *packed, const fxs_file_view *vi
 static void render_reference(void *argument, uint32_t v)
 {
     subject *s = argument;
-    s->linear[v] = malloc(PIXELS * 3 * sizeof **s->linear);
+    s->linear[v] = malloc((size_t)(width * height) * 3 * sizeof **s->linear);
     s->rendered[v] = s->linear[v] &&
         !reference_render(s->gaussians, s->count, &s->views[v], &s->reference, s->linear[v]);
 }
@@ -299,9 +299,9 @@ static void render_reference(void *argument, uint32_t v)
 static double share_drawn(void)
 {
     double drawn = 0;
-    for (int i = 0; i < PIXELS; i++)
+    for (int i = 0; i < width * height; i++)
         drawn += expected[4 * i] > 0 || expected[4 * i + 1] > 0 || expected[4 * i + 2] > 0;
-    return drawn / PIXELS;
+    return drawn / (width * height);
 }
 
 typedef struct summary {
@@ -312,7 +312,7 @@ typedef struct summary {
 static void add_view(summary *sum, int v)
 {
     struct fxs_metrics m;
-    if (!CHECK(!fxs_metrics_compare(actual, expected, WIDTH, HEIGHT, &m)))
+    if (!CHECK(!fxs_metrics_compare(actual, expected, width, height, &m)))
         return;
     if (v == 0 || m.psnr < sum->worst.psnr) {
         sum->worst.psnr = m.psnr;
@@ -342,7 +342,7 @@ static void check_floors(const char *name, subject *s)
 {
     summary forms[FORMS] = {{{0, 0}, {0, 0}, 0}}, pixel = {{0, 0}, {0, 0}, 0};
     for (int v = 0; v < VIEWS; v++) {
-        reference_to_rgba8(s->linear[v], WIDTH, HEIGHT, expected);
+        reference_to_rgba8(s->linear[v], width, height, expected);
         if (!CHECK(share_drawn() > 0.02))
             printf("  nothing is seen from view %d\n", v);
         for (int i = 0; i < FORMS && s->packed[i].data; i++)
@@ -477,6 +477,8 @@ int main(int argc, char **argv)
     pool = fxs_pool_create(fxs_processors());
     if (!pool)
         return 1;
+    if (getenv("FXS_PROCESSORS") && !strcmp(getenv("FXS_PROCESSORS"), "all"))
+        width = 960, height = 640;
     puts("| scene | form | bytes a Gaussian | PSNR, dB | SSIM | import, s |\n|---|---|---|---|---|---|");
     for (which = 0; which < sizeof made / sizeof *made; which++)
         if (is_asked_for(made[which].name, argc, argv))

@@ -222,7 +222,7 @@ limits() {
 # test_quality measures.
 sizes() {
     printf '960x640, 8-bit pictures against double precision from the floats of the file: mean (worst) of four views.\n\n'
-    FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|'
+    FXS_PROCESSORS=all FXS_SCENES=$SCENES "$B/tests/test_quality" | grep '^|'
     printf '\n### Time of each profile\n\nFrom the .fxs file, mapped, 1280x720, two threads, milliseconds.\n\n'
     head_row 'scene, profile'
     for profile in default compact small; do

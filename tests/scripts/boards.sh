@@ -172,7 +172,7 @@ for board in $boards; do
 done
 budget=
 
-# ---- What may lie in flash: a scene of three chunks, with each byte of its headers changed in turn ---------------------
+# ---- What may lie in flash: a scene of three chunks, with bytes of its headers changed in turn -------------------------
 
 # place: where the scene lies in an ELF file.
 place() {
@@ -185,9 +185,10 @@ poke() { printf "\\$(printf %o "$3")" | dd of="$1" bs=1 seek=$(($(place "$1") + 
 # byte FILE OFFSET
 byte() { od -An -tu1 -j "$2" -N 1 "$1" | tr -d ' '; }
 
-damage_every_byte() {
+# damage_bytes STEP: every so many-th.
+damage_bytes() {
     elf=$work/damaged.elf refused=0
-    for at in $(seq 0 319); do
+    for at in $(seq 0 "$1" 319); do
         cp "$made/firmware/mps3-an547.elf" "$elf"
         poke "$elf" "$at" $(($(byte "$scene" "$at") ^ 255))
         run mps3-an547 "$elf" width=64 height=48 frames=1 >"$work/log"
@@ -197,7 +198,7 @@ damage_every_byte() {
         *) echo "byte $at:"; cat "$work/log"; return 1 ;;
         esac
     done
-    [ "$refused" -ge 40 ] || { echo "only $refused of 320 were refused"; return 1; }
+    [ $((refused * $1)) -ge 40 ] || { echo "only $refused of $((320 / $1)) were refused"; return 1; }
 }
 
 other_version() {
@@ -211,7 +212,8 @@ check "makes a smaller scene" make_scene 700
 check "builds with another scene" firmware "$scene"
 check "three chunks" same_hashes mps3-an547 64 48 1
 check "a scene of another version" other_version
-check "each byte of the headers damaged" damage_every_byte
+# tests/test_scene.c and tests/fuzz_fxs.c damage the others on the host.
+check "bytes of the headers damaged" damage_bytes $([ "$FXS_PROCESSORS" = all ] && echo 1 || echo 3)
 head -c 10000 "$scene" >"$work/short.fxs"
 check "builds with a scene cut short" firmware "$work/short.fxs"
 check "a scene cut short" refuses mps3-an547 "$made/firmware/mps3-an547.elf" frames=1 'scene'

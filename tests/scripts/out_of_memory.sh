@@ -1,11 +1,12 @@
 #!/bin/sh
 # Each command with an allocation that gets no memory, or with none that does from there on: it does without and is
-# right, or ends with one line, status 1 and nothing left behind. Some eighty of each command's allocations, spread over
-# all of them; EVERY=1 for each.
+# right, or ends with one line, status 1 and nothing left behind. Some forty of each command's allocations, spread over
+# all of them; with FXS_PROCESSORS=all some eighty; EVERY=1 for each.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 . "$root/tests/scripts/lib/photos.sh"
 
+[ "$FXS_PROCESSORS" = all ] && spread=40 || spread=20
 faults=$work/logs/faults.so
 if ! ${CC:-cc} -O1 -shared -fPIC -o $faults "$root/tests/scripts/lib/faults.c" -ldl 2>logs/err ||
     ! FAULT_LOG=logs/calls LD_PRELOAD=$faults "$fixsplat" --version >logs/out 2>logs/err || ! [ -s logs/calls ]; then
@@ -40,7 +41,7 @@ survives() {
     [ ! -e "$written" ] || mv "$written" logs/right
     count=$(sed -n 's/ allocations//p' logs/calls)
     count=${count:-0}
-    step=${EVERY:-$((count / 40 + 1))}
+    step=${EVERY:-$((count / spread + 1))}
     for ever in '' 1; do
         n=${ever:-2}
         while [ $n -le $count ]; do

@@ -1,4 +1,5 @@
-// Chromium's flags for graphics by SwiftShader: WebGL alone, or WebGPU too.
+// Chromium's flags for graphics by SwiftShader: WebGL alone, or WebGPU too. FXS_WEBGPU_FLAGS has others for WebGPU.
 export const WEBGL = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader']
-export const WEBGPU = [...WEBGL, '--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
+const SWIFTSHADER = [...WEBGL, '--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader',
   '--enable-features=Vulkan', '--use-vulkan=swiftshader']
+export const WEBGPU = process.env.FXS_WEBGPU_FLAGS?.split(' ') ?? SWIFTSHADER

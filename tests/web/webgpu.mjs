@@ -470,7 +470,8 @@ const tests = {
 // What takes long, as each page and worker compiles the shaders anew.
 const more = {
   async 'scenes of shared/scenes'() {
-    const some = Object.fromEntries(shared.map((scene) => [scene, frame(scene, 200, 150)]))
+    const [width, height] = (process.env.SIZE ?? '200x150').split('x').map(Number)
+    const some = Object.fromEntries(shared.map((scene) => [scene, frame(scene, width, height)]))
     assert.deepEqual(await run(`const screen = await Screen.open(canvas(), 'webgpu')
       ${DRAWS}
       screen.free()

@@ -1,19 +1,27 @@
-// node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [VIEWER...]]: frames by WebGPU (SwiftShader) of this package, of
-// the engine of PlayCanvas and of three.js's GaussianSplat, of guitar.ply at 1280x720, while the camera goes around.
-// MODULES: a node_modules with playcanvas, three and puppeteer-core. Each in a fresh browser, in turns.
+// node webgpu_peers.mjs PACKAGE SCENES MODULES [ROUNDS [SCENE [SIZE [VIEWER...]]]]: frames by WebGPU of this package,
+// of the engine of PlayCanvas and of three.js's GaussianSplat, of a scene (guitar) at a size (1280x720), while the
+// camera goes around. MODULES: a node_modules with playcanvas, three and puppeteer-core. Each in a fresh browser, in
+// turns. FXS_WEBGPU_FLAGS: of Chromium, in place of SwiftShader's. FRAMES: of which the median is taken (7).
 import { createReadStream, existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
 import { join, resolve } from 'node:path'
 import { WEBGPU } from './flags.mjs'
 
-const [folder, scenes, modules, rounds = '3', ...asked] = process.argv.slice(2)
+const [folder, scenes, modules, rounds = '3', scene = 'guitar', size = '1280x720', ...asked] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
 const KINDS = { js: 'text/javascript', mjs: 'text/javascript', wasm: 'application/wasm', html: 'text/html' }
 const MAP = { three: '/modules/three/build/three.webgpu.js', 'three/webgpu': '/modules/three/build/three.webgpu.js',
   'three/tsl': '/modules/three/build/three.tsl.js', 'three/addons/': '/modules/three/examples/jsm/',
   playcanvas: '/modules/playcanvas/build/playcanvas.min.mjs' }
-const FRAMES = 7 // after two that are not counted
+const FRAMES = Number(process.env.FRAMES ?? 7) // after two that are not counted
+const [width, height] = size.split('x').map(Number)
+
+// y up. snowmiku: its first view.
+const VIEWS = {
+  guitar: { eye: [5.5, 3.2, -0.2], look: [0.09, 2.1, -0.2], fov: 50 },
+  snowmiku: { eye: [-2.02394, -1.50942, 3.17181], look: [-1.26934, -1.0593, -0.73049], fov: 48.73 },
+}
 
 // Each opens the scene and returns a function that draws from an eye, y up, the scene turned by half a turn about x,
 // and awaits until the device is done.
@@ -50,11 +58,12 @@ const VIEWERS = {
     camera.addComponent('camera', { fov, nearClip: 0.1, clearColor: new pc.Color(0, 0, 0) })
     app.root.addChild(splats)
     app.root.addChild(camera)
+    app.requestAnimationFrame = () => {} // a frame is drawn where it is asked for, not at the screen's rate
     app.start()
     return async (eye) => {
       camera.setPosition(...eye)
       camera.lookAt(...look)
-      await new Promise((done) => app.once('frameend', done))
+      app.tick(performance.now())
       await device.wgpu.queue.onSubmittedWorkDone()
     }`,
   'three.js': `const THREE = await import('three/webgpu')
@@ -76,7 +85,7 @@ const VIEWERS = {
     }`,
 }
 
-const PAGE = `<!doctype html><style>body { margin: 0 }</style><canvas width="1280" height="720"></canvas>
+const PAGE = `<!doctype html><style>body { margin: 0 }</style><canvas width="${width}" height="${height}"></canvas>
   <script type="importmap">${JSON.stringify({ imports: MAP })}</script>`
 const places = { '/modules/': modules, '/scenes/': scenes, '/': folder }
 const server = createServer((request, answer) => {
@@ -92,6 +101,7 @@ const server = createServer((request, answer) => {
 }).listen(0, '127.0.0.1')
 await new Promise((done) => server.once('listening', done))
 
+const shown = (ms) => ms.toFixed(ms < 100 ? 2 : 0)
 const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1]
 
 async function measure(name) {
@@ -102,21 +112,22 @@ async function measure(name) {
   })
   try {
     const page = await browser.newPage()
-    await page.setViewport({ width: 1280, height: 720 })
+    await page.setViewport({ width, height })
     await page.goto(`http://127.0.0.1:${server.address().port}/`)
     const times = await page.evaluate(`(async () => {
-      const [canvas, width, height, fov] = [document.querySelector('canvas'), 1280, 720, 50]
-      const look = [0.09, 2.1, -0.2], url = '/scenes/guitar/guitar.ply'
+      const [canvas, width, height] = [document.querySelector('canvas'), ${width}, ${height}]
+      const { eye, look, fov } = ${JSON.stringify(VIEWS[scene])}, url = '/scenes/${scene}/${scene}.ply'
+      const [x, y, z] = eye.map((e, i) => e - look[i])
       const draw = await (async () => { ${VIEWERS[name]} })()
       const times = []
       for (let i = 0; i < ${FRAMES + 2}; i++) {
         const [s, c] = [Math.sin(0.035 * i), Math.cos(0.035 * i)], start = performance.now()
-        await draw([look[0] + 5.41 * c, 3.2, look[2] - 5.41 * s])
+        await draw([look[0] + c * x + s * z, look[1] + y, look[2] - s * x + c * z])
         times.push(performance.now() - start)
       }
       return times.slice(2)
     })()`)
-    if (process.env.PICTURES) await page.screenshot({ path: `${process.env.PICTURES}/${name}.png` })
+    if (process.env.PICTURES) await page.screenshot({ path: `${process.env.PICTURES}/${scene}-${name}.png` })
     return median(times)
   } finally {
     await browser.close()
@@ -130,8 +141,8 @@ for (let round = 0; round < Number(rounds); round++)
 server.close()
 for (const name of names) {
   const [own, first] = [median(found[name]), median(found[names[0]])]
-  console.log(`${name}: ${own.toFixed(0)} ms a frame, ${(own / first).toFixed(2)} times ${names[0]}'s; ` +
-    `rounds ${found[name].map((ms) => ms.toFixed(0)).join(', ')}`)
+  console.log(`${scene} ${size}, ${name}: ${shown(own)} ms a frame, ${(own / first).toFixed(2)} times ` +
+    `${names[0]}'s; rounds ${found[name].map(shown).join(', ')}`)
 }
 const version = (name) => JSON.parse(readFileSync(join(modules, name, 'package.json'), 'utf8')).version
 console.log(`playcanvas ${version('playcanvas')}, three ${version('three')}`)
