@@ -324,10 +324,10 @@ static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
 
 /* Lists are of tiles of 16x16 pixels. Where there are more Gaussians than pixels, these are small, and tiles of 8x8 have
    shorter lists of not many more entries. The square of Kerbl et al. is in whole tiles of 16x16. */
-static uint32_t tile_bits(const fxs_plan *p, uint64_t pixels)
+static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels)
 {
     const uint64_t drawn = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;
-    return drawn > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE ? 3 : 4;
+    return drawn > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
 }
 
 /* Where all lies in the memory, the counts and the picture, and how large the buffers are. */
@@ -342,7 +342,8 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
         ;
     f->size[0] = p->view.width;
     f->size[1] = p->view.height;
-    f->tile_bits = tile_bits(p, pixels);
+    f->tile_bits = tile_bits(p, r, pixels);
+    p->merges = r->merges;
     for (int k = 0; k < 2; k++)
         f->tiles[k] = (f->size[k] + (1 << f->tile_bits) - 1) >> f->tile_bits;
     const uint64_t tiles = (uint64_t)f->tiles[0] * (uint64_t)f->tiles[1];
@@ -390,15 +391,25 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
     p->bytes[FXS_COMPUTE_DOWNLOAD] = 4 * (FXS_COMPUTE_STATUS + p->read_words);
 }
 
+static uint64_t largest_buffer(const fxs_plan *p)
+{
+    uint64_t largest = 0;
+    for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
+        largest = p->bytes[i] > largest ? p->bytes[i] : largest;
+    return largest;
+}
+
 int fxs_plan_lay_out(fxs_plan *p, fxs_plan_rooms *rooms, fxs_message *why)
 {
     guess_rooms(p, rooms);
-    p->merges = rooms->merges;
     lay_out(p, rooms);
-    for (int i = 0; i < FXS_COMPUTE_BUFFERS; i++)
-        if (p->bytes[i] > rooms->most)
-            return too_large(why, p->bytes[i]);
-    return 0;
+    if (largest_buffer(p) > rooms->most && p->frame.tile_bits == 3) {
+        rooms->whole_tiles = 1;
+        rooms->pages = 0;
+        guess_rooms(p, rooms);
+        lay_out(p, rooms);
+    }
+    return largest_buffer(p) > rooms->most ? too_large(why, largest_buffer(p)) : 0;
 }
 
 void fxs_plan_uniforms(const fxs_plan *p, void *to)

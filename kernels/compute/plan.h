@@ -19,6 +19,7 @@
 typedef struct fxs_plan_rooms {
     uint64_t most;                 /* bytes of a storage buffer */
     uint32_t chunks, larges, pages, merges;    /* of the next frame, at least */
+    uint32_t whole_tiles;          /* 1: the lists of tiles of 8x8 once took more than a buffer holds */
 } fxs_plan_rooms;
 
 typedef struct fxs_plan {
