@@ -68,7 +68,9 @@ check "into a file: the last step" grep -Eq '^30/30, loss 0\.[0-9]{4}, [0-9]+ Ga
 waited=0
 # It stands still for most of the ten seconds between the first line and the second.
 lines() {
-    until [ "$(grep -Ec "$progress" logs/err)" -ge "$1" ] || [ $waited = 25 ]; do sleep 1 && waited=$((waited + 1)); done
+    until [ "$(grep -Ec "$progress" logs/err)" -ge "$1" ] || [ $waited = 25 ]; do
+        sleep 1 && waited=$((waited + 1))
+    done
 }
 lines 1
 kill -s STOP $! && sleep 9 && kill -s CONT $!
@@ -80,10 +82,11 @@ rm -f long.fxs.fit
 # ---- On a terminal ---------------------------------------------------------------------------------------------------
 
 if have script; then
-    (unset FIXSPLAT_QUIET && script -qec "'$fixsplat' fit set --steps 1200 --threads 1 -o few.fxs" /dev/null </dev/null >logs/out)
+    line="'$fixsplat' fit set --steps 1200 --threads 1 -o few.fxs"
+    (unset FIXSPLAT_QUIET && script -qec "$line" /dev/null </dev/null >logs/out)
     check "on a terminal: what it begins with" grep -q \
         'fixsplat: 10 photographs to fit, 2 held out, up to 64x48; 400 points' logs/out
-    script -qec "'$fixsplat' fit set --steps 1200 --threads 1 -o few.fxs --quiet --json" /dev/null </dev/null >logs/said
+    script -qec "$line --quiet --json" /dev/null </dev/null >logs/said
     check "on a terminal, --quiet: the report alone" equal "$(wc -l <logs/said) $(grep -c '^{"scene": .*}' logs/said)" "1 1"
     check "on a terminal: progress" grep -Eq \
         '[0-9]+/1200, loss 0\.[0-9]{4}, [0-9]+ Gaussians, [0-9.]+ steps/s, [0-9]+ s left' logs/out
