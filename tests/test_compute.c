@@ -426,11 +426,18 @@ static void compare_scene(const fxs_scene *scene, int width, int height, double 
     request.options.budget = budget;
     if (!look_at(request.cameras, width, height, distance))
         return;
-    picture a = picture_new(width, height, FXS_FORMAT_RGBA8), b = picture_new(width, height, FXS_FORMAT_RGBA8);
-    if (!CHECK(is_same(&request, &a, &b)))
-        printf("  %d x %d\n", width, height);
-    picture_free(&a);
-    picture_free(&b);
+    for (int traced = 0; traced < 2; traced++) {       /* by trace_tiles, or by blend_tiles */
+        picture a = picture_new(width, height, FXS_FORMAT_RGBA8), b = picture_new(width, height, FXS_FORMAT_RGBA8);
+        if (!traced) {
+            const fxs_image none = {0, 0};
+            a.targets.mean_depth = a.targets.median_depth = a.targets.id = none;
+            b.targets.mean_depth = b.targets.median_depth = b.targets.id = none;
+        }
+        if (!CHECK(is_same(&request, &a, &b)))
+            printf("  %d x %d, traced %d\n", width, height, traced);
+        picture_free(&a);
+        picture_free(&b);
+    }
 }
 
 /* Lists of all lengths, up to that of the scene on the only tile of a picture. */
