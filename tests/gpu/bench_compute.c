@@ -1,5 +1,6 @@
-/* Times frames of 1920x1080 by the compute back end on the GPU of this machine and prints one table. Each argument:
- * FILE.fxs, for an overview of the scene as in bench_cuda.c; FILE.fxs:CAMERAS:N,N,... for views of a camera file.
+/* Times frames by the compute back end on the GPU of this machine and prints one table. Each argument: FILE.fxs, for an
+ * overview of the scene as in bench_cuda.c; FILE.fxs:CAMERAS:N,N,... for views of a camera file; WIDTHxHEIGHT, of the
+ * frames of the arguments after it (at first 1920x1080).
  * Medians, milliseconds, by the device's timer: of each program of a frame by itself, then of whole frames; then of
  * frames with the pixels in the caller's memory, by the clock. `same`: the picture is the processor's. */
 #include <inttypes.h>
@@ -17,13 +18,14 @@
 
 #define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
 
-enum { WARM_UP = 5, REPEATS = 31, WIDTH = 1920, HEIGHT = 1080 };
+enum { WARM_UP = 5, REPEATS = 31, SIZE_MOST = 8192 };
 
 static void *egl, *cpu;
 static fxs_compute *compute;
 static fxs_compute_scene copy;
 static fxs_message why;
 static unsigned char *pixels[2];
+static int width = 1920, height = 1080;
 
 /* ---- A query for each program, from its glUseProgram on ---------------------------------------------------------- */
 
@@ -87,7 +89,7 @@ static void row(const char *name, const fxs_scene *scene, const fxs_file_view *v
     fxs_object_init(&object, scene);
     fxs_request_init(&request, &object, 1);
     fxs_camera_from_view(request.cameras, view, &why);
-    request.targets->colour = (fxs_image){pixels[1], 4 * WIDTH};
+    request.targets->colour = (fxs_image){pixels[1], 4 * width};
     int error = fxs_backend_cpu.render(cpu, &request, 0, &why);
     request.targets->colour.pixels = pixels[0];
     void *memory = malloc(fxs_compute_memory(&request));
@@ -119,7 +121,7 @@ static void row(const char *name, const fxs_scene *scene, const fxs_file_view *v
     for (int p = 0; p < FXS_COMPUTE_PROGRAMS; p++)
         printf(" | %.3f", median(times[p]));
     printf(" | %.3f | %.3f | %s | %.1f |\n", median(whole), median(clock_times),
-           memcmp(pixels[0], pixels[1], 4 * WIDTH * HEIGHT) ? "NO" : "yes",
+           memcmp(pixels[0], pixels[1], (size_t)(4 * width * height)) ? "NO" : "yes",
            (double)(fxs_compute_taken(compute) + copy.bytes) * 1e-6);
     fflush(stdout);
 }
@@ -133,8 +135,20 @@ static fxs_file_view overview(const fxs_packed_header *header)
         low[k] = (double)header->inner_low_q32[k] / 4294967296.0;
         high[k] = (double)header->inner_high_q32[k] / 4294967296.0;
     }
-    fxs_view_frame_box(&view, low, high, up, 50, WIDTH, HEIGHT, &why);
+    fxs_view_frame_box(&view, low, high, up, 50, width, height, &why);
     return view;
+}
+
+/* Whether an argument is a size: that of the frames from now on. */
+static int takes_size(const char *argument)
+{
+    int w = 0, h = 0, length = 0;
+    if (sscanf(argument, "%dx%d%n", &w, &h, &length) < 2 || argument[length] || w < 1 || h < 1 || w > SIZE_MOST ||
+        h > SIZE_MOST)
+        return 0;
+    width = w;
+    height = h;
+    return 1;
 }
 
 static void rows_of_scene(char *argument)
@@ -158,7 +172,7 @@ static void rows_of_scene(char *argument)
     }
     for (char *n = views ? strtok(NULL, ",") : 0; n; n = strtok(NULL, ",")) {
         snprintf(label, sizeof label, "%s view %s", name, n);
-        fxs_view_resize(&views[atoi(n)], WIDTH, HEIGHT);
+        fxs_view_resize(&views[atoi(n)], width, height);
         row(label, &scene, &views[atoi(n)]);
     }
     free(views);
@@ -172,8 +186,6 @@ int main(int argc, char **argv)
 {
     static const fxs_backend_options options = {0};
     compute = malloc(fxs_compute_bytes());
-    pixels[0] = malloc(4 * WIDTH * HEIGHT);
-    pixels[1] = malloc(4 * WIDTH * HEIGHT);
     if (fxs_egl_open(&egl, &why) || fxs_compute_init(compute, fxs_egl_load, fxs_egl_use, egl, &why) ||
         fxs_backend_cpu.open(&cpu, &options, &why))
         return puts(why.text), 1;
@@ -186,8 +198,15 @@ int main(int argc, char **argv)
     compute->gl.GenQueries(FXS_COMPUTE_PROGRAMS, queries);
     printf("%s, storage buffers up to %.0f MiB\n", fxs_compute_renderer(compute), (double)compute->rooms.most / 1048576);
     printf("| scene | visible | entries" FXS_COMPUTE_PROGRAMS_OF(HEAD) " | frame | to the host | same | MB |\n");
-    for (int i = 1; i < argc; i++)
+    for (int i = 1; i < argc; i++) {
+        if (takes_size(argv[i]))
+            continue;
+        pixels[0] = malloc((size_t)(4 * width * height));
+        pixels[1] = malloc((size_t)(4 * width * height));
         rows_of_scene(argv[i]);
+        free(pixels[0]);
+        free(pixels[1]);
+    }
     fxs_compute_free(compute);
     fxs_backend_cpu.close(cpu);
     fxs_egl_close(egl);
