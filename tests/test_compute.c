@@ -328,7 +328,7 @@ static uint32_t place_of(const fxs_compute_frame *f, const uint32_t *counts, uin
 {
     const uint32_t count = counts[FXS_COMPUTE_TILES + tile];
     int merges = 0;
-    while ((uint32_t)FXS_COMPUTE_BLOCK << 4 * merges < count)
+    while ((uint32_t)FXS_COMPUTE_BLOCK << merges < count)
         merges++;
     return counts[f->next + tile] - count + (merges % 2 ? f->spare : 0);
 }

@@ -26,13 +26,38 @@ function reachable(text)
     return functions.reduce((rest, one) => needed.has(one[1]) ? rest : rest.replace(one[0], ""), text);
 }
 
+// An expression of the lines of naga's block: each `type name = value;` put where the name is used, assignments by commas.
+function oneLine(lines, last = "")
+{
+    const values = new Map(), done = [];
+    const whole = (text) => text.replace(/_e\d+/g, (name) => values.get(name) ?? name);
+    for (const [, type, name, value] of lines.matchAll(/^ *(?:(\w+) )?(\w+) = (.*);$/gm)) {
+        if (type)
+            values.set(name, whole(value));
+        else
+            done.push(`${name} = ${whole(value)}`);
+    }
+    return last ? whole(last) : done.join(", ");
+}
+
+// Loops as a driver unrolls them: naga writes each as one without an end, which steps at its beginning but for the first
+// time.
+function loops(glsl)
+{
+    return glsl
+        .replace(/^( *)bool (loop_init\w*) = true;\n *while\(true\) \{\n *if \(!\2\) \{\n((?:.*;\n)+) *\}\n *\2 = false;\n/gm,
+                 (_, space, name, step) => `${space}for (; ; ${oneLine(step)}) {\n`)
+        .replace(/^( *for \(; ); (.*\) \{\n)((?: *\w+ _e\d+ = .*;\n)*) *if \((.*)\) \{\n *\} else \{\n *break;\n *\}\n/gm,
+                 (_, start, rest, before, test) => `${start}${oneLine(before, test)}; ${rest}`);
+}
+
 // What naga leaves out: the bindings, which a buffer of GLSL ES names in its text. And what it puts in: workgroup memory
 // is set to 0 by one thread alone, which no stage relies on, and an atomic is read and written by atomics that change it,
 // which threads wait for; it can be read and written as it is.
 function glslText(wgsl, entry)
 {
     const module = parseWgsl(wgsl), info = validate(module);
-    return reachable(writeGlsl(module, info, { version: "310 es", stage: "compute", entryPoint: entry }))
+    return loops(reachable(writeGlsl(module, info, { version: "310 es", stage: "compute", entryPoint: entry })))
         .replace(/layout\((std\d+)\)([^{]*\{[^}]*_group_\d_binding_(\d)_cs)/g, "layout($1, binding = $3)$2")
         .replace(/    if \(gl_LocalInvocationID == uvec3\(0u\)\) \{[^}]*\}\n    memoryBarrierShared\(\);\n    barrier\(\);\n/,
                  "")

@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;
 precision highp int;
-layout(local_size_x = 128, local_size_y = 1, local_size_z = 1) in;
+layout(local_size_x = 64, local_size_y = 1, local_size_z = 1) in;
 struct Frame {
     ivec2 size;
     ivec2 tiles;
@@ -114,25 +114,25 @@ struct Fetched {
     uvec4 a;
     uvec4 b;
 };
-struct Half {
+struct Patch {
     uint tile;
     uint x;
     uint y;
+    uvec2 rows;
     uint list;
     uint count;
 };
 struct Taken {
     uint u;
     uint ux;
-    int level;
-    int limit;
+    uint level_q26_;
+    int limit_q11_;
     ivec3 colour;
 };
 struct Place {
     uint column;
     uint row;
     uint at;
-    uint words;
     bvec2 inside;
 };
 const int FXS_CUT_Q11_ = 18432;
@@ -149,7 +149,7 @@ const uint LARGE = 8u;
 const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
-const uint MERGES = 5u;
+const uint MERGES = 19u;
 const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -169,9 +169,8 @@ const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint SIDE = 8u;
-const uint SOME = 64u;
+const uint SOME = 32u;
 const uint APART = 4u;
-const uint CROWD = 2048u;
 layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
 layout(std430, binding = 3) buffer type_11_block_2Compute { uint _group_1_binding_3_cs[]; };
@@ -195,26 +194,26 @@ int fxs_coverage_8bit(int transmittance_q15_2) {
     return ((((FXS_CLEAR_Q15_ - transmittance_q15_2) * 255) + 16384) >> 15u);
 }
 bool fits() {
+    bool local_4 = false;
     bool local_5 = false;
-    bool local_6 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_5 = (_e11 <= _e14);
+        local_4 = (_e11 <= _e14);
     } else {
-        local_5 = false;
+        local_4 = false;
     }
-    bool _e17 = local_5;
+    bool _e17 = local_4;
     if (_e17) {
         uint _e22 = _group_1_binding_0_cs[0];
         uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_6 = (_e22 <= _e25);
+        local_5 = (_e22 <= _e25);
     } else {
-        local_6 = false;
+        local_5 = false;
     }
-    bool _e28 = local_6;
+    bool _e28 = local_5;
     return _e28;
 }
 ivec3 background_of(uint word_1) {
@@ -254,8 +253,8 @@ void put_colour(inout Pixel p_4, uint at) {
     uint g = uint(_e88);
     int _e92 = background_q13_1.z;
     int _e93 = fxs_resolve_8bit(sum.z, transmittance, _e92);
-    uint b_2 = uint(_e93);
-    word_2 = (((r | (g << 8u)) | (b_2 << 16u)) | 4278190080u);
+    uint b_3 = uint(_e93);
+    word_2 = (((r | (g << 8u)) | (b_3 << 16u)) | 4278190080u);
     uint _e106 = _group_0_binding_0_cs.format;
     if ((_e106 == 1u)) {
         uint _e109 = word_2;
@@ -264,7 +263,7 @@ void put_colour(inout Pixel p_4, uint at) {
     }
     uint _e119 = _group_0_binding_0_cs.format;
     if ((_e119 == 2u)) {
-        word_2 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_2 * 31u) + 127u) / 255u));
+        word_2 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_3 * 31u) + 127u) / 255u));
     }
     uint _e149 = _group_0_binding_0_cs.colour;
     uint _e152 = word_2;
@@ -290,47 +289,60 @@ void put_pixel(inout Pixel p_5, uint at_1) {
 void main() {
     uvec3 group_1 = gl_WorkGroupID;
     uint thread_1 = gl_LocalInvocationIndex;
+    bool local_2 = false;
     bool local_3 = false;
-    bool local_4 = false;
     Pixel p_1 = Pixel(32767, ivec3(0));
-    uint at_3 = ((((group_1.y * ROW_OF_GROUPS) + group_1.x) * THREADS) + thread_1);
-    ivec2 _e12 = _group_0_binding_0_cs.size;
-    uvec2 size = uvec2(_e12);
-    uint _e21 = _group_0_binding_0_cs.tile_bits;
-    uvec2 tile_1 = (uvec2((at_3 % size.x), (at_3 / size.x)) >> uvec2(_e21));
-    if (!((at_3 >= (size.x * size.y)))) {
-        bool _e31 = fits();
-        local_3 = !(_e31);
+    uint number_3 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
+    uint _e9 = _group_0_binding_0_cs.tile_bits;
+    uint halves_1 = (_e9 - 3u);
+    uint of_class = (number_3 >> (2u * halves_1));
+    uint _e17 = _group_1_binding_0_cs[16];
+    if (!((of_class >= _e17))) {
+        bool _e22 = fits();
+        local_2 = !(_e22);
+    } else {
+        local_2 = true;
+    }
+    bool _e25 = local_2;
+    if (_e25) {
+        return;
+    }
+    uint _e29 = _group_0_binding_0_cs.classes;
+    uint tile_1 = _group_1_binding_0_cs[(_e29 + of_class)];
+    int _e36 = _group_0_binding_0_cs.tiles.x;
+    uint _e41 = _group_0_binding_0_cs.tile_bits;
+    uint x_2 = ((((tile_1 % uint(_e36)) << _e41) + ((number_3 & halves_1) * SIDE)) + (thread_1 % SIDE));
+    int _e53 = _group_0_binding_0_cs.tiles.x;
+    uint _e58 = _group_0_binding_0_cs.tile_bits;
+    uint y_1 = ((((tile_1 / uint(_e53)) << _e58) + (((number_3 >> 1u) & halves_1) * SIDE)) + (thread_1 / SIDE));
+    int _e72 = _group_0_binding_0_cs.size.x;
+    if (!((x_2 >= uint(_e72)))) {
+        int _e81 = _group_0_binding_0_cs.size.y;
+        local_3 = (y_1 >= uint(_e81));
     } else {
         local_3 = true;
     }
-    bool _e34 = local_3;
-    if (!(_e34)) {
-        int _e44 = _group_0_binding_0_cs.tiles.x;
-        uint _e51 = _group_1_binding_0_cs[((TILES + (tile_1.y * uint(_e44))) + tile_1.x)];
-        local_4 = (_e51 != 0u);
-    } else {
-        local_4 = true;
-    }
-    bool _e55 = local_4;
-    if (_e55) {
+    bool _e85 = local_3;
+    if (_e85) {
         return;
     }
+    int _e89 = _group_0_binding_0_cs.size.x;
+    uint at_3 = ((y_1 * uint(_e89)) + x_2);
     put_pixel(p_1, at_3);
-    uint _e63 = _group_0_binding_0_cs.mean_depth;
-    if ((_e63 != NOTHING)) {
-        uint _e69 = _group_0_binding_0_cs.mean_depth;
-        _group_1_binding_3_cs[(_e69 + at_3)] = NOTHING;
+    uint _e100 = _group_0_binding_0_cs.mean_depth;
+    if ((_e100 != NOTHING)) {
+        uint _e106 = _group_0_binding_0_cs.mean_depth;
+        _group_1_binding_3_cs[(_e106 + at_3)] = NOTHING;
     }
-    uint _e75 = _group_0_binding_0_cs.median_depth;
-    if ((_e75 != NOTHING)) {
-        uint _e81 = _group_0_binding_0_cs.median_depth;
-        _group_1_binding_3_cs[(_e81 + at_3)] = NOTHING;
+    uint _e112 = _group_0_binding_0_cs.median_depth;
+    if ((_e112 != NOTHING)) {
+        uint _e118 = _group_0_binding_0_cs.median_depth;
+        _group_1_binding_3_cs[(_e118 + at_3)] = NOTHING;
     }
-    uint _e87 = _group_0_binding_0_cs.id;
-    if ((_e87 != NOTHING)) {
-        uint _e93 = _group_0_binding_0_cs.id;
-        _group_1_binding_3_cs[(_e93 + (2u * at_3))] = NOTHING;
+    uint _e124 = _group_0_binding_0_cs.id;
+    if ((_e124 != NOTHING)) {
+        uint _e130 = _group_0_binding_0_cs.id;
+        _group_1_binding_3_cs[(_e130 + (2u * at_3))] = NOTHING;
         return;
     } else {
         return;

@@ -53,12 +53,16 @@ fn put_arguments(at: u32, groups: u32)
 
 fn put_later()
 {
+    // As patch_of has them: a workgroup for 8x8 pixels, but eight where a list is of the longest class.
+    let patches = 2u * (frame.tile_bits - 3u);
     let empty = atomicLoad(&counts[CLASS_COUNTS]);
-    put_arguments(0u, (u32(frame.tiles.x * frame.tiles.y) - empty) << (frame.tile_bits - 3u));
+    let longest = atomicLoad(&counts[CLASS_COUNTS + CLASSES - 1u]);
+    put_arguments(0u, (u32(frame.tiles.x * frame.tiles.y) - empty + 7u * longest) << patches);
+    put_arguments(2u + MERGES, empty << patches);
     let long = min(atomicLoad(&counts[LONG_BLOCKS]), frame.block_room);
     put_arguments(1u, min(atomicLoad(&counts[SHORT_BLOCKS]) + long, frame.block_room));
     for (var i = 0u; i < MERGES; i += 1u) {
-        put_arguments(2u + i, select(0u, long * (BLOCK / THREADS), atomicLoad(&counts[LONGEST]) > BLOCK << (4u * i)));
+        put_arguments(2u + i, select(0u, long, atomicLoad(&counts[LONGEST]) > BLOCK << i));
     }
 }
 

@@ -119,7 +119,7 @@ const uint LARGE = 8u;
 const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
-const uint MERGES = 5u;
+const uint MERGES = 19u;
 const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -151,56 +151,56 @@ int fxs_limit_q11_(int offset_q11_1, int cut_q11_) {
     int _e4 = fxs_min((offset_q11_1 + cut_q11_), FXS_FAINT_Q11_);
     return _e4;
 }
-uvec2 add_wide(uvec2 a_2, uvec2 b_3) {
-    uint low = (a_2.x + b_3.x);
-    return uvec2(low, ((a_2.y + b_3.y) + ((low < a_2.x) ? 1u : 0u)));
+uvec2 add_wide(uvec2 a_3, uvec2 b_4) {
+    uint low = (a_3.x + b_4.x);
+    return uvec2(low, ((a_3.y + b_4.y) + ((low < a_3.x) ? 1u : 0u)));
 }
-uvec2 negate(uvec2 a_5) {
-    uvec2 _e5 = add_wide(~(a_5), uvec2(1u, 0u));
+uvec2 negate(uvec2 a_6) {
+    uvec2 _e5 = add_wide(~(a_6), uvec2(1u, 0u));
     return _e5;
 }
-bool less(uvec2 a_7, uvec2 b_5) {
-    return ((a_7.y == b_5.y) ? (a_7.x < b_5.x) : (int(a_7.y) < int(b_5.y)));
+bool less(uvec2 a_8, uvec2 b_6) {
+    return ((a_8.y == b_6.y) ? (a_8.x < b_6.x) : (int(a_8.y) < int(b_6.y)));
 }
-uvec2 mul_wide(uint a_8, uint b_6) {
+uvec2 mul_wide(uint a_9, uint b_7) {
     uint high;
     uint low;
-    umulExtended(a_8, b_6, high, low);
+    umulExtended(a_9, b_7, high, low);
     return uvec2(low, high);
 }
-uint mul_high(uint a_9, uint b_7) {
-    uvec2 _e2 = mul_wide(a_9, b_7);
+uint mul_high(uint a_10, uint b_8) {
+    uvec2 _e2 = mul_wide(a_10, b_8);
     return _e2.y;
 }
-uvec2 mul_mixed(int a_10, uint b_8) {
-    uvec2 _e3 = mul_wide(uint(a_10), b_8);
-    return uvec2(_e3.x, (_e3.y - ((a_10 < 0) ? b_8 : 0u)));
+uvec2 mul_mixed(int a_11, uint b_9) {
+    uvec2 _e3 = mul_wide(uint(a_11), b_9);
+    return uvec2(_e3.x, (_e3.y - ((a_11 < 0) ? b_9 : 0u)));
 }
-uvec2 mul_signed(int a_11, int b_9) {
-    uvec2 _e3 = mul_mixed(a_11, uint(b_9));
-    return uvec2(_e3.x, (_e3.y - ((b_9 < 0) ? uint(a_11) : 0u)));
+uvec2 mul_signed(int a_12, int b_10) {
+    uvec2 _e3 = mul_mixed(a_12, uint(b_10));
+    return uvec2(_e3.x, (_e3.y - ((b_10 < 0) ? uint(a_12) : 0u)));
 }
-uvec2 shift_right(uvec2 a_14, uint n_1) {
+uvec2 shift_right(uvec2 a_15, uint n_1) {
     if ((n_1 == 0u)) {
-        return a_14;
+        return a_15;
     }
     if ((n_1 >= 32u)) {
-        return uvec2((a_14.y >> (n_1 - 32u)), 0u);
+        return uvec2((a_15.y >> (n_1 - 32u)), 0u);
     }
-    return uvec2(((a_14.x >> n_1) | (a_14.y << (32u - n_1))), (a_14.y >> n_1));
+    return uvec2(((a_15.x >> n_1) | (a_15.y << (32u - n_1))), (a_15.y >> n_1));
 }
-uvec2 shift_signed(uvec2 a_15, uint n_2) {
-    int high = int(a_15.y);
+uvec2 shift_signed(uvec2 a_16, uint n_2) {
+    int high = int(a_16.y);
     if ((n_2 == 0u)) {
-        return a_15;
+        return a_16;
     }
     if ((n_2 >= 32u)) {
         return uvec2(uint((high >> (n_2 - 32u))), uint((high >> 31u)));
     }
-    return uvec2(((a_15.x >> n_2) | (a_15.y << (32u - n_2))), uint((high >> n_2)));
+    return uvec2(((a_16.x >> n_2) | (a_16.y << (32u - n_2))), uint((high >> n_2)));
 }
-int low_of(uvec2 a_17) {
-    return int(a_17.x);
+int low_of(uvec2 a_18) {
+    return int(a_18.x);
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));
@@ -262,23 +262,23 @@ int radius_q12_(int offset_q11_2) {
     uint _e11 = sqrt_of((uint(((_e4 - offset_q11_2) + 1)) << 13u));
     return (int(_e11) + 1);
 }
-int v_at_row(inout Splat s_1, inout Bounds b_12, int row) {
-    int _e7 = b_12.c_q14_.y;
+int v_at_row(inout Splat s_1, inout Bounds b_13, int row) {
+    int _e7 = b_13.c_q14_.y;
     int _e10 = s_1.vy_q24_;
     uvec2 _e11 = mul_signed(((row << 14u) - _e7), _e10);
     uvec2 _e13 = shift_signed(_e11, 26u);
     int _e14 = low_of(_e13);
     return _e14;
 }
-int half_at(inout Bounds b_13, int r_q12_, int v_q12_) {
+int half_at(inout Bounds b_14, int r_q12_, int v_q12_) {
     uint _e7 = sqrt_of(uint(((r_q12_ * r_q12_) - (v_q12_ * v_q12_))));
     uint root = (_e7 + 1u);
-    uint _e11 = b_13.breadth_q8_;
+    uint _e11 = b_14.breadth_q8_;
     uvec2 _e12 = mul_wide(_e11, root);
     uvec2 _e14 = shift_right(_e12, 12u);
     return int(_e14.x);
 }
-Span ellipse_span(inout Splat s_2, inout Bounds b_14, int r, int row_1) {
+Span ellipse_span(inout Splat s_2, inout Bounds b_15, int r, int row_1) {
     bool local_7 = false;
     bool local_8 = false;
     int left = 0;
@@ -287,10 +287,10 @@ Span ellipse_span(inout Splat s_2, inout Bounds b_14, int r, int row_1) {
     bool local_9 = false;
     bool local_10 = false;
     uint _e6 = _group_0_binding_0_cs.tile_bits;
-    int _e8 = v_at_row(s_2, b_14, (row_1 << _e6));
+    int _e8 = v_at_row(s_2, b_15, (row_1 << _e6));
     uint _e13 = _group_0_binding_0_cs.tile_bits;
-    int _e17 = v_at_row(s_2, b_14, (((row_1 + 1) << _e13) - 1));
-    int reach = b_14.half_width_q8_;
+    int _e17 = v_at_row(s_2, b_15, (((row_1 + 1) << _e13) - 1));
+    int reach = b_15.half_width_q8_;
     if (!((_e8 > (r + 2)))) {
         local_7 = (_e17 < (-(r) - 2));
     } else {
@@ -308,24 +308,24 @@ Span ellipse_span(inout Splat s_2, inout Bounds b_14, int r, int row_1) {
     }
     int top = min(max(_e8, -(r)), r);
     int bottom = min(max((_e17 + 1), -(r)), r);
-    int _e48 = b_14.shear_q8_;
+    int _e48 = b_15.shear_q8_;
     uvec2 _e49 = mul_signed(_e48, top);
     uvec2 _e51 = shift_signed(_e49, 12u);
     int _e52 = low_of(_e51);
-    int _e54 = b_14.shear_q8_;
+    int _e54 = b_15.shear_q8_;
     uvec2 _e55 = mul_signed(_e54, bottom);
     uvec2 _e57 = shift_signed(_e55, 12u);
     int _e58 = low_of(_e57);
-    int _e59 = half_at(b_14, r, top);
-    int _e60 = half_at(b_14, r, bottom);
+    int _e59 = half_at(b_15, r, top);
+    int _e60 = half_at(b_15, r, bottom);
     left = -(max((_e59 - _e52), (_e60 - _e58)));
     right = max((_e59 + _e52), (_e60 + _e58));
-    int _e71 = b_14.shear_q8_;
+    int _e71 = b_15.shear_q8_;
     uvec2 _e75 = mul_wide(uint(abs(_e71)), uint(r));
     uvec2 _e77 = shift_right(_e75, 12u);
     uvec2 _e80 = mul_wide(_e77.x, uint(r));
     tangent = _e80;
-    int _e83 = b_14.shear_q8_;
+    int _e83 = b_15.shear_q8_;
     if ((_e83 < 0)) {
         uvec2 _e86 = tangent;
         uvec2 _e87 = negate(_e86);
@@ -359,7 +359,7 @@ Span ellipse_span(inout Splat s_2, inout Bounds b_14, int r, int row_1) {
     if (_e109) {
         left = -(reach);
     }
-    int _e113 = b_14.c_q14_.x;
+    int _e113 = b_15.c_q14_.x;
     int c_q8_1 = (_e113 >> 6u);
     int margin = ((reach >> 8u) + 32);
     int _e120 = left;
@@ -373,11 +373,11 @@ Span square_span(int centre_q14_, uint radius, int tiles) {
     int last_1 = ((((pixel + int(radius)) + 15) >> 4u) - 1);
     return Span(min(max(first_1, 0), tiles), min(max(last_1, -1), (tiles - 1)));
 }
-Span rows_of(inout Splat s_3, inout Bounds b_15) {
+Span rows_of(inout Splat s_3, inout Bounds b_16) {
     int _e4 = _group_0_binding_0_cs.cutoff;
     if ((_e4 == 1)) {
-        int _e9 = b_15.c_q14_.y;
-        uint _e11 = b_15.square_radius;
+        int _e9 = b_16.c_q14_.y;
+        uint _e11 = b_16.square_radius;
         int _e15 = _group_0_binding_0_cs.tiles.y;
         Span _e16 = square_span(_e9, _e11, _e15);
         return _e16;
@@ -388,16 +388,16 @@ Span rows_of(inout Splat s_3, inout Bounds b_15) {
     uint _e29 = _group_0_binding_0_cs.tile_bits;
     return Span((_e19 >> _e22), (_e26 >> _e29));
 }
-Span span_of(inout Splat s_4, inout Bounds b_16, int r_q12_1, int row_2) {
+Span span_of(inout Splat s_4, inout Bounds b_17, int r_q12_1, int row_2) {
     int _e6 = _group_0_binding_0_cs.cutoff;
     if ((_e6 == 1)) {
-        int _e11 = b_16.c_q14_.x;
-        uint _e13 = b_16.square_radius;
+        int _e11 = b_17.c_q14_.x;
+        uint _e13 = b_17.square_radius;
         int _e17 = _group_0_binding_0_cs.tiles.x;
         Span _e18 = square_span(_e11, _e13, _e17);
         return _e18;
     }
-    Span _e19 = ellipse_span(s_4, b_16, r_q12_1, row_2);
+    Span _e19 = ellipse_span(s_4, b_17, r_q12_1, row_2);
     return _e19;
 }
 bool fits() {
@@ -430,9 +430,9 @@ void put_entry(uint tile, uint slot, uint depth) {
     return;
 }
 Splat large_splat(uint slot_2) {
-    uvec4 a_18 = _group_1_binding_0_cs[(2u * slot_2)];
-    uvec4 b_17 = _group_1_binding_0_cs[((2u * slot_2) + 1u)];
-    return Splat(a_18.x, a_18.y, int(a_18.z), int(a_18.w), int(b_17.x), int((b_17.y & 65535u)), ivec2(int((b_17.w & 65535u)), int((b_17.w >> 16u))));
+    uvec4 a_19 = _group_1_binding_0_cs[(2u * slot_2)];
+    uvec4 b_18 = _group_1_binding_0_cs[((2u * slot_2) + 1u)];
+    return Splat(a_19.x, a_19.y, int(a_19.z), int(a_19.w), int(b_18.x), int((b_18.y & 65535u)), ivec2(int((b_18.w & 65535u)), int((b_18.w >> 16u))));
 }
 void main() {
     uvec3 group_1 = gl_WorkGroupID;
@@ -503,18 +503,7 @@ void main() {
     uint row_4 = (thread_1 / 16u);
     ivec4 of_row = spans[row_4];
     column = (of_row.x + int((thread_1 % 16u)));
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            int _e165 = column;
-            column = (_e165 + 16);
-        }
-        loop_init = false;
-        int _e137 = column;
-        if ((_e137 <= of_row.y)) {
-        } else {
-            break;
-        }
+    for (; (column <= of_row.y); column = (column + 16)) {
         {
             int _e140 = column;
             if (!((_e140 < of_row.z))) {

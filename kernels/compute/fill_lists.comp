@@ -119,7 +119,7 @@ const uint LARGE = 8u;
 const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
-const uint MERGES = 5u;
+const uint MERGES = 19u;
 const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -231,34 +231,26 @@ void put_arguments(uint at, uint groups) {
 }
 void put_later() {
     uint i_1 = 0u;
+    uint _e3 = _group_0_binding_0_cs.tile_bits;
+    uint patches = (2u * (_e3 - 3u));
     uint empty = _group_1_binding_2_cs[16];
-    int _e7 = _group_0_binding_0_cs.tiles.x;
-    int _e11 = _group_0_binding_0_cs.tiles.y;
-    uint _e17 = _group_0_binding_0_cs.tile_bits;
-    put_arguments(0u, ((uint((_e7 * _e11)) - empty) << (_e17 - 3u)));
-    uint _e23 = _group_1_binding_2_cs[8];
-    uint _e26 = _group_0_binding_0_cs.block_room;
-    uint long_ = min(_e23, _e26);
-    uint _e31 = _group_1_binding_2_cs[7];
-    uint _e35 = _group_0_binding_0_cs.block_room;
-    put_arguments(1u, min((_e31 + long_), _e35));
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e58 = i_1;
-            i_1 = (_e58 + 1u);
-        }
-        loop_init = false;
-        uint _e39 = i_1;
-        if ((_e39 < MERGES)) {
-        } else {
-            break;
-        }
+    uint longest = _group_1_binding_2_cs[31];
+    int _e17 = _group_0_binding_0_cs.tiles.x;
+    int _e21 = _group_0_binding_0_cs.tiles.y;
+    put_arguments(0u, (((uint((_e17 * _e21)) - empty) + (7u * longest)) << patches));
+    put_arguments(21u, (empty << patches));
+    uint _e33 = _group_1_binding_2_cs[8];
+    uint _e36 = _group_0_binding_0_cs.block_room;
+    uint long_ = min(_e33, _e36);
+    uint _e41 = _group_1_binding_2_cs[7];
+    uint _e45 = _group_0_binding_0_cs.block_room;
+    put_arguments(1u, min((_e41 + long_), _e45));
+    for (; (i_1 < MERGES); i_1 = (i_1 + 1u)) {
         {
-            uint _e43 = i_1;
-            uint _e50 = _group_1_binding_2_cs[9];
             uint _e53 = i_1;
-            put_arguments((2u + _e43), ((_e50 > (BLOCK << (4u * _e53))) ? (long_ * 4u) : 0u));
+            uint _e58 = _group_1_binding_2_cs[9];
+            uint _e60 = i_1;
+            put_arguments((2u + _e53), ((_e58 > (BLOCK << _e60)) ? long_ : 0u));
         }
     }
     return;

@@ -113,7 +113,7 @@ const uint LARGE = 8u;
 const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
-const uint MERGES = 5u;
+const uint MERGES = 19u;
 const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -141,18 +141,7 @@ uint sum_before(uint thread_1, uint own_1) {
     uint d = 1u;
     uint below = 0u;
     sums[thread_1] = own_1;
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e23 = d;
-            d = (_e23 * 2u);
-        }
-        loop_init = false;
-        uint _e6 = d;
-        if ((_e6 < THREADS)) {
-        } else {
-            break;
-        }
+    for (; (d < THREADS); d = (d * 2u)) {
         {
             memoryBarrierShared();
             barrier();
@@ -203,18 +192,7 @@ void main() {
     uint first = min((thread * each), words);
     uint end = min((first + each), words);
     i = first;
-    bool loop_init_1 = true;
-    while(true) {
-        if (!loop_init_1) {
-            uint _e34 = i;
-            i = (_e34 + 1u);
-        }
-        loop_init_1 = false;
-        uint _e21 = i;
-        if ((_e21 < end)) {
-        } else {
-            break;
-        }
+    for (; (i < end); i = (i + 1u)) {
         {
             uint _e23 = own;
             uint _e27 = _group_0_binding_0_cs.seen;
@@ -227,18 +205,7 @@ void main() {
     uint _e38 = sum_before(thread, _e37);
     at = _e38;
     i_1 = first;
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            uint _e84 = i_1;
-            i_1 = (_e84 + 1u);
-        }
-        loop_init_2 = false;
-        uint _e41 = i_1;
-        if ((_e41 < end)) {
-        } else {
-            break;
-        }
+    for (; (i_1 < end); i_1 = (i_1 + 1u)) {
         {
             uint _e46 = _group_0_binding_0_cs.ranks;
             uint _e47 = i_1;
@@ -248,19 +215,7 @@ void main() {
             uint _e55 = i_1;
             uint _e58 = _group_1_binding_2_cs[(_e54 + _e55)];
             bits = _e58;
-            bool loop_init_3 = true;
-            while(true) {
-                if (!loop_init_3) {
-                    uint _e79 = bits;
-                    uint _e80 = bits;
-                    bits = (_e79 & (_e80 - 1u));
-                }
-                loop_init_3 = false;
-                uint _e60 = bits;
-                if ((_e60 != 0u)) {
-                } else {
-                    break;
-                }
+            for (; (bits != 0u); bits = (bits & (bits - 1u))) {
                 {
                     uint _e66 = _group_0_binding_0_cs.visible;
                     uint _e67 = at;
@@ -278,19 +233,7 @@ void main() {
     memoryBarrierShared();
     barrier();
     i_2 = thread;
-    bool loop_init_4 = true;
-    while(true) {
-        if (!loop_init_4) {
-            uint _e136 = i_2;
-            i_2 = (_e136 + THREADS);
-        }
-        loop_init_4 = false;
-        uint _e88 = i_2;
-        uint _e91 = _group_0_binding_0_cs.spans;
-        if ((_e88 <= _e91)) {
-        } else {
-            break;
-        }
+    for (; (i_2 <= _group_0_binding_0_cs.spans); i_2 = (i_2 + THREADS)) {
         {
             uint _e95 = _group_0_binding_0_cs.spans_at;
             uint _e97 = i_2;

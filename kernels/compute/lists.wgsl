@@ -36,10 +36,10 @@ fn sum_to(thread: u32, own: u32, cut: bool) -> u32
     return sums[thread];
 }
 
-// 0: of empty lists
+// 0: of empty lists; the last: of 4096 entries and more
 fn class_of(length: u32) -> u32
 {
-    return min(32u - countLeadingZeros(length), CLASSES - 1u);
+    return select(min(34u - countLeadingZeros(length), CLASSES - 1u), 0u, length == 0u);
 }
 
 // What is to be sorted of a list.

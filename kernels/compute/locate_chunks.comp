@@ -121,7 +121,7 @@ const uint LARGE = 8u;
 const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
-const uint MERGES = 5u;
+const uint MERGES = 19u;
 const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -257,18 +257,7 @@ bool lies_in(inout uvec2 low[3], inout uvec2 high_1[3], uint crop_1, bool any_) 
     uint i_2 = 0u;
     bool local_1 = false;
     bool local_2 = false;
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e44 = i_2;
-            i_2 = (_e44 + 1u);
-        }
-        loop_init = false;
-        uint _e8 = i_2;
-        if ((_e8 < 3u)) {
-        } else {
-            break;
-        }
+    for (; (i_2 < 3u); i_2 = (i_2 + 1u)) {
         {
             uint _e11 = i_2;
             uvec2 _e13 = low[_e11];
@@ -313,19 +302,7 @@ bool is_within_crops(inout uvec2 low_1[3], inout uvec2 high_2[3]) {
     bool local_5 = false;
     uint _e4 = _group_0_binding_1_cs.keep_count;
     kept = (_e4 == 0u);
-    bool loop_init_1 = true;
-    while(true) {
-        if (!loop_init_1) {
-            uint _e49 = crop_2;
-            crop_2 = (_e49 + 1u);
-        }
-        loop_init_1 = false;
-        uint _e10 = crop_2;
-        uint _e13 = _group_0_binding_1_cs.crop_count;
-        if ((_e10 < _e13)) {
-        } else {
-            break;
-        }
+    for (; (crop_2 < _group_0_binding_1_cs.crop_count); crop_2 = (crop_2 + 1u)) {
         {
             uint _e18 = crop_2;
             uint _e24 = _group_0_binding_1_cs.crops[((4u * _e18) + 3u)].x;
@@ -424,18 +401,7 @@ bool is_valid(uint at_3) {
     uvec2 _e38 = shift_right(_e36, 8u);
     int _e39 = low_of(_e38);
     valid = ((scale_q16_ - _e39) >= -2097152);
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            uint _e123 = i_5;
-            i_5 = (_e123 + 1u);
-        }
-        loop_init_2 = false;
-        uint _e46 = i_5;
-        if ((_e46 < 3u)) {
-        } else {
-            break;
-        }
+    for (; (i_5 < 3u); i_5 = (i_5 + 1u)) {
         {
             uint _e52 = i_5;
             uint _e55 = _group_1_binding_0_cs[((at_3 + 10u) + _e52)];
@@ -506,18 +472,7 @@ Located locate(uint at_4) {
     uint i_7 = 0u;
     uvec2 base_q30_ = uvec2(0u);
     uint j = 0u;
-    bool loop_init_3 = true;
-    while(true) {
-        if (!loop_init_3) {
-            uint _e32 = i_6;
-            i_6 = (_e32 + 1u);
-        }
-        loop_init_3 = false;
-        uint _e9 = i_6;
-        if ((_e9 < 3u)) {
-        } else {
-            break;
-        }
+    for (; (i_6 < 3u); i_6 = (i_6 + 1u)) {
         {
             uint _e12 = i_6;
             uint _e14 = i_6;
@@ -559,33 +514,11 @@ Located locate(uint at_4) {
     }
     bool _e88 = local_14;
     l.near = (_e88 ? _e78 : 2147483647);
-    bool loop_init_4 = true;
-    while(true) {
-        if (!loop_init_4) {
-            uint _e156 = i_7;
-            i_7 = (_e156 + 1u);
-        }
-        loop_init_4 = false;
-        uint _e93 = i_7;
-        if ((_e93 < 3u)) {
-        } else {
-            break;
-        }
+    for (; (i_7 < 3u); i_7 = (i_7 + 1u)) {
         {
             base_q30_ = uvec2(0u, 0u);
             j = 0u;
-            bool loop_init_5 = true;
-            while(true) {
-                if (!loop_init_5) {
-                    uint _e147 = j;
-                    j = (_e147 + 1u);
-                }
-                loop_init_5 = false;
-                uint _e102 = j;
-                if ((_e102 < 3u)) {
-                } else {
-                    break;
-                }
+            for (; (j < 3u); j = (j + 1u)) {
                 {
                     uint _e107 = i_7;
                     uint _e109 = j;
@@ -677,18 +610,7 @@ uvec2 farthest(inout Located l_2, uint i_8, int sign_, int slope_q23_) {
     uvec2 _e46 = across;
     uvec2 _e47 = sub_wide(_e45, _e46);
     sum = _e47;
-    bool loop_init_6 = true;
-    while(true) {
-        if (!loop_init_6) {
-            uint _e89 = j_1;
-            j_1 = (_e89 + 1u);
-        }
-        loop_init_6 = false;
-        uint _e51 = j_1;
-        if ((_e51 < 3u)) {
-        } else {
-            break;
-        }
+    for (; (j_1 < 3u); j_1 = (j_1 + 1u)) {
         {
             uint _e57 = j_1;
             int _e60 = l_2.m_q16_[((3u * i_8) + _e57)];
@@ -731,18 +653,7 @@ bool can_be_seen(inout Located l_4) {
     bool local_18 = false;
     uvec2 _e3 = l_4.base_q16_[2];
     z_q16_ = _e3;
-    bool loop_init_7 = true;
-    while(true) {
-        if (!loop_init_7) {
-            uint _e20 = j_2;
-            j_2 = (_e20 + 1u);
-        }
-        loop_init_7 = false;
-        uint _e7 = j_2;
-        if ((_e7 < 9u)) {
-        } else {
-            break;
-        }
+    for (; (j_2 < 9u); j_2 = (j_2 + 1u)) {
         {
             uvec2 _e10 = z_q16_;
             uint _e12 = j_2;
@@ -765,18 +676,7 @@ bool can_be_seen(inout Located l_4) {
         return true;
     }
     uvec2 _e38 = reach_across(l_4);
-    bool loop_init_8 = true;
-    while(true) {
-        if (!loop_init_8) {
-            uint _e110 = i_10;
-            i_10 = (_e110 + 1u);
-        }
-        loop_init_8 = false;
-        uint _e43 = i_10;
-        if ((_e43 < 2u)) {
-        } else {
-            break;
-        }
+    for (; (i_10 < 2u); i_10 = (i_10 + 1u)) {
         {
             uint _e46 = i_10;
             uint _e50 = i_10;
@@ -837,18 +737,7 @@ bool has_chunk(uint at_5) {
     uvec2 high_3[3] = uvec2[3](uvec2(0u), uvec2(0u), uvec2(0u));
     uint i_11 = 0u;
     bool local_19 = false;
-    bool loop_init_9 = true;
-    while(true) {
-        if (!loop_init_9) {
-            uint _e20 = i_11;
-            i_11 = (_e20 + 1u);
-        }
-        loop_init_9 = false;
-        uint _e5 = i_11;
-        if ((_e5 < 3u)) {
-        } else {
-            break;
-        }
+    for (; (i_11 < 3u); i_11 = (i_11 + 1u)) {
         {
             uint _e8 = i_11;
             uint _e10 = i_11;
@@ -885,18 +774,7 @@ void put_record(uint to, uint at_7, inout Located l_5, uint share_q8_) {
     int _e5 = l_5.plane_zeros;
     int _e14 = l_5.plane_zeros;
     int plane_side = ((_e14 > 7) ? (1 << uint((38 - min(_e5, 38)))) : 2147483647);
-    bool loop_init_10 = true;
-    while(true) {
-        if (!loop_init_10) {
-            uint _e111 = i_12;
-            i_12 = (_e111 + 1u);
-        }
-        loop_init_10 = false;
-        uint _e21 = i_12;
-        if ((_e21 < 3u)) {
-        } else {
-            break;
-        }
+    for (; (i_12 < 3u); i_12 = (i_12 + 1u)) {
         {
             uint _e25 = i_12;
             uint _e29 = i_12;
@@ -933,18 +811,7 @@ void put_record(uint to, uint at_7, inout Located l_5, uint share_q8_) {
             _group_1_binding_1_cs[((to + 44u) + _e97)] = _e110;
         }
     }
-    bool loop_init_11 = true;
-    while(true) {
-        if (!loop_init_11) {
-            uint _e130 = i_13;
-            i_13 = (_e130 + 1u);
-        }
-        loop_init_11 = false;
-        uint _e116 = i_13;
-        if ((_e116 < 9u)) {
-        } else {
-            break;
-        }
+    for (; (i_13 < 9u); i_13 = (i_13 + 1u)) {
         {
             uint _e122 = i_13;
             uint _e126 = i_13;
@@ -968,18 +835,7 @@ void put_record(uint to, uint at_7, inout Located l_5, uint share_q8_) {
     uint _e192 = step_shift_of(at_7);
     _group_1_binding_1_cs[(to + 37u)] = _e192;
     _group_1_binding_1_cs[(to + 47u)] = share_q8_;
-    bool loop_init_12 = true;
-    while(true) {
-        if (!loop_init_12) {
-            uint _e215 = i_14;
-            i_14 = (_e215 + 1u);
-        }
-        loop_init_12 = false;
-        uint _e199 = i_14;
-        if ((_e199 < 12u)) {
-        } else {
-            break;
-        }
+    for (; (i_14 < 12u); i_14 = (i_14 + 1u)) {
         {
             uint _e205 = i_14;
             uint _e211 = i_14;

@@ -1,6 +1,6 @@
-// What blend and trace have in common: a workgroup has 16x8 pixels, a half of a tile, two pixels a thread; or a tile of
-// 8x8, one pixel a thread. It takes 64 splats of the list at a time: each thread tests one against the rows of the half,
-// then takes those that can touch the 8x8 pixels that it is among.
+// What blend and trace have in common: a workgroup of 32 threads has 8x8 pixels, two a thread. It takes 32 splats of the
+// list at a time: each thread tests one against the rows, then all take those that can touch an open pixel. Of a list of
+// the longest class, which others would wait for, a workgroup has one row of the pixels.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
@@ -9,17 +9,15 @@
 @group(1) @binding(3) var<storage, read_write> picture: array<u32>;
 
 const SIDE: u32 = 8u;
-const SOME: u32 = 64u;
+const SOME: u32 = 32u;
 
-// The splats of a round, at the half: u and v at its first pixel, ux, uy; vy, offset and red, green and blue, limit. The
+// The splats of a round, at the patch: u and v at its first pixel, ux, uy; vy, offset and red, green and blue, limit. The
 // less memory of a workgroup, the more of them a GPU has at a time, so rows are not kept.
-var<workgroup> shapes: array<vec4<u32>, 64>;
-var<workgroup> shades: array<vec4<u32>, 64>;
-// Four words for this round, four for the next: two for the left 8x8 pixels, two for the right ones, as where 32 threads
-// go together, they take their own splats.
-var<workgroup> touching: array<atomic<u32>, 8>;
+var<workgroup> shapes: array<vec4<u32>, 32>;
+var<workgroup> shades: array<vec4<u32>, 32>;
+var<workgroup> touching: array<atomic<u32>, 2>;    // of this round and of the next: the splats that can touch a pixel
 var<workgroup> open_round: u32;                    // the last one before which a pixel was open
-var<workgroup> open_pixels: array<atomic<u32>, 4>; // 16 bits a row
+var<workgroup> open_pixels: array<atomic<u32>, 2>; // 8 bits a row
 
 struct Pixel {
     transmittance: i32,
@@ -33,7 +31,7 @@ struct Fetched {
     b: vec4<u32>,
 }
 
-fn fetch_entry(h: Half, i: u32) -> vec2<u32>
+fn fetch_entry(h: Patch, i: u32) -> vec2<u32>
 {
     if (i < h.count) {
         return entries[h.list + i];
@@ -52,42 +50,44 @@ fn fetch_splat(entry: vec2<u32>) -> Fetched
     return f;
 }
 
-// Whether it can touch an open pixel of a row: u grows along it, so the least |u| is at the first or the last of these,
-// or 0 between them.
-fn reaches(u: u32, ux: u32, open: u32, level: i32, limit: i32) -> bool
-{
-    let left = bitcast<i32>(u + countTrailingZeros(open) * ux);
-    let right = bitcast<i32>(u + (31u - countLeadingZeros(open)) * ux);
-    return open != 0u && fxs_level_q11(fxs_coordinate_q13(max(max(left, -right), 0)), level) <= limit;
-}
-
-// Whether a splat can touch an open pixel of a half's left 8x8, and of its right ones.
-fn touch(f: Fetched, h: Half) -> vec2<bool>
+// Whether a splat can touch an open pixel of a patch. u grows along a row, so |u| is least at the first or the last open
+// pixel, or 0 between them.
+fn touch(f: Fetched, h: Patch) -> bool
 {
     let offset_q11 = i32(f.b.y & 0xffffu);
-    let limit = fxs_limit_q11(offset_q11, frame.cut_q11);
+    let limit_q11 = fxs_limit_q11(offset_q11, frame.cut_q11);
     let ux = f.a.z;
-    let first = max(f.b.w & 0xffffu, h.y) - h.y;
-    let last = min(max(f.b.w >> 16u, h.y) - h.y, SIDE - 1u);
+    let first = max(max(f.b.w & 0xffffu, h.y) - h.y, h.rows.x);
+    let last = min(max(f.b.w >> 16u, h.y) - h.y, h.rows.y);
     var u = f.a.x + h.x * ux + (h.y + first) * f.a.w;
     var v = f.a.y + (h.y + first) * f.b.x;
-    var touches = vec2<bool>(false);
+    var touches = false;
     for (var row = first; row <= last; row += 1u) {
-        let open = atomicLoad(&open_pixels[row / 2u]) >> (16u * (row % 2u));
-        let level = fxs_row_level_q11(fxs_coordinate_q13(bitcast<i32>(v)), offset_q11);
-        touches |= vec2<bool>(reaches(u, ux, open & 0xffu, level, limit), reaches(u, ux, open & 0xff00u, level, limit));
+        let open = open_of(row);
+        let left = bitcast<i32>(u + firstTrailingBit(open) * ux);
+        let right = bitcast<i32>(u + firstLeadingBit(open) * ux);
+        let u_q13 = min(max(max(left, -right), 0) >> 11u, 32767);
+        let v_q13 = fxs_coordinate_q13(bitcast<i32>(v));
+        // round(u^2) + level <= limit
+        let most_q26 = (limit_q11 - fxs_mul_q15(v_q13, v_q13) - offset_q11 + 1) * 32768 - 16384;
+        touches |= open != 0u && u_q13 * u_q13 < most_q26;
         u += f.a.w;
         v += f.b.x;
     }
     return touches;
 }
 
+fn open_of(row: u32) -> u32
+{
+    return (atomicLoad(&open_pixels[row / 4u]) >> (8u * (row % 4u))) & 0xffu;
+}
+
 // A splat of the round at a row.
 struct Taken {
     u: u32,
     ux: u32,
-    level: i32,
-    limit: i32,
+    level_q26: u32,                // u^2 short of a level, and 1/2 to round it
+    limit_q11: i32,
     colour: vec3<i32>,
 }
 
@@ -96,16 +96,19 @@ fn take(i: u32, row: u32) -> Taken
     let shape = shapes[i];
     let shade = shades[i];
     let v = bitcast<i32>(shape.y + row * shade.x);
-    return Taken(shape.x + row * shape.w, shape.z, fxs_row_level_q11(fxs_coordinate_q13(v), i32(shade.y & 0xffffu)),
-                 i32(shade.w), vec3<i32>(vec3<u32>(shade.y >> 16u, shade.z & 0xffffu, shade.z >> 16u)));
+    let v_q13 = fxs_coordinate_q13(v);
+    // fxs_row_level_q11: what that cuts is over the limit
+    let level_q11 = fxs_mul_q15(v_q13, v_q13) + i32(shade.y & 0xffffu);
+    return Taken(shape.x + row * shape.w, shape.z, (u32(level_q11) << 15u) + 16384u, i32(shade.w),
+                 vec3<i32>(vec3<u32>(shade.y >> 16u, shade.z & 0xffffu, shade.z >> 16u)));
 }
 
 // Blends it at a column. Returns its weight.
 fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
 {
     let u_q13 = fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux));
-    let level = fxs_mul_q15(u_q13, u_q13) + t.level;           // fxs_level_q11: what that cuts is over the limit
-    let counts = level <= t.limit && (*p).transmittance >= FXS_CLOSED_Q15;
+    let level = i32((u32(u_q13 * u_q13) + t.level_q26) >> 15u);    // fxs_level_q11: what that cuts is over the limit
+    let counts = level <= t.limit_q11 && (*p).transmittance >= FXS_CLOSED_Q15;
     let weight = select(0, fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance), counts);
     (*p).transmittance -= weight;
     // Sums only grow: cut to 32767 once, by resolve.
@@ -148,11 +151,12 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
     picture[frame.colour + at] = word;
 }
 
-// A half of a tile, or a tile of 8x8 pixels: the left ones of a half. The same for all threads of a workgroup.
-struct Half {
+// 8x8 pixels of a tile, or a row of them. The same for all threads of a workgroup.
+struct Patch {
     tile: u32,                     // NOTHING: there is none
     x: u32,
     y: u32,
+    rows: vec2<u32>,               // the first and the last, from y on
     list: u32,
     count: u32,
 }
@@ -160,94 +164,92 @@ struct Half {
 // Where the list of a tile is, sorted: in the other half of the entries after an odd number of merges.
 fn list_of(tile: u32, count: u32) -> u32
 {
-    let merges = (max(32u - countLeadingZeros(max(count, 1u) - 1u), 9u) - 6u) / 4u;
+    let merges = max(32u - countLeadingZeros(max(count, 1u) - 1u), 9u) - 9u;
     return counts[frame.next + tile] - count + select(0u, frame.spare, merges % 2u == 1u);
 }
 
-fn half_tile_of(group: vec3<u32>) -> Half
+fn patch_of(group: vec3<u32>) -> Patch
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
-    let across = u32(frame.tiles.x);
-    let of_tile = frame.tile_bits - 3u;            // a bit of the number: which half
-    let tile = tile_at(number >> of_tile);
+    let halves = frame.tile_bits - 3u;             // bits of a number: which patch of the tile, across and down
+    let longest = counts[CLASS_COUNTS + CLASSES - 1u];
+    let by_rows = (SIDE * longest) << (2u * halves);
+    let whole = number - min(number, by_rows);
+    let patch_number = select(number / SIDE, whole + by_rows / SIDE, number >= by_rows);
+    let rows = select(vec2<u32>(number % SIDE), vec2<u32>(0u, SIDE - 1u), number >= by_rows);
+    let tile = tile_at(patch_number >> (2u * halves));
     if (tile == NOTHING || !fits()) {
-        return Half(NOTHING, 0u, 0u, 0u, 0u);
+        return Patch(NOTHING, 0u, 0u, rows, 0u, 0u);
     }
+    let across = u32(frame.tiles.x);
     let count = counts[TILES + tile];
-    return Half(tile, (tile % across) << frame.tile_bits,
-                ((tile / across) << frame.tile_bits) + (number & of_tile) * SIDE, list_of(tile, count), count);
+    return Patch(tile, ((tile % across) << frame.tile_bits) + (patch_number & halves) * SIDE,
+                 ((tile / across) << frame.tile_bits) + ((patch_number >> 1u) & halves) * SIDE, rows, list_of(tile, count),
+                 count);
 }
 
-// The pixels of a thread: two in a row, APART, or one.
+// The pixels of a thread: two in a row, APART.
 struct Place {
-    column: u32,                   // in the half
+    column: u32,                   // in the patch
     row: u32,
     at: u32,                       // in a plane of the picture
-    words: u32,                    // of touching, from the first of the round
     inside: vec2<bool>,
 }
 
 const APART: u32 = 4u;
 
-fn place_of(h: Half, thread: u32) -> Place
+fn place_of(h: Patch, thread: u32) -> Place
 {
-    let pairs = frame.tile_bits > 3u;
-    let column = select(thread % SIDE, thread / 32u * SIDE + thread % APART, pairs);
-    let row = select(thread / SIDE, thread % 32u / APART, pairs);
+    let column = thread % APART;
+    let row = thread / APART;
     let x = h.x + vec2<u32>(column, column + APART);
-    return Place(column, row, (h.y + row) * u32(frame.size.x) + h.x + column, column / SIDE * 2u,
-                 (x < vec2<u32>(u32(frame.size.x))) & vec2<bool>(h.y + row < u32(frame.size.y)) &
-                     vec2<bool>(true, pairs));
+    return Place(column, row, (h.y + row) * u32(frame.size.x) + h.x + column,
+                 (x < vec2<u32>(u32(frame.size.x))) &
+                     vec2<bool>(h.y + row < u32(frame.size.y) && row >= h.rows.x && row <= h.rows.y));
 }
 
 fn bit_of(place: Place, second: bool) -> u32
 {
-    return 1u << (place.row % 2u * 16u + place.column + select(0u, APART, second));
+    return 1u << (place.row % 4u * 8u + place.column + select(0u, APART, second));
 }
 
 fn clear_rounds(thread: u32, place: Place)
 {
-    if (thread < 4u) {
+    if (thread < 2u) {
         atomicStore(&open_pixels[thread], 0u);
-    }
-    if (thread < 8u) {
         atomicStore(&touching[thread], 0u);
     }
     if (thread == 0u) {
         open_round = 0u;
     }
     workgroupBarrier();
-    atomicOr(&open_pixels[place.row / 2u], select(0u, bit_of(place, false), place.inside.x) |
+    atomicOr(&open_pixels[place.row / 4u], select(0u, bit_of(place, false), place.inside.x) |
                                            select(0u, bit_of(place, true), place.inside.y));
     workgroupBarrier();
 }
 
 fn close_pixel(place: Place, second: bool)
 {
-    atomicAnd(&open_pixels[place.row / 2u], ~bit_of(place, second));
+    atomicAnd(&open_pixels[place.row / 4u], ~bit_of(place, second));
 }
 
 // Puts a splat into the round.
-fn put_splat(h: Half, thread: u32, f: Fetched)
+fn put_splat(h: Patch, thread: u32, f: Fetched)
 {
     let limit = fxs_limit_q11(i32(f.b.y & 0xffffu), frame.cut_q11);
     shapes[thread] = vec4<u32>(f.a.x + h.x * f.a.z + h.y * f.a.w, f.a.y + h.y * f.b.x, f.a.zw);
     shades[thread] = vec4<u32>(f.b.xyz, u32(limit));
 }
 
-// And marks it where it touches an open pixel; `words`: of this round.
-fn place_splat(h: Half, thread: u32, f: Fetched, words: u32)
+// And marks it where it touches an open pixel.
+fn place_splat(h: Patch, thread: u32, f: Fetched, round: u32)
 {
     if ((f.entry.x & CUT_OFF) != 0u) {
         return;
     }
     put_splat(h, thread, f);
-    let touches = touch(f, h);
-    if (touches.x) {
-        atomicOr(&touching[words + thread / 32u], 1u << (thread % 32u));
-    }
-    if (touches.y) {
-        atomicOr(&touching[words + 2u + thread / 32u], 1u << (thread % 32u));
+    if (touch(f, h)) {
+        atomicOr(&touching[round % 2u], 1u << thread);
     }
 }
 

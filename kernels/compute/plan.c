@@ -4,7 +4,7 @@
 #include "src/core/parts.h"
 
 enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 8, TRIES = 6,
-       MERGES = 5 };
+       MERGES = 19 };
 
 /* A stretch of an object's chunks that are drawn, whose rows lie in one part of its scene. */
 typedef struct span {
@@ -387,7 +387,7 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
     p->bytes[FXS_COMPUTE_ENTRIES] = 2 * (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room;
     p->bytes[FXS_COMPUTE_PICTURE] = 4 * picture;
     p->bytes[FXS_COMPUTE_ARGUMENTS] = 16 * ((uint64_t)f->spans + 2);
-    p->bytes[FXS_COMPUTE_LATER] = 16 * (2 + MERGES);
+    p->bytes[FXS_COMPUTE_LATER] = 16 * (3 + MERGES);
     p->bytes[FXS_COMPUTE_DOWNLOAD] = 4 * (FXS_COMPUTE_STATUS + p->read_words);
 }
 
@@ -464,7 +464,7 @@ static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
     OF(fill_lists, FXS_COMPUTE_LATER, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES)
     OF(fill_large, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES)
 #define OF_LISTS(program) OF(program, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, NONE, NONE)
-    OF_LISTS(sort_blocks) OF_LISTS(merge_9) OF_LISTS(merge_13) OF_LISTS(merge_17) OF_LISTS(merge_21) OF_LISTS(merge_25)
+    OF_LISTS(sort_blocks) OF_LISTS(merge_runs)
     OF(blend_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
     OF(trace_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
     OF(clear_pixels, FXS_COMPUTE_COUNTS, NONE, NONE, FXS_COMPUTE_PICTURE)
@@ -540,10 +540,10 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
     step(argument, &large);
     DO(indirect(FXS_COMPUTE_sort_blocks, FXS_COMPUTE_LATER, 1));
     for (uint32_t i = 0; i < p->merges; i++)
-        DO(indirect(FXS_COMPUTE_merge_9 + i, FXS_COMPUTE_LATER, 2 + i));
+        DO(indirect(FXS_COMPUTE_merge_runs, FXS_COMPUTE_LATER, 2 + i));
     DO(indirect(fxs_targets_traced(p->request->targets) ? FXS_COMPUTE_trace_tiles : FXS_COMPUTE_blend_tiles,
                 FXS_COMPUTE_LATER, 0));
-    fxs_step clear = direct(FXS_COMPUTE_clear_pixels, groups_of(pixels));
+    fxs_step clear = indirect(FXS_COMPUTE_clear_pixels, FXS_COMPUTE_LATER, 2 + MERGES);
     clear.waits = 0;
     step(argument, &clear);
     if (f->id != FXS_NOTHING)
@@ -556,7 +556,7 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
 static uint32_t merges_of(uint32_t longest)
 {
     uint32_t merges = 0;
-    while ((uint64_t)FXS_COMPUTE_BLOCK << 4 * merges < longest)
+    while ((uint64_t)FXS_COMPUTE_BLOCK << merges < longest)
         merges++;
     return merges;
 }

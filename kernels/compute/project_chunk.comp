@@ -161,7 +161,7 @@ const uint LARGE = 8u;
 const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
-const uint MERGES = 5u;
+const uint MERGES = 19u;
 const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -205,84 +205,84 @@ int fxs_limit_q11_(int offset_q11_1, int cut_q11_) {
 uvec2 wide_of(int x) {
     return uvec2(uint(x), uint((x >> 31u)));
 }
-uvec2 add_wide(uvec2 a_2, uvec2 b_2) {
-    uint low_2 = (a_2.x + b_2.x);
-    return uvec2(low_2, ((a_2.y + b_2.y) + ((low_2 < a_2.x) ? 1u : 0u)));
+uvec2 add_wide(uvec2 a_3, uvec2 b_3) {
+    uint low_2 = (a_3.x + b_3.x);
+    return uvec2(low_2, ((a_3.y + b_3.y) + ((low_2 < a_3.x) ? 1u : 0u)));
 }
-uvec2 sub_wide(uvec2 a_3, uvec2 b_3) {
-    return uvec2((a_3.x - b_3.x), ((a_3.y - b_3.y) - ((a_3.x < b_3.x) ? 1u : 0u)));
+uvec2 sub_wide(uvec2 a_4, uvec2 b_4) {
+    return uvec2((a_4.x - b_4.x), ((a_4.y - b_4.y) - ((a_4.x < b_4.x) ? 1u : 0u)));
 }
-bool is_negative(uvec2 a_4) {
-    return (int(a_4.y) < 0);
+bool is_negative(uvec2 a_5) {
+    return (int(a_5.y) < 0);
 }
-uvec2 negate(uvec2 a_5) {
-    uvec2 _e5 = add_wide(~(a_5), uvec2(1u, 0u));
+uvec2 negate(uvec2 a_6) {
+    uvec2 _e5 = add_wide(~(a_6), uvec2(1u, 0u));
     return _e5;
 }
-uvec2 magnitude(uvec2 a_6) {
-    bool _e1 = is_negative(a_6);
+uvec2 magnitude(uvec2 a_7) {
+    bool _e1 = is_negative(a_7);
     if (_e1) {
-        uvec2 _e2 = negate(a_6);
+        uvec2 _e2 = negate(a_7);
         return _e2;
     }
-    return a_6;
+    return a_7;
 }
-bool less(uvec2 a_7, uvec2 b_4) {
-    return ((a_7.y == b_4.y) ? (a_7.x < b_4.x) : (int(a_7.y) < int(b_4.y)));
+bool less(uvec2 a_8, uvec2 b_5) {
+    return ((a_8.y == b_5.y) ? (a_8.x < b_5.x) : (int(a_8.y) < int(b_5.y)));
 }
-uvec2 mul_wide(uint a_8, uint b_5) {
+uvec2 mul_wide(uint a_9, uint b_6) {
     uint high;
     uint low;
-    umulExtended(a_8, b_5, high, low);
+    umulExtended(a_9, b_6, high, low);
     return uvec2(low, high);
 }
-uint mul_high(uint a_9, uint b_6) {
-    uvec2 _e2 = mul_wide(a_9, b_6);
+uint mul_high(uint a_10, uint b_7) {
+    uvec2 _e2 = mul_wide(a_10, b_7);
     return _e2.y;
 }
-uvec2 mul_mixed(int a_10, uint b_7) {
-    uvec2 _e3 = mul_wide(uint(a_10), b_7);
-    return uvec2(_e3.x, (_e3.y - ((a_10 < 0) ? b_7 : 0u)));
+uvec2 mul_mixed(int a_11, uint b_8) {
+    uvec2 _e3 = mul_wide(uint(a_11), b_8);
+    return uvec2(_e3.x, (_e3.y - ((a_11 < 0) ? b_8 : 0u)));
 }
-uvec2 mul_signed(int a_11, int b_8) {
-    uvec2 _e3 = mul_mixed(a_11, uint(b_8));
-    return uvec2(_e3.x, (_e3.y - ((b_8 < 0) ? uint(a_11) : 0u)));
+uvec2 mul_signed(int a_12, int b_9) {
+    uvec2 _e3 = mul_mixed(a_12, uint(b_9));
+    return uvec2(_e3.x, (_e3.y - ((b_9 < 0) ? uint(a_12) : 0u)));
 }
-uvec2 mul_word(uvec2 a_12, uint b_9) {
-    uvec2 _e3 = mul_wide(a_12.x, b_9);
-    return uvec2(_e3.x, (_e3.y + (a_12.y * b_9)));
+uvec2 mul_word(uvec2 a_13, uint b_10) {
+    uvec2 _e3 = mul_wide(a_13.x, b_10);
+    return uvec2(_e3.x, (_e3.y + (a_13.y * b_10)));
 }
-uvec2 shift_left(uvec2 a_13, uint n) {
+uvec2 shift_left(uvec2 a_14, uint n) {
     if ((n == 0u)) {
-        return a_13;
-    }
-    if ((n >= 32u)) {
-        return uvec2(0u, (a_13.x << (n - 32u)));
-    }
-    return uvec2((a_13.x << n), ((a_13.y << n) | (a_13.x >> (32u - n))));
-}
-uvec2 shift_right(uvec2 a_14, uint n_1) {
-    if ((n_1 == 0u)) {
         return a_14;
     }
-    if ((n_1 >= 32u)) {
-        return uvec2((a_14.y >> (n_1 - 32u)), 0u);
+    if ((n >= 32u)) {
+        return uvec2(0u, (a_14.x << (n - 32u)));
     }
-    return uvec2(((a_14.x >> n_1) | (a_14.y << (32u - n_1))), (a_14.y >> n_1));
+    return uvec2((a_14.x << n), ((a_14.y << n) | (a_14.x >> (32u - n))));
 }
-uvec2 shift_signed(uvec2 a_15, uint n_2) {
-    int high_3 = int(a_15.y);
-    if ((n_2 == 0u)) {
+uvec2 shift_right(uvec2 a_15, uint n_1) {
+    if ((n_1 == 0u)) {
         return a_15;
+    }
+    if ((n_1 >= 32u)) {
+        return uvec2((a_15.y >> (n_1 - 32u)), 0u);
+    }
+    return uvec2(((a_15.x >> n_1) | (a_15.y << (32u - n_1))), (a_15.y >> n_1));
+}
+uvec2 shift_signed(uvec2 a_16, uint n_2) {
+    int high_3 = int(a_16.y);
+    if ((n_2 == 0u)) {
+        return a_16;
     }
     if ((n_2 >= 32u)) {
         return uvec2(uint((high_3 >> (n_2 - 32u))), uint((high_3 >> 31u)));
     }
-    return uvec2(((a_15.x >> n_2) | (a_15.y << (32u - n_2))), uint((high_3 >> n_2)));
+    return uvec2(((a_16.x >> n_2) | (a_16.y << (32u - n_2))), uint((high_3 >> n_2)));
 }
-uvec2 shift_up(uvec2 a_16, uint n_3) {
+uvec2 shift_up(uvec2 a_17, uint n_3) {
     uvec2 _e7 = shift_right(uvec2(4294967295u, 4294967295u), (64u - n_3));
-    uvec2 _e8 = add_wide(a_16, _e7);
+    uvec2 _e8 = add_wide(a_17, _e7);
     uvec2 _e9 = shift_signed(_e8, n_3);
     return _e9;
 }
@@ -292,8 +292,8 @@ uvec2 round_shift(uvec2 x_1, int n_4) {
     uvec2 _e11 = shift_signed(_e9, 1u);
     return _e11;
 }
-int low_of(uvec2 a_17) {
-    return int(a_17.x);
+int low_of(uvec2 a_18) {
+    return int(a_18.x);
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));
@@ -391,18 +391,7 @@ bool lies_in(inout uvec2 low[3], inout uvec2 high_1[3], uint crop_1, bool any_) 
     uint i_2 = 0u;
     bool local = false;
     bool local_1 = false;
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e44 = i_2;
-            i_2 = (_e44 + 1u);
-        }
-        loop_init = false;
-        uint _e8 = i_2;
-        if ((_e8 < 3u)) {
-        } else {
-            break;
-        }
+    for (; (i_2 < 3u); i_2 = (i_2 + 1u)) {
         {
             uint _e11 = i_2;
             uvec2 _e13 = low[_e11];
@@ -447,19 +436,7 @@ bool is_within_crops(inout uvec2 low_1[3], inout uvec2 high_2[3]) {
     bool local_4 = false;
     uint _e4 = _group_0_binding_1_cs.keep_count;
     kept = (_e4 == 0u);
-    bool loop_init_1 = true;
-    while(true) {
-        if (!loop_init_1) {
-            uint _e49 = crop_2;
-            crop_2 = (_e49 + 1u);
-        }
-        loop_init_1 = false;
-        uint _e10 = crop_2;
-        uint _e13 = _group_0_binding_1_cs.crop_count;
-        if ((_e10 < _e13)) {
-        } else {
-            break;
-        }
+    for (; (crop_2 < _group_0_binding_1_cs.crop_count); crop_2 = (crop_2 + 1u)) {
         {
             uint _e18 = crop_2;
             uint _e24 = _group_0_binding_1_cs.crops[((4u * _e18) + 3u)].x;
@@ -682,8 +659,8 @@ bool off_picture(inout Projected centre_2, int exponent_1) {
     bool _e38 = local_8;
     return _e38;
 }
-int dot_i(ivec3 a_18, ivec3 b_10) {
-    return (((a_18.x * b_10.x) + (a_18.y * b_10.y)) + (a_18.z * b_10.z));
+int dot_i(ivec3 a_19, ivec3 b_11) {
+    return (((a_19.x * b_11.x) + (a_19.y * b_11.y)) + (a_19.z * b_11.z));
 }
 uvec2 square_wide(int x_8) {
     uint size = uint(abs(x_8));
@@ -694,9 +671,9 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
     Covariance out_ = Covariance(0u, 0u, 0, uvec2(0u), uvec2(0u), 0);
     uint dilation = 0u;
     int _e5 = dot_i(p_2, p_2);
-    uint a_21 = uint(_e5);
+    uint a_22 = uint(_e5);
     int _e7 = dot_i(q_3, q_3);
-    uint c_3 = uint(_e7);
+    uint c_4 = uint(_e7);
     uvec2 _e16 = square_wide(((p_2.y * q_3.z) - (p_2.z * q_3.y)));
     uvec2 _e24 = square_wide(((p_2.z * q_3.x) - (p_2.x * q_3.z)));
     uvec2 _e25 = add_wide(_e16, _e24);
@@ -707,7 +684,7 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
         uint _e38 = dilation;
         dilation = max(_e38, (322122547u >> uint((2 * exponent_2))));
     }
-    uvec2 _e49 = add_wide(uvec2(a_21, 0u), uvec2(c_3, 0u));
+    uvec2 _e49 = add_wide(uvec2(a_22, 0u), uvec2(c_4, 0u));
     uint _e50 = dilation;
     uvec2 _e53 = add_wide(_e49, uvec2(_e50, 0u));
     int _e55 = dot_i(p_2, q_3);
@@ -718,9 +695,9 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
     uvec2 _e60 = add_wide(_e34, _e59);
     out_.det_q60_ = _e60;
     uint _e62 = dilation;
-    out_.a_q30_ = (a_21 + _e62);
+    out_.a_q30_ = (a_22 + _e62);
     uint _e65 = dilation;
-    out_.c_q30_ = (c_3 + _e65);
+    out_.c_q30_ = (c_4 + _e65);
     out_.exponent = exponent_2;
     Covariance _e68 = out_;
     return _e68;
@@ -751,37 +728,37 @@ uint sqrt_q8_(Root r, int exponent_3) {
     uint _e9 = scale_down(_e4, ((22 - r.half_) - exponent_3));
     return _e9;
 }
-uint product_shifted(uint a_19, uint b_11, uint n_6) {
-    uvec2 _e3 = mul_wide(a_19, b_11);
+uint product_shifted(uint a_20, uint b_12, uint n_6) {
+    uvec2 _e3 = mul_wide(a_20, b_12);
     uvec2 _e4 = shift_right(_e3, n_6);
     return _e4.x;
 }
-void whiten(inout Placed out_1, inout Covariance s, Root c_1, inout Projected centre_3, uint r_q12_) {
+void whiten(inout Placed out_1, inout Covariance s, Root c_2, inout Projected centre_3, uint r_q12_) {
     int e_1 = s.exponent;
     int b_q30_ = s.b_q30_;
     uvec2 _e10 = s.det_q60_;
     Root _e11 = root_of_q60_(_e10);
     uint _e13 = s.a_q30_;
     Root _e14 = root_of_q30_(_e13);
-    uint _e17 = mul_high(c_1.m, c_1.inverse_q30_);
+    uint _e17 = mul_high(c_2.m, c_2.inverse_q30_);
     uint _e20 = mul_high(_e11.m, _e11.inverse_q30_);
-    uint _e24 = product_shifted(c_1.inverse_q30_, _e11.inverse_q30_, 31u);
-    uint _e30 = scale_down(c_1.inverse_q30_, ((6 + c_1.half_) + e_1));
+    uint _e24 = product_shifted(c_2.inverse_q30_, _e11.inverse_q30_, 31u);
+    uint _e30 = scale_down(c_2.inverse_q30_, ((6 + c_2.half_) + e_1));
     int vy = int(_e30);
     uint _e34 = product_shifted(_e17, _e11.inverse_q30_, 30u);
-    uint _e41 = scale_down(_e34, (((6 - c_1.half_) + _e11.half_) + e_1));
+    uint _e41 = scale_down(_e34, (((6 - c_2.half_) + _e11.half_) + e_1));
     int ux = int(_e41);
     uvec2 _e43 = mul_mixed(b_q30_, _e24);
-    uvec2 _e50 = round_shift(_e43, (((35 + c_1.half_) + _e11.half_) + e_1));
+    uvec2 _e50 = round_shift(_e43, (((35 + c_2.half_) + _e11.half_) + e_1));
     int _e51 = low_of(_e50);
     int uy = -(_e51);
     uint _e53 = sqrt_q8_(_e14, e_1);
     uint _e55 = product_shifted(_e53, r_q12_, 12u);
     ivec2 position_4 = centre_3.position_q14_;
-    uint _e61 = product_shifted(_e20, c_1.inverse_q30_, 30u);
-    uint _e68 = scale_down(_e61, (((22 - _e11.half_) + c_1.half_) - e_1));
-    uvec2 _e70 = mul_mixed(b_q30_, c_1.inverse_q30_);
-    uvec2 _e75 = round_shift(_e70, ((52 + c_1.half_) - e_1));
+    uint _e61 = product_shifted(_e20, c_2.inverse_q30_, 30u);
+    uint _e68 = scale_down(_e61, (((22 - _e11.half_) + c_2.half_) - e_1));
+    uvec2 _e70 = mul_mixed(b_q30_, c_2.inverse_q30_);
+    uvec2 _e75 = round_shift(_e70, ((52 + c_2.half_) - e_1));
     int _e76 = low_of(_e75);
     out_1.bounds = Bounds(position_4, _e68, _e76, int(((_e55 + (_e55 >> 8u)) + 32u)), 0u);
     uvec2 _e86 = mul_signed(position_4.x, ux);
@@ -1231,20 +1208,20 @@ uint spread_scale(uint x_14, uint y, uint z_1, uint bits) {
     return ((((x_14 << 3u) | (x_14 >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u)) | (((z_1 << (10u - bits)) | (z_1 >> ((2u * bits) - 10u))) << 20u));
 }
 Codes small_codes(uint rows, uint g) {
-    uint a_22 = _group_1_binding_0_cs[(rows + g)];
-    uint b_30 = _group_1_binding_0_cs[((rows + CHUNK) + g)];
-    uint c_4 = _group_1_binding_0_cs[((rows + 512u) + g)];
+    uint a_23 = _group_1_binding_0_cs[(rows + g)];
+    uint b_31 = _group_1_binding_0_cs[((rows + CHUNK) + g)];
+    uint c_5 = _group_1_binding_0_cs[((rows + 512u) + g)];
     uint _e23 = byte_at((((4u * rows) + 3072u) + g));
-    uint q1_ = (((c_4 >> 27u) | ((b_30 >> 31u) << 5u)) | ((_e23 >> 7u) << 6u));
-    uint red = ((b_30 >> 11u) & 127u);
-    uint green = ((b_30 >> 18u) & 127u);
-    uint blue = ((b_30 >> 25u) & 63u);
-    uint _e50 = spread_11_((a_22 & 2047u));
-    uint _e55 = spread_11_(((a_22 >> 11u) & 2047u));
-    uint _e58 = spread_11_((b_30 & 2047u));
-    uint _e67 = spread_scale((_e23 & 127u), q1_, ((c_4 >> 20u) & 127u), 7u);
-    uint _e86 = spread_scale((c_4 & 127u), ((c_4 >> 7u) & 127u), ((c_4 >> 14u) & 63u), 6u);
-    return Codes(uvec3(_e50, _e55, _e58), (_e67 | (((a_22 >> 22u) & 3u) << 30u)), _e86, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_22 & 4278190080u)));
+    uint q1_ = (((c_5 >> 27u) | ((b_31 >> 31u) << 5u)) | ((_e23 >> 7u) << 6u));
+    uint red = ((b_31 >> 11u) & 127u);
+    uint green = ((b_31 >> 18u) & 127u);
+    uint blue = ((b_31 >> 25u) & 63u);
+    uint _e50 = spread_11_((a_23 & 2047u));
+    uint _e55 = spread_11_(((a_23 >> 11u) & 2047u));
+    uint _e58 = spread_11_((b_31 & 2047u));
+    uint _e67 = spread_scale((_e23 & 127u), q1_, ((c_5 >> 20u) & 127u), 7u);
+    uint _e86 = spread_scale((c_5 & 127u), ((c_5 >> 7u) & 127u), ((c_5 >> 14u) & 63u), 6u);
+    return Codes(uvec3(_e50, _e55, _e58), (_e67 | (((a_23 >> 22u) & 3u) << 30u)), _e86, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_23 & 4278190080u)));
 }
 Codes codes_of(uint rows_1, uint g_1) {
     uint _e4 = _group_0_binding_1_cs.profile;
@@ -1306,16 +1283,16 @@ ivec3 direction_q15_(uvec3 position_1) {
     return ivec3(_e55, _e57, _e59);
 }
 Basis basis_of(ivec3 d, int degree) {
-    Basis b_12 = Basis(ivec4(0), ivec4(0), ivec4(0), ivec4(0));
+    Basis b_13 = Basis(ivec4(0), ivec4(0), ivec4(0), ivec4(0));
     int x_17 = d.x;
     int y_2 = d.y;
     int z_3 = d.z;
     int _e8 = fxs_mul_q15_(-16011, y_2);
     int _e10 = fxs_mul_q15_(16011, z_3);
     int _e12 = fxs_mul_q15_(-16011, x_17);
-    b_12.a = ivec4(_e8, _e10, _e12, 0);
+    b_13.a = ivec4(_e8, _e10, _e12, 0);
     if ((degree < 2)) {
-        Basis _e17 = b_12;
+        Basis _e17 = b_13;
         return _e17;
     }
     int _e18 = fxs_mul_q15_(x_17, x_17);
@@ -1325,14 +1302,14 @@ Basis basis_of(ivec3 d, int degree) {
     int _e22 = fxs_mul_q15_(y_2, z_3);
     int _e23 = fxs_mul_q15_(x_17, z_3);
     int _e27 = fxs_mul_q15_(17900, _e21);
-    b_12.a.w = (2 * _e27);
+    b_13.a.w = (2 * _e27);
     int _e32 = fxs_mul_q15_(17900, _e22);
     int _e40 = fxs_mul_q15_(10335, (((2 * _e20) - _e18) - _e19));
     int _e42 = fxs_mul_q15_(17900, _e23);
     int _e47 = fxs_mul_q15_(17900, (_e18 - _e19));
-    b_12.b = ivec4((-2 * _e32), _e40, (-2 * _e42), _e47);
+    b_13.b = ivec4((-2 * _e32), _e40, (-2 * _e42), _e47);
     if ((degree < 3)) {
-        Basis _e51 = b_12;
+        Basis _e51 = b_13;
         return _e51;
     }
     int _e54 = fxs_mul_q15_(19335, y_2);
@@ -1346,7 +1323,7 @@ Basis basis_of(ivec3 d, int degree) {
     int _e80 = fxs_mul_q15_(12228, z_3);
     int _e90 = divide_by((((2 * _e20) - (3 * _e18)) - (3 * _e19)), 2u);
     int _e91 = fxs_mul_q15_(_e80, _e90);
-    b_12.c = ivec4((-2 * _e60), (4 * _e65), (-4 * _e76), (4 * _e91));
+    b_13.c = ivec4((-2 * _e60), (4 * _e65), (-4 * _e76), (4 * _e91));
     int _e97 = fxs_mul_q15_(14976, x_17);
     int _e103 = divide_by((((4 * _e20) - _e18) - _e19), 2u);
     int _e104 = fxs_mul_q15_(_e97, _e103);
@@ -1355,8 +1332,8 @@ Basis basis_of(ivec3 d, int degree) {
     int _e114 = fxs_mul_q15_(19335, x_17);
     int _e119 = divide_by((_e18 - (3 * _e19)), 1u);
     int _e120 = fxs_mul_q15_(_e114, _e119);
-    b_12.d = ivec4((-4 * _e104), (2 * _e110), (-2 * _e120), 0);
-    Basis _e125 = b_12;
+    b_13.d = ivec4((-4 * _e104), (2 * _e110), (-2 * _e120), 0);
+    Basis _e125 = b_13;
     return _e125;
 }
 ivec3 sh_of(uint at_2, uint k) {
@@ -1371,14 +1348,14 @@ ivec3 sh_of(uint at_2, uint k) {
 ivec3 band_sum_q16_(ivec3 band_q15_, int step_q19_) {
     return (((((band_q15_ + ivec3(512)) >> uvec3(10u)) * step_q19_) + ivec3(128)) >> uvec3(8u));
 }
-ivec3 bands_q16_(Basis b_13, uint rows_2, uint g_2) {
+ivec3 bands_q16_(Basis b_14, uint rows_2, uint g_2) {
     ivec3 sum = ivec3(0);
     uint at_5 = (((4u * rows_2) + 4608u) + g_2);
     ivec3 _e11 = sh_of(at_5, 0u);
     ivec3 _e16 = sh_of(at_5, 1u);
     ivec3 _e22 = sh_of(at_5, 2u);
     int _e26 = number_at(44u);
-    ivec3 _e27 = band_sum_q16_((((b_13.a.x * _e11) + (b_13.a.y * _e16)) + (b_13.a.z * _e22)), _e26);
+    ivec3 _e27 = band_sum_q16_((((b_14.a.x * _e11) + (b_14.a.y * _e16)) + (b_14.a.z * _e22)), _e26);
     sum = _e27;
     int _e31 = _group_0_binding_1_cs.degree;
     if ((_e31 > 1)) {
@@ -1389,7 +1366,7 @@ ivec3 bands_q16_(Basis b_13, uint rows_2, uint g_2) {
         ivec3 _e55 = sh_of(at_5, 6u);
         ivec3 _e61 = sh_of(at_5, 7u);
         int _e65 = number_at(45u);
-        ivec3 _e66 = band_sum_q16_((((((b_13.a.w * _e38) + (b_13.b.x * _e43)) + (b_13.b.y * _e49)) + (b_13.b.z * _e55)) + (b_13.b.w * _e61)), _e65);
+        ivec3 _e66 = band_sum_q16_((((((b_14.a.w * _e38) + (b_14.b.x * _e43)) + (b_14.b.y * _e49)) + (b_14.b.z * _e55)) + (b_14.b.w * _e61)), _e65);
         sum = (_e34 + _e66);
     }
     int _e70 = _group_0_binding_1_cs.degree;
@@ -1403,48 +1380,48 @@ ivec3 bands_q16_(Basis b_13, uint rows_2, uint g_2) {
         ivec3 _e106 = sh_of(at_5, 13u);
         ivec3 _e112 = sh_of(at_5, 14u);
         int _e116 = number_at(46u);
-        ivec3 _e117 = band_sum_q16_((((((((b_13.c.x * _e77) + (b_13.c.y * _e82)) + (b_13.c.z * _e88)) + (b_13.c.w * _e94)) + (b_13.d.x * _e100)) + (b_13.d.y * _e106)) + (b_13.d.z * _e112)), _e116);
+        ivec3 _e117 = band_sum_q16_((((((((b_14.c.x * _e77) + (b_14.c.y * _e82)) + (b_14.c.z * _e88)) + (b_14.c.w * _e94)) + (b_14.d.x * _e100)) + (b_14.d.y * _e106)) + (b_14.d.z * _e112)), _e116);
         sum = (_e73 + _e117);
     }
     ivec3 _e119 = sum;
     return _e119;
 }
-int dot_of(ivec4 b_14, uint word_3) {
+int dot_of(ivec4 b_15, uint word_3) {
     ivec4 bytes_1 = (ivec4((uvec4(word_3) << uvec4(24u, 16u, 8u, 0u))) >> uvec4(24u));
-    return ((((b_14.x * bytes_1.x) + (b_14.y * bytes_1.y)) + (b_14.z * bytes_1.z)) + (b_14.w * bytes_1.w));
+    return ((((b_15.x * bytes_1.x) + (b_15.y * bytes_1.y)) + (b_15.z * bytes_1.z)) + (b_15.w * bytes_1.w));
 }
-int dot_16_(Basis b_15, uint a_20, uint c_2, uint d_1, uint e) {
-    int _e6 = dot_of(b_15.a, a_20);
-    int _e8 = dot_of(b_15.b, c_2);
-    int _e11 = dot_of(b_15.c, d_1);
-    int _e14 = dot_of(b_15.d, e);
+int dot_16_(Basis b_16, uint a_21, uint c_3, uint d_1, uint e) {
+    int _e6 = dot_of(b_16.a, a_21);
+    int _e8 = dot_of(b_16.b, c_3);
+    int _e11 = dot_of(b_16.c, d_1);
+    int _e14 = dot_of(b_16.d, e);
     return (((_e6 + _e8) + _e11) + _e14);
 }
-int mean_dot(Basis b_16, uint channel) {
+int mean_dot(Basis b_17, uint channel) {
     uint at_6 = (48u + (4u * channel));
     uint _e8 = record[at_6];
     uint _e13 = record[(at_6 + 1u)];
     uint _e18 = record[(at_6 + 2u)];
     uint _e23 = record[(at_6 + 3u)];
-    int _e24 = dot_16_(b_16, _e8, _e13, _e18, _e23);
+    int _e24 = dot_16_(b_17, _e8, _e13, _e18, _e23);
     return _e24;
 }
-int entry_dot(Basis b_17, uint at_3) {
+int entry_dot(Basis b_18, uint at_3) {
     uint _e4 = _group_1_binding_0_cs[at_3];
     uint _e9 = _group_1_binding_0_cs[(at_3 + 1u)];
     uint _e14 = _group_1_binding_0_cs[(at_3 + 2u)];
     uint _e19 = _group_1_binding_0_cs[(at_3 + 3u)];
-    int _e20 = dot_16_(b_17, _e4, _e9, _e14, _e19);
+    int _e20 = dot_16_(b_18, _e4, _e9, _e14, _e19);
     return _e20;
 }
-ivec3 entry_sum(Basis b_18, uint stage, uint code_3) {
+ivec3 entry_sum(Basis b_19, uint stage, uint code_3) {
     uint _e7 = _group_0_binding_1_cs.palette_entries;
     uint index = min((code_3 & 127u), (_e7 - 1u));
     uint _e14 = _group_0_binding_1_cs.palette_entries;
     uint at_7 = (12u * ((stage * _e14) + index));
-    int _e25 = entry_dot(b_18, at_7);
-    int _e28 = entry_dot(b_18, (at_7 + 4u));
-    int _e31 = entry_dot(b_18, (at_7 + 8u));
+    int _e25 = entry_dot(b_19, at_7);
+    int _e28 = entry_dot(b_19, (at_7 + 4u));
+    int _e31 = entry_dot(b_19, (at_7 + 8u));
     return ((((code_3 & 128u) != 0u) ? -1 : 1) * ivec3(_e25, _e28, _e31));
 }
 uint bits_at(uint byte_1, uint bit) {
@@ -1458,24 +1435,24 @@ uint bits_at(uint byte_1, uint bit) {
     uint _e26 = _group_1_binding_0_cs[((at_8 / 4u) + 1u)];
     return (low_5 | (_e26 << (32u - shift_7)));
 }
-int odd_dot(ivec4 b_19, uint bits_1) {
+int odd_dot(ivec4 b_20, uint bits_1) {
     ivec4 code_6 = ivec4((((uvec4(bits_1) >> uvec4(0u, 3u, 6u, 9u)) & uvec4(7u)) ^ uvec4(4u)));
     ivec4 odd = ((2 * code_6) - ivec4(7));
-    return ((((b_19.x * odd.x) + (b_19.y * odd.y)) + (b_19.z * odd.z)) + (b_19.w * odd.w));
+    return ((((b_20.x * odd.x) + (b_20.y * odd.y)) + (b_20.z * odd.z)) + (b_20.w * odd.w));
 }
 uint sh_count(int degree_1) {
     return uint((((degree_1 + 1) * (degree_1 + 1)) - 1));
 }
-int residual_q16_(Basis b_20, uint record_at, uint channel_1, uint gain) {
+int residual_q16_(Basis b_21, uint record_at, uint channel_1, uint gain) {
     int _e9 = _group_0_binding_1_cs.scene_degree;
     uint _e10 = sh_count(_e9);
     uint first_2 = (32u + ((3u * channel_1) * _e10));
     uint _e13 = bits_at(record_at, first_2);
     uint _e16 = bits_at(record_at, (first_2 + 24u));
-    int _e18 = odd_dot(b_20.a, _e13);
-    int _e22 = odd_dot(b_20.b, (_e13 >> 12u));
-    int _e25 = odd_dot(b_20.c, _e16);
-    int _e30 = odd_dot(b_20.d, (_e16 >> 12u));
+    int _e18 = odd_dot(b_21.a, _e13);
+    int _e22 = odd_dot(b_21.b, (_e13 >> 12u));
+    int _e25 = odd_dot(b_21.c, _e16);
+    int _e30 = odd_dot(b_21.d, (_e16 >> 12u));
     int odd_1 = (((_e18 + _e22) + _e25) + _e30);
     return ((odd_1 * int((8u + (gain & 7u)))) >> (31u - (gain >> 3u)));
 }
@@ -1486,7 +1463,7 @@ int scaled_q16_(int sum_1) {
     int _e7 = low_of(_e6);
     return _e7;
 }
-ivec3 palette_q16_(Basis b_21, uint rows_3, uint g_3) {
+ivec3 palette_q16_(Basis b_22, uint rows_3, uint g_3) {
     uint stages = 0u;
     uint bytes = 0u;
     uint at_4 = 0u;
@@ -1508,30 +1485,18 @@ ivec3 palette_q16_(Basis b_21, uint rows_3, uint g_3) {
     uint _e38 = at_4;
     uint _e39 = bytes;
     at_4 = (_e38 + (g_3 * _e39));
-    int _e43 = mean_dot(b_21, 0u);
-    int _e45 = mean_dot(b_21, 1u);
-    int _e47 = mean_dot(b_21, 2u);
+    int _e43 = mean_dot(b_22, 0u);
+    int _e45 = mean_dot(b_22, 1u);
+    int _e47 = mean_dot(b_22, 2u);
     sum_2 = ivec3(_e43, _e45, _e47);
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            uint _e63 = stage_1;
-            stage_1 = (_e63 + 1u);
-        }
-        loop_init_2 = false;
-        uint _e52 = stage_1;
-        uint _e53 = stages;
-        if ((_e52 < _e53)) {
-        } else {
-            break;
-        }
+    for (; (stage_1 < stages); stage_1 = (stage_1 + 1u)) {
         {
             ivec3 _e55 = sum_2;
             uint _e56 = stage_1;
             uint _e57 = at_4;
             uint _e58 = stage_1;
             uint _e60 = byte_at((_e57 + _e58));
-            ivec3 _e61 = entry_sum(b_21, _e56, _e60);
+            ivec3 _e61 = entry_sum(b_22, _e56, _e60);
             sum_2 = (_e55 + _e61);
         }
     }
@@ -1547,11 +1512,11 @@ ivec3 palette_q16_(Basis b_21, uint rows_3, uint g_3) {
         uint _e80 = byte_at((_e77 + 3u));
         ivec3 _e81 = out_6;
         uint _e82 = at_4;
-        int _e84 = residual_q16_(b_21, _e82, 0u, _e80);
+        int _e84 = residual_q16_(b_22, _e82, 0u, _e80);
         uint _e85 = at_4;
-        int _e87 = residual_q16_(b_21, _e85, 1u, _e80);
+        int _e87 = residual_q16_(b_22, _e85, 1u, _e80);
         uint _e88 = at_4;
-        int _e90 = residual_q16_(b_21, _e88, 2u, _e80);
+        int _e90 = residual_q16_(b_22, _e88, 2u, _e80);
         out_6 = (_e81 + ivec3(_e84, _e87, _e90));
     }
     ivec3 _e93 = out_6;
@@ -1614,11 +1579,11 @@ Span columns_between(int left_q8_, int right_q8_) {
     int _e48 = _group_0_binding_0_cs.size.x;
     return Span((max(first_3, 0) >> _e33), ((last_2 >= _e48) ? (_e42 - 1) : (last_2 >> _e37)));
 }
-Span columns_of(inout Bounds b_22) {
-    int _e3 = b_22.c_q14_.x;
+Span columns_of(inout Bounds b_23) {
+    int _e3 = b_23.c_q14_.x;
     int c_q8_1 = (_e3 >> 6u);
-    int _e7 = b_22.half_width_q8_;
-    int _e10 = b_22.half_width_q8_;
+    int _e7 = b_23.half_width_q8_;
+    int _e10 = b_23.half_width_q8_;
     Span _e12 = columns_between((c_q8_1 - _e7), (c_q8_1 + _e10));
     return _e12;
 }
@@ -1628,23 +1593,23 @@ int radius_q12_(int offset_q11_4) {
     uint _e11 = sqrt_of((uint(((_e4 - offset_q11_4) + 1)) << 13u));
     return (int(_e11) + 1);
 }
-int v_at_row(inout Splat s_4, inout Bounds b_23, int row_1) {
-    int _e7 = b_23.c_q14_.y;
+int v_at_row(inout Splat s_4, inout Bounds b_24, int row_1) {
+    int _e7 = b_24.c_q14_.y;
     int _e10 = s_4.vy_q24_;
     uvec2 _e11 = mul_signed(((row_1 << 14u) - _e7), _e10);
     uvec2 _e13 = shift_signed(_e11, 26u);
     int _e14 = low_of(_e13);
     return _e14;
 }
-int half_at(inout Bounds b_24, int r_q12_3, int v_q12_) {
+int half_at(inout Bounds b_25, int r_q12_3, int v_q12_) {
     uint _e7 = sqrt_of(uint(((r_q12_3 * r_q12_3) - (v_q12_ * v_q12_))));
     uint root = (_e7 + 1u);
-    uint _e11 = b_24.breadth_q8_;
+    uint _e11 = b_25.breadth_q8_;
     uvec2 _e12 = mul_wide(_e11, root);
     uvec2 _e14 = shift_right(_e12, 12u);
     return int(_e14.x);
 }
-Span ellipse_span(inout Splat s_5, inout Bounds b_25, int r_1, int row_2) {
+Span ellipse_span(inout Splat s_5, inout Bounds b_26, int r_1, int row_2) {
     bool local_21 = false;
     bool local_22 = false;
     int left = 0;
@@ -1653,10 +1618,10 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_25, int r_1, int row_2) {
     bool local_23 = false;
     bool local_24 = false;
     uint _e6 = _group_0_binding_0_cs.tile_bits;
-    int _e8 = v_at_row(s_5, b_25, (row_2 << _e6));
+    int _e8 = v_at_row(s_5, b_26, (row_2 << _e6));
     uint _e13 = _group_0_binding_0_cs.tile_bits;
-    int _e17 = v_at_row(s_5, b_25, (((row_2 + 1) << _e13) - 1));
-    int reach = b_25.half_width_q8_;
+    int _e17 = v_at_row(s_5, b_26, (((row_2 + 1) << _e13) - 1));
+    int reach = b_26.half_width_q8_;
     if (!((_e8 > (r_1 + 2)))) {
         local_21 = (_e17 < (-(r_1) - 2));
     } else {
@@ -1674,24 +1639,24 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_25, int r_1, int row_2) {
     }
     int top = min(max(_e8, -(r_1)), r_1);
     int bottom = min(max((_e17 + 1), -(r_1)), r_1);
-    int _e48 = b_25.shear_q8_;
+    int _e48 = b_26.shear_q8_;
     uvec2 _e49 = mul_signed(_e48, top);
     uvec2 _e51 = shift_signed(_e49, 12u);
     int _e52 = low_of(_e51);
-    int _e54 = b_25.shear_q8_;
+    int _e54 = b_26.shear_q8_;
     uvec2 _e55 = mul_signed(_e54, bottom);
     uvec2 _e57 = shift_signed(_e55, 12u);
     int _e58 = low_of(_e57);
-    int _e59 = half_at(b_25, r_1, top);
-    int _e60 = half_at(b_25, r_1, bottom);
+    int _e59 = half_at(b_26, r_1, top);
+    int _e60 = half_at(b_26, r_1, bottom);
     left = -(max((_e59 - _e52), (_e60 - _e58)));
     right = max((_e59 + _e52), (_e60 + _e58));
-    int _e71 = b_25.shear_q8_;
+    int _e71 = b_26.shear_q8_;
     uvec2 _e75 = mul_wide(uint(abs(_e71)), uint(r_1));
     uvec2 _e77 = shift_right(_e75, 12u);
     uvec2 _e80 = mul_wide(_e77.x, uint(r_1));
     tangent = _e80;
-    int _e83 = b_25.shear_q8_;
+    int _e83 = b_26.shear_q8_;
     if ((_e83 < 0)) {
         uvec2 _e86 = tangent;
         uvec2 _e87 = negate(_e86);
@@ -1725,7 +1690,7 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_25, int r_1, int row_2) {
     if (_e109) {
         left = -(reach);
     }
-    int _e113 = b_25.c_q14_.x;
+    int _e113 = b_26.c_q14_.x;
     int c_q8_2 = (_e113 >> 6u);
     int margin = ((reach >> 8u) + 32);
     int _e120 = left;
@@ -1739,11 +1704,11 @@ Span square_span(int centre_q14_, uint radius, int tiles) {
     int last_3 = ((((pixel_1 + int(radius)) + 15) >> 4u) - 1);
     return Span(min(max(first_4, 0), tiles), min(max(last_3, -1), (tiles - 1)));
 }
-Span rows_of(inout Splat s_6, inout Bounds b_26) {
+Span rows_of(inout Splat s_6, inout Bounds b_27) {
     int _e4 = _group_0_binding_0_cs.cutoff;
     if ((_e4 == 1)) {
-        int _e9 = b_26.c_q14_.y;
-        uint _e11 = b_26.square_radius;
+        int _e9 = b_27.c_q14_.y;
+        uint _e11 = b_27.square_radius;
         int _e15 = _group_0_binding_0_cs.tiles.y;
         Span _e16 = square_span(_e9, _e11, _e15);
         return _e16;
@@ -1754,16 +1719,16 @@ Span rows_of(inout Splat s_6, inout Bounds b_26) {
     uint _e29 = _group_0_binding_0_cs.tile_bits;
     return Span((_e19 >> _e22), (_e26 >> _e29));
 }
-Span span_of(inout Splat s_7, inout Bounds b_27, int r_q12_4, int row_3) {
+Span span_of(inout Splat s_7, inout Bounds b_28, int r_q12_4, int row_3) {
     int _e6 = _group_0_binding_0_cs.cutoff;
     if ((_e6 == 1)) {
-        int _e11 = b_27.c_q14_.x;
-        uint _e13 = b_27.square_radius;
+        int _e11 = b_28.c_q14_.x;
+        uint _e13 = b_28.square_radius;
         int _e17 = _group_0_binding_0_cs.tiles.x;
         Span _e18 = square_span(_e11, _e13, _e17);
         return _e18;
     }
-    Span _e19 = ellipse_span(s_7, b_27, r_q12_4, row_3);
+    Span _e19 = ellipse_span(s_7, b_28, r_q12_4, row_3);
     return _e19;
 }
 uint scale_depth(uint key) {
@@ -1783,18 +1748,7 @@ uint scale_depth(uint key) {
 bool is_kept(uvec3 position_2) {
     uvec2 centre_7[3] = uvec2[3](uvec2(0u), uvec2(0u), uvec2(0u));
     uint i_9 = 0u;
-    bool loop_init_3 = true;
-    while(true) {
-        if (!loop_init_3) {
-            uint _e29 = i_9;
-            i_9 = (_e29 + 1u);
-        }
-        loop_init_3 = false;
-        uint _e4 = i_9;
-        if ((_e4 < 3u)) {
-        } else {
-            break;
-        }
+    for (; (i_9 < 3u); i_9 = (i_9 + 1u)) {
         {
             uint _e9 = i_9;
             uint _e12 = record[(34u + _e9)];
@@ -1843,24 +1797,24 @@ void count_tiles(int row_4, Span s_8) {
         return;
     }
 }
-void put_large(uint slot, inout Bounds b_28, int first_row) {
+void put_large(uint slot, inout Bounds b_29, int first_row) {
     uint _e6 = atomicAdd(_group_1_binding_2_cs[1], 1u);
     uint _e9 = _group_0_binding_0_cs.large_room;
     if ((_e6 < _e9)) {
         uint _e13 = _group_0_binding_0_cs.larges;
         uint at_9 = (_e13 + (LARGE * _e6));
         _group_1_binding_1_cs[at_9] = slot;
-        int _e25 = b_28.c_q14_.x;
+        int _e25 = b_29.c_q14_.x;
         _group_1_binding_1_cs[(at_9 + 1u)] = uint(_e25);
-        int _e33 = b_28.c_q14_.y;
+        int _e33 = b_29.c_q14_.y;
         _group_1_binding_1_cs[(at_9 + 2u)] = uint(_e33);
-        uint _e40 = b_28.breadth_q8_;
+        uint _e40 = b_29.breadth_q8_;
         _group_1_binding_1_cs[(at_9 + 3u)] = _e40;
-        int _e46 = b_28.shear_q8_;
+        int _e46 = b_29.shear_q8_;
         _group_1_binding_1_cs[(at_9 + 4u)] = uint(_e46);
-        int _e53 = b_28.half_width_q8_;
+        int _e53 = b_29.half_width_q8_;
         _group_1_binding_1_cs[(at_9 + 5u)] = uint(_e53);
-        uint _e60 = b_28.square_radius;
+        uint _e60 = b_29.square_radius;
         _group_1_binding_1_cs[(at_9 + 6u)] = _e60;
         _group_1_binding_1_cs[(at_9 + 7u)] = uint(first_row);
         return;
@@ -1870,7 +1824,7 @@ void put_large(uint slot, inout Bounds b_28, int first_row) {
 }
 uvec2 list_splat(uint slot_1, inout Placed out_7) {
     Splat s_9 = Splat(0u, 0u, 0, 0, 0, 0, ivec2(0));
-    Bounds b_29 = Bounds(ivec2(0), 0u, 0, 0, 0u);
+    Bounds b_30 = Bounds(ivec2(0), 0u, 0, 0, 0u);
     bool local_25 = false;
     bool local_26 = false;
     bool local_27 = false;
@@ -1886,9 +1840,9 @@ uvec2 list_splat(uint slot_1, inout Placed out_7) {
     Splat _e3 = out_7.splat;
     s_9 = _e3;
     Bounds _e6 = out_7.bounds;
-    b_29 = _e6;
-    Span _e8 = rows_of(s_9, b_29);
-    Span _e9 = columns_of(b_29);
+    b_30 = _e6;
+    Span _e8 = rows_of(s_9, b_30);
+    Span _e9 = columns_of(b_30);
     int _e12 = _group_0_binding_0_cs.cutoff;
     bool is_square = (_e12 == 1);
     if (!(is_square)) {
@@ -1948,21 +1902,10 @@ uvec2 list_splat(uint slot_1, inout Placed out_7) {
     int _e108 = s_9.offset_q11_;
     int _e109 = radius_q12_(_e108);
     row_5 = _e8.first;
-    bool loop_init_4 = true;
-    while(true) {
-        if (!loop_init_4) {
-            int _e154 = row_5;
-            row_5 = (_e154 + 1);
-        }
-        loop_init_4 = false;
-        int _e116 = row_5;
-        if ((_e116 <= _e8.last)) {
-        } else {
-            break;
-        }
+    for (; (row_5 <= _e8.last); row_5 = (row_5 + 1)) {
         {
             int _e119 = row_5;
-            Span _e120 = span_of(s_9, b_29, _e109, _e119);
+            Span _e120 = span_of(s_9, b_30, _e109, _e119);
             int _e121 = row_5;
             count_tiles(_e121, _e120);
             if (!(large)) {
@@ -1981,13 +1924,7 @@ uvec2 list_splat(uint slot_1, inout Placed out_7) {
         }
     }
     row_6 = _e8.first;
-    bool loop_init_5 = true;
-    while(true) {
-        if (!loop_init_5) {
-            int _e167 = row_6;
-            row_6 = (_e167 + LARGE_ROWS);
-        }
-        loop_init_5 = false;
+    for (; ; row_6 = (row_6 + LARGE_ROWS)) {
         int _e159 = row_6;
         if ((_e159 <= _e8.last)) {
             local_33 = large;
@@ -2001,7 +1938,7 @@ uvec2 list_splat(uint slot_1, inout Placed out_7) {
         }
         {
             int _e166 = row_6;
-            put_large(slot_1, b_29, _e166);
+            put_large(slot_1, b_30, _e166);
         }
     }
     uint _e171 = box.x;

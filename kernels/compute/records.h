@@ -7,7 +7,7 @@
 /* Programs, in the order of a frame: F(entry point) */
 #define FXS_COMPUTE_PROGRAMS_OF(F) \
     F(clear_counts) F(locate_chunks) F(gather_chunks) F(project_chunk) F(start_lists) F(fill_lists) F(fill_large) \
-    F(sort_blocks) F(merge_9) F(merge_13) F(merge_17) F(merge_21) F(merge_25) F(blend_tiles) F(trace_tiles) \
+    F(sort_blocks) F(merge_runs) F(blend_tiles) F(trace_tiles) \
     F(clear_pixels) F(name_pixels)
 #define FXS_COMPUTE_NUMBER(entry) FXS_COMPUTE_##entry,
 enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };

@@ -1,11 +1,11 @@
 // Needs records order
 // sort: each tile's list near to far. Blocks of a list are sorted in the memory of a workgroup: the depths of 32 keys,
 // sorted, bound as many ranges, each of which is 8 bins of equal width; keys go to the bins, then each counts those of
-// its bin that are less. The less memory of a workgroup, the more of them a GPU has at a time. Runs of a list, blocks at first, are then merged, 16 at a time:
-// each key finds its place by bisection of the other runs.
+// its bin that are less. The less memory of a workgroup, the more of them a GPU has at a time. Runs of a list, blocks at
+// first, are then merged, two at a time.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<storage, read> counts: array<u32>;
+@group(1) @binding(0) var<storage, read_write> counts: array<u32>;
 @group(1) @binding(1) var<storage, read_write> entries: array<vec2<u32>>;   // slot, depth
 
 const SAMPLES: u32 = 32u;
@@ -13,7 +13,7 @@ const RANGE: u32 = 8u;             // bins
 const BINS: u32 = 256u;
 
 var<workgroup> keys: array<vec2<u32>, 512>;      // bin after bin
-var<workgroup> bins: array<atomic<u32>, 256>;
+var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then starts; the last: the end of all
 var<workgroup> sums: array<u32, 16>;
 var<workgroup> samples: array<u32, 32>;
 var<workgroup> bounds: array<vec2<u32>, 32>;     // of the ranges: the least depth, and the shift that bins are wide
@@ -24,27 +24,39 @@ fn is_below(a: vec2<u32>, b: vec2<u32>) -> bool
     return select(a.y < b.y, a.x < b.x, a.y == b.y);
 }
 
+// What was done to a block is kept with it, above its number in the list: how often it was sorted or merged.
+const DONE: u32 = 0x100000u;
+
 struct Block {
     list: u32,
     count: u32,                    // of the list; 0: there is no block of this number
     first: u32,                    // of the block in the list
+    done: u32,
 }
 
-// Blocks of long lists have the first numbers.
-fn block_of(number: u32) -> Block
+var<workgroup> own_block: Block;
+
+// A workgroup's block. Blocks of long lists have the first numbers.
+fn take_block(group: vec3<u32>, thread: u32) -> Block
 {
-    let long = counts[LONG_BLOCKS];
-    if (number >= long + counts[SHORT_BLOCKS] || !fits()) {
-        return Block(0u, 0u, 0u);
+    let number = group.y * ROW_OF_GROUPS + group.x;
+    if (thread == 0u) {
+        let long = counts[LONG_BLOCKS];
+        let at = frame.blocks + 2u * select(number - long, frame.block_room - 1u - number, number < long);
+        own_block.count = 0u;
+        if (number < long + counts[SHORT_BLOCKS] && fits()) {
+            let tile = counts[at];
+            let count = counts[TILES + tile];
+            own_block = Block(counts[frame.next + tile] - count, count, BLOCK * (counts[at + 1u] % DONE),
+                              counts[at + 1u] / DONE);
+            counts[at + 1u] += DONE;
+        }
     }
-    let at = frame.blocks + 2u * select(number - long, frame.block_room - 1u - number, number < long);
-    let tile = counts[at];
-    let count = counts[TILES + tile];
-    return Block(counts[frame.next + tile] - count, count, BLOCK * counts[at + 1u]);
+    return workgroupUniformLoad(&own_block);
 }
 
 // From the sizes of bins to their starts.
-fn place_bins(thread: u32)
+fn place_bins(thread: u32, some: u32)
 {
     let group = BINS / 16u;        // of bins
     if (thread < 16u) {
@@ -67,6 +79,9 @@ fn place_bins(thread: u32)
     workgroupBarrier();
     atomicStore(&bins[bin], start);
     atomicStore(&bins[bin + 1u], next);
+    if (thread == 0u) {
+        atomicStore(&bins[BINS], some);
+    }
     workgroupBarrier();
 }
 
@@ -105,116 +120,119 @@ fn bin_of(depth: u32) -> u32
     return RANGE * range + min((max(depth, bound.x) - bound.x) >> bound.y, RANGE - 1u);
 }
 
-// Puts the keys into their bins.
-fn fill_bins(thread: u32, at: u32, some: u32)
-{
-    for (var i = thread; i < BINS; i += THREADS) {
-        atomicStore(&bins[i], 0u);
-    }
-    workgroupBarrier();
-    for (var i = thread; i < some; i += THREADS) {
-        atomicAdd(&bins[bin_of(entries[at + i].y)], 1u);
-    }
-    workgroupBarrier();
-    place_bins(thread);
-    for (var i = thread; i < some; i += THREADS) {
-        let key = entries[at + i];
-        keys[atomicAdd(&bins[bin_of(key.y)], 1u)] = key;
-    }
-    workgroupBarrier();            // bins are ends now
-}
-
 @compute @workgroup_size(128)
 fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
-    let block = block_of(group.y * ROW_OF_GROUPS + group.x);
+    let block = take_block(group, thread);
     if (block.count == 0u) {
         return;
     }
     let some = min(block.count - block.first, BLOCK);
     let at = block.list + block.first;
+    var own: array<vec2<u32>, 4>;  // keys of this thread,
+    var bin_of_own: array<u32, 4>;
+    var place: array<u32, 4>;      // in its bin, of those that came before
+    for (var i = thread; i < BINS; i += THREADS) {
+        atomicStore(&bins[i], 0u);
+    }
     bound_ranges(thread, at, some);
-    fill_bins(thread, at, some);
-    for (var i = thread; i < some; i += THREADS) {
-        let key = keys[i];
-        let bin = bin_of(key.y);
-        var place = 0u;
-        if (bin > 0u) {
-            place = atomicLoad(&bins[bin - 1u]);
+    for (var k = 0u; k < BLOCK / THREADS; k += 1u) {
+        if (thread + k * THREADS < some) {
+            own[k] = entries[at + thread + k * THREADS];
+            bin_of_own[k] = bin_of(own[k].y);
+            place[k] = atomicAdd(&bins[bin_of_own[k]], 1u);
         }
-        let end = atomicLoad(&bins[bin]);
-        for (var k = place; k < end; k += 1u) {
-            place += select(0u, 1u, is_below(keys[k], key));
+    }
+    workgroupBarrier();
+    place_bins(thread, some);
+    for (var k = 0u; k < BLOCK / THREADS; k += 1u) {
+        if (thread + k * THREADS < some) {
+            keys[atomicLoad(&bins[bin_of_own[k]]) + place[k]] = own[k];
         }
-        entries[at + place] = key;
+    }
+    workgroupBarrier();
+    for (var k = 0u; k < BLOCK / THREADS; k += 1u) {
+        if (thread + k * THREADS < some) {
+            let first = atomicLoad(&bins[bin_of_own[k]]);
+            let end = atomicLoad(&bins[bin_of_own[k] + 1u]);
+            var below = first;
+            for (var i = first; i < end; i += 1u) {
+                below += select(0u, 1u, is_below(keys[i], own[k]));
+            }
+            entries[at + below] = own[k];
+        }
     }
 }
 
-// How many keys of four runs of at most 2^run are below this one: bisections side by side, as each step waits for memory.
-fn count_below(first: vec4<u32>, length: vec4<u32>, run: u32, key: vec2<u32>) -> u32
+var<workgroup> below_split: array<atomic<u32>, 2>;
+var<workgroup> splits: array<u32, 2>;
+
+// Of two runs of `a` and `b` keys from `first` and `second` on, how many of the first one are among the least d of both: 64
+// threads test as many places at a time. Half of the threads ask for one d, half for another.
+fn split(thread: u32, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
-    var count = vec4<u32>(0u);
-    for (var step = 1u << run; step != 0u; step >>= 1u) {
-        let next = count + step;
-        let inside = next <= length;
-        let at = first + select(vec4<u32>(0u), next - 1u, inside);
-        let below = vec4<bool>(is_below(entries[at.x], key), is_below(entries[at.y], key),
-                               is_below(entries[at.z], key), is_below(entries[at.w], key));
-        count = select(count, next, inside & below);
+    let side = thread / 64u;
+    var low = d - min(d, b);
+    var high = min(d, a);
+    for (var i = 0u; i <= run / 6u; i += 1u) {
+        let step = (high - low + 63u) / 64u;
+        let place = low + thread % 64u * step;
+        atomicStore(&below_split[side], 0u);
+        workgroupBarrier();
+        if (place < high && is_below(entries[first + place], entries[second + d - 1u - place])) {
+            atomicAdd(&below_split[side], 1u);
+        }
+        workgroupBarrier();
+        let below = atomicLoad(&below_split[side]);
+        workgroupBarrier();
+        high = min(high, low + below * step);
+        low += select(0u, (below - 1u) * step + 1u, below != 0u);
     }
-    return count.x + count.y + count.z + count.w;
+    return low;
 }
 
-// THREADS keys of a block, in a run of 2^run keys, from one half of the entries to the other.
-fn merge(group: vec3<u32>, thread: u32, run: u32, from_spare: bool)
+// How many of `count` keys of a round from `first` on are below one.
+fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
 {
-    let number = group.y * ROW_OF_GROUPS + group.x;
-    let block = block_of(number / (BLOCK / THREADS));
-    let i = block.first + number % (BLOCK / THREADS) * THREADS + thread;
-    if (block.count <= 1u << run || i >= block.count) {
+    var below = 0u;
+    for (var step = BLOCK / 2u; step != 0u; step >>= 1u) {
+        let next = below + step;
+        if (next <= count && is_below(keys[first + next - 1u], key)) {
+            below = next;
+        }
+    }
+    return below;
+}
+
+// BLOCK keys of two runs of a list, merged, from one half of the entries to the other.
+@compute @workgroup_size(128)
+fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
+{
+    let block = take_block(group, thread);
+    let run = 8u + block.done;                   // a run has 2^run keys
+    if (block.count <= 1u << run) {
         return;
     }
-    let source = block.list + select(0u, frame.spare, from_spare);
-    let target_list = block.list + select(frame.spare, 0u, from_spare);
-    let key = entries[source + i];
-    let start = (i >> (run + 4u)) << (run + 4u);         // of 16 runs
-    var place = start;
-    for (var four = 0u; four < 4u; four += 1u) {
-        let first = vec4<u32>(start) + ((vec4<u32>(0u, 1u, 2u, 3u) + 4u * four) << vec4<u32>(run));
-        let length = min(max(vec4<u32>(block.count), first) - first, vec4<u32>(1u << run));
-        if (length.x != 0u) {
-            place += count_below(source + min(first, vec4<u32>(block.count - 1u)), length, run, key);
-        }
+    let source = block.list + select(frame.spare, 0u, block.done % 2u == 1u);
+    let target_list = block.list + select(0u, frame.spare, block.done % 2u == 1u);
+    let start = (block.first >> (run + 1u)) << (run + 1u);
+    let both = min(block.count - start, 2u << run);
+    let a = min(both, 1u << run);
+    let d = block.first - start;
+    let some = min(both - d, BLOCK);
+    let second = source + start + a;
+    splits[thread / 64u] = split(thread, source + start, a, second, both - a, d + thread / 64u * some, run);
+    workgroupBarrier();
+    let of_first = splits[1] - splits[0];
+    for (var i = thread; i < some; i += THREADS) {
+        let at = select(second + d - splits[0] + i - of_first, source + start + splits[0] + i, i < of_first);
+        keys[i] = entries[at];
     }
-    entries[target_list + place] = key;
-}
-
-@compute @workgroup_size(128)
-fn merge_9(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
-{
-    merge(group, thread, 9u, false);
-}
-
-@compute @workgroup_size(128)
-fn merge_13(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
-{
-    merge(group, thread, 13u, true);
-}
-
-@compute @workgroup_size(128)
-fn merge_17(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
-{
-    merge(group, thread, 17u, false);
-}
-
-@compute @workgroup_size(128)
-fn merge_21(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
-{
-    merge(group, thread, 21u, true);
-}
-
-@compute @workgroup_size(128)
-fn merge_25(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
-{
-    merge(group, thread, 25u, false);
+    workgroupBarrier();
+    for (var i = thread; i < some; i += THREADS) {
+        let key = keys[i];
+        let is_first = i < of_first;
+        let below = count_below(select(0u, of_first, is_first), select(of_first, some - of_first, is_first), key);
+        entries[target_list + block.first + select(i - of_first, i, is_first) + below] = key;
+    }
 }

@@ -109,6 +109,7 @@ struct Block {
     uint list;
     uint count;
     uint first;
+    uint done;
 };
 const uint CHUNK = 256u;
 const uint THREADS = 128u;
@@ -118,7 +119,7 @@ const uint LARGE = 8u;
 const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
-const uint MERGES = 5u;
+const uint MERGES = 19u;
 const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -140,14 +141,16 @@ const int EVERYWHERE_Q8_ = 1073741824;
 const uint SAMPLES = 32u;
 const uint RANGE = 8u;
 const uint BINS = 256u;
-layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
+const uint DONE = 1048576u;
+layout(std430, binding = 0) buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
 layout(std430, binding = 1) buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
 shared uvec2 keys[512];
-shared uint bins[256];
+shared uint bins[257];
 shared uint sums[16];
 shared uint samples[32];
 shared uvec2 bounds[32];
+shared Block own_block;
 bool fits() {
     bool local = false;
     bool local_1 = false;
@@ -174,152 +177,123 @@ bool fits() {
 bool is_below(uvec2 a, uvec2 b) {
     return ((a.y == b.y) ? (a.x < b.x) : (a.y < b.y));
 }
-Block block_of(uint number_2) {
+Block take_block(uvec3 group_2, uint thread_2) {
     bool local_2 = false;
-    uint long_ = _group_1_binding_0_cs[8];
-    uint _e6 = _group_1_binding_0_cs[7];
-    if (!((number_2 >= (long_ + _e6)))) {
-        bool _e12 = fits();
-        local_2 = !(_e12);
-    } else {
-        local_2 = true;
+    uint number_2 = ((group_2.y * ROW_OF_GROUPS) + group_2.x);
+    if ((thread_2 == 0u)) {
+        uint long_ = _group_1_binding_0_cs[8];
+        uint _e14 = _group_0_binding_0_cs.blocks;
+        uint _e19 = _group_0_binding_0_cs.block_room;
+        uint at_2 = (_e14 + (2u * ((number_2 < long_) ? ((_e19 - 1u) - number_2) : (number_2 - long_))));
+        own_block.count = 0u;
+        uint _e32 = _group_1_binding_0_cs[7];
+        if ((number_2 < (long_ + _e32))) {
+            bool _e37 = fits();
+            local_2 = _e37;
+        } else {
+            local_2 = false;
+        }
+        bool _e39 = local_2;
+        if (_e39) {
+            uint tile = _group_1_binding_0_cs[at_2];
+            uint count_1 = _group_1_binding_0_cs[(TILES + tile)];
+            uint _e52 = _group_0_binding_0_cs.next;
+            uint _e55 = _group_1_binding_0_cs[(_e52 + tile)];
+            uint _e62 = _group_1_binding_0_cs[(at_2 + 1u)];
+            uint _e70 = _group_1_binding_0_cs[(at_2 + 1u)];
+            own_block = Block((_e55 - count_1), count_1, (BLOCK * (_e62 % DONE)), (_e70 / DONE));
+            uint _e78 = _group_1_binding_0_cs[(at_2 + 1u)];
+            _group_1_binding_0_cs[(at_2 + 1u)] = (_e78 + DONE);
+        }
     }
-    bool _e15 = local_2;
-    if (_e15) {
-        return Block(0u, 0u, 0u);
-    }
-    uint _e22 = _group_0_binding_0_cs.blocks;
-    uint _e27 = _group_0_binding_0_cs.block_room;
-    uint at_3 = (_e22 + (2u * ((number_2 < long_) ? ((_e27 - 1u) - number_2) : (number_2 - long_))));
-    uint tile = _group_1_binding_0_cs[at_3];
-    uint count_1 = _group_1_binding_0_cs[(TILES + tile)];
-    uint _e46 = _group_0_binding_0_cs.next;
-    uint _e49 = _group_1_binding_0_cs[(_e46 + tile)];
-    uint _e56 = _group_1_binding_0_cs[(at_3 + 1u)];
-    return Block((_e49 - count_1), count_1, (BLOCK * _e56));
+    memoryBarrierShared();
+    barrier();
+    Block _e82 = own_block;
+    memoryBarrierShared();
+    barrier();
+    return _e82;
 }
-void place_bins(uint thread_6) {
+void place_bins(uint thread_3, uint some) {
     uint size = 0u;
-    uint i_2 = 0u;
+    uint i_5 = 0u;
     uint start_2 = 0u;
-    uint i_3 = 0u;
-    uint i_4 = 0u;
-    if ((thread_6 < 16u)) {
-        bool loop_init = true;
-        while(true) {
-            if (!loop_init) {
-                uint _e18 = i_2;
-                i_2 = (_e18 + 1u);
-            }
-            loop_init = false;
-            uint _e8 = i_2;
-            if ((_e8 < 16u)) {
-            } else {
-                break;
-            }
+    uint i_6 = 0u;
+    uint i_7 = 0u;
+    if ((thread_3 < 16u)) {
+        for (; (i_5 < 16u); i_5 = (i_5 + 1u)) {
             {
-                uint _e10 = size;
-                uint _e13 = i_2;
-                uint _e16 = bins[((16u * thread_6) + _e13)];
-                size = (_e10 + _e16);
+                uint _e11 = size;
+                uint _e14 = i_5;
+                uint _e17 = bins[((16u * thread_3) + _e14)];
+                size = (_e11 + _e17);
             }
         }
-        uint _e23 = size;
-        sums[thread_6] = _e23;
+        uint _e24 = size;
+        sums[thread_3] = _e24;
     }
     memoryBarrierShared();
     barrier();
-    uint bin = (2u * thread_6);
-    bool loop_init_1 = true;
-    while(true) {
-        if (!loop_init_1) {
-            uint _e39 = i_3;
-            i_3 = (_e39 + 1u);
-        }
-        loop_init_1 = false;
-        uint _e30 = i_3;
-        if ((_e30 < (bin / 16u))) {
-        } else {
-            break;
-        }
+    uint bin = (2u * thread_3);
+    for (; (i_6 < (bin / 16u)); i_6 = (i_6 + 1u)) {
         {
-            uint _e33 = start_2;
-            uint _e35 = i_3;
-            uint _e37 = sums[_e35];
-            start_2 = (_e33 + _e37);
+            uint _e34 = start_2;
+            uint _e36 = i_6;
+            uint _e38 = sums[_e36];
+            start_2 = (_e34 + _e38);
         }
     }
-    i_4 = ((bin / 16u) * 16u);
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            uint _e53 = i_4;
-            i_4 = (_e53 + 1u);
-        }
-        loop_init_2 = false;
-        uint _e45 = i_4;
-        if ((_e45 < bin)) {
-        } else {
-            break;
-        }
+    i_7 = ((bin / 16u) * 16u);
+    for (; (i_7 < bin); i_7 = (i_7 + 1u)) {
         {
-            uint _e47 = start_2;
-            uint _e49 = i_4;
-            uint _e51 = bins[_e49];
-            start_2 = (_e47 + _e51);
+            uint _e48 = start_2;
+            uint _e50 = i_7;
+            uint _e52 = bins[_e50];
+            start_2 = (_e48 + _e52);
         }
     }
-    uint _e56 = start_2;
-    uint _e59 = bins[bin];
-    uint next = (_e56 + _e59);
+    uint _e57 = start_2;
+    uint _e60 = bins[bin];
+    uint next = (_e57 + _e60);
     memoryBarrierShared();
     barrier();
-    uint _e63 = start_2;
-    bins[bin] = _e63;
+    uint _e64 = start_2;
+    bins[bin] = _e64;
     bins[(bin + 1u)] = next;
+    if ((thread_3 == 0u)) {
+        bins[256] = some;
+    }
     memoryBarrierShared();
     barrier();
     return;
 }
-void bound_ranges(uint thread_7, uint at, uint some) {
-    uint own = 0u;
+void bound_ranges(uint thread_4, uint at, uint some_1) {
+    uint own_1 = 0u;
     uint place_1 = 0u;
-    uint i_5 = 0u;
+    uint i_8 = 0u;
     bool local_3 = false;
     bool local_4 = false;
-    if ((thread_7 < SAMPLES)) {
-        uint _e17 = _group_1_binding_1_cs[(at + (((thread_7 * max(some, SAMPLES)) / SAMPLES) % some))].y;
-        own = _e17;
-        uint _e20 = own;
-        samples[thread_7] = _e20;
+    if ((thread_4 < SAMPLES)) {
+        uint _e17 = _group_1_binding_1_cs[(at + (((thread_4 * max(some_1, SAMPLES)) / SAMPLES) % some_1))].y;
+        own_1 = _e17;
+        uint _e20 = own_1;
+        samples[thread_4] = _e20;
     }
     memoryBarrierShared();
     barrier();
-    if ((thread_7 < SAMPLES)) {
-        bool loop_init_3 = true;
-        while(true) {
-            if (!loop_init_3) {
-                uint _e58 = i_5;
-                i_5 = (_e58 + 1u);
-            }
-            loop_init_3 = false;
-            uint _e27 = i_5;
-            if ((_e27 < SAMPLES)) {
-            } else {
-                break;
-            }
+    if ((thread_4 < SAMPLES)) {
+        for (; (i_8 < SAMPLES); i_8 = (i_8 + 1u)) {
             {
                 uint _e30 = place_1;
-                uint _e34 = i_5;
+                uint _e34 = i_8;
                 uint _e36 = samples[_e34];
-                uint _e37 = own;
+                uint _e37 = own_1;
                 if (!((_e36 < _e37))) {
-                    uint _e43 = i_5;
+                    uint _e43 = i_8;
                     uint _e45 = samples[_e43];
-                    uint _e46 = own;
+                    uint _e46 = own_1;
                     if ((_e45 == _e46)) {
-                        uint _e50 = i_5;
-                        local_4 = (_e50 < thread_7);
+                        uint _e50 = i_8;
+                        local_4 = (_e50 < thread_4);
                     } else {
                         local_4 = false;
                     }
@@ -333,16 +307,16 @@ void bound_ranges(uint thread_7, uint at, uint some) {
             }
         }
         uint _e62 = place_1;
-        uint _e65 = own;
+        uint _e65 = own_1;
         bounds[_e62].x = _e65;
     }
     memoryBarrierShared();
     barrier();
-    if ((thread_7 < SAMPLES)) {
-        uint _e75 = bounds[min((thread_7 + 1u), 31u)].x;
-        uint _e79 = bounds[thread_7].x;
+    if ((thread_4 < SAMPLES)) {
+        uint _e75 = bounds[min((thread_4 + 1u), 31u)].x;
+        uint _e79 = bounds[thread_4].x;
         uint width = (_e75 - _e79);
-        bounds[thread_7].y = (max((32u - uint(31 - findMSB(width))), 3u) - 3u);
+        bounds[thread_4].y = (max((32u - uint(31 - findMSB(width))), 3u) - 3u);
     }
     memoryBarrierShared();
     barrier();
@@ -351,18 +325,7 @@ void bound_ranges(uint thread_7, uint at, uint some) {
 uint bin_of(uint depth) {
     uint range = 0u;
     uint step_ = 16u;
-    bool loop_init_4 = true;
-    while(true) {
-        if (!loop_init_4) {
-            uint _e21 = step_;
-            step_ = (_e21 >> 1u);
-        }
-        loop_init_4 = false;
-        uint _e5 = step_;
-        if ((_e5 != 0u)) {
-        } else {
-            break;
-        }
+    for (; (step_ != 0u); step_ = (step_ >> 1u)) {
         {
             uint _e8 = range;
             uint _e10 = step_;
@@ -377,139 +340,101 @@ uint bin_of(uint depth) {
     uint _e29 = range;
     return ((RANGE * _e29) + min(((max(depth, bound.x) - bound.x) >> bound.y), 7u));
 }
-void fill_bins(uint thread_8, uint at_1, uint some_1) {
-    uint i_6 = 0u;
-    uint i_7 = 0u;
-    uint i_8 = 0u;
-    i_6 = thread_8;
-    bool loop_init_5 = true;
-    while(true) {
-        if (!loop_init_5) {
-            uint _e11 = i_6;
-            i_6 = (_e11 + THREADS);
-        }
-        loop_init_5 = false;
-        uint _e4 = i_6;
-        if ((_e4 < BINS)) {
-        } else {
-            break;
-        }
-        {
-            uint _e8 = i_6;
-            bins[_e8] = 0u;
-        }
-    }
-    memoryBarrierShared();
-    barrier();
-    i_7 = thread_8;
-    bool loop_init_6 = true;
-    while(true) {
-        if (!loop_init_6) {
-            uint _e28 = i_7;
-            i_7 = (_e28 + THREADS);
-        }
-        loop_init_6 = false;
-        uint _e15 = i_7;
-        if ((_e15 < some_1)) {
-        } else {
-            break;
-        }
-        {
-            uint _e19 = i_7;
-            uint _e23 = _group_1_binding_1_cs[(at_1 + _e19)].y;
-            uint _e24 = bin_of(_e23);
-            uint _e27 = atomicAdd(bins[_e24], 1u);
-        }
-    }
-    memoryBarrierShared();
-    barrier();
-    place_bins(thread_8);
-    i_8 = thread_8;
-    bool loop_init_7 = true;
-    while(true) {
-        if (!loop_init_7) {
-            uint _e47 = i_8;
-            i_8 = (_e47 + THREADS);
-        }
-        loop_init_7 = false;
-        uint _e32 = i_8;
-        if ((_e32 < some_1)) {
-        } else {
-            break;
-        }
-        {
-            uint _e35 = i_8;
-            uvec2 key_1 = _group_1_binding_1_cs[(at_1 + _e35)];
-            uint _e42 = bin_of(key_1.y);
-            uint _e45 = atomicAdd(bins[_e42], 1u);
-            keys[_e45] = key_1;
-        }
-    }
-    memoryBarrierShared();
-    barrier();
-    return;
-}
 void main() {
     uvec3 group = gl_WorkGroupID;
     uint thread = gl_LocalInvocationIndex;
+    uvec2 own[4] = uvec2[4](uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u));
+    uint bin_of_own[4] = uint[4](0u, 0u, 0u, 0u);
+    uint place[4] = uint[4](0u, 0u, 0u, 0u);
     uint i = 0u;
-    uint place = 0u;
     uint k = 0u;
-    Block _e7 = block_of(((group.y * ROW_OF_GROUPS) + group.x));
-    if ((_e7.count == 0u)) {
+    uint k_1 = 0u;
+    uint k_2 = 0u;
+    uint below = 0u;
+    uint i_1 = 0u;
+    Block _e2 = take_block(group, thread);
+    if ((_e2.count == 0u)) {
         return;
     }
-    uint some_2 = min((_e7.count - _e7.first), BLOCK);
-    uint at_5 = (_e7.list + _e7.first);
-    bound_ranges(thread, at_5, some_2);
-    fill_bins(thread, at_5, some_2);
+    uint some_2 = min((_e2.count - _e2.first), BLOCK);
+    uint at_3 = (_e2.list + _e2.first);
     i = thread;
-    bool loop_init_10 = true;
-    while(true) {
-        if (!loop_init_10) {
-            uint _e61 = i;
-            i = (_e61 + THREADS);
-        }
-        loop_init_10 = false;
-        uint _e20 = i;
-        if ((_e20 < some_2)) {
-        } else {
-            break;
-        }
+    for (; (i < BINS); i = (i + THREADS)) {
         {
-            uint _e23 = i;
-            uvec2 key_3 = keys[_e23];
-            uint _e27 = bin_of(key_3.y);
-            place = 0u;
-            if ((_e27 > 0u)) {
-                uint _e36 = bins[(_e27 - 1u)];
-                place = _e36;
-            }
-            uint end = bins[_e27];
-            uint _e40 = place;
-            k = _e40;
-            bool loop_init_11 = true;
-            while(true) {
-                if (!loop_init_11) {
-                    uint _e54 = k;
-                    k = (_e54 + 1u);
-                }
-                loop_init_11 = false;
+            uint _e22 = i;
+            bins[_e22] = 0u;
+        }
+    }
+    bound_ranges(thread, at_3, some_2);
+    for (; (k < 4u); k = (k + 1u)) {
+        {
+            uint _e33 = k;
+            if (((thread + (_e33 * THREADS)) < some_2)) {
+                uint _e38 = k;
                 uint _e42 = k;
-                if ((_e42 < end)) {
-                } else {
-                    break;
-                }
-                {
-                    uint _e44 = place;
-                    uint _e48 = k;
-                    uvec2 _e50 = keys[_e48];
-                    bool _e51 = is_below(_e50, key_3);
-                    place = (_e44 + (_e51 ? 1u : 0u));
-                }
+                uvec2 _e47 = _group_1_binding_1_cs[((at_3 + thread) + (_e42 * THREADS))];
+                own[_e38] = _e47;
+                uint _e48 = k;
+                uint _e50 = k;
+                uint _e53 = own[_e50].y;
+                uint _e54 = bin_of(_e53);
+                bin_of_own[_e48] = _e54;
+                uint _e55 = k;
+                uint _e58 = k;
+                uint _e60 = bin_of_own[_e58];
+                uint _e63 = atomicAdd(bins[_e60], 1u);
+                place[_e55] = _e63;
             }
-            uint _e58 = place;
-            _group_1_binding_1_cs[(at_5 + _e58)] = key_3;
+        }
+    }
+    memoryBarrierShared();
+    barrier();
+    place_bins(thread, some_2);
+    for (; (k_1 < 4u); k_1 = (k_1 + 1u)) {
+        {
+            uint _e72 = k_1;
+            if (((thread + (_e72 * THREADS)) < some_2)) {
+                uint _e79 = k_1;
+                uint _e81 = bin_of_own[_e79];
+                uint _e83 = bins[_e81];
+                uint _e84 = k_1;
+                uint _e86 = place[_e84];
+                uint _e89 = k_1;
+                uvec2 _e91 = own[_e89];
+                keys[(_e83 + _e86)] = _e91;
+            }
+        }
+    }
+    memoryBarrierShared();
+    barrier();
+    for (; (k_2 < 4u); k_2 = (k_2 + 1u)) {
+        {
+            uint _e100 = k_2;
+            if (((thread + (_e100 * THREADS)) < some_2)) {
+                uint _e106 = k_2;
+                uint _e108 = bin_of_own[_e106];
+                uint first_3 = bins[_e108];
+                uint _e112 = k_2;
+                uint _e114 = bin_of_own[_e112];
+                uint end = bins[(_e114 + 1u)];
+                below = first_3;
+                i_1 = first_3;
+                for (; (i_1 < end); i_1 = (i_1 + 1u)) {
+                    {
+                        uint _e123 = below;
+                        uint _e127 = i_1;
+                        uvec2 _e129 = keys[_e127];
+                        uint _e130 = k_2;
+                        uvec2 _e132 = own[_e130];
+                        bool _e133 = is_below(_e129, _e132);
+                        below = (_e123 + (_e133 ? 1u : 0u));
+                    }
+                }
+                uint _e140 = below;
+                uint _e143 = k_2;
+                uvec2 _e145 = own[_e143];
+                _group_1_binding_1_cs[(at_3 + _e140)] = _e145;
+            }
         }
     }
     return;

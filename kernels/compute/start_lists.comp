@@ -113,7 +113,7 @@ const uint LARGE = 8u;
 const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
-const uint MERGES = 5u;
+const uint MERGES = 19u;
 const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -146,18 +146,7 @@ uint sum_to(uint thread_1, uint own_1, bool cut) {
     memoryBarrierShared();
     barrier();
     sums[thread_1] = own_1;
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e31 = d;
-            d = (_e31 * 2u);
-        }
-        loop_init = false;
-        uint _e7 = d;
-        if ((_e7 < THREADS)) {
-        } else {
-            break;
-        }
+    for (; (d < THREADS); d = (d * 2u)) {
         {
             memoryBarrierShared();
             barrier();
@@ -188,7 +177,7 @@ uint sum_to(uint thread_1, uint own_1, bool cut) {
     return _e36;
 }
 uint class_of(uint length_1) {
-    return min((32u - uint(31 - findMSB(length_1))), 15u);
+    return ((length_1 == 0u) ? 0u : min((34u - uint(31 - findMSB(length_1))), 15u));
 }
 void put_blocks(uint tile, uint length_2) {
     uint at = 0u;
@@ -207,13 +196,7 @@ void put_blocks(uint tile, uint length_2) {
         uint _e32 = atomicAdd(_group_1_binding_2_cs[7], 1u);
         at = _e32;
     }
-    bool loop_init_1 = true;
-    while(true) {
-        if (!loop_init_1) {
-            uint _e73 = i_1;
-            i_1 = (_e73 + 1u);
-        }
-        loop_init_1 = false;
+    for (; ; i_1 = (i_1 + 1u)) {
         uint _e35 = i_1;
         if ((_e35 < blocks)) {
             uint _e39 = at;
@@ -254,18 +237,7 @@ void main() {
     int _e5 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e5);
     uint row = (group.x * across);
-    bool loop_init_2 = true;
-    while(true) {
-        if (!loop_init_2) {
-            uint _e64 = first;
-            first = (_e64 + THREADS);
-        }
-        loop_init_2 = false;
-        uint _e15 = first;
-        if ((_e15 < across)) {
-        } else {
-            break;
-        }
+    for (; (first < across); first = (first + THREADS)) {
         {
             uint _e17 = first;
             uint column_1 = (_e17 + thread);
@@ -327,18 +299,7 @@ void main() {
     memoryBarrierShared();
     barrier();
     column = thread;
-    bool loop_init_3 = true;
-    while(true) {
-        if (!loop_init_3) {
-            uint _e168 = column;
-            column = (_e168 + THREADS);
-        }
-        loop_init_3 = false;
-        uint _e127 = column;
-        if ((_e127 < across)) {
-        } else {
-            break;
-        }
+    for (; (column < across); column = (column + THREADS)) {
         {
             uint _e129 = column;
             uint tile_1 = (row + _e129);

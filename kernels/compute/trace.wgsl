@@ -1,7 +1,7 @@
 // Needs pixel numbers records order pixels
 // trace: blend and resolve with depths, ids and an occluder, src/core/trace.c.
 
-var<workgroup> own: array<vec2<u32>, 64>;  // the entries of a round
+var<workgroup> own: array<vec2<u32>, 32>;  // the entries of a round
 
 const HALF_Q15: i32 = 16384;
 
@@ -119,10 +119,10 @@ fn put_traced(p: ptr<function, Pixel>, t: ptr<function, Traced>, at: u32)
     put_traces(t, (*p).transmittance, at);
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(32)
 fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
-    let h = half_tile_of(group);
+    let h = patch_of(group);
     if (h.tile == NOTHING) {
         return;
     }
@@ -137,26 +137,23 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     clear_rounds(thread, place);
     for (var first = 0u; first < h.count; first += SOME) {
         let round = first / SOME + 1u;
-        let words = 4u * (round % 2u);
         if (any(open)) {
             open_round = round;
         }
-        place_splat(h, thread, fetched, words);
+        place_splat(h, thread, fetched, round);
         own[thread] = fetched.entry;
         fetched = fetch_splat(entry);              // while this round is blended
         entry = fetch_entry(h, first + 2u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
         }
-        if (thread < 4u) {
-            atomicStore(&touching[4u - words + thread], 0u);
+        if (thread == 0u) {
+            atomicStore(&touching[(round + 1u) % 2u], 0u);
         }
-        for (var word = 0u; word < 2u; word += 1u) {
-            for (var bits = atomicLoad(&touching[words + place.words + word]); bits != 0u; bits &= bits - 1u) {
-                let i = 32u * word + countTrailingZeros(bits);
-                trace_splat(&p, &s, take(i, place.row), place.column, own[i]);
-                trace_splat(&q, &t, take(i, place.row), place.column + APART, own[i]);
-            }
+        for (var bits = atomicLoad(&touching[round % 2u]); bits != 0u; bits &= bits - 1u) {
+            let i = firstTrailingBit(bits);
+            trace_splat(&p, &s, take(i, place.row), place.column, own[i]);
+            trace_splat(&q, &t, take(i, place.row), place.column + APART, own[i]);
         }
         if (open.x && (p.transmittance < FXS_CLOSED_Q15 || own[0].y > s.limit)) {
             open.x = false;

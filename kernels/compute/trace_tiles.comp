@@ -1,7 +1,7 @@
 #version 310 es
 precision highp float;
 precision highp int;
-layout(local_size_x = 64, local_size_y = 1, local_size_z = 1) in;
+layout(local_size_x = 32, local_size_y = 1, local_size_z = 1) in;
 struct Frame {
     ivec2 size;
     ivec2 tiles;
@@ -114,25 +114,25 @@ struct Fetched {
     uvec4 a;
     uvec4 b;
 };
-struct Half {
+struct Patch {
     uint tile;
     uint x;
     uint y;
+    uvec2 rows;
     uint list;
     uint count;
 };
 struct Taken {
     uint u;
     uint ux;
-    int level;
-    int limit;
+    uint level_q26_;
+    int limit_q11_;
     ivec3 colour;
 };
 struct Place {
     uint column;
     uint row;
     uint at;
-    uint words;
     bvec2 inside;
 };
 struct Traced {
@@ -156,7 +156,7 @@ const uint LARGE = 8u;
 const int LARGE_ROWS = 8;
 const uint SPAN = 8u;
 const uint PAGE = 4096u;
-const uint MERGES = 5u;
+const uint MERGES = 19u;
 const uint BLOCK = 512u;
 const uint CLASSES = 16u;
 const uint CUT_OFF = 2147483648u;
@@ -176,7 +176,7 @@ const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const uint SIDE = 8u;
-const uint SOME = 64u;
+const uint SOME = 32u;
 const uint APART = 4u;
 const int HALF_Q15_ = 16384;
 layout(std430, binding = 0) readonly buffer type_12_block_0Compute { uint _group_1_binding_0_cs[]; };
@@ -184,12 +184,12 @@ layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_bindin
 layout(std430, binding = 1) readonly buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
 layout(std430, binding = 2) readonly buffer type_14_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
 layout(std430, binding = 3) buffer type_12_block_4Compute { uint _group_1_binding_3_cs[]; };
-shared uvec4 shapes[64];
-shared uvec4 shades[64];
-shared uint touching[8];
+shared uvec4 shapes[32];
+shared uvec4 shades[32];
+shared uint touching[2];
 shared uint open_round;
-shared uint open_pixels[4];
-shared uvec2 own[64];
+shared uint open_pixels[2];
+shared uvec2 own[32];
 int fxs_mul_q15_(int a, int b) {
     return (((a * b) + 16384) >> 15u);
 }
@@ -204,30 +204,27 @@ int fxs_coordinate_q13_(int coordinate_q24_) {
     int _e7 = c;
     return ((_e7 < -32767) ? -32767 : _e6);
 }
-int fxs_row_level_q11_(int v_q13_, int offset_q11_) {
-    int _e2 = fxs_mul_q15_(v_q13_, v_q13_);
-    int _e5 = fxs_min((_e2 + offset_q11_), FXS_LEVEL_MAX_Q11_);
-    return _e5;
-}
-int fxs_level_q11_(int u_q13_, int row_level_q11_) {
-    int _e2 = fxs_mul_q15_(u_q13_, u_q13_);
-    int _e5 = fxs_min((_e2 + row_level_q11_), FXS_LEVEL_MAX_Q11_);
-    return _e5;
-}
 int fxs_limit_q11_(int offset_q11_1, int cut_q11_) {
     int _e4 = fxs_min((offset_q11_1 + cut_q11_), FXS_FAINT_Q11_);
     return _e4;
 }
+int fxs_mul_add_q15_(int a_2, int b_2, int c_1) {
+    return (((a_2 * b_2) + ((c_1 * 32768) + 16384)) >> 15u);
+}
 int fxs_alpha_q15_(int level_q11_) {
     int p_1 = 0;
-    int _e2 = fxs_mul_q15_(-4236, level_q11_);
-    p_1 = (_e2 + 16016);
-    int _e6 = p_1;
-    int _e7 = fxs_mul_q15_(_e6, level_q11_);
-    p_1 = (_e7 - 32730);
-    int _e10 = p_1;
-    int _e11 = fxs_mul_q15_(_e10, level_q11_);
-    p_1 = (_e11 + 32767);
+    int _e3 = fxs_mul_add_q15_(-4236, level_q11_, 16016);
+    p_1 = _e3;
+    int _e5 = p_1;
+    int _e7 = fxs_mul_add_q15_(_e5, level_q11_, -32730);
+    p_1 = _e7;
+    int _e8 = p_1;
+    int _e10 = fxs_mul_add_q15_(_e8, level_q11_, 32767);
+    p_1 = _e10;
+    int _e11 = p_1;
+    int _e12 = p_1;
+    int _e13 = fxs_mul_q15_(_e11, _e12);
+    p_1 = _e13;
     int _e14 = p_1;
     int _e15 = p_1;
     int _e16 = fxs_mul_q15_(_e14, _e15);
@@ -237,12 +234,8 @@ int fxs_alpha_q15_(int level_q11_) {
     int _e19 = fxs_mul_q15_(_e17, _e18);
     p_1 = _e19;
     int _e20 = p_1;
-    int _e21 = p_1;
-    int _e22 = fxs_mul_q15_(_e20, _e21);
-    p_1 = _e22;
-    int _e23 = p_1;
-    int _e25 = fxs_min(_e23, FXS_ALPHA_MAX_Q15_);
-    return _e25;
+    int _e22 = fxs_min(_e20, FXS_ALPHA_MAX_Q15_);
+    return _e22;
 }
 int fxs_weight_q15_(int alpha_q15_, int transmittance_q15_) {
     int _e2 = fxs_mul_q15_(alpha_q15_, transmittance_q15_);
@@ -261,27 +254,27 @@ int fxs_resolve_8bit(int sum_q13_1, int transmittance_q15_1, int background_q13_
 int fxs_coverage_8bit(int transmittance_q15_2) {
     return ((((FXS_CLEAR_Q15_ - transmittance_q15_2) * 255) + 16384) >> 15u);
 }
-uvec2 add_wide(uvec2 a_2, uvec2 b_2) {
-    uint low = (a_2.x + b_2.x);
-    return uvec2(low, ((a_2.y + b_2.y) + ((low < a_2.x) ? 1u : 0u)));
+uvec2 add_wide(uvec2 a_3, uvec2 b_3) {
+    uint low = (a_3.x + b_3.x);
+    return uvec2(low, ((a_3.y + b_3.y) + ((low < a_3.x) ? 1u : 0u)));
 }
-uvec2 shift_left(uvec2 a_13, uint n) {
+uvec2 shift_left(uvec2 a_14, uint n) {
     if ((n == 0u)) {
-        return a_13;
-    }
-    if ((n >= 32u)) {
-        return uvec2(0u, (a_13.x << (n - 32u)));
-    }
-    return uvec2((a_13.x << n), ((a_13.y << n) | (a_13.x >> (32u - n))));
-}
-uvec2 shift_right(uvec2 a_14, uint n_1) {
-    if ((n_1 == 0u)) {
         return a_14;
     }
-    if ((n_1 >= 32u)) {
-        return uvec2((a_14.y >> (n_1 - 32u)), 0u);
+    if ((n >= 32u)) {
+        return uvec2(0u, (a_14.x << (n - 32u)));
     }
-    return uvec2(((a_14.x >> n_1) | (a_14.y << (32u - n_1))), (a_14.y >> n_1));
+    return uvec2((a_14.x << n), ((a_14.y << n) | (a_14.x >> (32u - n))));
+}
+uvec2 shift_right(uvec2 a_15, uint n_1) {
+    if ((n_1 == 0u)) {
+        return a_15;
+    }
+    if ((n_1 >= 32u)) {
+        return uvec2((a_15.y >> (n_1 - 32u)), 0u);
+    }
+    return uvec2(((a_15.x >> n_1) | (a_15.y << (32u - n_1))), (a_15.y >> n_1));
 }
 int zeros_of(uint x_2) {
     return int(uint(31 - findMSB(x_2)));
@@ -353,7 +346,7 @@ bool fits() {
     bool _e28 = local_5;
     return _e28;
 }
-uvec2 fetch_entry(Half h, uint i_1) {
+uvec2 fetch_entry(Patch h, uint i_1) {
     if ((i_1 < h.count)) {
         uvec2 _e8 = _group_1_binding_1_cs[(h.list + i_1)];
         return _e8;
@@ -372,109 +365,95 @@ Fetched fetch_splat(uvec2 entry_1) {
     Fetched _e24 = f;
     return _e24;
 }
-bool reaches(uint u, uint ux, uint open_1, int level, int limit) {
-    bool local_6 = false;
-    int left = int((u + (min(uint(findLSB(open_1)), 32u) * ux)));
-    int right = int((u + ((31u - uint(31 - findMSB(open_1))) * ux)));
-    if ((open_1 != 0u)) {
-        int _e23 = fxs_coordinate_q13_(max(max(left, -(right)), 0));
-        int _e24 = fxs_level_q11_(_e23, level);
-        local_6 = (_e24 <= limit);
-    } else {
-        local_6 = false;
-    }
-    bool _e27 = local_6;
-    return _e27;
+uint open_of(uint row) {
+    uint _e5 = open_pixels[(row / 4u)];
+    return ((_e5 >> (8u * (row % 4u))) & 255u);
 }
-bvec2 touch(Fetched f_1, Half h_1) {
-    uint u_1 = 0u;
+bool touch(Fetched f_1, Patch h_1) {
+    uint u = 0u;
     uint v = 0u;
-    bvec2 touches = bvec2(false);
-    uint row = 0u;
+    bool touches = false;
+    uint row_1 = 0u;
+    bool local_6 = false;
     int offset_q11_2 = int((f_1.b.y & 65535u));
     int _e9 = _group_0_binding_0_cs.cut_q11_;
     int _e10 = fxs_limit_q11_(offset_q11_2, _e9);
-    uint ux_1 = f_1.a.z;
-    uint first_2 = (max((f_1.b.w & 65535u), h_1.y) - h_1.y);
-    uint last_1 = min((max((f_1.b.w >> 16u), h_1.y) - h_1.y), 7u);
-    u_1 = ((f_1.a.x + (h_1.x * ux_1)) + ((h_1.y + first_2) * f_1.a.w));
+    uint ux = f_1.a.z;
+    uint first_2 = max((max((f_1.b.w & 65535u), h_1.y) - h_1.y), h_1.rows.x);
+    uint last_1 = min((max((f_1.b.w >> 16u), h_1.y) - h_1.y), h_1.rows.y);
+    u = ((f_1.a.x + (h_1.x * ux)) + ((h_1.y + first_2) * f_1.a.w));
     v = (f_1.a.y + ((h_1.y + first_2) * f_1.b.x));
-    row = first_2;
-    bool loop_init = true;
-    while(true) {
-        if (!loop_init) {
-            uint _e93 = row;
-            row = (_e93 + 1u);
-        }
-        loop_init = false;
-        uint _e56 = row;
-        if ((_e56 <= last_1)) {
-        } else {
-            break;
-        }
+    row_1 = first_2;
+    for (; (row_1 <= last_1); row_1 = (row_1 + 1u)) {
         {
-            uint _e59 = row;
-            uint _e63 = open_pixels[(_e59 / 2u)];
-            uint _e65 = row;
-            uint open_2 = (_e63 >> (16u * (_e65 % 2u)));
-            uint _e70 = v;
-            int _e72 = fxs_coordinate_q13_(int(_e70));
-            int _e73 = fxs_row_level_q11_(_e72, offset_q11_2);
-            bvec2 _e74 = touches;
-            uint _e75 = u_1;
-            bool _e78 = reaches(_e75, ux_1, (open_2 & 255u), _e73, _e10);
-            uint _e79 = u_1;
-            bool _e82 = reaches(_e79, ux_1, (open_2 & 65280u), _e73, _e10);
-            touches = bvec2(_e74.x || bvec2(_e78, _e82).x, _e74.y || bvec2(_e78, _e82).y);
-            uint _e85 = u_1;
-            u_1 = (_e85 + f_1.a.w);
-            uint _e89 = v;
-            v = (_e89 + f_1.b.x);
+            uint _e61 = row_1;
+            uint _e62 = open_of(_e61);
+            uint _e63 = u;
+            int left = int((_e63 + (uint(findLSB(_e62)) * ux)));
+            uint _e68 = u;
+            int right = int((_e68 + (uint(findMSB(_e62)) * ux)));
+            int u_q13_1 = min((max(max(left, -(right)), 0) >> 11u), 32767);
+            uint _e81 = v;
+            int _e83 = fxs_coordinate_q13_(int(_e81));
+            int _e84 = fxs_mul_q15_(_e83, _e83);
+            int most_q26_ = (((((_e10 - _e84) - offset_q11_2) + 1) * 32768) - 16384);
+            bool _e93 = touches;
+            if ((_e62 != 0u)) {
+                local_6 = ((u_q13_1 * u_q13_1) < most_q26_);
+            } else {
+                local_6 = false;
+            }
+            bool _e101 = local_6;
+            touches = (_e93 || _e101);
+            uint _e103 = u;
+            u = (_e103 + f_1.a.w);
+            uint _e107 = v;
+            v = (_e107 + f_1.b.x);
         }
     }
-    bvec2 _e96 = touches;
-    return _e96;
+    bool _e114 = touches;
+    return _e114;
 }
-Taken take(uint i_2, uint row_1) {
+Taken take(uint i_2, uint row_2) {
     uvec4 shape = shapes[i_2];
     uvec4 shade = shades[i_2];
-    int v_1 = int((shape.y + (row_1 * shade.x)));
-    int _e18 = fxs_coordinate_q13_(v_1);
-    int _e23 = fxs_row_level_q11_(_e18, int((shade.y & 65535u)));
-    return Taken((shape.x + (row_1 * shape.w)), shape.z, _e23, int(shade.w), ivec3(uvec3((shade.y >> 16u), (shade.z & 65535u), (shade.z >> 16u))));
+    int v_1 = int((shape.y + (row_2 * shade.x)));
+    int _e13 = fxs_coordinate_q13_(v_1);
+    int _e14 = fxs_mul_q15_(_e13, _e13);
+    int level_q11_1 = (_e14 + int((shade.y & 65535u)));
+    return Taken((shape.x + (row_2 * shape.w)), shape.z, ((uint(level_q11_1) << 15u) + 16384u), int(shade.w), ivec3(uvec3((shade.y >> 16u), (shade.z & 65535u), (shade.z >> 16u))));
 }
 int blend_splat(inout Pixel p_3, Taken t_1, uint column) {
     bool local_7 = false;
     int _e8 = fxs_coordinate_q13_(int((t_1.u + (column * t_1.ux))));
-    int _e9 = fxs_mul_q15_(_e8, _e8);
-    int level_1 = (_e9 + t_1.level);
-    if ((level_1 <= t_1.limit)) {
-        int _e17 = p_3.transmittance;
-        local_7 = (_e17 >= FXS_CLOSED_Q15_);
+    int level = int(((uint((_e8 * _e8)) + t_1.level_q26_) >> 15u));
+    if ((level <= t_1.limit_q11_)) {
+        int _e21 = p_3.transmittance;
+        local_7 = (_e21 >= FXS_CLOSED_Q15_);
     } else {
         local_7 = false;
     }
     bool counts_1 = local_7;
-    int _e22 = fxs_alpha_q15_(level_1);
-    int _e24 = p_3.transmittance;
-    int _e25 = fxs_weight_q15_(_e22, _e24);
-    int weight_2 = (counts_1 ? _e25 : 0);
-    int _e29 = p_3.transmittance;
-    p_3.transmittance = (_e29 - weight_2);
-    ivec3 _e32 = p_3.sum;
-    int _e35 = fxs_mul_q15_(weight_2, t_1.colour.x);
-    int _e38 = fxs_mul_q15_(weight_2, t_1.colour.y);
-    int _e41 = fxs_mul_q15_(weight_2, t_1.colour.z);
-    p_3.sum = (_e32 + ivec3(_e35, _e38, _e41));
+    int _e26 = fxs_alpha_q15_(level);
+    int _e28 = p_3.transmittance;
+    int _e29 = fxs_weight_q15_(_e26, _e28);
+    int weight_2 = (counts_1 ? _e29 : 0);
+    int _e33 = p_3.transmittance;
+    p_3.transmittance = (_e33 - weight_2);
+    ivec3 _e36 = p_3.sum;
+    int _e39 = fxs_mul_q15_(weight_2, t_1.colour.x);
+    int _e42 = fxs_mul_q15_(weight_2, t_1.colour.y);
+    int _e45 = fxs_mul_q15_(weight_2, t_1.colour.z);
+    p_3.sum = (_e36 + ivec3(_e39, _e42, _e45));
     return weight_2;
 }
-ivec3 background_of(uint word_2) {
-    uvec3 rgb = uvec3((word_2 & 255u), ((word_2 >> 8u) & 255u), ((word_2 >> 16u) & 255u));
+ivec3 background_of(uint word_1) {
+    uvec3 rgb = uvec3((word_1 & 255u), ((word_1 >> 8u) & 255u), ((word_1 >> 16u) & 255u));
     return ivec3((((rgb * 8192u) + uvec3(127u)) / uvec3(255u)));
 }
 void put_colour(inout Pixel p_4, uint at) {
     ivec3 background_q13_1 = ivec3(0);
-    uint word_3 = 0u;
+    uint word_2 = 0u;
     ivec3 _e3 = p_4.sum;
     ivec3 sum_1 = min(_e3, ivec3(32767));
     int transmittance_2 = p_4.transmittance;
@@ -505,73 +484,88 @@ void put_colour(inout Pixel p_4, uint at) {
     uint g = uint(_e88);
     int _e92 = background_q13_1.z;
     int _e93 = fxs_resolve_8bit(sum_1.z, transmittance_2, _e92);
-    uint b_10 = uint(_e93);
-    word_3 = (((r | (g << 8u)) | (b_10 << 16u)) | 4278190080u);
+    uint b_11 = uint(_e93);
+    word_2 = (((r | (g << 8u)) | (b_11 << 16u)) | 4278190080u);
     uint _e106 = _group_0_binding_0_cs.format;
     if ((_e106 == 1u)) {
-        uint _e109 = word_3;
+        uint _e109 = word_2;
         int _e112 = fxs_coverage_8bit(transmittance_2);
-        word_3 = ((_e109 & 16777215u) | (uint(_e112) << 24u));
+        word_2 = ((_e109 & 16777215u) | (uint(_e112) << 24u));
     }
     uint _e119 = _group_0_binding_0_cs.format;
     if ((_e119 == 2u)) {
-        word_3 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_10 * 31u) + 127u) / 255u));
+        word_2 = ((((((r * 31u) + 127u) / 255u) << 11u) | ((((g * 63u) + 127u) / 255u) << 5u)) | (((b_11 * 31u) + 127u) / 255u));
     }
     uint _e149 = _group_0_binding_0_cs.colour;
-    uint _e152 = word_3;
+    uint _e152 = word_2;
     _group_1_binding_3_cs[(_e149 + at)] = _e152;
     return;
 }
 uint list_of(uint tile, uint count) {
-    uint merges = ((max((32u - uint(31 - findMSB((max(count, 1u) - 1u)))), 9u) - 6u) / 4u);
-    uint _e18 = _group_0_binding_0_cs.next;
-    uint _e21 = _group_1_binding_0_cs[(_e18 + tile)];
-    uint _e26 = _group_0_binding_0_cs.spare;
-    return ((_e21 - count) + (((merges % 2u) == 1u) ? _e26 : 0u));
+    uint merges = (max((32u - uint(31 - findMSB((max(count, 1u) - 1u)))), 9u) - 9u);
+    uint _e16 = _group_0_binding_0_cs.next;
+    uint _e19 = _group_1_binding_0_cs[(_e16 + tile)];
+    uint _e24 = _group_0_binding_0_cs.spare;
+    return ((_e19 - count) + (((merges % 2u) == 1u) ? _e24 : 0u));
 }
-Half half_tile_of(uvec3 group_1) {
+Patch patch_of(uvec3 group_1) {
     bool local_8 = false;
     uint number_2 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
-    int _e9 = _group_0_binding_0_cs.tiles.x;
-    uint across = uint(_e9);
-    uint _e13 = _group_0_binding_0_cs.tile_bits;
-    uint of_tile = (_e13 - 3u);
-    uint _e17 = tile_at((number_2 >> of_tile));
-    if (!((_e17 == NOTHING))) {
-        bool _e23 = fits();
-        local_8 = !(_e23);
+    uint _e8 = _group_0_binding_0_cs.tile_bits;
+    uint halves = (_e8 - 3u);
+    uint longest = _group_1_binding_0_cs[31];
+    uint by_rows = ((SIDE * longest) << (2u * halves));
+    uint whole = (number_2 - min(number_2, by_rows));
+    uint patch_number = ((number_2 >= by_rows) ? (whole + (by_rows / SIDE)) : (number_2 / SIDE));
+    uvec2 rows = ((number_2 >= by_rows) ? uvec2(0u, 7u) : uvec2((number_2 % SIDE)));
+    uint _e39 = tile_at((patch_number >> (2u * halves)));
+    if (!((_e39 == NOTHING))) {
+        bool _e45 = fits();
+        local_8 = !(_e45);
     } else {
         local_8 = true;
     }
-    bool _e26 = local_8;
-    if (_e26) {
-        return Half(4294967295u, 0u, 0u, 0u, 0u);
+    bool _e48 = local_8;
+    if (_e48) {
+        return Patch(NOTHING, 0u, 0u, rows, 0u, 0u);
     }
-    uint count_1 = _group_1_binding_0_cs[(TILES + _e17)];
-    uint _e41 = _group_0_binding_0_cs.tile_bits;
-    uint _e46 = _group_0_binding_0_cs.tile_bits;
-    uint _e52 = list_of(_e17, count_1);
-    return Half(_e17, ((_e17 % across) << _e41), (((_e17 / across) << _e46) + ((number_2 & of_tile) * SIDE)), _e52, count_1);
+    int _e58 = _group_0_binding_0_cs.tiles.x;
+    uint across = uint(_e58);
+    uint count_1 = _group_1_binding_0_cs[(TILES + _e39)];
+    uint _e68 = _group_0_binding_0_cs.tile_bits;
+    uint _e77 = _group_0_binding_0_cs.tile_bits;
+    uint _e85 = list_of(_e39, count_1);
+    return Patch(_e39, (((_e39 % across) << _e68) + ((patch_number & halves) * SIDE)), (((_e39 / across) << _e77) + (((patch_number >> 1u) & halves) * SIDE)), rows, _e85, count_1);
 }
-Place place_of(Half h_2, uint thread_1) {
-    uint _e4 = _group_0_binding_0_cs.tile_bits;
-    bool pairs = (_e4 > 3u);
-    uint column_2 = (pairs ? (((thread_1 / 32u) * SIDE) + (thread_1 % APART)) : (thread_1 % SIDE));
-    uint row_2 = (pairs ? ((thread_1 % 32u) / APART) : (thread_1 / SIDE));
+Place place_of(Patch h_2, uint thread_1) {
+    bool local_9 = false;
+    bool local_10 = false;
+    uint column_2 = (thread_1 % APART);
+    uint row_3 = (thread_1 / APART);
     uvec2 x_8 = (uvec2(h_2.x) + uvec2(column_2, (column_2 + APART)));
-    int _e35 = _group_0_binding_0_cs.size.x;
-    int _e48 = _group_0_binding_0_cs.size.x;
-    int _e57 = _group_0_binding_0_cs.size.y;
-    return Place(column_2, row_2, ((((h_2.y + row_2) * uint(_e35)) + h_2.x) + column_2), ((column_2 / SIDE) * 2u), bvec2(bvec2(lessThan(x_8, uvec2(uint(_e48))).x && bvec2(((h_2.y + row_2) < uint(_e57))).x, lessThan(x_8, uvec2(uint(_e48))).y && bvec2(((h_2.y + row_2) < uint(_e57))).y).x && bvec2(true, pairs).x, bvec2(lessThan(x_8, uvec2(uint(_e48))).x && bvec2(((h_2.y + row_2) < uint(_e57))).x, lessThan(x_8, uvec2(uint(_e48))).y && bvec2(((h_2.y + row_2) < uint(_e57))).y).y && bvec2(true, pairs).y));
+    int _e17 = _group_0_binding_0_cs.size.x;
+    int _e26 = _group_0_binding_0_cs.size.x;
+    int _e35 = _group_0_binding_0_cs.size.y;
+    if (((h_2.y + row_3) < uint(_e35))) {
+        local_9 = (row_3 >= h_2.rows.x);
+    } else {
+        local_9 = false;
+    }
+    bool _e44 = local_9;
+    if (_e44) {
+        local_10 = (row_3 <= h_2.rows.y);
+    } else {
+        local_10 = false;
+    }
+    bool _e51 = local_10;
+    return Place(column_2, row_3, ((((h_2.y + row_3) * uint(_e17)) + h_2.x) + column_2), bvec2(lessThan(x_8, uvec2(uint(_e26))).x && bvec2(_e51).x, lessThan(x_8, uvec2(uint(_e26))).y && bvec2(_e51).y));
 }
 uint bit_of(Place place, bool second) {
-    return (1u << ((((place.row % 2u) * 16u) + place.column) + (second ? APART : 0u)));
+    return (1u << ((((place.row % 4u) * 8u) + place.column) + (second ? APART : 0u)));
 }
 void clear_rounds(uint thread_2, Place place_1) {
-    if ((thread_2 < 4u)) {
+    if ((thread_2 < 2u)) {
         open_pixels[thread_2] = 0u;
-    }
-    if ((thread_2 < 8u)) {
         touching[thread_2] = 0u;
     }
     if ((thread_2 == 0u)) {
@@ -579,36 +573,33 @@ void clear_rounds(uint thread_2, Place place_1) {
     }
     memoryBarrierShared();
     barrier();
-    uint _e23 = bit_of(place_1, false);
-    uint _e29 = bit_of(place_1, true);
-    uint _e34 = atomicOr(open_pixels[(place_1.row / 2u)], ((place_1.inside.x ? _e23 : 0u) | (place_1.inside.y ? _e29 : 0u)));
+    uint _e21 = bit_of(place_1, false);
+    uint _e27 = bit_of(place_1, true);
+    uint _e32 = atomicOr(open_pixels[(place_1.row / 4u)], ((place_1.inside.x ? _e21 : 0u) | (place_1.inside.y ? _e27 : 0u)));
     memoryBarrierShared();
     barrier();
     return;
 }
 void close_pixel(Place place_2, bool second_1) {
     uint _e7 = bit_of(place_2, second_1);
-    uint _e9 = atomicAnd(open_pixels[(place_2.row / 2u)], ~(_e7));
+    uint _e9 = atomicAnd(open_pixels[(place_2.row / 4u)], ~(_e7));
     return;
 }
-void put_splat(Half h_3, uint thread_3, Fetched f_2) {
+void put_splat(Patch h_3, uint thread_3, Fetched f_2) {
     int _e10 = _group_0_binding_0_cs.cut_q11_;
     int _e11 = fxs_limit_q11_(int((f_2.b.y & 65535u)), _e10);
     shapes[thread_3] = uvec4(((f_2.a.x + (h_3.x * f_2.a.z)) + (h_3.y * f_2.a.w)), (f_2.a.y + (h_3.y * f_2.b.x)), f_2.a.zw);
     shades[thread_3] = uvec4(f_2.b.xyz, uint(_e11));
     return;
 }
-void place_splat(Half h_4, uint thread_4, Fetched f_3, uint words) {
+void place_splat(Patch h_4, uint thread_4, Fetched f_3, uint round_) {
     if (((f_3.entry.x & CUT_OFF) != 0u)) {
         return;
     }
     put_splat(h_4, thread_4, f_3);
-    bvec2 _e10 = touch(f_3, h_4);
-    if (_e10.x) {
-        uint _e21 = atomicOr(touching[(words + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
-    }
-    if (_e10.y) {
-        uint _e34 = atomicOr(touching[((words + 2u) + (thread_4 / 32u))], (1u << (thread_4 % 32u)));
+    bool _e10 = touch(f_3, h_4);
+    if (_e10) {
+        uint _e17 = atomicOr(touching[(round_ % 2u)], (1u << thread_4));
         return;
     } else {
         return;
@@ -631,14 +622,14 @@ void put_pixel(inout Pixel p_5, uint at_1) {
     }
 }
 uint key_of(uint depth) {
-    bool local_9 = false;
+    bool local_11 = false;
     int _e3 = zeros_of((depth | 1u));
     if (!((depth == NOTHING))) {
-        local_9 = (depth == 0u);
+        local_11 = (depth == 0u);
     } else {
-        local_9 = true;
+        local_11 = true;
     }
-    bool _e12 = local_9;
+    bool _e12 = local_11;
     if (_e12) {
         return depth;
     }
@@ -678,14 +669,14 @@ uint mean_depth(uvec2 sum, int transmittance) {
     }
     uvec2 _e12 = add_wide(sum, uvec2((weight_3 << 7u), 0u));
     uvec2 _e14 = shift_right(_e12, 8u);
-    uint a_18 = ((_e14.y >> 16u) % weight_3);
-    uint b_11 = ((a_18 << 16u) | (_e14.y & 65535u));
-    uint c_1 = (((b_11 % weight_3) << 16u) | (_e14.x >> 16u));
-    uint d = (((c_1 % weight_3) << 16u) | (_e14.x & 65535u));
+    uint a_19 = ((_e14.y >> 16u) % weight_3);
+    uint b_12 = ((a_19 << 16u) | (_e14.y & 65535u));
+    uint c_2 = (((b_12 % weight_3) << 16u) | (_e14.x >> 16u));
+    uint d = (((c_2 % weight_3) << 16u) | (_e14.x & 65535u));
     if ((_e14.y >= weight_3)) {
         return 4294967294u;
     }
-    return min((((c_1 / weight_3) << 16u) | (d / weight_3)), 4294967294u);
+    return min((((c_2 / weight_3) << 16u) | (d / weight_3)), 4294967294u);
 }
 void note(inout Traced t_2, int before, int weight_1, uint key_2, uint slot) {
     uvec2 _e7 = t_2.sum;
@@ -746,14 +737,14 @@ void trace_splat(inout Pixel p_6, inout Traced t_4, Taken taken, uint column_1, 
 }
 Traced traced_at(bool inside, uint at_3) {
     Traced t_5 = Traced(4294967295u, 0, 4294967295u, 4294967295u, uvec2(0u, 0u));
-    bool local_10 = false;
+    bool local_12 = false;
     if (inside) {
         uint _e15 = _group_0_binding_0_cs.occluder;
-        local_10 = (_e15 != NOTHING);
+        local_12 = (_e15 != NOTHING);
     } else {
-        local_10 = false;
+        local_12 = false;
     }
-    bool _e19 = local_10;
+    bool _e19 = local_12;
     if (_e19) {
         uint _e24 = _group_0_binding_0_cs.occluder;
         uint _e27 = _group_1_binding_3_cs[(_e24 + at_3)];
@@ -780,13 +771,12 @@ void main() {
     Fetched fetched = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
     uvec2 entry = uvec2(0u);
     uint first = 0u;
-    uint word = 0u;
     uint bits = 0u;
     bool local = false;
     bool local_1 = false;
     bool local_2 = false;
     bool local_3 = false;
-    Half _e2 = half_tile_of(group);
+    Patch _e2 = patch_of(group);
     if ((_e2.tile == NOTHING)) {
         return;
     }
@@ -804,128 +794,86 @@ void main() {
     uvec2 _e44 = fetch_entry(_e2, (SOME + thread));
     entry = _e44;
     clear_rounds(thread, _e6);
-    bool loop_init_1 = true;
-    while(true) {
-        if (!loop_init_1) {
-            uint _e180 = first;
-            first = (_e180 + SOME);
-        }
-        loop_init_1 = false;
-        uint _e48 = first;
-        if ((_e48 < _e2.count)) {
-        } else {
-            break;
-        }
+    for (; (first < _e2.count); first = (first + SOME)) {
         {
             uint _e51 = first;
-            uint round_ = ((_e51 / SOME) + 1u);
-            uint words_1 = (4u * (round_ % 2u));
-            bvec2 _e60 = open;
-            if (any(_e60)) {
-                open_round = round_;
+            uint round_1 = ((_e51 / SOME) + 1u);
+            bvec2 _e56 = open;
+            if (any(_e56)) {
+                open_round = round_1;
             }
-            Fetched _e63 = fetched;
-            place_splat(_e2, thread, _e63, words_1);
-            uvec2 _e67 = fetched.entry;
-            own[thread] = _e67;
-            uvec2 _e68 = entry;
-            Fetched _e69 = fetch_splat(_e68);
-            fetched = _e69;
-            uint _e70 = first;
-            uvec2 _e74 = fetch_entry(_e2, ((_e70 + 128u) + thread));
-            entry = _e74;
+            Fetched _e59 = fetched;
+            place_splat(_e2, thread, _e59, round_1);
+            uvec2 _e63 = fetched.entry;
+            own[thread] = _e63;
+            uvec2 _e64 = entry;
+            Fetched _e65 = fetch_splat(_e64);
+            fetched = _e65;
+            uint _e66 = first;
+            uvec2 _e70 = fetch_entry(_e2, ((_e66 + 64u) + thread));
+            entry = _e70;
             memoryBarrierShared();
             barrier();
-            uint _e76 = open_round;
+            uint _e72 = open_round;
             memoryBarrierShared();
             barrier();
-            if ((_e76 != round_)) {
+            if ((_e72 != round_1)) {
                 break;
             }
-            if ((thread < 4u)) {
-                touching[((4u - words_1) + thread)] = 0u;
+            if ((thread == 0u)) {
+                touching[((round_1 + 1u) % 2u)] = 0u;
             }
-            word = 0u;
-            bool loop_init_2 = true;
-            while(true) {
-                if (!loop_init_2) {
-                    uint _e127 = word;
-                    word = (_e127 + 1u);
-                }
-                loop_init_2 = false;
-                uint _e88 = word;
-                if ((_e88 < 2u)) {
-                } else {
-                    break;
-                }
+            uint _e87 = touching[(round_1 % 2u)];
+            bits = _e87;
+            for (; (bits != 0u); bits = (bits & (bits - 1u))) {
                 {
-                    uint _e94 = word;
-                    uint _e97 = touching[((words_1 + _e6.words) + _e94)];
-                    bits = _e97;
-                    bool loop_init_3 = true;
-                    while(true) {
-                        if (!loop_init_3) {
-                            uint _e122 = bits;
-                            uint _e123 = bits;
-                            bits = (_e122 & (_e123 - 1u));
-                        }
-                        loop_init_3 = false;
-                        uint _e99 = bits;
-                        if ((_e99 != 0u)) {
-                        } else {
-                            break;
-                        }
-                        {
-                            uint _e103 = word;
-                            uint _e105 = bits;
-                            uint i_3 = ((32u * _e103) + min(uint(findLSB(_e105)), 32u));
-                            Taken _e109 = take(i_3, _e6.row);
-                            uvec2 _e113 = own[i_3];
-                            trace_splat(p, s, _e109, _e6.column, _e113);
-                            Taken _e115 = take(i_3, _e6.row);
-                            uvec2 _e121 = own[i_3];
-                            trace_splat(q, t, _e115, (_e6.column + APART), _e121);
-                        }
-                    }
+                    uint _e92 = bits;
+                    uint i_3 = uint(findLSB(_e92));
+                    Taken _e95 = take(i_3, _e6.row);
+                    uvec2 _e99 = own[i_3];
+                    trace_splat(p, s, _e95, _e6.column, _e99);
+                    Taken _e101 = take(i_3, _e6.row);
+                    uvec2 _e107 = own[i_3];
+                    trace_splat(q, t, _e101, (_e6.column + APART), _e107);
                 }
             }
-            bool _e131 = open.x;
-            if (_e131) {
-                int _e135 = p.transmittance;
-                if (!((_e135 < FXS_CLOSED_Q15_))) {
-                    uint _e144 = own[0].y;
-                    uint _e146 = s.limit;
-                    local_1 = (_e144 > _e146);
+            bool _e114 = open.x;
+            if (_e114) {
+                int _e118 = p.transmittance;
+                if (!((_e118 < FXS_CLOSED_Q15_))) {
+                    uint _e127 = own[0].y;
+                    uint _e129 = s.limit;
+                    local_1 = (_e127 > _e129);
                 } else {
                     local_1 = true;
                 }
-                bool _e149 = local_1;
-                local = _e149;
+                bool _e132 = local_1;
+                local = _e132;
             } else {
                 local = false;
             }
-            bool _e151 = local;
-            if (_e151) {
+            bool _e134 = local;
+            if (_e134) {
                 open.x = false;
                 close_pixel(_e6, false);
             }
-            bool _e156 = open.y;
-            if (_e156) {
-                int _e160 = q.transmittance;
-                if (!((_e160 < FXS_CLOSED_Q15_))) {
-                    uint _e169 = own[0].y;
-                    uint _e171 = t.limit;
-                    local_3 = (_e169 > _e171);
+            bool _e139 = open.y;
+            if (_e139) {
+                int _e143 = q.transmittance;
+                if (!((_e143 < FXS_CLOSED_Q15_))) {
+                    uint _e152 = own[0].y;
+                    uint _e154 = t.limit;
+                    local_3 = (_e152 > _e154);
                 } else {
                     local_3 = true;
                 }
-                bool _e174 = local_3;
-                local_2 = _e174;
+                bool _e157 = local_3;
+                local_2 = _e157;
             } else {
                 local_2 = false;
             }
-            bool _e176 = local_2;
-            if (_e176) {
+            bool _e159 = local_2;
+            if (_e159) {
                 open.y = false;
                 close_pixel(_e6, true);
             }

@@ -55,13 +55,19 @@ FXS_FN int fxs_limit_q11(int offset_q11, int cut_q11)
     return fxs_min(offset_q11 + cut_q11, FXS_FAINT_Q11);
 }
 
+/* a b + c, where that stays in 32 bits before it is rounded. */
+FXS_FN int fxs_mul_add_q15(int a, int b, int c)
+{
+    return (a * b + (c * 32768 + 16384)) >> 15;
+}
+
 /* min(0.99, exp(-level / 2)) = min(0.99, exp(-x)^8), x = level / 16: Q11 read as Q15. level in 0..22697, where
    exp(-x) = 1 - x + x^2 / 2 - ... is a cubic fitted to the whole integer chain: error at most 3.6e-4, rms 4.5e-5. */
 FXS_FN int fxs_alpha_q15(int level_q11)
 {
-    int p = fxs_mul_q15(-4236, level_q11) + 16016;
-    p = fxs_mul_q15(p, level_q11) - 32730;
-    p = fxs_mul_q15(p, level_q11) + 32767;
+    int p = fxs_mul_add_q15(-4236, level_q11, 16016);
+    p = fxs_mul_add_q15(p, level_q11, -32730);
+    p = fxs_mul_add_q15(p, level_q11, 32767);
     p = fxs_mul_q15(p, p);
     p = fxs_mul_q15(p, p);
     p = fxs_mul_q15(p, p);
