@@ -3,7 +3,7 @@
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;          // of fill_large alone
-@group(1) @binding(0) var<storage, read_write> later: array<u32>;           // arguments of blend, sort_blocks and the merges
+@group(1) @binding(0) var<storage, read_write> later: array<u32>;           // arguments of what comes after
 @group(1) @binding(1) var<storage, read> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(3) var<storage, read_write> entries: array<vec2<u32>>;   // slot, depth

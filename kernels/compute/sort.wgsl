@@ -2,7 +2,7 @@
 // sort: each tile's list near to far. Blocks of a list are sorted in the memory of a workgroup: the depths of 32 keys,
 // sorted, bound as many ranges, each of which is 8 bins of equal width; keys go to the bins, then each counts those of
 // its bin that are less. The less memory of a workgroup, the more of them a GPU has at a time. Runs of a list, blocks at
-// first, are then merged, two at a time.
+// first, are then merged, two at a time: a workgroup finds where its BLOCK keys come from in both, and merges those.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
