@@ -1,6 +1,6 @@
-// What blend and trace have in common: a workgroup of 32 threads has 8x8 pixels, two a thread. It takes 32 splats of the
-// list at a time: each thread tests one against the rows, then all take those that can touch an open pixel. Of a list of
-// the longest class, which others would wait for, a workgroup has one row of the pixels.
+// What blend and trace have in common: a workgroup of 32 threads has 8x8 pixels, two a thread. It takes 32 splats of
+// the list at a time: each thread tests one against the rows, then all take those that can touch an open pixel. Of a
+// list of the longest class, which others would wait for, a workgroup has one row of the pixels.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;

@@ -1,8 +1,8 @@
 // Needs records order
 // sort: each tile's list near to far. Blocks of a list are sorted in the memory of a workgroup: the depths of 32 keys,
 // sorted, bound as many ranges, each of which is 8 bins of equal width; keys go to the bins, then each counts those of
-// its bin that are less. The less memory of a workgroup, the more of them a GPU has at a time. Runs of a list, blocks at
-// first, are then merged, two at a time: a workgroup finds where its BLOCK keys come from in both, and merges those.
+// its bin that are less. The less memory of a workgroup, the more of them a GPU has at a time. Runs of a list, blocks
+// at first, are then merged, two at a time: a workgroup finds where its keys come from in both, and merges those.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
@@ -167,8 +167,8 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 var<workgroup> below_split: array<atomic<u32>, 2>;
 var<workgroup> splits: array<u32, 2>;
 
-// Of two runs of `a` and `b` keys from `first` and `second` on, how many of the first one are among the least d of both: 64
-// threads test as many places at a time. Half of the threads ask for one d, half for another.
+// Of two runs of `a` and `b` keys from `first` and `second` on, how many of the first one are among the least d of both:
+// 64 threads test as many places at a time. Half of the threads ask for one d, half for another.
 fn split(thread: u32, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Builds and tests the compute shaders by OpenGL ES 3.1 on a machine with a GPU, then prints tables of times beside those
-# by CUDA, in turns: some 3 minutes.
+# by CUDA, in turns, and those of a million of the profile small in a phone's and a headset's sizes: some 3 minutes.
 #   sh tests/gpu/compute.sh [FILE.fxs | FILE.fxs:CAMERAS.json:N,N,...]...
 # A procedural landscape of 1 million Gaussians (SIZES="1 10": of 10 too) is made in a temporary folder. B: the build
 # folder (default build); with PREBUILT=1 nothing is built.
@@ -52,4 +52,10 @@ for round in 1 2; do
     "$B/tests/gpu/bench_cuda" "$@" | grep -e '^| scene' -e '1080 |'
     "$B/tests/gpu/bench_compute" "$@"
 done
+for name in landscape knot; do
+    "$B/fixsplat" make-scene $name --count 1000000 -o "$work/l.ply" --quiet &&
+        "$B/fixsplat" convert "$work/l.ply" "$work/$name-small.fxs" --profile small --quiet || exit 1
+done
+"$B/tests/gpu/bench_compute" 1280x720 "$work/landscape-small.fxs" "$work/knot-small.fxs" \
+    2064x2208 "$work/landscape-small.fxs" "$work/knot-small.fxs"
 [ -z "$failed" ] || { echo "failed:$failed"; exit 1; }

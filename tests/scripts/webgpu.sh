@@ -33,6 +33,19 @@ if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then
     cp "$scenes/snowmiku/cameras.json" "$work"
 fi
 asks webgpu.mjs "$B/fixsplat"
+
+# Chromium's SwiftShader for Dawn in Node, which npm's webgpu has.
+driver=/usr/lib/chromium/vk_swiftshader_icd.json
+in_node() {
+    mkdir "$work/few" && ln -s ../few.ply "$work/few" &&
+        VK_DRIVER_FILES=$driver VK_ICD_FILENAMES=$driver \
+            node tests/web/dawn.mjs "$package" "$work" "$modules" "$B/fixsplat" 96x64 0 few
+}
+if [ -f $driver ] && [ -d "$modules/webgpu" ]; then
+    check "in Node, by Dawn" in_node
+else
+    skip "in Node, by Dawn" "not here: $driver or npm's webgpu"
+fi
 if [ "$FXS_PROCESSORS" = all ]; then
     export WEBGPU=1
     asks gpu_page.mjs "$work" "$B/fixsplat"
