@@ -357,6 +357,7 @@ fails "-o and --diff one file" 2 "hard.png: $twice" render knot.ply $small --exp
 succeeds "a device twice" render knot.ply $small -o /dev/null --format png --ids file.tmp.png
 fails "-o the expected picture" 2 "golden.png: is read and cannot be written too" render knot.ply $small --expect golden.png \
     -o golden.png
+cp golden0.png again.png && mv again.png golden0.png   # a later inode than golden1.png's
 fails "-o one of the expected pictures" 2 "golden0.png: is read and cannot be written too" render $three --threads 1 --view 1..2 \
     --expect golden%d.png --diff golden%d.png
 cp knot.ply scene.raw
