@@ -35,7 +35,7 @@ check "size" at_most 42700 "$package"/viewer/*.html "$package"/viewer/*.css "$pa
     $(ls "$package"/*.js | grep -v -e /paged.js -e /store.js -e /webgpu.js -e /stages.js)
 check "size of what scenes in parts need" at_most 7500 $of_parts
 # 0.5 KB of it are depths and ids as targets, and what is wrong with a texture or a buffer in words; 1.4 are shaders: two
-# pixels a thread, crowds, tiles of 8x8 and those without a list.
+# pixels a thread, merges, tiles of 8x8 and those without a list.
 check "size of what WebGPU needs" at_most 28500 $of_webgpu
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
