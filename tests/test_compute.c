@@ -323,16 +323,6 @@ static uint32_t compare_chunk(const fxs_view *view, const fxs_scene *scene, uint
     return (uint32_t)count;
 }
 
-/* Where a list is, once it is sorted: each merge of 16 runs moves it to the other half. */
-static uint32_t place_of(const fxs_compute_frame *f, const uint32_t *counts, uint32_t tile)
-{
-    const uint32_t count = counts[FXS_COMPUTE_TILES + tile];
-    int merges = 0;
-    while ((uint32_t)FXS_COMPUTE_BLOCK << merges < count)
-        merges++;
-    return counts[f->next + tile] - count + (merges % 2 ? f->spare : 0);
-}
-
 /* Every list is near to far, by the depths of its slots. */
 static int check_lists(const uint32_t *depths)
 {
@@ -341,12 +331,13 @@ static int check_lists(const uint32_t *depths)
     uint32_t *counts = read_words(FXS_COMPUTE_COUNTS, 0, f->classes);
     int good = 1;
     for (uint32_t tile = 0; tile < tiles && good; tile++) {
-        const uint32_t count = counts[FXS_COMPUTE_TILES + tile], first = place_of(f, counts, tile);
-        uint32_t *entries = read_words(FXS_COMPUTE_ENTRIES, 2 * (uint64_t)first, 2 * (uint64_t)count + 2);
+        const uint32_t count = counts[FXS_COMPUTE_TILES + tile], first = counts[f->next + tile] - count;
+        uint32_t *entries = read_words(FXS_COMPUTE_ENTRIES, first, (uint64_t)count + 1);
+        fxs_key before = 0;
         for (uint32_t i = 0; i < count && good; i++) {
-            const uint32_t slot = entries[2 * i] & ~FXS_ENTRY_CUT_OFF, key = entries[2 * i + 1];
-            good = CHECK(key == depths[slot]) &&
-                   CHECK(!i || FXS_KEY(entries[2 * i - 1], entries[2 * i - 2]) < FXS_KEY(key, entries[2 * i]));
+            const fxs_key key = FXS_KEY(depths[entries[i] & ~FXS_ENTRY_CUT_OFF], entries[i]);
+            good = CHECK(!i || before < key);
+            before = key;
         }
         if (!good)
             printf("  tile %u, %u entries\n", (unsigned)tile, (unsigned)count);

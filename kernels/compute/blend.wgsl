@@ -87,12 +87,12 @@ fn clear_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocati
     var p = Pixel(FXS_CLEAR_Q15, vec3<i32>(0));
     put_pixel(&p, at);
     if (frame.mean_depth != NOTHING) {
-        picture[frame.mean_depth + at] = NOTHING;
+        memory[frame.mean_depth + at] = NOTHING;
     }
     if (frame.median_depth != NOTHING) {
-        picture[frame.median_depth + at] = NOTHING;
+        memory[frame.median_depth + at] = NOTHING;
     }
     if (frame.id != NOTHING) {
-        picture[frame.id + 2u * at] = NOTHING;
+        memory[frame.id + 2u * at] = NOTHING;
     }
 }

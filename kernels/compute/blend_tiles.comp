@@ -15,8 +15,8 @@ struct Frame {
     uint ranks;
     uint visible;
     uint records;
-    uint boxes;
     uint depths;
+    uint boxes;
     uint larges;
     uint spans_at;
     uint next;
@@ -110,7 +110,7 @@ struct Pixel {
     ivec3 sum;
 };
 struct Fetched {
-    uvec2 entry;
+    uint entry;
     uvec4 a;
     uvec4 b;
 };
@@ -173,8 +173,8 @@ const uint SOME = 32u;
 const uint APART = 4u;
 layout(std430, binding = 0) readonly buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 1) readonly buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
-layout(std430, binding = 2) readonly buffer type_14_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
+layout(std430, binding = 1) readonly buffer type_11_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) readonly buffer type_13_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
 layout(std430, binding = 3) buffer type_11_block_4Compute { uint _group_1_binding_3_cs[]; };
 shared uvec4 shapes[32];
 shared uvec4 shades[32];
@@ -312,24 +312,24 @@ bool fits() {
     bool _e28 = local_5;
     return _e28;
 }
-uvec2 fetch_entry(Patch h, uint i_1) {
+uint fetch_entry(Patch h, uint i_1) {
     if ((i_1 < h.count)) {
-        uvec2 _e8 = _group_1_binding_1_cs[(h.list + i_1)];
+        uint _e8 = _group_1_binding_1_cs[(h.list + i_1)];
         return _e8;
     }
-    return uvec2(4294967295u, 4294967295u);
+    return NOTHING;
 }
-Fetched fetch_splat(uvec2 entry_1) {
-    Fetched f = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
+Fetched fetch_splat(uint entry_1) {
+    Fetched f = Fetched(0u, uvec4(0u), uvec4(0u));
     f.entry = entry_1;
-    if (((entry_1.x & CUT_OFF) == 0u)) {
-        uvec4 _e14 = _group_1_binding_2_cs[(2u * entry_1.x)];
-        f.a = _e14;
-        uvec4 _e23 = _group_1_binding_2_cs[((2u * entry_1.x) + 1u)];
-        f.b = _e23;
+    if (((entry_1 & CUT_OFF) == 0u)) {
+        uvec4 _e12 = _group_1_binding_2_cs[(2u * entry_1)];
+        f.a = _e12;
+        uvec4 _e20 = _group_1_binding_2_cs[((2u * entry_1) + 1u)];
+        f.b = _e20;
     }
-    Fetched _e24 = f;
-    return _e24;
+    Fetched _e21 = f;
+    return _e21;
 }
 uint open_of(uint row) {
     uint _e5 = open_pixels[(row / 4u)];
@@ -467,13 +467,6 @@ void put_colour(inout Pixel p_4, uint at) {
     _group_1_binding_3_cs[(_e149 + at)] = _e152;
     return;
 }
-uint list_of(uint tile, uint count) {
-    uint merges = (max((32u - uint(31 - findMSB((max(count, 1u) - 1u)))), 9u) - 9u);
-    uint _e16 = _group_0_binding_0_cs.next;
-    uint _e19 = _group_1_binding_0_cs[(_e16 + tile)];
-    uint _e24 = _group_0_binding_0_cs.spare;
-    return ((_e19 - count) + (((merges % 2u) == 1u) ? _e24 : 0u));
-}
 Patch patch_of(uvec3 group_2) {
     bool local_8 = false;
     uint number_2 = ((group_2.y * ROW_OF_GROUPS) + group_2.x);
@@ -497,11 +490,12 @@ Patch patch_of(uvec3 group_2) {
     }
     int _e58 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e58);
-    uint count_1 = _group_1_binding_0_cs[(TILES + _e39)];
+    uint count = _group_1_binding_0_cs[(TILES + _e39)];
     uint _e68 = _group_0_binding_0_cs.tile_bits;
     uint _e77 = _group_0_binding_0_cs.tile_bits;
-    uint _e85 = list_of(_e39, count_1);
-    return Patch(_e39, (((_e39 % across) << _e68) + ((patch_number & halves) * SIDE)), (((_e39 / across) << _e77) + (((patch_number >> 1u) & halves) * SIDE)), rows, _e85, count_1);
+    uint _e88 = _group_0_binding_0_cs.next;
+    uint _e91 = _group_1_binding_0_cs[(_e88 + _e39)];
+    return Patch(_e39, (((_e39 % across) << _e68) + ((patch_number & halves) * SIDE)), (((_e39 / across) << _e77) + (((patch_number >> 1u) & halves) * SIDE)), rows, (_e91 - count), count);
 }
 Place place_of(Patch h_2, uint thread_2) {
     bool local_9 = false;
@@ -559,13 +553,13 @@ void put_splat(Patch h_3, uint thread_4, Fetched f_2) {
     return;
 }
 void place_splat(Patch h_4, uint thread_5, Fetched f_3, uint round_) {
-    if (((f_3.entry.x & CUT_OFF) != 0u)) {
+    if (((f_3.entry & CUT_OFF) != 0u)) {
         return;
     }
     put_splat(h_4, thread_5, f_3);
-    bool _e10 = touch(f_3, h_4);
-    if (_e10) {
-        uint _e17 = atomicOr(touching[(round_ % 2u)], (1u << thread_5));
+    bool _e9 = touch(f_3, h_4);
+    if (_e9) {
+        uint _e16 = atomicOr(touching[(round_ % 2u)], (1u << thread_5));
         return;
     } else {
         return;
@@ -625,9 +619,9 @@ void main() {
     Pixel p = Pixel(0, ivec3(0));
     Pixel q = Pixel(0, ivec3(0));
     bvec2 open = bvec2(false);
-    Fetched fetched = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
-    Fetched next = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
-    uvec2 entry = uvec2(0u);
+    Fetched fetched = Fetched(0u, uvec4(0u), uvec4(0u));
+    Fetched next = Fetched(0u, uvec4(0u), uvec4(0u));
+    uint entry = 0u;
     uint first = 0u;
     bool local = false;
     bool local_1 = false;
@@ -639,13 +633,13 @@ void main() {
     p = Pixel((_e6.inside.x ? FXS_CLEAR_Q15_ : 0), ivec3(0));
     q = Pixel((_e6.inside.y ? FXS_CLEAR_Q15_ : 0), ivec3(0));
     open = _e6.inside;
-    uvec2 _e27 = fetch_entry(_e2, thread);
+    uint _e27 = fetch_entry(_e2, thread);
     Fetched _e28 = fetch_splat(_e27);
     fetched = _e28;
-    uvec2 _e32 = fetch_entry(_e2, (SOME + thread));
+    uint _e32 = fetch_entry(_e2, (SOME + thread));
     Fetched _e33 = fetch_splat(_e32);
     next = _e33;
-    uvec2 _e37 = fetch_entry(_e2, (64u + thread));
+    uint _e37 = fetch_entry(_e2, (64u + thread));
     entry = _e37;
     clear_rounds(thread, _e6);
     for (; (first < _e2.count); first = (first + SOME)) {
@@ -660,11 +654,11 @@ void main() {
             place_splat(_e2, thread, _e52, round_2);
             Fetched _e53 = next;
             fetched = _e53;
-            uvec2 _e54 = entry;
+            uint _e54 = entry;
             Fetched _e55 = fetch_splat(_e54);
             next = _e55;
             uint _e56 = first;
-            uvec2 _e60 = fetch_entry(_e2, ((_e56 + 96u) + thread));
+            uint _e60 = fetch_entry(_e2, ((_e56 + 96u) + thread));
             entry = _e60;
             memoryBarrierShared();
             barrier();

@@ -15,8 +15,8 @@ struct Frame {
     uint ranks;
     uint visible;
     uint records;
-    uint boxes;
     uint depths;
+    uint boxes;
     uint larges;
     uint spans_at;
     uint next;
@@ -110,7 +110,7 @@ struct Pixel {
     ivec3 sum;
 };
 struct Fetched {
-    uvec2 entry;
+    uint entry;
     uvec4 a;
     uvec4 b;
 };
@@ -308,13 +308,13 @@ void main() {
         return;
     }
     uint _e29 = _group_0_binding_0_cs.classes;
-    uint tile_1 = _group_1_binding_0_cs[(_e29 + of_class)];
+    uint tile = _group_1_binding_0_cs[(_e29 + of_class)];
     int _e36 = _group_0_binding_0_cs.tiles.x;
     uint _e41 = _group_0_binding_0_cs.tile_bits;
-    uint x_2 = ((((tile_1 % uint(_e36)) << _e41) + ((number_3 & halves_1) * SIDE)) + (thread_1 % SIDE));
+    uint x_2 = ((((tile % uint(_e36)) << _e41) + ((number_3 & halves_1) * SIDE)) + (thread_1 % SIDE));
     int _e53 = _group_0_binding_0_cs.tiles.x;
     uint _e58 = _group_0_binding_0_cs.tile_bits;
-    uint y_1 = ((((tile_1 / uint(_e53)) << _e58) + (((number_3 >> 1u) & halves_1) * SIDE)) + (thread_1 / SIDE));
+    uint y_1 = ((((tile / uint(_e53)) << _e58) + (((number_3 >> 1u) & halves_1) * SIDE)) + (thread_1 / SIDE));
     int _e72 = _group_0_binding_0_cs.size.x;
     if (!((x_2 >= uint(_e72)))) {
         int _e81 = _group_0_binding_0_cs.size.y;

@@ -359,7 +359,7 @@ static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, 
     const uint64_t row = 4 * (uint64_t)view->width;
     if (!image->pixels)
         return 0;
-    unsigned char *to = map(c, FXS_COMPUTE_PICTURE, 4 * (uint64_t)at, row * (uint64_t)view->height);
+    unsigned char *to = map(c, FXS_COMPUTE_MEMORY, 4 * (uint64_t)at, row * (uint64_t)view->height);
     if (!to)
         return failure(c, why);
     for (int32_t y = 0; y < view->height; y++)
@@ -429,8 +429,9 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
     gl->BindBuffer(GL_COPY_WRITE_BUFFER, c->buffers[FXS_COMPUTE_DOWNLOAD]);
     gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_COUNTS]);
     c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, 4 * FXS_COMPUTE_STATUS);
-    gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_PICTURE]);
-    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 4 * FXS_COMPUTE_STATUS,
+    gl->BindBuffer(GL_COPY_READ_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
+    c->more.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, (GLintptr)(4 * c->plan.read_at),
+                              4 * FXS_COMPUTE_STATUS,
                               (GLsizeiptr)(c->plan.bytes[FXS_COMPUTE_DOWNLOAD] - 4 * FXS_COMPUTE_STATUS));
     return fxs_compute_check(c, why);
 }
@@ -438,7 +439,7 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
 /* ---- Reading back ------------------------------------------------------------------------------------------------ */
 
 /* A plane of words to an image of as many bytes a pixel: a word's low ones, or two words. */
-static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint32_t at)
+static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
 {
     const size_t width = (size_t)view->width;
     if (!to->pixels)
@@ -469,11 +470,12 @@ static int read_back(fxs_compute *c, int pixels, fxs_message *why)
     const int result = fxs_plan_look(&c->plan, &c->rooms, from, why);
     if (!result && pixels) {
         const uint32_t *picture = from + FXS_COMPUTE_STATUS;
-        copy_plane(view, &t->colour, fxs_pixel_bytes(t->format), picture, f->colour);
-        copy_plane(view, &t->coverage, 1, picture, f->coverage);
-        copy_plane(view, &t->mean_depth, 4, picture, f->mean_depth);
-        copy_plane(view, &t->median_depth, 4, picture, f->median_depth);
-        copy_plane(view, &t->id, 8, picture, f->id);
+        const uint64_t first = c->plan.read_at;
+        copy_plane(view, &t->colour, fxs_pixel_bytes(t->format), picture, f->colour - first);
+        copy_plane(view, &t->coverage, 1, picture, f->coverage - first);
+        copy_plane(view, &t->mean_depth, 4, picture, f->mean_depth - first);
+        copy_plane(view, &t->median_depth, 4, picture, f->median_depth - first);
+        copy_plane(view, &t->id, 8, picture, f->id - first);
     }
     const fxs_message first = *why;
     error = unmap(c, why);

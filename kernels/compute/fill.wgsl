@@ -1,12 +1,12 @@
 // Needs pixel numbers records bin
-// The entries of the tiles' lists, in no order: depth and slot.
+// The entries of the tiles' lists, in no order: slots.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> splats: array<vec4<u32>>;          // of fill_large alone
 @group(1) @binding(0) var<storage, read_write> later: array<u32>;           // arguments of what comes after
 @group(1) @binding(1) var<storage, read> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> entries: array<vec2<u32>>;   // slot, depth
+@group(1) @binding(3) var<storage, read_write> entries: array<u32>;
 
 var<workgroup> spans: array<vec4<i32>, 8>;       // of a tile row: listed, touched
 
@@ -16,9 +16,9 @@ fn fits() -> bool
            atomicLoad(&counts[VISIBLE_CHUNKS]) <= frame.chunk_room;
 }
 
-fn put_entry(tile: u32, slot: u32, depth: u32)
+fn put_entry(tile: u32, entry: u32)
 {
-    entries[atomicAdd(&counts[frame.next + tile], 1u)] = vec2<u32>(slot, depth);
+    entries[atomicAdd(&counts[frame.next + tile], 1u)] = entry;
 }
 
 fn fill_box(slot: u32)
@@ -27,10 +27,6 @@ fn fill_box(slot: u32)
     let first_tile = bits.y >> 10u;
     let across = u32(frame.tiles.x);
     bits.y &= 1023u;
-    if ((bits.x | bits.y) == 0u) {
-        return;
-    }
-    let depth = memory[frame.depths + slot];
     while ((bits.x | bits.y) != 0u) {
         var bit = 0u;
         if (bits.x != 0u) {
@@ -40,7 +36,7 @@ fn fill_box(slot: u32)
             bit = 32u + countTrailingZeros(bits.y);
             bits.y &= bits.y - 1u;
         }
-        put_entry(first_tile + bit / 6u * across + bit % 6u, slot, depth);
+        put_entry(first_tile + bit / 6u * across + bit % 6u, slot);
     }
 }
 
@@ -98,7 +94,6 @@ fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     var b = Bounds(vec2<i32>(bitcast<i32>(memory[at + 1u]), bitcast<i32>(memory[at + 2u])), memory[at + 3u],
                    bitcast<i32>(memory[at + 4u]), bitcast<i32>(memory[at + 5u]), memory[at + 6u]);
     let first = i32(memory[at + 7u]);
-    let depth = memory[frame.depths + slot];
     let listed = number < min(atomicLoad(&counts[LARGES]), frame.large_room) && fits();
     if (i32(thread) < LARGE_ROWS) {
         let row = first + i32(thread);
@@ -119,6 +114,6 @@ fn fill_large(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     let of_row = spans[row];
     for (var column = of_row.x + i32(thread % 16u); column <= of_row.y; column += 16) {
         let cut_off = column < of_row.z || column > of_row.w;
-        put_entry(u32((first + i32(row)) * frame.tiles.x + column), slot | select(0u, CUT_OFF, cut_off), depth);
+        put_entry(u32((first + i32(row)) * frame.tiles.x + column), slot | select(0u, CUT_OFF, cut_off));
     }
 }

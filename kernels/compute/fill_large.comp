@@ -15,8 +15,8 @@ struct Frame {
     uint ranks;
     uint visible;
     uint records;
-    uint boxes;
     uint depths;
+    uint boxes;
     uint larges;
     uint spans_at;
     uint next;
@@ -142,7 +142,7 @@ layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_bindin
 layout(std430, binding = 0) readonly buffer type_13_block_1Compute { uvec4 _group_1_binding_0_cs[]; };
 layout(std430, binding = 1) readonly buffer type_14_block_2Compute { uint _group_1_binding_1_cs[]; };
 layout(std430, binding = 2) buffer type_16_block_3Compute { uint _group_1_binding_2_cs[]; };
-layout(std430, binding = 3) buffer type_17_block_4Compute { uvec2 _group_1_binding_3_cs[]; };
+layout(std430, binding = 3) buffer type_14_block_4Compute { uint _group_1_binding_3_cs[]; };
 shared ivec4 spans[8];
 int fxs_min(int a_1, int b_2) {
     return ((a_1 < b_2) ? a_1 : b_2);
@@ -423,15 +423,15 @@ bool fits() {
     bool _e28 = local_12;
     return _e28;
 }
-void put_entry(uint tile, uint slot, uint depth) {
-    uint _e7 = _group_0_binding_0_cs.next;
-    uint _e11 = atomicAdd(_group_1_binding_2_cs[(_e7 + tile)], 1u);
-    _group_1_binding_3_cs[_e11] = uvec2(slot, depth);
+void put_entry(uint tile, uint entry) {
+    uint _e6 = _group_0_binding_0_cs.next;
+    uint _e10 = atomicAdd(_group_1_binding_2_cs[(_e6 + tile)], 1u);
+    _group_1_binding_3_cs[_e10] = entry;
     return;
 }
-Splat large_splat(uint slot_2) {
-    uvec4 a_19 = _group_1_binding_0_cs[(2u * slot_2)];
-    uvec4 b_18 = _group_1_binding_0_cs[((2u * slot_2) + 1u)];
+Splat large_splat(uint slot_1) {
+    uvec4 a_19 = _group_1_binding_0_cs[(2u * slot_1)];
+    uvec4 b_18 = _group_1_binding_0_cs[((2u * slot_1) + 1u)];
     return Splat(a_19.x, a_19.y, int(a_19.z), int(a_19.w), int(b_18.x), int((b_18.y & 65535u)), ivec2(int((b_18.w & 65535u)), int((b_18.w >> 16u))));
 }
 void main() {
@@ -449,8 +449,8 @@ void main() {
     uint _e9 = _group_0_binding_0_cs.larges;
     uint _e13 = _group_0_binding_0_cs.large_room;
     uint at_1 = (_e9 + (LARGE * min(number, (_e13 - 1u))));
-    uint slot_3 = _group_1_binding_1_cs[at_1];
-    Splat _e22 = large_splat(slot_3);
+    uint slot_2 = _group_1_binding_1_cs[at_1];
+    Splat _e22 = large_splat(slot_2);
     s = _e22;
     uint _e28 = _group_1_binding_1_cs[(at_1 + 1u)];
     uint _e34 = _group_1_binding_1_cs[(at_1 + 2u)];
@@ -461,13 +461,11 @@ void main() {
     b = Bounds(ivec2(int(_e28), int(_e34)), _e41, int(_e46), int(_e52), _e58);
     uint _e65 = _group_1_binding_1_cs[(at_1 + 7u)];
     int first_2 = int(_e65);
-    uint _e70 = _group_0_binding_0_cs.depths;
-    uint depth_2 = _group_1_binding_1_cs[(_e70 + slot_3)];
-    uint _e76 = _group_1_binding_2_cs[1];
-    uint _e79 = _group_0_binding_0_cs.large_room;
-    if ((number < min(_e76, _e79))) {
-        bool _e84 = fits();
-        local_2 = _e84;
+    uint _e69 = _group_1_binding_2_cs[1];
+    uint _e72 = _group_0_binding_0_cs.large_room;
+    if ((number < min(_e69, _e72))) {
+        bool _e77 = fits();
+        local_2 = _e77;
     } else {
         local_2 = false;
     }
@@ -475,28 +473,28 @@ void main() {
     if ((int(thread_1) < LARGE_ROWS)) {
         int row_3 = (first_2 + int(thread_1));
         if (listed) {
-            Span _e100 = rows_of(s, b);
-            local_3 = (row_3 <= _e100.last);
+            Span _e93 = rows_of(s, b);
+            local_3 = (row_3 <= _e93.last);
         } else {
             local_3 = false;
         }
-        bool _e104 = local_3;
-        if (_e104) {
-            int _e106 = s.offset_q11_;
-            int _e107 = radius_q12_(_e106);
-            Span _e108 = span_of(s, b, _e107, row_3);
-            touched = _e108;
-            int _e112 = _group_0_binding_0_cs.cutoff;
-            if ((_e112 == 1)) {
-                Span _e115 = ellipse_span(s, b, _e107, row_3);
-                touched = _e115;
+        bool _e97 = local_3;
+        if (_e97) {
+            int _e99 = s.offset_q11_;
+            int _e100 = radius_q12_(_e99);
+            Span _e101 = span_of(s, b, _e100, row_3);
+            touched = _e101;
+            int _e105 = _group_0_binding_0_cs.cutoff;
+            if ((_e105 == 1)) {
+                Span _e108 = ellipse_span(s, b, _e100, row_3);
+                touched = _e108;
             }
-            int _e119 = touched.first;
-            int _e121 = touched.last;
-            own = ivec4(_e108.first, _e108.last, _e119, _e121);
+            int _e112 = touched.first;
+            int _e114 = touched.last;
+            own = ivec4(_e101.first, _e101.last, _e112, _e114);
         }
-        ivec4 _e125 = own;
-        spans[thread_1] = _e125;
+        ivec4 _e118 = own;
+        spans[thread_1] = _e118;
     }
     memoryBarrierShared();
     barrier();
@@ -505,17 +503,17 @@ void main() {
     column = (of_row.x + int((thread_1 % 16u)));
     for (; (column <= of_row.y); column = (column + 16)) {
         {
-            int _e140 = column;
-            if (!((_e140 < of_row.z))) {
-                int _e146 = column;
-                local_4 = (_e146 > of_row.w);
+            int _e133 = column;
+            if (!((_e133 < of_row.z))) {
+                int _e139 = column;
+                local_4 = (_e139 > of_row.w);
             } else {
                 local_4 = true;
             }
             bool cut_off = local_4;
-            int _e156 = _group_0_binding_0_cs.tiles.x;
-            int _e158 = column;
-            put_entry(uint((((first_2 + int(row_4)) * _e156) + _e158)), (slot_3 | (cut_off ? CUT_OFF : 0u)), depth_2);
+            int _e149 = _group_0_binding_0_cs.tiles.x;
+            int _e151 = column;
+            put_entry(uint((((first_2 + int(row_4)) * _e149) + _e151)), (slot_2 | (cut_off ? CUT_OFF : 0u)));
         }
     }
     return;

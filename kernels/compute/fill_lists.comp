@@ -15,8 +15,8 @@ struct Frame {
     uint ranks;
     uint visible;
     uint records;
-    uint boxes;
     uint depths;
+    uint boxes;
     uint larges;
     uint spans_at;
     uint next;
@@ -142,7 +142,7 @@ layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_bindin
 layout(std430, binding = 0) buffer type_14_block_1Compute { uint _group_1_binding_0_cs[]; };
 layout(std430, binding = 1) readonly buffer type_14_block_2Compute { uint _group_1_binding_1_cs[]; };
 layout(std430, binding = 2) buffer type_16_block_3Compute { uint _group_1_binding_2_cs[]; };
-layout(std430, binding = 3) buffer type_17_block_4Compute { uvec2 _group_1_binding_3_cs[]; };
+layout(std430, binding = 3) buffer type_14_block_4Compute { uint _group_1_binding_3_cs[]; };
 bool fits() {
     bool local_11 = false;
     bool local_12 = false;
@@ -166,19 +166,19 @@ bool fits() {
     bool _e28 = local_12;
     return _e28;
 }
-void put_entry(uint tile, uint slot, uint depth) {
-    uint _e7 = _group_0_binding_0_cs.next;
-    uint _e11 = atomicAdd(_group_1_binding_2_cs[(_e7 + tile)], 1u);
-    _group_1_binding_3_cs[_e11] = uvec2(slot, depth);
+void put_entry(uint tile, uint entry) {
+    uint _e6 = _group_0_binding_0_cs.next;
+    uint _e10 = atomicAdd(_group_1_binding_2_cs[(_e6 + tile)], 1u);
+    _group_1_binding_3_cs[_e10] = entry;
     return;
 }
-void fill_box(uint slot_1) {
+void fill_box(uint slot) {
     uvec2 bits = uvec2(0u);
     uint bit = 0u;
     uint _e4 = _group_0_binding_0_cs.boxes;
-    uint _e9 = _group_1_binding_1_cs[(_e4 + (2u * slot_1))];
+    uint _e9 = _group_1_binding_1_cs[(_e4 + (2u * slot))];
     uint _e13 = _group_0_binding_0_cs.boxes;
-    uint _e20 = _group_1_binding_1_cs[((_e13 + (2u * slot_1)) + 1u)];
+    uint _e20 = _group_1_binding_1_cs[((_e13 + (2u * slot)) + 1u)];
     bits = uvec2(_e9, _e20);
     uint _e24 = bits.y;
     uint first_tile = (_e24 >> 10u);
@@ -186,39 +186,32 @@ void fill_box(uint slot_1) {
     uint across = uint(_e30);
     uint _e33 = bits.y;
     bits.y = (_e33 & 1023u);
-    uint _e37 = bits.x;
-    uint _e39 = bits.y;
-    if (((_e37 | _e39) == 0u)) {
-        return;
-    }
-    uint _e46 = _group_0_binding_0_cs.depths;
-    uint depth_1 = _group_1_binding_1_cs[(_e46 + slot_1)];
     while(true) {
-        uint _e51 = bits.x;
-        uint _e53 = bits.y;
-        if (((_e51 | _e53) != 0u)) {
+        uint _e37 = bits.x;
+        uint _e39 = bits.y;
+        if (((_e37 | _e39) != 0u)) {
         } else {
             break;
         }
         {
             bit = 0u;
-            uint _e60 = bits.x;
-            if ((_e60 != 0u)) {
-                uint _e64 = bits.x;
-                bit = min(uint(findLSB(_e64)), 32u);
-                uint _e67 = bits.x;
-                uint _e69 = bits.x;
-                bits.x = (_e67 & (_e69 - 1u));
+            uint _e46 = bits.x;
+            if ((_e46 != 0u)) {
+                uint _e50 = bits.x;
+                bit = min(uint(findLSB(_e50)), 32u);
+                uint _e53 = bits.x;
+                uint _e55 = bits.x;
+                bits.x = (_e53 & (_e55 - 1u));
             } else {
-                uint _e75 = bits.y;
-                bit = (32u + min(uint(findLSB(_e75)), 32u));
-                uint _e79 = bits.y;
-                uint _e81 = bits.y;
-                bits.y = (_e79 & (_e81 - 1u));
+                uint _e61 = bits.y;
+                bit = (32u + min(uint(findLSB(_e61)), 32u));
+                uint _e65 = bits.y;
+                uint _e67 = bits.y;
+                bits.y = (_e65 & (_e67 - 1u));
             }
-            uint _e85 = bit;
-            uint _e90 = bit;
-            put_entry(((first_tile + ((_e85 / 6u) * across)) + (_e90 % 6u)), slot_1, depth_1);
+            uint _e71 = bit;
+            uint _e76 = bit;
+            put_entry(((first_tile + ((_e71 / 6u) * across)) + (_e76 % 6u)), slot);
         }
     }
     return;

@@ -135,7 +135,7 @@ int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gles_target *t, fxs_me
     c->gl.Uniform4i(1, (GLint)f->occluder, (GLint)f->backdrop, f->depth_bits, t->depth_buffer != 0);
     if (t->depth_buffer)
         c->gl.Uniform2f(2, 1 / t->plane_0, 1 / t->plane_1);
-    c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[FXS_COMPUTE_PICTURE]);
+    c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[FXS_COMPUTE_MEMORY]);
     c->more.DispatchCompute((GLuint)(width + 7) / 8, (GLuint)(height + 7) / 8, 1);
     return fxs_compute_check(c, why);
 }
@@ -144,6 +144,7 @@ int fxs_compute_take_mesh(const fxs_compute *c, const fxs_gles_target *t, fxs_me
 static int put_words(fxs_compute *c, fxs_message *why)
 {
     const uint64_t words = c->plan.read_words;
+    const uintptr_t at = 4 * (uintptr_t)c->plan.read_at;
     const GLsizei width = 1 << c->shift, rows = (GLsizei)(words >> c->shift);
     const GLsizei rest = (GLsizei)(words - ((uint64_t)rows << c->shift));
     if (words > (uint64_t)c->most_rows << c->shift)
@@ -156,11 +157,11 @@ static int put_words(fxs_compute *c, fxs_message *why)
         c->word_rows = rows + (rest > 0);
         c->gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32UI, width, c->word_rows, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, 0);
     }
-    c->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, c->buffers[FXS_COMPUTE_PICTURE]);
-    c->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, rows, GL_RED_INTEGER, GL_UNSIGNED_INT, 0);
+    c->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, c->buffers[FXS_COMPUTE_MEMORY]);
+    c->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, rows, GL_RED_INTEGER, GL_UNSIGNED_INT, (const void *)at);
     if (rest)
         c->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, rows, rest, 1, GL_RED_INTEGER, GL_UNSIGNED_INT,
-                            (const void *)(4 * (uintptr_t)(words - (uint64_t)rest)));
+                            (const void *)(at + 4 * (uintptr_t)(words - (uint64_t)rest)));
     return fxs_compute_check(c, why);
 }
 
@@ -168,7 +169,7 @@ int fxs_compute_show(fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
 {
     const fxs_compute_frame *f = &c->plan.frame;
     const fxs_gl *gl = &c->gl;
-    const int32_t width = f->size[0], height = f->size[1];
+    const int32_t width = f->size[0], height = f->size[1], first = c->shift ? (int32_t)c->plan.read_at : 0;
     fxs_gl_set(gl, c->vertex_array, 1, &c->words);
     c->more.MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
     const int error = c->shift ? put_words(c, why) : 0;
@@ -182,8 +183,8 @@ int fxs_compute_show(fxs_compute *c, const fxs_gles_target *t, fxs_message *why)
     gl->UseProgram(c->drawing[t->depths_and_ids ? TRACED : COLOURS]);
     /* gl_FragCoord counts from the framebuffer's corner. */
     gl->Uniform4i(0, -t->x, t->top_down ? -t->y : height - 1 + t->y, t->top_down ? 1 : -1, width);
-    gl->Uniform4i(1, (GLint)f->colour, (GLint)f->median_depth, (GLint)f->id, c->shift);
-    c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[FXS_COMPUTE_PICTURE]);
+    gl->Uniform4i(1, (GLint)f->colour - first, (GLint)f->median_depth - first, (GLint)f->id - first, c->shift);
+    c->more.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, c->buffers[FXS_COMPUTE_MEMORY]);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     return fxs_compute_check(c, why);
 }

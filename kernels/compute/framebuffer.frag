@@ -2,8 +2,8 @@
 layout(location = 0) uniform ivec4 place;    // pixel of the fragment (0, 0); rows go by; width of the picture
 layout(location = 1) uniform ivec4 planes;   // words: of the colours, the depths, the ids; log2 of the width of `words`
 #if defined BUFFERED
-layout(std430, binding = 3) readonly buffer Picture {
-    uint picture[];
+layout(std430, binding = 3) readonly buffer Memory {
+    uint memory[];
 };
 #else
 layout(binding = 0) uniform highp usampler2D words;
@@ -17,7 +17,7 @@ layout(location = 2) out uvec2 id_result;
 uint word_at(int i)
 {
 #if defined BUFFERED
-    return picture[i];
+    return memory[i];
 #else
     return texelFetch(words, ivec2(i & ((1 << planes.w) - 1), i >> planes.w), 0).x;
 #endif

@@ -2,8 +2,7 @@
 // The slots that trace found become ids, a thread a pixel.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(1) var<storage, read> memory: array<u32>;
-@group(1) @binding(3) var<storage, read_write> picture: array<u32>;
+@group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 
 // The span of a place: the last that does not begin behind it.
 fn span_of(place: u32) -> u32
@@ -29,7 +28,7 @@ fn name_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     if (pixel >= u32(frame.size.x * frame.size.y)) {
         return;
     }
-    let slot = picture[at];
+    let slot = memory[at];
     var id = vec2<u32>(NOTHING);
     if (slot != NOTHING) {
         let place = memory[frame.visible + slot / CHUNK];
@@ -40,6 +39,6 @@ fn name_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         }
         id = vec2<u32>(memory[span + 4u], (chunk - memory[span + 5u]) * CHUNK + slot % CHUNK);
     }
-    picture[at] = id.x;
-    picture[at + 1u] = id.y;
+    memory[at] = id.x;
+    memory[at + 1u] = id.y;
 }

@@ -15,8 +15,8 @@ struct Frame {
     uint ranks;
     uint visible;
     uint records;
-    uint boxes;
     uint depths;
+    uint boxes;
     uint larges;
     uint spans_at;
     uint next;
@@ -144,7 +144,8 @@ const uint BINS = 256u;
 const uint DONE = 1048576u;
 layout(std430, binding = 0) buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 1) buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
+layout(std430, binding = 1) buffer type_11_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_11_block_3Compute { uint _group_1_binding_2_cs[]; };
 shared uvec2 keys[512];
 shared Block own_block;
 shared uint below_split[2];
@@ -172,8 +173,37 @@ bool fits() {
     bool _e28 = local_1;
     return _e28;
 }
+uvec2 key_of(uint entry) {
+    uint _e4 = _group_0_binding_0_cs.depths;
+    uint _e9 = _group_1_binding_2_cs[(_e4 + (entry & 2147483647u))];
+    return uvec2(entry, _e9);
+}
+uvec2 key_at(bool in_spare, uint at) {
+    if (in_spare) {
+        uint _e5 = _group_0_binding_0_cs.spare;
+        uint _e8 = _group_1_binding_2_cs[(_e5 + at)];
+        uvec2 _e9 = key_of(_e8);
+        return _e9;
+    }
+    uint _e12 = _group_1_binding_1_cs[at];
+    uvec2 _e13 = key_of(_e12);
+    return _e13;
+}
+void put_entry(bool in_spare_1, uint at_1, uint entry_1) {
+    if (in_spare_1) {
+        uint _e6 = _group_0_binding_0_cs.spare;
+        _group_1_binding_2_cs[(_e6 + at_1)] = entry_1;
+        return;
+    } else {
+        _group_1_binding_1_cs[at_1] = entry_1;
+        return;
+    }
+}
 bool is_below(uvec2 a, uvec2 b) {
     return ((a.y == b.y) ? (a.x < b.x) : (a.y < b.y));
+}
+uint merges_of(uint count) {
+    return (max((32u - uint(31 - findMSB((count - 1u)))), 9u) - 9u);
 }
 Block take_block(uvec3 group_2, uint thread_2) {
     bool local_2 = false;
@@ -182,7 +212,7 @@ Block take_block(uvec3 group_2, uint thread_2) {
         uint long_ = _group_1_binding_0_cs[8];
         uint _e14 = _group_0_binding_0_cs.blocks;
         uint _e19 = _group_0_binding_0_cs.block_room;
-        uint at_2 = (_e14 + (2u * ((number_2 < long_) ? ((_e19 - 1u) - number_2) : (number_2 - long_))));
+        uint at_4 = (_e14 + (2u * ((number_2 < long_) ? ((_e19 - 1u) - number_2) : (number_2 - long_))));
         own_block.count = 0u;
         uint _e32 = _group_1_binding_0_cs[7];
         if ((number_2 < (long_ + _e32))) {
@@ -193,15 +223,15 @@ Block take_block(uvec3 group_2, uint thread_2) {
         }
         bool _e39 = local_2;
         if (_e39) {
-            uint tile = _group_1_binding_0_cs[at_2];
-            uint count_1 = _group_1_binding_0_cs[(TILES + tile)];
+            uint tile = _group_1_binding_0_cs[at_4];
+            uint count_2 = _group_1_binding_0_cs[(TILES + tile)];
             uint _e52 = _group_0_binding_0_cs.next;
             uint _e55 = _group_1_binding_0_cs[(_e52 + tile)];
-            uint _e62 = _group_1_binding_0_cs[(at_2 + 1u)];
-            uint _e70 = _group_1_binding_0_cs[(at_2 + 1u)];
-            own_block = Block((_e55 - count_1), count_1, (BLOCK * (_e62 % DONE)), (_e70 / DONE));
-            uint _e78 = _group_1_binding_0_cs[(at_2 + 1u)];
-            _group_1_binding_0_cs[(at_2 + 1u)] = (_e78 + DONE);
+            uint _e62 = _group_1_binding_0_cs[(at_4 + 1u)];
+            uint _e70 = _group_1_binding_0_cs[(at_4 + 1u)];
+            own_block = Block((_e55 - count_2), count_2, (BLOCK * (_e62 % DONE)), (_e70 / DONE));
+            uint _e78 = _group_1_binding_0_cs[(at_4 + 1u)];
+            _group_1_binding_0_cs[(at_4 + 1u)] = (_e78 + DONE);
         }
     }
     memoryBarrierShared();
@@ -211,7 +241,7 @@ Block take_block(uvec3 group_2, uint thread_2) {
     barrier();
     return _e82;
 }
-uint split(uint thread_5, uint first_1, uint a_1, uint second, uint b_1, uint d, uint run) {
+uint split(uint thread_5, bool in_spare_2, uint first_1, uint a_1, uint second, uint b_1, uint d, uint run) {
     uint low = 0u;
     uint high = 0u;
     uint i_9 = 0u;
@@ -221,43 +251,43 @@ uint split(uint thread_5, uint first_1, uint a_1, uint second, uint b_1, uint d,
     high = min(d, a_1);
     for (; (i_9 <= (run / 6u)); i_9 = (i_9 + 1u)) {
         {
-            uint _e20 = high;
-            uint _e21 = low;
-            uint step_2 = (((_e20 - _e21) + 63u) / 64u);
-            uint _e27 = low;
-            uint place_2 = (_e27 + ((thread_5 % 64u) * step_2));
+            uint _e21 = high;
+            uint _e22 = low;
+            uint step_2 = (((_e21 - _e22) + 63u) / 64u);
+            uint _e28 = low;
+            uint place_2 = (_e28 + ((thread_5 % 64u) * step_2));
             below_split[side] = 0u;
             memoryBarrierShared();
             barrier();
-            uint _e35 = high;
-            if ((place_2 < _e35)) {
-                uvec2 _e42 = _group_1_binding_1_cs[(first_1 + place_2)];
-                uvec2 _e49 = _group_1_binding_1_cs[(((second + d) - 1u) - place_2)];
-                bool _e50 = is_below(_e42, _e49);
-                local_5 = _e50;
+            uint _e36 = high;
+            if ((place_2 < _e36)) {
+                uvec2 _e41 = key_at(in_spare_2, (first_1 + place_2));
+                uvec2 _e46 = key_at(in_spare_2, (((second + d) - 1u) - place_2));
+                bool _e47 = is_below(_e41, _e46);
+                local_5 = _e47;
             } else {
                 local_5 = false;
             }
-            bool _e52 = local_5;
-            if (_e52) {
-                uint _e56 = atomicAdd(below_split[side], 1u);
+            bool _e49 = local_5;
+            if (_e49) {
+                uint _e53 = atomicAdd(below_split[side], 1u);
             }
             memoryBarrierShared();
             barrier();
             uint below_2 = below_split[side];
             memoryBarrierShared();
             barrier();
-            uint _e60 = high;
-            uint _e61 = low;
-            high = min(_e60, (_e61 + (below_2 * step_2)));
-            uint _e65 = low;
-            low = (_e65 + ((below_2 != 0u) ? (((below_2 - 1u) * step_2) + 1u) : 0u));
+            uint _e57 = high;
+            uint _e58 = low;
+            high = min(_e57, (_e58 + (below_2 * step_2)));
+            uint _e62 = low;
+            low = (_e62 + ((below_2 != 0u) ? (((below_2 - 1u) * step_2) + 1u) : 0u));
         }
     }
-    uint _e79 = low;
-    return _e79;
+    uint _e76 = low;
+    return _e76;
 }
-uint count_below(uint first_2, uint count, uvec2 key) {
+uint count_below(uint first_2, uint count_1, uvec2 key) {
     uint below_1 = 0u;
     uint step_1 = 256u;
     bool local_6 = false;
@@ -266,7 +296,7 @@ uint count_below(uint first_2, uint count, uvec2 key) {
             uint _e10 = below_1;
             uint _e11 = step_1;
             uint next = (_e10 + _e11);
-            if ((next <= count)) {
+            if ((next <= count_1)) {
                 uvec2 _e21 = keys[((first_2 + next) - 1u)];
                 bool _e22 = is_below(_e21, key);
                 local_6 = _e22;
@@ -292,35 +322,34 @@ void main() {
     if ((_e2.count <= (1u << run_1))) {
         return;
     }
-    uint _e13 = _group_0_binding_0_cs.spare;
-    uint source = (_e2.list + (((_e2.done % 2u) == 1u) ? 0u : _e13));
-    uint _e26 = _group_0_binding_0_cs.spare;
-    uint target_list = (_e2.list + (((_e2.done % 2u) == 1u) ? _e26 : 0u));
+    uint _e11 = merges_of(_e2.count);
+    bool from_spare = ((((_e11 + 1u) - _e2.done) % 2u) == 1u);
     uint start_3 = ((_e2.first >> (run_1 + 1u)) << (run_1 + 1u));
     uint both = min((_e2.count - start_3), (2u << run_1));
     uint a_2 = min(both, (1u << run_1));
     uint d_1 = (_e2.first - start_3);
     uint some_2 = min((both - d_1), BLOCK);
-    uint second_1 = ((source + start_3) + a_2);
-    uint _e66 = split(thread_1, (source + start_3), a_2, second_1, (both - a_2), (d_1 + ((thread_1 / 64u) * some_2)), run_1);
-    splits[(thread_1 / 64u)] = _e66;
+    uint first_3 = (_e2.list + start_3);
+    uint second_1 = (first_3 + a_2);
+    uint _e52 = split(thread_1, from_spare, first_3, a_2, second_1, (both - a_2), (d_1 + ((thread_1 / 64u) * some_2)), run_1);
+    splits[(thread_1 / 64u)] = _e52;
     memoryBarrierShared();
     barrier();
-    uint _e69 = splits[1];
-    uint _e72 = splits[0];
-    uint of_first = (_e69 - _e72);
+    uint _e55 = splits[1];
+    uint _e58 = splits[0];
+    uint of_first = (_e55 - _e58);
     i_2 = thread_1;
     for (; (i_2 < some_2); i_2 = (i_2 + THREADS)) {
         {
-            uint _e80 = splits[0];
-            uint _e82 = i_2;
-            uint _e88 = splits[0];
-            uint _e90 = i_2;
-            uint _e92 = i_2;
-            uint at_3 = ((_e92 < of_first) ? (((source + start_3) + _e88) + _e90) : ((((second_1 + d_1) - _e80) + _e82) - of_first));
-            uint _e96 = i_2;
-            uvec2 _e100 = _group_1_binding_1_cs[at_3];
-            keys[_e96] = _e100;
+            uint _e66 = splits[0];
+            uint _e68 = i_2;
+            uint _e73 = splits[0];
+            uint _e75 = i_2;
+            uint _e77 = i_2;
+            uint at_5 = ((_e77 < of_first) ? ((first_3 + _e73) + _e75) : ((((second_1 + d_1) - _e66) + _e68) - of_first));
+            uint _e81 = i_2;
+            uvec2 _e83 = key_at(from_spare, at_5);
+            keys[_e81] = _e83;
         }
     }
     memoryBarrierShared();
@@ -328,14 +357,14 @@ void main() {
     i_3 = thread_1;
     for (; (i_3 < some_2); i_3 = (i_3 + THREADS)) {
         {
-            uint _e108 = i_3;
-            uvec2 key_1 = keys[_e108];
-            uint _e111 = i_3;
-            bool is_first = (_e111 < of_first);
-            uint _e117 = count_below((is_first ? of_first : 0u), (is_first ? (some_2 - of_first) : of_first), key_1);
-            uint _e121 = i_3;
-            uint _e123 = i_3;
-            _group_1_binding_1_cs[(((target_list + _e2.first) + (is_first ? _e123 : (_e121 - of_first))) + _e117)] = key_1;
+            uint _e91 = i_3;
+            uvec2 key_1 = keys[_e91];
+            uint _e94 = i_3;
+            bool is_first = (_e94 < of_first);
+            uint _e100 = count_below((is_first ? of_first : 0u), (is_first ? (some_2 - of_first) : of_first), key_1);
+            uint _e105 = i_3;
+            uint _e107 = i_3;
+            put_entry(!(from_spare), (((_e2.list + _e2.first) + (is_first ? _e107 : (_e105 - of_first))) + _e100), key_1.x);
         }
     }
     return;

@@ -15,8 +15,8 @@ struct Frame {
     uint ranks;
     uint visible;
     uint records;
-    uint boxes;
     uint depths;
+    uint boxes;
     uint larges;
     uint spans_at;
     uint next;
@@ -133,8 +133,7 @@ const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 1) readonly buffer type_10_block_1Compute { uint _group_1_binding_1_cs[]; };
-layout(std430, binding = 3) buffer type_10_block_2Compute { uint _group_1_binding_3_cs[]; };
+layout(std430, binding = 1) buffer type_10_block_1Compute { uint _group_1_binding_1_cs[]; };
 uint span_of(uint place) {
     uint low = 0u;
     uint high = 0u;
@@ -177,7 +176,7 @@ void main() {
     if ((pixel >= uint((_e19 * _e23)))) {
         return;
     }
-    uint slot = _group_1_binding_3_cs[at];
+    uint slot = _group_1_binding_1_cs[at];
     if ((slot != NOTHING)) {
         uint _e38 = _group_0_binding_0_cs.visible;
         uint place_1 = _group_1_binding_1_cs[(_e38 + (slot / CHUNK))];
@@ -195,8 +194,8 @@ void main() {
         id = uvec2(_e64, (((_e65 - _e70) * CHUNK) + (slot % CHUNK)));
     }
     uint _e81 = id.x;
-    _group_1_binding_3_cs[at] = _e81;
+    _group_1_binding_1_cs[at] = _e81;
     uint _e87 = id.y;
-    _group_1_binding_3_cs[(at + 1u)] = _e87;
+    _group_1_binding_1_cs[(at + 1u)] = _e87;
     return;
 }

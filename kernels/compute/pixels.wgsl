@@ -4,9 +4,9 @@
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
-@group(1) @binding(1) var<storage, read> entries: array<vec2<u32>>;
+@group(1) @binding(1) var<storage, read> entries: array<u32>;
 @group(1) @binding(2) var<storage, read> splats: array<vec4<u32>>;
-@group(1) @binding(3) var<storage, read_write> picture: array<u32>;
+@group(1) @binding(3) var<storage, read_write> memory: array<u32>;      // with the picture
 
 const SIDE: u32 = 8u;
 const SOME: u32 = 32u;
@@ -26,26 +26,26 @@ struct Pixel {
 
 // A splat on its way to a round.
 struct Fetched {
-    entry: vec2<u32>,              // with CUT_OFF: there is none
+    entry: u32,                    // with CUT_OFF: there is none
     a: vec4<u32>,
     b: vec4<u32>,
 }
 
-fn fetch_entry(h: Patch, i: u32) -> vec2<u32>
+fn fetch_entry(h: Patch, i: u32) -> u32
 {
     if (i < h.count) {
         return entries[h.list + i];
     }
-    return vec2<u32>(NOTHING, NOTHING);
+    return NOTHING;
 }
 
-fn fetch_splat(entry: vec2<u32>) -> Fetched
+fn fetch_splat(entry: u32) -> Fetched
 {
     var f: Fetched;
     f.entry = entry;
-    if ((entry.x & CUT_OFF) == 0u) {
-        f.a = splats[2u * entry.x];
-        f.b = splats[2u * entry.x + 1u];
+    if ((entry & CUT_OFF) == 0u) {
+        f.a = splats[2u * entry];
+        f.b = splats[2u * entry + 1u];
     }
     return f;
 }
@@ -130,13 +130,13 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
     if (frame.format == 3u) {
         let rgb = vec3<u32>(min((sum * 65535 + 4096) >> vec3<u32>(13u), vec3<i32>(65535)));
         let alpha = u32(((FXS_CLEAR_Q15 - transmittance) * 65535 + 16384) >> 15u);
-        picture[frame.colour + 2u * at] = rgb.x | (rgb.y << 16u);
-        picture[frame.colour + 2u * at + 1u] = rgb.z | (alpha << 16u);
+        memory[frame.colour + 2u * at] = rgb.x | (rgb.y << 16u);
+        memory[frame.colour + 2u * at + 1u] = rgb.z | (alpha << 16u);
         return;
     }
     var background_q13 = frame.background_q13.xyz;
     if (frame.backdrop != NOTHING) {
-        background_q13 = background_of(picture[frame.backdrop + at]);
+        background_q13 = background_of(memory[frame.backdrop + at]);
     }
     let r = u32(fxs_resolve_8bit(sum.x, transmittance, background_q13.x));
     let g = u32(fxs_resolve_8bit(sum.y, transmittance, background_q13.y));
@@ -148,7 +148,7 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
     if (frame.format == 2u) {
         word = (((r * 31u + 127u) / 255u) << 11u) | (((g * 63u + 127u) / 255u) << 5u) | ((b * 31u + 127u) / 255u);
     }
-    picture[frame.colour + at] = word;
+    memory[frame.colour + at] = word;
 }
 
 // 8x8 pixels of a tile, or a row of them. The same for all threads of a workgroup.
@@ -159,13 +159,6 @@ struct Patch {
     rows: vec2<u32>,               // the first and the last, from y on
     list: u32,
     count: u32,
-}
-
-// Where the list of a tile is, sorted: in the other half of the entries after an odd number of merges.
-fn list_of(tile: u32, count: u32) -> u32
-{
-    let merges = max(32u - countLeadingZeros(max(count, 1u) - 1u), 9u) - 9u;
-    return counts[frame.next + tile] - count + select(0u, frame.spare, merges % 2u == 1u);
 }
 
 fn patch_of(group: vec3<u32>) -> Patch
@@ -184,8 +177,8 @@ fn patch_of(group: vec3<u32>) -> Patch
     let across = u32(frame.tiles.x);
     let count = counts[TILES + tile];
     return Patch(tile, ((tile % across) << frame.tile_bits) + (patch_number & halves) * SIDE,
-                 ((tile / across) << frame.tile_bits) + ((patch_number >> 1u) & halves) * SIDE, rows, list_of(tile, count),
-                 count);
+                 ((tile / across) << frame.tile_bits) + ((patch_number >> 1u) & halves) * SIDE, rows,
+                 counts[frame.next + tile] - count, count);
 }
 
 // The pixels of a thread: two in a row, APART.
@@ -244,7 +237,7 @@ fn put_splat(h: Patch, thread: u32, f: Fetched)
 // And marks it where it touches an open pixel.
 fn place_splat(h: Patch, thread: u32, f: Fetched, round: u32)
 {
-    if ((f.entry.x & CUT_OFF) != 0u) {
+    if ((f.entry & CUT_OFF) != 0u) {
         return;
     }
     put_splat(h, thread, f);
@@ -259,6 +252,6 @@ fn put_pixel(p: ptr<function, Pixel>, at: u32)
         put_colour(p, at);
     }
     if (frame.coverage != NOTHING) {
-        picture[frame.coverage + at] = u32(fxs_coverage_8bit((*p).transmittance));
+        memory[frame.coverage + at] = u32(fxs_coverage_8bit((*p).transmittance));
     }
 }

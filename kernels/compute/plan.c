@@ -3,7 +3,7 @@
 #include "src/core/memory.h"
 #include "src/core/parts.h"
 
-enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 8, TRIES = 6,
+enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4, TRIES = 6,
        MERGES = 19 };
 
 /* A stretch of an object's chunks that are drawn, whose rows lie in one part of its scene. */
@@ -330,13 +330,36 @@ static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t p
     return drawn > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
 }
 
-/* Where all lies in the memory, the counts and the picture, and how large the buffers are. */
+/* What a stage alone needs, one over the other: the tiles that splats are listed in, the room to sort, and the picture,
+   but for its planes that are read. */
+static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels, uint64_t *words)
+{
+    const fxs_targets *t = p->request->targets;
+    fxs_compute_frame *f = &p->frame;
+    f->occluder = plane_at(words, &t->occluder, pixels);
+    f->backdrop = plane_at(words, &t->backdrop, pixels);
+    uint64_t bin = *words, sort = *words, picture = *words;
+    p->read_at = *words;
+    f->boxes = words_at(&bin, 2 * (uint64_t)FXS_CHUNK * r->chunks);
+    f->larges = words_at(&bin, (uint64_t)FXS_COMPUTE_LARGE * r->larges);
+    f->spare = words_at(&sort, (uint64_t)FXS_COMPUTE_PAGE * r->pages);
+    f->colour = plane_at(&picture, &t->colour, pixels * (t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1));
+    f->coverage = plane_at(&picture, &t->coverage, pixels);
+    f->mean_depth = plane_at(&picture, &t->mean_depth, pixels);
+    f->median_depth = plane_at(&picture, &t->median_depth, pixels);
+    f->id = plane_at(&picture, &t->id, 2 * pixels);
+    p->read_words = picture - p->read_at;
+    *words = bin > sort ? bin : sort;
+    *words = picture > *words ? picture : *words;
+}
+
+/* Where all lies in the memory and the counts, and how large the buffers are. */
 static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
 {
     const fxs_targets *t = p->request->targets;
     fxs_compute_frame *f = &p->frame;
     const uint64_t pixels = (uint64_t)p->view.width * (uint64_t)p->view.height;
-    uint64_t words = TABLE_WORDS, picture = 0;
+    uint64_t words = TABLE_WORDS;
     span s = {0, 0, 0, 0};
     for (f->spans = 0; next_span(p, &s); f->spans++)
         ;
@@ -356,15 +379,13 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
     f->ranks = words_at(&words, p->places / 32 + 1);
     f->visible = words_at(&words, p->places);
     f->records = words_at(&words, (uint64_t)FXS_COMPUTE_RECORD * p->places);
-    f->boxes = words_at(&words, 2 * (uint64_t)FXS_CHUNK * r->chunks);
     f->depths = words_at(&words, (uint64_t)FXS_CHUNK * r->chunks);
-    f->larges = words_at(&words, (uint64_t)FXS_COMPUTE_LARGE * r->larges);
+    lay_out_stages(p, r, pixels, &words);
     f->seen = (uint32_t)(FXS_COMPUTE_TILES + tiles);
     f->cleared = f->next = f->seen + p->places / 32 + 1;
     f->classes = (uint32_t)(f->next + tiles);
     f->blocks = (uint32_t)(f->classes + FXS_COMPUTE_CLASSES * tiles);
     f->block_room = (uint32_t)(tiles + (uint64_t)r->pages * (FXS_COMPUTE_PAGE / FXS_COMPUTE_BLOCK));
-    f->spare = r->pages * FXS_COMPUTE_PAGE;
     f->cutoff = (int32_t)p->view.cutoff;
     f->cut_q11 = p->view.cut_q11;
     f->format = t->format;
@@ -372,20 +393,11 @@ static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
         f->background_q13[i] = fxs_is_premultiplied(t->format)
                                    ? 0 : fxs_background_q13(p->request->options.background[i]);
     f->depth_bits = fxs_depth_bits(t);
-    f->colour = plane_at(&picture, &t->colour, pixels * (t->format == FXS_FORMAT_RGBA16_COVERAGE ? 2 : 1));
-    f->coverage = plane_at(&picture, &t->coverage, pixels);
-    f->mean_depth = plane_at(&picture, &t->mean_depth, pixels);
-    f->median_depth = plane_at(&picture, &t->median_depth, pixels);
-    f->id = plane_at(&picture, &t->id, 2 * pixels);
-    p->read_words = picture;
-    f->occluder = plane_at(&picture, &t->occluder, pixels);
-    f->backdrop = plane_at(&picture, &t->backdrop, pixels);
     p->bytes[FXS_COMPUTE_UNIFORMS] = FXS_COMPUTE_STRIDE * ((uint64_t)f->spans + 1);
     p->bytes[FXS_COMPUTE_MEMORY] = 4 * words;
     p->bytes[FXS_COMPUTE_COUNTS] = 4 * (f->blocks + 2 * (uint64_t)f->block_room);
     p->bytes[FXS_COMPUTE_SPLATS] = (uint64_t)FXS_CHUNK * SPLAT_BYTES * f->chunk_room;
-    p->bytes[FXS_COMPUTE_ENTRIES] = 2 * (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room;
-    p->bytes[FXS_COMPUTE_PICTURE] = 4 * picture;
+    p->bytes[FXS_COMPUTE_ENTRIES] = (uint64_t)FXS_COMPUTE_PAGE * ENTRY_BYTES * f->page_room;
     p->bytes[FXS_COMPUTE_ARGUMENTS] = 16 * ((uint64_t)f->spans + 2);
     p->bytes[FXS_COMPUTE_LATER] = 16 * (3 + MERGES);
     p->bytes[FXS_COMPUTE_DOWNLOAD] = 4 * (FXS_COMPUTE_STATUS + p->read_words);
@@ -463,12 +475,12 @@ static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
     OF(start_lists, FXS_COMPUTE_ARGUMENTS, NONE, FXS_COMPUTE_COUNTS, NONE)
     OF(fill_lists, FXS_COMPUTE_LATER, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES)
     OF(fill_large, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES)
-#define OF_LISTS(program) OF(program, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, NONE, NONE)
+#define OF_LISTS(program) OF(program, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_MEMORY, NONE)
     OF_LISTS(sort_blocks) OF_LISTS(merge_runs)
-    OF(blend_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
-    OF(trace_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_PICTURE)
-    OF(clear_pixels, FXS_COMPUTE_COUNTS, NONE, NONE, FXS_COMPUTE_PICTURE)
-    OF(name_pixels, NONE, FXS_COMPUTE_MEMORY, NONE, FXS_COMPUTE_PICTURE)
+    OF(blend_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY)
+    OF(trace_tiles, FXS_COMPUTE_COUNTS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_SPLATS, FXS_COMPUTE_MEMORY)
+    OF(clear_pixels, FXS_COMPUTE_COUNTS, NONE, NONE, FXS_COMPUTE_MEMORY)
+    OF(name_pixels, NONE, FXS_COMPUTE_MEMORY, NONE, NONE)
 };
 
 static fxs_step step_of(uint32_t program)

@@ -31,7 +31,7 @@ typedef struct fxs_plan {
     uint64_t gaussians;
     uint32_t places, cut_room, merges, tries;
     uint64_t bytes[FXS_COMPUTE_BUFFERS];
-    uint64_t read_words;           /* of the picture that are read back: its first */
+    uint64_t read_at, read_words;  /* of the memory that are read back: the picture's planes that are written */
     fxs_compute_frame frame;
     uint32_t status[FXS_COMPUTE_STATUS];
 } fxs_plan;

@@ -15,7 +15,7 @@ enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
 /* Buffers. */
 enum {
     FXS_COMPUTE_UNIFORMS,          /* the frame, then the objects, FXS_COMPUTE_STRIDE bytes each */
-    FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS, FXS_COMPUTE_ENTRIES, FXS_COMPUTE_PICTURE,
+    FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS, FXS_COMPUTE_ENTRIES,
     FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,          /* of indirect dispatches; of those of blend and sort */
     FXS_COMPUTE_DOWNLOAD,          /* what is read back: status and picture */
     FXS_COMPUTE_BUFFERS
@@ -34,7 +34,7 @@ enum { FXS_COMPUTE_VISIBLE_CHUNKS, FXS_COMPUTE_LARGES, FXS_COMPUTE_PAGES, FXS_CO
 typedef struct fxs_compute_frame {
     int32_t size[2], tiles[2];
     uint32_t places, spans, chunk_room, large_room, page_room;
-    uint32_t drawn, seen, ranks, visible, records, boxes, depths, larges, spans_at, next, classes;
+    uint32_t drawn, seen, ranks, visible, records, depths, boxes, larges, spans_at, next, classes;
     uint32_t blocks, block_room, spare, tile_bits, cleared;
     int32_t cutoff, cut_q11;
     uint32_t format;

@@ -44,8 +44,8 @@ struct Frame {
     ranks: u32,                    // how many are seen before each word of these
     visible: u32,                  // the places that are seen
     records: u32,                  // of places
-    boxes: u32,                    // two words a slot
     depths: u32,                   // by slot
+    boxes: u32,                    // two words a slot, until the lists are filled: what is needed later lies over them
     larges: u32,
     spans_at: u32,                 // of each span its first place, its end, these as they are among the visible, the
                                    // object's id and its first chunk
@@ -54,7 +54,7 @@ struct Frame {
     blocks: u32,                   // and of each block of a list the tile and which one it is: short lists' first,
                                    // those of long lists last
     block_room: u32,
-    spare: u32,                    // where as many entries are again, to sort lists
+    spare: u32,                    // in the memory: where as many entries are again, to sort lists
     tile_bits: u32,                // a list is of 2^tile_bits pixels across and down: 16, or 8 (see plan.c)
     cleared: u32,                  // words of the counts that are 0 at first
     cutoff: i32,                   // 1: square
@@ -62,7 +62,8 @@ struct Frame {
     format: u32,
     background_q13: vec4<i32>,
     depth_bits: i32,
-    colour: u32,                   // in the picture: where its planes begin, of a word a pixel; NOTHING: there is none
+    colour: u32,                   // in the memory: where the picture's planes begin, of a word a pixel; NOTHING: there
+                                   // is none
     coverage: u32,
     mean_depth: u32,               // and the two below: as in fxs_targets
     median_depth: u32,

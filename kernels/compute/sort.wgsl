@@ -6,17 +6,41 @@
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
-@group(1) @binding(1) var<storage, read_write> entries: array<vec2<u32>>;   // slot, depth
+@group(1) @binding(1) var<storage, read_write> entries: array<u32>;
+@group(1) @binding(2) var<storage, read_write> memory: array<u32>;          // depths, and room for as many entries again
 
 const SAMPLES: u32 = 32u;
 const RANGE: u32 = 8u;             // bins
 const BINS: u32 = 256u;
 
-var<workgroup> keys: array<vec2<u32>, 512>;      // bin after bin
+var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth, bin after bin
 var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then starts; the last: the end of all
 var<workgroup> sums: array<u32, 16>;
 var<workgroup> samples: array<u32, 32>;
 var<workgroup> bounds: array<vec2<u32>, 32>;     // of the ranges: the least depth, and the shift that bins are wide
+
+fn key_of(entry: u32) -> vec2<u32>
+{
+    return vec2<u32>(entry, memory[frame.depths + (entry & ~CUT_OFF)]);
+}
+
+// The key of an entry that lies in the spare room or in the entries.
+fn key_at(in_spare: bool, at: u32) -> vec2<u32>
+{
+    if (in_spare) {
+        return key_of(memory[frame.spare + at]);
+    }
+    return key_of(entries[at]);
+}
+
+fn put_entry(in_spare: bool, at: u32, entry: u32)
+{
+    if (in_spare) {
+        memory[frame.spare + at] = entry;
+    } else {
+        entries[at] = entry;
+    }
+}
 
 // By depth, then by slot.
 fn is_below(a: vec2<u32>, b: vec2<u32>) -> bool
@@ -35,6 +59,12 @@ struct Block {
 }
 
 var<workgroup> own_block: Block;
+
+// Each merge moves a list of at least two entries between these and the spare room. The last one ends in the entries.
+fn merges_of(count: u32) -> u32
+{
+    return max(32u - countLeadingZeros(count - 1u), 9u) - 9u;
+}
 
 // A workgroup's block. Blocks of long lists have the first numbers.
 fn take_block(group: vec3<u32>, thread: u32) -> Block
@@ -90,7 +120,7 @@ fn bound_ranges(thread: u32, at: u32, some: u32)
 {
     var own = 0u;
     if (thread < SAMPLES) {
-        own = entries[at + thread * max(some, SAMPLES) / SAMPLES % some].y;
+        own = key_at(false, at + thread * max(some, SAMPLES) / SAMPLES % some).y;
         samples[thread] = own;
     }
     workgroupBarrier();
@@ -129,6 +159,7 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
     let some = min(block.count - block.first, BLOCK);
     let at = block.list + block.first;
+    let to_spare = merges_of(block.count) % 2u == 1u;
     var own: array<vec2<u32>, 4>;  // keys of this thread,
     var bin_of_own: array<u32, 4>;
     var place: array<u32, 4>;      // in its bin, of those that came before
@@ -138,7 +169,7 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     bound_ranges(thread, at, some);
     for (var k = 0u; k < BLOCK / THREADS; k += 1u) {
         if (thread + k * THREADS < some) {
-            own[k] = entries[at + thread + k * THREADS];
+            own[k] = key_at(false, at + thread + k * THREADS);
             bin_of_own[k] = bin_of(own[k].y);
             place[k] = atomicAdd(&bins[bin_of_own[k]], 1u);
         }
@@ -159,7 +190,7 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
             for (var i = first; i < end; i += 1u) {
                 below += select(0u, 1u, is_below(keys[i], own[k]));
             }
-            entries[at + below] = own[k];
+            put_entry(to_spare, at + below, own[k].x);
         }
     }
 }
@@ -169,7 +200,7 @@ var<workgroup> splits: array<u32, 2>;
 
 // Of two runs of `a` and `b` keys from `first` and `second` on, how many of the first one are among the least d of both:
 // 64 threads test as many places at a time. Half of the threads ask for one d, half for another.
-fn split(thread: u32, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
+fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;
     var low = d - min(d, b);
@@ -179,7 +210,7 @@ fn split(thread: u32, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32)
         let place = low + thread % 64u * step;
         atomicStore(&below_split[side], 0u);
         workgroupBarrier();
-        if (place < high && is_below(entries[first + place], entries[second + d - 1u - place])) {
+        if (place < high && is_below(key_at(in_spare, first + place), key_at(in_spare, second + d - 1u - place))) {
             atomicAdd(&below_split[side], 1u);
         }
         workgroupBarrier();
@@ -204,7 +235,7 @@ fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
     return below;
 }
 
-// BLOCK keys of two runs of a list, merged, from one half of the entries to the other.
+// BLOCK entries of two runs of a list, merged.
 @compute @workgroup_size(128)
 fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
@@ -213,26 +244,26 @@ fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation
     if (block.count <= 1u << run) {
         return;
     }
-    let source = block.list + select(frame.spare, 0u, block.done % 2u == 1u);
-    let target_list = block.list + select(0u, frame.spare, block.done % 2u == 1u);
+    let from_spare = (merges_of(block.count) + 1u - block.done) % 2u == 1u;
     let start = (block.first >> (run + 1u)) << (run + 1u);
     let both = min(block.count - start, 2u << run);
     let a = min(both, 1u << run);
     let d = block.first - start;
     let some = min(both - d, BLOCK);
-    let second = source + start + a;
-    splits[thread / 64u] = split(thread, source + start, a, second, both - a, d + thread / 64u * some, run);
+    let first = block.list + start;
+    let second = first + a;
+    splits[thread / 64u] = split(thread, from_spare, first, a, second, both - a, d + thread / 64u * some, run);
     workgroupBarrier();
     let of_first = splits[1] - splits[0];
     for (var i = thread; i < some; i += THREADS) {
-        let at = select(second + d - splits[0] + i - of_first, source + start + splits[0] + i, i < of_first);
-        keys[i] = entries[at];
+        let at = select(second + d - splits[0] + i - of_first, first + splits[0] + i, i < of_first);
+        keys[i] = key_at(from_spare, at);
     }
     workgroupBarrier();
     for (var i = thread; i < some; i += THREADS) {
         let key = keys[i];
         let is_first = i < of_first;
         let below = count_below(select(0u, of_first, is_first), select(of_first, some - of_first, is_first), key);
-        entries[target_list + block.first + select(i - of_first, i, is_first) + below] = key;
+        put_entry(!from_spare, block.list + block.first + select(i - of_first, i, is_first) + below, key.x);
     }
 }

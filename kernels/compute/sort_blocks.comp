@@ -15,8 +15,8 @@ struct Frame {
     uint ranks;
     uint visible;
     uint records;
-    uint boxes;
     uint depths;
+    uint boxes;
     uint larges;
     uint spans_at;
     uint next;
@@ -144,7 +144,8 @@ const uint BINS = 256u;
 const uint DONE = 1048576u;
 layout(std430, binding = 0) buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 1) buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
+layout(std430, binding = 1) buffer type_11_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_11_block_3Compute { uint _group_1_binding_2_cs[]; };
 shared uvec2 keys[512];
 shared uint bins[257];
 shared uint sums[16];
@@ -174,8 +175,37 @@ bool fits() {
     bool _e28 = local_1;
     return _e28;
 }
+uvec2 key_of(uint entry) {
+    uint _e4 = _group_0_binding_0_cs.depths;
+    uint _e9 = _group_1_binding_2_cs[(_e4 + (entry & 2147483647u))];
+    return uvec2(entry, _e9);
+}
+uvec2 key_at(bool in_spare, uint at) {
+    if (in_spare) {
+        uint _e5 = _group_0_binding_0_cs.spare;
+        uint _e8 = _group_1_binding_2_cs[(_e5 + at)];
+        uvec2 _e9 = key_of(_e8);
+        return _e9;
+    }
+    uint _e12 = _group_1_binding_1_cs[at];
+    uvec2 _e13 = key_of(_e12);
+    return _e13;
+}
+void put_entry(bool in_spare_1, uint at_1, uint entry_1) {
+    if (in_spare_1) {
+        uint _e6 = _group_0_binding_0_cs.spare;
+        _group_1_binding_2_cs[(_e6 + at_1)] = entry_1;
+        return;
+    } else {
+        _group_1_binding_1_cs[at_1] = entry_1;
+        return;
+    }
+}
 bool is_below(uvec2 a, uvec2 b) {
     return ((a.y == b.y) ? (a.x < b.x) : (a.y < b.y));
+}
+uint merges_of(uint count) {
+    return (max((32u - uint(31 - findMSB((count - 1u)))), 9u) - 9u);
 }
 Block take_block(uvec3 group_2, uint thread_2) {
     bool local_2 = false;
@@ -184,7 +214,7 @@ Block take_block(uvec3 group_2, uint thread_2) {
         uint long_ = _group_1_binding_0_cs[8];
         uint _e14 = _group_0_binding_0_cs.blocks;
         uint _e19 = _group_0_binding_0_cs.block_room;
-        uint at_2 = (_e14 + (2u * ((number_2 < long_) ? ((_e19 - 1u) - number_2) : (number_2 - long_))));
+        uint at_4 = (_e14 + (2u * ((number_2 < long_) ? ((_e19 - 1u) - number_2) : (number_2 - long_))));
         own_block.count = 0u;
         uint _e32 = _group_1_binding_0_cs[7];
         if ((number_2 < (long_ + _e32))) {
@@ -195,15 +225,15 @@ Block take_block(uvec3 group_2, uint thread_2) {
         }
         bool _e39 = local_2;
         if (_e39) {
-            uint tile = _group_1_binding_0_cs[at_2];
-            uint count_1 = _group_1_binding_0_cs[(TILES + tile)];
+            uint tile = _group_1_binding_0_cs[at_4];
+            uint count_2 = _group_1_binding_0_cs[(TILES + tile)];
             uint _e52 = _group_0_binding_0_cs.next;
             uint _e55 = _group_1_binding_0_cs[(_e52 + tile)];
-            uint _e62 = _group_1_binding_0_cs[(at_2 + 1u)];
-            uint _e70 = _group_1_binding_0_cs[(at_2 + 1u)];
-            own_block = Block((_e55 - count_1), count_1, (BLOCK * (_e62 % DONE)), (_e70 / DONE));
-            uint _e78 = _group_1_binding_0_cs[(at_2 + 1u)];
-            _group_1_binding_0_cs[(at_2 + 1u)] = (_e78 + DONE);
+            uint _e62 = _group_1_binding_0_cs[(at_4 + 1u)];
+            uint _e70 = _group_1_binding_0_cs[(at_4 + 1u)];
+            own_block = Block((_e55 - count_2), count_2, (BLOCK * (_e62 % DONE)), (_e70 / DONE));
+            uint _e78 = _group_1_binding_0_cs[(at_4 + 1u)];
+            _group_1_binding_0_cs[(at_4 + 1u)] = (_e78 + DONE);
         }
     }
     memoryBarrierShared();
@@ -266,56 +296,56 @@ void place_bins(uint thread_3, uint some) {
     barrier();
     return;
 }
-void bound_ranges(uint thread_4, uint at, uint some_1) {
+void bound_ranges(uint thread_4, uint at_2, uint some_1) {
     uint own_1 = 0u;
     uint place_1 = 0u;
     uint i_8 = 0u;
     bool local_3 = false;
     bool local_4 = false;
     if ((thread_4 < SAMPLES)) {
-        uint _e17 = _group_1_binding_1_cs[(at + (((thread_4 * max(some_1, SAMPLES)) / SAMPLES) % some_1))].y;
-        own_1 = _e17;
-        uint _e20 = own_1;
-        samples[thread_4] = _e20;
+        uvec2 _e15 = key_at(false, (at_2 + (((thread_4 * max(some_1, SAMPLES)) / SAMPLES) % some_1)));
+        own_1 = _e15.y;
+        uint _e19 = own_1;
+        samples[thread_4] = _e19;
     }
     memoryBarrierShared();
     barrier();
     if ((thread_4 < SAMPLES)) {
         for (; (i_8 < SAMPLES); i_8 = (i_8 + 1u)) {
             {
-                uint _e30 = place_1;
-                uint _e34 = i_8;
-                uint _e36 = samples[_e34];
-                uint _e37 = own_1;
-                if (!((_e36 < _e37))) {
-                    uint _e43 = i_8;
-                    uint _e45 = samples[_e43];
-                    uint _e46 = own_1;
-                    if ((_e45 == _e46)) {
-                        uint _e50 = i_8;
-                        local_4 = (_e50 < thread_4);
+                uint _e29 = place_1;
+                uint _e33 = i_8;
+                uint _e35 = samples[_e33];
+                uint _e36 = own_1;
+                if (!((_e35 < _e36))) {
+                    uint _e42 = i_8;
+                    uint _e44 = samples[_e42];
+                    uint _e45 = own_1;
+                    if ((_e44 == _e45)) {
+                        uint _e49 = i_8;
+                        local_4 = (_e49 < thread_4);
                     } else {
                         local_4 = false;
                     }
-                    bool _e53 = local_4;
-                    local_3 = _e53;
+                    bool _e52 = local_4;
+                    local_3 = _e52;
                 } else {
                     local_3 = true;
                 }
-                bool _e55 = local_3;
-                place_1 = (_e30 + (_e55 ? 1u : 0u));
+                bool _e54 = local_3;
+                place_1 = (_e29 + (_e54 ? 1u : 0u));
             }
         }
-        uint _e62 = place_1;
-        uint _e65 = own_1;
-        bounds[_e62].x = _e65;
+        uint _e61 = place_1;
+        uint _e64 = own_1;
+        bounds[_e61].x = _e64;
     }
     memoryBarrierShared();
     barrier();
     if ((thread_4 < SAMPLES)) {
-        uint _e75 = bounds[min((thread_4 + 1u), 31u)].x;
-        uint _e79 = bounds[thread_4].x;
-        uint width = (_e75 - _e79);
+        uint _e74 = bounds[min((thread_4 + 1u), 31u)].x;
+        uint _e78 = bounds[thread_4].x;
+        uint width = (_e74 - _e78);
         bounds[thread_4].y = (max((32u - uint(31 - findMSB(width))), 3u) - 3u);
     }
     memoryBarrierShared();
@@ -357,33 +387,35 @@ void main() {
         return;
     }
     uint some_2 = min((_e2.count - _e2.first), BLOCK);
-    uint at_3 = (_e2.list + _e2.first);
+    uint at_5 = (_e2.list + _e2.first);
+    uint _e15 = merges_of(_e2.count);
+    bool to_spare = ((_e15 % 2u) == 1u);
     i = thread;
     for (; (i < BINS); i = (i + THREADS)) {
         {
-            uint _e22 = i;
-            bins[_e22] = 0u;
+            uint _e28 = i;
+            bins[_e28] = 0u;
         }
     }
-    bound_ranges(thread, at_3, some_2);
+    bound_ranges(thread, at_5, some_2);
     for (; (k < 4u); k = (k + 1u)) {
         {
-            uint _e33 = k;
-            if (((thread + (_e33 * THREADS)) < some_2)) {
-                uint _e38 = k;
-                uint _e42 = k;
-                uvec2 _e47 = _group_1_binding_1_cs[((at_3 + thread) + (_e42 * THREADS))];
-                own[_e38] = _e47;
+            uint _e39 = k;
+            if (((thread + (_e39 * THREADS)) < some_2)) {
+                uint _e44 = k;
                 uint _e48 = k;
-                uint _e50 = k;
-                uint _e53 = own[_e50].y;
-                uint _e54 = bin_of(_e53);
-                bin_of_own[_e48] = _e54;
+                uvec2 _e52 = key_at(false, ((at_5 + thread) + (_e48 * THREADS)));
+                own[_e44] = _e52;
+                uint _e53 = k;
                 uint _e55 = k;
-                uint _e58 = k;
-                uint _e60 = bin_of_own[_e58];
-                uint _e63 = atomicAdd(bins[_e60], 1u);
-                place[_e55] = _e63;
+                uint _e58 = own[_e55].y;
+                uint _e59 = bin_of(_e58);
+                bin_of_own[_e53] = _e59;
+                uint _e60 = k;
+                uint _e63 = k;
+                uint _e65 = bin_of_own[_e63];
+                uint _e68 = atomicAdd(bins[_e65], 1u);
+                place[_e60] = _e68;
             }
         }
     }
@@ -392,16 +424,16 @@ void main() {
     place_bins(thread, some_2);
     for (; (k_1 < 4u); k_1 = (k_1 + 1u)) {
         {
-            uint _e72 = k_1;
-            if (((thread + (_e72 * THREADS)) < some_2)) {
-                uint _e79 = k_1;
-                uint _e81 = bin_of_own[_e79];
-                uint _e83 = bins[_e81];
+            uint _e77 = k_1;
+            if (((thread + (_e77 * THREADS)) < some_2)) {
                 uint _e84 = k_1;
-                uint _e86 = place[_e84];
+                uint _e86 = bin_of_own[_e84];
+                uint _e88 = bins[_e86];
                 uint _e89 = k_1;
-                uvec2 _e91 = own[_e89];
-                keys[(_e83 + _e86)] = _e91;
+                uint _e91 = place[_e89];
+                uint _e94 = k_1;
+                uvec2 _e96 = own[_e94];
+                keys[(_e88 + _e91)] = _e96;
             }
         }
     }
@@ -409,31 +441,31 @@ void main() {
     barrier();
     for (; (k_2 < 4u); k_2 = (k_2 + 1u)) {
         {
-            uint _e100 = k_2;
-            if (((thread + (_e100 * THREADS)) < some_2)) {
-                uint _e106 = k_2;
-                uint _e108 = bin_of_own[_e106];
-                uint first_3 = bins[_e108];
-                uint _e112 = k_2;
-                uint _e114 = bin_of_own[_e112];
-                uint end = bins[(_e114 + 1u)];
+            uint _e105 = k_2;
+            if (((thread + (_e105 * THREADS)) < some_2)) {
+                uint _e111 = k_2;
+                uint _e113 = bin_of_own[_e111];
+                uint first_3 = bins[_e113];
+                uint _e117 = k_2;
+                uint _e119 = bin_of_own[_e117];
+                uint end = bins[(_e119 + 1u)];
                 below = first_3;
                 i_1 = first_3;
                 for (; (i_1 < end); i_1 = (i_1 + 1u)) {
                     {
-                        uint _e123 = below;
-                        uint _e127 = i_1;
-                        uvec2 _e129 = keys[_e127];
-                        uint _e130 = k_2;
-                        uvec2 _e132 = own[_e130];
-                        bool _e133 = is_below(_e129, _e132);
-                        below = (_e123 + (_e133 ? 1u : 0u));
+                        uint _e128 = below;
+                        uint _e132 = i_1;
+                        uvec2 _e134 = keys[_e132];
+                        uint _e135 = k_2;
+                        uvec2 _e137 = own[_e135];
+                        bool _e138 = is_below(_e134, _e137);
+                        below = (_e128 + (_e138 ? 1u : 0u));
                     }
                 }
-                uint _e140 = below;
-                uint _e143 = k_2;
-                uvec2 _e145 = own[_e143];
-                _group_1_binding_1_cs[(at_3 + _e140)] = _e145;
+                uint _e144 = below;
+                uint _e146 = k_2;
+                uint _e149 = own[_e146].x;
+                put_entry(to_spare, (at_5 + _e144), _e149);
             }
         }
     }

@@ -7,8 +7,8 @@ layout(location = 2) uniform vec2 inverse;   // 1 / distance of what has depth 0
 layout(binding = 0) uniform highp usampler2D occluder;
 layout(binding = 1) uniform highp sampler2D depth_buffer;
 layout(binding = 2) uniform highp sampler2D backdrop;
-layout(std430, binding = 3) writeonly buffer Picture {
-    uint picture[];
+layout(std430, binding = 3) writeonly buffer Memory {
+    uint memory[];
 };
 
 void main()
@@ -19,10 +19,10 @@ void main()
     ivec2 texel = ivec2(pixel.x, size.z + size.w * pixel.y);
     int at = pixel.y * size.x + pixel.x;
     if (planes.x >= 0)
-        picture[planes.x + at] = planes.w == 1 ? distance_of(texelFetch(depth_buffer, texel, 0).x, inverse, planes.z)
+        memory[planes.x + at] = planes.w == 1 ? distance_of(texelFetch(depth_buffer, texel, 0).x, inverse, planes.z)
                                                : texelFetch(occluder, texel, 0).x;
     if (planes.y >= 0) {
         uvec3 bytes = uvec3(texelFetch(backdrop, texel, 0).rgb * 255.0 + 0.5);
-        picture[planes.y + at] = bytes.r | bytes.g << 8 | bytes.b << 16;
+        memory[planes.y + at] = bytes.r | bytes.g << 8 | bytes.b << 16;
     }
 }

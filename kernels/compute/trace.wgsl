@@ -1,7 +1,7 @@
 // Needs pixel numbers records order pixels
 // trace: blend and resolve with depths, ids and an occluder, src/core/trace.c.
 
-var<workgroup> own: array<vec2<u32>, 32>;  // the entries of a round
+var<workgroup> own: array<vec2<u32>, 32>;  // the entries of a round, and their depths
 
 const HALF_Q15: i32 = 16384;
 
@@ -82,14 +82,22 @@ fn note(t: ptr<function, Traced>, before: i32, weight: i32, key: u32, slot: u32)
 fn put_traces(t: ptr<function, Traced>, transmittance: i32, at: u32)
 {
     if (frame.mean_depth != NOTHING) {
-        picture[frame.mean_depth + at] = mean_depth((*t).sum, transmittance);
+        memory[frame.mean_depth + at] = mean_depth((*t).sum, transmittance);
     }
     if (frame.median_depth != NOTHING) {
-        picture[frame.median_depth + at] = select(depth_of_key((*t).median), NOTHING, transmittance >= HALF_Q15);
+        memory[frame.median_depth + at] = select(depth_of_key((*t).median), NOTHING, transmittance >= HALF_Q15);
     }
     if (frame.id != NOTHING) {
-        picture[frame.id + 2u * at] = (*t).largest;
+        memory[frame.id + 2u * at] = (*t).largest;
     }
+}
+
+fn depth_of(entry: u32) -> u32
+{
+    if (entry == NOTHING) {
+        return NOTHING;
+    }
+    return memory[frame.depths + (entry & ~CUT_OFF)];
 }
 
 // What of a list's splat a pixel notes.
@@ -108,7 +116,7 @@ fn traced_at(inside: bool, at: u32) -> Traced
 {
     var t = Traced(NOTHING, 0, NOTHING, NOTHING, wide(0u, 0u));
     if (inside && frame.occluder != NOTHING) {
-        t.limit = key_of(picture[frame.occluder + at]);
+        t.limit = key_of(memory[frame.occluder + at]);
     }
     return t;
 }
@@ -133,6 +141,7 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     var t = traced_at(place.inside.y, place.at + APART);
     var open = place.inside;
     var fetched = fetch_splat(fetch_entry(h, thread));
+    var depth = depth_of(fetched.entry);
     var entry = fetch_entry(h, SOME + thread);
     clear_rounds(thread, place);
     for (var first = 0u; first < h.count; first += SOME) {
@@ -141,8 +150,9 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
             open_round = round;
         }
         place_splat(h, thread, fetched, round);
-        own[thread] = fetched.entry;
+        own[thread] = vec2<u32>(fetched.entry, depth);
         fetched = fetch_splat(entry);              // while this round is blended
+        depth = depth_of(entry);
         entry = fetch_entry(h, first + 2u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;

@@ -15,8 +15,8 @@ struct Frame {
     uint ranks;
     uint visible;
     uint records;
-    uint boxes;
     uint depths;
+    uint boxes;
     uint larges;
     uint spans_at;
     uint next;
@@ -110,7 +110,7 @@ struct Pixel {
     ivec3 sum;
 };
 struct Fetched {
-    uvec2 entry;
+    uint entry;
     uvec4 a;
     uvec4 b;
 };
@@ -181,8 +181,8 @@ const uint APART = 4u;
 const int HALF_Q15_ = 16384;
 layout(std430, binding = 0) readonly buffer type_12_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 1) readonly buffer type_13_block_2Compute { uvec2 _group_1_binding_1_cs[]; };
-layout(std430, binding = 2) readonly buffer type_14_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
+layout(std430, binding = 1) readonly buffer type_12_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) readonly buffer type_13_block_3Compute { uvec4 _group_1_binding_2_cs[]; };
 layout(std430, binding = 3) buffer type_12_block_4Compute { uint _group_1_binding_3_cs[]; };
 shared uvec4 shapes[32];
 shared uvec4 shades[32];
@@ -346,24 +346,24 @@ bool fits() {
     bool _e28 = local_5;
     return _e28;
 }
-uvec2 fetch_entry(Patch h, uint i_1) {
+uint fetch_entry(Patch h, uint i_1) {
     if ((i_1 < h.count)) {
-        uvec2 _e8 = _group_1_binding_1_cs[(h.list + i_1)];
+        uint _e8 = _group_1_binding_1_cs[(h.list + i_1)];
         return _e8;
     }
-    return uvec2(4294967295u, 4294967295u);
+    return NOTHING;
 }
-Fetched fetch_splat(uvec2 entry_1) {
-    Fetched f = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
+Fetched fetch_splat(uint entry_1) {
+    Fetched f = Fetched(0u, uvec4(0u), uvec4(0u));
     f.entry = entry_1;
-    if (((entry_1.x & CUT_OFF) == 0u)) {
-        uvec4 _e14 = _group_1_binding_2_cs[(2u * entry_1.x)];
-        f.a = _e14;
-        uvec4 _e23 = _group_1_binding_2_cs[((2u * entry_1.x) + 1u)];
-        f.b = _e23;
+    if (((entry_1 & CUT_OFF) == 0u)) {
+        uvec4 _e12 = _group_1_binding_2_cs[(2u * entry_1)];
+        f.a = _e12;
+        uvec4 _e20 = _group_1_binding_2_cs[((2u * entry_1) + 1u)];
+        f.b = _e20;
     }
-    Fetched _e24 = f;
-    return _e24;
+    Fetched _e21 = f;
+    return _e21;
 }
 uint open_of(uint row) {
     uint _e5 = open_pixels[(row / 4u)];
@@ -501,13 +501,6 @@ void put_colour(inout Pixel p_4, uint at) {
     _group_1_binding_3_cs[(_e149 + at)] = _e152;
     return;
 }
-uint list_of(uint tile, uint count) {
-    uint merges = (max((32u - uint(31 - findMSB((max(count, 1u) - 1u)))), 9u) - 9u);
-    uint _e16 = _group_0_binding_0_cs.next;
-    uint _e19 = _group_1_binding_0_cs[(_e16 + tile)];
-    uint _e24 = _group_0_binding_0_cs.spare;
-    return ((_e19 - count) + (((merges % 2u) == 1u) ? _e24 : 0u));
-}
 Patch patch_of(uvec3 group_1) {
     bool local_8 = false;
     uint number_2 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
@@ -531,11 +524,12 @@ Patch patch_of(uvec3 group_1) {
     }
     int _e58 = _group_0_binding_0_cs.tiles.x;
     uint across = uint(_e58);
-    uint count_1 = _group_1_binding_0_cs[(TILES + _e39)];
+    uint count = _group_1_binding_0_cs[(TILES + _e39)];
     uint _e68 = _group_0_binding_0_cs.tile_bits;
     uint _e77 = _group_0_binding_0_cs.tile_bits;
-    uint _e85 = list_of(_e39, count_1);
-    return Patch(_e39, (((_e39 % across) << _e68) + ((patch_number & halves) * SIDE)), (((_e39 / across) << _e77) + (((patch_number >> 1u) & halves) * SIDE)), rows, _e85, count_1);
+    uint _e88 = _group_0_binding_0_cs.next;
+    uint _e91 = _group_1_binding_0_cs[(_e88 + _e39)];
+    return Patch(_e39, (((_e39 % across) << _e68) + ((patch_number & halves) * SIDE)), (((_e39 / across) << _e77) + (((patch_number >> 1u) & halves) * SIDE)), rows, (_e91 - count), count);
 }
 Place place_of(Patch h_2, uint thread_1) {
     bool local_9 = false;
@@ -593,13 +587,13 @@ void put_splat(Patch h_3, uint thread_3, Fetched f_2) {
     return;
 }
 void place_splat(Patch h_4, uint thread_4, Fetched f_3, uint round_) {
-    if (((f_3.entry.x & CUT_OFF) != 0u)) {
+    if (((f_3.entry & CUT_OFF) != 0u)) {
         return;
     }
     put_splat(h_4, thread_4, f_3);
-    bool _e10 = touch(f_3, h_4);
-    if (_e10) {
-        uint _e17 = atomicOr(touching[(round_ % 2u)], (1u << thread_4));
+    bool _e9 = touch(f_3, h_4);
+    if (_e9) {
+        uint _e16 = atomicOr(touching[(round_ % 2u)], (1u << thread_4));
         return;
     } else {
         return;
@@ -621,20 +615,20 @@ void put_pixel(inout Pixel p_5, uint at_1) {
         return;
     }
 }
-uint key_of(uint depth) {
+uint key_of(uint depth_1) {
     bool local_11 = false;
-    int _e3 = zeros_of((depth | 1u));
-    if (!((depth == NOTHING))) {
-        local_11 = (depth == 0u);
+    int _e3 = zeros_of((depth_1 | 1u));
+    if (!((depth_1 == NOTHING))) {
+        local_11 = (depth_1 == 0u);
     } else {
         local_11 = true;
     }
     bool _e12 = local_11;
     if (_e12) {
-        return depth;
+        return depth_1;
     }
     int _e17 = _group_0_binding_0_cs.depth_bits;
-    return ((uint(((63 - _e3) - _e17)) << 26u) | (((depth << uint(_e3)) >> 5u) & 67108863u));
+    return ((uint(((63 - _e3) - _e17)) << 26u) | (((depth_1 << uint(_e3)) >> 5u) & 67108863u));
 }
 uint depth_of_key(uint key) {
     int _e8 = _group_0_binding_0_cs.depth_bits;
@@ -720,13 +714,21 @@ void put_traces(inout Traced t_3, int transmittance_1, uint at_2) {
         return;
     }
 }
-void trace_splat(inout Pixel p_6, inout Traced t_4, Taken taken, uint column_1, uvec2 entry_2) {
+uint depth_of(uint entry_2) {
+    if ((entry_2 == NOTHING)) {
+        return NOTHING;
+    }
+    uint _e7 = _group_0_binding_0_cs.depths;
+    uint _e12 = _group_1_binding_3_cs[(_e7 + (entry_2 & 2147483647u))];
+    return _e12;
+}
+void trace_splat(inout Pixel p_6, inout Traced t_4, Taken taken, uint column_1, uvec2 entry_3) {
     uint _e7 = t_4.limit;
-    if ((entry_2.y <= _e7)) {
+    if ((entry_3.y <= _e7)) {
         int before_3 = p_6.transmittance;
         int _e11 = blend_splat(p_6, taken, column_1);
         if ((_e11 > 0)) {
-            note(t_4, before_3, _e11, entry_2.y, entry_2.x);
+            note(t_4, before_3, _e11, entry_3.y, entry_3.x);
             return;
         } else {
             return;
@@ -768,8 +770,9 @@ void main() {
     Traced s = Traced(0u, 0, 0u, 0u, uvec2(0u));
     Traced t = Traced(0u, 0, 0u, 0u, uvec2(0u));
     bvec2 open = bvec2(false);
-    Fetched fetched = Fetched(uvec2(0u), uvec4(0u), uvec4(0u));
-    uvec2 entry = uvec2(0u);
+    Fetched fetched = Fetched(0u, uvec4(0u), uvec4(0u));
+    uint depth = 0u;
+    uint entry = 0u;
     uint first = 0u;
     uint bits = 0u;
     bool local = false;
@@ -788,92 +791,99 @@ void main() {
     Traced _e35 = traced_at(_e6.inside.y, (_e6.at + APART));
     t = _e35;
     open = _e6.inside;
-    uvec2 _e39 = fetch_entry(_e2, thread);
+    uint _e39 = fetch_entry(_e2, thread);
     Fetched _e40 = fetch_splat(_e39);
     fetched = _e40;
-    uvec2 _e44 = fetch_entry(_e2, (SOME + thread));
-    entry = _e44;
+    uint _e43 = fetched.entry;
+    uint _e44 = depth_of(_e43);
+    depth = _e44;
+    uint _e48 = fetch_entry(_e2, (SOME + thread));
+    entry = _e48;
     clear_rounds(thread, _e6);
     for (; (first < _e2.count); first = (first + SOME)) {
         {
-            uint _e51 = first;
-            uint round_1 = ((_e51 / SOME) + 1u);
-            bvec2 _e56 = open;
-            if (any(_e56)) {
+            uint _e55 = first;
+            uint round_1 = ((_e55 / SOME) + 1u);
+            bvec2 _e60 = open;
+            if (any(_e60)) {
                 open_round = round_1;
             }
-            Fetched _e59 = fetched;
-            place_splat(_e2, thread, _e59, round_1);
-            uvec2 _e63 = fetched.entry;
-            own[thread] = _e63;
-            uvec2 _e64 = entry;
-            Fetched _e65 = fetch_splat(_e64);
-            fetched = _e65;
-            uint _e66 = first;
-            uvec2 _e70 = fetch_entry(_e2, ((_e66 + 64u) + thread));
-            entry = _e70;
+            Fetched _e63 = fetched;
+            place_splat(_e2, thread, _e63, round_1);
+            uint _e67 = fetched.entry;
+            uint _e68 = depth;
+            own[thread] = uvec2(_e67, _e68);
+            uint _e70 = entry;
+            Fetched _e71 = fetch_splat(_e70);
+            fetched = _e71;
+            uint _e72 = entry;
+            uint _e73 = depth_of(_e72);
+            depth = _e73;
+            uint _e74 = first;
+            uint _e78 = fetch_entry(_e2, ((_e74 + 64u) + thread));
+            entry = _e78;
             memoryBarrierShared();
             barrier();
-            uint _e72 = open_round;
+            uint _e80 = open_round;
             memoryBarrierShared();
             barrier();
-            if ((_e72 != round_1)) {
+            if ((_e80 != round_1)) {
                 break;
             }
             if ((thread == 0u)) {
                 touching[((round_1 + 1u) % 2u)] = 0u;
             }
-            uint _e87 = touching[(round_1 % 2u)];
-            bits = _e87;
+            uint _e95 = touching[(round_1 % 2u)];
+            bits = _e95;
             for (; (bits != 0u); bits = (bits & (bits - 1u))) {
                 {
-                    uint _e92 = bits;
-                    uint i_3 = uint(findLSB(_e92));
-                    Taken _e95 = take(i_3, _e6.row);
-                    uvec2 _e99 = own[i_3];
-                    trace_splat(p, s, _e95, _e6.column, _e99);
-                    Taken _e101 = take(i_3, _e6.row);
+                    uint _e100 = bits;
+                    uint i_3 = uint(findLSB(_e100));
+                    Taken _e103 = take(i_3, _e6.row);
                     uvec2 _e107 = own[i_3];
-                    trace_splat(q, t, _e101, (_e6.column + APART), _e107);
+                    trace_splat(p, s, _e103, _e6.column, _e107);
+                    Taken _e109 = take(i_3, _e6.row);
+                    uvec2 _e115 = own[i_3];
+                    trace_splat(q, t, _e109, (_e6.column + APART), _e115);
                 }
             }
-            bool _e114 = open.x;
-            if (_e114) {
-                int _e118 = p.transmittance;
-                if (!((_e118 < FXS_CLOSED_Q15_))) {
-                    uint _e127 = own[0].y;
-                    uint _e129 = s.limit;
-                    local_1 = (_e127 > _e129);
+            bool _e122 = open.x;
+            if (_e122) {
+                int _e126 = p.transmittance;
+                if (!((_e126 < FXS_CLOSED_Q15_))) {
+                    uint _e135 = own[0].y;
+                    uint _e137 = s.limit;
+                    local_1 = (_e135 > _e137);
                 } else {
                     local_1 = true;
                 }
-                bool _e132 = local_1;
-                local = _e132;
+                bool _e140 = local_1;
+                local = _e140;
             } else {
                 local = false;
             }
-            bool _e134 = local;
-            if (_e134) {
+            bool _e142 = local;
+            if (_e142) {
                 open.x = false;
                 close_pixel(_e6, false);
             }
-            bool _e139 = open.y;
-            if (_e139) {
-                int _e143 = q.transmittance;
-                if (!((_e143 < FXS_CLOSED_Q15_))) {
-                    uint _e152 = own[0].y;
-                    uint _e154 = t.limit;
-                    local_3 = (_e152 > _e154);
+            bool _e147 = open.y;
+            if (_e147) {
+                int _e151 = q.transmittance;
+                if (!((_e151 < FXS_CLOSED_Q15_))) {
+                    uint _e160 = own[0].y;
+                    uint _e162 = t.limit;
+                    local_3 = (_e160 > _e162);
                 } else {
                     local_3 = true;
                 }
-                bool _e157 = local_3;
-                local_2 = _e157;
+                bool _e165 = local_3;
+                local_2 = _e165;
             } else {
                 local_2 = false;
             }
-            bool _e159 = local_2;
-            if (_e159) {
+            bool _e167 = local_2;
+            if (_e167) {
                 open.y = false;
                 close_pixel(_e6, true);
             }

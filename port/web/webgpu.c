@@ -138,7 +138,7 @@ static void take_step(void *argument, const fxs_step *step)
 }
 
 /* Out: the address and the bytes of uniforms, of places, and where these lie in the memory; the address and the number
-   of the steps; where the images of take_targets lie in the picture, words; then the bytes of each buffer. */
+   of the steps; where the images of take_targets lie in the memory, words; then the bytes of each buffer. */
 EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
 {
     fxs_plan *p = &w->plan;

@@ -5,8 +5,8 @@
 import { parts, texts } from './stages.js'
 
 const STATUS = 16               // words, as FXS_COMPUTE_STATUS
-const [UNIFORMS, MEMORY, COUNTS, PICTURE] = [0, 1, 2, 5]       // as in kernels/compute/records.h,
-const BUFFERS = 8               // but for the one that OpenGL reads back
+const [UNIFORMS, MEMORY, COUNTS] = [0, 1, 2]            // as in kernels/compute/records.h,
+const BUFFERS = 7               // but for the one that OpenGL reads back
 const [NONE, HEADS, ROWS] = [-1, -2, -3]
 const STRIDE = 1024             // bytes of a uniform, as FXS_COMPUTE_STRIDE
 const STEP = 13                 // words of fxs_step
@@ -26,7 +26,7 @@ struct Place {
     planes: vec2<f32>,
 }
 @group(0) @binding(0) var<uniform> place: Place;
-@group(0) @binding(1) var<storage, read> picture: array<u32>;
+@group(0) @binding(1) var<storage, read> memory: array<u32>;
 @group(0) @binding(1) var<storage, read_write> hiding: array<u32>;
 @group(0) @binding(2) var depths: texture_depth_2d;
 
@@ -40,7 +40,7 @@ fn cover(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32>
 fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32>
 {
     let pixel = vec2<i32>(at.xy) - place.corner;
-    return unpack4x8unorm(picture[place.colour + pixel.y * place.size.x + pixel.x]);
+    return unpack4x8unorm(memory[place.colour + pixel.y * place.size.x + pixel.x]);
 }
 
 @compute @workgroup_size(8, 8)
@@ -438,7 +438,7 @@ export class Computed {
   #hide(pass, { width, height, into: { depth } }) {
     const view = depth.texture.createView({ aspect: 'depth-only' })
     pass.setPipeline(this.#pipelines.hide)
-    this.#bind(pass, this.#pipelines.hide, 0, [{ buffer: this.#place }, { buffer: this.#buffers[PICTURE] }, view])
+    this.#bind(pass, this.#pipelines.hide, 0, [{ buffer: this.#place }, { buffer: this.#buffers[MEMORY] }, view])
     pass.dispatchWorkgroups(Math.ceil(width / 8), Math.ceil(height / 8))
   }
 
@@ -453,7 +453,7 @@ export class Computed {
 
   /** Words of the picture. */
   #copy(encoder, from, to, bytes) {
-    encoder.copyBufferToBuffer(this.#buffers[PICTURE], 4 * from, to, 0, bytes)
+    encoder.copyBufferToBuffer(this.#buffers[MEMORY], 4 * from, to, 0, bytes)
   }
 
   #showColours(encoder, width, height, into, pipeline) {
@@ -462,7 +462,7 @@ export class Computed {
     const target = { view: texture.createView(), loadOp: into ? 'load' : 'clear', storeOp: 'store' }
     const pass = encoder.beginRenderPass({ colorAttachments: [target] })
     pass.setPipeline(pipeline)
-    this.#bind(pass, pipeline, 0, [{ buffer: this.#place }, { buffer: this.#buffers[PICTURE] }])
+    this.#bind(pass, pipeline, 0, [{ buffer: this.#place }, { buffer: this.#buffers[MEMORY] }])
     pass.setScissorRect(x, y, width, height)
     pass.draw(3)
     pass.end()
