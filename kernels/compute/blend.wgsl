@@ -21,27 +21,27 @@ fn blend_round(p: ptr<function, Pixel>, q: ptr<function, Pixel>, place: Place, r
 @compute @workgroup_size(32)
 fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
-    let h = patch_of(group);
-    if (h.tile == NOTHING) {
+    let here = patch_of(group);
+    if (here.tile == NOTHING) {
         return;
     }
-    let place = place_of(h, thread);
+    let place = place_of(here, thread);
     var p = Pixel(select(0, FXS_CLEAR_Q15, place.inside.x), vec3<i32>(0));
     var q = Pixel(select(0, FXS_CLEAR_Q15, place.inside.y), vec3<i32>(0));
     var open = place.inside;
-    var fetched = fetch_splat(fetch_entry(h, thread));
-    var next = fetch_splat(fetch_entry(h, SOME + thread));
-    var entry = fetch_entry(h, 2u * SOME + thread);
+    var fetched = fetch_splat(fetch_entry(here, thread));
+    var next = fetch_splat(fetch_entry(here, SOME + thread));
+    var entry = fetch_entry(here, 2u * SOME + thread);
     clear_rounds(thread, place);
-    for (var first = 0u; first < h.count; first += SOME) {
+    for (var first = 0u; first < here.count; first += SOME) {
         let round = first / SOME + 1u;
         if (any(open)) {
             open_round = round;
         }
-        place_splat(h, thread, fetched, round);
+        place_splat(here, thread, fetched, round);
         fetched = next;
         next = fetch_splat(entry);                 // while two rounds are blended
-        entry = fetch_entry(h, first + 3u * SOME + thread);
+        entry = fetch_entry(here, first + 3u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
         }
@@ -72,18 +72,15 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 fn clear_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
-    let halves = frame.tile_bits - 3u;             // as in patch_of
-    let of_class = number >> (2u * halves);
+    let of_class = number >> (2u * (frame.tile_bits - 3u));
     if (of_class >= counts[CLASS_COUNTS] || !fits()) {
         return;
     }
-    let tile = counts[frame.classes + of_class];
-    let x = ((tile % u32(frame.tiles.x)) << frame.tile_bits) + (number & halves) * SIDE + thread % SIDE;
-    let y = ((tile / u32(frame.tiles.x)) << frame.tile_bits) + ((number >> 1u) & halves) * SIDE + thread / SIDE;
-    if (x >= u32(frame.size.x) || y >= u32(frame.size.y)) {
+    let pixel = corner_of(counts[frame.classes + of_class], number) + vec2<u32>(thread % SIDE, thread / SIDE);
+    if (any(pixel >= vec2<u32>(frame.size))) {
         return;
     }
-    let at = y * u32(frame.size.x) + x;
+    let at = pixel.y * u32(frame.size.x) + pixel.x;
     var p = Pixel(FXS_CLEAR_Q15, vec3<i32>(0));
     put_pixel(&p, at);
     if (frame.mean_depth != NOTHING) {

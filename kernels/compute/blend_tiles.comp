@@ -290,31 +290,31 @@ uint tile_at(uint number_1) {
     return _e45;
 }
 bool fits() {
+    bool local_3 = false;
     bool local_4 = false;
-    bool local_5 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_4 = (_e11 <= _e14);
+        local_3 = (_e11 <= _e14);
     } else {
-        local_4 = false;
+        local_3 = false;
     }
-    bool _e17 = local_4;
+    bool _e17 = local_3;
     if (_e17) {
         uint _e22 = _group_1_binding_0_cs[0];
         uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_5 = (_e22 <= _e25);
+        local_4 = (_e22 <= _e25);
     } else {
-        local_5 = false;
+        local_4 = false;
     }
-    bool _e28 = local_5;
+    bool _e28 = local_4;
     return _e28;
 }
-uint fetch_entry(Patch h, uint i_1) {
-    if ((i_1 < h.count)) {
-        uint _e8 = _group_1_binding_1_cs[(h.list + i_1)];
+uint fetch_entry(Patch here, uint i_1) {
+    if ((i_1 < here.count)) {
+        uint _e8 = _group_1_binding_1_cs[(here.list + i_1)];
         return _e8;
     }
     return NOTHING;
@@ -335,20 +335,20 @@ uint open_of(uint row) {
     uint _e5 = open_pixels[(row / 4u)];
     return ((_e5 >> (8u * (row % 4u))) & 255u);
 }
-bool touch(Fetched f_1, Patch h_1) {
+bool touch(Fetched f_1, Patch here_1) {
     uint u = 0u;
     uint v = 0u;
     bool touches = false;
     uint row_1 = 0u;
-    bool local_6 = false;
+    bool local_5 = false;
     int offset_q11_2 = int((f_1.b.y & 65535u));
     int _e9 = _group_0_binding_0_cs.cut_q11_;
     int _e10 = fxs_limit_q11_(offset_q11_2, _e9);
     uint ux = f_1.a.z;
-    uint first_2 = max((max((f_1.b.w & 65535u), h_1.y) - h_1.y), h_1.rows.x);
-    uint last_1 = min((max((f_1.b.w >> 16u), h_1.y) - h_1.y), h_1.rows.y);
-    u = ((f_1.a.x + (h_1.x * ux)) + ((h_1.y + first_2) * f_1.a.w));
-    v = (f_1.a.y + ((h_1.y + first_2) * f_1.b.x));
+    uint first_2 = max((max((f_1.b.w & 65535u), here_1.y) - here_1.y), here_1.rows.x);
+    uint last_1 = min((max((f_1.b.w >> 16u), here_1.y) - here_1.y), here_1.rows.y);
+    u = ((f_1.a.x + (here_1.x * ux)) + ((here_1.y + first_2) * f_1.a.w));
+    v = (f_1.a.y + ((here_1.y + first_2) * f_1.b.x));
     row_1 = first_2;
     for (; (row_1 <= last_1); row_1 = (row_1 + 1u)) {
         {
@@ -365,11 +365,11 @@ bool touch(Fetched f_1, Patch h_1) {
             int most_q26_ = (((((_e10 - _e84) - offset_q11_2) + 1) * 32768) - 16384);
             bool _e93 = touches;
             if ((_e62 != 0u)) {
-                local_6 = ((u_q13_1 * u_q13_1) < most_q26_);
+                local_5 = ((u_q13_1 * u_q13_1) < most_q26_);
             } else {
-                local_6 = false;
+                local_5 = false;
             }
-            bool _e101 = local_6;
+            bool _e101 = local_5;
             touches = (_e93 || _e101);
             uint _e103 = u;
             u = (_e103 + f_1.a.w);
@@ -390,16 +390,16 @@ Taken take(uint i_2, uint row_2) {
     return Taken((shape.x + (row_2 * shape.w)), shape.z, ((uint(level_q11_1) << 15u) + 16384u), int(shade.w), ivec3(uvec3((shade.y >> 16u), (shade.z & 65535u), (shade.z >> 16u))));
 }
 int blend_splat(inout Pixel p_3, Taken t, uint column) {
-    bool local_7 = false;
+    bool local_6 = false;
     int _e8 = fxs_coordinate_q13_(int((t.u + (column * t.ux))));
     int level = int(((uint((_e8 * _e8)) + t.level_q26_) >> 15u));
     if ((level <= t.limit_q11_)) {
         int _e21 = p_3.transmittance;
-        local_7 = (_e21 >= FXS_CLOSED_Q15_);
+        local_6 = (_e21 >= FXS_CLOSED_Q15_);
     } else {
-        local_7 = false;
+        local_6 = false;
     }
-    bool counts_1 = local_7;
+    bool counts_1 = local_6;
     int _e26 = fxs_alpha_q15_(level);
     int _e28 = p_3.transmittance;
     int _e29 = fxs_weight_q15_(_e26, _e28);
@@ -467,58 +467,63 @@ void put_colour(inout Pixel p_4, uint at) {
     _group_1_binding_3_cs[(_e149 + at)] = _e152;
     return;
 }
+uvec2 corner_of(uint tile, uint number_2) {
+    uint _e4 = _group_0_binding_0_cs.tile_bits;
+    uint halves = (_e4 - 3u);
+    int _e10 = _group_0_binding_0_cs.tiles.x;
+    uint across = uint(_e10);
+    uint _e17 = _group_0_binding_0_cs.tile_bits;
+    return ((uvec2((tile % across), (tile / across)) << uvec2(_e17)) + (uvec2((number_2 & halves), ((number_2 >> 1u) & halves)) * SIDE));
+}
 Patch patch_of(uvec3 group_2) {
-    bool local_8 = false;
-    uint number_2 = ((group_2.y * ROW_OF_GROUPS) + group_2.x);
+    bool local_7 = false;
+    uint number_3 = ((group_2.y * ROW_OF_GROUPS) + group_2.x);
     uint _e8 = _group_0_binding_0_cs.tile_bits;
-    uint halves = (_e8 - 3u);
+    uint halves_1 = (_e8 - 3u);
     uint longest = _group_1_binding_0_cs[31];
-    uint by_rows = ((SIDE * longest) << (2u * halves));
-    uint whole = (number_2 - min(number_2, by_rows));
-    uint patch_number = ((number_2 >= by_rows) ? (whole + (by_rows / SIDE)) : (number_2 / SIDE));
-    uvec2 rows = ((number_2 >= by_rows) ? uvec2(0u, 7u) : uvec2((number_2 % SIDE)));
-    uint _e39 = tile_at((patch_number >> (2u * halves)));
+    uint by_rows = ((SIDE * longest) << (2u * halves_1));
+    uint whole = (number_3 - min(number_3, by_rows));
+    uint patch_number = ((number_3 >= by_rows) ? (whole + (by_rows / SIDE)) : (number_3 / SIDE));
+    uvec2 rows = ((number_3 >= by_rows) ? uvec2(0u, 7u) : uvec2((number_3 % SIDE)));
+    uint _e39 = tile_at((patch_number >> (2u * halves_1)));
     if (!((_e39 == NOTHING))) {
         bool _e45 = fits();
-        local_8 = !(_e45);
+        local_7 = !(_e45);
     } else {
-        local_8 = true;
+        local_7 = true;
     }
-    bool _e48 = local_8;
+    bool _e48 = local_7;
     if (_e48) {
         return Patch(NOTHING, 0u, 0u, rows, 0u, 0u);
     }
-    int _e58 = _group_0_binding_0_cs.tiles.x;
-    uint across = uint(_e58);
+    uvec2 _e55 = corner_of(_e39, patch_number);
     uint count = _group_1_binding_0_cs[(TILES + _e39)];
-    uint _e68 = _group_0_binding_0_cs.tile_bits;
-    uint _e77 = _group_0_binding_0_cs.tile_bits;
-    uint _e88 = _group_0_binding_0_cs.next;
-    uint _e91 = _group_1_binding_0_cs[(_e88 + _e39)];
-    return Patch(_e39, (((_e39 % across) << _e68) + ((patch_number & halves) * SIDE)), (((_e39 / across) << _e77) + (((patch_number >> 1u) & halves) * SIDE)), rows, (_e91 - count), count);
+    uint _e66 = _group_0_binding_0_cs.next;
+    uint _e69 = _group_1_binding_0_cs[(_e66 + _e39)];
+    return Patch(_e39, _e55.x, _e55.y, rows, (_e69 - count), count);
 }
-Place place_of(Patch h_2, uint thread_2) {
+Place place_of(Patch here_2, uint thread_2) {
+    bool local_8 = false;
     bool local_9 = false;
-    bool local_10 = false;
     uint column_1 = (thread_2 % APART);
     uint row_3 = (thread_2 / APART);
-    uvec2 x_1 = (uvec2(h_2.x) + uvec2(column_1, (column_1 + APART)));
+    uvec2 x_1 = (uvec2(here_2.x) + uvec2(column_1, (column_1 + APART)));
     int _e17 = _group_0_binding_0_cs.size.x;
     int _e26 = _group_0_binding_0_cs.size.x;
     int _e35 = _group_0_binding_0_cs.size.y;
-    if (((h_2.y + row_3) < uint(_e35))) {
-        local_9 = (row_3 >= h_2.rows.x);
+    if (((here_2.y + row_3) < uint(_e35))) {
+        local_8 = (row_3 >= here_2.rows.x);
+    } else {
+        local_8 = false;
+    }
+    bool _e44 = local_8;
+    if (_e44) {
+        local_9 = (row_3 <= here_2.rows.y);
     } else {
         local_9 = false;
     }
-    bool _e44 = local_9;
-    if (_e44) {
-        local_10 = (row_3 <= h_2.rows.y);
-    } else {
-        local_10 = false;
-    }
-    bool _e51 = local_10;
-    return Place(column_1, row_3, ((((h_2.y + row_3) * uint(_e17)) + h_2.x) + column_1), bvec2(lessThan(x_1, uvec2(uint(_e26))).x && bvec2(_e51).x, lessThan(x_1, uvec2(uint(_e26))).y && bvec2(_e51).y));
+    bool _e51 = local_9;
+    return Place(column_1, row_3, ((((here_2.y + row_3) * uint(_e17)) + here_2.x) + column_1), bvec2(lessThan(x_1, uvec2(uint(_e26))).x && bvec2(_e51).x, lessThan(x_1, uvec2(uint(_e26))).y && bvec2(_e51).y));
 }
 uint bit_of(Place place, bool second) {
     return (1u << ((((place.row % 4u) * 8u) + place.column) + (second ? APART : 0u)));
@@ -545,19 +550,19 @@ void close_pixel(Place place_2, bool second_1) {
     uint _e9 = atomicAnd(open_pixels[(place_2.row / 4u)], ~(_e7));
     return;
 }
-void put_splat(Patch h_3, uint thread_4, Fetched f_2) {
+void put_splat(Patch here_3, uint thread_4, Fetched f_2) {
     int _e10 = _group_0_binding_0_cs.cut_q11_;
     int _e11 = fxs_limit_q11_(int((f_2.b.y & 65535u)), _e10);
-    shapes[thread_4] = uvec4(((f_2.a.x + (h_3.x * f_2.a.z)) + (h_3.y * f_2.a.w)), (f_2.a.y + (h_3.y * f_2.b.x)), f_2.a.zw);
+    shapes[thread_4] = uvec4(((f_2.a.x + (here_3.x * f_2.a.z)) + (here_3.y * f_2.a.w)), (f_2.a.y + (here_3.y * f_2.b.x)), f_2.a.zw);
     shades[thread_4] = uvec4(f_2.b.xyz, uint(_e11));
     return;
 }
-void place_splat(Patch h_4, uint thread_5, Fetched f_3, uint round_) {
+void place_splat(Patch here_4, uint thread_5, Fetched f_3, uint round_) {
     if (((f_3.entry & CUT_OFF) != 0u)) {
         return;
     }
-    put_splat(h_4, thread_5, f_3);
-    bool _e9 = touch(f_3, h_4);
+    put_splat(here_4, thread_5, f_3);
+    bool _e9 = touch(f_3, here_4);
     if (_e9) {
         uint _e16 = atomicOr(touching[(round_ % 2u)], (1u << thread_5));
         return;

@@ -132,14 +132,15 @@ const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
+const uint GROUP = 16u;
 layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 2) buffer type_13_block_1Compute { uint _group_1_binding_2_cs[]; };
+layout(std430, binding = 2) buffer type_15_block_1Compute { uint _group_1_binding_2_cs[]; };
 void main() {
     uvec3 at_1 = gl_GlobalInvocationID;
-    uint i_4 = (((at_1.y * ROW_OF_GROUPS) * THREADS) + at_1.x);
+    uint i_8 = (((at_1.y * ROW_OF_GROUPS) * THREADS) + at_1.x);
     uint _e10 = _group_0_binding_0_cs.cleared;
-    if ((i_4 < _e10)) {
-        _group_1_binding_2_cs[i_4] = 0u;
+    if ((i_8 < _e10)) {
+        _group_1_binding_2_cs[i_8] = 0u;
         return;
     } else {
         return;

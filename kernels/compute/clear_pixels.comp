@@ -194,26 +194,26 @@ int fxs_coverage_8bit(int transmittance_q15_2) {
     return ((((FXS_CLEAR_Q15_ - transmittance_q15_2) * 255) + 16384) >> 15u);
 }
 bool fits() {
+    bool local_3 = false;
     bool local_4 = false;
-    bool local_5 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local_4 = (_e11 <= _e14);
+        local_3 = (_e11 <= _e14);
     } else {
-        local_4 = false;
+        local_3 = false;
     }
-    bool _e17 = local_4;
+    bool _e17 = local_3;
     if (_e17) {
         uint _e22 = _group_1_binding_0_cs[0];
         uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_5 = (_e22 <= _e25);
+        local_4 = (_e22 <= _e25);
     } else {
-        local_5 = false;
+        local_4 = false;
     }
-    bool _e28 = local_5;
+    bool _e28 = local_4;
     return _e28;
 }
 ivec3 background_of(uint word_1) {
@@ -270,6 +270,14 @@ void put_colour(inout Pixel p_4, uint at) {
     _group_1_binding_3_cs[(_e149 + at)] = _e152;
     return;
 }
+uvec2 corner_of(uint tile, uint number_2) {
+    uint _e4 = _group_0_binding_0_cs.tile_bits;
+    uint halves = (_e4 - 3u);
+    int _e10 = _group_0_binding_0_cs.tiles.x;
+    uint across = uint(_e10);
+    uint _e17 = _group_0_binding_0_cs.tile_bits;
+    return ((uvec2((tile % across), (tile / across)) << uvec2(_e17)) + (uvec2((number_2 & halves), ((number_2 >> 1u) & halves)) * SIDE));
+}
 void put_pixel(inout Pixel p_5, uint at_1) {
     uint _e4 = _group_0_binding_0_cs.colour;
     if ((_e4 != NOTHING)) {
@@ -290,12 +298,10 @@ void main() {
     uvec3 group_1 = gl_WorkGroupID;
     uint thread_1 = gl_LocalInvocationIndex;
     bool local_2 = false;
-    bool local_3 = false;
     Pixel p_1 = Pixel(32767, ivec3(0));
-    uint number_3 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
-    uint _e9 = _group_0_binding_0_cs.tile_bits;
-    uint halves_1 = (_e9 - 3u);
-    uint of_class = (number_3 >> (2u * halves_1));
+    uint number_4 = ((group_1.y * ROW_OF_GROUPS) + group_1.x);
+    uint _e10 = _group_0_binding_0_cs.tile_bits;
+    uint of_class = (number_4 >> (2u * (_e10 - 3u)));
     uint _e17 = _group_1_binding_0_cs[16];
     if (!((of_class >= _e17))) {
         bool _e22 = fits();
@@ -308,41 +314,30 @@ void main() {
         return;
     }
     uint _e29 = _group_0_binding_0_cs.classes;
-    uint tile = _group_1_binding_0_cs[(_e29 + of_class)];
-    int _e36 = _group_0_binding_0_cs.tiles.x;
-    uint _e41 = _group_0_binding_0_cs.tile_bits;
-    uint x_2 = ((((tile % uint(_e36)) << _e41) + ((number_3 & halves_1) * SIDE)) + (thread_1 % SIDE));
-    int _e53 = _group_0_binding_0_cs.tiles.x;
-    uint _e58 = _group_0_binding_0_cs.tile_bits;
-    uint y_1 = ((((tile / uint(_e53)) << _e58) + (((number_3 >> 1u) & halves_1) * SIDE)) + (thread_1 / SIDE));
-    int _e72 = _group_0_binding_0_cs.size.x;
-    if (!((x_2 >= uint(_e72)))) {
-        int _e81 = _group_0_binding_0_cs.size.y;
-        local_3 = (y_1 >= uint(_e81));
-    } else {
-        local_3 = true;
-    }
-    bool _e85 = local_3;
-    if (_e85) {
+    uint _e32 = _group_1_binding_0_cs[(_e29 + of_class)];
+    uvec2 _e33 = corner_of(_e32, number_4);
+    uvec2 pixel = (_e33 + uvec2((thread_1 % SIDE), (thread_1 / SIDE)));
+    ivec2 _e42 = _group_0_binding_0_cs.size;
+    if (any(greaterThanEqual(pixel, uvec2(_e42)))) {
         return;
     }
-    int _e89 = _group_0_binding_0_cs.size.x;
-    uint at_3 = ((y_1 * uint(_e89)) + x_2);
+    int _e50 = _group_0_binding_0_cs.size.x;
+    uint at_3 = ((pixel.y * uint(_e50)) + pixel.x);
     put_pixel(p_1, at_3);
-    uint _e100 = _group_0_binding_0_cs.mean_depth;
-    if ((_e100 != NOTHING)) {
-        uint _e106 = _group_0_binding_0_cs.mean_depth;
-        _group_1_binding_3_cs[(_e106 + at_3)] = NOTHING;
+    uint _e62 = _group_0_binding_0_cs.mean_depth;
+    if ((_e62 != NOTHING)) {
+        uint _e68 = _group_0_binding_0_cs.mean_depth;
+        _group_1_binding_3_cs[(_e68 + at_3)] = NOTHING;
     }
-    uint _e112 = _group_0_binding_0_cs.median_depth;
-    if ((_e112 != NOTHING)) {
-        uint _e118 = _group_0_binding_0_cs.median_depth;
-        _group_1_binding_3_cs[(_e118 + at_3)] = NOTHING;
+    uint _e74 = _group_0_binding_0_cs.median_depth;
+    if ((_e74 != NOTHING)) {
+        uint _e80 = _group_0_binding_0_cs.median_depth;
+        _group_1_binding_3_cs[(_e80 + at_3)] = NOTHING;
     }
-    uint _e124 = _group_0_binding_0_cs.id;
-    if ((_e124 != NOTHING)) {
-        uint _e130 = _group_0_binding_0_cs.id;
-        _group_1_binding_3_cs[(_e130 + (2u * at_3))] = NOTHING;
+    uint _e86 = _group_0_binding_0_cs.id;
+    if ((_e86 != NOTHING)) {
+        uint _e92 = _group_0_binding_0_cs.id;
+        _group_1_binding_3_cs[(_e92 + (2u * at_3))] = NOTHING;
         return;
     } else {
         return;

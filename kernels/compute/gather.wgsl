@@ -1,29 +1,10 @@
-// Needs numbers records
+// Needs numbers records sums
 // The places that can be seen, one behind the other, and of each span how many: by one workgroup.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;  // of indirect dispatches: four words each
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
-
-var<workgroup> sums: array<u32, 128>;
-
-// The sum over the threads before this one.
-fn sum_before(thread: u32, own: u32) -> u32
-{
-    sums[thread] = own;
-    for (var d = 1u; d < THREADS; d *= 2u) {
-        workgroupBarrier();
-        var below = 0u;
-        if (thread >= d) {
-            below = sums[thread - d];
-        }
-        workgroupBarrier();
-        sums[thread] += below;
-    }
-    workgroupBarrier();
-    return sums[thread] - own;
-}
 
 // Groups for so many of them, in rows.
 fn put_arguments(at: u32, groups: u32)
@@ -51,7 +32,7 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
     for (var i = first; i < end; i += 1u) {
         own += countOneBits(atomicLoad(&counts[frame.seen + i]));
     }
-    var at = sum_before(thread, own);
+    var at = sum_before(thread, own, false);
     for (var i = first; i < end; i += 1u) {
         memory[frame.ranks + i] = at;
         for (var bits = atomicLoad(&counts[frame.seen + i]); bits != 0u; bits &= bits - 1u) {

@@ -132,37 +132,68 @@ const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
-layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 0) buffer type_11_block_1Compute { uint _group_1_binding_0_cs[]; };
-layout(std430, binding = 1) buffer type_11_block_2Compute { uint _group_1_binding_1_cs[]; };
-layout(std430, binding = 2) buffer type_13_block_3Compute { uint _group_1_binding_2_cs[]; };
+const uint GROUP = 16u;
 shared uint sums[128];
-uint sum_before(uint thread_1, uint own_1) {
-    uint d = 1u;
-    uint below = 0u;
+shared uint group_sums[8];
+layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 0) buffer type_13_block_1Compute { uint _group_1_binding_0_cs[]; };
+layout(std430, binding = 1) buffer type_13_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_15_block_3Compute { uint _group_1_binding_2_cs[]; };
+uint plus(uint a_16, uint b_8, bool cut) {
+    bool local = false;
+    if (cut) {
+        local = ((a_16 + b_8) < a_16);
+    } else {
+        local = false;
+    }
+    bool _e10 = local;
+    return (_e10 ? 4294967295u : (a_16 + b_8));
+}
+uint sum_before(uint thread_1, uint own_1, bool cut_1) {
+    uint sum = 0u;
+    uint i_4 = 0u;
+    uint sum_1 = 0u;
+    uint i_5 = 0u;
+    uint i_6 = 0u;
     sums[thread_1] = own_1;
-    for (; (d < THREADS); d = (d * 2u)) {
-        {
-            memoryBarrierShared();
-            barrier();
-            below = 0u;
-            uint _e11 = d;
-            if ((thread_1 >= _e11)) {
-                uint _e14 = d;
-                uint _e17 = sums[(thread_1 - _e14)];
-                below = _e17;
+    memoryBarrierShared();
+    barrier();
+    if ((thread_1 < 8u)) {
+        for (; (i_4 < GROUP); i_4 = (i_4 + 1u)) {
+            {
+                uint _e14 = sum;
+                uint _e18 = i_4;
+                uint _e21 = sums[((GROUP * thread_1) + _e18)];
+                uint _e22 = plus(_e14, _e21, cut_1);
+                sum = _e22;
             }
-            memoryBarrierShared();
-            barrier();
-            uint _e20 = sums[thread_1];
-            uint _e21 = below;
-            sums[thread_1] = (_e20 + _e21);
         }
+        uint _e28 = sum;
+        group_sums[thread_1] = _e28;
     }
     memoryBarrierShared();
     barrier();
-    uint _e28 = sums[thread_1];
-    return (_e28 - own_1);
+    for (; (i_5 < (thread_1 / GROUP)); i_5 = (i_5 + 1u)) {
+        {
+            uint _e37 = sum_1;
+            uint _e39 = i_5;
+            uint _e41 = group_sums[_e39];
+            uint _e42 = plus(_e37, _e41, cut_1);
+            sum_1 = _e42;
+        }
+    }
+    i_6 = ((thread_1 / GROUP) * GROUP);
+    for (; (i_6 < thread_1); i_6 = (i_6 + 1u)) {
+        {
+            uint _e53 = sum_1;
+            uint _e55 = i_6;
+            uint _e57 = sums[_e55];
+            uint _e58 = plus(_e53, _e57, cut_1);
+            sum_1 = _e58;
+        }
+    }
+    uint _e62 = sum_1;
+    return _e62;
 }
 void put_arguments(uint at_2, uint groups) {
     _group_1_binding_0_cs[(4u * at_2)] = min(groups, ROW_OF_GROUPS);
@@ -173,10 +204,10 @@ void put_arguments(uint at_2, uint groups) {
 uint rank_of(uint place) {
     uint _e4 = _group_0_binding_0_cs.seen;
     uint _e9 = _group_1_binding_2_cs[(_e4 + (place / 32u))];
-    uint below_1 = (_e9 & ((1u << (place % 32u)) - 1u));
+    uint below = (_e9 & ((1u << (place % 32u)) - 1u));
     uint _e20 = _group_0_binding_0_cs.ranks;
     uint _e25 = _group_1_binding_1_cs[(_e20 + (place / 32u))];
-    return (_e25 + uint(bitCount(below_1)));
+    return (_e25 + uint(bitCount(below)));
 }
 void main() {
     uint thread = gl_LocalInvocationIndex;
@@ -202,28 +233,28 @@ void main() {
         }
     }
     uint _e37 = own;
-    uint _e38 = sum_before(thread, _e37);
-    at = _e38;
+    uint _e39 = sum_before(thread, _e37, false);
+    at = _e39;
     i_1 = first;
     for (; (i_1 < end); i_1 = (i_1 + 1u)) {
         {
-            uint _e46 = _group_0_binding_0_cs.ranks;
-            uint _e47 = i_1;
-            uint _e50 = at;
-            _group_1_binding_1_cs[(_e46 + _e47)] = _e50;
-            uint _e54 = _group_0_binding_0_cs.seen;
-            uint _e55 = i_1;
-            uint _e58 = _group_1_binding_2_cs[(_e54 + _e55)];
-            bits = _e58;
+            uint _e47 = _group_0_binding_0_cs.ranks;
+            uint _e48 = i_1;
+            uint _e51 = at;
+            _group_1_binding_1_cs[(_e47 + _e48)] = _e51;
+            uint _e55 = _group_0_binding_0_cs.seen;
+            uint _e56 = i_1;
+            uint _e59 = _group_1_binding_2_cs[(_e55 + _e56)];
+            bits = _e59;
             for (; (bits != 0u); bits = (bits & (bits - 1u))) {
                 {
-                    uint _e66 = _group_0_binding_0_cs.visible;
-                    uint _e67 = at;
-                    uint _e71 = i_1;
-                    uint _e73 = bits;
-                    _group_1_binding_1_cs[(_e66 + _e67)] = ((32u * _e71) + min(uint(findLSB(_e73)), 32u));
-                    uint _e76 = at;
-                    at = (_e76 + 1u);
+                    uint _e67 = _group_0_binding_0_cs.visible;
+                    uint _e68 = at;
+                    uint _e72 = i_1;
+                    uint _e74 = bits;
+                    _group_1_binding_1_cs[(_e67 + _e68)] = ((32u * _e72) + min(uint(findLSB(_e74)), 32u));
+                    uint _e77 = at;
+                    at = (_e77 + 1u);
                 }
             }
         }
@@ -235,26 +266,26 @@ void main() {
     i_2 = thread;
     for (; (i_2 <= _group_0_binding_0_cs.spans); i_2 = (i_2 + THREADS)) {
         {
-            uint _e95 = _group_0_binding_0_cs.spans_at;
-            uint _e97 = i_2;
-            uint span = (_e95 + (SPAN * _e97));
-            uint _e102 = _group_1_binding_1_cs[span];
-            uint _e103 = rank_of(_e102);
-            uint _e108 = _group_1_binding_1_cs[(span + 1u)];
-            uint _e109 = rank_of(_e108);
-            uint _e112 = _group_0_binding_0_cs.chunk_room;
-            uint high_1 = min(_e109, _e112);
-            _group_1_binding_1_cs[(span + 2u)] = _e103;
+            uint _e96 = _group_0_binding_0_cs.spans_at;
+            uint _e98 = i_2;
+            uint span = (_e96 + (SPAN * _e98));
+            uint _e103 = _group_1_binding_1_cs[span];
+            uint _e104 = rank_of(_e103);
+            uint _e109 = _group_1_binding_1_cs[(span + 1u)];
+            uint _e110 = rank_of(_e109);
+            uint _e113 = _group_0_binding_0_cs.chunk_room;
+            uint high_1 = min(_e110, _e113);
+            _group_1_binding_1_cs[(span + 2u)] = _e104;
             _group_1_binding_1_cs[(span + 3u)] = high_1;
-            uint _e122 = i_2;
-            uint _e129 = i_2;
-            uint _e132 = _group_0_binding_0_cs.spans;
-            put_arguments(_e122, max((2u * (max(high_1, _e103) - _e103)), ((_e129 == _e132) ? 1u : 0u)));
+            uint _e123 = i_2;
+            uint _e130 = i_2;
+            uint _e133 = _group_0_binding_0_cs.spans;
+            put_arguments(_e123, max((2u * (max(high_1, _e104) - _e104)), ((_e130 == _e133) ? 1u : 0u)));
         }
     }
     if ((thread == 127u)) {
-        uint _e143 = at;
-        _group_1_binding_2_cs[0] = _e143;
+        uint _e144 = at;
+        _group_1_binding_2_cs[0] = _e144;
         return;
     } else {
         return;

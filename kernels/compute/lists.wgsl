@@ -1,40 +1,11 @@
-// Needs numbers records
+// Needs numbers records sums
 // Where each tile's list begins, a workgroup a tile row.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 
-var<workgroup> sums: array<u32, 128>;
 var<workgroup> first_page: u32;
-
-// a + b, at most 2^32 - 1
-fn add_most(a: u32, b: u32) -> u32
-{
-    return select(a + b, 0xffffffffu, a + b < a);
-}
-
-// The sum over the threads up to this one; of lengths, cut to 2^32 - 1: more than fits in any case.
-fn sum_to(thread: u32, own: u32, cut: bool) -> u32
-{
-    workgroupBarrier();
-    sums[thread] = own;
-    for (var d = 1u; d < THREADS; d *= 2u) {
-        workgroupBarrier();
-        var below = 0u;
-        if (thread >= d) {
-            below = sums[thread - d];
-        }
-        workgroupBarrier();
-        if (cut) {
-            sums[thread] = add_most(sums[thread], below);
-        } else {
-            sums[thread] += below;
-        }
-    }
-    workgroupBarrier();
-    return sums[thread];
-}
 
 // 0: of empty lists; the last: of 4096 entries and more
 fn class_of(length: u32) -> u32
@@ -76,13 +47,15 @@ fn start_lists(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         if (column < across) {
             own = atomicLoad(&counts[at]);
         }
-        var length = tiles_before + sum_to(thread, own, false);
-        tiles_before += sums[THREADS - 1u];
+        workgroupBarrier();
+        var length = tiles_before + sum_before(thread, own, false) + own;
+        tiles_before += sum_of_all(false);
         if (column >= across) {
             length = 0u;
         }
-        let end = add_most(entries_before, sum_to(thread, length, true));
-        entries_before = add_most(entries_before, sums[THREADS - 1u]);
+        workgroupBarrier();
+        let end = plus(plus(entries_before, sum_before(thread, length, true), true), length, true);
+        entries_before = plus(entries_before, sum_of_all(true), true);
         if (column < across) {
             atomicStore(&counts[at], length);
             atomicStore(&counts[frame.next + row + column], end - length);

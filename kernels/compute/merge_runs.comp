@@ -138,39 +138,40 @@ const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
-const uint SAMPLES = 32u;
-const uint RANGE = 8u;
+const uint GROUP = 16u;
+const uint SAMPLES = 16u;
+const uint RANGE = 16u;
 const uint BINS = 256u;
 const uint DONE = 1048576u;
-layout(std430, binding = 0) buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
+layout(std430, binding = 0) buffer type_14_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 1) buffer type_11_block_2Compute { uint _group_1_binding_1_cs[]; };
-layout(std430, binding = 2) buffer type_11_block_3Compute { uint _group_1_binding_2_cs[]; };
+layout(std430, binding = 1) buffer type_14_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_14_block_3Compute { uint _group_1_binding_2_cs[]; };
 shared uvec2 keys[512];
 shared Block own_block;
 shared uint below_split[2];
 shared uint splits[2];
 bool fits() {
-    bool local = false;
     bool local_1 = false;
+    bool local_2 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local = (_e11 <= _e14);
-    } else {
-        local = false;
-    }
-    bool _e17 = local;
-    if (_e17) {
-        uint _e22 = _group_1_binding_0_cs[0];
-        uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_1 = (_e22 <= _e25);
+        local_1 = (_e11 <= _e14);
     } else {
         local_1 = false;
     }
-    bool _e28 = local_1;
+    bool _e17 = local_1;
+    if (_e17) {
+        uint _e22 = _group_1_binding_0_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_2 = (_e22 <= _e25);
+    } else {
+        local_2 = false;
+    }
+    bool _e28 = local_2;
     return _e28;
 }
 uvec2 key_of(uint entry) {
@@ -199,16 +200,16 @@ void put_entry(bool in_spare_1, uint at_1, uint entry_1) {
         return;
     }
 }
-bool is_below(uvec2 a, uvec2 b) {
-    return ((a.y == b.y) ? (a.x < b.x) : (a.y < b.y));
+bool is_below(uvec2 a_1, uvec2 b_1) {
+    return ((a_1.y == b_1.y) ? (a_1.x < b_1.x) : (a_1.y < b_1.y));
 }
 uint merges_of(uint count) {
     return (max((32u - uint(31 - findMSB((count - 1u)))), 9u) - 9u);
 }
-Block take_block(uvec3 group_2, uint thread_2) {
-    bool local_2 = false;
+Block take_block(uvec3 group_2, uint thread_3) {
+    bool local_3 = false;
     uint number_2 = ((group_2.y * ROW_OF_GROUPS) + group_2.x);
-    if ((thread_2 == 0u)) {
+    if ((thread_3 == 0u)) {
         uint long_ = _group_1_binding_0_cs[8];
         uint _e14 = _group_0_binding_0_cs.blocks;
         uint _e19 = _group_0_binding_0_cs.block_room;
@@ -217,11 +218,11 @@ Block take_block(uvec3 group_2, uint thread_2) {
         uint _e32 = _group_1_binding_0_cs[7];
         if ((number_2 < (long_ + _e32))) {
             bool _e37 = fits();
-            local_2 = _e37;
+            local_3 = _e37;
         } else {
-            local_2 = false;
+            local_3 = false;
         }
-        bool _e39 = local_2;
+        bool _e39 = local_3;
         if (_e39) {
             uint tile = _group_1_binding_0_cs[at_4];
             uint count_2 = _group_1_binding_0_cs[(TILES + tile)];
@@ -241,75 +242,75 @@ Block take_block(uvec3 group_2, uint thread_2) {
     barrier();
     return _e82;
 }
-uint split(uint thread_5, bool in_spare_2, uint first_1, uint a_1, uint second, uint b_1, uint d, uint run) {
+uint split(uint thread_6, bool in_spare_2, uint first_1, uint a_2, uint second, uint b_2, uint d, uint run) {
     uint low = 0u;
     uint high = 0u;
-    uint i_9 = 0u;
-    bool local_5 = false;
-    uint side = (thread_5 / 64u);
-    low = (d - min(d, b_1));
-    high = min(d, a_1);
-    for (; (i_9 <= (run / 6u)); i_9 = (i_9 + 1u)) {
+    uint i_10 = 0u;
+    bool local_6 = false;
+    uint side = (thread_6 / 64u);
+    low = (d - min(d, b_2));
+    high = min(d, a_2);
+    for (; (i_10 <= (run / 6u)); i_10 = (i_10 + 1u)) {
         {
             uint _e21 = high;
             uint _e22 = low;
             uint step_2 = (((_e21 - _e22) + 63u) / 64u);
             uint _e28 = low;
-            uint place_2 = (_e28 + ((thread_5 % 64u) * step_2));
+            uint place_1 = (_e28 + ((thread_6 % 64u) * step_2));
             below_split[side] = 0u;
             memoryBarrierShared();
             barrier();
             uint _e36 = high;
-            if ((place_2 < _e36)) {
-                uvec2 _e41 = key_at(in_spare_2, (first_1 + place_2));
-                uvec2 _e46 = key_at(in_spare_2, (((second + d) - 1u) - place_2));
+            if ((place_1 < _e36)) {
+                uvec2 _e41 = key_at(in_spare_2, (first_1 + place_1));
+                uvec2 _e46 = key_at(in_spare_2, (((second + d) - 1u) - place_1));
                 bool _e47 = is_below(_e41, _e46);
-                local_5 = _e47;
+                local_6 = _e47;
             } else {
-                local_5 = false;
+                local_6 = false;
             }
-            bool _e49 = local_5;
+            bool _e49 = local_6;
             if (_e49) {
                 uint _e53 = atomicAdd(below_split[side], 1u);
             }
             memoryBarrierShared();
             barrier();
-            uint below_2 = below_split[side];
+            uint below_3 = below_split[side];
             memoryBarrierShared();
             barrier();
             uint _e57 = high;
             uint _e58 = low;
-            high = min(_e57, (_e58 + (below_2 * step_2)));
+            high = min(_e57, (_e58 + (below_3 * step_2)));
             uint _e62 = low;
-            low = (_e62 + ((below_2 != 0u) ? (((below_2 - 1u) * step_2) + 1u) : 0u));
+            low = (_e62 + ((below_3 != 0u) ? (((below_3 - 1u) * step_2) + 1u) : 0u));
         }
     }
     uint _e76 = low;
     return _e76;
 }
 uint count_below(uint first_2, uint count_1, uvec2 key) {
-    uint below_1 = 0u;
+    uint below_2 = 0u;
     uint step_1 = 256u;
-    bool local_6 = false;
+    bool local_7 = false;
     for (; (step_1 != 0u); step_1 = (step_1 >> 1u)) {
         {
-            uint _e10 = below_1;
+            uint _e10 = below_2;
             uint _e11 = step_1;
             uint next = (_e10 + _e11);
             if ((next <= count_1)) {
                 uvec2 _e21 = keys[((first_2 + next) - 1u)];
                 bool _e22 = is_below(_e21, key);
-                local_6 = _e22;
+                local_7 = _e22;
             } else {
-                local_6 = false;
+                local_7 = false;
             }
-            bool _e24 = local_6;
+            bool _e24 = local_7;
             if (_e24) {
-                below_1 = next;
+                below_2 = next;
             }
         }
     }
-    uint _e28 = below_1;
+    uint _e28 = below_2;
     return _e28;
 }
 void main() {
@@ -324,14 +325,14 @@ void main() {
     }
     uint _e11 = merges_of(_e2.count);
     bool from_spare = ((((_e11 + 1u) - _e2.done) % 2u) == 1u);
-    uint start_3 = ((_e2.first >> (run_1 + 1u)) << (run_1 + 1u));
-    uint both = min((_e2.count - start_3), (2u << run_1));
-    uint a_2 = min(both, (1u << run_1));
-    uint d_1 = (_e2.first - start_3);
+    uint start_2 = ((_e2.first >> (run_1 + 1u)) << (run_1 + 1u));
+    uint both = min((_e2.count - start_2), (2u << run_1));
+    uint a_3 = min(both, (1u << run_1));
+    uint d_1 = (_e2.first - start_2);
     uint some_2 = min((both - d_1), BLOCK);
-    uint first_3 = (_e2.list + start_3);
-    uint second_1 = (first_3 + a_2);
-    uint _e52 = split(thread_1, from_spare, first_3, a_2, second_1, (both - a_2), (d_1 + ((thread_1 / 64u) * some_2)), run_1);
+    uint first_3 = (_e2.list + start_2);
+    uint second_1 = (first_3 + a_3);
+    uint _e52 = split(thread_1, from_spare, first_3, a_3, second_1, (both - a_3), (d_1 + ((thread_1 / 64u) * some_2)), run_1);
     splits[(thread_1 / 64u)] = _e52;
     memoryBarrierShared();
     barrier();

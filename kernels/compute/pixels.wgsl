@@ -31,10 +31,10 @@ struct Fetched {
     b: vec4<u32>,
 }
 
-fn fetch_entry(h: Patch, i: u32) -> u32
+fn fetch_entry(here: Patch, i: u32) -> u32
 {
-    if (i < h.count) {
-        return entries[h.list + i];
+    if (i < here.count) {
+        return entries[here.list + i];
     }
     return NOTHING;
 }
@@ -52,15 +52,15 @@ fn fetch_splat(entry: u32) -> Fetched
 
 // Whether a splat can touch an open pixel of a patch. u grows along a row, so |u| is least at the first or the last open
 // pixel, or 0 between them.
-fn touch(f: Fetched, h: Patch) -> bool
+fn touch(f: Fetched, here: Patch) -> bool
 {
     let offset_q11 = i32(f.b.y & 0xffffu);
     let limit_q11 = fxs_limit_q11(offset_q11, frame.cut_q11);
     let ux = f.a.z;
-    let first = max(max(f.b.w & 0xffffu, h.y) - h.y, h.rows.x);
-    let last = min(max(f.b.w >> 16u, h.y) - h.y, h.rows.y);
-    var u = f.a.x + h.x * ux + (h.y + first) * f.a.w;
-    var v = f.a.y + (h.y + first) * f.b.x;
+    let first = max(max(f.b.w & 0xffffu, here.y) - here.y, here.rows.x);
+    let last = min(max(f.b.w >> 16u, here.y) - here.y, here.rows.y);
+    var u = f.a.x + here.x * ux + (here.y + first) * f.a.w;
+    var v = f.a.y + (here.y + first) * f.b.x;
     var touches = false;
     for (var row = first; row <= last; row += 1u) {
         let open = open_of(row);
@@ -161,10 +161,19 @@ struct Patch {
     count: u32,
 }
 
+// The first pixel of a patch, by its tile and its number.
+fn corner_of(tile: u32, number: u32) -> vec2<u32>
+{
+    let halves = frame.tile_bits - 3u;             // bits of a number: which patch of the tile, across and down
+    let across = u32(frame.tiles.x);
+    return (vec2<u32>(tile % across, tile / across) << vec2<u32>(frame.tile_bits)) +
+           vec2<u32>(number & halves, (number >> 1u) & halves) * SIDE;
+}
+
 fn patch_of(group: vec3<u32>) -> Patch
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
-    let halves = frame.tile_bits - 3u;             // bits of a number: which patch of the tile, across and down
+    let halves = frame.tile_bits - 3u;
     let longest = counts[CLASS_COUNTS + CLASSES - 1u];
     let by_rows = (SIDE * longest) << (2u * halves);
     let whole = number - min(number, by_rows);
@@ -174,11 +183,9 @@ fn patch_of(group: vec3<u32>) -> Patch
     if (tile == NOTHING || !fits()) {
         return Patch(NOTHING, 0u, 0u, rows, 0u, 0u);
     }
-    let across = u32(frame.tiles.x);
+    let corner = corner_of(tile, patch_number);
     let count = counts[TILES + tile];
-    return Patch(tile, ((tile % across) << frame.tile_bits) + (patch_number & halves) * SIDE,
-                 ((tile / across) << frame.tile_bits) + ((patch_number >> 1u) & halves) * SIDE, rows,
-                 counts[frame.next + tile] - count, count);
+    return Patch(tile, corner.x, corner.y, rows, counts[frame.next + tile] - count, count);
 }
 
 // The pixels of a thread: two in a row, APART.
@@ -191,14 +198,14 @@ struct Place {
 
 const APART: u32 = 4u;
 
-fn place_of(h: Patch, thread: u32) -> Place
+fn place_of(here: Patch, thread: u32) -> Place
 {
     let column = thread % APART;
     let row = thread / APART;
-    let x = h.x + vec2<u32>(column, column + APART);
-    return Place(column, row, (h.y + row) * u32(frame.size.x) + h.x + column,
+    let x = here.x + vec2<u32>(column, column + APART);
+    return Place(column, row, (here.y + row) * u32(frame.size.x) + here.x + column,
                  (x < vec2<u32>(u32(frame.size.x))) &
-                     vec2<bool>(h.y + row < u32(frame.size.y) && row >= h.rows.x && row <= h.rows.y));
+                     vec2<bool>(here.y + row < u32(frame.size.y) && row >= here.rows.x && row <= here.rows.y));
 }
 
 fn bit_of(place: Place, second: bool) -> u32
@@ -227,21 +234,21 @@ fn close_pixel(place: Place, second: bool)
 }
 
 // Puts a splat into the round.
-fn put_splat(h: Patch, thread: u32, f: Fetched)
+fn put_splat(here: Patch, thread: u32, f: Fetched)
 {
     let limit = fxs_limit_q11(i32(f.b.y & 0xffffu), frame.cut_q11);
-    shapes[thread] = vec4<u32>(f.a.x + h.x * f.a.z + h.y * f.a.w, f.a.y + h.y * f.b.x, f.a.zw);
+    shapes[thread] = vec4<u32>(f.a.x + here.x * f.a.z + here.y * f.a.w, f.a.y + here.y * f.b.x, f.a.zw);
     shades[thread] = vec4<u32>(f.b.xyz, u32(limit));
 }
 
 // And marks it where it touches an open pixel.
-fn place_splat(h: Patch, thread: u32, f: Fetched, round: u32)
+fn place_splat(here: Patch, thread: u32, f: Fetched, round: u32)
 {
     if ((f.entry & CUT_OFF) != 0u) {
         return;
     }
-    put_splat(h, thread, f);
-    if (touch(f, h)) {
+    put_splat(here, thread, f);
+    if (touch(f, here)) {
         atomicOr(&touching[round % 2u], 1u << thread);
     }
 }

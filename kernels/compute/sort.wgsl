@@ -1,23 +1,23 @@
-// Needs records order
-// sort: each tile's list near to far. Blocks of a list are sorted in the memory of a workgroup: the depths of 32 keys,
-// sorted, bound as many ranges, each of which is 8 bins of equal width; keys go to the bins, then each counts those of
+// Needs records sums order
+// sort: each tile's list near to far. Blocks of a list are sorted in the memory of a workgroup: the depths of 16 keys,
+// sorted, bound as many ranges, each of which is 16 bins of equal width; keys go to the bins, then each counts those of
 // its bin that are less. The less memory of a workgroup, the more of them a GPU has at a time. Runs of a list, blocks
 // at first, are then merged, two at a time: a workgroup finds where its keys come from in both, and merges those.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
 @group(1) @binding(1) var<storage, read_write> entries: array<u32>;
-@group(1) @binding(2) var<storage, read_write> memory: array<u32>;          // depths, and room for as many entries again
+@group(1) @binding(2) var<storage, read_write> memory: array<u32>;  // depths; and where as many entries are again
 
-const SAMPLES: u32 = 32u;
-const RANGE: u32 = 8u;             // bins
+const SAMPLES: u32 = 16u;
+const RANGE: u32 = 16u;            // bins
 const BINS: u32 = 256u;
 
 var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth, bin after bin
 var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then starts; the last: the end of all
-var<workgroup> sums: array<u32, 16>;
-var<workgroup> samples: array<u32, 32>;
-var<workgroup> bounds: array<vec2<u32>, 32>;     // of the ranges: the least depth, and the shift that bins are wide
+var<workgroup> samples: array<u32, 16>;
+var<workgroup> ranks: array<atomic<u32>, 16>;
+var<workgroup> bounds: array<vec2<u32>, 16>;     // of the ranges: the least depth, and the shift that bins are wide
 
 fn key_of(entry: u32) -> vec2<u32>
 {
@@ -88,53 +88,41 @@ fn take_block(group: vec3<u32>, thread: u32) -> Block
 // From the sizes of bins to their starts.
 fn place_bins(thread: u32, some: u32)
 {
-    let group = BINS / 16u;        // of bins
-    if (thread < 16u) {
-        var size = 0u;
-        for (var i = 0u; i < group; i += 1u) {
-            size += atomicLoad(&bins[group * thread + i]);
-        }
-        sums[thread] = size;
-    }
-    workgroupBarrier();
     let bin = 2u * thread;
-    var start = 0u;
-    for (var i = 0u; i < bin / group; i += 1u) {
-        start += sums[i];
-    }
-    for (var i = bin / group * group; i < bin; i += 1u) {
-        start += atomicLoad(&bins[i]);
-    }
-    let next = start + atomicLoad(&bins[bin]);
-    workgroupBarrier();
+    let size = atomicLoad(&bins[bin]);
+    let start = sum_before(thread, size + atomicLoad(&bins[bin + 1u]), false);
     atomicStore(&bins[bin], start);
-    atomicStore(&bins[bin + 1u], next);
+    atomicStore(&bins[bin + 1u], start + size);
     if (thread == 0u) {
         atomicStore(&bins[BINS], some);
     }
     workgroupBarrier();
 }
 
-// Bounds the ranges by the depths of some keys.
+// Bounds the ranges by the depths of some keys. Four threads rank a sample.
 fn bound_ranges(thread: u32, at: u32, some: u32)
 {
-    var own = 0u;
+    let sample = thread % SAMPLES;
     if (thread < SAMPLES) {
-        own = key_at(false, at + thread * max(some, SAMPLES) / SAMPLES % some).y;
-        samples[thread] = own;
+        samples[thread] = key_at(false, at + thread * max(some, SAMPLES) / SAMPLES % some).y;
+        atomicStore(&ranks[thread], 0u);
     }
     workgroupBarrier();
+    let own = samples[sample];
+    var below = 0u;
+    for (var i = 0u; i < SAMPLES * SAMPLES / THREADS; i += 1u) {
+        let other = thread / SAMPLES * (SAMPLES * SAMPLES / THREADS) + i;
+        below += select(0u, 1u, samples[other] < own || (samples[other] == own && other < sample));
+    }
+    atomicAdd(&ranks[sample], below);
+    workgroupBarrier();
     if (thread < SAMPLES) {
-        var place = 0u;
-        for (var i = 0u; i < SAMPLES; i += 1u) {
-            place += select(0u, 1u, samples[i] < own || (samples[i] == own && i < thread));
-        }
-        bounds[place].x = own;
+        bounds[atomicLoad(&ranks[thread])].x = own;
     }
     workgroupBarrier();
     if (thread < SAMPLES) {
         let width = bounds[min(thread + 1u, SAMPLES - 1u)].x - bounds[thread].x;
-        bounds[thread].y = max(32u - countLeadingZeros(width), 3u) - 3u;
+        bounds[thread].y = max(32u - countLeadingZeros(width), 4u) - 4u;
     }
     workgroupBarrier();
 }
@@ -166,10 +154,14 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     for (var i = thread; i < BINS; i += THREADS) {
         atomicStore(&bins[i], 0u);
     }
-    bound_ranges(thread, at, some);
     for (var k = 0u; k < BLOCK / THREADS; k += 1u) {
         if (thread + k * THREADS < some) {
             own[k] = key_at(false, at + thread + k * THREADS);
+        }
+    }
+    bound_ranges(thread, at, some);
+    for (var k = 0u; k < BLOCK / THREADS; k += 1u) {
+        if (thread + k * THREADS < some) {
             bin_of_own[k] = bin_of(own[k].y);
             place[k] = atomicAdd(&bins[bin_of_own[k]], 1u);
         }

@@ -138,41 +138,100 @@ const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
-const uint SAMPLES = 32u;
-const uint RANGE = 8u;
+const uint GROUP = 16u;
+const uint SAMPLES = 16u;
+const uint RANGE = 16u;
 const uint BINS = 256u;
 const uint DONE = 1048576u;
-layout(std430, binding = 0) buffer type_11_block_0Compute { uint _group_1_binding_0_cs[]; };
+shared uint sums[128];
+shared uint group_sums[8];
+layout(std430, binding = 0) buffer type_14_block_0Compute { uint _group_1_binding_0_cs[]; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 1) buffer type_11_block_2Compute { uint _group_1_binding_1_cs[]; };
-layout(std430, binding = 2) buffer type_11_block_3Compute { uint _group_1_binding_2_cs[]; };
+layout(std430, binding = 1) buffer type_14_block_2Compute { uint _group_1_binding_1_cs[]; };
+layout(std430, binding = 2) buffer type_14_block_3Compute { uint _group_1_binding_2_cs[]; };
 shared uvec2 keys[512];
 shared uint bins[257];
-shared uint sums[16];
-shared uint samples[32];
-shared uvec2 bounds[32];
+shared uint samples[16];
+shared uint ranks[16];
+shared uvec2 bounds[16];
 shared Block own_block;
-bool fits() {
+uint plus(uint a, uint b, bool cut) {
     bool local = false;
+    if (cut) {
+        local = ((a + b) < a);
+    } else {
+        local = false;
+    }
+    bool _e10 = local;
+    return (_e10 ? 4294967295u : (a + b));
+}
+uint sum_before(uint thread_2, uint own_1, bool cut_1) {
+    uint sum = 0u;
+    uint i_5 = 0u;
+    uint sum_1 = 0u;
+    uint i_6 = 0u;
+    uint i_7 = 0u;
+    sums[thread_2] = own_1;
+    memoryBarrierShared();
+    barrier();
+    if ((thread_2 < 8u)) {
+        for (; (i_5 < GROUP); i_5 = (i_5 + 1u)) {
+            {
+                uint _e14 = sum;
+                uint _e18 = i_5;
+                uint _e21 = sums[((GROUP * thread_2) + _e18)];
+                uint _e22 = plus(_e14, _e21, cut_1);
+                sum = _e22;
+            }
+        }
+        uint _e28 = sum;
+        group_sums[thread_2] = _e28;
+    }
+    memoryBarrierShared();
+    barrier();
+    for (; (i_6 < (thread_2 / GROUP)); i_6 = (i_6 + 1u)) {
+        {
+            uint _e37 = sum_1;
+            uint _e39 = i_6;
+            uint _e41 = group_sums[_e39];
+            uint _e42 = plus(_e37, _e41, cut_1);
+            sum_1 = _e42;
+        }
+    }
+    i_7 = ((thread_2 / GROUP) * GROUP);
+    for (; (i_7 < thread_2); i_7 = (i_7 + 1u)) {
+        {
+            uint _e53 = sum_1;
+            uint _e55 = i_7;
+            uint _e57 = sums[_e55];
+            uint _e58 = plus(_e53, _e57, cut_1);
+            sum_1 = _e58;
+        }
+    }
+    uint _e62 = sum_1;
+    return _e62;
+}
+bool fits() {
     bool local_1 = false;
+    bool local_2 = false;
     uint _e2 = _group_1_binding_0_cs[2];
     uint _e5 = _group_0_binding_0_cs.page_room;
     if ((_e2 <= _e5)) {
         uint _e11 = _group_1_binding_0_cs[1];
         uint _e14 = _group_0_binding_0_cs.large_room;
-        local = (_e11 <= _e14);
-    } else {
-        local = false;
-    }
-    bool _e17 = local;
-    if (_e17) {
-        uint _e22 = _group_1_binding_0_cs[0];
-        uint _e25 = _group_0_binding_0_cs.chunk_room;
-        local_1 = (_e22 <= _e25);
+        local_1 = (_e11 <= _e14);
     } else {
         local_1 = false;
     }
-    bool _e28 = local_1;
+    bool _e17 = local_1;
+    if (_e17) {
+        uint _e22 = _group_1_binding_0_cs[0];
+        uint _e25 = _group_0_binding_0_cs.chunk_room;
+        local_2 = (_e22 <= _e25);
+    } else {
+        local_2 = false;
+    }
+    bool _e28 = local_2;
     return _e28;
 }
 uvec2 key_of(uint entry) {
@@ -201,16 +260,16 @@ void put_entry(bool in_spare_1, uint at_1, uint entry_1) {
         return;
     }
 }
-bool is_below(uvec2 a, uvec2 b) {
-    return ((a.y == b.y) ? (a.x < b.x) : (a.y < b.y));
+bool is_below(uvec2 a_1, uvec2 b_1) {
+    return ((a_1.y == b_1.y) ? (a_1.x < b_1.x) : (a_1.y < b_1.y));
 }
 uint merges_of(uint count) {
     return (max((32u - uint(31 - findMSB((count - 1u)))), 9u) - 9u);
 }
-Block take_block(uvec3 group_2, uint thread_2) {
-    bool local_2 = false;
+Block take_block(uvec3 group_2, uint thread_3) {
+    bool local_3 = false;
     uint number_2 = ((group_2.y * ROW_OF_GROUPS) + group_2.x);
-    if ((thread_2 == 0u)) {
+    if ((thread_3 == 0u)) {
         uint long_ = _group_1_binding_0_cs[8];
         uint _e14 = _group_0_binding_0_cs.blocks;
         uint _e19 = _group_0_binding_0_cs.block_room;
@@ -219,11 +278,11 @@ Block take_block(uvec3 group_2, uint thread_2) {
         uint _e32 = _group_1_binding_0_cs[7];
         if ((number_2 < (long_ + _e32))) {
             bool _e37 = fits();
-            local_2 = _e37;
+            local_3 = _e37;
         } else {
-            local_2 = false;
+            local_3 = false;
         }
-        bool _e39 = local_2;
+        bool _e39 = local_3;
         if (_e39) {
             uint tile = _group_1_binding_0_cs[at_4];
             uint count_2 = _group_1_binding_0_cs[(TILES + tile)];
@@ -243,110 +302,71 @@ Block take_block(uvec3 group_2, uint thread_2) {
     barrier();
     return _e82;
 }
-void place_bins(uint thread_3, uint some) {
-    uint size = 0u;
-    uint i_5 = 0u;
-    uint start_2 = 0u;
-    uint i_6 = 0u;
-    uint i_7 = 0u;
-    if ((thread_3 < 16u)) {
-        for (; (i_5 < 16u); i_5 = (i_5 + 1u)) {
-            {
-                uint _e11 = size;
-                uint _e14 = i_5;
-                uint _e17 = bins[((16u * thread_3) + _e14)];
-                size = (_e11 + _e17);
-            }
-        }
-        uint _e24 = size;
-        sums[thread_3] = _e24;
-    }
-    memoryBarrierShared();
-    barrier();
-    uint bin = (2u * thread_3);
-    for (; (i_6 < (bin / 16u)); i_6 = (i_6 + 1u)) {
-        {
-            uint _e34 = start_2;
-            uint _e36 = i_6;
-            uint _e38 = sums[_e36];
-            start_2 = (_e34 + _e38);
-        }
-    }
-    i_7 = ((bin / 16u) * 16u);
-    for (; (i_7 < bin); i_7 = (i_7 + 1u)) {
-        {
-            uint _e48 = start_2;
-            uint _e50 = i_7;
-            uint _e52 = bins[_e50];
-            start_2 = (_e48 + _e52);
-        }
-    }
-    uint _e57 = start_2;
-    uint _e60 = bins[bin];
-    uint next = (_e57 + _e60);
-    memoryBarrierShared();
-    barrier();
-    uint _e64 = start_2;
-    bins[bin] = _e64;
-    bins[(bin + 1u)] = next;
-    if ((thread_3 == 0u)) {
+void place_bins(uint thread_4, uint some) {
+    uint bin = (2u * thread_4);
+    uint size = bins[bin];
+    uint _e11 = bins[(bin + 1u)];
+    uint _e14 = sum_before(thread_4, (size + _e11), false);
+    bins[bin] = _e14;
+    bins[(bin + 1u)] = (_e14 + size);
+    if ((thread_4 == 0u)) {
         bins[256] = some;
     }
     memoryBarrierShared();
     barrier();
     return;
 }
-void bound_ranges(uint thread_4, uint at_2, uint some_1) {
-    uint own_1 = 0u;
-    uint place_1 = 0u;
-    uint i_8 = 0u;
-    bool local_3 = false;
+void bound_ranges(uint thread_5, uint at_2, uint some_1) {
+    uint below_1 = 0u;
+    uint i_9 = 0u;
     bool local_4 = false;
-    if ((thread_4 < SAMPLES)) {
-        uvec2 _e15 = key_at(false, (at_2 + (((thread_4 * max(some_1, SAMPLES)) / SAMPLES) % some_1)));
-        own_1 = _e15.y;
-        uint _e19 = own_1;
-        samples[thread_4] = _e19;
+    bool local_5 = false;
+    uint sample_ = (thread_5 % SAMPLES);
+    if ((thread_5 < SAMPLES)) {
+        uvec2 _e17 = key_at(false, (at_2 + (((thread_5 * max(some_1, SAMPLES)) / SAMPLES) % some_1)));
+        samples[thread_5] = _e17.y;
+        ranks[thread_5] = 0u;
     }
     memoryBarrierShared();
     barrier();
-    if ((thread_4 < SAMPLES)) {
-        for (; (i_8 < SAMPLES); i_8 = (i_8 + 1u)) {
-            {
-                uint _e29 = place_1;
-                uint _e33 = i_8;
-                uint _e35 = samples[_e33];
-                uint _e36 = own_1;
-                if (!((_e35 < _e36))) {
-                    uint _e42 = i_8;
-                    uint _e44 = samples[_e42];
-                    uint _e45 = own_1;
-                    if ((_e44 == _e45)) {
-                        uint _e49 = i_8;
-                        local_4 = (_e49 < thread_4);
-                    } else {
-                        local_4 = false;
-                    }
-                    bool _e52 = local_4;
-                    local_3 = _e52;
+    uint own_2 = samples[sample_];
+    for (; (i_9 < 2u); i_9 = (i_9 + 1u)) {
+        {
+            uint _e36 = i_9;
+            uint other = (((thread_5 / SAMPLES) * 2u) + _e36);
+            uint _e38 = below_1;
+            uint _e43 = samples[other];
+            if (!((_e43 < own_2))) {
+                uint _e50 = samples[other];
+                if ((_e50 == own_2)) {
+                    local_5 = (other < sample_);
                 } else {
-                    local_3 = true;
+                    local_5 = false;
                 }
-                bool _e54 = local_3;
-                place_1 = (_e29 + (_e54 ? 1u : 0u));
+                bool _e56 = local_5;
+                local_4 = _e56;
+            } else {
+                local_4 = true;
             }
+            bool _e58 = local_4;
+            below_1 = (_e38 + (_e58 ? 1u : 0u));
         }
-        uint _e61 = place_1;
-        uint _e64 = own_1;
-        bounds[_e61].x = _e64;
+    }
+    uint _e66 = below_1;
+    uint _e67 = atomicAdd(ranks[sample_], _e66);
+    memoryBarrierShared();
+    barrier();
+    if ((thread_5 < SAMPLES)) {
+        uint _e73 = ranks[thread_5];
+        bounds[_e73].x = own_2;
     }
     memoryBarrierShared();
     barrier();
-    if ((thread_4 < SAMPLES)) {
-        uint _e74 = bounds[min((thread_4 + 1u), 31u)].x;
-        uint _e78 = bounds[thread_4].x;
-        uint width = (_e74 - _e78);
-        bounds[thread_4].y = (max((32u - uint(31 - findMSB(width))), 3u) - 3u);
+    if ((thread_5 < SAMPLES)) {
+        uint _e85 = bounds[min((thread_5 + 1u), 15u)].x;
+        uint _e89 = bounds[thread_5].x;
+        uint width = (_e85 - _e89);
+        bounds[thread_5].y = (max((32u - uint(31 - findMSB(width))), 4u) - 4u);
     }
     memoryBarrierShared();
     barrier();
@@ -354,7 +374,7 @@ void bound_ranges(uint thread_4, uint at_2, uint some_1) {
 }
 uint bin_of(uint depth) {
     uint range = 0u;
-    uint step_ = 16u;
+    uint step_ = 8u;
     for (; (step_ != 0u); step_ = (step_ >> 1u)) {
         {
             uint _e8 = range;
@@ -368,7 +388,7 @@ uint bin_of(uint depth) {
     uint _e25 = range;
     uvec2 bound = bounds[_e25];
     uint _e29 = range;
-    return ((RANGE * _e29) + min(((max(depth, bound.x) - bound.x) >> bound.y), 7u));
+    return ((RANGE * _e29) + min(((max(depth, bound.x) - bound.x) >> bound.y), 15u));
 }
 void main() {
     uvec3 group = gl_WorkGroupID;
@@ -380,6 +400,7 @@ void main() {
     uint k = 0u;
     uint k_1 = 0u;
     uint k_2 = 0u;
+    uint k_3 = 0u;
     uint below = 0u;
     uint i_1 = 0u;
     Block _e2 = take_block(group, thread);
@@ -397,7 +418,6 @@ void main() {
             bins[_e28] = 0u;
         }
     }
-    bound_ranges(thread, at_5, some_2);
     for (; (k < 4u); k = (k + 1u)) {
         {
             uint _e39 = k;
@@ -406,66 +426,74 @@ void main() {
                 uint _e48 = k;
                 uvec2 _e52 = key_at(false, ((at_5 + thread) + (_e48 * THREADS)));
                 own[_e44] = _e52;
-                uint _e53 = k;
-                uint _e55 = k;
-                uint _e58 = own[_e55].y;
-                uint _e59 = bin_of(_e58);
-                bin_of_own[_e53] = _e59;
-                uint _e60 = k;
-                uint _e63 = k;
-                uint _e65 = bin_of_own[_e63];
-                uint _e68 = atomicAdd(bins[_e65], 1u);
-                place[_e60] = _e68;
+            }
+        }
+    }
+    bound_ranges(thread, at_5, some_2);
+    for (; (k_1 < 4u); k_1 = (k_1 + 1u)) {
+        {
+            uint _e61 = k_1;
+            if (((thread + (_e61 * THREADS)) < some_2)) {
+                uint _e66 = k_1;
+                uint _e68 = k_1;
+                uint _e71 = own[_e68].y;
+                uint _e72 = bin_of(_e71);
+                bin_of_own[_e66] = _e72;
+                uint _e73 = k_1;
+                uint _e76 = k_1;
+                uint _e78 = bin_of_own[_e76];
+                uint _e81 = atomicAdd(bins[_e78], 1u);
+                place[_e73] = _e81;
             }
         }
     }
     memoryBarrierShared();
     barrier();
     place_bins(thread, some_2);
-    for (; (k_1 < 4u); k_1 = (k_1 + 1u)) {
+    for (; (k_2 < 4u); k_2 = (k_2 + 1u)) {
         {
-            uint _e77 = k_1;
-            if (((thread + (_e77 * THREADS)) < some_2)) {
-                uint _e84 = k_1;
-                uint _e86 = bin_of_own[_e84];
-                uint _e88 = bins[_e86];
-                uint _e89 = k_1;
-                uint _e91 = place[_e89];
-                uint _e94 = k_1;
-                uvec2 _e96 = own[_e94];
-                keys[(_e88 + _e91)] = _e96;
+            uint _e90 = k_2;
+            if (((thread + (_e90 * THREADS)) < some_2)) {
+                uint _e97 = k_2;
+                uint _e99 = bin_of_own[_e97];
+                uint _e101 = bins[_e99];
+                uint _e102 = k_2;
+                uint _e104 = place[_e102];
+                uint _e107 = k_2;
+                uvec2 _e109 = own[_e107];
+                keys[(_e101 + _e104)] = _e109;
             }
         }
     }
     memoryBarrierShared();
     barrier();
-    for (; (k_2 < 4u); k_2 = (k_2 + 1u)) {
+    for (; (k_3 < 4u); k_3 = (k_3 + 1u)) {
         {
-            uint _e105 = k_2;
-            if (((thread + (_e105 * THREADS)) < some_2)) {
-                uint _e111 = k_2;
-                uint _e113 = bin_of_own[_e111];
-                uint first_3 = bins[_e113];
-                uint _e117 = k_2;
-                uint _e119 = bin_of_own[_e117];
-                uint end = bins[(_e119 + 1u)];
+            uint _e118 = k_3;
+            if (((thread + (_e118 * THREADS)) < some_2)) {
+                uint _e124 = k_3;
+                uint _e126 = bin_of_own[_e124];
+                uint first_3 = bins[_e126];
+                uint _e130 = k_3;
+                uint _e132 = bin_of_own[_e130];
+                uint end = bins[(_e132 + 1u)];
                 below = first_3;
                 i_1 = first_3;
                 for (; (i_1 < end); i_1 = (i_1 + 1u)) {
                     {
-                        uint _e128 = below;
-                        uint _e132 = i_1;
-                        uvec2 _e134 = keys[_e132];
-                        uint _e135 = k_2;
-                        uvec2 _e137 = own[_e135];
-                        bool _e138 = is_below(_e134, _e137);
-                        below = (_e128 + (_e138 ? 1u : 0u));
+                        uint _e141 = below;
+                        uint _e145 = i_1;
+                        uvec2 _e147 = keys[_e145];
+                        uint _e148 = k_3;
+                        uvec2 _e150 = own[_e148];
+                        bool _e151 = is_below(_e147, _e150);
+                        below = (_e141 + (_e151 ? 1u : 0u));
                     }
                 }
-                uint _e144 = below;
-                uint _e146 = k_2;
-                uint _e149 = own[_e146].x;
-                put_entry(to_spare, (at_5 + _e144), _e149);
+                uint _e157 = below;
+                uint _e159 = k_3;
+                uint _e162 = own[_e159].x;
+                put_entry(to_spare, (at_5 + _e157), _e162);
             }
         }
     }

@@ -132,57 +132,91 @@ const uint LONGEST = 9u;
 const uint CLASS_COUNTS = 16u;
 const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
-layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
-layout(std430, binding = 0) buffer type_11_block_1Compute { uint _group_1_binding_0_cs[]; };
-layout(std430, binding = 2) buffer type_13_block_2Compute { uint _group_1_binding_2_cs[]; };
+const uint GROUP = 16u;
 shared uint sums[128];
+shared uint group_sums[8];
+layout(std140, binding = 0) uniform Frame_block_0Compute { Frame _group_0_binding_0_cs; };
+layout(std430, binding = 0) buffer type_13_block_1Compute { uint _group_1_binding_0_cs[]; };
+layout(std430, binding = 2) buffer type_15_block_2Compute { uint _group_1_binding_2_cs[]; };
 shared uint first_page;
-uint add_most(uint a_16, uint b_8) {
-    return (((a_16 + b_8) < a_16) ? 4294967295u : (a_16 + b_8));
+uint plus(uint a_16, uint b_8, bool cut) {
+    bool local = false;
+    if (cut) {
+        local = ((a_16 + b_8) < a_16);
+    } else {
+        local = false;
+    }
+    bool _e10 = local;
+    return (_e10 ? 4294967295u : (a_16 + b_8));
 }
-uint sum_to(uint thread_1, uint own_1, bool cut) {
-    uint d = 1u;
-    uint below = 0u;
+uint sum_before(uint thread_1, uint own_1, bool cut_1) {
+    uint sum = 0u;
+    uint i_1 = 0u;
+    uint sum_1 = 0u;
+    uint i_2 = 0u;
+    uint i_3 = 0u;
+    sums[thread_1] = own_1;
     memoryBarrierShared();
     barrier();
-    sums[thread_1] = own_1;
-    for (; (d < THREADS); d = (d * 2u)) {
-        {
-            memoryBarrierShared();
-            barrier();
-            below = 0u;
-            uint _e12 = d;
-            if ((thread_1 >= _e12)) {
-                uint _e15 = d;
-                uint _e18 = sums[(thread_1 - _e15)];
-                below = _e18;
-            }
-            memoryBarrierShared();
-            barrier();
-            if (cut) {
-                uint _e23 = sums[thread_1];
-                uint _e24 = below;
-                uint _e25 = add_most(_e23, _e24);
-                sums[thread_1] = _e25;
-            } else {
-                uint _e28 = sums[thread_1];
-                uint _e29 = below;
-                sums[thread_1] = (_e28 + _e29);
+    if ((thread_1 < 8u)) {
+        for (; (i_1 < GROUP); i_1 = (i_1 + 1u)) {
+            {
+                uint _e14 = sum;
+                uint _e18 = i_1;
+                uint _e21 = sums[((GROUP * thread_1) + _e18)];
+                uint _e22 = plus(_e14, _e21, cut_1);
+                sum = _e22;
             }
         }
+        uint _e28 = sum;
+        group_sums[thread_1] = _e28;
     }
     memoryBarrierShared();
     barrier();
-    uint _e36 = sums[thread_1];
-    return _e36;
+    for (; (i_2 < (thread_1 / GROUP)); i_2 = (i_2 + 1u)) {
+        {
+            uint _e37 = sum_1;
+            uint _e39 = i_2;
+            uint _e41 = group_sums[_e39];
+            uint _e42 = plus(_e37, _e41, cut_1);
+            sum_1 = _e42;
+        }
+    }
+    i_3 = ((thread_1 / GROUP) * GROUP);
+    for (; (i_3 < thread_1); i_3 = (i_3 + 1u)) {
+        {
+            uint _e53 = sum_1;
+            uint _e55 = i_3;
+            uint _e57 = sums[_e55];
+            uint _e58 = plus(_e53, _e57, cut_1);
+            sum_1 = _e58;
+        }
+    }
+    uint _e62 = sum_1;
+    return _e62;
+}
+uint sum_of_all(bool cut_2) {
+    uint sum_2 = 0u;
+    uint i_4 = 0u;
+    for (; (i_4 < 8u); i_4 = (i_4 + 1u)) {
+        {
+            uint _e8 = sum_2;
+            uint _e10 = i_4;
+            uint _e12 = group_sums[_e10];
+            uint _e13 = plus(_e8, _e12, cut_2);
+            sum_2 = _e13;
+        }
+    }
+    uint _e17 = sum_2;
+    return _e17;
 }
 uint class_of(uint length_1) {
     return ((length_1 == 0u) ? 0u : min((34u - uint(31 - findMSB(length_1))), 15u));
 }
 void put_blocks(uint tile, uint length_2) {
     uint at = 0u;
-    uint i_1 = 0u;
-    bool local = false;
+    uint i_5 = 0u;
+    bool local_1 = false;
     uint blocks = ((length_2 > 1u) ? (((length_2 - 1u) / BLOCK) + 1u) : 0u);
     if ((blocks == 0u)) {
         return;
@@ -196,17 +230,17 @@ void put_blocks(uint tile, uint length_2) {
         uint _e32 = atomicAdd(_group_1_binding_2_cs[7], 1u);
         at = _e32;
     }
-    for (; ; i_1 = (i_1 + 1u)) {
-        uint _e35 = i_1;
+    for (; ; i_5 = (i_5 + 1u)) {
+        uint _e35 = i_5;
         if ((_e35 < blocks)) {
             uint _e39 = at;
-            uint _e40 = i_1;
+            uint _e40 = i_5;
             uint _e44 = _group_0_binding_0_cs.block_room;
-            local = ((_e39 + _e40) < _e44);
+            local_1 = ((_e39 + _e40) < _e44);
         } else {
-            local = false;
+            local_1 = false;
         }
-        bool _e47 = local;
+        bool _e47 = local_1;
         if (_e47) {
         } else {
             break;
@@ -214,12 +248,12 @@ void put_blocks(uint tile, uint length_2) {
         {
             uint _e51 = _group_0_binding_0_cs.blocks;
             uint _e53 = at;
-            uint _e54 = i_1;
+            uint _e54 = i_5;
             _group_1_binding_2_cs[(_e51 + (2u * (_e53 + _e54)))] = tile;
             uint _e62 = _group_0_binding_0_cs.blocks;
             uint _e64 = at;
-            uint _e65 = i_1;
-            uint _e72 = i_1;
+            uint _e65 = i_5;
+            uint _e72 = i_5;
             _group_1_binding_2_cs[((_e62 + (2u * (_e64 + _e65))) + 1u)] = _e72;
         }
     }
@@ -247,50 +281,57 @@ void main() {
                 uint _e27 = _group_1_binding_2_cs[at_1];
                 own = _e27;
             }
+            memoryBarrierShared();
+            barrier();
             uint _e28 = tiles_before;
             uint _e29 = own;
-            uint _e31 = sum_to(thread, _e29, false);
-            length_ = (_e28 + _e31);
-            uint _e34 = tiles_before;
-            uint _e37 = sums[127];
-            tiles_before = (_e34 + _e37);
+            uint _e31 = sum_before(thread, _e29, false);
+            uint _e33 = own;
+            length_ = ((_e28 + _e31) + _e33);
+            uint _e36 = tiles_before;
+            uint _e38 = sum_of_all(false);
+            tiles_before = (_e36 + _e38);
             if ((column_1 >= across)) {
                 length_ = 0u;
             }
-            uint _e41 = entries_before;
-            uint _e42 = length_;
-            uint _e44 = sum_to(thread, _e42, true);
-            uint _e45 = add_most(_e41, _e44);
-            uint _e46 = entries_before;
-            uint _e49 = sums[127];
-            uint _e50 = add_most(_e46, _e49);
-            entries_before = _e50;
+            memoryBarrierShared();
+            barrier();
+            uint _e42 = entries_before;
+            uint _e43 = length_;
+            uint _e45 = sum_before(thread, _e43, true);
+            uint _e47 = plus(_e42, _e45, true);
+            uint _e48 = length_;
+            uint _e50 = plus(_e47, _e48, true);
+            uint _e51 = entries_before;
+            uint _e53 = sum_of_all(true);
+            uint _e55 = plus(_e51, _e53, true);
+            entries_before = _e55;
             if ((column_1 < across)) {
-                uint _e54 = length_;
-                _group_1_binding_2_cs[at_1] = _e54;
-                uint _e58 = _group_0_binding_0_cs.next;
-                uint _e62 = length_;
-                _group_1_binding_2_cs[((_e58 + row) + column_1)] = (_e45 - _e62);
+                uint _e59 = length_;
+                _group_1_binding_2_cs[at_1] = _e59;
+                uint _e63 = _group_0_binding_0_cs.next;
+                uint _e67 = length_;
+                _group_1_binding_2_cs[((_e63 + row) + column_1)] = (_e50 - _e67);
             }
         }
     }
     if ((thread == 0u)) {
-        uint _e71 = entries_before;
-        uint _e72 = atomicAdd(_group_1_binding_2_cs[5], _e71);
-        uint _e73 = entries_before;
-        uint _e75 = entries_before;
-        if (((_e72 + _e73) < _e75)) {
-            uint _e80 = atomicAdd(_group_1_binding_2_cs[6], 1u);
+        uint _e76 = entries_before;
+        uint _e77 = atomicAdd(_group_1_binding_2_cs[5], _e76);
+        uint _e78 = entries_before;
+        uint _e80 = entries_before;
+        if (((_e77 + _e78) < _e80)) {
+            uint _e85 = atomicAdd(_group_1_binding_2_cs[6], 1u);
         }
-        uint _e84 = entries_before;
-        uint _e89 = atomicAdd(_group_1_binding_2_cs[2], ((_e84 / PAGE) + 1u));
-        first_page = _e89;
+        uint _e89 = entries_before;
+        uint _e94 = atomicAdd(_group_1_binding_2_cs[2], ((_e89 / PAGE) + 1u));
+        first_page = _e94;
         if ((group.x == 0u)) {
-            uint _e95 = _group_1_binding_2_cs[1];
-            uint _e98 = _group_0_binding_0_cs.large_room;
-            uint larges = min(_e95, _e98);
-            uint _e103 = _group_0_binding_0_cs.spans;
-            uint at_2 = (4u * (_e103 + 1u));
+            uint _e100 = _group_1_binding_2_cs[1];
+            uint _e103 = _group_0_binding_0_cs.large_room;
+            uint larges = min(_e100, _e103);
+            uint _e108 = _group_0_binding_0_cs.spans;
+            uint at_2 = (4u * (_e108 + 1u));
             _group_1_binding_0_cs[at_2] = min(larges, ROW_OF_GROUPS);
             _group_1_binding_0_cs[(at_2 + 1u)] = (((larges + ROW_OF_GROUPS) - 1u) / ROW_OF_GROUPS);
             _group_1_binding_0_cs[(at_2 + 2u)] = 1u;
@@ -301,18 +342,18 @@ void main() {
     column = thread;
     for (; (column < across); column = (column + THREADS)) {
         {
-            uint _e129 = column;
-            uint tile_1 = (row + _e129);
+            uint _e134 = column;
+            uint tile_1 = (row + _e134);
             uint length_3 = _group_1_binding_2_cs[(TILES + tile_1)];
-            uint _e136 = class_of(length_3);
+            uint _e141 = class_of(length_3);
             put_blocks(tile_1, length_3);
-            uint _e142 = atomicAdd(_group_1_binding_2_cs[(CLASS_COUNTS + _e136)], 1u);
-            uint _e146 = _group_0_binding_0_cs.classes;
-            int _e151 = _group_0_binding_0_cs.tiles.y;
-            _group_1_binding_2_cs[((_e146 + ((_e136 * across) * uint(_e151))) + _e142)] = tile_1;
-            uint _e160 = _group_0_binding_0_cs.next;
-            uint _e164 = first_page;
-            uint _e167 = atomicAdd(_group_1_binding_2_cs[(_e160 + tile_1)], (_e164 * PAGE));
+            uint _e147 = atomicAdd(_group_1_binding_2_cs[(CLASS_COUNTS + _e141)], 1u);
+            uint _e151 = _group_0_binding_0_cs.classes;
+            int _e156 = _group_0_binding_0_cs.tiles.y;
+            _group_1_binding_2_cs[((_e151 + ((_e141 * across) * uint(_e156))) + _e147)] = tile_1;
+            uint _e165 = _group_0_binding_0_cs.next;
+            uint _e169 = first_page;
+            uint _e172 = atomicAdd(_group_1_binding_2_cs[(_e165 + tile_1)], (_e169 * PAGE));
         }
     }
     return;

@@ -130,30 +130,30 @@ fn put_traced(p: ptr<function, Pixel>, t: ptr<function, Traced>, at: u32)
 @compute @workgroup_size(32)
 fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {
-    let h = patch_of(group);
-    if (h.tile == NOTHING) {
+    let here = patch_of(group);
+    if (here.tile == NOTHING) {
         return;
     }
-    let place = place_of(h, thread);
+    let place = place_of(here, thread);
     var p = Pixel(select(0, FXS_CLEAR_Q15, place.inside.x), vec3<i32>(0));
     var q = Pixel(select(0, FXS_CLEAR_Q15, place.inside.y), vec3<i32>(0));
     var s = traced_at(place.inside.x, place.at);
     var t = traced_at(place.inside.y, place.at + APART);
     var open = place.inside;
-    var fetched = fetch_splat(fetch_entry(h, thread));
+    var fetched = fetch_splat(fetch_entry(here, thread));
     var depth = depth_of(fetched.entry);
-    var entry = fetch_entry(h, SOME + thread);
+    var entry = fetch_entry(here, SOME + thread);
     clear_rounds(thread, place);
-    for (var first = 0u; first < h.count; first += SOME) {
+    for (var first = 0u; first < here.count; first += SOME) {
         let round = first / SOME + 1u;
         if (any(open)) {
             open_round = round;
         }
-        place_splat(h, thread, fetched, round);
+        place_splat(here, thread, fetched, round);
         own[thread] = vec2<u32>(fetched.entry, depth);
         fetched = fetch_splat(entry);              // while this round is blended
         depth = depth_of(entry);
-        entry = fetch_entry(h, first + 2u * SOME + thread);
+        entry = fetch_entry(here, first + 2u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
         }

@@ -2,7 +2,8 @@
  * overview of the scene as in bench_cuda.c; FILE.fxs:CAMERAS:N,N,... for views of a camera file; WIDTHxHEIGHT, of the
  * frames of the arguments after it (at first 1920x1080).
  * Medians, milliseconds, by the device's timer: of each program of a frame by itself, then of whole frames; then of
- * frames with the pixels in the caller's memory, by the clock. `same`: the picture is the processor's. */
+ * frames with the pixels in the caller's memory, by the clock. `same`: the picture is the processor's. `MB`: of the
+ * device, without the buffer that the host reads the picture from, which drivers place in the host's memory. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -122,7 +123,7 @@ static void row(const char *name, const fxs_scene *scene, const fxs_file_view *v
         printf(" | %.3f", median(times[p]));
     printf(" | %.3f | %.3f | %s | %.1f |\n", median(whole), median(clock_times),
            memcmp(pixels[0], pixels[1], (size_t)(4 * width * height)) ? "NO" : "yes",
-           (double)(fxs_compute_taken(compute) + copy.bytes) * 1e-6);
+           (double)(fxs_compute_taken(compute) - compute->bytes[FXS_COMPUTE_DOWNLOAD] + copy.bytes) * 1e-6);
     fflush(stdout);
 }
 

@@ -1,0 +1,45 @@
+// Sums over the threads of a workgroup: of groups of 16 first, as a barrier takes longer than some reads.
+
+const GROUP: u32 = 16u;
+
+var<workgroup> sums: array<u32, 128>;
+var<workgroup> group_sums: array<u32, 8>;
+
+// a + b; where they are cut, at most 2^32 - 1.
+fn plus(a: u32, b: u32, cut: bool) -> u32
+{
+    return select(a + b, 0xffffffffu, cut && a + b < a);
+}
+
+// The sum over the threads before this one. A barrier is to be between two of them.
+fn sum_before(thread: u32, own: u32, cut: bool) -> u32
+{
+    sums[thread] = own;
+    workgroupBarrier();
+    if (thread < THREADS / GROUP) {
+        var sum = 0u;
+        for (var i = 0u; i < GROUP; i += 1u) {
+            sum = plus(sum, sums[GROUP * thread + i], cut);
+        }
+        group_sums[thread] = sum;
+    }
+    workgroupBarrier();
+    var sum = 0u;
+    for (var i = 0u; i < thread / GROUP; i += 1u) {
+        sum = plus(sum, group_sums[i], cut);
+    }
+    for (var i = thread / GROUP * GROUP; i < thread; i += 1u) {
+        sum = plus(sum, sums[i], cut);
+    }
+    return sum;
+}
+
+// The sum over all threads, after sum_before.
+fn sum_of_all(cut: bool) -> u32
+{
+    var sum = 0u;
+    for (var i = 0u; i < THREADS / GROUP; i += 1u) {
+        sum = plus(sum, group_sums[i], cut);
+    }
+    return sum;
+}
