@@ -178,6 +178,8 @@ export class Computed {
   #pipelines = {}              // and those that are there, by their names
   #rooms                       // the place of the device's rooms in the module
   #buffers = []
+  #groups = []                 // that were bound for a frame, in their order,
+  #bound = 0                   // and how many of the one that is under way
   #status
   #place                       // the uniform of ENDS
   #scenes = new Map()          // their copies: { heads, rows }
@@ -236,6 +238,7 @@ export class Computed {
     this.#forget(() => true)
     for (const buffer of this.#buffers) buffer.destroy()
     this.#buffers = []
+    this.#groups = []
     this.#core.c.gpu_reset(this.#rooms)
   }
 
@@ -393,6 +396,7 @@ export class Computed {
     const copies = frame.scenes.map((scene) => this.#copyOf(scene))
     const encoder = this.device.createCommandEncoder()
     const pass = encoder.beginComputePass()
+    this.#bound = 0
     if (frame.into?.depth) this.#hide(pass, frame)
     for (let i = 0; i < words.length; i += STEP) this.#step(pass, copies, words.subarray(i, i + STEP))
     pass.end()
@@ -415,10 +419,18 @@ export class Computed {
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
+  /** The groups of a frame are kept for the next: to make one takes longer than all else of a step. */
   #bind(pass, pipeline, group, resources) {
-    const entries = resources.map((resource, binding) => ({ binding, resource })).filter(({ resource }) => resource)
-    const layout = pipeline.getBindGroupLayout(group)
-    pass.setBindGroup(group, this.device.createBindGroup({ layout, entries }))
+    const kept = this.#groups[this.#bound]
+    const isKept = (resource, i) =>
+      resource === kept.resources[i] || (resource?.buffer && resource.buffer === kept.resources[i]?.buffer &&
+                                         resource.offset === kept.resources[i].offset)
+    if (!(kept?.pipeline === pipeline && kept.group === group && resources.every(isKept))) {
+      const entries = resources.map((resource, binding) => ({ binding, resource })).filter(({ resource }) => resource)
+      const made = this.device.createBindGroup({ layout: pipeline.getBindGroupLayout(group), entries })
+      this.#groups[this.#bound] = { pipeline, group, resources, made }
+    }
+    pass.setBindGroup(group, this.#groups[this.#bound++].made)
   }
 
   /** An fxs_step. */
