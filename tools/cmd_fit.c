@@ -10,12 +10,16 @@
 #include <fixsplat/clock.h>
 #include "file_guard.h"
 #include "fit_result.h"
+#include "reconstruct.h"
 
 typedef struct fit_command {
     frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
     fxs_photos_options reading;
     fxs_fit_options options;
     const char *in, *out, *resume, *coarse, *measure, *compare;
+    char *found;                    /* OUT.cameras, where they were found */
+    uint32_t frames;
+    int cameras_only;
     char *saved;                    /* OUT.fit */
     int saves_itself;               /* it is the file of --resume */
     uint32_t block, blocks;         /* blocks 0: all */
@@ -75,6 +79,9 @@ static const option_row own_rows[] = {
     {"hold-out", "N", UINT32(reading.hold_out, 0, UINT32_MAX), .help =
      "keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none, and those that were "
      "fitted are measured)"},
+    {"frames", "N", UINT32(frames, 3, 1000), .help =
+     "of a film: this many are taken, the sharpest of each stretch (default: one of ten, 60 to 300)"},
+    {"cameras-only", 0, FLAG(cameras_only), .help = "find the cameras, in OUT.cameras, and fit nothing"},
     {"skip-bad", 0, FLAG(reading.skip_bad), .help = "leave out photographs that cannot be read, else an error"},
     {"measure", "SCENE", TEXT(measure), .help =
      "fit nothing: measure this scene, of any format, by the photographs that are held out, without -o"},
@@ -639,14 +646,28 @@ static int fit_block(fit_command *c, char **argv)
     return status;
 }
 
+/* Where there are none yet. */
+static int find_cameras(fit_command *c)
+{
+    const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad};
+    if (c->measure || !reconstruct_is_needed(c->in)) {
+        if (c->cameras_only)
+            return fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in);
+        return c->frames ? fail(EXIT_USAGE, "--frames: %s is not a film", c->in) : 0;
+    }
+    const int status = reconstruct(&how, &c->found);
+    c->in = status ? c->in : c->found;
+    return status;
+}
+
 static int run(int argc, char **argv)
 {
     static fit_command c;
     static char label[] = "reading";
     int status = read_options(&c, argc, argv);
-    if (!status)
-        status = check_outputs(&c);
-    if (status)
+    status = status ? status : check_outputs(&c);
+    status = status ? status : find_cameras(&c);
+    if (status || c.cameras_only)
         return status;
     fxs_pool *pool = fxs_pool_create(c.frame.threads);
     c.options.run = c.reading.run = pool ? fxs_pool_run : 0;
@@ -658,6 +679,7 @@ static int run(int argc, char **argv)
     status = c.measure ? measure_scene(&c) : c.blocks ? fit_block(&c, argv) : fit_whole(&c, argv);
     fxs_pool_destroy(pool);
     free(c.saved);
+    free(c.found);
     return status;
 }
 
@@ -667,10 +689,12 @@ const command command_fit = {
     "Fits a scene to photographs, on the processor or on NVIDIA GPUs: the same file, byte for byte, for the same\n"
     "photographs, options and seed, whatever the machine and the threads. PHOTOS is a COLMAP folder (images, and\n"
     "sparse/0 or sparse with .bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json with\n"
-    "images beside it, or a folder with one of those. At the end the packed scene is rendered from where photographs\n"
-    "were held out, and PSNR and SSIM are printed.\n",
+    "images beside it, or a folder with one of those. Of a folder of photographs without cameras, or of a film, they\n"
+    "are found first, by COLMAP and ffmpeg, in the folder OUT.cameras. At the end the packed scene is rendered from\n"
+    "where photographs were held out, and PSNR and SSIM are printed.\n",
     0,
     "  $ fixsplat fit garden -o garden.fxs\n"
+    "  $ fixsplat fit walk.mp4 -o walk.fxs --recipe fast --compare pictures\n"
     "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
     "  $ fixsplat fit garden -o garden.fxs --backend cuda --device 0,1\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"

@@ -5,10 +5,9 @@
 #include <stddef.h>
 
 #include <fixsplat/camera_file.h>
+#include "camera_find.h"
 #include "lens.h"
 #include "src/base/text_internal.h"
-
-enum { FXS_CAMERA_PATH = 4096 };   /* characters, with the zero at the end */
 
 /* A view, with the data that reading its photograph needs. */
 typedef struct fxs_listed_view {
@@ -27,10 +26,6 @@ typedef struct fxs_view_list {
     int is_array;       /* 1: the file is a cameras.json */
     char *points;       /* path of the .ply with points in a transforms.json, or NULL */
 } fxs_view_list;
-
-/* Finds the camera file of a folder, the first of: COLMAP's in sparse/0, sparse or the folder itself, transforms.json,
-   transforms_train.json, cameras.json. Returns 0 and its path, or an error and a message. */
-int fxs_camera_file_find(const char *folder, char path[FXS_CAMERA_PATH], fxs_message *message);
 
 /* Reads the file at list->path, as fxs_camera_file_read says. Returns 0, or an error and a message. */
 int fxs_view_list_read(fxs_view_list *list);

@@ -1,0 +1,166 @@
+#!/bin/sh
+# fixsplat fit from photographs without cameras and from films. ffmpeg and COLMAP are played by scripts, which note what
+# they were asked, so that each way to fail is seen; with FXS_PROCESSORS=all the real ones place a film of a real scene.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+. "$root/tests/scripts/lib/photos.sh"
+
+make_photographs 12
+mkdir -p bin plain
+cp set/images/*.png plain
+export PLAY=$PWD
+with() { PATH="$work/bin:$PATH" "$@"; }
+
+# COLMAP: its mapper makes two models, the second of them with all cameras of the set.
+cat >bin/colmap <<'PLAYED'
+#!/bin/sh
+echo "$*" >>"$PLAY/calls"
+[ "$1" != "$KILLED" ] || kill -9 $$
+[ "$1" != "$FAILS" ] || { echo "ERROR: played"; exit 1; }
+case $1 in
+feature_extractor) echo "Processed file [1/12]" ;;
+exhaustive_matcher) echo "Matching block [1/2, 1/2]" ;;
+mapper)
+    [ -z "$NOTHING" ] || exit 1
+    while [ "$1" != --output_path ]; do shift; done
+    for model in 0 1; do
+        mkdir -p "$2/$model"
+        perl "$PLAY/model.pl" "$PLAY/set/sparse/0" "$2/$model" $((model ? 12 : 4))
+    done ;;
+model_analyzer) printf 'Points: 400\nMean reprojection error: 0.511px\n' ;;
+*) exit 1 ;;
+esac
+PLAYED
+
+# The first cameras of a model of text, in binary.
+cat >model.pl <<'PLAYED'
+my ($from, $to, $count) = @ARGV;
+sub lines { open(my $f, "<", "$from/$_[0]") or die; return grep { /\S/ } <$f>; }
+sub out { open(my $f, ">:raw", "$to/$_[0]") or die; print $f $_[1]; }
+my ($id, $model, @p) = split ' ', (lines("cameras.txt"))[0];
+out("cameras.bin", pack("Q<l<l<Q<Q<d<*", 1, $id, 1, splice(@p, 0, 2), @p));
+my @images = lines("images.txt");
+my $bytes = pack("Q<", $count);
+foreach (@images[0 .. $count - 1]) {
+    my @v = split ' ';
+    $bytes .= pack("l<d<7l<Z*Q<", @v[0 .. 9], 0);
+}
+out("images.bin", $bytes);
+my @points = lines("points3D.txt");
+$bytes = pack("Q<", scalar @points);
+$bytes .= pack("Q<d<3C3d<Q<", @$_[0 .. 7], 0) foreach map { [split ' '] } @points;
+out("points3D.bin", $bytes);
+PLAYED
+
+# ffmpeg: of a film of $FRAMES frames every seventh is sharp; the frames that are written are the set's.
+cat >bin/ffmpeg <<'PLAYED'
+#!/bin/sh
+echo "$*" >>"$PLAY/calls"
+case "$*" in
+*rawvideo*)
+    perl -e 'for (0 .. $ARGV[0] - 1) { print $_ % 7 == 3 ? "\xff\x00" x 32768 : "\x7f" x 65536 }' "$FRAMES"
+    [ -z "$DAMAGED" ] || exit 69 ;;
+*)
+    for last; do :; done
+    n=0
+    for image in "$PLAY"/set/images/*.png; do
+        n=$((n + 1))
+        cp "$image" "$(printf "$last" $n)"
+    done ;;
+esac
+PLAYED
+chmod +x bin/*
+
+# ---- Photographs -----------------------------------------------------------------------------------------------------
+
+steps='--steps 9 --hold-out 0'
+"$fixsplat" fit set $steps -o set.fxs --quiet >logs/out
+check "a folder of photographs" with "$fixsplat" fit plain $steps -o a.fxs
+check "it is the scene of COLMAP's folder with these cameras" cmp a.fxs set.fxs
+check "each is matched with each" grep -q '^exhaustive_matcher ' calls
+check "photographs of one size are of one camera" grep -q 'single_camera 1$' calls
+check "the folder beside the scene is one of COLMAP" sh -c "ls a.fxs.cameras/sparse/0/images.bin a.fxs.cameras/images/00.png"
+rm calls
+with "$fixsplat" fit plain $steps -o a.fxs >logs/out 2>logs/err
+check "again: the cameras of before" equal "$(cut -d' ' -f1 calls)" model_analyzer
+check "what was found is said" grep -q '^fixsplat: plain: cameras of 12 of 12 photographs, 400 points, reprojection error 0.51 pixels$' \
+    logs/err
+check "--cameras-only" with "$fixsplat" fit plain -o only.fxs --cameras-only --quiet
+check "--cameras-only: no scene" [ ! -e only.fxs ]
+mkdir below && ln -s ../plain below/images
+check "photographs in a folder images" with "$fixsplat" fit below $steps -o below.fxs --quiet
+check "they are the same" cmp below.fxs set.fxs
+
+cp set/images/03.png plain/other.png
+with "$fixsplat" fit plain $steps -o b.fxs >logs/out 2>logs/err
+check "a photograph without a place is named" grep -q '^fixsplat: no place was found for 1: other.png$' logs/err
+PATH="$work/bin:$PATH"
+fails "cameras of other photographs" 1 "^fixsplat: a.fxs.cameras: the cameras of other photographs: remove it" \
+    fit plain $steps -o a.fxs --quiet
+rm plain/other.png
+
+# ---- What goes wrong -------------------------------------------------------------------------------------------------
+
+export KILLED FAILS NOTHING FRAMES DAMAGED
+KILLED=exhaustive_matcher
+fails "COLMAP killed" 1 "colmap: ended by signal 9 while matching pairs; the same command goes on" \
+    fit plain $steps -o c.fxs --quiet
+KILLED=
+check "and gone on" "$fixsplat" fit plain $steps -o c.fxs --quiet
+check "it is the same scene" cmp c.fxs set.fxs
+FAILS=feature_extractor
+fails "COLMAP fails" 1 "colmap: failed while looking for features: see d.fxs.cameras/log.txt" \
+    fit plain $steps -o d.fxs --quiet
+check "its words are in the log" grep -q '^ERROR: played$' d.fxs.cameras/log.txt
+FAILS=
+NOTHING=1
+fails "nothing in common" 1 "plain: no two photographs were found to show the same things" fit plain $steps -o e.fxs --quiet
+NOTHING=
+mkdir one && cp plain/00.png one
+fails "one photograph" 1 "one: 1 photograph: 3 or more are needed" fit one -o f.fxs --quiet
+cp -r plain bad && head -c 100 plain/05.png >bad/05.png
+fails "a damaged photograph" 1 "05.png: .*--skip-bad leaves such photographs out" fit bad -o g.fxs --quiet
+"$fixsplat" fit bad $steps -o h.fxs --skip-bad --cameras-only 2>logs/err
+check "--skip-bad" equal "$(grep -c 'left out: .*05.png' logs/err) $(grep -c 05.png h.fxs.cameras/photographs.txt)" "1 0"
+fails "--frames without a film" 2 "^fixsplat: --frames: set is not a film" fit set -o i.fxs --frames 10
+fails "--cameras-only with cameras" 2 "^fixsplat: --cameras-only: set has cameras" fit set -o i.fxs --cameras-only
+mkdir empty
+fails "an empty folder" 1 "empty: neither sparse/0 of COLMAP" fit empty -o i.fxs
+(PATH=$work/empty exec "$fixsplat" fit plain -o i.fxs --quiet) 2>logs/err
+check "COLMAP missing" equal "$? $(cat logs/err)" \
+    "1 fixsplat: plain: to find its cameras takes colmap, which is not here: apt install colmap"
+
+# ---- Films -----------------------------------------------------------------------------------------------------------
+
+FRAMES=84
+: >film.mp4
+rm calls
+check "a film" "$fixsplat" fit film.mp4 --frames 12 --cameras-only -o film.fxs --quiet
+check "of each stretch the sharpest frame" grep -qF "select='eq(n,3)+eq(n,10)+eq(n,17)+eq(n,24)+" calls
+rm -rf film.fxs.cameras calls
+check "a film, as many frames as seem right" "$fixsplat" fit film.mp4 -o film.fxs --cameras-only --quiet
+check "60 of few" equal "$(grep -o 'eq(n' calls | wc -l | tr -d ' ')" 60
+DAMAGED=1
+"$fixsplat" fit film.mp4 -o damaged.fxs --cameras-only >logs/out 2>logs/err
+check "a damaged film" grep -q '^fixsplat: film.mp4: damaged: its first 84 frames are used$' logs/err
+FRAMES=0
+fails "no film" 1 "film.mp4: ffmpeg finds no picture in it: see j.fxs.cameras/log.txt" fit film.mp4 -o j.fxs --quiet
+DAMAGED=
+FRAMES=1
+fails "a film of one frame" 1 "film.mp4: a film of 1 frame: 3 or more are needed" fit film.mp4 -o k.fxs --quiet
+
+# ---- The programs themselves -----------------------------------------------------------------------------------------
+
+rm -r bin
+if [ "$FXS_PROCESSORS" != all ]; then
+    skip "a film of snowmiku" "only with FXS_PROCESSORS=all"
+elif ! have ffmpeg || ! have colmap || [ ! -d "$scenes/snowmiku" ]; then
+    skip "a film of snowmiku" "not here: ffmpeg, colmap or the shared scenes"
+else
+    "$fixsplat" render "$scenes/snowmiku/snowmiku.ply" --cameras "$scenes/snowmiku/cameras.json" --view 0..24 \
+        --frames 120 --size 800x600 -o - --quiet | ffmpeg -v error -i - -pix_fmt yuv420p snowmiku.mp4
+    "$fixsplat" fit snowmiku.mp4 --frames 24 --cameras-only -o snowmiku.fxs 2>logs/err
+    check "a film of snowmiku: 24 places within 1.5 pixels" \
+        grep -Eq 'cameras of 24 of 24 photographs, [0-9]{4,} points, reprojection error (0|1\.[0-4])' logs/err
+fi
+finish

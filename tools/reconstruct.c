@@ -1,0 +1,472 @@
+#define _XOPEN_SOURCE 700          /* realpath, strdup */
+
+#include "reconstruct.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fixsplat/camera_file.h>
+#include <fixsplat/image_file.h>
+#include "src/camera/camera_find.h"
+#include "command.h"
+#include "film_frames.h"
+
+/* Up to how many photographs, and frames of a film, each is matched with each. */
+enum { LEAST = 3, ALL_PHOTOGRAPHS = 250, ALL_FRAMES = 100 };
+
+typedef struct photographs {
+    char **names;                  /* sorted */
+    size_t count, room;
+    int is_of_one_size;
+} photographs;
+
+typedef struct work {
+    const reconstruct_options *options;
+    task t;
+    int is_film;
+    char source[TASK_PATH];        /* the film, or the folder in which the photographs are */
+    char folder[TASK_PATH], images[TASK_PATH], database[TASK_PATH], list[TASK_PATH], log_name[TASK_PATH];
+    photographs photos;
+    char threads[16];
+    unsigned long points;
+    double error;                  /* pixels */
+} work;
+
+static int no_memory(void)
+{
+    return fail(EXIT_FAILED, "out of memory");
+}
+
+static int is_folder(const char *path)
+{
+    struct stat status;
+    return !stat(path, &status) && S_ISDIR(status.st_mode);
+}
+
+/* ---- What there is ----------------------------------------------------------------------------------------------- */
+
+/* .jpg, .jpeg and .png, which the fit reads */
+static int is_photograph(const char *name)
+{
+    const enum fxs_image_format format = fxs_image_format_of(name);
+    return format == FXS_IMAGE_PNG || format == FXS_IMAGE_JPG;
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+static int add_photograph(photographs *p, const char *name)
+{
+    if (p->count == p->room) {
+        const size_t room = 2 * p->room + 64;
+        char **larger = realloc(p->names, room * sizeof *larger);
+        if (!larger)
+            return 0;
+        p->names = larger;
+        p->room = room;
+    }
+    p->names[p->count] = strdup(name);
+    return p->names[p->count] && ++p->count;
+}
+
+static void free_photographs(photographs *p)
+{
+    for (size_t i = 0; i < p->count; i++)
+        free(p->names[i]);
+    free(p->names);
+    memset(p, 0, sizeof *p);
+}
+
+/* Returns 0 where memory ran out. */
+static int list_photographs(photographs *p, const char *path)
+{
+    DIR *folder = opendir(path);
+    int fits = 1;
+    for (struct dirent *entry; folder && fits && (entry = readdir(folder)) != 0;)
+        fits = !is_photograph(entry->d_name) || add_photograph(p, entry->d_name);
+    if (folder)
+        closedir(folder);
+    if (p->count)
+        qsort(p->names, p->count, sizeof *p->names, compare_names);
+    return fits;
+}
+
+/* The photographs lie in a folder, or in its folder images. Returns how many. */
+static size_t find_photographs(char folder[TASK_PATH], const char *in)
+{
+    photographs p = {0};
+    snprintf(folder, TASK_PATH, "%.*s", TASK_PATH - 1, in);
+    list_photographs(&p, folder);
+    if (!p.count) {
+        join_path(folder, in, "images");
+        list_photographs(&p, folder);
+    }
+    const size_t count = p.count;
+    free_photographs(&p);
+    return count;
+}
+
+int reconstruct_is_needed(const char *in)
+{
+    fxs_message why;
+    char path[TASK_PATH], cameras[FXS_CAMERA_PATH];
+    return film_is_named(in) ||
+           (is_folder(in) && fxs_camera_file_find(in, cameras, &why) && find_photographs(path, in) > 0);
+}
+
+/* ---- Photographs ------------------------------------------------------------------------------------------------- */
+
+static int take_film(work *w)
+{
+    return is_folder(w->images) ? 0 : film_frames(&w->t, w->source, w->options->frames, w->images);
+}
+
+static int link_photographs(const work *w)
+{
+    char *whole = realpath(w->source, 0);
+    unlink(w->images);
+    const int wrong = !whole || symlink(whole, w->images);
+    free(whole);
+    return wrong ? fail(EXIT_FAILED, "%s: %s", w->images, strerror(errno)) : 0;
+}
+
+/* Reads each, to find those that are damaged, and whether all have one size. */
+static int look_at_photographs(work *w)
+{
+    photographs *p = &w->photos;
+    size_t kept = 0;
+    int first[2] = {0, 0};
+    task_begin(&w->t, "looking at photographs", 0);
+    p->is_of_one_size = 1;
+    for (size_t i = 0; i < p->count; i++) {
+        char path[TASK_PATH];
+        uint8_t *pixels = 0;
+        int width = 0, height = 0;
+        fxs_message why;
+        join_path(path, w->images, p->names[i]);
+        const int error = fxs_image_file_read(path, &pixels, &width, &height, &why);
+        free(pixels);
+        task_show(&w->t, i + 1, p->count);
+        if (error && !w->options->skip_bad)
+            return fail(EXIT_FAILED, "%s (--skip-bad leaves such photographs out)", why.text);
+        if (error) {
+            note("left out: %s", why.text);
+            free(p->names[i]);
+            continue;
+        }
+        p->is_of_one_size &= !kept || (width == first[0] && height == first[1]);
+        first[0] = width;
+        first[1] = height;
+        p->names[kept++] = p->names[i];
+    }
+    progress_end();
+    p->count = kept;
+    return 0;
+}
+
+static int write_list(const work *w)
+{
+    FILE *file = fopen(w->list, "w");
+    for (size_t i = 0; file && i < w->photos.count; i++)
+        fprintf(file, "%s\n", w->photos.names[i]);
+    return file && !fclose(file) ? 0 : fail(EXIT_FAILED, "%s: %s", w->list, strerror(errno));
+}
+
+static int take_photographs(work *w, int are_placed)
+{
+    int status = w->is_film ? take_film(w) : link_photographs(w);
+    if (status)
+        return status;
+    if (!list_photographs(&w->photos, w->images))
+        return no_memory();
+    status = are_placed ? 0 : look_at_photographs(w);
+    if (!status && w->photos.count < LEAST)
+        return fail(EXIT_FAILED, "%s: %zu photograph%s: %d or more are needed, that overlap", w->options->in,
+                    w->photos.count, w->photos.count == 1 ? "" : "s", LEAST);
+    return status ? status : write_list(w);
+}
+
+/* ---- Structure from motion --------------------------------------------------------------------------------------- */
+
+static void look_at_features(task *t, const char *line)
+{
+    uint64_t done, all;
+    if (sscanf(line, "Processed file [%" SCNu64 "/%" SCNu64 "]", &done, &all) == 2)
+        task_show(t, done, all);
+}
+
+static int run_colmap(work *w, const char *const *arguments)
+{
+    const int status = task_run(&w->t, arguments, 0, 0);
+    return status ? task_failed(&w->t, "colmap", status) : 0;
+}
+
+static int find_features(work *w)
+{
+    const char *const arguments[] = {
+        "colmap", "feature_extractor", "--database_path", w->database, "--image_path", w->images, "--image_list_path",
+        w->list, "--SiftExtraction.use_gpu", "0", "--SiftExtraction.max_image_size", "1600",
+        "--SiftExtraction.max_num_features", "4096", "--SiftExtraction.num_threads", w->threads,
+        "--ImageReader.single_camera", w->photos.is_of_one_size ? "1" : "0", 0
+    };
+    task_begin(&w->t, "looking for features", look_at_features);
+    return run_colmap(w, arguments);
+}
+
+/* Of pairs by blocks, or of photographs. */
+static void look_at_matches(task *t, const char *line)
+{
+    uint64_t row, rows, column, columns;
+    if (sscanf(line, "Matching block [%" SCNu64 "/%" SCNu64 ", %" SCNu64 "/%" SCNu64 "]", &row, &rows, &column,
+               &columns) == 4)
+        task_show(t, (row - 1) * columns + column - 1, rows * columns);
+    else if (sscanf(line, "Matching image [%" SCNu64 "/%" SCNu64 "]", &row, &rows) == 2)
+        task_show(t, row, rows);
+}
+
+static int find_matches(work *w)
+{
+    const int all = w->photos.count <= (w->is_film ? ALL_FRAMES : ALL_PHOTOGRAPHS);
+    const char *const arguments[] = {
+        "colmap", all ? "exhaustive_matcher" : "sequential_matcher", "--database_path", w->database,
+        "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads", w->threads,
+        all ? "--ExhaustiveMatching.block_size" : "--SequentialMatching.overlap", all ? "8" : "12", 0
+    };
+    task_begin(&w->t, "matching pairs", look_at_matches);
+    return run_colmap(w, arguments);
+}
+
+static void look_at_mapper(task *t, const char *line)
+{
+    const work *w = t->argument;
+    unsigned number, placed;
+    if (sscanf(line, "Registering image #%u (%u)", &number, &placed) == 2)
+        task_show(t, placed, w->photos.count);
+}
+
+static void remove_models(const char *models)
+{
+    char path[TASK_PATH], name[16];
+    for (int i = 0; snprintf(name, sizeof name, "%d", i), join_path(path, models, name), is_folder(path); i++)
+        remove_folder(path);
+    remove_folder(models);
+}
+
+static int map_cameras(work *w, const char *models)
+{
+    const char *const global[] = {"glomap", "mapper", "--database_path", w->database, "--image_path", w->images,
+                                  "--output_path", models, 0};
+    const char *const stepwise[] = {"colmap", "mapper", "--database_path", w->database, "--image_path", w->images,
+                                    "--output_path", models, "--Mapper.num_threads", w->threads,
+                                    "--Mapper.min_model_size", "3", 0};
+    task_begin(&w->t, "placing photographs", look_at_mapper);
+    /* COLMAP's fails too where no pair is good enough to begin with, which the models tell. */
+    return task_run(&w->t, global, 0, 0) ? task_run(&w->t, stepwise, 0, 0) : 0;
+}
+
+/* The photographs of a model: images.bin begins with their number. */
+static uint64_t size_of_model(const char *models, const char *name)
+{
+    char path[TASK_PATH], folder[TASK_PATH];
+    unsigned char bytes[8] = {0};
+    uint64_t count = 0;
+    join_path(folder, models, name);
+    join_path(path, folder, "images.bin");
+    FILE *file = fopen(path, "rb");
+    const size_t read = file ? fread(bytes, 1, 8, file) : 0;
+    if (file)
+        fclose(file);
+    for (int i = 7; i >= 0; i--)
+        count = count << 8 | bytes[i];
+    return read == 8 ? count : 0;
+}
+
+/* The largest model becomes sparse/0. */
+static int keep_largest(work *w, const char *models)
+{
+    char sparse[TASK_PATH], from[TASK_PATH], to[TASK_PATH], best[16] = "", name[16];
+    uint64_t most = 0;
+    for (int i = 0; snprintf(name, sizeof name, "%d", i), size_of_model(models, name); i++)
+        if (size_of_model(models, name) > most) {
+            most = size_of_model(models, name);
+            strcpy(best, name);
+        }
+    if (!most)
+        return fail(EXIT_FAILED, "%s: no two photographs were found to show the same things from places apart: take "
+                    "more, sharp, a step apart, each with most of what the last one shows", w->options->in);
+    join_path(sparse, w->folder, "sparse");
+    join_path(from, models, best);
+    join_path(to, sparse, "0");
+    const int status = make_folder(sparse);
+    return status ? status : rename(from, to) ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
+}
+
+static int find_cameras(work *w)
+{
+    char models[TASK_PATH];
+    join_path(models, w->folder, "models");
+    int status = find_features(w);
+    status = status ? status : find_matches(w);
+    remove_models(models);         /* of a mapper that was stopped */
+    status = status ? status : make_folder(models);
+    if (status)
+        return status;
+    status = map_cameras(w, models);
+    status = status < 0 || status >= TASK_MISSING ? task_failed(&w->t, "colmap", status) : keep_largest(w, models);
+    remove_models(models);
+    return status;
+}
+
+/* ---- The report -------------------------------------------------------------------------------------------------- */
+
+static void look_at_report(task *t, const char *line)
+{
+    work *w = t->argument;
+    sscanf(line, "Points: %lu", &w->points);
+    sscanf(line, "Mean reprojection error: %lf", &w->error);
+}
+
+static int has_camera(const char *name, const fxs_file_view *views, long count)
+{
+    for (long i = 0; i < count; i++)
+        if (!strncmp(name, views[i].name, sizeof views[i].name - 1))
+            return 1;
+    return 0;
+}
+
+static void say_missing(const work *w, const fxs_file_view *views, long count)
+{
+    char text[400] = "";
+    size_t missing = 0, used = 0;
+    for (size_t i = 0; i < w->photos.count; i++) {
+        if (has_camera(w->photos.names[i], views, count))
+            continue;
+        if (used < 300)
+            used += (size_t)snprintf(text + used, 80, "%s%.70s", missing ? ", " : "", w->photos.names[i]);
+        missing++;
+    }
+    if (missing)
+        note("no place was found for %zu: %s%s", missing, text, used < 300 ? "" : ", ...");
+    if (4 * missing > w->photos.count)
+        note("%s", w->is_film ? "a slower film, without blur, or more --frames, would place more"
+                              : "more photographs, sharp and a step apart, would place more: each is to show most of "
+                                "what the one before it shows");
+}
+
+static int report(work *w)
+{
+    char model[TASK_PATH];
+    fxs_file_view *views = 0;
+    fxs_message why;
+    join_path(model, w->folder, "sparse/0");
+    const char *const arguments[] = {"colmap", "model_analyzer", "--path", model, 0};
+    const long count = fxs_camera_file_read(model, &views, &why);
+    if (count < 0)
+        return fail_for(&why);
+    task_begin(&w->t, "measuring", look_at_report);
+    if (task_run(&w->t, arguments, 0, 0) == 0)
+        note("%s: cameras of %ld of %zu photographs, %lu points, reprojection error %.2f pixels", w->options->in, count,
+             w->photos.count, w->points, w->error);
+    else
+        note("%s: cameras of %ld of %zu photographs", w->options->in, count, w->photos.count);
+    say_missing(w, views, count);
+    free(views);
+    return 0;
+}
+
+/* ---- The folder -------------------------------------------------------------------------------------------------- */
+
+/* A number for what the cameras are of, names and sizes of files, and how many frames: FNV-1a. */
+static uint64_t number_of(const work *w, const photographs *p)
+{
+    struct stat status;
+    uint64_t number = 14695981039346656037u;
+    char path[TASK_PATH], text[TASK_PATH + 48];
+    for (size_t i = 0; i < p->count + (size_t)w->is_film; i++) {
+        const char *name = w->is_film ? "" : p->names[i];
+        join_path(path, w->source, name);
+        const int there = !stat(w->is_film ? w->source : path, &status);
+        snprintf(text, sizeof text, "%s %" PRId64 " %u ", name, there ? (int64_t)status.st_size : 0, w->options->frames);
+        for (const char *c = text; *c; c++)
+            number = (number ^ (unsigned char)*c) * 1099511628211u;
+    }
+    return number;
+}
+
+/* What lies there is of the same photographs, or nothing lies there. */
+static int claim_folder(const work *w)
+{
+    photographs p = {0};
+    char path[TASK_PATH];
+    uint64_t of = 0;
+    if (!w->is_film && !list_photographs(&p, w->source))
+        return no_memory();
+    const uint64_t number = number_of(w, &p);
+    free_photographs(&p);
+    join_path(path, w->folder, "of");
+    FILE *file = fopen(path, "r");
+    const int has = file && fscanf(file, "%" SCNx64, &of) == 1;
+    if (file)
+        fclose(file);
+    if (has)
+        return of == number ? 0 : fail(EXIT_FAILED, "%s: the cameras of other photographs: remove it, or give another -o",
+                                       w->folder);
+    file = fopen(path, "w");
+    const int wrong = !file || fprintf(file, "%016" PRIx64 "\n", number) < 0;
+    return (file && fclose(file)) || wrong ? fail(EXIT_FAILED, "%s: %s", path, strerror(errno)) : 0;
+}
+
+static int open_folder(work *w)
+{
+    const size_t room = TASK_PATH - 64;
+    if (strlen(w->options->out) > room || strlen(w->options->in) > room)
+        return fail(EXIT_FAILED, "a name of more than %zu characters", room);
+    snprintf(w->folder, TASK_PATH, "%s.cameras", w->options->out);
+    if (w->is_film)
+        strcpy(w->source, w->options->in);
+    else
+        find_photographs(w->source, w->options->in);
+    join_path(w->images, w->folder, "images");
+    join_path(w->database, w->folder, "database.db");
+    join_path(w->list, w->folder, "photographs.txt");
+    join_path(w->log_name, w->folder, "log.txt");
+    int status = make_folder(w->folder);
+    status = status ? status : claim_folder(w);
+    if (status)
+        return status;
+    w->t.of = w->options->in;
+    w->t.log_name = w->log_name;
+    w->t.argument = w;
+    w->t.log = fopen(w->log_name, "a");
+    snprintf(w->threads, sizeof w->threads, "%u", (unsigned)w->options->threads);
+    return w->t.log ? 0 : fail(EXIT_FAILED, "%s: %s", w->log_name, strerror(errno));
+}
+
+int reconstruct(const reconstruct_options *options, char **folder)
+{
+    static work w;
+    char found[TASK_PATH];
+    memset(&w, 0, sizeof w);
+    w.options = options;
+    w.is_film = film_is_named(options->in);
+    setenv("QT_QPA_PLATFORM", "offscreen", 1);     /* COLMAP's commands open a window's library, also without one */
+    int status = open_folder(&w);
+    join_path(found, w.folder, "sparse/0");
+    const int are_placed = !status && is_folder(found);
+    status = status ? status : take_photographs(&w, are_placed);
+    if (!are_placed)
+        status = status ? status : find_cameras(&w);
+    status = status ? status : report(&w);
+    *folder = status ? 0 : strdup(w.folder);
+    if (w.t.log)
+        fclose(w.t.log);
+    free_photographs(&w.photos);
+    return status || *folder ? status : no_memory();
+}

@@ -1,0 +1,49 @@
+/* A task of several steps, most of which other programs do: what they print is kept in a log, and progress is shown. */
+#ifndef TASK_H
+#define TASK_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+enum { TASK_LINE = 512, TASK_MISSING = 127 };   /* as a shell says that there is no such program */
+
+typedef struct task task;
+struct task {
+    const char *of;                /* what it is done with, for messages */
+    const char *log_name;
+    FILE *log;
+    const char *doing;             /* the step, as in "failed while looking for features" */
+    void (*look)(task *t, const char *line);   /* at a line that a program has printed; may be null */
+    void *argument;
+    char line[TASK_LINE];
+    size_t length;
+    uint64_t start, shown;         /* nanoseconds: of the step, and when it was last shown */
+};
+
+void task_begin(task *t, const char *doing, void (*look)(task *t, const char *line));
+
+/* On a terminal a line that changes, else one every ten seconds; with the time that is left where all is not 0. */
+void task_show(task *t, uint64_t done, uint64_t all);
+
+typedef void task_data_fn(void *argument, const char *data, size_t size);
+
+/* Runs a program of PATH with these arguments, the first its name and the last null. It reads nothing; its errors go to
+   the log, its output to `take`, piece by piece, or where that is null to the log and to look. Returns its exit status,
+   128 and the signal's number where one ended it, TASK_MISSING, or -1 with errno where it could not be run. */
+int task_run(task *t, const char *const *arguments, task_data_fn *take, void *argument);
+
+/* Prints why a program failed, by what task_run returned. Returns the exit status of the command. */
+int task_failed(const task *t, const char *program, int status);
+
+/* Where a path is too long, the joined one is empty. */
+enum { TASK_PATH = 4096 };
+void join_path(char path[TASK_PATH], const char *folder, const char *name);
+
+/* Makes a folder, or leaves it as it is. Returns 0, or prints why not and returns EXIT_FAILED. */
+int make_folder(const char *path);
+
+/* Removes a folder and the files in it, but no folders. */
+void remove_folder(const char *path);
+
+#endif
