@@ -14,6 +14,7 @@
 #include <fixsplat/fxs_file.h>
 #include "load_scene.h"
 #include "cmd_view.h"
+#include "page_folder.h"
 #include "views.h"
 
 typedef struct site {
@@ -37,35 +38,6 @@ static char *text_of(const char *format, ...)
         vsnprintf(text, (size_t)length + 1, format, arguments);
     va_end(arguments);
     return text;
-}
-
-/* ---- The page ---------------------------------------------------------------------------------------------------- */
-
-static int has_page(const char *folder)
-{
-    char path[4200];
-    return snprintf(path, sizeof path, "%s/viewer/index.html", folder) < (int)sizeof path && access(path, R_OK) == 0;
-}
-
-/* The npm package: where FIXSPLAT_WEB says, else beside this program, as it is built or installed. */
-static int find_page(char folder[4096])
-{
-    static const char *const places[] = {"web/package", "../share/fixsplat/web"};
-    const char *given = getenv("FIXSPLAT_WEB");
-    char path[2048];
-    if (given && snprintf(folder, 4096, "%s", given) < 4096 && has_page(folder))
-        return 0;
-    if (given)
-        return fail(EXIT_FAILED, "FIXSPLAT_WEB=%s: the page is not there: no viewer/index.html", given);
-    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
-    path[length > 0 ? length : 0] = 0;
-    char *end = strrchr(path, '/');
-    for (size_t i = 0; end && i < sizeof places / sizeof *places; i++) {
-        snprintf(folder, 4096, "%.*s/%s", (int)(end - path), path, places[i]);
-        if (has_page(folder))
-            return 0;
-    }
-    return fail(EXIT_FAILED, "the page is not built: make web, or FIXSPLAT_WEB=FOLDER where it is elsewhere");
 }
 
 /* ---- What it shows ----------------------------------------------------------------------------------------------- */
@@ -247,7 +219,7 @@ static int fill_site(site *s, const frame_options *o)
     s->served.files = s->files;
     s->served.starts = s->starts;
     s->served.folder = s->folder;
-    int status = find_page(s->folder);
+    int status = page_folder_find(s->folder);
     for (size_t i = 0; i < scenes && !status; i++)
         status = add_scene(s, o->world.scenes[i], &load);
     if (!status && o->cameras)

@@ -1,0 +1,64 @@
+#!/bin/sh
+# fixsplat publish: the files of the folder, what it does not take, and in Chromium the pages.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/command.sh
+
+"$fixsplat" make-scene knot --count 2000 -o knot.ply && "$fixsplat" make-scene cubes --count 1000 -o 'a & b.ply' &&
+    "$fixsplat" convert knot.ply small.fxs --profile small --quiet && mkdir -p page/viewer || exit 1
+echo page >page/viewer/index.html
+echo module >page/fixsplat.js
+export FIXSPLAT_WEB="$work/page"
+
+# ---- One scene -------------------------------------------------------------------------------------------------------
+
+check "a scene" "$fixsplat" publish knot.ply site --size 64x36 --quiet
+check "its files" equal "$(cd site && find . -type f | sort | tr '\n' ' ')" \
+    "./fixsplat/fixsplat.js ./fixsplat/viewer/index.html ./index.html ./knot.fxs ./knot.jpg "
+check "it is packed small" cmp site/knot.fxs small.fxs
+"$fixsplat" render small.fxs --size 64x36 --quality 85 -o poster.jpg --quiet
+check "the picture is its own" cmp site/knot.jpg poster.jpg
+check "the page shows it" grep -q '<fixsplat-viewer src="knot.fxs" poster="knot.jpg">' site/index.html
+check "an .fxs as it is" "$fixsplat" publish small.fxs site --size 64x36 --quiet
+check "it is that file" cmp site/small.fxs small.fxs
+check "what was there stays" [ -f site/knot.fxs ]
+check "--profile" "$fixsplat" publish knot.ply whole --size 64x36 --profile default --quiet
+"$fixsplat" convert knot.ply default.fxs
+check "--profile: that one" cmp whole/knot.fxs default.fxs
+check "--title" "$fixsplat" publish knot.ply site --size 64x36 --title '<Knot> & "more"' --quiet
+check "--title: as HTML has it" grep -q '<title>&#60;Knot&#62; &#38; &#34;more&#34;</title>' site/index.html
+
+# ---- Several ---------------------------------------------------------------------------------------------------------
+
+mkdir scenes more && cp knot.ply 'a & b.ply' scenes && cp knot.ply more && cp knot.ply more/index.ply && echo >scenes/text.txt
+"$fixsplat" publish scenes more list --size 64x36 >logs/out
+check "folders of scenes" grep -q '^list: 4 scenes, 0.[0-9] MB with the page; ' logs/out
+check "a page and a picture of each" equal "$(ls list | tr '\n' ' ')" "a---b.fxs a---b.html a---b.jpg fixsplat index-2.fxs \
+index-2.html index-2.jpg index.html knot-2.fxs knot-2.html knot-2.jpg knot.fxs knot.html knot.jpg "
+check "the list names each" equal "$(grep -o '<a href="[^"]*"' list/index.html | tr '\n' ' ')" \
+    '<a href="a---b.html" <a href="knot.html" <a href="index-2.html" <a href="knot-2.html" '
+check "by its own name" grep -q '>a &#38; b</a>' list/index.html
+
+# ---- What goes wrong -------------------------------------------------------------------------------------------------
+
+fails "no folder" 2 "publish takes scenes and a folder to write" publish knot.ply
+fails "a scene for a folder" 2 "knot.ply is a scene: the last name is that of a folder" publish small.fxs knot.ply
+fails "a folder of something else" 1 "scenes: not empty, and not a folder that publish made" publish knot.ply scenes
+fails "no scene" 1 "nothing.ply" publish nothing.ply new --quiet
+head -c 200 knot.ply >short.ply
+fails "a damaged scene" 1 "short.ply" publish short.ply new2 --quiet
+FIXSPLAT_WEB=$work/nowhere fails "no page" 1 "FIXSPLAT_WEB=.*: the page is not there" publish knot.ply new3
+unset FIXSPLAT_WEB
+
+# ---- In a browser ----------------------------------------------------------------------------------------------------
+
+cd "$root" || exit 1
+kept=$work
+. tests/scripts/lib/web.sh
+trap 'rm -rf "$work" "$kept"' EXIT
+needs "pages in Chromium" chromium -- puppeteer-core
+check "builds" builds
+"$fixsplat" publish "$kept/scenes" "$work/site" --size 640x360 --quiet >/dev/null
+node tests/web/publish.mjs "$work/site" "$modules" "${PICTURES:-$work}" a---b knot >"$work/asked" 2>&1 ||
+    echo "FAIL publish.mjs: a check above, or it ended early" >>"$work/asked"
+counts
+finish

@@ -1,0 +1,44 @@
+// node publish.mjs SITE MODULES PICTURES SCENE...: whether the pages that `fixsplat publish` wrote show their scenes, served
+// as plain files: the viewer draws each, and the list has a picture for each.
+import assert from 'node:assert/strict'
+import { existsSync, readFileSync } from 'node:fs'
+import { createServer } from 'node:http'
+import { createRequire } from 'node:module'
+import { resolve } from 'node:path'
+
+const [site, modules, pictures, ...names] = process.argv.slice(2)
+const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
+const KINDS = { js: 'text/javascript', html: 'text/html', css: 'text/css', wasm: 'application/wasm', jpg: 'image/jpeg' }
+const lost = []
+const server = createServer((request, response) => {
+  const file = site + new URL(request.url, 'http://x').pathname.replace(/\/$/, '/index.html')
+  if (!existsSync(file)) return lost.push(file), response.writeHead(404).end()
+  response.setHeader('content-type', KINDS[file.split('.').pop()] ?? 'application/octet-stream')
+  response.end(readFileSync(file))
+}).listen(0, '127.0.0.1')
+await new Promise((done) => server.once('listening', done))
+const browser = await puppeteer.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] })
+const page = await browser.newPage()
+const open = (name) => page.goto(`http://127.0.0.1:${server.address().port}/${name}`, { waitUntil: 'load' })
+const keep = (name) => page.screenshot({ path: `${pictures}/published-${name}.png` })
+try {
+  await open('')
+  if (names.length > 1) {
+    const widths = await page.$$eval('img', (all) => all.map((image) => image.naturalWidth))
+    assert.deepEqual(widths, names.map(() => 640), 'a picture for each scene')
+    console.log('ok the list')
+    await keep('list')
+  }
+  for (const name of names) {
+    await open(names.length > 1 ? `${name}.html` : '')
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').state === 'still', { timeout: 60000 })
+    await keep(name)
+    console.log(`ok ${name} is shown`)
+  }
+  assert.deepEqual(lost, [], 'every file is there')
+} catch (error) {
+  console.log(`FAIL published pages: ${error.message}`)
+  process.exitCode = 1
+}
+await browser.close()
+server.close()

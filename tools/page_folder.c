@@ -1,0 +1,34 @@
+#include "page_folder.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "command.h"
+
+static int has_page(const char *folder)
+{
+    char path[4200];
+    return snprintf(path, sizeof path, "%s/viewer/index.html", folder) < (int)sizeof path && access(path, R_OK) == 0;
+}
+
+int page_folder_find(char folder[PAGE_PATH])
+{
+    static const char *const places[] = {"web/package", "../share/fixsplat/web"};
+    const char *given = getenv("FIXSPLAT_WEB");
+    char path[2048];
+    if (given && snprintf(folder, PAGE_PATH, "%s", given) < PAGE_PATH && has_page(folder))
+        return 0;
+    if (given)
+        return fail(EXIT_FAILED, "FIXSPLAT_WEB=%s: the page is not there: no viewer/index.html", given);
+    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
+    path[length > 0 ? length : 0] = 0;
+    char *end = strrchr(path, '/');
+    for (size_t i = 0; end && i < sizeof places / sizeof *places; i++) {
+        snprintf(folder, PAGE_PATH, "%.*s/%s", (int)(end - path), path, places[i]);
+        if (has_page(folder))
+            return 0;
+    }
+    return fail(EXIT_FAILED, "the page is not built: make web, or FIXSPLAT_WEB=FOLDER where it is elsewhere");
+}
