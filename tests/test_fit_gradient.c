@@ -257,7 +257,7 @@ static void make_scene(scene *s, const kind *k, int degree)
 static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m)
 {
     fxs_fit_stepper *stepper = fxs_fit_stepper_create(stages, NULL, NULL, 1, NULL);
-    const fxs_fit_photograph photograph = {s->photograph[0], WIDTH, HEIGHT, 1, s->camera};
+    const fxs_fit_photograph photograph = {s->photograph[0], WIDTH, HEIGHT, 1, s->camera, 0};
     fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1};
     fxs_fit_report report;
     if (!stepper || fxs_fit_model_room(m, (size_t)s->count))

@@ -14,7 +14,7 @@
 #define END 0x646e6578u            /* "xend": the checksum of all words before it follows */
 
 /* Grows with every change of what a fit computes: an older file would not end as if it had never been stopped. */
-#define VERSION 5u
+#define VERSION 5u                 /* of a fit without exposure; that of another is the number of its exposure more */
 
 typedef struct archive {
     fxs_output *output;            /* null: the file is read */
@@ -244,6 +244,31 @@ static void walk_profile(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
+/* Exposures of the photographs, of which a coarse fit knows the number from the file alone. */
+static void walk_gains(archive *a, fxs_fit *f)
+{
+    enum { WORDS = sizeof *f->gains.of / sizeof(float) };
+    uint64_t count = f->gains.count;
+    long_number(a, &count);
+    if (!holds(a, count, WORDS))
+        return;
+    if (!f->gains.of) {
+        f->gains.of = calloc((size_t)count + 1, sizeof *f->gains.of);
+        f->gains.count = (uint32_t)count;
+    }
+    if (!f->gains.of || count != f->gains.count) {
+        fail(a, f->gains.of ? FXS_ERR_FILE : FXS_ERR_MEMORY, "exposures of other photographs");
+        return;
+    }
+    for (size_t i = 0; i < count && !a->fault; i++) {
+        fxs_fit_gain *gain = &f->gains.of[i];
+        floats(a, (float *)gain, WORDS);
+        for (int k = 0; k < 3; k++)
+            if (!(fabsf(gain->at[k]) <= 2 * FXS_FIT_GAIN_MOST))
+                damaged(a, "a number out of its range");
+    }
+}
+
 /* All data that a step changes and the next step needs, except data that follow from the options and the step's number.
    A new field of a fit is added here. */
 static void walk(archive *a, fxs_fit *f)
@@ -252,6 +277,8 @@ static void walk(archive *a, fxs_fit *f)
     floats(a, &f->extent, 1);
     walk_model(a, &f->model);
     walk_profile(a, f);
+    if (f->options.exposure)
+        walk_gains(a, f);
 }
 
 /* The end mark, and the checksum of all words before it. */
@@ -271,7 +298,7 @@ static void walk_end(archive *a)
 /* With an output, walk does not change the fit. */
 static void write_all(archive *a, fxs_fit *f)
 {
-    uint32_t magic = MAGIC, version = VERSION;
+    uint32_t magic = MAGIC, version = VERSION + f->options.exposure;
     uint64_t photographs = fingerprint(f);
     number(a, &magic);
     number(a, &version);
@@ -325,8 +352,9 @@ static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs
     number(a, &version);
     if (magic != MAGIC)
         return fxs_fail(message, "%s: not a saved fit", path);
-    if (!a->fault && version != VERSION)
+    if (!a->fault && version - VERSION > FXS_FIT_EXPOSURE_GAIN)
         return fxs_fail_as(FXS_ERR_VERSION, message, "%s: a fit that another version saved", path);
+    options->exposure = (enum fxs_fit_exposure)(version - VERSION);
     walk_options(a, options);
     return a->fault ? fxs_fail(message, "%s: damaged: %s", path, a->fault) : 0;
 }
@@ -360,7 +388,7 @@ static int resume(fxs_fit **fit, archive *a, const char *path, const fxs_fit_pho
     FXS_TRY(fxs_fit_begin(fit, photos, photo_count, &all, message));
     FXS_TRY(read_rest(a, path, *fit, NULL, message));
     fxs_fit_set_order(*fit, (uint64_t)(*fit)->step * (*fit)->options.batch);
-    return (*fit)->engine->give((*fit)->self, message);
+    return fxs_fit_hand_over(*fit, message);
 }
 
 static void close_input(archive *a)

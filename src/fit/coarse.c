@@ -119,7 +119,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
         (*fit)->step = coarse->fit->step;
         (*fit)->extent = coarse->fit->extent;
         fxs_fit_set_order(*fit, (uint64_t)(*fit)->step * (*fit)->options.batch);
-        error = (*fit)->engine->give((*fit)->self, message);
+        error = fxs_fit_hand_over(*fit, message);
     }
     if (error) {
         fxs_fit_free(*fit);

@@ -74,6 +74,13 @@ static int is_white(const uint8_t background[3])
     return background[0] == 255 && background[1] == 255 && background[2] == 255;
 }
 
+/* 0.05 * 10^-(step / steps), of which the first 500 steps take a growing part: the scene is not there yet. */
+static float gain_rate(uint32_t step, uint32_t steps)
+{
+    const float part = step < steps ? (float)step / (float)steps : 1.0f, begun = step < 500 ? (float)step / 500.0f : 1.0f;
+    return 0.05f * begun * exp_e(-2.30258509f * part);
+}
+
 /* The recipe has 30,000 steps, and a shorter fit is its beginning. In a longer one, only the rate of positions is
    stretched to the end. */
 static uint32_t whole_steps(const fxs_fit_options *options)
@@ -127,4 +134,6 @@ void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t st
         plan_fast(options, extent, step, least_side, plan);
     else
         plan_reference(options, extent, step, plan);
+    if (options->exposure)
+        plan->gain_rate = gain_rate(step, options->recipe == FXS_FIT_FAST ? options->steps : whole_steps(options));
 }

@@ -1,0 +1,59 @@
+/* The exposure of photographs. The picture that is compared with a photograph is multiplied by its factors of red, green
+ * and blue, 2^(e + r), 2^(e - (r + b)) and 2^(e + b). The processor and CUDA compile this same text. */
+#ifndef FXS_FIT_EXPOSURE_H
+#define FXS_FIT_EXPOSURE_H
+
+#include "adam.h"
+
+static inline void gain_factors(const fxs_fit_gain *gain, float factors[3])
+{
+    const float e = gain->at[0], r = gain->at[1], b = gain->at[2];
+    factors[0] = exp_2_minus(-(e + r));
+    factors[1] = exp_2_minus((r + b) - e);
+    factors[2] = exp_2_minus(-(e + b));
+}
+
+/* The order of sums over rows and over photographs: number i is added to part i % GAIN_PARTS, in ascending order, and
+   then these parts are added in order. Numbers are `step` apart. */
+enum { GAIN_PARTS = 64, GAIN_STEP = sizeof(fxs_fit_gain) / sizeof(float) };
+
+static inline double gain_part(const float *numbers, size_t step, size_t count, size_t part)
+{
+    double sum = 0;
+    for (size_t i = part; i < count; i += GAIN_PARTS)
+        sum += (double)numbers[i * step];
+    return sum;
+}
+
+static inline float gain_sum(const double parts[GAIN_PARTS], double divisor)
+{
+    double sum = 0;
+    for (int i = 0; i < GAIN_PARTS; i++)
+        sum += parts[i];
+    return (float)(sum / divisor);
+}
+
+/* A step of Adam. `of_channels`: for each channel the sum over pixels of dL/da a, with a the picture times its factor,
+   over the number of pixels and channels; dL/de = ln 2 times all three, dL/dr that of red less that of green. The
+   moments are corrected by those of a gradient of 1. A gradient that is not finite, or beyond
+   FXS_FIT_FARTHEST_GRADIENT, changes nothing. */
+static inline void gain_step(fxs_fit_gain *gain, const float of_channels[3], float rate)
+{
+    const float red = of_channels[0], green = of_channels[1], blue = of_channels[2];
+    const float gradient[3] = {0.693147181f * ((red + green) + blue), 0.693147181f * (red - green),
+                               0.693147181f * (blue - green)};
+    fxs_fit_adam adam;
+    for (int k = 0; k < 3; k++)
+        if (!(absolute(gradient[k]) < FXS_FIT_FARTHEST_GRADIENT))
+            return;
+    gain->of_one[0] = gain->of_one[0] * 0.9f + 0.1f;
+    gain->of_one[1] = gain->of_one[1] * 0.999f + 0.001f;
+    adam.correction = 1.0f / gain->of_one[1];
+    adam.epsilon = 1e-15f;
+    for (int k = 0; k < 3; k++) {
+        adam_step(&adam, rate / gain->of_one[0], gradient[k], &gain->at[k], &gain->mean[k], &gain->square[k]);
+        gain->at[k] = least(most(gain->at[k], -FXS_FIT_GAIN_MOST), FXS_FIT_GAIN_MOST);
+    }
+}
+
+#endif
