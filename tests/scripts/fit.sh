@@ -36,7 +36,7 @@ check "fit: a line for each, the mean and the worst" equal "$(grep -Ec '^ *[01] 
 check "fit: leaves nothing beside" equal "$(ls -A | grep -v -e knot.ply -e logs -e set | tr '\n' ' ')" "whole.fxs "
 succeeds "fit: --json" $fit -o again.fxs --json --threads 2
 check "fit: --json: keys" keys logs/out scene gaussians bytes profile recipe steps seed seconds fitted held_out skipped \
-    measured photographs.views photographs.psnr photographs.ssim
+    measured photographs.views photographs.psnr photographs.ssim photographs.affine_psnr
 check "fit: at least 18.5 dB from where nothing was fitted" [ "$(psnr)" -ge 1850 ]
 fitted=$(psnr)
 "$fixsplat" fit set --steps 1 -o first.fxs --json >logs/out
