@@ -130,6 +130,36 @@ static void goes_on_in_the_middle_of_a_round(void)
     options = mine;
 }
 
+/* Exposures and their moments are in the file, and the option is the file's. */
+static void goes_on_with_exposures(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit *whole, *second;
+    options.exposure = FXS_FIT_EXPOSURE_GAIN;
+    options.batch = 2;
+    whole = begin();
+    go_on(whole, 20);
+    save(whole, "half-exposures");
+    go_on(whole, 40);
+    save(whole, "whole-exposures");
+    CHECK(whole->gains.of[1].at[0] != 0 && whole->gains.of[1].at[2] != 0);
+    fxs_fit_free(whole);
+    options = mine;
+    if (CHECK(resume(&second, "half-exposures") == 0)) {
+        CHECK(fxs_fit_options_of(second)->exposure == FXS_FIT_EXPOSURE_GAIN);
+        go_on(second, 40);
+        save(second, "resumed-exposures");
+        CHECK(same_files("whole-exposures", "resumed-exposures"));
+        fxs_fit_free(second);
+    }
+    options.exposure = (enum fxs_fit_exposure)2;
+    CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
+    options.exposure = FXS_FIT_EXPOSURE_GAIN;
+    options.block = options.blocks = 1;
+    CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
+    options = mine;
+}
+
 /* Past a densification, in the middle of a round of the photographs. */
 static void goes_on_as_if_never_stopped(void)
 {
@@ -294,15 +324,20 @@ static void seal(uint8_t *bytes, size_t size)
 enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
-/* With this word, and a checksum that is right. */
-static int refused_with(int word, uint32_t value, const char *why)
+/* Writes it with this word, and a checksum that is right. A place below 0 is from the end on. */
+static void change(const char *name, int word, uint32_t value)
 {
     size_t size;
-    uint8_t *bytes = bytes_of("half", &size);
-    put_u32(bytes + 4 * word, value);
+    uint8_t *bytes = bytes_of(name, &size);
+    put_u32(bytes + 4 * word + (word < 0 ? size : 0), value);
     seal(bytes, size);
     put_file("changed", bytes, size);
     free(bytes);
+}
+
+static int refused_with(int word, uint32_t value, const char *why)
+{
+    change("half", word, value);
     return refused("changed", FXS_ERR_FILE, why);
 }
 
@@ -347,6 +382,35 @@ static void faulty_numbers_are_refused(void)
     CHECK(refused_with(COUNT, 1, "damaged: "));
     CHECK(refused_with(PRINT, 1, "other photographs"));
     CHECK(refused_with(0, 1, "not a saved fit"));
+}
+
+/* Of the exposures, which are before the end mark and the checksum. */
+static void faulty_exposures_are_refused(void)
+{
+    enum { WORDS = sizeof(fxs_fit_gain) / 4, END = -3, AT = END - WORDS * PHOTOS, COUNT_OF = AT - 2 };
+    const uint32_t beyond = 0x41880000, nan = 0x7fc00001, faulty[] = {0x7f7fffff, 0xff7fffff, 0xbde38e39, 0};
+    fxs_fit *fit;
+    change("half-exposures", AT + WORDS, beyond);
+    CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
+    change("half-exposures", AT + WORDS + 2, beyond | 1u << 31);
+    CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
+    change("half-exposures", END - 1, nan);
+    CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
+    change("half-exposures", COUNT_OF, PHOTOS - 1);
+    CHECK(refused("changed", FXS_ERR_FILE, "exposures of other photographs"));
+    change("half-exposures", COUNT_OF, PHOTOS + 1);
+    CHECK(refused("changed", FXS_ERR_FILE, "it ends early"));
+    change("half", 1, 6);          /* without any */
+    CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
+    for (int i = 0; i < 8 * 4; i++) {    /* moments may be anything */
+        change("half-exposures", AT + 3 + i / 4, faulty[i % 4]);
+        if (!CHECK(resume(&fit, "changed") == 0))
+            continue;
+        go_on(fit, 26);
+        for (int k = 0; k < 3; k++)
+            CHECK(fabsf(fit->gains.of[0].at[k]) <= 2 * FXS_FIT_GAIN_MOST);
+        fxs_fit_free(fit);
+    }
 }
 
 static void a_changed_byte_is_seen(void)
@@ -502,12 +566,14 @@ static void tests(void)
     RUN(goes_on_as_if_never_stopped);
     RUN(goes_on_in_the_last_tenth);
     RUN(goes_on_in_the_middle_of_a_round);
+    RUN(goes_on_with_exposures);
     RUN(the_file_does_not_depend_on_threads);
     RUN(its_options_are_those_of_the_file);
     RUN(names_of_photographs_do_not_matter);
     RUN(other_photographs_are_refused);
     RUN(the_places_of_words_are_known);
     RUN(faulty_numbers_are_refused);
+    RUN(faulty_exposures_are_refused);
     RUN(a_changed_byte_is_seen);
     RUN(more_is_refused);
     RUN(any_finite_numbers_are_lived_with);
