@@ -72,6 +72,24 @@ static void pictures_without_colours(void)
     CHECK(fabs(left() - 10 * log10(255.0 * 255 * PIXELS / squares)) < 1e-6);
 }
 
+/* Where green and blue follow from red, what the best line by red leaves. */
+static void colours_that_follow_from_each_other(void)
+{
+    double sums[5] = {0};          /* of x, y, xx, xy, yy */
+    for (uint64_t i = 0; i < PIXELS; i++) {
+        uint8_t *at = drawn + 4 * i, *to = photograph + 4 * i;
+        at[0] = random_level(i, 0, 120);
+        at[1] = (uint8_t)(2 * at[0] + 7);
+        at[2] = (uint8_t)(250 - 2 * at[0]);
+        to[0] = to[1] = to[2] = (uint8_t)(at[0] + random_level(PIXELS + i, 30, 90));
+        const double x = at[0], y = to[0], terms[5] = {x, y, x * x, x * y, y * y};
+        for (int k = 0; k < 5; k++)
+            sums[k] += terms[k] / PIXELS;
+    }
+    const double xx = sums[2] - sums[0] * sums[0], xy = sums[3] - sums[0] * sums[1], yy = sums[4] - sums[1] * sums[1];
+    CHECK(fabs(left() - 10 * log10(255.0 * 255 / (yy - xy * xy / xx))) < 1e-6);
+}
+
 /* A map beyond black and white is cut there: half of the pixels are 200 levels brighter, beyond white. */
 static void maps_are_cut(void)
 {
@@ -90,6 +108,7 @@ int main(void)
 {
     RUN(maps_are_found);
     RUN(pictures_without_colours);
+    RUN(colours_that_follow_from_each_other);
     RUN(maps_are_cut);
     return check_report();
 }
