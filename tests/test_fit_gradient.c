@@ -265,7 +265,7 @@ static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_mode
 {
     fxs_fit_stepper *stepper = fxs_fit_stepper_create(stages, NULL, NULL, 1, NULL);
     const fxs_fit_photograph photograph = {s->photograph[0], WIDTH, HEIGHT, 1, s->camera, 1};
-    fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1};
+    fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1, .gain_rate = 0.01f};
     fxs_fit_report report;
     if (!stepper || fxs_fit_model_room(m, (size_t)s->count))
         abort();

@@ -148,7 +148,7 @@ static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
         uint64_t key = i < f->count ? fxs_fit_camera_key(&f->photographs[i].camera) : 0;
         long_number(a, &key);
         if (coarse)
-            coarse->cameras[coarse->camera_count++] = key;
+            coarse->cameras[coarse->camera_count++] = (fxs_fit_coarse_camera){key, (uint32_t)i};
     }
 }
 
@@ -244,20 +244,15 @@ static void walk_profile(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* Exposures of the photographs, of which a coarse fit knows the number from the file alone. */
-static void walk_gains(archive *a, fxs_fit *f)
+/* Exposures of the photographs. Those of a coarse fit, which has none itself, are as many as its cameras. */
+static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->gains.of / sizeof(float) };
-    uint64_t count = f->gains.count;
-    long_number(a, &count);
-    if (!holds(a, count, WORDS))
+    const size_t count = coarse ? coarse->camera_count : f->count;
+    if (!f->options.exposure || !holds(a, count, WORDS))
         return;
-    if (!f->gains.of) {
-        f->gains.of = calloc((size_t)count + 1, sizeof *f->gains.of);
-        f->gains.count = (uint32_t)count;
-    }
-    if (!f->gains.of || count != f->gains.count) {
-        fail(a, f->gains.of ? FXS_ERR_FILE : FXS_ERR_MEMORY, "exposures of other photographs");
+    if (coarse && !(f->gains.of = calloc(count + 1, sizeof *f->gains.of))) {
+        fail(a, FXS_ERR_MEMORY, "out of memory");
         return;
     }
     for (size_t i = 0; i < count && !a->fault; i++) {
@@ -271,14 +266,13 @@ static void walk_gains(archive *a, fxs_fit *f)
 
 /* All data that a step changes and the next step needs, except data that follow from the options and the step's number.
    A new field of a fit is added here. */
-static void walk(archive *a, fxs_fit *f)
+static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     number(a, &f->step);
     floats(a, &f->extent, 1);
     walk_model(a, &f->model);
     walk_profile(a, f);
-    if (f->options.exposure)
-        walk_gains(a, f);
+    walk_gains(a, f, coarse);
 }
 
 /* The end mark, and the checksum of all words before it. */
@@ -305,7 +299,7 @@ static void write_all(archive *a, fxs_fit *f)
     walk_options(a, &f->options);
     long_number(a, &photographs);
     walk_cameras(a, f, NULL);
-    walk(a, f);
+    walk(a, f, NULL);
     walk_end(a);
     if (!a->fault)
         flush(a);
@@ -367,7 +361,7 @@ static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_fit_coarse *c
     if (!a->fault && !coarse && photographs != fingerprint(f))
         return fxs_fail(message, "%s: a fit of other photographs, or of these at another size", path);
     walk_cameras(a, f, coarse);
-    walk(a, f);
+    walk(a, f, coarse);
     if (coarse)
         coarse->number = a->checksum;
     walk_end(a);

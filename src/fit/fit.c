@@ -112,8 +112,6 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                                                                                    : NULL;
     if (wrong)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong);
-    if (o->exposure && o->blocks)
-        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "blocks have no exposure: each would find another");
     if (o->device_count && o->batch % o->device_count)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a batch of %u photographs is not to be shared out among %u "
                            "devices", (unsigned)o->batch, (unsigned)o->device_count);
@@ -203,6 +201,8 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
                    size_t point_count, const fxs_fit_options *options, fxs_message *message)
 {
     int error = fxs_fit_begin(fit, photos, photo_count, options, message);
+    if (!error && options->exposure && options->blocks)
+        error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "exposures of a block are those of its coarse fit");
     if (!error)
         error = check_points(photos, photo_count, points, point_count, message);
     if (!error && begin_model(*fit, points, point_count))

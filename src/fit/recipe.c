@@ -134,6 +134,6 @@ void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t st
         plan_fast(options, extent, step, least_side, plan);
     else
         plan_reference(options, extent, step, plan);
-    if (options->exposure)
+    if (options->exposure && !options->blocks)
         plan->gain_rate = gain_rate(step, options->recipe == FXS_FIT_FAST ? options->steps : whole_steps(options));
 }

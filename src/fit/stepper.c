@@ -777,7 +777,7 @@ static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
         return FXS_ERR_MEMORY;
     const uint64_t drawn = now(s);
     find_loss(s);
-    if (s->model->gains)
+    if (s->model->gains && s->options->gain_rate > 0)
         sum_by_gain(s);
     const uint64_t compared = now(s);
     run(s, backward_job, s->tile_count);
@@ -804,7 +804,7 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     const uint64_t passed_back = now(s);
     fxs_fit_set_adam(&s->adam, options, photographs, batch, model->count);
     run(s, update_job, gaussian_jobs(s));
-    if (model->gains)
+    if (model->gains && options->gain_rate > 0)
         update_gains(s, photographs);
     report->nanoseconds[UPDATE] = now(s) - passed_back;
     report->gaussians = model->count;

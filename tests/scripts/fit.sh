@@ -143,7 +143,7 @@ cp exposed.ply.fit exposed.fit
 check "--exposure gain, resumed, 2 threads, plain C: the same file" cmp exposed.ply again.ply
 fails "--resume: another exposure" 2 "--exposure: exposed.fit was begun with another" fit set --steps 60 -o x.fxs \
     --resume exposed.fit --exposure none
-fails "--exposure of a block" 2 "--exposure: not of --block" fit set -o x.ply --exposure gain --block 1/2
+fails "--exposure of a block" 2 "--exposure: of --block only with --coarse" fit set -o x.ply --exposure gain --block 1/2
 cp part.fxs.fit given.fxs
 fails "OUT is the file that it goes on from" 2 "given.fxs: is read and cannot be written too" $fit -o given.fxs --resume given.fxs
 fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another" fit set --steps 60 -o x.fxs \

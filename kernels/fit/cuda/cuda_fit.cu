@@ -232,6 +232,11 @@ int find_loss(engine *e, device *d, const step_order *s, uint32_t view, fxs_mess
     return error || !s->has_report ? error : fetch_rows(e, d, s, view, why);
 }
 
+bool moves_gains(const device *d, const step_order *s)
+{
+    return d->gains.count && s->options.gain_rate > 0;
+}
+
 /* A photograph of a step, up to its splats' sums. */
 int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
@@ -251,7 +256,7 @@ int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *
     mark(d, s, LOSS);
     error = check(why, failure);
     error = error ? error : find_loss(e, d, s, view, why);
-    if (d->gains.count && !error)
+    if (moves_gains(d, s) && !error)
         error = check(why, launch_by_gain(b, c, by_gain_of(d, view), d->stream));
     mark(d, s, BACK);
     error = error ? error : check(why, launch_back(b, c, d->stream));
@@ -351,7 +356,7 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
         failure = first_of(failure, launch_noise(b, &d->model, &o->noise, d->stream));
     if (d->model.masters)
         failure = first_of(failure, launch_quantise(b, &d->model, e->model->grid, d->stream));
-    if (d->gains.count)
+    if (moves_gains(d, s))
         failure = first_of(failure, step_gains(d, s));
     end_step<<<1, 1, 0, d->stream>>>(b->status);
     mark(d, s, STAGES);

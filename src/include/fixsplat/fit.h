@@ -89,7 +89,7 @@ typedef struct fxs_fit_options {
                                       the steps. The scene does not depend on it */
     int devices[8];                /* numbers of these GPUs */
     uint64_t max_memory;           /* the most bytes to use on each device; 0: no limit */
-    enum fxs_fit_exposure exposure;    /* of a whole fit; a block has none */
+    enum fxs_fit_exposure exposure;    /* of a whole fit; a block has that of its coarse fit */
 } fxs_fit_options;
 
 /* Sets the initial values that the comments above name, and 0 for the others: recipe reference, one thread. */
