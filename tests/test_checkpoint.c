@@ -1,7 +1,7 @@
 /* Fits that are saved, and go on from the file: the same end, whatever happens to the file in between. */
 #include <math.h>
 
-#include "src/fit/fit_internal.h"
+#include "src/fit/coarse.h"
 #include "src/fit/random.h"
 #include <fixsplat/pool.h>
 #include "folder.h"
@@ -158,6 +158,39 @@ static void goes_on_with_exposures(void)
     options.block = options.blocks = 1;
     CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
     options = mine;
+}
+
+/* A block, of two of the photographs in another order, has the exposures that its coarse fit found, and keeps them. */
+static void a_block_keeps_exposures(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit_photo some[2] = {photos[2], photos[0]};
+    uint32_t gaussians[POINTS];
+    const uint32_t numbers[2] = {2, 0};
+    fxs_fit *whole, *fit;
+    fxs_fit_coarse *coarse;
+    for (uint32_t i = 0; i < POINTS; i++)
+        gaussians[i] = i;
+    if (!CHECK(resume(&whole, "half-exposures") == 0) ||
+        !CHECK(fxs_fit_coarse_read(&coarse, in_folder("half-exposures"), &message) == 0))
+        return;
+    const fxs_fit_block block = {.number = 1, .blocks = 2, .photos = {.fit = some, .fit_count = 2}, .coarse = coarse,
+                                 .gaussians = gaussians, .gaussian_count = POINTS};
+    options.block = 1, options.blocks = 2;
+    if (CHECK(fxs_fit_create_block(&fit, coarse, &block, &options, &message) == 0)) {
+        CHECK(fxs_fit_options_of(fit)->exposure == FXS_FIT_EXPOSURE_GAIN);
+        go_on(fit, 26);
+        for (int i = 0; i < 2; i++)
+            CHECK(!memcmp(&fit->gains.of[i], &whole->gains.of[numbers[i]], sizeof *fit->gains.of));
+        CHECK(memcmp(&fit->gains.of[0], &fit->gains.of[1], sizeof *fit->gains.of));
+        save(fit, "block-exposures");
+        fxs_fit_free(fit);
+        if (CHECK(fxs_fit_resume(&fit, in_folder("block-exposures"), some, 2, &options, &message) == 0))
+            fxs_fit_free(fit);
+    }
+    options = mine;
+    fxs_fit_coarse_free(coarse);
+    fxs_fit_free(whole);
 }
 
 /* Past a densification, in the middle of a round of the photographs. */
@@ -563,6 +596,7 @@ static void tests(void)
     RUN(goes_on_in_the_last_tenth);
     RUN(goes_on_in_the_middle_of_a_round);
     RUN(goes_on_with_exposures);
+    RUN(a_block_keeps_exposures);
     RUN(the_file_does_not_depend_on_threads);
     RUN(its_options_are_those_of_the_file);
     RUN(names_of_photographs_do_not_matter);
