@@ -421,7 +421,7 @@ static void faulty_numbers_are_refused(void)
 static void faulty_exposures_are_refused(void)
 {
     enum { WORDS = sizeof(fxs_fit_gain) / 4, END = -3, AT = END - WORDS * PHOTOS };
-    const uint32_t beyond = 0x41880000, nan = 0x7fc00001, faulty[] = {0x7f7fffff, 0xff7fffff, 0xbde38e39, 0};
+    const uint32_t beyond = 0x41880000, nan = 0x7fc00001, faulty[] = {0x7f7fffff, 0xff7fffff, 0x80000001, 0};
     fxs_fit *fit;
     change("half-exposures", AT + WORDS, beyond);
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
@@ -431,8 +431,13 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
     change("half", 1, 6);          /* without any */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
-    for (int i = 0; i < 8 * 4; i++) {    /* moments may be anything */
-        change("half-exposures", AT + 3 + i / 4, faulty[i % 4]);
+    for (int i = 0; i < 6 * 4; i++) {    /* moments, which may be anything; the second one 0 or more, others to 1 */
+        const uint32_t value = faulty[i % 4];
+        change("half-exposures", AT + 3 + i / 4, value);
+        if (i >= 3 * 4 && (value >> 31 || (i >= 4 * 4 && value))) {
+            CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
+            continue;
+        }
         if (!CHECK(resume(&fit, "changed") == 0))
             continue;
         go_on(fit, 26);

@@ -227,7 +227,7 @@ static const recorded fits[FITS] = {
     {"batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4, FXS_FIT_EXPOSURE_NONE, 0.5,
      0xa7a5ae8ecc01a1c9},
     {"exposures, batches of four", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4,
-     FXS_FIT_EXPOSURE_GAIN, 0.5, 0x64627aafd64ff025}};
+     FXS_FIT_EXPOSURE_GAIN, 0.5, 0x0ebeeb54d2e2bc1a}};
 
 static int devices;                /* 0: the processor, 1: the first GPU */
 

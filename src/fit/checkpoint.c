@@ -258,9 +258,13 @@ static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     for (size_t i = 0; i < count && !a->fault; i++) {
         fxs_fit_gain *gain = &f->gains.of[i];
         floats(a, (float *)gain, WORDS);
+        int is_wrong = gain->square < 0;
         for (int k = 0; k < 3; k++)
-            if (!(fabsf(gain->at[k]) <= 2 * FXS_FIT_GAIN_MOST))
-                damaged(a, "a number out of its range");
+            is_wrong |= fabsf(gain->at[k]) > 2 * FXS_FIT_GAIN_MOST;
+        for (int k = 0; k < 2; k++)
+            is_wrong |= gain->of_one[k] < 0 || gain->of_one[k] > 1;
+        if (is_wrong)
+            damaged(a, "a number out of its range");
     }
 }
 

@@ -34,25 +34,28 @@ static inline float gain_sum(const double parts[GAIN_PARTS], double divisor)
 }
 
 /* A step of Adam. `of_channels`: for each channel the sum over pixels of dL/da a, with a the picture times its factor,
-   over the number of pixels and channels; dL/de = ln 2 times all three, dL/dr that of red less that of green. The
-   moments are corrected by those of a gradient of 1. A gradient that is not finite, or beyond
+   over the number of pixels and channels; dL/de = ln 2 times all three, dL/dr that of red less that of green. The second
+   moment is that of the whole gradient's length, so that a number whose gradient is small beside the others' moves
+   little; both are corrected by those of a gradient of 1. A gradient that is not finite, or beyond
    FXS_FIT_FARTHEST_GRADIENT, changes nothing. */
 static inline void gain_step(fxs_fit_gain *gain, const float of_channels[3], float rate)
 {
     const float red = of_channels[0], green = of_channels[1], blue = of_channels[2];
     const float gradient[3] = {0.693147181f * ((red + green) + blue), 0.693147181f * (red - green),
                                0.693147181f * (blue - green)};
-    fxs_fit_adam adam;
-    for (int k = 0; k < 3; k++)
+    float square = 0;
+    for (int k = 0; k < 3; k++) {
         if (!(absolute(gradient[k]) < FXS_FIT_FARTHEST_GRADIENT))
             return;
+        square += gradient[k] * gradient[k];
+    }
     gain->of_one[0] = gain->of_one[0] * 0.9f + 0.1f;
     gain->of_one[1] = gain->of_one[1] * 0.999f + 0.001f;
-    adam.correction = 1.0f / gain->of_one[1];
-    adam.epsilon = 1e-15f;
+    gain->square = without_tiny(gain->square * 0.999f + square * 0.001f);
+    const float share = rate / gain->of_one[0] / (root(gain->square / gain->of_one[1]) + 1e-15f);
     for (int k = 0; k < 3; k++) {
-        adam_step(&adam, rate / gain->of_one[0], gradient[k], &gain->at[k], &gain->mean[k], &gain->square[k]);
-        gain->at[k] = least(most(gain->at[k], -FXS_FIT_GAIN_MOST), FXS_FIT_GAIN_MOST);
+        gain->mean[k] = without_tiny(gain->mean[k] * 0.9f + gradient[k] * 0.1f);
+        gain->at[k] = least(most(gain->at[k] - share * gain->mean[k], -FXS_FIT_GAIN_MOST), FXS_FIT_GAIN_MOST);
     }
 }
 

@@ -112,9 +112,9 @@ typedef struct fxs_fit_adam {
 } fxs_fit_adam;
 
 /* The exposure of a photograph (exposure.h): log2 of its gain, and of what red and blue have beside it; Adam's moments,
-   and those of a gradient of 1. */
+   the second one of all three, and those of a gradient of 1. */
 typedef struct fxs_fit_gain {
-    float at[3], mean[3], square[3], of_one[2];
+    float at[3], mean[3], square, of_one[2];
 } fxs_fit_gain;
 
 /* Of all photographs of a fit. */

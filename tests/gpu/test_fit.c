@@ -62,11 +62,10 @@ static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS])
 {
     for (int i = 0; i < MOST_GAINS; i++) {
         fxs_fit_gain *of = &gains[0][i];
-        *of = (fxs_fit_gain){.of_one = {0.3f, 0.01f}};
+        *of = (fxs_fit_gain){.square = (float)fit_uniform(0, 0.001), .of_one = {0.3f, 0.01f}};
         for (int k = 0; k < 3; k++) {
             of->at[k] = (float)fit_uniform(-0.5, 0.5);
             of->mean[k] = (float)fit_uniform(-0.01, 0.01);
-            of->square[k] = (float)fit_uniform(0, 0.001);
         }
     }
     memcpy(gains[1], gains[0], sizeof gains[1]);
