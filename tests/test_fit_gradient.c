@@ -1,7 +1,7 @@
 /* The gradients of a step against central differences of a forward pass in doubles, written here from the formulas
  * alone, for every parameter: what is drawn in front of and behind the cuts, at the edges of the picture, with the
- * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; and for the exposure of the photograph. And
- * the cuts themselves. */
+ * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; and for the exposure of the photograph.
+ * And the cuts themselves. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
@@ -362,7 +362,8 @@ static void check_versions(const scene *s, const fxs_fit_model *c, const fxs_fit
         fxs_fit_model m;
         fxs_fit_gain of[2];
         step_once(s, versions[i], &m, &(fxs_fit_gains){of, 2});
-        if (!CHECK(!memcmp(&of[1], gain, sizeof *gain)) || !CHECK(!memcmp(m.means, c->means, bytes) && !memcmp(m.squares, c->squares, bytes)) ||
+        if (!CHECK(!memcmp(&of[1], gain, sizeof *gain)) ||
+            !CHECK(!memcmp(m.means, c->means, bytes) && !memcmp(m.squares, c->squares, bytes)) ||
             !CHECK(!memcmp(m.parameters, c->parameters, bytes)) ||
             !CHECK(!memcmp(m.by_centre, c->by_centre, c->stride * sizeof(float))))
             printf("  %s\n", versions[i]->name);

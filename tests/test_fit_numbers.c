@@ -132,7 +132,8 @@ static void test_steps_are_adams(void)
         CHECK(fxs_fit_stepper_step(stepper, &m, &photographs[step % PHOTOGRAPHS], 1, &options, &report) == 0);
         for (size_t i = 0; i < FXS_FIT_PARAMETERS * COUNT; i++) {
             const double mean = (double)m.means[i / COUNT * m.stride + i % COUNT];
-            reference_step(&reference[i], (mean - 0.9 * (double)before[i]) / 0.1, (double)options.rate[i / COUNT], step);
+            reference_step(&reference[i], (mean - 0.9 * (double)before[i]) / 0.1, (double)options.rate[i / COUNT],
+                           step);
         }
     }
     double way = 0;

@@ -154,7 +154,8 @@ double fxs_metrics_affine_psnr(const uint8_t *drawn, const uint8_t *photograph, 
     solve_map(sums, map);
     for (size_t i = 0; i < 4 * pixels; i += 4)
         for (int c = 0; c < 3; c++) {
-            const double mapped = map[0][c] + map[1][c] * drawn[i] + map[2][c] * drawn[i + 1] + map[3][c] * drawn[i + 2];
+            const uint8_t *at = drawn + i;
+            const double mapped = map[0][c] + map[1][c] * at[0] + map[2][c] * at[1] + map[3][c] * at[2];
             const double difference = fmin(fmax(mapped, 0), 255) - photograph[i + (size_t)c];
             squares += difference * difference;
         }

@@ -1,5 +1,5 @@
-/* The exposure of photographs. The picture that is compared with a photograph is multiplied by its factors of red, green
- * and blue, 2^(e + r), 2^(e - (r + b)) and 2^(e + b). The processor and CUDA compile this same text. */
+/* The exposure of photographs. The picture that is compared with a photograph is multiplied by its factors of red,
+ * green and blue, 2^(e + r), 2^(e - (r + b)) and 2^(e + b). The processor and CUDA compile this same text. */
 #ifndef FXS_FIT_EXPOSURE_H
 #define FXS_FIT_EXPOSURE_H
 
@@ -34,9 +34,9 @@ static inline float gain_sum(const double parts[GAIN_PARTS], double divisor)
 }
 
 /* A step of Adam. `of_channels`: for each channel the sum over pixels of dL/da a, with a the picture times its factor,
-   over the number of pixels and channels; dL/de = ln 2 times all three, dL/dr that of red less that of green. The second
-   moment is that of the whole gradient's length, so that a number whose gradient is small beside the others' moves
-   little; both are corrected by those of a gradient of 1. A gradient that is not finite, or beyond
+   over the number of pixels and channels. dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2
+   (blue - green). The second moment is of the gradient's squared length, so that a number whose gradient is small beside
+   the others' moves little; all are corrected by those of a gradient of 1. A gradient that is not finite, or beyond
    FXS_FIT_FARTHEST_GRADIENT, changes nothing. */
 static inline void gain_step(fxs_fit_gain *gain, const float of_channels[3], float rate)
 {

@@ -74,10 +74,11 @@ static int is_white(const uint8_t background[3])
     return background[0] == 255 && background[1] == 255 && background[2] == 255;
 }
 
-/* 0.05 * 10^-(step / steps), of which the first 500 steps take a growing part: the scene is not there yet. */
+/* 0.05 * 10^-(step / steps), of which the first 500 steps take a growing part: there is no scene yet. */
 static float gain_rate(uint32_t step, uint32_t steps)
 {
-    const float part = step < steps ? (float)step / (float)steps : 1.0f, begun = step < 500 ? (float)step / 500.0f : 1.0f;
+    const float part = step < steps ? (float)step / (float)steps : 1.0f;
+    const float begun = step < 500 ? (float)step / 500.0f : 1.0f;
     return 0.05f * begun * exp_e(-2.30258509f * part);
 }
 

@@ -57,10 +57,9 @@ enum fxs_fit_recipe {
 /* What a fit knows of the exposure of its photographs. */
 enum fxs_fit_exposure {
     FXS_FIT_EXPOSURE_NONE = 0,     /* all have the same */
-    FXS_FIT_EXPOSURE_GAIN = 1      /* each has a gain and a colour balance, three numbers that the fit finds: the picture
-                                      is multiplied by them before it is compared with the photograph. The mean of each
-                                      number over the photographs is kept at 0 (in log2), and the scene has none of
-                                      them */
+    FXS_FIT_EXPOSURE_GAIN = 1      /* each has a gain and a colour balance, log2 of three factors that the fit finds: by
+                                      these the picture is multiplied before it is compared with the photograph. Their
+                                      means over the photographs are 0. The scene has none of them */
 };
 
 typedef struct fxs_fit_options {
