@@ -429,8 +429,12 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 6);          /* without any */
+    change("half", 1, 6);          /* the version of a fit with exposures: it has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
+    change("half", 1, 4);
+    CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
+    change("half", 1, 7);
+    CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     for (int i = 0; i < 6 * 4; i++) {    /* moments, which may be anything; the second one 0 or more, others to 1 */
         const uint32_t value = faulty[i % 4];
         change("half-exposures", AT + 3 + i / 4, value);
