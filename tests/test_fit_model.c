@@ -652,7 +652,8 @@ static void reference_recipe(void)
     CHECK(plan_of(&o, 20000).sh_degree == 1);
 }
 
-/* None by itself; else it begins slowly, and falls to a tenth, in fast by the end of its own steps. */
+/* None by itself; else it falls to a tenth, in fast by the end of its own steps, and is less for 500 steps after the
+   beginning and after each reset. */
 static void rates_of_exposures(void)
 {
     fxs_fit_options o;
@@ -664,10 +665,13 @@ static void rates_of_exposures(void)
         size_t wrong = 0;
         o.recipe = (enum fxs_fit_recipe)recipe;
         o.steps = 8000;
-        for (uint32_t step = 1; step <= 8000; step++)
+        uint32_t last = 0;
+        for (uint32_t step = 1; step <= 8000; step++) {
             wrong += !is_near((double)plan_of(&o, step).gain_rate,
-                              0.05 * fmin(step / 500.0, 1) * pow(10, -(double)step / steps), 1e-6);
-        CHECK(!wrong);
+                              0.05 * fmin((step - last) / 500.0, 1) * pow(10, -(double)step / steps), 1e-6);
+            last = plan_of(&o, step).reset ? step : last;
+        }
+        CHECK(!wrong && last == (recipe == FXS_FIT_REFERENCE ? 6000 : recipe == FXS_FIT_FAST ? 3000 : 0));
     }
 }
 
