@@ -35,9 +35,9 @@ static inline float gain_sum(const double parts[GAIN_PARTS], double divisor)
 
 /* A step of Adam. `of_channels`: for each channel the sum over pixels of dL/da a, with a the picture times its factor,
    over the number of pixels and channels. dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2
-   (blue - green). The second moment is of the gradient's squared length, so that a number whose gradient is small beside
-   the others' moves little; all are corrected by those of a gradient of 1. A gradient that is not finite, or beyond
-   FXS_FIT_FARTHEST_GRADIENT, changes nothing. */
+   (blue - green). The second moment is of the gradient's squared length, so that a number whose gradient is small
+   beside the others' moves little; all are corrected by those of a gradient of 1. A gradient that is not finite, or
+   beyond FXS_FIT_FARTHEST_GRADIENT, changes nothing. */
 static inline void gain_step(fxs_fit_gain *gain, const float of_channels[3], float rate)
 {
     const float red = of_channels[0], green = of_channels[1], blue = of_channels[2];
