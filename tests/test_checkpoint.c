@@ -1,7 +1,7 @@
 /* Fits that are saved, and go on from the file: the same end, whatever happens to the file in between. */
 #include <math.h>
 
-#include "src/fit/fit_internal.h"
+#include "src/fit/coarse.h"
 #include "src/fit/random.h"
 #include <fixsplat/pool.h>
 #include "folder.h"
@@ -128,6 +128,69 @@ static void goes_on_in_the_middle_of_a_round(void)
     options.device_count = 3;
     CHECK(resume(&second, "half-batches") == FXS_ERR_ARGUMENT && strstr(message.text, "shared out"));
     options = mine;
+}
+
+/* Exposures and their moments are in the file, and the option is the file's. */
+static void goes_on_with_exposures(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit *whole, *second;
+    options.exposure = FXS_FIT_EXPOSURE_GAIN;
+    options.batch = 2;
+    whole = begin();
+    go_on(whole, 20);
+    save(whole, "half-exposures");
+    go_on(whole, 40);
+    save(whole, "whole-exposures");
+    CHECK(whole->gains.of[1].at[0] != 0 && whole->gains.of[1].at[2] != 0);
+    fxs_fit_free(whole);
+    options = mine;
+    if (CHECK(resume(&second, "half-exposures") == 0)) {
+        CHECK(fxs_fit_options_of(second)->exposure == FXS_FIT_EXPOSURE_GAIN);
+        go_on(second, 40);
+        save(second, "resumed-exposures");
+        CHECK(same_files("whole-exposures", "resumed-exposures"));
+        fxs_fit_free(second);
+    }
+    options.exposure = (enum fxs_fit_exposure)2;
+    CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
+    options.exposure = FXS_FIT_EXPOSURE_GAIN;
+    options.block = options.blocks = 1;
+    CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
+    options = mine;
+}
+
+/* A block, of two of the photographs in another order, has the exposures that its coarse fit found, and keeps them. */
+static void a_block_keeps_exposures(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit_photo some[2] = {photos[2], photos[0]};
+    uint32_t gaussians[POINTS];
+    const uint32_t numbers[2] = {2, 0};
+    fxs_fit *whole, *fit;
+    fxs_fit_coarse *coarse;
+    for (uint32_t i = 0; i < POINTS; i++)
+        gaussians[i] = i;
+    if (!CHECK(resume(&whole, "half-exposures") == 0) ||
+        !CHECK(fxs_fit_coarse_read(&coarse, in_folder("half-exposures"), &message) == 0))
+        return;
+    const fxs_fit_block block = {.number = 1, .blocks = 2, .photos = {.fit = some, .fit_count = 2}, .coarse = coarse,
+                                 .gaussians = gaussians, .gaussian_count = POINTS};
+    options.block = 1, options.blocks = 2;
+    if (CHECK(fxs_fit_create_block(&fit, coarse, &block, &options, &message) == 0)) {
+        CHECK(fxs_fit_options_of(fit)->exposure == FXS_FIT_EXPOSURE_GAIN);
+        go_on(fit, 26);
+        for (int i = 0; i < 2; i++)
+            CHECK(!memcmp(&fit->gains.of[i], &whole->gains.of[numbers[i]], sizeof *fit->gains.of));
+        CHECK(memcmp(&fit->gains.of[0], &fit->gains.of[1], sizeof *fit->gains.of));
+        save(fit, "block-exposures");
+        fxs_fit_free(fit);
+        if (CHECK(fxs_fit_resume(&fit, in_folder("block-exposures"), some, 2, &options, &message) == 0))
+            fxs_fit_free(fit);
+    }
+    options = mine;
+    fxs_fit_coarse_free(coarse);
+    fxs_fit_free(whole);
 }
 
 /* Past a densification, in the middle of a round of the photographs. */
@@ -294,15 +357,20 @@ static void seal(uint8_t *bytes, size_t size)
 enum { HEAD = 2, RECIPE = HEAD, DEGREE = HEAD + 2, MOST, BATCH = HEAD + 6, PROFILE = HEAD + 11, PRINT, CAMERAS = PRINT + 2,
        STEP = CAMERAS + 2 + 2 * PHOTOS, EXTENT, COUNT, FIRST = COUNT + 2 };
 
-/* With this word, and a checksum that is right. */
-static int refused_with(int word, uint32_t value, const char *why)
+/* Writes it with this word, and a checksum that is right. A place below 0 is from the end on. */
+static void change(const char *name, int word, uint32_t value)
 {
     size_t size;
-    uint8_t *bytes = bytes_of("half", &size);
-    put_u32(bytes + 4 * word, value);
+    uint8_t *bytes = bytes_of(name, &size);
+    put_u32(bytes + 4 * word + (word < 0 ? size : 0), value);
     seal(bytes, size);
     put_file("changed", bytes, size);
     free(bytes);
+}
+
+static int refused_with(int word, uint32_t value, const char *why)
+{
+    change("half", word, value);
     return refused("changed", FXS_ERR_FILE, why);
 }
 
@@ -347,6 +415,40 @@ static void faulty_numbers_are_refused(void)
     CHECK(refused_with(COUNT, 1, "damaged: "));
     CHECK(refused_with(PRINT, 1, "other photographs"));
     CHECK(refused_with(0, 1, "not a saved fit"));
+}
+
+/* Of the exposures, which are before the end mark and the checksum. */
+static void faulty_exposures_are_refused(void)
+{
+    enum { WORDS = sizeof(fxs_fit_gain) / 4, END = -3, AT = END - WORDS * PHOTOS };
+    const uint32_t beyond = 0x41880000, nan = 0x7fc00001, faulty[] = {0x7f7fffff, 0xff7fffff, 0x80000001, 0};
+    fxs_fit *fit;
+    change("half-exposures", AT + WORDS, beyond);
+    CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
+    change("half-exposures", AT + WORDS + 2, beyond | 1u << 31);
+    CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
+    change("half-exposures", END - 1, nan);
+    CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
+    change("half", 1, 6);          /* the version of a fit with exposures: it has none */
+    CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
+    change("half", 1, 4);
+    CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
+    change("half", 1, 7);
+    CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
+    for (int i = 0; i < 6 * 4; i++) {    /* moments, which may be anything; the second one 0 or more, others to 1 */
+        const uint32_t value = faulty[i % 4];
+        change("half-exposures", AT + 3 + i / 4, value);
+        if (i >= 3 * 4 && (value >> 31 || (i >= 4 * 4 && value))) {
+            CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
+            continue;
+        }
+        if (!CHECK(resume(&fit, "changed") == 0))
+            continue;
+        go_on(fit, 26);
+        for (int k = 0; k < 3; k++)
+            CHECK(fabsf(fit->gains.of[0].at[k]) <= 2 * FXS_FIT_GAIN_MOST);
+        fxs_fit_free(fit);
+    }
 }
 
 static void a_changed_byte_is_seen(void)
@@ -502,12 +604,15 @@ static void tests(void)
     RUN(goes_on_as_if_never_stopped);
     RUN(goes_on_in_the_last_tenth);
     RUN(goes_on_in_the_middle_of_a_round);
+    RUN(goes_on_with_exposures);
+    RUN(a_block_keeps_exposures);
     RUN(the_file_does_not_depend_on_threads);
     RUN(its_options_are_those_of_the_file);
     RUN(names_of_photographs_do_not_matter);
     RUN(other_photographs_are_refused);
     RUN(the_places_of_words_are_known);
     RUN(faulty_numbers_are_refused);
+    RUN(faulty_exposures_are_refused);
     RUN(a_changed_byte_is_seen);
     RUN(more_is_refused);
     RUN(any_finite_numbers_are_lived_with);

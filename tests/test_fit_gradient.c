@@ -1,6 +1,7 @@
 /* The gradients of a step against central differences of a forward pass in doubles, written here from the formulas
  * alone, for every parameter: what is drawn in front of and behind the cuts, at the edges of the picture, with the
- * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed. And the cuts themselves. */
+ * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; and for the exposure of the photograph.
+ * And the cuts themselves. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
@@ -22,7 +23,8 @@ typedef struct cuts {
 typedef struct scene {
     int count, degree;
     fxs_fit_camera camera;
-    double variables[MOST][VARIABLES], background[3];
+    double variables[MOST][VARIABLES], background[3], gain[3];
+    int has_gain;                  /* 0: the photograph has no exposure, and `gain` is 0 */
     uint8_t photograph[PIXELS][3];
     cuts cuts;
 } scene;
@@ -155,6 +157,7 @@ static int decide(cuts *c, int i, double level, double alpha, double transmittan
 static void draw(scene *s)
 {
     flat flats[MOST];
+    const double *g = s->gain, factor[3] = {exp2(g[0] + g[1]), exp2(g[0] - g[1] - g[2]), exp2(g[0] + g[2])};
     for (int i = 0; i < s->count; i++)
         flatten(s, i, &flats[i]);
     if (!s->cuts.is_set)
@@ -178,24 +181,24 @@ static void draw(scene *s)
             transmittance *= 1 - alpha;
         }
         for (int c = 0; c < 3; c++)
-            picture[c][p] = colour[c] + transmittance * s->background[c];
+            picture[c][p] = factor[c] * (colour[c] + transmittance * s->background[c]);
     }
     s->cuts.is_set = 1;
 }
 
-/* dL/dvariable */
-static double difference(scene *s, int i, int k)
+/* dL/dvariable, of one of the scene's */
+static double difference(scene *s, double *variable)
 {
-    const double kept = s->variables[i][k], h = 1e-6;
+    const double kept = *variable, h = 1e-6;
     double loss[2];
     for (int side = 0; side < 2; side++) {
-        s->variables[i][k] = kept + (side ? h : -h);
+        *variable = kept + (side ? h : -h);
         draw(s);
         loss[side] = 0;
         for (int c = 0; c < 3; c++)
             loss[side] += fit_loss(picture[c], &s->photograph[0][c], WIDTH, HEIGHT);
     }
-    s->variables[i][k] = kept;
+    *variable = kept;
     return (loss[1] - loss[0]) / (2 * h);
 }
 
@@ -209,10 +212,14 @@ typedef struct kind {
 } kind;
 
 /* Draws scenes until one has no decision that singles might take otherwise, and photographs beside their pictures. */
-static void make_scene(scene *s, const kind *k, int degree)
+static void make_scene(scene *s, const kind *k, int degree, int has_gain)
 {
+    static const double gain[3] = {0.375, -0.25, 0.125};
     do {
         memset(s, 0, sizeof *s);
+        s->has_gain = has_gain;
+        for (int i = 0; i < 3; i++)
+            s->gain[i] = has_gain ? gain[i] : 0;
         s->count = k->count;
         s->degree = degree;
         s->camera = fit_camera(WIDTH, HEIGHT, k->focal);
@@ -253,12 +260,12 @@ static void make_scene(scene *s, const kind *k, int degree)
 
 /* ---- Against it -------------------------------------------------------------------------------------------------- */
 
-/* What a first step leaves: a tenth of the gradients as Adam's means. */
-static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m)
+/* What a first step leaves: a tenth of the gradients as Adam's means. The photograph's exposure is the second. */
+static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, fxs_fit_gains *gains)
 {
     fxs_fit_stepper *stepper = fxs_fit_stepper_create(stages, NULL, NULL, 1, NULL);
-    const fxs_fit_photograph photograph = {s->photograph[0], WIDTH, HEIGHT, 1, s->camera};
-    fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1};
+    const fxs_fit_photograph photograph = {s->photograph[0], WIDTH, HEIGHT, 1, s->camera, 1};
+    fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1, .gain_rate = 0.01f};
     fxs_fit_report report;
     if (!stepper || fxs_fit_model_room(m, (size_t)s->count))
         abort();
@@ -267,6 +274,10 @@ static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_mode
     for (int i = 0; i < s->count; i++)
         for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
             m->parameters[(size_t)k * m->stride + (size_t)i] = (float)s->variables[i][k];
+    memset(gains->of, 0, gains->count * sizeof *gains->of);
+    for (int k = 0; k < 3; k++)
+        gains->of[1].at[k] = (float)s->gain[k];
+    m->gains = s->has_gain ? gains : NULL;
     CHECK(fxs_fit_stepper_step(stepper, m, &photograph, 1, &options, &report) == 0);
     fxs_fit_stepper_free(stepper);
 }
@@ -319,7 +330,7 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
 {
     double d[VARIABLES];
     for (int k = 0; k < VARIABLES; k++)
-        d[k] = difference(s, i, k);
+        d[k] = difference(s, &s->variables[i][k]);
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++) {
         check_near(gradient_of(m, i, k), d[k], size_of(d, k), i, k, t);
         if (!s->cuts.seen[i] || k >= FXS_FIT_SH + 3 * ((s->degree + 1) * (s->degree + 1) - 1))
@@ -330,16 +341,29 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
     check_near((double)m->by_centre[i] * 3 * PIXELS / WIDTH, length, length, i, CENTRE, t);
 }
 
+/* Of the mean over pixels and channels. */
+static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
+{
+    static const fxs_fit_gain none;
+    for (int k = 0; k < 3 && s->has_gain; k++) {
+        const double wanted = difference(s, &s->gain[k]);
+        check_near((double)of[1].mean[k] / (double)0.1f * 3 * PIXELS, wanted, 1 + fabs(wanted), -1, k, t);
+    }
+    CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->has_gain || !memcmp(&of[1], &none, sizeof none)));
+}
+
 /* Every version has the same bytes. */
-static void check_versions(const scene *s, const fxs_fit_model *c)
+static void check_versions(const scene *s, const fxs_fit_model *c, const fxs_fit_gain *gain)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
     const int count = fit_versions(versions);
     const size_t bytes = FXS_FIT_PARAMETERS * c->stride * sizeof(float);
     for (int i = 1; i < count; i++) {
         fxs_fit_model m;
-        step_once(s, versions[i], &m);
-        if (!CHECK(!memcmp(m.means, c->means, bytes) && !memcmp(m.squares, c->squares, bytes)) ||
+        fxs_fit_gain of[2];
+        step_once(s, versions[i], &m, &(fxs_fit_gains){of, 2});
+        if (!CHECK(!memcmp(&of[1], gain, sizeof *gain)) ||
+            !CHECK(!memcmp(m.means, c->means, bytes) && !memcmp(m.squares, c->squares, bytes)) ||
             !CHECK(!memcmp(m.parameters, c->parameters, bytes)) ||
             !CHECK(!memcmp(m.by_centre, c->by_centre, c->stride * sizeof(float))))
             printf("  %s\n", versions[i]->name);
@@ -355,9 +379,11 @@ static tally check_scenes(const kind *k, int scenes)
     fit_state = (uint64_t)k->count;
     for (int n = 0; n < scenes; n++) {
         fxs_fit_model m;
-        make_scene(&s, k, 3 - n % 4);
-        step_once(&s, fxs_fit_stages_choose(0), &m);
-        check_versions(&s, &m);
+        fxs_fit_gain of[2];
+        make_scene(&s, k, 3 - n % 4, n % 2);
+        step_once(&s, fxs_fit_stages_choose(0), &m, &(fxs_fit_gains){of, 2});
+        check_versions(&s, &m, &of[1]);
+        check_gain(&s, of, &t);
         for (int i = n; i < s.count; i += 1 + s.count / 8) {
             count_cuts(&s, i, &t);
             check_gaussian(&s, &m, i, &t);

@@ -10,7 +10,7 @@ typedef struct pictures {
     double picture[FIT_LOSS_PIXELS];
     uint8_t photograph[3 * FIT_LOSS_PIXELS];
     fxs_fit_loss loss;
-    float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS];   /* of rows */
+    float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS], by_gain[MOST_ROWS];   /* of rows */
 } pictures;
 
 /* The picture a few steps of the photograph's bytes away or anywhere, but not so near that |a - b| has no gradient. */
@@ -37,7 +37,7 @@ static void make_planes(pictures *p)
     for (size_t i = 0; i < PLANES; i++)
         planes[i] = (fxs_fit_plane){p->memory + i * plane + FXS_FIT_MARGIN * stride + FXS_FIT_MARGIN, stride};
     p->loss = (fxs_fit_loss){.picture = planes[0], .gradient = planes[1], .absolute = p->absolute,
-                             .dissimilar = p->dissimilar, .photograph = p->photograph, .step = 3,
+                             .dissimilar = p->dissimilar, .by_gain = p->by_gain, .photograph = p->photograph, .step = 3,
                              .pitch = 3 * p->width, .width = p->width, .height = p->height};
     memcpy(p->loss.rows, planes + 2, sizeof p->loss.rows);
     memcpy(p->loss.derivatives, planes + 2 + FXS_FIT_ROWS, sizeof p->loss.derivatives);
@@ -94,14 +94,16 @@ static void check_pictures(pictures *p, const fxs_fit_stages *stages)
 {
     run_loss(p, stages);
     for (int row = 0; row < p->height; row++) {
-        double absolute = 0, dissimilar = 0;
+        double absolute = 0, dissimilar = 0, by_gain = 0;
         for (int i = row * p->width; i < (row + 1) * p->width; i++) {
             absolute += fabs(p->picture[i] - p->photograph[3 * i] / 255.0);
             dissimilar += 1 - similarity_at(p, i);
+            by_gain += at_of(&p->loss.gradient, p, i) * p->picture[i];
         }
         /* Singles leave some 1e-7 of the mean squares, beside the 9e-4 of the definition. */
         CHECK(fabs((double)p->absolute[row] - absolute) < 1e-6 * p->width);
         CHECK(fabs((double)p->dissimilar[row] - dissimilar) < 3e-4 * p->width);
+        CHECK(fabs((double)p->by_gain[row] - by_gain) < 1e-5 * p->width);
     }
     for (int i = 0; i < p->width * p->height; i++) {
         const double kept = p->picture[i], h = 1e-6;
@@ -120,7 +122,7 @@ static void check_pictures(pictures *p, const fxs_fit_stages *stages)
 static void check_versions(pictures *p)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
-    static float gradient[FIT_LOSS_PIXELS], sums[2][MOST_ROWS];
+    static float gradient[FIT_LOSS_PIXELS], sums[3][MOST_ROWS];
     const size_t rows = (size_t)p->height * sizeof(float);
     const int count = fit_versions(versions);
     check_pictures(p, versions[0]);
@@ -128,13 +130,15 @@ static void check_versions(pictures *p)
         gradient[i] = (float)at_of(&p->loss.gradient, p, i);
     memcpy(sums[0], p->absolute, rows);
     memcpy(sums[1], p->dissimilar, rows);
+    memcpy(sums[2], p->by_gain, rows);
     free_planes(p);
     for (int v = 1; v < count; v++) {
         run_loss(p, versions[v]);
         for (int i = 0; i < p->width * p->height; i++)
             if (!CHECK((float)at_of(&p->loss.gradient, p, i) == gradient[i]))
                 printf("  %s, %dx%d, pixel %d\n", versions[v]->name, p->width, p->height, i);
-        CHECK(!memcmp(sums[0], p->absolute, rows) && !memcmp(sums[1], p->dissimilar, rows));
+        CHECK(!memcmp(sums[0], p->absolute, rows) && !memcmp(sums[1], p->dissimilar, rows) &&
+              !memcmp(sums[2], p->by_gain, rows));
         free_planes(p);
     }
 }

@@ -429,10 +429,12 @@ static void order(void)
 static void resized(void)
 {
     const size_t counts[] = {500, 497, 498, 40, 600};
+    fxs_fit_gains gains = {NULL, 0};
     fxs_fit_model m = random_model(500);
+    m.gains = &gains;
     for (size_t n = 0; n < sizeof counts / sizeof *counts; n++) {
         size_t wrong = 0;
-        CHECK(!fxs_fit_model_resize(&m, counts[n]) && m.count == counts[n]);
+        CHECK(!fxs_fit_model_resize(&m, counts[n]) && m.count == counts[n] && m.gains == &gains);
         CHECK(m.stride == (m.count + FXS_FIT_GROUP - 1) / FXS_FIT_GROUP * FXS_FIT_GROUP);
         for (size_t i = m.count; i < m.stride; i++) {
             for (int k = 0; k < FXS_FIT_PARAMETERS; k++) {
@@ -648,6 +650,29 @@ static void reference_recipe(void)
     CHECK(is_near((double)plan_of(&o, 60000).rate[0], 2.5 * 1.6e-6, 1e-6));
     o.sh_degree = 1;
     CHECK(plan_of(&o, 20000).sh_degree == 1);
+}
+
+/* None by itself; else it falls to a tenth, in fast by the end of its own steps, and is less for 500 steps after the
+   beginning and after each reset. */
+static void rates_of_exposures(void)
+{
+    fxs_fit_options o;
+    fxs_fit_options_init(&o);
+    CHECK(plan_of(&o, 700).gain_rate == 0);
+    o.exposure = FXS_FIT_EXPOSURE_GAIN;
+    for (int recipe = FXS_FIT_REFERENCE; recipe <= FXS_FIT_FAST; recipe++) {
+        const double steps = recipe == FXS_FIT_FAST ? 8000 : 30000;
+        size_t wrong = 0;
+        o.recipe = (enum fxs_fit_recipe)recipe;
+        o.steps = 8000;
+        uint32_t last = 0;
+        for (uint32_t step = 1; step <= 8000; step++) {
+            wrong += !is_near((double)plan_of(&o, step).gain_rate,
+                              0.05 * fmin((step - last) / 500.0, 1) * pow(10, -(double)step / steps), 1e-6);
+            last = plan_of(&o, step).reset ? step : last;
+        }
+        CHECK(!wrong && last == (recipe == FXS_FIT_REFERENCE ? 6000 : recipe == FXS_FIT_FAST ? 3000 : 0));
+    }
 }
 
 static void mcmc_recipe(void)
@@ -1111,6 +1136,7 @@ int main(void)
     RUN(grown);
     RUN(reference_recipe);
     RUN(mcmc_recipe);
+    RUN(rates_of_exposures);
     RUN(extents);
     RUN(adam);
     RUN(gradients_beyond);

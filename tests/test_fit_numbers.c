@@ -1,7 +1,7 @@
 /* The fit's own functions of a number against the C library's over their whole range, and its optimiser against Adam
  * in doubles. */
 #include "src/base/exponential.h"
-#include "src/fit/fit_lanes.h"
+#include "src/fit/exposure.h"
 #include "fit_scene.h"
 
 /* ---- Functions --------------------------------------------------------------------------------------------------- */
@@ -76,7 +76,7 @@ typedef struct adam {
     double mean, square, parameter, way;
 } adam;
 
-static void adam_step(adam *a, double gradient, double rate, int step)
+static void reference_step(adam *a, double gradient, double rate, int step)
 {
     const double g = gradient / (3 * WIDTH * HEIGHT);
     a->mean = 0.9 * a->mean + 0.1 * g;
@@ -116,7 +116,7 @@ static void test_steps_are_adams(void)
     for (int i = 0; i < PHOTOGRAPHS; i++) {
         for (int k = 0; k < 3 * WIDTH * HEIGHT; k++)
             pixels[i][k] = (uint8_t)fit_random();
-        photographs[i] = (fxs_fit_photograph){pixels[i], WIDTH, HEIGHT, 1, fit_camera(WIDTH, HEIGHT, 25)};
+        photographs[i] = (fxs_fit_photograph){pixels[i], WIDTH, HEIGHT, 1, fit_camera(WIDTH, HEIGHT, 25), 0};
         photographs[i].camera.eye[i] += 1;
     }
     make_model(&m, &photographs[0].camera);
@@ -132,7 +132,8 @@ static void test_steps_are_adams(void)
         CHECK(fxs_fit_stepper_step(stepper, &m, &photographs[step % PHOTOGRAPHS], 1, &options, &report) == 0);
         for (size_t i = 0; i < FXS_FIT_PARAMETERS * COUNT; i++) {
             const double mean = (double)m.means[i / COUNT * m.stride + i % COUNT];
-            adam_step(&reference[i], (mean - 0.9 * (double)before[i]) / 0.1, (double)options.rate[i / COUNT], step);
+            reference_step(&reference[i], (mean - 0.9 * (double)before[i]) / 0.1, (double)options.rate[i / COUNT],
+                           step);
         }
     }
     double way = 0;
@@ -175,7 +176,7 @@ static void test_tiny_gradients(void)
             numbers.rate[FXS_FIT_COLOUR] = (float)(0.0025 / (1 - pow(0.9, step)));
             for (int i = 0; i < block; i++) {
                 sums[FXS_FIT_RED][i] = step < 100 ? (float)ldexp(fit_uniform(-1, 1), -10 * i) : 0;
-                adam_step(&reference[i], 0.28209479177387814 * (double)sums[FXS_FIT_RED][i], 0.0025, step);
+                reference_step(&reference[i], 0.28209479177387814 * (double)sums[FXS_FIT_RED][i], 0.0025, step);
             }
             versions[v]->update(&looking, 1, 0, &numbers, parameters[0], parameters[0], means[0], squares[0],
                                 FXS_FIT_GROUP, 0, FXS_FIT_GROUP, sums[0], by_centre);
@@ -189,6 +190,106 @@ static void test_tiny_gradients(void)
     }
 }
 
+/* ---- Exposure ---------------------------------------------------------------------------------------------------- */
+
+static void test_factors(void)
+{
+    float factors[3];
+    gain_factors(&(fxs_fit_gain){{0, 0, 0}, {0}, 0, {0}}, factors);
+    CHECK(factors[0] == 1 && factors[1] == 1 && factors[2] == 1);
+    fit_state = 6;
+    for (int i = 0; i < 1000; i++) {
+        const double e = (float)fit_uniform(-16, 16), r = (float)fit_uniform(-16, 16), b = (float)fit_uniform(-16, 16);
+        const double wanted[3] = {exp2(e + r), exp2(e - r - b), exp2(e + b)};
+        gain_factors(&(fxs_fit_gain){{(float)e, (float)r, (float)b}, {0}, 0, {0}}, factors);
+        for (int c = 0; c < 3; c++)
+            CHECK(fabs((double)factors[c] - wanted[c]) < 4e-6 * wanted[c]);
+    }
+}
+
+/* By gradients of all sizes; the limits; what is not finite changes nothing. */
+static void test_gain_steps(void)
+{
+    static const float bad[] = {NAN, INFINITY, 3e18f};
+    double at[3] = {0}, mean[3] = {0}, way[3] = {0}, square = 0;
+    fxs_fit_gain gain = {{0, 0, 0}, {0}, 0, {0}};
+    fit_state = 7;
+    for (int step = 1; step <= STEPS; step++) {
+        float sums[3];
+        for (int c = 0; c < 3; c++)
+            sums[c] = (float)ldexp(fit_uniform(-1, 1), step % 9 - 12);
+        const double red = (double)sums[0], green = (double)sums[1], blue = (double)sums[2];
+        const double gradients[3] = {red + green + blue, red - green, blue - green};
+        square *= 0.999;
+        for (int k = 0; k < 3; k++)
+            square += 0.001 * pow(0.69314718055994531 * gradients[k], 2);
+        for (int k = 0; k < 3; k++) {
+            mean[k] = 0.9 * mean[k] + 0.1 * 0.69314718055994531 * gradients[k];
+            const double by = 0.01 * mean[k] / (1 - pow(0.9, step)) / sqrt(square / (1 - pow(0.999, step)));
+            at[k] = at[k] * (1 - 0.01) - by;
+            way[k] += fabs(by);
+        }
+        gain_step(&gain, sums, 0.01f);
+        for (int k = 0; k < 3; k++)
+            CHECK(fabs((double)gain.at[k] - at[k]) < 1e-5 * way[k]);
+    }
+    CHECK(way[0] > 0.1 && way[1] > 0.1 && way[2] > 0.1);
+    const fxs_fit_gain before = gain;
+    for (int i = 0; i < 9; i++) {
+        float sums[3] = {0, 0, 0};
+        sums[i % 3] = bad[i / 3];
+        gain_step(&gain, sums, 0.01f);
+        CHECK(!memcmp(&gain, &before, sizeof gain));
+    }
+    gain = (fxs_fit_gain){{20, -20, 1}, {0}, 0, {0}};
+    gain_step(&gain, (const float[3]){0, 0, 0}, 0.05f);
+    CHECK(gain.at[0] == FXS_FIT_GAIN_MOST && gain.at[1] == -FXS_FIT_GAIN_MOST && gain.at[2] == 0.95f);
+}
+
+/* Steps of batches of more photographs than a sum has parts. After each the means are 0, but for the rounding of each
+   number, and photographs that were not in the batch have moved by the same. */
+static void test_means_stay_0(void)
+{
+    enum { GAINS = GAIN_PARTS + 7 };
+    static uint8_t pixels[PHOTOGRAPHS][3 * WIDTH * HEIGHT];
+    static fxs_fit_gain of[GAINS];
+    fxs_fit_gains gains = {of, GAINS};
+    fxs_fit_photograph photographs[PHOTOGRAPHS];
+    fxs_fit_model m;
+    fxs_fit_report report;
+    fxs_fit_stepper *stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(~0u), NULL, NULL, 1, NULL);
+    fit_state = 8;
+    memset(of, 0, sizeof of);
+    for (int i = 0; i < PHOTOGRAPHS; i++) {
+        for (int k = 0; k < 3 * WIDTH * HEIGHT; k++)
+            pixels[i][k] = (uint8_t)fit_uniform(0, k % 3 ? 256 : 100 + 50 * i);
+        photographs[i] = (fxs_fit_photograph){pixels[i], WIDTH, HEIGHT, 1, fit_camera(WIDTH, HEIGHT, 25),
+                                              i ? GAINS - (uint32_t)i : 0};
+    }
+    make_model(&m, &photographs[0].camera);
+    m.gains = &gains;
+    for (int step = 1; step <= 60; step++) {
+        const fxs_fit_step_options options = {.number = (uint32_t)step, .gain_rate = 0.05f};
+        static fxs_fit_gain before[GAINS];
+        memcpy(before, of, sizeof of);
+        CHECK(!fxs_fit_stepper_step(stepper, &m, &photographs[step % 2], 2, &options, &report));
+        for (int k = 0; k < 3; k++) {
+            double sum = 0, way = 0;
+            for (int i = 0; i < GAINS; i++)
+                sum += (double)of[i].at[k];
+            for (int i = 0; i < GAINS; i++)
+                way += fabs((double)of[i].at[k]);
+            CHECK(fabs(sum) < 1e-7 * way + 1e-9);
+            for (int i = 2; i < GAINS - PHOTOGRAPHS; i++)
+                CHECK(fabsf((of[i].at[k] - before[i].at[k]) - (of[1].at[k] - before[1].at[k])) < 1e-7f);
+        }
+        CHECK(of[0].of_one[0] > 0 || step < 2);
+    }
+    CHECK(fabsf(of[0].at[1] - of[GAINS - 2].at[1]) > 0.01f);
+    fxs_fit_model_free(&m);
+    fxs_fit_stepper_free(stepper);
+}
+
 int main(void)
 {
     RUN(test_exponentials);
@@ -196,5 +297,8 @@ int main(void)
     RUN(test_doubles);
     RUN(test_steps_are_adams);
     RUN(test_tiny_gradients);
+    RUN(test_factors);
+    RUN(test_gain_steps);
+    RUN(test_means_stay_0);
     return check_report();
 }

@@ -115,6 +115,20 @@ static void make_set(int scale)
     }
 }
 
+/* Gains of 0.6 to 1.6, and another balance of colours in each. */
+static void change_exposures(void)
+{
+    static const int percent[PHOTOS][3] = {{60, 64, 66}, {160, 150, 140}, {85, 85, 85}, {130, 125, 136}, {72, 70, 64},
+                                           {104, 110, 118}};
+    for (int i = 0; i < PHOTOS; i++) {
+        uint8_t *pixels = (uint8_t *)photos[i].pixels;
+        for (int k = 0; k < 3 * photos[i].view.width * photos[i].view.height; k++) {
+            const int level = (pixels[k] * percent[i][k % 3] + 50) / 100;
+            pixels[k] = (uint8_t)(level < 255 ? level : 255);
+        }
+    }
+}
+
 /* ---- Fits -------------------------------------------------------------------------------------------------------- */
 
 typedef struct result {
@@ -189,49 +203,58 @@ typedef struct recorded {
     uint32_t steps;
     size_t most;
     uint32_t batch;
+    enum fxs_fit_exposure exposure;
     double left;
     uint64_t hash;
 } recorded;
 
-enum { FEW, FEW_MCMC, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, BATCH, FITS };
+enum { FEW, FEW_MCMC, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, BATCH, EXPOSURE, FITS };
 static const recorded fits[FITS] = {
-    {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 1, 0.6,
-     0xc89a6d9ed0216578},
-    {"few by mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, 1, 680, 130, 1, 0.6,
-     0xaa7c5116f4b29d6c},
-    {"reference", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 1, 0.5,
-     0xf80cec143c4fb1a6},
-    {"mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, ORDINARY, 700, 150, 1, 0.5,
-     0xdbf4e8213db55d09},
-    {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 3200, 200, 1, 0.5,
-     0x8315acc89d6c28fe},
-    {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, FXS_PROFILE_COMPACT, ORDINARY, 1100, 250, 1, 0.5,
-     0x6615dfc5c42623e3},
-    {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, LARGER, 24, 250, 1, 0.9,
-     0xe4c75bb8fe208c32},
-    {"batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4, 0.5,
-     0xa7a5ae8ecc01a1c9}};
+    {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.6, 0xc89a6d9ed0216578},
+    {"few by mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, 1, 680, 130, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.6, 0xaa7c5116f4b29d6c},
+    {"reference", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0xf80cec143c4fb1a6},
+    {"mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, ORDINARY, 700, 150, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0xdbf4e8213db55d09},
+    {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 3200, 200, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0x8315acc89d6c28fe},
+    {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, FXS_PROFILE_COMPACT, ORDINARY, 1100, 250, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0x6615dfc5c42623e3},
+    {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, LARGER, 24, 250, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.9, 0xe4c75bb8fe208c32},
+    {"batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4,
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0xa7a5ae8ecc01a1c9},
+    {"exposures, batches of four", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4,
+     FXS_FIT_EXPOSURE_GAIN, 0.5, 0xdb7da770bc006f40}};
 
 static int devices;                /* 0: the processor, 1: the first GPU */
+
+static void set_options(const recorded *wanted, fxs_fit_options *o)
+{
+    fxs_fit_options_init(o);
+    o->recipe = wanted->recipe;
+    o->cutoff = wanted->cutoff;
+    o->profile = wanted->profile;
+    o->steps = wanted->steps;
+    o->max_gaussians = wanted->most;
+    o->seed = 7;
+    memcpy(o->background, background, sizeof background);
+    o->batch = wanted->batch;
+    o->exposure = wanted->exposure;
+    o->device_count = (uint32_t)devices;
+}
 
 static void check_fit(const recorded *wanted, unsigned cpu, uint32_t threads)
 {
     fxs_fit_options options;
     fxs_pool *pool = threads > 1 ? fxs_pool_create(threads) : NULL;
-    fxs_fit_options_init(&options);
-    options.recipe = wanted->recipe;
-    options.cutoff = wanted->cutoff;
-    options.profile = wanted->profile;
-    options.steps = wanted->steps;
-    options.max_gaussians = wanted->most;
-    options.seed = 7;
-    memcpy(options.background, background, sizeof background);
+    set_options(wanted, &options);
     options.cpu = cpu;
     options.run = pool ? fxs_pool_run : NULL;
     options.pool = pool;
     options.threads = threads;
-    options.batch = wanted->batch;
-    options.device_count = (uint32_t)devices;
     const result r = fit(&options);
     const char *version = fxs_fit_stages_choose(cpu)->name;
     if (!CHECK(r.hash == wanted->hash))
@@ -274,14 +297,19 @@ static void test_few(void)
 
 #ifndef FXS_FIT_FEW
 /* By every version on one thread, by the best on two and five. */
-static void check_everywhere(const recorded *wanted)
+static void check_everywhere_of_set(const recorded *wanted)
 {
-    make_set(wanted->scale);
     for (int i = 0; i < FIT_VERSIONS && !devices; i++)
         if (!i || fxs_fit_stages_choose(fit_cpus[i]) != fxs_fit_stages_choose(0))
             check_fit(wanted, fit_cpus[i], 1);
     check_fit(wanted, ~0u, 2);
     check_fit(wanted, ~0u, 5);
+}
+
+static void check_everywhere(const recorded *wanted)
+{
+    make_set(wanted->scale);
+    check_everywhere_of_set(wanted);
 }
 
 static void test_reference(void)
@@ -318,6 +346,32 @@ static void test_batches(void)
 {
     check_everywhere(&fits[BATCH]);
 }
+
+/* By seven threads too, which no other has. */
+static void test_exposures(void)
+{
+    make_set(ORDINARY);
+    change_exposures();
+    check_everywhere_of_set(&fits[EXPOSURE]);
+    check_fit(&fits[EXPOSURE], ~0u, 7);
+}
+
+/* What is left of the loss: much where the exposures of photographs were changed, but not where these are found. */
+static void test_exposures_are_found(void)
+{
+    double left[3];
+    for (int i = 0; i < 3; i++) {
+        fxs_fit_options options;
+        make_set(ORDINARY);
+        if (i)
+            change_exposures();
+        set_options(&fits[EXPOSURE], &options);
+        options.exposure = i == 2 ? FXS_FIT_EXPOSURE_GAIN : FXS_FIT_EXPOSURE_NONE;
+        left[i] = fit(&options).last;
+    }
+    if (!CHECK(left[1] > 1.6 * left[0] && left[2] < 1.1 * left[0]))
+        printf("  loss %g, changed %g, with exposures %g\n", left[0], left[1], left[2]);
+}
 #endif
 
 int main(int argc, char **argv)
@@ -332,6 +386,8 @@ int main(int argc, char **argv)
     RUN(test_fast);
     RUN(test_fast_from_half_the_size);
     RUN(test_batches);
+    RUN(test_exposures);
+    RUN(test_exposures_are_found);
 #endif
     return check_report();
 }

@@ -28,6 +28,7 @@ typedef struct fit_command {
 } fit_command;
 
 static const char *const recipes[] = {"reference", "mcmc", "fast", 0};   /* of enum fxs_fit_recipe */
+static const char *const exposures[] = {"none", "gain", 0};   /* of enum fxs_fit_exposure */
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
@@ -56,6 +57,9 @@ static const option_row own_rows[] = {
     {"recipe", "NAME", CHOICE(options.recipe, recipes), .help =
      "reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of Gaussians) or fast "
      "(small photographs first, fewer steps)"},
+    {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
+     "none (default), or gain: photographs differ in exposure and white balance, and three numbers of each are fitted "
+     "beside the scene; of --block those of --coarse"},
     {"steps", "N", UINT32(options.steps, 1, 1000000000), .help = "one photograph each (default 30000, fast 8000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =
      "pixels of a photograph's longer side, at most: averaged down to it (default 1600)"},
@@ -166,6 +170,8 @@ static int read_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
     if (c->measure && (c->out || c->blocks || c->resume))
         return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block and --resume");
+    if (c->options.exposure && c->blocks && !c->coarse)
+        return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
     if (c->coarse && !c->blocks)
         return fail(EXIT_USAGE, "--coarse needs --block I/N");
     if (c->blocks && !c->block && !c->coarse)
@@ -217,7 +223,7 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         {"recipe", given->recipe == is->recipe}, {"seed", given->seed == is->seed},
         {"batch", given->batch == is->batch}, {"sh-degree", given->sh_degree == is->sh_degree},
         {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
-        {"profile", given->profile == is->profile},
+        {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
         {"background", !memcmp(given->background, is->background, sizeof is->background)}
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
@@ -409,6 +415,8 @@ static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fi
                                                    photos->point_count, &c->options, &message);
     if (error)
         return fail_for(&message);
+    if (c->coarse && is_given("exposure") && c->options.exposure != fxs_fit_options_of(*fit)->exposure)
+        return fail(EXIT_USAGE, "--exposure: %s was begun with another", c->coarse);
     return c->resume ? check_resumed(c, *fit) : 0;
 }
 

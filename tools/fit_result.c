@@ -192,6 +192,8 @@ static int measure_photo(gauge *g, const fxs_fit_photo *photo, long index, quali
     uint8_t *rgba = status ? 0 : to_rgba(photo);
     if (!status && (!rgba || fxs_metrics_compare(rgba, g->drawn.pixels, view->width, view->height, &out->metrics)))
         status = fail(EXIT_FAILED, "out of memory");
+    if (!status)
+        out->affine_psnr = fxs_metrics_affine_psnr(g->drawn.pixels, rgba, view->width, view->height);
     if (!status && g->compare)
         status = write_pair(g, index, view, rgba);
     memcpy(out->name, view->name, sizeof out->name);
@@ -208,6 +210,7 @@ static int measure_all(gauge *g, const fxs_photos *photos, quality *q)
     size_t count;
     const fxs_fit_photo *measured = measured_of(photos, &count);
     q->count = (long)count;
+    q->has_affine = 1;
     q->views = calloc(count, sizeof *q->views);
     int status = q->views ? 0 : fail(EXIT_FAILED, "out of memory");
     for (long i = 0; i < q->count && !status; i++) {

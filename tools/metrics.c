@@ -109,6 +109,61 @@ int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int heigh
     return 0;
 }
 
+/* ---- The best affine map of colours ------------------------------------------------------------------------------ */
+
+enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* 1, red, green, blue; and beside them what they are to become */
+
+/* The sums of products, which are whole numbers below 2^53. */
+static void add_products(const uint8_t *from, const uint8_t *to, size_t pixels, double sums[TERMS][COLUMNS])
+{
+    uint64_t whole[TERMS][COLUMNS] = {{0}};
+    for (size_t i = 0; i < pixels; i++, from += 4, to += 4) {
+        const uint32_t numbers[COLUMNS] = {1, from[0], from[1], from[2], to[0], to[1], to[2]};
+        for (int k = 0; k < TERMS; k++)
+            for (int c = 0; c < COLUMNS; c++)
+                whole[k][c] += numbers[k] * numbers[c];
+    }
+    for (int k = 0; k < TERMS; k++)
+        for (int c = 0; c < COLUMNS; c++)
+            sums[k][c] = (double)whole[k][c];
+}
+
+/* Solves the normal equations by elimination. A term that follows from those before it, as in a grey picture, has a
+   factor of 0. */
+static void solve_map(double sums[TERMS][COLUMNS], double map[TERMS][3])
+{
+    double whole[TERMS];
+    for (int k = 0; k < TERMS; k++)
+        whole[k] = sums[k][k];
+    for (int k = 0; k < TERMS; k++)
+        for (int i = 0; i < TERMS && sums[k][k] > 1e-9 * whole[k]; i++) {
+            const double factor = i == k ? 0 : sums[i][k] / sums[k][k];
+            for (int c = 0; c < COLUMNS; c++)
+                sums[i][c] -= factor * sums[k][c];
+        }
+    for (int k = 0; k < TERMS; k++)
+        for (int c = 0; c < 3; c++)
+            map[k][c] = sums[k][k] > 1e-9 * whole[k] ? sums[k][TERMS + c] / sums[k][k] : 0;
+}
+
+double fxs_metrics_affine_psnr(const uint8_t *drawn, const uint8_t *photograph, int width, int height)
+{
+    const size_t pixels = (size_t)width * (size_t)height;
+    double sums[TERMS][COLUMNS], map[TERMS][3], squares = 0;
+    add_products(drawn, photograph, pixels, sums);
+    solve_map(sums, map);
+    for (size_t i = 0; i < 4 * pixels; i += 4)
+        for (int c = 0; c < 3; c++) {
+            const uint8_t *at = drawn + i;
+            const double mapped = map[0][c] + map[1][c] * at[0] + map[2][c] * at[1] + map[3][c] * at[2];
+            const double difference = fmin(fmax(mapped, 0), 255) - photograph[i + (size_t)c];
+            squares += difference * difference;
+        }
+    return squares > 1e-9 * (double)pixels ? 10 * log10(255.0 * 255.0 * 3 * (double)pixels / squares) : INFINITY;
+}
+
+/* ---- Text and pictures ------------------------------------------------------------------------------------------- */
+
 const char *fxs_metrics_psnr(char text[32], double psnr, const char *equal)
 {
     if (isinf(psnr))

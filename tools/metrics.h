@@ -16,6 +16,11 @@ struct fxs_metrics {
    a side of fewer than 11 pixels cuts the window to it. Returns 0, or -1 when out of memory. */
 int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int height, struct fxs_metrics *out);
 
+/* The PSNR, dB, that is left after the best affine map of the colours of `drawn` to those of `photograph`: three
+   factors and a constant for each of red, green and blue, by least squares over all pixels, the result cut to 0..255
+   and not rounded. Both are RGBA. Infinity where nothing is left. */
+double fxs_metrics_affine_psnr(const uint8_t *drawn, const uint8_t *photograph, int width, int height);
+
 /* A PSNR as text, four decimals; `equal` where it is infinite. Returns text. */
 const char *fxs_metrics_psnr(char text[32], double psnr, const char *equal);
 

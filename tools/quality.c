@@ -100,11 +100,23 @@ static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long
     return turned;
 }
 
-void quality_sum_up(quality *q)
+/* The mean of those that are not infinite, else infinity. */
+static double mean_psnr(const quality *q, int is_affine)
 {
     long different = 0;
-    q->psnr = q->ssim = 0;
-    q->worst_psnr = INFINITY;
+    double sum = 0;
+    for (long i = 0; i < q->count; i++) {
+        const double psnr = is_affine ? q->views[i].affine_psnr : q->views[i].metrics.psnr;
+        sum += isinf(psnr) ? 0 : psnr;
+        different += !isinf(psnr);
+    }
+    return different ? sum / (double)different : INFINITY;
+}
+
+void quality_sum_up(quality *q)
+{
+    q->ssim = 0;
+    q->worst_psnr = q->worst_affine_psnr = INFINITY;
     q->worst_ssim = 1;
     for (long i = 0; i < q->count; i++) {
         const struct fxs_metrics *m = &q->views[i].metrics;
@@ -114,13 +126,12 @@ void quality_sum_up(quality *q)
         }
         if (m->ssim < q->worst_ssim)
             q->worst_ssim = m->ssim;
+        if (q->has_affine)
+            q->worst_affine_psnr = fmin(q->worst_affine_psnr, q->views[i].affine_psnr);
         q->ssim += m->ssim / (double)q->count;
-        if (!isinf(m->psnr)) {
-            q->psnr += m->psnr;
-            different++;
-        }
     }
-    q->psnr = different ? q->psnr / (double)different : INFINITY;
+    q->psnr = mean_psnr(q, 0);
+    q->affine_psnr = q->has_affine ? mean_psnr(q, 1) : 0;
 }
 
 static int measure(quality *q, pair *p, const fxs_file_view *views, long given, const frame_options *options)
@@ -164,18 +175,37 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
     return status;
 }
 
+/* Two PSNR as text: the second, with a space before it, only where there is one. */
+static const char *print_psnr(char text[80], const quality *q, double psnr, double affine)
+{
+    char plain[32], mapped[32] = "";
+    if (q->has_affine)
+        fxs_metrics_psnr(mapped, affine, "equal");
+    snprintf(text, 80, q->has_affine ? "%9s %11s" : "%9s", fxs_metrics_psnr(plain, psnr, "equal"), mapped);
+    return text;
+}
+
 void quality_print_text(const quality *q)
 {
-    char psnr[32];
-    puts("view                                  size    PSNR, dB      SSIM   largest difference");
+    char psnr[80];
+    printf("view                                  size    PSNR, dB  %s    SSIM   largest difference\n",
+           q->has_affine ? "affine, dB  " : "");
     for (long i = 0; i < q->count; i++) {
         const quality_view *v = &q->views[i];
-        printf("%4ld %-24.24s %6dx%-6d %9s  %.6f   %d\n", v->index, v->name, v->width, v->height,
-               fxs_metrics_psnr(psnr, v->metrics.psnr, "equal"), v->metrics.ssim, v->metrics.largest);
+        printf("%4ld %-24.24s %6dx%-6d %s  %.6f   %d\n", v->index, v->name, v->width, v->height,
+               print_psnr(psnr, q, v->metrics.psnr, v->affine_psnr), v->metrics.ssim, v->metrics.largest);
     }
-    printf("mean %38s %9s  %.6f\n", "", fxs_metrics_psnr(psnr, q->psnr, "equal"), q->ssim);
-    printf("worst %37s %9s  %.6f   view %ld\n", "", fxs_metrics_psnr(psnr, q->worst_psnr, "equal"), q->worst_ssim,
-           q->views[q->worst_view].index);
+    printf("mean %38s %s  %.6f\n", "", print_psnr(psnr, q, q->psnr, q->affine_psnr), q->ssim);
+    printf("worst %37s %s  %.6f   view %ld\n", "", print_psnr(psnr, q, q->worst_psnr, q->worst_affine_psnr),
+           q->worst_ssim, q->views[q->worst_view].index);
+}
+
+static void end_json(const quality *q, double affine_psnr)
+{
+    char text[32];
+    if (q->has_affine)
+        printf(", \"affine_psnr\": %s", fxs_metrics_psnr(text, affine_psnr, "null"));
+    putchar('}');
 }
 
 void quality_print_json(const quality *q)
@@ -187,12 +217,14 @@ void quality_print_json(const quality *q)
         printf("%s{\"view\": %ld, \"width\": %d, \"height\": %d, \"name\": ", i ? ", " : "", v->index, v->width,
                v->height);
         print_json_string(v->name);
-        printf(", \"psnr\": %s, \"ssim\": %.6f, \"largest\": %d}", fxs_metrics_psnr(psnr, v->metrics.psnr, "null"),
+        printf(", \"psnr\": %s, \"ssim\": %.6f, \"largest\": %d", fxs_metrics_psnr(psnr, v->metrics.psnr, "null"),
                v->metrics.ssim, v->metrics.largest);
+        end_json(q, v->affine_psnr);
     }
     printf("], \"psnr\": %s, \"ssim\": %.6f, ", fxs_metrics_psnr(psnr, q->psnr, "null"), q->ssim);
-    printf("\"worst_psnr\": %s, \"worst_ssim\": %.6f, \"worst_view\": %ld}",
+    printf("\"worst_psnr\": %s, \"worst_ssim\": %.6f, \"worst_view\": %ld",
            fxs_metrics_psnr(psnr, q->worst_psnr, "null"), q->worst_ssim, q->views[q->worst_view].index);
+    end_json(q, q->affine_psnr);
 }
 
 void quality_free(quality *q)

@@ -10,6 +10,7 @@ typedef struct quality_view {
     long index;                     /* in the camera file */
     int width, height;              /* pixels */
     struct fxs_metrics metrics;
+    double affine_psnr;             /* see fxs_metrics_affine_psnr; where quality has_affine */
 } quality_view;
 
 typedef struct quality {
@@ -18,6 +19,8 @@ typedef struct quality {
     double psnr, ssim;              /* means over the views; psnr over those that differ, infinity where none does */
     double worst_psnr, worst_ssim;  /* the lowest of any view, of each by itself */
     long worst_view;                /* in `views`: the first with worst_psnr */
+    int has_affine;                 /* 1: views are of photographs, and have affine_psnr */
+    double affine_psnr, worst_affine_psnr; /* the mean, like psnr, and the lowest */
 } quality;
 
 /* Files to be read in floats, as open_merged has them. */

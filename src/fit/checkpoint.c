@@ -14,7 +14,7 @@
 #define END 0x646e6578u            /* "xend": the checksum of all words before it follows */
 
 /* Grows with every change of what a fit computes: an older file would not end as if it had never been stopped. */
-#define VERSION 5u
+#define VERSION 5u                 /* of a fit without exposure; that of another is the number of its exposure more */
 
 typedef struct archive {
     fxs_output *output;            /* null: the file is read */
@@ -148,7 +148,7 @@ static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
         uint64_t key = i < f->count ? fxs_fit_camera_key(&f->photographs[i].camera) : 0;
         long_number(a, &key);
         if (coarse)
-            coarse->cameras[coarse->camera_count++] = key;
+            coarse->cameras[coarse->camera_count++] = (fxs_fit_coarse_camera){key, (uint32_t)i};
     }
 }
 
@@ -244,14 +244,39 @@ static void walk_profile(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
+/* Exposures of the photographs. Those of a coarse fit, which has none itself, are as many as its cameras. */
+static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
+{
+    enum { WORDS = sizeof *f->gains.of / sizeof(float) };
+    const size_t count = coarse ? coarse->camera_count : f->count;
+    if (!f->options.exposure || !holds(a, count, WORDS))
+        return;
+    if (coarse && !(f->gains.of = calloc(count + 1, sizeof *f->gains.of))) {
+        fail(a, FXS_ERR_MEMORY, "out of memory");
+        return;
+    }
+    for (size_t i = 0; i < count && !a->fault; i++) {
+        fxs_fit_gain *gain = &f->gains.of[i];
+        floats(a, (float *)gain, WORDS);
+        int is_wrong = gain->square < 0;
+        for (int k = 0; k < 3; k++)
+            is_wrong |= fabsf(gain->at[k]) > 2 * FXS_FIT_GAIN_MOST;
+        for (int k = 0; k < 2; k++)
+            is_wrong |= gain->of_one[k] < 0 || gain->of_one[k] > 1;
+        if (is_wrong)
+            damaged(a, "a number out of its range");
+    }
+}
+
 /* All data that a step changes and the next step needs, except data that follow from the options and the step's number.
    A new field of a fit is added here. */
-static void walk(archive *a, fxs_fit *f)
+static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     number(a, &f->step);
     floats(a, &f->extent, 1);
     walk_model(a, &f->model);
     walk_profile(a, f);
+    walk_gains(a, f, coarse);
 }
 
 /* The end mark, and the checksum of all words before it. */
@@ -271,14 +296,14 @@ static void walk_end(archive *a)
 /* With an output, walk does not change the fit. */
 static void write_all(archive *a, fxs_fit *f)
 {
-    uint32_t magic = MAGIC, version = VERSION;
+    uint32_t magic = MAGIC, version = VERSION + f->options.exposure;
     uint64_t photographs = fingerprint(f);
     number(a, &magic);
     number(a, &version);
     walk_options(a, &f->options);
     long_number(a, &photographs);
     walk_cameras(a, f, NULL);
-    walk(a, f);
+    walk(a, f, NULL);
     walk_end(a);
     if (!a->fault)
         flush(a);
@@ -325,8 +350,9 @@ static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs
     number(a, &version);
     if (magic != MAGIC)
         return fxs_fail(message, "%s: not a saved fit", path);
-    if (!a->fault && version != VERSION)
+    if (!a->fault && version - VERSION > FXS_FIT_EXPOSURE_GAIN)
         return fxs_fail_as(FXS_ERR_VERSION, message, "%s: a fit that another version saved", path);
+    options->exposure = (enum fxs_fit_exposure)(version - VERSION);
     walk_options(a, options);
     return a->fault ? fxs_fail(message, "%s: damaged: %s", path, a->fault) : 0;
 }
@@ -339,7 +365,7 @@ static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_fit_coarse *c
     if (!a->fault && !coarse && photographs != fingerprint(f))
         return fxs_fail(message, "%s: a fit of other photographs, or of these at another size", path);
     walk_cameras(a, f, coarse);
-    walk(a, f);
+    walk(a, f, coarse);
     if (coarse)
         coarse->number = a->checksum;
     walk_end(a);
@@ -360,7 +386,7 @@ static int resume(fxs_fit **fit, archive *a, const char *path, const fxs_fit_pho
     FXS_TRY(fxs_fit_begin(fit, photos, photo_count, &all, message));
     FXS_TRY(read_rest(a, path, *fit, NULL, message));
     fxs_fit_set_order(*fit, (uint64_t)(*fit)->step * (*fit)->options.batch);
-    return (*fit)->engine->give((*fit)->self, message);
+    return fxs_fit_hand_over(*fit, message);
 }
 
 static void close_input(archive *a)

@@ -19,10 +19,27 @@ uint64_t fxs_fit_camera_key(const fxs_fit_camera *camera)
     return key;
 }
 
-static int compare_keys(const void *a, const void *b)
+static int compare_cameras(const void *a, const void *b)
 {
-    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
+    const fxs_fit_coarse_camera *x = a, *y = b;
+    if (x->key != y->key)
+        return (x->key > y->key) - (x->key < y->key);
+    return (x->number > y->number) - (x->number < y->number);
+}
+
+/* The first photograph of the coarse fit that was taken from there, or null. */
+static const fxs_fit_coarse_camera *find_camera(const fxs_fit_coarse *coarse, const fxs_fit_camera *camera)
+{
+    const uint64_t key = fxs_fit_camera_key(camera);
+    size_t first = 0, end = coarse->camera_count;
+    while (first < end) {
+        const size_t middle = first + (end - first) / 2;
+        if (coarse->cameras[middle].key < key)
+            first = middle + 1;
+        else
+            end = middle;
+    }
+    return first < coarse->camera_count && coarse->cameras[first].key == key ? &coarse->cameras[first] : NULL;
 }
 
 int fxs_fit_coarse_read(fxs_fit_coarse **coarse, const char *path, fxs_message *message)
@@ -38,7 +55,7 @@ int fxs_fit_coarse_read(fxs_fit_coarse **coarse, const char *path, fxs_message *
         return error;
     }
     if (c->camera_count)
-        qsort(c->cameras, c->camera_count, sizeof *c->cameras, compare_keys);
+        qsort(c->cameras, c->camera_count, sizeof *c->cameras, compare_cameras);
     if (c->fit->profile.chunks)
         fxs_fit_profile_end(&c->fit->profile, &c->fit->model);
     return 0;
@@ -70,8 +87,7 @@ int fxs_fit_coarse_check(const fxs_fit_coarse *coarse, const fxs_view_list *view
     for (size_t i = 0; i < views->count; i++) {
         fxs_fit_camera camera;
         fxs_fit_set_camera(&camera, &views->views[i].view);
-        const uint64_t key = fxs_fit_camera_key(&camera);
-        if (coarse->camera_count && bsearch(&key, coarse->cameras, coarse->camera_count, sizeof key, compare_keys))
+        if (find_camera(coarse, &camera))
             known++;
         else
             unknown = views->views[i].view.name;
@@ -104,22 +120,34 @@ static int take_model(fxs_fit_model *m, const fxs_fit_model *whole, const fxs_fi
     return 0;
 }
 
+static void take_gains(fxs_fit *f, const fxs_fit_coarse *coarse)
+{
+    for (size_t i = 0; i < f->count && f->options.exposure; i++) {
+        const fxs_fit_coarse_camera *found = find_camera(coarse, &f->photographs[i].camera);
+        if (found)
+            f->gains.of[i] = coarse->fit->gains.of[found->number];
+    }
+}
+
 int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_fit_block *block,
                          const fxs_fit_options *options, fxs_message *message)
 {
     const fxs_photos *photos = &block->photos;
+    fxs_fit_options all = *options;
+    all.exposure = coarse->fit->options.exposure;
     *fit = NULL;
     if (options->steps <= coarse->fit->step)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the coarse fit has made %u steps, and a block goes on from "
                            "there: %u steps are too few", (unsigned)coarse->fit->step, (unsigned)options->steps);
-    int error = fxs_fit_begin(fit, photos->fit, photos->fit_count, options, message);
+    int error = fxs_fit_begin(fit, photos->fit, photos->fit_count, &all, message);
     if (!error && take_model(&(*fit)->model, &coarse->fit->model, block))
         error = fxs_fail_memory(message, "a fit", block->gaussian_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
     if (!error) {
         (*fit)->step = coarse->fit->step;
         (*fit)->extent = coarse->fit->extent;
+        take_gains(*fit, coarse);
         fxs_fit_set_order(*fit, (uint64_t)(*fit)->step * (*fit)->options.batch);
-        error = (*fit)->engine->give((*fit)->self, message);
+        error = fxs_fit_hand_over(*fit, message);
     }
     if (error) {
         fxs_fit_free(*fit);

@@ -6,9 +6,15 @@
 #include "src/camera/camera_internal.h"
 #include "fit_internal.h"
 
+/* Of a photograph. */
+typedef struct fxs_fit_coarse_camera {
+    uint64_t key;
+    uint32_t number;               /* of its exposure */
+} fxs_fit_coarse_camera;
+
 struct fxs_fit_coarse {
     fxs_fit *fit;                  /* without photographs, engine and stepper */
-    uint64_t *cameras;             /* keys of its photographs' cameras, ascending */
+    fxs_fit_coarse_camera *cameras;    /* of its photographs, ascending by key and number */
     size_t camera_count;
     uint64_t number;               /* of the file */
 };

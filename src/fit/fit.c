@@ -108,6 +108,7 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : o->threads > 64                                          ? "number of threads"
                         : o->device_count > FXS_FIT_BATCH                          ? "number of devices"
                         : o->batch > FXS_FIT_BATCH                                 ? "number of photographs of a step"
+                        : (unsigned)o->exposure > FXS_FIT_EXPOSURE_GAIN            ? "exposure"
                                                                                    : NULL;
     if (wrong)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong);
@@ -164,10 +165,12 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->count = photo_count;
         f->photographs = calloc(photo_count, sizeof *f->photographs);
         f->order = calloc(photo_count, sizeof *f->order);
+        f->gains.of = calloc(photo_count, sizeof *f->gains.of);
+        f->gains.count = (uint32_t)photo_count;
         f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
                                             options->threads, options->clock);
     }
-    if (!f || !f->photographs || !f->order || !f->stepper) {
+    if (!f || !f->photographs || !f->order || !f->gains.of || !f->stepper) {
         fxs_fit_free(f);
         return fxs_fail_memory(message, "a fit", 0);
     }
@@ -176,6 +179,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->photographs[i].width = photos[i].view.width;
         f->photographs[i].height = photos[i].view.height;
         f->photographs[i].divisor = 1;
+        f->photographs[i].number = (uint32_t)i;
         fxs_fit_set_camera(&f->photographs[i].camera, &photos[i].view);
         f->photographs[i].camera.is_square = options->cutoff == FXS_CUTOFF_SQUARE;
     }
@@ -187,16 +191,24 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
+int fxs_fit_hand_over(fxs_fit *f, fxs_message *message)
+{
+    f->model.gains = f->options.exposure ? &f->gains : NULL;
+    return f->engine->give(f->self, message);
+}
+
 int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
                    size_t point_count, const fxs_fit_options *options, fxs_message *message)
 {
     int error = fxs_fit_begin(fit, photos, photo_count, options, message);
+    if (!error && options->exposure && options->blocks)
+        error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "exposures of a block are those of its coarse fit");
     if (!error)
         error = check_points(photos, photo_count, points, point_count, message);
     if (!error && begin_model(*fit, points, point_count))
         error = fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
     if (!error)
-        error = (*fit)->engine->give((*fit)->self, message);
+        error = fxs_fit_hand_over(*fit, message);
     if (error) {
         fxs_fit_free(*fit);
         *fit = NULL;
@@ -218,6 +230,7 @@ void fxs_fit_free(fxs_fit *f)
     fxs_fit_stepper_free(f->stepper);
     free(f->photographs);
     free(f->order);
+    free(f->gains.of);
     free(f);
 }
 
@@ -277,6 +290,7 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->number = f->step;
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
+    options->gain_rate = plan->gain_rate;
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
     memcpy(options->rate, plan->rate, sizeof options->rate);
     for (int c = 0; c < 3; c++)

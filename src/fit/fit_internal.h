@@ -16,6 +16,7 @@ struct fxs_fit {
     void *self;                    /* the engine's own data */
     fxs_fit_stepper *stepper;      /* makes the steps on the processor where there is no device */
     fxs_fit_model model;
+    fxs_fit_gains gains;           /* exposures of the photographs, all 0 where the options ask for none */
     fxs_fit_profile profile;
     float extent;
     uint32_t step;                 /* number of steps made so far */
@@ -27,6 +28,9 @@ void fxs_fit_set_camera(fxs_fit_camera *camera, const fxs_file_view *view);
 /* The common part of fxs_fit_create and fxs_fit_resume: a fit without Gaussians and extent, at step 0. */
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);
+
+/* Hands the model, which was begun or read, and the exposures to the engine. Returns 0, or an error and a message. */
+int fxs_fit_hand_over(fxs_fit *fit, fxs_message *message);
 
 /* The engine of the processor, whose `self` is the fit. */
 extern const fxs_fit_engine fxs_fit_engine_cpu;

@@ -97,6 +97,7 @@ enum { FXS_FIT_ROWS = 5, FXS_FIT_DERIVATIVES = 3 };
 typedef struct fxs_fit_loss {
     fxs_fit_plane picture, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES], gradient;
     float *absolute, *dissimilar;  /* for each row the sums of |a - b| and of 1 - SSIM */
+    float *by_gain;                /* for each row the sum of dL/da a */
     const uint8_t *photograph;     /* bytes, `step` apart, `pitch` from row to row */
     ptrdiff_t step, pitch;
     int32_t width, height;
@@ -109,6 +110,18 @@ typedef struct fxs_fit_adam {
     float epsilon;                 /* in units of the gradient */
     float by_opacity, by_scale;    /* added to dL/dopacity and dL/dscale of every Gaussian */
 } fxs_fit_adam;
+
+/* The exposure of a photograph (exposure.h): log2 of its gain, and of what red and blue have beside it; Adam's moments,
+   the second one of all three, and those of a gradient of 1. */
+typedef struct fxs_fit_gain {
+    float at[3], mean[3], square, of_one[2];
+} fxs_fit_gain;
+
+/* Of all photographs of a fit. */
+typedef struct fxs_fit_gains {
+    fxs_fit_gain *of;
+    uint32_t count;
+} fxs_fit_gains;
 
 /* How the FXS_FIT_CHUNK Gaussians of a chunk are quantised: the numbers of fxs_chunk in the units of the parameters. An
    inverse is that of the step of the profile's own codes, or 0 for a step of 0. */
@@ -187,5 +200,6 @@ extern const fxs_fit_stages fxs_fit_stages_c;
 #define FXS_FIT_FARTHEST 40.0f     /* largest |ln scale| and |logit| */
 #define FXS_FIT_FARTHEST_PLACE 1e12f   /* largest coordinate */
 #define FXS_FIT_FARTHEST_GRADIENT 1e18f
+#define FXS_FIT_GAIN_MOST 8.0f     /* largest number of a photograph's exposure before the mean is taken off */
 
 #endif

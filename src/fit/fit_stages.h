@@ -187,7 +187,7 @@ static void NAMED(fxs_fit_loss_backward_rows_, ISA)(const fxs_fit_loss *loss, in
 
 static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t row)
 {
-    float b[STRIP], differences[16] = {0};
+    float b[STRIP], differences[16] = {0}, by_gain[16] = {0};
     const float *a = at_of(&loss->picture, row);
     for (int32_t x = 0; x < loss->width; x += LANES) {
         real sums[FXS_FIT_DERIVATIVES];
@@ -196,11 +196,13 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
         for (int i = 0; i < FXS_FIT_DERIVATIVES; i++)
             sums[i] = window_sum(at_of(&loss->rows[i], row) + x, loss->rows[i].stride);
         const real p = load(a + x), q = load(b + x % STRIP);
-        store(at_of(&loss->gradient, row) + x,
-              within(x, loss->width, gradient_of(p, q, sums[0], sums[1], sums[2])));
+        const real gradient = within(x, loss->width, gradient_of(p, q, sums[0], sums[1], sums[2]));
+        store(at_of(&loss->gradient, row) + x, gradient);
+        add_to(by_gain, x, gradient * p);
         add_to(differences, x, within(x, loss->width, absolute(p - q)));
     }
     loss->absolute[row] = sum_of(differences);
+    loss->by_gain[row] = sum_of(by_gain);
 }
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */

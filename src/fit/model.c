@@ -80,6 +80,7 @@ int fxs_fit_model_resize(fxs_fit_model *m, size_t count)
     }
     if (fxs_fit_model_room(&made, count))
         return FXS_ERR_MEMORY;
+    made.gains = m->gains;
     fxs_fit_model_free(m);
     *m = made;
     return 0;

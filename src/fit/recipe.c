@@ -74,6 +74,27 @@ static int is_white(const uint8_t background[3])
     return background[0] == 255 && background[1] == 255 && background[2] == 255;
 }
 
+/* Opacities are reset after steps 3,000, 6,000 and so on, before step `end`, and over white after step 500. */
+static int is_reset(const fxs_fit_options *options, uint32_t step, uint32_t end)
+{
+    return options->recipe != FXS_FIT_MCMC &&
+           (is_every(step, 3000, 0, end) || (step == 500 && is_white(options->background)));
+}
+
+/* 0.05 * 10^-(step / steps). The 500 steps after the beginning and after each reset take a growing part of it: pictures
+   are not of the scene yet. */
+static void set_gain_rate(const fxs_fit_options *options, uint32_t step, uint32_t steps, uint32_t end,
+                          fxs_fit_plan *plan)
+{
+    const float part = step < steps ? (float)step / (float)steps : 1.0f;
+    uint32_t since = 1;
+    if (!options->exposure || options->blocks)
+        return;
+    while (since < 500 && since < step && !is_reset(options, step - since, end))
+        since++;
+    plan->gain_rate = 0.05f * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
+}
+
 /* The recipe has 30,000 steps, and a shorter fit is its beginning. In a longer one, only the rate of positions is
    stretched to the end. */
 static uint32_t whole_steps(const fxs_fit_options *options)
@@ -86,7 +107,8 @@ static void plan_reference(const fxs_fit_options *options, float extent, uint32_
     set_rates(plan, position_rate(1.6e-4f * extent, step, whole_steps(options)), 0.025f);
     plan->densify = is_every(step, 100, 500, 15000);
     plan->large = step > 3000 ? 0.1f * extent : INFINITY;
-    plan->reset = is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background));
+    plan->reset = is_reset(options, step, 15000);
+    set_gain_rate(options, step, whole_steps(options), 15000, plan);
     plan->order = plan->densify && step % 1000 == 0;
 }
 
@@ -96,6 +118,7 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     plan->by_opacity = plan->by_scale = 0.01f;
     plan->noise = 5e5f * plan->rate[FXS_FIT_POSITION];
     plan->relocate = is_every(step, 100, 500, 25000);
+    set_gain_rate(options, step, whole_steps(options), 0, plan);
     plan->order = plan->relocate && step % 1000 == 0;
 }
 
@@ -108,7 +131,8 @@ static void plan_fast(const fxs_fit_options *options, float extent, uint32_t ste
         plan->divisor /= 2;
     plan->gradient = 0.0001f;
     plan->densify = is_every(step, 100, 200, steps / 2);
-    plan->reset = is_every(step, 3000, 0, steps / 2) || (step == 500 && is_white(options->background));
+    plan->reset = is_reset(options, step, steps / 2);
+    set_gain_rate(options, step, steps, steps / 2, plan);
     plan->order = plan->densify && step % 500 == 0;
 }
 

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "exposure.h"
+
 enum { JOB = 4096 };               /* Gaussians in a job */
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
 
@@ -30,6 +32,8 @@ struct fxs_fit_stepper {
     float *errors;
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
     uint32_t batch, view;          /* number of views in the batch, and the current one */
+    float factors[3];              /* of the current photograph's exposure */
+    float by_gain[FXS_FIT_BATCH][3];   /* of each view and channel: see gain_step */
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];
     int plane_count;               /* of each of these: the picture alone, or all */
@@ -318,14 +322,20 @@ static float light_of(const fxs_fit_stepper *s)
     return s->photograph ? 1 : 16;
 }
 
+/* By what a channel's light is multiplied. */
+static float share_of(const fxs_fit_stepper *s, int channel)
+{
+    return s->photograph ? s->factors[channel] : 1 / light_of(s);
+}
+
 static void put_tile(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile *pixels)
 {
-    const float share = 1 / light_of(s);
     int32_t left, top;
     tile_place(s, tile, &left, &top);
     const int32_t columns = least_of(FXS_FIT_TILE, s->camera->width - left);
     const int32_t rows = least_of(FXS_FIT_TILE, s->camera->height - top);
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
+        const float share = share_of(s, c);
         for (int32_t y = 0; y < rows; y++) {
             float *to = s->loss[c].picture.first + (top + y) * s->loss[c].picture.stride + left;
             for (int32_t x = 0; x < columns; x++) {
@@ -333,6 +343,7 @@ static void put_tile(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile
                 to[x] = (pixels->colour[c][at] + pixels->transmittance[at] * s->options->background[c]) * share;
             }
         }
+    }
 }
 
 static void blend_job(void *argument, uint32_t tile)
@@ -361,7 +372,7 @@ static int make_planes(fxs_fit_stepper *s)
     const int count = s->photograph ? PLANES : 1;
     const size_t bytes = 3 * (size_t)count * (size_t)size * sizeof(float);
     const int is_new = s->loss[0].width != width || s->loss[0].height != height || s->plane_count != count;
-    float *rows = room(&s->rows, 6 * (size_t)height * sizeof *rows), *first = room(&s->planes, bytes);
+    float *rows = room(&s->rows, 9 * (size_t)height * sizeof *rows), *first = room(&s->planes, bytes);
     s->loss[0].width = 0;
     s->plane_count = count;
     if (!first || !rows)
@@ -380,6 +391,7 @@ static int make_planes(fxs_fit_stepper *s)
         l->gradient = l->rows[FXS_FIT_DERIVATIVES];
         l->absolute = rows + 2 * c * height;
         l->dissimilar = l->absolute + height;
+        l->by_gain = rows + (6 + c) * height;
         l->width = width;
         l->height = height;
         l->step = 3;
@@ -455,7 +467,7 @@ static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_
             const float *from = l->gradient.first + (top + y) * l->gradient.stride + left;
             const float *picture = l->picture.first + (top + y) * l->picture.stride + left;
             for (int32_t x = 0; x < columns; x++) {
-                g->colour[c][FXS_FIT_AT(x, y)] = from[x];
+                g->colour[c][FXS_FIT_AT(x, y)] = from[x] * s->factors[c];
                 g->whole[FXS_FIT_AT(x, y)] += from[x] * picture[x];
             }
         }
@@ -591,6 +603,37 @@ void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, c
     adam->by_scale = options->by_scale * numbers / (3 * (float)gaussians);
 }
 
+/* ---- Exposure ---------------------------------------------------------------------------------------------------- */
+
+static float sum_numbers(const float *numbers, size_t step, size_t count, double divisor)
+{
+    double parts[GAIN_PARTS];
+    for (size_t i = 0; i < GAIN_PARTS; i++)
+        parts[i] = gain_part(numbers, step, count, i);
+    return gain_sum(parts, divisor);
+}
+
+static void sum_by_gain(fxs_fit_stepper *s)
+{
+    const double values = 3.0 * s->camera->width * s->camera->height;
+    for (int c = 0; c < 3; c++)
+        s->by_gain[s->view][c] = sum_numbers(s->loss[c].by_gain, 1, (size_t)s->camera->height, values);
+}
+
+/* A step for each photograph of the batch, in order; then the means over all photographs become 0, so that the scene
+   has none of their colour. */
+static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
+{
+    const fxs_fit_gains *gains = s->model->gains;
+    for (uint32_t v = 0; v < s->batch; v++)
+        gain_step(&gains->of[photographs[v].number], s->by_gain[v], s->options->gain_rate);
+    for (int k = 0; k < 3; k++) {
+        const float mean = sum_numbers(&gains->of->at[k], GAIN_STEP, gains->count, gains->count);
+        for (uint32_t i = 0; i < gains->count; i++)
+            gains->of[i].at[k] -= mean;
+    }
+}
+
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 static uint64_t now(const fxs_fit_stepper *s)
@@ -714,6 +757,10 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
     s->view = view;
     s->camera = s->cameras[view] = c;
     s->photograph = photograph->pixels;
+    for (int k = 0; k < 3; k++)
+        s->factors[k] = 1;
+    if (s->model->gains)
+        gain_factors(&s->model->gains->of[photograph->number], s->factors);
     if (photograph->divisor > 1) {
         if (!room(&s->reduced, 3 * (size_t)c->width * (size_t)c->height))
             return FXS_ERR_MEMORY;
@@ -730,6 +777,8 @@ static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
         return FXS_ERR_MEMORY;
     const uint64_t drawn = now(s);
     find_loss(s);
+    if (s->model->gains && s->options->gain_rate > 0)
+        sum_by_gain(s);
     const uint64_t compared = now(s);
     run(s, backward_job, s->tile_count);
     if (s->batch > 1)
@@ -755,6 +804,8 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     const uint64_t passed_back = now(s);
     fxs_fit_set_adam(&s->adam, options, photographs, batch, model->count);
     run(s, update_job, gaussian_jobs(s));
+    if (model->gains && options->gain_rate > 0)
+        update_gains(s, photographs);
     report->nanoseconds[UPDATE] = now(s) - passed_back;
     report->gaussians = model->count;
     return 0;

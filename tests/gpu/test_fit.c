@@ -16,9 +16,10 @@ typedef struct what {
     size_t count;
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
+    uint32_t gains;                /* photographs with an exposure; 0: none */
 } what;
 
-enum { MOST_STEPS = 3, MOST_BATCH = 3 };
+enum { MOST_STEPS = 3, MOST_BATCH = 3, MOST_GAINS = 200 };
 
 static void fill_model(fxs_fit_model *m, const what *w)
 {
@@ -56,6 +57,20 @@ static int copy_model(fxs_fit_model *to, const fxs_fit_model *from)
     return 0;
 }
 
+/* Exposures as after some steps, twice. */
+static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS])
+{
+    for (int i = 0; i < MOST_GAINS; i++) {
+        fxs_fit_gain *of = &gains[0][i];
+        *of = (fxs_fit_gain){.square = (float)fit_uniform(0, 0.001), .of_one = {0.3f, 0.01f}};
+        for (int k = 0; k < 3; k++) {
+            of->at[k] = (float)fit_uniform(-0.5, 0.5);
+            of->mean[k] = (float)fit_uniform(-0.01, 0.01);
+        }
+    }
+    memcpy(gains[1], gains[0], sizeof gains[1]);
+}
+
 static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uint8_t *pixels)
 {
     const size_t bytes = 3 * (size_t)w->width * (size_t)w->height;
@@ -71,6 +86,7 @@ static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uin
         p->width = w->width;
         p->height = w->height;
         p->divisor = 1;
+        p->number = w->gains ? (uint32_t)(2 * i + 1) % w->gains : 0;
     }
 }
 
@@ -80,6 +96,7 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     o->sh_degree = w->degree;
     o->number = number;
     o->by_opacity = o->by_scale = w->by_opacity;
+    o->gain_rate = 0.05f;
     o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}};
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
         o->rate[k] = 0.01f;
@@ -180,6 +197,8 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
 {
     static uint8_t pixels[MOST_BATCH * 3 * 1200 * 900];
     fxs_fit_photograph photographs[MOST_BATCH];
+    static fxs_fit_gain gains_of[2][MOST_GAINS];
+    fxs_fit_gains gains[2] = {{gains_of[0], w->gains}, {gains_of[1], w->gains}};
     fxs_fit_model here, there;
     fxs_fit_options options;
     const fxs_fit_engine *engine;
@@ -198,6 +217,9 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     if (!CHECK(!copy_model(&there, &here)) || !CHECK(!fxs_cuda_fit_engine(&engine, &self, &there, &options, &why)))
         return;
     fxs_fit_stepper *s = fxs_fit_stepper_create(fxs_fit_stages_choose(~0u), fxs_pool_run, pool, 8, NULL);
+    fill_gains(gains_of);
+    here.gains = w->gains ? &gains[0] : NULL;
+    there.gains = w->gains ? &gains[1] : NULL;
     CHECK(!engine->give(self, &why));
     if (narrow)
         CHECK(!peek_fit_narrow(self, narrow));
@@ -214,10 +236,11 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     CHECK(of_here.absolute == of_there.absolute && of_here.dissimilar == of_there.dissimilar);
     if (CHECK(!peek_fit(self, &photographs[w->batch - 1].camera, &p)))
         is_same = CHECK(splats_same(s, &p, w->count)) && CHECK(lists_same(s, &p)) && pixels_same(s, &p) &&
-                  sums_same(s, &p) && models_same(&here, &there);
+                  sums_same(s, &p) && models_same(&here, &there) &&
+                  CHECK(!memcmp(gains_of[0], gains_of[1], sizeof gains_of[0]));
     if (!CHECK(is_same))
-        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, spoiled %d\n", (int)w->width, (int)w->height,
-               (int)w->is_square, w->count, w->degree, w->batch, is_spoiled);
+        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, %u exposures, spoiled %d\n", (int)w->width,
+               (int)w->height, (int)w->is_square, w->count, w->degree, w->batch, (unsigned)w->gains, is_spoiled);
     peek_fit_free(&p);
     fxs_fit_stepper_free(s);
     engine->free(self);
@@ -257,11 +280,22 @@ static void test_batches(void)
     }
 }
 
+/* Exposures of more photographs than a sum has parts, of some and of one, which is in a batch more than once. */
+static void test_exposures(void)
+{
+    static const uint32_t gains[] = {MOST_GAINS, 5, 1};
+    for (int i = 0; i < (quick ? 3 : 12); i++) {
+        const what w = {.width = i % 2 ? 37 : 160, .height = i % 2 ? 27 : 120, .count = quick ? 200 : 3000,
+                        .degree = i % 4, .batch = 1 + i % MOST_BATCH, .near_size = -2.5f, .gains = gains[i / 2 % 3]};
+        compare(&w, i % 4 == 3, 0, MOST_STEPS);
+    }
+}
+
 /* Steps whose lists have no room are made again. */
 static void test_no_room(void)
 {
     const what w = {.width = 160, .height = 120, .count = quick ? 300 : 5000, .degree = 2, .batch = 1, .near_size = -2};
-    const what batch = {.width = 90, .height = 70, .count = 500, .degree = 2, .batch = 2, .near_size = -2};
+    const what batch = {.width = 90, .height = 70, .count = 500, .degree = 2, .batch = 2, .near_size = -2, .gains = 7};
     compare(&w, 0, 64, MOST_STEPS);
     compare(&batch, 0, 64, MOST_STEPS);
 }
@@ -377,6 +411,7 @@ int main(int argc, char **argv)
     RUN(test_steps);
     RUN(test_large);
     RUN(test_batches);
+    RUN(test_exposures);
     RUN(test_no_room);
     RUN(test_too_little_memory);
     if (!quick)

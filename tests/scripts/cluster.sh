@@ -53,6 +53,12 @@ check "every Gaussian lies in its own block" awk 'NR == 1 { split($0, first) }
 succeeds "saved" $fit --coarse coarse.fit --block 1/3 -o saved.ply --save-every 200
 succeeds "resumed" $fit --coarse coarse.fit --block 1/3 -o resumed.ply --resume saved.ply.fit
 check "resumed: the same file" cmp part-1.ply resumed.ply
+succeeds "coarse, with exposures" fit set --quiet --steps 100 --resolution 32 -o exposed.fit --exposure gain
+succeeds "its exposures" $fit --coarse exposed.fit --block 1/3 -o exposed.ply --exposure gain
+"$fixsplat" $fit --coarse exposed.fit --block 1/3 -o again.ply >logs/out
+check "its exposures: as of itself" cmp exposed.ply again.ply
+fails "not its exposures" 2 "exposed.fit was begun with another" $fit --coarse exposed.fit --block 1/3 -o x.ply \
+    --exposure none
 succeeds "another coarse fit" fit set --quiet --steps 99 --resolution 32 -o other.fit
 fails "resumed from another coarse fit" 1 "of other photographs" $fit --coarse other.fit --block 1/3 -o x.ply \
     --resume saved.ply.fit

@@ -33,10 +33,12 @@ check "fit: says what it made" grep -Eq \
 check "fit: says what was held out" grep -q '^Photographs fitted: 10. Of the 2 held out:$' logs/out
 check "fit: a line for each, the mean and the worst" equal "$(grep -Ec '^ *[01] 0[08].png +64x48 ' logs/out) $(
     grep -c '^mean ' logs/out) $(grep -c '^worst ' logs/out)" "2 1 1"
+check "fit: PSNR after the best affine map of colours is higher" equal "$(awk '/^( *[01] 0[08].png|mean|worst)/ {
+    at = $1 ~ /[0-9]/ ? 4 : 2; if ($(at + 1) >= $at) print "higher" }' logs/out | uniq -c | tr -d ' ')" 4higher
 check "fit: leaves nothing beside" equal "$(ls -A | grep -v -e knot.ply -e logs -e set | tr '\n' ' ')" "whole.fxs "
 succeeds "fit: --json" $fit -o again.fxs --json --threads 2
 check "fit: --json: keys" keys logs/out scene gaussians bytes profile recipe steps seed seconds fitted held_out skipped \
-    measured photographs.views photographs.psnr photographs.ssim
+    measured photographs.views photographs.psnr photographs.ssim photographs.affine_psnr
 check "fit: at least 18.5 dB from where nothing was fitted" [ "$(psnr)" -ge 1850 ]
 fitted=$(psnr)
 "$fixsplat" fit set --steps 1 -o first.fxs --json >logs/out
@@ -133,6 +135,15 @@ succeeds "--batch" fit set --steps 60 -o batch.ply --batch 2 --threads 1
 check "--batch, 2 threads: the same file" cmp batch.ply again.ply
 "$fixsplat" fit set --steps 60 -o again.ply --resume again.ply.fit >logs/out
 check "--batch, resumed: the same file" cmp batch.ply again.ply
+succeeds "--exposure gain" fit set --steps 60 -o exposed.ply --exposure gain --threads 1 --save-every 31
+"$fixsplat" fit set --steps 60 -o plain.ply >logs/out
+check "--exposure gain: another file" [ "$(cmp -s plain.ply exposed.ply; echo $?)" = 1 ]
+cp exposed.ply.fit exposed.fit
+"$fixsplat" fit set --steps 60 -o again.ply --resume exposed.fit --threads 2 --cpu c >logs/out
+check "--exposure gain, resumed, 2 threads, plain C: the same file" cmp exposed.ply again.ply
+fails "--resume: another exposure" 2 "--exposure: exposed.fit was begun with another" fit set --steps 60 -o x.fxs \
+    --resume exposed.fit --exposure none
+fails "--exposure of a block" 2 "--exposure: of --block only with --coarse" fit set -o x.ply --exposure gain --block 1/2
 cp part.fxs.fit given.fxs
 fails "OUT is the file that it goes on from" 2 "given.fxs: is read and cannot be written too" $fit -o given.fxs --resume given.fxs
 fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another" fit set --steps 60 -o x.fxs \
@@ -244,6 +255,7 @@ while read -r option; do
     fails "--$option" 2 "^fixsplat: --" fit set -o x.fxs --$option
 done <<'END'
 recipe slow
+exposure auto
 steps 0
 steps -1
 steps 3x

@@ -3,7 +3,7 @@
 
 #include "kernels/cuda/device.cuh"
 #include "bin.cuh"
-#include "loss.cuh"
+#include "exposure.cuh"
 #include "model.cuh"
 #include "tile.cuh"
 #include "update.cuh"
@@ -30,7 +30,8 @@ struct device {
     budget memory;
     device_model model;
     step_buffers buffers;
-    block splats, slots, pixels, sums_of_views, scratch, status, reduced;
+    fxs_fit_gains gains;           /* on the device; count 0: photographs have no exposure */
+    block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures;
     photograph_slot photographs[PHOTOGRAPHS];
     uint32_t next_photograph;
     float *views[FXS_FIT_BATCH];   /* sums of a batch's photographs (see launch_gather), its own and the others' */
@@ -94,6 +95,7 @@ uint64_t cut_pixels(step_buffers *b, unsigned char *memory, uint64_t width, uint
     b->dissimilar = cut<float>(&at, 3 * pixels);
     b->gradient = cut<float>(&at, 3 * pixels);
     b->rows = cut<float>(&at, 6 * height);
+    b->gain_rows = cut<float>(&at, 3 * height);
     b->starts = cut<uint32_t>(&at, tiles + 1);
     b->needed = cut<uint32_t>(&at, tiles);
     return (uint64_t)(at - memory);
@@ -143,10 +145,21 @@ int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
     return error;
 }
 
-/* Numbers of a photograph's sums: see launch_gather; and one more, not 0 where there was no room. */
+/* Numbers of a photograph's sums: see launch_gather; then one that is not 0 where there was no room, and three of
+   launch_by_gain. */
 uint64_t view_numbers(const device *d)
 {
     return VIEW_PLANES * (uint64_t)d->model.stride + 64;
+}
+
+float *flag_of(const device *d, uint32_t view)
+{
+    return d->views[view] + VIEW_PLANES * (size_t)d->model.stride;
+}
+
+float *by_gain_of(const device *d, uint32_t view)
+{
+    return flag_of(d, view) + 1;
 }
 
 int reserve_views(device *d, uint32_t count, fxs_message *why)
@@ -219,6 +232,11 @@ int find_loss(engine *e, device *d, const step_order *s, uint32_t view, fxs_mess
     return error || !s->has_report ? error : fetch_rows(e, d, s, view, why);
 }
 
+bool moves_gains(const device *d, const step_order *s)
+{
+    return d->gains.count && s->options.gain_rate > 0;
+}
+
 /* A photograph of a step, up to its splats' sums. */
 int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
@@ -232,10 +250,14 @@ int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *
     mark(d, s, BIN);
     failure = first_of(failure, launch_bin(b, &d->model, c, d->stream));
     mark(d, s, BLEND);
+    if (d->gains.count)
+        failure = first_of(failure, launch_factors(b, &d->gains.of[s->photographs[view].number], d->stream));
     failure = first_of(failure, launch_blend(b, c, s->options.background, d->stream));
     mark(d, s, LOSS);
     error = check(why, failure);
     error = error ? error : find_loss(e, d, s, view, why);
+    if (moves_gains(d, s) && !error)
+        error = check(why, launch_by_gain(b, c, by_gain_of(d, view), d->stream));
     mark(d, s, BACK);
     error = error ? error : check(why, launch_back(b, c, d->stream));
     mark(d, s, UPDATE);
@@ -304,6 +326,17 @@ void wait_for_receivers(const engine *e, const device *d)
             cudaStreamWaitEvent(d->stream, e->devices[i].received, 0);
 }
 
+cudaError_t step_gains(const device *d, const step_order *s)
+{
+    gain_batch batch = {};
+    batch.count = s->count;
+    for (uint32_t v = 0; v < s->count; v++) {
+        batch.numbers[v] = s->photographs[v].number;
+        batch.by_gain[v] = by_gain_of(d, v);
+    }
+    return launch_update_gains(&d->buffers, &d->gains, &batch, s->options.gain_rate, d->stream);
+}
+
 int update(engine *e, device *d, const step_order *s, fxs_message *why)
 {
     const fxs_fit_adam adam = adam_of(e, s);
@@ -313,7 +346,7 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     flags f;
     for (uint32_t v = 0; v < s->count; v++) {
         cameras[v] = s->photographs[v].camera;
-        f.of_views[v] = d->views[v] + VIEW_PLANES * (size_t)d->model.stride;
+        f.of_views[v] = flag_of(d, v);
     }
     wait_for_receivers(e, d);
     if (e->device_count > 1)
@@ -323,6 +356,8 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
         failure = first_of(failure, launch_noise(b, &d->model, &o->noise, d->stream));
     if (d->model.masters)
         failure = first_of(failure, launch_quantise(b, &d->model, e->model->grid, d->stream));
+    if (moves_gains(d, s))
+        failure = first_of(failure, step_gains(d, s));
     end_step<<<1, 1, 0, d->stream>>>(b->status);
     mark(d, s, STAGES);
     return check(why, failure, cudaGetLastError());
@@ -342,7 +377,7 @@ int pass_all(engine *e, const step_order *s, fxs_message *why)
         error = check(why, launch_gather(&d->buffers, &d->model, d->views[v], d->stream));
         if (e->device_count == 1)
             continue;
-        say_full<<<1, 1, 0, d->stream>>>(d->buffers.status, d->views[v] + VIEW_PLANES * (size_t)d->model.stride);
+        say_full<<<1, 1, 0, d->stream>>>(d->buffers.status, flag_of(d, v));
         error = error ? error : check(why, cudaGetLastError(), cudaEventRecord(d->gathered, d->stream));
     }
     return error;
@@ -521,19 +556,43 @@ int reset_opacity(void *self, float opacity, fxs_message *why)
                         [&](device *d) { return model_reset_opacity(&d->model, opacity, d->stream, why); });
 }
 
+/* Takes over the exposures of the host's model, where it has some. */
+int upload_gains(device *d, const fxs_fit_gains *from, fxs_message *why)
+{
+    const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
+    d->gains = {nullptr, 0};
+    d->buffers.factors = nullptr;
+    if (!from)
+        return 0;
+    const int error = reserve(&d->memory, &d->exposures, bytes + 3 * sizeof(float), why);
+    if (error)
+        return error;
+    d->gains = {(fxs_fit_gain *)d->exposures.data, from->count};
+    d->buffers.factors = (float *)(d->gains.of + from->count);
+    return check(why, cudaMemcpyAsync(d->gains.of, from->of, bytes, cudaMemcpyHostToDevice, d->stream),
+                 cudaStreamSynchronize(d->stream));
+}
+
 int give(void *self, fxs_message *why)
 {
     engine *e = (engine *)self;
-    return change_model(e, why,
-                        [&](device *d) { return model_upload(&d->model, e->model, &d->memory, d->stream, why); });
+    return change_model(e, why, [&](device *d) {
+        const int error = upload_gains(d, e->model->gains, why);
+        return error ? error : model_upload(&d->model, e->model, &d->memory, d->stream, why);
+    });
 }
 
 int fetch(void *self, fxs_message *why)
 {
     engine *e = (engine *)self;
-    const on_device here(e->devices[0].number);
-    const int error = finish(e, why);
-    return error ? error : model_download(&e->devices[0].model, e->model, e->devices[0].stream, why);
+    const device *d = &e->devices[0];
+    const on_device here(d->number);
+    int error = finish(e, why);
+    error = error ? error : model_download(&d->model, e->model, d->stream, why);
+    if (error || !d->gains.count)
+        return error;
+    return check(why, cudaMemcpyAsync(e->model->gains->of, d->gains.of, d->gains.count * sizeof *d->gains.of,
+                                      cudaMemcpyDeviceToHost, d->stream), cudaStreamSynchronize(d->stream));
 }
 
 int fetch_masters(void *self, fxs_message *why)
@@ -569,7 +628,7 @@ void close(device *d)
         cudaStreamSynchronize(d->copies);
     model_free(&d->model, &d->memory);
     block *const blocks[] = {&d->splats,  &d->slots,  &d->pixels, &d->sums_of_views,
-                             &d->scratch, &d->status, &d->reduced};
+                             &d->scratch, &d->status, &d->reduced, &d->exposures};
     for (block *b : blocks)
         reserve(&d->memory, b, 0, nullptr);
     for (photograph_slot &slot : d->photographs) {

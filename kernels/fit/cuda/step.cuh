@@ -81,11 +81,13 @@ struct step_buffers {
     uint32_t *needed;              /* by tile: entries up to the last one that a pixel took of */
     float *sums;                   /* by slot: FXS_FIT_SUMS; 0 of entries beyond `needed` */
     /* Planes of pixels, of picture_stride = width by height numbers, without margins: red, green, blue. */
-    float *picture;                /* 3: with background */
+    float *picture;                /* 3: with background, times `factors` */
     float *derivatives;            /* 9: of each channel, of SSIM by mean, square and product */
     float *dissimilar;             /* 3: 1 - SSIM; written where a report is wanted */
-    float *gradient;               /* 3: dL/dcolour */
+    float *gradient;               /* 3: dL/dcolour of `picture` */
     float *rows;                   /* of a report: 3 times height sums of |a - b|, then as many of 1 - SSIM */
+    float *factors;                /* 3: of the photograph's exposure; null: photographs have none */
+    float *gain_rows;              /* with exposures: 3 times height sums of the gradient times `picture` */
     uint8_t *photograph;           /* red, green, blue, of the camera's size */
     void *scratch;                 /* for sorts and sums */
     size_t scratch_bytes;
@@ -99,6 +101,12 @@ struct device_model {
     float *masters;                /* null: the parameters are */
     fxs_fit_chunk *chunks;         /* of the grid, where there are masters */
 };
+
+/* By what a channel's light is multiplied. */
+__device__ inline float factor_of(const step_buffers &b, int channel)
+{
+    return b.factors ? b.factors[channel] : 1.0f;
+}
 
 /* Kernels begin with this: whether a step before it, or this one, had no room. */
 __device__ inline bool is_stopped(const step_status *status)

@@ -60,9 +60,9 @@ FXS_API void fxs_fit_coarse_free(fxs_fit_coarse *coarse);     /* null is allowed
 FXS_API uint32_t fxs_fit_coarse_steps(const fxs_fit_coarse *coarse);
 FXS_API uint64_t fxs_fit_coarse_number(const fxs_fit_coarse *coarse);   /* a checksum of the file */
 
-/* Begins the fit of a block from 1 on: at the step at which the coarse fit ended, with its Gaussians, Adam's moments and
-   extent. options->block, blocks and coarse are to be those of the block. Errors: those of fxs_fit_create, and
-   FXS_ERR_ARGUMENT where options->steps are no more than the coarse fit's. */
+/* Begins the fit of a block from 1 on: at the step at which the coarse fit ended, with its Gaussians, Adam's moments,
+   extent and exposures, which stay as they are. options->block, blocks and coarse are to be those of the block. Errors:
+   those of fxs_fit_create, and FXS_ERR_ARGUMENT where options->steps are no more than the coarse fit's. */
 FXS_API int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_fit_block *block,
                                  const fxs_fit_options *options, fxs_message *message);
 

@@ -54,6 +54,14 @@ enum fxs_fit_recipe {
     FXS_FIT_FAST = 2               /* a shorter reference recipe, from small photographs to large ones */
 };
 
+/* What a fit knows of the exposure of its photographs. */
+enum fxs_fit_exposure {
+    FXS_FIT_EXPOSURE_NONE = 0,     /* all have the same */
+    FXS_FIT_EXPOSURE_GAIN = 1      /* each has a gain and a colour balance, log2 of three factors that the fit finds: by
+                                      these the picture is multiplied before it is compared with the photograph. Their
+                                      means over the photographs are 0. The scene has none of them */
+};
+
 typedef struct fxs_fit_options {
     enum fxs_fit_recipe recipe;
     uint32_t steps;                /* 1 or more; initially 30,000. In reference and mcmc, fewer steps are the beginning
@@ -80,6 +88,7 @@ typedef struct fxs_fit_options {
                                       the steps. The scene does not depend on it */
     int devices[8];                /* numbers of these GPUs */
     uint64_t max_memory;           /* the most bytes to use on each device; 0: no limit */
+    enum fxs_fit_exposure exposure;    /* of a whole fit; a block has that of its coarse fit */
 } fxs_fit_options;
 
 /* Sets the initial values that the comments above name, and 0 for the others: recipe reference, one thread. */

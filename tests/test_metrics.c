@@ -1,0 +1,114 @@
+/* The PSNR that is left after the best affine map of colours. */
+#include <math.h>
+#include <string.h>
+
+#include "src/fit/random.h"
+#include "tools/metrics.h"
+#include "check.h"
+
+enum { WIDTH = 60, HEIGHT = 40, PIXELS = WIDTH * HEIGHT };
+
+static uint8_t drawn[4 * PIXELS], photograph[4 * PIXELS];
+
+static double left(void)
+{
+    return fxs_metrics_affine_psnr(drawn, photograph, WIDTH, HEIGHT);
+}
+
+static uint8_t random_level(uint64_t number, double low, double high)
+{
+    return (uint8_t)(low + (high - low) * (double)fxs_fit_uniform(fxs_fit_random(3, 1, number)));
+}
+
+/* The photograph is the picture by this map, not rounded where its factors are whole. */
+static void map_colours(const double map[3][4])
+{
+    for (int i = 0; i < 4 * PIXELS; i++) {
+        const uint8_t *at = drawn + i / 4 * 4;
+        const double *row = map[i % 4 < 3 ? i % 4 : 0];
+        photograph[i] = (uint8_t)(row[0] * at[0] + row[1] * at[1] + row[2] * at[2] + row[3] + 0.5);
+    }
+}
+
+static void fill(double low, double high)
+{
+    for (uint64_t i = 0; i < 4 * PIXELS; i++)
+        drawn[i] = random_level(i, low, high);
+}
+
+static void maps_are_found(void)
+{
+    static const double same[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    static const double turned[3][4] = {{0, 1, 0, 7}, {1, 0, 1, -20}, {1, -1, 0, 100}};
+    static const double rounded[3][4] = {{0.7, 0.1, 0.05, 3}, {-0.1, 1.2, 0.2, 10}, {0, 0.3, 0.5, 0.25}};
+    fill(20, 120);
+    map_colours(same);
+    CHECK(isinf(left()));
+    map_colours(turned);
+    CHECK(isinf(left()));
+    map_colours(rounded);          /* rounding: a variance of 1/12 */
+    CHECK(fabs(left() - 10 * log10(255.0 * 255 * 12)) < 0.1);
+}
+
+/* Of a picture in one colour or in grey, what the photograph's mean, or its best line, leaves. */
+static void pictures_without_colours(void)
+{
+    double sum = 0, squares = 0;
+    memset(drawn, 77, sizeof drawn);
+    for (uint64_t i = 0; i < 4 * PIXELS; i++) {
+        photograph[i] = random_level(i, 0, 256);
+        sum += i % 4 == 0 ? photograph[i] : 0;
+    }
+    for (int c = 1; c < 3; c++)
+        for (int i = 0; i < PIXELS; i++)
+            photograph[4 * i + c] = photograph[4 * i];
+    for (int i = 0; i < PIXELS; i++)
+        squares += pow(photograph[4 * i] - sum / PIXELS, 2);
+    CHECK(fabs(left() - 10 * log10(255.0 * 255 * PIXELS / squares)) < 1e-6);
+    for (int i = 0; i < 4 * PIXELS; i++)
+        drawn[i] = (uint8_t)(photograph[i / 4 * 4] / 2);
+    CHECK(left() > 10 * log10(255.0 * 255 * 3));
+    memset(drawn, 0, sizeof drawn);
+    CHECK(fabs(left() - 10 * log10(255.0 * 255 * PIXELS / squares)) < 1e-6);
+}
+
+/* Where green and blue follow from red, what the best line by red leaves. */
+static void colours_that_follow_from_each_other(void)
+{
+    double sums[5] = {0};          /* of x, y, xx, xy, yy */
+    for (uint64_t i = 0; i < PIXELS; i++) {
+        uint8_t *at = drawn + 4 * i, *to = photograph + 4 * i;
+        at[0] = random_level(i, 0, 120);
+        at[1] = (uint8_t)(2 * at[0] + 7);
+        at[2] = (uint8_t)(250 - 2 * at[0]);
+        to[0] = to[1] = to[2] = (uint8_t)(at[0] + random_level(PIXELS + i, 30, 90));
+        const double x = at[0], y = to[0], terms[5] = {x, y, x * x, x * y, y * y};
+        for (int k = 0; k < 5; k++)
+            sums[k] += terms[k] / PIXELS;
+    }
+    const double xx = sums[2] - sums[0] * sums[0], xy = sums[3] - sums[0] * sums[1], yy = sums[4] - sums[1] * sums[1];
+    CHECK(fabs(left() - 10 * log10(255.0 * 255 / (yy - xy * xy / xx))) < 1e-6);
+}
+
+/* A map beyond black and white is cut there: half of the pixels are 200 levels brighter, beyond white. */
+static void maps_are_cut(void)
+{
+    for (int i = 0; i < 4 * PIXELS; i++) {
+        const int pixel = i / 4 % 4;    /* 0, 100, 200, 200: on a line of 0, 255, 255, 255 */
+        drawn[i] = (uint8_t)(pixel == 0 ? 0 : pixel == 1 ? 100 : 200);
+        photograph[i] = (uint8_t)(pixel ? 255 : 0);
+    }
+    /* the line is 46.3636 + 115.9091 x / 100, cut at 255 */
+    const double at[3] = {46.363636, 162.272727, 255};
+    const double mean = (at[0] * at[0] + (255 - at[1]) * (255 - at[1]) + 2 * (255 - at[2]) * (255 - at[2])) / 4;
+    CHECK(fabs(left() - 10 * log10(255.0 * 255 / mean)) < 1e-4);
+}
+
+int main(void)
+{
+    RUN(maps_are_found);
+    RUN(pictures_without_colours);
+    RUN(colours_that_follow_from_each_other);
+    RUN(maps_are_cut);
+    return check_report();
+}
