@@ -23,7 +23,7 @@ typedef struct fit_command {
     char *saved;                    /* OUT.fit */
     int saves_itself;               /* it is the file of --resume */
     uint32_t block, blocks;         /* blocks 0: all */
-    uint64_t save_every;            /* 0: never */
+    uint64_t save_every, metrics_every;   /* 0: never */
     int json;
 } fit_command;
 
@@ -93,6 +93,8 @@ static const option_row own_rows[] = {
      "write there each photograph that is measured beside its picture, .png"},
     {"save-every", "N", UINT64(save_every, 1, UINT32_MAX), .help =
      "save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends"},
+    {"metrics-every", "N", UINT64(metrics_every, 1, UINT32_MAX), .help =
+     "measure the scene as it is after every N steps too, by the photographs that are held out, and print a line"},
     {"resume", "FILE", TEXT(resume), .help =
      "go on from there, with the same PHOTOS and options for them; the options of the fit are the file's, --steps "
      "may be others. It ends in the bytes of a fit that was never stopped"},
@@ -387,8 +389,39 @@ static int fail_step(const fit_command *c, const progress *p, uint32_t made, con
     return EXIT_FAILED;
 }
 
+/* As the fit has it. */
+static frame_options frame_of(const fit_command *c, const fxs_fit *fit)
+{
+    const fxs_fit_options *o = fxs_fit_options_of(fit);
+    frame_options frame = c->frame;
+    frame.render.cutoff = o->cutoff;
+    memcpy(frame.render.background, o->background, sizeof o->background);
+    return frame;
+}
+
+/* What has been fitted so far, packed as it would be at the end. Where that fails, the fit goes on. */
+static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, uint32_t step)
+{
+    const frame_options frame = frame_of(c, fit);
+    fxs_packed_scene packed;
+    fxs_message message;
+    quality q = {0};
+    world scene = {0};
+    char psnr[32], affine[32];
+    int status = fxs_fit_pack(fit, &packed, 0, &message) ? fail_for(&message) : 0;
+    status = status ? status : world_open_packed(&scene, c->out, &packed);
+    status = status ? status : result_measure(&q, &scene, photos, &frame, 0);
+    if (!status)
+        note("step %" PRIu32 ": %s dB, after the best affine map %s, SSIM %.4f; %" PRIu32 " Gaussians", step,
+             fxs_metrics_psnr(psnr, q.psnr, "no"), fxs_metrics_psnr(affine, q.affine_psnr, "no"), q.ssim,
+             scene.gaussians);
+    quality_free(&q);
+    world_close(&scene);
+    fxs_packed_scene_free(&packed);
+}
+
 /* Where a save fails, the last one is still there, and the fit goes on. */
-static int make_steps(const fit_command *c, fxs_fit *fit, progress *p, char **argv)
+static int make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, progress *p, char **argv)
 {
     fxs_fit_report report;
     fxs_message message;
@@ -401,6 +434,8 @@ static int make_steps(const fit_command *c, fxs_fit *fit, progress *p, char **ar
             count_step(p, step, &report);
         if (c->save_every && step % c->save_every == 0 && step < p->steps && !save(c, fit))
             p->saved = step;
+        if (c->metrics_every && step % c->metrics_every == 0 && step < p->steps)
+            measure_so_far(c, fit, photos, step);
     }
     progress_end();
     return 0;
@@ -482,12 +517,9 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
 static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                   const progress *p, char **argv)
 {
-    const fxs_fit_options *o = fxs_fit_options_of(fit);
-    frame_options frame = c->frame;
+    const frame_options frame = frame_of(c, fit);
     fit_result result;
     world scene = {0};
-    frame.render.cutoff = o->cutoff;
-    memcpy(frame.render.background, o->background, sizeof o->background);
     int status = result_write(&result, fit, block, c->out);
     if (!status && !isatty(STDERR_FILENO))
         note("measuring %s", c->out);
@@ -520,7 +552,7 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_
         progress p = {.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
                       .last = now, .shown = now, .saved = c->saves_itself ? first : 0};
         listen_to_signals();
-        status = make_steps(c, fit, &p, argv);
+        status = make_steps(c, fit, photos, &p, argv);
         restore_signals();
         if (!status && asked) {
             status = EXIT_FAILED;

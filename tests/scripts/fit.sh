@@ -48,6 +48,10 @@ check "again, 2 threads: the same file" cmp whole.fxs again.fxs
 "$fixsplat" $fit -o five.fxs --threads 5 --cpu c >logs/out
 check "5 threads, plain C: the same file" cmp whole.fxs five.fxs
 "$fixsplat" $fit -o other.fxs --seed 1 >logs/out
+loud $fit -o measured.fxs --metrics-every 200
+check "--metrics-every: a line each" equal "$(grep -Ec \
+    '^fixsplat: step [246]00: [0-9]+\.[0-9]+ dB, after the best affine map [0-9.]+, SSIM 0\.[0-9]{4}; [0-9]+ Gaussians$' logs/err)" 3
+check "--metrics-every: the same file" cmp whole.fxs measured.fxs
 check "another seed: another file" [ "$(cmp -s whole.fxs other.fxs; echo $?)" = 1 ]
 succeeds "into .ply" $fit -o floats.ply
 "$fixsplat" convert floats.ply packed.fxs
