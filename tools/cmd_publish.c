@@ -21,7 +21,6 @@ typedef struct shown {
     char *path;
     char name[NAMES_MOST];         /* of its files, without an ending */
     char title[NAMES_MOST];        /* the last part of its path, without the ending */
-    size_t bytes;
 } shown;
 
 typedef struct publish_options {
@@ -113,6 +112,8 @@ static int add_scenes(publish_options *o, const char *path)
         closedir(folder);
     if (o->count > before)
         qsort(o->scenes + before, o->count - before, sizeof *o->scenes, compare_paths);
+    else if (fits && folder)
+        return fail(EXIT_FAILED, "%s: no scene in this folder", path);
     else if (fits)
         fits = add_scene(o, "", path);
     return fits ? 0 : fail(EXIT_FAILED, "out of memory");
@@ -127,8 +128,9 @@ static int write_scene(publish_options *o, shown *s)
     join_path(path, o->site, name);
     if (load_scene(&scene, s->path, &o->frame.load))
         return EXIT_FAILED;
-    s->bytes = scene.opened->bytes;
-    o->bytes += s->bytes;
+    if (is_packed(&scene) && (is_given("profile") || o->frame.load.tree))
+        note("%s: is packed already, and is taken as it is", s->path);
+    o->bytes += scene.opened->bytes;
     const int error = fxs_file_write(path, scene.opened->data, scene.opened->bytes, &why);
     free_scene(&scene);
     return error ? fail_for(&why) : 0;
@@ -189,14 +191,13 @@ static int copy_files(publish_options *o, const char *from, const char *to)
     return status;
 }
 
-static int copy_page(publish_options *o)
+static int copy_page(publish_options *o, const char *package)
 {
-    char package[PAGE_PATH], from[TASK_PATH], to[TASK_PATH], to_viewer[TASK_PATH];
-    int status = page_folder_find(package);
+    char from[TASK_PATH], to[TASK_PATH], to_viewer[TASK_PATH];
     join_path(from, package, "viewer");
     join_path(to, o->site, "fixsplat");
     join_path(to_viewer, to, "viewer");
-    status = status ? status : copy_files(o, package, to);
+    const int status = copy_files(o, package, to);
     return status ? status : copy_files(o, from, to_viewer);
 }
 
@@ -229,7 +230,7 @@ static const char of_scene[] =
     "<meta property=\"og:image\" content=\"%s.jpg\">\n"
     "<style>\nhtml, body { height: 100%; margin: 0 }\nfixsplat-viewer { height: 100vh; height: 100dvh }\n</style>\n"
     "<script type=\"module\" src=\"fixsplat/viewer/viewer.js\"></script>\n"
-    "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\"></fixsplat-viewer>\n"
+    "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" background=\"#000000\"></fixsplat-viewer>\n"
     "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n"
     "<script>\nif (location.protocol === 'file:')\n"
     "  document.body.append('This page needs a server of files, say: python3 -m http.server')\n</script>\n";
@@ -308,8 +309,10 @@ static int read_options(publish_options *o, int argc, char **argv)
 
 static int publish(publish_options *o)
 {
-    int status = take_site(o);
-    status = status ? status : copy_page(o);
+    char package[PAGE_PATH];
+    int status = page_folder_find(package);
+    status = status ? status : take_site(o);
+    status = status ? status : copy_page(o, package);
     for (size_t i = 0; i < o->count && !status; i++) {
         status = write_scene(o, &o->scenes[i]);
         status = status ? status : write_poster(o, &o->scenes[i]);

@@ -30,5 +30,5 @@ int page_folder_find(char folder[PAGE_PATH])
         if (has_page(folder))
             return 0;
     }
-    return fail(EXIT_FAILED, "the page is not built: make web, or FIXSPLAT_WEB=FOLDER where it is elsewhere");
+    return fail(EXIT_FAILED, "the page is not built: make setup web, or FIXSPLAT_WEB=FOLDER where it is elsewhere");
 }

@@ -17,9 +17,11 @@ check "its files" equal "$(cd site && find . -type f | sort | tr '\n' ' ')" \
 check "it is packed small" cmp site/knot.fxs small.fxs
 "$fixsplat" render small.fxs --size 64x36 --quality 85 -o poster.jpg --quiet
 check "the picture is its own" cmp site/knot.jpg poster.jpg
-check "the page shows it" grep -q '<fixsplat-viewer src="knot.fxs" poster="knot.jpg">' site/index.html
+check "the page shows it" grep -q '<fixsplat-viewer src="knot.fxs" poster="knot.jpg" background="#000000">' site/index.html
 check "an .fxs as it is" "$fixsplat" publish small.fxs site --size 64x36 --quiet
 check "it is that file" cmp site/small.fxs small.fxs
+"$fixsplat" publish small.fxs site --size 64x36 --profile default >logs/out 2>logs/err
+check "an .fxs in another profile: said" grep -qx 'fixsplat: small.fxs: is packed already, and is taken as it is' logs/err
 check "what was there stays" [ -f site/knot.fxs ]
 check "--profile" "$fixsplat" publish knot.ply whole --size 64x36 --profile default --quiet
 "$fixsplat" convert knot.ply default.fxs
@@ -46,7 +48,10 @@ fails "a folder of something else" 1 "scenes: not empty, and not a folder that p
 fails "no scene" 1 "nothing.ply" publish nothing.ply new --quiet
 head -c 200 knot.ply >short.ply
 fails "a damaged scene" 1 "short.ply" publish short.ply new2 --quiet
+mkdir nothing
+fails "a folder without scenes" 1 "nothing: no scene in this folder" publish nothing new3
 FIXSPLAT_WEB=$work/nowhere fails "no page" 1 "FIXSPLAT_WEB=.*: the page is not there" publish knot.ply new3
+check "nothing is made then" [ ! -e new3 ]
 unset FIXSPLAT_WEB
 
 # ---- In a browser ----------------------------------------------------------------------------------------------------
