@@ -99,7 +99,7 @@ fn place_bins(thread: u32, some: u32)
     workgroupBarrier();
 }
 
-// Bounds the ranges by the depths of some keys. Four threads rank a sample.
+// Bounds the ranges by the depths of some keys. Eight threads rank a sample.
 fn bound_ranges(thread: u32, at: u32, some: u32)
 {
     let sample = thread % SAMPLES;

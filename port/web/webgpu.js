@@ -419,7 +419,7 @@ export class Computed {
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 
-  /** The groups of a frame are kept for the next: to make one takes longer than all else of a step. */
+  /** The groups of a frame are kept for the next, as making them takes a quarter of the steps' time. */
   #bind(pass, pipeline, group, resources) {
     const kept = this.#groups[this.#bound]
     const isKept = (resource, i) =>
