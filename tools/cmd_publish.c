@@ -6,7 +6,6 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include <fixsplat/formats.h>
 #include <fixsplat/fxs_file.h>
@@ -45,12 +44,6 @@ static const option_row own_rows[] = {
 };
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
-
-static int is_folder(const char *path)
-{
-    struct stat status;
-    return !stat(path, &status) && S_ISDIR(status.st_mode);
-}
 
 static int is_taken(const publish_options *o, const char *name)
 {

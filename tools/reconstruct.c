@@ -42,12 +42,6 @@ static int no_memory(void)
     return fail(EXIT_FAILED, "out of memory");
 }
 
-static int is_folder(const char *path)
-{
-    struct stat status;
-    return !stat(path, &status) && S_ISDIR(status.st_mode);
-}
-
 /* ---- What there is ----------------------------------------------------------------------------------------------- */
 
 /* .jpg, .jpeg and .png, which the fit reads */

@@ -137,14 +137,18 @@ void join_path(char path[TASK_PATH], const char *folder, const char *name)
         *path = 0;
 }
 
-int make_folder(const char *path)
+int is_folder(const char *path)
 {
     struct stat status;
+    return !stat(path, &status) && S_ISDIR(status.st_mode);
+}
+
+int make_folder(const char *path)
+{
     if (!mkdir(path, 0777))
         return 0;
     const int error = errno;
-    return error == EEXIST && !stat(path, &status) && S_ISDIR(status.st_mode)
-               ? 0 : fail(EXIT_FAILED, "%s: %s", path, strerror(error));
+    return error == EEXIST && is_folder(path) ? 0 : fail(EXIT_FAILED, "%s: %s", path, strerror(error));
 }
 
 void remove_folder(const char *path)

@@ -40,6 +40,8 @@ int task_failed(const task *t, const char *program, int status);
 enum { TASK_PATH = 4096 };
 void join_path(char path[TASK_PATH], const char *folder, const char *name);
 
+int is_folder(const char *path);
+
 /* Makes a folder, or leaves it as it is. Returns 0, or prints why not and returns EXIT_FAILED. */
 int make_folder(const char *path);
 
