@@ -211,23 +211,23 @@ typedef struct recorded {
 enum { FEW, FEW_MCMC, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, BATCH, EXPOSURE, FITS };
 static const recorded fits[FITS] = {
     {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 1,
-     FXS_FIT_EXPOSURE_NONE, 0.6, 0xc89a6d9ed0216578},
+     FXS_FIT_EXPOSURE_NONE, 0.6, 0x7039dbc1345dae8b},
     {"few by mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, 1, 680, 130, 1,
-     FXS_FIT_EXPOSURE_NONE, 0.6, 0xaa7c5116f4b29d6c},
+     FXS_FIT_EXPOSURE_NONE, 0.6, 0xe90f1c3e590a02d0},
     {"reference", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 1,
-     FXS_FIT_EXPOSURE_NONE, 0.5, 0xf80cec143c4fb1a6},
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0x0f3290ba0727d3de},
     {"mcmc", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, ORDINARY, 700, 150, 1,
-     FXS_FIT_EXPOSURE_NONE, 0.5, 0xdbf4e8213db55d09},
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0x97fe62d6d73c13d8},
     {"reference, longer", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 3200, 200, 1,
-     FXS_FIT_EXPOSURE_NONE, 0.5, 0x8315acc89d6c28fe},
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0x618f055d97e132bd},
     {"fast, square", FXS_FIT_FAST, FXS_CUTOFF_SQUARE, FXS_PROFILE_COMPACT, ORDINARY, 1100, 250, 1,
-     FXS_FIT_EXPOSURE_NONE, 0.5, 0x6615dfc5c42623e3},
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0xd12bfbf81c531e6e},
     {"fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, LARGER, 24, 250, 1,
-     FXS_FIT_EXPOSURE_NONE, 0.9, 0xe4c75bb8fe208c32},
+     FXS_FIT_EXPOSURE_NONE, 0.9, 0x0167e7727f6d41de},
     {"batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4,
-     FXS_FIT_EXPOSURE_NONE, 0.5, 0xa7a5ae8ecc01a1c9},
-    {"exposures, batches of four", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4,
-     FXS_FIT_EXPOSURE_GAIN, 0.5, 0xdb7da770bc006f40}};
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0xa308822dedf9d470},
+    {"exposures, batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4,
+     FXS_FIT_EXPOSURE_GAIN, 0.5, 0x32a4402cf41e1d64}};
 
 static int devices;                /* 0: the processor, 1: the first GPU */
 
@@ -356,7 +356,8 @@ static void test_exposures(void)
     check_fit(&fits[EXPOSURE], ~0u, 7);
 }
 
-/* What is left of the loss: much where the exposures of photographs were changed, but not where these are found. */
+/* Where the exposures of photographs were changed more of the loss is left, and nine tenths of that are not where they
+   are found. */
 static void test_exposures_are_found(void)
 {
     double left[3];
@@ -367,9 +368,10 @@ static void test_exposures_are_found(void)
             change_exposures();
         set_options(&fits[EXPOSURE], &options);
         options.exposure = i == 2 ? FXS_FIT_EXPOSURE_GAIN : FXS_FIT_EXPOSURE_NONE;
+        options.steps = 1400;
         left[i] = fit(&options).last;
     }
-    if (!CHECK(left[1] > 1.6 * left[0] && left[2] < 1.1 * left[0]))
+    if (!CHECK(left[1] > 1.4 * left[0] && left[1] - left[2] > 0.9 * (left[1] - left[0])))
         printf("  loss %g, changed %g, with exposures %g\n", left[0], left[1], left[2]);
 }
 #endif

@@ -43,12 +43,16 @@ static size_t set_origins(const uint8_t *fates, size_t count, fxs_fit_origin *or
             origins[n++] = (fxs_fit_origin){(uint32_t)i, FXS_FIT_KEPT};
     *kept = n;
     for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < (fates[i] == SPLIT) + (fates[i] >= CLONED); k++)
-            origins[n++] = (fxs_fit_origin){(uint32_t)i, fates[i] == SPLIT ? FXS_FIT_CHILD : FXS_FIT_CLONE};
+        if (fates[i] == SPLIT) {
+            origins[n++] = (fxs_fit_origin){(uint32_t)i, FXS_FIT_FIRST_CHILD};
+            origins[n++] = (fxs_fit_origin){(uint32_t)i, FXS_FIT_SECOND_CHILD};
+        } else if (fates[i] == CLONED) {
+            origins[n++] = (fxs_fit_origin){(uint32_t)i, FXS_FIT_CLONE};
+        }
     return n;
 }
 
-static int carry_out(fxs_fit_model *m, const fxs_fit_densify *d, const uint8_t *fates, size_t most)
+static int carry_out(fxs_fit_model *m, const uint8_t *fates, size_t most)
 {
     fxs_fit_origin *origins = malloc(most * sizeof *origins);
     if (!origins)
@@ -57,8 +61,8 @@ static int carry_out(fxs_fit_model *m, const fxs_fit_densify *d, const uint8_t *
     const size_t count = set_origins(fates, m->count, origins, &kept);
     const int error = count ? fxs_fit_model_rebuild(m, origins, count) : 0;
     for (size_t i = kept; !error && i < count; i++)
-        if (origins[i].kind == FXS_FIT_CHILD)
-            set_child(m, i, d->seed, d->step, i);
+        if (origins[i].kind != FXS_FIT_CLONE)
+            set_child(m, i, origins[i].kind == FXS_FIT_FIRST_CHILD ? 1.0f : -1.0f);
     free(origins);
     return error;
 }
@@ -78,7 +82,7 @@ int fxs_fit_model_densify(fxs_fit_model *m, const fxs_fit_densify *d)
     const size_t room = d->most > staying ? d->most - staying : 0;
     int error = grown > room ? limit(m, d, fates, grown, room) : 0;
     if (!error)
-        error = carry_out(m, d, fates, staying + (grown < room ? grown : room) + 1);
+        error = carry_out(m, fates, staying + (grown < room ? grown : room) + 1);
     free(fates);
     return error;
 }

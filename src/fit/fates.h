@@ -3,7 +3,8 @@
 #define FXS_FIT_FATES_H
 
 #include "planes.h"
-#include "random.h"
+
+#define SPLIT_SHARE 0.707106781f    /* of the longest sigma, in a child */
 
 static inline float largest_scale(const fxs_fit_model *m, size_t i)
 {
@@ -11,10 +12,14 @@ static inline float largest_scale(const fxs_fit_model *m, size_t i)
     return exp_e(fmaxf(fmaxf(x, y), z));
 }
 
-/* The centre of a child is drawn from its parent's distribution; its scales are the parent's over 1.6. */
-static inline void set_child(fxs_fit_model *m, size_t i, uint64_t seed, uint64_t step, uint64_t index)
+/* A Gaussian becomes one of two children, on this side of its longest axis (1 or -1). A sigma s is s k after that,
+   with k = 1 - (1 - 1 / sqrt(2)) (s / longest)^2; the centre moves by s sqrt(1 - k^2) along each axis, so that the two
+   have the variance of the one along each; the opacity o is 1 - (1 - o)^(1 / sqrt(2)). The formulas are brush's (its
+   pull request 479). No number is drawn. */
+static inline void set_child(fxs_fit_model *m, size_t i, float side)
 {
     float q[4], r[3][3], at[3], length = 0;
+    const float longest = largest_scale(m, i), rest = 1.0f - opacity_at(m, i);
     for (int k = 0; k < 4; k++) {
         q[k] = plane(m, FXS_FIT_ROTATION + k)[i];
         length += q[k] * q[k];
@@ -28,15 +33,15 @@ static inline void set_child(fxs_fit_model *m, size_t i, uint64_t seed, uint64_t
                               {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
     memcpy(r, rows, sizeof r);
     for (int k = 0; k < 3; k++) {
-        const uint64_t random[3] = {fxs_fit_random(seed, step, 16 * index + 3 * (uint64_t)k),
-                                    fxs_fit_random(seed, step, 16 * index + 3 * (uint64_t)k + 1),
-                                    fxs_fit_random(seed, step, 16 * index + 3 * (uint64_t)k + 2)};
         float *scale = &plane(m, FXS_FIT_SCALE + k)[i];
-        at[k] = exp_e(*scale) * fxs_fit_normal(random);
-        *scale -= 0.470003629f;    /* ln 1.6 */
+        const float sigma = exp_e(*scale), part = sigma / longest, kept = 1.0f - 0.292893219f * (part * part);
+        at[k] = side * (sigma * sqrtf(1.0f - kept * kept));
+        *scale += ln(kept);
     }
     for (int k = 0; k < 3; k++)
         plane(m, FXS_FIT_POSITION + k)[i] += (r[k][0] * at[0] + r[k][1] * at[1]) + r[k][2] * at[2];
+    plane(m, FXS_FIT_OPACITY)[i] =
+        logit_of(1.0f - exp_e(SPLIT_SHARE * ln(fmaxf(rest, 0x1p-24f))));
 }
 
 /* The fates of a Gaussian: it is removed, stays, is cloned or is split. */
@@ -59,7 +64,7 @@ static inline uint8_t fate_of(const fxs_fit_model *m, const fxs_fit_densify *d, 
 {
     const float scale = largest_scale(m, i);
     const int is_wanted = mean_gradient(m, i) >= d->gradient, is_split = is_wanted && scale > d->small;
-    if (!(plane(m, FXS_FIT_OPACITY)[i] >= least_logit) || (is_split ? scale / 1.6f : scale) > d->large ||
+    if (!(plane(m, FXS_FIT_OPACITY)[i] >= least_logit) || (is_split ? scale * SPLIT_SHARE : scale) > d->large ||
         !has_rotation(m, i))
         return GOES;
     return is_split ? SPLIT : is_wanted ? CLONED : STAYS;

@@ -299,8 +299,7 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
 
 static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *message)
 {
-    const fxs_fit_densify densify = {plan->gradient, 0.01f * f->extent, plan->large, 0.005f, f->options.max_gaussians,
-                                     f->options.seed, f->step};
+    const fxs_fit_densify densify = {0.0002f, 0.01f * f->extent, plan->large, 0.005f, f->options.max_gaussians};
     const fxs_fit_relocate relocate = {0.005f, f->options.max_gaussians, f->options.seed, f->step};
     int error = plan->densify ? f->engine->densify(f->self, &densify, message) : 0;
     if (!error && plan->relocate)

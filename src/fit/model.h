@@ -27,7 +27,7 @@ void fxs_fit_model_free(fxs_fit_model *model);
 void fxs_fit_model_give(const fxs_fit_model *model, size_t i, fxs_gaussian *out);
 
 /* The source of a Gaussian of the new model. */
-enum { FXS_FIT_KEPT, FXS_FIT_CLONE, FXS_FIT_CHILD };
+enum { FXS_FIT_KEPT, FXS_FIT_CLONE, FXS_FIT_FIRST_CHILD, FXS_FIT_SECOND_CHILD };
 typedef struct fxs_fit_origin {
     uint32_t source;
     uint32_t kind;                 /* KEPT: Adam's moments stay; in the others they become 0 */
@@ -42,7 +42,6 @@ typedef struct fxs_fit_densify {
     float small, large;            /* scene units: cloned up to `small`, else split; removed above `large` */
     float opacity;                 /* the least opacity that stays */
     size_t most;                   /* the most Gaussians: the largest gradients are cloned and split first */
-    uint64_t seed, step;
 } fxs_fit_densify;
 
 /* Clones and splits Gaussians, and removes those with too little opacity, too large a scale or no rotation; where that

@@ -1,5 +1,5 @@
-/* The recipes: reference (Kerbl et al. 2023 and its reference code of 2025), mcmc (Kheradmand et al. 2024), and fast.
-   */
+/* The recipes: reference (Kerbl et al. 2023 and its reference code of 2025), mcmc (Kheradmand et al. 2024), and fast,
+   which is mcmc with fewer steps. */
 #include "recipe.h"
 
 #include <math.h>
@@ -36,12 +36,12 @@ float fxs_fit_extent(const fxs_fit_photo *photos, size_t count, const fxs_fit_po
 
 float fxs_fit_first_opacity(enum fxs_fit_recipe recipe)
 {
-    return recipe == FXS_FIT_MCMC ? 0.5f : 0.1f;
+    return recipe == FXS_FIT_REFERENCE ? 0.1f : 0.5f;
 }
 
 float fxs_fit_first_scale(enum fxs_fit_recipe recipe)
 {
-    return recipe == FXS_FIT_MCMC ? 0.1f : 1.0f;
+    return recipe == FXS_FIT_REFERENCE ? 1.0f : 0.1f;
 }
 
 /* ---- A step ------------------------------------------------------------------------------------------------------ */
@@ -53,7 +53,7 @@ static float position_rate(float first, uint32_t step, uint32_t steps)
     return first * exp_e(-4.60517019f * part);
 }
 
-static void set_rates(fxs_fit_plan *plan, float position, float opacity)
+static void set_rates(fxs_fit_plan *plan, float position, float opacity, float sh)
 {
     for (int i = 0; i < FXS_FIT_PARAMETERS; i++)
         plan->rate[i] = i < FXS_FIT_SCALE      ? position
@@ -61,7 +61,7 @@ static void set_rates(fxs_fit_plan *plan, float position, float opacity)
                         : i < FXS_FIT_OPACITY  ? 0.001f
                         : i < FXS_FIT_COLOUR   ? opacity
                         : i < FXS_FIT_SH       ? 0.0025f
-                                               : 0.000125f;
+                                               : sh;
 }
 
 static int is_every(uint32_t step, uint32_t interval, uint32_t after, uint32_t before)
@@ -74,81 +74,71 @@ static int is_white(const uint8_t background[3])
     return background[0] == 255 && background[1] == 255 && background[2] == 255;
 }
 
-/* Opacities are reset after steps 3,000, 6,000 and so on, before step `end`, and over white after step 500. */
-static int is_reset(const fxs_fit_options *options, uint32_t step, uint32_t end)
+/* In reference, opacities are reset after steps 3,000, 6,000 and so on, before step 15,000, and over white after step
+   500. */
+static int is_reset(const fxs_fit_options *options, uint32_t step)
 {
-    return options->recipe != FXS_FIT_MCMC &&
-           (is_every(step, 3000, 0, end) || (step == 500 && is_white(options->background)));
+    return options->recipe == FXS_FIT_REFERENCE &&
+           (is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background)));
 }
 
 /* 0.05 * 10^-(step / steps). The 500 steps after the beginning and after each reset take a growing part of it: pictures
    are not of the scene yet. */
-static void set_gain_rate(const fxs_fit_options *options, uint32_t step, uint32_t steps, uint32_t end,
-                          fxs_fit_plan *plan)
+static void set_gain_rate(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
     uint32_t since = 1;
     if (!options->exposure || options->blocks)
         return;
-    while (since < 500 && since < step && !is_reset(options, step - since, end))
+    while (since < 500 && since < step && !is_reset(options, step - since))
         since++;
     plan->gain_rate = 0.05f * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
 }
 
 /* The recipe has 30,000 steps, and a shorter fit is its beginning. In a longer one, only the rate of positions is
    stretched to the end. */
-static uint32_t whole_steps(const fxs_fit_options *options)
-{
-    return options->steps > 30000 ? options->steps : 30000;
-}
-
 static void plan_reference(const fxs_fit_options *options, float extent, uint32_t step, fxs_fit_plan *plan)
 {
-    set_rates(plan, position_rate(1.6e-4f * extent, step, whole_steps(options)), 0.025f);
+    const uint32_t steps = options->steps > 30000 ? options->steps : 30000;
+    set_rates(plan, position_rate(1.6e-4f * extent, step, steps), 0.025f, 0.000125f);
+    plan->sh_degree = (int)(step / 1000);
     plan->densify = is_every(step, 100, 500, 15000);
     plan->large = step > 3000 ? 0.1f * extent : INFINITY;
-    plan->reset = is_reset(options, step, 15000);
-    set_gain_rate(options, step, whole_steps(options), 15000, plan);
+    plan->reset = is_reset(options, step);
+    set_gain_rate(options, step, steps, plan);
     plan->order = plan->densify && step % 1000 == 0;
 }
 
-static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t step, fxs_fit_plan *plan)
+static uint32_t from_1_to(uint32_t most, uint32_t x)
 {
-    set_rates(plan, position_rate(1.6e-4f * extent, step, whole_steps(options)), 0.05f);
-    plan->by_opacity = plan->by_scale = 0.01f;
-    plan->noise = 5e5f * plan->rate[FXS_FIT_POSITION];
-    plan->relocate = is_every(step, 100, 500, 25000);
-    set_gain_rate(options, step, whole_steps(options), 0, plan);
-    plan->order = plan->relocate && step % 1000 == 0;
+    return x < 1 ? 1 : x < most ? x : most;
 }
 
-static void plan_fast(const fxs_fit_options *options, float extent, uint32_t step, int least_side, fxs_fit_plan *plan)
+/* The course adapts to the number of steps. */
+static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t step, int least_side, fxs_fit_plan *plan)
 {
-    const uint32_t steps = options->steps;
-    set_rates(plan, position_rate(1.6e-4f * extent, step, steps), 0.025f);
+    const uint32_t steps = options->steps, interval = from_1_to(100, steps / 80);
+    set_rates(plan, position_rate(1.6e-4f * extent, step, steps), 0.05f, 0.00025f);
+    plan->sh_degree = (int)(step / from_1_to(1000, steps / 16));
     plan->divisor = step <= steps / 10 ? 4 : step <= steps / 10 * 3 ? 2 : 1;
     while (plan->divisor > 1 && least_side / plan->divisor < 50)
         plan->divisor /= 2;
-    plan->gradient = 0.0001f;
-    plan->densify = is_every(step, 100, 200, steps / 2);
-    plan->reset = is_reset(options, step, steps / 2);
-    set_gain_rate(options, step, steps, steps / 2, plan);
-    plan->order = plan->densify && step % 500 == 0;
+    plan->by_opacity = plan->by_scale = 0.01f;
+    plan->noise = (options->recipe == FXS_FIT_MCMC ? 2e6f : 5e5f) * plan->rate[FXS_FIT_POSITION];
+    plan->relocate = is_every(step, interval, 3 * interval, steps / 5 * 4);
+    set_gain_rate(options, step, steps, plan);
+    plan->order = plan->relocate && step % (5 * interval) == 0;
 }
 
 void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,
                        fxs_fit_plan *plan)
 {
-    const uint32_t degree = step / 1000;
     memset(plan, 0, sizeof *plan);
-    plan->sh_degree = (int)degree < options->sh_degree ? (int)degree : options->sh_degree;
     plan->divisor = 1;
-    plan->gradient = 0.0002f;
     plan->large = INFINITY;
-    if (options->recipe == FXS_FIT_MCMC)
-        plan_mcmc(options, extent, step, plan);
-    else if (options->recipe == FXS_FIT_FAST)
-        plan_fast(options, extent, step, least_side, plan);
-    else
+    if (options->recipe == FXS_FIT_REFERENCE)
         plan_reference(options, extent, step, plan);
+    else
+        plan_mcmc(options, extent, step, least_side, plan);
+    plan->sh_degree = plan->sh_degree < options->sh_degree ? plan->sh_degree : options->sh_degree;
 }

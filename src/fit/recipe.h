@@ -13,7 +13,6 @@ typedef struct fxs_fit_plan {
     float gain_rate;               /* of the exposures of photographs, log2 */
     float noise;                   /* amount of fxs_fit_noise */
     int densify, relocate, order;  /* 1: done after the update */
-    float gradient;                /* for densify: the least gradient for a clone or split */
     float large;                   /* scale above which densify removes a Gaussian; infinity: none */
     int reset;                     /* 1: opacities are reset after that */
 } fxs_fit_plan;

@@ -374,6 +374,9 @@ __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *in
         fates[indices[k]] = fate_without_room(&m, &d, indices[k]);
 }
 
+/* What a new Gaussian is. */
+enum { IS_CLONE, IS_FIRST_CHILD, IS_SECOND_CHILD };
+
 /* How many Gaussians each one becomes: in the upper half 1 where it stays, in the lower one how many are new. */
 __global__ void count_next(const uint8_t *fates, uint32_t count, uint64_t *numbers)
 {
@@ -384,7 +387,7 @@ __global__ void count_next(const uint8_t *fates, uint32_t count, uint64_t *numbe
 }
 
 __global__ void set_sources(const uint8_t *fates, const uint64_t *sums, uint32_t count, uint32_t kept,
-                            uint32_t *sources, uint8_t *is_child)
+                            uint32_t *sources, uint8_t *kinds)
 {
     const uint32_t i = gaussian_of_thread();
     if (i >= count || fates[i] == GOES)
@@ -394,22 +397,22 @@ __global__ void set_sources(const uint8_t *fates, const uint64_t *sums, uint32_t
     const uint32_t others = (fates[i] == SPLIT) + (fates[i] >= CLONED), end = kept + (uint32_t)sums[i];
     for (uint32_t k = end - others; k < end; k++) {
         sources[k] = i;
-        is_child[k - kept] = fates[i] == SPLIT;
+        kinds[k - kept] = fates[i] != SPLIT ? IS_CLONE : end - k == 2 ? IS_FIRST_CHILD : IS_SECOND_CHILD;
     }
 }
 
-__global__ void set_children(fxs_fit_model m, fxs_fit_densify d, const uint8_t *is_child, uint32_t kept)
+__global__ void set_children(fxs_fit_model m, const uint8_t *kinds, uint32_t kept)
 {
     const uint32_t i = kept + gaussian_of_thread();
-    if (i < m.count && is_child[i - kept])
-        set_child(&m, i, d.seed, d.step, i);
+    if (i < m.count && kinds[i - kept] != IS_CLONE)
+        set_child(&m, i, kinds[i - kept] == IS_FIRST_CHILD ? 1.0f : -1.0f);
 }
 
 /* Device memory of a densification. */
 struct densify_memory {
     fate_counts *counts;
     uint64_t *sums;
-    uint8_t *fates, *is_child;
+    uint8_t *fates, *kinds;
     uint32_t *keys[2], *indices[2], *sources;
     float *spare;
     void *scratch;
@@ -437,7 +440,7 @@ uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
 {
     unsigned char *at = (unsigned char *)memory;
     d->sources = cut<uint32_t>(&at, next);
-    d->is_child = cut<uint8_t>(&at, next);
+    d->kinds = cut<uint8_t>(&at, next);
     d->spare = cut<float>(&at, (uint64_t)SPARE * next);
     return (uint64_t)(at - (unsigned char *)memory);
 }
@@ -474,14 +477,14 @@ int find_next(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory
     return sum_up(d->sums, count, d->scratch, d->scratch_bytes, last, stream, why);
 }
 
-int make_next(device_model *m, const fxs_fit_densify *how, const densify_memory *d, uint32_t kept, uint32_t next,
+int make_next(device_model *m, const densify_memory *d, uint32_t kept, uint32_t next,
               cudaStream_t stream, fxs_message *why)
 {
     set_sources<<<blocks_for(m->count), MODEL_THREADS, 0, stream>>>(d->fates, d->sums, m->count, kept, d->sources,
-                                                                    d->is_child);
+                                                                    d->kinds);
     const cudaError_t error = rebuild(m, d->sources, next, kept, d->spare, stream);
     if (next > kept)
-        set_children<<<blocks_for(next - kept), MODEL_THREADS, 0, stream>>>(as_host(m), *how, d->is_child, kept);
+        set_children<<<blocks_for(next - kept), MODEL_THREADS, 0, stream>>>(as_host(m), d->kinds, kept);
     return check(why, first_of(error, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
@@ -509,7 +512,7 @@ int model_densify(device_model *m, const fxs_fit_densify *how, budget *taken, cu
     if (error)
         return error;
     cut_next(&d, places.memory.data, (uint32_t)next);
-    return make_next(m, how, &d, kept, (uint32_t)next, stream, why);
+    return make_next(m, &d, kept, (uint32_t)next, stream, why);
 }
 
 /* ---- Opacity ----------------------------------------------------------------------------------------------------- */
