@@ -291,12 +291,23 @@ static int serve(const site *s, const view_options *o)
     return EXIT_OK;
 }
 
+/* By its option, or the beginning of that: emulators have another argv[0]. */
+static int is_fit(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++) {
+        const size_t length = strlen(argv[i]);
+        if (length >= sizeof "--pre" - 1 && !strncmp(argv[i], "--preview", length))
+            return 1;
+    }
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     view_options o;
     static site s;
     check_printed_at_exit();
-    if (argc && !strcmp(argv[0], "fit"))
+    if (is_fit(argc, argv))
         return serve_fit(argc, argv);
     int status = view_options_take(&o, argc, argv);
     if (!status)

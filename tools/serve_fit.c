@@ -24,7 +24,7 @@
 #define SECOND ((uint64_t)1000000000)
 enum {
     SCENE_SECONDS = 3,              /* between two scenes, at least */
-    SHARE = 20,                     /* of the time so far that packing and measuring take, at most: one part of it */
+    SHARE = 40,                     /* scenes take up to one part in so many of the time, and so do points */
     POINTS = 20,                    /* of the curve, of a whole fit */
     MEASURED_MOST = 4,              /* photographs of a point */
     PAGE_SECONDS = 3,               /* without a question of the page, and it is not there any more */
@@ -56,13 +56,14 @@ static struct preview {
 
     const char *out, *state;
     int has_failed;                 /* and that was said */
+    int is_written;                 /* the scene, and what follows is of that */
     const fxs_photos *photos;       /* until the scene is written */
     int held_out;                   /* whether it is measured by photographs that are not fitted */
     frame_options frame;
     fxs_photos few;                 /* of the photographs, those that are measured between two steps; all 0: none */
     fit_now now;
     uint64_t began, told, packed;   /* nanoseconds: when the fit began, when numbers and a scene were last given out */
-    uint64_t spent;                 /* on scenes and measurements */
+    uint64_t spent_on_scenes, spent_on_points;
     uint32_t version;               /* of the scene, from 1 on; 0: there is none */
     uint32_t measured;              /* the last step that was measured */
     point *points;
@@ -224,6 +225,7 @@ static void choose_few(struct preview *p)
 
 static void measure_few(struct preview *p, fxs_packed_scene *packed)
 {
+    const uint64_t start = fxs_clock(0);
     quality q = {0};
     world scene = {0};
     int status = world_open_packed(&scene, p->out, packed);
@@ -233,24 +235,34 @@ static void measure_few(struct preview *p, fxs_packed_scene *packed)
     p->measured = p->now.step;
     quality_free(&q);
     world_close(&scene);
+    p->spent_on_points += fxs_clock(0) - start;
 }
 
+/* The first, the last, and between them as many as there is time for. */
 static int wants_point(const struct preview *p)
 {
     const fit_now *now = &p->now;
-    return (p->few.held_out || p->few.fit) &&
-           (!p->point_count || now->step - p->measured >= now->steps / POINTS || now->step == now->steps);
+    const int is_due = now->step - p->measured >= now->steps / POINTS &&
+                       p->spent_on_points * SHARE <= fxs_clock(0) - p->began;
+    return (p->few.held_out || p->few.fit) && (!p->point_count || is_due || p->is_written);
 }
 
-static void show(struct preview *p, fxs_packed_scene *packed)
+/* `start`: when it was begun to pack. */
+static void show(struct preview *p, fxs_packed_scene *packed, uint64_t start)
 {
-    const uint64_t start = fxs_clock(0);
     give_scene(p, packed);
-    if (wants_point(p))
-        measure_few(p, packed);
-    tell(p);
     p->packed = fxs_clock(0);
-    p->spent += p->packed - start;
+    p->spent_on_scenes += p->packed - start;
+    tell(p);
+    if (wants_point(p)) {
+        measure_few(p, packed);
+        tell(p);
+    }
+}
+
+static int wants_scene(const struct preview *p, uint64_t time)
+{
+    return time - p->packed >= SCENE_SECONDS * SECOND && p->spent_on_scenes * SHARE <= time - p->began;
 }
 
 static void pack_and_show(struct preview *p, fxs_fit *fit)
@@ -259,14 +271,14 @@ static void pack_and_show(struct preview *p, fxs_fit *fit)
     fxs_packed_scene packed;
     fxs_pack_report report;
     fxs_message message;
-    if (fxs_fit_pack(fit, &packed, &report, &message)) {
+    const int error = fxs_fit_pack(fit, &packed, &report, &message);
+    if (error) {
         fail_for(&message);
         p->packed = fxs_clock(0);
         return;
     }
     p->now.gaussians = (size_t)report.read;
-    p->spent += fxs_clock(0) - start;
-    show(p, &packed);
+    show(p, &packed, start);
     fxs_packed_scene_free(&packed);
 }
 
@@ -297,9 +309,12 @@ static int open_preview(const char *out, uint64_t port)
                                                                                  "/cameras.json"};
     const fxs_http_options options = {.address = "127.0.0.1", .port = (uint16_t)port};
     struct preview *p = &preview;
+    char page[PAGE_PATH + 32];
     const int status = page_folder_find(p->folder);
     if (status)
         return status;
+    if (snprintf(page, sizeof page, "%s%s", p->folder, start) >= (int)sizeof page || access(page, R_OK))
+        return fail(EXIT_FAILED, "%s: the page of --preview is not there: no viewer/fit.html", p->folder);
     for (int i = 0; i < FILES; i++)
         p->files[i] = (fxs_http_file){.name = names[i], .open = open_live, .self = &p->live[i]};
     p->site = (fxs_http_site){.folder = p->folder, .files = p->files, .file_count = FILES, .starts = &start,
@@ -333,7 +348,7 @@ static void look(fxs_fit *fit, const fit_now *now)
     struct preview *p = &preview;
     const uint64_t time = fxs_clock(0);
     p->now = *now;
-    if (time - p->packed >= SCENE_SECONDS * SECOND && p->spent * SHARE <= time - p->began && now->step < now->steps)
+    if (now->step < now->steps && wants_scene(p, time))
         pack_and_show(p, fit);
     else if (time - p->told >= SECOND)
         tell(p);
@@ -344,7 +359,7 @@ static void add_measured(uint32_t step, const quality *q)
     struct preview *p = &preview;
     if (!p->few.held_out && !p->few.fit)
         add_point(p, step, q);
-    if (step == p->now.steps)
+    if (p->is_written)
         p->result = (quality){.count = q->count, .psnr = q->psnr, .ssim = q->ssim};
     tell(p);
 }
@@ -352,7 +367,8 @@ static void add_measured(uint32_t step, const quality *q)
 static void show_written(fxs_packed_scene *packed)
 {
     preview.state = "measures";
-    show(&preview, packed);
+    preview.is_written = 1;
+    show(&preview, packed, fxs_clock(0));
 }
 
 static void tell_stopped(void)

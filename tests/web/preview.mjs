@@ -103,8 +103,8 @@ try {
   await test('numbers and the curve, on a wide page and a narrow one', async () => {
     await until(`return document.querySelectorAll('#curve circle').length > 1 && $('curve').querySelector('.end')`)
     const last = await inside(`return $('curve').querySelector('.end').textContent`)
-    assert.match(last, /^\d+\.\d\d$/)
-    assert.match(await inside(`return $('measured').textContent`), /^PSNR of 2 photographs held out, dB$/)
+    assert.match(last, /^\d+\.\d\d dB$/)
+    assert.match(await inside(`return $('measured').textContent`), /^PSNR of 2 photographs held out$/)
     for (const id of ['step', 'gaussians']) assert.match(await inside(`return $('${id}').textContent`), /^[\d,]+$/)
     assert.match(await inside(`return $('left').textContent`), /left$/)
     for (const [width, height] of [[1280, 720], [390, 844]]) {

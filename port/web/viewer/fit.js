@@ -47,7 +47,7 @@ function durationOf(seconds) {
 function write(facts) {
   const { scene, state, step, steps, gaussians, loss, seconds, left, held_out: held, photographs, result } = facts
   const name = scene.split('/').pop()
-  const share = steps ? step / steps : 0
+  const share = steps ? Math.min(step / steps, 1) : 0
   const percent = `${Math.floor(100 * share)} %`
   document.title = state === 'fits' ? `${percent} · ${name}` : `${STATES[state]} · ${name}`
   ui.name.textContent = name
@@ -62,7 +62,7 @@ function write(facts) {
   ui.loss.textContent = step && loss !== null ? loss.toFixed(4) : '–'
   ui.time.textContent = durationOf(seconds)
   const kind = held ? 'held out' : 'of the fit'
-  ui.measured.textContent = `PSNR of ${photographs || 'the'} photographs ${kind}, dB`
+  ui.measured.textContent = `PSNR of ${photographs || 'all'} photographs ${kind}`
   ui.result.hidden = !result
   if (result)
     ui.result.textContent = `All ${result.photographs} photographs ${kind}: ${wordsOf(result.psnr, result.ssim)}`
@@ -88,13 +88,14 @@ function stepOf(range) {
 const short = (n) => (n >= 1000 && n % 100 === 0 ? `${n / 1000}k` : many(n))
 
 /** Points: [step, psnr, ssim]. */
-function drawCurve({ points, steps }) {
+function drawCurve({ points, ...facts }) {
+  const steps = Math.max(facts.steps, facts.step)
   const { clientWidth: width, clientHeight: height } = ui.curve
   const there = points.filter(([, psnr]) => psnr !== null)
   const values = there.map(([, psnr]) => psnr)
   const rise = stepOf(Math.max(Math.max(...values) - Math.min(...values), 1))
   const [low, high] = [Math.floor(Math.min(...values) / rise) * rise, Math.ceil(Math.max(...values) / rise) * rise]
-  const top = high > low ? high : low + rise
+  const top = Math.max(high, low + 2 * rise)
   const x = (step) => 30 + (step / steps) * (width - 48)
   const y = (psnr) => height - 22 - ((psnr - low) / (top - low)) * (height - 36)
   const parts = []
@@ -115,7 +116,7 @@ function drawCurve({ points, steps }) {
   const [step, psnr, ssim] = there.at(-1)
   const isRight = x(step) > width / 2
   const end = { class: 'end', x: x(step) + (isRight ? -2 : 9), y: y(psnr) + (y(psnr) > 26 ? -10 : 20) }
-  parts.push(draw('text', { ...end, 'text-anchor': isRight ? 'end' : 'start' }, psnr.toFixed(2)))
+  parts.push(draw('text', { ...end, 'text-anchor': isRight ? 'end' : 'start' }, `${psnr.toFixed(2)} dB`))
   ui.curve.replaceChildren(...parts)
   ui.curve.setAttribute('aria-label', `PSNR by steps; after step ${many(step)}: ${wordsOf(psnr, ssim)}`)
   ui.ssim.textContent = `SSIM ${ssim.toFixed(3)}`
