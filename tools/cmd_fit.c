@@ -798,7 +798,7 @@ const command command_fit = {
     "  $ fixsplat fit garden -o garden.fxs\n"
     "  $ fixsplat fit walk.mp4 -o walk.fxs --recipe fast --compare pictures\n"
     "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
-    "  $ fixsplat fit garden -o garden.fxs --backend cuda --device 0,1\n"
+    "  $ fixsplat fit garden -o garden.fxs --preview --backend cuda --device 0,1\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
     "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n"
     "  $ fixsplat fit city -o coarse.fit --resolution 400 --steps 3000\n"
