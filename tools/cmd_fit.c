@@ -8,8 +8,10 @@
 #include <unistd.h>
 
 #include <fixsplat/clock.h>
+#include "beside.h"
 #include "file_guard.h"
 #include "fit_result.h"
+#include "fit_watcher.h"
 #include "reconstruct.h"
 
 typedef struct fit_command {
@@ -24,6 +26,9 @@ typedef struct fit_command {
     int saves_itself;               /* it is the file of --resume */
     uint32_t block, blocks;         /* blocks 0: all */
     uint64_t save_every, metrics_every;   /* 0: never */
+    int preview;
+    uint64_t port;                  /* of the preview */
+    const fit_watcher *watcher;     /* of it; or null */
     int json;
 } fit_command;
 
@@ -95,6 +100,11 @@ static const option_row own_rows[] = {
      "save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends"},
     {"metrics-every", "N", UINT64(metrics_every, 1, UINT32_MAX), .help =
      "measure the scene as it is after every N steps too, by the photographs that are held out, and print a line"},
+    {"preview", 0, FLAG(preview), .help =
+     "serve a page on this machine, and print its address, that shows the scene as it is now and how far it has come; "
+     "the scene does not depend on it, and the time by a twentieth"},
+    {"port", "N", UINT64(port, 0, 65535), .help =
+     "of --preview: 1 to 65535, or 0 for any that is free (default 8080)"},
     {"resume", "FILE", TEXT(resume), .help =
      "go on from there, with the same PHOTOS and options for them; the options of the fit are the file's, --steps "
      "may be others. It ends in the bytes of a fit that was never stopped"},
@@ -164,6 +174,7 @@ static int read_options(fit_command *c, int argc, char **argv)
     frame_options_default(&c->frame);
     fxs_fit_options_init(&c->options);
     c->reading.hold_out = 8;
+    c->port = 8080;
     if (take_options(&command_fit, c, argc, argv))
         return EXIT_USAGE;
     if (optind != argc - 1)
@@ -178,6 +189,11 @@ static int read_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "--coarse needs --block I/N");
     if (c->blocks && !c->block && !c->coarse)
         return fail(EXIT_USAGE, "--block 0/%u: expected I/N, I from 1 to N; 0 is for --coarse", (unsigned)c->blocks);
+    if (c->preview && (c->measure || c->cameras_only || (c->blocks && !c->block)))
+        return fail(EXIT_USAGE, "--preview: there is no step to look at: leave out --measure, --cameras-only and "
+                    "--block 0");
+    if (is_given("port") && !c->preview)
+        return fail(EXIT_USAGE, "--port needs --preview");
     if (c->blocks && !ends_with(c->out, ".ply"))
         return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, that convert merges", c->out);
     c->in = argv[optind];
@@ -327,6 +343,11 @@ static void count_step(progress *p, uint32_t step, const fxs_fit_report *report)
     show(p, step, report->gaussians, now);
 }
 
+static fit_now now_of(const progress *p, uint32_t step, size_t gaussians)
+{
+    return (fit_now){step, p->steps, gaussians, p->loss, p->pace * (p->steps - step)};
+}
+
 /* ---- The fit ----------------------------------------------------------------------------------------------------- */
 
 static int save(const fit_command *c, fxs_fit *fit)
@@ -415,6 +436,8 @@ static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos 
         note("step %" PRIu32 ": %s dB, after the best affine map %s, SSIM %.4f; %" PRIu32 " Gaussians", step,
              fxs_metrics_psnr(psnr, q.psnr, "no"), fxs_metrics_psnr(affine, q.affine_psnr, "no"), q.ssim,
              scene.gaussians);
+    if (!status && c->watcher)
+        c->watcher->measured(step, &q);
     quality_free(&q);
     world_close(&scene);
     fxs_packed_scene_free(&packed);
@@ -432,6 +455,10 @@ static int make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *phot
             return fail_step(c, p, made, &message, argv);
         if (is_reported)
             count_step(p, step, &report);
+        if (is_reported && c->watcher) {
+            const fit_now now = now_of(p, step, report.gaussians);
+            c->watcher->look(fit, &now);
+        }
         if (c->save_every && step % c->save_every == 0 && step < p->steps && !save(c, fit))
             p->saved = step;
         if (c->metrics_every && step % c->metrics_every == 0 && step < p->steps)
@@ -523,12 +550,16 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
     int status = result_write(&result, fit, block, c->out);
     if (!status && !isatty(STDERR_FILENO))
         note("measuring %s", c->out);
+    if (!status && c->watcher)
+        c->watcher->written(&result.packed);
     if (status)
         save_for_later(c, fit, "saved", argv);
     else
         status = world_open_packed(&scene, c->out, &result.packed);
     if (!status)
         status = result_measure(&result.quality, &scene, photos, &frame, c->compare);
+    if (!status && c->watcher)
+        c->watcher->measured(fxs_fit_steps(fit), &result.quality);
     if (!status && c->json)
         print_json(c, fit, photos, &result, p);
     else if (!status)
@@ -536,6 +567,14 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
     world_close(&scene);
     result_free(&result);
     return status;
+}
+
+static void begin_watching(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const progress *p)
+{
+    const frame_options frame = frame_of(c, fit);
+    const fit_now now = now_of(p, p->first, 0);
+    if (c->watcher)
+        c->watcher->begin(fit, photos, &frame, !c->metrics_every, &now);
 }
 
 static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, char **argv)
@@ -552,10 +591,13 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_
         progress p = {.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
                       .last = now, .shown = now, .saved = c->saves_itself ? first : 0};
         listen_to_signals();
+        begin_watching(c, fit, photos, &p);
         status = make_steps(c, fit, photos, &p, argv);
         restore_signals();
         if (!status && asked) {
             status = EXIT_FAILED;
+            if (c->watcher)
+                c->watcher->stopped();
             if (!save_for_later(c, fit, "stopped", argv))
                 raise(asked);      /* and it ends as the signal would have */
         } else if (!status)
@@ -700,27 +742,47 @@ static int find_cameras(fit_command *c)
     return status;
 }
 
-static int run(int argc, char **argv)
+static int fit_set(fit_command *c, char **argv)
+{
+    static char label[] = "reading";
+    const int status = find_cameras(c);
+    if (status || c->cameras_only)
+        return status;
+    fxs_pool *pool = fxs_pool_create(c->frame.threads);
+    c->options.run = c->reading.run = pool ? fxs_pool_run : 0;
+    c->options.pool = c->reading.pool = pool;
+    c->options.threads = pool ? c->frame.threads : 1;
+    c->reading.progress = show_reading;
+    c->reading.left_out = say_left_out;
+    c->reading.argument = label;
+    const int made = c->measure ? measure_scene(c) : c->blocks ? fit_block(c, argv) : fit_whole(c, argv);
+    fxs_pool_destroy(pool);
+    return made;
+}
+
+int fit_run(int argc, char **argv, const fit_watcher *watcher)
 {
     static fit_command c;
-    static char label[] = "reading";
     int status = read_options(&c, argc, argv);
+    if (!status && c.preview && !watcher)
+        return run_beside(&server_program, "--preview", argv);
+    c.watcher = c.preview ? watcher : 0;
     status = status ? status : check_outputs(&c);
-    status = status ? status : find_cameras(&c);
-    if (status || c.cameras_only)
-        return status;
-    fxs_pool *pool = fxs_pool_create(c.frame.threads);
-    c.options.run = c.reading.run = pool ? fxs_pool_run : 0;
-    c.options.pool = c.reading.pool = pool;
-    c.options.threads = pool ? c.frame.threads : 1;
-    c.reading.progress = show_reading;
-    c.reading.left_out = say_left_out;
-    c.reading.argument = label;
-    status = c.measure ? measure_scene(&c) : c.blocks ? fit_block(&c, argv) : fit_whole(&c, argv);
-    fxs_pool_destroy(pool);
+    if (!status && c.watcher)
+        status = c.watcher->open(c.out, c.port);
+    if (!status) {
+        status = fit_set(&c, argv);
+        if (c.watcher)
+            c.watcher->close(status);
+    }
     free(c.saved);
     free(c.found);
     return status;
+}
+
+static int run(int argc, char **argv)
+{
+    return fit_run(argc, argv, 0);
 }
 
 const command command_fit = {
@@ -736,7 +798,7 @@ const command command_fit = {
     "  $ fixsplat fit garden -o garden.fxs\n"
     "  $ fixsplat fit walk.mp4 -o walk.fxs --recipe fast --compare pictures\n"
     "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
-    "  $ fixsplat fit garden -o garden.fxs --backend cuda --device 0,1\n"
+    "  $ fixsplat fit garden -o garden.fxs --preview --backend cuda --device 0,1\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
     "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n"
     "  $ fixsplat fit city -o coarse.fit --resolution 400 --steps 3000\n"

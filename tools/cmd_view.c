@@ -1,10 +1,8 @@
 /* fixsplat view: its options. fixsplat-view, a program beside this one, has the window, and fixsplat-web the page. */
-#include <errno.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/image_file.h>
+#include "beside.h"
 #include "cmd_view.h"
 #include "views.h"
 
@@ -139,35 +137,11 @@ static const char *scene_name(const view_options *o)
     return w->file ? w->file : w->scene_count ? w->scenes[0] : "view";
 }
 
-/* What of the program needs libraries that are many, and that the other commands do without, is a program beside it. */
-#ifdef FXS_WITH_SDL
-static const char window[] = "-view";
-#else
-static const char window[] = "";
-#endif
-#ifdef FXS_WITH_MICROHTTPD
-static const char server[] = "-web";
-#else
-static const char server[] = "";
-#endif
-
-static int show(const view_options *o, char **argv)
-{
-    const char *ending = o->web ? server : window, *without = o->web ? "libmicrohttpd" : "SDL2";
-    char path[4096] = "fixsplat";
-    if (!*ending)
-        return fail(EXIT_FAILED, "%s: cannot be shown: this program was built without %s", scene_name(o), without);
-    ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof "-view");
-    strcpy(path + (length > 0 ? (size_t)length : strlen(path)), ending);
-    execvp(path, argv);
-    return fail(EXIT_FAILED, "%s: cannot be shown: %s: %s", scene_name(o), path, strerror(errno));
-}
-
 static int run(int argc, char **argv)
 {
     view_options o;
     int status = view_options_take(&o, argc, argv);
-    return status ? status : show(&o, argv);
+    return status ? status : run_beside(o.web ? &server_program : &window_program, scene_name(&o), argv);
 }
 
 const command command_view = {

@@ -107,14 +107,19 @@ void suggest(suggestion *s, const char *word, size_t length, const char *name)
     }
 }
 
-void print_json_string(const char *text)
+void write_json_string(FILE *file, const char *text)
 {
-    putchar('"');
+    putc('"', file);
     for (; *text; text++) {
         const unsigned char c = (unsigned char)*text;
-        printf(c < ' ' ? "\\u%04x" : c == '"' || c == '\\' ? "\\%c" : "%c", c);
+        fprintf(file, c < ' ' ? "\\u%04x" : c == '"' || c == '\\' ? "\\%c" : "%c", c);
     }
-    putchar('"');
+    putc('"', file);
+}
+
+void print_json_string(const char *text)
+{
+    write_json_string(stdout, text);
 }
 
 /* What was printed has to have arrived, wherever the program ends. */

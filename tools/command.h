@@ -37,7 +37,8 @@ const char *needed_bytes(char text[64], const fxs_message *why);
 /* Prints the message with those words behind it, and returns EXIT_FAILED. */
 int fail_for(const fxs_message *why);
 
-/* Prints a text as a JSON string. */
+/* Writes, or prints, a text as a JSON string. */
+void write_json_string(FILE *file, const char *text);
 void print_json_string(const char *text);
 
 /* Whether a name has this ending, and something before it. */

@@ -1,7 +1,8 @@
-/* fixsplat-web: what `fixsplat view --web` runs, with the same arguments. */
+/* fixsplat-web: what `fixsplat view --web` and `fixsplat fit --preview` run, with the same arguments. */
 #define _XOPEN_SOURCE 700   /* realpath */
 #include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -15,6 +16,7 @@
 #include "load_scene.h"
 #include "cmd_view.h"
 #include "page_folder.h"
+#include "serve.h"
 #include "views.h"
 
 typedef struct site {
@@ -42,17 +44,23 @@ static char *text_of(const char *format, ...)
 
 /* ---- What it shows ----------------------------------------------------------------------------------------------- */
 
-/* A file of its own without a name; its descriptor, or -1. */
-static int keep(const void *data, size_t bytes)
+int keep_written(FILE *file)
 {
-    FILE *file = tmpfile();
-    const int written = file && fwrite(data, 1, bytes, file) == bytes && !fflush(file);
-    const int descriptor = written ? dup(fileno(file)) : -1;
+    const int written = file && !fflush(file) && !ferror(file);
+    const int descriptor = written ? fcntl(fileno(file), F_DUPFD_CLOEXEC, 0) : -1;
     const int why = errno;
     if (file)
         fclose(file);
     errno = why;
     return descriptor;
+}
+
+int keep(const void *data, size_t bytes)
+{
+    FILE *file = tmpfile();
+    if (file)
+        fwrite(data, 1, bytes, file);
+    return keep_written(file);
 }
 
 /* Whether it is a file that is there for as long as this is, and none in JSON, which names others. */
@@ -136,13 +144,12 @@ static int add_scene(site *s, const char *path, const load_options *o)
     return file->name ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
-static void print_view(FILE *out, const fxs_file_view *v)
+void write_view(FILE *out, const fxs_file_view *v)
 {
     const double *r = v->rotation;
-    fprintf(out, "{\"img_name\": \"");
-    for (const char *c = v->name; *c; c++)
-        fprintf(out, (unsigned char)*c < ' ' ? "\\u%04x" : *c == '"' || *c == '\\' ? "\\%c" : "%c", *c);
-    fprintf(out, "\", \"width\": %d, \"height\": %d, \"fx\": %.17g, \"fy\": %.17g, \"cx\": %.17g, \"cy\": %.17g, "
+    fputs("{\"img_name\": ", out);
+    write_json_string(out, v->name);
+    fprintf(out, ", \"width\": %d, \"height\": %d, \"fx\": %.17g, \"fy\": %.17g, \"cx\": %.17g, \"cy\": %.17g, "
             "%s\"position\": [%.17g, %.17g, %.17g], \"rotation\": [", v->width, v->height, v->fx, v->fy, v->cx, v->cy,
             v->projection == FXS_ORTHOGRAPHIC ? "\"orthographic\": true, " : "",
             v->position[0], v->position[1], v->position[2]);
@@ -163,19 +170,16 @@ static int add_views(site *s, const frame_options *o)
     FILE *file = first < 0 ? 0 : tmpfile();
     for (long i = 0; file && i < count; i++) {
         fputs(i ? ",\n" : "[", file);
-        print_view(file, &views[(first + i) % count]);
+        write_view(file, &views[(first + i) % count]);
     }
     free(views);
     if (first < 0)
         return EXIT_FAILED;
     fxs_http_file *to = &s->files[s->served.file_count++];
-    *to = (fxs_http_file){"/cameras.json", 0, -1};
-    if (file && fputs("]\n", file) >= 0 && !fflush(file))
-        to->descriptor = dup(fileno(file));
-    const int why = errno;
     if (file)
-        fclose(file);
-    return to->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", o->cameras, strerror(why)) : 0;
+        fputs("]\n", file);
+    *to = (fxs_http_file){"/cameras.json", .descriptor = keep_written(file)};
+    return to->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", o->cameras, strerror(errno)) : 0;
 }
 
 /* The same as a part of an address: what is not plain as %XX. Room for three times its length and a 0. */
@@ -287,11 +291,24 @@ static int serve(const site *s, const view_options *o)
     return EXIT_OK;
 }
 
+/* By its option, or the beginning of that: emulators have another argv[0]. */
+static int is_fit(int argc, char **argv)
+{
+    for (int i = 1; i < argc; i++) {
+        const size_t length = strlen(argv[i]);
+        if (length >= sizeof "--pre" - 1 && !strncmp(argv[i], "--preview", length))
+            return 1;
+    }
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     view_options o;
     static site s;
     check_printed_at_exit();
+    if (is_fit(argc, argv))
+        return serve_fit(argc, argv);
     int status = view_options_take(&o, argc, argv);
     if (!status)
         status = fill_site(&s, &o.frame);

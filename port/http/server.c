@@ -77,14 +77,19 @@ static int open_of_folder(const char *folder, const char *name)
     return open_path(path);
 }
 
+static int open_file(const fxs_http_file *file)
+{
+    return file->open ? file->open(file->self)
+         : file->path ? open_path(file->path) : fcntl(file->descriptor, F_DUPFD_CLOEXEC, 0);
+}
+
 /* Opens the regular file of that name; the caller closes the descriptor. Returns -1 where there is none. */
 static int open_named(const fxs_http_site *site, const char *name, struct stat *information)
 {
     int descriptor = -2;
     for (int i = 0; i < site->file_count && descriptor == -2; i++)
         if (!strcmp(site->files[i].name, name))
-            descriptor = site->files[i].path ? open_path(site->files[i].path)
-                                             : fcntl(site->files[i].descriptor, F_DUPFD_CLOEXEC, 0);
+            descriptor = open_file(&site->files[i]);
     if (descriptor == -2)
         descriptor = *name == '/' ? open_of_folder(site->folder, name) : -1;
     if (descriptor >= 0 && (fstat(descriptor, information) || !S_ISREG(information->st_mode))) {
@@ -363,6 +368,7 @@ static int listen_at(any_address *address, const fxs_http_options *o, fxs_messag
     socklen_t size = size_of(address);
     const int s = socket(address->any.sa_family, SOCK_STREAM, 0);
     if (s >= 0) {
+        fcntl(s, F_SETFD, FD_CLOEXEC);
         setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
         if (address->any.sa_family == AF_INET6)
             setsockopt(s, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);

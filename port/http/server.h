@@ -13,6 +13,10 @@ typedef struct fxs_http_file {
     const char *name;                       /* "/scenes/0/room.ply" */
     const char *path;                       /* not a link, where it is asked for; or null for: */
     int descriptor;                         /* a file that stays open, sent from its beginning */
+    int (*open)(void *self);                /* or, where this is not null, for a file that changes: called for each
+                                               request, on the server's thread. Returns a descriptor that the answer
+                                               closes, or -1 where there is no such file */
+    void *self;                             /* of open */
 } fxs_http_file;
 
 /* The files that are served; must not move in memory until the server is closed. */

@@ -13,6 +13,9 @@ export class Viewer extends HTMLElement {
   readonly link: string
   /** Opens an address, a file, or the files of a scene; what there was stays where that fails. */
   open(source: string | File | File[]): Promise<boolean>
+  /** Puts the scene of another address in the place of the one on show; the camera stays. False where there is no scene
+      yet, or where it is not the time: ask again. */
+  replace(source: string): Promise<boolean>
   /** Of the views of `cameras`, from 0. */
   showView(index: number): void
 }

@@ -33,6 +33,7 @@ export class Viewer extends HTMLElement {
   #linked = null // that of the attribute `view`, where the scene began with it
   #busy = false
   #switching = false
+  #held = false // the scene stays as it is: a trial has a copy of it, or another takes its place
   #changed = false
   #missing = 0 // parts that the last picture lacked
   #stuck = false // and that do not come
@@ -162,6 +163,21 @@ export class Viewer extends HTMLElement {
     } finally {
       if (this.#opening === opening) this.#begun()
     }
+  }
+
+  /** Puts another scene in the place of the one on show, by the same camera and without a word. False where there is none,
+      or not now. */
+  async replace(url) {
+    const engine = this.#engine
+    if (!engine || this.#opening || this.#held) return false
+    this.#held = true
+    const scene = await engine.open(addressOf(url)).finally(() => (this.#held = false))
+    if (engine !== this.#engine) return false
+    this.#scene = scene
+    this.#panels.entitle(scene)
+    this.#pilot.take(scene)
+    this.#change()
+    return true
   }
 
   #newEngine(hear) {
@@ -414,8 +430,11 @@ export class Viewer extends HTMLElement {
       const found = await this.#pick(0.5, 0.5, this.#frame(true)).catch(() => null)
       this.#pilot.ahead = found?.position ?? null
     }
+    if (this.#held) return
+    this.#held = true
     const newEngine = () => this.#newEngine((told) => this.#hear(null, told))
-    const other = await this.#picture.try(newEngine, this.#pilot.rendered(options), options)
+    const trial = this.#picture.try(newEngine, this.#pilot.rendered(options), options)
+    const other = await trial.finally(() => (this.#held = false))
     if (!other) return
     engine.end()
     this.#engine = other
