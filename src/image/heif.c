@@ -102,23 +102,22 @@ static const char *find_plane(const reading *r, enum heif_channel channel, plane
                : NULL;
 }
 
-static int halved(int at, int whole, int part)
+static int halved(int at, int size)
 {
-    const int half = part < whole ? at / 2 : at;
-    return half < part ? half : part - 1;
+    return at / 2 < size ? at / 2 : size - 1;
 }
 
 /* `planes`: Y, Cb, Cr, alpha; the chroma of a pixel is the one that lies on it, not interpolated. */
 static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
 {
-    const int width = planes[0].width, height = planes[0].height, is_grey = !planes[1].samples || !planes[2].samples;
+    const int width = planes[0].width, height = planes[0].height;
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++, rgba += 4) {
             const int level = (sample(&planes[0], x, y) - c->black) * c->y;
-            int chroma[2] = {0, 0};
-            for (int k = 0; k < 2 && !is_grey; k++) {
+            int chroma[2];
+            for (int k = 0; k < 2; k++) {
                 const plane *p = &planes[1 + k];
-                chroma[k] = sample(p, halved(x, width, p->width), halved(y, height, p->height)) - 128;
+                chroma[k] = sample(p, halved(x, p->width), halved(y, p->height)) - 128;
             }
             rgba[0] = rounded(level + c->red * chroma[1]);
             rgba[1] = rounded(level - c->green[0] * chroma[0] - c->green[1] * chroma[1]);
@@ -127,17 +126,17 @@ static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
         }
 }
 
-/* libheif converts colours in floats, so it is asked for the planes, as the standards say what they are to the bit. */
+/* libheif converts colours in floats, so it is asked for the planes of what cameras write, 4:2:0, which the standard of
+   HEVC gives to the bit. */
 static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int *height)
 {
     static const enum heif_channel channels[4] = {heif_channel_Y, heif_channel_Cb, heif_channel_Cr, heif_channel_Alpha};
-    const enum heif_colorspace space = r->lib->heif_image_get_colorspace(r->image);
     plane planes[4];
     colours c;
     const char *fault = find_colours(r, &c);
     for (int i = 0; i < 4 && !fault; i++)
         fault = find_plane(r, channels[i], &planes[i]);
-    if (!fault && ((space != heif_colorspace_YCbCr && space != heif_colorspace_monochrome) || !planes[0].samples ||
+    if (!fault && (!planes[0].samples || !planes[1].samples || !planes[2].samples ||
                    r->lib->heif_image_is_premultiplied_alpha(r->image) ||
                    (planes[3].samples && (planes[3].width != planes[0].width || planes[3].height != planes[0].height))))
         fault = "pixels of a form that is not known here";
@@ -209,8 +208,7 @@ static const char *decode(reading *r, FILE *file, uint8_t **rgba, int *width, in
     if (!options)
         return fxs_no_memory;
     options->strict_decoding = 1;
-    fault = said(lib->heif_decode_image(r->handle, &r->image, heif_colorspace_undefined, heif_chroma_undefined,
-                                        options));
+    fault = said(lib->heif_decode_image(r->handle, &r->image, heif_colorspace_YCbCr, heif_chroma_420, options));
     lib->heif_decoding_options_free(options);
     if (!fault)
         fault = take_pixels(r, rgba, width, height);

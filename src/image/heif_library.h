@@ -22,7 +22,6 @@
     use(heif_decoding_options_alloc) \
     use(heif_decoding_options_free) \
     use(heif_decode_image) \
-    use(heif_image_get_colorspace) \
     use(heif_image_get_width) \
     use(heif_image_get_height) \
     use(heif_image_get_bits_per_pixel_range) \
