@@ -113,34 +113,41 @@ static int convert(task *t, conversion *c, size_t count, uint32_t threads, int s
     return status;
 }
 
-int photo_folder_make(task *t, const photographs *p, const char *folder, const char *to, uint32_t threads, int skip_bad)
+/* A folder of links, and of what is converted. */
+static int make_mixed(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad)
 {
     static conversion c;
-    char from[TASK_PATH], name[TASK_PATH];
+    char path[TASK_PATH], name[TASK_PATH];
     size_t heif = 0;
-    char *whole = realpath(folder, 0);
-    const char **names = malloc((p->count + 1) * sizeof *names);
-    int status = names ? whole ? 0 : fail(EXIT_FAILED, "%s: %s", folder, strerror(errno)) : fail(EXIT_FAILED, "out of memory");
-    for (size_t i = 0; i < p->count && !status; i++)
-        if (fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF)
+    const char **names = malloc(p->count * sizeof *names);
+    int status = names ? make_folder(to) : fail(EXIT_FAILED, "out of memory");
+    for (size_t i = 0; i < p->count && !status; i++) {
+        if (fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF) {
             names[heif++] = p->names[i];
-    if (!status && !heif)
-        status = link_to(whole, to);
-    else if (!status)
-        status = make_folder(to);
-    for (size_t i = 0; i < p->count && heif && !status; i++)
-        if (fxs_photograph_kind_of(p->names[i]) != FXS_PHOTOGRAPH_HEIF) {
-            join_path(from, whole, p->names[i]);
-            join_path(name, to, p->names[i]);
-            status = link_to(from, name);
+            continue;
         }
+        join_path(path, from, p->names[i]);
+        join_path(name, to, p->names[i]);
+        status = link_to(path, name);
+    }
     memset(&c, 0, sizeof c);
-    c.folder = folder;
+    c.folder = from;
     c.to = to;
     c.names = names;
-    if (heif && !status)
-        status = convert(t, &c, heif, threads, skip_bad);
+    status = status ? status : convert(t, &c, heif, threads, skip_bad);
     free(names);
+    return status;
+}
+
+int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad)
+{
+    int is_mixed = 0, status;
+    char *whole = realpath(from, 0);
+    for (size_t i = 0; i < p->count; i++)
+        is_mixed |= fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF;
+    status = !whole     ? fail(EXIT_FAILED, "%s: %s", from, strerror(errno))
+             : is_mixed ? make_mixed(t, p, whole, to, threads, skip_bad)
+                        : link_to(whole, to);
     free(whole);
     return status;
 }

@@ -15,10 +15,10 @@ typedef struct photographs {
 int photographs_list(photographs *p, const char *folder);
 void photographs_free(photographs *p);
 
-/* Makes `to` a link to the folder; or where there are photographs of HEIF, a folder with links to the others and each of
-   these as a .jpg, NAME.heic.jpg, which is made once. Photographs that cannot be converted are an error, or with
-   skip_bad said. Returns 0, or prints what is wrong and returns the exit status. */
-int photo_folder_make(task *t, const photographs *p, const char *folder, const char *to, uint32_t threads, int skip_bad);
+/* Makes `to` a link to the folder `from`; or where it has photographs of HEIF, a folder with links to the others and
+   each of these as a .jpg, NAME.heic.jpg, which is made once. One that cannot be converted is an error, or with skip_bad
+   named. Returns 0, or prints what is wrong and returns the exit status. */
+int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad);
 
 /* Reads each photograph, to find those that are damaged and which are of one size and lens. Returns as above. */
 int photographs_look(task *t, photographs *p, const char *folder, int skip_bad);

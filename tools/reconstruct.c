@@ -71,8 +71,9 @@ static int take_film(work *w)
 static int link_photographs(work *w)
 {
     photographs p = {0};
+    const reconstruct_options *o = w->options;
     const int status = photographs_list(&p, w->source)
-                           ? photo_folder_make(&w->t, &p, w->source, w->images, w->options->threads, w->options->skip_bad)
+                           ? photo_folder_make(&w->t, &p, w->source, w->images, o->threads, o->skip_bad)
                            : no_memory();
     photographs_free(&p);
     return status;

@@ -64,16 +64,16 @@ static int fit_camera(const char *path, const fxs_listed_view *listed, const pic
 
 /* ---- EXIF -------------------------------------------------------------------------------------------------------- */
 
-/* Whether the camera's size is that of the picture after a quarter of a turn, and not before. Cameras without a size are
-   of the pixels as they are stored. */
+/* Whether the camera's size is that of the picture after a quarter of a turn, and not before. Cameras without a size
+   are of the pixels as they are stored. */
 static int is_turned(const fxs_listed_view *listed, int width, int height, int orientation)
 {
     return orientation > 4 && !listed->sizeless && !same_proportion(&listed->view, width, height) &&
            same_proportion(&listed->view, height, width);
 }
 
-/* The first row and column of what is stored are: 5 left and top, 6 right and top, 7 right and bottom, 8 left and bottom.
-   Returns NULL where memory is out. */
+/* The first row and column of what is stored are, by orientation: 5 left and top, 6 right and top, 7 right and bottom,
+   8 left and bottom. Returns NULL where memory is out. */
 static uint8_t *turned(const uint8_t *rgba, int width, int height, int orientation)
 {
     uint8_t *out = malloc(4 * (size_t)width * (size_t)height), *to = out;

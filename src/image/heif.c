@@ -35,8 +35,8 @@ static int sample(const plane *p, int x, int y)
 
 /* ---- Colours ----------------------------------------------------------------------------------------------------- */
 
-/* R = y Y + red Cr, G = y Y - green[0] Cb - green[1] Cr, B = y Y + blue Cb, 2^16 for each, with Y above `black`, Cb and
-   Cr from -128 on. */
+/* R = y Y + red Cr, G = y Y - green[0] Cb - green[1] Cr, B = y Y + blue Cb, all times 2^16, with Y above `black`, Cb
+   and Cr from -128 on. */
 typedef struct colours {
     int black, y, red, green[2], blue;
 } colours;
@@ -59,12 +59,14 @@ static void set_colours(colours *c, double kr, double kb, int is_full)
     c->green[1] = fixed(chroma * 2 * kr * (1 - kr) / kg);
 }
 
-/* Those of BT.601 in all levels where the file states none, as libheif has it. */
+/* What the file states, else what its stream does, else BT.601 in all levels, as libheif has it. */
 static const char *find_colours(const reading *r, colours *c)
 {
     struct heif_color_profile_nclx *stated = NULL;
     int matrix = 2, is_full = 1;
-    if (r->lib->heif_image_get_nclx_color_profile(r->image, &stated).code == heif_error_Ok && stated) {
+    if (r->lib->heif_image_handle_get_nclx_color_profile(r->handle, &stated).code != heif_error_Ok)
+        r->lib->heif_image_get_nclx_color_profile(r->image, &stated);
+    if (stated) {
         matrix = (int)stated->matrix_coefficients;
         is_full = stated->full_range_flag;
         r->lib->heif_nclx_color_profile_free(stated);
@@ -180,6 +182,7 @@ static void take_exif(const reading *r, fxs_exif_bytes *exif)
             memmove(block + 6, block + 4 + from, size - 4 - from);
             memcpy(block, "Exif\0", 6);
             fxs_exif_keep(exif, block, size - 4 - from + 6);
+            exif->is_upright = 1;
         }
     }
     free(block);

@@ -19,6 +19,7 @@
     use(heif_image_handle_get_list_of_metadata_block_IDs) \
     use(heif_image_handle_get_metadata_size) \
     use(heif_image_handle_get_metadata) \
+    use(heif_image_handle_get_nclx_color_profile) \
     use(heif_decoding_options_alloc) \
     use(heif_decoding_options_free) \
     use(heif_decode_image) \

@@ -99,7 +99,7 @@ void fxs_exif_parse(const fxs_exif_bytes *bytes, fxs_exif *exif)
     const double seconds = number_of(data, EXIF_IFD_EXIF, EXIF_TAG_EXPOSURE_TIME);
     const double aperture = number_of(data, EXIF_IFD_EXIF, EXIF_TAG_FNUMBER);
     const double sensitivity = number_of(data, EXIF_IFD_EXIF, EXIF_TAG_ISO_SPEED_RATINGS);
-    if (orientation >= 1 && orientation <= 8)
+    if (!bytes->is_upright && orientation >= 1 && orientation <= 8)
         exif->orientation = (int)orientation;
     /* a sensitivity of 65535 stands for one that has no room */
     if (seconds > 1e-6 && seconds < 1e5 && aperture > 0.1 && aperture < 1e3 && sensitivity > 0 && sensitivity < 65535)
@@ -159,7 +159,7 @@ void fxs_exif_set_upright(fxs_exif_bytes *bytes)
 
 int fxs_photograph_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_exif *exif, fxs_message *message)
 {
-    fxs_exif_bytes bytes = {NULL, 0};
+    fxs_exif_bytes bytes = {NULL, 0, 0};
     const int error = fxs_photograph_read_bytes(path, rgba, width, height, &bytes, message);
     fxs_exif_parse(&bytes, exif);
     free(bytes.bytes);

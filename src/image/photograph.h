@@ -9,12 +9,12 @@
 
 enum fxs_photograph_kind { FXS_PHOTOGRAPH_NONE, FXS_PHOTOGRAPH, FXS_PHOTOGRAPH_HEIF };
 
-/* By the ending of a name: .png, .jpg, .jpeg, .ppm and .webp, and of HEIF .heic, .heif and .hif, also in capitals. */
+/* By the ending of a name: .png, .jpg, .jpeg, .ppm and .webp; of HEIF .heic, .heif and .hif; also in capitals. */
 enum fxs_photograph_kind fxs_photograph_kind_of(const char *name);
 
 /* What a file does not say, or says out of its range, is not known. */
 typedef struct fxs_exif {
-    int orientation;               /* 1 to 8: how the stored picture is to be turned (EXIF 2.3, tag 274); not known: 1 */
+    int orientation;               /* 1 to 8: how the stored picture is to be turned (EXIF, tag 274); not known: 1 */
     double exposure;               /* time * sensitivity / f-number^2, of seconds and ISO; not known: 0 */
     char lens[120];                /* maker, model and focal lengths, the same for photographs of one camera and zoom;
                                       not known: empty */

@@ -10,6 +10,7 @@
 typedef struct fxs_exif_bytes {
     uint8_t *bytes;
     size_t size;
+    int is_upright;                /* 1: the orientation that they name does not count */
 } fxs_exif_bytes;
 
 /* Two faults that are not the file's. fxs_no_heif: neither linked nor installed. */

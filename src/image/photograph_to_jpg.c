@@ -35,7 +35,7 @@ int fxs_photograph_to_jpg(const char *from, const char *to, fxs_message *message
 {
     uint8_t *rgba;
     int width, height;
-    fxs_exif_bytes exif = {NULL, 0};
+    fxs_exif_bytes exif = {NULL, 0, 0};
     fxs_encoded jpg = {NULL, 0, NULL, 0};
     int error = fxs_photograph_read_bytes(from, &rgba, &width, &height, &exif, message);
     if (!error && !is_opaque(rgba, (size_t)width * (size_t)height))
