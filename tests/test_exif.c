@@ -343,6 +343,13 @@ static void bad_heif(void)
     CHECK(read_file("a.heic") == FXS_ERR_FILE || (width <= 64 && height <= 64));
     put_changed_heif("ispe", 8, "\0\0\0\0\0\0\0\0", 8);
     CHECK(read_file("a.heic") == FXS_ERR_FILE);
+    /* the stream's own size, behind the codes of its number and chroma: 32766 x 32766, 8190 x 1022, 2046 x 1022 */
+    put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x00\x3f\xff\x80\x01\xff\xfc", 8);
+    CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "a stream of more pixels"));
+    put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x00\xff\xf8\x03\xff\x00", 7);
+    CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "a stream of more pixels"));
+    put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x03\xff\x80\x3f\xf0", 6);
+    CHECK(!read_file("a.heic") || !strstr(message.text, "a stream of more pixels"));
     for (size_t i = 0; i < sizeof turned_heif; i += i < 700 ? 1 : 7) {
         static uint8_t changed[sizeof turned_heif];
         memcpy(changed, turned_heif, sizeof changed);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_BYTES = 1 << 28, MAX_EXIF_BYTES = 1 << 20, SIDE = 16384 };
+enum { MAX_PIXELS = 1 << 26, MAX_BYTES = 1 << 28, MAX_EXIF_BYTES = 1 << 20, SIDE = 16384 };
 
 typedef struct reading {
     const fxs_heif_library *lib;
@@ -46,8 +46,8 @@ static int fixed(double x)
     return (int)(x * 65536 + 0.5);
 }
 
-/* R = Y + 2 (1 - kr) Cr, B = Y + 2 (1 - kb) Cb, Y = kr R + (1 - kr - kb) G + kb B (ITU-T H.273), of all 256 levels or of
-   219 from 16 on, and 224 of chroma. */
+/* R = Y + 2 (1 - kr) Cr, B = Y + 2 (1 - kb) Cb, Y = kr R + (1 - kr - kb) G + kb B (ITU-T H.273), of all 256 levels or
+   of 219 from 16 on, and 224 of chroma. */
 static void set_colours(colours *c, double kr, double kb, int is_full)
 {
     const double kg = 1 - kr - kb, chroma = is_full ? 1 : 255.0 / 224;
@@ -156,6 +156,77 @@ static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int
     return NULL;
 }
 
+/* ---- Sizes ------------------------------------------------------------------------------------------------------- */
+
+/* Bits of a NAL unit (ITU-T H.265, 7.3.1.1), of whose bytes 0 0 3 the last one does not count; 0 behind its end. */
+typedef struct bits {
+    const uint8_t *bytes;
+    size_t size, at;               /* at: bits */
+} bits;
+
+static uint32_t take(bits *b, int count)
+{
+    uint32_t value = 0;
+    for (int i = 0; i < count; i++, b->at++) {
+        const size_t byte = b->at / 8;
+        if (b->at % 8 == 0 && byte > 1 && byte < b->size && b->bytes[byte] == 3 && !b->bytes[byte - 1] &&
+            !b->bytes[byte - 2])
+            b->at += 8;
+        const uint32_t bit = b->at / 8 < b->size ? b->bytes[b->at / 8] >> (7 - b->at % 8) & 1 : 0;
+        value = value << 1 | bit;
+    }
+    return value;
+}
+
+/* ue(v) of 9.2 */
+static uint32_t take_code(bits *b)
+{
+    int zeros = 0;
+    while (zeros < 31 && b->at < 8 * b->size && !take(b, 1))
+        zeros++;
+    return (1u << zeros) - 1 + take(b, zeros);
+}
+
+/* The pixels that a sequence parameter set states (7.3.2.2). */
+static uint64_t stated_pixels(const uint8_t *unit, size_t size)
+{
+    bits b = {unit, size, 16 + 4};
+    uint32_t has[7];
+    const int layers = (int)take(&b, 3);   /* beside the whole */
+    take(&b, 1);
+    for (int i = 0; i < 3; i++)    /* profile and level */
+        take(&b, 32);
+    for (int i = 0; i < layers; i++)
+        has[i] = take(&b, 2);
+    take(&b, layers ? 2 * (8 - layers) : 0);
+    for (int i = 0; i < layers; i++) {
+        for (int k = 0; k < 11 && has[i] >> 1; k++)
+            take(&b, 8);
+        take(&b, has[i] & 1 ? 8 : 0);
+    }
+    take_code(&b);
+    if (take_code(&b) == 3)        /* chroma */
+        take(&b, 1);
+    const uint64_t width = take_code(&b);
+    return width * take_code(&b);
+}
+
+/* By the size that its stream states the decoder makes room, whatever the file says. So each sequence parameter set,
+   behind its length of at least two bytes, is held to twice what a picture may have, as they state whole blocks. That
+   other bytes look like one of such a size happens once in some 10^9 photographs. */
+static const char *find_large_stream(const uint8_t *bytes, size_t size)
+{
+    for (size_t at = 2; at + 2 < size; at++) {
+        const size_t length = (size_t)bytes[at - 2] << 8 | bytes[at - 1];
+        if (bytes[at] != 0x42 || !bytes[at + 1] || bytes[at + 1] > 7 || length < 8 || length > 4096)
+            continue;
+        const uint64_t pixels = stated_pixels(bytes + at, length < size - at ? length : size - at);
+        if (pixels > 2 * MAX_PIXELS || (pixels > 2 * (1 << 20) && pixels / 1024 > size))
+            return "a stream of more pixels than a file of its size may have";
+    }
+    return NULL;
+}
+
 /* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 static const char *said(struct heif_error error)
@@ -199,7 +270,10 @@ static const char *decode(reading *r, FILE *file, uint8_t **rgba, int *width, in
         return "cut short";
     lib->heif_context_set_maximum_image_size_limit(r->context, SIDE);
     lib->heif_context_set_max_decoding_threads(r->context, 0);
-    const char *fault = said(lib->heif_context_read_from_memory_without_copy(r->context, r->bytes, r->size, NULL));
+    const char *fault = find_large_stream(r->bytes, r->size);
+    if (fault)
+        return fault;
+    fault = said(lib->heif_context_read_from_memory_without_copy(r->context, r->bytes, r->size, NULL));
     if (!fault)
         fault = said(lib->heif_context_get_primary_image_handle(r->context, &r->handle));
     if (!fault)

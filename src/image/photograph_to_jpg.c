@@ -6,6 +6,7 @@
 #include <fixsplat/image_file.h>
 #include <fixsplat/message.h>
 #include "src/base/output_internal.h"
+#include "png_internal.h"
 #include "src/base/try_internal.h"
 
 /* The marker of a .jpg, a segment APP1 with the EXIF, and the rest. */
@@ -23,14 +24,6 @@ static int write_jpg(const char *path, const fxs_encoded *jpg, const fxs_exif_by
     return fxs_output_close(&output, message);
 }
 
-static int is_opaque(const uint8_t *rgba, size_t pixels)
-{
-    for (size_t i = 0; i < pixels; i++)
-        if (rgba[4 * i + 3] != 255)
-            return 0;
-    return 1;
-}
-
 int fxs_photograph_to_jpg(const char *from, const char *to, fxs_message *message)
 {
     uint8_t *rgba;
@@ -38,7 +31,7 @@ int fxs_photograph_to_jpg(const char *from, const char *to, fxs_message *message
     fxs_exif_bytes exif = {NULL, 0, 0};
     fxs_encoded jpg = {NULL, 0, NULL, 0};
     int error = fxs_photograph_read_bytes(from, &rgba, &width, &height, &exif, message);
-    if (!error && !is_opaque(rgba, (size_t)width * (size_t)height))
+    if (!error && !fxs_image_opaque(rgba, (size_t)width * (size_t)height))
         error = fxs_fail(message, "%s: transparent, which a .jpg cannot be: make it a .png", from);
     if (!error)
         error = fxs_image_encode(FXS_IMAGE_JPG, 98, rgba, width, height, &jpg, message);
