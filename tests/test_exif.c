@@ -407,6 +407,8 @@ static void webp(void)
         CHECK(!memcmp(rgba, picture, sizeof picture) && exif.orientation == 1);
     put_file("a.webp", "RIFF\32\0\0\0WEBPVP8L\15\0\0\0\x2f\377\377\377\17\0\0\0\0\0\0\0\0", 33);   /* 16384 x 16384 */
     CHECK(read_file("a.webp") == FXS_ERR_FILE);
+    put_file("a.webp", "RIFF\26\0\0\0WEBPVP8X\12\0\0\0\2\0\0\0\7\0\0\7\0\0", 30);
+    CHECK(read_file("a.webp") == FXS_ERR_FILE && strstr(message.text, "several pictures"));
     fxs_encoded_free(&encoded);
 }
 

@@ -226,7 +226,10 @@ else
     n=0
     for photo in "$photos"/banana/*.JPG; do
         n=$((n + 1))
-        ffmpeg -v error -i "$photo" -vf scale=$((n % 2 ? 900 : 720)):-2 -q:v 2 "two/$(basename "$photo")"
+        ffmpeg -v error -y -i "$photo" -vf scale=$((n % 2 ? 1000 : 800)):-2 -q:v 2 small.jpg
+        perl -e 'local $/; open A, "<:raw", $ARGV[0]; $a = <A>; open B, "<:raw", $ARGV[1]; $b = <B>;
+            $i = index $a, "\xff\xe1"; $n = 2 + unpack "n", substr $a, $i + 2, 2;     # EXIF, of which ffmpeg writes none
+            print substr($b, 0, 2), substr($a, $i, $n), substr($b, 2)' "$photo" small.jpg >"two/$(basename "$photo")"
     done
     "$fixsplat" fit two --steps 20 --resolution 200 -o two.fxs >logs/out 2>logs/err
     check "photographs of two sizes: places, and a scene" \
