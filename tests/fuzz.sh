@@ -6,7 +6,7 @@ seconds=${1:?seconds}
 jobs=${JOBS:-$(getconf _NPROCESSORS_ONLN)}
 out=${B:-build}/fuzz
 fixsplat=$(cd "${B:-build}" && pwd)/fixsplat
-jpegs=$PWD/tests/jpeg_bytes.h
+photographs="$PWD/tests/jpeg_bytes.h $PWD/tests/heif_bytes.h"
 work=$(mktemp -d) || exit 1
 root=$PWD
 trap 'rm -rf "$work"' EXIT
@@ -265,12 +265,21 @@ seeds_of_image() {
     "$fixsplat" make-scene knot --count 20 -o scene.ply
     "$fixsplat" render scene.ply --size 8x6 -o scene.png
     "$fixsplat" render scene.ply --size 8x6 -o scene.ppm
-    rm scene.ply
-    for name in baseline progressive grey; do
-        for byte in $(sed -n "/ ${name}_jpeg/,/}/ { /uint8/ !p }" "$jpegs" | tr -dc '0-9 \n'); do
+    for name in baseline_jpeg progressive_jpeg grey_jpeg turned_heif; do
+        for byte in $(sed -n "/ $name/,/}/ { /uint8/ !p }" $photographs | tr -dc '0-9 \n'); do
             printf "\\$(printf %o "$byte")"
-        done >$name.jpg
+        done >$name
     done
+    "$fixsplat" render scene.ply --size 8x6 -o scene.webp
+    rm scene.ply
+    tiff='Exif\0\0II*\0\10\0\0\0\2\0' entry='\0\1\0\0\0'
+    tiff="$tiff\\22\1\3$entry\6\0\0\0\151\207\4$entry\46\0\0\0\0\0\0\0"
+    tiff="$tiff\3\0\232\202\5$entry\120\0\0\0\235\202\5$entry\120\0\0\0\47\210\3$entry\144\0\0\0\0\0\0\0"
+    {
+        printf '\377\330\377\341\0\140'
+        printf "$tiff\34\0\0\0\12\0\0\0"
+        tail -c +3 grey_jpeg
+    } >exif
 }
 
 # photos LAYOUT CAMERAS IMAGES POINTS: as tests/fuzz_photos.c takes them, written as the format of printf, and a
@@ -345,7 +354,7 @@ build() {
     *) kernels='kernels/*.c' ;;
     esac
     mkdir "$work/objects"
-    for source in src/*/*.c src/*/*/*.c $kernels port/posix/output.c port/posix/files.c port/posix/pages.c \
+    for source in src/*/*.c src/*/*/*.c $kernels port/posix/output.c port/posix/files.c port/posix/pages.c port/posix/heif_library.c \
         port/backend/fit_engines.c port/backend/pack_stages.c tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"
@@ -384,7 +393,7 @@ if ! clang -fsanitize=fuzzer,$sanitizers "$work/links.c" -o "$work/links" 2>/dev
     exit
 fi
 for library in CJSON:cjson/cJSON.h:-lcjson WEBP:webp/decode.h:-lwebp ZIP:zip.h:-lzip ZLIB:zlib.h:-lz \
-    ZSTD:zstd.h:-lzstd PNG:png.h:-lpng JPEG:jpeglib.h:-ljpeg STB:stb/stb_image_write.h:; do
+    ZSTD:zstd.h:-lzstd EXIF:libexif/exif-data.h:-lexif HEIF:libheif/heif.h:-ldl PNG:png.h:-lpng JPEG:jpeglib.h:-ljpeg STB:stb/stb_image_write.h:; do
     header=${library#*:}
     if echo "#include <${header%:*}>" | clang -E -x c - >/dev/null 2>&1; then
         features="$features -DFXS_WITH_${library%%:*}" libraries="$libraries ${library##*:}"

@@ -160,6 +160,53 @@ static void goes_on_with_exposures(void)
     options = mine;
 }
 
+/* They begin with what is known of all photographs: log2 over 2.2, less the mean; else at 0. The bits are the same by
+   every compiler and processor. */
+static void begins_with_known_exposures(void)
+{
+    static const uint32_t bits[PHOTOS] = {0xbec887c8, 0x3d80c9a0, 0x3ea85568};
+    const fxs_fit_options mine = options;
+    for (int kind = 0; kind < 4; kind++) {
+        for (int i = 0; i < PHOTOS; i++)
+            photos[i].exposure = kind == 3 ? 0.125 : i == 1 && kind == 1 ? 0 : 0.01 * (1 + i);
+        options.exposure = kind == 2 ? FXS_FIT_EXPOSURE_NONE : FXS_FIT_EXPOSURE_GAIN;
+        fxs_fit *fit = begin();
+        for (int i = 0; i < PHOTOS; i++) {
+            const fxs_fit_gain *gain = &fit->gains.of[i];
+            const double expected = kind ? 0 : (log2(1 + i) - log2(6) / 3) / 2.2;
+            uint32_t got;
+            memcpy(&got, &gain->at[0], sizeof got);
+            CHECK(fabs((double)gain->at[0] - expected) < 1e-6 && gain->at[1] == 0 && gain->at[2] == 0);
+            if (!CHECK(kind ? gain->at[0] == 0 : got == bits[i]))
+                printf("  0x%08x\n", (unsigned)got);
+            CHECK(gain->square == 0 && gain->mean[0] == 0 && gain->of_one[0] == 0);
+        }
+        fxs_fit_free(fit);
+    }
+    for (int kind = 0; kind < 3; kind++) {         /* numbers that no photograph has */
+        static const double odd[3] = {1e300, -1, 1e-300};
+        photos[1].exposure = kind == 1 ? NAN : odd[kind];
+        options.exposure = FXS_FIT_EXPOSURE_GAIN;
+        fxs_fit *fit = begin();
+        CHECK(fit->gains.of[0].at[0] == 0 && fit->gains.of[1].at[0] == 0);
+        fxs_fit_free(fit);
+    }
+    for (int i = 0; i < PHOTOS; i++)
+        photos[i].exposure = i == 1 ? 1e-20 : 1e20;
+    fxs_fit *fit = begin();
+    for (int i = 0; i < PHOTOS; i++)
+        CHECK(fabsf(fit->gains.of[i].at[0]) <= 2 * FXS_FIT_GAIN_MOST);
+    save(fit, "extreme-exposures");
+    fxs_fit_free(fit);
+    for (int i = 0; i < PHOTOS; i++)
+        photos[i].exposure = 0;                    /* which the file has */
+    if (CHECK(resume(&fit, "extreme-exposures") == 0)) {
+        CHECK(fit->gains.of[0].at[0] > 5 && fit->gains.of[1].at[0] < -10);
+        fxs_fit_free(fit);
+    }
+    options = mine;
+}
+
 /* A block, of two of the photographs in another order, has the exposures that its coarse fit found, and keeps them. */
 static void a_block_keeps_exposures(void)
 {
@@ -605,6 +652,7 @@ static void tests(void)
     RUN(goes_on_in_the_last_tenth);
     RUN(goes_on_in_the_middle_of_a_round);
     RUN(goes_on_with_exposures);
+    RUN(begins_with_known_exposures);
     RUN(a_block_keeps_exposures);
     RUN(the_file_does_not_depend_on_threads);
     RUN(its_options_are_those_of_the_file);

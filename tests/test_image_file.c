@@ -310,8 +310,8 @@ static void put(const char *name, const void *data, size_t size)
 static void bad_images(void)
 {
     static const char *const faults[][2] = {
-        {"", "not a .png, .jpg or .ppm"}, {"not an image", "not a .png, .jpg or .ppm"},
-        {"P5\n1 1\n255\n1", "(P6)"}, {"PK\3\4....", "not a .png, .jpg or .ppm (P6), but a .zip archive"},
+        {"", "not a .png, .jpg, .webp, .heic or .ppm"}, {"not an image", "not a .png, .jpg, .webp, .heic or .ppm"},
+        {"P5\n1 1\n255\n1", "(P6)"}, {"PK\3\4....", "not a .png, .jpg, .webp, .heic or .ppm (P6), but a .zip archive"},
         {"P6\n1 1\n65535\n123456", "255 levels"}, {"P6\n1 1\n255", "255 levels"}, {"P6 1 99999999999 255 ", "levels"},
         {"P6\n8193 8192\n255\n", "2^26"}, {"P6\n16385 1\n255\n", "16384"}, {"P6\n0 1\n255\n", "without pixels"},
         {"P6\n1 2\n255\n12345", "cut short"}, {"P6 # 1 1 255", "255 levels"},

@@ -262,7 +262,7 @@ static void bad_photos(void)
     options.argument = said;
     CHECK(!read_photos("c", &options) && photos.skipped == 3 && photos.fit_count == 4 && photos.held_out_count == 2);
     CHECK(!strcmp(said, "/3.ppm: cut short; /5.ppm: No such file or directory; "
-                        "/4.ppm: not a .png, .jpg or .ppm (P6); "));
+                        "/4.ppm: not a .png, .jpg, .webp, .heic or .ppm (P6); "));
     options.left_out = NULL;
     fxs_pool_destroy(options.pool);
     options.run = NULL;

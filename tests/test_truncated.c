@@ -423,7 +423,7 @@ static void make_grey(void) { make_jpeg(grey_jpeg, sizeof grey_jpeg); }
 static long of_picture(const struct made_file *f, size_t length)
 {
     (void)f;
-    return fault(!length ? "not a .png, .jpg or .ppm" : "cut short");
+    return fault(!length ? "not a .png, .jpg, .webp, .heic or .ppm" : "cut short");
 }
 #endif
 

@@ -14,6 +14,8 @@ ZSTD zstd.h -lzstd
 PNG png.h -lpng
 JPEG jpeglib.h -ljpeg
 WEBP webp/decode.h -lwebp
+EXIF libexif/exif-data.h -lexif
+HEIF libheif/heif.h -ldl
 STB stb/stb_image_write.h
 SDL SDL2/SDL.h -lSDL2
 TTF SDL2/SDL_ttf.h -lSDL2_ttf

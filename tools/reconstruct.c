@@ -1,8 +1,7 @@
-#define _XOPEN_SOURCE 700          /* realpath, strdup */
+#define _XOPEN_SOURCE 700          /* strdup */
 
 #include "reconstruct.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -11,19 +10,13 @@
 #include <unistd.h>
 
 #include <fixsplat/camera_file.h>
-#include <fixsplat/image_file.h>
 #include "src/camera/camera_find.h"
 #include "command.h"
 #include "film_frames.h"
+#include "photo_folder.h"
 
 /* Up to how many photographs, and frames of a film, each is matched with each. */
 enum { LEAST = 3, ALL_PHOTOGRAPHS = 250, ALL_FRAMES = 100 };
-
-typedef struct photographs {
-    char **names;                  /* sorted */
-    size_t count, room;
-    int is_of_one_size;
-} photographs;
 
 typedef struct work {
     const reconstruct_options *options;
@@ -33,6 +26,7 @@ typedef struct work {
     char folder[TASK_PATH], images[TASK_PATH], database[TASK_PATH], list[TASK_PATH], log_name[TASK_PATH];
     photographs photos;
     char threads[16];
+    uint64_t looked_at;            /* photographs, for features */
     unsigned long points;
     double error;                  /* pixels */
 } work;
@@ -44,66 +38,18 @@ static int no_memory(void)
 
 /* ---- What there is ----------------------------------------------------------------------------------------------- */
 
-/* .jpg, .jpeg and .png, which the fit reads */
-static int is_photograph(const char *name)
-{
-    const enum fxs_image_format format = fxs_image_format_of(name);
-    return format == FXS_IMAGE_PNG || format == FXS_IMAGE_JPG;
-}
-
-static int compare_names(const void *a, const void *b)
-{
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static int add_photograph(photographs *p, const char *name)
-{
-    if (p->count == p->room) {
-        const size_t room = 2 * p->room + 64;
-        char **larger = realloc(p->names, room * sizeof *larger);
-        if (!larger)
-            return 0;
-        p->names = larger;
-        p->room = room;
-    }
-    p->names[p->count] = strdup(name);
-    return p->names[p->count] && ++p->count;
-}
-
-static void free_photographs(photographs *p)
-{
-    for (size_t i = 0; i < p->count; i++)
-        free(p->names[i]);
-    free(p->names);
-    memset(p, 0, sizeof *p);
-}
-
-/* Returns 0 where memory ran out. */
-static int list_photographs(photographs *p, const char *path)
-{
-    DIR *folder = opendir(path);
-    int fits = 1;
-    for (struct dirent *entry; folder && fits && (entry = readdir(folder)) != 0;)
-        fits = !is_photograph(entry->d_name) || add_photograph(p, entry->d_name);
-    if (folder)
-        closedir(folder);
-    if (p->count)
-        qsort(p->names, p->count, sizeof *p->names, compare_names);
-    return fits;
-}
-
 /* The photographs lie in a folder, or in its folder images. Returns how many. */
 static size_t find_photographs(char folder[TASK_PATH], const char *in)
 {
     photographs p = {0};
     snprintf(folder, TASK_PATH, "%.*s", TASK_PATH - 1, in);
-    list_photographs(&p, folder);
+    photographs_list(&p, folder);
     if (!p.count) {
         join_path(folder, in, "images");
-        list_photographs(&p, folder);
+        photographs_list(&p, folder);
     }
     const size_t count = p.count;
-    free_photographs(&p);
+    photographs_free(&p);
     return count;
 }
 
@@ -122,54 +68,25 @@ static int take_film(work *w)
     return is_folder(w->images) ? 0 : film_frames(&w->t, w->source, w->options->frames, w->images);
 }
 
-static int link_photographs(const work *w)
+static int link_photographs(work *w)
 {
-    char *whole = realpath(w->source, 0);
-    unlink(w->images);
-    const int wrong = !whole || symlink(whole, w->images);
-    free(whole);
-    return wrong ? fail(EXIT_FAILED, "%s: %s", w->images, strerror(errno)) : 0;
+    photographs p = {0};
+    const reconstruct_options *o = w->options;
+    const int status = photographs_list(&p, w->source)
+                           ? photo_folder_make(&w->t, &p, w->source, w->images, o->threads, o->skip_bad)
+                           : no_memory();
+    photographs_free(&p);
+    return status;
 }
 
-/* Reads each, to find those that are damaged, and whether all have one size. */
-static int look_at_photographs(work *w)
-{
-    photographs *p = &w->photos;
-    size_t kept = 0;
-    int first[2] = {0, 0};
-    task_begin(&w->t, "looking at photographs", 0);
-    p->is_of_one_size = 1;
-    for (size_t i = 0; i < p->count; i++) {
-        char path[TASK_PATH];
-        uint8_t *pixels = 0;
-        int width = 0, height = 0;
-        fxs_message why;
-        join_path(path, w->images, p->names[i]);
-        const int error = fxs_image_file_read(path, &pixels, &width, &height, &why);
-        free(pixels);
-        task_show(&w->t, i + 1, p->count);
-        if (error && !w->options->skip_bad)
-            return fail(EXIT_FAILED, "%s (--skip-bad leaves such photographs out)", why.text);
-        if (error) {
-            note("left out: %s", why.text);
-            free(p->names[i]);
-            continue;
-        }
-        p->is_of_one_size &= !kept || (width == first[0] && height == first[1]);
-        first[0] = width;
-        first[1] = height;
-        p->names[kept++] = p->names[i];
-    }
-    progress_end();
-    p->count = kept;
-    return 0;
-}
+enum { EVERY_LENS = -1 };
 
-static int write_list(const work *w)
+static int write_list(const work *w, long lens)
 {
     FILE *file = fopen(w->list, "w");
     for (size_t i = 0; file && i < w->photos.count; i++)
-        fprintf(file, "%s\n", w->photos.names[i]);
+        if (lens == EVERY_LENS || w->photos.lenses[i] == (size_t)lens)
+            fprintf(file, "%s\n", w->photos.names[i]);
     return file && !fclose(file) ? 0 : fail(EXIT_FAILED, "%s: %s", w->list, strerror(errno));
 }
 
@@ -178,22 +95,23 @@ static int take_photographs(work *w, int are_placed)
     int status = w->is_film ? take_film(w) : link_photographs(w);
     if (status)
         return status;
-    if (!list_photographs(&w->photos, w->images))
+    if (!photographs_list(&w->photos, w->images))
         return no_memory();
-    status = are_placed ? 0 : look_at_photographs(w);
+    status = are_placed ? 0 : photographs_look(&w->t, &w->photos, w->images, w->options->skip_bad);
     if (!status && w->photos.count < LEAST)
         return fail(EXIT_FAILED, "%s: %zu photograph%s: %d or more are needed, that overlap", w->options->in,
                     w->photos.count, w->photos.count == 1 ? "" : "s", LEAST);
-    return status ? status : write_list(w);
+    return status ? status : write_list(w, EVERY_LENS);
 }
 
 /* ---- Structure from motion --------------------------------------------------------------------------------------- */
 
 static void look_at_features(task *t, const char *line)
 {
-    uint64_t done, all;
-    if (sscanf(line, "Processed file [%" SCNu64 "/%" SCNu64 "]", &done, &all) == 2)
-        task_show(t, done, all);
+    const work *w = t->argument;
+    uint64_t done;
+    if (sscanf(line, "Processed file [%" SCNu64 "/", &done) == 1)
+        task_show(t, w->looked_at + done, w->photos.count);
 }
 
 static int run_colmap(work *w, const char *const *arguments)
@@ -202,16 +120,24 @@ static int run_colmap(work *w, const char *const *arguments)
     return status ? task_failed(&w->t, "colmap", status) : 0;
 }
 
+/* COLMAP makes photographs of one call one camera, of the focal length that EXIF has of the first. */
 static int find_features(work *w)
 {
     const char *const arguments[] = {
         "colmap", "feature_extractor", "--database_path", w->database, "--image_path", w->images, "--image_list_path",
         w->list, "--SiftExtraction.use_gpu", "0", "--SiftExtraction.max_image_size", "1600",
         "--SiftExtraction.max_num_features", "4096", "--SiftExtraction.num_threads", w->threads,
-        "--ImageReader.single_camera", w->photos.is_of_one_size ? "1" : "0", 0
+        "--ImageReader.single_camera", "1", 0
     };
+    int status = 0;
     task_begin(&w->t, "looking for features", look_at_features);
-    return run_colmap(w, arguments);
+    for (size_t lens = 0; lens < w->photos.lens_count && !status; lens++) {
+        status = write_list(w, (long)lens);
+        status = status ? status : run_colmap(w, arguments);
+        for (size_t i = 0; i < w->photos.count; i++)
+            w->looked_at += w->photos.lenses[i] == lens;
+    }
+    return status ? status : write_list(w, EVERY_LENS);
 }
 
 /* Of pairs by blocks, or of photographs. */
@@ -400,10 +326,10 @@ static int claim_folder(const work *w)
     photographs p = {0};
     char path[TASK_PATH];
     uint64_t of = 0;
-    if (!w->is_film && !list_photographs(&p, w->source))
+    if (!w->is_film && !photographs_list(&p, w->source))
         return no_memory();
     const uint64_t number = number_of(w, &p);
-    free_photographs(&p);
+    photographs_free(&p);
     join_path(path, w->folder, "of");
     FILE *file = fopen(path, "r");
     const int has = file && fscanf(file, "%" SCNx64, &of) == 1;
@@ -461,6 +387,6 @@ int reconstruct(const reconstruct_options *options, char **folder)
     *folder = status ? 0 : strdup(w.folder);
     if (w.t.log)
         fclose(w.t.log);
-    free_photographs(&w.photos);
+    photographs_free(&w.photos);
     return status || *folder ? status : no_memory();
 }

@@ -8,6 +8,7 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/message.h>
+#include "exposure.h"
 #include "random.h"
 #include "recipe.h"
 
@@ -191,6 +192,25 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
+/* Begins with the exposures that are known: log2 of a gain is 1 / 2.2 of that of the light. */
+static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
+{
+    double parts[GAIN_PARTS];
+    fxs_fit_gain *const gains = f->gains.of;
+    for (size_t i = 0; i < f->count; i++)
+        if (!(photos[i].exposure >= 1e-30 && photos[i].exposure <= 1e30))
+            return;
+    for (size_t i = 0; i < f->count; i++) {
+        const float at = (1.44269504f / 2.2f) * ln((float)photos[i].exposure);
+        gains[i].at[0] = least(most(at, -FXS_FIT_GAIN_MOST), FXS_FIT_GAIN_MOST);
+    }
+    for (size_t i = 0; i < GAIN_PARTS; i++)
+        parts[i] = gain_part(&gains->at[0], GAIN_STEP, f->count, i);
+    const float mean = gain_sum(parts, (double)f->count);
+    for (size_t i = 0; i < f->count; i++)
+        gains[i].at[0] -= mean;
+}
+
 int fxs_fit_hand_over(fxs_fit *f, fxs_message *message)
 {
     f->model.gains = f->options.exposure ? &f->gains : NULL;
@@ -207,6 +227,8 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         error = check_points(photos, photo_count, points, point_count, message);
     if (!error && begin_model(*fit, points, point_count))
         error = fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
+    if (!error && options->exposure)
+        begin_gains(*fit, photos);
     if (!error)
         error = fxs_fit_hand_over(*fit, message);
     if (error) {

@@ -3,10 +3,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include <fixsplat/message.h>
 #include "src/base/files_internal.h"
+#include "src/image/photograph.h"
 
 static int is_folder(const char *path)
 {
@@ -312,22 +312,11 @@ static void add_known(names *known, const fxs_view_list *views)
         add_name(known, "", 0, without_dots(views->views[i].image));
 }
 
-/* The ending of a photograph's name, or NULL. */
-static const char *photo_ending(const char *name)
-{
-    static const char *const endings[] = {".png", ".jpg", ".jpeg", ".ppm"};
-    const char *dot = strrchr(name, '.');
-    for (size_t i = 0; i < sizeof endings / sizeof *endings && dot; i++)
-        if (dot > name && !strcasecmp(dot, endings[i]))
-            return dot;
-    return NULL;
-}
-
 /* Where the file of the cameras has the name, also without its ending, there is a camera. */
 static void look_at(void *argument, const char *name)
 {
     others *o = argument;
-    if (!photo_ending(name))
+    if (!fxs_photograph_kind_of(name))
         return;
     add_name(&o->found, o->of, o->folder, name);
     if (o->found.incomplete)

@@ -4,7 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include <fixsplat/image_file.h>
+#include <fixsplat/message.h>
+#include "src/base/try_internal.h"
+#include "src/image/photograph.h"
 
 /* Intermediate colours are 0 to 255 x 255; the division by 255 comes at the end. */
 #define POSITION_BITS 8            /* bits of a position between two pixels */
@@ -58,6 +60,47 @@ static int fit_camera(const char *path, const fxs_listed_view *listed, const pic
     else
         scale(view, p->width, p->height);
     return 0;
+}
+
+/* ---- EXIF -------------------------------------------------------------------------------------------------------- */
+
+/* Whether the camera's size is that of the picture after a quarter of a turn, and not before. Cameras without a size
+   are of the pixels as they are stored. */
+static int is_turned(const fxs_listed_view *listed, int width, int height, int orientation)
+{
+    return orientation > 4 && !listed->sizeless && !same_proportion(&listed->view, width, height) &&
+           same_proportion(&listed->view, height, width);
+}
+
+/* The first row and column of what is stored are, by orientation: 5 left and top, 6 right and top, 7 right and bottom,
+   8 left and bottom. Returns NULL where memory is out. */
+static uint8_t *turned(const uint8_t *rgba, int width, int height, int orientation)
+{
+    uint8_t *out = malloc(4 * (size_t)width * (size_t)height), *to = out;
+    for (int y = 0; y < width && out; y++)
+        for (int x = 0; x < height; x++, to += 4) {
+            const int column = orientation > 6 ? width - 1 - y : y;
+            const int row = orientation == 6 || orientation == 7 ? height - 1 - x : x;
+            memcpy(to, rgba + 4 * ((size_t)row * (size_t)width + (size_t)column), 4);
+        }
+    return out;
+}
+
+static int read_picture(const char *path, const fxs_listed_view *listed, picture *p, uint8_t **rgba, double *exposure,
+                        fxs_message *message)
+{
+    fxs_exif exif;
+    FXS_TRY(fxs_photograph_read(path, rgba, &p->width, &p->height, &exif, message));
+    *exposure = exif.exposure;
+    if (!is_turned(listed, p->width, p->height, exif.orientation))
+        return 0;
+    uint8_t *upright = turned(*rgba, p->width, p->height, exif.orientation);
+    const int width = p->width;
+    free(*rgba);
+    *rgba = upright;
+    p->width = p->height;
+    p->height = width;
+    return upright ? 0 : fxs_fail_memory(message, path, 4 * (size_t)p->width * (size_t)p->height);
 }
 
 /* ---- Rows -------------------------------------------------------------------------------------------------------- */
@@ -248,7 +291,7 @@ int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resoluti
     picture p = {NULL, 0, 0, background};
     uint8_t *rgba;
     photo->pixels = NULL;
-    FXS_TRY(fxs_image_file_read(path, &rgba, &p.width, &p.height, message));
+    FXS_TRY(read_picture(path, listed, &p, &rgba, &photo->exposure, message));
     p.rgba = rgba;
     const int error = finish(path, listed, &p, resolution, photo, message);
     free(rgba);

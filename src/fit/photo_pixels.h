@@ -1,4 +1,4 @@
-/* Prepares a photograph for a fit: removes distortion, puts it on the background, reduces it by averaging. */
+/* Prepares a photograph for a fit: turns it, removes distortion, puts it on the background, reduces it by averaging. */
 #ifndef FXS_FIT_PHOTO_PIXELS_H
 #define FXS_FIT_PHOTO_PIXELS_H
 
@@ -7,9 +7,11 @@
 typedef struct fxs_photo_pixels {
     fxs_file_view view;            /* pinhole camera of these pixels */
     uint8_t *pixels;               /* RGB; the caller frees them */
+    double exposure;               /* of fxs_fit_photo */
 } fxs_photo_pixels;
 
-/* `resolution`: the largest width or height. Returns 0, or an error and a message, with null pixels. */
+/* `resolution`: the largest width or height. Where the camera has the size of the photograph as EXIF would turn it, and
+   not of the one that is stored, the photograph is turned. Returns 0, or an error and a message, with null pixels. */
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
                    fxs_photo_pixels *photo, fxs_message *message);
 

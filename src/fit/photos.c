@@ -59,7 +59,7 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
     for (uint32_t i = 0; i < count; i++) {
         result *made = &r->results[i];
         if (!error && !made->error) {
-            photos[*kept] = (fxs_fit_photo){made->photo.view, made->photo.pixels};
+            photos[*kept] = (fxs_fit_photo){made->photo.view, made->photo.pixels, made->photo.exposure};
             ++*kept;
             continue;
         }

@@ -67,7 +67,7 @@ uint8_t *fxs_encoded_room(fxs_encoded *encoded, size_t bytes)
     return encoded->memory;
 }
 
-static int opaque(const uint8_t *rgba, size_t pixels)
+int fxs_image_opaque(const uint8_t *rgba, size_t pixels)
 {
     for (size_t i = 0; i < pixels; i++)
         if (rgba[4 * i + 3] != 255)
@@ -211,7 +211,8 @@ static int encode(enum fxs_image_format format, int quality, const uint8_t *rgba
     const size_t pixels = (size_t)width * (size_t)height;
     switch (format) {
     case FXS_IMAGE_PNG:
-        return fxs_png_encode(opaque(rgba, pixels) ? FXS_PNG_RGB : FXS_PNG_RGBA, rgba, width, height, encoded);
+        return fxs_png_encode(fxs_image_opaque(rgba, pixels) ? FXS_PNG_RGB : FXS_PNG_RGBA, rgba, width, height,
+                              encoded);
     case FXS_IMAGE_PPM: return encode_ppm(rgba, width, height, encoded);
     case FXS_IMAGE_Y4M: return encode_y4m(rgba, width, height, encoded);
     case FXS_IMAGE_JPG: return encode_jpg(rgba, width, height, quality, encoded);

@@ -11,6 +11,7 @@
 #include "src/base/foreign.h"
 #include "src/base/opened.h"
 #include "src/base/try_internal.h"
+#include "photograph_internal.h"
 
 #ifdef FXS_WITH_PNG
 #include <png.h>
@@ -19,6 +20,9 @@
 #include <jpeglib.h>
 #include <jerror.h>
 #endif
+#ifdef FXS_WITH_WEBP
+#include <webp/decode.h>
+#endif
 #include <setjmp.h>
 
 #define MAX_SIZE 16384
@@ -26,13 +30,14 @@
 #define FREE_PIXELS (1 << 20)     /* of any file; of more: */
 #define MAX_BYTE_PIXELS 512       /* of a byte. The first scan of a .jpg has at least a bit for each 8 x 8 of them; a .png
                                      of one colour has 258 of RGBA or 344 of RGB, and may have 8256 of black and white */
+#define MAX_WEBP_BYTES (1 << 28)
 #define MAX_JPEG_SCANS 100        /* each may be a few bytes long, and takes time for all of the picture */
 
 /* Faults of a picture that are not the file's. */
-static const char out_of_memory[] = "out of memory";
 static const char no_png[] = "a .png; this program was built without libpng, which .png needs";
 static const char no_jpeg[] = "a .jpg; this program was built without libjpeg-turbo, which .jpg needs";
-static const char no_picture[] = "not a .png, .jpg or .ppm (P6)";
+static const char no_webp[] = "a .webp; this program was built without libwebp, which .webp needs";
+static const char no_picture[] = "not a .png, .jpg, .webp, .heic or .ppm (P6)";
 static const char cut_short[] = "cut short";
 static const char too_large[] = "without pixels, or more than 16384 on a side or 2^26 in all";
 
@@ -42,12 +47,20 @@ static int readable_size(int width, int height)
            (int64_t)width * height <= MAX_READ_PIXELS;
 }
 
+const char *fxs_image_refusal(int width, int height, uint64_t bytes)
+{
+    if (!readable_size(width, height))
+        return too_large;
+    const uint64_t pixels = (uint64_t)width * (uint64_t)height;
+    return pixels > FREE_PIXELS && pixels / MAX_BYTE_PIXELS > bytes
+               ? "more than 2^20 pixels, and more than 512 a byte of the file; as a .ppm, which is not compressed, it "
+                 "can be read"
+               : NULL;
+}
+
 /* The readers return NULL or the fault. */
 
 #if defined(FXS_WITH_PNG) || defined(FXS_WITH_JPEG)
-static const char too_few_bytes[] = "more than 2^20 pixels, and more than 512 a byte of the file; as a .ppm, which is not "
-                                    "compressed, it can be read";
-
 /* A picture that a library decodes: the fault that ended it, and the place to go on from then. */
 typedef struct decoding {
     const char *fault;
@@ -63,14 +76,12 @@ static void refuse(decoding *picture, const char *fault)
 /* Makes room for the pixels, where a file of so many bytes may have so many. */
 static void make_room(decoding *picture, uint8_t **rgba, int width, int height, uint64_t bytes)
 {
-    if (!readable_size(width, height))
-        refuse(picture, too_large);
-    const uint64_t pixels = (uint64_t)width * (uint64_t)height;
-    if (pixels > FREE_PIXELS && pixels / MAX_BYTE_PIXELS > bytes)
-        refuse(picture, too_few_bytes);
-    *rgba = malloc(4 * (size_t)pixels);
+    const char *fault = fxs_image_refusal(width, height, bytes);
+    if (fault)
+        refuse(picture, fault);
+    *rgba = malloc(4 * (size_t)width * (size_t)height);
     if (!*rgba)
-        refuse(picture, out_of_memory);
+        refuse(picture, fxs_no_memory);
 }
 #endif
 
@@ -87,7 +98,7 @@ static void *allocate(png_structp png, size_t size)
 {
     void *made = malloc(size);
     if (!made)
-        refuse(png_get_error_ptr(png), out_of_memory);
+        refuse(png_get_error_ptr(png), fxs_no_memory);
     return made;
 }
 
@@ -158,7 +169,7 @@ static void refuse_by_code(j_common_ptr jpeg)
     static __thread char words[JMSG_LENGTH_MAX];
     const int code = jpeg->err->msg_code;
     jpeg->err->format_message(jpeg, words);
-    refuse(jpeg->client_data, code == JERR_OUT_OF_MEMORY ? out_of_memory : code == JWRN_JPEG_EOF ? cut_short : words);
+    refuse(jpeg->client_data, code == JERR_OUT_OF_MEMORY ? fxs_no_memory : code == JWRN_JPEG_EOF ? cut_short : words);
 }
 
 /* libjpeg warns of damaged data and makes up their pixels: here a picture is whole or refused. Bytes between segments,
@@ -176,7 +187,7 @@ static void limit_scans(j_common_ptr jpeg)
 }
 
 /* By the inverse cosine transform in integers and smooth chroma: libjpeg-turbo has both alike for every processor. */
-static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba)
+static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, fxs_exif_bytes *exif)
 {
     j_decompress_ptr jpeg = &reading->jpeg;
     decoding *picture = &reading->picture;
@@ -185,7 +196,12 @@ static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8
     jpeg_create_decompress(jpeg);
     jpeg->progress = &reading->progress;
     jpeg_stdio_src(jpeg, file);
+    if (exif)
+        jpeg_save_markers(jpeg, JPEG_APP0 + 1, 0xffff);
     jpeg_read_header(jpeg, TRUE);
+    for (jpeg_saved_marker_ptr app1 = jpeg->marker_list; exif && app1; app1 = app1->next)
+        if (app1->data_length > 6 && !memcmp(app1->data, "Exif\0", 6))
+            fxs_exif_keep(exif, app1->data, app1->data_length);
     make_room(picture, rgba, (int)jpeg->image_width, (int)jpeg->image_height, bytes);
     jpeg->out_color_space = JCS_EXT_RGBA;
     jpeg->dct_method = JDCT_ISLOW;
@@ -197,26 +213,68 @@ static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8
     jpeg_finish_decompress(jpeg);
 }
 
-static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
+static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif)
 {
     jpeg_reading reading = {.progress.progress_monitor = limit_scans};
     reading.jpeg.err = jpeg_std_error(&reading.errors);
     reading.jpeg.client_data = &reading.picture;
     reading.errors.error_exit = refuse_by_code;
     reading.errors.emit_message = refuse_damage;
-    decode_jpeg(&reading, file, bytes, rgba);
+    decode_jpeg(&reading, file, bytes, rgba, exif);
     *width = (int)reading.jpeg.image_width;
     *height = (int)reading.jpeg.image_height;
     jpeg_destroy_decompress(&reading.jpeg);
     return reading.picture.fault;
 }
 #else
-static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
+static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif)
 {
-    (void)file, (void)bytes, (void)rgba, (void)width, (void)height;
+    (void)file, (void)bytes, (void)rgba, (void)width, (void)height, (void)exif;
     return no_jpeg;
 }
 #endif
+
+/* libwebp has one answer, in C and by every instruction set. */
+static const char *read_webp(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
+{
+#ifdef FXS_WITH_WEBP
+    if (bytes > MAX_WEBP_BYTES)
+        return "more than 2^28 bytes";
+    uint8_t *all = malloc((size_t)bytes + 1);
+    if (!all)
+        return fxs_no_memory;
+    WebPBitstreamFeatures features;
+    const char *fault = fread(all, 1, (size_t)bytes, file) != bytes ? cut_short
+                        : WebPGetFeatures(all, (size_t)bytes, &features) != VP8_STATUS_OK ? "a damaged .webp"
+                        : features.has_animation ? "a .webp of several pictures"
+                        : fxs_image_refusal(features.width, features.height, bytes);
+    if (!fault) {
+        const size_t room = 4 * (size_t)features.width * (size_t)features.height;
+        *width = features.width;
+        *height = features.height;
+        *rgba = malloc(room);
+        if (!*rgba)
+            fault = fxs_no_memory;
+        else if (!WebPDecodeRGBAInto(all, (size_t)bytes, *rgba, room, 4 * features.width))
+            fault = "a .webp that is damaged or cut short";
+    }
+    free(all);
+    return fault;
+#else
+    (void)file, (void)bytes, (void)rgba, (void)width, (void)height;
+    return no_webp;
+#endif
+}
+
+static const char *read_heif(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif)
+{
+#ifdef FXS_WITH_HEIF
+    return fxs_heif_read(file, bytes, rgba, width, height, exif);
+#else
+    (void)file, (void)bytes, (void)rgba, (void)width, (void)height, (void)exif;
+    return fxs_no_heif;
+#endif
+}
 
 /* A number of a .ppm's header, after blanks and comments and with the blank that follows; -1 where there is none. */
 static int header_number(FILE *file)
@@ -248,7 +306,7 @@ static const char *read_ppm(FILE *file, uint64_t bytes, uint8_t **rgba, int *wid
         return cut_short;
     *rgba = malloc(4 * pixels);
     if (!*rgba)
-        return out_of_memory;
+        return fxs_no_memory;
     uint8_t *rgb = *rgba + pixels;   /* spread from the end of the room to the front */
     if (fread(rgb, 3, pixels, file) != pixels)
         return cut_short;
@@ -261,8 +319,8 @@ static const char *read_ppm(FILE *file, uint64_t bytes, uint8_t **rgba, int *wid
 
 static int fail_read(const char *path, const char *fault, fxs_message *message)
 {
-    const int unsupported = fault == no_png || fault == no_jpeg;
-    const int error = fault == out_of_memory ? FXS_ERR_MEMORY : unsupported ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
+    const int unsupported = fault == no_png || fault == no_jpeg || fault == no_webp || fault == fxs_no_heif;
+    const int error = fault == fxs_no_memory ? FXS_ERR_MEMORY : unsupported ? FXS_ERR_UNSUPPORTED : FXS_ERR_FILE;
     return fxs_fail_as(error, message, "%s: %s", path, fault);
 }
 
@@ -275,7 +333,24 @@ static int fail_kind(const char *path, FILE *file, fxs_message *message)
     return fxs_fail(message, "%s: %s%s%s", path, no_picture, kind ? ", but " : "", kind ? kind : "");
 }
 
-int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
+/* HEIF is a box of its kind of file; the four bytes before are its size. */
+static const char *read_any(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif)
+{
+    char head[12] = "";
+    const size_t known = fread(head, 1, sizeof head, file);
+    rewind(file);
+    if (known == sizeof head && !memcmp(head, "RIFF", 4) && !memcmp(head + 8, "WEBP", 4))
+        return read_webp(file, bytes, rgba, width, height);
+    if (known == sizeof head && !memcmp(head + 4, "ftyp", 4))
+        return read_heif(file, bytes, rgba, width, height, exif);
+    return *head == 'P'      ? read_ppm(file, bytes, rgba, width, height)
+           : *head == '\xff' ? read_jpeg(file, bytes, rgba, width, height, exif)
+           : *head == '\x89' ? read_png(file, bytes, rgba, width, height)
+                             : no_picture;
+}
+
+int fxs_photograph_read_bytes(const char *path, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif,
+                              fxs_message *message)
 {
     FILE *file;
     fxs_file_facts facts;
@@ -283,12 +358,7 @@ int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *heigh
     *rgba = NULL;
     FXS_TRY(fxs_file_open(path, &file, &facts, message));
     fxs_note_opened(facts.device, facts.inode);
-    const int first = getc(file);
-    rewind(file);
-    const char *fault = first == 'P' ? read_ppm(file, facts.size, rgba, width, height)
-                        : first == 0xff ? read_jpeg(file, facts.size, rgba, width, height)
-                        : first == 0x89 ? read_png(file, facts.size, rgba, width, height)
-                                        : no_picture;
+    const char *fault = read_any(file, facts.size, rgba, width, height, exif);
     if (fault == no_picture && !ferror(file))
         result = fail_kind(path, file, message);
     else if (fault)
@@ -299,4 +369,9 @@ int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *heigh
     }
     fclose(file);
     return result;
+}
+
+int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message)
+{
+    return fxs_photograph_read_bytes(path, rgba, width, height, NULL, message);
 }

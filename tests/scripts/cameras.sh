@@ -22,7 +22,10 @@ esac
 [ "$1" != "$KILLED" ] || kill -9 $$
 [ "$1" != "$FAILS" ] || { echo "ERROR: played"; exit 1; }
 case $1 in
-feature_extractor) echo "Processed file [1/12]" ;;
+feature_extractor)
+    echo "Processed file [1/12]"
+    while [ "$1" != --image_list_path ]; do shift; done
+    echo $(cat "$2") >>"$PLAY/lists" ;;
 exhaustive_matcher) echo "Matching block [1/2, 1/2]" ;;
 mapper)
     [ -z "$NOTHING" ] || exit 1
@@ -103,6 +106,49 @@ fails "cameras of other photographs" 1 "^fixsplat: a.fxs.cameras: the cameras of
     fit plain $steps -o a.fxs --quiet
 rm plain/other.png
 
+# ---- Of several sizes, and HEIF --------------------------------------------------------------------------------------
+
+# bytes FILE NAME: an array of a header of tests
+bytes() {
+    for byte in $(sed -n "/ $2/,/}/ { /uint8/ !p }" "$root/tests/$1" | tr -dc '0-9 \n'); do
+        printf "\\$(printf %o "$byte")"
+    done
+}
+cp -r plain sizes && bytes jpeg_bytes.h baseline_jpeg >sizes/b.jpg && cp sizes/b.jpg sizes/0.JPG
+rm calls lists
+check "photographs of several sizes" "$fixsplat" fit sizes $steps -o sizes.fxs
+check "each size is a camera" equal "$(cat lists)" "0.JPG b.jpg
+$(cd plain && echo *)"
+check "the list has all of them" equal "$(grep -c . sizes.fxs.cameras/photographs.txt)" 14
+
+cp -r sizes mixed && bytes heif_bytes.h turned_heif >mixed/IMG_1.HEIC
+"$fixsplat" fit mixed -o mixed.fxs --cameras-only >logs/out 2>logs/err
+if grep -q 'needs libheif' logs/err; then
+    skip "HEIF" "$(cat logs/err)"
+else
+    check "a .heic is a camera of its own" grep -q '^fixsplat: mixed: photographs of 3 sizes and lenses' logs/err
+    check "COLMAP gets it as a .jpg" grep -qx IMG_1.HEIC.jpg lists
+    images=mixed.fxs.cameras/images
+    check "beside links to the others" [ -f $images/IMG_1.HEIC.jpg -a -L $images/00.png -a -L $images/b.jpg ]
+    check "with its focal length" grep -aq 'Maker' $images/IMG_1.HEIC.jpg
+    "$fixsplat" compare mixed/IMG_1.HEIC $images/IMG_1.HEIC.jpg --min-psnr 40 >logs/out
+    check "and its pixels" [ $? = 0 ]
+    made=$(ls -i $images/IMG_1.HEIC.jpg)
+    check "again: --cameras-only" "$fixsplat" fit mixed -o mixed.fxs --cameras-only --quiet
+    check "it is made once" equal "$(ls -i $images/IMG_1.HEIC.jpg)" "$made"
+    cp -r mixed broken && head -c 900 mixed/IMG_1.HEIC >broken/IMG_2.HEIC
+    fails "a damaged .heic" 1 "broken/IMG_2.HEIC: .*--skip-bad leaves such photographs out" \
+        fit broken -o broken.fxs --cameras-only --quiet
+    check "nothing half is left of it" [ ! -e broken.fxs.cameras/images/IMG_2.HEIC.jpg ]
+    "$fixsplat" fit broken -o broken.fxs --cameras-only --skip-bad >logs/out 2>logs/err
+    check "--skip-bad leaves it out" equal "$(grep -c 'left out: .*IMG_2.HEIC' logs/err) $(
+        grep -c HEIC broken.fxs.cameras/photographs.txt)" "1 1"
+    mkdir none && : >none/libheif.so.1
+    (LD_LIBRARY_PATH=$PWD/none exec "$fixsplat" fit mixed -o none.fxs --cameras-only --quiet) 2>logs/err
+    check "without libheif a line" equal "$? $(wc -l <logs/err) $(grep -c 'IMG_1.HEIC: a .heic, which needs libheif' logs/err)" \
+        "1 1 1"
+fi
+
 # ---- What goes wrong -------------------------------------------------------------------------------------------------
 
 export KILLED FAILS NOTHING FRAMES DAMAGED
@@ -169,5 +215,24 @@ else
     "$fixsplat" fit snowmiku.mp4 --frames 24 --cameras-only -o snowmiku.fxs 2>logs/err
     check "a film of snowmiku: 24 places within 1.5 pixels" \
         grep -Eq 'cameras of 24 of 24 photographs, [0-9]{4,} points, reprojection error (0|1\.[0-4])' logs/err
+fi
+photos=$scenes/../photos
+if [ "$FXS_PROCESSORS" != all ]; then
+    skip "photographs of two sizes" "only with FXS_PROCESSORS=all"
+elif ! have ffmpeg || ! have colmap || [ ! -d "$photos/banana" ]; then
+    skip "photographs of two sizes" "not here: ffmpeg, colmap or the shared photographs"
+else
+    mkdir two
+    n=0
+    for photo in "$photos"/banana/*.JPG; do
+        n=$((n + 1))
+        ffmpeg -v error -y -i "$photo" -vf scale=$((n % 2 ? 1000 : 800)):-2 -q:v 2 small.jpg
+        perl -e 'local $/; open A, "<:raw", $ARGV[0]; $a = <A>; open B, "<:raw", $ARGV[1]; $b = <B>;
+            $i = index $a, "\xff\xe1"; $n = 2 + unpack "n", substr $a, $i + 2, 2;     # EXIF, of which ffmpeg writes none
+            print substr($b, 0, 2), substr($a, $i, $n), substr($b, 2)' "$photo" small.jpg >"two/$(basename "$photo")"
+    done
+    "$fixsplat" fit two --steps 20 --resolution 200 -o two.fxs >logs/out 2>logs/err
+    check "photographs of two sizes: places, and a scene" \
+        sh -c "[ -s two.fxs ] && grep -Eq 'cameras of 1[0-6] of 16 photographs, [0-9]{4,} points' logs/err"
 fi
 finish

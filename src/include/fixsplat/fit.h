@@ -40,6 +40,8 @@ typedef struct fxs_fit fxs_fit;
 typedef struct fxs_fit_photo {
     fxs_file_view view;
     const uint8_t *pixels;         /* red, green, blue; rows from the top without gaps; valid until the fit is freed */
+    double exposure;               /* how much light it got, in any unit that is the same for all, as time * sensitivity /
+                                      f-number^2; 0: not known. FXS_FIT_EXPOSURE_GAIN begins with it */
 } fxs_fit_photo;
 
 /* A point at which the fit begins with a Gaussian. */
@@ -59,7 +61,9 @@ enum fxs_fit_exposure {
     FXS_FIT_EXPOSURE_NONE = 0,     /* all have the same */
     FXS_FIT_EXPOSURE_GAIN = 1      /* each has a gain and a colour balance, log2 of three factors that the fit finds: by
                                       these the picture is multiplied before it is compared with the photograph. Their
-                                      means over the photographs are 0. The scene has none of them */
+                                      means over the photographs are 0. The scene has none of them. They begin at 0;
+                                      where the exposure of every photograph is known, the gain begins at 1 / 2.2 of its
+                                      log2, as pixels have about that power of the light, less the mean over all */
 };
 
 typedef struct fxs_fit_options {

@@ -58,20 +58,24 @@ FXS_API int fxs_image_file_write(const char *path, const uint8_t *rgba, int widt
 /* 1 where the ending of the name is one that fxs_image_file_write knows, else 0. */
 FXS_API int fxs_image_file_known(const char *path);
 
-/* Reads a .png (by libpng), .jpg (by libjpeg-turbo) or .ppm, of at most 2^26 pixels; its content tells which it is.
-   Of 16 bits the upper 8 are taken, grey and palettes become RGBA, and how EXIF would turn a picture is not looked at
-   (nor does COLMAP, whose cameras are for the pixels as they are stored). The pixels are the same on every machine:
-   .png and .ppm say what they are, and a .jpg, whose standard leaves the last bit open, is decoded in integers by a
-   transform that libjpeg-turbo has alike in C and for every instruction set.
+/* Reads a .png (by libpng), .jpg (by libjpeg-turbo), .webp (by libwebp), .heic or another HEIF of HEVC (by libheif) or
+   .ppm, of at most 2^26 pixels; its content tells which it is. Of more than 8 bits the upper 8 are taken, grey and
+   palettes become RGBA, and how EXIF would turn a picture is not looked at (nor does COLMAP, whose cameras are for the
+   pixels as they are stored); a HEIF is turned and cut as it states outside of EXIF. The pixels are the same on every
+   machine: .png and .ppm say what they are, and a .jpg, whose standard leaves the last bit open, is decoded in integers
+   by a transform that libjpeg-turbo has alike in C and for every instruction set. HEVC leaves nothing open; its Y, Cb
+   and Cr become red, green and blue in integers, by the matrix of BT.601, 709 or 2020 and the levels that the file
+   states (others are refused), with the chroma of 2 x 2 pixels taken as it is.
 
    A picture that is cut short is refused, and so is one that libpng or libjpeg-turbo finds damaged, even where they
-   would go on; but pixels whose number lies beyond the palette of a .png are black. Refused too are a .png or .jpg of
-   more than 2^20 pixels and of more than 512 a byte of the file, which few pictures have that are not all of one colour
-   (as a .ppm they are read), and a .jpg of more than 100 scans, or of CMYK. Gamma and colour profiles are not looked at.
+   would go on; but pixels whose number lies beyond the palette of a .png are black, and of damage inside of the pixels
+   of a .webp or HEIF their libraries do not tell. Refused too is a compressed file of more than 2^20 pixels and of more
+   than 512 a byte of the file, which few pictures have that are not all of one colour (as a .ppm they are read), a .jpg
+   of more than 100 scans, or of CMYK, and a .webp with several pictures. Gamma and colour profiles are not looked at.
 
    Returns 0 with *rgba allocated by malloc, which the caller frees, or an error and a message, with *rgba null. Errors:
-   FXS_ERR_FILE, FXS_ERR_UNSUPPORTED for .png where this was built without libpng, and for .jpg without libjpeg-turbo,
-   FXS_ERR_MEMORY. */
+   FXS_ERR_FILE, FXS_ERR_UNSUPPORTED for .png where this was built without libpng, for .jpg without libjpeg-turbo, for
+   .webp without libwebp, and for HEIF where it was built without libheif or libheif is not installed, FXS_ERR_MEMORY. */
 FXS_API int fxs_image_file_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_message *message);
 
 #ifdef __cplusplus

@@ -14,6 +14,9 @@
  *
  * - A photograph may have another size than its camera, but the same proportions to a pixel; where transforms.json
  *   states no size, the photograph's is used.
+ * - A photograph is used as it is stored where its camera has these proportions, and square ones always. Where only the
+ *   photograph as its EXIF turns it by a quarter has them, it is turned. EXIF that is damaged or out of its range counts
+ *   as none.
  * - Distortion of a lens is removed (COLMAP's SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE,
  *   RADIAL_FISHEYE and SIMPLE_RADIAL_FISHEYE; k1 to k6, p1 and p2 of transforms.json): each pixel of a pinhole picture
  *   is interpolated between the four pixels around the place where the lens put it. Principal point and size stay; the
@@ -75,7 +78,7 @@ typedef struct fxs_photos {
    drawn, is not perspective or has an unknown lens or one that cannot be undone, no photograph is left to fit, a point
    is not finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED by `progress`;
    FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED
-   where the files need cJSON, libpng or libjpeg-turbo and fixsplat was built without it; FXS_ERR_MEMORY. All-black
+   where the files need cJSON or a library of image_file.h that fixsplat was built without; FXS_ERR_MEMORY. All-black
    photographs are accepted. */
 FXS_API int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos,
                             fxs_message *message);

@@ -1,0 +1,318 @@
+#ifdef FXS_WITH_HEIF
+
+#include "heif_library.h"
+#include "photograph_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_PIXELS = 1 << 26, MAX_BYTES = 1 << 28, MAX_EXIF_BYTES = 1 << 20, SIDE = 16384 };
+
+typedef struct reading {
+    const fxs_heif_library *lib;
+    struct heif_context *context;
+    struct heif_image_handle *handle;
+    struct heif_image *image;
+    uint8_t *bytes;                /* of the file */
+    size_t size;
+} reading;
+
+/* Samples of more than 8 bits have two bytes, in the order of the machine; the upper 8 bits are taken. */
+typedef struct plane {
+    const uint8_t *samples;
+    int width, height, stride, bits;
+} plane;
+
+static int sample(const plane *p, int x, int y)
+{
+    const uint8_t *row = p->samples + (size_t)y * (size_t)p->stride;
+    uint16_t wide;
+    if (p->bits <= 8)
+        return row[x];
+    memcpy(&wide, row + 2 * x, sizeof wide);
+    return wide >> (p->bits - 8) & 255;
+}
+
+/* ---- Colours ----------------------------------------------------------------------------------------------------- */
+
+/* R = y Y + red Cr, G = y Y - green[0] Cb - green[1] Cr, B = y Y + blue Cb, all times 2^16, with Y above `black`, Cb
+   and Cr from -128 on. */
+typedef struct colours {
+    int black, y, red, green[2], blue;
+} colours;
+
+static int fixed(double x)
+{
+    return (int)(x * 65536 + 0.5);
+}
+
+/* R = Y + 2 (1 - kr) Cr, B = Y + 2 (1 - kb) Cb, Y = kr R + (1 - kr - kb) G + kb B (ITU-T H.273), of all 256 levels or
+   of 219 from 16 on, and 224 of chroma. */
+static void set_colours(colours *c, double kr, double kb, int is_full)
+{
+    const double kg = 1 - kr - kb, chroma = is_full ? 1 : 255.0 / 224;
+    c->black = is_full ? 0 : 16;
+    c->y = fixed(is_full ? 1 : 255.0 / 219);
+    c->red = fixed(chroma * 2 * (1 - kr));
+    c->blue = fixed(chroma * 2 * (1 - kb));
+    c->green[0] = fixed(chroma * 2 * kb * (1 - kb) / kg);
+    c->green[1] = fixed(chroma * 2 * kr * (1 - kr) / kg);
+}
+
+/* What the file states, else what its stream does, else BT.601 in all levels, as libheif has it. */
+static const char *find_colours(const reading *r, colours *c)
+{
+    struct heif_color_profile_nclx *stated = NULL;
+    int matrix = 2, is_full = 1;
+    if (r->lib->heif_image_handle_get_nclx_color_profile(r->handle, &stated).code != heif_error_Ok)
+        r->lib->heif_image_get_nclx_color_profile(r->image, &stated);
+    if (stated) {
+        matrix = (int)stated->matrix_coefficients;
+        is_full = stated->full_range_flag;
+        r->lib->heif_nclx_color_profile_free(stated);
+    }
+    if (matrix == 1)
+        set_colours(c, 0.2126, 0.0722, is_full);           /* BT.709 */
+    else if (matrix == 2 || matrix == 5 || matrix == 6)
+        set_colours(c, 0.299, 0.114, is_full);             /* BT.601 */
+    else if (matrix == 9)
+        set_colours(c, 0.2627, 0.0593, is_full);           /* BT.2020 */
+    else
+        return "colours that are not known here";
+    return NULL;
+}
+
+static uint8_t rounded(int fixed)
+{
+    const int most = 255 * 65536;
+    return (uint8_t)(((fixed < 0 ? 0 : fixed > most ? most : fixed) + 32768) >> 16);
+}
+
+/* ---- Pixels ------------------------------------------------------------------------------------------------------ */
+
+static const char *find_plane(const reading *r, enum heif_channel channel, plane *p)
+{
+    p->samples = r->lib->heif_image_get_plane_readonly(r->image, channel, &p->stride);
+    if (!p->samples)
+        return NULL;
+    p->width = r->lib->heif_image_get_width(r->image, channel);
+    p->height = r->lib->heif_image_get_height(r->image, channel);
+    p->bits = r->lib->heif_image_get_bits_per_pixel_range(r->image, channel);
+    return p->width < 1 || p->height < 1 || p->bits < 8 || p->bits > 16 ||
+                   p->stride < p->width * (p->bits > 8 ? 2 : 1)
+               ? "pixels of a form that is not known here"
+               : NULL;
+}
+
+static int halved(int at, int size)
+{
+    return at / 2 < size ? at / 2 : size - 1;
+}
+
+/* `planes`: Y, Cb, Cr, alpha; the chroma of a pixel is the one that lies on it, not interpolated. */
+static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
+{
+    const int width = planes[0].width, height = planes[0].height;
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++, rgba += 4) {
+            const int level = (sample(&planes[0], x, y) - c->black) * c->y;
+            int chroma[2];
+            for (int k = 0; k < 2; k++) {
+                const plane *p = &planes[1 + k];
+                chroma[k] = sample(p, halved(x, p->width), halved(y, p->height)) - 128;
+            }
+            rgba[0] = rounded(level + c->red * chroma[1]);
+            rgba[1] = rounded(level - c->green[0] * chroma[0] - c->green[1] * chroma[1]);
+            rgba[2] = rounded(level + c->blue * chroma[0]);
+            rgba[3] = planes[3].samples ? (uint8_t)sample(&planes[3], x, y) : 255;
+        }
+}
+
+/* libheif converts colours in floats, so it is asked for the planes of what cameras write, 4:2:0, which the standard of
+   HEVC gives to the bit. */
+static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int *height)
+{
+    static const enum heif_channel channels[4] = {heif_channel_Y, heif_channel_Cb, heif_channel_Cr, heif_channel_Alpha};
+    plane planes[4];
+    colours c;
+    const char *fault = find_colours(r, &c);
+    for (int i = 0; i < 4 && !fault; i++)
+        fault = find_plane(r, channels[i], &planes[i]);
+    if (!fault && (!planes[0].samples || !planes[1].samples || !planes[2].samples ||
+                   r->lib->heif_image_is_premultiplied_alpha(r->image) ||
+                   (planes[3].samples && (planes[3].width != planes[0].width || planes[3].height != planes[0].height))))
+        fault = "pixels of a form that is not known here";
+    if (fault)
+        return fault;
+    *width = planes[0].width;
+    *height = planes[0].height;
+    fault = fxs_image_refusal(*width, *height, r->size);
+    if (fault)
+        return fault;
+    *rgba = malloc(4 * (size_t)*width * (size_t)*height);
+    if (!*rgba)
+        return fxs_no_memory;
+    convert(planes, &c, *rgba);
+    return NULL;
+}
+
+/* ---- Sizes ------------------------------------------------------------------------------------------------------- */
+
+/* Bits of a NAL unit (ITU-T H.265, 7.3.1.1), of whose bytes 0 0 3 the last one does not count; 0 behind its end. */
+typedef struct bits {
+    const uint8_t *bytes;
+    size_t size, at;               /* at: bits */
+} bits;
+
+static uint32_t take(bits *b, int count)
+{
+    uint32_t value = 0;
+    for (int i = 0; i < count; i++, b->at++) {
+        const size_t byte = b->at / 8;
+        if (b->at % 8 == 0 && byte > 1 && byte < b->size && b->bytes[byte] == 3 && !b->bytes[byte - 1] &&
+            !b->bytes[byte - 2])
+            b->at += 8;
+        const uint32_t bit = b->at / 8 < b->size ? b->bytes[b->at / 8] >> (7 - b->at % 8) & 1 : 0;
+        value = value << 1 | bit;
+    }
+    return value;
+}
+
+/* ue(v) of 9.2 */
+static uint32_t take_code(bits *b)
+{
+    int zeros = 0;
+    while (zeros < 31 && b->at < 8 * b->size && !take(b, 1))
+        zeros++;
+    return (1u << zeros) - 1 + take(b, zeros);
+}
+
+/* The pixels that a sequence parameter set states (7.3.2.2). */
+static uint64_t stated_pixels(const uint8_t *unit, size_t size)
+{
+    bits b = {unit, size, 16 + 4};
+    uint32_t has[7];
+    const int layers = (int)take(&b, 3);   /* beside the whole */
+    take(&b, 1);
+    for (int i = 0; i < 3; i++)    /* profile and level */
+        take(&b, 32);
+    for (int i = 0; i < layers; i++)
+        has[i] = take(&b, 2);
+    take(&b, layers ? 2 * (8 - layers) : 0);
+    for (int i = 0; i < layers; i++) {
+        for (int k = 0; k < 11 && has[i] >> 1; k++)
+            take(&b, 8);
+        take(&b, has[i] & 1 ? 8 : 0);
+    }
+    take_code(&b);
+    if (take_code(&b) == 3)        /* chroma */
+        take(&b, 1);
+    const uint64_t width = take_code(&b);
+    return width * take_code(&b);
+}
+
+/* By the size that its stream states the decoder makes room, whatever the file says. So each sequence parameter set,
+   behind its length of at least two bytes, is held to twice what a picture may have, as they state whole blocks. That
+   other bytes look like one of such a size happens once in some 10^9 photographs. */
+static const char *find_large_stream(const uint8_t *bytes, size_t size)
+{
+    for (size_t at = 2; at + 2 < size; at++) {
+        const size_t length = (size_t)bytes[at - 2] << 8 | bytes[at - 1];
+        if (bytes[at] != 0x42 || !bytes[at + 1] || bytes[at + 1] > 7 || length < 8 || length > 4096)
+            continue;
+        const uint64_t pixels = stated_pixels(bytes + at, length < size - at ? length : size - at);
+        if (pixels > 2 * MAX_PIXELS || (pixels > 2 * (1 << 20) && pixels / 1024 > size))
+            return "a stream of more pixels than a file of its size may have";
+    }
+    return NULL;
+}
+
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
+
+static const char *said(struct heif_error error)
+{
+    static __thread char words[160];
+    snprintf(words, sizeof words, "%s", error.message && *error.message ? error.message : "damaged");
+    words[strcspn(words, "\r\n")] = 0;
+    return error.code == heif_error_Ok ? NULL
+           : error.code == heif_error_Memory_allocation_error ? fxs_no_memory
+                                                              : words;
+}
+
+/* Four bytes say where in the rest the TIFF file begins. */
+static void take_exif(const reading *r, fxs_exif_bytes *exif)
+{
+    heif_item_id id;
+    if (r->lib->heif_image_handle_get_list_of_metadata_block_IDs(r->handle, "Exif", &id, 1) != 1)
+        return;
+    const size_t size = r->lib->heif_image_handle_get_metadata_size(r->handle, id);
+    uint8_t *block = size > 4 && size <= MAX_EXIF_BYTES ? malloc(size + 6) : NULL;
+    if (block && r->lib->heif_image_handle_get_metadata(r->handle, id, block).code == heif_error_Ok) {
+        const size_t from = (size_t)block[0] << 24 | (size_t)block[1] << 16 | (size_t)block[2] << 8 | block[3];
+        if (from < size - 4) {
+            memmove(block + 6, block + 4 + from, size - 4 - from);
+            memcpy(block, "Exif\0", 6);
+            fxs_exif_keep(exif, block, size - 4 - from + 6);
+            exif->is_upright = 1;
+        }
+    }
+    free(block);
+}
+
+static const char *decode(reading *r, FILE *file, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif)
+{
+    const fxs_heif_library *lib = r->lib;
+    r->bytes = malloc(r->size + 1);
+    r->context = lib->heif_context_alloc();
+    if (!r->bytes || !r->context)
+        return fxs_no_memory;
+    if (fread(r->bytes, 1, r->size, file) != r->size)
+        return "cut short";
+    lib->heif_context_set_maximum_image_size_limit(r->context, SIDE);
+    lib->heif_context_set_max_decoding_threads(r->context, 0);
+    const char *fault = find_large_stream(r->bytes, r->size);
+    if (fault)
+        return fault;
+    fault = said(lib->heif_context_read_from_memory_without_copy(r->context, r->bytes, r->size, NULL));
+    if (!fault)
+        fault = said(lib->heif_context_get_primary_image_handle(r->context, &r->handle));
+    if (!fault)
+        fault = fxs_image_refusal(lib->heif_image_handle_get_width(r->handle),
+                                  lib->heif_image_handle_get_height(r->handle), r->size);
+    if (fault)
+        return fault;
+    struct heif_decoding_options *options = lib->heif_decoding_options_alloc();
+    if (!options)
+        return fxs_no_memory;
+    options->strict_decoding = 1;
+    fault = said(lib->heif_decode_image(r->handle, &r->image, heif_colorspace_YCbCr, heif_chroma_420, options));
+    lib->heif_decoding_options_free(options);
+    if (!fault)
+        fault = take_pixels(r, rgba, width, height);
+    if (!fault && exif)
+        take_exif(r, exif);
+    return fault;
+}
+
+const char *fxs_heif_read(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif)
+{
+    reading r = {.lib = fxs_heif_library_open()};
+    if (!r.lib)
+        return fxs_no_heif;
+    if (bytes > MAX_BYTES)
+        return "more than 2^28 bytes";
+    r.size = (size_t)bytes;
+    const char *fault = decode(&r, file, rgba, width, height, exif);
+    if (r.image)
+        r.lib->heif_image_release(r.image);
+    if (r.handle)
+        r.lib->heif_image_handle_release(r.handle);
+    if (r.context)
+        r.lib->heif_context_free(r.context);
+    free(r.bytes);
+    return fault;
+}
+
+#else
+typedef int fxs_heif_is_not_linked;
+#endif

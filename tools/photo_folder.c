@@ -1,0 +1,215 @@
+#define _XOPEN_SOURCE 700          /* realpath, strdup */
+
+#include "photo_folder.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fixsplat/pool.h>
+#include "command.h"
+#include "src/image/photograph.h"
+
+enum { BATCH = 16 };
+
+static const char skips[] = "--skip-bad leaves such photographs out";
+
+/* ---- Which there are --------------------------------------------------------------------------------------------- */
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+static int add_photograph(photographs *p, const char *name)
+{
+    if (p->count == p->room) {
+        const size_t room = 2 * p->room + 64;
+        char **larger = realloc(p->names, room * sizeof *larger);
+        if (!larger)
+            return 0;
+        p->names = larger;
+        p->room = room;
+    }
+    p->names[p->count] = strdup(name);
+    return p->names[p->count] && ++p->count;
+}
+
+void photographs_free(photographs *p)
+{
+    for (size_t i = 0; i < p->count; i++)
+        free(p->names[i]);
+    free(p->names);
+    free(p->lenses);
+    memset(p, 0, sizeof *p);
+}
+
+int photographs_list(photographs *p, const char *path)
+{
+    DIR *folder = opendir(path);
+    int fits = 1;
+    for (struct dirent *entry; folder && fits && (entry = readdir(folder)) != 0;)
+        fits = !fxs_photograph_kind_of(entry->d_name) || add_photograph(p, entry->d_name);
+    if (folder)
+        closedir(folder);
+    if (p->count)
+        qsort(p->names, p->count, sizeof *p->names, compare_names);
+    return fits;
+}
+
+/* ---- What COLMAP reads ------------------------------------------------------------------------------------------- */
+
+typedef struct conversion {
+    const char *folder, *to, *const *names;        /* of a batch */
+    fxs_message messages[BATCH];
+    int errors[BATCH];
+} conversion;
+
+static int link_to(const char *path, const char *to)
+{
+    unlink(to);
+    return symlink(path, to) ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
+}
+
+static void convert_one(void *argument, uint32_t i)
+{
+    conversion *c = argument;
+    char from[TASK_PATH], to[TASK_PATH], name[TASK_PATH];
+    struct stat status;
+    join_path(from, c->folder, c->names[i]);
+    snprintf(name, sizeof name, "%.1000s.jpg", c->names[i]);
+    join_path(to, c->to, name);
+    c->errors[i] = stat(to, &status) ? fxs_photograph_to_jpg(from, to, &c->messages[i]) : 0;
+}
+
+static int convert(task *t, conversion *c, size_t count, uint32_t threads, int skip_bad)
+{
+    int status = 0;
+    fxs_pool *pool = fxs_pool_create(threads);
+    const char *const *const names = c->names;
+    task_begin(t, "converting photographs", 0);
+    for (size_t first = 0; first < count && !status; first += BATCH) {
+        const size_t left = count - first;
+        const uint32_t jobs = left < BATCH ? (uint32_t)left : BATCH;
+        c->names = names + first;
+        if (pool)
+            fxs_pool_run(pool, convert_one, c, jobs);
+        else
+            for (uint32_t i = 0; i < jobs; i++)
+                convert_one(c, i);
+        for (uint32_t i = 0; i < jobs && !status; i++)
+            if (c->errors[i] && skip_bad && c->errors[i] == FXS_ERR_FILE)
+                note("left out: %s", c->messages[i].text);
+            else if (c->errors[i])
+                status = c->errors[i] == FXS_ERR_FILE ? fail(EXIT_FAILED, "%s (%s)", c->messages[i].text, skips)
+                                                      : fail_for(&c->messages[i]);
+        task_show(t, first + jobs, count);
+    }
+    progress_end();
+    fxs_pool_destroy(pool);
+    return status;
+}
+
+/* A folder of links, and of what is converted. */
+static int make_mixed(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad)
+{
+    static conversion c;
+    char path[TASK_PATH], name[TASK_PATH];
+    size_t heif = 0;
+    const char **names = malloc(p->count * sizeof *names);
+    int status = names ? make_folder(to) : fail(EXIT_FAILED, "out of memory");
+    for (size_t i = 0; i < p->count && !status; i++) {
+        if (fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF) {
+            names[heif++] = p->names[i];
+            continue;
+        }
+        join_path(path, from, p->names[i]);
+        join_path(name, to, p->names[i]);
+        status = link_to(path, name);
+    }
+    memset(&c, 0, sizeof c);
+    c.folder = from;
+    c.to = to;
+    c.names = names;
+    status = status ? status : convert(t, &c, heif, threads, skip_bad);
+    free(names);
+    return status;
+}
+
+int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad)
+{
+    int is_mixed = 0, status;
+    char *whole = realpath(from, 0);
+    for (size_t i = 0; i < p->count; i++)
+        is_mixed |= fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF;
+    status = !whole     ? fail(EXIT_FAILED, "%s: %s", from, strerror(errno))
+             : is_mixed ? make_mixed(t, p, whole, to, threads, skip_bad)
+                        : link_to(whole, to);
+    free(whole);
+    return status;
+}
+
+/* ---- What they are of -------------------------------------------------------------------------------------------- */
+
+typedef struct seen {
+    int width, height;
+    fxs_exif exif;
+} seen;
+
+static size_t find_lens(const seen *lenses, size_t count, const seen *s)
+{
+    size_t i = 0;
+    while (i < count && (lenses[i].width != s->width || lenses[i].height != s->height ||
+                         strcmp(lenses[i].exif.lens, s->exif.lens) != 0))
+        i++;
+    return i;
+}
+
+static int look(task *t, photographs *p, const char *folder, int skip_bad, seen *lenses)
+{
+    size_t kept = 0;
+    const size_t count = p->count;
+    for (size_t i = 0; i < count; i++) {
+        char path[TASK_PATH];
+        uint8_t *pixels = 0;
+        fxs_message why;
+        seen s = {0};
+        join_path(path, folder, p->names[i]);
+        const int error = fxs_photograph_read(path, &pixels, &s.width, &s.height, &s.exif, &why);
+        free(pixels);
+        task_show(t, i + 1, count);
+        if (error && !skip_bad)
+            return fail(EXIT_FAILED, "%s (%s)", why.text, skips);
+        if (error) {
+            note("left out: %s", why.text);
+            free(p->names[i]);
+            p->names[i] = 0;
+            continue;
+        }
+        const size_t lens = find_lens(lenses, p->lens_count, &s);
+        if (lens == p->lens_count)
+            lenses[p->lens_count++] = s;
+        p->lenses[kept] = lens;
+        p->names[kept] = p->names[i];
+        p->names[i] = kept < i ? 0 : p->names[i];
+        kept++;
+    }
+    p->count = kept;
+    return 0;
+}
+
+int photographs_look(task *t, photographs *p, const char *folder, int skip_bad)
+{
+    seen *lenses = malloc((p->count + 1) * sizeof *lenses);
+    p->lenses = calloc(p->count + 1, sizeof *p->lenses);
+    task_begin(t, "looking at photographs", 0);
+    const int status = lenses && p->lenses ? look(t, p, folder, skip_bad, lenses) : fail(EXIT_FAILED, "out of memory");
+    progress_end();
+    free(lenses);
+    if (!status && p->lens_count > 1)
+        note("%s: photographs of %zu sizes and lenses, each of which is a camera", t->of, p->lens_count);
+    return status;
+}
