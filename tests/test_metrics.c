@@ -9,10 +9,11 @@
 enum { WIDTH = 60, HEIGHT = 40, PIXELS = WIDTH * HEIGHT };
 
 static uint8_t drawn[4 * PIXELS], photograph[4 * PIXELS];
+static const uint8_t *mask;        /* null: all pixels count */
 
 static double left(void)
 {
-    return fxs_metrics_affine_psnr(drawn, photograph, WIDTH, HEIGHT);
+    return fxs_metrics_affine_psnr(drawn, photograph, mask, WIDTH, HEIGHT);
 }
 
 static uint8_t random_level(uint64_t number, double low, double high)

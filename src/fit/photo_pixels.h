@@ -1,17 +1,19 @@
-/* Prepares a photograph for a fit: removes distortion, puts it on the background, reduces it by averaging. */
+/* Prepares a photograph for a fit: removes distortion, puts it on the background, reduces it by averaging; and its mask
+   likewise. */
 #ifndef FXS_FIT_PHOTO_PIXELS_H
 #define FXS_FIT_PHOTO_PIXELS_H
 
-#include "src/camera/camera_internal.h"
+#include "photo_masks.h"
 
 typedef struct fxs_photo_pixels {
     fxs_file_view view;            /* pinhole camera of these pixels */
     uint8_t *pixels;               /* RGB; the caller frees them */
+    uint8_t *mask;                 /* a byte a pixel, 0 where it is ignored, which the caller frees; null: all count */
 } fxs_photo_pixels;
 
-/* `resolution`: the largest width or height. Returns 0, or an error and a message, with null pixels. */
+/* `resolution`: the largest width or height. Returns 0, or an error and a message, with null pixels and mask. */
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
-                   fxs_photo_pixels *photo, fxs_message *message);
+                   const fxs_photo_masking *masking, fxs_photo_pixels *photo, fxs_message *message);
 
 /* The view of the pinhole picture in the size that its file of cameras states, of which the photograph is not read. */
 void fxs_photo_view(const fxs_listed_view *listed, fxs_file_view *view);

@@ -753,7 +753,7 @@ static void average_down(const fxs_fit_photograph *from, uint8_t *pixels)
         }
 }
 
-static void reduce_mask(const fxs_fit_photograph *from, uint8_t *mask)
+static void reduce_mask(const fxs_fit_photograph *from, uint8_t *out)
 {
     const int divisor = from->divisor;
     for (int y = 0; y < from->camera.height; y++)
@@ -762,7 +762,7 @@ static void reduce_mask(const fxs_fit_photograph *from, uint8_t *mask)
             int counts = 1;
             for (int k = 0; k < divisor * divisor; k++)
                 counts &= first[(ptrdiff_t)(k / divisor) * from->width + k % divisor] != 0;
-            *mask++ = (uint8_t)counts;
+            *out++ = (uint8_t)counts;
         }
 }
 
