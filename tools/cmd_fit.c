@@ -669,6 +669,7 @@ static int measure_scene(fit_command *c)
     progress_end();
     if (error)
         return fail_for(&message);
+    say_masks(c, &photos);
     if (c->compare)
         result_tell_pictures(&photos, c->compare);
     int status = files_check();
@@ -727,15 +728,21 @@ static int fit_block(fit_command *c, char **argv)
 /* Where there are none yet. */
 static int find_cameras(fit_command *c)
 {
-    const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad};
+    const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad,
+                                     c->reading.masks, c->reading.invert_masks};
     if (c->measure || !reconstruct_is_needed(c->in)) {
         if (c->cameras_only)
             return fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in);
         return c->frames ? fail(EXIT_USAGE, "--frames: %s is not a film", c->in) : 0;
     }
     const int status = reconstruct(&how, &c->found);
-    c->in = status ? c->in : c->found;
-    return status;
+    if (status)
+        return status;
+    c->in = c->found;
+    if (c->reading.masks && *c->reading.masks)
+        c->reading.masks = 0;      /* they are in the folder, white where photographs count */
+    c->reading.invert_masks = 0;
+    return 0;
 }
 
 static int run(int argc, char **argv)

@@ -13,7 +13,9 @@
 #include <fixsplat/camera_file.h>
 #include <fixsplat/image_file.h>
 #include "src/camera/camera_find.h"
+#include "src/fit/photo_masks.h"
 #include "command.h"
+#include "file_guard.h"
 #include "film_frames.h"
 
 /* Up to how many photographs, and frames of a film, each is matched with each. */
@@ -30,7 +32,8 @@ typedef struct work {
     task t;
     int is_film;
     char source[TASK_PATH];        /* the film, or the folder in which the photographs are */
-    char folder[TASK_PATH], images[TASK_PATH], database[TASK_PATH], list[TASK_PATH], log_name[TASK_PATH];
+    char masked[TASK_PATH];        /* the folder of masks that were given, or empty; links to them are in `masks` */
+    char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH], log_name[TASK_PATH];
     photographs photos;
     char threads[16];
     unsigned long points;
@@ -131,6 +134,16 @@ static int link_photographs(const work *w)
     return wrong ? fail(EXIT_FAILED, "%s: %s", w->images, strerror(errno)) : 0;
 }
 
+/* Where the photograph has a mask: fxs_photo_mask_read. */
+static int read_mask(const work *w, const char *path, const char *name, int width, int height, uint8_t **counts,
+                     fxs_message *why)
+{
+    fxs_photo_masking masking = {.is_inverse = w->options->invert_masks};
+    *counts = 0;
+    return *w->masked && fxs_photo_mask_in(w->masked, name, masking.path)
+               ? fxs_photo_mask_read(&masking, path, 0, width, height, counts, why) : 0;
+}
+
 /* Reads each, to find those that are damaged, and whether all have one size. */
 static int look_at_photographs(work *w)
 {
@@ -141,12 +154,14 @@ static int look_at_photographs(work *w)
     p->is_of_one_size = 1;
     for (size_t i = 0; i < p->count; i++) {
         char path[TASK_PATH];
-        uint8_t *pixels = 0;
+        uint8_t *pixels = 0, *counts = 0;
         int width = 0, height = 0;
         fxs_message why;
         join_path(path, w->images, p->names[i]);
-        const int error = fxs_image_file_read(path, &pixels, &width, &height, &why);
+        int error = fxs_image_file_read(path, &pixels, &width, &height, &why);
+        error = error ? error : read_mask(w, path, p->names[i], width, height, &counts, &why);
         free(pixels);
+        free(counts);
         task_show(&w->t, i + 1, p->count);
         if (error && !w->options->skip_bad)
             return fail(EXIT_FAILED, "%s (--skip-bad leaves such photographs out)", why.text);
@@ -163,6 +178,50 @@ static int look_at_photographs(work *w)
     progress_end();
     p->count = kept;
     return 0;
+}
+
+/* The mask in black and white, white where the photograph counts. */
+static int write_inverse(const char *from, const char *to)
+{
+    uint8_t *rgba;
+    int width, height;
+    fxs_message why;
+    if (fxs_image_file_read(from, &rgba, &width, &height, &why))
+        return fail_for(&why);
+    for (size_t i = 0; i < (size_t)width * (size_t)height; i++) {
+        uint8_t *p = rgba + 4 * i;
+        p[0] = p[1] = p[2] = (p[0] + p[1] + p[2]) * p[3] < 3 * 128 * 255 ? 255 : 0;
+        p[3] = 255;
+    }
+    const int error = fxs_image_file_write(to, rgba, width, height, &why);
+    free(rgba);
+    return error ? fail_for(&why) : 0;
+}
+
+static int take_mask(const work *w, const char *from, const char *name)
+{
+    char to[TASK_PATH];
+    if (snprintf(to, sizeof to, "%s/%s.png", w->masks, name) >= TASK_PATH)
+        return fail(EXIT_FAILED, "%s: name too long", name);
+    unlink(to);
+    if (w->options->invert_masks)
+        return write_inverse(from, to);
+    char *whole = realpath(from, 0);
+    const int wrong = !whole || symlink(whole, to);
+    free(whole);
+    return wrong ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
+}
+
+/* All by COLMAP's names, in OUT.cameras. */
+static int take_masks(const work *w)
+{
+    int status = *w->masked ? make_folder(w->masks) : 0;
+    for (size_t i = 0; i < w->photos.count && !status && *w->masked; i++) {
+        char from[FXS_PHOTO_PATH];
+        if (fxs_photo_mask_in(w->masked, w->photos.names[i], from))
+            status = take_mask(w, from, w->photos.names[i]);
+    }
+    return status;
 }
 
 static int write_list(const work *w)
@@ -184,6 +243,7 @@ static int take_photographs(work *w, int are_placed)
     if (!status && w->photos.count < LEAST)
         return fail(EXIT_FAILED, "%s: %zu photograph%s: %d or more are needed, that overlap", w->options->in,
                     w->photos.count, w->photos.count == 1 ? "" : "s", LEAST);
+    status = status ? status : take_masks(w);
     return status ? status : write_list(w);
 }
 
@@ -208,7 +268,8 @@ static int find_features(work *w)
         "colmap", "feature_extractor", "--database_path", w->database, "--image_path", w->images, "--image_list_path",
         w->list, "--SiftExtraction.use_gpu", "0", "--SiftExtraction.max_image_size", "1600",
         "--SiftExtraction.max_num_features", "4096", "--SiftExtraction.num_threads", w->threads,
-        "--ImageReader.single_camera", w->photos.is_of_one_size ? "1" : "0", 0
+        "--ImageReader.single_camera", w->photos.is_of_one_size ? "1" : "0",
+        *w->masked ? "--ImageReader.mask_path" : 0, w->masks, 0
     };
     task_begin(&w->t, "looking for features", look_at_features);
     return run_colmap(w, arguments);
@@ -394,6 +455,24 @@ static uint64_t number_of(const work *w, const photographs *p)
     return number;
 }
 
+/* The folder of the masks, if there is one; OUT.cameras may have some of its own. */
+static int find_masks(work *w)
+{
+    const char *given = w->options->masks;
+    if (given)
+        snprintf(w->masked, TASK_PATH, "%.*s", TASK_PATH - 1, given);
+    else
+        join_path(w->masked, w->options->in, "masks");
+    if (files_same(w->masked, w->masks))
+        return fail(EXIT_USAGE, "%s: it is where masks are written to", w->masked);
+    if (is_folder(w->masked))
+        return 0;
+    if (given && *given)
+        return fail(EXIT_FAILED, "%s: no such folder of masks", given);
+    *w->masked = 0;
+    return 0;
+}
+
 /* What lies there is of the same photographs, or nothing lies there. */
 static int claim_folder(const work *w)
 {
@@ -428,10 +507,12 @@ static int open_folder(work *w)
     else
         find_photographs(w->source, w->options->in);
     join_path(w->images, w->folder, "images");
+    join_path(w->masks, w->folder, "masks");
     join_path(w->database, w->folder, "database.db");
     join_path(w->list, w->folder, "photographs.txt");
     join_path(w->log_name, w->folder, "log.txt");
-    int status = make_folder(w->folder);
+    int status = find_masks(w);
+    status = status ? status : make_folder(w->folder);
     status = status ? status : claim_folder(w);
     if (status)
         return status;
