@@ -77,8 +77,8 @@ typedef struct fxs_photos {
     size_t with_mask, without_mask;    /* photographs with a mask, and those without one in a set that has masks */
 } fxs_photos;
 
-/* Reads a set of photographs. Each thread holds one photograph and its mask of their file's size; the reduced photographs take 3 bytes
-   a pixel, and their masks 1.
+/* Reads a set of photographs. Each thread holds one photograph, and its mask, of its file's size; the reduced
+   photographs take 3 bytes a pixel, and their masks 1.
 
    Returns 0 and photographs that fxs_photos_free frees, or an error and a message, with *photos all 0. Errors:
    FXS_ERR_FILE where a file is missing or damaged (of several photographs, the message names the first by name; with
