@@ -41,14 +41,9 @@ static int names_masks(const fxs_view_list *views)
     return 0;
 }
 
-int fxs_photo_masks_check(const fxs_photo_list *list, const fxs_photos_options *options, int *are_there,
-                          fxs_message *message)
+int fxs_photo_masks_are_there(const fxs_photo_list *list, const fxs_photos_options *options)
 {
-    const char *folder = folder_of(list, options);
-    *are_there = *folder || (!options->masks && (names_masks(&list->fit) || names_masks(&list->held_out)));
-    if (*folder && fxs_file_kind(folder) != FXS_FILE_FOLDER)
-        return fxs_fail(message, "%s: no such folder of masks", folder);
-    return 0;
+    return *folder_of(list, options) || (!options->masks && (names_masks(&list->fit) || names_masks(&list->held_out)));
 }
 
 int fxs_photo_mask_find(const fxs_photo_list *list, const fxs_photos_options *options, const fxs_listed_view *view,
@@ -65,6 +60,30 @@ int fxs_photo_mask_find(const fxs_photo_list *list, const fxs_photos_options *op
     name += strspn(name, "/");
     if (*folder && !fxs_photo_mask_in(folder, name, masking->path) && !strncmp(name, "images/", 7))
         fxs_photo_mask_in(folder, name + 7, masking->path);
+    return 0;
+}
+
+static int has_mask(const fxs_photo_list *list, const fxs_photos_options *options, const fxs_view_list *views)
+{
+    char image[FXS_PHOTO_PATH];
+    fxs_photo_masking masking = {.path = ""};
+    fxs_message why;
+    for (size_t i = 0; i < views->count && !*masking.path; i++)
+        if (!fxs_photo_list_image(list, &views->views[i], image, &why))
+            fxs_photo_mask_find(list, options, &views->views[i], image, &masking, &why);
+    return *masking.path != 0;
+}
+
+int fxs_photo_masks_check(const fxs_photo_list *list, const fxs_photos_options *options, fxs_message *message)
+{
+    const char *folder = folder_of(list, options);
+    if (!options->masks || !*folder)
+        return 0;
+    if (fxs_file_kind(folder) != FXS_FILE_FOLDER)
+        return fxs_fail(message, "%s: no such folder of masks", folder);
+    if (!has_mask(list, options, &list->fit) && !has_mask(list, options, &list->held_out))
+        return fxs_fail(message, "%s: it has a mask of none of the photographs; that of IMAGE.jpg is IMAGE.jpg.png or "
+                        "IMAGE.png", folder);
     return 0;
 }
 

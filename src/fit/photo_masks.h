@@ -15,10 +15,12 @@ typedef struct fxs_photo_masking {
    `name` is that of the photograph in its own folder. Returns whether there is one. */
 int fxs_photo_mask_in(const char *folder, const char *name, char path[FXS_PHOTO_PATH]);
 
-/* Whether the set has masks, as the options say: a folder, or names in the file of the cameras. Returns FXS_ERR_FILE
-   and a message where the options' folder is none. */
-int fxs_photo_masks_check(const fxs_photo_list *list, const fxs_photos_options *options, int *are_there,
-                          fxs_message *message);
+/* Whether the set has masks, as the options say: a folder, or names in the file of the cameras. */
+int fxs_photo_masks_are_there(const fxs_photo_list *list, const fxs_photos_options *options);
+
+/* Before a photograph is read. Returns FXS_ERR_FILE and a message where the options' folder is none, or has no mask of
+   any photograph in the list. */
+int fxs_photo_masks_check(const fxs_photo_list *list, const fxs_photos_options *options, fxs_message *message);
 
 /* Sets what the options say for a photograph whose image lies at `image`. Returns 0, or an error and a message. */
 int fxs_photo_mask_find(const fxs_photo_list *list, const fxs_photos_options *options, const fxs_listed_view *view,

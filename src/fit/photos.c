@@ -110,13 +110,9 @@ static int has_counting_pixels(const fxs_fit_photo *photo)
     return !photo->mask || memchr(photo->mask, 1, (size_t)photo->view.width * (size_t)photo->view.height);
 }
 
-static int check_masks(const fxs_photo_list *list, const fxs_photos_options *options, const fxs_photos *photos,
-                       fxs_message *message)
+static int check_ignored(const fxs_photo_list *list, const fxs_photos *photos, fxs_message *message)
 {
     size_t ignored = 0;
-    if (options->masks && *options->masks && !photos->with_mask)
-        return fxs_fail(message, "%s: it has a mask of none of the photographs; that of IMAGE.jpg is IMAGE.jpg.png or "
-                        "IMAGE.png", options->masks);
     while (ignored < photos->fit_count && !has_counting_pixels(&photos->fit[ignored]))
         ignored++;
     if (ignored && ignored == photos->fit_count)
@@ -129,8 +125,6 @@ int fxs_photos_pixels(const fxs_photo_list *list, const fxs_photos_options *opti
                       fxs_message *message)
 {
     const size_t count = list->fit.count + list->held_out.count;
-    int have_masks;
-    FXS_TRY(fxs_photo_masks_check(list, options, &have_masks, message));
     reading r = {list, NULL, options, 0, calloc(BATCH, sizeof(result))};
     if (!r.results)
         return fxs_fail_memory(message, list->cameras, BATCH * sizeof(result));
@@ -142,8 +136,8 @@ int fxs_photos_pixels(const fxs_photo_list *list, const fxs_photos_options *opti
         error = read_all(&r, &list->held_out, &photos->held_out, &photos->held_out_count, photos, list->fit.count,
                          count, message);
     if (!error)
-        error = check_masks(list, options, photos, message);
-    photos->without_mask = have_masks ? photos->without_mask : 0;
+        error = check_ignored(list, photos, message);
+    photos->without_mask = fxs_photo_masks_are_there(list, options) ? photos->without_mask : 0;
     free(r.results);
     return error;
 }
@@ -261,7 +255,9 @@ int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_pho
     FXS_TRY(fxs_photo_list_find(&list, path, options->hold_out, message));
     if (options->left_out)
         fxs_photo_list_others(&list, options->left_out, options->argument);
-    int error = options->held_out_alone && list.held_out.count ? keep_held_out(&list, message) : 0;
+    int error = fxs_photo_masks_check(&list, options, message);
+    if (!error && options->held_out_alone && list.held_out.count)
+        error = keep_held_out(&list, message);
     if (!error)
         error = fxs_photos_pixels(&list, options, photos, message);
     if (!error && photos->fit_count)

@@ -94,6 +94,11 @@ check "--measure: of all it is another number" [ "$(cmp -s one.txt all.txt; echo
 "$fixsplat" fit dark --measure discs.fxs --hold-out 4 --compare two --quiet >logs/out
 check "--compare: what is ignored is dark" cmp one/0001_04.png two/0001_04.png
 
+mkdir fitted && cp discs/0[1-9].png fitted
+"$fixsplat" fit noise --measure discs.fxs --hold-out 20 --masks fitted --quiet >one.txt
+"$fixsplat" fit noise --measure discs.fxs --hold-out 20 --masks none --quiet >two.txt
+check "--measure: no mask of what is measured" cmp one.txt two.txt
+
 # ---- What goes wrong -------------------------------------------------------------------------------------------------
 
 cp -r discs small && printf 'P6\n2 1\n255\n123456' >small/05.png
