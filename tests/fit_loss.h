@@ -38,21 +38,24 @@ static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int
     }
 }
 
-/* The sum over the pixels of a channel, the photograph's three bytes apart, of 0.8 |a - b| + 0.2 (1 - SSIM). */
-static inline double fit_loss(const double *picture, const uint8_t *photograph, int width, int height)
+/* The sum over the pixels of a channel, the photograph's three bytes apart, of 0.8 |a - b| + 0.2 (1 - SSIM). Pixels for
+   which the mask (or null) has 0 are as those beyond the picture. */
+static inline double fit_loss(const double *picture, const uint8_t *photograph, const uint8_t *mask, int width,
+                              int height)
 {
     static double products[FIT_LOSS_PIXELS][5], rows[FIT_LOSS_PIXELS][5], sums[FIT_LOSS_PIXELS][5];
     double window[FIT_WINDOW], loss = 0;
     fit_window(window);
     for (int p = 0; p < width * height; p++) {
-        const double a = picture[p], b = photograph[3 * p] / 255.0;
+        const int counts = !mask || mask[p];
+        const double a = counts ? picture[p] : 0, b = counts ? photograph[3 * p] / 255.0 : 0;
         products[p][0] = a, products[p][1] = b, products[p][2] = a * a, products[p][3] = b * b, products[p][4] = a * b;
         loss += 0.8 * fabs(a - b);
     }
     fit_window_sums((const double(*)[5])products, rows, width * height, 1, width, window);
     fit_window_sums((const double(*)[5])rows, sums, width * height, width, height, window);
     for (int p = 0; p < width * height; p++)
-        loss += 0.2 * (1 - fit_similarity(sums[p]));
+        loss += !mask || mask[p] ? 0.2 * (1 - fit_similarity(sums[p])) : 0;
     return loss;
 }
 

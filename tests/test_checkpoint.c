@@ -207,6 +207,45 @@ static void begins_with_known_exposures(void)
     options = mine;
 }
 
+/* The same masks, or none, as one that ignores nothing is. */
+static void goes_on_with_masks(void)
+{
+    static uint8_t masks[PHOTOS][WIDTH * HEIGHT], all[WIDTH * HEIGHT];
+    fxs_fit *whole, *second;
+    memset(all, 1, sizeof all);
+    whole = begin();
+    save(whole, "no-masks");
+    fxs_fit_free(whole);
+    for (int i = 0; i < PHOTOS; i++) {
+        for (int p = 0; p < WIDTH * HEIGHT; p++)
+            masks[i][p] = p % WIDTH / 9 % 3 != i;
+        photos[i].mask = i == 1 ? NULL : masks[i];
+    }
+    CHECK(resume(&second, "no-masks") == FXS_ERR_FILE && strstr(message.text, "other photographs"));
+    whole = begin();
+    go_on(whole, 10);
+    save(whole, "half-masks");
+    go_on(whole, 20);
+    save(whole, "whole-masks");
+    fxs_fit_free(whole);
+    if (CHECK(resume(&second, "half-masks") == 0)) {
+        go_on(second, 20);
+        save(second, "resumed-masks");
+        CHECK(same_files("whole-masks", "resumed-masks"));
+        fxs_fit_free(second);
+    }
+    masks[2][77] ^= 1;
+    CHECK(resume(&second, "half-masks") == FXS_ERR_FILE && strstr(message.text, "other photographs"));
+    masks[2][77] ^= 1;
+    for (int i = 0; i < PHOTOS; i++)
+        photos[i].mask = all;
+    CHECK(resume(&second, "half-masks") == FXS_ERR_FILE && strstr(message.text, "other photographs"));
+    if (CHECK(resume(&second, "no-masks") == 0))
+        fxs_fit_free(second);
+    for (int i = 0; i < PHOTOS; i++)
+        photos[i].mask = NULL;
+}
+
 /* A block, of two of the photographs in another order, has the exposures that its coarse fit found, and keeps them. */
 static void a_block_keeps_exposures(void)
 {
@@ -653,6 +692,7 @@ static void tests(void)
     RUN(goes_on_in_the_middle_of_a_round);
     RUN(goes_on_with_exposures);
     RUN(begins_with_known_exposures);
+    RUN(goes_on_with_masks);
     RUN(a_block_keeps_exposures);
     RUN(the_file_does_not_depend_on_threads);
     RUN(its_options_are_those_of_the_file);

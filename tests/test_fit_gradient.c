@@ -1,6 +1,7 @@
 /* The gradients of a step against central differences of a forward pass in doubles, written here from the formulas
  * alone, for every parameter: what is drawn in front of and behind the cuts, at the edges of the picture, with the
- * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; and for the exposure of the photograph.
+ * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; where a mask ignores pixels; and for the
+ * exposure of the photograph.
  * And the cuts themselves. */
 #include "fit_loss.h"
 #include "fit_scene.h"
@@ -26,6 +27,7 @@ typedef struct scene {
     double variables[MOST][VARIABLES], background[3], gain[3];
     int has_gain;                  /* 0: the photograph has no exposure, and `gain` is 0 */
     uint8_t photograph[PIXELS][3];
+    const uint8_t *mask;           /* of the photograph, or null */
     cuts cuts;
 } scene;
 
@@ -196,7 +198,7 @@ static double difference(scene *s, double *variable)
         draw(s);
         loss[side] = 0;
         for (int c = 0; c < 3; c++)
-            loss[side] += fit_loss(picture[c], &s->photograph[0][c], WIDTH, HEIGHT);
+            loss[side] += fit_loss(picture[c], &s->photograph[0][c], s->mask, WIDTH, HEIGHT);
     }
     *variable = kept;
     return (loss[1] - loss[0]) / (2 * h);
@@ -209,6 +211,7 @@ typedef struct kind {
     float focal;
     double aside;                  /* slopes, in half pictures */
     double scale[2], opacity[2], colour[2];
+    const uint8_t *mask;
 } kind;
 
 /* Draws scenes until one has no decision that singles might take otherwise, and photographs beside their pictures. */
@@ -218,6 +221,7 @@ static void make_scene(scene *s, const kind *k, int degree, int has_gain)
     do {
         memset(s, 0, sizeof *s);
         s->has_gain = has_gain;
+        s->mask = k->mask;
         for (int i = 0; i < 3; i++)
             s->gain[i] = has_gain ? gain[i] : 0;
         s->count = k->count;
@@ -264,7 +268,7 @@ static void make_scene(scene *s, const kind *k, int degree, int has_gain)
 static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, fxs_fit_gains *gains)
 {
     fxs_fit_stepper *stepper = fxs_fit_stepper_create(stages, NULL, NULL, 1, NULL);
-    const fxs_fit_photograph photograph = {s->photograph[0], WIDTH, HEIGHT, 1, s->camera, 1};
+    const fxs_fit_photograph photograph = {s->photograph[0], WIDTH, HEIGHT, 1, s->camera, 1, s->mask};
     fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1, .gain_rate = 0.01f};
     fxs_fit_report report;
     if (!stepper || fxs_fit_model_room(m, (size_t)s->count))
@@ -397,7 +401,7 @@ static tally check_scenes(const kind *k, int scenes)
 
 static void test_ordinary(void)
 {
-    const kind k = {6, 30, 1, {-2.5, -0.8}, {-2, 3}, {0, 1.5}};
+    const kind k = {6, 30, 1, {-2.5, -0.8}, {-2, 3}, {0, 1.5}, NULL};
     const tally t = check_scenes(&k, 4);
     CHECK(t.gaussians - t.unseen > 15);
 }
@@ -405,27 +409,38 @@ static void test_ordinary(void)
 /* Centres beyond the picture, and so far beyond it that the Jacobian's slopes are cut. */
 static void test_beyond_the_picture(void)
 {
-    const kind k = {7, 12, 2.2, {-1.5, 0.3}, {-1, 3}, {0, 1.5}};
+    const kind k = {7, 12, 2.2, {-1.5, 0.3}, {-1, 3}, {0, 1.5}, NULL};
     const tally t = check_scenes(&k, 4);
     CHECK(t.outside > 8 && t.beside > 5 && t.unseen > 3);
 }
 
 static void test_colours_below_0(void)
 {
-    const kind k = {8, 30, 1, {-2.5, -0.8}, {-1, 3}, {-2.5, -1}};
+    const kind k = {8, 30, 1, {-2.5, -0.8}, {-1, 3}, {-2.5, -1}, NULL};
     CHECK(check_scenes(&k, 4).dark > 10);
 }
 
 static void test_opaque(void)
 {
-    const kind k = {16, 30, 1, {-1.5, -0.3}, {4, 9}, {0, 1.5}};
+    const kind k = {16, 30, 1, {-1.5, -0.3}, {4, 9}, {0, 1.5}, NULL};
     const tally t = check_scenes(&k, 4);
     CHECK(t.capped > 8 && t.closed > 8);
 }
 
+/* A third of the pixels is ignored, in patches: of the Gaussians too that reach across their edges. */
+static void test_ignored_pixels(void)
+{
+    static uint8_t mask[PIXELS];
+    const kind k = {6, 30, 1, {-2.5, -0.8}, {-2, 3}, {0, 1.5}, mask};
+    for (int i = 0; i < PIXELS; i++)
+        mask[i] = (i % WIDTH / 7 + i / WIDTH / 5) % 3 ? 255 : 0;
+    const tally t = check_scenes(&k, 4);
+    CHECK(t.gaussians - t.unseen > 15);
+}
+
 static void test_many(void)
 {
-    const kind k = {48, 30, 1, {-1.5, -0.3}, {-1, 4}, {0, 1.5}};
+    const kind k = {48, 30, 1, {-1.5, -0.3}, {-1, 4}, {0, 1.5}, NULL};
     CHECK(check_scenes(&k, 4).closed > 15);
 }
 
@@ -622,6 +637,7 @@ int main(void)
     RUN(test_colours_below_0);
     RUN(test_opaque);
     RUN(test_many);
+    RUN(test_ignored_pixels);
     RUN(test_cut_of_level);
     RUN(test_closed_pixel);
     RUN(test_alpha_of_99);

@@ -1,5 +1,5 @@
 /* The loss of the fit by each version of its passes, on random pictures: SSIM against its definition, the gradient
- * against central differences in doubles, up to the edges of pictures smaller than a window too. */
+ * against central differences in doubles, up to the edges of pictures smaller than a window too; and with masks. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
@@ -9,6 +9,8 @@ typedef struct pictures {
     int width, height;
     double picture[FIT_LOSS_PIXELS];
     uint8_t photograph[3 * FIT_LOSS_PIXELS];
+    int is_masked;
+    uint8_t mask[FIT_LOSS_PIXELS];
     fxs_fit_loss loss;
     float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS], by_gain[MOST_ROWS];   /* of rows */
 } pictures;
@@ -18,10 +20,34 @@ static void make_pictures(pictures *p, int width, int height, double away)
 {
     p->width = width;
     p->height = height;
+    p->is_masked = 0;
     for (int i = 0; i < width * height; i++) {
         const double b = floor(fit_uniform(0, 256)), a = b + fit_uniform(-away, away);
         p->photograph[3 * i] = (uint8_t)b;
         p->picture[i] = (float)((fabs(a - b) < 0.1 ? b + 0.1 : a) / 255);
+    }
+}
+
+static const uint8_t *mask_of(const pictures *p)
+{
+    return p->is_masked ? p->mask : NULL;
+}
+
+static int is_ignored(const pictures *p, int pixel)
+{
+    return p->is_masked && !p->mask[pixel];
+}
+
+/* Ignores a random disc and single pixels, one of `rare`. */
+static void make_mask(pictures *p, int rare)
+{
+    const double middle[2] = {fit_uniform(0, p->width), fit_uniform(0, p->height)};
+    const double radius = fit_uniform(0, p->height);
+    p->is_masked = 1;
+    for (int i = 0; i < p->width * p->height; i++) {
+        const double x = i % p->width - middle[0], y = i / p->width - middle[1];
+        p->mask[i] = (uint8_t)(x * x + y * y < radius * radius || fit_random() % (unsigned)rare == 0
+                                   ? 0 : 1 + fit_random() % 255);
     }
 }
 
@@ -38,7 +64,8 @@ static void make_planes(pictures *p)
         planes[i] = (fxs_fit_plane){p->memory + i * plane + FXS_FIT_MARGIN * stride + FXS_FIT_MARGIN, stride};
     p->loss = (fxs_fit_loss){.picture = planes[0], .gradient = planes[1], .absolute = p->absolute,
                              .dissimilar = p->dissimilar, .by_gain = p->by_gain, .photograph = p->photograph, .step = 3,
-                             .pitch = 3 * p->width, .width = p->width, .height = p->height};
+                             .pitch = 3 * p->width, .width = p->width, .height = p->height,
+                             .mask = mask_of(p)};
     memcpy(p->loss.rows, planes + 2, sizeof p->loss.rows);
     memcpy(p->loss.derivatives, planes + 2 + FXS_FIT_ROWS, sizeof p->loss.derivatives);
     for (int i = 0; i < p->width * p->height; i++)
@@ -76,7 +103,8 @@ static double similarity_at(const pictures *p, int pixel)
     for (int pass = 0; pass < 2; pass++)
         for (int k = 0; k < FIT_WINDOW * FIT_WINDOW; k++) {
             const int x = pixel % p->width + k % FIT_WINDOW - 5, y = pixel / p->width + k / FIT_WINDOW - 5;
-            const int is_in = x >= 0 && y >= 0 && x < p->width && y < p->height;
+            const int is_in = x >= 0 && y >= 0 && x < p->width && y < p->height &&
+                              !is_ignored(p, y * p->width + x);
             const double weight = window[k % FIT_WINDOW] * window[k / FIT_WINDOW];
             const double a = is_in ? p->picture[y * p->width + x] : 0;
             const double b = is_in ? p->photograph[3 * (y * p->width + x)] / 255.0 : 0;
@@ -96,8 +124,8 @@ static void check_pictures(pictures *p, const fxs_fit_stages *stages)
     for (int row = 0; row < p->height; row++) {
         double absolute = 0, dissimilar = 0, by_gain = 0;
         for (int i = row * p->width; i < (row + 1) * p->width; i++) {
-            absolute += fabs(p->picture[i] - p->photograph[3 * i] / 255.0);
-            dissimilar += 1 - similarity_at(p, i);
+            absolute += is_ignored(p, i) ? 0 : fabs(p->picture[i] - p->photograph[3 * i] / 255.0);
+            dissimilar += is_ignored(p, i) ? 0 : 1 - similarity_at(p, i);
             by_gain += at_of(&p->loss.gradient, p, i) * p->picture[i];
         }
         /* Singles leave some 1e-7 of the mean squares, beside the 9e-4 of the definition. */
@@ -108,12 +136,12 @@ static void check_pictures(pictures *p, const fxs_fit_stages *stages)
     for (int i = 0; i < p->width * p->height; i++) {
         const double kept = p->picture[i], h = 1e-6;
         p->picture[i] = kept + h;
-        const double above = fit_loss(p->picture, p->photograph, p->width, p->height);
+        const double above = fit_loss(p->picture, p->photograph, mask_of(p), p->width, p->height);
         p->picture[i] = kept - h;
-        const double below = fit_loss(p->picture, p->photograph, p->width, p->height);
+        const double below = fit_loss(p->picture, p->photograph, mask_of(p), p->width, p->height);
         p->picture[i] = kept;
         const double wanted = (above - below) / (2 * h), found = at_of(&p->loss.gradient, p, i);
-        if (!CHECK(fabs(found - wanted) < 1e-4 * (1 + fabs(wanted))))
+        if (!CHECK(fabs(found - wanted) < 1e-4 * (1 + fabs(wanted))) || !CHECK(!is_ignored(p, i) || found == 0))
             printf("  %s, %dx%d, pixel %d: %g, by differences %g\n", stages->name, p->width, p->height, i, found,
                    wanted);
     }
@@ -155,6 +183,96 @@ static void test_random_pictures(void)
         }
 }
 
+static void test_masks(void)
+{
+    static const int sizes[][2] = {{1, 1}, {7, 5}, {17, 12}, {33, 15}};
+    static pictures p;
+    fit_state = 2;
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        for (int k = 0; k < 4; k++) {
+            make_pictures(&p, sizes[i][0], sizes[i][1], k % 2 ? 100 : 4);
+            make_mask(&p, k < 2 ? 3 : 1000);
+            check_versions(&p);
+        }
+}
+
+/* All that the passes give, of one version. */
+typedef struct outcome {
+    float gradient[FIT_LOSS_PIXELS], absolute[MOST_ROWS], dissimilar[MOST_ROWS], by_gain[MOST_ROWS];
+} outcome;
+
+/* `p` stays as it is; its numbers for the first `width` columns. */
+static void find_outcome(pictures *p, const fxs_fit_stages *stages, int width, outcome *out)
+{
+    memset(out, 0, sizeof *out);
+    run_loss(p, stages);
+    for (int i = 0; i < p->width * p->height; i++)
+        if (i % p->width < width)
+            out->gradient[i / p->width * width + i % p->width] = (float)at_of(&p->loss.gradient, p, i);
+    memcpy(out->absolute, p->absolute, (size_t)p->height * sizeof *p->absolute);
+    memcpy(out->dissimilar, p->dissimilar, (size_t)p->height * sizeof *p->dissimilar);
+    memcpy(out->by_gain, p->by_gain, (size_t)p->height * sizeof *p->by_gain);
+    free_planes(p);
+}
+
+/* Nothing depends on what is ignored, and a mask that ignores nothing is none, to the byte. */
+static void test_ignored_pixels(void)
+{
+    enum { WIDE = 61, HIGH = 29 };
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    static pictures p, other;
+    static outcome wanted, found;
+    fit_state = 3;
+    make_pictures(&p, WIDE, HIGH, 40);
+    make_mask(&p, 5);
+    other = p;
+    for (int i = 0; i < WIDE * HIGH; i++)
+        if (is_ignored(&p, i)) {
+            other.photograph[3 * i] = (uint8_t)fit_random();
+            other.picture[i] = (float)fit_uniform(0, 100);
+        }
+    for (int v = 0; v < count; v++) {
+        find_outcome(&p, versions[v], WIDE, &wanted);
+        find_outcome(&other, versions[v], WIDE, &found);
+        CHECK(!memcmp(&wanted, &found, sizeof wanted));
+    }
+    other = p;
+    other.is_masked = 0;
+    memset(p.mask, 1, sizeof p.mask);
+    for (int v = 0; v < count; v++) {
+        find_outcome(&p, versions[v], WIDE, &wanted);
+        find_outcome(&other, versions[v], WIDE, &found);
+        CHECK(!memcmp(&wanted, &found, sizeof wanted));
+    }
+}
+
+/* Where all columns from one on are ignored, the picture is as if it ended before them. */
+static void test_mask_of_an_edge(void)
+{
+    enum { WIDE = 40, HIGH = 20, LEFT = 23 };
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    static pictures p, narrow;
+    static outcome wanted, found;
+    fit_state = 4;
+    make_pictures(&p, WIDE, HIGH, 40);
+    make_pictures(&narrow, LEFT, HIGH, 40);
+    p.is_masked = 1;
+    for (int i = 0; i < WIDE * HIGH; i++) {
+        p.mask[i] = i % WIDE < LEFT;
+        if (p.mask[i]) {
+            p.photograph[3 * i] = narrow.photograph[3 * (i / WIDE * LEFT + i % WIDE)];
+            p.picture[i] = narrow.picture[i / WIDE * LEFT + i % WIDE];
+        }
+    }
+    for (int v = 0; v < count; v++) {
+        find_outcome(&p, versions[v], LEFT, &found);
+        find_outcome(&narrow, versions[v], LEFT, &wanted);
+        CHECK(!memcmp(&wanted, &found, sizeof wanted));
+    }
+}
+
 /* All one colour, where SSIM's variances are 0 inside; and black ones. */
 static void test_flat_pictures(void)
 {
@@ -187,6 +305,9 @@ static void test_same_picture(void)
 int main(void)
 {
     RUN(test_random_pictures);
+    RUN(test_masks);
+    RUN(test_ignored_pixels);
+    RUN(test_mask_of_an_edge);
     RUN(test_flat_pictures);
     RUN(test_same_picture);
     return check_report();

@@ -116,7 +116,7 @@ static void test_steps_are_adams(void)
     for (int i = 0; i < PHOTOGRAPHS; i++) {
         for (int k = 0; k < 3 * WIDTH * HEIGHT; k++)
             pixels[i][k] = (uint8_t)fit_random();
-        photographs[i] = (fxs_fit_photograph){pixels[i], WIDTH, HEIGHT, 1, fit_camera(WIDTH, HEIGHT, 25), 0};
+        photographs[i] = (fxs_fit_photograph){pixels[i], WIDTH, HEIGHT, 1, fit_camera(WIDTH, HEIGHT, 25), 0, NULL};
         photographs[i].camera.eye[i] += 1;
     }
     make_model(&m, &photographs[0].camera);

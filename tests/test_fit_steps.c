@@ -82,6 +82,7 @@ static void take_photo(fxs_fit_photo *photo, uint8_t *pixels, int scale, const d
     fxs_file_view *v = &photo->view;
     look(v, scale, eye);
     photo->pixels = pixels;
+    photo->mask = NULL;
     for (int p = 0; p < v->width * v->height; p++) {
         double ray[3];
         for (int k = 0; k < 3; k++)
@@ -113,6 +114,34 @@ static void make_set(int scale)
         }
         shade(s, at, points[i].colour);
     }
+}
+
+/* In each photograph a disc is ignored, elsewhere in each, and so are its lowest rows. What the camera saw there is
+   replaced by noise of the seed. */
+static void ignore_pixels(uint64_t seed)
+{
+    static uint8_t masks[PHOTOS][LARGER * LARGER * WIDTH * HEIGHT];
+    fit_state = seed;
+    for (int i = 0; i < PHOTOS; i++) {
+        const int width = photos[i].view.width, height = photos[i].view.height;
+        uint8_t *pixels = (uint8_t *)photos[i].pixels;
+        for (int p = 0; p < width * height; p++) {
+            const int x = 12 * (p % width) - (3 + i) * width, y = 12 * (p / width) - (7 - i) * height;
+            const int is_ignored = x * x + y * y < 9 * height * height || p / width > height * 9 / 10;
+            masks[i][p] = is_ignored ? 0 : (uint8_t)(1 + p % 255);
+            for (int c = 0; c < 3 && !masks[i][p]; c++)
+                pixels[3 * p + c] = (uint8_t)fit_random();
+        }
+        photos[i].mask = masks[i];
+    }
+}
+
+static void ignore_nothing(void)
+{
+    static uint8_t mask[LARGER * LARGER * WIDTH * HEIGHT];
+    memset(mask, 255, sizeof mask);
+    for (int i = 0; i < PHOTOS; i++)
+        photos[i].mask = mask;
 }
 
 /* Gains of 0.6 to 1.6, and another balance of colours in each. */
@@ -216,7 +245,8 @@ typedef struct recorded {
     uint64_t hash;
 } recorded;
 
-enum { FEW, FEW_MCMC, FEW_EXPOSURE, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, BATCH, EXPOSURE, FITS };
+enum { FEW, FEW_MCMC, FEW_EXPOSURE, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, BATCH, EXPOSURE, MASKS, HALF_MASKS,
+       FITS };
 static const recorded fits[FITS] = {
     {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 1,
      FXS_FIT_EXPOSURE_NONE, 0.6, 0x7039dbc1345dae8b},
@@ -237,7 +267,11 @@ static const recorded fits[FITS] = {
     {"batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4,
      FXS_FIT_EXPOSURE_NONE, 0.5, 0xa308822dedf9d470},
     {"exposures, batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4,
-     FXS_FIT_EXPOSURE_GAIN, 0.5, 0x32a4402cf41e1d64}};
+     FXS_FIT_EXPOSURE_GAIN, 0.5, 0x32a4402cf41e1d64},
+    {"masks, exposures, batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700,
+     250, 4, FXS_FIT_EXPOSURE_GAIN, 0.5, 0x5489b2ad5b6aad8d},
+    {"masks, fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, LARGER, 24, 250, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.9, 0xb747e76bb869c030}};
 
 static int devices;                /* 0: the processor, 1: the first GPU */
 
@@ -370,6 +404,36 @@ static void test_exposures(void)
     check_fit(&fits[EXPOSURE], ~0u, 7);
 }
 
+/* Nothing depends on what the camera saw in ignored pixels: noise of another seed there gives the same bytes. */
+static void test_masks(void)
+{
+    make_set(ORDINARY);
+    ignore_pixels(1);
+    check_everywhere_of_set(&fits[MASKS]);
+    ignore_pixels(2);
+    check_fit(&fits[MASKS], ~0u, 7);
+}
+
+/* Masks are made smaller too: ignored pixels have no part in those that count. */
+static void test_masks_from_half_the_size(void)
+{
+    make_set(LARGER);
+    ignore_pixels(1);
+    check_everywhere_of_set(&fits[HALF_MASKS]);
+    ignore_pixels(2);
+    check_fit(&fits[HALF_MASKS], ~0u, 7);
+}
+
+static void test_masks_that_ignore_nothing(void)
+{
+    make_set(ORDINARY);
+    ignore_nothing();
+    check_fit(&fits[FAST], ~0u, 2);
+    make_set(LARGER);
+    ignore_nothing();
+    check_fit(&fits[HALF_THE_SIZE], ~0u, 2);
+}
+
 /* Where the exposures of photographs were changed more of the loss is left, and nine tenths of that are not where they
    are found, or known: then it is small from the beginning. */
 static void test_exposures_are_found(void)
@@ -411,6 +475,9 @@ int main(int argc, char **argv)
     RUN(test_batches);
     RUN(test_exposures);
     RUN(test_exposures_are_found);
+    RUN(test_masks);
+    RUN(test_masks_from_half_the_size);
+    RUN(test_masks_that_ignore_nothing);
 #endif
     return check_report();
 }

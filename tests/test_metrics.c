@@ -1,4 +1,4 @@
-/* The PSNR that is left after the best affine map of colours. */
+/* The PSNR that is left after the best affine map of colours; and what masks leave out of each number. */
 #include <math.h>
 #include <string.h>
 
@@ -9,10 +9,11 @@
 enum { WIDTH = 60, HEIGHT = 40, PIXELS = WIDTH * HEIGHT };
 
 static uint8_t drawn[4 * PIXELS], photograph[4 * PIXELS];
+static const uint8_t *mask;        /* null: all pixels count */
 
 static double left(void)
 {
-    return fxs_metrics_affine_psnr(drawn, photograph, WIDTH, HEIGHT);
+    return fxs_metrics_affine_psnr(drawn, photograph, mask, WIDTH, HEIGHT);
 }
 
 static uint8_t random_level(uint64_t number, double low, double high)
@@ -104,11 +105,66 @@ static void maps_are_cut(void)
     CHECK(fabs(left() - 10 * log10(255.0 * 255 / mean)) < 1e-4);
 }
 
+/* Of pictures that go on with what differs beyond reason, the numbers of the part that counts alone. */
+static void ignored_pixels_have_no_part(void)
+{
+    enum { LEFT = 25, NARROW = WIDTH - LEFT };
+    static uint8_t counts[PIXELS], part[2][4 * NARROW * HEIGHT];
+    struct fxs_metrics found, wanted;
+    for (uint64_t i = 0; i < 4 * PIXELS; i++) {
+        const uint64_t x = i / 4 % WIDTH, to = (i / 4 / WIDTH * NARROW + x - LEFT) * 4 + i % 4;
+        drawn[i] = random_level(i, 20, 200);
+        counts[i / 4] = x >= LEFT ? 7 : 0;
+        photograph[i] = (uint8_t)(x < LEFT ? 255 - drawn[i] : drawn[i] + random_level(4 * PIXELS + i, 0, 30));
+        if (x >= LEFT) {
+            part[0][to] = drawn[i];
+            part[1][to] = photograph[i];
+        }
+    }
+    CHECK(!fxs_metrics_compare(part[0], part[1], NARROW, HEIGHT, &wanted) && wanted.ssim < 0.99);
+    CHECK(!fxs_metrics_compare_masked(drawn, photograph, counts, WIDTH, HEIGHT, &found));
+    CHECK(found.largest == wanted.largest && fabs(found.mse - wanted.mse) < 1e-9);
+    CHECK(fabs(found.psnr - wanted.psnr) < 1e-9 && fabs(found.ssim - wanted.ssim) < 1e-9);
+    mask = counts;
+    const double affine = left();
+    mask = NULL;
+    CHECK(fabs(affine - fxs_metrics_affine_psnr(part[0], part[1], NULL, NARROW, HEIGHT)) < 1e-9);
+    CHECK(fabs(affine - left()) > 1);
+}
+
+/* A pixel in every 11 x 11 leaves no window whole, and no SSIM; one less leaves one window. */
+static void windows_without_ignored_pixels(void)
+{
+    static uint8_t counts[PIXELS];
+    struct fxs_metrics found, wanted;
+    static uint8_t part[2][4 * 11 * 11];
+    for (int i = 0; i < PIXELS; i++)
+        counts[i] = i % WIDTH % 11 != 10 || i / WIDTH % 11 != 10;
+    CHECK(!fxs_metrics_compare_masked(drawn, photograph, counts, WIDTH, HEIGHT, &found));
+    CHECK(isnan(found.ssim) && isfinite(found.psnr));
+    counts[10 * WIDTH + 10] = 1;   /* the windows at x, y of 0 to 10 but for those with their other pixels: x = y = 0 */
+    counts[10 * WIDTH + 21] = counts[21 * WIDTH + 10] = 0;
+    for (int i = 0; i < PIXELS; i++)
+        if (i % WIDTH == 11 || i / WIDTH == 11)
+            counts[i] = 0;
+    for (int i = 0; i < 4 * 11 * 11; i++) {
+        part[0][i] = drawn[i / 44 * 4 * WIDTH + i % 44];
+        part[1][i] = photograph[i / 44 * 4 * WIDTH + i % 44];
+    }
+    CHECK(!fxs_metrics_compare_masked(drawn, photograph, counts, WIDTH, HEIGHT, &found));
+    CHECK(!fxs_metrics_compare(part[0], part[1], 11, 11, &wanted) && fabs(found.ssim - wanted.ssim) < 1e-9);
+    memset(counts, 0, sizeof counts);
+    CHECK(!fxs_metrics_compare_masked(drawn, photograph, counts, WIDTH, HEIGHT, &found));
+    CHECK(isnan(found.ssim) && isinf(found.psnr) && found.largest == 0);
+}
+
 int main(void)
 {
     RUN(maps_are_found);
     RUN(pictures_without_colours);
     RUN(colours_that_follow_from_each_other);
     RUN(maps_are_cut);
+    RUN(ignored_pixels_have_no_part);
+    RUN(windows_without_ignored_pixels);
     return check_report();
 }

@@ -34,6 +34,7 @@ typedef struct fit_command {
 
 static const char *const recipes[] = {"reference", "mcmc", "fast", 0};   /* of enum fxs_fit_recipe */
 static const char *const exposures[] = {"none", "gain", 0};   /* of enum fxs_fit_exposure */
+static const char *const alphas[] = {"compose", "ignore", 0};   /* of fxs_photos_options.ignore_transparent */
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
@@ -88,6 +89,12 @@ static const option_row own_rows[] = {
     {"hold-out", "N", UINT32(reading.hold_out, 0, UINT32_MAX), .help =
      "keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none, and those that were "
      "fitted are measured)"},
+    {"masks", "FOLDER", TEXT(reading.masks), .help =
+     "masks of the photographs, that of IMAGE.jpg named IMAGE.jpg.png or IMAGE.png: white where the photograph counts, "
+     "black where it is ignored (default: the folder masks beside images, where there is one; none: no masks)"},
+    {"invert-masks", 0, FLAG(reading.invert_masks), .help = "masks are black where the photograph counts"},
+    {"alpha", "NAME", CHOICE(reading.ignore_transparent, alphas), .help =
+     "transparent pixels of photographs: compose (default: on --background) or ignore, as masks do"},
     {"frames", "N", UINT32(frames, 3, 1000), .help =
      "of a film: this many are taken, the sharpest of each stretch (default: one of ten, 60 to 300)"},
     {"cameras-only", 0, FLAG(cameras_only), .help = "find the cameras, in OUT.cameras, and fit nothing"},
@@ -165,6 +172,8 @@ static int finish_options(fit_command *c)
     memcpy(o->background, c->frame.render.background, sizeof o->background);
     memcpy(c->reading.background, o->background, sizeof o->background);
     c->reading.seed = o->seed;
+    if (c->reading.masks && !strcmp(c->reading.masks, "none"))
+        c->reading.masks = "";
     return status;
 }
 
@@ -217,6 +226,7 @@ static int check_outputs(fit_command *c)
     files_read(c->in);
     files_read(c->saves_itself ? 0 : c->resume);
     files_read(c->coarse);
+    files_read(c->reading.masks);
     files_read(c->measure);
     files_write(c->out);
     files_write(c->saved);
@@ -638,11 +648,39 @@ static int show_reading(void *label, double done)
     return progress_bar(label, done);
 }
 
+static double share_ignored(const fxs_photos *photos)
+{
+    const fxs_fit_photo *lists[] = {photos->fit, photos->held_out};
+    const size_t counts[] = {photos->fit_count, photos->held_out_count};
+    double pixels = 0, ignored = 0;
+    for (int k = 0; k < 2; k++)
+        for (size_t i = 0; i < counts[k]; i++) {
+            const fxs_fit_photo *photo = &lists[k][i];
+            const size_t size = (size_t)photo->view.width * (size_t)photo->view.height;
+            pixels += (double)size;
+            for (size_t p = 0; p < size && photo->mask; p++)
+                ignored += !photo->mask[p];
+        }
+    return pixels > 0 ? ignored / pixels : 0;
+}
+
+static void say_masks(const fit_command *c, const fxs_photos *photos)
+{
+    if (photos->with_mask)
+        note("%s: masks of %zu photographs", c->in, photos->with_mask);
+    if (photos->without_mask)
+        note("%s: no mask of %zu photograph%s, of which all is used", c->in, photos->without_mask,
+             photos->without_mask > 1 ? "s" : "");
+    if (photos->with_mask || c->reading.ignore_transparent)
+        note("%s: %.1f %% of the pixels are ignored", c->in, 100 * share_ignored(photos));
+}
+
 static void say_photos(const fit_command *c, const fxs_photos *photos, size_t begins)
 {
     if (photos->skipped)
         note("%s: photographs left out: %zu, taken: %zu", c->in, photos->skipped,
              photos->fit_count + photos->held_out_count);
+    say_masks(c, photos);
     if (photos->points_are_random && !c->resume)
         note("%s: no points: begins with %zu random ones", c->in, photos->point_count);
     say_sizes(photos, begins);
@@ -673,6 +711,7 @@ static int measure_scene(fit_command *c)
     progress_end();
     if (error)
         return fail_for(&message);
+    say_masks(c, &photos);
     if (c->compare)
         result_tell_pictures(&photos, c->compare);
     int status = files_check();
@@ -731,15 +770,21 @@ static int fit_block(fit_command *c, char **argv)
 /* Where there are none yet. */
 static int find_cameras(fit_command *c)
 {
-    const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad};
+    const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad,
+                                     c->reading.masks, c->reading.invert_masks};
     if (c->measure || !reconstruct_is_needed(c->in)) {
         if (c->cameras_only)
             return fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in);
         return c->frames ? fail(EXIT_USAGE, "--frames: %s is not a film", c->in) : 0;
     }
     const int status = reconstruct(&how, &c->found);
-    c->in = status ? c->in : c->found;
-    return status;
+    if (status)
+        return status;
+    c->in = c->found;
+    if (c->reading.masks && *c->reading.masks)
+        c->reading.masks = 0;      /* they are in the folder, white where photographs count */
+    c->reading.invert_masks = 0;
+    return 0;
 }
 
 static int fit_set(fit_command *c, char **argv)

@@ -166,15 +166,19 @@ void result_tell_pictures(const fxs_photos *photos, const char *compare)
     }
 }
 
-/* The photograph left, what was drawn right. */
-static int write_pair(const gauge *g, long index, const fxs_file_view *view, const uint8_t *photograph)
+/* The photograph left, what is ignored of it darkened; what was drawn right. */
+static int write_pair(const gauge *g, long index, const fxs_fit_photo *photo, uint8_t *photograph)
 {
+    const fxs_file_view *view = &photo->view;
     const size_t width = (size_t)view->width, row = 4 * width;
     uint8_t *both = malloc(2 * row * (size_t)view->height);
     char name[4096];
     fxs_message message;
     if (!both)
         return fail(EXIT_FAILED, "out of memory");
+    for (size_t i = 0; photo->mask && i < width * (size_t)view->height; i++)
+        for (size_t c = 0; c < 3 && !photo->mask[i]; c++)
+            photograph[4 * i + c] /= 4;
     for (size_t y = 0; y < (size_t)view->height; y++) {
         memcpy(both + 2 * row * y, photograph + row * y, row);
         memcpy(both + 2 * row * y + row, g->drawn.pixels + row * y, row);
@@ -190,12 +194,13 @@ static int measure_photo(gauge *g, const fxs_fit_photo *photo, long index, quali
     const fxs_file_view *view = &photo->view;
     int status = renderer_render(&g->renderer, g->world, view, &g->options, &g->drawn, 0);
     uint8_t *rgba = status ? 0 : to_rgba(photo);
-    if (!status && (!rgba || fxs_metrics_compare(rgba, g->drawn.pixels, view->width, view->height, &out->metrics)))
+    if (!status && (!rgba || fxs_metrics_compare_masked(rgba, g->drawn.pixels, photo->mask, view->width, view->height,
+                                                        &out->metrics)))
         status = fail(EXIT_FAILED, "out of memory");
     if (!status)
-        out->affine_psnr = fxs_metrics_affine_psnr(g->drawn.pixels, rgba, view->width, view->height);
+        out->affine_psnr = fxs_metrics_affine_psnr(g->drawn.pixels, rgba, photo->mask, view->width, view->height);
     if (!status && g->compare)
-        status = write_pair(g, index, view, rgba);
+        status = write_pair(g, index, photo, rgba);
     memcpy(out->name, view->name, sizeof out->name);
     out->index = index;
     out->width = view->width;

@@ -45,8 +45,8 @@ static void fill_maps(const uint8_t *a, const uint8_t *b, size_t width, double *
     }
 }
 
-/* The sum of SSIM over a row of windows, given the four local means. */
-static double ssim_row(const double *means, size_t count)
+/* The sum of SSIM over a row of windows, given the four local means, of those that are whole (null: all are). */
+static double ssim_row(const double *means, size_t count, const uint8_t *are_whole)
 {
     const double c1 = 0.01 * 255 * 0.01 * 255, c2 = 0.03 * 255 * 0.03 * 255;
     double sum = 0;
@@ -54,14 +54,16 @@ static double ssim_row(const double *means, size_t count)
         double a = means[A * count + i], b = means[B * count + i];
         double variances = means[SQUARES * count + i] - (a * a + b * b);
         double covariance = means[PRODUCT * count + i] - a * b;
-        sum += (2 * a * b + c1) * (2 * covariance + c2) / ((a * a + b * b + c1) * (variances + c2));
+        const double ssim = (2 * a * b + c1) * (2 * covariance + c2) / ((a * a + b * b + c1) * (variances + c2));
+        sum += !are_whole || are_whole[i] ? ssim : 0;
     }
     return sum;
 }
 
-/* The mean SSIM of one channel; memory: (WINDOW + 2) * MAPS * width doubles. Rows are filtered across as they come and
-   kept for as long as a window reaches. */
-static double ssim_channel(const uint8_t *a, const uint8_t *b, size_t width, size_t height, double *memory)
+/* The sum of SSIM of one channel over its windows; memory: (WINDOW + 2) * MAPS * width doubles. Rows are filtered across
+   as they come and kept for as long as a window reaches. */
+static double ssim_channel(const uint8_t *a, const uint8_t *b, const uint8_t *are_whole, size_t width, size_t height,
+                           double *memory)
 {
     double across[WINDOW], down[WINDOW], sum = 0;
     size_t taps_x = (size_t)window((int)width, across), taps_y = (size_t)window((int)height, down);
@@ -79,34 +81,74 @@ static double ssim_channel(const uint8_t *a, const uint8_t *b, size_t width, siz
         memset(means, 0, row * sizeof *means);
         for (size_t i = 0; i < taps_y; i++)
             add_scaled(means, filtered + (y + 1 + i) % taps_y * row, down[i], row);
-        sum += ssim_row(means, count);
+        sum += ssim_row(means, count, are_whole ? are_whole + count * (y + 1 - taps_y) : NULL);
     }
-    return sum / (double)(count * (height - taps_y + 1));
+    return sum;
+}
+
+/* Marks the windows all of whose pixels count, row by row, and returns their number. */
+static size_t find_whole_windows(const uint8_t *mask, size_t width, size_t height, size_t *below, uint8_t *are_whole)
+{
+    double weights[WINDOW];
+    const size_t taps_x = (size_t)window((int)width, weights), taps_y = (size_t)window((int)height, weights);
+    size_t found = 0;
+    memset(below, 0, width * sizeof *below);
+    for (size_t y = 0; y < height; y++)
+        for (size_t x = 0, beside = 0; x < width; x++) {
+            below[x] = mask[y * width + x] ? below[x] + 1 : 0;     /* pixels that count, up the column from this one */
+            beside = below[x] >= taps_y ? beside + 1 : 0;          /* such columns, to the left from this one */
+            if (y + 1 >= taps_y && x + 1 >= taps_x)
+                found += *are_whole++ = beside >= taps_x;
+        }
+    return found;
+}
+
+/* The mean SSIM of the channels. Returns 0, or -1 when out of memory. */
+static int find_ssim(const uint8_t *a, const uint8_t *b, const uint8_t *mask, size_t width, size_t height, double *ssim)
+{
+    double weights[WINDOW], *memory = malloc((WINDOW + 2) * MAPS * width * sizeof *memory);
+    uint8_t *are_whole = mask ? malloc(width * height) : NULL;
+    size_t *below = mask ? malloc(width * sizeof *below) : NULL;
+    size_t count = (width - (size_t)window((int)width, weights) + 1) *
+                   (height - (size_t)window((int)height, weights) + 1);
+    const int error = !memory || (mask && (!are_whole || !below)) ? -1 : 0;
+    if (!error && mask)
+        count = find_whole_windows(mask, width, height, below, are_whole);
+    *ssim = count ? 0 : NAN;
+    for (int channel = 0; channel < 3 && !error && count; channel++)
+        *ssim += ssim_channel(a + channel, b + channel, are_whole, width, height, memory) / (double)count / 3;
+    free(memory);
+    free(are_whole);
+    free(below);
+    return error;
+}
+
+int fxs_metrics_compare_masked(const uint8_t *a, const uint8_t *b, const uint8_t *mask, int width, int height,
+                               struct fxs_metrics *out)
+{
+    const size_t pixels = (size_t)width * (size_t)height;
+    uint64_t squares = 0;
+    size_t counted = 0;
+    out->largest = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        if (mask && !mask[i])
+            continue;
+        counted++;
+        for (size_t k = 4 * i; k < 4 * i + 3; k++) {
+            const int difference = abs(a[k] - b[k]);
+            squares += (uint64_t)(difference * difference);
+            out->largest = difference > out->largest ? difference : out->largest;
+        }
+    }
+    out->mse = squares ? (double)squares / (3.0 * (double)counted) : 0;
+    out->psnr = squares ? 10 * log10(255.0 * 255.0 / out->mse) : INFINITY;
+    out->ssim = counted ? 1 : NAN;
+    return squares ? find_ssim(a, b, mask, (size_t)width, (size_t)height, &out->ssim) : 0;
 }
 
 int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int height, struct fxs_metrics *out)
 {
-    size_t w = (size_t)width, h = (size_t)height;
-    double *memory = malloc((WINDOW + 2) * MAPS * w * sizeof *memory);
-    if (!memory)
-        return -1;
-    uint64_t squares = 0;
-    out->largest = 0;
-    for (size_t i = 0; i < 4 * w * h; i++) {
-        int difference = i % 4 == 3 ? 0 : abs(a[i] - b[i]);
-        squares += (uint64_t)(difference * difference);
-        if (difference > out->largest)
-            out->largest = difference;
-    }
-    out->mse = (double)squares / (3.0 * (double)(w * h));
-    out->psnr = squares ? 10 * log10(255.0 * 255.0 / out->mse) : INFINITY;
-    out->ssim = 0;
-    if (!squares)
-        out->ssim = 1;
-    for (int channel = 0; channel < 3 && squares; channel++)
-        out->ssim += ssim_channel(a + channel, b + channel, w, h, memory) / 3;
-    free(memory);
-    return 0;
+    return fxs_metrics_compare_masked(a, b, NULL, width, height, out);
 }
 
 /* ---- The best affine map of colours ------------------------------------------------------------------------------ */
@@ -114,10 +156,13 @@ int fxs_metrics_compare(const uint8_t *a, const uint8_t *b, int width, int heigh
 enum { TERMS = 4, COLUMNS = TERMS + 3 };   /* 1, red, green, blue; and beside them what they are to become */
 
 /* The sums of products, which are whole numbers below 2^53. */
-static void add_products(const uint8_t *from, const uint8_t *to, size_t pixels, double sums[TERMS][COLUMNS])
+static void add_products(const uint8_t *from, const uint8_t *to, const uint8_t *mask, size_t pixels,
+                         double sums[TERMS][COLUMNS])
 {
     uint64_t whole[TERMS][COLUMNS] = {{0}};
     for (size_t i = 0; i < pixels; i++, from += 4, to += 4) {
+        if (mask && !mask[i])
+            continue;
         const uint32_t numbers[COLUMNS] = {1, from[0], from[1], from[2], to[0], to[1], to[2]};
         for (int k = 0; k < TERMS; k++)
             for (int c = 0; c < COLUMNS; c++)
@@ -146,20 +191,22 @@ static void solve_map(double sums[TERMS][COLUMNS], double map[TERMS][3])
             map[k][c] = sums[k][k] > 1e-9 * whole[k] ? sums[k][TERMS + c] / sums[k][k] : 0;
 }
 
-double fxs_metrics_affine_psnr(const uint8_t *drawn, const uint8_t *photograph, int width, int height)
+double fxs_metrics_affine_psnr(const uint8_t *drawn, const uint8_t *photograph, const uint8_t *mask, int width,
+                               int height)
 {
     const size_t pixels = (size_t)width * (size_t)height;
     double sums[TERMS][COLUMNS], map[TERMS][3], squares = 0;
-    add_products(drawn, photograph, pixels, sums);
+    add_products(drawn, photograph, mask, pixels, sums);
+    const double counted = sums[0][0];
     solve_map(sums, map);
     for (size_t i = 0; i < 4 * pixels; i += 4)
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3 && (!mask || mask[i / 4]); c++) {
             const uint8_t *at = drawn + i;
             const double mapped = map[0][c] + map[1][c] * at[0] + map[2][c] * at[1] + map[3][c] * at[2];
             const double difference = fmin(fmax(mapped, 0), 255) - photograph[i + (size_t)c];
             squares += difference * difference;
         }
-    return squares > 1e-9 * (double)pixels ? 10 * log10(255.0 * 255.0 * 3 * (double)pixels / squares) : INFINITY;
+    return squares > 1e-9 * counted ? 10 * log10(255.0 * 255.0 * 3 * counted / squares) : INFINITY;
 }
 
 /* ---- Text and pictures ------------------------------------------------------------------------------------------- */
@@ -170,6 +217,15 @@ const char *fxs_metrics_psnr(char text[32], double psnr, const char *equal)
         snprintf(text, 32, "%s", equal);
     else
         snprintf(text, 32, "%.4f", psnr);
+    return text;
+}
+
+const char *fxs_metrics_ssim(char text[32], double ssim, const char *none)
+{
+    if (isnan(ssim))
+        snprintf(text, 32, "%s", none);
+    else
+        snprintf(text, 32, "%.6f", ssim);
     return text;
 }
 

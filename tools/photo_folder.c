@@ -11,6 +11,7 @@
 
 #include <fixsplat/pool.h>
 #include "command.h"
+#include "src/fit/photo_masks.h"
 #include "src/image/photograph.h"
 
 enum { BATCH = 16 };
@@ -168,7 +169,18 @@ static size_t find_lens(const seen *lenses, size_t count, const seen *s)
     return i;
 }
 
-static int look(task *t, photographs *p, const char *folder, int skip_bad, seen *lenses)
+/* Where the photograph has a mask: whether it is one of it. */
+static int look_at_mask(const photograph_look *how, const char *path, const char *name, const seen *s, fxs_message *why)
+{
+    fxs_photo_masking masking = {.is_inverse = how->masks_are_inverse};
+    uint8_t *counts = 0;
+    const int has_mask = *how->masks && fxs_photo_mask_in(how->masks, name, masking.path);
+    const int error = has_mask ? fxs_photo_mask_read(&masking, path, 0, s->width, s->height, &counts, why) : 0;
+    free(counts);
+    return error;
+}
+
+static int look(task *t, photographs *p, const char *folder, const photograph_look *how, seen *lenses)
 {
     size_t kept = 0;
     const size_t count = p->count;
@@ -178,10 +190,11 @@ static int look(task *t, photographs *p, const char *folder, int skip_bad, seen 
         fxs_message why;
         seen s = {0};
         join_path(path, folder, p->names[i]);
-        const int error = fxs_photograph_read(path, &pixels, &s.width, &s.height, &s.exif, &why);
+        int error = fxs_photograph_read(path, &pixels, &s.width, &s.height, &s.exif, &why);
+        error = error ? error : look_at_mask(how, path, p->names[i], &s, &why);
         free(pixels);
         task_show(t, i + 1, count);
-        if (error && !skip_bad)
+        if (error && !how->skip_bad)
             return fail(EXIT_FAILED, "%s (%s)", why.text, skips);
         if (error) {
             note("left out: %s", why.text);
@@ -201,12 +214,12 @@ static int look(task *t, photographs *p, const char *folder, int skip_bad, seen 
     return 0;
 }
 
-int photographs_look(task *t, photographs *p, const char *folder, int skip_bad)
+int photographs_look(task *t, photographs *p, const char *folder, const photograph_look *how)
 {
     seen *lenses = malloc((p->count + 1) * sizeof *lenses);
     p->lenses = calloc(p->count + 1, sizeof *p->lenses);
     task_begin(t, "looking at photographs", 0);
-    const int status = lenses && p->lenses ? look(t, p, folder, skip_bad, lenses) : fail(EXIT_FAILED, "out of memory");
+    const int status = lenses && p->lenses ? look(t, p, folder, how, lenses) : fail(EXIT_FAILED, "out of memory");
     progress_end();
     free(lenses);
     if (!status && p->lens_count > 1)

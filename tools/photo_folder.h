@@ -20,7 +20,13 @@ void photographs_free(photographs *p);
    named. Returns 0, or prints what is wrong and returns the exit status. */
 int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad);
 
-/* Reads each photograph, to find those that are damaged and which are of one size and lens. Returns as above. */
-int photographs_look(task *t, photographs *p, const char *folder, int skip_bad);
+typedef struct photograph_look {
+    const char *masks;             /* their folder, or empty */
+    int masks_are_inverse, skip_bad;
+} photograph_look;
+
+/* Reads each photograph and its mask, to find those that are damaged and which are of one size and lens. Returns as
+   above. */
+int photographs_look(task *t, photographs *p, const char *folder, const photograph_look *how);
 
 #endif

@@ -115,6 +115,7 @@ static double mean_psnr(const quality *q, int is_affine)
 
 void quality_sum_up(quality *q)
 {
+    long with_ssim = 0;
     q->ssim = 0;
     q->worst_psnr = q->worst_affine_psnr = INFINITY;
     q->worst_ssim = 1;
@@ -128,8 +129,11 @@ void quality_sum_up(quality *q)
             q->worst_ssim = m->ssim;
         if (q->has_affine)
             q->worst_affine_psnr = fmin(q->worst_affine_psnr, q->views[i].affine_psnr);
-        q->ssim += m->ssim / (double)q->count;
+        with_ssim += !isnan(m->ssim);
+        q->ssim += isnan(m->ssim) ? 0 : m->ssim;
     }
+    q->ssim = with_ssim ? q->ssim / (double)with_ssim : NAN;
+    q->worst_ssim = with_ssim ? q->worst_ssim : NAN;
     q->psnr = mean_psnr(q, 0);
     q->affine_psnr = q->has_affine ? mean_psnr(q, 1) : 0;
 }
@@ -187,17 +191,19 @@ static const char *print_psnr(char text[80], const quality *q, double psnr, doub
 
 void quality_print_text(const quality *q)
 {
-    char psnr[80];
+    char psnr[80], ssim[32];
     printf("view                                  size    PSNR, dB  %s    SSIM   largest difference\n",
            q->has_affine ? "affine, dB  " : "");
     for (long i = 0; i < q->count; i++) {
         const quality_view *v = &q->views[i];
-        printf("%4ld %-24.24s %6dx%-6d %s  %.6f   %d\n", v->index, v->name, v->width, v->height,
-               print_psnr(psnr, q, v->metrics.psnr, v->affine_psnr), v->metrics.ssim, v->metrics.largest);
+        printf("%4ld %-24.24s %6dx%-6d %s  %8s   %d\n", v->index, v->name, v->width, v->height,
+               print_psnr(psnr, q, v->metrics.psnr, v->affine_psnr), fxs_metrics_ssim(ssim, v->metrics.ssim, "none"),
+               v->metrics.largest);
     }
-    printf("mean %38s %s  %.6f\n", "", print_psnr(psnr, q, q->psnr, q->affine_psnr), q->ssim);
-    printf("worst %37s %s  %.6f   view %ld\n", "", print_psnr(psnr, q, q->worst_psnr, q->worst_affine_psnr),
-           q->worst_ssim, q->views[q->worst_view].index);
+    printf("mean %38s %s  %8s\n", "", print_psnr(psnr, q, q->psnr, q->affine_psnr),
+           fxs_metrics_ssim(ssim, q->ssim, "none"));
+    printf("worst %37s %s  %8s   view %ld\n", "", print_psnr(psnr, q, q->worst_psnr, q->worst_affine_psnr),
+           fxs_metrics_ssim(ssim, q->worst_ssim, "none"), q->views[q->worst_view].index);
 }
 
 static void end_json(const quality *q, double affine_psnr)
@@ -210,20 +216,22 @@ static void end_json(const quality *q, double affine_psnr)
 
 void quality_print_json(const quality *q)
 {
-    char psnr[32];
+    char psnr[32], ssim[32];
     printf("{\"views\": [");
     for (long i = 0; i < q->count; i++) {
         const quality_view *v = &q->views[i];
         printf("%s{\"view\": %ld, \"width\": %d, \"height\": %d, \"name\": ", i ? ", " : "", v->index, v->width,
                v->height);
         print_json_string(v->name);
-        printf(", \"psnr\": %s, \"ssim\": %.6f, \"largest\": %d", fxs_metrics_psnr(psnr, v->metrics.psnr, "null"),
-               v->metrics.ssim, v->metrics.largest);
+        printf(", \"psnr\": %s, \"ssim\": %s, \"largest\": %d", fxs_metrics_psnr(psnr, v->metrics.psnr, "null"),
+               fxs_metrics_ssim(ssim, v->metrics.ssim, "null"), v->metrics.largest);
         end_json(q, v->affine_psnr);
     }
-    printf("], \"psnr\": %s, \"ssim\": %.6f, ", fxs_metrics_psnr(psnr, q->psnr, "null"), q->ssim);
-    printf("\"worst_psnr\": %s, \"worst_ssim\": %.6f, \"worst_view\": %ld",
-           fxs_metrics_psnr(psnr, q->worst_psnr, "null"), q->worst_ssim, q->views[q->worst_view].index);
+    printf("], \"psnr\": %s, \"ssim\": %s, ", fxs_metrics_psnr(psnr, q->psnr, "null"),
+           fxs_metrics_ssim(ssim, q->ssim, "null"));
+    printf("\"worst_psnr\": %s, \"worst_ssim\": %s, \"worst_view\": %ld",
+           fxs_metrics_psnr(psnr, q->worst_psnr, "null"), fxs_metrics_ssim(ssim, q->worst_ssim, "null"),
+           q->views[q->worst_view].index);
     end_json(q, q->affine_psnr);
 }
 

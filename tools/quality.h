@@ -16,7 +16,8 @@ typedef struct quality_view {
 typedef struct quality {
     quality_view *views;
     long count;
-    double psnr, ssim;              /* means over the views; psnr over those that differ, infinity where none does */
+    double psnr, ssim;              /* means over the views; psnr over those that differ, infinity where none does;
+                                       ssim over those that have one (metrics.h), NaN where none has */
     double worst_psnr, worst_ssim;  /* the lowest of any view, of each by itself */
     long worst_view;                /* in `views`: the first with worst_psnr */
     int has_affine;                 /* 1: views are of photographs, and have affine_psnr */

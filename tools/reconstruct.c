@@ -10,8 +10,11 @@
 #include <unistd.h>
 
 #include <fixsplat/camera_file.h>
+#include <fixsplat/image_file.h>
 #include "src/camera/camera_find.h"
+#include "src/fit/photo_masks.h"
 #include "command.h"
+#include "file_guard.h"
 #include "film_frames.h"
 #include "photo_folder.h"
 
@@ -23,7 +26,9 @@ typedef struct work {
     task t;
     int is_film;
     char source[TASK_PATH];        /* the film, or the folder in which the photographs are */
-    char folder[TASK_PATH], images[TASK_PATH], database[TASK_PATH], list[TASK_PATH], log_name[TASK_PATH];
+    char masked[TASK_PATH];        /* the folder of masks that were given, or empty; links to them are in `masks` */
+    char folder[TASK_PATH], images[TASK_PATH], masks[TASK_PATH], database[TASK_PATH], list[TASK_PATH];
+    char log_name[TASK_PATH];
     photographs photos;
     char threads[16];
     uint64_t looked_at;            /* photographs, for features */
@@ -79,6 +84,50 @@ static int link_photographs(work *w)
     return status;
 }
 
+/* The mask in black and white, white where the photograph counts. */
+static int write_inverse(const char *from, const char *to)
+{
+    uint8_t *rgba;
+    int width, height;
+    fxs_message why;
+    if (fxs_image_file_read(from, &rgba, &width, &height, &why))
+        return fail_for(&why);
+    for (size_t i = 0; i < (size_t)width * (size_t)height; i++) {
+        uint8_t *p = rgba + 4 * i;
+        p[0] = p[1] = p[2] = (p[0] + p[1] + p[2]) * p[3] < 3 * 128 * 255 ? 255 : 0;
+        p[3] = 255;
+    }
+    const int error = fxs_image_file_write(to, rgba, width, height, &why);
+    free(rgba);
+    return error ? fail_for(&why) : 0;
+}
+
+static int take_mask(const work *w, const char *from, const char *name)
+{
+    char to[TASK_PATH];
+    if (snprintf(to, sizeof to, "%s/%s.png", w->masks, name) >= TASK_PATH)
+        return fail(EXIT_FAILED, "%s: name too long", name);
+    unlink(to);
+    if (w->options->invert_masks)
+        return write_inverse(from, to);
+    char *whole = realpath(from, 0);
+    const int wrong = !whole || symlink(whole, to);
+    free(whole);
+    return wrong ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
+}
+
+/* All by COLMAP's names, in OUT.cameras. */
+static int take_masks(const work *w)
+{
+    int status = *w->masked ? make_folder(w->masks) : 0;
+    for (size_t i = 0; i < w->photos.count && !status && *w->masked; i++) {
+        char from[FXS_PHOTO_PATH];
+        if (fxs_photo_mask_in(w->masked, w->photos.names[i], from))
+            status = take_mask(w, from, w->photos.names[i]);
+    }
+    return status;
+}
+
 enum { EVERY_LENS = -1 };
 
 static int write_list(const work *w, long lens)
@@ -97,10 +146,12 @@ static int take_photographs(work *w, int are_placed)
         return status;
     if (!photographs_list(&w->photos, w->images))
         return no_memory();
-    status = are_placed ? 0 : photographs_look(&w->t, &w->photos, w->images, w->options->skip_bad);
+    const photograph_look how = {w->masked, w->options->invert_masks, w->options->skip_bad};
+    status = are_placed ? 0 : photographs_look(&w->t, &w->photos, w->images, &how);
     if (!status && w->photos.count < LEAST)
         return fail(EXIT_FAILED, "%s: %zu photograph%s: %d or more are needed, that overlap", w->options->in,
                     w->photos.count, w->photos.count == 1 ? "" : "s", LEAST);
+    status = status ? status : take_masks(w);
     return status ? status : write_list(w, EVERY_LENS);
 }
 
@@ -127,7 +178,7 @@ static int find_features(work *w)
         "colmap", "feature_extractor", "--database_path", w->database, "--image_path", w->images, "--image_list_path",
         w->list, "--SiftExtraction.use_gpu", "0", "--SiftExtraction.max_image_size", "1600",
         "--SiftExtraction.max_num_features", "4096", "--SiftExtraction.num_threads", w->threads,
-        "--ImageReader.single_camera", "1", 0
+        "--ImageReader.single_camera", "1", *w->masked ? "--ImageReader.mask_path" : 0, w->masks, 0
     };
     int status = 0;
     task_begin(&w->t, "looking for features", look_at_features);
@@ -320,6 +371,24 @@ static uint64_t number_of(const work *w, const photographs *p)
     return number;
 }
 
+/* The folder of the masks, if there is one; OUT.cameras may have some of its own. */
+static int find_masks(work *w)
+{
+    const char *given = w->options->masks;
+    if (given)
+        snprintf(w->masked, TASK_PATH, "%.*s", TASK_PATH - 1, given);
+    else
+        join_path(w->masked, w->options->in, "masks");
+    if (files_same(w->masked, w->masks))
+        return fail(EXIT_USAGE, "%s: it is where masks are written to", w->masked);
+    if (is_folder(w->masked))
+        return 0;
+    if (given && *given)
+        return fail(EXIT_FAILED, "%s: no such folder of masks", given);
+    *w->masked = 0;
+    return 0;
+}
+
 /* What lies there is of the same photographs, or nothing lies there. */
 static int claim_folder(const work *w)
 {
@@ -354,10 +423,12 @@ static int open_folder(work *w)
     else
         find_photographs(w->source, w->options->in);
     join_path(w->images, w->folder, "images");
+    join_path(w->masks, w->folder, "masks");
     join_path(w->database, w->folder, "database.db");
     join_path(w->list, w->folder, "photographs.txt");
     join_path(w->log_name, w->folder, "log.txt");
-    int status = make_folder(w->folder);
+    int status = find_masks(w);
+    status = status ? status : make_folder(w->folder);
     status = status ? status : claim_folder(w);
     if (status)
         return status;

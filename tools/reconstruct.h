@@ -11,12 +11,14 @@ typedef struct reconstruct_options {
     uint32_t frames;               /* of a film; 0: as many as seem right */
     uint32_t threads;
     int skip_bad;                  /* photographs that cannot be read are left out */
+    const char *masks;             /* a folder of masks, or empty: none; null: IN/masks, where there is one */
+    int invert_masks;              /* they are white where a photograph is ignored */
 } reconstruct_options;
 
 /* Whether there are no cameras at a path, but a film, or photographs in a folder. */
 int reconstruct_is_needed(const char *in);
 
-/* Makes OUT.cameras, as COLMAP lays out what it makes (images, sparse/0), and says what was found. What an earlier call
+/* Makes OUT.cameras, as COLMAP lays out what it makes (images, masks, sparse/0), and says what was found. What an earlier call
    left there of the same photographs is gone on from, or is the answer. Returns 0 and the folder's name, which the caller
    frees, or prints what is wrong and returns the exit status. */
 int reconstruct(const reconstruct_options *options, char **folder);

@@ -14,6 +14,7 @@ typedef struct fxs_listed_view {
     fxs_file_view view;
     fxs_lens lens;
     char *image;        /* name of the photograph in the file, not cut; NULL: none */
+    char *mask;         /* name of the photograph's mask in the file; NULL: none */
     int sizeless;       /* 1: the file states only an angle; the size and intrinsics are for 800 x 800 */
 } fxs_listed_view;
 
@@ -34,6 +35,12 @@ void fxs_view_list_free(fxs_view_list *list);
 /* Appends a view that is all 0 except its name; where `name` is NULL, that is its index. Returns 0 and the view, which
    stays in place until the next is added, or an error and a message. */
 int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **view);
+
+/* Sets the name of a view's mask; NULL: it has none. Returns 0, or an error and a message. */
+int fxs_view_list_mask(const fxs_view_list *list, fxs_listed_view *view, const char *mask);
+
+/* Frees what a view has beside itself. */
+void fxs_listed_view_free(fxs_listed_view *view);
 
 /* Writes a message about the last added view and returns FXS_ERR_FILE. */
 int fxs_view_list_fault(const fxs_view_list *list, const char *fault);

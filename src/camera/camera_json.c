@@ -117,6 +117,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     intrinsics own = read_intrinsics(frame);
     double m[16], width = first(own.w, file->w), height = first(own.h, file->h);
     FXS_TRY(fxs_view_list_add(list, fxs_json_string(frame, "file_path"), &listed));
+    FXS_TRY(fxs_view_list_mask(list, listed, fxs_json_string(frame, "mask_path")));
     fxs_file_view *view = &listed->view;
     if (isnan(width) && isnan(height)) {
         width = height = 800;   /* Blender's synthetic scenes state no size */

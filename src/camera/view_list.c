@@ -49,10 +49,27 @@ int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **a
     return 0;
 }
 
+int fxs_view_list_mask(const fxs_view_list *list, fxs_listed_view *view, const char *mask)
+{
+    if (!mask)
+        return 0;
+    view->mask = malloc(strlen(mask) + 1);
+    if (!view->mask)
+        return fxs_fail_memory(list->message, list->path, 0);
+    strcpy(view->mask, mask);
+    return 0;
+}
+
+void fxs_listed_view_free(fxs_listed_view *view)
+{
+    free(view->image);
+    free(view->mask);
+}
+
 void fxs_view_list_free(fxs_view_list *list)
 {
     for (size_t i = 0; i < list->count; i++)
-        free(list->views[i].image);
+        fxs_listed_view_free(&list->views[i]);
     free(list->views);
     free(list->points);
     list->views = NULL;

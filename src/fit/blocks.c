@@ -380,7 +380,9 @@ int fxs_fit_block_read(const char *path, const fxs_photos_options *options, cons
     choice c = {0};
     FXS_TRY(begin(b, !coarse, number, blocks, message));
     FXS_TRY(fxs_photo_list_find(&list, path, options->hold_out, message));
-    int error = read_whole(&whole, &list, options, coarse, message);
+    int error = fxs_photo_masks_check(&list, options, message);
+    if (!error)
+        error = read_whole(&whole, &list, options, coarse, message);
     if (!error)
         error = choose_of(path, &list, &whole, options, coarse, b, &c, message);
     if (!error)

@@ -129,6 +129,9 @@ static uint64_t fingerprint(const fxs_fit *f)
             if (k % 8 == 7 || k + 1 == bytes)
                 sum = fxs_fit_mix(sum ^ eight);
         }
+        for (size_t k = 0; p->mask && k < bytes / 3; k++)
+            if (!p->mask[k])
+                sum = fxs_fit_mix(sum ^ k);
     }
     return sum;
 }

@@ -177,6 +177,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     }
     for (size_t i = 0; i < photo_count; i++) {
         f->photographs[i].pixels = photos[i].pixels;
+        f->photographs[i].mask = photos[i].mask;
         f->photographs[i].width = photos[i].view.width;
         f->photographs[i].height = photos[i].view.height;
         f->photographs[i].divisor = 1;

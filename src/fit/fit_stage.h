@@ -101,6 +101,7 @@ typedef struct fxs_fit_loss {
     const uint8_t *photograph;     /* bytes, `step` apart, `pitch` from row to row */
     ptrdiff_t step, pitch;
     int32_t width, height;
+    const uint8_t *mask;           /* null, or a byte a pixel, rows without gaps; 0: the pixel is ignored (loss.h) */
 } fxs_fit_loss;
 
 /* The numbers of Adam for one step. */

@@ -113,12 +113,29 @@ static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t firs
     }
 }
 
+/* Makes the numbers of ignored pixels 0. */
+static void drop_ignored(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *numbers)
+{
+    const uint8_t *counts = loss->mask + (ptrdiff_t)row * loss->width;
+    for (int32_t i = 0; i < count; i++) {
+        const int32_t x = first + i;
+        if (x >= 0 && x < loss->width && !counts[x])
+            numbers[i] = 0;
+    }
+}
+
 static void loss_strip(const fxs_fit_loss *loss, int32_t row, int32_t first)
 {
-    float b[STRIP + 2 * FXS_FIT_MARGIN], products[3][STRIP + 2 * FXS_FIT_MARGIN];
+    float b[STRIP + 2 * FXS_FIT_MARGIN], products[3][STRIP + 2 * FXS_FIT_MARGIN], kept[STRIP + 2 * FXS_FIT_MARGIN];
     const float *a = at_of(&loss->picture, row) + first - FXS_FIT_MARGIN;
     const int32_t left = (loss->width - first + 15) & ~15, count = left < STRIP ? left : STRIP;
     photograph_strip(loss, row, first - FXS_FIT_MARGIN, count + 2 * FXS_FIT_MARGIN, b);
+    if (loss->mask) {
+        memcpy(kept, a, (size_t)(count + 2 * FXS_FIT_MARGIN) * sizeof *kept);
+        drop_ignored(loss, row, first - FXS_FIT_MARGIN, count + 2 * FXS_FIT_MARGIN, kept);
+        drop_ignored(loss, row, first - FXS_FIT_MARGIN, count + 2 * FXS_FIT_MARGIN, b);
+        a = kept;
+    }
     for (int32_t x = 0; x < count + 2 * FXS_FIT_MARGIN; x += LANES) {
         const real p = load(a + x), q = load(b + x);
         store(products[0] + x, p * p);
@@ -139,10 +156,16 @@ static void NAMED(fxs_fit_loss_rows_, ISA)(const fxs_fit_loss *loss, int32_t row
         loss_strip(loss, row, first);
 }
 
-/* Numbers beyond the picture's edge are 0. */
-static inline real within(int32_t x, int32_t width, real value)
+/* Those of LANES pixels that lie in the picture, and are not ignored. */
+static inline mask counting(const fxs_fit_loss *loss, int32_t row, int32_t x)
 {
-    return keep(below(numbers_from(0) + (float)x, all((float)width)), value);
+    const mask inside = below(numbers_from(0) + (float)x, all((float)loss->width));
+    float counts[LANES];
+    if (!loss->mask)
+        return inside;
+    for (int32_t i = 0; i < LANES; i++)
+        counts[i] = x + i < loss->width ? (float)loss->mask[(ptrdiff_t)row * loss->width + x + i] : 0;
+    return both(inside, below(all(0), load(counts)));
 }
 
 /* Sums of every 16th number; then sums c and c + 8, c + 4, c + 2, c + 1 are added. */
@@ -166,11 +189,12 @@ static void NAMED(fxs_fit_loss_derivatives_, ISA)(const fxs_fit_loss *loss, int3
         real sums[FXS_FIT_ROWS];
         for (int i = 0; i < FXS_FIT_ROWS; i++)
             sums[i] = window_sum(at_of(&loss->rows[i], row) + x, loss->rows[i].stride);
+        const mask counted = counting(loss, row, x);
         const similarity s = similarity_of(sums[0], sums[1], sums[2], sums[3], sums[4]);
         const real out[FXS_FIT_DERIVATIVES] = {s.by_mean, s.by_square, s.by_product};
         for (int i = 0; i < FXS_FIT_DERIVATIVES; i++)
-            store(at_of(&loss->derivatives[i], row) + x, within(x, loss->width, out[i]));
-        add_to(dissimilar, x, within(x, loss->width, 1.0f - s.value));
+            store(at_of(&loss->derivatives[i], row) + x, keep(counted, out[i]));
+        add_to(dissimilar, x, keep(counted, 1.0f - s.value));
     }
     loss->dissimilar[row] = sum_of(dissimilar);
 }
@@ -195,11 +219,12 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
             photograph_strip(loss, row, x, STRIP, b);
         for (int i = 0; i < FXS_FIT_DERIVATIVES; i++)
             sums[i] = window_sum(at_of(&loss->rows[i], row) + x, loss->rows[i].stride);
+        const mask counted = counting(loss, row, x);
         const real p = load(a + x), q = load(b + x % STRIP);
-        const real gradient = within(x, loss->width, gradient_of(p, q, sums[0], sums[1], sums[2]));
+        const real gradient = keep(counted, gradient_of(p, q, sums[0], sums[1], sums[2]));
         store(at_of(&loss->gradient, row) + x, gradient);
         add_to(by_gain, x, gradient * p);
-        add_to(differences, x, within(x, loss->width, absolute(p - q)));
+        add_to(differences, x, keep(counted, absolute(p - q)));
     }
     loss->absolute[row] = sum_of(differences);
     loss->by_gain[row] = sum_of(by_gain);

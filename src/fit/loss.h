@@ -1,5 +1,8 @@
 /* loss: the sum over pixels and channels of 0.8 |a - b| + 0.2 (1 - SSIM(a, b)), with a the picture and b the
- * photograph, and its gradient. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges. */
+ * photograph, and its gradient. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges.
+ *
+ * A pixel that a mask ignores is as if it lay beyond the edges: a = b = 0 in all windows, it has neither a window of
+ * its own nor |a - b|, and its gradient is 0. So nothing depends on the photograph there. */
 #ifndef FXS_FIT_LOSS_H
 #define FXS_FIT_LOSS_H
 

@@ -189,6 +189,17 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
     return 0;
 }
 
+/* Beside the folder images, or in the folder of the file that names the photographs. */
+static void find_masks(fxs_photo_list *list)
+{
+    char folder[FXS_PHOTO_PATH];
+    strcpy(folder, list->images);
+    if (!strcmp(base_of(list->images), "images"))
+        parent_of(folder, list->images);
+    if (!join(list->masks, folder, "masks") || !is_folder(list->masks))
+        *list->masks = 0;
+}
+
 static int find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message *message)
 {
     FXS_TRY(find_cameras(list, path, message));
@@ -198,6 +209,7 @@ static int find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message 
     FXS_TRY(read_views(&list->fit, list->cameras, message));
     if (!list->is_colmap)
         find_json(list);
+    find_masks(list);
     if (!n)
         return 0;
     return *list->test ? read_views(&list->held_out, list->test, message) : hold_out(list, n, message);
@@ -219,7 +231,7 @@ void fxs_photo_list_keep(fxs_view_list *views, const uint8_t *kept)
         if (kept[i])
             views->views[count++] = views->views[i];
         else
-            free(views->views[i].image);
+            fxs_listed_view_free(&views->views[i]);
     views->count = count;
 }
 
@@ -243,6 +255,12 @@ int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view
     }
     *end = 0;   /* opening this path fails with a message */
     return 0;
+}
+
+int fxs_photo_list_path(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH], fxs_message *message)
+{
+    return join(path, list->images, name) ? 0 : fxs_fail(message, "%s: a name of %zu characters is too long",
+                                                         list->cameras, strlen(name));
 }
 
 /* ---- Photographs without a camera -------------------------------------------------------------------------------- */

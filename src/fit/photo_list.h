@@ -11,6 +11,7 @@ typedef struct fxs_photo_list {
     char cameras[FXS_PHOTO_PATH];  /* the file of the cameras */
     char test[FXS_PHOTO_PATH];     /* the cameras file of held-out photographs, or empty */
     char images[FXS_PHOTO_PATH];   /* the folder to which image names are relative */
+    char masks[FXS_PHOTO_PATH];    /* the folder of masks beside them, or empty */
     char points[FXS_PHOTO_PATH];   /* the file of the points, or empty */
     int is_colmap;                 /* 1: the points are in COLMAP's format, else in a .ply */
     fxs_view_list fit, held_out;   /* sorted by name */
@@ -31,5 +32,8 @@ void fxs_photo_list_others(const fxs_photo_list *list, fxs_left_out_fn *say, voi
    message. */
 int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view, char path[FXS_PHOTO_PATH],
                          fxs_message *message);
+
+/* The path of a file that the file of the cameras names. Returns 0, or an error and a message. */
+int fxs_photo_list_path(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH], fxs_message *message);
 
 #endif

@@ -15,6 +15,7 @@ typedef struct picture {
     const uint8_t *rgba;
     int width, height;
     const uint8_t *background;
+    const uint8_t *counts;         /* a byte a pixel, 0 where it is ignored; null: all count */
 } picture;
 
 /* ---- The camera of the file's pixels ----------------------------------------------------------------------------- */
@@ -129,7 +130,8 @@ static int between(double at, int size, uint32_t *part)
     return fixed >> POSITION_BITS;
 }
 
-static void sample(const picture *p, const double at[2], uint16_t out[3])
+/* Returns whether the pixels that are interpolated count. */
+static int sample(const picture *p, const double at[2], uint16_t out[3])
 {
     uint32_t part[2];
     const int x = between(at[0], p->width, &part[0]), y = between(at[1], p->height, &part[1]);
@@ -142,11 +144,16 @@ static void sample(const picture *p, const double at[2], uint16_t out[3])
                                on_background(p, rgba + below + right, c) * part[0];
         out[c] = (uint16_t)(((uint64_t)upper * (256 - part[1]) + (uint64_t)lower * part[1] + 32768) >> 16);
     }
+    if (!p->counts)
+        return 1;
+    const uint8_t *counts = p->counts + (rgba - p->rgba) / 4;
+    const size_t beside = part[0] ? right / 4 : 0, under = part[1] ? below / 4 : 0;
+    return counts[0] && counts[beside] && counts[under] && counts[under + beside];
 }
 
-/* A row of the pinhole picture, sampled through the lens. */
+/* A row of the pinhole picture, sampled through the lens; and which of its pixels count. */
 static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
-                     const fxs_file_view *pinhole, int y, uint16_t *row)
+                     const fxs_file_view *pinhole, int y, uint16_t *row, uint8_t *counts)
 {
     const double v = (y + 0.5 - pinhole->cy) / pinhole->fy;
     for (int x = 0; x < p->width; x++, row += 3) {
@@ -154,7 +161,7 @@ static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view
         fxs_lens_bend(lens, (x + 0.5 - pinhole->cx) / pinhole->fx, v, at);
         at[0] = photograph->fx * at[0] + photograph->cx;
         at[1] = photograph->fy * at[1] + photograph->cy;
-        sample(p, at, row);
+        counts[x] = (uint8_t)sample(p, at, row);
     }
 }
 
@@ -197,38 +204,55 @@ static void finish_row(uint64_t *sums, size_t values, uint64_t area, uint8_t *ou
     memset(sums, 0, values * sizeof *sums);
 }
 
+/* Ignores the pixels of the smaller picture that a row's ignored pixels have a part in. */
+static void ignore_row(const picture *p, int y, const uint8_t *counts, int width, int height, uint8_t *mask)
+{
+    const int first = (int)((int64_t)y * height / p->height);
+    const int last = (int)((((int64_t)y + 1) * height - 1) / p->height);
+    for (int x = 0; x < p->width; x++)
+        for (int row = first; row <= last && !counts[x]; row++)
+            for (int64_t column = (int64_t)x * width / p->width; column * p->width < ((int64_t)x + 1) * width; column++)
+                mask[(int64_t)row * width + column] = 0;
+}
+
 typedef struct work {
     uint16_t *row;                 /* in the size of the file */
+    uint8_t *counts;
     uint64_t *columns, *sums;      /* in the size of the smaller picture */
 } work;
 
 static int work_allocate(work *w, int width, int smaller)
 {
     w->row = malloc(3 * (size_t)width * sizeof *w->row);
+    w->counts = malloc((size_t)width);
     w->columns = malloc(3 * (size_t)smaller * sizeof *w->columns);
     w->sums = calloc(3 * (size_t)smaller, sizeof *w->sums);
-    return w->row && w->columns && w->sums;
+    return w->row && w->counts && w->columns && w->sums;
 }
 
 static void work_free(work *w)
 {
     free(w->row);
+    free(w->counts);
     free(w->columns);
     free(w->sums);
 }
 
-/* Averages rows as add_columns does columns. `pinhole` is null where the lens has no distortion. */
+/* Averages rows as add_columns does columns. `pinhole` is null where the lens has no distortion, `mask` where all
+   pixels count; else it is 1 everywhere at first. */
 static void average(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
-                    const fxs_file_view *pinhole, int width, int height, work *w, uint8_t *out)
+                    const fxs_file_view *pinhole, int width, int height, work *w, uint8_t *out, uint8_t *mask)
 {
     const size_t values = 3 * (size_t)width;
     const uint64_t area = (uint64_t)p->width * (uint64_t)p->height;
     int room = p->height;
     for (int y = 0; y < p->height; y++) {
         if (pinhole)
-            bent_row(p, lens, photograph, pinhole, y, w->row);
+            bent_row(p, lens, photograph, pinhole, y, w->row, w->counts);
         else
             plain_row(p, y, w->row);
+        if (mask)
+            ignore_row(p, y, pinhole ? w->counts : p->counts + (size_t)y * (size_t)p->width, width, height, mask);
         add_columns(w->row, p->width, width, w->columns);
         const int first = room < height ? room : height;
         add_row(w->sums, w->columns, values, first);
@@ -268,12 +292,16 @@ static int finish(const char *path, const fxs_listed_view *listed, const picture
         return fxs_fail(message, "%s: the distortion of its camera cannot be undone: part of the picture is folded or "
                         "missing", path);
     smaller_size(p, resolution, size);
-    const size_t bytes = 3 * (size_t)size[0] * (size_t)size[1];
+    const size_t pixels = (size_t)size[0] * (size_t)size[1], bytes = 3 * pixels;
     work w;
     photo->pixels = malloc(bytes);
-    const int allocated = work_allocate(&w, p->width, size[0]) && photo->pixels;
+    photo->mask = p->counts ? malloc(pixels) : NULL;
+    const int allocated = work_allocate(&w, p->width, size[0]) && photo->pixels && (photo->mask || !p->counts);
+    if (allocated && photo->mask)
+        memset(photo->mask, 1, pixels);
     if (allocated)
-        average(p, &listed->lens, &photograph, bends ? pinhole : NULL, size[0], size[1], &w, photo->pixels);
+        average(p, &listed->lens, &photograph, bends ? pinhole : NULL, size[0], size[1], &w, photo->pixels,
+                photo->mask);
     work_free(&w);
     scale(pinhole, size[0], size[1]);
     return allocated ? 0 : fxs_fail_memory(message, path, bytes);
@@ -286,18 +314,23 @@ void fxs_photo_view(const fxs_listed_view *listed, fxs_file_view *view)
 }
 
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
-                   fxs_photo_pixels *photo, fxs_message *message)
+                   const fxs_photo_masking *masking, fxs_photo_pixels *photo, fxs_message *message)
 {
-    picture p = {NULL, 0, 0, background};
-    uint8_t *rgba;
-    photo->pixels = NULL;
+    picture p = {NULL, 0, 0, background, NULL};
+    uint8_t *rgba, *counts;
+    photo->pixels = photo->mask = NULL;
     FXS_TRY(read_picture(path, listed, &p, &rgba, &photo->exposure, message));
+    int error = fxs_photo_mask_read(masking, path, rgba, p.width, p.height, &counts, message);
     p.rgba = rgba;
-    const int error = finish(path, listed, &p, resolution, photo, message);
+    p.counts = counts;
+    if (!error)
+        error = finish(path, listed, &p, resolution, photo, message);
     free(rgba);
+    free(counts);
     if (error) {
         free(photo->pixels);
-        photo->pixels = NULL;
+        free(photo->mask);
+        photo->pixels = photo->mask = NULL;
     }
     return error;
 }

@@ -22,7 +22,7 @@ enum { BATCH = 32, LONGER_SIDE = 1600 };
 typedef struct result {
     fxs_photo_pixels photo;
     fxs_message message;
-    int error;
+    int error, has_mask;
 } result;
 
 typedef struct reading {
@@ -37,10 +37,13 @@ static int read_one(const reading *r, const fxs_listed_view *view, result *made)
 {
     const int resolution = r->options->resolution ? r->options->resolution : LONGER_SIDE;
     char path[FXS_PHOTO_PATH];
+    fxs_photo_masking masking;
     fxs_camera camera;
-    made->photo.pixels = NULL;
+    made->photo.pixels = made->photo.mask = NULL;
     FXS_TRY(fxs_photo_list_image(r->list, view, path, &made->message));
-    FXS_TRY(fxs_photo_read(path, view, resolution, r->options->background, &made->photo, &made->message));
+    FXS_TRY(fxs_photo_mask_find(r->list, r->options, view, path, &masking, &made->message));
+    made->has_mask = *masking.path != 0;
+    FXS_TRY(fxs_photo_read(path, view, resolution, r->options->background, &masking, &made->photo, &made->message));
     return fxs_camera_from_view(&camera, &made->photo.view, &made->message);
 }
 
@@ -59,11 +62,14 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
     for (uint32_t i = 0; i < count; i++) {
         result *made = &r->results[i];
         if (!error && !made->error) {
-            photos[*kept] = (fxs_fit_photo){made->photo.view, made->photo.pixels, made->photo.exposure};
+            photos[*kept] = (fxs_fit_photo){made->photo.view, made->photo.pixels, made->photo.exposure,
+                                            made->photo.mask};
             ++*kept;
+            *(made->has_mask ? &all->with_mask : &all->without_mask) += 1;
             continue;
         }
         free(made->photo.pixels);
+        free(made->photo.mask);
         if (!error && r->options->skip_bad && made->error == FXS_ERR_FILE) {
             all->skipped++;
             if (r->options->left_out)
@@ -100,6 +106,22 @@ static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **phot
     return 0;
 }
 
+static int has_counting_pixels(const fxs_fit_photo *photo)
+{
+    return !photo->mask || memchr(photo->mask, 1, (size_t)photo->view.width * (size_t)photo->view.height);
+}
+
+static int check_ignored(const fxs_photo_list *list, const fxs_photos *photos, fxs_message *message)
+{
+    size_t ignored = 0;
+    while (ignored < photos->fit_count && !has_counting_pixels(&photos->fit[ignored]))
+        ignored++;
+    if (ignored && ignored == photos->fit_count)
+        return fxs_fail(message, "%s: all pixels of all photographs to fit are ignored; are the masks inverse?",
+                        list->cameras);
+    return 0;
+}
+
 int fxs_photos_pixels(const fxs_photo_list *list, const fxs_photos_options *options, fxs_photos *photos,
                       fxs_message *message)
 {
@@ -114,6 +136,9 @@ int fxs_photos_pixels(const fxs_photo_list *list, const fxs_photos_options *opti
     if (!error)
         error = read_all(&r, &list->held_out, &photos->held_out, &photos->held_out_count, photos, list->fit.count,
                          count, message);
+    if (!error)
+        error = check_ignored(list, photos, message);
+    photos->without_mask = fxs_photo_masks_are_there(list, options) ? photos->without_mask : 0;
     free(r.results);
     return error;
 }
@@ -231,7 +256,9 @@ int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_pho
     FXS_TRY(fxs_photo_list_find(&list, path, options->hold_out, message));
     if (options->left_out)
         fxs_photo_list_others(&list, options->left_out, options->argument);
-    int error = options->held_out_alone && list.held_out.count ? keep_held_out(&list, message) : 0;
+    int error = fxs_photo_masks_check(&list, options, message);
+    if (!error && options->held_out_alone && list.held_out.count)
+        error = keep_held_out(&list, message);
     if (!error)
         error = fxs_photos_pixels(&list, options, photos, message);
     if (!error && photos->fit_count)
@@ -244,8 +271,10 @@ int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_pho
 
 static void free_pixels(fxs_fit_photo *photos, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
         free((void *)photos[i].pixels);
+        free((void *)photos[i].mask);
+    }
     free(photos);
 }
 

@@ -21,7 +21,7 @@ struct fxs_fit_stepper {
     void *pool;
     uint32_t threads;
     fxs_clock_fn *clock;
-    block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, gathered;
+    block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, reduced_mask, gathered;
 
     /* of the current step */
     fxs_fit_model *model;
@@ -29,6 +29,7 @@ struct fxs_fit_stepper {
     const fxs_fit_step_options *options;
     const uint8_t *photograph;     /* in the size of the camera's picture */
     const uint8_t *errors_of;      /* the same, for fxs_fit_find_errors */
+    const uint8_t *mask;           /* of the photograph, in the same size, or null */
     float *errors;
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
     uint32_t batch, view;          /* number of views in the batch, and the current one */
@@ -75,7 +76,7 @@ void fxs_fit_stepper_free(fxs_fit_stepper *s)
     if (!s)
         return;
     block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->tiles, &s->entries, &s->sums,
-                       &s->planes, &s->rows, &s->reduced, &s->gathered};
+                       &s->planes, &s->rows, &s->reduced, &s->reduced_mask, &s->gathered};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
         free(blocks[i]->memory);
     free(s);
@@ -397,6 +398,7 @@ static int make_planes(fxs_fit_stepper *s)
         l->step = 3;
         l->pitch = 3 * width;
         l->photograph = s->photograph ? s->photograph + c : NULL;
+        l->mask = s->photograph ? s->mask : NULL;
     }
     return 0;
 }
@@ -751,12 +753,26 @@ static void average_down(const fxs_fit_photograph *from, uint8_t *pixels)
         }
 }
 
+static void reduce_mask(const fxs_fit_photograph *from, uint8_t *out)
+{
+    const int divisor = from->divisor;
+    for (int y = 0; y < from->camera.height; y++)
+        for (int x = 0; x < from->camera.width; x++) {
+            const uint8_t *first = from->mask + (ptrdiff_t)y * divisor * from->width + x * divisor;
+            int counts = 1;
+            for (int k = 0; k < divisor * divisor; k++)
+                counts &= first[(ptrdiff_t)(k / divisor) * from->width + k % divisor] != 0;
+            *out++ = (uint8_t)counts;
+        }
+}
+
 static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph, uint32_t view)
 {
     const fxs_fit_camera *c = &photograph->camera;
     s->view = view;
     s->camera = s->cameras[view] = c;
     s->photograph = photograph->pixels;
+    s->mask = photograph->mask;
     for (int k = 0; k < 3; k++)
         s->factors[k] = 1;
     if (s->model->gains)
@@ -766,6 +782,12 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
             return FXS_ERR_MEMORY;
         average_down(photograph, s->reduced.memory);
         s->photograph = s->reduced.memory;
+    }
+    if (photograph->divisor > 1 && photograph->mask) {
+        if (!room(&s->reduced_mask, (size_t)c->width * (size_t)c->height))
+            return FXS_ERR_MEMORY;
+        reduce_mask(photograph, s->reduced_mask.memory);
+        s->mask = s->reduced_mask.memory;
     }
     return 0;
 }

@@ -18,6 +18,8 @@ typedef struct fxs_fit_photograph {
                                       the right and lower edges is not used */
     fxs_fit_camera camera;
     uint32_t number;               /* of its exposure in the model's gains */
+    const uint8_t *mask;           /* null, or a byte for each of the pixels; 0: it is ignored. A pixel of the camera is
+                                      ignored where one of its divisor x divisor is */
 } fxs_fit_photograph;
 
 /* The parameters of `count` Gaussians, their two moments of Adam, and sums for the densification. `stride` is `count`

@@ -17,9 +17,10 @@ typedef struct what {
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
     uint32_t gains;                /* photographs with an exposure; 0: none */
+    int has_masks;                 /* all photographs but the second, which are at most MASK_PIXELS large */
 } what;
 
-enum { MOST_STEPS = 3, MOST_BATCH = 3, MOST_GAINS = 200 };
+enum { MOST_STEPS = 3, MOST_BATCH = 3, MOST_GAINS = 200, MASK_PIXELS = 160 * 120 };
 
 static void fill_model(fxs_fit_model *m, const what *w)
 {
@@ -71,8 +72,18 @@ static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS])
     memcpy(gains[1], gains[0], sizeof gains[1]);
 }
 
+/* Discs and single pixels are ignored. */
+static void fill_mask(uint8_t *out, int32_t width, int32_t height)
+{
+    for (int32_t i = 0; i < width * height; i++) {
+        const int32_t x = i % width % 40 - 20, y = i / width % 30 - 15;
+        out[i] = x * x + y * y < 100 || fit_random() % 9 == 0 ? 0 : (uint8_t)(1 + fit_random() % 255);
+    }
+}
+
 static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uint8_t *pixels)
 {
+    static uint8_t masks[MOST_BATCH][MASK_PIXELS];
     const size_t bytes = 3 * (size_t)w->width * (size_t)w->height;
     for (size_t i = 0; i < bytes * MOST_BATCH; i++)
         pixels[i] = (uint8_t)(fit_random() % 256);
@@ -87,6 +98,10 @@ static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uin
         p->height = w->height;
         p->divisor = 1;
         p->number = w->gains ? (uint32_t)(2 * i + 1) % w->gains : 0;
+        if (w->has_masks && i != 1) {
+            fill_mask(masks[i], w->width, w->height);
+            p->mask = masks[i];
+        }
     }
 }
 
@@ -291,6 +306,16 @@ static void test_exposures(void)
     }
 }
 
+static void test_masks(void)
+{
+    for (int i = 0; i < (quick ? 3 : 12); i++) {
+        const what w = {.width = i % 2 ? 37 : 160, .height = i % 2 ? 27 : 120, .count = quick ? 200 : 3000,
+                        .degree = i % 4, .batch = 1 + i % MOST_BATCH, .near_size = -2.5f, .gains = i % 3 ? 0 : 7,
+                        .has_masks = 1};
+        compare(&w, i % 4 == 3, 0, MOST_STEPS);
+    }
+}
+
 /* Steps whose lists have no room are made again. */
 static void test_no_room(void)
 {
@@ -412,6 +437,7 @@ int main(int argc, char **argv)
     RUN(test_large);
     RUN(test_batches);
     RUN(test_exposures);
+    RUN(test_masks);
     RUN(test_no_room);
     RUN(test_too_little_memory);
     if (!quick)

@@ -98,6 +98,27 @@ mkdir below && ln -s ../plain below/images
 check "photographs in a folder images" with "$fixsplat" fit below $steps -o below.fxs --quiet
 check "they are the same" cmp below.fxs set.fxs
 
+# Masks, which are white or black all over: COLMAP gets them by its names, white where photographs count.
+cp -r plain masked && mkdir masked/masks inverse
+for colour in ffffff 000000; do
+    "$fixsplat" render knot.ply --size 64x48 --eye 0,0,-9 --look 0,0,-20 --bg $colour -o $colour.png
+done
+cp ffffff.png masked/masks/02.png && cp 000000.png masked/masks/03.png.png
+cp 000000.png inverse/02.png && cp ffffff.png inverse/03.png
+with "$fixsplat" fit masked $steps -o masks.fxs >logs/out 2>logs/err
+check "masks: COLMAP is given them" grep -q '^feature_extractor .*--ImageReader.mask_path masks.fxs.cameras/masks$' calls
+check "masks: by its names" cmp masks.fxs.cameras/masks/02.png.png ffffff.png
+check "masks: the fit has them" grep -q '^fixsplat: masks.fxs.cameras: masks of 2 photographs$' logs/err
+check "--invert-masks" with "$fixsplat" fit plain $steps -o inverse.fxs --masks inverse --invert-masks --quiet
+for pair in 02.png.png:ffffff.png 03.png.png:000000.png; do
+    succeeds "--invert-masks: for COLMAP they are the other way round" compare inverse.fxs.cameras/masks/${pair%:*} \
+        ${pair#*:} --min-psnr 90
+done
+check "--invert-masks: the same scene" cmp masks.fxs inverse.fxs
+check "new masks, the cameras of before" with "$fixsplat" fit plain $steps -o masks.fxs --masks inverse --quiet
+check "new masks, the cameras of before: another scene" [ "$(cmp -s masks.fxs inverse.fxs; echo $?)" = 1 ]
+rm calls
+
 cp set/images/03.png plain/other.png
 with "$fixsplat" fit plain $steps -o b.fxs >logs/out 2>logs/err
 check "a photograph without a place is named" grep -q '^fixsplat: no place was found for 1: other.png$' logs/err
@@ -175,6 +196,11 @@ cp -r plain bad && head -c 100 plain/05.png >bad/05.png
 fails "a damaged photograph" 1 "05.png: .*--skip-bad leaves such photographs out" fit bad -o g.fxs --quiet
 "$fixsplat" fit bad $steps -o h.fxs --skip-bad --cameras-only 2>logs/err
 check "--skip-bad" equal "$(grep -c 'left out: .*05.png' logs/err) $(grep -c 05.png h.fxs.cameras/photographs.txt)" "1 0"
+cp -r plain sizes && mkdir sizes/masks && cp ffffff.png sizes/masks/02.png
+"$fixsplat" render knot.ply --size 9x9 -o sizes/masks/05.png
+fails "a mask of another size" 1 "^fixsplat: sizes/masks/05.png: 9 x 9 pixels, its photograph .*/05.png has 64 x 48 .--skip" \
+    fit sizes $steps -o sizes.fxs --quiet
+fails "no such folder of masks" 1 "^fixsplat: nowhere: no such folder of masks$" fit plain -o sizes.fxs --masks nowhere
 fails "--frames without a film" 2 "^fixsplat: --frames: set is not a film" fit set -o i.fxs --frames 10
 fails "--cameras-only with cameras" 2 "^fixsplat: --cameras-only: set has cameras" fit set -o i.fxs --cameras-only
 mkdir empty

@@ -16,7 +16,7 @@ const uint32_t VIEW_PLANES = FXS_FIT_SUMS + 1;    /* see launch_gather */
 const uint32_t PENDING = 64;       /* steps that are under way at most */
 const uint32_t PHOTOGRAPHS = 3;    /* of a device: the one at work, and those that follow */
 
-/* A photograph on its way to a device, or there. */
+/* A photograph on its way to a device, or there: its pixels, and its mask behind them. */
 struct photograph_slot {
     host_block sent;
     block pixels;
@@ -178,13 +178,15 @@ int reserve_views(device *d, uint32_t count, fxs_message *why)
 int send_photograph(device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
 {
     photograph_slot *slot = &d->photographs[d->next_photograph++ % PHOTOGRAPHS];
-    const size_t bytes = 3 * (size_t)p->width * (size_t)p->height;
+    const size_t size = (size_t)p->width * (size_t)p->height, bytes = (p->mask ? 4 : 3) * size;
     int error = check(why, cudaEventSynchronize(slot->ready));
     error = error ? error : reserve(&d->memory, &slot->pixels, bytes, why);
     error = error ? error : reserve_host(&slot->sent, bytes, why);
     if (error)
         return error;
-    memcpy(slot->sent.data, p->pixels, bytes);
+    memcpy(slot->sent.data, p->pixels, 3 * size);
+    if (p->mask)
+        memcpy((uint8_t *)slot->sent.data + 3 * size, p->mask, size);
     cudaStreamWaitEvent(d->copies, slot->is_free, 0);
     cudaMemcpyAsync(slot->pixels.data, slot->sent.data, bytes, cudaMemcpyHostToDevice, d->copies);
     cudaEventRecord(slot->ready, d->copies);
@@ -218,16 +220,17 @@ int find_loss(engine *e, device *d, const step_order *s, uint32_t view, fxs_mess
     if (error)
         return error;
     const uint8_t *pixels = (const uint8_t *)slot->pixels.data;
+    loss_photograph sent = {pixels, p->mask ? pixels + 3 * (size_t)p->width * (size_t)p->height : nullptr};
     cudaError_t failure = cudaSuccess;
     if (p->divisor > 1) {
-        error = reserve(&d->memory, &d->reduced, 3 * (uint64_t)p->camera.width * (uint64_t)p->camera.height, why);
+        error = reserve(&d->memory, &d->reduced,
+                        (p->mask ? 4 : 3) * (uint64_t)p->camera.width * (uint64_t)p->camera.height, why);
         if (error)
             return error;
         b->photograph = (uint8_t *)d->reduced.data;
-        failure = launch_reduce(b, pixels, p->width, p->divisor, &p->camera, d->stream);
-        pixels = b->photograph;
+        failure = launch_reduce(b, &sent, p->width, p->divisor, &p->camera, d->stream);
     }
-    failure = first_of(failure, launch_loss(b, pixels, &p->camera, s->has_report, d->stream));
+    failure = first_of(failure, launch_loss(b, sent, &p->camera, s->has_report, d->stream));
     error = check(why, failure, cudaEventRecord(slot->is_free, d->stream));
     return error || !s->has_report ? error : fetch_rows(e, d, s, view, why);
 }

@@ -31,10 +31,22 @@ __device__ inline loss_place place_of_run()
             (int)blockIdx.y * SQUARE};
 }
 
+/* The photograph of a step: red, green, blue; and its mask, a byte a pixel, where there is one. */
+struct loss_photograph {
+    const uint8_t *pixels, *mask;
+};
+
 /* A byte of the photograph, 0 to 1. */
 __device__ inline float level_of_byte(uint8_t byte)
 {
     return (float)byte / 255.0f;
+}
+
+/* Whether a pixel of the picture counts. Kernels for photographs without a mask have no look at one. */
+template <bool HAS_MASK>
+__device__ inline bool counts(const loss_photograph &photograph, size_t at)
+{
+    return !HAS_MASK || photograph.mask[at];
 }
 
 /* Calls visit(row, column of the patch, its place in the picture, whether it is in it). */
@@ -88,8 +100,9 @@ __device__ inline void sum_rows(const patch a, const patch b, column_sums *rows)
     });
 }
 
+template <bool HAS_MASK>
 __global__ void __launch_bounds__(LOSS_THREADS, 5)
-find_derivatives(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera, bool has_report)
+find_derivatives(step_buffers b, loss_photograph photograph, fxs_fit_camera camera, bool has_report)
 {
     __shared__ patch pixels[2];
     __shared__ column_sums rows[FXS_FIT_ROWS];
@@ -98,8 +111,9 @@ find_derivatives(step_buffers b, const uint8_t *photograph, fxs_fit_camera camer
     const loss_place p = place_of_run();
     const size_t size = (size_t)camera.width * (size_t)camera.height, channel = blockIdx.z;
     visit_patch(camera, p, [&](int row, int column, size_t at, bool is_inside) {
-        pixels[0][row][column] = is_inside ? b.picture[channel * size + at] : 0;
-        pixels[1][row][column] = is_inside ? level_of_byte(photograph[3 * at + channel]) : 0;
+        const bool is_seen = is_inside && counts<HAS_MASK>(photograph, at);
+        pixels[0][row][column] = is_seen ? b.picture[channel * size + at] : 0;
+        pixels[1][row][column] = is_seen ? level_of_byte(photograph.pixels[3 * at + channel]) : 0;
     });
     __syncthreads();
     sum_rows(pixels[0], pixels[1], rows);
@@ -113,12 +127,13 @@ find_derivatives(step_buffers b, const uint8_t *photograph, fxs_fit_camera camer
             continue;
         const similarity found = similarity_of(sums[0][k], sums[1][k], sums[2][k], sums[3][k], sums[4][k]);
         const size_t at = (size_t)y * (size_t)camera.width + (size_t)x;
+        const bool is_counted = counts<HAS_MASK>(photograph, at);
         float *out = b.derivatives + 3 * channel * size + at;
-        out[0] = found.by_mean;
-        out[size] = found.by_square;
-        out[2 * size] = found.by_product;
+        out[0] = is_counted ? found.by_mean : 0;
+        out[size] = is_counted ? found.by_square : 0;
+        out[2 * size] = is_counted ? found.by_product : 0;
         if (has_report)
-            b.dissimilar[channel * size + at] = 1.0f - found.value;
+            b.dissimilar[channel * size + at] = is_counted ? 1.0f - found.value : 0;
     }
 }
 
@@ -148,8 +163,9 @@ __device__ inline void sum_derivatives(const step_buffers &b, const fxs_fit_came
         window_sums([&](int k) { return rows[i][p.y + k][p.x]; }, sums[i]);
 }
 
+template <bool HAS_MASK>
 __global__ void __launch_bounds__(LOSS_THREADS, 4)
-find_gradient_of_pixels(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera)
+find_gradient_of_pixels(step_buffers b, loss_photograph photograph, fxs_fit_camera camera)
 {
     __shared__ patch derivatives[FXS_FIT_DERIVATIVES];
     __shared__ column_sums rows[FXS_FIT_DERIVATIVES];
@@ -165,9 +181,10 @@ find_gradient_of_pixels(step_buffers b, const uint8_t *photograph, fxs_fit_camer
         if (x >= camera.width || y >= camera.height)
             continue;
         const size_t at = (size_t)y * (size_t)camera.width + (size_t)x;
-        b.gradient[channel * size + at] =
-            gradient_of(b.picture[channel * size + at], level_of_byte(photograph[3 * at + channel]), sums[0][k],
-                        sums[1][k], sums[2][k]);
+        const float gradient = gradient_of(b.picture[channel * size + at],
+                                           level_of_byte(photograph.pixels[3 * at + channel]), sums[0][k], sums[1][k],
+                                           sums[2][k]);
+        b.gradient[channel * size + at] = counts<HAS_MASK>(photograph, at) ? gradient : 0;
     }
 }
 
@@ -185,7 +202,8 @@ __device__ inline float row_sum(int32_t width, Number number)
     return sum;
 }
 
-__global__ void report_rows(step_buffers b, const uint8_t *photograph, fxs_fit_camera camera)
+template <bool HAS_MASK>
+__global__ void report_rows(step_buffers b, loss_photograph photograph, fxs_fit_camera camera)
 {
     if (is_stopped(b.status))
         return;
@@ -193,9 +211,11 @@ __global__ void report_rows(step_buffers b, const uint8_t *photograph, fxs_fit_c
     const size_t row = own < all ? own : all - 1, channel = row / (size_t)camera.height;
     const size_t y = row % (size_t)camera.height, width = (size_t)camera.width;
     const float *a = b.picture + row * width, *dissimilar = b.dissimilar + row * width;
-    const uint8_t *bytes = photograph + 3 * y * width + channel;
-    const float difference = row_sum(camera.width,
-                                     [&](int32_t x) { return absolute(a[x] - level_of_byte(bytes[3 * x])); });
+    const uint8_t *bytes = photograph.pixels + 3 * y * width + channel;
+    const float difference = row_sum(camera.width, [&](int32_t x) {
+        const bool is_counted = counts<HAS_MASK>(photograph, y * width + (size_t)x);
+        return is_counted ? absolute(a[x] - level_of_byte(bytes[3 * x])) : 0.0f;
+    });
     const float unlike = row_sum(camera.width, [&](int32_t x) { return dissimilar[x]; });
     if (own < all && threadIdx.x % 16 == 0) {
         float *out = b.rows + 2 * channel * (size_t)camera.height + y;
@@ -204,16 +224,25 @@ __global__ void report_rows(step_buffers b, const uint8_t *photograph, fxs_fit_c
     }
 }
 
-cudaError_t launch_loss(const step_buffers *b, const uint8_t *photograph, const fxs_fit_camera *camera, int has_report,
-                        cudaStream_t stream)
+template <bool HAS_MASK>
+cudaError_t launch_loss_of(const step_buffers *b, loss_photograph photograph, const fxs_fit_camera *camera,
+                           int has_report, cudaStream_t stream)
 {
     const uint32_t columns = (uint32_t)(camera->width + SQUARE - 1) / SQUARE;
     const uint32_t rows = (uint32_t)(camera->height + SQUARE - 1) / SQUARE;
-    find_derivatives<<<dim3(columns, rows, 3), LOSS_THREADS, 0, stream>>>(*b, photograph, *camera, has_report != 0);
-    find_gradient_of_pixels<<<dim3(columns, rows, 3), LOSS_THREADS, 0, stream>>>(*b, photograph, *camera);
+    const dim3 squares(columns, rows, 3);
+    find_derivatives<HAS_MASK><<<squares, LOSS_THREADS, 0, stream>>>(*b, photograph, *camera, has_report != 0);
+    find_gradient_of_pixels<HAS_MASK><<<squares, LOSS_THREADS, 0, stream>>>(*b, photograph, *camera);
     if (has_report)
-        report_rows<<<(3 * (uint32_t)camera->height + 15) / 16, 256, 0, stream>>>(*b, photograph, *camera);
+        report_rows<HAS_MASK><<<(3 * (uint32_t)camera->height + 15) / 16, 256, 0, stream>>>(*b, photograph, *camera);
     return cudaGetLastError();
+}
+
+cudaError_t launch_loss(const step_buffers *b, loss_photograph photograph, const fxs_fit_camera *camera, int has_report,
+                        cudaStream_t stream)
+{
+    return photograph.mask ? launch_loss_of<true>(b, photograph, camera, has_report, stream)
+                           : launch_loss_of<false>(b, photograph, camera, has_report, stream);
 }
 
 /* ---- Averaging down ---------------------------------------------------------------------------------------------- */
@@ -234,11 +263,33 @@ __global__ void average_down(const uint8_t *full, int32_t full_width, int diviso
     out[(size_t)y * 3 * (size_t)width + (size_t)x] = (uint8_t)(sum / (divisor * divisor));
 }
 
-cudaError_t launch_reduce(const step_buffers *b, const uint8_t *full, int32_t full_width, int divisor,
+/* 1 where all of divisor x divisor pixels count: reduce_mask of src/fit/stepper.c */
+__global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
+                            uint8_t *out)
+{
+    const int32_t x = (int32_t)(blockIdx.x * blockDim.x + threadIdx.x), y = (int32_t)blockIdx.y;
+    if (x >= width || y >= height)
+        return;
+    const uint8_t *first = full + (size_t)y * (size_t)divisor * (size_t)full_width + (size_t)(x * divisor);
+    bool is_counted = true;
+    for (int row = 0; row < divisor; row++)
+        for (int column = 0; column < divisor; column++)
+            is_counted = is_counted && first[(size_t)row * (size_t)full_width + (size_t)column];
+    out[(size_t)y * (size_t)width + (size_t)x] = is_counted;
+}
+
+/* Changes the photograph to one in b->photograph, of the camera's size, with its mask behind it. */
+cudaError_t launch_reduce(const step_buffers *b, loss_photograph *photograph, int32_t full_width, int divisor,
                           const fxs_fit_camera *camera, cudaStream_t stream)
 {
-    const dim3 blocks((uint32_t)(3 * camera->width + 255) / 256, (uint32_t)camera->height);
-    average_down<<<blocks, 256, 0, stream>>>(full, full_width, divisor, camera->width, camera->height, b->photograph);
+    const int32_t width = camera->width, height = camera->height;
+    const dim3 blocks((uint32_t)(3 * width + 255) / 256, (uint32_t)height);
+    uint8_t *mask = b->photograph + 3 * (size_t)width * (size_t)height;
+    average_down<<<blocks, 256, 0, stream>>>(photograph->pixels, full_width, divisor, width, height, b->photograph);
+    if (photograph->mask)
+        reduce_mask<<<dim3((uint32_t)(width + 255) / 256, (uint32_t)height), 256, 0, stream>>>(
+            photograph->mask, full_width, divisor, width, height, mask);
+    *photograph = {b->photograph, photograph->mask ? mask : nullptr};
     return cudaGetLastError();
 }
 

@@ -88,7 +88,7 @@ struct step_buffers {
     float *rows;                   /* of a report: 3 times height sums of |a - b|, then as many of 1 - SSIM */
     float *factors;                /* 3: of the photograph's exposure; null: photographs have none */
     float *gain_rows;              /* with exposures: 3 times height sums of the gradient times `picture` */
-    uint8_t *photograph;           /* red, green, blue, of the camera's size */
+    uint8_t *photograph;           /* red, green, blue, of the camera's size; then its mask, if any */
     void *scratch;                 /* for sorts and sums */
     size_t scratch_bytes;
 };

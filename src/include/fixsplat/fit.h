@@ -42,6 +42,8 @@ typedef struct fxs_fit_photo {
     const uint8_t *pixels;         /* red, green, blue; rows from the top without gaps; valid until the fit is freed */
     double exposure;               /* how much light it got, in any unit that is the same for all, as time * sensitivity /
                                       f-number^2; 0: not known. FXS_FIT_EXPOSURE_GAIN begins with it */
+    const uint8_t *mask;           /* null, or a byte for each of the pixels, likewise; 0: the pixel is ignored, and the
+                                      fit does not depend on its colour */
 } fxs_fit_photo;
 
 /* A point at which the fit begins with a Gaussian. */
@@ -104,15 +106,16 @@ FXS_API uint32_t fxs_fit_recipe_steps(enum fxs_fit_recipe recipe);
 FXS_API size_t fxs_fit_recipe_gaussians(enum fxs_fit_recipe recipe);
 
 typedef struct fxs_fit_report {
-    double absolute, dissimilar;   /* means of |a - b| and of 1 - SSIM over pixels and channels */
+    double absolute, dissimilar;   /* means of |a - b| and of 1 - SSIM over pixels and channels; ignored pixels count
+                                      as 0 */
     uint64_t entries;              /* splats in the lists of all tiles */
     uint32_t visible;              /* Gaussians that have a splat */
     size_t gaussians;              /* Gaussians after the step */
     uint64_t nanoseconds[6];       /* project, bin, blend, loss, backward pass, update; 0 without a clock */
 } fxs_fit_report;
 
-/* Begins a fit. It copies its arguments, except the pixels of the photographs. Of more than max_gaussians points it
-   takes that many, evenly spaced in their order. fxs_fit_free frees *fit, which is null after an error:
+/* Begins a fit. It copies its arguments, except the pixels and masks of the photographs. Of more than max_gaussians
+   points it takes that many, evenly spaced in their order. fxs_fit_free frees *fit, which is null after an error:
    FXS_ERR_ARGUMENT (an option, a camera, no photographs, no points, or none in front of a camera), FXS_ERR_MEMORY, with
    devices also FXS_ERR_DEVICE, and FXS_ERR_UNSUPPORTED where the library has no CUDA. */
 FXS_API int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points,
@@ -146,8 +149,8 @@ FXS_API int fxs_fit_save(fxs_fit *fit, const char *path, fxs_message *message);
    says how they are computed (cpu, run, pool, threads, clock, devices and their count, max_memory), and sets the number
    of steps where its `steps` is not 0; the other options are from the file. The saved batch must be a multiple of
    device_count. Errors: FXS_ERR_FILE where the file is not a saved fit, is damaged, or belongs to other photographs
-   (pixels, cameras, their order; names do not matter) or another block; FXS_ERR_VERSION where it has another version;
-   and those of fxs_fit_create. The memory allocated is in proportion to the file. */
+   (pixels, masks, cameras, their order; names do not matter) or another block; FXS_ERR_VERSION where it has another
+   version; and those of fxs_fit_create. The memory allocated is in proportion to the file. */
 FXS_API int fxs_fit_resume(fxs_fit **fit, const char *path, const fxs_fit_photo *photos, size_t photo_count,
                            const fxs_fit_options *options, fxs_message *message);
 

@@ -22,6 +22,12 @@
  *   is interpolated between the four pixels around the place where the lens put it. Principal point and size stay; the
  *   focal lengths are scaled, by 1/2 to 2, so that the picture has no gaps.
  * - A photograph with alpha becomes colour * alpha + background * (1 - alpha), in the 8-bit values of the file.
+ * - Masks say which pixels are ignored (fxs_fit_photo). They are in a folder masks beside the folder images, or beside
+ *   the .json file: for images/a.jpg that is masks/a.jpg.png, as COLMAP has it, or masks/a.png. "mask_path" in a
+ *   transforms.json comes before them. A mask has the size of its photograph. Where it is white (the mean of red,
+ *   green and blue, times alpha, is 128 or more), the photograph counts. All of a photograph without a mask counts. A
+ *   pixel of the pinhole picture counts if the pixels do between which it is interpolated, and one of a reduced picture
+ *   if all do of which it is the mean.
  * - Larger pictures are reduced by area averaging. The background and the average are rounded once together, half up.
  *
  * A set without points gets 100,000 grey points at random places: in the cube from -1.3 to 1.3 where transforms.json
@@ -47,6 +53,10 @@ typedef struct fxs_photos_options {
     uint32_t hold_out;             /* 0: no photograph is held out; n: every n-th by name, from the first on. Where
                                       there is a transforms_test.json, any n holds out its photographs instead */
     uint8_t background[3];         /* behind photographs with alpha */
+    const char *masks;             /* null: masks are found as said above; else they are in this folder; "": none */
+    int invert_masks;              /* 1: masks are white where a photograph is ignored */
+    int ignore_transparent;        /* 1: pixels of photographs with an alpha below 128 are ignored, and the others are
+                                      opaque */
     int held_out_alone;            /* 1: where photographs are held out, only those are read, and no points: `fit` is
                                       empty */
     int skip_bad;                  /* 1: photographs that cannot be read are left out and counted */
@@ -67,15 +77,17 @@ typedef struct fxs_photos {
     size_t point_count;
     int points_are_random;         /* 1: the set had no points */
     size_t skipped;                /* photographs left out by skip_bad */
+    size_t with_mask, without_mask;    /* photographs with a mask, and those without one in a set that has masks */
 } fxs_photos;
 
-/* Reads a set of photographs. Each thread holds one photograph of its file's size; the reduced photographs take 3 bytes
-   a pixel.
+/* Reads a set of photographs. Each thread holds one photograph, and its mask, of its file's size; the reduced
+   photographs take 3 bytes a pixel, and their masks 1.
 
    Returns 0 and photographs that fxs_photos_free frees, or an error and a message, with *photos all 0. Errors:
    FXS_ERR_FILE where a file is missing or damaged (of several photographs, the message names the first by name; with
    skip_bad the others are used, if any is left), a photograph has other proportions than its camera, a camera cannot be
-   drawn, is not perspective or has an unknown lens or one that cannot be undone, no photograph is left to fit, a point
+   drawn, is not perspective or has an unknown lens or one that cannot be undone, a mask has another size than its
+   photograph or nothing white, the folder of masks has none, no photograph is left to fit, or no pixel of one, a point
    is not finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED by `progress`;
    FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED
    where the files need cJSON or a library of image_file.h that fixsplat was built without; FXS_ERR_MEMORY. All-black
