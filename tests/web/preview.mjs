@@ -6,11 +6,13 @@ import { execFileSync, spawn } from 'node:child_process'
 import { once } from 'node:events'
 import { createRequire } from 'node:module'
 import { dirname, resolve } from 'node:path'
+import { WEBGL } from './flags.mjs'
 
 const [fixsplat, set, modules, pictures] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
 const folder = dirname(set)
-const browser = await puppeteer.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] })
+const browser = await puppeteer.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+  args: ['--no-sandbox', ...WEBGL] })
 const page = await browser.newPage()
 const faults = []
 page.on('pageerror', (error) => faults.push(error.message))
@@ -130,14 +132,20 @@ try {
   await test('it goes on when the fit does, and has the last scene when that is over', async () => {
     const steps = Number(long.said().match(/stopped after (\d+)/)[1]) + 3000
     const rest = await begin(port, '--resume', 'page.fxs.fit', '--steps', String(steps))
+    await inside(`v.setAttribute('backend', 'webgl2')`)   // whose script comes from that server
+    await until(`return v.backend === 'webgl2'`)
     await until(`return $('state').textContent === 'The fit is over'`)
     assert.deepEqual(await rest.exit, [0, null])
     assert.match(await inside(`return $('result').textContent`), /^All 2 photographs held out: \d+\.\d\d dB, SSIM 0\.\d{4}$/)
     assert.equal(await inside(`return $('step').textContent`), steps.toLocaleString('en'))
     assert.equal(await inside('return v.view'), view)
-    const { hash, size } = await shown()
     await page.screenshot({ path: `${pictures}/fit-over.png` })
-    assert.equal(hash, rendered('page.fxs', view, size))
+    for (const backend of ['webgl2', 'wasm']) {
+      await inside(`v.setAttribute('backend', '${backend}')`)
+      await until(`return v.backend === '${backend}'`)
+      const { hash, size } = await shown()
+      assert.equal(hash, rendered('page.fxs', view, size), backend)
+    }
   })
 } catch (error) {
   console.log(`FAIL page of a fit: ${error.stack} ${faults}`)

@@ -5,7 +5,7 @@ import './viewer.js'
 const ASK_MS = 1000
 const SILENT = 3 // questions without an answer, and the page says so
 const STATES = {
-  reads: 'Reading the photographs',
+  reads: 'Reading photographs and cameras',
   fits: 'Fitting',
   measures: 'Measuring the result',
   over: 'The fit is over',
@@ -24,15 +24,33 @@ const many = (n) => n.toLocaleString('en')
 let viewer
 let shown = 0 // the version of the scene
 
+function newViewer(background) {
+  const element = document.createElement('fixsplat-viewer')
+  element.setAttribute('cameras', '../cameras.json')
+  element.setAttribute('background', background)
+  ui.wait.replaceWith(element)
+  return element
+}
+
+/** False where it did not come, or not now. */
+async function open(address, background) {
+  viewer ??= newViewer(background)
+  if (viewer.hasAttribute('open')) return viewer.replace(address).catch(() => false)
+  viewer.setAttribute('src', address)
+  while (viewer.state === 'loading' && !viewer.hasAttribute('open')) await pause(100)
+  return viewer.hasAttribute('open')
+}
+
 async function show({ version, background }) {
-  const address = `../scene.fxs?${version}`
-  if (viewer && (await viewer.replace(address).catch(() => false))) shown = version
-  if (viewer) return
-  viewer = document.createElement('fixsplat-viewer')
-  for (const [name, value] of Object.entries({ src: address, cameras: '../cameras.json', background }))
-    viewer.setAttribute(name, value)
-  ui.wait.replaceWith(viewer)
-  shown = version
+  if (await open(`../scene.fxs?${version}`, background)) shown = version
+}
+
+/** The server ends when it is asked again: the scene is to be here before that. */
+async function showLast(facts) {
+  for (let tries = 0; facts.version !== shown && tries < 20; tries++) {
+    await show(facts)
+    await pause(200)
+  }
 }
 
 // ---- Numbers --------------------------------------------------------------------------------------------------------
@@ -146,8 +164,8 @@ for (let isOver = false; !isOver; await pause(ASK_MS)) {
   last = facts
   write(facts)
   drawAgain(facts)
-  const ends = facts.state === 'over' || facts.state === 'failed'
-  if (facts.version !== shown && (ends || !document.hidden)) await show(facts)
-  isOver = ends && facts.version === shown
+  isOver = facts.state === 'over' || facts.state === 'failed'
+  if (isOver) await showLast(facts)
+  else if (facts.version !== shown && !document.hidden) await show(facts)
 }
-await ask() // the server waits for it: all of the last scene has come
+await ask()
