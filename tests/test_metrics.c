@@ -132,8 +132,8 @@ static void ignored_pixels_have_no_part(void)
     CHECK(fabs(affine - left()) > 1);
 }
 
-/* An ignored pixel in every 11 x 11 leaves no window whole, and no SSIM. Where the first 11 x 11 pixels count, and none of
-   the row and the column behind them, there is the window of these. */
+/* An ignored pixel in every 11 x 11 leaves no window whole, and no SSIM. Where the first 11 x 11 pixels count, and none
+   of the row and the column behind them, there is the window of these. */
 static void windows_without_ignored_pixels(void)
 {
     static uint8_t counts[PIXELS];
