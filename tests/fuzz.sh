@@ -313,6 +313,8 @@ seeds_of_photos() {
     photos 6 "{\"w\": 4, \"h\": 3, \"fl_x\": 5, \"k1\": 0.1, \"ply_file_path\": \"p.ply\", \"frames\": [{$(
         )\"file_path\": \"./a\", $frame" "{\"camera_angle_x\": 0.7, \"frames\": [{\"file_path\": \"a.png\", $frame" \
         "$ply" >transforms
+    photos 142 "{\"w\": 4, \"h\": 3, \"fl_x\": 5, \"frames\": [{\"file_path\": \"./a\", \"mask_path\": \"a.png\", $frame" '' \
+        "$ply" >masks
     photos 3 '[{"img_name": "a", "width": 8, "height": 6, "fx": 9, "fy": 9, "position": [0, 0, 1], '"$(
         )"'"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]' '' "$ply" >inria
 }

@@ -57,6 +57,8 @@ static void check_photo(const fxs_fit_photo *photo)
         abort();
     for (int i = 0; i < 3 * v->width * v->height; i++)
         sum += photo->pixels[i];
+    for (int i = 0; i < v->width * v->height && photo->mask; i++)
+        sum += photo->mask[i];
     if (sum == UINT32_MAX)         /* every byte is there */
         abort();
 }
@@ -86,7 +88,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size < 7)
         return 0;
     const char *const *files = names[data[0] & 3];
-    const fxs_photos_options options = {.resolution = 16, .hold_out = data[0] >> 2 & 3, .skip_bad = data[0] >> 4 & 1};
+    const fxs_photos_options options = {.resolution = 16, .hold_out = data[0] >> 2 & 3, .skip_bad = data[0] >> 4 & 1,
+                                        .ignore_transparent = data[0] >> 5 & 1, .invert_masks = data[0] >> 6 & 1};
     const uint8_t *at = data + 7, *end = data + size;
     for (int i = 0; i < FILES; i++) {
         const size_t left = (size_t)(end - at);

@@ -87,11 +87,11 @@ typedef struct fxs_photos {
    FXS_ERR_FILE where a file is missing or damaged (of several photographs, the message names the first by name; with
    skip_bad the others are used, if any is left), a photograph has other proportions than its camera, a camera cannot be
    drawn, is not perspective or has an unknown lens or one that cannot be undone, a mask has another size than its
-   photograph or nothing white, the folder of masks has none, no photograph is left to fit, or no pixel of one, a point
-   is not finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED by `progress`;
-   FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED
-   where the files need cJSON or a library of image_file.h that fixsplat was built without; FXS_ERR_MEMORY. All-black
-   photographs are accepted. */
+   photograph, or no white and not only black, the folder `masks` of the options has none, no photograph is left to fit,
+   or no pixel of any, a point is not finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED
+   by `progress`; FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution);
+   FXS_ERR_UNSUPPORTED where the files need cJSON or a library of image_file.h that fixsplat was built without;
+   FXS_ERR_MEMORY. All-black photographs are accepted. */
 FXS_API int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos,
                             fxs_message *message);
 FXS_API void fxs_photos_free(fxs_photos *photos);
