@@ -158,10 +158,6 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
             return fxs_fail(message, "%s: view %s: it names no photograph", path, v->view.name);
         if (v->view.projection != FXS_PERSPECTIVE)
             return fxs_fail(message, "%s: view %s: not a perspective camera", path, v->view.name);
-        if (v->lens.is_unknown)
-            return fxs_fail(message, "%s: view %s: its photograph cannot be undistorted here, as its camera model is "
-                            "not known; colmap image_undistorter makes a folder that can be fitted", path,
-                            v->view.name);
     }
     qsort(views->views, views->count, sizeof *views->views, compare_images);
     return 0;

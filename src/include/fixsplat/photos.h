@@ -14,10 +14,10 @@
  *
  * - A photograph may have another size than its camera, but the same proportions to a pixel; where transforms.json
  *   states no size, the photograph's is used.
- * - Distortion of a lens is removed (COLMAP's SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE,
- *   RADIAL_FISHEYE and SIMPLE_RADIAL_FISHEYE; k1 to k6, p1 and p2 of transforms.json): each pixel of a pinhole picture
- *   is interpolated between the four pixels around the place where the lens put it. Principal point and size stay; the
- *   focal lengths are scaled, by 1/2 to 2, so that the picture has no gaps.
+ * - Distortion of a lens is removed (every model of COLMAP 4 but EQUIRECTANGULAR; k1 to k6, p1, p2, sx1 and sy1 of
+ *   transforms.json): each pixel of a pinhole picture is interpolated between the four pixels around the place where the
+ *   lens put it. Principal point and size stay; the focal lengths are scaled so that the picture has no gaps: by 1/2 to
+ *   2, or for a fisheye as far as it takes that the picture ends at most 60 degrees from its axis at every side.
  * - A photograph with alpha becomes colour * alpha + background * (1 - alpha), in the 8-bit values of the file.
  * - Larger pictures are reduced by area averaging. The background and the average are rounded once together, half up.
  *
@@ -72,7 +72,7 @@ typedef struct fxs_photos {
    Returns 0 and photographs that fxs_photos_free frees, or an error and a message, with *photos all 0. Errors:
    FXS_ERR_FILE where a file is missing or damaged (of several photographs, the message names the first by name; with
    skip_bad the others are used, if any is left), a photograph has other proportions than its camera, a camera cannot be
-   drawn, is not perspective or has an unknown lens or one that cannot be undone, no photograph is left to fit, a point
+   drawn, is not perspective or has a lens that cannot be undone, no photograph is left to fit, a point
    is not finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED by `progress`;
    FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED
    where the files need cJSON, libpng or libjpeg-turbo and fixsplat was built without it; FXS_ERR_MEMORY. All-black
