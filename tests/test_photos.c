@@ -164,6 +164,12 @@ static void colmap(void)
     check_colmap("c");
     CHECK(!rename(in_folder("c/sparse"), in_folder("c/model")) && !mkdir(in_folder("c/sparse"), 0777) &&
           !rename(in_folder("c/model"), in_folder("c/sparse/0")));
+    /* of COLMAP 3.12: images.bin has all poses as before */
+    put_file("c/sparse/0/rigs.bin", "\1\0\0\0\0\0\0\0\1", 9);
+    put_file("c/sparse/0/frames.bin", "", 0);
+    check_colmap("c");
+    remove_file("c/sparse/0/rigs.bin");
+    remove_file("c/sparse/0/frames.bin");
 }
 
 /* The points of photographs in memory are those of the set without points that was read last. */
@@ -603,7 +609,8 @@ static void lens_faults(void)
     const fxs_photos_options options = {0};
     for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
         put_lens(cameras[i]);
-        check_refused("one", &options, FXS_ERR_FILE, "camera 1: a coefficient of its lens is not a finite number, or out");
+        check_refused("one", &options, FXS_ERR_FILE,
+                      "camera 1: a coefficient of its lens is not a finite number, or out of its range");
     }
     put_lens("DIVISION 160 120 40 40 80 60 9");
     check_refused("one", &options, FXS_ERR_FILE, "the distortion of its camera cannot be undone");
@@ -692,7 +699,10 @@ static void blender(void)
     options.hold_out = 0;
     CHECK(!read_photos("b", &options) && photos.fit_count == 3 && photos.held_out_count == 0);
     options.hold_out = 2;
-    remove_file("b/transforms_test.json");
+    CHECK(!rename(in_folder("b/transforms_test.json"), in_folder("b/transforms_val.json")));
+    put_ppm("b/test/r_1.png", 12, 12, NULL);
+    CHECK(!read_photos("b", &options) && photos.fit_count == 3 && photos.held_out_count == 2);
+    remove_file("b/transforms_val.json");
     CHECK(!read_photos("b", &options) && photos.fit_count == 1 && photos.held_out_count == 2);
 }
 
@@ -749,8 +759,8 @@ static void nerfstudio(void)
     remove_file("one/transforms.json");
 }
 
-#define FISHEYE_TOP "\"w\":160,\"h\":120,\"fl_x\":100,\"fl_y\":100,\"cx\":80,\"cy\":60,\"k1\":0.05,\"k2\":-0.01," \
-                    "\"k3\":0.002,\"k4\":-0.001,"
+#define FISHEYE_TOP "\"w\":160,\"h\":120,\"fl_x\":100,\"fl_y\":100,\"cx\":80,\"cy\":60,\"k1\":0.05," \
+                    "\"k2\":-0.01,\"k3\":0.002,\"k4\":-0.001,"
 
 /* The fisheye lenses of nerfstudio and instant-ngp undo the same as COLMAP's. */
 static void nerfstudio_fisheye(void)
@@ -760,7 +770,8 @@ static void nerfstudio_fisheye(void)
         const char *top;
     } files[] = {
         {6, "\"camera_model\":\"OPENCV_FISHEYE\",\"p1\":9," FISHEYE_TOP}, {6, "\"is_fisheye\":true," FISHEYE_TOP},
-        {12, "\"camera_model\":\"THIN_PRISM_FISHEYE\",\"p1\":0.01,\"p2\":-0.02,\"sx1\":0.03,\"sy1\":-0.04," FISHEYE_TOP},
+        {12, "\"camera_model\":\"THIN_PRISM_FISHEYE\",\"p1\":0.01,\"p2\":-0.02,\"sx1\":0.03,\"sy1\":-0.04,"
+             FISHEYE_TOP},
         {5, "\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":140,\"cx\":80,\"cy\":60,\"k1\":0.1,\"k2\":-0.05,\"k3\":0.02,"
             "\"k4\":0.3,\"k5\":0.04,\"k6\":0.01,\"p1\":0.002,\"p2\":0.001,"},
     };
@@ -783,6 +794,90 @@ static void nerfstudio_fisheye(void)
         CHECK(list.views[0].lens.k[0] == 0.1 && list.views[0].lens.k[3] == 0.2 && list.views[0].lens.d[0] == 0);
     fxs_view_list_free(&list);
     remove_file("one/transforms.json");
+}
+
+/* Each frame has a camera of its own; what it lacks is the file's. */
+static void nerfstudio_cameras(void)
+{
+    const fxs_photos_options options = {0};
+    make_folder("n");
+    put_ppm("n/a.ppm", 24, 20, NULL);
+    put_ppm("n/b.ppm", 16, 12, NULL);
+    say("{\"w\":24,\"h\":20,\"fl_x\":20,\"fl_y\":21,\"cx\":11,\"cy\":10,\"applied_transform\":[[1,0,0,0],[0,0,1,0],"
+        "[0,-1,0,0]],\"frames\":[{\"file_path\":\"b.ppm\",\"mask_path\":\"m.png\",\"w\":16,\"h\":12,\"fl_x\":14,"
+        "\"fl_y\":15,\"cx\":8,\"cy\":5," MATRIX "},{\"file_path\":\"a.ppm\"," MATRIX "}]}", 3, 4);
+    put_text("n/transforms.json");
+    if (!CHECK(!read_photos("n", &options)))
+        return;
+    const fxs_file_view *a = &photos.fit[0].view, *b = &photos.fit[1].view;
+    CHECK(a->fx == 20 && a->fy == 21 && a->cx == 11 && a->cy == 10 && a->width == 24 && a->position[0] == 4);
+    CHECK(b->fx == 14 && b->fy == 15 && b->cx == 8 && b->cy == 5 && b->width == 16 && b->position[0] == 3);
+}
+
+/* The lists of a transforms.json: what is fitted, and what is held out. */
+static void nerfstudio_parts(void)
+{
+    static const struct {
+        const char *lists;
+        size_t fit, held_out;      /* photographs, with a hold-out of 8 */
+        char first, held;          /* the first of each */
+    } files[] = {
+        {"", 4, 1, '1', '0'},
+        {"\"train_filenames\":[\"./1.ppm\",\"2.ppm\",\"2.ppm\"],\"test_filenames\":[\"3.ppm\"],"
+         "\"val_filenames\":[\"0.ppm\"],", 2, 1, '1', '3'},
+        {"\"train_filenames\":[\"1.ppm\",\"2.ppm\"],\"val_filenames\":[\"0.ppm\",\"4.ppm\"],", 2, 2, '1', '0'},
+        {"\"test_filenames\":[\"2.ppm\",\"3.ppm\"],\"val_filenames\":[\"0.ppm\"],", 2, 2, '1', '2'},
+        {"\"val_filenames\":[\"4.ppm\"],", 4, 1, '0', '4'},
+        {"\"train_filenames\":[\"4.ppm\",\"3.ppm\",\"2.ppm\"],\"test_filenames\":[],", 2, 1, '3', '2'},
+    };
+    fxs_photos_options options = {.hold_out = 8};
+    for (int i = 0; i < 5; i++) {
+        char name[16];
+        sprintf(name, "n/%d.ppm", i);
+        put_ppm(name, 24, 20, NULL);
+    }
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char top[512];
+        snprintf(top, sizeof top, "%s\"w\":24,\"h\":20,\"fl_x\":20,", files[i].lists);
+        say_frames(top, "%d.ppm", 5);
+        put_text("n/transforms.json");
+        if (!CHECK(!read_photos("n", &options)))
+            printf("  %s\n", message.text);
+        else if (!CHECK(photos.fit_count == files[i].fit && photos.held_out_count == files[i].held_out &&
+                        photos.fit[0].view.name[0] == files[i].first &&
+                        photos.held_out[0].view.name[0] == files[i].held))
+            printf("  %s%zu, %zu\n", files[i].lists, photos.fit_count, photos.held_out_count);
+    }
+    say_frames("\"train_filenames\":[\"3.ppm\",\"1.ppm\"],\"test_filenames\":[\"0.ppm\"],\"w\":24,\"h\":20,"
+               "\"fl_x\":20,", "%d.ppm", 5);
+    put_text("n/transforms.json");
+    options.hold_out = 0;
+    char said[256] = "";
+    options.left_out = left_out;   /* of those that are not used nothing is said, as they have cameras */
+    options.argument = said;
+    CHECK(!read_photos("n", &options) && photos.fit_count == 2 && !photos.held_out_count);
+    CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));
+}
+
+static void nerfstudio_part_faults(void)
+{
+    static const struct {
+        const char *lists, *words;
+    } files[] = {
+        {"\"test_filenames\":[\"0.ppm\",\"9.ppm\"],", "test_filenames: no frame has the file_path 9.ppm"},
+        {"\"train_filenames\":[\"0.ppm\",3],", "train_filenames: not a list of names"},
+        {"\"val_filenames\":\"0.ppm\",", "val_filenames: not a list of names"},
+        {"\"train_filenames\":[\"0.ppm\"],\"test_filenames\":[\"0.ppm\"],", "view 0.ppm: both in train_filenames and"},
+        {"\"test_filenames\":[\"0.ppm\",\"1.ppm\",\"2.ppm\",\"3.ppm\",\"4.ppm\"],", "none is left to fit"},
+    };
+    const fxs_photos_options options = {.hold_out = 8};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char top[512];
+        snprintf(top, sizeof top, "%s\"w\":24,\"h\":20,\"fl_x\":20,", files[i].lists);
+        say_frames(top, "%d.ppm", 5);
+        put_text("n/transforms.json");
+        check_refused("n", &options, FXS_ERR_FILE, files[i].words);
+    }
 }
 
 /* The folder of an Inria model: names without endings, points in input.ply. */
@@ -921,6 +1016,9 @@ static void tests(void)
     RUN(blender);
     RUN(nerfstudio);
     RUN(nerfstudio_fisheye);
+    RUN(nerfstudio_cameras);
+    RUN(nerfstudio_parts);
+    RUN(nerfstudio_part_faults);
     RUN(inria);
 #endif
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)

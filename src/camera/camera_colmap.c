@@ -50,8 +50,8 @@ static int params_of(size_t model)
 
 static int not_known(const camera_list *list, double id)
 {
-    return fxs_fail(list->message, "%s: camera %.0f: a camera model that is not known here; expected one of COLMAP 3 and "
-                    "4, %s to %s", list->path, id, models[0].name, models[MODELS - 1].name);
+    return fxs_fail(list->message, "%s: camera %.0f: a camera model that is not known here; expected one of COLMAP 3 "
+                    "and 4, %s to %s", list->path, id, models[0].name, models[MODELS - 1].name);
 }
 
 static int read_lens(size_t model, const double *params, fxs_lens *lens)

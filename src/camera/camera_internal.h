@@ -9,11 +9,15 @@
 #include "lens.h"
 #include "src/base/text_internal.h"
 
+/* Which list of a file has a photograph. */
+enum fxs_view_part {FXS_VIEW_OF_ANY, FXS_VIEW_TO_FIT, FXS_VIEW_TO_TEST, FXS_VIEW_LEFT_OUT};
+
 /* A view, with the data that reading its photograph needs. */
 typedef struct fxs_listed_view {
     fxs_file_view view;
     fxs_lens lens;
     char *image;        /* name of the photograph in the file, not cut; NULL: none */
+    enum fxs_view_part part;
     int sizeless;       /* 1: the file states only an angle; the size and intrinsics are for 800 x 800 */
 } fxs_listed_view;
 
@@ -24,6 +28,7 @@ typedef struct fxs_view_list {
     fxs_listed_view *views;
     size_t count, capacity;
     int is_array;       /* 1: the file is a cameras.json */
+    int has_parts;      /* 1: the file says which photographs are to be fitted or to test with: none is OF_ANY */
     char *points;       /* path of the .ply with points in a transforms.json, or NULL */
 } fxs_view_list;
 

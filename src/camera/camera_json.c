@@ -163,6 +163,103 @@ static const struct lens_model *find_model(const cJSON *root, const char *name)
     return NULL;
 }
 
+/* ---- Which photographs ------------------------------------------------------------------------------------------- */
+
+enum { TRAIN, TEST, VAL, PARTS };
+
+/* The names of a list of the file, sorted, and which of them a frame has. */
+typedef struct name_list {
+    const char **names;
+    unsigned char *met;
+    size_t count;
+} name_list;
+
+static const char *without_dots(const char *name)
+{
+    while (!strncmp(name, "./", 2))
+        name += 2;
+    return name;
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static int read_names(const fxs_view_list *list, const cJSON *root, const char *key, name_list *names)
+{
+    const cJSON *array = cJSON_GetObjectItemCaseSensitive(root, key), *item;
+    const int size = cJSON_IsArray(array) ? cJSON_GetArraySize(array) : 0;
+    if (array && !cJSON_IsArray(array) && !cJSON_IsNull(array))
+        return fxs_fail(list->message, "%s: %s: not a list of names", list->path, key);
+    names->names = malloc(((size_t)size + 1) * sizeof *names->names);
+    names->met = calloc((size_t)size + 1, 1);
+    if (!names->names || !names->met)
+        return fxs_fail_memory(list->message, list->path, (size_t)size * sizeof *names->names);
+    cJSON_ArrayForEach(item, array) {
+        if (!cJSON_IsString(item))
+            return fxs_fail(list->message, "%s: %s: not a list of names", list->path, key);
+        names->names[names->count++] = without_dots(item->valuestring);
+    }
+    qsort(names->names, names->count, sizeof *names->names, compare_names);
+    return 0;
+}
+
+/* Whether the list has the name, which is then met, however often. */
+static int meets(name_list *names, const char *name)
+{
+    const char *const *found = bsearch(&name, names->names, names->count, sizeof name, compare_names);
+    if (!found)
+        return 0;
+    size_t i = (size_t)(found - names->names);
+    for (; i && !strcmp(names->names[i - 1], name); i--)
+        ;
+    for (; i < names->count && !names->met[i] && !strcmp(names->names[i], name); i++)
+        names->met[i] = 1;
+    return 1;
+}
+
+/* Those of test_filenames are to test with, or where there are none those of val_filenames. */
+static int choose_parts(fxs_view_list *list, name_list parts[PARTS])
+{
+    for (size_t i = 0; i < list->count; i++) {
+        fxs_listed_view *view = &list->views[i];
+        const char *name = view->image ? without_dots(view->image) : "";
+        const int train = meets(&parts[TRAIN], name), test = meets(&parts[TEST], name), val = meets(&parts[VAL], name);
+        if (train && (test || val))
+            return fxs_fail(list->message, "%s: view %s: both in train_filenames and in %s", list->path,
+                            view->view.name, test ? "test_filenames" : "val_filenames");
+        view->part = test || (val && !parts[TEST].count)            ? FXS_VIEW_TO_TEST :
+                     train || (!val && !parts[TRAIN].count) ? FXS_VIEW_TO_FIT : FXS_VIEW_LEFT_OUT;
+    }
+    return 0;
+}
+
+static int read_parts(fxs_view_list *list, const cJSON *root)
+{
+    static const char *const keys[PARTS] = {"train_filenames", "test_filenames", "val_filenames"};
+    name_list parts[PARTS];
+    int error = 0;
+    memset(parts, 0, sizeof parts);
+    for (int i = 0; i < PARTS && !error; i++) {
+        error = read_names(list, root, keys[i], &parts[i]);
+        list->has_parts |= parts[i].count > 0;
+    }
+    if (!error && list->has_parts)
+        error = choose_parts(list, parts);
+    for (int i = 0; i < PARTS; i++) {
+        for (size_t k = 0; k < parts[i].count && !error; k++)
+            if (!parts[i].met[k])
+                error = fxs_fail(list->message, "%s: %s: no frame has the file_path %.200s", list->path, keys[i],
+                                 parts[i].names[k]);
+        free(parts[i].names);
+        free(parts[i].met);
+    }
+    return error;
+}
+
+/* ---- Both kinds of file ------------------------------------------------------------------------------------------ */
+
 static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *frames)
 {
     const char *name = fxs_json_string(root, "camera_model"), *points = fxs_json_string(root, "ply_file_path");
@@ -178,7 +275,7 @@ static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *
     const cJSON *frame;
     cJSON_ArrayForEach(frame, frames)
         FXS_TRY(read_frame(list, frame, &file, model));
-    return 0;
+    return read_parts(list, root);
 }
 
 static int read_root(fxs_view_list *list, const cJSON *root)

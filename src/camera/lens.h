@@ -1,5 +1,5 @@
-/* Distortion of lenses: OpenCV's models, as COLMAP and nerfstudio write them, and others of COLMAP. They are computed in
- * doubles by + - * / and sqrt alone, so the results are the same on every machine. */
+/* Distortion of lenses: OpenCV's models, as COLMAP and nerfstudio write them, and others of COLMAP. They are computed
+ * in doubles by + - * / and sqrt alone, so the results are the same on every machine. */
 #ifndef FXS_LENS_H
 #define FXS_LENS_H
 

@@ -133,8 +133,10 @@ static void find_json(fxs_photo_list *list)
     } else if (list->fit.points) {
         join(list->points, folder, list->fit.points);
     }
-    if (!strcmp(base_of(list->cameras), "transforms_train.json") &&
-        (!join(list->test, folder, "transforms_test.json") || !exists(list->test)))
+    if (strcmp(base_of(list->cameras), "transforms_train.json") || list->fit.has_parts)
+        return;
+    if ((!join(list->test, folder, "transforms_test.json") || !exists(list->test)) &&
+        (!join(list->test, folder, "transforms_val.json") || !exists(list->test)))
         *list->test = 0;
 }
 
@@ -163,26 +165,34 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
     return 0;
 }
 
-/* Moves every n-th view to the held-out list. */
+/* Keeps the views that the file says are to be fitted. Of those that it says are to test with, or else of every n-th,
+   makes the held-out list; of 0 none. */
 static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 {
-    fxs_view_list *fit = &list->fit, *held = &list->held_out;
-    const size_t count = (fit->count - 1) / n + 1;
-    if (count == fit->count)
-        return fxs_fail(message, "%s: every photograph of %zu would be held out: none is left to fit", list->cameras,
-                        fit->count);
-    held->views = malloc(count * sizeof *held->views);
-    if (!held->views)
-        return fxs_fail_memory(message, list->cameras, count * sizeof *held->views);
-    size_t left = 0;
-    held->path = fit->path;
+    fxs_view_list *fit = &list->fit, *held = &list->held_out, *rest = &list->rest;
+    size_t left = 0, tested = 0, place = 0;
     for (size_t i = 0; i < fit->count; i++)
-        if (i % n)
-            fit->views[left++] = fit->views[i];
+        tested += fit->views[i].part == FXS_VIEW_TO_TEST;
+    held->views = malloc((fit->count + 1) * sizeof *held->views);
+    rest->views = malloc((fit->has_parts ? fit->count + 1 : 1) * sizeof *rest->views);
+    if (!held->views || !rest->views)
+        return fxs_fail_memory(message, list->cameras, fit->count * sizeof *held->views);
+    held->path = fit->path;
+    for (size_t i = 0; i < fit->count; i++) {
+        fxs_listed_view *view = &fit->views[i];
+        const int fitted = view->part == FXS_VIEW_OF_ANY || view->part == FXS_VIEW_TO_FIT;
+        const int held_out = n && (tested ? view->part == FXS_VIEW_TO_TEST : fitted && place++ % n == 0);
+        if (held_out)
+            held->views[held->count++] = *view;
+        else if (fitted)
+            fit->views[left++] = *view;
         else
-            held->views[held->count++] = fit->views[i];
+            rest->views[rest->count++] = *view;
+    }
+    const size_t count = fit->count;
     fit->count = left;
-    return 0;
+    return left ? 0 : fxs_fail(message, "%s: every photograph of %zu would be held out: none is left to fit",
+                               list->cameras, count);
 }
 
 static int find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message *message)
@@ -194,9 +204,9 @@ static int find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message 
     FXS_TRY(read_views(&list->fit, list->cameras, message));
     if (!list->is_colmap)
         find_json(list);
-    if (!n)
-        return 0;
-    return *list->test ? read_views(&list->held_out, list->test, message) : hold_out(list, n, message);
+    if (!*list->test)
+        return hold_out(list, n, message);
+    return n ? read_views(&list->held_out, list->test, message) : 0;
 }
 
 int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message *message)
@@ -223,6 +233,7 @@ void fxs_photo_list_free(fxs_photo_list *list)
 {
     fxs_view_list_free(&list->fit);
     fxs_view_list_free(&list->held_out);
+    fxs_view_list_free(&list->rest);
 }
 
 int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view, char path[FXS_PHOTO_PATH],
@@ -376,6 +387,7 @@ void fxs_photo_list_others(const fxs_photo_list *list, fxs_left_out_fn *say, voi
     size_t lengths[FOLDERS_MOST], count = 0;
     add_known(&o.known, &list->fit);
     add_known(&o.known, &list->held_out);
+    add_known(&o.known, &list->rest);
     sort_names(&o.known);
     for (size_t i = 0; i < list->fit.count && !o.known.incomplete; i++) {
         size_t k = 0;

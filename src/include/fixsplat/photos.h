@@ -3,8 +3,10 @@
  * - COLMAP: a folder with images and sparse/0 or sparse (.bin or .txt); or the folder or a file of the model, with
  *   images there or up to two folders above. The points are in points3D.bin or .txt beside it.
  * - nerfstudio: a transforms.json, or a folder with one; the paths "file_path" and "ply_file_path" (the points) are
- *   relative to it.
- * - Blender: transforms_train.json, or a folder with one; transforms_test.json beside it has the held-out photographs.
+ *   relative to it. "applied_transform" was applied to both already. Where there is a "train_filenames", only its
+ *   photographs are fitted; those of "test_filenames", or else of "val_filenames", are held out, and never fitted.
+ * - Blender: transforms_train.json, or a folder with one; transforms_test.json beside it, or else transforms_val.json,
+ *   has the held-out photographs.
  * - Inria: a cameras.json, or a folder with one; images are beside it or in images, the points in input.ply beside it.
  *
  * From a folder, the first of these is read: sparse/0, sparse, images.bin or .txt, transforms.json,
@@ -15,9 +17,9 @@
  * - A photograph may have another size than its camera, but the same proportions to a pixel; where transforms.json
  *   states no size, the photograph's is used.
  * - Distortion of a lens is removed (every model of COLMAP 4 but EQUIRECTANGULAR; k1 to k6, p1, p2, sx1 and sy1 of
- *   transforms.json): each pixel of a pinhole picture is interpolated between the four pixels around the place where the
- *   lens put it. Principal point and size stay; the focal lengths are scaled so that the picture has no gaps: by 1/2 to
- *   2, or for a fisheye as far as it takes that the picture ends at most 60 degrees from its axis at every side.
+ *   transforms.json): each pixel of a pinhole picture is interpolated between the four pixels around the place where
+ *   the lens put it. Principal point and size stay; the focal lengths are scaled so that the picture has no gaps: by
+ *   1/2 to 2, or for a fisheye as far as it takes that the picture ends at most 60 degrees from its axis at every side.
  * - A photograph with alpha becomes colour * alpha + background * (1 - alpha), in the 8-bit values of the file.
  * - Larger pictures are reduced by area averaging. The background and the average are rounded once together, half up.
  *
@@ -42,7 +44,7 @@ typedef void fxs_left_out_fn(void *argument, const char *why);
 typedef struct fxs_photos_options {
     int resolution;                /* the largest width or height, in pixels; 0: 1600 */
     uint32_t hold_out;             /* 0: no photograph is held out; n: every n-th by name, from the first on. Where
-                                      there is a transforms_test.json, any n holds out its photographs instead */
+                                      the files say which are to test with, any n holds out those instead */
     uint8_t background[3];         /* behind photographs with alpha */
     int held_out_alone;            /* 1: where photographs are held out, only those are read, and no points: `fit` is
                                       empty */
