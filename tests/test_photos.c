@@ -256,6 +256,7 @@ static void bad_photos(void)
     fxs_photos_options options = {.hold_out = 4};
     remove_file("c/images/sub/5.ppm");
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/5.ppm: No such file");
+    CHECK(strstr(message.text, "c/sparse/0/images.bin; skip_bad, --skip-bad, leaves such out)") != NULL);
     put_file("c/images/sub/3.ppm", "P6\n48 40\n255\nshort", 18);
     put_file("c/images/sub/4.ppm", "nothing", 7);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/3.ppm: cut short");
@@ -696,12 +697,18 @@ static void blender(void)
     CHECK(!read_photos("b/transforms_test.json", &options) && photos.fit_count == 1 && photos.held_out_count == 1);
     remove_file("b/test/r_1.png");
     check_refused("b", &options, FXS_ERR_FILE, "b/test/r_1: No such file");
+    CHECK(strstr(message.text, "b/transforms_test.json; skip_bad, --skip-bad, leaves such out)") != NULL);
     options.hold_out = 0;
     CHECK(!read_photos("b", &options) && photos.fit_count == 3 && photos.held_out_count == 0);
     options.hold_out = 2;
     CHECK(!rename(in_folder("b/transforms_test.json"), in_folder("b/transforms_val.json")));
     put_ppm("b/test/r_1.png", 12, 12, NULL);
     CHECK(!read_photos("b", &options) && photos.fit_count == 3 && photos.held_out_count == 2);
+    say_frames("\"camera_angle_x\":1.0,\"test_filenames\":[\"train/r_1\"],", "./train/r_%d", 3);
+    put_text("b/transforms_train.json");
+    CHECK(!read_photos("b", &options) && photos.fit_count == 2 && photos.held_out_count == 1);
+    say_frames("\"camera_angle_x\":1.0,", "./train/r_%d", 3);
+    put_text("b/transforms_train.json");
     remove_file("b/transforms_val.json");
     CHECK(!read_photos("b", &options) && photos.fit_count == 1 && photos.held_out_count == 2);
 }
@@ -812,6 +819,9 @@ static void nerfstudio_cameras(void)
     const fxs_file_view *a = &photos.fit[0].view, *b = &photos.fit[1].view;
     CHECK(a->fx == 20 && a->fy == 21 && a->cx == 11 && a->cy == 10 && a->width == 24 && a->position[0] == 4);
     CHECK(b->fx == 14 && b->fy == 15 && b->cx == 8 && b->cy == 5 && b->width == 16 && b->position[0] == 3);
+    remove_file("n/a.ppm");
+    check_refused("n", &options, FXS_ERR_FILE, "n/transforms.json; skip_bad, --skip-bad, leaves such out)");
+    put_ppm("n/a.ppm", 24, 20, NULL);
 }
 
 /* The lists of a transforms.json: what is fitted, and what is held out. */
@@ -905,6 +915,8 @@ static void inria(void)
     put_text("i/input.ply");
     CHECK(!read_photos("i/cameras.json", &options) && photos.point_count == 1 && !photos.points_are_random);
     check_refused("i/all.json", &options, FXS_ERR_FILE, "view a: not a perspective camera");
+    remove_file("i/images/b.JPG");
+    check_refused("i", &options, FXS_ERR_FILE, "i/cameras.json; skip_bad, --skip-bad, leaves such out)");
 }
 
 #endif

@@ -7,18 +7,47 @@
 #include "src/base/files_internal.h"
 #include "src/base/foreign.h"
 
-static int read_json(fxs_view_list *list)
+static int fail_foreign(const fxs_view_list *list, const fxs_text *text)
 {
-    fxs_text json;
-    FXS_TRY(fxs_text_load(list->path, &json, list->message));
-    const char *kind = fxs_foreign(json.data, json.size);
-    const char first = json.data[strspn(json.data, " \t\r\n\xef\xbb\xbf")];      /* after the mark of UTF-8 */
-    const int status = first == '{' || first == '['
-        ? fxs_camera_json_parse(list, &json)
-        : fxs_fail(list->message, "%s: expected cameras (transforms.json, cameras.json, images.bin or images.txt of "
-                   "COLMAP, or a folder with one of them), but this is %s", list->path,
-                   kind ? kind : json.size ? "another file" : "empty");
-    free(json.data);
+    const char *kind = fxs_foreign(text->data, text->size);
+    return fxs_fail(list->message, "%s: expected cameras (transforms.json, cameras.json, images.bin or images.txt of "
+                    "COLMAP, .xml of Metashape, .csv of RealityCapture, .out of Bundler, or a folder with one of "
+                    "them), but this is %s", list->path, kind ? kind : text->size ? "another file" : "empty");
+}
+
+static int ends_in(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), size = strlen(ending);
+    return length > size && !strcmp(path + length - size, ending);
+}
+
+/* By what the text begins with, after the mark of UTF-8; of a .csv and an .xml by the name. */
+static int parse(fxs_view_list *list, fxs_text *text)
+{
+    const char *begin = text->data + strspn(text->data, " \t\r\n\xef\xbb\xbf");
+    if (*begin == '{' || *begin == '[')
+        return fxs_camera_json_parse(list, text);
+    if (!strncmp(begin, "# Bundle file", 13)) {
+        list->format = FXS_CAMERAS_OF_BUNDLER;
+        return fxs_camera_bundler_read(list, text);
+    }
+    if (!strncmp(begin, "#name,", 6) || (text->size && ends_in(list->path, ".csv"))) {
+        list->format = FXS_CAMERAS_OF_CSV;
+        return fxs_camera_csv_parse(list, text);
+    }
+    if (!strncmp(begin, "<?xml", 5) || !strncmp(begin, "<document", 9) || (text->size && ends_in(list->path, ".xml"))) {
+        list->format = FXS_CAMERAS_OF_METASHAPE;
+        return fxs_camera_metashape_parse(list, text);
+    }
+    return fail_foreign(list, text);
+}
+
+static int read_text(fxs_view_list *list)
+{
+    fxs_text text;
+    FXS_TRY(fxs_text_load(list->path, &text, list->message));
+    const int status = parse(list, &text);
+    free(text.data);
     return status;
 }
 
@@ -46,15 +75,16 @@ int fxs_camera_file_find(const char *folder, char path[FXS_CAMERA_PATH], fxs_mes
 {
     static const char *const known[] = {"sparse/0/images.bin", "sparse/0/images.txt", "sparse/images.bin",
                                         "sparse/images.txt", "images.bin", "images.txt", "transforms.json",
-                                        "transforms_train.json", "cameras.json"};
+                                        "transforms_train.json", "cameras.json", "cameras.xml", "cameras.csv",
+                                        "bundle.out"};
     const char *slash = *folder && folder[strlen(folder) - 1] == '/' ? "" : "/";
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         const int length = snprintf(path, FXS_CAMERA_PATH, "%s%s%s", folder, slash, known[i]);
         if (length < FXS_CAMERA_PATH && fxs_file_kind(path) != FXS_FILE_NONE)
             return 0;
     }
-    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or "
-                    "cameras.json in this folder", folder);
+    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json, cameras.json, "
+                    "cameras.xml, cameras.csv or bundle.out in this folder", folder);
 }
 
 static int read_file(fxs_view_list *list)
@@ -64,7 +94,7 @@ static int read_file(fxs_view_list *list)
         return read_colmap(list, path, (int)(name - path), 1);
     if (!strcmp(name, "images.txt") || !strcmp(name, "cameras.txt"))
         return read_colmap(list, path, (int)(name - path), 0);
-    return read_json(list);
+    return read_text(list);
 }
 
 static int read_views(fxs_view_list *list)

@@ -124,7 +124,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     fxs_file_view *view = &listed->view;
     if (isnan(width) && isnan(height)) {
         width = height = 800;   /* Blender's synthetic scenes state no size */
-        listed->sizeless = isnan(first(own.fl_x, file->fl_x));
+        listed->sizeless = isnan(first(own.fl_x, file->fl_x)) ? FXS_SIZE_OF_WIDTH : FXS_SIZE_STATED;
     }
     FXS_TRY(read_lens(list, model, &own, file, &listed->lens));
     view->bends = !fxs_lens_is_pinhole(&listed->lens);
@@ -265,6 +265,7 @@ static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *
     const char *name = fxs_json_string(root, "camera_model"), *points = fxs_json_string(root, "ply_file_path");
     const struct lens_model *model = find_model(root, name);
     intrinsics file = read_intrinsics(root);
+    list->format = FXS_CAMERAS_OF_TRANSFORMS;
     if (!model)
         return fxs_fail(list->message, "%s: the camera_model \"%.40s\" is not known here; expected one of a "
                         "perspective camera, OPENCV_FISHEYE or THIN_PRISM_FISHEYE", list->path, name);
@@ -285,7 +286,7 @@ static int read_root(fxs_view_list *list, const cJSON *root)
         return read_transforms(list, root, frames);
     if (!cJSON_IsArray(root))
         return fxs_fail(list->message, "%s: neither an array of cameras nor an object with \"frames\"", list->path);
-    list->is_array = 1;
+    list->format = FXS_CAMERAS_OF_INRIA;
     cJSON_ArrayForEach(item, root)
         FXS_TRY(read_inria_view(list, item));
     return 0;

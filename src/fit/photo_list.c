@@ -1,5 +1,6 @@
 #include "photo_list.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -120,24 +121,37 @@ static int find_colmap(fxs_photo_list *list, fxs_message *message)
     return find_colmap_images(list, message);
 }
 
-static void find_json(fxs_photo_list *list)
+/* Images are in the folder `images` beside the cameras, else beside them; the points are in a file of that name. */
+static void find_beside(fxs_photo_list *list, const char *folder, const char *points)
 {
-    static const char *const inria[] = {"input.ply"};
-    char folder[FXS_PHOTO_PATH];
-    parent_of(folder, list->cameras);
+    if (!join(list->images, folder, "images") || !is_folder(list->images))
+        strcpy(list->images, folder);
+    find_points(list, &points, 1);
+}
+
+/* Paths are relative to the folder of the file. */
+static void find_of_transforms(fxs_photo_list *list, const char *folder)
+{
     strcpy(list->images, folder);
-    if (list->fit.is_array) {
-        if (!join(list->images, folder, "images") || !is_folder(list->images))
-            strcpy(list->images, folder);
-        find_points(list, inria, 1);
-    } else if (list->fit.points) {
+    if (list->fit.points)
         join(list->points, folder, list->fit.points);
-    }
     if (strcmp(base_of(list->cameras), "transforms_train.json") || list->fit.has_parts)
         return;
     if ((!join(list->test, folder, "transforms_test.json") || !exists(list->test)) &&
         (!join(list->test, folder, "transforms_val.json") || !exists(list->test)))
         *list->test = 0;
+}
+
+static void find_others(fxs_photo_list *list)
+{
+    char folder[FXS_PHOTO_PATH];
+    parent_of(folder, list->cameras);
+    if (list->fit.format == FXS_CAMERAS_OF_TRANSFORMS)
+        find_of_transforms(list, folder);
+    else
+        find_beside(list, folder, list->fit.format == FXS_CAMERAS_OF_INRIA ? "input.ply" : "points.ply");
+    if (list->fit.format == FXS_CAMERAS_OF_BUNDLER)
+        strcpy(list->points, list->cameras);
 }
 
 /* ---- Which photographs ------------------------------------------------------------------------------------------- */
@@ -147,6 +161,24 @@ static int compare_images(const void *a, const void *b)
     const fxs_listed_view *v = a, *w = b;
     const int order = strcmp(v->image, w->image);
     return order ? order : memcmp(&v->view, &w->view, sizeof v->view);
+}
+
+#define FAR 65536.0                 /* scene units; single precision has steps of 1/128 there */
+#define FAR_OF_EXTENT 16
+
+/* A fit is in single precision: cameras in a geographic system are too far from its origin for that. */
+static int check_place(const fxs_view_list *views)
+{
+    double far = 0, extent = 0;
+    for (size_t i = 0; i < views->count; i++)
+        for (int k = 0; k < 3; k++) {
+            const double here = views->views[i].view.position[k];
+            far = fmax(far, fabs(here));
+            extent = fmax(extent, fabs(here - views->views[0].view.position[k]));
+        }
+    return far < FAR || extent * FAR_OF_EXTENT > far ? 0 :
+           fxs_fail(views->message, "%s: the cameras are %.0f units from the origin and %.0f from each other: too far "
+                    "for single precision; export them in a local coordinate system", views->path, far, extent);
 }
 
 static int read_views(fxs_view_list *views, const char *path, fxs_message *message)
@@ -162,7 +194,7 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
             return fxs_fail(message, "%s: view %s: not a perspective camera", path, v->view.name);
     }
     qsort(views->views, views->count, sizeof *views->views, compare_images);
-    return 0;
+    return check_place(views);
 }
 
 /* Keeps the views that the file says are to be fitted. Of those that it says are to test with, or else of every n-th,
@@ -198,12 +230,12 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 static int find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message *message)
 {
     FXS_TRY(find_cameras(list, path, message));
-    list->is_colmap = colmap_name(base_of(list->cameras));
-    if (list->is_colmap)
+    const int is_colmap = colmap_name(base_of(list->cameras));
+    if (is_colmap)
         FXS_TRY(find_colmap(list, message));
     FXS_TRY(read_views(&list->fit, list->cameras, message));
-    if (!list->is_colmap)
-        find_json(list);
+    if (!is_colmap)
+        find_others(list);
     if (!*list->test)
         return hold_out(list, n, message);
     return n ? read_views(&list->held_out, list->test, message) : 0;

@@ -11,8 +11,7 @@ typedef struct fxs_photo_list {
     char cameras[FXS_PHOTO_PATH];  /* the file of the cameras */
     char test[FXS_PHOTO_PATH];     /* the cameras file of held-out photographs, or empty */
     char images[FXS_PHOTO_PATH];   /* the folder to which image names are relative */
-    char points[FXS_PHOTO_PATH];   /* the file of the points, or empty */
-    int is_colmap;                 /* 1: the points are in COLMAP's format, else in a .ply */
+    char points[FXS_PHOTO_PATH];   /* the file of the points, or empty; in the format of the cameras, or a .ply */
     fxs_view_list fit, held_out;   /* sorted by name */
     fxs_view_list rest;            /* those that the file says are neither */
 } fxs_photo_list;

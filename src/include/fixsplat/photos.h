@@ -9,12 +9,16 @@
  *   has the held-out photographs.
  * - Inria: a cameras.json, or a folder with one; images are beside it or in images, the points in input.ply beside it.
  *
+ * - Metashape's .xml, RealityCapture's .csv: images are beside it or in images, the points in points.ply beside it.
+ * - Bundler: a .out, with list.txt or NAME.list.txt beside it, images beside it or in images, and points in it.
+ *
  * From a folder, the first of these is read: sparse/0, sparse, images.bin or .txt, transforms.json,
- * transforms_train.json, cameras.json. Image names may lack their ending (.png, .jpg, .jpeg, or these in capitals).
+ * transforms_train.json, cameras.json, cameras.xml, cameras.csv, bundle.out. Image names may lack their ending (.png,
+ * .jpg, .jpeg, or these in capitals).
  *
  * The result is the same on every machine, for any number of threads (image_file.h explains why, for pixels):
  *
- * - A photograph may have another size than its camera, but the same proportions to a pixel; where transforms.json
+ * - A photograph may have another size than its camera, but the same proportions to a pixel; where the file
  *   states no size, the photograph's is used.
  * - Distortion of a lens is removed (every model of COLMAP 4 but EQUIRECTANGULAR; k1 to k6, p1, p2, sx1 and sy1 of
  *   transforms.json): each pixel of a pinhole picture is interpolated between the four pixels around the place where
@@ -75,10 +79,11 @@ typedef struct fxs_photos {
    FXS_ERR_FILE where a file is missing or damaged (of several photographs, the message names the first by name; with
    skip_bad the others are used, if any is left), a photograph has other proportions than its camera, a camera cannot be
    drawn, is not perspective or has a lens that cannot be undone, no photograph is left to fit, a point
-   is not finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED by `progress`;
+   is not finite or beyond 2^27 units, all points lie behind all cameras, or all cameras are more than 2^16 units from
+   the origin and 16 times nearer to each other, which single precision does not hold; FXS_ERR_STOPPED by `progress`;
    FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution); FXS_ERR_UNSUPPORTED
-   where the files need cJSON, libpng or libjpeg-turbo and fixsplat was built without it; FXS_ERR_MEMORY. All-black
-   photographs are accepted. */
+   where the files need cJSON, expat, libpng or libjpeg-turbo and fixsplat was built without it; FXS_ERR_MEMORY.
+   All-black photographs are accepted. */
 FXS_API int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos,
                             fxs_message *message);
 FXS_API void fxs_photos_free(fxs_photos *photos);
