@@ -3,7 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/camera.h>
 #include "camera_internal.h"
+#include "lens_file.h"
 #include "src/base/files_internal.h"
 #include "src/base/foreign.h"
 
@@ -118,18 +120,34 @@ int fxs_view_list_read(fxs_view_list *list)
     return list->count ? 0 : fxs_fail(list->message, "%s: no views", list->path);
 }
 
-/* Copies the views of the list to a new array. */
-static int take_views(const fxs_view_list *list, fxs_file_view **views)
+/* Copies the views of the list, and their lenses where `lenses` is not null, to new arrays. */
+static int take_views(const fxs_view_list *list, int width, int height, fxs_file_view **views, fxs_lens **lenses)
 {
+    const size_t bytes = list->count * (sizeof **views + sizeof **lenses);
     *views = malloc(list->count * sizeof **views);
-    if (!*views)
-        return fxs_fail_memory(list->message, list->path, list->count * sizeof **views);
-    for (size_t i = 0; i < list->count; i++)
-        (*views)[i] = list->views[i].view;
+    if (lenses)
+        *lenses = malloc(list->count * sizeof **lenses);
+    if (!*views || (lenses && !*lenses)) {
+        free(*views);
+        if (lenses)
+            free(*lenses);
+        return fxs_fail_memory(list->message, list->path, bytes);
+    }
+    for (size_t i = 0; i < list->count; i++) {
+        const fxs_listed_view *listed = &list->views[i];
+        fxs_file_view *view = memcpy(&(*views)[i], &listed->view, sizeof *view);
+        if (width && listed->sizeless)
+            fxs_view_set_size(listed, view, width, height);
+        else if (width)
+            fxs_view_resize(view, width, height);
+        if (lenses)
+            (*lenses)[i] = listed->lens;
+    }
     return 0;
 }
 
-long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message)
+static long read_all(const char *path, int width, int height, fxs_file_view **views, fxs_lens **lenses,
+                     fxs_message *message)
 {
     fxs_view_list list;
     memset(&list, 0, sizeof list);
@@ -137,8 +155,19 @@ long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *
     list.message = message;
     int status = fxs_view_list_read(&list);
     if (!status)
-        status = take_views(&list, views);
+        status = take_views(&list, width, height, views, lenses);
     const long count = (long)list.count;
     fxs_view_list_free(&list);
     return status ? status : count;
+}
+
+long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message)
+{
+    return read_all(path, 0, 0, views, NULL, message);
+}
+
+long fxs_lens_file_read(const char *path, int width, int height, fxs_file_view **views, fxs_lens **lenses,
+                        fxs_message *message)
+{
+    return read_all(path, width, height, views, lenses, message);
 }
