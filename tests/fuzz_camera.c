@@ -1,11 +1,12 @@
 /* Fuzzes the camera readers on memory: the first byte picks the format, the next two the size of the first file of a
-   COLMAP or Bundler model. Every view that is read is made a camera, and its lens undone. */
+   COLMAP or Bundler model. Every view that is read is made a camera; lenses are undone and drawn through. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <fixsplat/camera.h>
 #include "src/camera/camera_internal.h"
+#include "src/camera/lens_warp.h"
 
 static fxs_text copy(const char *path, const uint8_t *data, size_t size)
 {
@@ -18,6 +19,22 @@ static fxs_text copy(const char *path, const uint8_t *data, size_t size)
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void draw_through(const fxs_lens *lens, const fxs_file_view *view)
+{
+    static fxs_lens_warp warp;
+    static const uint8_t outside[4];
+    fxs_lens_warp_make(&warp, lens, view);
+    const size_t bytes = 4 * (size_t)warp.cover.width * (size_t)warp.cover.height;
+    if (view->width > 16 || view->height > 16)
+        return;
+    uint8_t *cover = calloc(bytes, 1), *out = malloc(4 * (size_t)view->width * (size_t)view->height);
+    if (!cover || !out)
+        abort();
+    fxs_lens_warp_rows(&warp, cover, outside, out, 0, view->height);
+    free(cover);
+    free(out);
+}
 
 static void make_cameras(const fxs_view_list *list)
 {
@@ -32,6 +49,8 @@ static void make_cameras(const fxs_view_list *list)
             fxs_view_set_size(listed, &view, 16, 12);
         if (i < 4 && fxs_lens_fill(&listed->lens, &view, &filled) && !(filled.fx > 0))
             abort();
+        if (i < 2)
+            draw_through(&listed->lens, &view);
     }
 }
 

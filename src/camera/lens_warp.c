@@ -63,11 +63,11 @@ static double improve(const fxs_lens *lens, const double bent[2], double at[2])
 
 int fxs_lens_warp_straighten(const fxs_lens_warp *w, const double bent[2], double place[2])
 {
-    const double x = bent[0] - w->lens.skew * bent[1], y = bent[1], reach = sqrt(x * x + y * y);
+    const double reach = sqrt(bent[0] * bent[0] + bent[1] * bent[1]);
     const double scale = reach > 0 ? look_up(w, reach) / reach : 1, most = w->steps * w->step;
     double left = 1;
-    place[0] = scale * x;
-    place[1] = scale * y;
+    place[0] = scale * bent[0];
+    place[1] = scale * bent[1];
     for (int i = 0; i < NEWTON_MOST && left > NEAR_ENOUGH * NEAR_ENOUGH; i++)
         left = improve(&w->lens, bent, place);
     return left <= NEAR_ENOUGH * NEAR_ENOUGH && place[0] * place[0] + place[1] * place[1] <= most * most;
