@@ -15,8 +15,9 @@ MAJOR := $(firstword $(subst ., ,$(VERSION)))
 CORE_HEADERS := $(addprefix src/include/fixsplat/,fixsplat.h packed.h backend.h stage.h pixel.h fixed.h kernels.h)
 HEADERS := $(wildcard src/include/fixsplat/*.h)
 
-PACKAGES := libcjson-dev libstb-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libheif-dev \
-            libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev libgles-dev libsdl2-dev libsdl2-ttf-dev fonts-dejavu-core libmicrohttpd-dev libcurl4-openssl-dev \
+PACKAGES := libcjson-dev libexpat1-dev libstb-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libheif-dev \
+            libzip-dev zlib1g-dev libdeflate-dev libzstd-dev libegl-dev libgles-dev libsdl2-dev libsdl2-ttf-dev \
+            fonts-dejavu-core libmicrohttpd-dev libcurl4-openssl-dev \
             help2man
 TEST_PACKAGES := clang libclang-rt-14-dev cmake pkg-config glslang-tools qemu-user gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross gcc-arm-none-eabi libnewlib-arm-none-eabi valgrind libosmesa6-dev libosmesa6 \

@@ -24,7 +24,8 @@ PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition -fvisibility=hidden)
 NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
              -gencode arch=compute_80,code=compute_80 \
              -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC,-fvisibility=hidden
-LIBS := $(foreach name,CJSON ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES CURL CUDA,$(LIBS_$(name))) -lm -lpthread
+LIBS := $(foreach name,CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES CURL CUDA,$(LIBS_$(name))) \
+        -lm -lpthread
 
 # Faster versions of the stages carry their instruction set in their name. clang 14 crashes on the debug information of
 # AVX-512 masks.

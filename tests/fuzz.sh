@@ -153,6 +153,16 @@ seeds_of_camera() {
     int='\1\0\0\0' long='\1\0\0\0\0\0\0\0' zero='\0\0\0\0\0\0\0\0' unit='\0\0\0\0\0\0\360\77'
     colmap 1 "$long$int$int$long$long$unit$unit$unit$unit" \
         "$long$int$unit$zero$zero$zero$zero$zero$unit${int}a.png\\0$long$unit$unit$long" >binary
+    printf '\3\0\0#name,x,y,alt,heading,pitch,roll,f,px,py,k1,k2,k3,k4,t1,t2\na.jpg,1,2,3,90,45,-5,%s\n' \
+        '24,.01,-.02,.1,.01,0,0,.001,.002' >csv
+    printf '\0\0\0{"camera_model": "THIN_PRISM_FISHEYE", "w": 8, "h": 6, "fl_x": 9, "k1": 0.1, "sx1": 0.01, %s}' \
+        '"train_filenames": ["a"], "test_filenames": ["b"], "frames": []' >lists
+    colmap 4 '# Bundle file v0.3\n1 0\n9 .1 .01\n1 0 0\n0 1 0\n0 0 1\n1 2 3\n' 'a.jpg 0 9\n' >bundler
+    printf '\5\0\0<document><chunk><transform><rotation>1 0 0 0 1 0 0 0 1</rotation>%s%s%s%s%s' \
+        '<scale>2</scale></transform><sensors><sensor id="0" type="fisheye"><resolution width="8" height="6"/>' \
+        '<calibration class="adjusted"><f>9</f><k1>.1</k1><b1>1</b1><b2>1</b2></calibration></sensor></sensors>' \
+        '<components><component id="0"/></components><cameras><camera label="a" sensor_id="0" component_id="0">' \
+        '<transform>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</transform></camera></cameras></chunk></document>' >metashape
 }
 
 # part TEXT: a file as tests/fuzz_sog.c takes it, written as the format of printf
@@ -317,6 +327,13 @@ seeds_of_photos() {
         "$ply" >masks
     photos 3 '[{"img_name": "a", "width": 8, "height": 6, "fx": 9, "fy": 9, "position": [0, 0, 1], '"$(
         )"'"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]' '' "$ply" >inria
+    photos 40 '#name,x,y,alt,heading,pitch,roll,f\na,1,2,3,90,45,-5,24\n' '' "$ply" >csv
+    photos 41 '<document><chunk><sensors><sensor id="0"><resolution width="4" height="3"/><calibration><f>5</f>'"$(
+        )"'</calibration></sensor></sensors><cameras><camera label="a" sensor_id="0"><transform>1 0 0 0 0 1 0 0 '"$(
+        )"'0 0 1 0 0 0 0 1</transform></camera></cameras></chunk></document>' '' "$ply" >metashape
+    photos 42 '# Bundle file v0.3\n1 1\n5 .1 .01\n1 0 0\n0 1 0\n0 0 1\n0 0 0\n0 0 -5\n1 2 3\n0\n' 'a\n' '' >bundler
+    photos 43 "{\"w\": 4, \"h\": 3, \"fl_x\": 5, \"is_fisheye\": true, \"train_filenames\": [\"a\"], \"frames\": [{$(
+        )\"file_path\": \"a\", $frame" '' '' >lists
 }
 
 # Of a few Gaussians; tests/fuzz_checkpoint.c makes them fits of its own photograph.
@@ -394,8 +411,9 @@ if ! clang -fsanitize=fuzzer,$sanitizers "$work/links.c" -o "$work/links" 2>/dev
     finish
     exit
 fi
-for library in CJSON:cjson/cJSON.h:-lcjson WEBP:webp/decode.h:-lwebp ZIP:zip.h:-lzip ZLIB:zlib.h:-lz \
-    ZSTD:zstd.h:-lzstd EXIF:libexif/exif-data.h:-lexif HEIF:libheif/heif.h:-ldl PNG:png.h:-lpng JPEG:jpeglib.h:-ljpeg STB:stb/stb_image_write.h:; do
+for library in CJSON:cjson/cJSON.h:-lcjson EXPAT:expat.h:-lexpat WEBP:webp/decode.h:-lwebp ZIP:zip.h:-lzip \
+    ZLIB:zlib.h:-lz ZSTD:zstd.h:-lzstd EXIF:libexif/exif-data.h:-lexif HEIF:libheif/heif.h:-ldl PNG:png.h:-lpng \
+    JPEG:jpeglib.h:-ljpeg STB:stb/stb_image_write.h:; do
     header=${library#*:}
     if echo "#include <${header%:*}>" | clang -E -x c - >/dev/null 2>&1; then
         features="$features -DFXS_WITH_${library%%:*}" libraries="$libraries ${library##*:}"

@@ -1,5 +1,5 @@
-/* Fuzzes the reading of photographs: the first byte picks the layout of files, and three sizes of two bytes cut the
-   rest into cameras, images, points and a photograph. What is read is looked at whole. */
+/* Fuzzes the reading of photographs: the first byte picks the layout of files (bits 0, 1 and 5), and three sizes of two
+   bytes cut the rest into cameras, images, points and a photograph. What is read is looked at whole. */
 #define _GNU_SOURCE
 #include <math.h>
 #include <stdio.h>
@@ -20,6 +20,10 @@ static const char *const names[][FILES] = {
     {"cameras.txt", "images.txt", "points3D.txt", "images/a"},
     {"transforms_train.json", "transforms_test.json", "p.ply", "a.png"},
     {"cameras.json", "none", "input.ply", "images/a.jpg"},
+    {"cameras.csv", "none", "points.ply", "images/a"},
+    {"cameras.xml", "none", "points.ply", "images/a"},
+    {"bundle.out", "list.txt", "none", "images/a"},
+    {"transforms.json", "none", "p.ply", "a"},
 };
 
 static const char *path_of(const char *name)
@@ -87,9 +91,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     made = 1;
     if (size < 7)
         return 0;
-    const char *const *files = names[data[0] & 3];
+    const char *const *files = names[(data[0] & 3) | (data[0] >> 3 & 4)];
     const fxs_photos_options options = {.resolution = 16, .hold_out = data[0] >> 2 & 3, .skip_bad = data[0] >> 4 & 1,
-                                        .ignore_transparent = data[0] >> 5 & 1, .invert_masks = data[0] >> 6 & 1};
+                                        .ignore_transparent = data[0] >> 7 & 1, .invert_masks = data[0] >> 6 & 1};
     const uint8_t *at = data + 7, *end = data + size;
     for (int i = 0; i < FILES; i++) {
         const size_t left = (size_t)(end - at);

@@ -230,6 +230,8 @@ static void colmap_models(void)
     put_colmap_txt("7 RADIAL_FISHEYE 640 480 500 310 250 0 0", "\n");
     check_bends("", 1);
     put_colmap_txt("7 FOV 640 480 500 500 310 250 0", "\n");
+    check_bends("", 0);
+    put_colmap_txt("7 FOV 640 480 500 500 310 250 1e-9", "\n");
     check_bends("", 1);
     put_colmap_txt("7 THIN_PRISM_FISHEYE 640 480 500 500 310 250 0 0 0 0 0 0 0 0", "\n");
     check_bends("", 1);

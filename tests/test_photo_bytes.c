@@ -2,10 +2,14 @@
    libjpeg-turbo, so that it is built for other processors too (tests/scripts/processors.sh). */
 #include "jpeg_bytes.h"
 #include "photo_folder.h"
+#include "src/camera/lens_warp.h"
 #include <fixsplat/pool.h>
 
 /* Of all that is read from the folder below. */
 #define EXPECTED 0xac8c35eeu
+
+/* Of a picture of noise through lenses. */
+#define EXPECTED_WARP 0x91768e01u
 
 static uint32_t hash_of_view(uint32_t hash, const fxs_fit_photo *photo)
 {
@@ -83,8 +87,34 @@ static void same_bytes(void)
     fxs_photos_free(&photos);
 }
 
+/* The other way round: what `render --lens` draws. */
+static void same_warps(void)
+{
+    static const fxs_lens lenses[] = {
+        {.k = {-0.2, .05}, .p = {.01, -.02}, .skew = .01}, {.kind = FXS_LENS_FISHEYE, .k = {.05}, .s = {.01, 0, .02, 0}},
+        {.kind = FXS_LENS_FOV, .k = {1.1}}, {.kind = FXS_LENS_DIVISION, .k = {-.3}}, {.kind = FXS_LENS_EUCM, .k = {.6, 1}},
+    };
+    static const uint8_t outside[4] = {1, 2, 3, 4};
+    static fxs_lens_warp warp;
+    static uint8_t cover[4 * 100 * 84], out[4 * 24 * 20];
+    const fxs_file_view view = {.width = 24, .height = 20, .fx = 17, .fy = 18, .cx = 11, .cy = 10.5};
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < sizeof cover; i++)
+        cover[i] = (uint8_t)((uint32_t)i * 2654435761u >> 24);
+    for (size_t i = 0; i < sizeof lenses / sizeof *lenses; i++) {
+        fxs_lens lens = lenses[i];
+        CHECK(fxs_lens_complete(&lens));
+        fxs_lens_warp_make(&warp, &lens, &view);
+        fxs_lens_warp_rows(&warp, cover, outside, out, 0, 20);
+        hash = hash_on(hash, out, sizeof out);
+    }
+    if (!CHECK(hash == EXPECTED_WARP))
+        printf("  0x%08xu\n", (unsigned)hash);
+}
+
 static void tests(void)
 {
+    RUN(same_warps);
 #ifdef FXS_WITH_JPEG
     RUN(same_bytes);
 #else

@@ -1,7 +1,7 @@
 /* Photographs with their cameras: every layout of files, sizes, backgrounds and lenses against plain reference code,
    points, bad input, and the real sets where they are. */
 #include "photo_folder.h"
-#include "src/camera/lens.h"
+#include "src/camera/camera_internal.h"
 #include <fixsplat/pool.h>
 
 /* ---- COLMAP ------------------------------------------------------------------------------------------------------ */
@@ -164,6 +164,12 @@ static void colmap(void)
     check_colmap("c");
     CHECK(!rename(in_folder("c/sparse"), in_folder("c/model")) && !mkdir(in_folder("c/sparse"), 0777) &&
           !rename(in_folder("c/model"), in_folder("c/sparse/0")));
+    /* of COLMAP 3.12: images.bin has all poses as before */
+    put_file("c/sparse/0/rigs.bin", "\1\0\0\0\0\0\0\0\1", 9);
+    put_file("c/sparse/0/frames.bin", "", 0);
+    check_colmap("c");
+    remove_file("c/sparse/0/rigs.bin");
+    remove_file("c/sparse/0/frames.bin");
 }
 
 /* The points of photographs in memory are those of the set without points that was read last. */
@@ -250,6 +256,7 @@ static void bad_photos(void)
     fxs_photos_options options = {.hold_out = 4};
     remove_file("c/images/sub/5.ppm");
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/5.ppm: No such file");
+    CHECK(strstr(message.text, "c/sparse/0/images.bin; skip_bad, --skip-bad, leaves such out)") != NULL);
     put_file("c/images/sub/3.ppm", "P6\n48 40\n255\nshort", 18);
     put_file("c/images/sub/4.ppm", "nothing", 7);
     check_refused("c", &options, FXS_ERR_FILE, "c/images/sub/3.ppm: cut short");
@@ -431,48 +438,87 @@ static const struct {
     {"RADIAL 160 120 140 83 58 -0.2 0.05", {.k = {-0.2, 0.05}}, 140, 140, 83, 58, 1},
     {"OPENCV 160 120 140 150 80 60 -0.2 0.05 0.01 -0.02", {.k = {-0.2, 0.05}, .p = {0.01, -0.02}}, 140, 150, 80, 60, 1},
     {"FULL_OPENCV 160 120 140 140 80 60 0.1 -.05 .002 .001 .02 .3 .04 .01",
-     {.k = {0.1, -.05, .02, .3, .04, .01}, .p = {.002, .001}}, 140, 140, 80, 60, 1},
-    {"OPENCV_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001", {.fisheye = 1, .k = {.05, -.01, .002, -.001}},
+     {.k = {0.1, -.05, .02}, .d = {.3, .04, .01}, .p = {.002, .001}}, 140, 140, 80, 60, 1},
+    {"OPENCV_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001", {.kind = FXS_LENS_FISHEYE, .k = {.05, -.01, .002, -.001}},
      100, 100, 80, 60, 1},
-    {"OPENCV_FISHEYE 160 120 100 100 80 60 0 0 0 0", {.fisheye = 1, .k = {0}}, 100, 100, 80, 60, 1},
-    {"RADIAL_FISHEYE 160 120 100 80 60 .05 -.01", {.fisheye = 1, .k = {.05, -.01}}, 100, 100, 80, 60, 1},
+    {"OPENCV_FISHEYE 160 120 100 100 80 60 0 0 0 0", {.kind = FXS_LENS_FISHEYE, .k = {0}}, 100, 100, 80, 60, 1},
+    {"RADIAL_FISHEYE 160 120 100 80 60 .05 -.01", {.kind = FXS_LENS_FISHEYE, .k = {.05, -.01}}, 100, 100, 80, 60, 1},
+    {"SIMPLE_RADIAL_FISHEYE 160 120 100 80 60 .05", {.kind = FXS_LENS_FISHEYE, .k = {.05}}, 100, 100, 80, 60, 1},
+    {"FISHEYE 160 120 100 105 80 60", {.kind = FXS_LENS_FISHEYE, .k = {0}}, 100, 105, 80, 60, 1},
+    {"SIMPLE_FISHEYE 160 120 100 80 60", {.kind = FXS_LENS_FISHEYE, .k = {0}}, 100, 100, 80, 60, 1},
+    {"THIN_PRISM_FISHEYE 160 120 100 100 80 60 .05 -.01 .01 -.02 .002 -.001 .03 -.04", {.kind = FXS_LENS_FISHEYE,
+     .k = {.05, -.01, .002, -.001}, .p = {.01, -.02}, .s = {.03, 0, -.04, 0}}, 100, 100, 80, 60, 1},
+    {"RAD_TAN_THIN_PRISM_FISHEYE 160 120 100 100 80 60 .05 -.01 .002 -.001 .0005 -.0002 .02 -.01 .01 .02 -.03 .004",
+     {.kind = FXS_LENS_FISHEYE_AFTER, .k = {.05, -.01, .002, -.001, .0005, -.0002}, .p = {-.01, .02},
+      .s = {.01, .02, -.03, .004}}, 100, 100, 80, 60, 1},
+    {"FOV 160 120 140 140 80 60 0.9", {.kind = FXS_LENS_FOV, .k = {.9}}, 140, 140, 80, 60, 0},
+    {"FOV 160 120 140 140 80 60 -0.9", {.kind = FXS_LENS_FOV, .k = {-.9}}, 140, 140, 80, 60, 0},
+    {"SIMPLE_DIVISION 160 120 140 80 60 -.2", {.kind = FXS_LENS_DIVISION, .k = {-.2}}, 140, 140, 80, 60, 1},
+    {"DIVISION 160 120 140 150 80 60 -.2", {.kind = FXS_LENS_DIVISION, .k = {-.2}}, 140, 150, 80, 60, 1},
+    {"EUCM 160 120 140 150 80 60 .6 1.1", {.kind = FXS_LENS_EUCM, .k = {.6, 1.1}}, 140, 150, 80, 60, 1},
 };
+enum { LENSES = sizeof lenses / sizeof *lenses };
 
-/* OpenCV's formulas, as its page "Camera Calibration and 3D Reconstruction" and that of fisheye have them. */
+/* As a reader of cameras has it. */
+static fxs_lens lens_of(size_t number)
+{
+    fxs_lens lens = lenses[number].lens;
+    CHECK(fxs_lens_complete(&lens));
+    return lens;
+}
+
+/* OpenCV's formulas, as its page "Camera Calibration and 3D Reconstruction" and that of fisheye have them, and those of
+   COLMAP's src/colmap/sensor/models.h. */
 static void bend_plainly(const fxs_lens *l, double x, double y, double out[2])
 {
-    const double r = sqrt(x * x + y * y), t = l->fisheye ? atan(r) : r, *k = l->k;
-    if (l->fisheye) {
-        const double bent = t + k[0] * pow(t, 3) + k[1] * pow(t, 5) + k[2] * pow(t, 7) + k[3] * pow(t, 9);
-        out[0] = bent * x / r;
-        out[1] = bent * y / r;
-        return;
+    const double r = sqrt(x * x + y * y), t = atan(r), *k = l->k, *p = l->p, *s = l->s;
+    const double radial = (1 + k[0] * pow(r, 2) + k[1] * pow(r, 4) + k[2] * pow(r, 6) + k[3] * pow(r, 8)) /
+                          (1 + l->d[0] * pow(r, 2) + l->d[1] * pow(r, 4) + l->d[2] * pow(r, 6));
+    const double theta = t + k[0] * pow(t, 3) + k[1] * pow(t, 5) + k[2] * pow(t, 7) + k[3] * pow(t, 9) +
+                         k[4] * pow(t, 11) + k[5] * pow(t, 13);
+    double by = 0, u = x, v = y;
+    switch (l->kind) {
+    case FXS_LENS_BROWN: by = radial; break;
+    case FXS_LENS_FISHEYE: u = x * t / r, v = y * t / r, by = theta / t; break;
+    case FXS_LENS_FISHEYE_AFTER: u = x * theta / r, v = y * theta / r, by = 1; break;
+    case FXS_LENS_FOV: by = atan(2 * r * tan(k[0] / 2)) / (r * k[0]); break;
+    case FXS_LENS_DIVISION: by = (1 - sqrt(1 - 4 * k[0] * r * r)) / (2 * k[0] * r * r); break;
+    case FXS_LENS_EUCM: by = 1 / (k[0] * sqrt(k[1] * r * r + 1) + 1 - k[0]); break;
     }
-    const double radial = (1 + k[0] * pow(r, 2) + k[1] * pow(r, 4) + k[2] * pow(r, 6)) /
-                          (1 + k[3] * pow(r, 2) + k[4] * pow(r, 4) + k[5] * pow(r, 6));
-    out[0] = x * radial + 2 * l->p[0] * x * y + l->p[1] * (r * r + 2 * x * x);
-    out[1] = y * radial + l->p[0] * (r * r + 2 * y * y) + 2 * l->p[1] * x * y;
+    const double q = u * u + v * v;
+    out[0] = u * by + 2 * p[0] * u * v + p[1] * (q + 2 * u * u) + s[0] * q + s[1] * q * q;
+    out[1] = v * by + p[0] * (q + 2 * v * v) + 2 * p[1] * u * v + s[2] * q + s[3] * q * q;
+    out[0] += l->skew * out[1];
 }
 
 static void lens_formulas(void)
 {
-    for (size_t i = 0; i < sizeof lenses / sizeof *lenses; i++)
+    for (size_t i = 0; i < LENSES; i++)
         for (int k = 0; k < 1000; k++) {
             const double x = random_number() / 30000.0 - 1.1, y = random_number() / 30000.0 - 1.1;
             double plain[2], bent[2];
-            bend_plainly(&lenses[i].lens, x, y, plain);
-            fxs_lens_bend(&lenses[i].lens, x, y, bent);
-            CHECK(fabs(plain[0] - bent[0]) < 1e-14 && fabs(plain[1] - bent[1]) < 1e-14);
+            fxs_lens lens = lens_of(i);
+            lens.skew = k % 2 ? 0.03 : 0;
+            bend_plainly(&lens, x, y, plain);
+            fxs_lens_bend(&lens, x, y, bent);
+            if (!CHECK(fabs(plain[0] - bent[0]) < 1e-14 && fabs(plain[1] - bent[1]) < 1e-14))
+                printf("  %s: %.17g, %.17g at %g, %g\n", lenses[i].model, plain[0] - bent[0], plain[1] - bent[1], x, y);
         }
+    fxs_lens brown = {.k = {.1, .2, -.3, .4}};
+    double plain[2], bent[2];
+    bend_plainly(&brown, .3, .4, plain);
+    fxs_lens_bend(&brown, .3, .4, bent);
+    CHECK(fabs(plain[0] - bent[0]) < 1e-14 && fabs(plain[1] - bent[1]) < 1e-14);
 }
 
 static void check_lens(size_t number)
 {
     const fxs_photos_options options = {0};
     static uint8_t rgb[3 * WIDE * HIGH];
+    const fxs_lens lens = lens_of(number);
     for (int i = 0; i < WIDE * HIGH; i++) {
         double at[2];
-        straighten(&lenses[number].lens, (i % WIDE + 0.5 - lenses[number].cx) / lenses[number].fx,
+        straighten(&lens, (i % WIDE + 0.5 - lenses[number].cx) / lenses[number].fx,
                    (i / WIDE + 0.5 - lenses[number].cy) / lenses[number].fy, at);
         for (int c = 0; c < 3; c++)
             rgb[3 * i + c] = (uint8_t)(scene(at[0], at[1], c) + 0.5);
@@ -487,7 +533,8 @@ static void check_lens(size_t number)
     const fxs_file_view *v = &photos.fit[0].view;
     double worst = 0;
     CHECK(v->width == WIDE && v->height == HIGH && v->cx == lenses[number].cx && v->cy == lenses[number].cy);
-    CHECK(lenses[number].widens == (v->fx < lenses[number].fx) && v->fx != lenses[number].fx);
+    if (!CHECK(lenses[number].widens == (v->fx < lenses[number].fx) && v->fx != lenses[number].fx))
+        printf("  %s: %g\n", lenses[number].model, v->fx);
     CHECK(fabs(v->fy / v->fx - lenses[number].fy / lenses[number].fx) < 1e-12);
     for (int i = 0; i < WIDE * HIGH; i++)
         for (int c = 0; c < 3; c++) {
@@ -500,7 +547,7 @@ static void check_lens(size_t number)
 
 static void lens_models(void)
 {
-    for (size_t i = 0; i < sizeof lenses / sizeof *lenses; i++)
+    for (size_t i = 0; i < LENSES; i++)
         check_lens(i);
 }
 
@@ -519,9 +566,61 @@ static void lens_limits(void)
     say("1 SIMPLE_RADIAL 160 120 140 80 60 -9\n");
     put_text("one/cameras.txt");
     check_refused("one", &options, FXS_ERR_FILE, "one/images/a.ppm: the distortion of its camera cannot be undone");
-    say("1 FOV 160 120 140 140 80 60 0.9\n");
+}
+
+/* The camera `one` of a grey photograph. */
+static void put_lens(const char *camera)
+{
+    static uint8_t grey[3 * WIDE * HIGH];
+    memset(grey, 128, sizeof grey);
+    put_ppm("one/images/a.ppm", WIDE, HIGH, grey);
+    say("1 %s\n", camera);
     put_text("one/cameras.txt");
-    check_refused("one", &options, FXS_ERR_FILE, "view a.ppm: its photograph cannot be undistorted here");
+}
+
+/* A fisheye of 180 degrees and more is cut 60 degrees from its axis, at the side that is farthest; within that nothing
+   changes. */
+static void lens_widest(void)
+{
+    static const char *const cameras[] = {"FISHEYE 160 120 45 45 80 60", "FISHEYE 160 120 20 20 80 60",
+                                          "EUCM 160 120 40 40 80 60 .6 1.1", "FOV 160 120 50 50 80 60 1.5"};
+    const fxs_photos_options options = {0};
+    for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
+        put_lens(cameras[i]);
+        if (!CHECK(!read_photos("one", &options)))
+            printf("  %s\n", message.text);
+        else
+            CHECK(fabs(80 / photos.fit[0].view.fx - sqrt(3)) < 1e-12);
+    }
+    put_lens("FISHEYE 160 120 45 45 100 60");
+    if (CHECK(!read_photos("one", &options)))
+        CHECK(fabs(100 / photos.fit[0].view.fx - sqrt(3)) < 1e-12 && photos.fit[0].view.cx == 100);
+    put_lens("FISHEYE 160 120 20 60 80 60");
+    if (CHECK(!read_photos("one", &options)))
+        CHECK(fabs(80 / photos.fit[0].view.fx - sqrt(3)) < 1e-12 &&
+              fabs(photos.fit[0].view.fy / photos.fit[0].view.fx - 3) < 1e-12);
+}
+
+/* Coefficients that no lens has. */
+static void lens_faults(void)
+{
+    static const char *const cameras[] = {"FOV 160 120 50 50 80 60 3.2", "FOV 160 120 50 50 80 60 1e300",
+                                          "EUCM 160 120 40 40 80 60 1.1 1", "EUCM 160 120 40 40 80 60 .5 0",
+                                          "EUCM 160 120 40 40 80 60 -.1 1"};
+    const fxs_photos_options options = {0};
+    for (size_t i = 0; i < sizeof cameras / sizeof *cameras; i++) {
+        put_lens(cameras[i]);
+        check_refused("one", &options, FXS_ERR_FILE,
+                      "camera 1: a coefficient of its lens is not a finite number, or out of its range");
+    }
+    put_lens("DIVISION 160 120 40 40 80 60 9");
+    check_refused("one", &options, FXS_ERR_FILE, "the distortion of its camera cannot be undone");
+    put_lens("FOV 160 120 140 140 80 60 0");
+    CHECK(!read_photos("one", &options) && photos.fit[0].view.fx == 140);
+    put_lens("SIMPLE_DIVISION 160 120 140 80 60 0");
+    CHECK(!read_photos("one", &options) && photos.fit[0].view.fx == 140);
+    put_lens("EQUIRECTANGULAR 160 80 160 80");
+    check_refused("one", &options, FXS_ERR_FILE, "a camera model that is not known here");
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
@@ -598,10 +697,19 @@ static void blender(void)
     CHECK(!read_photos("b/transforms_test.json", &options) && photos.fit_count == 1 && photos.held_out_count == 1);
     remove_file("b/test/r_1.png");
     check_refused("b", &options, FXS_ERR_FILE, "b/test/r_1: No such file");
+    CHECK(strstr(message.text, "b/transforms_test.json; skip_bad, --skip-bad, leaves such out)") != NULL);
     options.hold_out = 0;
     CHECK(!read_photos("b", &options) && photos.fit_count == 3 && photos.held_out_count == 0);
     options.hold_out = 2;
-    remove_file("b/transforms_test.json");
+    CHECK(!rename(in_folder("b/transforms_test.json"), in_folder("b/transforms_val.json")));
+    put_ppm("b/test/r_1.png", 12, 12, NULL);
+    CHECK(!read_photos("b", &options) && photos.fit_count == 3 && photos.held_out_count == 2);
+    say_frames("\"camera_angle_x\":1.0,\"test_filenames\":[\"train/r_1\"],", "./train/r_%d", 3);
+    put_text("b/transforms_train.json");
+    CHECK(!read_photos("b", &options) && photos.fit_count == 2 && photos.held_out_count == 1);
+    say_frames("\"camera_angle_x\":1.0,", "./train/r_%d", 3);
+    put_text("b/transforms_train.json");
+    remove_file("b/transforms_val.json");
     CHECK(!read_photos("b", &options) && photos.fit_count == 1 && photos.held_out_count == 2);
 }
 
@@ -658,6 +766,130 @@ static void nerfstudio(void)
     remove_file("one/transforms.json");
 }
 
+#define FISHEYE_TOP "\"w\":160,\"h\":120,\"fl_x\":100,\"fl_y\":100,\"cx\":80,\"cy\":60,\"k1\":0.05," \
+                    "\"k2\":-0.01,\"k3\":0.002,\"k4\":-0.001,"
+
+/* The fisheye lenses of nerfstudio and instant-ngp undo the same as COLMAP's. */
+static void nerfstudio_fisheye(void)
+{
+    static const struct {
+        size_t lens;
+        const char *top;
+    } files[] = {
+        {6, "\"camera_model\":\"OPENCV_FISHEYE\",\"p1\":9," FISHEYE_TOP}, {6, "\"is_fisheye\":true," FISHEYE_TOP},
+        {12, "\"camera_model\":\"THIN_PRISM_FISHEYE\",\"p1\":0.01,\"p2\":-0.02,\"sx1\":0.03,\"sy1\":-0.04,"
+             FISHEYE_TOP},
+        {5, "\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":140,\"cx\":80,\"cy\":60,\"k1\":0.1,\"k2\":-0.05,\"k3\":0.02,"
+            "\"k4\":0.3,\"k5\":0.04,\"k6\":0.01,\"p1\":0.002,\"p2\":0.001,"},
+    };
+    const fxs_photos_options options = {0};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        check_lens(files[i].lens);
+        const fxs_file_view view = photos.fit[0].view;
+        const uint32_t hash = hash_of_pixels();
+        say_frames(files[i].top, "./images/a.ppm", 1);
+        put_text("one/transforms.json");
+        if (CHECK(!read_photos("one/transforms.json", &options)))
+            CHECK(photos.fit[0].view.fx == view.fx && hash_of_pixels() == hash);
+        else
+            printf("  %s\n", message.text);
+    }
+    say_frames("\"w\":160,\"h\":120,\"fl_x\":140,\"k1\":0.1,\"k4\":0.2,", "./images/a.ppm", 1);
+    put_text("one/transforms.json");
+    fxs_view_list list = {.path = in_folder("one/transforms.json"), .message = &message};
+    if (CHECK(!fxs_view_list_read(&list)))
+        CHECK(list.views[0].lens.k[0] == 0.1 && list.views[0].lens.k[3] == 0.2 && list.views[0].lens.d[0] == 0);
+    fxs_view_list_free(&list);
+    remove_file("one/transforms.json");
+}
+
+/* Each frame has a camera of its own; what it lacks is the file's. */
+static void nerfstudio_cameras(void)
+{
+    const fxs_photos_options options = {0};
+    make_folder("n");
+    put_ppm("n/a.ppm", 24, 20, NULL);
+    put_ppm("n/b.ppm", 16, 12, NULL);
+    say("{\"w\":24,\"h\":20,\"fl_x\":20,\"fl_y\":21,\"cx\":11,\"cy\":10,\"applied_transform\":[[1,0,0,0],[0,0,1,0],"
+        "[0,-1,0,0]],\"frames\":[{\"file_path\":\"b.ppm\",\"mask_path\":\"m.png\",\"w\":16,\"h\":12,\"fl_x\":14,"
+        "\"fl_y\":15,\"cx\":8,\"cy\":5," MATRIX "},{\"file_path\":\"a.ppm\"," MATRIX "}]}", 3, 4);
+    put_text("n/transforms.json");
+    if (!CHECK(!read_photos("n", &options)))
+        return;
+    const fxs_file_view *a = &photos.fit[0].view, *b = &photos.fit[1].view;
+    CHECK(a->fx == 20 && a->fy == 21 && a->cx == 11 && a->cy == 10 && a->width == 24 && a->position[0] == 4);
+    CHECK(b->fx == 14 && b->fy == 15 && b->cx == 8 && b->cy == 5 && b->width == 16 && b->position[0] == 3);
+    remove_file("n/a.ppm");
+    check_refused("n", &options, FXS_ERR_FILE, "n/transforms.json; skip_bad, --skip-bad, leaves such out)");
+    put_ppm("n/a.ppm", 24, 20, NULL);
+}
+
+/* The lists of a transforms.json: what is fitted, and what is held out. */
+static void nerfstudio_parts(void)
+{
+    static const struct {
+        const char *lists;
+        size_t fit, held_out;      /* photographs, with a hold-out of 8 */
+        char first, held;          /* the first of each */
+    } files[] = {
+        {"", 4, 1, '1', '0'},
+        {"\"train_filenames\":[\"./1.ppm\",\"2.ppm\",\"2.ppm\"],\"test_filenames\":[\"3.ppm\"],"
+         "\"val_filenames\":[\"0.ppm\"],", 2, 1, '1', '3'},
+        {"\"train_filenames\":[\"1.ppm\",\"2.ppm\"],\"val_filenames\":[\"0.ppm\",\"4.ppm\"],", 2, 2, '1', '0'},
+        {"\"test_filenames\":[\"2.ppm\",\"3.ppm\"],\"val_filenames\":[\"0.ppm\"],", 2, 2, '1', '2'},
+        {"\"val_filenames\":[\"4.ppm\"],", 4, 1, '0', '4'},
+        {"\"train_filenames\":[\"4.ppm\",\"3.ppm\",\"2.ppm\"],\"test_filenames\":[],", 2, 1, '3', '2'},
+    };
+    fxs_photos_options options = {.hold_out = 8};
+    for (int i = 0; i < 5; i++) {
+        char name[16];
+        sprintf(name, "n/%d.ppm", i);
+        put_ppm(name, 24, 20, NULL);
+    }
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char top[512];
+        snprintf(top, sizeof top, "%s\"w\":24,\"h\":20,\"fl_x\":20,", files[i].lists);
+        say_frames(top, "%d.ppm", 5);
+        put_text("n/transforms.json");
+        if (!CHECK(!read_photos("n", &options)))
+            printf("  %s\n", message.text);
+        else if (!CHECK(photos.fit_count == files[i].fit && photos.held_out_count == files[i].held_out &&
+                        photos.fit[0].view.name[0] == files[i].first &&
+                        photos.held_out[0].view.name[0] == files[i].held))
+            printf("  %s%zu, %zu\n", files[i].lists, photos.fit_count, photos.held_out_count);
+    }
+    say_frames("\"train_filenames\":[\"3.ppm\",\"1.ppm\"],\"test_filenames\":[\"0.ppm\"],\"w\":24,\"h\":20,"
+               "\"fl_x\":20,", "%d.ppm", 5);
+    put_text("n/transforms.json");
+    options.hold_out = 0;
+    char said[256] = "";
+    options.left_out = left_out;   /* of those that are not used nothing is said, as they have cameras */
+    options.argument = said;
+    CHECK(!read_photos("n", &options) && photos.fit_count == 2 && !photos.held_out_count);
+    CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));
+}
+
+static void nerfstudio_part_faults(void)
+{
+    static const struct {
+        const char *lists, *words;
+    } files[] = {
+        {"\"test_filenames\":[\"0.ppm\",\"9.ppm\"],", "test_filenames: no frame has the file_path 9.ppm"},
+        {"\"train_filenames\":[\"0.ppm\",3],", "train_filenames: not a list of names"},
+        {"\"val_filenames\":\"0.ppm\",", "val_filenames: not a list of names"},
+        {"\"train_filenames\":[\"0.ppm\"],\"test_filenames\":[\"0.ppm\"],", "view 0.ppm: both in train_filenames and"},
+        {"\"test_filenames\":[\"0.ppm\",\"1.ppm\",\"2.ppm\",\"3.ppm\",\"4.ppm\"],", "none is left to fit"},
+    };
+    const fxs_photos_options options = {.hold_out = 8};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char top[512];
+        snprintf(top, sizeof top, "%s\"w\":24,\"h\":20,\"fl_x\":20,", files[i].lists);
+        say_frames(top, "%d.ppm", 5);
+        put_text("n/transforms.json");
+        check_refused("n", &options, FXS_ERR_FILE, files[i].words);
+    }
+}
+
 /* The folder of an Inria model: names without endings, points in input.ply. */
 static void inria(void)
 {
@@ -683,6 +915,8 @@ static void inria(void)
     put_text("i/input.ply");
     CHECK(!read_photos("i/cameras.json", &options) && photos.point_count == 1 && !photos.points_are_random);
     check_refused("i/all.json", &options, FXS_ERR_FILE, "view a: not a perspective camera");
+    remove_file("i/images/b.JPG");
+    check_refused("i", &options, FXS_ERR_FILE, "i/cameras.json; skip_bad, --skip-bad, leaves such out)");
 }
 
 #endif
@@ -788,9 +1022,15 @@ static void tests(void)
     RUN(lens_formulas);
     RUN(lens_models);
     RUN(lens_limits);
+    RUN(lens_widest);
+    RUN(lens_faults);
 #ifdef FXS_WITH_CJSON
     RUN(blender);
     RUN(nerfstudio);
+    RUN(nerfstudio_fisheye);
+    RUN(nerfstudio_cameras);
+    RUN(nerfstudio_parts);
+    RUN(nerfstudio_part_faults);
     RUN(inria);
 #endif
 #if defined(FXS_WITH_PNG) && defined(FXS_WITH_ZLIB)

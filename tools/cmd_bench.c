@@ -386,7 +386,7 @@ static int run(int argc, char **argv)
     r.draws = o.draws;
     o.frame.load.budget = !status && renderer_may_page(&r) ? o.frame.render.budget : 0;
     if (!status && !(status = world_open(&w, &o.frame.world, &o.frame.load))) {
-        status = choose_views(&o.frame, &w, &views) < 0 ? EXIT_FAILED : bench(&r, &o, &w, views);
+        status = choose_views(&o.frame, &w, &views, 0) < 0 ? EXIT_FAILED : bench(&r, &o, &w, views);
         free(views);
         renderer_close(&r);
         world_close(&w);

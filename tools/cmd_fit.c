@@ -835,10 +835,11 @@ const command command_fit = {
     "Usage: fixsplat fit PHOTOS -o OUT [OPTION...]\n\n"
     "Fits a scene to photographs, on the processor or on NVIDIA GPUs: the same file, byte for byte, for the same\n"
     "photographs, options and seed, whatever the machine and the threads. PHOTOS is a COLMAP folder (images, and\n"
-    "sparse/0 or sparse with .bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json with\n"
-    "images beside it, or a folder with one of those. Of a folder of photographs without cameras, or of a film, they\n"
-    "are found first, by COLMAP and ffmpeg, in the folder OUT.cameras. At the end the packed scene is rendered from\n"
-    "where photographs were held out, and PSNR and SSIM are printed.\n",
+    "sparse/0 or sparse with .bin or .txt), a transforms.json of nerfstudio or Blender, Inria's cameras.json, .xml of\n"
+    "Metashape, .csv of RealityCapture or .out of Bundler with images beside it, or a folder with one of those. Of a\n"
+    "folder of photographs without cameras, or of a film, they are found first, by COLMAP and ffmpeg, in the folder\n"
+    "OUT.cameras. At the end the packed scene is rendered from where photographs were held out, and PSNR and SSIM are\n"
+    "printed.\n",
     0,
     "  $ fixsplat fit garden -o garden.fxs\n"
     "  $ fixsplat fit walk.mp4 -o walk.fxs --recipe fast --compare pictures\n"

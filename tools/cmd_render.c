@@ -111,6 +111,10 @@ static const option_row own_rows[] = {
     {"panorama", 0, FLAG(frame.panorama), .help =
      "all around the camera, equirectangular, twice as wide as high; without a camera from the middle of the scene; "
      "level, but for the views of a file without --up"},
+    {"lens", 0, FLAG(frame.lens), .help =
+     "draw views of a file of cameras through their lenses, to lie pixel on pixel over the photographs; without it as "
+     "by a pinhole. Where a file states no size, give that of the photographs by --size. A fisheye sees 75 degrees to "
+     "each side; beyond that is background"},
     {"scissor", "X,Y,W,H", take_scissor, 0, .expected = "X,Y,WIDTH,HEIGHT, pixels", .help =
      "only this part of the picture: the same pixels. (Gaussians of more than 65536 pixels may differ in the last "
      "bit)"},
@@ -186,6 +190,12 @@ static int check_drawing(const render_options *o)
         return fail(EXIT_USAGE, "--scissor is of one picture: no --panorama, --stereo, --foveate, --pick");
     if (o->has_scissor && f->render.cutoff == FXS_CUTOFF_SQUARE)
         return fail(EXIT_USAGE, "--scissor: a part has other tiles than the whole, on which --cutoff square depends");
+    if (f->lens && !f->cameras)
+        return fail(EXIT_USAGE, "--lens needs --cameras");
+    if (f->lens && (o->draws || o->has_pick || o->stats || o->has_scissor || f->panorama || f->stereo > 0 ||
+                    f->foveate.on || f->ortho > 0 || f->has_tangents || f->orbit || f->frames))
+        return fail(EXIT_USAGE, "--lens is of pictures of colours from the views of a file: no --depth, --ids, --pick, "
+                    "--stats, --scissor, --panorama, --stereo, --foveate, --ortho, --tangents, --orbit, --frames");
     if (o->json && !o->has_pick)
         return fail(EXIT_USAGE, "--json is for --pick");
     if (o->draws && backend && !(backend->can & FXS_CAN_TRACE))

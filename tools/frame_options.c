@@ -98,7 +98,8 @@ const option_row camera_rows[] = {
     {.help = "Camera (without one, render and view take the start view of an .fxs, or else look at the scene from many "
              "sides and take the view that shows most, upright; other commands frame it whole):"},
     {"cameras", "FILE", TEXT(cameras), .help =
-     "cameras.json, transforms.json, images.bin or images.txt of COLMAP, or a folder with one of them"},
+     "cameras.json, transforms.json, images.bin or images.txt of COLMAP, .xml of Metashape, .csv of RealityCapture, "
+     ".out of Bundler, or a folder with one of them"},
     {"view", "N|NAME|LIST|all", TEXT(view), .help =
      "a view of that file: its number from 0, its image name, several as 8..40 or 0,8,40..20 (render alone), or all "
      "(default 0)"},

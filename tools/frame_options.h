@@ -24,6 +24,7 @@ typedef struct frame_options {
     double fov;                             /* degrees; 0: none given */
     double ortho;                           /* height of an orthographic picture, units; 0: perspective */
     double near;                            /* near plane, scene units; 0: as --help says */
+    int lens;                               /* views of a file are drawn through its lenses */
     int panorama;                           /* the camera is in the scene's middle where none is given, and level */
     int width, height;                      /* 0: the camera's own size, or 1280x720, or 2048x1024 of a panorama */
     int has_tangents;

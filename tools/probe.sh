@@ -7,6 +7,7 @@ build=${1:?build folder}
 mkdir -p "$build/with" "$build/tests" || exit 1
 
 libraries='CJSON cjson/cJSON.h -lcjson
+EXPAT expat.h -lexpat
 ZIP zip.h -lzip
 ZLIB zlib.h -lz
 DEFLATE libdeflate.h -ldeflate

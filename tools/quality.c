@@ -162,7 +162,7 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
     all.view = "all";
     all.framed = 1;
     memset(q, 0, sizeof *q);
-    long given = choose_views(&all, scene, &views);
+    long given = choose_views(&all, scene, &views, 0);
     if (given < 0)
         return EXIT_FAILED;
     q->count = options->cameras && given < wanted ? given : wanted;

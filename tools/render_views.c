@@ -9,6 +9,7 @@
 #include "src/image/depth_file.h"
 #include <fixsplat/film_file.h>
 #include "src/image/panorama.h"
+#include "src/camera/lens_warp.h"
 #include "file_guard.h"
 #include "metrics.h"
 #include "views.h"
@@ -69,9 +70,10 @@ typedef struct batch {
     const render_options *o;
     const world *world;
     const fxs_file_view *views;
+    const fxs_lens *lenses;                 /* null: none is drawn */
     long view_count;
     renderer renderers[DEVICES_MOST];
-    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];
+    picture faces[DEVICES_MOST][FXS_PANORAMA_FACES];    /* or in the first the picture before a lens */
     int devices;                            /* renderers, one on each */
     fxs_pool *pool, *writers;
     drawn_round rounds[2];
@@ -103,11 +105,24 @@ static void join_rows(void *argument, uint32_t job)
                       first + PANORAMA_ROWS < height ? first + PANORAMA_ROWS : height);
 }
 
+/* Makes room for the pixels of a picture. Returns 0, or prints why not and returns EXIT_FAILED. */
+static int make_pixels(picture *out, int width, int height)
+{
+    const size_t bytes = (size_t)width * (size_t)height * 4;
+    if (out->pixel_room < bytes) {
+        free(out->pixels);
+        out->pixels = malloc(bytes);
+        out->pixel_room = out->pixels ? bytes : 0;
+    }
+    out->width = width;
+    out->height = height;
+    return out->pixels ? 0 : fail(EXIT_FAILED, "out of memory: a picture of %dx%d", width, height);
+}
+
 static int draw_panorama(batch *b, int device, long number, picture *out)
 {
     const fxs_file_view *view = &b->views[number];
     panorama p = {.out = out};
-    const size_t bytes = (size_t)view->width * (size_t)view->height * 4;
     for (int i = 0; i < FXS_PANORAMA_FACES; i++) {
         fxs_file_view face;
         fxs_panorama_face(view, i, view->width, &face);
@@ -117,17 +132,51 @@ static int draw_panorama(batch *b, int device, long number, picture *out)
         if (device == 0)
             progress_bar("rendering", ((double)number + (i + 1) / (FXS_PANORAMA_FACES + 1.0)) / (double)b->view_count);
     }
-    if (out->pixel_room < bytes) {
-        free(out->pixels);
-        out->pixels = malloc(bytes);
-        out->pixel_room = out->pixels ? bytes : 0;
-    }
-    if (!out->pixels)
-        return fail(EXIT_FAILED, "out of memory: a picture of %dx%d", view->width, view->height);
-    out->width = view->width;
-    out->height = view->height;
+    if (make_pixels(out, view->width, view->height))
+        return EXIT_FAILED;
     fxs_pool_run(b->pool, join_rows, &p, (uint32_t)((view->height + PANORAMA_ROWS - 1) / PANORAMA_ROWS));
     return 0;
+}
+
+/* A picture through a lens: one job each 16 rows. */
+typedef struct bent {
+    fxs_lens_warp warp;
+    const uint8_t *straight;
+    uint8_t outside[4];
+    picture *out;
+} bent;
+
+static void bend_rows(void *argument, uint32_t job)
+{
+    const bent *d = argument;
+    const int first = (int)job * PANORAMA_ROWS, height = d->out->height;
+    fxs_lens_warp_rows(&d->warp, d->straight, d->outside, d->out->pixels, first,
+                       first + PANORAMA_ROWS < height ? first + PANORAMA_ROWS : height);
+}
+
+static int draw_bent(batch *b, int device, long number, picture *out)
+{
+    const fxs_file_view *view = &b->views[number];
+    const fxs_options *options = &b->o->frame.render;
+    picture *straight = &b->faces[device][0];
+    bent *d = calloc(1, sizeof *d);
+    int status = d ? 0 : fail(EXIT_FAILED, "out of memory: a lens");
+    if (!status) {
+        fxs_lens_warp_make(&d->warp, &b->lenses[number], view);
+        if (b->o->format != FXS_FORMAT_RGBA8_COVERAGE) {
+            memcpy(d->outside, options->background, 3);
+            d->outside[3] = 255;
+        }
+        status = renderer_render(&b->renderers[device], b->world, &d->warp.cover, options, straight, 0) ||
+                 make_pixels(out, view->width, view->height) ? EXIT_FAILED : 0;
+    }
+    if (!status) {
+        d->straight = straight->pixels;
+        d->out = out;
+        fxs_pool_run(b->pool, bend_rows, d, (uint32_t)((view->height + PANORAMA_ROWS - 1) / PANORAMA_ROWS));
+    }
+    free(d);
+    return status;
 }
 
 static void draw_views(void *argument, uint32_t device)
@@ -137,9 +186,13 @@ static void draw_views(void *argument, uint32_t device)
     for (long i = (long)device; i < r->round->count; i += b->devices) {
         drawn_view *d = &r->round->drawn[i];
         const long number = r->round->first + i;
-        d->status = b->o->frame.panorama ? draw_panorama(b, (int)device, number, &d->picture)
-                                         : renderer_render(&b->renderers[device], b->world, &b->views[number],
-                                                           &b->o->frame.render, &d->picture, &d->stats);
+        if (b->o->frame.panorama)
+            d->status = draw_panorama(b, (int)device, number, &d->picture);
+        else if (b->lenses && !fxs_lens_is_pinhole(&b->lenses[number]))
+            d->status = draw_bent(b, (int)device, number, &d->picture);
+        else
+            d->status = renderer_render(&b->renderers[device], b->world, &b->views[number], &b->o->frame.render,
+                                        &d->picture, &d->stats);
         if (d->status)
             break;
         if (device == 0 && b->view_count > 1)
@@ -470,18 +523,21 @@ int render_views(const render_options *o)
     world w = {.count = 0};
     frame_options frame = o->frame;
     fxs_file_view *views = 0;
+    fxs_lens *lenses = 0;
     b = (batch){.o = o, .world = &w};
     int status = open_renderers(&b, &o->frame);
     frame.load.budget = renderer_may_page(&b.renderers[0]) ? frame.render.budget : 0;
     if (!status)
         status = world_open(&w, &o->frame.world, &frame.load);
     if (!status) {
-        b.view_count = choose_views(&frame, &w, &views);
+        b.view_count = choose_views(&frame, &w, &views, &lenses);
         b.views = views;
+        b.lenses = frame.lens ? lenses : 0;
         status = b.view_count < 0 ? EXIT_FAILED : render_all(&b);
     }
     close_renderers(&b);
     free(views);
+    free(lenses);
     world_close(&w);
     return status;
 }

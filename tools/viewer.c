@@ -128,7 +128,7 @@ static void load(void *argument)
     l->status = l->path ? world_open_file(&l->world, l->path, &how) : world_open(&l->world, &l->options.world, &how);
     if (l->status)
         return;
-    l->count = choose_views(&all, &l->world, &l->views);
+    l->count = choose_views(&all, &l->world, &l->views, 0);
     l->options.up = all.up;
     l->index = l->count < 0 ? -1 : find_view(&l->options, l->views, l->count);
     if (l->index >= 0) {

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include <fixsplat/renderer.h>
+#include "src/camera/lens_file.h"
 
 enum { VIEWS_MOST = 100000 };   /* in a list, where views may come again */
 
@@ -29,8 +30,8 @@ static const char *take_part(const char *text, long count, long *first, long *la
     return text && !strncmp(text, "..", 2) ? take_view(text + 2, count, last) : text;
 }
 
-/* Returns how many views, 0 where the text is no list, -1 without memory. */
-static long take_list(const char *text, const fxs_file_view *views, long count, fxs_file_view **chosen)
+/* Returns how many numbers of views, 0 where the text is no list, -1 without memory. */
+static long take_list(const char *text, long count, long **chosen)
 {
     long found = 0, first, last;
     for (*chosen = 0;; text++) {
@@ -38,12 +39,12 @@ static long take_list(const char *text, const fxs_file_view *views, long count, 
         if (!text || (*text && *text != ',') || found + labs(last - first) >= VIEWS_MOST)
             return 0;
         const long length = labs(last - first) + 1;
-        fxs_file_view *larger = realloc(*chosen, (size_t)(found + length) * sizeof *larger);
+        long *larger = realloc(*chosen, (size_t)(found + length) * sizeof *larger);
         if (!larger)
             return -1;
         *chosen = larger;
         for (long i = 0; i < length; i++)
-            larger[found++] = views[first < last ? first + i : first - i];
+            larger[found++] = first < last ? first + i : first - i;
         if (!*text)
             return found;
     }
@@ -67,7 +68,7 @@ long find_view(const frame_options *options, const fxs_file_view *views, long co
     return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);
 }
 
-static long take_one(const frame_options *options, const fxs_file_view *views, long count, fxs_file_view **chosen)
+static long take_one(const frame_options *options, const fxs_file_view *views, long count, long **chosen)
 {
     const long index = find_view(options, views, count);
     if (index < 0)
@@ -75,18 +76,17 @@ static long take_one(const frame_options *options, const fxs_file_view *views, l
     *chosen = malloc(sizeof **chosen);
     if (!*chosen)
         return -1;
-    **chosen = views[index];
+    **chosen = index;
     return 1;
 }
 
-/* The views that --view names, of `count` of its file: one, or those of a list. Returns how many, with *chosen
-   allocated; or prints why not and returns -1, with *chosen null. */
-static long views_of_list(const frame_options *options, const fxs_file_view *views, long count, fxs_file_view **chosen)
+/* The numbers of the views that --view names, of `count` of its file: one, or those of a list. Returns how many, with
+   *chosen allocated; or prints why not and returns -1, with *chosen null. */
+static long views_of_list(const frame_options *options, const fxs_file_view *views, long count, long **chosen)
 {
     const int several = names_several(options->view);
     *chosen = 0;
-    const long found = several ? take_list(options->view, views, count, chosen)
-                               : take_one(options, views, count, chosen);
+    const long found = several ? take_list(options->view, count, chosen) : take_one(options, views, count, chosen);
     if (found > 0)
         return found;
     free(*chosen);
@@ -157,27 +157,62 @@ static int height_of(const frame_options *options)
     return options->height ? options->height : options->panorama ? 1024 : 720;
 }
 
-static long views_of_file(const frame_options *options, fxs_file_view **views)
+/* Keeps those that --view names; they and their lenses are allocated anew. Returns how many, or prints why not and
+   returns -1. */
+static long keep_named(const frame_options *options, fxs_file_view **views, fxs_lens **lenses, long count)
 {
+    long *chosen;
+    count = views_of_list(options, *views, count, &chosen);
+    if (count < 0)
+        return -1;
+    fxs_file_view *kept = malloc((size_t)count * sizeof *kept);
+    fxs_lens *kept_lenses = malloc((size_t)count * sizeof *kept_lenses);
+    const int memory = kept && kept_lenses;
+    for (long i = 0; i < count && memory; i++) {
+        kept[i] = (*views)[chosen[i]];
+        kept_lenses[i] = (*lenses)[chosen[i]];
+    }
+    free(chosen);
+    free(memory ? *views : kept);
+    free(memory ? *lenses : kept_lenses);
+    if (!memory)
+        return fail(-1, "out of memory: the views of %s", options->cameras);
+    *views = kept;
+    *lenses = kept_lenses;
+    return count;
+}
+
+/* Says of how many the lens is not drawn. */
+static void say_bent(const frame_options *options, const fxs_file_view *views, long count)
+{
+    long bent = 0;
+    for (long i = 0; i < count; i++)
+        bent += views[i].bends;
+    if (bent)
+        note("%s: %ld of %ld views have a lens that bends: they are drawn as by a pinhole; render --lens draws them as "
+             "it does", options->cameras, bent, count);
+}
+
+static long views_of_file(const frame_options *options, fxs_file_view **views, fxs_lens **lenses)
+{
+    const int sized = options->width || options->panorama;
     fxs_message message;
-    long count = fxs_camera_file_read(options->cameras, views, &message);
+    long count = fxs_lens_file_read(options->cameras, sized ? width_of(options) : 0, sized ? height_of(options) : 0,
+                                    views, lenses, &message);
     if (count < 0)
         return fail(-1, "%s", message.text);
     if (!options->view || strcmp(options->view, "all")) {
-        fxs_file_view *chosen;
-        count = views_of_list(options, *views, count, &chosen);
-        free(*views);
-        *views = chosen;
+        const long kept = keep_named(options, views, lenses, count);
+        if (kept < 0) {
+            free(*views);
+            free(*lenses);
+            *views = 0;
+            *lenses = 0;
+        }
+        count = kept;
     }
-    long bent = 0;
-    for (long i = 0; i < count; i++) {
-        bent += (*views)[i].bends;
-        if (options->width || options->panorama)
-            fxs_view_resize(&(*views)[i], width_of(options), height_of(options));
-    }
-    if (bent)
-        note("%s: %ld of %ld views have a lens that bends: they are drawn as by a pinhole", options->cameras, bent,
-             count);
+    if (count > 0 && !options->lens)
+        say_bent(options, *views, count);
     return count;
 }
 
@@ -319,11 +354,12 @@ static int finish_view(const frame_options *options, fxs_file_view *view, fxs_me
     return options->cameras ? fxs_camera_from_view(&camera, view, message) : 0;
 }
 
-long choose_views(frame_options *options, const world *w, fxs_file_view **views)
+/* *lenses: those of the views of a file, else null. */
+static long choose(frame_options *options, const world *w, fxs_file_view **views, fxs_lens **lenses)
 {
     fxs_message message;
     fxs_file_view first;
-    long count = options->cameras ? views_of_file(options, views) : 1;
+    long count = options->cameras ? views_of_file(options, views, lenses) : 1;
     if (count < 0)
         return -1;
     int result = options->auto_up || is_chosen(options) ? look_at_scene(options, w, &first, &message) : 0;
@@ -342,4 +378,15 @@ long choose_views(frame_options *options, const world *w, fxs_file_view **views)
     free(*views);
     *views = 0;
     return options->cameras ? fail(-1, "%s: %s", options->cameras, message.text) : fail(-1, "%s", message.text);
+}
+
+long choose_views(frame_options *options, const world *w, fxs_file_view **views, fxs_lens **lenses)
+{
+    fxs_lens *found = 0;
+    const long count = choose(options, w, views, &found);
+    if (count > 0 && lenses && !options->orbit && !options->frames)
+        *lenses = found;
+    else
+        free(found);
+    return count;
 }

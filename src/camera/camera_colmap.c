@@ -10,17 +10,24 @@
 #define MAX_CAMERAS 1000000
 #define MAX_PARAMS 16
 
-/* The index is COLMAP's model id. Focal lengths and the principal point come first, then the coefficients of the lens
-   by their letters: 0 to 5 for k1 to k6, p and q for p1 and p2, ? for one of a lens that only a pinhole stands for. */
+/* The index is COLMAP's model id. Focal lengths and the principal point come first, then the coefficients of the lens,
+   by the letters of fxs_lens_coefficient. */
 static const struct {
     const char *name;
-    int focals, fisheye;
+    int focals;
+    enum fxs_lens_kind kind;
     const char *coefficients;
 } models[] = {
-    {"SIMPLE_PINHOLE", 1, 0, ""}, {"PINHOLE", 2, 0, ""}, {"SIMPLE_RADIAL", 1, 0, "0"}, {"RADIAL", 1, 0, "01"},
-    {"OPENCV", 2, 0, "01pq"}, {"OPENCV_FISHEYE", 2, 1, "0123"}, {"FULL_OPENCV", 2, 0, "01pq2345"}, {"FOV", 2, 0, "?"},
-    {"SIMPLE_RADIAL_FISHEYE", 1, 1, "0"}, {"RADIAL_FISHEYE", 1, 1, "01"}, {"THIN_PRISM_FISHEYE", 2, 1, "????????"},
-    {"RAD_TAN_THIN_PRISM_FISHEYE", 2, 1, "????????????"},
+    {"SIMPLE_PINHOLE", 1, FXS_LENS_BROWN, ""}, {"PINHOLE", 2, FXS_LENS_BROWN, ""},
+    {"SIMPLE_RADIAL", 1, FXS_LENS_BROWN, "0"}, {"RADIAL", 1, FXS_LENS_BROWN, "01"},
+    {"OPENCV", 2, FXS_LENS_BROWN, "01pq"}, {"OPENCV_FISHEYE", 2, FXS_LENS_FISHEYE, "0123"},
+    {"FULL_OPENCV", 2, FXS_LENS_BROWN, "01pq2abc"}, {"FOV", 2, FXS_LENS_FOV, "0"},
+    {"SIMPLE_RADIAL_FISHEYE", 1, FXS_LENS_FISHEYE, "0"}, {"RADIAL_FISHEYE", 1, FXS_LENS_FISHEYE, "01"},
+    {"THIN_PRISM_FISHEYE", 2, FXS_LENS_FISHEYE, "01pq23su"},
+    {"RAD_TAN_THIN_PRISM_FISHEYE", 2, FXS_LENS_FISHEYE_AFTER, "012345qpstuv"},
+    {"SIMPLE_DIVISION", 1, FXS_LENS_DIVISION, "0"}, {"DIVISION", 2, FXS_LENS_DIVISION, "0"},
+    {"SIMPLE_FISHEYE", 1, FXS_LENS_FISHEYE, ""}, {"FISHEYE", 2, FXS_LENS_FISHEYE, ""},
+    {"EUCM", 2, FXS_LENS_EUCM, "01"},
 };
 #define MODELS (sizeof models / sizeof *models)
 
@@ -43,23 +50,17 @@ static int params_of(size_t model)
 
 static int not_known(const camera_list *list, double id)
 {
-    return fxs_fail(list->message, "%s: camera %.0f: a camera model that is not known here; expected one of COLMAP 3, "
-                    "%s to %s", list->path, id, models[0].name, models[MODELS - 1].name);
+    return fxs_fail(list->message, "%s: camera %.0f: a camera model that is not known here; expected one of COLMAP 3 "
+                    "and 4, %s to %s", list->path, id, models[0].name, models[MODELS - 1].name);
 }
 
 static int read_lens(size_t model, const double *params, fxs_lens *lens)
 {
     memset(lens, 0, sizeof *lens);
-    lens->fisheye = models[model].fisheye;
-    for (const char *c = models[model].coefficients; *c; c++, params++) {
-        if (!isfinite(*params))
-            return 0;
-        if (*c == '?')
-            lens->is_unknown = 1;
-        else
-            *(*c >= 'p' ? &lens->p[*c - 'p'] : &lens->k[*c - '0']) = *params;
-    }
-    return 1;
+    lens->kind = models[model].kind;
+    for (const char *c = models[model].coefficients; *c; c++)
+        *fxs_lens_coefficient(lens, *c) = *params++;
+    return fxs_lens_complete(lens);
 }
 
 static int add_camera(camera_list *list, size_t model, double id, const double size[2], const double *params)
@@ -67,8 +68,8 @@ static int add_camera(camera_list *list, size_t model, double id, const double s
     const int focals = models[model].focals;
     fxs_lens lens;
     if (!read_lens(model, params + focals + 2, &lens))
-        return fxs_fail(list->message, "%s: camera %.0f: a coefficient of its lens is not a finite number", list->path,
-                        id);
+        return fxs_fail(list->message, "%s: camera %.0f: a coefficient of its lens is not a finite number, or out of "
+                        "its range", list->path, id);
     if (list->count == MAX_CAMERAS)
         return fxs_fail(list->message, "%s: more than %d cameras", list->path, MAX_CAMERAS);
     if (list->count == list->capacity) {

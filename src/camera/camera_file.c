@@ -3,22 +3,53 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <fixsplat/camera.h>
 #include "camera_internal.h"
+#include "lens_file.h"
 #include "src/base/files_internal.h"
 #include "src/base/foreign.h"
 
-static int read_json(fxs_view_list *list)
+static int fail_foreign(const fxs_view_list *list, const fxs_text *text)
 {
-    fxs_text json;
-    FXS_TRY(fxs_text_load(list->path, &json, list->message));
-    const char *kind = fxs_foreign(json.data, json.size);
-    const char first = json.data[strspn(json.data, " \t\r\n\xef\xbb\xbf")];      /* after the mark of UTF-8 */
-    const int status = first == '{' || first == '['
-        ? fxs_camera_json_parse(list, &json)
-        : fxs_fail(list->message, "%s: expected cameras (transforms.json, cameras.json, images.bin or images.txt of "
-                   "COLMAP, or a folder with one of them), but this is %s", list->path,
-                   kind ? kind : json.size ? "another file" : "empty");
-    free(json.data);
+    const char *kind = fxs_foreign(text->data, text->size);
+    return fxs_fail(list->message, "%s: expected cameras (transforms.json, cameras.json, images.bin or images.txt of "
+                    "COLMAP, .xml of Metashape, .csv of RealityCapture, .out of Bundler, or a folder with one of "
+                    "them), but this is %s", list->path, kind ? kind : text->size ? "another file" : "empty");
+}
+
+static int ends_in(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), size = strlen(ending);
+    return length > size && !strcmp(path + length - size, ending);
+}
+
+/* By what the text begins with, after the mark of UTF-8; of a .csv and an .xml by the name. */
+static int parse(fxs_view_list *list, fxs_text *text)
+{
+    const char *begin = text->data + strspn(text->data, " \t\r\n\xef\xbb\xbf");
+    if (*begin == '{' || *begin == '[')
+        return fxs_camera_json_parse(list, text);
+    if (!strncmp(begin, "# Bundle file", 13)) {
+        list->format = FXS_CAMERAS_OF_BUNDLER;
+        return fxs_camera_bundler_read(list, text);
+    }
+    if (!strncmp(begin, "#name,", 6) || (text->size && ends_in(list->path, ".csv"))) {
+        list->format = FXS_CAMERAS_OF_CSV;
+        return fxs_camera_csv_parse(list, text);
+    }
+    if (!strncmp(begin, "<?xml", 5) || !strncmp(begin, "<document", 9) || (text->size && ends_in(list->path, ".xml"))) {
+        list->format = FXS_CAMERAS_OF_METASHAPE;
+        return fxs_camera_metashape_parse(list, text);
+    }
+    return fail_foreign(list, text);
+}
+
+static int read_text(fxs_view_list *list)
+{
+    fxs_text text;
+    FXS_TRY(fxs_text_load(list->path, &text, list->message));
+    const int status = parse(list, &text);
+    free(text.data);
     return status;
 }
 
@@ -46,15 +77,16 @@ int fxs_camera_file_find(const char *folder, char path[FXS_CAMERA_PATH], fxs_mes
 {
     static const char *const known[] = {"sparse/0/images.bin", "sparse/0/images.txt", "sparse/images.bin",
                                         "sparse/images.txt", "images.bin", "images.txt", "transforms.json",
-                                        "transforms_train.json", "cameras.json"};
+                                        "transforms_train.json", "cameras.json", "cameras.xml", "cameras.csv",
+                                        "bundle.out"};
     const char *slash = *folder && folder[strlen(folder) - 1] == '/' ? "" : "/";
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         const int length = snprintf(path, FXS_CAMERA_PATH, "%s%s%s", folder, slash, known[i]);
         if (length < FXS_CAMERA_PATH && fxs_file_kind(path) != FXS_FILE_NONE)
             return 0;
     }
-    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json or "
-                    "cameras.json in this folder", folder);
+    return fxs_fail(message, "%s: neither sparse/0 of COLMAP nor transforms.json, transforms_train.json, cameras.json, "
+                    "cameras.xml, cameras.csv or bundle.out in this folder", folder);
 }
 
 static int read_file(fxs_view_list *list)
@@ -64,7 +96,7 @@ static int read_file(fxs_view_list *list)
         return read_colmap(list, path, (int)(name - path), 1);
     if (!strcmp(name, "images.txt") || !strcmp(name, "cameras.txt"))
         return read_colmap(list, path, (int)(name - path), 0);
-    return read_json(list);
+    return read_text(list);
 }
 
 static int read_views(fxs_view_list *list)
@@ -88,18 +120,34 @@ int fxs_view_list_read(fxs_view_list *list)
     return list->count ? 0 : fxs_fail(list->message, "%s: no views", list->path);
 }
 
-/* Copies the views of the list to a new array. */
-static int take_views(const fxs_view_list *list, fxs_file_view **views)
+/* Copies the views of the list, and their lenses where `lenses` is not null, to new arrays. */
+static int take_views(const fxs_view_list *list, int width, int height, fxs_file_view **views, fxs_lens **lenses)
 {
+    const size_t bytes = list->count * (sizeof **views + sizeof **lenses);
     *views = malloc(list->count * sizeof **views);
-    if (!*views)
-        return fxs_fail_memory(list->message, list->path, list->count * sizeof **views);
-    for (size_t i = 0; i < list->count; i++)
-        (*views)[i] = list->views[i].view;
+    if (lenses)
+        *lenses = malloc(list->count * sizeof **lenses);
+    if (!*views || (lenses && !*lenses)) {
+        free(*views);
+        if (lenses)
+            free(*lenses);
+        return fxs_fail_memory(list->message, list->path, bytes);
+    }
+    for (size_t i = 0; i < list->count; i++) {
+        const fxs_listed_view *listed = &list->views[i];
+        fxs_file_view *view = memcpy(&(*views)[i], &listed->view, sizeof *view);
+        if (width && listed->sizeless)
+            fxs_view_set_size(listed, view, width, height);
+        else if (width)
+            fxs_view_resize(view, width, height);
+        if (lenses)
+            (*lenses)[i] = listed->lens;
+    }
     return 0;
 }
 
-long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message)
+static long read_all(const char *path, int width, int height, fxs_file_view **views, fxs_lens **lenses,
+                     fxs_message *message)
 {
     fxs_view_list list;
     memset(&list, 0, sizeof list);
@@ -107,8 +155,19 @@ long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *
     list.message = message;
     int status = fxs_view_list_read(&list);
     if (!status)
-        status = take_views(&list, views);
+        status = take_views(&list, width, height, views, lenses);
     const long count = (long)list.count;
     fxs_view_list_free(&list);
     return status ? status : count;
+}
+
+long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message)
+{
+    return read_all(path, 0, 0, views, NULL, message);
+}
+
+long fxs_lens_file_read(const char *path, int width, int height, fxs_file_view **views, fxs_lens **lenses,
+                        fxs_message *message)
+{
+    return read_all(path, width, height, views, lenses, message);
 }

@@ -9,13 +9,25 @@
 #include "lens.h"
 #include "src/base/text_internal.h"
 
+/* Which list of a file has a photograph. */
+enum fxs_view_part {FXS_VIEW_OF_ANY, FXS_VIEW_TO_FIT, FXS_VIEW_TO_TEST, FXS_VIEW_LEFT_OUT};
+
+/* What a file that states no size of a picture says of it. Its views have the intrinsics of 800 x 800 pixels. */
+enum fxs_view_size {
+    FXS_SIZE_STATED,
+    FXS_SIZE_OF_WIDTH,             /* Blender: an angle, that of the width */
+    FXS_SIZE_OF_LONGER,            /* RealityCapture: intrinsics in parts of the longer side, from the middle */
+    FXS_SIZE_OF_PIXELS             /* Bundler: a focal length in pixels; the principal point is in the middle */
+};
+
 /* A view, with the data that reading its photograph needs. */
 typedef struct fxs_listed_view {
     fxs_file_view view;
     fxs_lens lens;
     char *image;        /* name of the photograph in the file, not cut; NULL: none */
     char *mask;         /* name of the photograph's mask in the file; NULL: none */
-    int sizeless;       /* 1: the file states only an angle; the size and intrinsics are for 800 x 800 */
+    enum fxs_view_part part;
+    enum fxs_view_size sizeless;
 } fxs_listed_view;
 
 /* The views that were read so far. */
@@ -24,7 +36,9 @@ typedef struct fxs_view_list {
     fxs_message *message;
     fxs_listed_view *views;
     size_t count, capacity;
-    int is_array;       /* 1: the file is a cameras.json */
+    enum fxs_camera_format {FXS_CAMERAS_OF_COLMAP, FXS_CAMERAS_OF_TRANSFORMS, FXS_CAMERAS_OF_INRIA, FXS_CAMERAS_OF_CSV,
+                            FXS_CAMERAS_OF_BUNDLER, FXS_CAMERAS_OF_METASHAPE} format;
+    int has_parts;      /* 1: the file says which photographs are to be fitted or to test with: none is OF_ANY */
     char *points;       /* path of the .ply with points in a transforms.json, or NULL */
 } fxs_view_list;
 
@@ -62,8 +76,20 @@ int fxs_to_rotation(double r[9]);
 /* The unit quaternion w, x, y, z of a rotation, in rows. */
 void fxs_quaternion_of(const double r[9], double q[4]);
 
-/* The readers. Both return 0, or an error and a message. The COLMAP texts may be changed. */
+/* The name of a photograph behind its folders, where these are a path of Windows; else the name. */
+const char *fxs_without_drive(const char *name);
+
+/* Sets the size of a view, and with it the intrinsics of a file that states none. */
+void fxs_view_set_size(const fxs_listed_view *listed, fxs_file_view *view, int width, int height);
+
+/* The readers. Each returns 0, or an error and a message. The texts may be changed. */
 int fxs_camera_json_parse(fxs_view_list *list, const fxs_text *json);
 int fxs_camera_colmap_parse(fxs_view_list *list, int binary, const fxs_text *cameras, const fxs_text *images);
+int fxs_camera_csv_parse(fxs_view_list *list, const fxs_text *csv);
+int fxs_camera_bundler_parse(fxs_view_list *list, const fxs_text *model, const fxs_text *photographs);
+int fxs_camera_metashape_parse(fxs_view_list *list, const fxs_text *xml);
+
+/* Reads a Bundler model and the list of its photographs beside it. */
+int fxs_camera_bundler_read(fxs_view_list *list, const fxs_text *model);
 
 #endif

@@ -53,8 +53,23 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
     return fxs_view_list_finish(list, width, height);
 }
 
-static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"};
+static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "sx1", "sy1"};
 enum { LENS_NAMES = sizeof lens_names / sizeof *lens_names };
+
+/* Each camera_model that is read: the coefficients of lens_names by the letters of fxs_lens_coefficient, - for one that
+   it does not have. The fourth of a perspective camera is that of r^8, but of FULL_OPENCV. */
+static const struct lens_model {
+    const char *name;
+    enum fxs_lens_kind kind;
+    const char *coefficients;
+} lens_models[] = {
+    {"OPENCV", FXS_LENS_BROWN, "0123--pq--"}, {"FULL_OPENCV", FXS_LENS_BROWN, "012abcpq--"},
+    {"SIMPLE_PINHOLE", FXS_LENS_BROWN, "0123--pq--"}, {"PINHOLE", FXS_LENS_BROWN, "0123--pq--"},
+    {"SIMPLE_RADIAL", FXS_LENS_BROWN, "0123--pq--"}, {"RADIAL", FXS_LENS_BROWN, "0123--pq--"},
+    {"OPENCV_FISHEYE", FXS_LENS_FISHEYE, "0123------"}, {"SIMPLE_RADIAL_FISHEYE", FXS_LENS_FISHEYE, "0123------"},
+    {"RADIAL_FISHEYE", FXS_LENS_FISHEYE, "0123------"}, {"THIN_PRISM_FISHEYE", FXS_LENS_FISHEYE, "0123--pqsu"},
+};
+enum { LENS_MODELS = sizeof lens_models / sizeof *lens_models, OPENCV = 0, FULL_OPENCV = 1, OPENCV_FISHEYE = 6 };
 
 /* Numbers of the file; NAN where absent. */
 typedef struct intrinsics {
@@ -78,40 +93,29 @@ static double first(double a, double b)
     return isnan(a) ? b : a;
 }
 
-/* The tangent of 0 to pi / 2 by + - * / alone: Lambert's fraction for an eighth of the angle, doubled three times. */
-static double tangent(double angle)
-{
-    const double z = angle / 8, square = z * z;
-    double t = 15;
-    for (int i = 13; i > 0; i -= 2)
-        t = i - square / t;
-    t = z / t;
-    for (int i = 0; i < 3; i++)
-        t = 2 * t / (1 - t * t);
-    return t;
-}
-
 static double focal_length(double length, double angle, double size)
 {
     if (!isnan(length) || isnan(angle))
         return length;
-    return angle > 0 && angle < 3.14159 ? size / (2 * tangent(angle / 2)) : 0;
+    return angle > 0 && angle < 3.14159 ? size / (2 * fxs_tangent(angle / 2)) : 0;
 }
 
-static int read_lens(fxs_view_list *list, int fisheye, const intrinsics *own, const intrinsics *file, fxs_lens *lens)
+static int read_lens(fxs_view_list *list, const struct lens_model *model, const intrinsics *own,
+                     const intrinsics *file, fxs_lens *lens)
 {
-    lens->fisheye = fisheye;
+    lens->kind = model->kind;
     for (int i = 0; i < LENS_NAMES; i++) {
         const double value = first(first(own->lens[i], file->lens[i]), 0);
-        *(i < 6 ? &lens->k[i] : &lens->p[i - 6]) = value;
         if (!isfinite(value))
             return fxs_view_list_fault(list, "a coefficient of its lens is not a finite number");
+        if (model->coefficients[i] != '-')
+            *fxs_lens_coefficient(lens, model->coefficients[i]) = value;
     }
     return 0;
 }
 
 /* Intrinsics of a frame override those of the file. */
-static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics *file, int fisheye)
+static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics *file, const struct lens_model *model)
 {
     fxs_listed_view *listed;
     intrinsics own = read_intrinsics(frame);
@@ -121,9 +125,9 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     fxs_file_view *view = &listed->view;
     if (isnan(width) && isnan(height)) {
         width = height = 800;   /* Blender's synthetic scenes state no size */
-        listed->sizeless = isnan(first(own.fl_x, file->fl_x));
+        listed->sizeless = isnan(first(own.fl_x, file->fl_x)) ? FXS_SIZE_OF_WIDTH : FXS_SIZE_STATED;
     }
-    FXS_TRY(read_lens(list, fisheye, &own, file, &listed->lens));
+    FXS_TRY(read_lens(list, model, &own, file, &listed->lens));
     view->bends = !fxs_lens_is_pinhole(&listed->lens);
     if (!matrix(cJSON_GetObjectItemCaseSensitive(frame, "transform_matrix"), m, 4))
         return fxs_view_list_fault(list, "\"transform_matrix\" is not four rows of four numbers");
@@ -146,33 +150,134 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     return fxs_view_list_finish(list, width, height);
 }
 
-/* The models whose lens is a pinhole with small distortions. */
-static int perspective(const char *model)
+/* NULL: a name that is not known. Without a name, k5 and k6 tell FULL_OPENCV, and instant-ngp's "is_fisheye" tells
+   OPENCV_FISHEYE. */
+static const struct lens_model *find_model(const cJSON *root, const char *name)
 {
-    static const char *const models[] = {"SIMPLE_PINHOLE", "PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV",
-                                         "FULL_OPENCV"};
-    for (size_t i = 0; i < sizeof models / sizeof *models; i++)
-        if (!strcmp(model, models[i]))
-            return 1;
+    const int full = cJSON_HasObjectItem(root, "k5") || cJSON_HasObjectItem(root, "k6");
+    if (!name)
+        return &lens_models[cJSON_IsTrue(cJSON_GetObjectItemCaseSensitive(root, "is_fisheye")) ? OPENCV_FISHEYE :
+                            full ? FULL_OPENCV : OPENCV];
+    for (int i = 0; i < LENS_MODELS; i++)
+        if (!strcmp(name, lens_models[i].name))
+            return &lens_models[i];
+    return NULL;
+}
+
+/* ---- Which photographs ------------------------------------------------------------------------------------------- */
+
+enum { TRAIN, TEST, VAL, PARTS };
+
+/* The names of a list of the file, sorted, and which of them a frame has. */
+typedef struct name_list {
+    const char **names;
+    unsigned char *met;
+    size_t count;
+} name_list;
+
+static const char *without_dots(const char *name)
+{
+    while (!strncmp(name, "./", 2))
+        name += 2;
+    return name;
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static int read_names(const fxs_view_list *list, const cJSON *root, const char *key, name_list *names)
+{
+    const cJSON *array = cJSON_GetObjectItemCaseSensitive(root, key), *item;
+    const int size = cJSON_IsArray(array) ? cJSON_GetArraySize(array) : 0;
+    if (array && !cJSON_IsArray(array) && !cJSON_IsNull(array))
+        return fxs_fail(list->message, "%s: %s: not a list of names", list->path, key);
+    names->names = malloc(((size_t)size + 1) * sizeof *names->names);
+    names->met = calloc((size_t)size + 1, 1);
+    if (!names->names || !names->met)
+        return fxs_fail_memory(list->message, list->path, (size_t)size * sizeof *names->names);
+    cJSON_ArrayForEach(item, array) {
+        if (!cJSON_IsString(item))
+            return fxs_fail(list->message, "%s: %s: not a list of names", list->path, key);
+        names->names[names->count++] = without_dots(item->valuestring);
+    }
+    qsort(names->names, names->count, sizeof *names->names, compare_names);
     return 0;
 }
 
+/* Whether the list has the name, which is then met, however often. */
+static int meets(name_list *names, const char *name)
+{
+    const char *const *found = bsearch(&name, names->names, names->count, sizeof name, compare_names);
+    if (!found)
+        return 0;
+    size_t i = (size_t)(found - names->names);
+    for (; i && !strcmp(names->names[i - 1], name); i--)
+        ;
+    for (; i < names->count && !names->met[i] && !strcmp(names->names[i], name); i++)
+        names->met[i] = 1;
+    return 1;
+}
+
+/* Those of test_filenames are to test with, or where there are none those of val_filenames. */
+static int choose_parts(fxs_view_list *list, name_list parts[PARTS])
+{
+    for (size_t i = 0; i < list->count; i++) {
+        fxs_listed_view *view = &list->views[i];
+        const char *name = view->image ? without_dots(view->image) : "";
+        const int train = meets(&parts[TRAIN], name), test = meets(&parts[TEST], name), val = meets(&parts[VAL], name);
+        if (train && (test || val))
+            return fxs_fail(list->message, "%s: view %s: both in train_filenames and in %s", list->path,
+                            view->view.name, test ? "test_filenames" : "val_filenames");
+        view->part = test || (val && !parts[TEST].count)            ? FXS_VIEW_TO_TEST :
+                     train || (!val && !parts[TRAIN].count) ? FXS_VIEW_TO_FIT : FXS_VIEW_LEFT_OUT;
+    }
+    return 0;
+}
+
+static int read_parts(fxs_view_list *list, const cJSON *root)
+{
+    static const char *const keys[PARTS] = {"train_filenames", "test_filenames", "val_filenames"};
+    name_list parts[PARTS];
+    int error = 0;
+    memset(parts, 0, sizeof parts);
+    for (int i = 0; i < PARTS && !error; i++) {
+        error = read_names(list, root, keys[i], &parts[i]);
+        list->has_parts |= parts[i].count > 0;
+    }
+    if (!error && list->has_parts)
+        error = choose_parts(list, parts);
+    for (int i = 0; i < PARTS; i++) {
+        for (size_t k = 0; k < parts[i].count && !error; k++)
+            if (!parts[i].met[k])
+                error = fxs_fail(list->message, "%s: %s: no frame has the file_path %.200s", list->path, keys[i],
+                                 parts[i].names[k]);
+        free(parts[i].names);
+        free(parts[i].met);
+    }
+    return error;
+}
+
+/* ---- Both kinds of file ------------------------------------------------------------------------------------------ */
+
 static int read_transforms(fxs_view_list *list, const cJSON *root, const cJSON *frames)
 {
-    const char *model = fxs_json_string(root, "camera_model"), *points = fxs_json_string(root, "ply_file_path");
-    const int fisheye = model && !strcmp(model, "OPENCV_FISHEYE");
+    const char *name = fxs_json_string(root, "camera_model"), *points = fxs_json_string(root, "ply_file_path");
+    const struct lens_model *model = find_model(root, name);
     intrinsics file = read_intrinsics(root);
-    if (model && !fisheye && !perspective(model))
+    list->format = FXS_CAMERAS_OF_TRANSFORMS;
+    if (!model)
         return fxs_fail(list->message, "%s: the camera_model \"%.40s\" is not known here; expected one of a "
-                        "perspective camera, or OPENCV_FISHEYE", list->path, model);
+                        "perspective camera, OPENCV_FISHEYE or THIN_PRISM_FISHEYE", list->path, name);
     if (points && !(list->points = malloc(strlen(points) + 1)))
         return fxs_fail_memory(list->message, list->path, 0);
     if (points)
         strcpy(list->points, points);
     const cJSON *frame;
     cJSON_ArrayForEach(frame, frames)
-        FXS_TRY(read_frame(list, frame, &file, fisheye));
-    return 0;
+        FXS_TRY(read_frame(list, frame, &file, model));
+    return read_parts(list, root);
 }
 
 static int read_root(fxs_view_list *list, const cJSON *root)
@@ -182,7 +287,7 @@ static int read_root(fxs_view_list *list, const cJSON *root)
         return read_transforms(list, root, frames);
     if (!cJSON_IsArray(root))
         return fxs_fail(list->message, "%s: neither an array of cameras nor an object with \"frames\"", list->path);
-    list->is_array = 1;
+    list->format = FXS_CAMERAS_OF_INRIA;
     cJSON_ArrayForEach(item, root)
         FXS_TRY(read_inria_view(list, item));
     return 0;

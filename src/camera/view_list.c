@@ -77,6 +77,29 @@ void fxs_view_list_free(fxs_view_list *list)
     list->count = list->capacity = 0;
 }
 
+const char *fxs_without_drive(const char *name)
+{
+    const char *last = strrchr(name, '\\'), *slash = strrchr(name, '/');
+    const int drive = ((*name | 32) >= 'a' && (*name | 32) <= 'z') && name[1] == ':';
+    if (slash && (drive || last) && (!last || slash > last))
+        last = slash;
+    return last ? last + 1 : name;
+}
+
+void fxs_view_set_size(const fxs_listed_view *listed, fxs_file_view *view, int width, int height)
+{
+    const int longer = width > height ? width : height;
+    const double factor = listed->sizeless == FXS_SIZE_OF_WIDTH  ? (double)width / view->width :
+                          listed->sizeless == FXS_SIZE_OF_LONGER ? (double)longer / view->width : 1;
+    const double off = listed->sizeless == FXS_SIZE_OF_LONGER ? factor : 0;
+    view->fx *= factor;
+    view->fy = view->fx;
+    view->cx = width / 2.0 + off * (view->cx - view->width / 2.0);
+    view->cy = height / 2.0 + off * (view->cy - view->height / 2.0);
+    view->width = width;
+    view->height = height;
+}
+
 static int size_valid(double size)
 {
     return size >= 1 && size <= MAX_SIZE && size == floor(size);

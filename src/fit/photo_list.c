@@ -1,5 +1,6 @@
 #include "photo_list.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -120,22 +121,37 @@ static int find_colmap(fxs_photo_list *list, fxs_message *message)
     return find_colmap_images(list, message);
 }
 
-static void find_json(fxs_photo_list *list)
+/* Images are in the folder `images` beside the cameras, else beside them; the points are in a file of that name. */
+static void find_beside(fxs_photo_list *list, const char *folder, const char *points)
 {
-    static const char *const inria[] = {"input.ply"};
+    if (!join(list->images, folder, "images") || !is_folder(list->images))
+        strcpy(list->images, folder);
+    find_points(list, &points, 1);
+}
+
+/* Paths are relative to the folder of the file. */
+static void find_of_transforms(fxs_photo_list *list, const char *folder)
+{
+    strcpy(list->images, folder);
+    if (list->fit.points)
+        join(list->points, folder, list->fit.points);
+    if (strcmp(base_of(list->cameras), "transforms_train.json") || list->fit.has_parts)
+        return;
+    if ((!join(list->test, folder, "transforms_test.json") || !exists(list->test)) &&
+        (!join(list->test, folder, "transforms_val.json") || !exists(list->test)))
+        *list->test = 0;
+}
+
+static void find_others(fxs_photo_list *list)
+{
     char folder[FXS_PHOTO_PATH];
     parent_of(folder, list->cameras);
-    strcpy(list->images, folder);
-    if (list->fit.is_array) {
-        if (!join(list->images, folder, "images") || !is_folder(list->images))
-            strcpy(list->images, folder);
-        find_points(list, inria, 1);
-    } else if (list->fit.points) {
-        join(list->points, folder, list->fit.points);
-    }
-    if (!strcmp(base_of(list->cameras), "transforms_train.json") &&
-        (!join(list->test, folder, "transforms_test.json") || !exists(list->test)))
-        *list->test = 0;
+    if (list->fit.format == FXS_CAMERAS_OF_TRANSFORMS)
+        find_of_transforms(list, folder);
+    else
+        find_beside(list, folder, list->fit.format == FXS_CAMERAS_OF_INRIA ? "input.ply" : "points.ply");
+    if (list->fit.format == FXS_CAMERAS_OF_BUNDLER)
+        strcpy(list->points, list->cameras);
 }
 
 /* ---- Which photographs ------------------------------------------------------------------------------------------- */
@@ -145,6 +161,24 @@ static int compare_images(const void *a, const void *b)
     const fxs_listed_view *v = a, *w = b;
     const int order = strcmp(v->image, w->image);
     return order ? order : memcmp(&v->view, &w->view, sizeof v->view);
+}
+
+#define FAR 65536.0                 /* scene units; single precision has steps of 1/128 there */
+#define FAR_OF_EXTENT 16
+
+/* A fit is in single precision: cameras in a geographic system are too far from its origin for that. */
+static int check_place(const fxs_view_list *views)
+{
+    double far = 0, extent = 0;
+    for (size_t i = 0; i < views->count; i++)
+        for (int k = 0; k < 3; k++) {
+            const double here = views->views[i].view.position[k];
+            far = fmax(far, fabs(here));
+            extent = fmax(extent, fabs(here - views->views[0].view.position[k]));
+        }
+    return far < FAR || extent * FAR_OF_EXTENT > far ? 0 :
+           fxs_fail(views->message, "%s: the cameras are %.0f units from the origin and %.0f from each other: too far "
+                    "for single precision; export them in a local coordinate system", views->path, far, extent);
 }
 
 static int read_views(fxs_view_list *views, const char *path, fxs_message *message)
@@ -158,35 +192,39 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
             return fxs_fail(message, "%s: view %s: it names no photograph", path, v->view.name);
         if (v->view.projection != FXS_PERSPECTIVE)
             return fxs_fail(message, "%s: view %s: not a perspective camera", path, v->view.name);
-        if (v->lens.is_unknown)
-            return fxs_fail(message, "%s: view %s: its photograph cannot be undistorted here, as its camera model is "
-                            "not known; colmap image_undistorter makes a folder that can be fitted", path,
-                            v->view.name);
     }
     qsort(views->views, views->count, sizeof *views->views, compare_images);
-    return 0;
+    return check_place(views);
 }
 
-/* Moves every n-th view to the held-out list. */
+/* Keeps the views that the file says are to be fitted. Of those that it says are to test with, or else of every n-th,
+   makes the held-out list; of 0 none. */
 static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 {
-    fxs_view_list *fit = &list->fit, *held = &list->held_out;
-    const size_t count = (fit->count - 1) / n + 1;
-    if (count == fit->count)
-        return fxs_fail(message, "%s: every photograph of %zu would be held out: none is left to fit", list->cameras,
-                        fit->count);
-    held->views = malloc(count * sizeof *held->views);
-    if (!held->views)
-        return fxs_fail_memory(message, list->cameras, count * sizeof *held->views);
-    size_t left = 0;
-    held->path = fit->path;
+    fxs_view_list *fit = &list->fit, *held = &list->held_out, *rest = &list->rest;
+    size_t left = 0, tested = 0, place = 0;
     for (size_t i = 0; i < fit->count; i++)
-        if (i % n)
-            fit->views[left++] = fit->views[i];
+        tested += fit->views[i].part == FXS_VIEW_TO_TEST;
+    held->views = malloc((fit->count + 1) * sizeof *held->views);
+    rest->views = malloc((fit->has_parts ? fit->count + 1 : 1) * sizeof *rest->views);
+    if (!held->views || !rest->views)
+        return fxs_fail_memory(message, list->cameras, fit->count * sizeof *held->views);
+    held->path = fit->path;
+    for (size_t i = 0; i < fit->count; i++) {
+        fxs_listed_view *view = &fit->views[i];
+        const int fitted = view->part == FXS_VIEW_OF_ANY || view->part == FXS_VIEW_TO_FIT;
+        const int held_out = n && (tested ? view->part == FXS_VIEW_TO_TEST : fitted && place++ % n == 0);
+        if (held_out)
+            held->views[held->count++] = *view;
+        else if (fitted)
+            fit->views[left++] = *view;
         else
-            held->views[held->count++] = fit->views[i];
+            rest->views[rest->count++] = *view;
+    }
+    const size_t count = fit->count;
     fit->count = left;
-    return 0;
+    return left ? 0 : fxs_fail(message, "%s: every photograph of %zu would be held out: none is left to fit",
+                               list->cameras, count);
 }
 
 /* Beside the folder images, or in the folder of the file that names the photographs. */
@@ -203,16 +241,16 @@ static void find_masks(fxs_photo_list *list)
 static int find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message *message)
 {
     FXS_TRY(find_cameras(list, path, message));
-    list->is_colmap = colmap_name(base_of(list->cameras));
-    if (list->is_colmap)
+    const int is_colmap = colmap_name(base_of(list->cameras));
+    if (is_colmap)
         FXS_TRY(find_colmap(list, message));
     FXS_TRY(read_views(&list->fit, list->cameras, message));
-    if (!list->is_colmap)
-        find_json(list);
+    if (!is_colmap)
+        find_others(list);
     find_masks(list);
-    if (!n)
-        return 0;
-    return *list->test ? read_views(&list->held_out, list->test, message) : hold_out(list, n, message);
+    if (!*list->test)
+        return hold_out(list, n, message);
+    return n ? read_views(&list->held_out, list->test, message) : 0;
 }
 
 int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message *message)
@@ -239,6 +277,7 @@ void fxs_photo_list_free(fxs_photo_list *list)
 {
     fxs_view_list_free(&list->fit);
     fxs_view_list_free(&list->held_out);
+    fxs_view_list_free(&list->rest);
 }
 
 int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view, char path[FXS_PHOTO_PATH],
@@ -387,6 +426,7 @@ void fxs_photo_list_others(const fxs_photo_list *list, fxs_left_out_fn *say, voi
     size_t lengths[FOLDERS_MOST], count = 0;
     add_known(&o.known, &list->fit);
     add_known(&o.known, &list->held_out);
+    add_known(&o.known, &list->rest);
     sort_names(&o.known);
     for (size_t i = 0; i < list->fit.count && !o.known.incomplete; i++) {
         size_t k = 0;

@@ -12,9 +12,9 @@ typedef struct fxs_photo_list {
     char test[FXS_PHOTO_PATH];     /* the cameras file of held-out photographs, or empty */
     char images[FXS_PHOTO_PATH];   /* the folder to which image names are relative */
     char masks[FXS_PHOTO_PATH];    /* the folder of masks beside them, or empty */
-    char points[FXS_PHOTO_PATH];   /* the file of the points, or empty */
-    int is_colmap;                 /* 1: the points are in COLMAP's format, else in a .ply */
+    char points[FXS_PHOTO_PATH];   /* the file of the points, or empty; in the format of the cameras, or a .ply */
     fxs_view_list fit, held_out;   /* sorted by name */
+    fxs_view_list rest;            /* those that the file says are neither */
 } fxs_photo_list;
 
 /* `held_out`: 0, or n to hold out every n-th photograph by name, unless the files state which. Returns 0 and a list for

@@ -38,23 +38,12 @@ static void scale(fxs_file_view *view, int width, int height)
     view->height = height;
 }
 
-/* Intrinsics for a file that states only an angle, the horizontal field of view. */
-static void set_size(fxs_file_view *view, int width, int height)
-{
-    view->fx *= (double)width / view->width;
-    view->fy = view->fx;
-    view->cx = width / 2.0;
-    view->cy = height / 2.0;
-    view->width = width;
-    view->height = height;
-}
-
 static int fit_camera(const char *path, const fxs_listed_view *listed, const picture *p, fxs_file_view *view,
                       fxs_message *message)
 {
     *view = listed->view;
     if (listed->sizeless)
-        set_size(view, p->width, p->height);
+        fxs_view_set_size(listed, view, p->width, p->height);
     else if (!same_proportion(view, p->width, p->height))
         return fxs_fail(message, "%s: %d x %d pixels, its camera has %d x %d, of another proportion", path, p->width,
                         p->height, view->width, view->height);

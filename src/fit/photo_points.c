@@ -80,6 +80,40 @@ int fxs_photo_points_colmap(fxs_photo_points *p, const char *path, fxs_message *
     return error;
 }
 
+/* ---- Bundler ----------------------------------------------------------------------------------------------------- */
+
+enum { LINES_OF_CAMERA = 5 };
+
+/* Three lines a point: a position, a colour, and where it is seen. */
+static int read_bundler(fxs_photo_points *p, const fxs_text *text, fxs_message *message)
+{
+    char *rest = text->data, *line = fxs_colmap_entry(&rest);
+    double counts[2];
+    if (!line || !fxs_colmap_numbers(&line, counts, 2))
+        return fxs_fail(message, "%s: does not begin with the numbers of cameras and of points", text->path);
+    for (double i = 0; i < LINES_OF_CAMERA * counts[0] && line; i++)
+        line = fxs_colmap_entry(&rest);
+    for (double i = 0; i < counts[1]; i++) {
+        double values[6];
+        for (int k = 0; k < 2; k++)
+            if (!(line = fxs_colmap_entry(&rest)) || !fxs_colmap_numbers(&line, values + 3 * k, 3))
+                return fxs_fail(message, "%s: point %zu: not a position and a colour", text->path, p->count);
+        if (!fxs_colmap_entry(&rest))
+            return fxs_fail(message, "%s: point %zu: cut short", text->path, p->count);
+        FXS_TRY(add_point(p, text->path, values, values + 3, message));
+    }
+    return 0;
+}
+
+int fxs_photo_points_bundler(fxs_photo_points *p, const char *path, fxs_message *message)
+{
+    fxs_text text;
+    FXS_TRY(fxs_text_load(path, &text, message));
+    const int error = read_bundler(p, &text, message);
+    free(text.data);
+    return error;
+}
+
 /* ---- .ply -------------------------------------------------------------------------------------------------------- */
 
 typedef struct ply {

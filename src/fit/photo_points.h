@@ -1,4 +1,5 @@
-/* The initial points of a fit: from COLMAP's points3D.bin or .txt, from a .ply, or random. */
+/* The initial points of a fit: from COLMAP's points3D.bin or .txt, from a model of Bundler, from a .ply, or
+   random. */
 #ifndef FXS_FIT_PHOTO_POINTS_H
 #define FXS_FIT_PHOTO_POINTS_H
 
@@ -11,6 +12,7 @@ typedef struct fxs_photo_points {
 
 /* Each returns 0, or an error and a message, also for points that are not finite or not within 2^27 units. */
 int fxs_photo_points_colmap(fxs_photo_points *points, const char *path, fxs_message *message);
+int fxs_photo_points_bundler(fxs_photo_points *points, const char *path, fxs_message *message);
 int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message *message);
 
 /* Makes 100,000 random grey points in the cube with this middle and half side. */

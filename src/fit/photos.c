@@ -174,7 +174,7 @@ static int random_of_list(fxs_photo_points *p, const fxs_photo_list *list, uint6
 {
     static const double origin[3] = {0, 0, 0};
     box cameras = empty_box;
-    if (list->fit.views[0].sizeless)
+    if (list->fit.views[0].sizeless == FXS_SIZE_OF_WIDTH)
         return fxs_photo_points_random(p, origin, BLENDER_HALF, seed, message);
     for (size_t i = 0; i < list->fit.count; i++)
         take_camera(&cameras, &list->fit.views[i].view);
@@ -224,8 +224,9 @@ int fxs_photos_points(const fxs_photo_list *list, const fxs_photos_options *opti
     fxs_photo_points p = {NULL, 0, 0};
     int error = 0;
     if (*list->points)
-        error = list->is_colmap ? fxs_photo_points_colmap(&p, list->points, message)
-                                : fxs_photo_points_ply(&p, list->points, message);
+        error = list->fit.format == FXS_CAMERAS_OF_COLMAP    ? fxs_photo_points_colmap(&p, list->points, message) :
+                list->fit.format == FXS_CAMERAS_OF_BUNDLER ? fxs_photo_points_bundler(&p, list->points, message) :
+                                                             fxs_photo_points_ply(&p, list->points, message);
     if (!error && !p.count) {
         photos->points_are_random = 1;
         error = random_of_list(&p, list, options->seed, message);

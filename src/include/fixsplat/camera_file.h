@@ -1,5 +1,6 @@
-/* Reads camera files: Inria's cameras.json, COLMAP's sparse models (.bin and .txt), transforms.json of nerfstudio and
- * Blender. Stable from version 1.0 on. */
+/* Reads camera files: Inria's cameras.json, COLMAP's sparse models (.bin and .txt), transforms.json of nerfstudio,
+ * instant-ngp and Blender, .xml of Agisoft Metashape, .csv of RealityCapture and RealityScan, .out of Bundler. Stable
+ * from version 1.0 on. */
 #ifndef FXS_CAMERA_FILE_H
 #define FXS_CAMERA_FILE_H
 
@@ -23,15 +24,22 @@ typedef struct fxs_file_view {
 } fxs_file_view;
 
 /* Reads every camera of a file. A file named images or cameras with the ending .bin or .txt is a COLMAP model; the
-   content of any other file tells a cameras.json (an array) from a transforms.json (an object with "frames"). From a
-   folder, the first of these is read: a COLMAP model in sparse/0, in sparse or in the folder itself, transforms.json,
-   transforms_train.json, cameras.json. Cameras of COLMAP are sorted by image name.
+   content of any other file tells a cameras.json (an array) from a transforms.json (an object with "frames"), and both
+   from the others; a .csv and an .xml are told by their name too. From a folder, the first of these is read: a COLMAP
+   model in sparse/0, in sparse or in the folder itself, transforms.json, transforms_train.json, cameras.json,
+   cameras.xml, cameras.csv, bundle.out. Cameras of COLMAP are sorted by image name.
+
+   Of a Metashape file, cameras without a transform or with enabled="false" are left out; its positions are those of the
+   component's, or else the chunk's, coordinate system. A .csv of RealityCapture ("internal/external camera parameters")
+   has x to the east, y to the north and z up; its distortion is read by Brown's model. Bundler's names of photographs
+   are in list.txt or NAME.list.txt beside it; cameras with a focal length of 0 are left out. The latter two, as
+   Blender's files, state no size of a picture: their views have 800 x 800 pixels.
 
    Returns the number of cameras, at least 1, with *views allocated by malloc, which the caller frees; or an error and a
    message, which names the faulty camera. Errors: FXS_ERR_FILE where a file is missing, damaged, or has a camera that
    cannot be used (a focal length that is not above 0, a rotation that is not orthonormal within 1e-3, a number that is
    not finite, a size out of range, an unknown camera model); FXS_ERR_UNSUPPORTED for .json where fixsplat was built
-   without cJSON; FXS_ERR_MEMORY. Several threads may read files at the same time. */
+   without cJSON and for .xml without expat; FXS_ERR_MEMORY. Several threads may read files at the same time. */
 FXS_API long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
 
 #ifdef __cplusplus

@@ -3,24 +3,30 @@
  * - COLMAP: a folder with images and sparse/0 or sparse (.bin or .txt); or the folder or a file of the model, with
  *   images there or up to two folders above. The points are in points3D.bin or .txt beside it.
  * - nerfstudio: a transforms.json, or a folder with one; the paths "file_path" and "ply_file_path" (the points) are
- *   relative to it.
- * - Blender: transforms_train.json, or a folder with one; transforms_test.json beside it has the held-out photographs.
+ *   relative to it. "applied_transform" was applied to both already. Where there is a "train_filenames", only its
+ *   photographs are fitted; those of "test_filenames", or else of "val_filenames", are held out, and never fitted.
+ * - Blender: transforms_train.json, or a folder with one; transforms_test.json beside it, or else transforms_val.json,
+ *   has the held-out photographs.
  * - Inria: a cameras.json, or a folder with one; images are beside it or in images, the points in input.ply beside it.
  *
+ * - Metashape's .xml, RealityCapture's .csv: images are beside it or in images, the points in points.ply beside it.
+ * - Bundler: a .out, with list.txt or NAME.list.txt beside it, images beside it or in images, and points in it.
+ *
  * From a folder, the first of these is read: sparse/0, sparse, images.bin or .txt, transforms.json,
- * transforms_train.json, cameras.json. Image names may lack their ending (.png, .jpg, .jpeg, or these in capitals).
+ * transforms_train.json, cameras.json, cameras.xml, cameras.csv, bundle.out. Image names may lack their ending (.png,
+ * .jpg, .jpeg, or these in capitals).
  *
  * The result is the same on every machine, for any number of threads (image_file.h explains why, for pixels):
  *
- * - A photograph may have another size than its camera, but the same proportions to a pixel; where transforms.json
+ * - A photograph may have another size than its camera, but the same proportions to a pixel; where the file
  *   states no size, the photograph's is used.
  * - A photograph is used as it is stored where its camera has these proportions, and square ones always. Where only the
  *   photograph as its EXIF turns it by a quarter has them, it is turned. EXIF that is damaged or out of its range counts
  *   as none.
- * - Distortion of a lens is removed (COLMAP's SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE,
- *   RADIAL_FISHEYE and SIMPLE_RADIAL_FISHEYE; k1 to k6, p1 and p2 of transforms.json): each pixel of a pinhole picture
- *   is interpolated between the four pixels around the place where the lens put it. Principal point and size stay; the
- *   focal lengths are scaled, by 1/2 to 2, so that the picture has no gaps.
+ * - Distortion of a lens is removed (every model of COLMAP 4 but EQUIRECTANGULAR; k1 to k6, p1, p2, sx1 and sy1 of
+ *   transforms.json): each pixel of a pinhole picture is interpolated between the four pixels around the place where
+ *   the lens put it. Principal point and size stay; the focal lengths are scaled so that the picture has no gaps: by
+ *   1/2 to 2, or for a fisheye as far as it takes that the picture ends at most 60 degrees from its axis at every side.
  * - A photograph with alpha becomes colour * alpha + background * (1 - alpha), in the 8-bit values of the file.
  * - Masks say which pixels are ignored (fxs_fit_photo). They are in a folder masks beside the folder images, or beside
  *   the .json file: for images/a.jpg that is masks/a.jpg.png, as COLMAP has it, or masks/a.png. "mask_path" in a
@@ -51,7 +57,7 @@ typedef void fxs_left_out_fn(void *argument, const char *why);
 typedef struct fxs_photos_options {
     int resolution;                /* the largest width or height, in pixels; 0: 1600 */
     uint32_t hold_out;             /* 0: no photograph is held out; n: every n-th by name, from the first on. Where
-                                      there is a transforms_test.json, any n holds out its photographs instead */
+                                      the files say which are to test with, any n holds out those instead */
     uint8_t background[3];         /* behind photographs with alpha */
     const char *masks;             /* null: masks are found as said above; else they are in this folder; "": none */
     int invert_masks;              /* 1: masks are white where a photograph is ignored */
@@ -86,11 +92,12 @@ typedef struct fxs_photos {
    Returns 0 and photographs that fxs_photos_free frees, or an error and a message, with *photos all 0. Errors:
    FXS_ERR_FILE where a file is missing or damaged (of several photographs, the message names the first by name; with
    skip_bad the others are used, if any is left), a photograph has other proportions than its camera, a camera cannot be
-   drawn, is not perspective or has an unknown lens or one that cannot be undone, a mask has another size than its
-   photograph, or no white and not only black, the folder `masks` of the options has none, no photograph is left to fit,
-   or no pixel of any, a point is not finite or beyond 2^27 units, or all points lie behind all cameras; FXS_ERR_STOPPED
-   by `progress`; FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution);
-   FXS_ERR_UNSUPPORTED where the files need cJSON or a library of image_file.h that fixsplat was built without;
+   drawn, is not perspective or has a lens that cannot be undone, a mask has another size than its photograph, or no
+   white and not only black, the folder `masks` of the options has none, no photograph is left to fit, or no pixel of
+   any, a point is not finite or beyond 2^27 units, all points lie behind all cameras, or all cameras are more than 2^16
+   units from the origin and 16 times nearer to each other, which single precision does not hold; FXS_ERR_STOPPED by
+   `progress`; FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution);
+   FXS_ERR_UNSUPPORTED where the files need cJSON, expat or a library of image_file.h that fixsplat was built without;
    FXS_ERR_MEMORY. All-black photographs are accepted. */
 FXS_API int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos,
                             fxs_message *message);
