@@ -60,6 +60,9 @@ static const option_row own_rows[] = {
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
      "none (default), or gain: photographs differ in exposure and white balance, and three numbers of each are fitted "
      "beside the scene; of --block those of --coarse"},
+    {"refine-poses", 0, FLAG(options.refine_poses), .help =
+     "cameras are not quite where they are said to be: their poses are fitted beside the scene, those of photographs "
+     "that are held out excepted; of --block those of --coarse"},
     {"steps", "N", UINT32(options.steps, 1, 1000000000), .help = "one photograph each (default 30000, fast 8000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =
      "pixels of a photograph's longer side, at most: averaged down to it (default 1600)"},
@@ -174,6 +177,8 @@ static int read_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block and --resume");
     if (c->options.exposure && c->blocks && !c->coarse)
         return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
+    if (c->options.refine_poses && c->blocks && !c->coarse)
+        return fail(EXIT_USAGE, "--refine-poses: of --block only with --coarse, whose poses it has");
     if (c->coarse && !c->blocks)
         return fail(EXIT_USAGE, "--coarse needs --block I/N");
     if (c->blocks && !c->block && !c->coarse)
@@ -226,6 +231,7 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         {"batch", given->batch == is->batch}, {"sh-degree", given->sh_degree == is->sh_degree},
         {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
         {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
+        {"refine-poses", given->refine_poses == is->refine_poses},
         {"background", !memcmp(given->background, is->background, sizeof is->background)}
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
@@ -452,6 +458,8 @@ static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fi
         return fail_for(&message);
     if (c->coarse && is_given("exposure") && c->options.exposure != fxs_fit_options_of(*fit)->exposure)
         return fail(EXIT_USAGE, "--exposure: %s was begun with another", c->coarse);
+    if (c->coarse && c->options.refine_poses && !fxs_fit_options_of(*fit)->refine_poses)
+        return fail(EXIT_USAGE, "--refine-poses: %s was begun without", c->coarse);
     return c->resume ? check_resumed(c, *fit) : 0;
 }
 

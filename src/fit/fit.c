@@ -8,6 +8,7 @@
 
 #include <fixsplat/camera.h>
 #include <fixsplat/message.h>
+#include "pose.h"
 #include "random.h"
 #include "recipe.h"
 
@@ -109,6 +110,7 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : o->device_count > FXS_FIT_BATCH                          ? "number of devices"
                         : o->batch > FXS_FIT_BATCH                                 ? "number of photographs of a step"
                         : (unsigned)o->exposure > FXS_FIT_EXPOSURE_GAIN            ? "exposure"
+                        : (unsigned)o->refine_poses > 1                            ? "refinement of poses"
                                                                                    : NULL;
     if (wrong)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong);
@@ -167,10 +169,12 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->order = calloc(photo_count, sizeof *f->order);
         f->gains.of = calloc(photo_count, sizeof *f->gains.of);
         f->gains.count = (uint32_t)photo_count;
+        f->poses.of = calloc(photo_count, sizeof *f->poses.of);
+        f->poses.count = (uint32_t)photo_count;
         f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
                                             options->threads, options->clock);
     }
-    if (!f || !f->photographs || !f->order || !f->gains.of || !f->stepper) {
+    if (!f || !f->photographs || !f->order || !f->gains.of || !f->poses.of || !f->stepper) {
         fxs_fit_free(f);
         return fxs_fail_memory(message, "a fit", 0);
     }
@@ -194,6 +198,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
 int fxs_fit_hand_over(fxs_fit *f, fxs_message *message)
 {
     f->model.gains = f->options.exposure ? &f->gains : NULL;
+    f->model.poses = f->options.refine_poses ? &f->poses : NULL;
     return f->engine->give(f->self, message);
 }
 
@@ -203,6 +208,8 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
     int error = fxs_fit_begin(fit, photos, photo_count, options, message);
     if (!error && options->exposure && options->blocks)
         error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "exposures of a block are those of its coarse fit");
+    if (!error && options->refine_poses && options->blocks)
+        error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "refined poses of a block are those of its coarse fit");
     if (!error)
         error = check_points(photos, photo_count, points, point_count, message);
     if (!error && begin_model(*fit, points, point_count))
@@ -231,6 +238,7 @@ void fxs_fit_free(fxs_fit *f)
     free(f->photographs);
     free(f->order);
     free(f->gains.of);
+    free(f->poses.of);
     free(f);
 }
 
@@ -291,6 +299,8 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
     options->gain_rate = plan->gain_rate;
+    options->turn_rate = plan->turn_rate;
+    options->shift_rate = plan->turn_rate * f->extent;
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
     memcpy(options->rate, plan->rate, sizeof options->rate);
     for (int c = 0; c < 3; c++)
@@ -360,5 +370,31 @@ int fxs_fit_gaussians(fxs_fit *f, fxs_gaussian_source *gaussians, fxs_message *m
     gaussians->sh_degree = f->options.sh_degree;
     gaussians->read = read_gaussians;
     gaussians->argument = &f->model;
+    return error;
+}
+
+/* The same in doubles as pose_camera does in singles. */
+static void pose_view(fxs_file_view *view, const fxs_fit_pose *pose)
+{
+    fxs_fit_camera turn = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    double given[9];
+    memcpy(given, view->rotation, sizeof given);
+    pose_camera(&turn, pose->at);
+    for (int k = 0; k < 9; k++) {
+        const float *r = turn.rotation + k / 3 * 3;
+        view->rotation[k] = 0;
+        for (int i = 0; i < 3; i++)
+            view->rotation[k] += (double)r[i] * given[3 * i + k % 3];
+    }
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            view->position[k] += given[3 * i + k] * (double)pose->at[3 + i];
+}
+
+int fxs_fit_pose_photos(fxs_fit *f, fxs_fit_photo *photos, fxs_message *message)
+{
+    const int error = f->model.poses ? f->engine->fetch(f->self, message) : 0;
+    for (size_t i = 0; i < f->count && f->model.poses && !error; i++)
+        pose_view(&photos[i].view, &f->poses.of[i]);
     return error;
 }

@@ -7,6 +7,9 @@
 
 #include "fit_lanes.h"
 
+#include <stdlib.h>
+#define FIRST_TURN (getenv("TURN") ? (float)atof(getenv("TURN")) : 1e-4f)
+
 /* ---- Scene ------------------------------------------------------------------------------------------------------- */
 
 static double distance(const double a[3], const double b[3])
@@ -81,18 +84,22 @@ static int is_reset(const fxs_fit_options *options, uint32_t step, uint32_t end)
            (is_every(step, 3000, 0, end) || (step == 500 && is_white(options->background)));
 }
 
-/* 0.05 * 10^-(step / steps). The 500 steps after the beginning and after each reset take a growing part of it: pictures
-   are not of the scene yet. */
-static void set_gain_rate(const fxs_fit_options *options, uint32_t step, uint32_t steps, uint32_t end,
-                          fxs_fit_plan *plan)
+/* Rates of exposures, 0.05 * 10^-(step / steps), and of poses, FIRST_TURN * 10^-(step / steps) from step 501 on. The 500
+   steps after the beginning and after each reset take a growing part of them: pictures are not of the scene yet. A
+   block has those of its coarse fit. */
+static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, uint32_t end,
+                                 fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
     uint32_t since = 1;
-    if (!options->exposure || options->blocks)
+    if ((!options->exposure && !options->refine_poses) || options->blocks)
         return;
     while (since < 500 && since < step && !is_reset(options, step - since, end))
         since++;
-    plan->gain_rate = 0.05f * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
+    if (options->exposure)
+        plan->gain_rate = 0.05f * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
+    if (options->refine_poses && step > 500)
+        plan->turn_rate = FIRST_TURN * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
 }
 
 /* The recipe has 30,000 steps, and a shorter fit is its beginning. In a longer one, only the rate of positions is
@@ -108,7 +115,7 @@ static void plan_reference(const fxs_fit_options *options, float extent, uint32_
     plan->densify = is_every(step, 100, 500, 15000);
     plan->large = step > 3000 ? 0.1f * extent : INFINITY;
     plan->reset = is_reset(options, step, 15000);
-    set_gain_rate(options, step, whole_steps(options), 15000, plan);
+    set_photograph_rates(options, step, whole_steps(options), 15000, plan);
     plan->order = plan->densify && step % 1000 == 0;
 }
 
@@ -118,7 +125,7 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     plan->by_opacity = plan->by_scale = 0.01f;
     plan->noise = 5e5f * plan->rate[FXS_FIT_POSITION];
     plan->relocate = is_every(step, 100, 500, 25000);
-    set_gain_rate(options, step, whole_steps(options), 0, plan);
+    set_photograph_rates(options, step, whole_steps(options), 0, plan);
     plan->order = plan->relocate && step % 1000 == 0;
 }
 
@@ -132,7 +139,7 @@ static void plan_fast(const fxs_fit_options *options, float extent, uint32_t ste
     plan->gradient = 0.0001f;
     plan->densify = is_every(step, 100, 200, steps / 2);
     plan->reset = is_reset(options, step, steps / 2);
-    set_gain_rate(options, step, steps, steps / 2, plan);
+    set_photograph_rates(options, step, steps, steps / 2, plan);
     plan->order = plan->densify && step % 500 == 0;
 }
 

@@ -16,8 +16,8 @@ typedef struct fxs_fit_photograph {
     int32_t width, height;         /* of the pixels */
     int32_t divisor;               /* a pixel of the camera is the mean of divisor x divisor of these; a remainder at
                                       the right and lower edges is not used */
-    fxs_fit_camera camera;
-    uint32_t number;               /* of its exposure in the model's gains */
+    fxs_fit_camera camera;         /* as it was given */
+    uint32_t number;               /* of its exposure and its pose in the model's */
 } fxs_fit_photograph;
 
 /* The parameters of `count` Gaussians, their two moments of Adam, and sums for the densification. `stride` is `count`
@@ -29,6 +29,7 @@ typedef struct fxs_fit_model {
     float *masters;                /* null, or Adam's exact parameters, which `grid` quantises to `parameters` */
     const fxs_fit_grid *grid;
     fxs_fit_gains *gains;          /* exposures of the photographs, changed by steps; null: none has one */
+    fxs_fit_poses *poses;          /* the same of the poses of their cameras */
 } fxs_fit_model;
 
 typedef struct fxs_fit_step_options {
@@ -37,6 +38,7 @@ typedef struct fxs_fit_step_options {
     float rate[FXS_FIT_PARAMETERS];
     uint32_t number;               /* number of the step, from 1 on */
     float gain_rate;               /* of the exposures of the batch's photographs, log2; 0: they stay */
+    float turn_rate, shift_rate;   /* of the poses of their cameras: radians, scene units; 0: they stay */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     fxs_fit_noise noise;           /* noise after the update; amount 0: none */
     size_t changed;                /* so many Gaussians are changed, the first of the model, rounded down to

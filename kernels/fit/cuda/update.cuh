@@ -123,8 +123,8 @@ __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const fl
 {
     bool is_touched = is_any(sums);
     if (is_touched) {
-        real centre[2];
-        find_gradient_but_sh(camera, Degree, at, stride, sums, &out->l, out->g, out->shape, centre);
+        real centre[2], by_position[3];
+        find_gradient_but_sh(camera, Degree, at, stride, sums, &out->l, out->g, out->shape, centre, by_position);
         for (int k = 0; k < FXS_FIT_SH; k++)
             is_touched = is_touched && absolute(out->shape[k]) < FXS_FIT_FARTHEST_GRADIENT;
         for (int k = 0; k < 3 * SH_COUNT(Degree); k++)
