@@ -152,6 +152,35 @@ static int begin_model(fxs_fit *f, const fxs_fit_point *points, size_t count)
     return error;
 }
 
+/* 1 over the mean inverse depth of the points in a picture, of 4096 of all at most; 0 where there are none. */
+static float depth_of(const fxs_fit_camera *c, const fxs_fit_point *points, size_t count)
+{
+    const size_t some = count < 4096 ? count : 4096;
+    double sum = 0;
+    size_t seen = 0;
+    for (size_t i = 0; i < some; i++) {
+        const float *p = points[(size_t)((uint64_t)i * count / some)].position;
+        double at[3] = {0, 0, 0};
+        for (int k = 0; k < 9; k++)
+            at[k / 3] += (double)c->rotation[k] * ((double)p[k % 3] - (double)c->eye[k % 3]);
+        const double x = (double)c->focal[0] * at[0] / at[2] + (double)c->middle[0];
+        const double y = (double)c->focal[1] * at[1] / at[2] + (double)c->middle[1];
+        if (at[2] > (double)c->near && x >= 0 && y >= 0 && x <= c->width && y <= c->height) {
+            sum += 1 / at[2];
+            seen++;
+        }
+    }
+    return seen ? (float)((double)seen / sum) : 0;
+}
+
+static void begin_poses(fxs_fit *f, const fxs_fit_point *points, size_t count)
+{
+    for (size_t i = 0; i < f->count; i++) {
+        const float depth = depth_of(&f->photographs[i].camera, points, count);
+        f->poses.of[i].depth = depth > 0 && depth < FXS_FIT_FARTHEST_PLACE ? depth : f->extent;
+    }
+}
+
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message)
 {
@@ -214,16 +243,18 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         error = check_points(photos, photo_count, points, point_count, message);
     if (!error && begin_model(*fit, points, point_count))
         error = fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
-    if (!error)
+    if (!error) {
+        (*fit)->extent = options->extent > 0 ? options->extent
+                                             : fxs_fit_extent(photos, photo_count, points, point_count);
+        if (options->refine_poses)
+            begin_poses(*fit, points, point_count);
         error = fxs_fit_hand_over(*fit, message);
+    }
     if (error) {
         fxs_fit_free(*fit);
         *fit = NULL;
-        return error;
     }
-    (*fit)->extent = options->extent > 0 ? options->extent
-                                         : fxs_fit_extent(photos, photo_count, points, point_count);
-    return 0;
+    return error;
 }
 
 void fxs_fit_free(fxs_fit *f)
@@ -299,8 +330,8 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
     options->gain_rate = plan->gain_rate;
-    options->turn_rate = plan->turn_rate;
-    options->shift_rate = plan->turn_rate * f->extent;
+    const float visits = (float)f->options.steps * (float)f->options.batch / (float)f->count;
+    options->pose_rate = least(plan->pose_rate / visits, 0.002f);
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
     memcpy(options->rate, plan->rate, sizeof options->rate);
     for (int c = 0; c < 3; c++)
@@ -373,22 +404,22 @@ int fxs_fit_gaussians(fxs_fit *f, fxs_gaussian_source *gaussians, fxs_message *m
     return error;
 }
 
-/* The same in doubles as pose_camera does in singles. */
+/* What pose_camera does to a camera, in doubles. */
 static void pose_view(fxs_file_view *view, const fxs_fit_pose *pose)
 {
-    fxs_fit_camera turn = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    fxs_fit_camera own = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     double given[9];
     memcpy(given, view->rotation, sizeof given);
-    pose_camera(&turn, pose->at);
+    pose_camera(&own, pose);
     for (int k = 0; k < 9; k++) {
-        const float *r = turn.rotation + k / 3 * 3;
+        const float *r = own.rotation + k / 3 * 3;
         view->rotation[k] = 0;
         for (int i = 0; i < 3; i++)
             view->rotation[k] += (double)r[i] * given[3 * i + k % 3];
     }
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++)
-            view->position[k] += given[3 * i + k] * (double)pose->at[3 + i];
+            view->position[k] += given[3 * i + k] * (double)own.eye[i];
 }
 
 int fxs_fit_pose_photos(fxs_fit *f, fxs_fit_photo *photos, fxs_message *message)

@@ -123,12 +123,11 @@ typedef struct fxs_fit_gains {
     uint32_t count;
 } fxs_fit_gains;
 
-/* What the fit adds to the pose of a photograph's camera (pose.h): the camera's turn in its own frame, a / 2 being the
-   tangent of half the angle along the axis, then the shift of its place along its axes as they were given; Adam's
-   moments, the second one of each three, and those of a gradient of 1. */
+/* What the fit adds to the pose of a photograph's camera (pose.h): a turn, then a shift; Adam's moments, and those of a
+   gradient of 1; and the depth of what the photograph shows. */
 enum { FXS_FIT_POSE = 6 };
 typedef struct fxs_fit_pose {
-    float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[2], of_one[2];
+    float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[FXS_FIT_POSE], of_one[2], depth;
 } fxs_fit_pose;
 
 /* Of all photographs of a fit. */
@@ -220,8 +219,7 @@ extern const fxs_fit_stages fxs_fit_stages_c;
 #define FXS_FIT_FARTHEST 40.0f     /* largest |ln scale| and |logit| */
 #define FXS_FIT_FARTHEST_PLACE 1e12f   /* largest coordinate */
 #define FXS_FIT_FARTHEST_GRADIENT 1e18f
-#define FXS_FIT_TURN_MOST 0.5f     /* largest number of a camera's turn, and of its shift */
-#define FXS_FIT_SHIFT_MOST FXS_FIT_FARTHEST_PLACE
+#define FXS_FIT_TURN_MOST 0.5f     /* largest number of a camera's turn */
 #define FXS_FIT_GAIN_MOST 8.0f     /* largest number of a photograph's exposure before the mean is taken off */
 
 #endif

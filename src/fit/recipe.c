@@ -8,7 +8,7 @@
 #include "fit_lanes.h"
 
 #include <stdlib.h>
-#define FIRST_TURN (getenv("TURN") ? (float)atof(getenv("TURN")) : 1e-4f)
+#define FIRST_TURN (getenv("TURN") ? (float)atof(getenv("TURN")) : 0.1f)
 
 /* ---- Scene ------------------------------------------------------------------------------------------------------- */
 
@@ -99,7 +99,7 @@ static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, 
     if (options->exposure)
         plan->gain_rate = 0.05f * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
     if (options->refine_poses && step > 500)
-        plan->turn_rate = FIRST_TURN * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
+        plan->pose_rate = position_rate(FIRST_TURN, step, options->steps) * ((float)since / 500.0f);
 }
 
 /* The recipe has 30,000 steps, and a shorter fit is its beginning. In a longer one, only the rate of positions is

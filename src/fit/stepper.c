@@ -553,7 +553,7 @@ static void take_gathered(const fxs_fit_stepper *s, size_t first, size_t count,
 
 static int moves_poses(const fxs_fit_stepper *s)
 {
-    return s->model->poses && s->options->turn_rate > 0;
+    return s->model->poses && s->options->pose_rate > 0;
 }
 
 static size_t part_count(const fxs_fit_stepper *s)
@@ -675,8 +675,7 @@ static void update_poses(const fxs_fit_stepper *s, const fxs_fit_photograph *pho
         float sums[FXS_FIT_POSE];
         for (int k = 0; k < FXS_FIT_POSE; k++)
             sums[k] = sum_numbers(by_pose_of(s, v, k), 1, part_count(s), values);
-        pose_step(&s->model->poses->of[photographs[v].number], &photographs[v].camera, sums, s->options->turn_rate,
-                  s->options->shift_rate);
+        pose_step(&s->model->poses->of[photographs[v].number], &photographs[v].camera, sums, s->options->pose_rate);
     }
 }
 
@@ -804,7 +803,7 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
     s->camera = s->cameras[view] = c;
     if (s->model->poses) {
         s->posed[view] = *c;
-        pose_camera(&s->posed[view], s->model->poses->of[photograph->number].at);
+        pose_camera(&s->posed[view], &s->model->poses->of[photograph->number]);
         s->camera = s->cameras[view] = &s->posed[view];
     }
     s->photograph = photograph->pixels;

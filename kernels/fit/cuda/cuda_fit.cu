@@ -247,7 +247,7 @@ bool moves_gains(const device *d, const step_order *s)
 
 bool moves_poses(const device *d, const step_order *s)
 {
-    return d->posed && s->options.turn_rate > 0;
+    return d->posed && s->options.pose_rate > 0;
 }
 
 const posed_camera *posed_of(const device *d, uint32_t view)
@@ -417,7 +417,7 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
         failure = first_of(failure, step_gains(d, s));
     if (moves_poses(d, s)) {
         const pose_batch batch = poses_of(d, s);
-        failure = first_of(failure, launch_update_poses(b, &d->poses, &batch, o->turn_rate, o->shift_rate, d->stream));
+        failure = first_of(failure, launch_update_poses(b, &d->poses, &batch, o->pose_rate, d->stream));
     }
     end_step<<<1, 1, 0, d->stream>>>(b->status);
     mark(d, s, STAGES);

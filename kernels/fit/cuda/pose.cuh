@@ -25,7 +25,7 @@ __global__ void pose_cameras(const __grid_constant__ pose_batch batch, fxs_fit_p
     if (v >= batch.count)
         return;
     fxs_fit_camera camera = batch.given[v];
-    pose_camera(&camera, poses.of[batch.numbers[v]].at);
+    pose_camera(&camera, &poses.of[batch.numbers[v]]);
     memcpy(posed[v].rotation, camera.rotation, sizeof camera.rotation);
     memcpy(posed[v].eye, camera.eye, sizeof camera.eye);
 }
@@ -109,18 +109,18 @@ cudaError_t launch_by_pose(const step_buffers *b, const device_model *m, const f
 }
 
 __global__ void update_poses(step_buffers b, fxs_fit_poses poses, const __grid_constant__ pose_batch batch,
-                             float turn_rate, float shift_rate)
+                             float rate)
 {
     if (is_stopped(b.status))
         return;
     for (uint32_t v = 0; v < batch.count; v++)
-        pose_step(&poses.of[batch.numbers[v]], &batch.given[v], batch.by_pose[v], turn_rate, shift_rate);
+        pose_step(&poses.of[batch.numbers[v]], &batch.given[v], batch.by_pose[v], rate);
 }
 
 cudaError_t launch_update_poses(const step_buffers *b, const fxs_fit_poses *poses, const pose_batch *batch,
-                                float turn_rate, float shift_rate, cudaStream_t stream)
+                                float rate, cudaStream_t stream)
 {
-    update_poses<<<1, 1, 0, stream>>>(*b, *poses, *batch, turn_rate, shift_rate);
+    update_poses<<<1, 1, 0, stream>>>(*b, *poses, *batch, rate);
     return cudaGetLastError();
 }
 
