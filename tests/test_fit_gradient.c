@@ -156,8 +156,7 @@ static int decide(cuts *c, int i, double level, double alpha, double transmittan
     return capped ? CAPPED : IN;
 }
 
-/* The camera turned by 2 atan(|a| / 2) about an axis along a (Rodrigues) through the place DEPTH in front of it, and
-   that place moved along the axes that the camera had. */
+/* The camera turned by 2 atan(|a| / 2) about a in its own frame (Rodrigues), and moved along the axes that it had. */
 static void pose(scene *s)
 {
     const double *a = s->pose, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]), angle = 2 * atan(length / 2);
@@ -172,8 +171,7 @@ static void pose(scene *s)
     for (int k = 0; k < 3; k++) {
         s->eye[k] = (double)s->camera.eye[k];
         for (int i = 0; i < 3; i++)
-            s->eye[k] += (double)s->camera.rotation[3 * i + k] * (s->pose[3 + i] + (i == 2) * DEPTH);
-        s->eye[k] -= s->rotation[6 + k] * DEPTH;
+            s->eye[k] += (double)s->camera.rotation[3 * i + k] * s->pose[3 + i];
     }
 }
 
@@ -394,15 +392,18 @@ static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
     CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->has_gain || !memcmp(&of[1], &none, sizeof none)));
 }
 
-/* The same; and each takes a step of its rate against the gradient. */
+/* The same; and each three take a step as long as their rate against the gradient. */
 static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
 {
     static const fxs_fit_pose none, still = {.depth = DEPTH};
     CHECK(!memcmp(&of[0], &none, sizeof none) && (s->has_pose || !memcmp(&of[1], &still, sizeof still)));
     for (int k = 0; k < FXS_FIT_POSE && s->has_pose; k++) {
         const double wanted = difference(s, &s->pose[k]), mean = (double)of[1].mean[k];
+        double length = 0;
+        for (int i = k / 3 * 3; i < k / 3 * 3 + 3; i++)
+            length += (double)of[1].mean[i] * (double)of[1].mean[i];
         check_near(mean / (double)0.1f * 3 * PIXELS, wanted, 1 + fabs(wanted), -1, k, t);
-        CHECK(fabs((double)of[1].at[k] - s->pose[k] + copysign(k < 3 ? 0.01 : 0.01 * DEPTH, mean)) < 1e-6);
+        CHECK(fabs((double)of[1].at[k] - s->pose[k] + (k < 3 ? 0.01 : 0.01 * DEPTH) * mean / sqrt(length)) < 1e-6);
     }
 }
 

@@ -273,7 +273,7 @@ static const recorded fits[FITS] = {
     {"exposures, batches of four", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 250, 4,
      FXS_FIT_EXPOSURE_GAIN, 0.5, 0xdb7da770bc006f40},
     {"poses, batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 1100, 250, 4,
-     FXS_FIT_EXPOSURE_GAIN, 0.5, 0x4062cdf597d88762}};
+     FXS_FIT_EXPOSURE_GAIN, 0.5, 0xcfc2473a91b6c3d6}};
 
 static int devices;                /* 0: the processor, 1: the first GPU */
 
@@ -449,7 +449,9 @@ static void test_poses_are_found(void)
         after = pose_distances(r.refined, right);
         CHECK(i == 2 || !memcmp(r.refined, photos, sizeof photos));
     }
-    printf("  loss %g, disturbed %g, refined %g; poses %g rad and %g, refined %g and %g\n", left[0], left[1],
+    if (!CHECK(left[1] > 1.3 * left[0] && left[2] < 1.12 * left[0]) ||
+        !CHECK(after.turn < 0.7 * before.turn && after.shift < 0.8 * before.shift))
+        printf("  loss %g, disturbed %g, refined %g; poses %g rad and %g, refined %g and %g\n", left[0], left[1],
                left[2], before.turn, before.shift, after.turn, after.shift);
 }
 #endif

@@ -298,9 +298,9 @@ static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
         floats(a, (float *)pose, WORDS);
         int is_wrong = pose->depth < 0 || pose->depth > FXS_FIT_FARTHEST_PLACE;
         for (int k = 0; k < FXS_FIT_POSE; k++)
-            is_wrong |= fabsf(pose->at[k]) > (k < 3 ? FXS_FIT_TURN_MOST : FXS_FIT_FARTHEST_PLACE) || pose->square[k] < 0;
+            is_wrong |= fabsf(pose->at[k]) > (k < 3 ? FXS_FIT_TURN_MOST : FXS_FIT_FARTHEST_PLACE);
         for (int k = 0; k < 2; k++)
-            is_wrong |= pose->of_one[k] < 0 || pose->of_one[k] > 1;
+            is_wrong |= pose->square[k] < 0 || pose->of_one[k] < 0 || pose->of_one[k] > 1;
         if (is_wrong)
             damaged(a, "a number out of its range");
     }

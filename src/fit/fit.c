@@ -321,6 +321,13 @@ static void reduce(fxs_fit_photograph *p, int divisor)
     c->tiles_y = (c->height + FXS_FIT_TILE - 1) / FXS_FIT_TILE;
 }
 
+/* The rate with which a pose can go about this far, however often its photograph is in a step; at most 0.002 radians,
+   some pixels. */
+static float pose_rate(const fxs_fit *f, float way)
+{
+    return least(way * (float)f->count / ((float)f->options.steps * (float)f->options.batch), 0.002f);
+}
+
 static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_options *options)
 {
     const uint64_t key = fxs_fit_random(f->options.seed, f->step, UINT64_MAX);
@@ -330,8 +337,7 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
     options->gain_rate = plan->gain_rate;
-    const float visits = (float)f->options.steps * (float)f->options.batch / (float)f->count;
-    options->pose_rate = least(plan->pose_rate / visits, 0.002f);
+    options->pose_rate = pose_rate(f, plan->pose_way);
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
     memcpy(options->rate, plan->rate, sizeof options->rate);
     for (int c = 0; c < 3; c++)

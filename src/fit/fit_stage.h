@@ -123,11 +123,11 @@ typedef struct fxs_fit_gains {
     uint32_t count;
 } fxs_fit_gains;
 
-/* What the fit adds to the pose of a photograph's camera (pose.h): a turn, then a shift; Adam's moments, and those of a
-   gradient of 1; and the depth of what the photograph shows. */
+/* What the fit adds to the pose of a photograph's camera (pose.h): a turn, then a shift; Adam's moments, the second one
+   of each three, and those of a gradient of 1; and the depth of what the photograph shows. */
 enum { FXS_FIT_POSE = 6 };
 typedef struct fxs_fit_pose {
-    float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[FXS_FIT_POSE], of_one[2], depth;
+    float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[2], of_one[2], depth;
 } fxs_fit_pose;
 
 /* Of all photographs of a fit. */

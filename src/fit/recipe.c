@@ -7,9 +7,6 @@
 
 #include "fit_lanes.h"
 
-#include <stdlib.h>
-#define FIRST_TURN (getenv("TURN") ? (float)atof(getenv("TURN")) : 0.1f)
-
 /* ---- Scene ------------------------------------------------------------------------------------------------------- */
 
 static double distance(const double a[3], const double b[3])
@@ -84,9 +81,9 @@ static int is_reset(const fxs_fit_options *options, uint32_t step, uint32_t end)
            (is_every(step, 3000, 0, end) || (step == 500 && is_white(options->background)));
 }
 
-/* Rates of exposures, 0.05 * 10^-(step / steps), and of poses, FIRST_TURN * 10^-(step / steps) from step 501 on. The 500
-   steps after the beginning and after each reset take a growing part of them: pictures are not of the scene yet. A
-   block has those of its coarse fit. */
+/* Of exposures 0.05 * 10^-(step / steps), and of poses 0.1 * 100^-(step / steps) over the steps from 501 on. The 500
+   steps after the beginning and after each reset take a growing part of them: pictures are not of the scene yet. A block
+   has those of its coarse fit. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, uint32_t end,
                                  fxs_fit_plan *plan)
 {
@@ -98,8 +95,8 @@ static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, 
         since++;
     if (options->exposure)
         plan->gain_rate = 0.05f * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
-    if (options->refine_poses && step > 500)
-        plan->pose_rate = position_rate(FIRST_TURN, step, options->steps) * ((float)since / 500.0f);
+    if (options->refine_poses && step > 500 && options->steps > 500)
+        plan->pose_way = position_rate(0.1f, step - 500, options->steps - 500) * ((float)since / 500.0f);
 }
 
 /* The recipe has 30,000 steps, and a shorter fit is its beginning. In a longer one, only the rate of positions is

@@ -76,9 +76,9 @@ static void fill_poses(fxs_fit_pose poses[2][MOST_GAINS])
 {
     for (int i = 0; i < MOST_GAINS; i++) {
         fxs_fit_pose *of = &poses[0][i];
-        *of = (fxs_fit_pose){.of_one = {0.3f, 0.01f}, .depth = (float)fit_uniform(0.5, 5)};
+        *of = (fxs_fit_pose){.square = {(float)fit_uniform(0, 0.001), (float)fit_uniform(0, 0.001)},
+                             .of_one = {0.3f, 0.01f}, .depth = (float)fit_uniform(0.5, 5)};
         for (int k = 0; k < FXS_FIT_POSE; k++) {
-            of->square[k] = (float)fit_uniform(0, 0.001);
             of->at[k] = (float)fit_uniform(-0.1, 0.1);
             of->mean[k] = (float)fit_uniform(-0.01, 0.01);
         }
