@@ -396,6 +396,40 @@ static void inria_extended(void)
     }
 }
 
+/* What is written is read as it was. */
+static void written(void)
+{
+    fxs_file_view views[2], *again;
+    memset(views, 0, sizeof views);
+    for (int i = 0; i < 2; i++) {
+        const double turn[9] = {0.8, 0, -0.6, 0, 1, 0, 0.6, 0, 0.8};
+        fxs_file_view *v = &views[i];
+        snprintf(v->name, sizeof v->name, i ? "a\"b\\c d.jpg" : "b.png");
+        v->width = 640 + i, v->height = 480;
+        v->fx = 500.1, v->fy = 1 / 3.0 + 400, v->cx = 320.7, v->cy = 200 + i;
+        memcpy(v->rotation, turn, sizeof turn);
+        for (int k = 0; k < 3; k++)
+            v->position[k] = (k - 1) / 7.0 + i;
+        v->projection = i ? FXS_ORTHOGRAPHIC : FXS_PERSPECTIVE;
+    }
+    CHECK(fxs_camera_file_write(in_folder("written.json"), views, 2, &message) == 0);
+    if (CHECK(read_views("written.json", &again) == 2))
+        for (int i = 0; i < 2; i++) {
+            CHECK(!strcmp(again[i].name, views[i].name) && again[i].width == views[i].width);
+            CHECK(again[i].fx == views[i].fx && again[i].fy == views[i].fy && again[i].cx == views[i].cx);
+            CHECK(again[i].cy == views[i].cy && again[i].height == 480 && again[i].projection == views[i].projection);
+            CHECK(!memcmp(again[i].rotation, views[i].rotation, sizeof views[i].rotation));
+            CHECK(!memcmp(again[i].position, views[i].position, sizeof views[i].position));
+        }
+    free(again);
+    CHECK(fxs_camera_file_write(in_folder("written.json"), views, 0, &message) == 0);
+    CHECK(read_views("written.json", &again) < 0);
+    remove(in_folder("written.json"));
+    CHECK(fxs_camera_file_write(in_folder("none/written.json"), views, 2, &message) == FXS_ERR_FILE);
+    CHECK(strstr(message.text, "No such file") != NULL);
+}
+
+
 static void inria_faults(void)
 {
     static const struct {
@@ -852,6 +886,7 @@ int main(void)
     RUN(inria);
     RUN(inria_extended);
     RUN(inria_faults);
+    RUN(written);
     RUN(inria_orthonormalised);
     RUN(transforms);
     RUN(blender);

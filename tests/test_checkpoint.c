@@ -246,8 +246,9 @@ static void goes_on_with_masks(void)
         photos[i].mask = NULL;
 }
 
-/* A block, of two of the photographs in another order, has the exposures that its coarse fit found, and keeps them. */
-static void a_block_keeps_exposures(void)
+/* A block, of two of the photographs in another order, has the exposures or poses that its coarse fit found, and keeps
+   them. */
+static void a_block_keeps(const char *name, uint32_t steps)
 {
     const fxs_fit_options mine = options;
     fxs_fit_photo some[2] = {photos[2], photos[0]};
@@ -257,26 +258,80 @@ static void a_block_keeps_exposures(void)
     fxs_fit_coarse *coarse;
     for (uint32_t i = 0; i < POINTS; i++)
         gaussians[i] = i;
-    if (!CHECK(resume(&whole, "half-exposures") == 0) ||
-        !CHECK(fxs_fit_coarse_read(&coarse, in_folder("half-exposures"), &message) == 0))
+    if (!CHECK(resume(&whole, name) == 0) || !CHECK(fxs_fit_coarse_read(&coarse, in_folder(name), &message) == 0))
         return;
     const fxs_fit_block block = {.number = 1, .blocks = 2, .photos = {.fit = some, .fit_count = 2}, .coarse = coarse,
                                  .gaussians = gaussians, .gaussian_count = POINTS};
     options.block = 1, options.blocks = 2;
     if (CHECK(fxs_fit_create_block(&fit, coarse, &block, &options, &message) == 0)) {
-        CHECK(fxs_fit_options_of(fit)->exposure == FXS_FIT_EXPOSURE_GAIN);
-        go_on(fit, 26);
-        for (int i = 0; i < 2; i++)
+        const fxs_fit_options *o = fxs_fit_options_of(fit), *of_whole = fxs_fit_options_of(whole);
+        CHECK(o->exposure == of_whole->exposure && o->refine_poses == of_whole->refine_poses);
+        go_on(fit, steps);
+        for (int i = 0; i < 2; i++) {
             CHECK(!memcmp(&fit->gains.of[i], &whole->gains.of[numbers[i]], sizeof *fit->gains.of));
-        CHECK(memcmp(&fit->gains.of[0], &fit->gains.of[1], sizeof *fit->gains.of));
-        save(fit, "block-exposures");
+            CHECK(!memcmp(&fit->poses.of[i], &whole->poses.of[numbers[i]], sizeof *fit->poses.of));
+        }
+        CHECK(!o->exposure || memcmp(&fit->gains.of[0], &fit->gains.of[1], sizeof *fit->gains.of));
+        CHECK(!o->refine_poses || memcmp(&fit->poses.of[0], &fit->poses.of[1], sizeof *fit->poses.of));
+        save(fit, "block");
         fxs_fit_free(fit);
-        if (CHECK(fxs_fit_resume(&fit, in_folder("block-exposures"), some, 2, &options, &message) == 0))
+        if (CHECK(fxs_fit_resume(&fit, in_folder("block"), some, 2, &options, &message) == 0))
             fxs_fit_free(fit);
     }
     options = mine;
     fxs_fit_coarse_free(coarse);
     fxs_fit_free(whole);
+}
+
+/* Poses likewise, from before the first step that moves them and from after it, with exposures and without. */
+static void goes_on_with_poses(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit *whole, *second;
+    options.refine_poses = 1;
+    whole = begin();
+    go_on(whole, 480);
+    CHECK(whole->poses.of[1].depth > 3 && whole->poses.of[1].depth < 5);
+    save(whole, "early-poses");
+    go_on(whole, 520);
+    save(whole, "half-poses");
+    go_on(whole, 540);
+    save(whole, "whole-poses");
+    for (int k = 0; k < FXS_FIT_POSE; k++)
+        CHECK(whole->poses.of[2].at[k] != 0);
+    fxs_fit_free(whole);
+    options = mine;
+    for (int i = 0; i < 2; i++)
+        if (CHECK(resume(&second, i ? "half-poses" : "early-poses") == 0)) {
+            CHECK(fxs_fit_options_of(second)->refine_poses == 1 && !fxs_fit_options_of(second)->exposure);
+            go_on(second, 540);
+            save(second, "resumed-poses");
+            CHECK(same_files("whole-poses", "resumed-poses"));
+            fxs_fit_free(second);
+        }
+    options.refine_poses = 1;
+    options.exposure = FXS_FIT_EXPOSURE_GAIN;
+    whole = begin();
+    go_on(whole, 5);
+    save(whole, "both");
+    fxs_fit_free(whole);
+    options = mine;
+    if (CHECK(resume(&second, "both") == 0)) {
+        CHECK(fxs_fit_options_of(second)->refine_poses == 1 && fxs_fit_options_of(second)->exposure == 1);
+        fxs_fit_free(second);
+    }
+    options.refine_poses = 2;
+    CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
+    options.refine_poses = 1;
+    options.block = options.blocks = 1;
+    CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
+    options = mine;
+}
+
+static void a_block_keeps_exposures_and_poses(void)
+{
+    a_block_keeps("half-exposures", 26);
+    a_block_keeps("half-poses", 526);
 }
 
 /* Past a densification, in the middle of a round of the photographs. */
@@ -519,7 +574,7 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 7);
+    change("half", 1, 9);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     for (int i = 0; i < 6 * 4; i++) {    /* moments, which may be anything; the second one 0 or more, others to 1 */
         const uint32_t value = faulty[i % 4];
@@ -535,6 +590,34 @@ static void faulty_exposures_are_refused(void)
             CHECK(fabsf(fit->gains.of[0].at[k]) <= 2 * FXS_FIT_GAIN_MOST);
         fxs_fit_free(fit);
     }
+}
+
+/* Of the poses, likewise: turns and shifts, moments, and the depth. */
+static void faulty_poses_are_refused(void)
+{
+    enum { WORDS = sizeof(fxs_fit_pose) / 4, END = -3, AT = END - WORDS * PHOTOS };
+    static const struct {
+        int word;
+        uint32_t beyond, most;     /* refused, and taken */
+    } numbers[] = {{0, 0xbf000001, 0xbf000000}, {2, 0x3f000001, 0x3f000000}, {3, 0x5368d4a6, 0x5368d4a5},
+                   {5, 0xd368d4a6, 0xd368d4a5}, {12, 0x80000001, 0x7f7fffff}, {13, 0x80000001, 0x7f7fffff},
+                   {14, 0x3f800001, 0x3f800000}, {15, 0xbf800000, 0}, {16, 0xbf800000, 0}, {16, 0x5368d4a6, 0x5368d4a5}};
+    fxs_fit *fit;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        change("half-poses", AT + numbers[i].word, numbers[i].beyond);
+        CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
+        change("half-poses", AT + numbers[i].word, numbers[i].most);
+        if (!CHECK(resume(&fit, "changed") == 0))
+            continue;
+        go_on(fit, 526);
+        for (int k = 0; k < FXS_FIT_POSE; k++)
+            CHECK(fabsf(fit->poses.of[0].at[k]) <= (k < 3 ? FXS_FIT_TURN_MOST : FXS_FIT_FARTHEST_PLACE));
+        fxs_fit_free(fit);
+    }
+    change("half-poses", AT + 6, 0x7fc00001);
+    CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
+    change("half", 1, 7);          /* the version of a fit with poses: it has none */
+    CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
 static void a_changed_byte_is_seen(void)
@@ -693,7 +776,8 @@ static void tests(void)
     RUN(goes_on_with_exposures);
     RUN(begins_with_known_exposures);
     RUN(goes_on_with_masks);
-    RUN(a_block_keeps_exposures);
+    RUN(goes_on_with_poses);
+    RUN(a_block_keeps_exposures_and_poses);
     RUN(the_file_does_not_depend_on_threads);
     RUN(its_options_are_those_of_the_file);
     RUN(names_of_photographs_do_not_matter);
@@ -701,6 +785,7 @@ static void tests(void)
     RUN(the_places_of_words_are_known);
     RUN(faulty_numbers_are_refused);
     RUN(faulty_exposures_are_refused);
+    RUN(faulty_poses_are_refused);
     RUN(a_changed_byte_is_seen);
     RUN(more_is_refused);
     RUN(any_finite_numbers_are_lived_with);

@@ -1,13 +1,12 @@
 /* The gradients of a step against central differences of a forward pass in doubles, written here from the formulas
  * alone, for every parameter: what is drawn in front of and behind the cuts, at the edges of the picture, with the
- * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; where a mask ignores pixels; and for the
- * exposure of the photograph.
- * And the cuts themselves. */
+ * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; where a mask ignores pixels; for the
+ * exposure of the photograph and the pose of its camera. And the cuts themselves. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
 enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
-enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* of a Gaussian: the parameters, and its 2D centre */
+enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2, DEPTH = 3 };    /* of a Gaussian: the parameters, and its 2D centre */
 
 /* ---- The reference ----------------------------------------------------------------------------------------------- */
 
@@ -26,6 +25,9 @@ typedef struct scene {
     fxs_fit_camera camera;
     double variables[MOST][VARIABLES], background[3], gain[3];
     int has_gain;                  /* 0: the photograph has no exposure, and `gain` is 0 */
+    double pose[FXS_FIT_POSE];
+    int has_pose;                  /* likewise */
+    double rotation[9], eye[3];    /* the camera's, with its pose */
     uint8_t photograph[PIXELS][3];
     const uint8_t *mask;           /* of the photograph, or null */
     cuts cuts;
@@ -72,8 +74,7 @@ static void flatten_shape(scene *s, int i, const double t[3], flat *f)
             *beside = (unsigned char)(above(&s->cuts, slope, most, 1) ? 2 : !above(&s->cuts, slope, -most, 1));
         const double cut = *beside == 2 ? most : *beside ? -most : slope;
         for (int k = 0; k < 3; k++)
-            m[axis][k] = (double)camera->focal[axis] / t[2] *
-                         ((double)camera->rotation[3 * axis + k] - cut * (double)camera->rotation[6 + k]);
+            m[axis][k] = (double)camera->focal[axis] / t[2] * (s->rotation[3 * axis + k] - cut * s->rotation[6 + k]);
     }
     for (int a = 0; a < 2; a++)
         for (int b = 0; b < 2; b++)
@@ -116,9 +117,9 @@ static void flatten(scene *s, int i, flat *f)
     const fxs_fit_camera *camera = &s->camera;
     double offset[3], t[3] = {0};
     for (int k = 0; k < 3; k++)
-        offset[k] = v[FXS_FIT_POSITION + k] - (double)camera->eye[k];
+        offset[k] = v[FXS_FIT_POSITION + k] - s->eye[k];
     for (int k = 0; k < 9; k++)
-        t[k / 3] += (double)camera->rotation[k] * offset[k % 3];
+        t[k / 3] += s->rotation[k] * offset[k % 3];
     f->depth = t[2];
     f->opacity = 1 / (1 + exp(-v[FXS_FIT_OPACITY]));
     for (int axis = 0; axis < 2; axis++)
@@ -156,9 +157,29 @@ static int decide(cuts *c, int i, double level, double alpha, double transmittan
     return capped ? CAPPED : IN;
 }
 
+/* The camera turned by 2 atan(|a| / 2) about a in its own frame (Rodrigues), and moved along the axes that it had. */
+static void pose(scene *s)
+{
+    const double *a = s->pose, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]), angle = 2 * atan(length / 2);
+    const double axis[3] = {a[0] / fmax(length, 1e-30), a[1] / fmax(length, 1e-30), a[2] / fmax(length, 1e-30)};
+    const double cross[9] = {0, -axis[2], axis[1], axis[2], 0, -axis[0], -axis[1], axis[0], 0};
+    for (int k = 0; k < 9; k++) {
+        s->rotation[k] = 0;
+        for (int i = 0; i < 3; i++)
+            s->rotation[k] += (cos(angle) * (k / 3 == i) + sin(angle) * cross[k / 3 * 3 + i] +
+                               (1 - cos(angle)) * axis[k / 3] * axis[i]) * (double)s->camera.rotation[3 * i + k % 3];
+    }
+    for (int k = 0; k < 3; k++) {
+        s->eye[k] = (double)s->camera.eye[k];
+        for (int i = 0; i < 3; i++)
+            s->eye[k] += (double)s->camera.rotation[3 * i + k] * s->pose[3 + i];
+    }
+}
+
 static void draw(scene *s)
 {
     flat flats[MOST];
+    pose(s);
     const double *g = s->gain, factor[3] = {exp2(g[0] + g[1]), exp2(g[0] - g[1] - g[2]), exp2(g[0] + g[2])};
     for (int i = 0; i < s->count; i++)
         flatten(s, i, &flats[i]);
@@ -215,18 +236,22 @@ typedef struct kind {
 } kind;
 
 /* Draws scenes until one has no decision that singles might take otherwise, and photographs beside their pictures. */
-static void make_scene(scene *s, const kind *k, int degree, int has_gain)
+static void make_scene(scene *s, const kind *k, int degree, int has_gain, int has_pose)
 {
-    static const double gain[3] = {0.375, -0.25, 0.125};
+    static const double gain[3] = {0.375, -0.25, 0.125}, at[] = {0.0625, -0.25, 0.1875, -0.125, 0.0625, 0.25};
     do {
         memset(s, 0, sizeof *s);
         s->has_gain = has_gain;
         s->mask = k->mask;
         for (int i = 0; i < 3; i++)
             s->gain[i] = has_gain ? gain[i] : 0;
+        s->has_pose = has_pose;
+        for (int i = 0; i < FXS_FIT_POSE; i++)
+            s->pose[i] = has_pose ? at[i] : 0;
         s->count = k->count;
         s->degree = degree;
         s->camera = fit_camera(WIDTH, HEIGHT, k->focal);
+        pose(s);
         s->cuts.nearest = INFINITY;
         for (int c = 0; c < 3; c++)
             s->background[c] = (float)fit_uniform(0, 1);
@@ -237,9 +262,9 @@ static void make_scene(scene *s, const kind *k, int degree, int has_gain)
             for (int axis = 0; axis < 2; axis++)
                 t[axis] = z * k->aside * fit_uniform(-1, 1) * (axis ? HEIGHT : WIDTH) / 2 / (double)camera->focal[axis];
             for (int a = 0; a < 3; a++) {
-                v[a] = (double)camera->eye[a];
+                v[a] = s->eye[a];
                 for (int b = 0; b < 3; b++)
-                    v[a] += (double)camera->rotation[3 * b + a] * t[b];
+                    v[a] += s->rotation[3 * b + a] * t[b];
                 v[FXS_FIT_SCALE + a] = fit_uniform(k->scale[0], k->scale[1]);
                 v[FXS_FIT_COLOUR + a] = fit_uniform(k->colour[0], k->colour[1]);
             }
@@ -264,12 +289,20 @@ static void make_scene(scene *s, const kind *k, int degree, int has_gain)
 
 /* ---- Against it -------------------------------------------------------------------------------------------------- */
 
-/* What a first step leaves: a tenth of the gradients as Adam's means. The photograph's exposure is the second. */
-static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, fxs_fit_gains *gains)
+/* Exposures and poses of two photographs. */
+typedef struct photographs {
+    fxs_fit_gain gains[2];
+    fxs_fit_pose poses[2];
+} photographs;
+
+/* What a first step leaves: a tenth of the gradients as Adam's means. The photograph is the second. */
+static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, photographs *of)
 {
+    fxs_fit_gains gains = {of->gains, 2};
+    fxs_fit_poses poses = {of->poses, 2};
     fxs_fit_stepper *stepper = fxs_fit_stepper_create(stages, NULL, NULL, 1, NULL);
     const fxs_fit_photograph photograph = {s->photograph[0], WIDTH, HEIGHT, 1, s->camera, 1, s->mask};
-    fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1, .gain_rate = 0.01f};
+    fxs_fit_step_options options = {.sh_degree = s->degree, .number = 1, .gain_rate = 0.01f, .pose_rate = 0.01f};
     fxs_fit_report report;
     if (!stepper || fxs_fit_model_room(m, (size_t)s->count))
         abort();
@@ -278,11 +311,17 @@ static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_mode
     for (int i = 0; i < s->count; i++)
         for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
             m->parameters[(size_t)k * m->stride + (size_t)i] = (float)s->variables[i][k];
-    memset(gains->of, 0, gains->count * sizeof *gains->of);
+    memset(of, 0, sizeof *of);
     for (int k = 0; k < 3; k++)
-        gains->of[1].at[k] = (float)s->gain[k];
-    m->gains = s->has_gain ? gains : NULL;
+        of->gains[1].at[k] = (float)s->gain[k];
+    for (int k = 0; k < FXS_FIT_POSE; k++)
+        of->poses[1].at[k] = (float)s->pose[k];
+    of->poses[1].depth = DEPTH;
+    m->gains = s->has_gain ? &gains : NULL;
+    m->poses = s->has_pose ? &poses : NULL;
     CHECK(fxs_fit_stepper_step(stepper, m, &photograph, 1, &options, &report) == 0);
+    m->gains = NULL;
+    m->poses = NULL;
     fxs_fit_stepper_free(stepper);
 }
 
@@ -356,17 +395,32 @@ static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
     CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->has_gain || !memcmp(&of[1], &none, sizeof none)));
 }
 
+/* The same; and each three take a step as long as their rate against the gradient. */
+static void check_pose(scene *s, const fxs_fit_pose of[2], tally *t)
+{
+    static const fxs_fit_pose none, still = {.depth = DEPTH};
+    CHECK(!memcmp(&of[0], &none, sizeof none) && (s->has_pose || !memcmp(&of[1], &still, sizeof still)));
+    for (int k = 0; k < FXS_FIT_POSE && s->has_pose; k++) {
+        const double wanted = difference(s, &s->pose[k]), mean = (double)of[1].mean[k];
+        double length = 0;
+        for (int i = k / 3 * 3; i < k / 3 * 3 + 3; i++)
+            length += (double)of[1].mean[i] * (double)of[1].mean[i];
+        check_near(mean / (double)0.1f * 3 * PIXELS, wanted, 1 + fabs(wanted), -1, k, t);
+        CHECK(fabs((double)of[1].at[k] - s->pose[k] + (k < 3 ? 0.01 : 0.01 * DEPTH) * mean / sqrt(length)) < 1e-6);
+    }
+}
+
 /* Every version has the same bytes. */
-static void check_versions(const scene *s, const fxs_fit_model *c, const fxs_fit_gain *gain)
+static void check_versions(const scene *s, const fxs_fit_model *c, const photographs *photographs_of_c)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
     const int count = fit_versions(versions);
     const size_t bytes = FXS_FIT_PARAMETERS * c->stride * sizeof(float);
     for (int i = 1; i < count; i++) {
         fxs_fit_model m;
-        fxs_fit_gain of[2];
-        step_once(s, versions[i], &m, &(fxs_fit_gains){of, 2});
-        if (!CHECK(!memcmp(&of[1], gain, sizeof *gain)) ||
+        photographs of;
+        step_once(s, versions[i], &m, &of);
+        if (!CHECK(!memcmp(&of, photographs_of_c, sizeof of)) ||
             !CHECK(!memcmp(m.means, c->means, bytes) && !memcmp(m.squares, c->squares, bytes)) ||
             !CHECK(!memcmp(m.parameters, c->parameters, bytes)) ||
             !CHECK(!memcmp(m.by_centre, c->by_centre, c->stride * sizeof(float))))
@@ -383,11 +437,12 @@ static tally check_scenes(const kind *k, int scenes)
     fit_state = (uint64_t)k->count;
     for (int n = 0; n < scenes; n++) {
         fxs_fit_model m;
-        fxs_fit_gain of[2];
-        make_scene(&s, k, 3 - n % 4, n % 2);
-        step_once(&s, fxs_fit_stages_choose(0), &m, &(fxs_fit_gains){of, 2});
-        check_versions(&s, &m, &of[1]);
-        check_gain(&s, of, &t);
+        photographs of;
+        make_scene(&s, k, 3 - n % 4, n % 2, n % 4 != 3);
+        step_once(&s, fxs_fit_stages_choose(0), &m, &of);
+        check_versions(&s, &m, &of);
+        check_gain(&s, of.gains, &t);
+        check_pose(&s, of.poses, &t);
         for (int i = n; i < s.count; i += 1 + s.count / 8) {
             count_cuts(&s, i, &t);
             check_gaussian(&s, &m, i, &t);
@@ -410,7 +465,7 @@ static void test_ordinary(void)
 static void test_beyond_the_picture(void)
 {
     const kind k = {7, 12, 2.2, {-1.5, 0.3}, {-1, 3}, {0, 1.5}, NULL};
-    const tally t = check_scenes(&k, 4);
+    const tally t = check_scenes(&k, 6);
     CHECK(t.outside > 8 && t.beside > 5 && t.unseen > 3);
 }
 
@@ -423,7 +478,7 @@ static void test_colours_below_0(void)
 static void test_opaque(void)
 {
     const kind k = {16, 30, 1, {-1.5, -0.3}, {4, 9}, {0, 1.5}, NULL};
-    const tally t = check_scenes(&k, 4);
+    const tally t = check_scenes(&k, 5);
     CHECK(t.capped > 8 && t.closed > 8);
 }
 

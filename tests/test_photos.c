@@ -811,7 +811,7 @@ static void nerfstudio_cameras(void)
     put_ppm("n/a.ppm", 24, 20, NULL);
     put_ppm("n/b.ppm", 16, 12, NULL);
     say("{\"w\":24,\"h\":20,\"fl_x\":20,\"fl_y\":21,\"cx\":11,\"cy\":10,\"applied_transform\":[[1,0,0,0],[0,0,1,0],"
-        "[0,-1,0,0]],\"frames\":[{\"file_path\":\"b.ppm\",\"mask_path\":\"m.png\",\"w\":16,\"h\":12,\"fl_x\":14,"
+        "[0,-1,0,0]],\"frames\":[{\"file_path\":\"b.ppm\",\"w\":16,\"h\":12,\"fl_x\":14,"
         "\"fl_y\":15,\"cx\":8,\"cy\":5," MATRIX "},{\"file_path\":\"a.ppm\"," MATRIX "}]}", 3, 4);
     put_text("n/transforms.json");
     if (!CHECK(!read_photos("n", &options)))

@@ -18,7 +18,7 @@ typedef struct fit_command {
     frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
     fxs_photos_options reading;
     fxs_fit_options options;
-    const char *in, *out, *resume, *coarse, *measure, *compare;
+    const char *in, *out, *resume, *coarse, *measure, *compare, *cameras;
     char *found;                    /* OUT.cameras, where they were found */
     uint32_t frames;
     int cameras_only;
@@ -66,6 +66,9 @@ static const option_row own_rows[] = {
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
      "none (default), or gain: photographs differ in exposure and white balance, and three numbers of each are fitted "
      "beside the scene; of --block those of --coarse"},
+    {"refine-poses", 0, FLAG(options.refine_poses), .help =
+     "cameras are not quite where they are said to be: their poses are fitted beside the scene, those of photographs "
+     "that are held out excepted; of --block those of --coarse"},
     {"steps", "N", UINT32(options.steps, 1, 1000000000), .help = "one photograph each (default 30000, fast 8000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =
      "pixels of a photograph's longer side, at most: averaged down to it (default 1600)"},
@@ -103,6 +106,8 @@ static const option_row own_rows[] = {
      "fit nothing: measure this scene, of any format, by the photographs that are held out, without -o"},
     {"compare", "FOLDER", TEXT(compare), .help =
      "write there each photograph that is measured beside its picture, .png"},
+    {"write-cameras", "FILE", OUTPUT(cameras), .help =
+     "at the end write there the cameras of all photographs as the fit has them, a cameras.json"},
     {"save-every", "N", UINT64(save_every, 1, UINT32_MAX), .help =
      "save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends"},
     {"metrics-every", "N", UINT64(metrics_every, 1, UINT32_MAX), .help =
@@ -190,10 +195,12 @@ static int read_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     if (!c->out && !c->measure)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
-    if (c->measure && (c->out || c->blocks || c->resume))
-        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block and --resume");
+    if (c->measure && (c->out || c->blocks || c->resume || c->cameras))
+        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume and --write-cameras");
     if (c->options.exposure && c->blocks && !c->coarse)
         return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
+    if (c->options.refine_poses && c->blocks && !c->coarse)
+        return fail(EXIT_USAGE, "--refine-poses: of --block only with --coarse, whose poses it has");
     if (c->coarse && !c->blocks)
         return fail(EXIT_USAGE, "--coarse needs --block I/N");
     if (c->blocks && !c->block && !c->coarse)
@@ -213,7 +220,9 @@ static int read_options(fit_command *c, int argc, char **argv)
 static int check_outputs(fit_command *c)
 {
     struct stat status;
-    const int wrong = c->measure ? 0 : result_check(c->out);
+    int wrong = c->measure ? 0 : result_check(c->out);
+    if (!wrong && c->cameras)
+        wrong = result_check_place(c->cameras);
     if (wrong)
         return wrong;
     const size_t room = strlen(c->measure ? "" : c->out) + sizeof ".fit";
@@ -230,6 +239,7 @@ static int check_outputs(fit_command *c)
     files_read(c->measure);
     files_write(c->out);
     files_write(c->saved);
+    files_write(c->cameras);
     const int taken = files_check();
     if (taken)
         return taken;
@@ -252,6 +262,7 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         {"batch", given->batch == is->batch}, {"sh-degree", given->sh_degree == is->sh_degree},
         {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
         {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
+        {"refine-poses", given->refine_poses == is->refine_poses},
         {"background", !memcmp(given->background, is->background, sizeof is->background)}
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
@@ -430,10 +441,51 @@ static frame_options frame_of(const fit_command *c, const fxs_fit *fit)
     return frame;
 }
 
+/* The photographs with the poses that the fit has found: those that were held out as they were given. Returns 0, and
+   *fitted to be freed; or prints why not and returns the exit status. */
+static int pose_photos(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **fitted)
+{
+    fxs_message message;
+    *fitted = malloc(photos->fit_count * sizeof **fitted);
+    if (!*fitted)
+        return fail(EXIT_FAILED, "out of memory");
+    memcpy(*fitted, photos->fit, photos->fit_count * sizeof **fitted);
+    return fxs_fit_pose_photos(fit, *fitted, &message) ? fail_for(&message) : 0;
+}
+
+static int measure(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, world *scene, const char *compare,
+                   quality *q)
+{
+    const frame_options frame = frame_of(c, fit);
+    fxs_photos posed = *photos;
+    int status = pose_photos(fit, photos, &posed.fit);
+    if (!status)
+        status = result_measure(q, scene, &posed, &frame, compare);
+    free(posed.fit);
+    return status;
+}
+
+static int write_cameras(const char *path, fxs_fit *fit, const fxs_photos *photos)
+{
+    const size_t count = photos->fit_count + photos->held_out_count;
+    fxs_fit_photo *fitted;
+    fxs_message message;
+    int status = pose_photos(fit, photos, &fitted);
+    fxs_file_view *views = status ? 0 : malloc(count * sizeof *views);
+    if (!status && !views)
+        status = fail(EXIT_FAILED, "out of memory");
+    for (size_t i = 0; i < count && !status; i++)
+        views[i] = i < photos->fit_count ? fitted[i].view : photos->held_out[i - photos->fit_count].view;
+    if (!status && fxs_camera_file_write(path, views, count, &message))
+        status = fail_for(&message);
+    free(views);
+    free(fitted);
+    return status;
+}
+
 /* What has been fitted so far, packed as it would be at the end. Where that fails, the fit goes on. */
 static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, uint32_t step)
 {
-    const frame_options frame = frame_of(c, fit);
     fxs_packed_scene packed;
     fxs_message message;
     quality q = {0};
@@ -441,7 +493,7 @@ static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos 
     char psnr[32], affine[32];
     int status = fxs_fit_pack(fit, &packed, 0, &message) ? fail_for(&message) : 0;
     status = status ? status : world_open_packed(&scene, c->out, &packed);
-    status = status ? status : result_measure(&q, &scene, photos, &frame, 0);
+    status = status ? status : measure(c, fit, photos, &scene, 0, &q);
     if (!status)
         note("step %" PRIu32 ": %s dB, after the best affine map %s, SSIM %.4f; %" PRIu32 " Gaussians", step,
              fxs_metrics_psnr(psnr, q.psnr, "no"), fxs_metrics_psnr(affine, q.affine_psnr, "no"), q.ssim,
@@ -489,6 +541,8 @@ static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fi
         return fail_for(&message);
     if (c->coarse && is_given("exposure") && c->options.exposure != fxs_fit_options_of(*fit)->exposure)
         return fail(EXIT_USAGE, "--exposure: %s was begun with another", c->coarse);
+    if (c->coarse && c->options.refine_poses && !fxs_fit_options_of(*fit)->refine_poses)
+        return fail(EXIT_USAGE, "--refine-poses: %s was begun without", c->coarse);
     return c->resume ? check_resumed(c, *fit) : 0;
 }
 
@@ -554,7 +608,6 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
 static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                   const progress *p, char **argv)
 {
-    const frame_options frame = frame_of(c, fit);
     fit_result result;
     world scene = {0};
     int status = result_write(&result, fit, block, c->out);
@@ -566,8 +619,10 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
         save_for_later(c, fit, "saved", argv);
     else
         status = world_open_packed(&scene, c->out, &result.packed);
+    if (!status && c->cameras)
+        status = write_cameras(c->cameras, fit, photos);
     if (!status)
-        status = result_measure(&result.quality, &scene, photos, &frame, c->compare);
+        status = measure(c, fit, photos, &scene, c->compare, &result.quality);
     if (!status && c->watcher)
         c->watcher->measured(fxs_fit_steps(fit), &result.quality);
     if (!status && c->json)

@@ -16,9 +16,14 @@
 
 int result_check(const char *out)
 {
-    struct stat status;
     if (!ends_with(out, ".fxs") && !ends_with(out, ".ply") && !ends_with(out, ".fit"))
         return fail(EXIT_USAGE, "%s: expected a name ending in .fxs, .ply or .fit", out);
+    return result_check_place(out);
+}
+
+int result_check_place(const char *out)
+{
+    struct stat status;
     if (!stat(out, &status)) {
         if (S_ISDIR(status.st_mode))
             return fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(EISDIR));

@@ -9,6 +9,9 @@
    the exit status. */
 int result_check(const char *out);
 
+/* Whether it can be written, whatever its ending. Returns as above. */
+int result_check_place(const char *out);
+
 /* A fit's Gaussians, packed. */
 typedef struct fit_result {
     fxs_packed_scene packed;

@@ -12,6 +12,7 @@
 
 #include <fixsplat/camera_file.h>
 #include "port/http/server.h"
+#include "src/camera/view_print.h"
 #include <fixsplat/fxs_file.h>
 #include "load_scene.h"
 #include "cmd_view.h"
@@ -144,20 +145,6 @@ static int add_scene(site *s, const char *path, const load_options *o)
     return file->name ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
-void write_view(FILE *out, const fxs_file_view *v)
-{
-    const double *r = v->rotation;
-    fputs("{\"img_name\": ", out);
-    write_json_string(out, v->name);
-    fprintf(out, ", \"width\": %d, \"height\": %d, \"fx\": %.17g, \"fy\": %.17g, \"cx\": %.17g, \"cy\": %.17g, "
-            "%s\"position\": [%.17g, %.17g, %.17g], \"rotation\": [", v->width, v->height, v->fx, v->fy, v->cx, v->cy,
-            v->projection == FXS_ORTHOGRAPHIC ? "\"orthographic\": true, " : "",
-            v->position[0], v->position[1], v->position[2]);
-    for (int i = 0; i < 3; i++)
-        fprintf(out, "%s[%.17g, %.17g, %.17g]", i ? ", " : "", r[i], r[3 + i], r[6 + i]);
-    fputs("]}", out);
-}
-
 /* The views of any camera file as a cameras.json, from the one that --view names. */
 static int add_views(site *s, const frame_options *o)
 {
@@ -170,7 +157,7 @@ static int add_views(site *s, const frame_options *o)
     FILE *file = first < 0 ? 0 : tmpfile();
     for (long i = 0; file && i < count; i++) {
         fputs(i ? ",\n" : "[", file);
-        write_view(file, &views[(first + i) % count]);
+        fxs_view_print(file, &views[(first + i) % count]);
     }
     free(views);
     if (first < 0)

@@ -14,9 +14,6 @@ int keep_written(FILE *file);
 /* The same of bytes. */
 int keep(const void *data, size_t bytes);
 
-/* Writes a view as an entry of a cameras.json. */
-void write_view(FILE *out, const fxs_file_view *view);
-
 /* `fixsplat fit --preview`: returns its exit status. */
 int serve_fit(int argc, char **argv);
 

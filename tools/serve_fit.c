@@ -15,6 +15,7 @@
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/output.h>
 #include "port/http/server.h"
+#include "src/camera/view_print.h"
 #include "file_guard.h"
 #include "fit_result.h"
 #include "fit_watcher.h"
@@ -169,7 +170,7 @@ static void tell_views(struct preview *p)
     const size_t count = all->held_out_count ? all->held_out_count : all->fit_count;
     for (size_t i = 0; file && i < count; i++) {
         fputs(i ? ",\n" : "[", file);
-        write_view(file, &photos[i].view);
+        fxs_view_print(file, &photos[i].view);
     }
     if (file)
         fputs("]\n", file);

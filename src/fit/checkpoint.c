@@ -14,7 +14,7 @@
 #define END 0x646e6578u            /* "xend": the checksum of all words before it follows */
 
 /* Grows with every change of what a fit computes: an older file would not end as if it had never been stopped. */
-#define VERSION 5u                 /* of a fit without exposure; that of another is the number of its exposure more */
+#define VERSION 5u                 /* and more for its options: see version_of */
 
 typedef struct archive {
     fxs_output *output;            /* null: the file is read */
@@ -109,6 +109,20 @@ static int holds(archive *a, uint64_t count, uint64_t words)
     if (!a->output && !a->fault && (passed > a->size || count > (a->size - passed) / (4 * words)))
         damaged(a, "it ends early");
     return !a->fault;
+}
+
+/* The version of a fit with these options: one of earlier options can be read by an earlier fixsplat. */
+static uint32_t version_of(const fxs_fit_options *o)
+{
+    return VERSION + o->exposure + 2 * (uint32_t)o->refine_poses;
+}
+
+/* Returns whether there is such a version. */
+static int take_version(fxs_fit_options *o, uint32_t version)
+{
+    o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 2);
+    o->refine_poses = (int)((version - VERSION) / 2 % 2);
+    return version == version_of(o);
 }
 
 /* ---- What it holds ----------------------------------------------------------------------------------------------- */
@@ -271,6 +285,30 @@ static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
+/* Poses of their cameras likewise. */
+static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
+{
+    enum { WORDS = sizeof *f->poses.of / sizeof(float) };
+    const size_t count = coarse ? coarse->camera_count : f->count;
+    if (!f->options.refine_poses || !holds(a, count, WORDS))
+        return;
+    if (coarse && !(f->poses.of = calloc(count + 1, sizeof *f->poses.of))) {
+        fail(a, FXS_ERR_MEMORY, "out of memory");
+        return;
+    }
+    for (size_t i = 0; i < count && !a->fault; i++) {
+        fxs_fit_pose *pose = &f->poses.of[i];
+        floats(a, (float *)pose, WORDS);
+        int is_wrong = pose->depth < 0 || pose->depth > FXS_FIT_FARTHEST_PLACE;
+        for (int k = 0; k < FXS_FIT_POSE; k++)
+            is_wrong |= fabsf(pose->at[k]) > (k < 3 ? FXS_FIT_TURN_MOST : FXS_FIT_FARTHEST_PLACE);
+        for (int k = 0; k < 2; k++)
+            is_wrong |= pose->square[k] < 0 || pose->of_one[k] < 0 || pose->of_one[k] > 1;
+        if (is_wrong)
+            damaged(a, "a number out of its range");
+    }
+}
+
 /* All data that a step changes and the next step needs, except data that follow from the options and the step's number.
    A new field of a fit is added here. */
 static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
@@ -280,6 +318,7 @@ static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     walk_model(a, &f->model);
     walk_profile(a, f);
     walk_gains(a, f, coarse);
+    walk_poses(a, f, coarse);
 }
 
 /* The end mark, and the checksum of all words before it. */
@@ -299,7 +338,7 @@ static void walk_end(archive *a)
 /* With an output, walk does not change the fit. */
 static void write_all(archive *a, fxs_fit *f)
 {
-    uint32_t magic = MAGIC, version = VERSION + f->options.exposure;
+    uint32_t magic = MAGIC, version = version_of(&f->options);
     uint64_t photographs = fingerprint(f);
     number(a, &magic);
     number(a, &version);
@@ -353,9 +392,8 @@ static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs
     number(a, &version);
     if (magic != MAGIC)
         return fxs_fail(message, "%s: not a saved fit", path);
-    if (!a->fault && version - VERSION > FXS_FIT_EXPOSURE_GAIN)
+    if (!a->fault && !take_version(options, version))
         return fxs_fail_as(FXS_ERR_VERSION, message, "%s: a fit that another version saved", path);
-    options->exposure = (enum fxs_fit_exposure)(version - VERSION);
     walk_options(a, options);
     return a->fault ? fxs_fail(message, "%s: damaged: %s", path, a->fault) : 0;
 }

@@ -120,12 +120,14 @@ static int take_model(fxs_fit_model *m, const fxs_fit_model *whole, const fxs_fi
     return 0;
 }
 
-static void take_gains(fxs_fit *f, const fxs_fit_coarse *coarse)
+static void take_photographs(fxs_fit *f, const fxs_fit_coarse *coarse)
 {
-    for (size_t i = 0; i < f->count && f->options.exposure; i++) {
+    for (size_t i = 0; i < f->count; i++) {
         const fxs_fit_coarse_camera *found = find_camera(coarse, &f->photographs[i].camera);
-        if (found)
+        if (found && f->options.exposure)
             f->gains.of[i] = coarse->fit->gains.of[found->number];
+        if (found && f->options.refine_poses)
+            f->poses.of[i] = coarse->fit->poses.of[found->number];
     }
 }
 
@@ -135,6 +137,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
     const fxs_photos *photos = &block->photos;
     fxs_fit_options all = *options;
     all.exposure = coarse->fit->options.exposure;
+    all.refine_poses = coarse->fit->options.refine_poses;
     *fit = NULL;
     if (options->steps <= coarse->fit->step)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the coarse fit has made %u steps, and a block goes on from "
@@ -145,7 +148,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
     if (!error) {
         (*fit)->step = coarse->fit->step;
         (*fit)->extent = coarse->fit->extent;
-        take_gains(*fit, coarse);
+        take_photographs(*fit, coarse);
         fxs_fit_set_order(*fit, (uint64_t)(*fit)->step * (*fit)->options.batch);
         error = fxs_fit_hand_over(*fit, message);
     }

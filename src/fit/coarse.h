@@ -9,7 +9,7 @@
 /* Of a photograph. */
 typedef struct fxs_fit_coarse_camera {
     uint64_t key;
-    uint32_t number;               /* of its exposure */
+    uint32_t number;               /* of its exposure and its pose */
 } fxs_fit_coarse_camera;
 
 struct fxs_fit_coarse {

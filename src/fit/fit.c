@@ -9,6 +9,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/message.h>
 #include "exposure.h"
+#include "pose.h"
 #include "random.h"
 #include "recipe.h"
 
@@ -110,6 +111,7 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : o->device_count > FXS_FIT_BATCH                          ? "number of devices"
                         : o->batch > FXS_FIT_BATCH                                 ? "number of photographs of a step"
                         : (unsigned)o->exposure > FXS_FIT_EXPOSURE_GAIN            ? "exposure"
+                        : (unsigned)o->refine_poses > 1                            ? "refinement of poses"
                                                                                    : NULL;
     if (wrong)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong);
@@ -151,6 +153,35 @@ static int begin_model(fxs_fit *f, const fxs_fit_point *points, size_t count)
     return error;
 }
 
+/* 1 over the mean inverse depth of the points in a picture, of 4096 of all at most; 0 where there are none. */
+static float depth_of(const fxs_fit_camera *c, const fxs_fit_point *points, size_t count)
+{
+    const size_t some = count < 4096 ? count : 4096;
+    double sum = 0;
+    size_t seen = 0;
+    for (size_t i = 0; i < some; i++) {
+        const float *p = points[(size_t)((uint64_t)i * count / some)].position;
+        double at[3] = {0, 0, 0};
+        for (int k = 0; k < 9; k++)
+            at[k / 3] += (double)c->rotation[k] * ((double)p[k % 3] - (double)c->eye[k % 3]);
+        const double x = (double)c->focal[0] * at[0] / at[2] + (double)c->middle[0];
+        const double y = (double)c->focal[1] * at[1] / at[2] + (double)c->middle[1];
+        if (at[2] > (double)c->near && x >= 0 && y >= 0 && x <= c->width && y <= c->height) {
+            sum += 1 / at[2];
+            seen++;
+        }
+    }
+    return seen ? (float)((double)seen / sum) : 0;
+}
+
+static void begin_poses(fxs_fit *f, const fxs_fit_point *points, size_t count)
+{
+    for (size_t i = 0; i < f->count; i++) {
+        const float depth = depth_of(&f->photographs[i].camera, points, count);
+        f->poses.of[i].depth = depth > 0 && depth < FXS_FIT_FARTHEST_PLACE ? depth : f->extent;
+    }
+}
+
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message)
 {
@@ -168,10 +199,12 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->order = calloc(photo_count, sizeof *f->order);
         f->gains.of = calloc(photo_count, sizeof *f->gains.of);
         f->gains.count = (uint32_t)photo_count;
+        f->poses.of = calloc(photo_count, sizeof *f->poses.of);
+        f->poses.count = (uint32_t)photo_count;
         f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
                                             options->threads, options->clock);
     }
-    if (!f || !f->photographs || !f->order || !f->gains.of || !f->stepper) {
+    if (!f || !f->photographs || !f->order || !f->gains.of || !f->poses.of || !f->stepper) {
         fxs_fit_free(f);
         return fxs_fail_memory(message, "a fit", 0);
     }
@@ -215,6 +248,7 @@ static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
 int fxs_fit_hand_over(fxs_fit *f, fxs_message *message)
 {
     f->model.gains = f->options.exposure ? &f->gains : NULL;
+    f->model.poses = f->options.refine_poses ? &f->poses : NULL;
     return f->engine->give(f->self, message);
 }
 
@@ -224,22 +258,26 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
     int error = fxs_fit_begin(fit, photos, photo_count, options, message);
     if (!error && options->exposure && options->blocks)
         error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "exposures of a block are those of its coarse fit");
+    if (!error && options->refine_poses && options->blocks)
+        error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "refined poses of a block are those of its coarse fit");
     if (!error)
         error = check_points(photos, photo_count, points, point_count, message);
     if (!error && begin_model(*fit, points, point_count))
         error = fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
     if (!error && options->exposure)
         begin_gains(*fit, photos);
-    if (!error)
+    if (!error) {
+        (*fit)->extent = options->extent > 0 ? options->extent
+                                             : fxs_fit_extent(photos, photo_count, points, point_count);
+        if (options->refine_poses)
+            begin_poses(*fit, points, point_count);
         error = fxs_fit_hand_over(*fit, message);
+    }
     if (error) {
         fxs_fit_free(*fit);
         *fit = NULL;
-        return error;
     }
-    (*fit)->extent = options->extent > 0 ? options->extent
-                                         : fxs_fit_extent(photos, photo_count, points, point_count);
-    return 0;
+    return error;
 }
 
 void fxs_fit_free(fxs_fit *f)
@@ -254,6 +292,7 @@ void fxs_fit_free(fxs_fit *f)
     free(f->photographs);
     free(f->order);
     free(f->gains.of);
+    free(f->poses.of);
     free(f);
 }
 
@@ -305,6 +344,13 @@ static void reduce(fxs_fit_photograph *p, int divisor)
     c->tiles_y = (c->height + FXS_FIT_TILE - 1) / FXS_FIT_TILE;
 }
 
+/* The rate with which a pose can go about this far, however often its photograph is in a step; at most 0.002 radians,
+   some pixels. */
+static float pose_rate(const fxs_fit *f, float way)
+{
+    return least(way * (float)f->count / ((float)f->options.steps * (float)f->options.batch), 0.002f);
+}
+
 static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_options *options)
 {
     const uint64_t key = fxs_fit_random(f->options.seed, f->step, UINT64_MAX);
@@ -314,6 +360,7 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
     options->gain_rate = plan->gain_rate;
+    options->pose_rate = pose_rate(f, plan->pose_way);
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
     memcpy(options->rate, plan->rate, sizeof options->rate);
     for (int c = 0; c < 3; c++)
@@ -382,5 +429,31 @@ int fxs_fit_gaussians(fxs_fit *f, fxs_gaussian_source *gaussians, fxs_message *m
     gaussians->sh_degree = f->options.sh_degree;
     gaussians->read = read_gaussians;
     gaussians->argument = &f->model;
+    return error;
+}
+
+/* What pose_camera does to a camera, in doubles. */
+static void pose_view(fxs_file_view *view, const fxs_fit_pose *pose)
+{
+    fxs_fit_camera own = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    double given[9];
+    memcpy(given, view->rotation, sizeof given);
+    pose_camera(&own, pose);
+    for (int k = 0; k < 9; k++) {
+        const float *r = own.rotation + k / 3 * 3;
+        view->rotation[k] = 0;
+        for (int i = 0; i < 3; i++)
+            view->rotation[k] += (double)r[i] * given[3 * i + k % 3];
+    }
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            view->position[k] += given[3 * i + k] * (double)own.eye[i];
+}
+
+int fxs_fit_pose_photos(fxs_fit *f, fxs_fit_photo *photos, fxs_message *message)
+{
+    const int error = f->model.poses ? f->engine->fetch(f->self, message) : 0;
+    for (size_t i = 0; i < f->count && f->model.poses && !error; i++)
+        pose_view(&photos[i].view, &f->poses.of[i]);
     return error;
 }

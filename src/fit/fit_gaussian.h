@@ -261,13 +261,14 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
                          camera->rotation[6 + k] * by_camera[2];
 }
 
-/* All gradients but those of SH, which follow from l->basis and `g`. by_centre: dL/dcentre, in pixels. */
+/* All gradients but those of SH, which follow from l->basis and `g`. by_centre: dL/dcentre, in pixels. by_position: that
+   of the position where the colour stays the same. */
 static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                         const real sums[FXS_FIT_SUMS], look *l, real g[3],
-                                        real gradient[FXS_FIT_SH], real by_centre[2])
+                                        real gradient[FXS_FIT_SH], real by_centre[2], real by_position[3])
 {
     shape s;
-    real by_t[2][3], along[3], by_position[3];
+    real by_t[2][3], along[3];
     find_shape(&s, camera, at, stride);
     /* dL/dcentre = h Q d = -h U^t (u, v) */
     by_centre[0] = -(s.ux * sums[FXS_FIT_SUM_U]) * (1.0f / FXS_FIT_UNIT);
@@ -289,11 +290,35 @@ static inline void find_gradient(const fxs_fit_camera *camera, int degree, const
                                  const real sums[FXS_FIT_SUMS], real gradient[FXS_FIT_PARAMETERS], real by_centre[2])
 {
     look l;
-    real g[3];
-    find_gradient_but_sh(camera, degree, at, stride, sums, &l, g, gradient, by_centre);
+    real g[3], by_position[3];
+    find_gradient_but_sh(camera, degree, at, stride, sums, &l, g, gradient, by_centre, by_position);
     for (int k = 0; k < 15; k++)
         for (int c = 0; c < 3; c++)
             gradient[FXS_FIT_SH + 3 * k + c] = k < SH_COUNT(degree) ? l.basis[k] * g[c] : all(0);
+}
+
+/* What a Gaussian adds to the gradient by the camera's pose: dL/dposition, as the picture depends on position - eye
+   alone; and dL/dtheta where the Gaussian is turned by theta about the eye, which is like turning the camera the other
+   way: position - eye and the rotation q turn, SH stay. dq = (0, theta) q / 2. */
+static inline void find_pose_gradient(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
+                                      const real sums[FXS_FIT_SUMS], real out[FXS_FIT_POSE])
+{
+    look l;
+    real colour[3], gradient[FXS_FIT_SH], by_centre[2], by_position[3], offset[3], q[4];
+    const real *const g = gradient + FXS_FIT_ROTATION;
+    find_gradient_but_sh(camera, degree, at, stride, sums, &l, colour, gradient, by_centre, by_position);
+    for (int i = 0; i < 3; i++)
+        offset[i] = load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride) - camera->eye[i];
+    for (int i = 0; i < 4; i++)
+        q[i] = load(at + (FXS_FIT_ROTATION + i) * (ptrdiff_t)stride);
+    const real turned[3] = {(g[1] * q[0] - g[0] * q[1]) + (g[3] * q[2] - g[2] * q[3]),
+                            (g[2] * q[0] - g[0] * q[2]) + (g[1] * q[3] - g[3] * q[1]),
+                            (g[3] * q[0] - g[0] * q[3]) + (g[2] * q[1] - g[1] * q[2])};
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        out[i] = gradient[FXS_FIT_POSITION + i];
+        out[3 + i] = (offset[j] * by_position[k] - offset[k] * by_position[j]) + 0.5f * turned[i];
+    }
 }
 
 #endif

@@ -124,6 +124,19 @@ typedef struct fxs_fit_gains {
     uint32_t count;
 } fxs_fit_gains;
 
+/* What the fit adds to the pose of a photograph's camera (pose.h): a turn, then a shift; Adam's moments, the second one
+   of each three, and those of a gradient of 1; and the depth of what the photograph shows. */
+enum { FXS_FIT_POSE = 6 };
+typedef struct fxs_fit_pose {
+    float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[2], of_one[2], depth;
+} fxs_fit_pose;
+
+/* Of all photographs of a fit. */
+typedef struct fxs_fit_poses {
+    fxs_fit_pose *of;
+    uint32_t count;
+} fxs_fit_poses;
+
 /* How the FXS_FIT_CHUNK Gaussians of a chunk are quantised: the numbers of fxs_chunk in the units of the parameters. An
    inverse is that of the step of the profile's own codes, or 0 for a step of 0. */
 typedef struct fxs_fit_chunk {
@@ -147,7 +160,7 @@ typedef struct fxs_fit_noise {
 } fxs_fit_noise;
 
 /* The stages for an instruction set. `cover` is a part of bin, `loss_*` are the passes of loss. `noise` and `quantise`
-   follow update, where the recipe or the profile needs them. */
+   follow update, where the recipe or the profile needs them; `pose` comes before it, where poses are refined. */
 typedef struct fxs_fit_stages {
     const char *name;
     /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_GROUP. */
@@ -184,6 +197,12 @@ typedef struct fxs_fit_stages {
     /* Sets the parameters of Gaussians first..first + count to the masters as packing quantises them. */
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);
+    /* Adds up what Gaussians first..first + count, FXS_FIT_PART from a multiple of it on or all that are left, add to
+       the gradient by a camera's pose: dL/dposition, then dL/dtheta (find_pose_gradient). `sums`: as in update, of the
+       camera. Of FXS_FIT_PART places, 0 where there is no Gaussian, p and p + 128 are added, then p and p + 64 and so
+       on. Numbers of a Gaussian that are not finite, or beyond FXS_FIT_FARTHEST_GRADIENT, make all of its own 0. */
+    void (*pose)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
+                 size_t count, const float *sums, float out[FXS_FIT_POSE]);
 } fxs_fit_stages;
 
 /* The fastest stages for the instruction sets in `cpu` (enum fxs_cpu) that this processor has. */
@@ -201,6 +220,7 @@ extern const fxs_fit_stages fxs_fit_stages_c;
 #define FXS_FIT_FARTHEST 40.0f     /* largest |ln scale| and |logit| */
 #define FXS_FIT_FARTHEST_PLACE 1e12f   /* largest coordinate */
 #define FXS_FIT_FARTHEST_GRADIENT 1e18f
+#define FXS_FIT_TURN_MOST 0.5f     /* largest number of a camera's turn */
 #define FXS_FIT_GAIN_MOST 8.0f     /* largest number of a photograph's exposure before the mean is taken off */
 
 #endif

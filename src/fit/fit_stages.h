@@ -337,9 +337,42 @@ static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float 
     }
 }
 
+/* Of LANES Gaussians. */
+static void pose_lanes(const fxs_fit_camera *camera, int degree, const float *at, size_t stride, const float *of_sums,
+                       float *out)
+{
+    real sums[FXS_FIT_SUMS], own[FXS_FIT_POSE];
+    mask is_touched = below(all(1), all(0));
+    for (int i = 0; i < FXS_FIT_SUMS; i++) {
+        sums[i] = load(of_sums + i * FXS_FIT_PART);
+        is_touched = either(is_touched, below(all(0), absolute(sums[i])));
+    }
+    if (!any(is_touched))
+        return;
+    find_pose_gradient(camera, degree, at, stride, sums, own);
+    for (int k = 0; k < FXS_FIT_POSE; k++)
+        is_touched = both(is_touched, below(absolute(own[k]), all(FXS_FIT_FARTHEST_GRADIENT)));
+    for (int k = 0; k < FXS_FIT_POSE; k++)
+        store(out + k * FXS_FIT_PART, keep(is_touched, own[k]));
+}
+
+static void NAMED(fxs_fit_pose_, ISA)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride,
+                                      size_t first, size_t count, const float *sums, float out[FXS_FIT_POSE])
+{
+    float numbers[FXS_FIT_POSE][FXS_FIT_PART] = {{0}};
+    for (size_t i = 0; i < count; i += LANES)
+        pose_lanes(camera, degree, parameters + first + i, stride, sums + i, numbers[0] + i);
+    for (int k = 0; k < FXS_FIT_POSE; k++) {
+        for (int half = FXS_FIT_PART / 2; half; half /= 2)
+            for (int i = 0; i < half; i++)
+                numbers[k][i] += numbers[k][i + half];
+        out[k] = numbers[k][0];
+    }
+}
+
 const fxs_fit_stages NAMED(fxs_fit_stages_, ISA) = {
     STRING_OF(ISA), NAMED(fxs_fit_project_, ISA), NAMED(fxs_fit_cover_, ISA), NAMED(fxs_fit_blend_, ISA),
     NAMED(fxs_fit_backward_, ISA),
     NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_backward_rows_, ISA),
     NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA), NAMED(fxs_fit_noise_, ISA),
-    NAMED(fxs_fit_quantise_, ISA)};
+    NAMED(fxs_fit_quantise_, ISA), NAMED(fxs_fit_pose_, ISA)};

@@ -81,6 +81,7 @@ int fxs_fit_model_resize(fxs_fit_model *m, size_t count)
     if (fxs_fit_model_room(&made, count))
         return FXS_ERR_MEMORY;
     made.gains = m->gains;
+    made.poses = m->poses;
     fxs_fit_model_free(m);
     *m = made;
     return 0;

@@ -82,17 +82,21 @@ static int is_reset(const fxs_fit_options *options, uint32_t step)
            (is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background)));
 }
 
-/* 0.05 * 10^-(step / steps). The 500 steps after the beginning and after each reset take a growing part of it: pictures
-   are not of the scene yet. */
-static void set_gain_rate(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
+/* Of exposures 0.05 * 10^-(step / steps), and of poses 0.1 * 100^-(step / steps) over the steps from 501 on. The 500
+   steps after the beginning and after each reset take a growing part of them: pictures are not of the scene yet. A block
+   has those of its coarse fit. */
+static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
     uint32_t since = 1;
-    if (!options->exposure || options->blocks)
+    if ((!options->exposure && !options->refine_poses) || options->blocks)
         return;
     while (since < 500 && since < step && !is_reset(options, step - since))
         since++;
-    plan->gain_rate = 0.05f * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
+    if (options->exposure)
+        plan->gain_rate = 0.05f * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
+    if (options->refine_poses && step > 500 && options->steps > 500)
+        plan->pose_way = position_rate(0.1f, step - 500, options->steps - 500) * ((float)since / 500.0f);
 }
 
 /* The recipe has 30,000 steps, and a shorter fit is its beginning. In a longer one, only the rate of positions is
@@ -105,7 +109,7 @@ static void plan_reference(const fxs_fit_options *options, float extent, uint32_
     plan->densify = is_every(step, 100, 500, 15000);
     plan->large = step > 3000 ? 0.1f * extent : INFINITY;
     plan->reset = is_reset(options, step);
-    set_gain_rate(options, step, steps, plan);
+    set_photograph_rates(options, step, steps, plan);
     plan->order = plan->densify && step % 1000 == 0;
 }
 
@@ -126,7 +130,7 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     plan->by_opacity = plan->by_scale = 0.01f;
     plan->noise = (options->recipe == FXS_FIT_MCMC ? 2e6f : 5e5f) * plan->rate[FXS_FIT_POSITION];
     plan->relocate = is_every(step, interval, 3 * interval, steps / 5 * 4);
-    set_gain_rate(options, step, steps, plan);
+    set_photograph_rates(options, step, steps, plan);
     plan->order = plan->relocate && step % (5 * interval) == 0;
 }
 

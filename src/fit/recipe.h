@@ -11,6 +11,7 @@ typedef struct fxs_fit_plan {
     float rate[FXS_FIT_PARAMETERS];
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     float gain_rate;               /* of the exposures of photographs, log2 */
+    float pose_way;                /* of their cameras' poses: radians, shared out among the steps of each photograph */
     float noise;                   /* amount of fxs_fit_noise */
     int densify, relocate, order;  /* 1: done after the update */
     float large;                   /* scale above which densify removes a Gaussian; infinity: none */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "exposure.h"
+#include "pose.h"
 
 enum { JOB = 4096 };               /* Gaussians in a job */
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
@@ -21,7 +22,8 @@ struct fxs_fit_stepper {
     void *pool;
     uint32_t threads;
     fxs_clock_fn *clock;
-    block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, reduced_mask, gathered;
+    block splats, jobs, keys, counts, histograms, tiles, entries, sums, planes, rows, reduced, reduced_mask, gathered,
+        by_pose;
 
     /* of the current step */
     fxs_fit_model *model;
@@ -31,6 +33,7 @@ struct fxs_fit_stepper {
     const uint8_t *errors_of;      /* the same, for fxs_fit_find_errors */
     const uint8_t *mask;           /* of the photograph, in the same size, or null */
     float *errors;
+    fxs_fit_camera posed[FXS_FIT_BATCH];   /* cameras of the batch with their poses */
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
     uint32_t batch, view;          /* number of views in the batch, and the current one */
     float factors[3];              /* of the current photograph's exposure */
@@ -76,7 +79,7 @@ void fxs_fit_stepper_free(fxs_fit_stepper *s)
     if (!s)
         return;
     block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->tiles, &s->entries, &s->sums,
-                       &s->planes, &s->rows, &s->reduced, &s->reduced_mask, &s->gathered};
+                       &s->planes, &s->rows, &s->reduced, &s->reduced_mask, &s->gathered, &s->by_pose};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
         free(blocks[i]->memory);
     free(s);
@@ -551,6 +554,33 @@ static void take_gathered(const fxs_fit_stepper *s, size_t first, size_t count,
             memcpy(out[v][k], gathered_of(s, v, k) + first, count * sizeof(float));
 }
 
+static int moves_poses(const fxs_fit_stepper *s)
+{
+    return s->model->poses && s->options->pose_rate > 0;
+}
+
+static size_t part_count(const fxs_fit_stepper *s)
+{
+    return (s->model->stride + FXS_FIT_PART - 1) / FXS_FIT_PART;
+}
+
+/* What the parts of the model add to a number of a view's pose. */
+static float *by_pose_of(const fxs_fit_stepper *s, uint32_t view, int k)
+{
+    return (float *)s->by_pose.memory + (view * FXS_FIT_POSE + (size_t)k) * part_count(s);
+}
+
+static void pass_to_poses(const fxs_fit_stepper *s, size_t first, size_t count, float (*sums)[FXS_FIT_SUMS][FXS_FIT_PART])
+{
+    float out[FXS_FIT_POSE];
+    for (uint32_t v = 0; v < s->batch; v++) {
+        s->stages->pose(s->cameras[v], s->options->sh_degree, s->model->parameters, s->model->stride, first, count,
+                        sums[v][0], out);
+        for (int k = 0; k < FXS_FIT_POSE; k++)
+            by_pose_of(s, v, k)[first / FXS_FIT_PART] = out[k];
+    }
+}
+
 static void update_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
@@ -564,6 +594,8 @@ static void update_job(void *argument, uint32_t job)
             gather(s, first, count, sums[0]);
         else
             take_gathered(s, first, count, sums);
+        if (moves_poses(s))
+            pass_to_poses(s, first, count, sums);
         s->stages->update(s->cameras, s->batch, s->options->sh_degree, &s->adam, m->parameters, masters, m->means,
                           m->squares, m->stride, first, count, sums[0][0], m->by_centre);
         if (s->options->noise.amount > 0)
@@ -633,6 +665,20 @@ static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *pho
         const float mean = sum_numbers(&gains->of->at[k], GAIN_STEP, gains->count, gains->count);
         for (uint32_t i = 0; i < gains->count; i++)
             gains->of[i].at[k] -= mean;
+    }
+}
+
+/* ---- Poses ------------------------------------------------------------------------------------------------------- */
+
+/* A step for each photograph of the batch, in order. */
+static void update_poses(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
+{
+    for (uint32_t v = 0; v < s->batch; v++) {
+        const double values = 3.0 * s->cameras[v]->width * s->cameras[v]->height;
+        float sums[FXS_FIT_POSE];
+        for (int k = 0; k < FXS_FIT_POSE; k++)
+            sums[k] = sum_numbers(by_pose_of(s, v, k), 1, part_count(s), values);
+        pose_step(&s->model->poses->of[photographs[v].number], &photographs[v].camera, sums, s->options->pose_rate);
     }
 }
 
@@ -771,6 +817,11 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
     const fxs_fit_camera *c = &photograph->camera;
     s->view = view;
     s->camera = s->cameras[view] = c;
+    if (s->model->poses) {
+        s->posed[view] = *c;
+        pose_camera(&s->posed[view], &s->model->poses->of[photograph->number]);
+        s->camera = s->cameras[view] = &s->posed[view];
+    }
     s->photograph = photograph->pixels;
     s->mask = photograph->mask;
     for (int k = 0; k < 3; k++)
@@ -820,6 +871,8 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     memset(report, 0, sizeof *report);
     if (batch > 1 && !room(&s->gathered, batch * FXS_FIT_SUMS * model->stride * sizeof(float)))
         return FXS_ERR_MEMORY;
+    if (moves_poses(s) && !room(&s->by_pose, batch * FXS_FIT_POSE * part_count(s) * sizeof(float)))
+        return FXS_ERR_MEMORY;
     for (uint32_t v = 0; v < batch; v++)
         if (choose_view(s, &photographs[v], v) || pass(s, report))
             return FXS_ERR_MEMORY;
@@ -828,6 +881,8 @@ int fxs_fit_stepper_step(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit
     run(s, update_job, gaussian_jobs(s));
     if (model->gains && options->gain_rate > 0)
         update_gains(s, photographs);
+    if (moves_poses(s))
+        update_poses(s, photographs);
     report->nanoseconds[UPDATE] = now(s) - passed_back;
     report->gaussians = model->count;
     return 0;

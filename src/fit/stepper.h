@@ -16,8 +16,8 @@ typedef struct fxs_fit_photograph {
     int32_t width, height;         /* of the pixels */
     int32_t divisor;               /* a pixel of the camera is the mean of divisor x divisor of these; a remainder at
                                       the right and lower edges is not used */
-    fxs_fit_camera camera;
-    uint32_t number;               /* of its exposure in the model's gains */
+    fxs_fit_camera camera;         /* as it was given */
+    uint32_t number;               /* of its exposure and its pose in the model's */
     const uint8_t *mask;           /* null, or a byte for each of the pixels; 0: it is ignored. A pixel of the camera is
                                       ignored where one of its divisor x divisor is */
 } fxs_fit_photograph;
@@ -31,6 +31,7 @@ typedef struct fxs_fit_model {
     float *masters;                /* null, or Adam's exact parameters, which `grid` quantises to `parameters` */
     const fxs_fit_grid *grid;
     fxs_fit_gains *gains;          /* exposures of the photographs, changed by steps; null: none has one */
+    fxs_fit_poses *poses;          /* the same of the poses of their cameras */
 } fxs_fit_model;
 
 typedef struct fxs_fit_step_options {
@@ -39,6 +40,7 @@ typedef struct fxs_fit_step_options {
     float rate[FXS_FIT_PARAMETERS];
     uint32_t number;               /* number of the step, from 1 on */
     float gain_rate;               /* of the exposures of the batch's photographs, log2; 0: they stay */
+    float pose_rate;               /* of the poses of their cameras, radians; 0: they stay */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     fxs_fit_noise noise;           /* noise after the update; amount 0: none */
     size_t changed;                /* so many Gaussians are changed, the first of the model, rounded down to

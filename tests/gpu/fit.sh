@@ -57,13 +57,19 @@ for photos in "$@"; do
     fit "$photos" "$name-cpu.ply" --resolution 300 --steps 200 >/dev/null
     fit "$photos" "$name-cuda.ply" --resolution 300 --steps 200 --backend cuda >/dev/null
     same "$name-cpu.ply" "$name-cuda.ply"
+    say "the same with exposures and poses, 700 steps"
+    fit "$photos" "$name-cpu.ply" --resolution 300 --steps 700 --exposure gain --refine-poses >/dev/null
+    fit "$photos" "$name-cuda.ply" --resolution 300 --steps 700 --exposure gain --refine-poses --backend cuda >/dev/null
+    same "$name-cpu.ply" "$name-cuda.ply"
 done
 
 if [ "$("$B/fixsplat" info --backends 2>/dev/null | grep -c 'device [1-9]')" -gt 0 ]; then
     say "two devices, and a batch of two on one"
-    fit "$1" two.ply --resolution 600 --steps 700 --backend cuda --device 0,1
-    fit "$1" one.ply --resolution 600 --steps 700 --backend cuda --batch 2
-    same two.ply one.ply
+    for option in "" --refine-poses; do
+        fit "$1" two.ply --resolution 600 --steps 700 --backend cuda --device 0,1 $option
+        fit "$1" one.ply --resolution 600 --steps 700 --backend cuda --batch 2 $option
+        same two.ply one.ply
+    done
 else
     echo "skipped: two devices"
 fi

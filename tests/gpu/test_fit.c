@@ -16,7 +16,7 @@ typedef struct what {
     size_t count;
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
-    uint32_t gains;                /* photographs with an exposure; 0: none */
+    uint32_t gains, poses;         /* photographs with an exposure, with a pose; 0: none. Where there are both, as many */
     int has_masks;                 /* all photographs but the second, which are at most MASK_PIXELS large */
 } what;
 
@@ -72,6 +72,21 @@ static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS])
     memcpy(gains[1], gains[0], sizeof gains[1]);
 }
 
+/* Poses likewise. */
+static void fill_poses(fxs_fit_pose poses[2][MOST_GAINS])
+{
+    for (int i = 0; i < MOST_GAINS; i++) {
+        fxs_fit_pose *of = &poses[0][i];
+        *of = (fxs_fit_pose){.square = {(float)fit_uniform(0, 0.001), (float)fit_uniform(0, 0.001)},
+                             .of_one = {0.3f, 0.01f}, .depth = (float)fit_uniform(0.5, 5)};
+        for (int k = 0; k < FXS_FIT_POSE; k++) {
+            of->at[k] = (float)fit_uniform(-0.1, 0.1);
+            of->mean[k] = (float)fit_uniform(-0.01, 0.01);
+        }
+    }
+    memcpy(poses[1], poses[0], sizeof poses[1]);
+}
+
 /* Discs and single pixels are ignored. */
 static void fill_mask(uint8_t *out, int32_t width, int32_t height)
 {
@@ -97,7 +112,7 @@ static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uin
         p->width = w->width;
         p->height = w->height;
         p->divisor = 1;
-        p->number = w->gains ? (uint32_t)(2 * i + 1) % w->gains : 0;
+        p->number = w->gains + w->poses ? (uint32_t)(2 * i + 1) % (w->gains ? w->gains : w->poses) : 0;
         if (w->has_masks && i != 1) {
             fill_mask(masks[i], w->width, w->height);
             p->mask = masks[i];
@@ -112,6 +127,7 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     o->number = number;
     o->by_opacity = o->by_scale = w->by_opacity;
     o->gain_rate = 0.05f;
+    o->pose_rate = 0.01f;
     o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}};
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
         o->rate[k] = 0.01f;
@@ -213,7 +229,9 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     static uint8_t pixels[MOST_BATCH * 3 * 1200 * 900];
     fxs_fit_photograph photographs[MOST_BATCH];
     static fxs_fit_gain gains_of[2][MOST_GAINS];
+    static fxs_fit_pose poses_of[2][MOST_GAINS];
     fxs_fit_gains gains[2] = {{gains_of[0], w->gains}, {gains_of[1], w->gains}};
+    fxs_fit_poses poses[2] = {{poses_of[0], w->poses}, {poses_of[1], w->poses}};
     fxs_fit_model here, there;
     fxs_fit_options options;
     const fxs_fit_engine *engine;
@@ -235,6 +253,9 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     fill_gains(gains_of);
     here.gains = w->gains ? &gains[0] : NULL;
     there.gains = w->gains ? &gains[1] : NULL;
+    fill_poses(poses_of);
+    here.poses = w->poses ? &poses[0] : NULL;
+    there.poses = w->poses ? &poses[1] : NULL;
     CHECK(!engine->give(self, &why));
     if (narrow)
         CHECK(!peek_fit_narrow(self, narrow));
@@ -252,10 +273,12 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     if (CHECK(!peek_fit(self, &photographs[w->batch - 1].camera, &p)))
         is_same = CHECK(splats_same(s, &p, w->count)) && CHECK(lists_same(s, &p)) && pixels_same(s, &p) &&
                   sums_same(s, &p) && models_same(&here, &there) &&
-                  CHECK(!memcmp(gains_of[0], gains_of[1], sizeof gains_of[0]));
+                  CHECK(!memcmp(gains_of[0], gains_of[1], sizeof gains_of[0])) &&
+                  CHECK(!memcmp(poses_of[0], poses_of[1], sizeof poses_of[0]));
     if (!CHECK(is_same))
-        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, %u exposures, spoiled %d\n", (int)w->width,
-               (int)w->height, (int)w->is_square, w->count, w->degree, w->batch, (unsigned)w->gains, is_spoiled);
+        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, %u exposures, %u poses, spoiled %d\n",
+               (int)w->width, (int)w->height, (int)w->is_square, w->count, w->degree, w->batch, (unsigned)w->gains,
+               (unsigned)w->poses, is_spoiled);
     peek_fit_free(&p);
     fxs_fit_stepper_free(s);
     engine->free(self);
@@ -316,11 +339,25 @@ static void test_masks(void)
     }
 }
 
+/* Poses of some photographs and of one, with exposures and without; Gaussians of few and of many parts. */
+static void test_poses(void)
+{
+    static const size_t counts[] = {200, 3000, 20000};
+    for (int i = 0; i < (quick ? 3 : 24); i++) {
+        const uint32_t poses = i % 4 ? 5 : 1;
+        const what w = {.width = i % 2 ? 37 : 160, .height = i % 2 ? 27 : 120, .count = counts[quick ? 0 : i % 3],
+                        .degree = i % 4, .batch = 1 + i % MOST_BATCH, .near_size = -2.5f, .poses = poses,
+                        .gains = i % 5 < 2 ? poses : 0};
+        compare(&w, i % 4 == 3, 0, MOST_STEPS);
+    }
+}
+
 /* Steps whose lists have no room are made again. */
 static void test_no_room(void)
 {
     const what w = {.width = 160, .height = 120, .count = quick ? 300 : 5000, .degree = 2, .batch = 1, .near_size = -2};
-    const what batch = {.width = 90, .height = 70, .count = 500, .degree = 2, .batch = 2, .near_size = -2, .gains = 7};
+    const what batch = {.width = 90, .height = 70, .count = 500, .degree = 2, .batch = 2, .near_size = -2, .gains = 7,
+                        .poses = 7};
     compare(&w, 0, 64, MOST_STEPS);
     compare(&batch, 0, 64, MOST_STEPS);
 }
@@ -438,6 +475,7 @@ int main(int argc, char **argv)
     RUN(test_batches);
     RUN(test_exposures);
     RUN(test_masks);
+    RUN(test_poses);
     RUN(test_no_room);
     RUN(test_too_little_memory);
     if (!quick)

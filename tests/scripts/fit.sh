@@ -148,6 +148,29 @@ check "--exposure gain, resumed, 2 threads, plain C: the same file" cmp exposed.
 fails "--resume: another exposure" 2 "--exposure: exposed.fit was begun with another" fit set --steps 60 -o x.fxs \
     --resume exposed.fit --exposure none
 fails "--exposure of a block" 2 "--exposure: of --block only with --coarse" fit set -o x.ply --exposure gain --block 1/2
+succeeds "--refine-poses" fit set --steps 540 -o posed.ply --refine-poses --exposure gain --threads 1 --save-every 520
+"$fixsplat" fit set --steps 540 -o plain.ply --exposure gain >logs/out
+check "--refine-poses: another file" [ "$(cmp -s plain.ply posed.ply; echo $?)" = 1 ]
+cp posed.ply.fit posed.fit
+"$fixsplat" fit set --steps 540 -o again.ply --resume posed.fit --threads 2 --cpu c >logs/out
+check "--refine-poses, resumed, 2 threads, plain C: the same file" cmp posed.ply again.ply
+# places FILE: of the cameras in it, by name.
+places() { tr -d '\n' <"$1" | sed 's/}, *{/}\n{/g' | sed 's/.*"img_name": "\([^"]*\)".*"position": \(\[[^]]*\]\).*/\1 \2/' | sort; }
+"$fixsplat" fit set --steps 540 -o again.ply --exposure gain --refine-poses --write-cameras posed.json >logs/out
+check "--write-cameras: the same file" cmp posed.ply again.ply
+"$fixsplat" fit set --steps 20 -o few.fxs --write-cameras plain.json >logs/out
+places plain.json >plain.txt
+places posed.json >posed.txt
+check "--write-cameras: all, those that are held out as they were" equal "$(wc -l <plain.txt | tr -d ' ') $(
+    join plain.txt posed.txt | awk '$2 $3 $4 == $5 $6 $7 { printf "%s ", $1 }')" "12 00.png 08.png "
+check "--write-cameras: for render" "$fixsplat" render few.fxs --cameras posed.json --view 3 -o view.png
+fails "--write-cameras: no such folder" 1 "none/x.json: cannot be written: No such file" $fit -o x.fxs \
+    --write-cameras none/x.json
+fails "--write-cameras: OUT" 2 "x.fxs: " $fit -o x.fxs --write-cameras x.fxs
+fails "--resume: poses that stay" 2 "--refine-poses: part.fxs.fit was begun with another" $fit -o x.fxs \
+    --resume part.fxs.fit --refine-poses
+fails "--refine-poses of a block" 2 "--refine-poses: of --block only with --coarse" fit set -o x.ply --refine-poses \
+    --block 1/2
 cp part.fxs.fit given.fxs
 fails "OUT is the file that it goes on from" 2 "given.fxs: is read and cannot be written too" $fit -o given.fxs --resume given.fxs
 fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another" fit set --steps 60 -o x.fxs \

@@ -49,15 +49,22 @@ __device__ inline void put_splat(const real numbers[SPLAT_NUMBERS], fxs_fit_spla
     to[3] = make_float4(numbers[12], numbers[13], numbers[14], 0);
 }
 
-template <int Degree>
+/* `posed`: of the camera, where IsPosed. */
+template <int Degree, bool IsPosed>
 __global__ void __launch_bounds__(BIN_THREADS)
-    project_splats(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera)
+    project_splats(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
+                   const posed_camera *posed)
 {
     const uint32_t i = blockIdx.x * BIN_THREADS + threadIdx.x;
     real numbers[SPLAT_NUMBERS];
+    bool is_seen = false;
     if (is_stopped(b.status))
         return;
-    const bool is_seen = i < m.count && find_splat(&camera, Degree, m.parameters + i, m.stride, numbers);
+    if constexpr (IsPosed) {
+        const fxs_fit_camera own = with_pose(camera, posed);
+        is_seen = i < m.count && find_splat(&own, Degree, m.parameters + i, m.stride, numbers);
+    } else
+        is_seen = i < m.count && find_splat(&camera, Degree, m.parameters + i, m.stride, numbers);
     const int seen = __syncthreads_count(is_seen);
     if (!threadIdx.x && seen)
         atomicAdd(&b.status->seen.visible, (uint32_t)seen);
@@ -71,12 +78,14 @@ __global__ void __launch_bounds__(BIN_THREADS)
     b.gaussians[0][i] = i;
 }
 
-cudaError_t launch_project(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera, int degree,
-                           cudaStream_t stream)
+/* `posed`: null, or the camera's pose, which is read on the device. */
+cudaError_t launch_project(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
+                           const posed_camera *posed, int degree, cudaStream_t stream)
 {
     by_degree(degree, [&](auto d) {
         constexpr int Degree = d.value;
-        project_splats<Degree><<<bin_grid(m->count), BIN_THREADS, 0, stream>>>(*b, *m, *camera);
+        const auto kernel = posed ? project_splats<Degree, true> : project_splats<Degree, false>;
+        kernel<<<bin_grid(m->count), BIN_THREADS, 0, stream>>>(*b, *m, *camera, posed);
     });
     return cudaGetLastError();
 }

@@ -5,6 +5,7 @@
 #include "bin.cuh"
 #include "exposure.cuh"
 #include "model.cuh"
+#include "pose.cuh"
 #include "tile.cuh"
 #include "update.cuh"
 
@@ -31,7 +32,9 @@ struct device {
     device_model model;
     step_buffers buffers;
     fxs_fit_gains gains;           /* on the device; count 0: photographs have no exposure */
-    block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures;
+    fxs_fit_poses poses;           /* likewise */
+    posed_camera *posed;           /* of a batch's views; null where no photograph has a pose */
+    block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures, all_poses, pose_parts;
     photograph_slot photographs[PHOTOGRAPHS];
     uint32_t next_photograph;
     float *views[FXS_FIT_BATCH];   /* sums of a batch's photographs (see launch_gather), its own and the others' */
@@ -145,8 +148,8 @@ int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
     return error;
 }
 
-/* Numbers of a photograph's sums: see launch_gather; then one that is not 0 where there was no room, and three of
-   launch_by_gain. */
+/* Numbers of a photograph's sums: see launch_gather; then one that is not 0 where there was no room, three of
+   launch_by_gain, and those of launch_by_pose. */
 uint64_t view_numbers(const device *d)
 {
     return VIEW_PLANES * (uint64_t)d->model.stride + 64;
@@ -160,6 +163,11 @@ float *flag_of(const device *d, uint32_t view)
 float *by_gain_of(const device *d, uint32_t view)
 {
     return flag_of(d, view) + 1;
+}
+
+float *by_pose_of(const device *d, uint32_t view)
+{
+    return by_gain_of(d, view) + 3;
 }
 
 int reserve_views(device *d, uint32_t count, fxs_message *why)
@@ -240,6 +248,54 @@ bool moves_gains(const device *d, const step_order *s)
     return d->gains.count && s->options.gain_rate > 0;
 }
 
+bool moves_poses(const device *d, const step_order *s)
+{
+    return d->posed && s->options.pose_rate > 0;
+}
+
+const posed_camera *posed_of(const device *d, uint32_t view)
+{
+    return d->posed ? d->posed + view : nullptr;
+}
+
+pose_batch poses_of(const device *d, const step_order *s)
+{
+    pose_batch batch = {};
+    batch.count = s->count;
+    for (uint32_t v = 0; v < s->count; v++) {
+        batch.numbers[v] = s->photographs[v].number;
+        batch.given[v] = s->photographs[v].camera;
+        batch.by_pose[v] = by_pose_of(d, v);
+    }
+    return batch;
+}
+
+/* The cameras of a step, on each device. */
+int pose_all(engine *e, const step_order *s, fxs_message *why)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < e->device_count && !error; i++) {
+        device *d = &e->devices[i];
+        const on_device here(d->number);
+        if (!d->posed)
+            continue;
+        const pose_batch batch = poses_of(d, s);
+        error = check(why, launch_pose_cameras(&batch, &d->poses, d->posed, d->stream));
+    }
+    return error;
+}
+
+/* The sums of a photograph's pose, of those of its splats. */
+int sum_by_pose(device *d, const step_order *s, uint32_t view, fxs_message *why)
+{
+    const uint64_t bytes = FXS_FIT_POSE * (uint64_t)part_count(&d->model) * sizeof(float);
+    const int error = reserve(&d->memory, &d->pose_parts, bytes, why);
+    return error ? error : check(why, launch_by_pose(&d->buffers, &d->model, d->views[view],
+                                                     &s->photographs[view].camera, posed_of(d, view),
+                                                     s->options.sh_degree, (float *)d->pose_parts.data,
+                                                     by_pose_of(d, view), d->stream));
+}
+
 /* A photograph of a step, up to its splats' sums. */
 int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
@@ -249,7 +305,7 @@ int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *
     if (error)
         return error;
     mark(d, s, PROJECT);
-    cudaError_t failure = launch_project(b, &d->model, c, s->options.sh_degree, d->stream);
+    cudaError_t failure = launch_project(b, &d->model, c, posed_of(d, view), s->options.sh_degree, d->stream);
     mark(d, s, BIN);
     failure = first_of(failure, launch_bin(b, &d->model, c, d->stream));
     mark(d, s, BLEND);
@@ -354,13 +410,18 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     wait_for_receivers(e, d);
     if (e->device_count > 1)
         hear_full<<<1, 1, 0, d->stream>>>(b->status, f, s->count);
-    cudaError_t failure = launch_update(b, &d->model, d->views, cameras, s->count, o->sh_degree, &adam, d->stream);
+    cudaError_t failure = launch_update(b, &d->model, d->views, cameras, d->posed, s->count, o->sh_degree, &adam,
+                                        d->stream);
     if (o->noise.amount > 0)
         failure = first_of(failure, launch_noise(b, &d->model, &o->noise, d->stream));
     if (d->model.masters)
         failure = first_of(failure, launch_quantise(b, &d->model, e->model->grid, d->stream));
     if (moves_gains(d, s))
         failure = first_of(failure, step_gains(d, s));
+    if (moves_poses(d, s)) {
+        const pose_batch batch = poses_of(d, s);
+        failure = first_of(failure, launch_update_poses(b, &d->poses, &batch, o->pose_rate, d->stream));
+    }
     end_step<<<1, 1, 0, d->stream>>>(b->status);
     mark(d, s, STAGES);
     return check(why, failure, cudaGetLastError());
@@ -378,6 +439,8 @@ int pass_all(engine *e, const step_order *s, fxs_message *why)
         if (error)
             break;
         error = check(why, launch_gather(&d->buffers, &d->model, d->views[v], d->stream));
+        if (moves_poses(d, s) && !error)
+            error = sum_by_pose(d, s, v, why);
         if (e->device_count == 1)
             continue;
         say_full<<<1, 1, 0, d->stream>>>(d->buffers.status, flag_of(d, v));
@@ -401,6 +464,7 @@ int clear_counts(engine *e, fxs_message *why)
 int start_step(engine *e, const step_order *s, fxs_message *why)
 {
     int error = s->has_report ? clear_counts(e, why) : 0;
+    error = error ? error : pose_all(e, s, why);
     error = error ? error : pass_all(e, s, why);
     for (uint32_t i = 0; i < e->device_count && !error; i++) {
         const on_device here(e->devices[i].number);
@@ -576,11 +640,37 @@ int upload_gains(device *d, const fxs_fit_gains *from, fxs_message *why)
                  cudaStreamSynchronize(d->stream));
 }
 
+/* The same of the poses of their cameras. */
+int upload_poses(device *d, const fxs_fit_poses *from, fxs_message *why)
+{
+    const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
+    d->poses = {nullptr, 0};
+    d->posed = nullptr;
+    if (!from)
+        return 0;
+    const int error = reserve(&d->memory, &d->all_poses, bytes + FXS_FIT_BATCH * sizeof *d->posed, why);
+    if (error)
+        return error;
+    d->poses = {(fxs_fit_pose *)d->all_poses.data, from->count};
+    d->posed = (posed_camera *)(d->poses.of + from->count);
+    return check(why, cudaMemcpyAsync(d->poses.of, from->of, bytes, cudaMemcpyHostToDevice, d->stream),
+                 cudaStreamSynchronize(d->stream));
+}
+
+int download_poses(const device *d, const fxs_fit_poses *to, fxs_message *why)
+{
+    if (!d->poses.count)
+        return 0;
+    return check(why, cudaMemcpyAsync(to->of, d->poses.of, d->poses.count * sizeof *d->poses.of,
+                                      cudaMemcpyDeviceToHost, d->stream), cudaStreamSynchronize(d->stream));
+}
+
 int give(void *self, fxs_message *why)
 {
     engine *e = (engine *)self;
     return change_model(e, why, [&](device *d) {
-        const int error = upload_gains(d, e->model->gains, why);
+        int error = upload_gains(d, e->model->gains, why);
+        error = error ? error : upload_poses(d, e->model->poses, why);
         return error ? error : model_upload(&d->model, e->model, &d->memory, d->stream, why);
     });
 }
@@ -592,6 +682,7 @@ int fetch(void *self, fxs_message *why)
     const on_device here(d->number);
     int error = finish(e, why);
     error = error ? error : model_download(&d->model, e->model, d->stream, why);
+    error = error ? error : download_poses(d, e->model->poses, why);
     if (error || !d->gains.count)
         return error;
     return check(why, cudaMemcpyAsync(e->model->gains->of, d->gains.of, d->gains.count * sizeof *d->gains.of,
@@ -631,7 +722,8 @@ void close(device *d)
         cudaStreamSynchronize(d->copies);
     model_free(&d->model, &d->memory);
     block *const blocks[] = {&d->splats,  &d->slots,  &d->pixels, &d->sums_of_views,
-                             &d->scratch, &d->status, &d->reduced, &d->exposures};
+                             &d->scratch, &d->status, &d->reduced, &d->exposures,
+                             &d->all_poses, &d->pose_parts};
     for (block *b : blocks)
         reserve(&d->memory, b, 0, nullptr);
     for (photograph_slot &slot : d->photographs) {

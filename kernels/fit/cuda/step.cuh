@@ -102,6 +102,19 @@ struct device_model {
     fxs_fit_chunk *chunks;         /* of the grid, where there are masters */
 };
 
+/* What a pose changes of a camera. */
+struct posed_camera {
+    float rotation[9], eye[3];
+};
+
+__device__ inline fxs_fit_camera with_pose(const fxs_fit_camera &given, const posed_camera *posed)
+{
+    fxs_fit_camera camera = given;
+    memcpy(camera.rotation, posed->rotation, sizeof camera.rotation);
+    memcpy(camera.eye, posed->eye, sizeof camera.eye);
+    return camera;
+}
+
 /* By what a channel's light is multiplied. */
 __device__ inline float factor_of(const step_buffers &b, int channel)
 {

@@ -123,8 +123,8 @@ __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const fl
 {
     bool is_touched = is_any(sums);
     if (is_touched) {
-        real centre[2];
-        find_gradient_but_sh(camera, Degree, at, stride, sums, &out->l, out->g, out->shape, centre);
+        real centre[2], by_position[3];
+        find_gradient_but_sh(camera, Degree, at, stride, sums, &out->l, out->g, out->shape, centre, by_position);
         for (int k = 0; k < FXS_FIT_SH; k++)
             is_touched = is_touched && absolute(out->shape[k]) < FXS_FIT_FARTHEST_GRADIENT;
         for (int k = 0; k < 3 * SH_COUNT(Degree); k++)
@@ -208,10 +208,11 @@ struct batch_views {
     uint32_t count;
     float *planes[FXS_FIT_BATCH];
     fxs_fit_camera cameras[FXS_FIT_BATCH];
+    const posed_camera *posed;     /* of each, where IsPosed */
 };
 
 /* Adds the gradient by a view. */
-template <int Degree>
+template <int Degree, bool IsPosed>
 __device__ inline void add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
                                 real total[FXS_FIT_SH])
 {
@@ -222,7 +223,11 @@ __device__ inline void add_view(const batch_views &views, uint32_t v, const devi
         sums[k] = planes[(size_t)k * m.stride];
     if (planes[(size_t)FXS_FIT_SUMS * m.stride] > 0)
         m.views[i] += 1;
-    find_view_gradient<Degree>(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
+    if constexpr (IsPosed) {
+        const fxs_fit_camera camera = with_pose(views.cameras[v], views.posed + v);
+        find_view_gradient<Degree>(&camera, m.parameters + i, m.stride, sums, &own, m.by_centre + i);
+    } else
+        find_view_gradient<Degree>(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
     for (int k = 0; k < FXS_FIT_SH; k++)
         total[k] += own.shape[k];
     for (int k = 0; k < 3 && Degree > 0; k++) {
@@ -234,7 +239,7 @@ __device__ inline void add_view(const batch_views &views, uint32_t v, const devi
 const uint32_t SHAPE_THREADS = 128;    /* few enough for all that a thread has to be in registers */
 
 /* All but SH above degree 0. */
-template <int Degree>
+template <int Degree, bool IsPosed>
 __global__ void __launch_bounds__(SHAPE_THREADS, 3)
     update_shapes(step_buffers b, device_model m, const __grid_constant__ batch_views views,
                   const __grid_constant__ fxs_fit_adam adam)
@@ -246,7 +251,7 @@ __global__ void __launch_bounds__(SHAPE_THREADS, 3)
         return;
 #pragma unroll 1
     for (uint32_t v = 0; v < views.count; v++)
-        add_view<Degree>(views, v, m, i, gradient);
+        add_view<Degree, IsPosed>(views, v, m, i, gradient);
     if (adam.by_opacity > 0)
         add_regularisers(&adam, m.parameters + i, m.stride, gradient);
     move_parameters<FXS_FIT_SH>(&adam, 0, m, to, i, [&](int k) { return gradient[k]; });
@@ -298,21 +303,23 @@ __global__ void __launch_bounds__(FXS_FIT_PART, 3)
         update_part_of_sh<Degree, 0>(&adam, views, m, i, blockIdx.y);
 }
 
-/* By the planes of `count` views, in their order. */
+/* By the planes of `count` views, in their order. `posed`: null, or the poses of their cameras, on the device. */
 cudaError_t launch_update(const step_buffers *b, const device_model *m, float *const *planes,
-                          const fxs_fit_camera *cameras, uint32_t count, int degree, const fxs_fit_adam *adam,
-                          cudaStream_t stream)
+                          const fxs_fit_camera *cameras, const posed_camera *posed, uint32_t count, int degree,
+                          const fxs_fit_adam *adam, cudaStream_t stream)
 {
     batch_views views;
     memset(&views, 0, sizeof views);
     views.count = count;
+    views.posed = posed;
     for (uint32_t v = 0; v < count; v++) {
         views.planes[v] = planes[v];
         views.cameras[v] = cameras[v];
     }
     by_degree(degree, [&](auto d) {
         constexpr int Degree = d.value;
-        update_shapes<Degree><<<(m->count + SHAPE_THREADS - 1) / SHAPE_THREADS, SHAPE_THREADS, 0, stream>>>(*b, *m, views, *adam);
+        const auto shapes = posed ? update_shapes<Degree, true> : update_shapes<Degree, false>;
+        shapes<<<(m->count + SHAPE_THREADS - 1) / SHAPE_THREADS, SHAPE_THREADS, 0, stream>>>(*b, *m, views, *adam);
         if constexpr (Degree > 0)
             update_sh<Degree><<<dim3(part_count(m), (SH_COUNT(Degree) + SH_AT_ONCE - 1) / SH_AT_ONCE), FXS_FIT_PART, 0,
                                 stream>>>(*b, *m, views, *adam);

@@ -1,6 +1,6 @@
 /* Reads camera files: Inria's cameras.json, COLMAP's sparse models (.bin and .txt), transforms.json of nerfstudio,
- * instant-ngp and Blender, .xml of Agisoft Metashape, .csv of RealityCapture and RealityScan, .out of Bundler. Stable
- * from version 1.0 on. */
+ * instant-ngp and Blender, .xml of Agisoft Metashape, .csv of RealityCapture and RealityScan, .out of Bundler; and
+ * writes the first. Stable from version 1.0 on. */
 #ifndef FXS_CAMERA_FILE_H
 #define FXS_CAMERA_FILE_H
 
@@ -41,6 +41,11 @@ typedef struct fxs_file_view {
    not finite, a size out of range, an unknown camera model); FXS_ERR_UNSUPPORTED for .json where fixsplat was built
    without cJSON and for .xml without expat; FXS_ERR_MEMORY. Several threads may read files at the same time. */
 FXS_API long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
+
+/* Writes these views as a cameras.json, with cx, cy and "orthographic", which Inria's code does not know; with `count` 0
+   an empty array, which is not read. The file is written as output.h says. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY
+   and a message. */
+FXS_API int fxs_camera_file_write(const char *path, const fxs_file_view *views, size_t count, fxs_message *message);
 
 #ifdef __cplusplus
 }

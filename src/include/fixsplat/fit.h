@@ -95,6 +95,8 @@ typedef struct fxs_fit_options {
     int devices[8];                /* numbers of these GPUs */
     uint64_t max_memory;           /* the most bytes to use on each device; 0: no limit */
     enum fxs_fit_exposure exposure;    /* of a whole fit; a block has that of its coarse fit */
+    int refine_poses;              /* 1: the poses of the photographs' cameras are refined beside the scene, from step 501
+                                      on; of a whole fit, as above. fxs_fit_pose_photos gives them */
 } fxs_fit_options;
 
 /* Sets the initial values that the comments above name, and 0 for the others: recipe reference, one thread. */
@@ -132,6 +134,10 @@ FXS_API uint32_t fxs_fit_steps(const fxs_fit *fit);
 
 /* The options in use; after fxs_fit_resume, most are from the file. */
 FXS_API const fxs_fit_options *fxs_fit_options_of(const fxs_fit *fit);
+
+/* Changes the views of these photographs, those of the fit with the views that it began with, to their refined poses;
+   where no poses are refined, nothing. Errors as of fxs_fit_gaussians. */
+FXS_API int fxs_fit_pose_photos(fxs_fit *fit, fxs_fit_photo *photos, fxs_message *message);
 
 /* Gives the current Gaussians, for fxs_scene_file_open_gaussians; valid until the next step. This function and the next
    two may also return FXS_ERR_DEVICE or FXS_ERR_MEMORY like fxs_fit_step. */

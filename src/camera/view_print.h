@@ -1,0 +1,11 @@
+/* A view as an object of cameras.json. */
+#ifndef FXS_VIEW_PRINT_H
+#define FXS_VIEW_PRINT_H
+
+#include <stdio.h>
+
+#include <fixsplat/camera_file.h>
+
+void fxs_view_print(FILE *to, const fxs_file_view *view);
+
+#endif

@@ -1,0 +1,74 @@
+/* The poses of photographs. A camera with a pose is turned about itself by its first three numbers, a, and its place is
+ * moved along the axes that it was given by the last three: with the rotation R of the quaternion (1, a / 2) over its
+ * length, and W that was given, a point x is in the camera's frame R (W (x - eye) - shift). The processor and CUDA
+ * compile this same text. */
+#ifndef FXS_FIT_POSE_H
+#define FXS_FIT_POSE_H
+
+#include "adam.h"
+
+/* Makes a camera as it was given the refined one: R W, and eye + W^t shift. A pose of 0 changes nothing. */
+static inline void pose_camera(fxs_fit_camera *camera, const fxs_fit_pose *pose)
+{
+    const float x = 0.5f * pose->at[0], y = 0.5f * pose->at[1], z = 0.5f * pose->at[2];
+    const float inverse = 1.0f / root((1.0f + x * x) + (y * y + z * z));
+    const float q[4] = {inverse, x * inverse, y * inverse, z * inverse}, *shift = pose->at + 3;
+    float w[9], r[3][3];
+    memcpy(w, camera->rotation, sizeof w);
+    rotation_of(q, r);
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < 3; i++)
+            camera->rotation[3 * i + k] = (r[i][0] * w[k] + r[i][1] * w[3 + k]) + r[i][2] * w[6 + k];
+        camera->eye[k] += (w[k] * shift[0] + w[3 + k] * shift[1]) + w[6 + k] * shift[2];
+    }
+}
+
+/* Of the sums over Gaussians (find_pose_gradient): dL/dshift = -W dL/dposition. To turn the camera further, to
+   exp(omega) R W, is to turn the scene by (R W)^t omega about the eye, so dL/domega = R W dL/dtheta; and omega =
+   (da + a / 2 x da) / (1 + |a / 2|^2). */
+static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose *pose, const float sums[FXS_FIT_POSE],
+                                 float gradient[FXS_FIT_POSE])
+{
+    const float a[3] = {0.5f * pose->at[0], 0.5f * pose->at[1], 0.5f * pose->at[2]};
+    const float share = 1.0f / ((1.0f + a[0] * a[0]) + (a[1] * a[1] + a[2] * a[2]));
+    fxs_fit_camera posed = *given;
+    float g[3];
+    pose_camera(&posed, pose);
+    for (int i = 0; i < 3; i++) {
+        const float *rw = posed.rotation + 3 * i, *w = given->rotation + 3 * i;
+        g[i] = (rw[0] * sums[3] + rw[1] * sums[4]) + rw[2] * sums[5];
+        gradient[3 + i] = -((w[0] * sums[0] + w[1] * sums[1]) + w[2] * sums[2]);
+    }
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        gradient[i] = (g[i] - (a[j] * g[k] - a[k] * g[j])) * share;
+    }
+}
+
+/* A step of Adam. `sums`: over the number of pixels and channels. The rate, in radians, is that of turns; of shifts it is
+   times the depth, which moves the picture about as far. The second moment is of the squared length of each three, so
+   that a direction in which the picture hardly changes is hardly taken; all are corrected by those of a gradient of 1, as
+   each photograph has steps of its own. A gradient that is not finite, or beyond FXS_FIT_FARTHEST_GRADIENT, changes
+   nothing. */
+static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE], float rate)
+{
+    const float rates[2] = {rate, rate * pose->depth}, most_of[2] = {FXS_FIT_TURN_MOST, FXS_FIT_FARTHEST_PLACE};
+    float gradient[FXS_FIT_POSE];
+    pose_gradient(given, pose, sums, gradient);
+    for (int k = 0; k < FXS_FIT_POSE; k++)
+        if (!(absolute(gradient[k]) < FXS_FIT_FARTHEST_GRADIENT))
+            return;
+    pose->of_one[0] = pose->of_one[0] * 0.9f + 0.1f;
+    pose->of_one[1] = pose->of_one[1] * 0.999f + 0.001f;
+    for (int i = 0; i < 2; i++) {
+        const float *g = gradient + 3 * i, square = (g[0] * g[0] + g[1] * g[1]) + g[2] * g[2];
+        pose->square[i] = without_tiny(pose->square[i] * 0.999f + square * 0.001f);
+        const float share = rates[i] / pose->of_one[0] / (root(pose->square[i] / pose->of_one[1]) + 1e-15f);
+        for (int k = 3 * i; k < 3 * i + 3; k++) {
+            pose->mean[k] = without_tiny(pose->mean[k] * 0.9f + gradient[k] * 0.1f);
+            pose->at[k] = least(most(pose->at[k] - share * pose->mean[k], -most_of[i]), most_of[i]);
+        }
+    }
+}
+
+#endif
