@@ -393,7 +393,8 @@ if ! clang -fsanitize=fuzzer,$sanitizers "$work/links.c" -o "$work/links" 2>/dev
     exit
 fi
 for library in CJSON:cjson/cJSON.h:-lcjson WEBP:webp/decode.h:-lwebp ZIP:zip.h:-lzip ZLIB:zlib.h:-lz \
-    ZSTD:zstd.h:-lzstd EXIF:libexif/exif-data.h:-lexif HEIF:libheif/heif.h:-ldl PNG:png.h:-lpng JPEG:jpeglib.h:-ljpeg STB:stb/stb_image_write.h:; do
+    ZSTD:zstd.h:-lzstd EXIF:libexif/exif-data.h:-lexif HEIF:libheif/heif.h:-ldl PNG:png.h:-lpng \
+    JPEG:jpeglib.h:-ljpeg STB:stb/stb_image_write.h:; do
     header=${library#*:}
     if echo "#include <${header%:*}>" | clang -E -x c - >/dev/null 2>&1; then
         features="$features -DFXS_WITH_${library%%:*}" libraries="$libraries ${library##*:}"
