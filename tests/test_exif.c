@@ -350,6 +350,11 @@ static void bad_heif(void)
     CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "a stream of more pixels"));
     put_changed_heif("\x42\x01\x01\x03\x70", 18, "\xa0\x03\xff\x80\x3f\xf0", 6);
     CHECK(!read_file("a.heic") || !strstr(message.text, "a stream of more pixels"));
+    /* a picture that is a tile of itself, or its own alpha, at which libheif 1.15 comes to the end of the stack */
+    put_changed_heif("dimg", 8, "\0\2", 2);
+    CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "in circles"));
+    put_changed_heif("dimg", 0, "auxl\0\1\0\1\0\1", 10);
+    CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "in circles"));
     for (size_t i = 0; i < sizeof turned_heif; i += i < 700 ? 1 : 7) {
         static uint8_t changed[sizeof turned_heif];
         memcpy(changed, turned_heif, sizeof changed);

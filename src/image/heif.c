@@ -227,6 +227,80 @@ static const char *find_large_stream(const uint8_t *bytes, size_t size)
     return NULL;
 }
 
+/* ---- Pictures of pictures ---------------------------------------------------------------------------------------- */
+
+/* A picture may be made of others (a grid of tiles: dimg), and have one that is its alpha (auxl), each by its number.
+   libheif follows them in circles until the stack ends, and decodes a tile for each time that it is named. */
+enum { ITEMS = 65536, DEEPEST = 3, MOST_TILES = 1 << 15 };
+
+static uint32_t number_at(const uint8_t *bytes, size_t count)
+{
+    uint32_t number = 0;
+    for (size_t i = 0; i < count; i++)
+        number = number << 8 | bytes[i];
+    return number;
+}
+
+/* Adds to `to`, of each picture that is named by another, how often that is decoded. A child of iref: size, type, number,
+   count, numbers, of `wide` bytes each. Returns 0 where a number is too large. */
+static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, const uint32_t *from, uint32_t *to)
+{
+    while (at + 10 + wide <= size) {
+        const size_t length = number_at(bytes + at, 4), count = number_at(bytes + at + 8 + wide, 2);
+        const int is_part = !memcmp(bytes + at + 4, "dimg", 4), is_alpha = !memcmp(bytes + at + 4, "auxl", 4);
+        const uint32_t owner = number_at(bytes + at + 8, wide);
+        if (length < 10 + wide || length > size - at)
+            return !is_part && !is_alpha;
+        for (size_t i = 0; (is_part || is_alpha) && i < count && 10 + wide * (i + 2) <= length; i++) {
+            const uint32_t other = number_at(bytes + at + 10 + wide * (i + 1), wide);
+            if (owner >= ITEMS || other >= ITEMS)
+                return 0;
+            uint32_t *const sum = &to[is_part ? other : owner];
+            *sum += from[is_part ? owner : other];
+            *sum = *sum < 2 * MOST_TILES ? *sum : 2 * MOST_TILES;
+        }
+        at += length;
+    }
+    return 1;
+}
+
+/* Of every iref, with a size of 4 bytes or of 8. */
+static int add_all(const uint8_t *bytes, size_t size, const uint32_t *from, uint32_t *to)
+{
+    for (size_t at = 4; at + 16 < size; at++)
+        if (!memcmp(bytes + at, "iref", 4)) {
+            const size_t first = at + (number_at(bytes + at - 4, 4) == 1 ? 12 : 4);
+            if (!add_named(bytes, size, first + 4, bytes[first] ? 4 : 2, from, to))
+                return 0;
+        }
+    return 1;
+}
+
+static const char *find_circles(const uint8_t *bytes, size_t size)
+{
+    const char *fault = NULL;
+    uint32_t *const counts = calloc(2 * ITEMS, sizeof *counts), *from = counts, *to = counts + ITEMS;
+    uint64_t tiles = 0, last = 0;
+    if (!counts)
+        return fxs_no_memory;
+    for (size_t i = 0; i < ITEMS; i++)
+        from[i] = 1;
+    for (int depth = 0; depth <= DEEPEST && !fault; depth++) {
+        memset(to, 0, ITEMS * sizeof *to);
+        if (!add_all(bytes, size, from, to))
+            fault = "damaged: references of pictures";
+        last = 0;
+        for (size_t i = 0; i < ITEMS; i++)
+            last += to[i];
+        tiles += last;
+        uint32_t *const swap = from;
+        from = to;
+        to = swap;
+    }
+    free(counts);
+    return fault ? fault : last || tiles > MOST_TILES ? "a picture of pictures in circles, or of too many" : NULL;
+}
+
 /* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 static const char *said(struct heif_error error)
@@ -271,6 +345,7 @@ static const char *decode(reading *r, FILE *file, uint8_t **rgba, int *width, in
     lib->heif_context_set_maximum_image_size_limit(r->context, SIDE);
     lib->heif_context_set_max_decoding_threads(r->context, 0);
     const char *fault = find_large_stream(r->bytes, r->size);
+    fault = fault ? fault : find_circles(r->bytes, r->size);
     if (fault)
         return fault;
     fault = said(lib->heif_context_read_from_memory_without_copy(r->context, r->bytes, r->size, NULL));

@@ -69,9 +69,10 @@ FXS_API int fxs_image_file_known(const char *path);
 
    A picture that is cut short is refused, and so is one that libpng or libjpeg-turbo finds damaged, even where they
    would go on; but pixels whose number lies beyond the palette of a .png are black, and of damage inside of the pixels
-   of a .webp or HEIF their libraries do not tell. Refused too is a compressed file of more than 2^20 pixels and of more
-   than 512 a byte of the file, which few pictures have that are not all of one colour (as a .ppm they are read), a .jpg
-   of more than 100 scans, or of CMYK, and a .webp with several pictures. Gamma and colour profiles are not looked at.
+   of a .webp or HEIF their libraries do not tell, and what they make up there may be something else each time. Refused
+   too is a compressed file of more than 2^20 pixels and of more than 512 a byte of the file, which few pictures have
+   that are not all of one colour (as a .ppm they are read), a .jpg of more than 100 scans, or of CMYK, and a .webp with
+   several pictures. Gamma and colour profiles are not looked at.
 
    Returns 0 with *rgba allocated by malloc, which the caller frees, or an error and a message, with *rgba null. Errors:
    FXS_ERR_FILE, FXS_ERR_UNSUPPORTED for .png where this was built without libpng, for .jpg without libjpeg-turbo, for
