@@ -520,7 +520,7 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
     const frame_options frame = frame_of(c, fit);
     fit_result result;
     world scene = {0};
-    int status = result_write(&result, fit, block, c->out);
+    int status = result_write(&result, fit, photos, block, c->out);
     if (!status && !isatty(STDERR_FILENO))
         note("measuring %s", c->out);
     if (status)

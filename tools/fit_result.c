@@ -110,12 +110,14 @@ static int write_fit(const fit_result *r, fxs_fit *fit, const fxs_fit_block *blo
     return fxs_fit_gaussians(fit, &gaussians, message) || write_floats(&gaussians, block, out, message);
 }
 
-int result_write(fit_result *r, fxs_fit *fit, const fxs_fit_block *block, const char *out)
+int result_write(fit_result *r, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block, const char *out)
 {
     fxs_message message;
     memset(r, 0, sizeof *r);
     int result = fxs_fit_pack(fit, &r->packed, &r->report, &message);
     r->bytes = r->packed.bytes;
+    if (!result && fxs_fit_start_view(photos->fit, photos->fit_count, r->packed.data, &message))
+        note("%s: no start view: %s", out, message.text);
     if (!result)
         result = write_fit(r, fit, block, out, &message);
     return result ? fail_for(&message) : 0;

@@ -17,11 +17,12 @@ typedef struct fit_result {
     quality quality;                        /* of the photographs that were held out; of all where none were */
 } fit_result;
 
-/* Packs the fit and writes it: as .fxs the packed scene, as .ply its Gaussians in floats, as .fit the saved fit. Of a
+/* Packs the fit and writes it: as .fxs the packed scene with a start view, as .ply its Gaussians in floats, as .fit the saved fit. Of a
    block (or null) the .ply
    has the Gaussians with their centre in it alone, the packed scene has all. Returns 0, or prints why not and returns
    EXIT_FAILED; result_free frees what *result holds in either case. */
-int result_write(fit_result *result, fxs_fit *fit, const fxs_fit_block *block, const char *out);
+int result_write(fit_result *result, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
+                 const char *out);
 
 /* Writes the Gaussians of a coarse fit outside of all blocks, as a .ply. Returns as above. */
 int result_write_outside(const fxs_fit_block *block, const char *out);

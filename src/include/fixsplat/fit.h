@@ -11,6 +11,7 @@
  *     while (fxs_fit_steps(fit) < options.steps && !fxs_fit_step(fit, &report, &message))
  *         ...
  *     fxs_fit_pack(fit, &scene, &pack_report, &message);
+ *     fxs_fit_start_view(photos.fit, photos.fit_count, scene.data, &message);
  *     fxs_fit_free(fit);
  *     fxs_photos_free(&photos);
  *
@@ -133,6 +134,11 @@ FXS_API int fxs_fit_gaussians(fxs_fit *fit, fxs_gaussian_source *gaussians, fxs_
 /* Packs the current Gaussians by the profile of the options, to be rendered or written as an .fxs file. Errors and
    ownership are those of fxs_pack. `report` may be null. */
 FXS_API int fxs_fit_pack(fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
+
+/* Keeps the view to begin with in a packed scene at `data`, for fxs_file_write: that of the first photograph, rolled so
+   that the mean of what points up in all of them points up; as it is where their directions cancel each other. Errors
+   are those of fxs_view_to_start; FXS_ERR_ARGUMENT without photographs. */
+FXS_API int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, void *data, fxs_message *message);
 
 /* Saves the whole state of the fit to a file, with the same bytes on every machine. An earlier file of that name is
    unchanged until the new one is complete and on the disk (output.h). Errors: FXS_ERR_FILE, FXS_ERR_MEMORY. */
