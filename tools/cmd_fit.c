@@ -1,14 +1,13 @@
 /* fixsplat fit: fits a scene to photographs. */
-#include <errno.h>
 #include <inttypes.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fixsplat/clock.h>
 #include "file_guard.h"
+#include "film_frames.h"
 #include "fit_result.h"
 #include "reconstruct.h"
 
@@ -187,7 +186,6 @@ static int read_options(fit_command *c, int argc, char **argv)
 /* Before hours of work: where it is to go. */
 static int check_outputs(fit_command *c)
 {
-    struct stat status;
     const int wrong = c->measure ? 0 : result_check(c->out);
     if (wrong)
         return wrong;
@@ -207,11 +205,7 @@ static int check_outputs(fit_command *c)
     const int taken = files_check();
     if (taken)
         return taken;
-    if (c->compare && mkdir(c->compare, 0777) && errno != EEXIST)
-        return fail(EXIT_FAILED, "--compare %s: %s", c->compare, strerror(errno));
-    if (c->compare && !stat(c->compare, &status) && !S_ISDIR(status.st_mode))
-        return fail(EXIT_FAILED, "--compare %s: not a folder", c->compare);
-    return 0;
+    return c->compare ? make_folder(c->compare) : 0;
 }
 
 /* The options that were given are to be those of the file. */
@@ -577,20 +571,25 @@ static void say_sizes(const fxs_photos *photos, size_t begins)
          photos->held_out_count, width, height, begins);
 }
 
-static void say_left_out(void *label, const char *why)
+/* Photographs without a camera were named when cameras were looked for here. */
+static void say_left_out(void *argument, const char *why)
 {
-    (void)label;
-    note("left out: %s", why);
+    const fit_command *c = argument;
+    const size_t length = c->found ? strlen(c->found) : 0;
+    if (!length || strncmp(why, c->found, length) || strncmp(why + length, "/images: ", 9))
+        note("left out: %s", why);
 }
 
 /* A bar on a terminal, else a line every ten seconds. */
-static int show_reading(void *label, double done)
+static int show_reading(void *argument, double done)
 {
+    static char label[] = "reading";
     static uint64_t shown;
     const uint64_t now = fxs_clock(0);
+    (void)argument;
     shown = shown ? shown : now;
     if (!isatty(STDERR_FILENO) && now - shown >= 10000000000u) {
-        note("%s photographs: %d %%", (const char *)label, (int)(100 * done));
+        note("%s photographs: %d %%", label, (int)(100 * done));
         shown = now;
     }
     return progress_bar(label, done);
@@ -690,11 +689,10 @@ static int fit_block(fit_command *c, char **argv)
 static int find_cameras(fit_command *c)
 {
     const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad};
-    if (c->measure || !reconstruct_is_needed(c->in)) {
-        if (c->cameras_only)
-            return fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in);
-        return c->frames ? fail(EXIT_USAGE, "--frames: %s is not a film", c->in) : 0;
-    }
+    if (c->frames && !film_is_named(c->in))
+        return fail(EXIT_USAGE, "--frames: %s is not a film", c->in);
+    if (c->measure || !reconstruct_is_needed(c->in))
+        return c->cameras_only ? fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in) : 0;
     const int status = reconstruct(&how, &c->found);
     c->in = status ? c->in : c->found;
     return status;
@@ -703,7 +701,6 @@ static int find_cameras(fit_command *c)
 static int run(int argc, char **argv)
 {
     static fit_command c;
-    static char label[] = "reading";
     int status = read_options(&c, argc, argv);
     status = status ? status : check_outputs(&c);
     status = status ? status : find_cameras(&c);
@@ -715,7 +712,7 @@ static int run(int argc, char **argv)
     c.options.threads = pool ? c.frame.threads : 1;
     c.reading.progress = show_reading;
     c.reading.left_out = say_left_out;
-    c.reading.argument = label;
+    c.reading.argument = &c;
     status = c.measure ? measure_scene(&c) : c.blocks ? fit_block(&c, argv) : fit_whole(&c, argv);
     fxs_pool_destroy(pool);
     free(c.saved);

@@ -256,8 +256,8 @@ check "OUT.fit is a photograph: it stays" cmp photo.fxs.fit set/images/03.png
 "$fixsplat" fit set --steps 9 -o same.fxs --save-every 5 >logs/out
 ln -s same.fxs.fit linked.fit
 succeeds "--resume of OUT.fit, by another name" fit set --steps 9 -o same.fxs --save-every 2 --resume linked.fit
-fails "--compare: a file" 1 "--compare knot.ply: not a folder" fit set -o x.fxs --compare knot.ply
-fails "--compare: no such folder" 1 "--compare none/pictures: No such file" fit set -o x.fxs --compare none/pictures
+fails "--compare: a file" 1 "knot.ply: not a folder" fit set -o x.fxs --compare knot.ply
+fails "--compare: no such folder" 1 "none/pictures: No such file" fit set -o x.fxs --compare none/pictures
 fails "an unknown option" 2 "unknown option" fit set -o x.fxs --fast
 while read -r option; do
     fails "--$option" 2 "^fixsplat: --" fit set -o x.fxs --$option
