@@ -9,6 +9,7 @@
 #include "file_guard.h"
 #include "film_frames.h"
 #include "fit_result.h"
+#include "fit_verdict.h"
 #include "reconstruct.h"
 
 typedef struct fit_command {
@@ -330,17 +331,17 @@ static int save(const fit_command *c, fxs_fit *fit)
 }
 
 /* A word as a shell takes it. */
-static void print_word(const char *word)
+static void print_word(FILE *to, const char *word)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=,+-";
     if (*word && strspn(word, plain) == strlen(word)) {
-        fprintf(stderr, " %s", word);
+        fprintf(to, " %s", word);
         return;
     }
-    fputs(" '", stderr);
+    fputs(" '", to);
     for (; *word; word++)
-        fprintf(stderr, *word == '\'' ? "'\\''" : "%c", *word);
-    fputc('\'', stderr);
+        fprintf(to, *word == '\'' ? "'\\''" : "%c", *word);
+    fputc('\'', to);
 }
 
 /* The command that goes on from what is saved. */
@@ -351,10 +352,10 @@ static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t ste
     progress_end();
     fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, step, steps);
     for (; *argv; argv++)
-        print_word(*argv);
+        print_word(stderr, *argv);
     if (!c->saves_itself) {
         fputs(" --resume", stderr);
-        print_word(c->saved);
+        print_word(stderr, c->saved);
     }
     fputc('\n', stderr);
 }
@@ -464,6 +465,25 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     quality_print_text(&r->quality);
 }
 
+/* How good it is, and what to do next. */
+static int print_verdict(const fit_command *c, const fxs_photos *photos, world *scene, const frame_options *frame,
+                         const quality *measured)
+{
+    static const char *const next[][3] = {{"to look at it:", "fixsplat view", ""},
+                                          {"a folder for any web server:", "fixsplat publish", " site"}};
+    double fitted;
+    const int status = result_measure_fitted(&fitted, scene, photos, frame);
+    if (status)
+        return status;
+    verdict_print(measured, fitted);
+    for (int i = 0; i < 2 && !ends_with(c->out, ".fit"); i++) {
+        printf("%-29s %s", next[i][0], next[i][1]);
+        print_word(stdout, c->out);
+        puts(next[i][2]);
+    }
+    return 0;
+}
+
 static void print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q)
 {
     const char *kind = photos->held_out_count ? "held out" : "fitted";
@@ -527,6 +547,8 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
         print_json(c, fit, photos, &result, p);
     else if (!status)
         print_text(c, fit, photos, &result);
+    if (!status && !c->json && !c->blocks && !is_quiet())
+        status = print_verdict(c, photos, &scene, &frame, &result.quality);
     world_close(&scene);
     result_free(&result);
     return status;

@@ -35,6 +35,10 @@ void result_tell_pictures(const fxs_photos *photos, const char *compare);
    one; or null. Returns as above. */
 int result_measure(quality *q, world *scene, const fxs_photos *photos, const frame_options *frame, const char *compare);
 
+/* The mean PSNR, dB, of as many photographs that were fitted as were held out, evenly spaced; 0 where none was held out.
+   Returns as above. */
+int result_measure_fitted(double *psnr, world *scene, const fxs_photos *photos, const frame_options *frame);
+
 void result_free(fit_result *result);
 
 #endif

@@ -68,6 +68,56 @@ check "into .ply: packed it is the same file" cmp few.fxs packed.fxs
 "$fixsplat" info floats.ply >logs/out
 check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
 
+# ---- In words --------------------------------------------------------------------------------------------------------
+
+# ends NAME LINES ARGUMENT...: what stands behind the table, figures as N.
+ends() {
+    name=$1 lines=$2
+    shift 2
+    loud fit "$@"
+    check "$name" equal "$(sed '1,/^worst /d; s/[0-9][0-9.]* dB/N dB/; s/[0-9][0-9.]* where/N where/' logs/out)" "$lines"
+}
+next="to look at it:                fixsplat view it.fxs
+a folder for any web server:  fixsplat publish it.fxs site"
+more="Where it was fitted it is not much better: more --steps or sharper photographs would help."
+ends "below 20 dB" "Poor: from new places it does not look like the photographs (N dB; N where it was fitted).
+$more
+$next" set --steps 1 -o it.fxs
+ends "below 25 dB" "Fair: from new places all is there, but blurred or spotted (N dB; N where it was fitted).
+$more
+$next" set --steps 620 -o it.fxs
+check "it is the mean, to a tenth" equal "$(awk '/^mean / { print substr($2, 1, 4) }' logs/out)" \
+    "$(sed -n 's/^Fair.*(\([0-9.]*\) dB.*/\1/p' logs/out)"
+ends "below 30 dB, and much better where it was fitted" \
+    "Good: from new places it looks like a photograph with less detail (N dB; N where it was fitted).
+Places between the photographs are much worse than theirs: more photographs would help.
+$next" set --steps 1500 --hold-out 2 -o it.fxs
+ends "--hold-out 0" "Nothing was held out, so how it looks from new places is not known (N dB where it was fitted).
+to look at it:                fixsplat view 'it'\\''s.ply'
+a folder for any web server:  fixsplat publish 'it'\\''s.ply' site" set --steps 9 --hold-out 0 -o "it's.ply"
+ends ".fit: what is next is the fit itself" \
+    "Poor: from new places it does not look like the photographs (N dB; N where it was fitted).
+$more" set --steps 9 -o it.fit
+loud fit set --steps 9 -o it.fxs --json
+check "--json: no words" equal "$(wc -l <logs/out | tr -d ' ')" 1
+run fit set --steps 9 -o it.fxs
+check "--quiet: no words" grep -q "^worst " logs/out
+check "--quiet: no words behind it" equal "$(sed '1,/^worst /d' logs/out)" ""
+if have perl; then
+    cp -r set dark
+    sed 's/0\([08]\).png/0\1.ppm/' set/sparse/0/images.txt >dark/sparse/0/images.txt
+    for i in 0 8; do
+        "$fixsplat" render knot.ply --cameras set/sparse/0 --view $i -o bright.ppm
+        perl -0777 -pe 'BEGIN { binmode STDIN; binmode STDOUT } s/^(P6\s+\d+\s+\d+\s+\d+\s)(.*)/$1 . pack("C*", map { $_ \/ 2 } unpack("C*", $2))/se' \
+            <bright.ppm >dark/images/0$i.ppm
+    done
+    loud fit dark --steps 620 -o it.fxs
+    check "other exposures" grep -q '^The photographs differ in exposure or white balance: --exposure gain may help.$' logs/out
+else
+    skip "other exposures" "no perl here"
+fi
+rm -f it.* "it's.ply"
+
 # ---- Progress ----------------------------------------------------------------------------------------------------------
 
 loud fit set --steps 30 -o few.fxs
