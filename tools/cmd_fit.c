@@ -8,6 +8,7 @@
 #include <fixsplat/clock.h>
 #include "file_guard.h"
 #include "film_frames.h"
+#include "fit_log.h"
 #include "fit_result.h"
 #include "fit_verdict.h"
 #include "reconstruct.h"
@@ -16,9 +17,11 @@ typedef struct fit_command {
     frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
     fxs_photos_options reading;
     fxs_fit_options options;
-    const char *in, *out, *resume, *coarse, *measure, *compare;
+    const char *in, *out, *resume, *coarse, *measure, *compare, *log_name;
+    fit_log *log;
     char *found;                    /* OUT.cameras, where they were found */
     uint32_t frames;
+    int quality;                    /* in by_quality, where it is given */
     int cameras_only;
     char *saved;                    /* OUT.fit */
     int saves_itself;               /* it is the file of --resume */
@@ -28,6 +31,12 @@ typedef struct fit_command {
 } fit_command;
 
 static const char *const recipes[] = {"reference", "mcmc", "fast", 0};   /* of enum fxs_fit_recipe */
+static const char *const qualities[] = {"draft", "good", "best", 0};
+static const struct {
+    enum fxs_fit_recipe recipe;
+    uint32_t steps;
+    int resolution;                 /* 0: as without --quality */
+} by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
 static const char *const exposures[] = {"none", "gain", 0};   /* of enum fxs_fit_exposure */
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
@@ -54,9 +63,12 @@ static const option_row own_rows[] = {
     {.help = "Options:"},
     {"output", "OUT", OUTPUT(out), .letter = 'o', .help =
      ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
+    {"quality", "NAME", CHOICE(quality, qualities), .help =
+     "draft (small photographs, few steps: to see whether all is well), good (of 1200x900 in 11 s on an H200, 28.0 dB) "
+     "or best (100 s, 28.9 dB): a recipe with its steps and resolution, where --steps and --resolution do not say others"},
     {"recipe", "NAME", CHOICE(options.recipe, recipes), .help =
-     "reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of Gaussians) or fast "
-     "(small photographs first, fewer steps)"},
+     "how Gaussians are added and taken away, by itself: reference (default; 50 s, 28.1 dB), mcmc (that of best) or "
+     "fast (that of draft and good)"},
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
      "none (default), or gain: photographs differ in exposure and white balance, and three numbers of each are fitted "
      "beside the scene; of --block those of --coarse"},
@@ -95,6 +107,9 @@ static const option_row own_rows[] = {
      "save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends"},
     {"metrics-every", "N", UINT64(metrics_every, 1, UINT32_MAX), .help =
      "measure the scene as it is after every N steps too, by the photographs that are held out, and print a line"},
+    {"log", "FILE", TEXT(log_name), .help =
+     "write there a line after every hundredth of the steps, and with --metrics-every what was measured: a table with "
+     "tabs between the fields and their names above; with --resume behind what is there"},
     {"resume", "FILE", TEXT(resume), .help =
      "go on from there, with the same PHOTOS and options for them; the options of the fit are the file's, --steps "
      "may be others. It ends in the bytes of a fit that was never stopped"},
@@ -144,7 +159,13 @@ static int finish_options(fit_command *c)
     int status = choose_backend(&c->frame, 0, &backend, &how);
     if (!status)
         status = set_devices(c, backend);
-    o->steps = is_given("steps") ? o->steps : c->resume ? 0 : fxs_fit_recipe_steps(o->recipe);
+    const int has_quality = is_given("quality");
+    if (has_quality)
+        o->recipe = by_quality[c->quality].recipe;
+    if (has_quality && !is_given("resolution"))
+        c->reading.resolution = by_quality[c->quality].resolution;
+    if (!is_given("steps"))
+        o->steps = c->resume ? 0 : has_quality ? by_quality[c->quality].steps : fxs_fit_recipe_steps(o->recipe);
     if (!is_given("max-gaussians"))
         o->max_gaussians = fxs_fit_recipe_gaussians(o->recipe);
     o->sh_degree = c->frame.render.sh_degree;
@@ -170,8 +191,10 @@ static int read_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     if (!c->out && !c->measure)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
-    if (c->measure && (c->out || c->blocks || c->resume))
-        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block and --resume");
+    if (is_given("quality") && is_given("recipe"))
+        return fail(EXIT_USAGE, "--quality stands for a recipe: leave out --recipe");
+    if (c->measure && (c->out || c->blocks || c->resume || c->log_name))
+        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume and --log");
     if (c->options.exposure && c->blocks && !c->coarse)
         return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
     if (c->coarse && !c->blocks)
@@ -203,10 +226,12 @@ static int check_outputs(fit_command *c)
     files_read(c->measure);
     files_write(c->out);
     files_write(c->saved);
+    files_write(c->log_name);
     const int taken = files_check();
     if (taken)
         return taken;
-    return c->compare ? make_folder(c->compare) : 0;
+    const int status = c->compare ? make_folder(c->compare) : 0;
+    return status ? status : fit_log_open(c->log, c->log_name);
 }
 
 /* The options that were given are to be those of the file. */
@@ -217,7 +242,7 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         const char *name;
         int same;
     } options[] = {
-        {"recipe", given->recipe == is->recipe}, {"seed", given->seed == is->seed},
+        {"recipe", given->recipe == is->recipe}, {"quality", given->recipe == is->recipe}, {"seed", given->seed == is->seed},
         {"batch", given->batch == is->batch}, {"sh-degree", given->sh_degree == is->sh_degree},
         {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
         {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
@@ -273,6 +298,7 @@ typedef struct progress {
     uint32_t counted, reports;      /* the last step that was counted; how many have reported */
     uint32_t saved;                 /* the step that OUT.fit is of; 0: not of this fit */
     uint64_t start, last, shown;    /* nanoseconds: of the run, the last step, the last line */
+    size_t gaussians;               /* after the last step that was counted */
     double pace, loss;              /* seconds a step and loss, means of some 50 steps */
     uint64_t stages[STAGES];        /* nanoseconds of the steps that have reported */
 } progress;
@@ -316,6 +342,7 @@ static void count_step(progress *p, uint32_t step, const fxs_fit_report *report)
     p->loss += share * (0.8 * report->absolute + 0.2 * report->dissimilar - p->loss);
     p->last = now;
     p->counted = step;
+    p->gaussians = report->gaussians;
     p->reports++;
     for (int i = 0; i < STAGES; i++)
         p->stages[i] += report->nanoseconds[i];
@@ -368,10 +395,21 @@ static int save_for_later(const fit_command *c, fxs_fit *fit, const char *why, c
     return 0;
 }
 
-/* A device works on while it is not asked: it is some times a second, and for the last step. */
-static int wants_report(const fit_command *c, const fxs_fit *fit, const progress *p)
+static int is_measured(const fit_command *c, const progress *p, uint32_t step)
 {
-    return !c->options.device_count || fxs_fit_steps(fit) + 1 >= p->steps || fxs_clock(0) - p->last > 200000000u;
+    return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
+}
+
+/* A device works on while it is not asked: it is some times a second, for the log, and for the last step. */
+static int wants_report(const fit_command *c, const progress *p, uint32_t step)
+{
+    return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
+           fit_log_wants(c->log, step) || is_measured(c, p, step);
+}
+
+static void write_log(const fit_command *c, const progress *p, const quality *measured)
+{
+    fit_log_write(c->log, p->counted, (double)(p->last - p->start) * 1e-9, p->gaussians, p->loss, measured);
 }
 
 /* A fit that a step failed in is not to be saved: what is left of it is the last save. */
@@ -395,7 +433,7 @@ static frame_options frame_of(const fit_command *c, const fxs_fit *fit)
 }
 
 /* What has been fitted so far, packed as it would be at the end. Where that fails, the fit goes on. */
-static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, uint32_t step)
+static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const progress *p)
 {
     const frame_options frame = frame_of(c, fit);
     fxs_packed_scene packed;
@@ -407,9 +445,10 @@ static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos 
     status = status ? status : world_open_packed(&scene, c->out, &packed);
     status = status ? status : result_measure(&q, &scene, photos, &frame, 0);
     if (!status)
-        note("step %" PRIu32 ": %s dB, after the best affine map %s, SSIM %.4f; %" PRIu32 " Gaussians", step,
+        note("step %" PRIu32 ": %s dB, after the best affine map %s, SSIM %.4f; %" PRIu32 " Gaussians", p->counted,
              fxs_metrics_psnr(psnr, q.psnr, "no"), fxs_metrics_psnr(affine, q.affine_psnr, "no"), q.ssim,
              scene.gaussians);
+    write_log(c, p, status ? 0 : &q);
     quality_free(&q);
     world_close(&scene);
     fxs_packed_scene_free(&packed);
@@ -422,15 +461,17 @@ static int make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *phot
     fxs_message message;
     while (fxs_fit_steps(fit) < p->steps && !asked) {
         const uint32_t made = fxs_fit_steps(fit), step = made + 1;
-        const int is_reported = wants_report(c, fit, p);
+        const int is_reported = wants_report(c, p, step);
         if (fxs_fit_step(fit, is_reported ? &report : NULL, &message))
             return fail_step(c, p, made, &message, argv);
         if (is_reported)
             count_step(p, step, &report);
         if (c->save_every && step % c->save_every == 0 && step < p->steps && !save(c, fit))
             p->saved = step;
-        if (c->metrics_every && step % c->metrics_every == 0 && step < p->steps)
-            measure_so_far(c, fit, photos, step);
+        if (is_measured(c, p, step))
+            measure_so_far(c, fit, photos, p);
+        else if (fit_log_wants(c->log, step) && step < p->steps)
+            write_log(c, p, 0);
     }
     progress_end();
     return 0;
@@ -543,6 +584,8 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
         status = world_open_packed(&scene, c->out, &result.packed);
     if (!status)
         status = result_measure(&result.quality, &scene, photos, &frame, c->compare);
+    if (p->counted > p->first)
+        write_log(c, p, status ? 0 : &result.quality);
     if (!status && c->json)
         print_json(c, fit, photos, &result, p);
     else if (!status)
@@ -567,6 +610,7 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_
         const uint32_t first = fxs_fit_steps(fit);
         progress p = {.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
                       .last = now, .shown = now, .saved = c->saves_itself ? first : 0};
+        fit_log_begin(c->log, c->resume != 0, p.steps);
         listen_to_signals();
         status = make_steps(c, fit, photos, &p, argv);
         restore_signals();
@@ -723,11 +767,15 @@ static int find_cameras(fit_command *c)
 static int run(int argc, char **argv)
 {
     static fit_command c;
+    fit_log log = {0};
     int status = read_options(&c, argc, argv);
+    c.log = &log;
     status = status ? status : check_outputs(&c);
     status = status ? status : find_cameras(&c);
-    if (status || c.cameras_only)
+    if (status || c.cameras_only) {
+        fit_log_close(&log);
         return status;
+    }
     fxs_pool *pool = fxs_pool_create(c.frame.threads);
     c.options.run = c.reading.run = pool ? fxs_pool_run : 0;
     c.options.pool = c.reading.pool = pool;
@@ -737,6 +785,7 @@ static int run(int argc, char **argv)
     c.reading.argument = &c;
     status = c.measure ? measure_scene(&c) : c.blocks ? fit_block(&c, argv) : fit_whole(&c, argv);
     fxs_pool_destroy(pool);
+    fit_log_close(&log);
     free(c.saved);
     free(c.found);
     return status;
@@ -753,7 +802,7 @@ const command command_fit = {
     "where photographs were held out, and PSNR and SSIM are printed.\n",
     0,
     "  $ fixsplat fit garden -o garden.fxs\n"
-    "  $ fixsplat fit walk.mp4 -o walk.fxs --recipe fast --compare pictures\n"
+    "  $ fixsplat fit walk.mp4 -o walk.fxs --quality draft --compare pictures\n"
     "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
     "  $ fixsplat fit garden -o garden.fxs --backend cuda --device 0,1\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"

@@ -182,6 +182,84 @@ for recipe in mcmc fast; do
         --background 102030 --cutoff square --profile small
 done
 
+# ---- The log ---------------------------------------------------------------------------------------------------------
+
+# of 620 steps every seventh, three that are measured, and the last
+echo old >fit.log
+loud $fit -o logged.fxs --log fit.log --metrics-every 200
+check "--log: the same file" cmp whole.fxs logged.fxs
+check "--log: a header, in place of what was there" equal "$(head -n 1 fit.log | tr '\t' ' ')" \
+    "step seconds gaussians loss psnr affine_psnr ssim"
+check "--log: its steps" equal "$(sed 1d fit.log | cut -f 1 | tr '\n' ' ')" \
+    "$(awk 'BEGIN { for (i = 1; i <= 620; i++) if (i % 7 == 0 || i % 200 == 0 || i == 620) printf "%d ", i }')"
+check "--log: seven fields, time never less, Gaussians, losses" equal "$(awk -F '\t' 'NR > 1 {
+    if (NF != 7 || $2 + 0 < seconds || $3 < 100 || $3 > 5000 || !($4 > 0 && $4 < 1)) print
+    seconds = $2 + 0 }' fit.log)" ""
+check "--log: the Gaussians of the scene" equal "$(tail -n 1 fit.log | cut -f 3)" \
+    "$(sed -n 's/^logged.fxs: \([0-9]*\) Gaussians.*/\1/p' logs/out)"
+check "--log: measured where the command says so" equal \
+    "$(awk -F '\t' 'NR > 1 && $5 { printf "%d %s %s %.4f %d\n", $1, $5, $6, $7, $3 }' fit.log | head -n 3)" \
+    "$(sed -n 's/^fixsplat: step \([0-9]*\): \([0-9.]*\) dB, after the best affine map \([0-9.]*\), SSIM \([0-9.]*\); \([0-9]*\) .*/\1 \2 \3 \4 \5/p' logs/err)"
+check "--log: and at the end" equal "$(tail -n 1 fit.log | awk -F '\t' '{ print $5, $6, $7 }')" \
+    "$(awk '/^mean / { print $2, $3, $4 }' logs/out)"
+"$fixsplat" fit set --steps 300 -o part.fxs --save-every 150 --log fit.log >logs/out
+"$fixsplat" $fit -o resumed.fxs --resume part.fxs.fit --log fit.log >logs/out
+check "--log, --resume: behind what was there" equal "$(cut -f 1 fit.log | tr '\n' ' ')" \
+    "$(awk 'BEGIN { printf "step "; for (i = 1; i <= 620; i++) if (i <= 300 ? i % 3 == 0 : 0) printf "%d ", i
+        for (i = 151; i <= 620; i++) if (i % 7 == 0 || i == 620) printf "%d ", i }')"
+rm -f new.log
+"$fixsplat" $fit -o resumed.fxs --resume part.fxs.fit --log new.log >logs/out
+check "--log, --resume: a new one has a header" equal "$(head -n 1 new.log | cut -f 1)" step
+if [ -c /dev/full ]; then
+    loud $fit -o logged.fxs --log /dev/full
+    check "--log: a full disk: said once, and the fit goes on" equal "$status $(said)" \
+        "0 fixsplat: --log /dev/full: cannot be written: No space left on device; the fit goes on without it"
+    check "--log: a full disk: the same file" cmp whole.fxs logged.fxs
+fi
+(
+    trap '' XFSZ
+    ulimit -f 1
+    exec "$fixsplat" $fit -o set.fit --log fit.log >logs/out 2>logs/err
+)
+check "--log: a disk that is full after some lines" grep -q -- '--log fit.log: .*; the fit goes on without it' logs/err
+fails "--log: no such folder" 1 "--log none/fit.log: cannot be written: No such file" fit set -o x.fxs --log none/fit.log
+fails "--log is OUT" 2 "x.fxs" fit set -o x.fxs --log x.fxs
+fails "--log is a photograph" 2 "set/images/03.png: is read and cannot be written too" fit set -o x.fxs --steps 2 \
+    --log set/images/03.png
+fails "--log and --measure" 2 "leave out -o, --block, --resume and --log" fit set --measure whole.fxs --log fit.log
+rm -f part.fxs.fit set.fit fit.log new.log
+
+# ---- Quality ---------------------------------------------------------------------------------------------------------
+
+mkdir -p large/sparse/0 large/images
+sed 's/64 48 60 60 32 24/1700 1275 1594 1594 850 637/' set/sparse/0/cameras.txt >large/sparse/0/cameras.txt
+cp set/sparse/0/points3D.txt large/sparse/0
+head -n 4 set/sparse/0/images.txt >large/sparse/0/images.txt
+"$fixsplat" render knot.ply --cameras large/sparse/0 --view all -o large/images/%02d.png --threads 2
+while read -r quality recipe size; do
+    loud fit large --steps 1 --quality $quality -o few.fxs
+    check "--quality $quality: photographs of $size" grep -q "up to $size;" logs/err
+    check "--quality $quality: recipe $recipe" grep -q "; 1 steps, recipe $recipe, seed 0$" logs/out
+    "$fixsplat" fit set --steps 12 --quality $quality -o few.fxs >logs/out
+    "$fixsplat" fit set --steps 12 --recipe $recipe -o again.fxs >logs/out
+    check "--quality $quality: the scene of recipe $recipe" cmp few.fxs again.fxs
+done <<'END'
+draft fast 800x600
+good fast 1600x1200
+best mcmc 1600x1200
+END
+loud fit large --steps 1 --quality draft --resolution 300 -o few.fxs
+check "--quality draft --resolution: as it says" grep -q "up to 300x225;" logs/err
+succeeds "--quality draft: its steps" fit set --quality draft -o few.fxs --save-every 2999 --max-gaussians 500
+check "--quality draft: its steps" grep -q "; 3000 steps, recipe fast," logs/out
+fails "--resume: another quality" 2 "--quality: few.fxs.fit was begun with another" fit set -o x.fxs \
+    --resume few.fxs.fit --quality best
+succeeds "--resume: with its quality" fit set -o again.fxs --resume few.fxs.fit --quality draft
+check "--resume: with its quality" cmp few.fxs again.fxs
+fails "--quality and --recipe" 2 "--quality stands for a recipe: leave out --recipe" fit set -o x.fxs --quality good \
+    --recipe fast
+rm -rf large few.fxs.fit
+
 # ---- Stopped and resumed ---------------------------------------------------------------------------------------------
 
 succeeds "--save-every" $fit -o part.fxs --save-every 300
@@ -313,6 +391,7 @@ while read -r option; do
     fails "--$option" 2 "^fixsplat: --" fit set -o x.fxs --$option
 done <<'END'
 recipe slow
+quality high
 exposure auto
 steps 0
 steps -1
