@@ -22,7 +22,7 @@ typedef struct fit_command {
     char *found;                    /* OUT.cameras, where they were found */
     uint32_t frames;
     int quality;                    /* in by_quality, where it is given */
-    int cameras_only;
+    int cameras_only, crops;
     char *saved;                    /* OUT.fit */
     int saves_itself;               /* it is the file of --resume */
     uint32_t block, blocks;         /* blocks 0: all */
@@ -92,6 +92,8 @@ static const option_row own_rows[] = {
      "behind the scene, and below photographs with alpha (default 000000)"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
      "how the scene is packed, and what the last tenth of the steps fits: default, compact or small"},
+    {"crop-to-subject", 0, FLAG(crops), .help =
+     "at the end, leave out what lies around the one thing that the cameras look at; measured is the scene before that"},
     {"hold-out", "N", UINT32(reading.hold_out, 0, UINT32_MAX), .help =
      "keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none, and those that were "
      "fitted are measured)"},
@@ -197,6 +199,8 @@ static int read_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume and --log");
     if (c->options.exposure && c->blocks && !c->coarse)
         return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
+    if (c->crops && (c->blocks || (c->out && ends_with(c->out, ".fit"))))
+        return fail(EXIT_USAGE, "--crop-to-subject: of a whole fit that ends in .fxs or .ply");
     if (c->coarse && !c->blocks)
         return fail(EXIT_USAGE, "--coarse needs --block I/N");
     if (c->blocks && !c->block && !c->coarse)
@@ -568,6 +572,27 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
     puts("}");
 }
 
+/* `whole`: packed before, to be measured. Where the cameras look at nothing, the scene stays as it is. */
+static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
+{
+    fxs_fit_subject s;
+    fxs_message why;
+    int error = fxs_fit_pack(fit, whole, 0, &why);
+    if (error)
+        return fail_for(&why);
+    error = fxs_fit_crop_to_subject(fit, &s, &why);
+    if (error && error != FXS_ERR_ARGUMENT) {
+        fxs_packed_scene_free(whole);
+        return fail_for(&why);
+    }
+    if (error)
+        note("%s: not cropped: %s", c->out, why.text);
+    else
+        note("%s: cropped to %.4g units around %.4g,%.4g,%.4g: %zu Gaussians left out", c->out, s.radius, s.middle[0],
+             s.middle[1], s.middle[2], s.dropped);
+    return 0;
+}
+
 /* A scene that cannot be written is not lost. */
 static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                   const progress *p, char **argv)
@@ -575,13 +600,17 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
     const frame_options frame = frame_of(c, fit);
     fit_result result;
     world scene = {0};
-    int status = result_write(&result, fit, photos, block, c->out);
+    fxs_packed_scene whole = {0};
+    int status = c->crops ? crop(c, fit, &whole) : 0;
+    if (status)
+        return status;
+    status = result_write(&result, fit, photos, block, c->out);
     if (!status && !isatty(STDERR_FILENO))
         note("measuring %s", c->out);
     if (status)
         save_for_later(c, fit, "saved", argv);
     else
-        status = world_open_packed(&scene, c->out, &result.packed);
+        status = world_open_packed(&scene, c->out, c->crops ? &whole : &result.packed);
     if (!status)
         status = result_measure(&result.quality, &scene, photos, &frame, c->compare);
     if (p->counted > p->first)
@@ -594,6 +623,7 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
         status = print_verdict(c, photos, &scene, &frame, &result.quality);
     world_close(&scene);
     result_free(&result);
+    fxs_packed_scene_free(&whole);
     return status;
 }
 

@@ -118,6 +118,36 @@ else
 fi
 rm -f it.* "it's.ply"
 
+# ---- The subject -----------------------------------------------------------------------------------------------------
+
+# The cameras look at the middle, and see 13 * 24 / 60 units to their upper and lower edges there.
+cp -r set around
+awk 'BEGIN { for (i = 0; i < 60; i++) print 400 + i, 9 * cos(i), i % 7 - 3, 9 * sin(i), 90, 90, 90, 0 }' \
+    >>around/sparse/0/points3D.txt
+count_of() { sed -n 's/^[a-z]*\.[a-z]*: \([0-9]*\) Gaussians, .*/\1/p' logs/out; }
+loud fit around --steps 30 -o it.fxs
+measured=$(sed -n '/^ *[0-9]* 0/p; /^mean/p' logs/out) all=$(count_of)
+loud fit around --steps 30 -o cropped.fxs --crop-to-subject
+check "--crop-to-subject: says what it was cropped to" equal "$(said)" "fixsplat: cropped.fxs: cropped to 5.2 units around $(
+    sed -n 's/.* units around \([^:]*\):.*/\1/p' logs/err): $((all - $(count_of))) Gaussians left out"
+check "--crop-to-subject: the middle" equal "$(sed -n 's/.* units around \([^:]*\):.*/\1/p' logs/err | tr , '\n' |
+    awk '$1 * $1 < 1e-8' | wc -l | tr -d ' ')" 3
+check "--crop-to-subject: fewer Gaussians, but not few" [ "$(count_of)" -lt $((all - 50)) -a "$(count_of)" -gt 100 ]
+check "--crop-to-subject: measured before that" equal "$(sed -n '/^ *[0-9]* 0/p; /^mean/p' logs/out)" "$measured"
+"$fixsplat" convert cropped.fxs cropped.ply
+"$fixsplat" convert cropped.ply again.ply --sphere 0,0,0,5.21
+check "--crop-to-subject: none beyond" equal "$(wc -c <again.ply)" "$(wc -c <cropped.ply)"
+"$fixsplat" fit around --steps 30 -o again.fxs --crop-to-subject --threads 2 --cpu c >logs/out
+check "--crop-to-subject: 2 threads, plain C: the same file" cmp cropped.fxs again.fxs
+awk 'NF > 1 { $2 = 1; $3 = $4 = $5 = 0; $6 = NR / 10 } { print }' set/sparse/0/images.txt >around/sparse/0/images.txt
+loud fit around --steps 3 -o it.fxs --hold-out 0
+loud fit around --steps 3 -o cropped.fxs --hold-out 0 --crop-to-subject
+check "--crop-to-subject: cameras side by side" grep -q \
+    '^fixsplat: cropped.fxs: not cropped: the cameras do not look at one thing: 0 of 12 photographs' logs/err
+check "--crop-to-subject: then the scene stays" cmp it.fxs cropped.fxs
+fails "--crop-to-subject of a saved fit" 2 "of a whole fit that ends in .fxs or .ply" fit set -o x.fit --crop-to-subject
+rm -rf around cropped.* again.ply it.fxs
+
 # ---- Progress ----------------------------------------------------------------------------------------------------------
 
 loud fit set --steps 30 -o few.fxs
