@@ -803,17 +803,19 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Cameras around something, rolled to either side, as hands hold them; what is up there is no axis. */
+/* Cameras around something, rolled to either side, as hands hold them, one of them more level than the others; what is up
+   there is no axis. */
 static void start_view_is_upright(void)
 {
-    enum { COUNT = 12 };
+    enum { COUNT = 12, LEVEL = 7 };
     static const double middle[3] = {1, 2, 3}, up[3] = {0.6, 0, 0.8};
     unsigned char scene[sizeof(fxs_packed_header)] = {0};
     fxs_fit_photo photos[COUNT];
     fxs_file_view first;
     double found[3];
     for (int i = 0; i < COUNT; i++) {
-        const double eye[3] = {1 + 4 * 0.8 + 0.6, 2, 3 - 4 * 0.6 + 0.8};
+        const double height = i == LEVEL ? -0.2 : 1;
+        const double eye[3] = {1 + 4 * 0.8 + height * 0.6, 2, 3 - 4 * 0.6 + height * 0.8};
         fxs_file_view *view = &photos[i].view;
         CHECK(!fxs_view_look_at(view, eye, middle, up, 50, 64, 48, &message));
         fxs_view_orbit(view, middle, up, i * 0.5235987755982988);
@@ -821,15 +823,15 @@ static void start_view_is_upright(void)
         fxs_view_orbit(view, view->position, forward, i % 2 ? 0.05 : -0.05);
     }
     CHECK(fxs_views_up(&photos->view, COUNT, sizeof *photos, found) == 1);
-    CHECK(along(found, up) > 1 - 1e-12 && fabs(along(found, found) - 1) < 1e-12);
+    CHECK(along(found, up) > 1 - 1e-6 && fabs(along(found, found) - 1) < 1e-12);
     /* From one side, all looking down: the mean leans, what is sideways does not. */
     CHECK(fxs_views_up(&photos->view, COUNT / 2, sizeof *photos, found) == 1);
     CHECK(along(found, up) > 0.9998);
     CHECK(!fxs_fit_start_view(photos, COUNT, scene, &message) && fxs_view_of_start(&first, scene, 64, 48) == 1);
-    CHECK(fabs(along(first.rotation, up)) < 1e-7 && along(first.rotation + 3, up) < -0.9);
+    CHECK(fabs(along(first.rotation, up)) < 1e-3 && along(first.rotation + 3, up) < -0.9);
     for (int k = 0; k < 3; k++) {
-        CHECK(fabs(first.rotation[6 + k] - photos->view.rotation[6 + k]) < 1e-7);
-        CHECK(fabs(first.position[k] - photos->view.position[k]) < 1e-9);
+        CHECK(fabs(first.rotation[6 + k] - photos[LEVEL].view.rotation[6 + k]) < 1e-7);
+        CHECK(fabs(first.position[k] - photos[LEVEL].view.position[k]) < 1e-9);
     }
     CHECK(fabs(first.fy - photos->view.fy) < 1e-4);
 
@@ -862,6 +864,14 @@ static void up_of_a_view(void)
         fxs_view_up(&view, found);
         CHECK(along(found, up) > 1 - 1e-12);
     }
+    /* Where no axis is level in it, what points up in the picture. */
+    const double eye[3] = {1, 2, 3}, up[3] = {0.6, 0, 0.8};
+    double found[3];
+    fxs_file_view view;
+    CHECK(!fxs_view_look_at(&view, eye, middle, up, 50, 64, 48, &message));
+    fxs_view_up(&view, found);
+    for (int k = 0; k < 3; k++)
+        CHECK(found[k] == -view.rotation[3 + k]);
 }
 
 static void way_is_smooth(void)

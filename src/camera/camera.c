@@ -94,17 +94,15 @@ int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double
 void fxs_view_up(const fxs_file_view *view, double up[3])
 {
     const double *right = view->rotation, *down = view->rotation + 3;
-    double most = -INFINITY;
-    int axis = 0;
-    for (int k = 0; k < 3; k++) {
-        const double score = fabs(down[k]) + (fabs(right[k]) < 0.01);
-        axis = score > most ? k : axis;
-        most = fmax(most, score);
-    }
-    const double sign = down[axis] > 0 ? -1 : 1;
+    double most = 0.1;
+    int axis = -1;
     for (int k = 0; k < 3; k++)
-        up[k] = sign * ((k == axis) - right[axis] * right[k]);
-    normalise(up);
+        if (fabs(right[k]) < 1e-3 && fabs(down[k]) > most) {
+            axis = k;
+            most = fabs(down[k]);
+        }
+    for (int k = 0; k < 3; k++)
+        up[k] = axis < 0 ? -down[k] : k != axis ? 0 : down[k] > 0 ? -1 : 1;
 }
 
 /* Half the diagonal of a box. */

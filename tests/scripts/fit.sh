@@ -36,7 +36,7 @@ check "fit: a line for each, the mean and the worst" equal "$(grep -Ec '^ *[01] 
 check "fit: PSNR after the best affine map of colours is higher" equal "$(awk '/^( *[01] 0[08].png|mean|worst)/ {
     at = $1 ~ /[0-9]/ ? 4 : 2; if ($(at + 1) >= $at) print "higher" }' logs/out | uniq -c | tr -d ' ')" 4higher
 check "fit: leaves nothing beside" equal "$(ls -A | grep -v -e knot.ply -e logs -e set | tr '\n' ' ')" "whole.fxs "
-# It is upright there already.
+# All are level and upright.
 check "fit: begins with the view of the first photograph that is fitted" equal \
     "$("$fixsplat" render whole.fxs --size 64x48 --near 0.2 --hash)" \
     "$("$fixsplat" render whole.fxs --cameras set/sparse/0 --view 1 --near 0.2 --hash)"

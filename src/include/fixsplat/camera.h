@@ -33,9 +33,9 @@ FXS_API int fxs_view_frame_box(fxs_file_view *view, const double low[3], const d
    rolled. Its length is 1. Returns 1, or 0 where the directions cancel each other: their mean is 0.1 or shorter. */
 FXS_API int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3]);
 
-/* The same by one view that is not rolled, as a start view is: of the scene's axes and their opposites the one that is
-   nearest to pointing up in the picture, without what of it points sideways. One that points sideways by less than a
-   hundredth comes before the others: the view was made for it. */
+/* The same by one view that is not rolled, as a start view is: of the scene's axes and their opposites that point
+   sideways by less than a thousandth the one that is nearest to pointing up in the picture, as the view was made for it;
+   where there is none, what points up in the picture. */
 FXS_API void fxs_view_up(const fxs_file_view *view, double up[3]);
 
 /* Rolls a view until `up` points up in the picture; position and direction stay. Returns 1, or 0 and the view as it was

@@ -149,9 +149,10 @@ typedef struct fxs_fit_subject {
    height), or where nothing would be left; FXS_ERR_MEMORY or FXS_ERR_DEVICE like fxs_fit_step. */
 FXS_API int fxs_fit_crop_to_subject(fxs_fit *fit, fxs_fit_subject *subject, fxs_message *message);
 
-/* Keeps the view to begin with in a packed scene at `data`, for fxs_file_write: that of the first photograph, rolled so
-   that the mean of what points up in all of them points up; as it is where their directions cancel each other. Errors
-   are those of fxs_view_to_start; FXS_ERR_ARGUMENT without photographs. */
+/* Keeps the view to begin with in a packed scene at `data`, for fxs_file_write: that of the photograph that was taken
+   most level, the first of equal ones, by what is up in all of them (fxs_views_up), and rolled until that is up; that of
+   the first where their directions cancel each other. Errors are those of fxs_view_to_start; FXS_ERR_ARGUMENT without
+   photographs. */
 FXS_API int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, void *data, fxs_message *message);
 
 /* Saves the whole state of the fit to a file, with the same bytes on every machine. An earlier file of that name is
