@@ -46,14 +46,14 @@ static int find_middle(const fxs_fit *f, double middle[3])
 }
 
 /* How far a camera sees to the nearer edge of its picture at the depth of a place; 0 where the place is not in the middle
-   half of its width and height. */
+   half of its width and height, which are negative behind it. */
 static double reach_at(const fxs_fit_camera *c, const double place[3])
 {
     double at[3] = {0, 0, 0};
     for (int k = 0; k < 9; k++)
         at[k / 3] += (double)c->rotation[k] * (place[k % 3] - (double)c->eye[k % 3]);
     const double across = at[2] * c->width / 2 / (double)c->focal[0], down = at[2] * c->height / 2 / (double)c->focal[1];
-    return at[2] > 0 && fabs(at[0]) <= across / 2 && fabs(at[1]) <= down / 2 ? fmin(across, down) : 0;
+    return fabs(at[0]) <= across / 2 && fabs(at[1]) <= down / 2 ? fmin(across, down) : 0;
 }
 
 /* The radius is the median of the reaches of those that see it. */
