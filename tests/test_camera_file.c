@@ -1,6 +1,7 @@
 /* Camera files: one camera through every format, faults, real files. */
 #include <fixsplat/camera.h>
 #include <fixsplat/camera_file.h>
+#include <fixsplat/fit.h>
 #include <fixsplat/message.h>
 #include <fixsplat/packed.h>
 
@@ -833,6 +834,82 @@ static void start_views(void)
     }
 }
 
+static double along(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Cameras around something, rolled to either side, as hands hold them, one of them more level than the others; what is up
+   there is no axis. */
+static void start_view_is_upright(void)
+{
+    enum { COUNT = 12, LEVEL = 7 };
+    static const double middle[3] = {1, 2, 3}, up[3] = {0.6, 0, 0.8};
+    unsigned char scene[sizeof(fxs_packed_header)] = {0};
+    fxs_fit_photo photos[COUNT];
+    fxs_file_view first;
+    double found[3];
+    for (int i = 0; i < COUNT; i++) {
+        const double height = i == LEVEL ? -0.2 : 1;
+        const double eye[3] = {1 + 4 * 0.8 + height * 0.6, 2, 3 - 4 * 0.6 + height * 0.8};
+        fxs_file_view *view = &photos[i].view;
+        CHECK(!fxs_view_look_at(view, eye, middle, up, 50, 64, 48, &message));
+        fxs_view_orbit(view, middle, up, i * 0.5235987755982988);
+        const double forward[3] = {view->rotation[6], view->rotation[7], view->rotation[8]};
+        fxs_view_orbit(view, view->position, forward, i % 2 ? 0.05 : -0.05);
+    }
+    CHECK(fxs_views_up(&photos->view, COUNT, sizeof *photos, found) == 1);
+    CHECK(along(found, up) > 1 - 1e-6 && fabs(along(found, found) - 1) < 1e-12);
+    /* From one side, all looking down: the mean leans, what is sideways does not. */
+    CHECK(fxs_views_up(&photos->view, COUNT / 2, sizeof *photos, found) == 1);
+    CHECK(along(found, up) > 0.9998);
+    CHECK(!fxs_fit_start_view(photos, COUNT, scene, &message) && fxs_view_of_start(&first, scene, 64, 48) == 1);
+    CHECK(fabs(along(first.rotation, up)) < 1e-3 && along(first.rotation + 3, up) < -0.9);
+    for (int k = 0; k < 3; k++) {
+        CHECK(fabs(first.rotation[6 + k] - photos[LEVEL].view.rotation[6 + k]) < 1e-7);
+        CHECK(fabs(first.position[k] - photos[LEVEL].view.position[k]) < 1e-9);
+    }
+    CHECK(fabs(first.fy - photos->view.fy) < 1e-4);
+
+    /* One upright, one on its head. */
+    photos[1] = photos[0];
+    for (int k = 0; k < 6; k++)
+        photos[1].view.rotation[k] = -photos[0].view.rotation[k];
+    CHECK(fxs_views_up(&photos->view, 2, sizeof *photos, found) == 0);
+    CHECK(!fxs_fit_start_view(photos, 2, scene, &message) && fxs_view_of_start(&first, scene, 64, 48) == 1);
+    for (int k = 0; k < 9; k++)
+        CHECK(fabs(first.rotation[k] - photos->view.rotation[k]) < 1e-7);
+    CHECK(fxs_view_level(&first, first.rotation + 6) == 0);
+    CHECK(fxs_fit_start_view(photos, 0, scene, &message) == FXS_ERR_ARGUMENT);
+}
+
+/* Views from the side to steep ones, of scenes that lie on any axis. */
+static void up_of_a_view(void)
+{
+    static const double middle[3] = {0, 0, 0};
+    for (int i = 0; i < 6 * 24; i++) {
+        const int axis = i % 3, sign = i / 3 % 2 ? 1 : -1;
+        const double height = (i / 6 % 4 - 1) * 1.5, turn = 0.3 + i / 24 * 0.4;
+        double up[3] = {0, 0, 0}, eye[3], found[3];
+        fxs_file_view view;
+        up[axis] = sign;
+        eye[axis] = sign * height;
+        eye[(axis + 1) % 3] = 2 * cos(turn);
+        eye[(axis + 2) % 3] = 2 * sin(turn);
+        CHECK(!fxs_view_look_at(&view, eye, middle, up, 50, 64, 48, &message));
+        fxs_view_up(&view, found);
+        CHECK(along(found, up) > 1 - 1e-12);
+    }
+    /* Where no axis is level in it, what points up in the picture. */
+    const double eye[3] = {1, 2, 3}, up[3] = {0.6, 0, 0.8};
+    double found[3];
+    fxs_file_view view;
+    CHECK(!fxs_view_look_at(&view, eye, middle, up, 50, 64, 48, &message));
+    fxs_view_up(&view, found);
+    for (int k = 0; k < 3; k++)
+        CHECK(found[k] == -view.rotation[3 + k]);
+}
+
 static void way_is_smooth(void)
 {
     enum { KEYS = 6 };
@@ -874,6 +951,8 @@ int main(void)
     RUN(view_resized);
     RUN(view_of_a_box);
     RUN(start_views);
+    RUN(start_view_is_upright);
+    RUN(up_of_a_view);
     RUN(way_is_smooth);
     RUN(colmap_bin);
     RUN(colmap_txt);

@@ -1,16 +1,17 @@
 /* fixsplat fit: fits a scene to photographs. */
-#include <errno.h>
 #include <inttypes.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fixsplat/clock.h>
 #include "beside.h"
 #include "file_guard.h"
+#include "film_frames.h"
+#include "fit_log.h"
 #include "fit_result.h"
+#include "fit_verdict.h"
 #include "fit_watcher.h"
 #include "reconstruct.h"
 
@@ -18,10 +19,12 @@ typedef struct fit_command {
     frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
     fxs_photos_options reading;
     fxs_fit_options options;
-    const char *in, *out, *resume, *coarse, *measure, *compare, *cameras;
+    const char *in, *out, *resume, *coarse, *measure, *compare, *cameras, *log_name;
+    fit_log *log;
     char *found;                    /* OUT.cameras, where they were found */
     uint32_t frames;
-    int cameras_only;
+    int quality;                    /* in by_quality, where it is given */
+    int cameras_only, crops;
     char *saved;                    /* OUT.fit */
     int saves_itself;               /* it is the file of --resume */
     uint32_t block, blocks;         /* blocks 0: all */
@@ -33,6 +36,12 @@ typedef struct fit_command {
 } fit_command;
 
 static const char *const recipes[] = {"reference", "mcmc", "fast", 0};   /* of enum fxs_fit_recipe */
+static const char *const qualities[] = {"draft", "good", "best", 0};
+static const struct {
+    enum fxs_fit_recipe recipe;
+    uint32_t steps;
+    int resolution;                 /* 0: as without --quality */
+} by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
 static const char *const exposures[] = {"none", "gain", 0};   /* of enum fxs_fit_exposure */
 static const char *const alphas[] = {"compose", "ignore", 0};   /* of fxs_photos_options.ignore_transparent */
 
@@ -60,9 +69,12 @@ static const option_row own_rows[] = {
     {.help = "Options:"},
     {"output", "OUT", OUTPUT(out), .letter = 'o', .help =
      ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
+    {"quality", "NAME", CHOICE(quality, qualities), .help =
+     "draft (small photographs, few steps: to see whether all is well), good (of 1200x900 in 11 s on an H200, 28.0 dB) "
+     "or best (100 s, 28.9 dB): a recipe with its steps and resolution, where --steps and --resolution do not say others"},
     {"recipe", "NAME", CHOICE(options.recipe, recipes), .help =
-     "reference (default: Kerbl et al. 2023), mcmc (Kheradmand et al. 2024: up to a number of Gaussians) or fast "
-     "(small photographs first, fewer steps)"},
+     "how Gaussians are added and taken away, by itself: reference (default; 50 s, 28.1 dB), mcmc (that of best) or "
+     "fast (that of draft and good)"},
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
      "none (default), or gain: photographs differ in exposure and white balance, and three numbers of each are fitted "
      "beside the scene; of --block those of --coarse"},
@@ -89,6 +101,8 @@ static const option_row own_rows[] = {
      "behind the scene, and below photographs with alpha (default 000000)"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
      "how the scene is packed, and what the last tenth of the steps fits: default, compact or small"},
+    {"crop-to-subject", 0, FLAG(crops), .help =
+     "at the end, leave out what lies around the one thing that the cameras look at; measured is the scene before that"},
     {"hold-out", "N", UINT32(reading.hold_out, 0, UINT32_MAX), .help =
      "keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none, and those that were "
      "fitted are measured)"},
@@ -117,6 +131,9 @@ static const option_row own_rows[] = {
      "the scene does not depend on it, and the time by a twentieth"},
     {"port", "N", UINT64(port, 0, 65535), .help =
      "of --preview: 1 to 65535, or 0 for any that is free (default 8080)"},
+    {"log", "FILE", TEXT(log_name), .help =
+     "write there a line after every hundredth of the steps, and with --metrics-every what was measured: a table with "
+     "tabs between the fields and their names above; with --resume behind what is there"},
     {"resume", "FILE", TEXT(resume), .help =
      "go on from there, with the same PHOTOS and options for them; the options of the fit are the file's, --steps "
      "may be others. It ends in the bytes of a fit that was never stopped"},
@@ -166,7 +183,13 @@ static int finish_options(fit_command *c)
     int status = choose_backend(&c->frame, 0, &backend, &how);
     if (!status)
         status = set_devices(c, backend);
-    o->steps = is_given("steps") ? o->steps : c->resume ? 0 : fxs_fit_recipe_steps(o->recipe);
+    const int has_quality = is_given("quality");
+    if (has_quality)
+        o->recipe = by_quality[c->quality].recipe;
+    if (has_quality && !is_given("resolution"))
+        c->reading.resolution = by_quality[c->quality].resolution;
+    if (!is_given("steps"))
+        o->steps = c->resume ? 0 : has_quality ? by_quality[c->quality].steps : fxs_fit_recipe_steps(o->recipe);
     if (!is_given("max-gaussians"))
         o->max_gaussians = fxs_fit_recipe_gaussians(o->recipe);
     o->sh_degree = c->frame.render.sh_degree;
@@ -195,12 +218,17 @@ static int read_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     if (!c->out && !c->measure)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
-    if (c->measure && (c->out || c->blocks || c->resume || c->cameras))
-        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume and --write-cameras");
+    if (is_given("quality") && is_given("recipe"))
+        return fail(EXIT_USAGE, "--quality stands for a recipe: leave out --recipe");
+    if (c->measure && (c->out || c->blocks || c->resume || c->cameras || c->log_name))
+        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume, --write-cameras and "
+                    "--log");
     if (c->options.exposure && c->blocks && !c->coarse)
         return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
     if (c->options.refine_poses && c->blocks && !c->coarse)
         return fail(EXIT_USAGE, "--refine-poses: of --block only with --coarse, whose poses it has");
+    if (c->crops && (c->blocks || (c->out && ends_with(c->out, ".fit"))))
+        return fail(EXIT_USAGE, "--crop-to-subject: of a whole fit that ends in .fxs or .ply");
     if (c->coarse && !c->blocks)
         return fail(EXIT_USAGE, "--coarse needs --block I/N");
     if (c->blocks && !c->block && !c->coarse)
@@ -219,7 +247,6 @@ static int read_options(fit_command *c, int argc, char **argv)
 /* Before hours of work: where it is to go. */
 static int check_outputs(fit_command *c)
 {
-    struct stat status;
     int wrong = c->measure ? 0 : result_check(c->out);
     if (!wrong && c->cameras)
         wrong = result_check_place(c->cameras);
@@ -240,14 +267,12 @@ static int check_outputs(fit_command *c)
     files_write(c->out);
     files_write(c->saved);
     files_write(c->cameras);
+    files_write(c->log_name);
     const int taken = files_check();
     if (taken)
         return taken;
-    if (c->compare && mkdir(c->compare, 0777) && errno != EEXIST)
-        return fail(EXIT_FAILED, "--compare %s: %s", c->compare, strerror(errno));
-    if (c->compare && !stat(c->compare, &status) && !S_ISDIR(status.st_mode))
-        return fail(EXIT_FAILED, "--compare %s: not a folder", c->compare);
-    return 0;
+    const int status = c->compare ? make_folder(c->compare) : 0;
+    return status ? status : fit_log_open(c->log, c->log_name);
 }
 
 /* The options that were given are to be those of the file. */
@@ -258,7 +283,8 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         const char *name;
         int same;
     } options[] = {
-        {"recipe", given->recipe == is->recipe}, {"seed", given->seed == is->seed},
+        {"recipe", given->recipe == is->recipe}, {"quality", given->recipe == is->recipe},
+        {"seed", given->seed == is->seed},
         {"batch", given->batch == is->batch}, {"sh-degree", given->sh_degree == is->sh_degree},
         {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
         {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
@@ -315,6 +341,7 @@ typedef struct progress {
     uint32_t counted, reports;      /* the last step that was counted; how many have reported */
     uint32_t saved;                 /* the step that OUT.fit is of; 0: not of this fit */
     uint64_t start, last, shown;    /* nanoseconds: of the run, the last step, the last line */
+    size_t gaussians;               /* after the last step that was counted */
     double pace, loss;              /* seconds a step and loss, means of some 50 steps */
     uint64_t stages[STAGES];        /* nanoseconds of the steps that have reported */
 } progress;
@@ -358,6 +385,7 @@ static void count_step(progress *p, uint32_t step, const fxs_fit_report *report)
     p->loss += share * (0.8 * report->absolute + 0.2 * report->dissimilar - p->loss);
     p->last = now;
     p->counted = step;
+    p->gaussians = report->gaussians;
     p->reports++;
     for (int i = 0; i < STAGES; i++)
         p->stages[i] += report->nanoseconds[i];
@@ -378,17 +406,17 @@ static int save(const fit_command *c, fxs_fit *fit)
 }
 
 /* A word as a shell takes it. */
-static void print_word(const char *word)
+static void print_word(FILE *to, const char *word)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=,+-";
     if (*word && strspn(word, plain) == strlen(word)) {
-        fprintf(stderr, " %s", word);
+        fprintf(to, " %s", word);
         return;
     }
-    fputs(" '", stderr);
+    fputs(" '", to);
     for (; *word; word++)
-        fprintf(stderr, *word == '\'' ? "'\\''" : "%c", *word);
-    fputc('\'', stderr);
+        fprintf(to, *word == '\'' ? "'\\''" : "%c", *word);
+    fputc('\'', to);
 }
 
 /* The command that goes on from what is saved. */
@@ -399,10 +427,10 @@ static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t ste
     progress_end();
     fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, step, steps);
     for (; *argv; argv++)
-        print_word(*argv);
+        print_word(stderr, *argv);
     if (!c->saves_itself) {
         fputs(" --resume", stderr);
-        print_word(c->saved);
+        print_word(stderr, c->saved);
     }
     fputc('\n', stderr);
 }
@@ -415,10 +443,21 @@ static int save_for_later(const fit_command *c, fxs_fit *fit, const char *why, c
     return 0;
 }
 
-/* A device works on while it is not asked: it is some times a second, and for the last step. */
-static int wants_report(const fit_command *c, const fxs_fit *fit, const progress *p)
+static int is_measured(const fit_command *c, const progress *p, uint32_t step)
 {
-    return !c->options.device_count || fxs_fit_steps(fit) + 1 >= p->steps || fxs_clock(0) - p->last > 200000000u;
+    return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
+}
+
+/* A device works on while it is not asked: it is some times a second, for the log, and for the last step. */
+static int wants_report(const fit_command *c, const progress *p, uint32_t step)
+{
+    return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
+           fit_log_wants(c->log, step) || is_measured(c, p, step);
+}
+
+static void write_log(const fit_command *c, const progress *p, const quality *measured)
+{
+    fit_log_write(c->log, p->counted, (double)(p->last - p->start) * 1e-9, p->gaussians, p->loss, measured);
 }
 
 /* A fit that a step failed in is not to be saved: what is left of it is the last save. */
@@ -453,53 +492,43 @@ static int pose_photos(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **f
     return fxs_fit_pose_photos(fit, *fitted, &message) ? fail_for(&message) : 0;
 }
 
-static int measure(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, world *scene, const char *compare,
-                   quality *q)
-{
-    const frame_options frame = frame_of(c, fit);
-    fxs_photos posed = *photos;
-    int status = pose_photos(fit, photos, &posed.fit);
-    if (!status)
-        status = result_measure(q, scene, &posed, &frame, compare);
-    free(posed.fit);
-    return status;
-}
-
-static int write_cameras(const char *path, fxs_fit *fit, const fxs_photos *photos)
+static int write_cameras(const char *path, const fxs_photos *photos)
 {
     const size_t count = photos->fit_count + photos->held_out_count;
-    fxs_fit_photo *fitted;
     fxs_message message;
-    int status = pose_photos(fit, photos, &fitted);
-    fxs_file_view *views = status ? 0 : malloc(count * sizeof *views);
-    if (!status && !views)
-        status = fail(EXIT_FAILED, "out of memory");
-    for (size_t i = 0; i < count && !status; i++)
-        views[i] = i < photos->fit_count ? fitted[i].view : photos->held_out[i - photos->fit_count].view;
-    if (!status && fxs_camera_file_write(path, views, count, &message))
-        status = fail_for(&message);
+    fxs_file_view *views = malloc(count * sizeof *views);
+    if (!views)
+        return fail(EXIT_FAILED, "out of memory");
+    for (size_t i = 0; i < count; i++)
+        views[i] = i < photos->fit_count ? photos->fit[i].view : photos->held_out[i - photos->fit_count].view;
+    const int status = fxs_camera_file_write(path, views, count, &message) ? fail_for(&message) : 0;
     free(views);
-    free(fitted);
     return status;
 }
 
 /* What has been fitted so far, packed as it would be at the end. Where that fails, the fit goes on. */
-static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, uint32_t step)
+static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const progress *p)
 {
+    const frame_options frame = frame_of(c, fit);
+    fxs_photos posed = *photos;
     fxs_packed_scene packed;
     fxs_message message;
     quality q = {0};
+    posed.fit = 0;
     world scene = {0};
     char psnr[32], affine[32];
     int status = fxs_fit_pack(fit, &packed, 0, &message) ? fail_for(&message) : 0;
     status = status ? status : world_open_packed(&scene, c->out, &packed);
-    status = status ? status : measure(c, fit, photos, &scene, 0, &q);
+    status = status ? status : pose_photos(fit, photos, &posed.fit);
+    status = status ? status : result_measure(&q, &scene, &posed, &frame, 0);
+    free(posed.fit);
     if (!status)
-        note("step %" PRIu32 ": %s dB, after the best affine map %s, SSIM %.4f; %" PRIu32 " Gaussians", step,
+        note("step %" PRIu32 ": %s dB, after the best affine map %s, SSIM %.4f; %" PRIu32 " Gaussians", p->counted,
              fxs_metrics_psnr(psnr, q.psnr, "no"), fxs_metrics_psnr(affine, q.affine_psnr, "no"), q.ssim,
              scene.gaussians);
+    write_log(c, p, status ? 0 : &q);
     if (!status && c->watcher)
-        c->watcher->measured(step, &q);
+        c->watcher->measured(p->counted, &q);
     quality_free(&q);
     world_close(&scene);
     fxs_packed_scene_free(&packed);
@@ -512,7 +541,7 @@ static int make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *phot
     fxs_message message;
     while (fxs_fit_steps(fit) < p->steps && !asked) {
         const uint32_t made = fxs_fit_steps(fit), step = made + 1;
-        const int is_reported = wants_report(c, fit, p);
+        const int is_reported = wants_report(c, p, step);
         if (fxs_fit_step(fit, is_reported ? &report : NULL, &message))
             return fail_step(c, p, made, &message, argv);
         if (is_reported)
@@ -523,8 +552,10 @@ static int make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *phot
         }
         if (c->save_every && step % c->save_every == 0 && step < p->steps && !save(c, fit))
             p->saved = step;
-        if (c->metrics_every && step % c->metrics_every == 0 && step < p->steps)
-            measure_so_far(c, fit, photos, step);
+        if (is_measured(c, p, step))
+            measure_so_far(c, fit, photos, p);
+        else if (fit_log_wants(c->log, step) && step < p->steps)
+            write_log(c, p, 0);
     }
     progress_end();
     return 0;
@@ -559,6 +590,25 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     else
         printf("Photographs fitted: %zu. None was held out; of those fitted:\n", photos->fit_count);
     quality_print_text(&r->quality);
+}
+
+/* How good it is, and what to do next. */
+static int print_verdict(const fit_command *c, const fxs_photos *photos, world *scene, const frame_options *frame,
+                         const quality *measured)
+{
+    static const char *const next[][3] = {{"to look at it:", "fixsplat view", ""},
+                                          {"a folder for any web server:", "fixsplat publish", " site"}};
+    double fitted;
+    const int status = result_measure_fitted(&fitted, scene, photos, frame);
+    if (status)
+        return status;
+    verdict_print(measured, fitted);
+    for (int i = 0; i < 2 && !ends_with(c->out, ".fit"); i++) {
+        printf("%-29s %s", next[i][0], next[i][1]);
+        print_word(stdout, c->out);
+        puts(next[i][2]);
+    }
+    return 0;
 }
 
 static void print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q)
@@ -604,13 +654,41 @@ static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photo
     puts("}");
 }
 
+/* `whole`: packed before, to be measured. Where the cameras look at nothing, the scene stays as it is. */
+static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
+{
+    fxs_fit_subject s;
+    fxs_message why;
+    int error = fxs_fit_pack(fit, whole, 0, &why);
+    if (error)
+        return fail_for(&why);
+    error = fxs_fit_crop_to_subject(fit, &s, &why);
+    if (error && error != FXS_ERR_ARGUMENT) {
+        fxs_packed_scene_free(whole);
+        return fail_for(&why);
+    }
+    if (error)
+        note("%s: not cropped: %s", c->out, why.text);
+    else
+        note("%s: cropped to %.4g units around %.4g,%.4g,%.4g: %zu Gaussians left out", c->out, s.radius, s.middle[0],
+             s.middle[1], s.middle[2], s.dropped);
+    return 0;
+}
+
 /* A scene that cannot be written is not lost. */
 static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
                   const progress *p, char **argv)
 {
+    const frame_options frame = frame_of(c, fit);
+    fxs_photos posed = *photos;
     fit_result result;
     world scene = {0};
-    int status = result_write(&result, fit, block, c->out);
+    fxs_packed_scene whole = {0};
+    posed.fit = 0;
+    int status = c->crops ? crop(c, fit, &whole) : 0;
+    if (status)
+        return status;
+    status = result_write(&result, fit, photos, block, c->out);
     if (!status && !isatty(STDERR_FILENO))
         note("measuring %s", c->out);
     if (!status && c->watcher)
@@ -618,19 +696,27 @@ static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, 
     if (status)
         save_for_later(c, fit, "saved", argv);
     else
-        status = world_open_packed(&scene, c->out, &result.packed);
-    if (!status && c->cameras)
-        status = write_cameras(c->cameras, fit, photos);
+        status = world_open_packed(&scene, c->out, c->crops ? &whole : &result.packed);
     if (!status)
-        status = measure(c, fit, photos, &scene, c->compare, &result.quality);
+        status = pose_photos(fit, photos, &posed.fit);
+    if (!status && c->cameras)
+        status = write_cameras(c->cameras, &posed);
+    if (!status)
+        status = result_measure(&result.quality, &scene, &posed, &frame, c->compare);
+    if (p->counted > p->first)
+        write_log(c, p, status ? 0 : &result.quality);
     if (!status && c->watcher)
         c->watcher->measured(fxs_fit_steps(fit), &result.quality);
     if (!status && c->json)
         print_json(c, fit, photos, &result, p);
     else if (!status)
         print_text(c, fit, photos, &result);
+    if (!status && !c->json && !c->blocks && !is_quiet())
+        status = print_verdict(c, &posed, &scene, &frame, &result.quality);
     world_close(&scene);
     result_free(&result);
+    fxs_packed_scene_free(&whole);
+    free(posed.fit);
     return status;
 }
 
@@ -655,6 +741,7 @@ static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_
         const uint32_t first = fxs_fit_steps(fit);
         progress p = {.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
                       .last = now, .shown = now, .saved = c->saves_itself ? first : 0};
+        fit_log_begin(c->log, c->resume != 0, p.steps);
         listen_to_signals();
         begin_watching(c, fit, photos, &p);
         status = make_steps(c, fit, photos, &p, argv);
@@ -684,20 +771,25 @@ static void say_sizes(const fxs_photos *photos, size_t begins)
          photos->held_out_count, width, height, begins);
 }
 
-static void say_left_out(void *label, const char *why)
+/* Photographs without a camera were named when cameras were looked for here. */
+static void say_left_out(void *argument, const char *why)
 {
-    (void)label;
-    note("left out: %s", why);
+    const fit_command *c = argument;
+    const size_t length = c->found ? strlen(c->found) : 0;
+    if (!length || strncmp(why, c->found, length) || strncmp(why + length, "/images: ", 9))
+        note("left out: %s", why);
 }
 
 /* A bar on a terminal, else a line every ten seconds. */
-static int show_reading(void *label, double done)
+static int show_reading(void *argument, double done)
 {
+    static char label[] = "reading";
     static uint64_t shown;
     const uint64_t now = fxs_clock(0);
+    (void)argument;
     shown = shown ? shown : now;
     if (!isatty(STDERR_FILENO) && now - shown >= 10000000000u) {
-        note("%s photographs: %d %%", (const char *)label, (int)(100 * done));
+        note("%s photographs: %d %%", label, (int)(100 * done));
         shown = now;
     }
     return progress_bar(label, done);
@@ -827,11 +919,10 @@ static int find_cameras(fit_command *c)
 {
     const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad,
                                      c->reading.masks, c->reading.invert_masks};
-    if (c->measure || !reconstruct_is_needed(c->in)) {
-        if (c->cameras_only)
-            return fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in);
-        return c->frames ? fail(EXIT_USAGE, "--frames: %s is not a film", c->in) : 0;
-    }
+    if (c->frames && !film_is_named(c->in))
+        return fail(EXIT_USAGE, "--frames: %s is not a film", c->in);
+    if (c->measure || !reconstruct_is_needed(c->in))
+        return c->cameras_only ? fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in) : 0;
     const int status = reconstruct(&how, &c->found);
     if (status)
         return status;
@@ -844,7 +935,6 @@ static int find_cameras(fit_command *c)
 
 static int fit_set(fit_command *c, char **argv)
 {
-    static char label[] = "reading";
     const int status = find_cameras(c);
     if (status || c->cameras_only)
         return status;
@@ -854,7 +944,7 @@ static int fit_set(fit_command *c, char **argv)
     c->options.threads = pool ? c->frame.threads : 1;
     c->reading.progress = show_reading;
     c->reading.left_out = say_left_out;
-    c->reading.argument = label;
+    c->reading.argument = c;
     const int made = c->measure ? measure_scene(c) : c->blocks ? fit_block(c, argv) : fit_whole(c, argv);
     fxs_pool_destroy(pool);
     return made;
@@ -863,7 +953,9 @@ static int fit_set(fit_command *c, char **argv)
 int fit_run(int argc, char **argv, const fit_watcher *watcher)
 {
     static fit_command c;
+    fit_log log = {0};
     int status = read_options(&c, argc, argv);
+    c.log = &log;
     if (!status && c.preview && !watcher)
         return run_beside(&server_program, "--preview", argv);
     c.watcher = c.preview ? watcher : 0;
@@ -875,6 +967,7 @@ int fit_run(int argc, char **argv, const fit_watcher *watcher)
         if (c.watcher)
             c.watcher->close(status);
     }
+    fit_log_close(&log);
     free(c.saved);
     free(c.found);
     return status;
@@ -897,7 +990,7 @@ const command command_fit = {
     "printed.\n",
     0,
     "  $ fixsplat fit garden -o garden.fxs\n"
-    "  $ fixsplat fit walk.mp4 -o walk.fxs --recipe fast --compare pictures\n"
+    "  $ fixsplat fit walk.mp4 -o walk.fxs --quality draft --compare pictures\n"
     "  $ fixsplat fit garden -o garden.ply --resolution 600 --steps 7000 --compare pictures\n"
     "  $ fixsplat fit garden -o garden.fxs --preview --backend cuda --device 0,1\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"

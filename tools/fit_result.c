@@ -115,12 +115,14 @@ static int write_fit(const fit_result *r, fxs_fit *fit, const fxs_fit_block *blo
     return fxs_fit_gaussians(fit, &gaussians, message) || write_floats(&gaussians, block, out, message);
 }
 
-int result_write(fit_result *r, fxs_fit *fit, const fxs_fit_block *block, const char *out)
+int result_write(fit_result *r, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block, const char *out)
 {
     fxs_message message;
     memset(r, 0, sizeof *r);
     int result = fxs_fit_pack(fit, &r->packed, &r->report, &message);
     r->bytes = r->packed.bytes;
+    if (!result && fxs_fit_start_view(photos->fit, photos->fit_count, r->packed.data, &message))
+        note("%s: no start view: %s", out, message.text);
     if (!result)
         result = write_fit(r, fit, block, out, &message);
     return result ? fail_for(&message) : 0;
@@ -241,6 +243,24 @@ int result_measure(quality *q, world *scene, const fxs_photos *photos, const fra
         status = measure_all(&g, photos, q);
     renderer_close(&g.renderer);
     picture_free(&g.drawn);
+    return status;
+}
+
+int result_measure_fitted(double *psnr, world *scene, const fxs_photos *photos, const frame_options *frame)
+{
+    const size_t count = photos->held_out_count < photos->fit_count ? photos->held_out_count : photos->fit_count;
+    fxs_fit_photo *chosen = malloc((count + 1) * sizeof *chosen);
+    const fxs_photos some = {.held_out = chosen, .held_out_count = count};
+    quality q = {0};
+    *psnr = 0;
+    for (size_t i = 0; i < count && chosen; i++)
+        chosen[i] = photos->fit[i * photos->fit_count / count];
+    const int status = !chosen ? fail(EXIT_FAILED, "out of memory")
+                       : count ? result_measure(&q, scene, &some, frame, 0)
+                               : 0;
+    *psnr = q.psnr;
+    quality_free(&q);
+    free(chosen);
     return status;
 }
 

@@ -20,11 +20,11 @@ typedef struct fit_result {
     quality quality;                        /* of the photographs that were held out; of all where none were */
 } fit_result;
 
-/* Packs the fit and writes it: as .fxs the packed scene, as .ply its Gaussians in floats, as .fit the saved fit. Of a
-   block (or null) the .ply
-   has the Gaussians with their centre in it alone, the packed scene has all. Returns 0, or prints why not and returns
-   EXIT_FAILED; result_free frees what *result holds in either case. */
-int result_write(fit_result *result, fxs_fit *fit, const fxs_fit_block *block, const char *out);
+/* Packs the fit and writes it: as .fxs the packed scene with a start view, as .ply its Gaussians in floats, as .fit the
+   saved fit. Of a block (or null) the .ply has the Gaussians with their centre in it alone, the packed scene has all.
+   Returns 0, or prints why not and returns EXIT_FAILED; result_free frees what *result holds in either case. */
+int result_write(fit_result *result, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
+                 const char *out);
 
 /* Writes the Gaussians of a coarse fit outside of all blocks, as a .ply. Returns as above. */
 int result_write_outside(const fxs_fit_block *block, const char *out);
@@ -36,6 +36,10 @@ void result_tell_pictures(const fxs_photos *photos, const char *compare);
    all 0 before, holds in either case. `compare`: a folder for pictures of each photograph, left, beside the rendered
    one; or null. Returns as above. */
 int result_measure(quality *q, world *scene, const fxs_photos *photos, const frame_options *frame, const char *compare);
+
+/* The mean PSNR, dB, of as many photographs that were fitted as were held out, evenly spaced; 0 where none was held out.
+   Returns as above. */
+int result_measure_fitted(double *psnr, world *scene, const fxs_photos *photos, const frame_options *frame);
 
 void result_free(fit_result *result);
 

@@ -61,9 +61,8 @@ static size_t find_photographs(char folder[TASK_PATH], const char *in)
 int reconstruct_is_needed(const char *in)
 {
     fxs_message why;
-    char path[TASK_PATH], cameras[FXS_CAMERA_PATH];
-    return film_is_named(in) ||
-           (is_folder(in) && fxs_camera_file_find(in, cameras, &why) && find_photographs(path, in) > 0);
+    char cameras[FXS_CAMERA_PATH];
+    return film_is_named(in) || (is_folder(in) && fxs_camera_file_find(in, cameras, &why));
 }
 
 /* ---- Photographs ------------------------------------------------------------------------------------------------- */
@@ -354,7 +353,7 @@ static int report(work *w)
 
 /* ---- The folder -------------------------------------------------------------------------------------------------- */
 
-/* A number for what the cameras are of, names and sizes of files, and how many frames: FNV-1a. */
+/* A number for what the cameras are of, names and sizes of files: FNV-1a. */
 static uint64_t number_of(const work *w, const photographs *p)
 {
     struct stat status;
@@ -364,7 +363,7 @@ static uint64_t number_of(const work *w, const photographs *p)
         const char *name = w->is_film ? "" : p->names[i];
         join_path(path, w->source, name);
         const int there = !stat(w->is_film ? w->source : path, &status);
-        snprintf(text, sizeof text, "%s %" PRId64 " %u ", name, there ? (int64_t)status.st_size : 0, w->options->frames);
+        snprintf(text, sizeof text, "%s %" PRId64 " ", name, there ? (int64_t)status.st_size : 0);
         for (const char *c = text; *c; c++)
             number = (number ^ (unsigned char)*c) * 1099511628211u;
     }
@@ -389,26 +388,37 @@ static int find_masks(work *w)
     return 0;
 }
 
-/* What lies there is of the same photographs, or nothing lies there. */
+/* What lies there is of the same photographs, and of as many frames where their number is given. */
+static int check_folder(const work *w, uint64_t number, uint64_t of, uint32_t frames)
+{
+    if (of != number)
+        return fail(EXIT_FAILED, "%s: the cameras of other photographs: remove it, or give another -o", w->folder);
+    if (w->options->frames && w->options->frames != frames)
+        return fail(EXIT_FAILED, "%s: made without --frames %u: leave that out to go on from it; or remove it, or give "
+                    "another -o", w->folder, (unsigned)w->options->frames);
+    return 0;
+}
+
+/* A new folder, or what lies there is of this. */
 static int claim_folder(const work *w)
 {
     photographs p = {0};
     char path[TASK_PATH];
     uint64_t of = 0;
+    uint32_t frames = 0;
     if (!w->is_film && !photographs_list(&p, w->source))
         return no_memory();
     const uint64_t number = number_of(w, &p);
     photographs_free(&p);
     join_path(path, w->folder, "of");
     FILE *file = fopen(path, "r");
-    const int has = file && fscanf(file, "%" SCNx64, &of) == 1;
+    const int has = file && fscanf(file, "%" SCNx64 " %" SCNu32, &of, &frames) >= 1;
     if (file)
         fclose(file);
     if (has)
-        return of == number ? 0 : fail(EXIT_FAILED, "%s: the cameras of other photographs: remove it, or give another -o",
-                                       w->folder);
+        return check_folder(w, number, of, frames);
     file = fopen(path, "w");
-    const int wrong = !file || fprintf(file, "%016" PRIx64 "\n", number) < 0;
+    const int wrong = !file || fprintf(file, "%016" PRIx64 " %" PRIu32 "\n", number, w->options->frames) < 0;
     return (file && fclose(file)) || wrong ? fail(EXIT_FAILED, "%s: %s", path, strerror(errno)) : 0;
 }
 
@@ -418,10 +428,9 @@ static int open_folder(work *w)
     if (strlen(w->options->out) > room || strlen(w->options->in) > room)
         return fail(EXIT_FAILED, "a name of more than %zu characters", room);
     snprintf(w->folder, TASK_PATH, "%s.cameras", w->options->out);
-    if (w->is_film)
-        strcpy(w->source, w->options->in);
-    else
-        find_photographs(w->source, w->options->in);
+    strcpy(w->source, w->options->in);
+    if (!w->is_film && !find_photographs(w->source, w->options->in))
+        return fail(EXIT_FAILED, "%s: no photographs here, nor in a folder images here", w->options->in);
     join_path(w->images, w->folder, "images");
     join_path(w->masks, w->folder, "masks");
     join_path(w->database, w->folder, "database.db");

@@ -15,7 +15,7 @@ typedef struct reconstruct_options {
     int invert_masks;              /* they are white where a photograph is ignored */
 } reconstruct_options;
 
-/* Whether there are no cameras at a path, but a film, or photographs in a folder. */
+/* Whether at a path is a film, or a folder without cameras. */
 int reconstruct_is_needed(const char *in);
 
 /* Makes OUT.cameras, as COLMAP lays out what it makes (images, masks, sparse/0), and says what was found. What an earlier call

@@ -148,7 +148,8 @@ int make_folder(const char *path)
     if (!mkdir(path, 0777))
         return 0;
     const int error = errno;
-    return error == EEXIST && is_folder(path) ? 0 : fail(EXIT_FAILED, "%s: %s", path, strerror(error));
+    return error == EEXIST && is_folder(path) ? 0 : fail(EXIT_FAILED, "%s: %s", path,
+                                                         error == EEXIST ? "not a folder" : strerror(error));
 }
 
 void remove_folder(const char *path)

@@ -38,12 +38,9 @@ static void show_view(viewer *v, long index)
 /* Up in the scene: as given, or the mean of the views' where they come from a file. */
 static void find_up(viewer *v)
 {
-    double mean[3] = {0, 0, 0};
-    for (long i = 0; i < v->view_count; i++)
-        for (int k = 0; k < 3; k++)
-            mean[k] -= v->views[i].rotation[3 + k] / (double)v->view_count;
-    int of_views = v->options.cameras && !v->options.up.given && !v->options.auto_up &&
-                   hypot(hypot(mean[0], mean[1]), mean[2]) > 0.1;
+    double mean[3];
+    const int of_views = v->options.cameras && !v->options.up.given && !v->options.auto_up &&
+                         fxs_views_up(v->views, (size_t)v->view_count, sizeof *v->views, mean);
     memcpy(v->up, of_views ? mean : v->options.up.at, sizeof v->up);
 }
 

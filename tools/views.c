@@ -293,6 +293,7 @@ static int look_at_scene(frame_options *o, const world *w, fxs_file_view *view, 
     if (!has_start(o, w, view))
         return world_is_paged(w) ? choose_by_files(o, w, view, message)
                                  : choose_first(o, w, w->objects, view, message);
+    fxs_view_up(view, o->up.at);
     view->near = fxs_near_of_box(w->inner_low, w->inner_high);
     return 0;
 }

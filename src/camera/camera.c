@@ -8,6 +8,7 @@
 #include "camera_internal.h"
 
 #define DEGREES 57.29577951308232
+#define LEVEL_SHARE 1e-3
 #define NEAR_LEAST 0x1p-20
 #define NEAR_MOST 0x1p28
 
@@ -57,6 +58,51 @@ int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double targ
                            "is along the view");
     cross(down, forward, right);
     return 0;
+}
+
+int fxs_view_level(fxs_file_view *view, const double up[3])
+{
+    double right[3];
+    const double *forward = view->rotation + 6;
+    cross(right, forward, up);
+    if (!normalise(right))
+        return 0;
+    memcpy(view->rotation, right, sizeof right);
+    cross(view->rotation + 3, forward, right);
+    return 1;
+}
+
+/* Of all u the least of mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2: (R + LEVEL_SHARE) u = LEVEL_SHARE mean up. */
+int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3])
+{
+    const char *at = (const char *)views;
+    double mean[3] = {0, 0, 0}, a[3][3] = {{LEVEL_SHARE, 0, 0}, {0, LEVEL_SHARE, 0}, {0, 0, LEVEL_SHARE}}, inverse[3][3];
+    for (size_t i = 0; i < count; i++, at += stride) {
+        const double *rotation = ((const fxs_file_view *)(const void *)at)->rotation;
+        for (int k = 0; k < 9; k++)
+            a[k / 3][k % 3] += rotation[k / 3] * rotation[k % 3] / (double)count;
+        for (int k = 0; k < 3; k++)
+            mean[k] -= rotation[3 + k] / (double)count;
+    }
+    for (int k = 0; k < 3; k++)       /* times the determinant, which is above 0 */
+        cross(inverse[k], a[(k + 1) % 3], a[(k + 2) % 3]);
+    for (int k = 0; k < 3; k++)
+        up[k] = dot(inverse[k], mean);
+    return dot(mean, mean) > 0.01 && normalise(up);
+}
+
+void fxs_view_up(const fxs_file_view *view, double up[3])
+{
+    const double *right = view->rotation, *down = view->rotation + 3;
+    double most = 0.1;
+    int axis = -1;
+    for (int k = 0; k < 3; k++)
+        if (fabs(right[k]) < 1e-3 && fabs(down[k]) > most) {
+            axis = k;
+            most = fabs(down[k]);
+        }
+    for (int k = 0; k < 3; k++)
+        up[k] = axis < 0 ? -down[k] : k != axis ? 0 : down[k] > 0 ? -1 : 1;
 }
 
 /* Half the diagonal of a box. */

@@ -43,6 +43,10 @@ int fxs_fit_choose_engine(fxs_fit *fit, fxs_message *message);
    more steps leaves it. Returns 0 or an error. */
 int fxs_fit_pass_profile(fxs_fit *fit, fxs_message *message);
 
+/* Leaves these Gaussians of a fit, all KEPT and one at least, and codes them anew where they are coded. Returns 0, or an
+   error and a message, after which the fit can only be freed. */
+int fxs_fit_keep(fxs_fit *fit, const fxs_fit_origin *origins, size_t count, fxs_message *message);
+
 /* Sets `order` for the photograph with this number in the sequence of all, up to the next permutation. */
 void fxs_fit_set_order(fxs_fit *fit, uint64_t number);
 

@@ -1,5 +1,7 @@
 /* Gives out and packs the Gaussians of a fit. */
+#include <fixsplat/message.h>
 #include "src/base/run.h"
+#include "src/base/try_internal.h"
 #include "fit_internal.h"
 
 static fxs_pack_options pack_options(const fxs_fit *f)
@@ -57,6 +59,20 @@ int fxs_fit_pass_profile(fxs_fit *f, fxs_message *message)
         return 0;
     const int error = begins ? begin(f, &options, message) : code_again(f, &options, message);
     return error ? error : f->engine->quantise(f->self, message);
+}
+
+int fxs_fit_keep(fxs_fit *f, const fxs_fit_origin *origins, size_t count, fxs_message *message)
+{
+    const int is_coded = f->profile.chunks != NULL;
+    const fxs_pack_options options = pack_options(f);
+    FXS_TRY(is_coded ? end(f, message) : f->engine->fetch(f->self, message));
+    if (fxs_fit_model_rebuild(&f->model, origins, count))
+        return fxs_fail_memory(message, "a fit", count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
+    FXS_TRY(f->engine->give(f->self, message));
+    if (!is_coded)
+        return 0;
+    FXS_TRY(begin(f, &options, message));
+    return f->engine->quantise(f->self, message);
 }
 
 int fxs_fit_pack(fxs_fit *f, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message)

@@ -121,7 +121,8 @@ rm calls
 
 cp set/images/03.png plain/other.png
 with "$fixsplat" fit plain $steps -o b.fxs >logs/out 2>logs/err
-check "a photograph without a place is named" grep -q '^fixsplat: no place was found for 1: other.png$' logs/err
+check "a photograph without a place is named, once" equal "$(grep other.png logs/err)" \
+    "fixsplat: no place was found for 1: other.png"
 PATH="$work/bin:$PATH"
 fails "cameras of other photographs" 1 "^fixsplat: a.fxs.cameras: the cameras of other photographs: remove it" \
     fit plain $steps -o a.fxs --quiet
@@ -204,7 +205,9 @@ fails "no such folder of masks" 1 "^fixsplat: nowhere: no such folder of masks$"
 fails "--frames without a film" 2 "^fixsplat: --frames: set is not a film" fit set -o i.fxs --frames 10
 fails "--cameras-only with cameras" 2 "^fixsplat: --cameras-only: set has cameras" fit set -o i.fxs --cameras-only
 mkdir empty
-fails "an empty folder" 1 "empty: neither sparse/0 of COLMAP" fit empty -o i.fxs
+fails "--frames of photographs" 2 "^fixsplat: --frames: plain is not a film" fit plain -o i.fxs --frames 10
+fails "an empty folder" 1 "^fixsplat: empty: no photographs here, nor in a folder images here$" fit empty -o i.fxs
+check "an empty folder: nothing is made" [ ! -e i.fxs.cameras ]
 (PATH=$work/empty exec "$fixsplat" fit plain -o i.fxs --quiet) 2>logs/err
 check "COLMAP missing" equal "$? $(cat logs/err)" \
     "1 fixsplat: plain: to find its cameras takes colmap, which is not here: apt install colmap"
@@ -215,6 +218,11 @@ FRAMES=84
 : >film.mp4
 rm calls
 check "a film" "$fixsplat" fit film.mp4 --frames 12 --cameras-only -o film.fxs --quiet
+fails "another number of frames" 1 "^fixsplat: film.fxs.cameras: made without --frames 13: leave that out" \
+    fit film.mp4 --frames 13 --cameras-only -o film.fxs --quiet
+check "the same number" "$fixsplat" fit film.mp4 --frames 12 --cameras-only -o film.fxs --quiet
+check "without a number" "$fixsplat" fit film.mp4 --cameras-only -o film.fxs --quiet
+check "frames are taken once" equal "$(grep -c rawvideo calls)" 1
 check "of each stretch the sharpest frame" grep -qF "select='eq(n,3)+eq(n,10)+eq(n,17)+eq(n,24)+" calls
 rm -rf film.fxs.cameras calls
 check "a film, as many frames as seem right" "$fixsplat" fit film.mp4 -o film.fxs --cameras-only --quiet

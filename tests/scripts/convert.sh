@@ -121,6 +121,12 @@ for options in '--fov 50' '--up 0,-1,0' '--eye 3,0,-5' '--place start.fxs:1,0,0'
     check "--start-view: not with $options" equal "$(hash_of start.fxs $options)" \
         "$(hash_of plain.fxs $(echo "$options" | sed s/start/plain/))"
 done
+mkdir side
+echo "1 PINHOLE 64 48 60 60 32 24" >side/cameras.txt
+printf "1 0.7071067811865476 0 0 0.7071067811865476 0 0 13 1 a.png\n\n" >side/images.txt
+"$fixsplat" convert knot.ply side.fxs --start-view side:0
+check "--start-view: of a scene that lies on its side, turned about what is up there" equal \
+    "$(hash_of side.fxs --orbit 3 --near 0.2)" "$(hash_of side.fxs --orbit 3 --near 0.2 --cameras side --up -1,0,0)"
 for bad in 1,2 1,2,3,1,2,3 1,2,3,4,5,6,0.5 none.json; do
     rm -f x.fxs
     fails "--start-view $bad" 2 "start-view.*" convert knot.ply x.fxs --start-view $bad

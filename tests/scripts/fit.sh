@@ -36,6 +36,10 @@ check "fit: a line for each, the mean and the worst" equal "$(grep -Ec '^ *[01] 
 check "fit: PSNR after the best affine map of colours is higher" equal "$(awk '/^( *[01] 0[08].png|mean|worst)/ {
     at = $1 ~ /[0-9]/ ? 4 : 2; if ($(at + 1) >= $at) print "higher" }' logs/out | uniq -c | tr -d ' ')" 4higher
 check "fit: leaves nothing beside" equal "$(ls -A | grep -v -e knot.ply -e logs -e set | tr '\n' ' ')" "whole.fxs "
+# All are level and upright.
+check "fit: begins with the view of the first photograph that is fitted" equal \
+    "$("$fixsplat" render whole.fxs --size 64x48 --near 0.2 --hash)" \
+    "$("$fixsplat" render whole.fxs --cameras set/sparse/0 --view 1 --near 0.2 --hash)"
 succeeds "fit: --json" $fit -o again.fxs --json --threads 2
 check "fit: --json: keys" keys logs/out scene gaussians bytes profile recipe steps seed seconds fitted held_out skipped \
     measured photographs.views photographs.psnr photographs.ssim photographs.affine_psnr
@@ -59,10 +63,90 @@ check "into .ply: what is packed, rounded again, is as large" equal "$(wc -c <wh
 # Fewer than ten steps have no last tenth: nothing is rounded before it is packed.
 "$fixsplat" fit set --steps 9 -o few.fxs >logs/out
 "$fixsplat" fit set --steps 9 -o few.ply >logs/out
-"$fixsplat" convert few.ply packed.fxs
+"$fixsplat" convert few.ply packed.fxs --start-view set/sparse/0:1
 check "into .ply: packed it is the same file" cmp few.fxs packed.fxs
 "$fixsplat" info floats.ply >logs/out
 check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
+
+# ---- In words --------------------------------------------------------------------------------------------------------
+
+# ends NAME LINES ARGUMENT...: what stands behind the table, figures as N.
+ends() {
+    name=$1 lines=$2
+    shift 2
+    loud fit "$@"
+    check "$name" equal "$(sed '1,/^worst /d; s/[0-9][0-9.]* dB/N dB/; s/[0-9][0-9.]* where/N where/' logs/out)" "$lines"
+}
+next="to look at it:                fixsplat view it.fxs
+a folder for any web server:  fixsplat publish it.fxs site"
+more="Where it was fitted it is not much better: more --steps or sharper photographs would help."
+ends "below 20 dB" "Poor: from new places it does not look like the photographs (N dB; N where it was fitted).
+$more
+$next" set --steps 1 -o it.fxs
+ends "below 25 dB" "Fair: from new places all is there, but blurred or spotted (N dB; N where it was fitted).
+$more
+$next" set --steps 620 -o it.fxs
+check "it is the mean, to a tenth" equal "$(awk '/^mean / { print substr($2, 1, 4) }' logs/out)" \
+    "$(sed -n 's/^Fair.*(\([0-9.]*\) dB.*/\1/p' logs/out)"
+ends "below 30 dB, and much better where it was fitted" \
+    "Good: from new places it looks like a photograph with less detail (N dB; N where it was fitted).
+Places between the photographs are much worse than theirs: more photographs would help.
+$next" set --steps 1500 --hold-out 2 -o it.fxs
+ends "--hold-out 0" "Nothing was held out, so how it looks from new places is not known (N dB where it was fitted).
+to look at it:                fixsplat view 'it'\\''s.ply'
+a folder for any web server:  fixsplat publish 'it'\\''s.ply' site" set --steps 9 --hold-out 0 -o "it's.ply"
+ends ".fit: what is next is the fit itself" \
+    "Poor: from new places it does not look like the photographs (N dB; N where it was fitted).
+$more" set --steps 9 -o it.fit
+loud fit set --steps 9 -o it.fxs --json
+check "--json: no words" equal "$(wc -l <logs/out | tr -d ' ')" 1
+run fit set --steps 9 -o it.fxs
+check "--quiet: no words" grep -q "^worst " logs/out
+check "--quiet: no words behind it" equal "$(sed '1,/^worst /d' logs/out)" ""
+if have perl; then
+    cp -r set dark
+    sed 's/0\([08]\).png/0\1.ppm/' set/sparse/0/images.txt >dark/sparse/0/images.txt
+    for i in 0 8; do
+        "$fixsplat" render knot.ply --cameras set/sparse/0 --view $i -o bright.ppm
+        perl -0777 -pe 'BEGIN { binmode STDIN; binmode STDOUT } s/^(P6\s+\d+\s+\d+\s+\d+\s)(.*)/$1 . pack("C*", map { $_ \/ 2 } unpack("C*", $2))/se' \
+            <bright.ppm >dark/images/0$i.ppm
+    done
+    loud fit dark --steps 620 -o it.fxs
+    check "other exposures" grep -q '^The photographs differ in exposure or white balance: --exposure gain may help.$' logs/out
+else
+    skip "other exposures" "no perl here"
+fi
+rm -f it.* "it's.ply"
+
+# ---- The subject -----------------------------------------------------------------------------------------------------
+
+# The cameras look at the middle, and see 13 * 24 / 60 units to their upper and lower edges there.
+cp -r set around
+awk 'BEGIN { for (i = 0; i < 60; i++) print 400 + i, 9 * cos(i), i % 7 - 3, 9 * sin(i), 90, 90, 90, 0 }' \
+    >>around/sparse/0/points3D.txt
+count_of() { sed -n 's/^[a-z]*\.[a-z]*: \([0-9]*\) Gaussians, .*/\1/p' logs/out; }
+loud fit around --steps 30 -o it.fxs
+measured=$(sed -n '/^ *[0-9]* 0/p; /^mean/p' logs/out) all=$(count_of)
+loud fit around --steps 30 -o cropped.fxs --crop-to-subject
+check "--crop-to-subject: says what it was cropped to" equal "$(said)" "fixsplat: cropped.fxs: cropped to 5.2 units around $(
+    sed -n 's/.* units around \([^:]*\):.*/\1/p' logs/err): $((all - $(count_of))) Gaussians left out"
+check "--crop-to-subject: the middle" equal "$(sed -n 's/.* units around \([^:]*\):.*/\1/p' logs/err | tr , '\n' |
+    awk '$1 * $1 < 1e-8' | wc -l | tr -d ' ')" 3
+check "--crop-to-subject: fewer Gaussians, but not few" [ "$(count_of)" -lt $((all - 50)) -a "$(count_of)" -gt 100 ]
+check "--crop-to-subject: measured before that" equal "$(sed -n '/^ *[0-9]* 0/p; /^mean/p' logs/out)" "$measured"
+"$fixsplat" convert cropped.fxs cropped.ply
+"$fixsplat" convert cropped.ply again.ply --sphere 0,0,0,5.21
+check "--crop-to-subject: none beyond" equal "$(wc -c <again.ply)" "$(wc -c <cropped.ply)"
+"$fixsplat" fit around --steps 30 -o again.fxs --crop-to-subject --threads 2 --cpu c >logs/out
+check "--crop-to-subject: 2 threads, plain C: the same file" cmp cropped.fxs again.fxs
+awk 'NF > 1 { $2 = 1; $3 = $4 = $5 = 0; $6 = NR / 10 } { print }' set/sparse/0/images.txt >around/sparse/0/images.txt
+loud fit around --steps 3 -o it.fxs --hold-out 0
+loud fit around --steps 3 -o cropped.fxs --hold-out 0 --crop-to-subject
+check "--crop-to-subject: cameras side by side" grep -q \
+    '^fixsplat: cropped.fxs: not cropped: the cameras do not look at one thing: 0 of 12 photographs' logs/err
+check "--crop-to-subject: then the scene stays" cmp it.fxs cropped.fxs
+fails "--crop-to-subject of a saved fit" 2 "of a whole fit that ends in .fxs or .ply" fit set -o x.fit --crop-to-subject
+rm -rf around cropped.* again.ply it.fxs
 
 # ---- Progress ----------------------------------------------------------------------------------------------------------
 
@@ -127,6 +211,84 @@ for recipe in mcmc fast; do
     succeeds "--recipe $recipe" fit set --steps 20 -o few.fxs --recipe $recipe --sh-degree 1 --max-gaussians 300 \
         --background 102030 --cutoff square --profile small
 done
+
+# ---- The log ---------------------------------------------------------------------------------------------------------
+
+# of 620 steps every seventh, three that are measured, and the last
+echo old >fit.log
+loud $fit -o logged.fxs --log fit.log --metrics-every 200
+check "--log: the same file" cmp whole.fxs logged.fxs
+check "--log: a header, in place of what was there" equal "$(head -n 1 fit.log | tr '\t' ' ')" \
+    "step seconds gaussians loss psnr affine_psnr ssim"
+check "--log: its steps" equal "$(sed 1d fit.log | cut -f 1 | tr '\n' ' ')" \
+    "$(awk 'BEGIN { for (i = 1; i <= 620; i++) if (i % 7 == 0 || i % 200 == 0 || i == 620) printf "%d ", i }')"
+check "--log: seven fields, time never less, Gaussians, losses" equal "$(awk -F '\t' 'NR > 1 {
+    if (NF != 7 || $2 + 0 < seconds || $3 < 100 || $3 > 5000 || !($4 > 0 && $4 < 1)) print
+    seconds = $2 + 0 }' fit.log)" ""
+check "--log: the Gaussians of the scene" equal "$(tail -n 1 fit.log | cut -f 3)" \
+    "$(sed -n 's/^logged.fxs: \([0-9]*\) Gaussians.*/\1/p' logs/out)"
+check "--log: measured where the command says so" equal \
+    "$(awk -F '\t' 'NR > 1 && $5 { printf "%d %s %s %.4f %d\n", $1, $5, $6, $7, $3 }' fit.log | head -n 3)" \
+    "$(sed -n 's/^fixsplat: step \([0-9]*\): \([0-9.]*\) dB, after the best affine map \([0-9.]*\), SSIM \([0-9.]*\); \([0-9]*\) .*/\1 \2 \3 \4 \5/p' logs/err)"
+check "--log: and at the end" equal "$(tail -n 1 fit.log | awk -F '\t' '{ print $5, $6, $7 }')" \
+    "$(awk '/^mean / { print $2, $3, $4 }' logs/out)"
+"$fixsplat" fit set --steps 300 -o part.fxs --save-every 150 --log fit.log >logs/out
+"$fixsplat" $fit -o resumed.fxs --resume part.fxs.fit --log fit.log >logs/out
+check "--log, --resume: behind what was there" equal "$(cut -f 1 fit.log | tr '\n' ' ')" \
+    "$(awk 'BEGIN { printf "step "; for (i = 1; i <= 620; i++) if (i <= 300 ? i % 3 == 0 : 0) printf "%d ", i
+        for (i = 151; i <= 620; i++) if (i % 7 == 0 || i == 620) printf "%d ", i }')"
+rm -f new.log
+"$fixsplat" $fit -o resumed.fxs --resume part.fxs.fit --log new.log >logs/out
+check "--log, --resume: a new one has a header" equal "$(head -n 1 new.log | cut -f 1)" step
+if [ -c /dev/full ]; then
+    loud $fit -o logged.fxs --log /dev/full
+    check "--log: a full disk: said once, and the fit goes on" equal "$status $(said)" \
+        "0 fixsplat: --log /dev/full: cannot be written: No space left on device; the fit goes on without it"
+    check "--log: a full disk: the same file" cmp whole.fxs logged.fxs
+fi
+(
+    trap '' XFSZ
+    ulimit -f 1
+    exec "$fixsplat" $fit -o set.fit --log fit.log >logs/out 2>logs/err
+)
+check "--log: a disk that is full after some lines" grep -q -- '--log fit.log: .*; the fit goes on without it' logs/err
+fails "--log: no such folder" 1 "--log none/fit.log: cannot be written: No such file" fit set -o x.fxs --log none/fit.log
+fails "--log is OUT" 2 "x.fxs" fit set -o x.fxs --log x.fxs
+fails "--log is a photograph" 2 "set/images/03.png: is read and cannot be written too" fit set -o x.fxs --steps 2 \
+    --log set/images/03.png
+fails "--log and --measure" 2 "leave out -o, --block, --resume and --log" fit set --measure whole.fxs --log fit.log
+rm -f part.fxs.fit set.fit fit.log new.log
+
+# ---- Quality ---------------------------------------------------------------------------------------------------------
+
+mkdir -p large/sparse/0 large/images
+sed 's/64 48 60 60 32 24/1700 1275 1594 1594 850 637/' set/sparse/0/cameras.txt >large/sparse/0/cameras.txt
+cp set/sparse/0/points3D.txt large/sparse/0
+head -n 4 set/sparse/0/images.txt >large/sparse/0/images.txt
+"$fixsplat" render knot.ply --cameras large/sparse/0 --view all -o large/images/%02d.png --threads 2
+while read -r quality recipe size; do
+    loud fit large --steps 1 --quality $quality -o few.fxs
+    check "--quality $quality: photographs of $size" grep -q "up to $size;" logs/err
+    check "--quality $quality: recipe $recipe" grep -q "; 1 steps, recipe $recipe, seed 0$" logs/out
+    "$fixsplat" fit set --steps 12 --quality $quality -o few.fxs >logs/out
+    "$fixsplat" fit set --steps 12 --recipe $recipe -o again.fxs >logs/out
+    check "--quality $quality: the scene of recipe $recipe" cmp few.fxs again.fxs
+done <<'END'
+draft fast 800x600
+good fast 1600x1200
+best mcmc 1600x1200
+END
+loud fit large --steps 1 --quality draft --resolution 300 -o few.fxs
+check "--quality draft --resolution: as it says" grep -q "up to 300x225;" logs/err
+succeeds "--quality draft: its steps" fit set --quality draft -o few.fxs --save-every 2999 --max-gaussians 500
+check "--quality draft: its steps" grep -q "; 3000 steps, recipe fast," logs/out
+fails "--resume: another quality" 2 "--quality: few.fxs.fit was begun with another" fit set -o x.fxs \
+    --resume few.fxs.fit --quality best
+succeeds "--resume: with its quality" fit set -o again.fxs --resume few.fxs.fit --quality draft
+check "--resume: with its quality" cmp few.fxs again.fxs
+fails "--quality and --recipe" 2 "--quality stands for a recipe: leave out --recipe" fit set -o x.fxs --quality good \
+    --recipe fast
+rm -rf large few.fxs.fit
 
 # ---- Stopped and resumed ---------------------------------------------------------------------------------------------
 
@@ -275,13 +437,14 @@ check "OUT.fit is a photograph: it stays" cmp photo.fxs.fit set/images/03.png
 "$fixsplat" fit set --steps 9 -o same.fxs --save-every 5 >logs/out
 ln -s same.fxs.fit linked.fit
 succeeds "--resume of OUT.fit, by another name" fit set --steps 9 -o same.fxs --save-every 2 --resume linked.fit
-fails "--compare: a file" 1 "--compare knot.ply: not a folder" fit set -o x.fxs --compare knot.ply
-fails "--compare: no such folder" 1 "--compare none/pictures: No such file" fit set -o x.fxs --compare none/pictures
+fails "--compare: a file" 1 "knot.ply: not a folder" fit set -o x.fxs --compare knot.ply
+fails "--compare: no such folder" 1 "none/pictures: No such file" fit set -o x.fxs --compare none/pictures
 fails "an unknown option" 2 "unknown option" fit set -o x.fxs --fast
 while read -r option; do
     fails "--$option" 2 "^fixsplat: --" fit set -o x.fxs --$option
 done <<'END'
 recipe slow
+quality high
 exposure auto
 steps 0
 steps -1

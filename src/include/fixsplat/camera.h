@@ -28,6 +28,20 @@ FXS_API double fxs_near_of_box(const double low[3], const double high[3]);
 FXS_API int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3],
                                double fov, int width, int height, fxs_message *message);
 
+/* Finds what is up in a scene by `count` views, each `stride` bytes behind the one before it: the mean of what points up
+   in their pictures, without what the directions sideways in them have of it, as cameras look up and down but are seldom
+   rolled. Its length is 1. Returns 1, or 0 where the directions cancel each other: their mean is 0.1 or shorter. */
+FXS_API int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3]);
+
+/* The same by one view that is not rolled, as a start view is: of the scene's axes and their opposites that point
+   sideways by less than a thousandth the one that is nearest to pointing up in the picture, as the view was made for it;
+   where there is none, what points up in the picture. */
+FXS_API void fxs_view_up(const fxs_file_view *view, double up[3]);
+
+/* Rolls a view until `up` points up in the picture; position and direction stay. Returns 1, or 0 and the view as it was
+   where it looks along `up`. */
+FXS_API int fxs_view_level(fxs_file_view *view, const double up[3]);
+
 /* Keeps a view in the header of a packed scene at `data` as the one to begin with: its position, rotation and vertical
    field of view. fxs_file_write or fxs_file_seal come after it. Returns 0, or FXS_ERR_CAMERA and a message for a view
    that is orthographic, out of the renderer's range, or beyond a field of view of 170 degrees. */

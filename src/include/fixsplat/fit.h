@@ -11,6 +11,7 @@
  *     while (fxs_fit_steps(fit) < options.steps && !fxs_fit_step(fit, &report, &message))
  *         ...
  *     fxs_fit_pack(fit, &scene, &pack_report, &message);
+ *     fxs_fit_start_view(photos.fit, photos.fit_count, scene.data, &message);
  *     fxs_fit_free(fit);
  *     fxs_photos_free(&photos);
  *
@@ -146,6 +147,26 @@ FXS_API int fxs_fit_gaussians(fxs_fit *fit, fxs_gaussian_source *gaussians, fxs_
 /* Packs the current Gaussians by the profile of the options, to be rendered or written as an .fxs file. Errors and
    ownership are those of fxs_pack. `report` may be null. */
 FXS_API int fxs_fit_pack(fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
+
+/* What a fit was cropped to. */
+typedef struct fxs_fit_subject {
+    double middle[3], radius;      /* scene units */
+    size_t dropped;                /* Gaussians */
+} fxs_fit_subject;
+
+/* Leaves out of a fit that is at its end what lies around its subject: Gaussians that reach beyond a sphere by their
+   largest sigma. Its middle is the point that is nearest to the axes of all cameras (least squares); its radius is the
+   median over the cameras of how far they see to the nearer edge of their picture at the depth of that point. Returns 0,
+   or an error and a message: FXS_ERR_ARGUMENT and the fit as it was where the cameras do not look at one thing (their
+   axes are nearly parallel, or more than a quarter of them do not have the point in the middle half of their width and
+   height), or where nothing would be left; FXS_ERR_MEMORY or FXS_ERR_DEVICE like fxs_fit_step. */
+FXS_API int fxs_fit_crop_to_subject(fxs_fit *fit, fxs_fit_subject *subject, fxs_message *message);
+
+/* Keeps the view to begin with in a packed scene at `data`, for fxs_file_write: that of the photograph that was taken
+   most level, the first of equal ones, by what is up in all of them (fxs_views_up), and rolled until that is up; that of
+   the first where their directions cancel each other. Errors are those of fxs_view_to_start; FXS_ERR_ARGUMENT without
+   photographs. */
+FXS_API int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, void *data, fxs_message *message);
 
 /* Saves the whole state of the fit to a file, with the same bytes on every machine. An earlier file of that name is
    unchanged until the new one is complete and on the disk (output.h). Errors: FXS_ERR_FILE, FXS_ERR_MEMORY. */

@@ -1,0 +1,27 @@
+/* The view to begin with of a scene that was fitted. */
+#include <fixsplat/camera.h>
+#include <fixsplat/fit.h>
+#include <fixsplat/message.h>
+#include <math.h>
+
+/* The sine of how steeply a camera looks up or down. */
+static double slope_of(const fxs_file_view *view, const double up[3])
+{
+    const double *forward = view->rotation + 6;
+    return fabs(forward[0] * up[0] + forward[1] * up[1] + forward[2] * up[2]);
+}
+
+int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, void *data, fxs_message *message)
+{
+    double up[3] = {0, 0, 0};
+    size_t best = 0;
+    if (!photo_count)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no photograph to begin with");
+    const int has_up = fxs_views_up(&photos->view, photo_count, sizeof *photos, up);
+    for (size_t i = 1; i < photo_count && has_up; i++)
+        best = slope_of(&photos[i].view, up) < slope_of(&photos[best].view, up) ? i : best;
+    fxs_file_view view = photos[best].view;
+    if (has_up)
+        fxs_view_level(&view, up);
+    return fxs_view_to_start(data, &view, message);
+}
