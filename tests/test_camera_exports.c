@@ -81,6 +81,8 @@ static void write_bundler(int lens)
     put_text("e/list.txt");
 }
 
+#ifdef FXS_WITH_EXPAT
+
 static const double placed[9] = {0.6, 0, -0.8, 0, 1, 0, 0.8, 0, 0.6}, moved[3] = {5, -6, 7}, scale = 2.5;
 
 /* The cameras of a chunk that is turned, moved and scaled; `owner` says where that is written: in a component, in the
@@ -90,8 +92,8 @@ static void write_metashape(const char *owner, const char *type, const char *cal
     const int whole = *owner != 0, component = !strcmp(owner, "component");
     char transform[512] = "";
     if (whole)
-        snprintf(transform, sizeof transform, "<transform><rotation locked=\"true\">%g %g %g %g %g %g %g %g %g"
-                 "</rotation><translation>%g %g\n%g</translation><scale>%g</scale></transform>", placed[0], placed[1], placed[2],
+        snprintf(transform, sizeof transform, "<transform><rotation locked=\"true\">"
+                 "%g %g %g %g %g %g %g %g %g</rotation><translation>%g %g\n%g</translation><scale>%g</scale></transform>", placed[0], placed[1], placed[2],
                  placed[3], placed[4], placed[5], placed[6], placed[7], placed[8], moved[0], moved[1], moved[2], scale);
     say("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<document version=\"2.0.0\">\n<chunk label=\"C\" enabled=\"true\">"
         "<sensors next_id=\"1\"><sensor id=\"0\" label=\"unknown\" type=\"frame\"/><sensor id=\"7\" type=\"%s\">"
@@ -131,6 +133,7 @@ static void write_metashape(const char *owner, const char *type, const char *cal
     say("</cameras>%s</chunk></document>\n", component ? "" : transform);
     put_text("e/cameras.xml");
 }
+#endif
 
 /* ---- The same cameras -------------------------------------------------------------------------------------------- */
 

@@ -1,5 +1,5 @@
-/* Reads the cameras that Agisoft Metashape exports as .xml. The formulas are in the appendix "Camera models" of its user
-   manual. */
+/* Reads the cameras that Agisoft Metashape exports as .xml. The formulas are in the appendix "Camera models" of its
+   user manual. */
 #include "camera_internal.h"
 
 #ifdef FXS_WITH_EXPAT
