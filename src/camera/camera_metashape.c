@@ -34,6 +34,8 @@ typedef struct placement {
     int given;
 } placement;
 
+#define ON_EARTH 65536.0           /* units: a translation of more is left out, for the sake of single precision */
+
 typedef struct photographed {
     char *label;
     char sensor[ID_ROOM], component[ID_ROOM];
@@ -295,13 +297,16 @@ static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16]
     if (pose[12] != 0 || pose[13] != 0 || pose[14] != 0 || pose[15] != 1)
         return fxs_view_list_fault(list, "the last row of its transform is not 0 0 0 1");
     p = p ? p : &none;
+    const double *t = p->translation;
+    const int moved = fmax(fabs(t[0]), fmax(fabs(t[1]), fabs(t[2]))) > ON_EARTH;
+    list->moved |= moved;
     if (!(p->scale > 0))
         return fxs_view_list_fault(list, "the scale of its chunk or component is not above 0");
     for (int i = 0; i < 3; i++) {
         const double *r = p->rotation + 3 * i;
         for (int axis = 0; axis < 3; axis++)
             view->rotation[3 * axis + i] = r[0] * pose[axis] + r[1] * pose[4 + axis] + r[2] * pose[8 + axis];
-        view->position[i] = p->scale * (r[0] * pose[3] + r[1] * pose[7] + r[2] * pose[11]) + p->translation[i];
+        view->position[i] = p->scale * (r[0] * pose[3] + r[1] * pose[7] + r[2] * pose[11]) + (moved ? 0 : t[i]);
     }
     return 0;
 }
