@@ -81,6 +81,9 @@ static void write_bundler(int lens)
     put_text("e/list.txt");
 }
 
+#ifdef FXS_WITH_EXPAT
+
+static double away;                /* added to the translation of a chunk */
 static const double placed[9] = {0.6, 0, -0.8, 0, 1, 0, 0.8, 0, 0.6}, moved[3] = {5, -6, 7}, scale = 2.5;
 
 /* The cameras of a chunk that is turned, moved and scaled; `owner` says where that is written: in a component, in the
@@ -90,9 +93,10 @@ static void write_metashape(const char *owner, const char *type, const char *cal
     const int whole = *owner != 0, component = !strcmp(owner, "component");
     char transform[512] = "";
     if (whole)
-        snprintf(transform, sizeof transform, "<transform><rotation locked=\"true\">%g %g %g %g %g %g %g %g %g"
-                 "</rotation><translation>%g %g\n%g</translation><scale>%g</scale></transform>", placed[0], placed[1], placed[2],
-                 placed[3], placed[4], placed[5], placed[6], placed[7], placed[8], moved[0], moved[1], moved[2], scale);
+        snprintf(transform, sizeof transform, "<transform><rotation locked=\"true\">"
+                 "%g %g %g %g %g %g %g %g %g</rotation><translation>%.17g %.17g\n%.17g</translation><scale>%g</scale>"
+                 "</transform>", placed[0], placed[1], placed[2], placed[3], placed[4], placed[5], placed[6], placed[7],
+                 placed[8], moved[0] + away, moved[1], moved[2], scale);
     say("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<document version=\"2.0.0\">\n<chunk label=\"C\" enabled=\"true\">"
         "<sensors next_id=\"1\"><sensor id=\"0\" label=\"unknown\" type=\"frame\"/><sensor id=\"7\" type=\"%s\">"
         "<resolution width=\"%d\" height=\"%d\"/><property name=\"layer_index\" value=\"0\"/>"
@@ -131,6 +135,7 @@ static void write_metashape(const char *owner, const char *type, const char *cal
     say("</cameras>%s</chunk></document>\n", component ? "" : transform);
     put_text("e/cameras.xml");
 }
+#endif
 
 /* ---- The same cameras -------------------------------------------------------------------------------------------- */
 
@@ -257,6 +262,18 @@ static void metashape(void)
             check_lens(&list.views[n].lens, 4, i > 2, 0);
         fxs_view_list_free(&list);
     }
+    for (int far = 0; far < 2; far++) {
+        away = far ? 4e6 : 60000;      /* on the Earth: the translation is left out */
+        write_metashape("component", "frame", LENS);
+        fxs_view_list list = read_list("e/cameras.xml");
+        CHECK(list.moved == far);
+        for (int i = 0; i < CAMERAS && list.count == CAMERAS; i++)
+            for (int j = 0; j < 3; j++)
+                CHECK(fabs(list.views[i].view.position[j] - poses[i][3 + j] -
+                           (far ? -moved[j] : j ? 0 : away)) < 1e-8);
+        fxs_view_list_free(&list);
+    }
+    away = 0;
     write_metashape("", "frame", LENS "<b1>2</b1><b2>-0.9</b2>");
     fxs_view_list list = read_list("e/cameras.xml");
     if (CHECK(list.count == CAMERAS)) {
@@ -358,6 +375,33 @@ static void points(void)
     remove(in_folder("e/cameras.csv"));
     CHECK(!read_photos("e", &options) && photos.point_count == 2);                  /* its bundle.out */
 }
+
+#ifdef FXS_WITH_EXPAT
+
+/* Of a chunk on the Earth points do not belong to the cameras, and without points it can be fitted. Photographs that
+   are named by a path of another machine are looked for by their name. */
+static void on_earth(void)
+{
+    const fxs_photos_options options = {0};
+    away = 4e6;
+    write_metashape("chunk", "frame", "");
+    away = 0;
+    CHECK(!read_photos("e/cameras.xml", &options) && photos.fit_count == CAMERAS && photos.points_are_random);
+    put_file("e/points.ply", "ply\n", 4);
+    check_refused("e/cameras.xml", &options, FXS_ERR_FILE, "points.ply: the cameras of ");
+    remove(in_folder("e/points.ply"));
+    const char *xml = "<document><chunk><sensors><sensor id=\"0\"><resolution width=\"64\" height=\"48\"/>"
+                      "<calibration><f>70</f></calibration></sensor></sensors><cameras>"
+                      "<camera label=\"/another/machine/2.ppm\" sensor_id=\"0\"><transform>"
+                      "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</transform></camera></cameras></chunk></document>";
+    put_file("e/x.xml", xml, strlen(xml));
+    CHECK(!read_photos("e/x.xml", &options) && photos.fit_count == 1);
+    CHECK(!rename(in_folder("e/images/2.ppm"), in_folder("e/images/z.ppm")));
+    check_refused("e/x.xml", &options, FXS_ERR_FILE, "/another/machine/2.ppm: No such file");
+    CHECK(!rename(in_folder("e/images/z.ppm"), in_folder("e/images/2.ppm")));
+    remove(in_folder("e/cameras.xml"));
+}
+#endif
 
 /* Far from the origin, single precision has no room for a scene. */
 static void far_away(void)
@@ -541,6 +585,9 @@ static void tests(void)
 #endif
     RUN(photographs);
     RUN(points);
+#ifdef FXS_WITH_EXPAT
+    RUN(on_earth);
+#endif
     RUN(far_away);
     RUN(csv_faults);
     RUN(bundler_faults);

@@ -91,8 +91,9 @@ static void same_bytes(void)
 static void same_warps(void)
 {
     static const fxs_lens lenses[] = {
-        {.k = {-0.2, .05}, .p = {.01, -.02}, .skew = .01}, {.kind = FXS_LENS_FISHEYE, .k = {.05}, .s = {.01, 0, .02, 0}},
-        {.kind = FXS_LENS_FOV, .k = {1.1}}, {.kind = FXS_LENS_DIVISION, .k = {-.3}}, {.kind = FXS_LENS_EUCM, .k = {.6, 1}},
+        {.k = {-0.2, .05}, .p = {.01, -.02}, .skew = .01},
+        {.kind = FXS_LENS_FISHEYE, .k = {.05}, .s = {.01, 0, .02, 0}}, {.kind = FXS_LENS_FOV, .k = {1.1}},
+        {.kind = FXS_LENS_DIVISION, .k = {-.3}}, {.kind = FXS_LENS_EUCM, .k = {.6, 1}},
     };
     static const uint8_t outside[4] = {1, 2, 3, 4};
     static fxs_lens_warp warp;

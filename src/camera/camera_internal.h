@@ -38,6 +38,7 @@ typedef struct fxs_view_list {
     size_t count, capacity;
     enum fxs_camera_format {FXS_CAMERAS_OF_COLMAP, FXS_CAMERAS_OF_TRANSFORMS, FXS_CAMERAS_OF_INRIA, FXS_CAMERAS_OF_CSV,
                             FXS_CAMERAS_OF_BUNDLER, FXS_CAMERAS_OF_METASHAPE} format;
+    int moved;          /* 1: positions are not those of the file: its place on the Earth was left out */
     int has_parts;      /* 1: the file says which photographs are to be fitted or to test with: none is OF_ANY */
     char *points;       /* path of the .ply with points in a transforms.json, or NULL */
 } fxs_view_list;

@@ -1,5 +1,5 @@
-/* Reads the cameras that Agisoft Metashape exports as .xml. The formulas are in the appendix "Camera models" of its user
-   manual. */
+/* Reads the cameras that Agisoft Metashape exports as .xml. The formulas are in the appendix "Camera models" of its
+   user manual. */
 #include "camera_internal.h"
 
 #ifdef FXS_WITH_EXPAT
@@ -33,6 +33,8 @@ typedef struct placement {
     double rotation[9], translation[3], scale;
     int given;
 } placement;
+
+#define ON_EARTH 65536.0           /* units: a translation of more is left out, for the sake of single precision */
 
 typedef struct photographed {
     char *label;
@@ -295,13 +297,16 @@ static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16]
     if (pose[12] != 0 || pose[13] != 0 || pose[14] != 0 || pose[15] != 1)
         return fxs_view_list_fault(list, "the last row of its transform is not 0 0 0 1");
     p = p ? p : &none;
+    const double *t = p->translation;
+    const int moved = fmax(fabs(t[0]), fmax(fabs(t[1]), fabs(t[2]))) > ON_EARTH;
+    list->moved |= moved;
     if (!(p->scale > 0))
         return fxs_view_list_fault(list, "the scale of its chunk or component is not above 0");
     for (int i = 0; i < 3; i++) {
         const double *r = p->rotation + 3 * i;
         for (int axis = 0; axis < 3; axis++)
             view->rotation[3 * axis + i] = r[0] * pose[axis] + r[1] * pose[4 + axis] + r[2] * pose[8 + axis];
-        view->position[i] = p->scale * (r[0] * pose[3] + r[1] * pose[7] + r[2] * pose[11]) + p->translation[i];
+        view->position[i] = p->scale * (r[0] * pose[3] + r[1] * pose[7] + r[2] * pose[11]) + (moved ? 0 : t[i]);
     }
     return 0;
 }

@@ -142,7 +142,7 @@ static void find_of_transforms(fxs_photo_list *list, const char *folder)
         *list->test = 0;
 }
 
-static void find_others(fxs_photo_list *list)
+static int find_others(fxs_photo_list *list, fxs_message *message)
 {
     char folder[FXS_PHOTO_PATH];
     parent_of(folder, list->cameras);
@@ -152,6 +152,9 @@ static void find_others(fxs_photo_list *list)
         find_beside(list, folder, list->fit.format == FXS_CAMERAS_OF_INRIA ? "input.ply" : "points.ply");
     if (list->fit.format == FXS_CAMERAS_OF_BUNDLER)
         strcpy(list->points, list->cameras);
+    return !list->fit.moved || !*list->points ? 0 :
+           fxs_fail(message, "%s: the cameras of %s are at a place on the Earth, which is left out, and these points "
+                    "are not: export both in a local coordinate system", list->points, base_of(list->cameras));
 }
 
 /* ---- Which photographs ------------------------------------------------------------------------------------------- */
@@ -246,7 +249,7 @@ static int find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message 
         FXS_TRY(find_colmap(list, message));
     FXS_TRY(read_views(&list->fit, list->cameras, message));
     if (!is_colmap)
-        find_others(list);
+        FXS_TRY(find_others(list, message));
     find_masks(list);
     if (!*list->test)
         return hold_out(list, n, message);
@@ -286,13 +289,17 @@ int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view
     static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
     if (!join(path, list->images, view->image) || strlen(path) > FXS_PHOTO_PATH - 8)
         return fxs_fail(message, "%s: view %s: name too long", list->cameras, view->view.name);
-    char *end = path + strlen(path);
-    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
-        strcpy(end, endings[i]);
-        if (exists(path))
-            return 0;
+    for (int beside = 0; beside <= (*view->image == '/'); beside++) {
+        if (beside && (!join(path, list->images, base_of(view->image)) || strlen(path) > FXS_PHOTO_PATH - 8))
+            break;
+        char *end = path + strlen(path);
+        for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+            strcpy(end, endings[i]);
+            if (exists(path))
+                return 0;
+        }
     }
-    *end = 0;   /* opening this path fails with a message */
+    join(path, list->images, view->image);   /* opening this path fails with a message */
     return 0;
 }
 

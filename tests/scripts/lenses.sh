@@ -45,6 +45,20 @@ for options in "--depth d.png" "--ids i.png" "--pick 1,1" "--stats" "--scissor 0
         render knot.ply --cameras barrel --lens $options -o a%d.png
 done
 
+# ---- There and back: what --lens draws is undone by a fit ------------------------------------------------------------
+
+. "$root/tests/scripts/lib/photos.sh"
+make_photographs 9
+for camera in "SIMPLE_RADIAL 320 240 300 160 120 -0.2" "OPENCV 320 240 300 300 160 120 .1 -.02 .003 .004" \
+    "OPENCV_FISHEYE 320 240 160 160 160 120 .02 0 0 0" "FISHEYE 320 240 75 75 160 120" \
+    "EUCM 320 240 200 200 160 120 .6 1"; do
+    echo "1 $camera" >set/sparse/0/cameras.txt
+    "$fixsplat" render knot.ply --cameras set/sparse/0 --view all --lens -o set/images/%02d.png
+    "$fixsplat" fit set --measure knot.ply --json >logs/out 2>logs/err
+    check "the scene itself fits photographs of ${camera%% *}: 40 dB" \
+        at_least "$(sed -n 's/.*"psnr": \([0-9.]*\).*/\1/p' logs/out | sort -n | head -n 1)" 40
+done
+
 # ---- Other programs --------------------------------------------------------------------------------------------------
 
 # The camera 0 of `barrel`: looking along z with y down, which is a pitch of 180 degrees from looking down with y north.
