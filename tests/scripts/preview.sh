@@ -67,6 +67,8 @@ until get -o fit.json "$at/fit.json" && [ "$(number version fit.json)" -gt "$bef
 done
 get -o next.fxs "$at/scene.fxs"
 check "another version: another scene" [ "$(number version fit.json)" -gt "$before" -a "$(cmp -s now.fxs next.fxs; echo $?)" = 1 ]
+check "at most a scene in three seconds, after the first" [ "$(($(number version fit.json) - 1))" -le \
+    "$(($(number seconds fit.json | cut -d . -f 1) / 3 + 1))" ]
 check "/: leads to the page" equal "$(code -w '%{http_code} %{redirect_url}' "$at/")" "302 $at/viewer/fit.html"
 check "/viewer/fit.html" equal "$(code "$at/viewer/fit.html")" 200
 check "nothing else" equal "$(code "$at/long.fxs.fit") $(code "$at/set/images/00.png")" "404 404"
