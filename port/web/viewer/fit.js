@@ -1,4 +1,4 @@
-// The page of `fixsplat fit --preview`: it asks for /fit.json again and again, draws what that says, and puts each newer
+// The page of `fixsplat fit --preview`: asks for /fit.json again and again, draws what that says, and puts each newer
 // scene in the place of the one on show.
 import './viewer.js'
 
@@ -125,7 +125,8 @@ function drawCurve({ points, ...facts }) {
   const run = stepOf(steps)
   for (let step = 0; step <= steps; step += run)
     parts.push(draw('text', { x: x(step), y: height - 4, 'text-anchor': 'middle' }, short(step)))
-  parts.push(draw('polyline', { class: 'curve', points: there.map(([step, psnr]) => `${x(step)},${y(psnr)}`).join(' ') }))
+  const line = there.map(([step, psnr]) => `${x(step)},${y(psnr)}`).join(' ')
+  parts.push(draw('polyline', { class: 'curve', points: line }))
   there.forEach(([step, psnr, ssim], i) => {
     const circle = draw('circle', { cx: x(step), cy: y(psnr), r: i === there.length - 1 ? 4.5 : 3 })
     circle.append(draw('title', {}, `Step ${many(step)}: ${wordsOf(psnr, ssim)}`))

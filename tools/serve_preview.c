@@ -179,7 +179,7 @@ static void tell_views(struct preview *p)
 
 /* ---- The scene --------------------------------------------------------------------------------------------------- */
 
-/* That of the first photograph that is held out, or else of the first. Where no start view can have it, there is none. */
+/* That of the first photograph that is held out, or else of the first; none, where that is no start view. */
 static void set_start(fxs_packed_scene *packed, const fxs_photos *photos)
 {
     fxs_message message;
