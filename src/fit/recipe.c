@@ -82,8 +82,8 @@ static int is_reset(const fxs_fit_options *options, uint32_t step, uint32_t end)
 }
 
 /* Of exposures 0.05 * 10^-(step / steps), and of poses 0.1 * 100^-(step / steps) over the steps from 501 on. The 500
-   steps after the beginning and after each reset take a growing part of them: pictures are not of the scene yet. A block
-   has those of its coarse fit. */
+   steps after the beginning and after each reset take a growing part of them: pictures are not of the scene yet. A
+   block has those of its coarse fit. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, uint32_t end,
                                  fxs_fit_plan *plan)
 {

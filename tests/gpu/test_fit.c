@@ -16,7 +16,7 @@ typedef struct what {
     size_t count;
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
-    uint32_t gains, poses;         /* photographs with an exposure, with a pose; 0: none. Where there are both, as many */
+    uint32_t gains, poses;         /* photographs with an exposure, with a pose; 0: none. If both, as many */
 } what;
 
 enum { MOST_STEPS = 3, MOST_BATCH = 3, MOST_GAINS = 200 };
