@@ -601,7 +601,8 @@ static void faulty_poses_are_refused(void)
         uint32_t beyond, most;     /* refused, and taken */
     } numbers[] = {{0, 0xbf000001, 0xbf000000}, {2, 0x3f000001, 0x3f000000}, {3, 0x5368d4a6, 0x5368d4a5},
                    {5, 0xd368d4a6, 0xd368d4a5}, {12, 0x80000001, 0x7f7fffff}, {13, 0x80000001, 0x7f7fffff},
-                   {14, 0x3f800001, 0x3f800000}, {15, 0xbf800000, 0}, {16, 0xbf800000, 0}, {16, 0x5368d4a6, 0x5368d4a5}};
+                   {14, 0x3f800001, 0x3f800000}, {15, 0xbf800000, 0}, {16, 0xbf800000, 0},
+                   {16, 0x5368d4a6, 0x5368d4a5}};
     fxs_fit *fit;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         change("half-poses", AT + numbers[i].word, numbers[i].beyond);

@@ -6,7 +6,8 @@
 #include "fit_scene.h"
 
 enum { WIDTH = 37, HEIGHT = 27, PIXELS = WIDTH * HEIGHT, MOST = 64 };
-enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2, DEPTH = 3 };    /* of a Gaussian: the parameters, and its 2D centre */
+enum { CENTRE = FXS_FIT_PARAMETERS, VARIABLES = CENTRE + 2 };    /* of a Gaussian: the parameters, and its 2D centre */
+enum { DEPTH = 3 };                /* of what the camera shows: its rate of shifts */
 
 /* ---- The reference ----------------------------------------------------------------------------------------------- */
 

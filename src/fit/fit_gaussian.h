@@ -261,8 +261,8 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
                          camera->rotation[6 + k] * by_camera[2];
 }
 
-/* All gradients but those of SH, which follow from l->basis and `g`. by_centre: dL/dcentre, in pixels. by_position: that
-   of the position where the colour stays the same. */
+/* All gradients but those of SH, which follow from l->basis and `g`. by_centre: dL/dcentre, in pixels. by_position:
+   dL/dposition where the colour stays the same. */
 static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                         const real sums[FXS_FIT_SUMS], look *l, real g[3],
                                         real gradient[FXS_FIT_SH], real by_centre[2], real by_position[3])

@@ -45,12 +45,13 @@ static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose
     }
 }
 
-/* A step of Adam. `sums`: over the number of pixels and channels. The rate, in radians, is that of turns; of shifts it is
-   times the depth, which moves the picture about as far. The second moment is of the squared length of each three, so
-   that a direction in which the picture hardly changes is hardly taken; all are corrected by those of a gradient of 1, as
-   each photograph has steps of its own. A gradient that is not finite, or beyond FXS_FIT_FARTHEST_GRADIENT, changes
-   nothing. */
-static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE], float rate)
+/* A step of Adam. `sums`: over the number of pixels and channels. The rate, in radians, is that of turns; of shifts it
+   is times the depth, which moves the picture about as far. The second moment is of the squared length of each three,
+   so that a direction in which the picture hardly changes is hardly taken; all are corrected by those of a gradient of
+   1, as each photograph has steps of its own. A gradient that is not finite, or beyond FXS_FIT_FARTHEST_GRADIENT,
+   changes nothing. */
+static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE],
+                             float rate)
 {
     const float rates[2] = {rate, rate * pose->depth}, most_of[2] = {FXS_FIT_TURN_MOST, FXS_FIT_FARTHEST_PLACE};
     float gradient[FXS_FIT_POSE];

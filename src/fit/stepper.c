@@ -570,7 +570,8 @@ static float *by_pose_of(const fxs_fit_stepper *s, uint32_t view, int k)
     return (float *)s->by_pose.memory + (view * FXS_FIT_POSE + (size_t)k) * part_count(s);
 }
 
-static void pass_to_poses(const fxs_fit_stepper *s, size_t first, size_t count, float (*sums)[FXS_FIT_SUMS][FXS_FIT_PART])
+static void pass_to_poses(const fxs_fit_stepper *s, size_t first, size_t count,
+                          float (*sums)[FXS_FIT_SUMS][FXS_FIT_PART])
 {
     float out[FXS_FIT_POSE];
     for (uint32_t v = 0; v < s->batch; v++) {

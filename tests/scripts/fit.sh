@@ -317,7 +317,7 @@ cp posed.ply.fit posed.fit
 "$fixsplat" fit set --steps 540 -o again.ply --resume posed.fit --threads 2 --cpu c >logs/out
 check "--refine-poses, resumed, 2 threads, plain C: the same file" cmp posed.ply again.ply
 # places FILE: of the cameras in it, by name.
-places() { tr -d '\n' <"$1" | sed 's/}, *{/}\n{/g' | sed 's/.*"img_name": "\([^"]*\)".*"position": \(\[[^]]*\]\).*/\1 \2/' | sort; }
+places() { sed 's/.*"img_name": "\([^"]*\)".*"position": \(\[[^]]*\]\).*/\1 \2/' "$1" | sort; }
 "$fixsplat" fit set --steps 540 -o again.ply --exposure gain --refine-poses --write-cameras posed.json >logs/out
 check "--write-cameras: the same file" cmp posed.ply again.ply
 "$fixsplat" fit set --steps 20 -o few.fxs --write-cameras plain.json >logs/out

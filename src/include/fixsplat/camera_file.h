@@ -43,9 +43,9 @@ typedef struct fxs_file_view {
    without cJSON and for .xml without expat; FXS_ERR_MEMORY. Several threads may read files at the same time. */
 FXS_API long fxs_camera_file_read(const char *path, fxs_file_view **views, fxs_message *message);
 
-/* Writes these views as a cameras.json, with cx, cy and "orthographic", which Inria's code does not know; with `count` 0
-   an empty array, which is not read. The file is written as output.h says. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY
-   and a message. */
+/* Writes these views as a cameras.json, with cx, cy and "orthographic", which Inria's code does not know, as output.h
+   says; with `count` 0 an empty array, which is not read. Returns 0, or FXS_ERR_FILE or FXS_ERR_MEMORY and a message.
+   */
 FXS_API int fxs_camera_file_write(const char *path, const fxs_file_view *views, size_t count, fxs_message *message);
 
 #ifdef __cplusplus

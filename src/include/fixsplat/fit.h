@@ -96,8 +96,8 @@ typedef struct fxs_fit_options {
     int devices[8];                /* numbers of these GPUs */
     uint64_t max_memory;           /* the most bytes to use on each device; 0: no limit */
     enum fxs_fit_exposure exposure;    /* of a whole fit; a block has that of its coarse fit */
-    int refine_poses;              /* 1: the poses of the photographs' cameras are refined beside the scene, from step 501
-                                      on; of a whole fit, as above. fxs_fit_pose_photos gives them */
+    int refine_poses;              /* 1: the poses of the photographs' cameras are refined beside the scene, from step
+                                      501 on; of a whole fit, as above. fxs_fit_pose_photos gives them */
 } fxs_fit_options;
 
 /* Sets the initial values that the comments above name, and 0 for the others: recipe reference, one thread. */
