@@ -839,8 +839,8 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Cameras around something, rolled to either side, as hands hold them, one of them more level than the others; what is up
-   there is no axis. */
+/* Cameras around something, rolled to either side, as hands hold them, one of them more level than the others; what is
+   up there is no axis. */
 static void start_view_is_upright(void)
 {
     enum { COUNT = 12, LEVEL = 7 };

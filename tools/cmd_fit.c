@@ -71,7 +71,8 @@ static const option_row own_rows[] = {
      ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
     {"quality", "NAME", CHOICE(quality, qualities), .help =
      "draft (small photographs, few steps: to see whether all is well), good (of 1200x900 in 11 s on an H200, 28.0 dB) "
-     "or best (100 s, 28.9 dB): a recipe with its steps and resolution, where --steps and --resolution do not say others"},
+     "or best (100 s, 28.9 dB): a recipe with its steps and resolution, where --steps and --resolution do not say "
+     "others"},
     {"recipe", "NAME", CHOICE(options.recipe, recipes), .help =
      "how Gaussians are added and taken away, by itself: reference (default; 50 s, 28.1 dB), mcmc (that of best) or "
      "fast (that of draft and good)"},
@@ -102,7 +103,8 @@ static const option_row own_rows[] = {
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
      "how the scene is packed, and what the last tenth of the steps fits: default, compact or small"},
     {"crop-to-subject", 0, FLAG(crops), .help =
-     "at the end, leave out what lies around the one thing that the cameras look at; measured is the scene before that"},
+     "at the end, leave out what lies around the one thing that the cameras look at; measured is the scene before "
+     "that"},
     {"hold-out", "N", UINT32(reading.hold_out, 0, UINT32_MAX), .help =
      "keep every N-th photograph by name, from the first on, for measuring (default 8; 0: none, and those that were "
      "fitted are measured)"},

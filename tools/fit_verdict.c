@@ -33,7 +33,8 @@ void verdict_print(const quality *measured, double fitted)
         printf("%s (%.4s dB; %.4s where it was fitted).\n", words_for(measured->psnr), psnr,
                fxs_metrics_psnr(other, fitted, "any"));
     else
-        printf("Nothing was held out, so how it looks from new places is not known (%.4s dB where it was fitted).\n", psnr);
+        printf("Nothing was held out, so how it looks from new places is not known (%.4s dB where it was fitted).\n",
+               psnr);
     if (measured->affine_psnr - measured->psnr > EXPOSED)
         puts("The photographs differ in exposure or white balance: --exposure gain may help.");
     else if (measured->psnr < verdicts[0].least && fitted - measured->psnr > OVERFITTED)

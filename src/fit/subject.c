@@ -45,8 +45,8 @@ static int find_middle(const fxs_fit *f, double middle[3])
     return determinant > LEAST_SPREAD && isfinite(middle[0] + middle[1] + middle[2]);
 }
 
-/* How far a camera sees to the nearer edge of its picture at the depth of a place; 0 where the place is not in the middle
-   half of its width and height, which are negative behind it. */
+/* How far a camera sees to the nearer edge of its picture at the depth of a place; 0 where the place is not in the
+   middle half of its width and height, which are negative behind it. */
 static double reach_at(const fxs_fit_camera *c, const double place[3])
 {
     double at[3] = {0, 0, 0};
@@ -74,8 +74,8 @@ static int find_subject(const fxs_fit *f, fxs_fit_subject *subject, fxs_message 
     }
     free(reaches);
     return 4 * count >= 3 * f->count && count
-               ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "the cameras do not look at one thing: %zu of %zu photographs "
-                                 "have the point that is nearest to all in their middle", count, f->count);
+               ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "the cameras do not look at one thing: %zu of %zu "
+                                 "photographs have the point that is nearest to all in their middle", count, f->count);
 }
 
 static int is_inside(const fxs_fit_model *m, size_t i, const fxs_fit_subject *subject)
