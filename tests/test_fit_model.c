@@ -627,6 +627,8 @@ static void reference_recipe(void)
 {
     fxs_fit_options o;
     fxs_fit_options_init(&o);
+    o.recipe = FXS_FIT_REFERENCE;
+    o.steps = 30000;
     size_t wrong = 0;
     for (int white = 0; white < 2; white++) {
         memset(o.background, white ? 255 : 7, 3);
@@ -951,6 +953,8 @@ static void set_scene(void)
             points[i].colour[k] = (uint8_t)(40 * k + i);
         }
     fxs_fit_options_init(&options);
+    options.recipe = FXS_FIT_REFERENCE;
+    options.max_gaussians = fxs_fit_recipe_gaussians(options.recipe);
 }
 
 /* Returns how many Gaussians there are after `steps`; all is finite, and the fit's own to the byte when done again. */

@@ -28,7 +28,7 @@ Options:
   --submit-only       slurm: do not wait; the same command without it waits, and says what is missing
   --dry-run           write the jobs, run nothing
   -h, --help          this text
-  -- FIT_OPTION...    for all fits, as --recipe mcmc --threads 16 --profile small; the coarse fit takes them too
+  -- FIT_OPTION...    for all fits, as --sh-degree 1 --threads 16 --profile small; the coarse fit takes them too
 
 FIXSPLAT names the command (default: fixsplat beside this script's build folder, else that of PATH).
 
@@ -114,6 +114,11 @@ words() {
 }
 case $FIXSPLAT in */*) FIXSPLAT=$(whole "$FIXSPLAT") ;; esac
 work=$(cd "$work" && pwd) || exit 1
+# A fit that goes on from another one needs a recipe whose course does not adapt to the number of steps.
+case " $* " in
+    *" --recipe"* | *" --quality"*) ;;
+    *) set -- --recipe reference "$@" ;;
+esac
 fit=$(words "$FIXSPLAT" fit "$(whole "$photos")" "$@")
 parts=$(seq 0 "$blocks" | sed "s/.*/part-&.ply/" | tr '\n' ' ')
 

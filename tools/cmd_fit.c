@@ -70,12 +70,11 @@ static const option_row own_rows[] = {
     {"output", "OUT", OUTPUT(out), .letter = 'o', .help =
      ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
     {"quality", "NAME", CHOICE(quality, qualities), .help =
-     "draft (small photographs, few steps: to see whether all is well), good (of 1200x900 in 11 s on an H200, 28.0 dB) "
-     "or best (100 s, 28.9 dB): a recipe with its steps and resolution, where --steps and --resolution do not say "
-     "others"},
+     "draft (small photographs, few steps: to see whether all is well), good (default: of 1200x900 in 12 s on an H200, 28.9 dB) or best (90 s, 29.0 dB): a "
+     "recipe with its steps and resolution, where --steps and --resolution do not say others"},
     {"recipe", "NAME", CHOICE(options.recipe, recipes), .help =
-     "how Gaussians are added and taken away, by itself: reference (default; 50 s, 28.1 dB), mcmc (that of best) or "
-     "fast (that of draft and good)"},
+     "how Gaussians are added and taken away, by itself: fast (that of draft and good), mcmc (that of best) or reference "
+     "(50 s, 28.1 dB; the published one, to compare with)"},
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
      "none (default), or gain: photographs differ in exposure and white balance, and three numbers of each are fitted "
      "beside the scene; of --block those of --coarse"},

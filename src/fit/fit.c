@@ -16,9 +16,10 @@
 void fxs_fit_options_init(fxs_fit_options *options)
 {
     memset(options, 0, sizeof *options);
-    options->steps = 30000;
+    options->recipe = FXS_FIT_FAST;
+    options->steps = fxs_fit_recipe_steps(options->recipe);
     options->sh_degree = 3;
-    options->max_gaussians = 1u << 22;
+    options->max_gaussians = fxs_fit_recipe_gaussians(options->recipe);
     options->cpu = ~0u;
 }
 

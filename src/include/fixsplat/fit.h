@@ -54,9 +54,11 @@ typedef struct fxs_fit_point {
 } fxs_fit_point;
 
 enum fxs_fit_recipe {
-    FXS_FIT_REFERENCE = 0,         /* Kerbl et al. 2023, and its reference code of 2025 */
-    FXS_FIT_MCMC = 1,              /* Kheradmand et al. 2024: relocation, growing to max_gaussians */
-    FXS_FIT_FAST = 2               /* a shorter reference recipe, from small photographs to large ones */
+    FXS_FIT_REFERENCE = 0,         /* Kerbl et al. 2023, and its reference code of 2025, with splits along the longest
+                                      axis */
+    FXS_FIT_MCMC = 1,              /* Kheradmand et al. 2024: relocation, growing to max_gaussians; from small
+                                      photographs to large ones */
+    FXS_FIT_FAST = 2               /* the same with fewer steps and Gaussians, and less noise */
 };
 
 /* What a fit knows of the exposure of its photographs. */
@@ -70,11 +72,12 @@ enum fxs_fit_exposure {
 };
 
 typedef struct fxs_fit_options {
-    enum fxs_fit_recipe recipe;
-    uint32_t steps;                /* 1 or more; initially 30,000. In reference and mcmc, fewer steps are the beginning
-                                      of 30,000; fast adapts its schedule to their number */
+    enum fxs_fit_recipe recipe;    /* initially fast */
+    uint32_t steps;                /* 1 or more; initially 8,000. mcmc and fast adapt their schedule to their number; in
+                                      reference, fewer steps than 30,000 are the beginning of 30,000 */
     int sh_degree;                 /* 0 to 3; initially 3 */
-    size_t max_gaussians;          /* initially 2^22; near the limit, densification takes the largest gradients first */
+    size_t max_gaussians;          /* initially 250,000; near the limit, the densification of reference takes the largest
+                                      gradients first */
     uint64_t seed;
     uint32_t batch;                /* photographs of a step, whose gradients are added up: 1 to 8; 0: one for each
                                       device, or one in all */
@@ -100,7 +103,7 @@ typedef struct fxs_fit_options {
                                       501 on; of a whole fit, as above. fxs_fit_pose_photos gives them */
 } fxs_fit_options;
 
-/* Sets the initial values that the comments above name, and 0 for the others: recipe reference, one thread. */
+/* Sets the initial values that the comments above name, and 0 for the others, which is one thread. */
 FXS_API void fxs_fit_options_init(fxs_fit_options *options);
 
 /* The number of steps that a recipe is made for (30,000; fast 8,000), and its max_gaussians (2^22; mcmc 1,000,000; fast
