@@ -118,7 +118,7 @@ static uint32_t from_1_to(uint32_t most, uint32_t x)
     return x < 1 ? 1 : x < most ? x : most;
 }
 
-/* The course adapts to the number of steps. */
+/* The course adapts to the number of steps; that of fast has fewer. */
 static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t step, int least_side, fxs_fit_plan *plan)
 {
     const uint32_t steps = options->steps, interval = from_1_to(100, steps / 80);
@@ -128,7 +128,7 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     while (plan->divisor > 1 && least_side / plan->divisor < 50)
         plan->divisor /= 2;
     plan->by_opacity = plan->by_scale = 0.01f;
-    plan->noise = (options->recipe == FXS_FIT_MCMC ? 2e6f : 5e5f) * plan->rate[FXS_FIT_POSITION];
+    plan->noise = 5e5f * plan->rate[FXS_FIT_POSITION];
     plan->relocate = is_every(step, interval, 3 * interval, steps / 5 * 4);
     set_photograph_rates(options, step, steps, plan);
     plan->order = plan->relocate && step % (5 * interval) == 0;

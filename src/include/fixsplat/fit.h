@@ -58,7 +58,7 @@ enum fxs_fit_recipe {
                                       axis */
     FXS_FIT_MCMC = 1,              /* Kheradmand et al. 2024: relocation, growing to max_gaussians; from small
                                       photographs to large ones */
-    FXS_FIT_FAST = 2               /* the same with fewer steps and Gaussians, and less noise */
+    FXS_FIT_FAST = 2               /* the same with fewer steps and Gaussians */
 };
 
 /* What a fit knows of the exposure of its photographs. */
