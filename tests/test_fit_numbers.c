@@ -264,7 +264,7 @@ static void test_means_stay_0(void)
         for (int k = 0; k < 3 * WIDTH * HEIGHT; k++)
             pixels[i][k] = (uint8_t)fit_uniform(0, k % 3 ? 256 : 100 + 50 * i);
         photographs[i] = (fxs_fit_photograph){pixels[i], WIDTH, HEIGHT, 1, fit_camera(WIDTH, HEIGHT, 25),
-                                              i ? GAINS - (uint32_t)i : 0};
+                                              i ? GAINS - (uint32_t)i : 0, NULL};
     }
     make_model(&m, &photographs[0].camera);
     m.gains = &gains;
