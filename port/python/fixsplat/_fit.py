@@ -16,6 +16,7 @@ from ._library import (CUTOFFS, NULL, PROFILES, Calls, PathLike, Struct, call, c
                        pool, whole)
 from ._scene import Memory, Scene
 
+EXPOSURES = {"none": lib.FXS_FIT_EXPOSURE_NONE, "gain": lib.FXS_FIT_EXPOSURE_GAIN}
 RECIPES = {"reference": lib.FXS_FIT_REFERENCE, "mcmc": lib.FXS_FIT_MCMC, "fast": lib.FXS_FIT_FAST}
 
 
@@ -34,10 +35,11 @@ class FitProgress:
 
 
 def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera: Any = None, *, points: Any = None,
-        colours: Any = None, recipe: str = "reference", steps: Optional[int] = None, resolution: Optional[int] = None,
+        colours: Any = None, recipe: str = "fast", steps: Optional[int] = None, resolution: Optional[int] = None,
         sh_degree: int = 3, max_gaussians: Optional[int] = None, seed: int = 0, batch: int = 0,
         background: "Sequence[int]" = (0, 0, 0), cutoff: str = "mahalanobis", profile: str = "default",
-        hold_out: Optional[int] = None, skip_bad: bool = False, backend: str = "cpu", devices: "Sequence[int]" = (0,),
+        exposure: str = "none", refine_poses: bool = False, hold_out: Optional[int] = None, skip_bad: bool = False,
+        backend: str = "cpu", devices: "Sequence[int]" = (0,),
         max_memory: int = 0, threads: int = 0,
         progress: "Optional[Callable[[FitProgress], object]]" = None) -> Scene:
     """Fits a scene to photographs and returns it. The scene has the same bytes as the file that `fixsplat fit` writes.
@@ -62,7 +64,7 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
     skip_bad: True leaves out photographs that cannot be read, with a warning for each.
 
     These are for both:
-    recipe: "reference", "mcmc" or "fast".
+    recipe: "fast", "mcmc" or "reference".
     steps: the number of steps. None stands for the number of the recipe: 8,000 for "fast", 30,000 for the others.
     sh_degree: the degree of SH of the scene, 0 to 3.
     max_gaussians: the largest number of Gaussians. None stands for the number of the recipe: 2^22 for "reference",
@@ -71,6 +73,8 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
     batch: the number of photographs in a step, 1 to 8. 0 stands for one, or for one on each device.
     background: the colour behind the scene as red, green, blue, 0 to 255 each.
     cutoff: as for `render`. profile: as for `load`.
+    exposure: "none", or "gain": each photograph has a gain and a colour balance of its own.
+    refine_poses: True finds the poses of the photographs beside the scene.
     backend: the engine that makes the steps, "cpu" or "cuda".
     devices: the numbers of the GPUs for "cuda", 1 to 8 of them.
     max_memory: the largest number of bytes of memory on each device. 0 stands for no limit.
@@ -94,6 +98,8 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
     options.background = reading.background = colour("background", background)
     options.cutoff = choose("cutoff", cutoff, CUTOFFS)
     options.profile = choose("profile", profile, PROFILES)
+    options.exposure = choose("exposure", exposure, EXPOSURES)
+    options.refine_poses = bool(refine_poses)
     options.max_memory = whole("max_memory", max_memory, 0, 2**64 - 1)
     if choose("backend", backend, {"cpu": 0, "cuda": 1}):
         _choose_devices(options, devices)
@@ -222,6 +228,7 @@ def _fit(name: str, photos: Struct, options: Struct, progress: "Optional[Callabl
     try:
         _make_steps(handle[0], options, progress)
         call("fxs_fit_pack", handle[0], packed, report)
+        call("fxs_fit_start_view", photos.fit, photos.fit_count, packed.data)
         return Scene(Memory.packed(packed, name), report.read - report.packed, report.brought_in)
     finally:
         lib.fxs_fit_free(handle[0])
