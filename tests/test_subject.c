@@ -56,6 +56,7 @@ static fxs_fit *make_fit(uint32_t steps)
     fxs_fit *fit;
     fxs_fit_options_init(&options);
     options.steps = steps;
+    options.max_gaussians = POINTS;
     if (!CHECK(!fxs_fit_create(&fit, photos, PHOTOS, points, POINTS, &options, &message)))
         exit(1);
     for (uint32_t i = 0; i < steps && steps > 1; i++)

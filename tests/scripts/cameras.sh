@@ -197,11 +197,11 @@ cp -r plain bad && head -c 100 plain/05.png >bad/05.png
 fails "a damaged photograph" 1 "05.png: .*--skip-bad leaves such photographs out" fit bad -o g.fxs --quiet
 "$fixsplat" fit bad $steps -o h.fxs --skip-bad --cameras-only 2>logs/err
 check "--skip-bad" equal "$(grep -c 'left out: .*05.png' logs/err) $(grep -c 05.png h.fxs.cameras/photographs.txt)" "1 0"
-cp -r plain sizes && mkdir sizes/masks && cp ffffff.png sizes/masks/02.png
-"$fixsplat" render knot.ply --size 9x9 -o sizes/masks/05.png
-fails "a mask of another size" 1 "^fixsplat: sizes/masks/05.png: 9 x 9 pixels, its photograph .*/05.png has 64 x 48 .--skip" \
-    fit sizes $steps -o sizes.fxs --quiet
-fails "no such folder of masks" 1 "^fixsplat: nowhere: no such folder of masks$" fit plain -o sizes.fxs --masks nowhere
+cp -r plain unlike && mkdir unlike/masks && cp ffffff.png unlike/masks/02.png
+"$fixsplat" render knot.ply --size 9x9 -o unlike/masks/05.png
+fails "a mask of another size" 1 "^fixsplat: unlike/masks/05.png: 9 x 9 pixels, its photograph .*/05.png has 64 x 48 .--skip" \
+    fit unlike $steps -o unlike.fxs --quiet
+fails "no such folder of masks" 1 "^fixsplat: nowhere: no such folder of masks$" fit plain -o unlike.fxs --masks nowhere
 fails "--frames without a film" 2 "^fixsplat: --frames: set is not a film" fit set -o i.fxs --frames 10
 fails "--cameras-only with cameras" 2 "^fixsplat: --cameras-only: set has cameras" fit set -o i.fxs --cameras-only
 mkdir empty
