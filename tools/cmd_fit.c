@@ -1,41 +1,17 @@
-/* fixsplat fit: fits a scene to photographs. */
-#include <inttypes.h>
-#include <signal.h>
+/* fixsplat fit: its options. fit_photos.c reads the photographs and opens the fit, fit_steps.c makes the steps, and
+   fit_end.c writes, measures and prints the result. */
+#include "cmd_fit.h"
+
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/clock.h>
 #include "beside.h"
 #include "file_guard.h"
-#include "film_frames.h"
-#include "fit_log.h"
 #include "fit_result.h"
-#include "fit_verdict.h"
-#include "fit_watcher.h"
-#include "reconstruct.h"
+#include "task.h"
 
-typedef struct fit_command {
-    frame_options frame;            /* background, cut-off, SH degree, profile, threads, instruction sets */
-    fxs_photos_options reading;
-    fxs_fit_options options;
-    const char *in, *out, *resume, *coarse, *measure, *compare, *cameras, *log_name;
-    fit_log *log;
-    char *found;                    /* OUT.cameras, where they were found */
-    uint32_t frames;
-    int quality;                    /* in by_quality, where it is given */
-    int cameras_only, crops;
-    char *saved;                    /* OUT.fit */
-    int saves_itself;               /* it is the file of --resume */
-    uint32_t block, blocks;         /* blocks 0: all */
-    uint64_t save_every, metrics_every;   /* 0: never */
-    int preview;
-    uint64_t port;                  /* of the preview */
-    const fit_watcher *watcher;     /* of it; or null */
-    int json;
-} fit_command;
-
-static const char *const recipes[] = {"reference", "mcmc", "fast", 0};   /* of enum fxs_fit_recipe */
+const char *const fit_recipes[] = {"reference", "mcmc", "fast", 0};
 static const char *const qualities[] = {"draft", "good", "best", 0};
 static const struct {
     enum fxs_fit_recipe recipe;
@@ -70,11 +46,12 @@ static const option_row own_rows[] = {
     {"output", "OUT", OUTPUT(out), .letter = 'o', .help =
      ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
     {"quality", "NAME", CHOICE(quality, qualities), .help =
-     "draft (small photographs, few steps: to see whether all is well), good (default: of 1200x900 in 12 s on an H200, 28.9 dB) or best (90 s, 29.0 dB): a "
-     "recipe with its steps and resolution, where --steps and --resolution do not say others"},
-    {"recipe", "NAME", CHOICE(options.recipe, recipes), .help =
-     "how Gaussians are added and taken away, by itself: fast (that of draft and good), mcmc (that of best) or reference "
-     "(50 s, 28.1 dB; the published one, to compare with)"},
+     "draft (small photographs, few steps: to see whether all is well), good (default: of 1200x900 in 12 s on an H200, "
+     "28.9 dB) or best (90 s, 29.0 dB): a recipe with its steps and resolution, where --steps and --resolution do not "
+     "say others"},
+    {"recipe", "NAME", CHOICE(options.recipe, fit_recipes), .help =
+     "how Gaussians are added and taken away, by itself: fast (that of draft and good), mcmc (that of best) or "
+     "reference (50 s, 28.1 dB; the published one, to compare with)"},
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
      "none (default), or gain: photographs differ in exposure and white balance, and three numbers of each are fitted "
      "beside the scene; of --block those of --coarse"},
@@ -206,17 +183,9 @@ static int finish_options(fit_command *c)
     return status;
 }
 
-static int read_options(fit_command *c, int argc, char **argv)
+/* Of options that do not go with each other. */
+static int check_options(const fit_command *c)
 {
-    memset(c, 0, sizeof *c);
-    frame_options_default(&c->frame);
-    fxs_fit_options_init(&c->options);
-    c->reading.hold_out = 8;
-    c->port = 8080;
-    if (take_options(&command_fit, c, argc, argv))
-        return EXIT_USAGE;
-    if (optind != argc - 1)
-        return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
     if (!c->out && !c->measure)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
     if (is_given("quality") && is_given("recipe"))
@@ -241,8 +210,24 @@ static int read_options(fit_command *c, int argc, char **argv)
         return fail(EXIT_USAGE, "--port needs --preview");
     if (c->blocks && !ends_with(c->out, ".ply"))
         return fail(EXIT_USAGE, "--block: %s: expected a name ending in .ply, that convert merges", c->out);
+    return 0;
+}
+
+static int read_options(fit_command *c, int argc, char **argv)
+{
+    memset(c, 0, sizeof *c);
+    frame_options_default(&c->frame);
+    fxs_fit_options_init(&c->options);
+    c->reading.hold_out = 8;
+    c->port = 8080;
+    if (take_options(&command_fit, c, argc, argv))
+        return EXIT_USAGE;
+    if (optind != argc - 1)
+        return fail(EXIT_USAGE, "fit takes one folder or file of photographs; see: fixsplat fit --help");
+    c->argv = argv;
     c->in = argv[optind];
-    return finish_options(c);
+    const int status = check_options(c);
+    return status ? status : finish_options(c);
 }
 
 /* Before hours of work: where it is to go. */
@@ -276,680 +261,7 @@ static int check_outputs(fit_command *c)
     return status ? status : fit_log_open(c->log, c->log_name);
 }
 
-/* The options that were given are to be those of the file. */
-static int check_resumed(const fit_command *c, const fxs_fit *fit)
-{
-    const fxs_fit_options *given = &c->options, *is = fxs_fit_options_of(fit);
-    const struct {
-        const char *name;
-        int same;
-    } options[] = {
-        {"recipe", given->recipe == is->recipe}, {"quality", given->recipe == is->recipe},
-        {"seed", given->seed == is->seed},
-        {"batch", given->batch == is->batch}, {"sh-degree", given->sh_degree == is->sh_degree},
-        {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
-        {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
-        {"refine-poses", given->refine_poses == is->refine_poses},
-        {"background", !memcmp(given->background, is->background, sizeof is->background)}
-    };
-    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-        if (is_given(options[i].name) && !options[i].same)
-            return fail(EXIT_USAGE, "--%s: %s was begun with another", options[i].name, c->resume);
-    return 0;
-}
-
-/* ---- Signals ----------------------------------------------------------------------------------------------------- */
-
-/* The first one asks for an end after the step; the next one does what it would have done. */
-static const int signals[] = {SIGHUP, SIGINT, SIGTERM};
-enum { SIGNALS = sizeof signals / sizeof *signals };
-static struct sigaction before[SIGNALS];
-static volatile sig_atomic_t asked;
-
-static void restore_signals(void)
-{
-    for (int i = 0; i < SIGNALS; i++)
-        sigaction(signals[i], &before[i], 0);
-}
-
-static void ask_for_end(int number)
-{
-    asked = number;
-    restore_signals();
-}
-
-/* What is ignored stays so. */
-static void listen_to_signals(void)
-{
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = ask_for_end;
-    sigfillset(&action.sa_mask);
-    action.sa_flags = SA_RESTART;
-    for (int i = 0; i < SIGNALS; i++)
-        sigaction(signals[i], 0, &before[i]);
-    for (int i = 0; i < SIGNALS; i++)
-        if (before[i].sa_handler != SIG_IGN)
-            sigaction(signals[i], &action, 0);
-}
-
-/* ---- Progress ---------------------------------------------------------------------------------------------------- */
-
-enum { STAGES = 6 };
-
-typedef struct progress {
-    uint32_t first, steps;          /* of this run's, and of all */
-    uint32_t counted, reports;      /* the last step that was counted; how many have reported */
-    uint32_t saved;                 /* the step that OUT.fit is of; 0: not of this fit */
-    uint64_t start, last, shown;    /* nanoseconds: of the run, the last step, the last line */
-    size_t gaussians;               /* after the last step that was counted */
-    double pace, loss;              /* seconds a step and loss, means of some 50 steps */
-    uint64_t stages[STAGES];        /* nanoseconds of the steps that have reported */
-} progress;
-
-static void say_duration(char text[32], double seconds)
-{
-    const uint64_t s = (uint64_t)seconds;
-    if (s < 60)
-        snprintf(text, 32, "%d s", (int)s);
-    else if (s < 3600)
-        snprintf(text, 32, "%d min %02d s", (int)(s / 60), (int)(s % 60));
-    else
-        snprintf(text, 32, "%" PRIu64 " h %02d min", s / 3600, (int)(s / 60 % 60));
-}
-
-/* On a terminal a line that changes, of less than 80 columns; else a line after the first second, every ten seconds,
-   and for the last step. */
-static void show(progress *p, uint32_t step, size_t gaussians, uint64_t now)
-{
-    char text[160], left[32];
-    const int is_line = isatty(STDERR_FILENO), is_last = step == p->steps && !is_line;
-    const uint64_t pause = is_line ? 200000000u : p->shown == p->start ? 1000000000u : 10000000000u;
-    if (is_quiet() || (now - p->shown < pause && !is_last))
-        return;
-    say_duration(left, p->pace * (p->steps - step));
-    snprintf(text, sizeof text, "%" PRIu32 "/%" PRIu32 ", loss %.4f, %zu Gaussians, %.1f steps/s, %s left",
-             step, p->steps, p->loss, gaussians, p->pace > 0 ? 1 / p->pace : 0, left);
-    if (is_line)
-        progress_line(text);
-    else
-        fprintf(stderr, "%s\n", text);
-    p->shown = now;
-}
-
-static void count_step(progress *p, uint32_t step, const fxs_fit_report *report)
-{
-    const uint64_t now = fxs_clock(0);
-    const double done = step - p->first, more = step - p->counted, all = done < 50 ? done : 50;
-    const double share = more < all ? more / all : 1;
-    p->pace += share * ((double)(now - p->last) * 1e-9 / more - p->pace);
-    p->loss += share * (0.8 * report->absolute + 0.2 * report->dissimilar - p->loss);
-    p->last = now;
-    p->counted = step;
-    p->gaussians = report->gaussians;
-    p->reports++;
-    for (int i = 0; i < STAGES; i++)
-        p->stages[i] += report->nanoseconds[i];
-    show(p, step, report->gaussians, now);
-}
-
-static fit_now now_of(const progress *p, uint32_t step, size_t gaussians)
-{
-    return (fit_now){step, p->steps, gaussians, p->loss, p->pace * (p->steps - step)};
-}
-
-/* ---- The fit ----------------------------------------------------------------------------------------------------- */
-
-static int save(const fit_command *c, fxs_fit *fit)
-{
-    fxs_message message;
-    return fxs_fit_save(fit, c->saved, &message) ? fail_for(&message) : 0;
-}
-
-/* A word as a shell takes it. */
-static void print_word(FILE *to, const char *word)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=,+-";
-    if (*word && strspn(word, plain) == strlen(word)) {
-        fprintf(to, " %s", word);
-        return;
-    }
-    fputs(" '", to);
-    for (; *word; word++)
-        fprintf(to, *word == '\'' ? "'\\''" : "%c", *word);
-    fputc('\'', to);
-}
-
-/* The command that goes on from what is saved. */
-static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps, char **argv)
-{
-    if (is_quiet())
-        return;
-    progress_end();
-    fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, step, steps);
-    for (; *argv; argv++)
-        print_word(stderr, *argv);
-    if (!c->saves_itself) {
-        fputs(" --resume", stderr);
-        print_word(stderr, c->saved);
-    }
-    fputc('\n', stderr);
-}
-
-static int save_for_later(const fit_command *c, fxs_fit *fit, const char *why, char **argv)
-{
-    if (save(c, fit))
-        return EXIT_FAILED;
-    say_how_to_go_on(c, why, fxs_fit_steps(fit), fxs_fit_options_of(fit)->steps, argv);
-    return 0;
-}
-
-static int is_measured(const fit_command *c, const progress *p, uint32_t step)
-{
-    return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
-}
-
-/* A device works on while it is not asked: it is some times a second, for the log, and for the last step. */
-static int wants_report(const fit_command *c, const progress *p, uint32_t step)
-{
-    return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
-           fit_log_wants(c->log, step) || is_measured(c, p, step);
-}
-
-static void write_log(const fit_command *c, const progress *p, const quality *measured)
-{
-    fit_log_write(c->log, p->counted, (double)(p->last - p->start) * 1e-9, p->gaussians, p->loss, measured);
-}
-
-/* A fit that a step failed in is not to be saved: what is left of it is the last save. */
-static int fail_step(const fit_command *c, const progress *p, uint32_t made, const fxs_message *why, char **argv)
-{
-    char needed[64];
-    fail(EXIT_FAILED, "%s%s (after some %" PRIu32 " steps)", why->text, needed_bytes(needed, why), made);
-    if (p->saved)
-        say_how_to_go_on(c, "the last save is", p->saved, p->steps, argv);
-    return EXIT_FAILED;
-}
-
-/* As the fit has it. */
-static frame_options frame_of(const fit_command *c, const fxs_fit *fit)
-{
-    const fxs_fit_options *o = fxs_fit_options_of(fit);
-    frame_options frame = c->frame;
-    frame.render.cutoff = o->cutoff;
-    memcpy(frame.render.background, o->background, sizeof o->background);
-    return frame;
-}
-
-/* The photographs with the poses that the fit has found: those that were held out as they were given. Returns 0, and
-   *fitted to be freed; or prints why not and returns the exit status. */
-static int pose_photos(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **fitted)
-{
-    fxs_message message;
-    *fitted = malloc(photos->fit_count * sizeof **fitted);
-    if (!*fitted)
-        return fail(EXIT_FAILED, "out of memory");
-    memcpy(*fitted, photos->fit, photos->fit_count * sizeof **fitted);
-    return fxs_fit_pose_photos(fit, *fitted, &message) ? fail_for(&message) : 0;
-}
-
-static int write_cameras(const char *path, const fxs_photos *photos)
-{
-    const size_t count = photos->fit_count + photos->held_out_count;
-    fxs_message message;
-    fxs_file_view *views = malloc(count * sizeof *views);
-    if (!views)
-        return fail(EXIT_FAILED, "out of memory");
-    for (size_t i = 0; i < count; i++)
-        views[i] = i < photos->fit_count ? photos->fit[i].view : photos->held_out[i - photos->fit_count].view;
-    const int status = fxs_camera_file_write(path, views, count, &message) ? fail_for(&message) : 0;
-    free(views);
-    return status;
-}
-
-/* What has been fitted so far, packed as it would be at the end. Where that fails, the fit goes on. */
-static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const progress *p)
-{
-    const frame_options frame = frame_of(c, fit);
-    fxs_photos posed = *photos;
-    fxs_packed_scene packed;
-    fxs_message message;
-    quality q = {0};
-    posed.fit = 0;
-    world scene = {0};
-    char psnr[32], affine[32];
-    int status = fxs_fit_pack(fit, &packed, 0, &message) ? fail_for(&message) : 0;
-    status = status ? status : world_open_packed(&scene, c->out, &packed);
-    status = status ? status : pose_photos(fit, photos, &posed.fit);
-    status = status ? status : result_measure(&q, &scene, &posed, &frame, 0);
-    free(posed.fit);
-    if (!status)
-        note("step %" PRIu32 ": %s dB, after the best affine map %s, SSIM %.4f; %" PRIu32 " Gaussians", p->counted,
-             fxs_metrics_psnr(psnr, q.psnr, "no"), fxs_metrics_psnr(affine, q.affine_psnr, "no"), q.ssim,
-             scene.gaussians);
-    write_log(c, p, status ? 0 : &q);
-    if (!status && c->watcher)
-        c->watcher->measured(p->counted, &q);
-    quality_free(&q);
-    world_close(&scene);
-    fxs_packed_scene_free(&packed);
-}
-
-/* Where a save fails, the last one is still there, and the fit goes on. */
-static int make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, progress *p, char **argv)
-{
-    fxs_fit_report report;
-    fxs_message message;
-    while (fxs_fit_steps(fit) < p->steps && !asked) {
-        const uint32_t made = fxs_fit_steps(fit), step = made + 1;
-        const int is_reported = wants_report(c, p, step);
-        if (fxs_fit_step(fit, is_reported ? &report : NULL, &message))
-            return fail_step(c, p, made, &message, argv);
-        if (is_reported)
-            count_step(p, step, &report);
-        if (is_reported && c->watcher) {
-            const fit_now now = now_of(p, step, report.gaussians);
-            c->watcher->look(fit, &now);
-        }
-        if (c->save_every && step % c->save_every == 0 && step < p->steps && !save(c, fit))
-            p->saved = step;
-        if (is_measured(c, p, step))
-            measure_so_far(c, fit, photos, p);
-        else if (fit_log_wants(c->log, step) && step < p->steps)
-            write_log(c, p, 0);
-    }
-    progress_end();
-    return 0;
-}
-
-static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, fxs_fit **fit)
-{
-    fxs_message message;
-    const int error = c->resume   ? fxs_fit_resume(fit, c->resume, photos->fit, photos->fit_count, &c->options, &message)
-                      : c->coarse ? fxs_fit_create_block(fit, block->coarse, block, &c->options, &message)
-                                  : fxs_fit_create(fit, photos->fit, photos->fit_count, photos->points,
-                                                   photos->point_count, &c->options, &message);
-    if (error)
-        return fail_for(&message);
-    if (c->coarse && is_given("exposure") && c->options.exposure != fxs_fit_options_of(*fit)->exposure)
-        return fail(EXIT_USAGE, "--exposure: %s was begun with another", c->coarse);
-    if (c->coarse && c->options.refine_poses && !fxs_fit_options_of(*fit)->refine_poses)
-        return fail(EXIT_USAGE, "--refine-poses: %s was begun without", c->coarse);
-    return c->resume ? check_resumed(c, *fit) : 0;
-}
-
-/* ---- What is printed --------------------------------------------------------------------------------------------- */
-
-static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const fit_result *r)
-{
-    const fxs_fit_options *o = fxs_fit_options_of(fit);
-    printf("%s: %" PRIu64 " Gaussians, %zu bytes in the profile %s; %" PRIu32 " steps, recipe %s, seed %" PRIu64 "\n",
-           c->out, r->report.packed, r->bytes, profile_names[o->profile], fxs_fit_steps(fit), recipes[o->recipe],
-           o->seed);
-    if (photos->held_out_count)
-        printf("Photographs fitted: %zu. Of the %zu held out:\n", photos->fit_count, photos->held_out_count);
-    else
-        printf("Photographs fitted: %zu. None was held out; of those fitted:\n", photos->fit_count);
-    quality_print_text(&r->quality);
-}
-
-/* How good it is, and what to do next. */
-static int print_verdict(const fit_command *c, const fxs_photos *photos, world *scene, const frame_options *frame,
-                         const quality *measured)
-{
-    static const char *const next[][3] = {{"to look at it:", "fixsplat view", ""},
-                                          {"a folder for any web server:", "fixsplat publish", " site"}};
-    double fitted;
-    const int status = result_measure_fitted(&fitted, scene, photos, frame);
-    if (status)
-        return status;
-    verdict_print(measured, fitted);
-    for (int i = 0; i < 2 && !ends_with(c->out, ".fit"); i++) {
-        printf("%-29s %s", next[i][0], next[i][1]);
-        print_word(stdout, c->out);
-        puts(next[i][2]);
-    }
-    return 0;
-}
-
-static void print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q)
-{
-    const char *kind = photos->held_out_count ? "held out" : "fitted";
-    if (c->json) {
-        printf("{\"scene\": ");
-        print_json_string(c->measure);
-        printf(", \"gaussians\": %" PRIu32 ", \"measured\": \"%s\", \"photographs\": ", scene->gaussians, kind);
-        quality_print_json(q);
-        puts("}");
-        return;
-    }
-    printf("%s: %" PRIu32 " Gaussians. Of the %ld photographs %s:\n", c->measure, scene->gaussians, q->count, kind);
-    quality_print_text(q);
-}
-
-/* Milliseconds a step. */
-static void print_json_stages(const progress *p)
-{
-    static const char *const names[STAGES] = {"project", "bin", "blend", "loss", "back", "update"};
-    printf("{");
-    for (int i = 0; i < STAGES; i++)
-        printf("%s\"%s\": %.3f", i ? ", " : "", names[i],
-               p->reports ? (double)p->stages[i] * 1e-6 / p->reports : 0);
-    printf("}");
-}
-
-static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const fit_result *r,
-                       const progress *p)
-{
-    const fxs_fit_options *o = fxs_fit_options_of(fit);
-    printf("{\"scene\": ");
-    print_json_string(c->out);
-    printf(", \"gaussians\": %" PRIu64 ", \"bytes\": %zu, \"profile\": \"%s\", \"recipe\": \"%s\", \"steps\": %" PRIu32
-           ", \"seed\": %" PRIu64 ", \"seconds\": %.3f, \"fitted\": %zu, \"held_out\": %zu, \"skipped\": %zu, "
-           "\"measured\": \"%s\", \"photographs\": ", r->report.packed, r->bytes, profile_names[o->profile],
-           recipes[o->recipe], fxs_fit_steps(fit), o->seed, (double)(p->last - p->start) * 1e-9, photos->fit_count,
-           photos->held_out_count, photos->skipped, photos->held_out_count ? "held out" : "fitted");
-    quality_print_json(&r->quality);
-    printf(", \"stages_ms\": ");
-    print_json_stages(p);
-    puts("}");
-}
-
-/* `whole`: packed before, to be measured. Where the cameras look at nothing, the scene stays as it is. */
-static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
-{
-    fxs_fit_subject s;
-    fxs_message why;
-    int error = fxs_fit_pack(fit, whole, 0, &why);
-    if (error)
-        return fail_for(&why);
-    error = fxs_fit_crop_to_subject(fit, &s, &why);
-    if (error && error != FXS_ERR_ARGUMENT) {
-        fxs_packed_scene_free(whole);
-        return fail_for(&why);
-    }
-    if (error)
-        note("%s: not cropped: %s", c->out, why.text);
-    else
-        note("%s: cropped to %.4g units around %.4g,%.4g,%.4g: %zu Gaussians left out", c->out, s.radius, s.middle[0],
-             s.middle[1], s.middle[2], s.dropped);
-    return 0;
-}
-
-/* A scene that cannot be written is not lost. */
-static int finish(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
-                  const progress *p, char **argv)
-{
-    const frame_options frame = frame_of(c, fit);
-    fxs_photos posed = *photos;
-    fit_result result;
-    world scene = {0};
-    fxs_packed_scene whole = {0};
-    posed.fit = 0;
-    int status = c->crops ? crop(c, fit, &whole) : 0;
-    if (status)
-        return status;
-    status = result_write(&result, fit, photos, block, c->out);
-    if (!status && !isatty(STDERR_FILENO))
-        note("measuring %s", c->out);
-    if (!status && c->watcher)
-        c->watcher->written(&result.packed);
-    if (status)
-        save_for_later(c, fit, "saved", argv);
-    else
-        status = world_open_packed(&scene, c->out, c->crops ? &whole : &result.packed);
-    if (!status)
-        status = pose_photos(fit, photos, &posed.fit);
-    if (!status && c->cameras)
-        status = write_cameras(c->cameras, &posed);
-    if (!status)
-        status = result_measure(&result.quality, &scene, &posed, &frame, c->compare);
-    if (p->counted > p->first)
-        write_log(c, p, status ? 0 : &result.quality);
-    if (!status && c->watcher)
-        c->watcher->measured(fxs_fit_steps(fit), &result.quality);
-    if (!status && c->json)
-        print_json(c, fit, photos, &result, p);
-    else if (!status)
-        print_text(c, fit, photos, &result);
-    if (!status && !c->json && !c->blocks && !is_quiet())
-        status = print_verdict(c, &posed, &scene, &frame, &result.quality);
-    world_close(&scene);
-    result_free(&result);
-    fxs_packed_scene_free(&whole);
-    free(posed.fit);
-    return status;
-}
-
-static void begin_watching(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const progress *p)
-{
-    const frame_options frame = frame_of(c, fit);
-    const fit_now now = now_of(p, p->first, 0);
-    if (c->watcher)
-        c->watcher->begin(fit, photos, &frame, !c->metrics_every, &now);
-}
-
-static int fit_photos(const fit_command *c, const fxs_photos *photos, const fxs_fit_block *block, char **argv)
-{
-    fxs_fit *fit = 0;
-    if (c->compare)
-        result_tell_pictures(photos, c->compare);
-    int status = files_check();     /* photographs are known now */
-    if (!status)
-        status = open_fit(c, photos, block, &fit);
-    if (!status) {
-        const uint64_t now = fxs_clock(0);
-        const uint32_t first = fxs_fit_steps(fit);
-        progress p = {.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
-                      .last = now, .shown = now, .saved = c->saves_itself ? first : 0};
-        fit_log_begin(c->log, c->resume != 0, p.steps);
-        listen_to_signals();
-        begin_watching(c, fit, photos, &p);
-        status = make_steps(c, fit, photos, &p, argv);
-        restore_signals();
-        if (!status && asked) {
-            status = EXIT_FAILED;
-            if (c->watcher)
-                c->watcher->stopped();
-            if (!save_for_later(c, fit, "stopped", argv))
-                raise(asked);      /* and it ends as the signal would have */
-        } else if (!status)
-            status = finish(c, fit, photos, block, &p, argv);
-    }
-    fxs_fit_free(fit);
-    return status;
-}
-
-static void say_sizes(const fxs_photos *photos, size_t begins)
-{
-    int width = 0, height = 0;
-    for (size_t i = 0; i < photos->fit_count; i++) {
-        const fxs_file_view *view = &photos->fit[i].view;
-        width = view->width > width ? view->width : width;
-        height = view->height > height ? view->height : height;
-    }
-    note("%zu photographs to fit, %zu held out, up to %dx%d; %zu points", photos->fit_count,
-         photos->held_out_count, width, height, begins);
-}
-
-/* Photographs without a camera were named when cameras were looked for here. */
-static void say_left_out(void *argument, const char *why)
-{
-    const fit_command *c = argument;
-    const size_t length = c->found ? strlen(c->found) : 0;
-    if (!length || strncmp(why, c->found, length) || strncmp(why + length, "/images: ", 9))
-        note("left out: %s", why);
-}
-
-/* A bar on a terminal, else a line every ten seconds. */
-static int show_reading(void *argument, double done)
-{
-    static char label[] = "reading";
-    static uint64_t shown;
-    const uint64_t now = fxs_clock(0);
-    (void)argument;
-    shown = shown ? shown : now;
-    if (!isatty(STDERR_FILENO) && now - shown >= 10000000000u) {
-        note("%s photographs: %d %%", label, (int)(100 * done));
-        shown = now;
-    }
-    return progress_bar(label, done);
-}
-
-static double share_ignored(const fxs_photos *photos)
-{
-    const fxs_fit_photo *lists[] = {photos->fit, photos->held_out};
-    const size_t counts[] = {photos->fit_count, photos->held_out_count};
-    double pixels = 0, ignored = 0;
-    for (int k = 0; k < 2; k++)
-        for (size_t i = 0; i < counts[k]; i++) {
-            const fxs_fit_photo *photo = &lists[k][i];
-            const size_t size = (size_t)photo->view.width * (size_t)photo->view.height;
-            pixels += (double)size;
-            for (size_t p = 0; p < size && photo->mask; p++)
-                ignored += !photo->mask[p];
-        }
-    return pixels > 0 ? ignored / pixels : 0;
-}
-
-static void say_masks(const fit_command *c, const fxs_photos *photos)
-{
-    if (photos->with_mask)
-        note("%s: masks of %zu photographs", c->in, photos->with_mask);
-    if (photos->without_mask)
-        note("%s: no mask of %zu photograph%s, of which all is used", c->in, photos->without_mask,
-             photos->without_mask > 1 ? "s" : "");
-    if (photos->with_mask || c->reading.ignore_transparent)
-        note("%s: %.1f %% of the pixels are ignored", c->in, 100 * share_ignored(photos));
-}
-
-static void say_photos(const fit_command *c, const fxs_photos *photos, size_t begins)
-{
-    if (photos->skipped)
-        note("%s: photographs left out: %zu, taken: %zu", c->in, photos->skipped,
-             photos->fit_count + photos->held_out_count);
-    say_masks(c, photos);
-    if (photos->points_are_random && !c->resume)
-        note("%s: no points: begins with %zu random ones", c->in, photos->point_count);
-    say_sizes(photos, begins);
-}
-
-static int fit_whole(fit_command *c, char **argv)
-{
-    fxs_photos photos;
-    fxs_message message;
-    const int error = fxs_photos_read(c->in, &c->reading, &photos, &message);
-    progress_end();
-    if (error)
-        return fail_for(&message);
-    say_photos(c, &photos, photos.point_count);
-    const int status = fit_photos(c, &photos, 0, argv);
-    fxs_photos_free(&photos);
-    return status;
-}
-
-static int measure_scene(fit_command *c)
-{
-    fxs_photos photos;
-    fxs_message message;
-    quality q = {0};
-    world scene = {0};
-    c->reading.held_out_alone = 1;
-    const int error = fxs_photos_read(c->in, &c->reading, &photos, &message);
-    progress_end();
-    if (error)
-        return fail_for(&message);
-    say_masks(c, &photos);
-    if (c->compare)
-        result_tell_pictures(&photos, c->compare);
-    int status = files_check();
-    if (!status)
-        status = world_open_file(&scene, c->measure, &c->frame.load);
-    if (!status)
-        status = result_measure(&q, &scene, &photos, &c->frame, c->compare);
-    if (!status)
-        print_measured(c, &photos, &scene, &q);
-    quality_free(&q);
-    world_close(&scene);
-    fxs_photos_free(&photos);
-    return status;
-}
-
-/* What the coarse fit has outside of all blocks is written as it is. */
-static int write_outside(const fit_command *c, const fxs_fit_block *block)
-{
-    const int status = result_write_outside(block, c->out);
-    if (!status && c->json) {
-        printf("{\"scene\": ");
-        print_json_string(c->out);
-        printf(", \"gaussians\": %zu}\n", block->gaussian_count);
-    } else if (!status)
-        printf("%s: %zu Gaussians of %s outside of all blocks\n", c->out, block->gaussian_count, c->coarse);
-    return status;
-}
-
-/* As if the whole set were what the block needs of it. */
-static int fit_block(fit_command *c, char **argv)
-{
-    fxs_fit_block block;
-    fxs_fit_coarse *coarse = 0;
-    fxs_message message;
-    if (c->coarse && fxs_fit_coarse_read(&coarse, c->coarse, &message))
-        return fail_for(&message);
-    const int error = fxs_fit_block_read(c->in, &c->reading, coarse, c->block, c->blocks, &block, &message);
-    progress_end();
-    int status = error ? fail_for(&message) : 0;
-    if (!status && c->block) {
-        c->options.extent = block.extent;
-        c->options.block = c->block;
-        c->options.blocks = c->blocks;
-        c->options.coarse = coarse ? fxs_fit_coarse_number(coarse) : 0;
-        say_photos(c, &block.photos, coarse ? block.gaussian_count : block.photos.point_count);
-        status = fit_photos(c, &block.photos, &block, argv);
-    } else if (!status) {
-        status = write_outside(c, &block);
-    }
-    if (!error)
-        fxs_fit_block_free(&block);
-    fxs_fit_coarse_free(coarse);
-    return status;
-}
-
-/* Where there are none yet. */
-static int find_cameras(fit_command *c)
-{
-    const reconstruct_options how = {c->in, c->out, c->frames, c->frame.threads, c->reading.skip_bad,
-                                     c->reading.masks, c->reading.invert_masks};
-    if (c->frames && !film_is_named(c->in))
-        return fail(EXIT_USAGE, "--frames: %s is not a film", c->in);
-    if (c->measure || !reconstruct_is_needed(c->in))
-        return c->cameras_only ? fail(EXIT_USAGE, "--cameras-only: %s has cameras", c->in) : 0;
-    const int status = reconstruct(&how, &c->found);
-    if (status)
-        return status;
-    c->in = c->found;
-    if (c->reading.masks && *c->reading.masks)
-        c->reading.masks = 0;      /* they are in the folder, white where photographs count */
-    c->reading.invert_masks = 0;
-    return 0;
-}
-
-static int fit_set(fit_command *c, char **argv)
-{
-    const int status = find_cameras(c);
-    if (status || c->cameras_only)
-        return status;
-    fxs_pool *pool = fxs_pool_create(c->frame.threads);
-    c->options.run = c->reading.run = pool ? fxs_pool_run : 0;
-    c->options.pool = c->reading.pool = pool;
-    c->options.threads = pool ? c->frame.threads : 1;
-    c->reading.progress = show_reading;
-    c->reading.left_out = say_left_out;
-    c->reading.argument = c;
-    const int made = c->measure ? measure_scene(c) : c->blocks ? fit_block(c, argv) : fit_whole(c, argv);
-    fxs_pool_destroy(pool);
-    return made;
-}
+/* ---- The command ------------------------------------------------------------------------------------------------- */
 
 int fit_run(int argc, char **argv, const fit_watcher *watcher)
 {
@@ -964,7 +276,7 @@ int fit_run(int argc, char **argv, const fit_watcher *watcher)
     if (!status && c.watcher)
         status = c.watcher->open(c.out, c.port);
     if (!status) {
-        status = fit_set(&c, argv);
+        status = fit_photos(&c);
         if (c.watcher)
             c.watcher->close(status);
     }

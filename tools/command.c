@@ -122,6 +122,19 @@ void print_json_string(const char *text)
     write_json_string(stdout, text);
 }
 
+void write_shell_word(FILE *file, const char *word)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=,+-";
+    if (*word && strspn(word, plain) == strlen(word)) {
+        fprintf(file, " %s", word);
+        return;
+    }
+    fputs(" '", file);
+    for (; *word; word++)
+        fprintf(file, *word == '\'' ? "'\\''" : "%c", *word);
+    fputc('\'', file);
+}
+
 /* What was printed has to have arrived, wherever the program ends. */
 static void check_printed(void)
 {

@@ -41,6 +41,9 @@ int fail_for(const fxs_message *why);
 void write_json_string(FILE *file, const char *text);
 void print_json_string(const char *text);
 
+/* Writes a space, and a word as a shell takes it. */
+void write_shell_word(FILE *file, const char *word);
+
 /* Whether a name has this ending, and something before it. */
 int ends_with(const char *name, const char *ending);
 

@@ -128,7 +128,31 @@ int result_write(fit_result *r, fxs_fit *fit, const fxs_photos *photos, const fx
     return result ? fail_for(&message) : 0;
 }
 
+int result_write_cameras(const char *path, const fxs_photos *photos)
+{
+    const size_t count = photos->fit_count + photos->held_out_count;
+    fxs_message message;
+    fxs_file_view *views = malloc(count * sizeof *views);
+    if (!views)
+        return fail(EXIT_FAILED, "out of memory");
+    for (size_t i = 0; i < count; i++)
+        views[i] = i < photos->fit_count ? photos->fit[i].view : photos->held_out[i - photos->fit_count].view;
+    const int status = fxs_camera_file_write(path, views, count, &message) ? fail_for(&message) : 0;
+    free(views);
+    return status;
+}
+
 /* ---- Measuring --------------------------------------------------------------------------------------------------- */
+
+int result_pose(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **fitted)
+{
+    fxs_message message;
+    *fitted = malloc(photos->fit_count * sizeof **fitted);
+    if (!*fitted)
+        return fail(EXIT_FAILED, "out of memory");
+    memcpy(*fitted, photos->fit, photos->fit_count * sizeof **fitted);
+    return fxs_fit_pose_photos(fit, *fitted, &message) ? fail_for(&message) : 0;
+}
 
 /* What one measurement after the other goes through. */
 typedef struct gauge {

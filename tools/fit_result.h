@@ -29,16 +29,23 @@ int result_write(fit_result *result, fxs_fit *fit, const fxs_photos *photos, con
 /* Writes the Gaussians of a coarse fit outside of all blocks, as a .ply. Returns as above. */
 int result_write_outside(const fxs_fit_block *block, const char *out);
 
+/* Writes the cameras of all photographs, a cameras.json. Returns as above. */
+int result_write_cameras(const char *path, const fxs_photos *photos);
+
+/* Makes *fitted the photographs that were fitted with the poses that the fit has found. The caller frees it in either
+   case; it is null where there is no memory. Returns as above. */
+int result_pose(fxs_fit *fit, const fxs_photos *photos, fxs_fit_photo **fitted);
+
 /* Tells files_write the names of the pictures that result_measure will write. */
 void result_tell_pictures(const fxs_photos *photos, const char *compare);
 
-/* Renders the scene from where photographs were taken, and measures how far it is from them: quality_free frees what *q,
-   all 0 before, holds in either case. `compare`: a folder for pictures of each photograph, left, beside the rendered
-   one; or null. Returns as above. */
+/* Renders the scene from where photographs were taken, and measures how far it is from them: quality_free frees what
+   *q, all 0 before, holds in either case. `compare`: a folder for pictures of each photograph, left, beside the
+   rendered one; or null. Returns as above. */
 int result_measure(quality *q, world *scene, const fxs_photos *photos, const frame_options *frame, const char *compare);
 
-/* The mean PSNR, dB, of as many photographs that were fitted as were held out, evenly spaced; 0 where none was held out.
-   Returns as above. */
+/* The mean PSNR, dB, of as many photographs that were fitted as were held out, evenly spaced; 0 where none was held
+   out. Returns as above. */
 int result_measure_fitted(double *psnr, world *scene, const fxs_photos *photos, const frame_options *frame);
 
 void result_free(fit_result *result);

@@ -1,0 +1,222 @@
+/* The end of `fixsplat fit`: what is written, measured and printed. */
+#include "cmd_fit.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "fit_result.h"
+
+/* ---- What is printed --------------------------------------------------------------------------------------------- */
+
+/* By the mean PSNR, dB, of photographs that were held out. */
+static const struct {
+    double least;
+    const char *words;
+} verdicts[] = {
+    {30, "Very good: from new places it is hard to tell from a photograph"},
+    {25, "Good: from new places it looks like a photograph with less detail"},
+    {20, "Fair: from new places all is there, but blurred or spotted"},
+    {-INFINITY, "Poor: from new places it does not look like the photographs"}
+};
+
+/* dB: beyond these differences the reason is worth a sentence. */
+enum { OVERFITTED = 5, EXPOSED = 2 };
+
+static const char *words_for(double psnr)
+{
+    int i = 0;
+    while (psnr < verdicts[i].least)
+        i++;
+    return verdicts[i].words;
+}
+
+/* A sentence on how good the scene is, and another on what would help where that can be told. `fitted`: the mean PSNR
+   of photographs that were fitted, dB, where those that were measured were held out; else 0. */
+static void print_sentences(const quality *measured, double fitted)
+{
+    char psnr[32], other[32];
+    fxs_metrics_psnr(psnr, measured->psnr, "any");
+    if (fitted > 0)
+        printf("%s (%.4s dB; %.4s where it was fitted).\n", words_for(measured->psnr), psnr,
+               fxs_metrics_psnr(other, fitted, "any"));
+    else
+        printf("Nothing was held out, so how it looks from new places is not known (%.4s dB where it was fitted).\n",
+               psnr);
+    if (measured->affine_psnr - measured->psnr > EXPOSED)
+        puts("The photographs differ in exposure or white balance: --exposure gain may help.");
+    else if (measured->psnr < verdicts[0].least && fitted - measured->psnr > OVERFITTED)
+        puts("Places between the photographs are much worse than theirs: more photographs would help.");
+    else if (measured->psnr < verdicts[1].least && fitted > 0)
+        puts("Where it was fitted it is not much better: more --steps or sharper photographs would help.");
+}
+
+static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const fit_result *r)
+{
+    const fxs_fit_options *o = fxs_fit_options_of(fit);
+    printf("%s: %" PRIu64 " Gaussians, %zu bytes in the profile %s; %" PRIu32 " steps, recipe %s, seed %" PRIu64 "\n",
+           c->out, r->report.packed, r->bytes, profile_names[o->profile], fxs_fit_steps(fit), fit_recipes[o->recipe],
+           o->seed);
+    if (photos->held_out_count)
+        printf("Photographs fitted: %zu. Of the %zu held out:\n", photos->fit_count, photos->held_out_count);
+    else
+        printf("Photographs fitted: %zu. None was held out; of those fitted:\n", photos->fit_count);
+    quality_print_text(&r->quality);
+}
+
+/* How good it is, and what to do next. */
+static int print_verdict(const fit_command *c, const fxs_photos *photos, world *scene, const quality *measured)
+{
+    static const char *const next[][3] = {{"to look at it:", "fixsplat view", ""},
+                                          {"a folder for any web server:", "fixsplat publish", " site"}};
+    double fitted;
+    const int status = result_measure_fitted(&fitted, scene, photos, &c->frame);
+    if (status)
+        return status;
+    print_sentences(measured, fitted);
+    for (int i = 0; i < 2 && !ends_with(c->out, ".fit"); i++) {
+        printf("%-29s %s", next[i][0], next[i][1]);
+        write_shell_word(stdout, c->out);
+        puts(next[i][2]);
+    }
+    return 0;
+}
+
+/* Milliseconds a step. */
+static void print_json_stages(const fit_progress *p)
+{
+    static const char *const names[FIT_STAGES] = {"project", "bin", "blend", "loss", "back", "update"};
+    printf("{");
+    for (int i = 0; i < FIT_STAGES; i++)
+        printf("%s\"%s\": %.3f", i ? ", " : "", names[i],
+               p->reports ? (double)p->stages[i] * 1e-6 / p->reports : 0);
+    printf("}");
+}
+
+static void print_json(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, const fit_result *r,
+                       const fit_progress *p)
+{
+    const fxs_fit_options *o = fxs_fit_options_of(fit);
+    printf("{\"scene\": ");
+    print_json_string(c->out);
+    printf(", \"gaussians\": %" PRIu64 ", \"bytes\": %zu, \"profile\": \"%s\", \"recipe\": \"%s\", \"steps\": %" PRIu32
+           ", \"seed\": %" PRIu64 ", \"seconds\": %.3f, \"fitted\": %zu, \"held_out\": %zu, \"skipped\": %zu, "
+           "\"measured\": \"%s\", \"photographs\": ", r->report.packed, r->bytes, profile_names[o->profile],
+           fit_recipes[o->recipe], fxs_fit_steps(fit), o->seed, fit_progress_seconds(p), photos->fit_count,
+           photos->held_out_count, photos->skipped, photos->held_out_count ? "held out" : "fitted");
+    quality_print_json(&r->quality);
+    printf(", \"stages_ms\": ");
+    print_json_stages(p);
+    puts("}");
+}
+
+/* `photos`: those that `scene` was measured by. */
+static int print(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
+                 const fit_result *result, const fit_progress *p)
+{
+    if (c->json)
+        print_json(c, fit, photos, result, p);
+    else
+        print_text(c, fit, photos, result);
+    return c->json || c->blocks || is_quiet() ? 0 : print_verdict(c, photos, scene, &result->quality);
+}
+
+void fit_print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q)
+{
+    const char *kind = photos->held_out_count ? "held out" : "fitted";
+    if (c->json) {
+        printf("{\"scene\": ");
+        print_json_string(c->measure);
+        printf(", \"gaussians\": %" PRIu32 ", \"measured\": \"%s\", \"photographs\": ", scene->gaussians, kind);
+        quality_print_json(q);
+        puts("}");
+        return;
+    }
+    printf("%s: %" PRIu32 " Gaussians. Of the %ld photographs %s:\n", c->measure, scene->gaussians, q->count, kind);
+    quality_print_text(q);
+}
+
+/* ---- What is written --------------------------------------------------------------------------------------------- */
+
+/* `whole`: packed before, to be measured. Where the cameras look at nothing, the scene stays as it is. */
+static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
+{
+    fxs_fit_subject s;
+    fxs_message why;
+    int error = fxs_fit_pack(fit, whole, 0, &why);
+    if (error)
+        return fail_for(&why);
+    error = fxs_fit_crop_to_subject(fit, &s, &why);
+    if (error && error != FXS_ERR_ARGUMENT) {
+        fxs_packed_scene_free(whole);
+        return fail_for(&why);
+    }
+    if (error)
+        note("%s: not cropped: %s", c->out, why.text);
+    else
+        note("%s: cropped to %.4g units around %.4g,%.4g,%.4g: %zu Gaussians left out", c->out, s.radius, s.middle[0],
+             s.middle[1], s.middle[2], s.dropped);
+    return 0;
+}
+
+/* A scene that cannot be written is not lost. */
+static int write_scene(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
+                       fit_result *result)
+{
+    const int status = result_write(result, fit, photos, block, c->out);
+    if (status) {
+        fit_save_for_later(c, fit, "saved");
+        return status;
+    }
+    if (!isatty(STDERR_FILENO))
+        note("measuring %s", c->out);
+    if (c->watcher)
+        c->watcher->written(&result->packed);
+    return 0;
+}
+
+int fit_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
+            const fit_progress *p)
+{
+    fxs_photos posed = *photos;
+    fit_result result;
+    world scene = {0};
+    fxs_packed_scene whole = {0};
+    posed.fit = 0;
+    int status = c->crops ? crop(c, fit, &whole) : 0;
+    if (status)
+        return status;
+    status = write_scene(c, fit, photos, block, &result);
+    if (!status)
+        status = world_open_packed(&scene, c->out, c->crops ? &whole : &result.packed);
+    if (!status)
+        status = result_pose(fit, photos, &posed.fit);
+    if (!status && c->cameras)
+        status = result_write_cameras(c->cameras, &posed);
+    if (!status)
+        status = result_measure(&result.quality, &scene, &posed, &c->frame, c->compare);
+    if (p->counted > p->first)
+        fit_log_write(c->log, p, status ? 0 : &result.quality);
+    if (!status && c->watcher)
+        c->watcher->measured(fxs_fit_steps(fit), &result.quality);
+    if (!status)
+        status = print(c, fit, &posed, &scene, &result, p);
+    world_close(&scene);
+    result_free(&result);
+    fxs_packed_scene_free(&whole);
+    free(posed.fit);
+    return status;
+}
+
+int fit_write_outside(const fit_command *c, const fxs_fit_block *block)
+{
+    const int status = result_write_outside(block, c->out);
+    if (!status && c->json) {
+        printf("{\"scene\": ");
+        print_json_string(c->out);
+        printf(", \"gaussians\": %zu}\n", block->gaussian_count);
+    } else if (!status)
+        printf("%s: %zu Gaussians of %s outside of all blocks\n", c->out, block->gaussian_count, c->coarse);
+    return status;
+}

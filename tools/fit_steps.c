@@ -1,0 +1,186 @@
+/* The steps of `fixsplat fit`: what is saved, measured and told on the way, and signals. */
+#include "cmd_fit.h"
+
+#include <inttypes.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/clock.h>
+#include "fit_result.h"
+
+/* ---- Signals ----------------------------------------------------------------------------------------------------- */
+
+/* The first one asks for an end after the step; the next one does what it would have done. */
+static const int signals[] = {SIGHUP, SIGINT, SIGTERM};
+enum { SIGNALS = sizeof signals / sizeof *signals };
+static struct sigaction before[SIGNALS];
+static volatile sig_atomic_t asked;
+
+static void restore_signals(void)
+{
+    for (int i = 0; i < SIGNALS; i++)
+        sigaction(signals[i], &before[i], 0);
+}
+
+static void ask_for_end(int number)
+{
+    asked = number;
+    restore_signals();
+}
+
+/* What is ignored stays so. */
+static void listen_to_signals(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = ask_for_end;
+    sigfillset(&action.sa_mask);
+    action.sa_flags = SA_RESTART;
+    for (int i = 0; i < SIGNALS; i++)
+        sigaction(signals[i], 0, &before[i]);
+    for (int i = 0; i < SIGNALS; i++)
+        if (before[i].sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, 0);
+}
+
+/* ---- Saves ------------------------------------------------------------------------------------------------------- */
+
+static int save(const fit_command *c, fxs_fit *fit)
+{
+    fxs_message message;
+    return fxs_fit_save(fit, c->saved, &message) ? fail_for(&message) : 0;
+}
+
+/* The command that goes on from what is saved. */
+static void say_how_to_go_on(const fit_command *c, const char *why, uint32_t step, uint32_t steps)
+{
+    if (is_quiet())
+        return;
+    progress_end();
+    fprintf(stderr, "fixsplat: %s after %" PRIu32 " steps of %" PRIu32 "; to go on: fixsplat", why, step, steps);
+    for (char **word = c->argv; *word; word++)
+        write_shell_word(stderr, *word);
+    if (!c->saves_itself) {
+        fputs(" --resume", stderr);
+        write_shell_word(stderr, c->saved);
+    }
+    fputc('\n', stderr);
+}
+
+int fit_save_for_later(const fit_command *c, fxs_fit *fit, const char *why)
+{
+    if (save(c, fit))
+        return EXIT_FAILED;
+    say_how_to_go_on(c, why, fxs_fit_steps(fit), fxs_fit_options_of(fit)->steps);
+    return 0;
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+
+static int is_measured(const fit_command *c, const fit_progress *p, uint32_t step)
+{
+    return c->metrics_every && step % c->metrics_every == 0 && step < p->steps;
+}
+
+/* A device works on while it is not asked: it is some times a second, for the log, and for the last step. */
+static int wants_report(const fit_command *c, const fit_progress *p, uint32_t step)
+{
+    return !c->options.device_count || step >= p->steps || fxs_clock(0) - p->last > 200000000u ||
+           fit_log_wants(c->log, step) || is_measured(c, p, step);
+}
+
+/* A fit that a step failed in is not to be saved: what is left of it is the last save. */
+static int fail_step(const fit_command *c, const fit_progress *p, uint32_t made, const fxs_message *why)
+{
+    char needed[64];
+    fail(EXIT_FAILED, "%s%s (after some %" PRIu32 " steps)", why->text, needed_bytes(needed, why), made);
+    if (p->saved)
+        say_how_to_go_on(c, "the last save is", p->saved, p->steps);
+    return EXIT_FAILED;
+}
+
+/* What has been fitted so far, packed as it would be at the end. Where that fails, the fit goes on. */
+static void measure_so_far(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fit_progress *p)
+{
+    fxs_photos posed = *photos;
+    fxs_packed_scene packed;
+    fxs_message message;
+    quality q = {0};
+    posed.fit = 0;
+    world scene = {0};
+    char psnr[32], affine[32];
+    int status = fxs_fit_pack(fit, &packed, 0, &message) ? fail_for(&message) : 0;
+    status = status ? status : world_open_packed(&scene, c->out, &packed);
+    status = status ? status : result_pose(fit, photos, &posed.fit);
+    status = status ? status : result_measure(&q, &scene, &posed, &c->frame, 0);
+    free(posed.fit);
+    if (!status)
+        note("step %" PRIu32 ": %s dB, after the best affine map %s, SSIM %.4f; %" PRIu32 " Gaussians", p->counted,
+             fxs_metrics_psnr(psnr, q.psnr, "no"), fxs_metrics_psnr(affine, q.affine_psnr, "no"), q.ssim,
+             scene.gaussians);
+    fit_log_write(c->log, p, status ? 0 : &q);
+    if (!status && c->watcher)
+        c->watcher->measured(p->counted, &q);
+    quality_free(&q);
+    world_close(&scene);
+    fxs_packed_scene_free(&packed);
+}
+
+/* Where a save fails, the last one is still there, and the fit goes on. */
+static int step_to_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *p)
+{
+    fxs_fit_report report;
+    fxs_message message;
+    while (fxs_fit_steps(fit) < p->steps && !asked) {
+        const uint32_t made = fxs_fit_steps(fit), step = made + 1;
+        const int is_reported = wants_report(c, p, step);
+        if (fxs_fit_step(fit, is_reported ? &report : NULL, &message))
+            return fail_step(c, p, made, &message);
+        if (is_reported)
+            fit_progress_count(p, step, &report);
+        if (is_reported && c->watcher) {
+            const fit_now now = fit_progress_now(p, step, report.gaussians);
+            c->watcher->look(fit, &now);
+        }
+        if (c->save_every && step % c->save_every == 0 && step < p->steps && !save(c, fit))
+            p->saved = step;
+        if (is_measured(c, p, step))
+            measure_so_far(c, fit, photos, p);
+        else if (fit_log_wants(c->log, step) && step < p->steps)
+            fit_log_write(c->log, p, 0);
+    }
+    progress_end();
+    return 0;
+}
+
+static void begin_watching(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fit_progress *p)
+{
+    const fit_now now = fit_progress_now(p, p->first, 0);
+    if (c->watcher)
+        c->watcher->begin(fit, photos, &c->frame, !c->metrics_every, &now);
+}
+
+/* A signal's end, as it would have been, once the fit is saved. */
+static int stop(const fit_command *c, fxs_fit *fit)
+{
+    if (c->watcher)
+        c->watcher->stopped();
+    if (!fit_save_for_later(c, fit, "stopped"))
+        raise(asked);
+    return EXIT_FAILED;
+}
+
+int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, fit_progress *p)
+{
+    const uint64_t now = fxs_clock(0);
+    const uint32_t first = fxs_fit_steps(fit);
+    *p = (fit_progress){.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
+                        .last = now, .shown = now, .saved = c->saves_itself ? first : 0};
+    fit_log_begin(c->log, c->resume != 0, p->steps);
+    listen_to_signals();
+    begin_watching(c, fit, photos, p);
+    const int status = step_to_end(c, fit, photos, p);
+    restore_signals();
+    return !status && asked ? stop(c, fit) : status;
+}
