@@ -46,19 +46,19 @@ static const option_row own_rows[] = {
     {"output", "OUT", OUTPUT(out), .letter = 'o', .help =
      ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
     {"quality", "NAME", CHOICE(quality, qualities), .help =
-     "draft (small photographs, few steps: to see whether all is well), good (default: of 1200x900 in 12 s on an H200, "
-     "28.9 dB) or best (90 s, 29.0 dB): a recipe with its steps and resolution, where --steps and --resolution do not "
+     "draft (small photographs, few steps: to see whether all is well), good (default: of 1200x900 in 13 s on an H100, "
+     "28.7 dB) or best (92 s, 28.8 dB): a recipe with its steps and resolution, where --steps and --resolution do not "
      "say others"},
     {"recipe", "NAME", CHOICE(options.recipe, fit_recipes), .help =
      "how Gaussians are added and taken away, by itself: fast (that of draft and good), mcmc (that of best) or "
-     "reference (50 s, 28.1 dB; the published one, to compare with)"},
+     "reference (54 s, 27.9 dB; the published one, to compare with)"},
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
      "none (default), or gain: photographs differ in exposure and white balance, and three numbers of each are fitted "
      "beside the scene; of --block those of --coarse"},
     {"refine-poses", 0, FLAG(options.refine_poses), .help =
      "cameras are not quite where they are said to be: their poses are fitted beside the scene, those of photographs "
      "that are held out excepted; of --block those of --coarse"},
-    {"steps", "N", UINT32(options.steps, 1, 1000000000), .help = "one photograph each (default 30000, fast 8000)"},
+    {"steps", "N", UINT32(options.steps, 1, 1000000000), .help = "one photograph each (default 8000, of the other recipes 30000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =
      "pixels of a photograph's longer side, at most: averaged down to it (default 1600)"},
     {"sh-degree", "D", INT(frame.render.sh_degree, 0, 3), .help = "highest SH degree, 0 to 3 (default 3)"},
@@ -71,7 +71,7 @@ static const option_row own_rows[] = {
      "of --block: go on from this short fit of the whole set, of small photographs, say; blocks share its Gaussians "
      "out evenly, and block 0 is what it has outside of all of them"},
     {"max-gaussians", "N", SIZE_T(options.max_gaussians, 1, FXS_MAX_COUNT), .help =
-     "at most so many (default 4194304, mcmc 1000000, fast 250000)"},
+     "at most so many (default 250000, mcmc 1000000, reference 4194304)"},
     {"seed", "N", UINT64(options.seed, 0, INFINITY), .help = "of all that is random (default 0)"},
     {"cutoff", "NAME", CHOICE(frame.render.cutoff, cutoff_names), .help = "mahalanobis (default) or square"},
     {"background", "RRGGBB", COLOUR(frame.render.background), .help =
@@ -190,9 +190,14 @@ static int check_options(const fit_command *c)
         return fail(EXIT_USAGE, "fit: where to? Give -o OUT.fxs or OUT.ply");
     if (is_given("quality") && is_given("recipe"))
         return fail(EXIT_USAGE, "--quality stands for a recipe: leave out --recipe");
-    if (c->measure && (c->out || c->blocks || c->resume || c->cameras || c->log_name))
-        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume, --write-cameras and "
-                    "--log");
+    if (c->measure && (c->out || c->blocks || c->resume || c->cameras || c->log_name || c->crops))
+        return fail(EXIT_USAGE, "--measure: nothing is fitted: leave out -o, --block, --resume, --write-cameras, --log "
+                    "and --crop-to-subject");
+    if (c->cameras_only && (c->cameras || c->log_name))
+        return fail(EXIT_USAGE, "--cameras-only: nothing is fitted: leave out --write-cameras and --log");
+    if (c->blocks && !c->block && (c->cameras || c->log_name || c->compare || c->metrics_every))
+        return fail(EXIT_USAGE, "--block 0: nothing is fitted: leave out --write-cameras, --log, --compare and "
+                    "--metrics-every");
     if (c->options.exposure && c->blocks && !c->coarse)
         return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
     if (c->options.refine_poses && c->blocks && !c->coarse)
@@ -308,7 +313,7 @@ const command command_fit = {
     "  $ fixsplat fit garden -o garden.fxs --preview --backend cuda --device 0,1\n"
     "  $ fixsplat fit lego/transforms_train.json -o lego.fxs --background ffffff --json\n"
     "  $ fixsplat fit garden -o garden.fxs --resume garden.fxs.fit\n"
-    "  $ fixsplat fit city -o coarse.fit --resolution 400 --steps 3000\n"
-    "  $ fixsplat fit city -o part-1.ply --coarse coarse.fit --block 1/16\n",
+    "  $ fixsplat fit city -o coarse.fit --recipe reference --resolution 400 --steps 3000\n"
+    "  $ fixsplat fit city -o part-1.ply --recipe reference --coarse coarse.fit --block 1/16\n",
     {{own_rows, 0}, COMMON_TABLE}
 };

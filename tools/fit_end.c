@@ -24,6 +24,8 @@ static const struct {
 /* dB: beyond these differences the reason is worth a sentence. */
 enum { OVERFITTED = 5, EXPOSED = 2 };
 
+#define LEAST_OF_EXPOSED 22        /* dB, after the affine map: below, the scene is too unlike to tell */
+
 static const char *words_for(double psnr)
 {
     int i = 0;
@@ -34,9 +36,13 @@ static const char *words_for(double psnr)
 
 /* A sentence on how good the scene is, and another on what would help where that can be told. `fitted`: the mean PSNR
    of photographs that were fitted, dB, where those that were measured were held out; else 0. */
-static void print_sentences(const quality *measured, double fitted)
+static void print_sentences(const quality *measured, double fitted, int has_exposures)
 {
     char psnr[32], other[32];
+    if (isinf(measured->psnr) && isnan(measured->ssim)) {
+        puts("No pixel of the photographs that were measured counts, so how it looks is not known.");
+        return;
+    }
     fxs_metrics_psnr(psnr, measured->psnr, "any");
     if (fitted > 0)
         printf("%s (%.4s dB; %.4s where it was fitted).\n", words_for(measured->psnr), psnr,
@@ -44,7 +50,7 @@ static void print_sentences(const quality *measured, double fitted)
     else
         printf("Nothing was held out, so how it looks from new places is not known (%.4s dB where it was fitted).\n",
                psnr);
-    if (measured->affine_psnr - measured->psnr > EXPOSED)
+    if (!has_exposures && measured->affine_psnr - measured->psnr > EXPOSED && measured->affine_psnr > LEAST_OF_EXPOSED)
         puts("The photographs differ in exposure or white balance: --exposure gain may help.");
     else if (measured->psnr < verdicts[0].least && fitted - measured->psnr > OVERFITTED)
         puts("Places between the photographs are much worse than theirs: more photographs would help.");
@@ -66,7 +72,8 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
 }
 
 /* How good it is, and what to do next. */
-static int print_verdict(const fit_command *c, const fxs_photos *photos, world *scene, const quality *measured)
+static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
+                         const quality *measured)
 {
     static const char *const next[][3] = {{"to look at it:", "fixsplat view", ""},
                                           {"a folder for any web server:", "fixsplat publish", " site"}};
@@ -74,7 +81,7 @@ static int print_verdict(const fit_command *c, const fxs_photos *photos, world *
     const int status = result_measure_fitted(&fitted, scene, photos, &c->frame);
     if (status)
         return status;
-    print_sentences(measured, fitted);
+    print_sentences(measured, fitted, fxs_fit_options_of(fit)->exposure != FXS_FIT_EXPOSURE_NONE);
     for (int i = 0; i < 2 && !ends_with(c->out, ".fit"); i++) {
         printf("%-29s %s", next[i][0], next[i][1]);
         write_shell_word(stdout, c->out);
@@ -119,7 +126,7 @@ static int print(const fit_command *c, const fxs_fit *fit, const fxs_photos *pho
         print_json(c, fit, photos, result, p);
     else
         print_text(c, fit, photos, result);
-    return c->json || c->blocks || is_quiet() ? 0 : print_verdict(c, photos, scene, &result->quality);
+    return c->json || c->blocks || is_quiet() ? 0 : print_verdict(c, fit, photos, scene, &result->quality);
 }
 
 void fit_print_measured(const fit_command *c, const fxs_photos *photos, const world *scene, const quality *q)
@@ -145,8 +152,10 @@ static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
     fxs_fit_subject s;
     fxs_message why;
     int error = fxs_fit_pack(fit, whole, 0, &why);
-    if (error)
+    if (error) {
+        fit_save_for_later(c, fit, "saved");
         return fail_for(&why);
+    }
     error = fxs_fit_crop_to_subject(fit, &s, &why);
     if (error && error != FXS_ERR_ARGUMENT) {
         fxs_packed_scene_free(whole);
@@ -162,7 +171,7 @@ static int crop(const fit_command *c, fxs_fit *fit, fxs_packed_scene *whole)
 
 /* A scene that cannot be written is not lost. */
 static int write_scene(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const fxs_fit_block *block,
-                       fit_result *result)
+                       fxs_packed_scene *whole, fit_result *result)
 {
     const int status = result_write(result, fit, photos, block, c->out);
     if (status) {
@@ -172,7 +181,7 @@ static int write_scene(const fit_command *c, fxs_fit *fit, const fxs_photos *pho
     if (!isatty(STDERR_FILENO))
         note("measuring %s", c->out);
     if (c->watcher)
-        c->watcher->written(&result->packed);
+        c->watcher->written(&result->packed, c->crops ? whole : &result->packed);
     return 0;
 }
 
@@ -187,7 +196,7 @@ int fit_end(const fit_command *c, fxs_fit *fit, const fxs_photos *photos, const 
     int status = c->crops ? crop(c, fit, &whole) : 0;
     if (status)
         return status;
-    status = write_scene(c, fit, photos, block, &result);
+    status = write_scene(c, fit, photos, block, &whole, &result);
     if (!status)
         status = world_open_packed(&scene, c->out, c->crops ? &whole : &result.packed);
     if (!status)

@@ -28,8 +28,9 @@ typedef struct fit_watcher {
     /* The scene was measured by all photographs that are for it, after that step. */
     void (*measured)(uint32_t step, const quality *q);
 
-    /* The scene as it was written. Fills in its start view and its checksums. */
-    void (*written)(fxs_packed_scene *packed);
+    /* The scene as it was written, and what is measured: the same, or all that was cropped. Fills in their start views
+       and checksums. */
+    void (*written)(fxs_packed_scene *packed, fxs_packed_scene *measured);
 
     /* No step follows: of a signal. */
     void (*stopped)(void);

@@ -11,7 +11,6 @@
 
 #include <fixsplat/pool.h>
 #include "command.h"
-#include "src/fit/photo_masks.h"
 #include "src/image/photograph.h"
 
 enum { BATCH = 16 };
@@ -121,6 +120,7 @@ static int make_mixed(task *t, const photographs *p, const char *from, const cha
     char path[TASK_PATH], name[TASK_PATH];
     size_t heif = 0;
     const char **names = malloc(p->count * sizeof *names);
+    remove_link(to);
     int status = names ? make_folder(to) : fail(EXIT_FAILED, "out of memory");
     for (size_t i = 0; i < p->count && !status; i++) {
         if (fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF) {
@@ -169,12 +169,24 @@ static size_t find_lens(const seen *lenses, size_t count, const seen *s)
     return i;
 }
 
+int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PATH])
+{
+    char original[TASK_PATH];
+    const int length = (int)strlen(name) - 4;
+    if (fxs_photo_mask_in(masks, name, path))
+        return 1;
+    if (length < 1 || length >= TASK_PATH || strcmp(name + length, ".jpg"))
+        return 0;
+    snprintf(original, sizeof original, "%.*s", length, name);
+    return fxs_photograph_kind_of(original) == FXS_PHOTOGRAPH_HEIF && fxs_photo_mask_in(masks, original, path);
+}
+
 /* Where the photograph has a mask: whether it is one of it. */
 static int look_at_mask(const photograph_look *how, const char *path, const char *name, const seen *s, fxs_message *why)
 {
     fxs_photo_masking masking = {.is_inverse = how->masks_are_inverse};
     uint8_t *counts = 0;
-    const int has_mask = *how->masks && fxs_photo_mask_in(how->masks, name, masking.path);
+    const int has_mask = *how->masks && photograph_mask(how->masks, name, masking.path);
     const int error = has_mask ? fxs_photo_mask_read(&masking, path, 0, s->width, s->height, &counts, why) : 0;
     free(counts);
     return error;
@@ -194,6 +206,8 @@ static int look(task *t, photographs *p, const char *folder, const photograph_lo
         error = error ? error : look_at_mask(how, path, p->names[i], &s, &why);
         free(pixels);
         task_show(t, i + 1, count);
+        if (error && error != FXS_ERR_FILE)
+            return fail_for(&why);
         if (error && !how->skip_bad)
             return fail(EXIT_FAILED, "%s (%s)", why.text, skips);
         if (error) {

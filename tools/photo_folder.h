@@ -2,6 +2,7 @@
 #ifndef PHOTO_FOLDER_H
 #define PHOTO_FOLDER_H
 
+#include "src/fit/photo_masks.h"
 #include "task.h"
 
 typedef struct photographs {
@@ -19,6 +20,10 @@ void photographs_free(photographs *p);
    each of these as a .jpg, NAME.heic.jpg, which is made once. One that cannot be converted is an error, or with skip_bad
    named. Returns 0, or prints what is wrong and returns the exit status. */
 int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad);
+
+/* Finds the mask of a photograph of such a folder, as fxs_photo_mask_in; that of NAME.heic may have been made for
+   NAME.heic.jpg. Returns whether there is one. */
+int photograph_mask(const char *masks, const char *name, char path[FXS_PHOTO_PATH]);
 
 typedef struct photograph_look {
     const char *masks;             /* their folder, or empty */

@@ -115,16 +115,21 @@ static int take_mask(const work *w, const char *from, const char *name)
     return wrong ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
 }
 
-/* All by COLMAP's names, in OUT.cameras. */
+/* All by COLMAP's names, in OUT.cameras, where those of an earlier run may be. */
 static int take_masks(const work *w)
 {
+    size_t taken = 0;
+    remove_folder(w->masks);
     int status = *w->masked ? make_folder(w->masks) : 0;
     for (size_t i = 0; i < w->photos.count && !status && *w->masked; i++) {
         char from[FXS_PHOTO_PATH];
-        if (fxs_photo_mask_in(w->masked, w->photos.names[i], from))
-            status = take_mask(w, from, w->photos.names[i]);
+        if (!photograph_mask(w->masked, w->photos.names[i], from))
+            continue;
+        status = take_mask(w, from, w->photos.names[i]);
+        taken++;
     }
-    return status;
+    return status || taken || !w->options->masks || !*w->masked
+               ? status : fail(EXIT_FAILED, "%s: no mask of any photograph of %s", w->masked, w->options->in);
 }
 
 enum { EVERY_LENS = -1 };

@@ -248,15 +248,15 @@ static int wants_point(const struct preview *p)
     return (p->few.held_out || p->few.fit) && (!p->point_count || is_due || p->is_written);
 }
 
-/* `start`: when it was begun to pack. */
-static void show(struct preview *p, fxs_packed_scene *packed, uint64_t start)
+/* `measured`: what points of the curve are of. `start`: when it was begun to pack. */
+static void show(struct preview *p, fxs_packed_scene *packed, fxs_packed_scene *measured, uint64_t start)
 {
     give_scene(p, packed);
     p->packed = fxs_clock(0);
     p->spent_on_scenes += p->packed - start;
     tell(p);
     if (wants_point(p)) {
-        measure_few(p, packed);
+        measure_few(p, measured);
         tell(p);
     }
 }
@@ -279,7 +279,7 @@ static void pack_and_show(struct preview *p, fxs_fit *fit)
         return;
     }
     p->now.gaussians = (size_t)report.read;
-    show(p, &packed, start);
+    show(p, &packed, &packed, start);
     fxs_packed_scene_free(&packed);
 }
 
@@ -365,11 +365,11 @@ static void add_measured(uint32_t step, const quality *q)
     tell(p);
 }
 
-static void show_written(fxs_packed_scene *packed)
+static void show_written(fxs_packed_scene *packed, fxs_packed_scene *measured)
 {
     preview.state = "measures";
     preview.is_written = 1;
-    show(&preview, packed, fxs_clock(0));
+    show(&preview, packed, measured, fxs_clock(0));
 }
 
 static void tell_stopped(void)

@@ -152,9 +152,17 @@ int make_folder(const char *path)
                                                          error == EEXIST ? "not a folder" : strerror(error));
 }
 
+void remove_link(const char *path)
+{
+    struct stat status;
+    if (!lstat(path, &status) && S_ISLNK(status.st_mode))
+        unlink(path);
+}
+
 void remove_folder(const char *path)
 {
     char name[TASK_PATH];
+    remove_link(path);
     DIR *folder = opendir(path);
     for (struct dirent *entry; folder && (entry = readdir(folder)) != 0;) {
         join_path(name, path, entry->d_name);

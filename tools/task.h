@@ -45,7 +45,10 @@ int is_folder(const char *path);
 /* Makes a folder, or leaves it as it is. Returns 0, or prints why not and returns EXIT_FAILED. */
 int make_folder(const char *path);
 
-/* Removes a folder and the files in it, but no folders. */
+/* Removes a folder and the files in it, but no folders. Of a link, the link alone. */
 void remove_folder(const char *path);
+
+/* Removes what is there if it is a link, as what would be written into it belongs to someone else. */
+void remove_link(const char *path);
 
 #endif

@@ -14,7 +14,7 @@
 #define END 0x646e6578u            /* "xend": the checksum of all words before it follows */
 
 /* Grows with every change of what a fit computes: an older file would not end as if it had never been stopped. */
-#define VERSION 5u                 /* and more for its options: see version_of */
+#define VERSION 9u                 /* and more for its options: see version_of */
 
 typedef struct archive {
     fxs_output *output;            /* null: the file is read */

@@ -142,6 +142,9 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
     if (options->steps <= coarse->fit->step)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the coarse fit has made %u steps, and a block goes on from "
                            "there: %u steps are too few", (unsigned)coarse->fit->step, (unsigned)options->steps);
+    if (options->recipe != coarse->fit->options.recipe)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the coarse fit has another recipe, whose course a block goes on "
+                           "with");
     int error = fxs_fit_begin(fit, photos->fit, photos->fit_count, &all, message);
     if (!error && take_model(&(*fit)->model, &coarse->fit->model, block))
         error = fxs_fail_memory(message, "a fit", block->gaussian_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));

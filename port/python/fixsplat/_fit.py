@@ -12,7 +12,7 @@ import numpy as np
 
 from ._camera import Camera, numbers
 from ._gaussians import floats
-from ._library import (CUTOFFS, NULL, PROFILES, Calls, PathLike, Struct, call, choose, colour, ffi, file_name, lib, new,
+from ._library import (CUTOFFS, NULL, PROFILES, Calls, Error, PathLike, Struct, call, choose, colour, ffi, file_name, lib, new,
                        pool, whole)
 from ._scene import Memory, Scene
 
@@ -228,7 +228,10 @@ def _fit(name: str, photos: Struct, options: Struct, progress: "Optional[Callabl
     try:
         _make_steps(handle[0], options, progress)
         call("fxs_fit_pack", handle[0], packed, report)
-        call("fxs_fit_start_view", photos.fit, photos.fit_count, packed.data)
+        try:
+            call("fxs_fit_start_view", photos.fit, photos.fit_count, packed.data)
+        except Error as why:
+            warnings.warn(f"no start view: {why}", stacklevel=4)
         return Scene(Memory.packed(packed, name), report.read - report.packed, report.brought_in)
     finally:
         lib.fxs_fit_free(handle[0])
