@@ -28,7 +28,7 @@ psnr() { sed -n 's/.*"psnr": \([0-9.]*\), "ssim": [0-9.]*, "worst_psnr".*/\1/p' 
 
 succeeds "fit" $fit -o whole.fxs --threads 1
 check "fit: says what it made" grep -Eq \
-    "^whole.fxs: [0-9]+ Gaussians, $(wc -c <whole.fxs | tr -d ' ') bytes in the profile default; $steps steps, recipe reference, seed 0$" \
+    "^whole.fxs: [0-9]+ Gaussians, $(wc -c <whole.fxs | tr -d ' ') bytes in the profile default; $steps steps, recipe fast, seed 0$" \
     logs/out
 check "fit: says what was held out" grep -q '^Photographs fitted: 10. Of the 2 held out:$' logs/out
 check "fit: a line for each, the mean and the worst" equal "$(grep -Ec '^ *[01] 0[08].png +64x48 ' logs/out) $(
@@ -85,13 +85,13 @@ $more
 $next" set --steps 1 -o it.fxs
 ends "below 25 dB" "Fair: from new places all is there, but blurred or spotted (N dB; N where it was fitted).
 $more
-$next" set --steps 620 -o it.fxs
+$next" set --steps 620 --recipe reference -o it.fxs
 check "it is the mean, to a tenth" equal "$(awk '/^mean / { print substr($2, 1, 4) }' logs/out)" \
     "$(sed -n 's/^Fair.*(\([0-9.]*\) dB.*/\1/p' logs/out)"
 ends "below 30 dB, and much better where it was fitted" \
     "Good: from new places it looks like a photograph with less detail (N dB; N where it was fitted).
 Places between the photographs are much worse than theirs: more photographs would help.
-$next" set --steps 1500 --hold-out 2 -o it.fxs
+$next" set --steps 1500 --recipe reference --hold-out 2 -o it.fxs
 ends "--hold-out 0" "Nothing was held out, so how it looks from new places is not known (N dB where it was fitted).
 to look at it:                fixsplat view 'it'\\''s.ply'
 a folder for any web server:  fixsplat publish 'it'\\''s.ply' site" set --steps 9 --hold-out 0 -o "it's.ply"
@@ -223,7 +223,7 @@ check "--log: a header, in place of what was there" equal "$(head -n 1 fit.log |
 check "--log: its steps" equal "$(sed 1d fit.log | cut -f 1 | tr '\n' ' ')" \
     "$(awk 'BEGIN { for (i = 1; i <= 620; i++) if (i % 7 == 0 || i % 200 == 0 || i == 620) printf "%d ", i }')"
 check "--log: seven fields, time never less, Gaussians, losses" equal "$(awk -F '\t' 'NR > 1 {
-    if (NF != 7 || $2 + 0 < seconds || $3 < 100 || $3 > 5000 || !($4 > 0 && $4 < 1)) print
+    if (NF != 7 || $2 + 0 < seconds || $3 < 100 || $3 > 100000 || !($4 > 0 && $4 < 1)) print
     seconds = $2 + 0 }' fit.log)" ""
 check "--log: the Gaussians of the scene" equal "$(tail -n 1 fit.log | cut -f 3)" \
     "$(sed -n 's/^logged.fxs: \([0-9]*\) Gaussians.*/\1/p' logs/out)"
@@ -256,7 +256,10 @@ fails "--log: no such folder" 1 "--log none/fit.log: cannot be written: No such 
 fails "--log is OUT" 2 "x.fxs" fit set -o x.fxs --log x.fxs
 fails "--log is a photograph" 2 "set/images/03.png: is read and cannot be written too" fit set -o x.fxs --steps 2 \
     --log set/images/03.png
-fails "--log and --measure" 2 "leave out -o, --block, --resume and --log" fit set --measure whole.fxs --log fit.log
+fails "--log and --measure" 2 "leave out -o, --block, --resume, --write-cameras, --log" fit set --measure whole.fxs --log fit.log
+fails "--crop-to-subject and --measure" 2 "and --crop-to-subject" fit set --measure whole.fxs --crop-to-subject
+fails "--log and --cameras-only" 2 "leave out --write-cameras and --log" fit set -o x.fxs --cameras-only --log fit.log
+fails "--log of block 0" 2 "--block 0: nothing is fitted" fit set -o x.ply --block 0/2 --coarse set.fit --log fit.log
 rm -f part.fxs.fit set.fit fit.log new.log
 
 # ---- Quality ---------------------------------------------------------------------------------------------------------

@@ -81,7 +81,7 @@ check "a signal: no scene, and nobody answers" equal "$(ls long.fxs 2>/dev/null)
 
 # ---- Its end -----------------------------------------------------------------------------------------------------------
 
-"$fixsplat" fit set --steps 620 -o whole.fxs --quiet >logs/out
+"$fixsplat" fit set --steps 620 -o whole.fxs >logs/out 2>logs/shell
 shortest=--pre begins --steps 620 -o seen.fxs --threads 2
 ends
 check "the same scene as without" cmp whole.fxs seen.fxs

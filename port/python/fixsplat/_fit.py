@@ -12,8 +12,8 @@ import numpy as np
 
 from ._camera import Camera, numbers
 from ._gaussians import floats
-from ._library import (CUTOFFS, NULL, PROFILES, Calls, Error, PathLike, Struct, call, choose, colour, ffi, file_name, lib, new,
-                       pool, whole)
+from ._library import (CUTOFFS, NULL, PROFILES, Calls, Error, PathLike, Struct, call, choose, colour, ffi, file_name, lib,
+                       new, pool, whole)
 from ._scene import Memory, Scene
 
 EXPOSURES = {"none": lib.FXS_FIT_EXPOSURE_NONE, "gain": lib.FXS_FIT_EXPOSURE_GAIN}
