@@ -570,11 +570,11 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 6);          /* the version of a fit with exposures: it has none */
+    change("half", 1, 10);          /* the version of a fit with exposures: it has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 9);
+    change("half", 1, 13);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     for (int i = 0; i < 6 * 4; i++) {    /* moments, which may be anything; the second one 0 or more, others to 1 */
         const uint32_t value = faulty[i % 4];
@@ -617,7 +617,7 @@ static void faulty_poses_are_refused(void)
     }
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 7);          /* the version of a fit with poses: it has none */
+    change("half", 1, 11);          /* the version of a fit with poses: it has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
