@@ -81,6 +81,13 @@ static void check(const fxs_photos *photos)
                 abort();
 }
 
+static void look_at(void *argument, const char *why)
+{
+    (void)argument;
+    if (!*why || strchr(why, '\n'))
+        abort();
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -93,7 +100,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     const char *const *files = names[(data[0] & 3) | (data[0] >> 3 & 4)];
     const fxs_photos_options options = {.resolution = 16, .hold_out = data[0] >> 2 & 3, .skip_bad = data[0] >> 4 & 1,
-                                        .ignore_transparent = data[0] >> 7 & 1, .invert_masks = data[0] >> 6 & 1};
+                                        .ignore_transparent = data[0] >> 7 & 1, .invert_masks = data[0] >> 6 & 1,
+                                        .left_out = look_at};
     const uint8_t *at = data + 7, *end = data + size;
     for (int i = 0; i < FILES; i++) {
         const size_t left = (size_t)(end - at);

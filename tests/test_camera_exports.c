@@ -1,5 +1,6 @@
 /* Cameras as other programs export them: the same ones in each convention, faults, files cut anywhere. */
 #include "photo_folder.h"
+#include <fixsplat/blocks.h>
 #include "src/camera/camera_internal.h"
 
 enum { CAMERAS = 9, WIDE = 64, HIGH = 48 };
@@ -282,6 +283,36 @@ static void metashape(void)
     }
     fxs_view_list_free(&list);
 }
+
+/* What is left out of the places of two components on the Earth, one or both, is the same of both. */
+static void metashape_components(void)
+{
+    static const struct { double places[2], origin; } sets[] = {
+        {{4e6 + 5.25, 4e6 + 105.25}, 4e6 + 5}, {{60000, 70000.5}, 70001}, {{-70000.75, 60000}, -70001},
+        {{60000, 50000.5}, 0},
+    };
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) {
+        const char *pose = "<transform>1 0 0 0.5 0 1 0 0 0 0 1 0 0 0 0 1</transform></camera>";
+        say("<document><chunk><sensors><sensor id=\"0\"><resolution width=\"64\" height=\"48\"/><calibration><f>70</f>"
+            "</calibration></sensor></sensors><components>");
+        for (int c = 0; c < 2; c++)
+            say("<component id=\"%d\"><transform><translation>%.17g 0 -9</translation></transform></component>", 5 - c,
+                sets[i].places[c]);
+        say("</components><cameras><camera label=\"a\" sensor_id=\"0\" component_id=\"5\">%s"
+            "<camera label=\"b\" sensor_id=\"0\" component_id=\"4\">%s</cameras></chunk></document>", pose, pose);
+        put_text("e/x.xml");
+        fxs_view_list list = read_list("e/x.xml");
+        CHECK(list.moved == (sets[i].origin != 0));
+        for (size_t c = 0; c < 2 && CHECK(list.count == 2); c++) {
+            const double *at = list.views[c].view.position;
+            if (!CHECK(at[0] == 0.5 + (sets[i].places[c] - sets[i].origin) && at[1] == 0 &&
+                       at[2] == (list.moved ? 0 : -9)))
+                printf("  set %zu, component %zu: %.17g, %g, %g\n", i, c, at[0], at[1], at[2]);
+        }
+        fxs_view_list_free(&list);
+    }
+    remove(in_folder("e/x.xml"));
+}
 #endif
 
 /* ---- Photographs ------------------------------------------------------------------------------------------------- */
@@ -374,6 +405,24 @@ static void points(void)
     put_ppm("e/images/3.ppm", WIDE, HIGH, NULL);
     remove(in_folder("e/cameras.csv"));
     CHECK(!read_photos("e", &options) && photos.point_count == 2);                  /* its bundle.out */
+}
+
+/* A block cannot be chosen where only the photographs have a size. */
+static void blocks(void)
+{
+    static const char *const files[] = {"e/cameras.csv", "e/bundle.out"};
+    const fxs_photos_options options = {0};
+    fxs_fit_block block;
+    write_csv(4);
+    write_bundler(0);
+    for (int i = 0; i < 2; i++) {
+        const int error = fxs_fit_block_read(in_folder(files[i]), &options, NULL, 1, 1, &block, &message);
+        if (!CHECK(error == FXS_ERR_UNSUPPORTED && strstr(message.text, files[i]) &&
+                   strstr(message.text, "states no size") && !block.photos.fit))
+            printf("  %d: %s\n", error, error ? message.text : "");
+        if (!error)
+            fxs_fit_block_free(&block);
+    }
 }
 
 #ifdef FXS_WITH_EXPAT
@@ -582,9 +631,11 @@ static void tests(void)
     RUN(bundler);
 #ifdef FXS_WITH_EXPAT
     RUN(metashape);
+    RUN(metashape_components);
 #endif
     RUN(photographs);
     RUN(points);
+    RUN(blocks);
 #ifdef FXS_WITH_EXPAT
     RUN(on_earth);
 #endif

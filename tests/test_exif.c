@@ -365,6 +365,38 @@ static void bad_heif(void)
     }
 }
 
+/* The photograph, and behind it this again and again, then zeros. */
+static void put_chained_heif(const void *bytes, size_t size, size_t times)
+{
+    enum { ZEROS = 1 << 16 };
+    static uint8_t chained[(1 << 19) + ZEROS];
+    memset(chained, 0, sizeof chained);
+    memcpy(chained, turned_heif, sizeof turned_heif);
+    for (size_t i = 0; i < times; i++)
+        memcpy(chained + sizeof turned_heif + i * size, bytes, size);
+    put_file("a.heic", chained, sizeof turned_heif + times * size + ZEROS);
+}
+
+/* References each of which has all that come behind it, as children or as their numbers: refused before that takes
+   quadratic time. Many in one place are none too many. */
+static void heif_references(void)
+{
+    static const uint8_t child[] = {0, 0, 0, 12, 'i', 'r', 'e', 'f', 0, 0, 0, 0};
+    static const uint8_t numbers[] = {'i', 'r', 'e', 'f', 0, 0, 0, 0, 0, 1, 0, 0, 'd', 'i', 'm', 'g', 0, 9, 255, 255};
+    static const uint8_t plain[] = {0, 0, 0, 12, 'c', 'd', 's', 'c', 0, 3, 0, 0};
+    put_chained_heif(child, sizeof child, 20000);
+    CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "damaged: references of pictures"));
+    put_chained_heif(numbers, sizeof numbers, 12000);
+    CHECK(read_file("a.heic") == FXS_ERR_FILE && strstr(message.text, "damaged: references of pictures"));
+    put_chained_heif(child, sizeof child, 300);
+    CHECK(!read_file("a.heic") || !strstr(message.text, "references of pictures"));
+    static uint8_t whole[12 + 30000 * sizeof plain] = {0, 5, 0x7e, 0x4c, 'i', 'r', 'e', 'f'};
+    for (size_t i = 0; i < 30000; i++)
+        memcpy(whole + 12 + i * sizeof plain, plain, sizeof plain);
+    put_chained_heif(whole, sizeof whole, 1);
+    CHECK(!read_file("a.heic") || !strstr(message.text, "references of pictures"));
+}
+
 /* For COLMAP: turned, and said to be. */
 static void heif_to_jpg(void)
 {
@@ -445,6 +477,7 @@ static void tests(void)
         RUN(heif);
         RUN(heif_colours);
         RUN(bad_heif);
+        RUN(heif_references);
 #ifdef FXS_WITH_JPEG
         RUN(heif_to_jpg);
 #endif

@@ -94,6 +94,32 @@ static void names(void)
     CHECK(!read_photos("m", &options) && are_masks(of_all) && photos.with_mask == 3 && !photos.without_mask);
 }
 
+/* A photograph outside of the folder of photographs, also in one whose name begins alike, has the mask of its name. */
+static void from_elsewhere(void)
+{
+    const fxs_photos_options options = {0};
+    const uint8_t *const wanted[VIEWS] = {disc[0], disc[1], NULL};
+    make_folder("q");
+    make_folder("q/images");
+    make_folder("q/images2");
+    make_folder("q/masks");
+    make_folder("q/masks/2");
+    say("1 PINHOLE 24 20 25 25 12 10\n");
+    put_text("q/cameras.txt");
+    say("1 1 0 0 0 0 0 0 1 ../images2/x.png\n\n2 1 0 0 0 0 0 0 1 %s\n\n3 1 0 0 0 0 0 0 1 z.png\n\n",
+        in_folder("q/images2/y.png"));
+    put_text("q/images.txt");
+    say("1 0 0 5 9 9 9 0\n");
+    put_text("q/points3D.txt");
+    put_ppm("q/images2/x.png", WIDTH, HEIGHT, NULL);
+    put_ppm("q/images2/y.png", WIDTH, HEIGHT, NULL);
+    put_ppm("q/images/z.png", WIDTH, HEIGHT, NULL);
+    put_grey("q/masks/x.png", WIDTH, HEIGHT, disc[0]);
+    put_grey("q/masks/y.png", WIDTH, HEIGHT, disc[1]);
+    put_grey("q/masks/2/y.png", WIDTH, HEIGHT, black);
+    CHECK(!read_photos("q", &options) && are_masks(wanted));
+}
+
 /* The mean of red, green and blue decides. */
 static void greys(void)
 {
@@ -281,6 +307,7 @@ static void tests(void)
     }
     memset(white, 255, sizeof white);
     RUN(names);
+    RUN(from_elsewhere);
     RUN(greys);
     RUN(smaller);
     RUN(lenses);

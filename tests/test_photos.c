@@ -2,7 +2,9 @@
    points, bad input, and the real sets where they are. */
 #include "photo_folder.h"
 #include "src/camera/camera_internal.h"
+#include <fixsplat/blocks.h>
 #include <fixsplat/pool.h>
+#include <time.h>
 
 /* ---- COLMAP ------------------------------------------------------------------------------------------------------ */
 
@@ -676,6 +678,9 @@ static void blender(void)
         }
     CHECK(least >= -1.3f && least < -1.299f && most <= 1.3f && most > 1.299f && photos.points[5].colour[1] == 128);
     const float x = photos.points[0].position[0];
+    fxs_fit_block block;           /* an angle does where no size is stated */
+    if (CHECK(!fxs_fit_block_read(in_folder("b"), &options, NULL, 1, 1, &block, &message) && block.photos.fit_count))
+        fxs_fit_block_free(&block);
     char said[256] = "";
     options.left_out = left_out;
     options.argument = said;
@@ -869,6 +874,33 @@ static void nerfstudio_parts(void)
     CHECK(!strcmp(said, "/n: 2 photographs have no camera: a.ppm, b.ppm; "));
 }
 
+/* The same name many times, for as many frames: in time in proportion to both. */
+static void one_name(void)
+{
+    enum { NAMES = 400000, FRAMES = 20000 };
+    char *json = malloc(4 * NAMES + 128 * FRAMES + 256), *to = json;
+    if (!CHECK(json != NULL))
+        return;
+    to += sprintf(to, "{\"w\":24,\"h\":20,\"fl_x\":20,\"train_filenames\":[\"b\"");
+    for (int i = 0; i < NAMES; i++)
+        to += sprintf(to, ",\"a\"");
+    to += sprintf(to, "],\"frames\":[{\"file_path\":\"b\"," MATRIX "}", 0);
+    for (int i = 0; i < FRAMES; i++)
+        to += sprintf(to, ",{\"file_path\":\"a\"," MATRIX "}", i);
+    to += sprintf(to, "]}");
+    put_file("n/transforms.json", json, (size_t)(to - json));
+    free(json);
+    fxs_view_list list = {.path = in_folder("n/transforms.json"), .message = &message};
+    const clock_t start = clock();
+    CHECK(!fxs_view_list_read(&list) && list.count == FRAMES + 1);
+    const double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
+    if (!CHECK(seconds < 4))
+        printf("  %g s\n", seconds);
+    for (size_t i = 0; i < list.count; i++)
+        CHECK(list.views[i].part == FXS_VIEW_TO_FIT);
+    fxs_view_list_free(&list);
+}
+
 static void nerfstudio_part_faults(void)
 {
     static const struct {
@@ -1030,6 +1062,7 @@ static void tests(void)
     RUN(nerfstudio_fisheye);
     RUN(nerfstudio_cameras);
     RUN(nerfstudio_parts);
+    RUN(one_name);
     RUN(nerfstudio_part_faults);
     RUN(inria);
 #endif

@@ -93,7 +93,7 @@ static int write_inverse(const char *from, const char *to)
         return fail_for(&why);
     for (size_t i = 0; i < (size_t)width * (size_t)height; i++) {
         uint8_t *p = rgba + 4 * i;
-        p[0] = p[1] = p[2] = (p[0] + p[1] + p[2]) * p[3] < 3 * 128 * 255 ? 255 : 0;
+        p[0] = p[1] = p[2] = fxs_photo_mask_grey(p) < FXS_PHOTO_MASK_WHITE ? 255 : 0;
         p[3] = 255;
     }
     const int error = fxs_image_file_write(to, rgba, width, height, &why);

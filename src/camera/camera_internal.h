@@ -80,6 +80,14 @@ void fxs_quaternion_of(const double r[9], double q[4]);
 /* The name of a photograph behind its folders, where these are a path of Windows; else the name. */
 const char *fxs_without_drive(const char *name);
 
+/* A path without each "./" at its beginning. */
+static inline const char *fxs_without_dots(const char *path)
+{
+    while (path[0] == '.' && path[1] == '/')
+        path += 2;
+    return path;
+}
+
 /* Sets the size of a view, and with it the intrinsics of a file that states none. */
 void fxs_view_set_size(const fxs_listed_view *listed, fxs_file_view *view, int width, int height);
 

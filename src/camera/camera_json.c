@@ -168,23 +168,25 @@ static const struct lens_model *find_model(const cJSON *root, const char *name)
 
 enum { TRAIN, TEST, VAL, PARTS };
 
-/* The names of a list of the file, sorted, and which of them a frame has. */
+/* The names of a list of the file, sorted, each once, and which of them a frame has. */
 typedef struct name_list {
     const char **names;
     unsigned char *met;
     size_t count;
 } name_list;
 
-static const char *without_dots(const char *name)
-{
-    while (!strncmp(name, "./", 2))
-        name += 2;
-    return name;
-}
-
 static int compare_names(const void *a, const void *b)
 {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static void keep_one_of_each(name_list *names)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < names->count; i++)
+        if (!kept || strcmp(names->names[kept - 1], names->names[i]))
+            names->names[kept++] = names->names[i];
+    names->count = kept;
 }
 
 static int read_names(const fxs_view_list *list, const cJSON *root, const char *key, name_list *names)
@@ -200,24 +202,20 @@ static int read_names(const fxs_view_list *list, const cJSON *root, const char *
     cJSON_ArrayForEach(item, array) {
         if (!cJSON_IsString(item))
             return fxs_fail(list->message, "%s: %s: not a list of names", list->path, key);
-        names->names[names->count++] = without_dots(item->valuestring);
+        names->names[names->count++] = fxs_without_dots(item->valuestring);
     }
     qsort(names->names, names->count, sizeof *names->names, compare_names);
+    keep_one_of_each(names);
     return 0;
 }
 
-/* Whether the list has the name, which is then met, however often. */
+/* Whether the list has the name, which is then met. */
 static int meets(name_list *names, const char *name)
 {
     const char *const *found = bsearch(&name, names->names, names->count, sizeof name, compare_names);
-    if (!found)
-        return 0;
-    size_t i = (size_t)(found - names->names);
-    for (; i && !strcmp(names->names[i - 1], name); i--)
-        ;
-    for (; i < names->count && !names->met[i] && !strcmp(names->names[i], name); i++)
-        names->met[i] = 1;
-    return 1;
+    if (found)
+        names->met[found - names->names] = 1;
+    return found != NULL;
 }
 
 /* Those of test_filenames are to test with, or where there are none those of val_filenames. */
@@ -225,7 +223,7 @@ static int choose_parts(fxs_view_list *list, name_list parts[PARTS])
 {
     for (size_t i = 0; i < list->count; i++) {
         fxs_listed_view *view = &list->views[i];
-        const char *name = view->image ? without_dots(view->image) : "";
+        const char *name = view->image ? fxs_without_dots(view->image) : "";
         const int train = meets(&parts[TRAIN], name), test = meets(&parts[TEST], name), val = meets(&parts[VAL], name);
         if (train && (test || val))
             return fxs_fail(list->message, "%s: view %s: both in train_filenames and in %s", list->path,

@@ -34,7 +34,7 @@ typedef struct placement {
     int given;
 } placement;
 
-#define ON_EARTH 65536.0           /* units: a translation of more is left out, for the sake of single precision */
+#define ON_EARTH 65536.0           /* units: a translation of more is too far for single precision */
 
 typedef struct photographed {
     char *label;
@@ -58,6 +58,7 @@ typedef struct reader {
     size_t length;
     int calibration;               /* 1: inside one that counts */
     placement chunk;
+    double origin[3];              /* is subtracted from every position */
     items sensors, components, cameras;
 } reader;
 
@@ -290,23 +291,41 @@ static const placement *find_placement(const reader *r, const char *id)
     return of && of->given ? of : r->chunk.given ? &r->chunk : NULL;
 }
 
+/* A camera that was not aligned has no pose, and is no view. */
+static int is_view(const photographed *c)
+{
+    return c->has_pose && !c->disabled;
+}
+
+/* The origin is the translation of the first placement on the Earth, in whole units, of which doubles are exact. */
+static void find_origin(reader *r)
+{
+    const photographed *cameras = r->cameras.data;
+    for (size_t i = 0; i < r->cameras.count && !r->list->moved; i++) {
+        const placement *p = is_view(&cameras[i]) ? find_placement(r, cameras[i].component) : NULL;
+        const double *t = p ? p->translation : r->origin;
+        r->list->moved = fmax(fabs(t[0]), fmax(fabs(t[1]), fabs(t[2]))) > ON_EARTH;
+        for (int k = 0; k < 3 && r->list->moved; k++)
+            r->origin[k] = floor(t[k] + 0.5);
+    }
+}
+
 /* The pose has the camera's axes x, y (down) and z (forward) and its centre as columns. */
-static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16], const placement *p)
+static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16], const placement *p,
+                 const double origin[3])
 {
     static const placement none = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .scale = 1};
     if (pose[12] != 0 || pose[13] != 0 || pose[14] != 0 || pose[15] != 1)
         return fxs_view_list_fault(list, "the last row of its transform is not 0 0 0 1");
     p = p ? p : &none;
-    const double *t = p->translation;
-    const int moved = fmax(fabs(t[0]), fmax(fabs(t[1]), fabs(t[2]))) > ON_EARTH;
-    list->moved |= moved;
     if (!(p->scale > 0))
         return fxs_view_list_fault(list, "the scale of its chunk or component is not above 0");
     for (int i = 0; i < 3; i++) {
         const double *r = p->rotation + 3 * i;
         for (int axis = 0; axis < 3; axis++)
             view->rotation[3 * axis + i] = r[0] * pose[axis] + r[1] * pose[4 + axis] + r[2] * pose[8 + axis];
-        view->position[i] = p->scale * (r[0] * pose[3] + r[1] * pose[7] + r[2] * pose[11]) + (moved ? 0 : t[i]);
+        view->position[i] = p->scale * (r[0] * pose[3] + r[1] * pose[7] + r[2] * pose[11]) +
+                            (p->translation[i] - origin[i]);
     }
     return 0;
 }
@@ -335,20 +354,19 @@ static int set_intrinsics(fxs_view_list *list, fxs_listed_view *listed, const se
     return fxs_lens_complete(&listed->lens) ? 0 : fxs_view_list_fault(list, "its sensor has no finite lens");
 }
 
-/* A camera that was not aligned has no pose, and is no view. */
 static int add_view(reader *r, const photographed *c)
 {
     fxs_view_list *list = r->list;
     fxs_listed_view *listed;
     const sensor *s = find_item(&r->sensors, c->sensor, sizeof *s);
-    if (!c->has_pose || c->disabled)
+    if (!is_view(c))
         return 0;
     FXS_TRY(fxs_view_list_add(list, *c->label ? fxs_without_drive(c->label) : NULL, &listed));
     if (!s)
         return fxs_view_list_fault(list, "its sensor is not in the file");
     if (!s->calibrated)
         return fxs_view_list_fault(list, "its sensor has no calibration");
-    FXS_TRY(place(list, &listed->view, c->pose, find_placement(r, c->component)));
+    FXS_TRY(place(list, &listed->view, c->pose, find_placement(r, c->component), r->origin));
     FXS_TRY(set_intrinsics(list, listed, s));
     return fxs_view_list_finish(list, s->width, s->height);
 }
@@ -368,6 +386,7 @@ static int parse(reader *r, const fxs_text *xml)
         return fxs_fail(r->list->message, "%s: no cameras of Metashape", r->list->path);
     sort_items(&r->sensors, sizeof(sensor));
     sort_items(&r->components, sizeof(placement));
+    find_origin(r);
     const photographed *cameras = r->cameras.data;
     for (size_t i = 0; i < r->cameras.count; i++)
         FXS_TRY(add_view(r, &cameras[i]));

@@ -330,10 +330,23 @@ static int take_gaussians(fxs_fit_block *b, const fxs_photos *whole, const uint8
     return !b->gaussians;
 }
 
+/* As fxs_photo_view wants it. */
+static int check_sizes(const fxs_view_list *views, fxs_message *message)
+{
+    for (size_t i = 0; i < views->count; i++)
+        if (views->views[i].sizeless == FXS_SIZE_OF_PIXELS || views->views[i].sizeless == FXS_SIZE_OF_LONGER)
+            return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: it states no size of the photographs, without which "
+                               "blocks cannot be chosen; export the cameras in another format, as COLMAP's",
+                               views->path);
+    return 0;
+}
+
 /* What the set has, but for its pixels. */
 static int read_whole(fxs_photos *whole, const fxs_photo_list *list, const fxs_photos_options *options,
                       const fxs_fit_coarse *coarse, fxs_message *message)
 {
+    FXS_TRY(check_sizes(&list->fit, message));
+    FXS_TRY(check_sizes(&list->held_out, message));
     if (take_views(&whole->fit, &whole->fit_count, &list->fit) ||
         take_views(&whole->held_out, &whole->held_out_count, &list->held_out))
         return fxs_fail_memory(message, "a block", (list->fit.count + list->held_out.count) * sizeof *whole->fit);

@@ -19,7 +19,7 @@ static inline bits mix_32(bits x)
     return x ^ x >> 16;
 }
 
-/* Nearly normal, as fxs_fit_normal: the sum of twelve uniform numbers of 16 bits, minus 6. */
+/* Nearly normal, deviation 1: the sum of twelve uniform numbers of 16 bits, minus 6. */
 static inline real normal(const fxs_fit_noise *noise, bits index, uint32_t axis)
 {
     bits sum = index & 0u;

@@ -19,19 +19,12 @@ static int exists(const char *path)
     return fxs_file_kind(path) != FXS_FILE_NONE;
 }
 
-static const char *without_dots(const char *name)
-{
-    while (!strncmp(name, "./", 2))
-        name += 2;
-    return name;
-}
-
 /* Returns 0 where the path is too long. */
 static int join(char out[FXS_PHOTO_PATH], const char *folder, const char *name)
 {
     const int absolute = *name == '/' || !*folder;
     const char *slash = absolute || folder[strlen(folder) - 1] == '/' ? "" : "/";
-    name = without_dots(name);
+    name = fxs_without_dots(name);
     const int length = snprintf(out, FXS_PHOTO_PATH, "%s%s%s", absolute ? "" : folder, slash, name);
     if (length >= 0 && length < FXS_PHOTO_PATH)
         return 1;
@@ -373,7 +366,7 @@ static int is_in(const names *n, char *name)
 static void add_known(names *known, const fxs_view_list *views)
 {
     for (size_t i = 0; i < views->count; i++)
-        add_name(known, "", 0, without_dots(views->views[i].image));
+        add_name(known, "", 0, fxs_without_dots(views->views[i].image));
 }
 
 /* Where the file of the cameras has the name, also without its ending, there is a camera. */
@@ -417,8 +410,9 @@ static void look_beside(others *o, const fxs_photo_list *list, fxs_left_out_fn *
 {
     char folder[FXS_PHOTO_PATH], path[FXS_PHOTO_PATH];
     snprintf(folder, sizeof folder, "%.*s", (int)o->folder, o->of);
-    if (o->folder < sizeof folder && join(path, list->images, folder))
-        fxs_folder_each(*path ? path : ".", look_at, o);
+    if (o->folder >= sizeof folder || !join(path, list->images, folder))
+        return;
+    fxs_folder_each(*path ? path : ".", look_at, o);
     sort_names(&o->found);
     path[strlen(path) - (strlen(path) > 1)] = 0;     /* without the slash at its end */
     if (o->found.count)
@@ -437,7 +431,7 @@ void fxs_photo_list_others(const fxs_photo_list *list, fxs_left_out_fn *say, voi
     sort_names(&o.known);
     for (size_t i = 0; i < list->fit.count && !o.known.incomplete; i++) {
         size_t k = 0;
-        o.of = without_dots(list->fit.views[i].image);
+        o.of = fxs_without_dots(list->fit.views[i].image);
         o.folder = (size_t)(base_of(o.of) - o.of);
         while (k < count && (lengths[k] != o.folder || memcmp(seen[k], o.of, o.folder)))
             k++;

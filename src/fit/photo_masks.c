@@ -46,18 +46,25 @@ int fxs_photo_masks_are_there(const fxs_photo_list *list, const fxs_photos_optio
     return *folder_of(list, options) || (!options->masks && (names_masks(&list->fit) || names_masks(&list->held_out)));
 }
 
+/* The name of a photograph in the folder of the photographs; its last part where it lies elsewhere. */
+static const char *name_in(const char *folder, const char *image)
+{
+    const char *slash = strrchr(image, '/'), *last = slash ? slash + 1 : image;
+    const size_t length = strlen(folder);
+    if (!length || strncmp(image, folder, length) || (folder[length - 1] != '/' && image[length] != '/'))
+        return last;
+    const char *name = image + length + strspn(image + length, "/");
+    return strncmp(name, "../", 3) ? name : last;
+}
+
 int fxs_photo_mask_find(const fxs_photo_list *list, const fxs_photos_options *options, const fxs_listed_view *view,
                         const char *image, fxs_photo_masking *masking, fxs_message *message)
 {
-    const char *folder = folder_of(list, options), *slash = strrchr(image, '/');
-    const size_t length = strlen(list->images);
-    /* in the folder of the photographs; by its last part where it lies elsewhere */
-    const char *name = strncmp(image, list->images, length) ? slash ? slash + 1 : image : image + length;
+    const char *folder = folder_of(list, options), *name = name_in(list->images, image);
     *masking = (fxs_photo_masking){.is_inverse = options->invert_masks,
                                    .ignores_transparent = options->ignore_transparent};
     if (!options->masks && view->mask)
         return fxs_photo_list_path(list, view->mask, masking->path, message);
-    name += strspn(name, "/");
     if (*folder && !fxs_photo_mask_in(folder, name, masking->path) && !strncmp(name, "images/", 7))
         fxs_photo_mask_in(folder, name + 7, masking->path);
     return 0;
@@ -89,19 +96,17 @@ int fxs_photo_masks_check(const fxs_photo_list *list, const fxs_photos_options *
 
 /* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
-/* Sets which pixels a mask lets count. Grey is the mean of red, green and blue, and a transparent pixel is black. */
+/* Sets which pixels a mask lets count. */
 static int take_mask(const char *path, const uint8_t *rgba, size_t pixels, int is_inverse, uint8_t *counts,
                      fxs_message *message)
 {
-    const int white = 3 * 128 * 255;
     int brightest = 0;
     for (size_t i = 0; i < pixels; i++) {
-        const uint8_t *p = rgba + 4 * i;
-        const int grey = (p[0] + p[1] + p[2]) * p[3];
+        const int grey = fxs_photo_mask_grey(rgba + 4 * i);
         brightest = grey > brightest ? grey : brightest;
-        counts[i] = (grey >= white) != is_inverse;
+        counts[i] = (grey >= FXS_PHOTO_MASK_WHITE) != is_inverse;
     }
-    if (brightest > 0 && brightest < white)
+    if (brightest > 0 && brightest < FXS_PHOTO_MASK_WHITE)
         return fxs_fail(message, "%s: nothing is brighter than %d of 255: a mask is white where the photograph counts, "
                         "and black elsewhere", path, brightest / (3 * 255));
     return 0;

@@ -11,6 +11,15 @@ typedef struct fxs_photo_masking {
     int ignores_transparent;       /* 1: what is less than half opaque is ignored */
 } fxs_photo_masking;
 
+/* The grey of a mask's pixel, times 3 * 255: the mean of red, green and blue, and black where it is transparent. White
+   is half of the most, or more. */
+enum { FXS_PHOTO_MASK_WHITE = 3 * 128 * 255 };
+
+static inline int fxs_photo_mask_grey(const uint8_t rgba[4])
+{
+    return (rgba[0] + rgba[1] + rgba[2]) * rgba[3];
+}
+
 /* Finds the mask of a photograph in a folder of masks, of COLMAP's name or with the photograph's own: a.jpg.png, a.png.
    `name` is that of the photograph in its own folder. Returns whether there is one. */
 int fxs_photo_mask_in(const char *folder, const char *name, char path[FXS_PHOTO_PATH]);

@@ -18,7 +18,8 @@ typedef struct fxs_photo_pixels {
 int fxs_photo_read(const char *path, const fxs_listed_view *listed, int resolution, const uint8_t background[3],
                    const fxs_photo_masking *masking, fxs_photo_pixels *photo, fxs_message *message);
 
-/* The view of the pinhole picture in the size that its file of cameras states, of which the photograph is not read. */
+/* The view of the pinhole picture in the size that its file of cameras states, of a photograph that is not read. The
+   file must state one, or at least the angle: FXS_SIZE_STATED or FXS_SIZE_OF_WIDTH, which is taken for square. */
 void fxs_photo_view(const fxs_listed_view *listed, fxs_file_view *view);
 
 #endif

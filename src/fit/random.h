@@ -24,13 +24,4 @@ static inline float fxs_fit_uniform(uint64_t random)
     return (float)(random >> 40) * 0x1p-24f;
 }
 
-/* Nearly normal, deviation 1: the sum of twelve uniform numbers of 16 bits, minus 6. `random`: three numbers. */
-static inline float fxs_fit_normal(const uint64_t random[3])
-{
-    int32_t sum = -6 * 65536;
-    for (int i = 0; i < 12; i++)
-        sum += (int32_t)(random[i / 4] >> 16 * (i % 4) & 65535);
-    return (float)sum * 0x1p-16f;
-}
-
 #endif

@@ -242,18 +242,22 @@ static uint32_t number_at(const uint8_t *bytes, size_t count)
 }
 
 /* Adds to `to`, of each picture that is named by another, how often that is decoded. A child of iref: size, type, number,
-   count, numbers, of `wide` bytes each. Returns 0 where a number is too large. */
-static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, const uint32_t *from, uint32_t *to)
+   count, numbers, of `wide` bytes each. Returns 0 where a number is too large, or where *left is less than the children
+   and their numbers: it is lowered by them. */
+static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, const uint32_t *from, uint32_t *to,
+                     size_t *left)
 {
-    while (at + 10 + wide <= size) {
+    for (; at + 10 + wide <= size; --*left) {
         const size_t length = number_at(bytes + at, 4), count = number_at(bytes + at + 8 + wide, 2);
         const int is_part = !memcmp(bytes + at + 4, "dimg", 4), is_alpha = !memcmp(bytes + at + 4, "auxl", 4);
         const uint32_t owner = number_at(bytes + at + 8, wide);
+        if (!*left)
+            return 0;
         if (length < 10 + wide || length > size - at)
             return !is_part && !is_alpha;
-        for (size_t i = 0; (is_part || is_alpha) && i < count && 10 + wide * (i + 2) <= length; i++) {
+        for (size_t i = 0; (is_part || is_alpha) && i < count && 10 + wide * (i + 2) <= length; i++, --*left) {
             const uint32_t other = number_at(bytes + at + 10 + wide * (i + 1), wide);
-            if (owner >= ITEMS || other >= ITEMS)
+            if (owner >= ITEMS || other >= ITEMS || *left < 2)
                 return 0;
             uint32_t *const sum = &to[is_part ? other : owner];
             *sum += from[is_part ? owner : other];
@@ -264,13 +268,15 @@ static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, 
     return 1;
 }
 
-/* Of every iref, with a size of 4 bytes or of 8. */
+/* Of every iref, with a size of 4 bytes or of 8. They may lie in each other: what they have in all is held to what one
+   has, children of 12 bytes or more and as many numbers as may be decoded. */
 static int add_all(const uint8_t *bytes, size_t size, const uint32_t *from, uint32_t *to)
 {
+    size_t left = size / 8 + 2 * MOST_TILES;
     for (size_t at = 4; at + 16 < size; at++)
         if (!memcmp(bytes + at, "iref", 4)) {
             const size_t first = at + (number_at(bytes + at - 4, 4) == 1 ? 12 : 4);
-            if (!add_named(bytes, size, first + 4, bytes[first] ? 4 : 2, from, to))
+            if (!add_named(bytes, size, first + 4, bytes[first] ? 4 : 2, from, to, &left))
                 return 0;
         }
     return 1;

@@ -16,7 +16,6 @@
 namespace {
 #define static static __host__ __device__
 #include "src/fit/fit_lanes.h"
-#include "src/fit/random.h"
 #include "src/fit/fit_gaussian.h"
 
 /* alpha / (1 - alpha), alpha in 2^-8..0.99, rounded as a division is, without a look at numbers that are too large or

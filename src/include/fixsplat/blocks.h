@@ -47,8 +47,10 @@ FXS_API int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint3
    be null. With it the centres of its Gaussians are the points, and the block gets Gaussians in the place of points; all
    blocks together end two widths of the box of all cameras outside of that box, and `number` may be 0: the coarse fit's
    Gaussians outside of all blocks, low and high being those of all blocks together, and no photograph. The coarse fit
-   must stay until the block is freed. Errors: those of fxs_photos_read and above, and FXS_ERR_FILE where the coarse fit
-   is of other photographs. */
+   must stay until the block is freed. Where the cameras state an angle and no size, as Blender's, the choice takes
+   their photographs for square. Errors: those of fxs_photos_read and above, FXS_ERR_FILE where the coarse fit is of
+   other photographs, and FXS_ERR_UNSUPPORTED where the cameras state neither: those of Bundler, and RealityCapture's
+   .csv. */
 FXS_API int fxs_fit_block_read(const char *path, const fxs_photos_options *options, const fxs_fit_coarse *coarse,
                                uint32_t number, uint32_t blocks, fxs_fit_block *block, fxs_message *message);
 FXS_API void fxs_fit_block_free(fxs_fit_block *block);

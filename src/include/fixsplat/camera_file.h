@@ -30,11 +30,11 @@ typedef struct fxs_file_view {
    cameras.xml, cameras.csv, bundle.out. Cameras of COLMAP are sorted by image name.
 
    Of a Metashape file, cameras without a transform or with enabled="false" are left out; its positions are those of the
-   component's, or else the chunk's, coordinate system, without its translation where that is more than 2^16 units: a
-   place on the Earth. A .csv of RealityCapture ("internal/external camera parameters") has x to the east, y to the
-   north and z up; its distortion is read by Brown's model. Bundler's names of photographs
-   are in list.txt or NAME.list.txt beside it; cameras with a focal length of 0 are left out. The latter two, as
-   Blender's files, state no size of a picture: their views have 800 x 800 pixels.
+   component's, or else the chunk's, coordinate system. Where its translation is of more than 2^16 units, a place on the
+   Earth, the first such translation, rounded to whole units, is subtracted from all positions. A .csv of RealityCapture
+   ("internal/external camera parameters") has x to the east, y to the north and z up; its distortion is read by Brown's
+   model. Bundler's names of photographs are in list.txt or NAME.list.txt beside it; cameras with a focal length of 0
+   are left out. The latter two, as Blender's files, state no size of a picture: their views have 800 x 800 pixels.
 
    Returns the number of cameras, at least 1, with *views allocated by malloc, which the caller frees; or an error and a
    message, which names the faulty camera. Errors: FXS_ERR_FILE where a file is missing, damaged, or has a camera that
