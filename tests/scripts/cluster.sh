@@ -12,14 +12,14 @@ model=set/sparse/0
 awk 'NF { $1 += 100; $7 = -200; $10 = "b" $10; print; print "" }' $model/images.txt >more && cat more >>$model/images.txt
 awk '{ $1 += 1000; $3 += 200; print }' $model/points3D.txt >more && cat more >>$model/points3D.txt
 for picture in set/images/*.png; do cp "$picture" "set/images/b${picture##*/}"; done
-fit="fit set --quiet --steps 300"
+fit="fit set --quiet --recipe reference --steps 300"
 # count FILE: Gaussians of a .ply.
 count() { LC_ALL=C sed -n 's/^element vertex //p;/^end_header/q' "$1"; }
 mean_of() { awk '/^mean/ { print $2 }' logs/out; }
 
 # ---- Blocks of a coarse fit ------------------------------------------------------------------------------------------
 
-succeeds "coarse" fit set --quiet --steps 100 --resolution 32 -o coarse.fit
+succeeds "coarse" fit set --quiet --recipe reference --steps 100 --resolution 32 -o coarse.fit
 succeeds "whole" $fit -o whole.fxs
 whole=$(mean_of)
 for i in 0 1 2 3; do
@@ -41,7 +41,8 @@ done
 for picture in one/images/b*.png; do echo no picture >"$picture"; done
 read_alone=0
 for block in 1 2; do
-    "$fixsplat" fit one --quiet --steps 300 --coarse coarse.fit --block $block/2 -o one.ply >logs/out 2>&1 &&
+    "$fixsplat" fit one --quiet --recipe reference --steps 300 --coarse coarse.fit --block $block/2 -o one.ply \
+        >logs/out 2>&1 &&
         cmp -s one.ply half-$block.ply && read_alone=$((read_alone + 1))
     rm -f one.ply
 done
@@ -53,13 +54,13 @@ check "every Gaussian lies in its own block" awk 'NR == 1 { split($0, first) }
 succeeds "saved" $fit --coarse coarse.fit --block 1/3 -o saved.ply --save-every 200
 succeeds "resumed" $fit --coarse coarse.fit --block 1/3 -o resumed.ply --resume saved.ply.fit
 check "resumed: the same file" cmp part-1.ply resumed.ply
-succeeds "coarse, with exposures" fit set --quiet --steps 100 --resolution 32 -o exposed.fit --exposure gain
+succeeds "coarse, with exposures" fit set --quiet --recipe reference --steps 100 --resolution 32 -o exposed.fit --exposure gain
 succeeds "its exposures" $fit --coarse exposed.fit --block 1/3 -o exposed.ply --exposure gain
 "$fixsplat" $fit --coarse exposed.fit --block 1/3 -o again.ply >logs/out
 check "its exposures: as of itself" cmp exposed.ply again.ply
 fails "not its exposures" 2 "exposed.fit was begun with another" $fit --coarse exposed.fit --block 1/3 -o x.ply \
     --exposure none
-succeeds "another coarse fit" fit set --quiet --steps 99 --resolution 32 -o other.fit
+succeeds "another coarse fit" fit set --quiet --recipe reference --steps 99 --resolution 32 -o other.fit
 fails "resumed from another coarse fit" 1 "of other photographs" $fit --coarse other.fit --block 1/3 -o x.ply \
     --resume saved.ply.fit
 
@@ -69,9 +70,11 @@ head -c 9999 coarse.fit >short.fit
 fails "a coarse fit cut short" 1 "short.fit: damaged: it ends early" $fit --coarse short.fit --block 1/3 -o x.ply
 mkdir shifted && cp -r set/images shifted && mkdir -p shifted/sparse/0 && cp $model/* shifted/sparse/0
 awk 'NF { $6 += 1; print; print "" }' $model/images.txt >shifted/sparse/0/images.txt
-fails "a coarse fit of another set" 1 "the coarse fit is of other photographs" fit shifted --quiet --steps 300 \
+fails "a coarse fit of another set" 1 "the coarse fit is of other photographs" fit shifted --quiet --recipe reference \
+    --steps 300 \
     --coarse coarse.fit --block 1/3 -o x.ply
-fails "too few steps" 1 "100 steps are too few" fit set --quiet --steps 100 --coarse coarse.fit --block 1/3 -o x.ply
+fails "too few steps" 1 "100 steps are too few" fit set --quiet --recipe reference --steps 100 --coarse coarse.fit --block 1/3 -o x.ply
+fails "another recipe" 1 "the coarse fit has another recipe" fit set --quiet --steps 300 --coarse coarse.fit --block 1/3 -o x.ply
 fails "block out of range" 2 "expected I/N" $fit --coarse coarse.fit --block 4/3 -o x.ply
 fails "block 0 without a coarse fit" 2 "0 is for --coarse" $fit --block 0/3 -o x.ply
 fails "coarse without block" 2 "coarse needs --block" $fit --coarse coarse.fit -o x.ply
