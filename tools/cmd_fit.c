@@ -47,7 +47,7 @@ static const option_row own_rows[] = {
      ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
     {"quality", "NAME", CHOICE(quality, qualities), .help =
      "draft (small photographs, few steps: to see whether all is well), good (default: of 1200x900 in 13 s on an H100, "
-     "28.7 dB) or best (92 s, 28.8 dB): a recipe with its steps and resolution, where --steps and --resolution do not "
+     "28.7 dB) or best (four times the steps and the Gaussians): a recipe with its steps and resolution, where --steps and --resolution do not "
      "say others"},
     {"recipe", "NAME", CHOICE(options.recipe, fit_recipes), .help =
      "how Gaussians are added and taken away, by itself: fast (that of draft and good), mcmc (that of best) or "
