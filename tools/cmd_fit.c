@@ -47,8 +47,8 @@ static const option_row own_rows[] = {
      ".fxs (packed), .ply (floats) or .fit (for --coarse and --resume)"},
     {"quality", "NAME", CHOICE(quality, qualities), .help =
      "draft (small photographs, few steps: to see whether all is well), good (default: of 1200x900 in 13 s on an H100, "
-     "28.7 dB) or best (four times the steps and the Gaussians): a recipe with its steps and resolution, where --steps and --resolution do not "
-     "say others"},
+     "28.7 dB) or best (four times the steps and the Gaussians): a recipe with its steps and resolution, where --steps "
+     "and --resolution do not say others"},
     {"recipe", "NAME", CHOICE(options.recipe, fit_recipes), .help =
      "how Gaussians are added and taken away, by itself: fast (that of draft and good), mcmc (that of best) or "
      "reference (54 s, 27.9 dB; the published one, to compare with)"},
@@ -58,7 +58,8 @@ static const option_row own_rows[] = {
     {"refine-poses", 0, FLAG(options.refine_poses), .help =
      "cameras are not quite where they are said to be: their poses are fitted beside the scene, those of photographs "
      "that are held out excepted; of --block those of --coarse"},
-    {"steps", "N", UINT32(options.steps, 1, 1000000000), .help = "one photograph each (default 8000, of the other recipes 30000)"},
+    {"steps", "N", UINT32(options.steps, 1, 1000000000), .help =
+     "one photograph each (default 8000, of the other recipes 30000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =
      "pixels of a photograph's longer side, at most: averaged down to it (default 1600)"},
     {"sh-degree", "D", INT(frame.render.sh_degree, 0, 3), .help = "highest SH degree, 0 to 3 (default 3)"},
