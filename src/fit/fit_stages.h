@@ -245,16 +245,23 @@ static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, s
     }
 }
 
+/* The sums of LANES Gaussians over their tiles. Returns which have any. */
+static inline mask load_sums(const float *of_sums, real sums[FXS_FIT_SUMS])
+{
+    mask has_any = below(all(1), all(0));
+    for (int i = 0; i < FXS_FIT_SUMS; i++) {
+        sums[i] = load(of_sums + i * FXS_FIT_PART);
+        has_any = either(has_any, below(all(0), absolute(sums[i])));
+    }
+    return has_any;
+}
+
 /* Adds a camera's gradient of LANES Gaussians to the first `used` planes. */
 static void add_part(const fxs_fit_camera *camera, int degree, int used, const float *at, size_t stride,
                      const float *of_sums, float *by_centre, float *gradients)
 {
     real sums[FXS_FIT_SUMS], gradient[FXS_FIT_PARAMETERS], centre[2];
-    mask is_touched = below(all(1), all(0));
-    for (int i = 0; i < FXS_FIT_SUMS; i++) {
-        sums[i] = load(of_sums + i * FXS_FIT_PART);
-        is_touched = either(is_touched, below(all(0), absolute(sums[i])));
-    }
+    mask is_touched = load_sums(of_sums, sums);
     if (!any(is_touched))
         return;
     find_gradient(camera, degree, at, stride, sums, gradient, centre);
@@ -342,11 +349,7 @@ static void pose_lanes(const fxs_fit_camera *camera, int degree, const float *at
                        float *out)
 {
     real sums[FXS_FIT_SUMS], own[FXS_FIT_POSE];
-    mask is_touched = below(all(1), all(0));
-    for (int i = 0; i < FXS_FIT_SUMS; i++) {
-        sums[i] = load(of_sums + i * FXS_FIT_PART);
-        is_touched = either(is_touched, below(all(0), absolute(sums[i])));
-    }
+    mask is_touched = load_sums(of_sums, sums);
     if (!any(is_touched))
         return;
     find_pose_gradient(camera, degree, at, stride, sums, own);
