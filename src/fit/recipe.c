@@ -134,12 +134,21 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     plan->order = plan->relocate && step % (5 * interval) == 0;
 }
 
+/* Every ten steps, in which a scale falls by 0.05 or so; before the last tenth, which finds the ranges of scales; and at
+   the end. */
+static int is_smoothed(const fxs_fit_options *options, uint32_t step)
+{
+    const uint32_t steps = options->steps;
+    return options->antialiased && (step % 10 == 0 || step == steps - steps / 10 || step == steps);
+}
+
 void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,
                        fxs_fit_plan *plan)
 {
     memset(plan, 0, sizeof *plan);
     plan->divisor = 1;
     plan->large = INFINITY;
+    plan->smooths = is_smoothed(options, step);
     if (options->recipe == FXS_FIT_REFERENCE)
         plan_reference(options, extent, step, plan);
     else
