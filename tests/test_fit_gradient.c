@@ -501,8 +501,8 @@ static void test_ignored_pixels(void)
     CHECK(t.gaussians - t.unseen > 15);
 }
 
-/* Opacities that compensate the dilation: of Gaussians smaller than a pixel and larger ones, flat ones and needles, also
-   beyond the picture. */
+/* Opacities that compensate the dilation: of Gaussians smaller than a pixel and larger ones, of flat ones and needles,
+   and beyond the picture. */
 static void test_antialiased(void)
 {
     const kind small = {10, 30, 1, {-4.5, -1.5}, {0, 5}, {0, 1.5}, NULL, 1};

@@ -511,8 +511,8 @@ static void test_exposures_are_found(void)
                left[FOUND]);
 }
 
-/* The sigma that a place's finest photograph asks for, times `part`, in doubles: sqrt(0.2) pixels, 0 where none sees it;
-   photographs see a seventh of their size beyond their edges, but where that is near the bound, nothing is known: -1. */
+/* The sigma that the finest photograph of a place asks for: sqrt(0.2) pixels, 0 where none sees it or its edge is so
+   near that singles may decide otherwise. */
 static double finest_sigma(const float place[3])
 {
     double finest = INFINITY;
@@ -524,14 +524,14 @@ static double finest_sigma(const float place[3])
         const double x = (v->fx * at[0] / at[2] + v->cx) / v->width, y = (v->fy * at[1] / at[2] + v->cy) / v->height;
         const double beyond = fmax(fmax(-x, x - 1), fmax(-y, y - 1));
         if (at[2] > 0.2 && fabs(beyond - 0.15) < 1e-4)
-            return -1;
+            return 0;
         if (at[2] > 0.2 && beyond < 0.15)
             finest = fmin(finest, at[2] / v->fx);
     }
     return finest < INFINITY ? sqrt(0.2) * finest : 0;
 }
 
-/* Whole as at its end, and when it was stopped: none finer than the photographs, up to what the code of a scale rounds. */
+/* At its end no Gaussian is finer than the photographs, some are as fine; of a fit that is not antialiased many are. */
 static void test_antialiased(void)
 {
     check_everywhere(&fits[ANTIALIASED]);

@@ -144,8 +144,8 @@ static void check_better(enum fxs_profile profile, int antialiased)
     CHECK(!refine_with(&packed, STEPS, 1, 0, VIEWS) && !refine_with(&measured, 0, 1, 0, VIEWS));
     const double after[2] = {error_of(&packed, COUNT / 2), error_of(&packed, COUNT / 8)};
     const double by_gains[2] = {error_of(&measured, COUNT / 2), error_of(&measured, COUNT / 8)};
-    printf("  profile %d, antialiased %d: %.2f %.2f, measured %.2f %.2f, refined %.2f %.2f\n", (int)profile, antialiased,
-           before[0], before[1], by_gains[0], by_gains[1], after[0], after[1]);
+    printf("  profile %d, antialiased %d: %.2f %.2f, measured %.2f %.2f, refined %.2f %.2f\n", (int)profile,
+           antialiased, before[0], before[1], by_gains[0], by_gains[1], after[0], after[1]);
     CHECK(by_gains[0] < 0.8 * before[0] && after[0] < 0.7 * before[0] && after[1] < 0.7 * before[1]);
     fxs_packed_scene_free(&packed);
     fxs_packed_scene_free(&measured);

@@ -43,8 +43,8 @@ typedef struct fxs_fit_camera {
     float near;
     int32_t width, height, tiles_x, tiles_y;
     int32_t is_square;             /* 1: the square cut-off of Kerbl et al. 2023, see radius2 of fxs_fit_splat */
-    /* 1: the camera is orthographic, with pixels a unit in `focal` and slope_most 0. Of pictures alone (float_scene.h) */
-    int32_t is_parallel;
+    int32_t is_parallel;           /* 1: orthographic, with pixels a unit in `focal` and slope_most 0. Of pictures alone
+                                      (float_scene.h) */
     int32_t is_antialiased;        /* 1: opacities compensate the dilation (Yu et al. 2024) */
 } fxs_fit_camera;
 
@@ -166,7 +166,8 @@ typedef struct fxs_fit_noise {
 } fxs_fit_noise;
 
 /* The stages for an instruction set. `cover` is a part of bin, `loss_*` are the passes of loss. `noise`, `smooth`
-   and `quantise` follow update, where the recipe, the options or the profile need them; `pose` comes before it, where poses are refined. */
+   and `quantise` follow update, where the recipe, the options or the profile need them; `pose` comes before it, where
+   poses are refined. */
 typedef struct fxs_fit_stages {
     const char *name;
     /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_GROUP. */
@@ -200,8 +201,10 @@ typedef struct fxs_fit_stages {
                    size_t count, const float *sums, float *by_centre);
     /* Moves Gaussians first..first + count by noise; none beyond FXS_FIT_FARTHEST_PLACE. */
     void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
-    /* Makes the scales of Gaussians first..first + count as large as the finest photograph asks for (smooth.h). */
-    void (*smooth)(const fxs_fit_cameras *cameras, float *parameters, size_t stride, size_t first, size_t count);
+    /* Makes the scales of Gaussians first..first + count as large as the finest photograph asks for (smooth.h), whose
+       pixels are the means of divisor x divisor of its camera's. */
+    void (*smooth)(const fxs_fit_cameras *cameras, int divisor, float *parameters, size_t stride, size_t first,
+                   size_t count);
     /* Sets the parameters of Gaussians first..first + count to the masters as packing quantises them. */
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);

@@ -330,11 +330,11 @@ static void NAMED(fxs_fit_noise_, ISA)(const fxs_fit_noise *noise, float *parame
         add_noise(noise, parameters + i, stride, (uint32_t)i);
 }
 
-static void NAMED(fxs_fit_smooth_, ISA)(const fxs_fit_cameras *cameras, float *parameters, size_t stride, size_t first,
-                                        size_t count)
+static void NAMED(fxs_fit_smooth_, ISA)(const fxs_fit_cameras *cameras, int divisor, float *parameters, size_t stride,
+                                        size_t first, size_t count)
 {
     for (size_t i = first; i < first + count; i += LANES)
-        smooth_scales(cameras->of, cameras->count, parameters + i, stride);
+        smooth_scales(cameras, divisor, parameters + i, stride);
 }
 
 static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float *masters, float *parameters,

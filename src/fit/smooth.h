@@ -1,6 +1,6 @@
-/* smooth: no Gaussian is finer than its finest photograph samples it, so that it does not shrink to less than a pixel of
- * each photograph, and is not thinner seen from nearer. The 3D smoothing filter of Yu et al. 2024 ("Mip-Splatting",
- * section 4.1), as a bound of each scale rather than a filter of it. */
+/* smooth: no Gaussian is finer than the finest photograph that sees it. No photograph tells how thin it would be, but
+ * from nearer than all of them that would be seen. The 3D smoothing filter of Yu et al. 2024 ("Mip-Splatting"), as a
+ * bound of each scale. */
 #ifndef FXS_FIT_SMOOTH_H
 #define FXS_FIT_SMOOTH_H
 
@@ -30,17 +30,18 @@ static inline real finest_of(const fxs_fit_camera *c, const real place[3], real 
     return choose(both(seen, below(own, least_so_far)), own, least_so_far);
 }
 
-/* scale = max(scale, sqrt(0.2) min over the cameras that see the centre of depth / focal). What none sees stays. */
-static inline void smooth_scales(const fxs_fit_camera *cameras, uint32_t count, float *at, size_t stride)
+/* scale = max(scale, sqrt(0.2) divisor min of depth / focal over the cameras that see the centre). What none sees
+   stays. */
+static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, float *at, size_t stride)
 {
     const real farthest = all(FXS_FIT_FARTHEST_PLACE);
     real place[3], finest = farthest;
     for (int i = 0; i < 3; i++)
         place[i] = load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride);
-    for (uint32_t i = 0; i < count; i++)
-        finest = finest_of(&cameras[i], place, finest);
+    for (uint32_t i = 0; i < cameras->count; i++)
+        finest = finest_of(&cameras->of[i], place, finest);
     const mask is_seen = below(finest, farthest);
-    const real low = ln(most(finest, all(1e-16f)) * FXS_FIT_SMOOTH);    /* -37.6..27 */
+    const real low = ln(most(finest, all(1e-16f)) * (FXS_FIT_SMOOTH * (float)divisor));    /* -37.6..29 */
     for (int i = 0; i < 3; i++) {
         float *to = at + (FXS_FIT_SCALE + i) * (ptrdiff_t)stride;
         const real scale = load(to);

@@ -17,7 +17,7 @@ typedef struct what {
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
     uint32_t gains, poses;         /* photographs with an exposure, with a pose; 0: none. Where there are both, as many */
-    int is_antialiased;            /* and the cameras of the batch bound scales, in each step but the second */
+    int is_antialiased;            /* and the cameras of the batch bound scales, as divisors of 1, 2, none */
     int has_masks;                 /* all photographs but the second, which are at most MASK_PIXELS large */
 } what;
 
@@ -130,7 +130,7 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     o->by_opacity = o->by_scale = w->by_opacity;
     o->gain_rate = 0.05f;
     o->pose_rate = 0.01f;
-    o->smooths = number != 2;
+    o->smooths = (int)number % 3;
     o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}};
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
         o->rate[k] = 0.01f;
@@ -367,8 +367,8 @@ static void test_antialiased(void)
     for (int i = 0; i < (quick ? 3 : 18); i++) {
         const what w = {.width = i % 2 ? 37 : 160, .height = i % 2 ? 27 : 120, .is_square = i % 5 == 3,
                         .count = counts[quick ? 0 : i % 3], .degree = i % 4, .batch = 1 + i % MOST_BATCH,
-                        .noise = i % 3 ? 0 : 50.0f, .near_size = i % 4 < 2 ? -4.5f : -2.5f, .poses = i % 6 < 2 ? 5 : 0,
-                        .is_antialiased = 1};
+                        .noise = i % 3 ? 0 : 50.0f, .near_size = i % 4 < 2 ? -4.5f : -2.5f,
+                        .poses = i % 6 < 2 ? 5 : 0, .is_antialiased = 1};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }

@@ -479,8 +479,8 @@ options = {"recipe": "mcmc", "steps": 12, "exposure": "gain", "refine_poses": Tr
            "hold_out": 0, "seed": 3, "resolution": 32, "batch": 2}
 fixsplat.fit("set", **options).save("fitted.fxs")
 run("fit", "set", "--recipe", "mcmc", "--exposure", "gain", "--refine-poses", "--antialiased", "--steps", "12",
-    "--sh-degree", "1", "--max-gaussians", "300", "--background", "102030", "--cutoff", "square", "--profile", "small", "--hold-out",
-    "0", "--seed", "3", "--resolution", "32", "--batch", "2", "-o", "command.fxs")
+    "--sh-degree", "1", "--max-gaussians", "300", "--background", "102030", "--cutoff", "square", "--profile", "small",
+    "--hold-out", "0", "--seed", "3", "--resolution", "32", "--batch", "2", "-o", "command.fxs")
 ok("fit: all options: the command's file", read("fitted.fxs") == read("command.fxs"))
 
 

@@ -417,7 +417,7 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     if (o->noise.amount > 0)
         failure = first_of(failure, launch_noise(b, &d->model, &o->noise, d->stream));
     if (o->smooths && d->cameras.count)
-        failure = first_of(failure, launch_smooth(b, &d->model, &d->cameras, d->stream));
+        failure = first_of(failure, launch_smooth(b, &d->model, &d->cameras, o->smooths, d->stream));
     if (d->model.masters)
         failure = first_of(failure, launch_quantise(b, &d->model, e->model->grid, d->stream));
     if (moves_gains(d, s))

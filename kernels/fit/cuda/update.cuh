@@ -343,17 +343,18 @@ cudaError_t launch_noise(const step_buffers *b, const device_model *m, const fxs
 }
 
 /* `cameras`: on the device. */
-__global__ void __launch_bounds__(FXS_FIT_PART) smooth_model(step_buffers b, device_model m, fxs_fit_cameras cameras)
+__global__ void __launch_bounds__(FXS_FIT_PART)
+    smooth_model(step_buffers b, device_model m, fxs_fit_cameras cameras, int divisor)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
     if (i < m.count && !is_stopped(b.status))
-        smooth_scales(cameras.of, cameras.count, (m.masters ? m.masters : m.parameters) + i, m.stride);
+        smooth_scales(&cameras, divisor, (m.masters ? m.masters : m.parameters) + i, m.stride);
 }
 
-cudaError_t launch_smooth(const step_buffers *b, const device_model *m, const fxs_fit_cameras *cameras,
+cudaError_t launch_smooth(const step_buffers *b, const device_model *m, const fxs_fit_cameras *cameras, int divisor,
                           cudaStream_t stream)
 {
-    smooth_model<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, *cameras);
+    smooth_model<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, *cameras, divisor);
     return cudaGetLastError();
 }
 
