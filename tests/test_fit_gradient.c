@@ -1,7 +1,7 @@
 /* The gradients of a step against central differences of a forward pass in doubles, written here from the formulas
  * alone, for every parameter: what is drawn in front of and behind the cuts, at the edges of the picture, with the
  * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; where a mask ignores pixels; for the
- * exposure of the photograph and the pose of its camera. And the cuts themselves. */
+ * exposure of the photograph and the pose of its camera. And the cuts themselves, and the bounds of scales. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
@@ -708,6 +708,34 @@ static void test_project_cuts(void)
     }
 }
 
+/* The bound of Gaussians seen by two cameras, in doubles: that of the nearer one; behind both there is none. */
+static void test_bounds_of_scales(void)
+{
+    fxs_fit_camera cameras_of[2] = {fit_camera(40, 24, 30), fit_camera(40, 24, 30)};
+    const fxs_fit_cameras cameras = {cameras_of, 2};
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    for (int k = 0; k < 3; k++)     /* nearer by 1 */
+        cameras_of[1].eye[k] += cameras_of[1].rotation[6 + k];
+    for (int n = 0; n < count; n++)
+        for (int divisor = 1; divisor <= 4; divisor += 3) {
+            float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP] = {{0}};
+            for (int i = 0; i < FXS_FIT_GROUP; i++)
+                for (int k = 0; k < 3; k++) {      /* on the axis, 4 before the first camera; the last behind both */
+                    const float along = i + 1 < FXS_FIT_GROUP ? 4.0f : -4.0f;
+                    parameters[k][i] = cameras_of[0].eye[k] + along * cameras_of[0].rotation[6 + k];
+                    parameters[FXS_FIT_SCALE + k][i] = k ? -9 : 1;
+                }
+            versions[n]->smooth(&cameras, divisor, parameters[0], FXS_FIT_GROUP, 0, FXS_FIT_GROUP);
+            const double bound = log(sqrt(0.2) * divisor * 3 / (double)cameras_of[0].focal[1]);
+            for (int i = 0; i < FXS_FIT_GROUP; i++) {
+                CHECK(parameters[FXS_FIT_SCALE][i] == 1);
+                for (int k = 1; k < 3; k++)
+                    CHECK(fabs((double)parameters[FXS_FIT_SCALE + k][i] - (i + 1 < FXS_FIT_GROUP ? bound : -9)) < 1e-5);
+            }
+        }
+}
+
 int main(void)
 {
     RUN(test_ordinary);
@@ -721,5 +749,6 @@ int main(void)
     RUN(test_closed_pixel);
     RUN(test_alpha_of_99);
     RUN(test_project_cuts);
+    RUN(test_bounds_of_scales);
     return check_report();
 }
