@@ -708,32 +708,36 @@ static void test_project_cuts(void)
     }
 }
 
-/* The bound of Gaussians seen by two cameras, in doubles: that of the nearer one; behind both there is none. */
+/* The bound of Gaussians before two cameras, in doubles: that of the nearer one; of the other where they are a tenth
+   beside its picture, and far beside the nearer one's; none a fifth beside it, and behind both. */
 static void test_bounds_of_scales(void)
 {
-    fxs_fit_camera cameras_of[2] = {fit_camera(40, 24, 30), fit_camera(40, 24, 30)};
-    const fxs_fit_cameras cameras = {cameras_of, 2};
+    enum { BESIDE = FXS_FIT_GROUP - 3, FAR_BESIDE, BEHIND };
+    fxs_fit_camera of[2] = {fit_camera(40, 24, 30), fit_camera(40, 24, 30)};
+    const fxs_fit_cameras cameras = {of, 2};
     const fxs_fit_stages *versions[FIT_VERSIONS];
     const int count = fit_versions(versions);
+    const double pixel = sqrt(0.2) / (double)of[0].focal[1];
     for (int k = 0; k < 3; k++)     /* nearer by 1 */
-        cameras_of[1].eye[k] += cameras_of[1].rotation[6 + k];
-    for (int n = 0; n < count; n++)
-        for (int divisor = 1; divisor <= 4; divisor += 3) {
-            float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP] = {{0}};
-            for (int i = 0; i < FXS_FIT_GROUP; i++)
-                for (int k = 0; k < 3; k++) {      /* on the axis, 4 before the first camera; the last behind both */
-                    const float along = i + 1 < FXS_FIT_GROUP ? 4.0f : -4.0f;
-                    parameters[k][i] = cameras_of[0].eye[k] + along * cameras_of[0].rotation[6 + k];
-                    parameters[FXS_FIT_SCALE + k][i] = k ? -9 : 1;
-                }
-            versions[n]->smooth(&cameras, divisor, parameters[0], FXS_FIT_GROUP, 0, FXS_FIT_GROUP);
-            const double bound = log(sqrt(0.2) * divisor * 3 / (double)cameras_of[0].focal[1]);
-            for (int i = 0; i < FXS_FIT_GROUP; i++) {
-                CHECK(parameters[FXS_FIT_SCALE][i] == 1);
-                for (int k = 1; k < 3; k++)
-                    CHECK(fabs((double)parameters[FXS_FIT_SCALE + k][i] - (i + 1 < FXS_FIT_GROUP ? bound : -9)) < 1e-5);
+        of[1].eye[k] += of[1].rotation[6 + k];
+    for (int n = 0; n < 2 * count; n++) {
+        const int divisor = n % 2 ? 4 : 1;
+        float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP] = {{0}};
+        for (int i = 0; i < FXS_FIT_GROUP; i++)
+            for (int k = 0; k < 3; k++) {
+                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;      /* widths from the left */
+                const float along = i == BEHIND ? -4 : 4, aside = along * (40 * at - of[0].middle[0]) / of[0].focal[0];
+                parameters[k][i] = of[0].eye[k] + along * of[0].rotation[6 + k] + aside * of[0].rotation[k];
+                parameters[FXS_FIT_SCALE + k][i] = k ? -9 : 2;
             }
+        versions[n / 2]->smooth(&cameras, divisor, parameters[0], FXS_FIT_GROUP, 0, FXS_FIT_GROUP);
+        for (int i = 0; i < FXS_FIT_GROUP; i++) {
+            const double wanted = i >= FAR_BESIDE ? -9 : log(pixel * divisor * (i == BESIDE ? 4 : 3));
+            CHECK(parameters[FXS_FIT_SCALE][i] == 2);
+            for (int k = 1; k < 3; k++)
+                CHECK(fabs((double)parameters[FXS_FIT_SCALE + k][i] - wanted) < 1e-5);
         }
+    }
 }
 
 int main(void)
