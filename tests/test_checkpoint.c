@@ -247,7 +247,7 @@ static void goes_on_with_masks(void)
 }
 
 /* A block, of two of the photographs in another order, has the exposures or poses that its coarse fit found, and keeps
-   them. */
+   them; and is antialiased where that is. */
 static void a_block_keeps(const char *name, uint32_t steps)
 {
     const fxs_fit_options mine = options;
@@ -265,7 +265,8 @@ static void a_block_keeps(const char *name, uint32_t steps)
     options.block = 1, options.blocks = 2;
     if (CHECK(fxs_fit_create_block(&fit, coarse, &block, &options, &message) == 0)) {
         const fxs_fit_options *o = fxs_fit_options_of(fit), *of_whole = fxs_fit_options_of(whole);
-        CHECK(o->exposure == of_whole->exposure && o->refine_poses == of_whole->refine_poses);
+        CHECK(o->exposure == of_whole->exposure && o->refine_poses == of_whole->refine_poses &&
+              o->antialiased == of_whole->antialiased);
         go_on(fit, steps);
         for (int i = 0; i < 2; i++) {
             CHECK(!memcmp(&fit->gains.of[i], &whole->gains.of[numbers[i]], sizeof *fit->gains.of));
@@ -328,8 +329,41 @@ static void goes_on_with_poses(void)
     options = mine;
 }
 
+/* Stopped between two steps that bound scales; a block goes on with it, and a fit without it is another. */
+static void goes_on_antialiased(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit *whole, *second;
+    options.antialiased = 1;
+    whole = begin();
+    go_on(whole, 15);
+    save(whole, "half-antialiased");
+    go_on(whole, STEPS);
+    save(whole, "whole-antialiased");
+    CHECK(whole->model.cameras && whole->model.cameras->count == PHOTOS);
+    fxs_fit_free(whole);
+    options = mine;
+    if (CHECK(resume(&second, "half-antialiased") == 0)) {
+        CHECK(fxs_fit_options_of(second)->antialiased == 1 && !fxs_fit_options_of(second)->exposure);
+        go_on(second, STEPS);
+        save(second, "resumed-antialiased");
+        CHECK(same_files("whole-antialiased", "resumed-antialiased"));
+        fxs_fit_free(second);
+    }
+    whole = begin();
+    CHECK(!whole->model.cameras);
+    go_on(whole, STEPS);
+    save(whole, "aliased");
+    CHECK(!same_files("whole-antialiased", "aliased"));
+    fxs_fit_free(whole);
+    options.antialiased = 2;
+    CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
+    options = mine;
+}
+
 static void a_block_keeps_exposures_and_poses(void)
 {
+    a_block_keeps("half-antialiased", 26);
     a_block_keeps("half-exposures", 26);
     a_block_keeps("half-poses", 526);
 }
@@ -574,7 +608,9 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 13);
+    change("half", 1, 13);          /* of an antialiased one, whose cameras are others */
+    CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
+    change("half", 1, 17);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     for (int i = 0; i < 6 * 4; i++) {    /* moments, which may be anything; the second one 0 or more, others to 1 */
         const uint32_t value = faulty[i % 4];
@@ -778,6 +814,7 @@ static void tests(void)
     RUN(begins_with_known_exposures);
     RUN(goes_on_with_masks);
     RUN(goes_on_with_poses);
+    RUN(goes_on_antialiased);
     RUN(a_block_keeps_exposures_and_poses);
     RUN(the_file_does_not_depend_on_threads);
     RUN(its_options_are_those_of_the_file);

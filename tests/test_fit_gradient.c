@@ -1,7 +1,7 @@
 /* The gradients of a step against central differences of a forward pass in doubles, written here from the formulas
  * alone, for every parameter: what is drawn in front of and behind the cuts, at the edges of the picture, with the
  * Jacobian's slopes cut, colours cut at 0, alphas at 0.99 and pixels closed; where a mask ignores pixels; for the
- * exposure of the photograph and the pose of its camera. And the cuts themselves. */
+ * exposure of the photograph and the pose of its camera. And the cuts themselves, and the bounds of scales. */
 #include "fit_loss.h"
 #include "fit_scene.h"
 
@@ -57,12 +57,12 @@ static void rotation_of_quaternion(const double *q, double r[3][3])
     memcpy(r, rows, sizeof rows);
 }
 
-/* J W Sigma W^T J^T + 0.3, Sigma = R S S R^T; its inverse. */
+/* J W Sigma W^T J^T + 0.3, Sigma = R S S R^T; its inverse; the opacity times sqrt(det without 0.3 / det). */
 static void flatten_shape(scene *s, int i, const double t[3], flat *f)
 {
     const double *v = s->variables[i];
     const fxs_fit_camera *camera = &s->camera;
-    double r[3][3], sigma[3][3] = {{0}}, m[2][3], flat_sigma[2][2] = {{0.3, 0}, {0, 0.3}};
+    double r[3][3], sigma[3][3] = {{0}}, m[2][3], flat_sigma[2][2] = {{0}};
     rotation_of_quaternion(v + FXS_FIT_ROTATION, r);
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
@@ -81,7 +81,12 @@ static void flatten_shape(scene *s, int i, const double t[3], flat *f)
         for (int b = 0; b < 2; b++)
             for (int k = 0; k < 9; k++)
                 flat_sigma[a][b] += m[a][k / 3] * sigma[k / 3][k % 3] * m[b][k % 3];
+    const double sharp = flat_sigma[0][0] * flat_sigma[1][1] - flat_sigma[0][1] * flat_sigma[0][1];
+    flat_sigma[0][0] += 0.3;
+    flat_sigma[1][1] += 0.3;
     const double det = flat_sigma[0][0] * flat_sigma[1][1] - flat_sigma[0][1] * flat_sigma[0][1];
+    if (camera->is_antialiased)
+        f->opacity *= sqrt(sharp / det);
     f->q[0] = flat_sigma[1][1] / det;
     f->q[1] = -flat_sigma[0][1] / det;
     f->q[2] = flat_sigma[0][0] / det;
@@ -234,6 +239,7 @@ typedef struct kind {
     double aside;                  /* slopes, in half pictures */
     double scale[2], opacity[2], colour[2];
     const uint8_t *mask;
+    int is_antialiased;
 } kind;
 
 /* Draws scenes until one has no decision that singles might take otherwise, and photographs beside their pictures. */
@@ -252,6 +258,7 @@ static void make_scene(scene *s, const kind *k, int degree, int has_gain, int ha
         s->count = k->count;
         s->degree = degree;
         s->camera = fit_camera(WIDTH, HEIGHT, k->focal);
+        s->camera.is_antialiased = k->is_antialiased;
         pose(s);
         s->cuts.nearest = INFINITY;
         for (int c = 0; c < 3; c++)
@@ -457,7 +464,7 @@ static tally check_scenes(const kind *k, int scenes)
 
 static void test_ordinary(void)
 {
-    const kind k = {6, 30, 1, {-2.5, -0.8}, {-2, 3}, {0, 1.5}, NULL};
+    const kind k = {6, 30, 1, {-2.5, -0.8}, {-2, 3}, {0, 1.5}, NULL, 0};
     const tally t = check_scenes(&k, 4);
     CHECK(t.gaussians - t.unseen > 15);
 }
@@ -465,20 +472,20 @@ static void test_ordinary(void)
 /* Centres beyond the picture, and so far beyond it that the Jacobian's slopes are cut. */
 static void test_beyond_the_picture(void)
 {
-    const kind k = {7, 12, 2.2, {-1.5, 0.3}, {-1, 3}, {0, 1.5}, NULL};
+    const kind k = {7, 12, 2.2, {-1.5, 0.3}, {-1, 3}, {0, 1.5}, NULL, 0};
     const tally t = check_scenes(&k, 6);
     CHECK(t.outside > 8 && t.beside > 5 && t.unseen > 3);
 }
 
 static void test_colours_below_0(void)
 {
-    const kind k = {8, 30, 1, {-2.5, -0.8}, {-1, 3}, {-2.5, -1}, NULL};
+    const kind k = {8, 30, 1, {-2.5, -0.8}, {-1, 3}, {-2.5, -1}, NULL, 0};
     CHECK(check_scenes(&k, 4).dark > 10);
 }
 
 static void test_opaque(void)
 {
-    const kind k = {16, 30, 1, {-1.5, -0.3}, {4, 9}, {0, 1.5}, NULL};
+    const kind k = {16, 30, 1, {-1.5, -0.3}, {4, 9}, {0, 1.5}, NULL, 0};
     const tally t = check_scenes(&k, 5);
     CHECK(t.capped > 8 && t.closed > 8);
 }
@@ -487,16 +494,31 @@ static void test_opaque(void)
 static void test_ignored_pixels(void)
 {
     static uint8_t mask[PIXELS];
-    const kind k = {6, 30, 1, {-2.5, -0.8}, {-2, 3}, {0, 1.5}, mask};
+    const kind k = {6, 30, 1, {-2.5, -0.8}, {-2, 3}, {0, 1.5}, mask, 0};
     for (int i = 0; i < PIXELS; i++)
         mask[i] = (i % WIDTH / 7 + i / WIDTH / 5) % 3 ? 255 : 0;
     const tally t = check_scenes(&k, 4);
     CHECK(t.gaussians - t.unseen > 15);
 }
 
+/* Opacities that compensate the dilation: of Gaussians smaller than a pixel and larger ones, of flat ones and needles,
+   and beyond the picture. */
+static void test_antialiased(void)
+{
+    const kind small = {10, 30, 1, {-4.5, -1.5}, {0, 5}, {0, 1.5}, NULL, 1};
+    const kind needles = {9, 30, 1, {-6, -0.3}, {1, 5}, {0, 1.5}, NULL, 1};
+    const kind beyond = {7, 12, 2.2, {-2, 0.3}, {-1, 3}, {0, 1.5}, NULL, 1};
+    tally t = check_scenes(&small, 5);
+    CHECK(t.gaussians - t.unseen > 12);
+    t = check_scenes(&needles, 5);
+    CHECK(t.gaussians - t.unseen > 12);
+    t = check_scenes(&beyond, 5);
+    CHECK(t.outside > 5 && t.beside > 3);
+}
+
 static void test_many(void)
 {
-    const kind k = {48, 30, 1, {-1.5, -0.3}, {-1, 4}, {0, 1.5}, NULL};
+    const kind k = {48, 30, 1, {-1.5, -0.3}, {-1, 4}, {0, 1.5}, NULL, 0};
     CHECK(check_scenes(&k, 4).closed > 15);
 }
 
@@ -686,17 +708,51 @@ static void test_project_cuts(void)
     }
 }
 
+/* The bound of Gaussians before two cameras, in doubles: that of the nearer one; of the other where they are a tenth
+   beside its picture, and far beside the nearer one's; none a fifth beside it, and behind both. */
+static void test_bounds_of_scales(void)
+{
+    enum { BESIDE = FXS_FIT_GROUP - 3, FAR_BESIDE, BEHIND };
+    fxs_fit_camera of[2] = {fit_camera(40, 24, 30), fit_camera(40, 24, 30)};
+    const fxs_fit_cameras cameras = {of, 2};
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    const double pixel = sqrt(0.2) / (double)of[0].focal[1];
+    for (int k = 0; k < 3; k++)     /* nearer by 1 */
+        of[1].eye[k] += of[1].rotation[6 + k];
+    for (int n = 0; n < 2 * count; n++) {
+        const int divisor = n % 2 ? 4 : 1;
+        float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP] = {{0}};
+        for (int i = 0; i < FXS_FIT_GROUP; i++)
+            for (int k = 0; k < 3; k++) {
+                const float at = i == BESIDE ? 1.1f : i == FAR_BESIDE ? 1.2f : 0.5f;      /* widths from the left */
+                const float along = i == BEHIND ? -4 : 4, aside = along * (40 * at - of[0].middle[0]) / of[0].focal[0];
+                parameters[k][i] = of[0].eye[k] + along * of[0].rotation[6 + k] + aside * of[0].rotation[k];
+                parameters[FXS_FIT_SCALE + k][i] = k ? -9 : 2;
+            }
+        versions[n / 2]->smooth(&cameras, divisor, parameters[0], FXS_FIT_GROUP, 0, FXS_FIT_GROUP);
+        for (int i = 0; i < FXS_FIT_GROUP; i++) {
+            const double wanted = i >= FAR_BESIDE ? -9 : log(pixel * divisor * (i == BESIDE ? 4 : 3));
+            CHECK(parameters[FXS_FIT_SCALE][i] == 2);
+            for (int k = 1; k < 3; k++)
+                CHECK(fabs((double)parameters[FXS_FIT_SCALE + k][i] - wanted) < 1e-5);
+        }
+    }
+}
+
 int main(void)
 {
     RUN(test_ordinary);
     RUN(test_beyond_the_picture);
     RUN(test_colours_below_0);
     RUN(test_opaque);
+    RUN(test_antialiased);
     RUN(test_many);
     RUN(test_ignored_pixels);
     RUN(test_cut_of_level);
     RUN(test_closed_pixel);
     RUN(test_alpha_of_99);
     RUN(test_project_cuts);
+    RUN(test_bounds_of_scales);
     return check_report();
 }

@@ -712,6 +712,23 @@ static void mcmc_recipe(void)
     CHECK(fxs_fit_first_opacity(FXS_FIT_MCMC) == 0.5f && fxs_fit_first_scale(FXS_FIT_FAST) == 0.1f);
 }
 
+/* Scales are bounded by photographs of the size that they have in the step: the first, every 100th, that before the
+   last tenth, and the last. */
+static void bounds_of_scales(void)
+{
+    fxs_fit_options o;
+    fxs_fit_options_init(&o);
+    CHECK(!plan_of(&o, 100).smooths);
+    o.antialiased = 1;
+    o.steps = 1250;
+    for (uint32_t step = 1; step <= 1250; step++) {
+        const int is_one = step == 1 || step % 100 == 0 || step == 1125 || step == 1250;
+        CHECK(plan_of(&o, step).smooths == (!is_one ? 0 : step <= 125 ? 4 : step <= 375 ? 2 : 1));
+    }
+    o.recipe = FXS_FIT_REFERENCE;
+    CHECK(plan_of(&o, 1).smooths == 1 && !plan_of(&o, 2).smooths && plan_of(&o, 1250).smooths == 1);
+}
+
 static void extents(void)
 {
     fxs_fit_photo photos[3];
@@ -1147,6 +1164,7 @@ int main(void)
     RUN(reference_recipe);
     RUN(mcmc_recipe);
     RUN(rates_of_exposures);
+    RUN(bounds_of_scales);
     RUN(extents);
     RUN(adam);
     RUN(gradients_beyond);

@@ -290,7 +290,7 @@ typedef struct recorded {
 } recorded;
 
 enum { FEW, FEW_MCMC, FEW_EXPOSURE, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, BATCH, EXPOSURE, MASKS, HALF_MASKS,
-       POSES, FITS };
+       POSES, ANTIALIASED, FITS };
 static const recorded fits[FITS] = {
     {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 1,
      FXS_FIT_EXPOSURE_NONE, 0.6, 0x7039dbc1345dae8b},
@@ -317,7 +317,9 @@ static const recorded fits[FITS] = {
     {"masks, fast, larger", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, LARGER, 120, 250, 1,
      FXS_FIT_EXPOSURE_NONE, 0.9, 0xe1c52c5a303d20c5},
     {"poses, batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 1100, 250, 4,
-     FXS_FIT_EXPOSURE_GAIN, 0.5, 0xdddb7537ff986555}};
+     FXS_FIT_EXPOSURE_GAIN, 0.5, 0xdddb7537ff986555},
+    {"antialiased, batches of two", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, ORDINARY, 700, 200, 2,
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0x8b4e82a4f63e23fd}};
 
 static int devices;                /* 0: the processor, 1: the first GPU */
 
@@ -334,6 +336,7 @@ static void set_options(const recorded *wanted, fxs_fit_options *o)
     o->batch = wanted->batch;
     o->exposure = wanted->exposure;
     o->refine_poses = wanted == &fits[POSES];
+    o->antialiased = wanted == &fits[ANTIALIASED];
     o->device_count = (uint32_t)devices;
 }
 
@@ -508,6 +511,60 @@ static void test_exposures_are_found(void)
                left[FOUND]);
 }
 
+/* The sigma that the finest photograph of a place asks for: sqrt(0.2) pixels, 0 where none sees it or its edge is so
+   near that singles may decide otherwise. */
+static double finest_sigma(const float place[3])
+{
+    double finest = INFINITY;
+    for (int i = 0; i < PHOTOS; i++) {
+        const fxs_file_view *v = &photos[i].view;
+        double at[3] = {0, 0, 0};
+        for (int k = 0; k < 9; k++)
+            at[k / 3] += v->rotation[k] * ((double)place[k % 3] - v->position[k % 3]);
+        const double x = (v->fx * at[0] / at[2] + v->cx) / v->width, y = (v->fy * at[1] / at[2] + v->cy) / v->height;
+        const double beyond = fmax(fmax(-x, x - 1), fmax(-y, y - 1));
+        if (at[2] > 0.2 && fabs(beyond - 0.15) < 1e-4)
+            return 0;
+        if (at[2] > 0.2 && beyond < 0.15)
+            finest = fmin(finest, at[2] / v->fx);
+    }
+    return finest < INFINITY ? sqrt(0.2) * finest : 0;
+}
+
+/* At its end no Gaussian is finer than the photographs, some are as fine; of a fit that is not antialiased many are. */
+static void test_antialiased(void)
+{
+    check_everywhere(&fits[ANTIALIASED]);
+    for (int i = 0; i < 2; i++) {
+        fxs_fit_options options;
+        fxs_gaussian_source source;
+        fxs_message message;
+        fxs_fit *f;
+        size_t bound = 0, finer = 0;
+        set_options(&fits[ANTIALIASED], &options);
+        options.antialiased = !i;
+        options.steps = 9;         /* too few for a last tenth, so that scales are not rounded */
+        if (!CHECK(fxs_fit_create(&f, photos, PHOTOS, points, POINTS, &options, &message) == 0))
+            return;
+        while (fxs_fit_steps(f) < options.steps)
+            CHECK(fxs_fit_step(f, NULL, &message) == 0);
+        CHECK(!fxs_fit_gaussians(f, &source, &message) && source.antialiased == !i);
+        for (uint64_t n = 0; n < source.count; n++) {
+            fxs_gaussian g;
+            CHECK(source.read(source.argument, n, &g, 1) == 1);
+            const double sigma = finest_sigma(g.position);
+            for (int k = 0; k < 3 && sigma > 0; k++) {
+                const double ratio = exp((double)g.scale[k]) / sigma;
+                finer += ratio < 1 - 1e-5;
+                bound += fabs(ratio - 1) < 1e-5;
+            }
+        }
+        if (!CHECK(i ? finer > 100 && !bound : bound > 15 && !finer))
+            printf("  antialiased %d: %zu scales at the bound, %zu finer\n", !i, bound, finer);
+        fxs_fit_free(f);
+    }
+}
+
 static void test_poses(void)
 {
     make_set(ORDINARY);
@@ -561,6 +618,7 @@ int main(int argc, char **argv)
     RUN(test_masks);
     RUN(test_masks_from_half_the_size);
     RUN(test_masks_that_ignore_nothing);
+    RUN(test_antialiased);
     RUN(test_poses);
     RUN(test_poses_are_found);
 #endif

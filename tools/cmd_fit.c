@@ -58,6 +58,9 @@ static const option_row own_rows[] = {
     {"refine-poses", 0, FLAG(options.refine_poses), .help =
      "cameras are not quite where they are said to be: their poses are fitted beside the scene, those of photographs "
      "that are held out excepted; of --block those of --coarse"},
+    {"antialiased", 0, FLAG(options.antialiased), .help =
+     "the scene is to be seen from other distances or at other sizes than the photographs: Gaussians smaller than a "
+     "pixel get fainter, and none is finer than the photographs are; of --block as --coarse"},
     {"steps", "N", UINT32(options.steps, 1, 1000000000), .help =
      "one photograph each (default 8000, of the other recipes 30000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =

@@ -103,6 +103,7 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
         {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
         {"refine-poses", given->refine_poses == is->refine_poses},
+        {"antialiased", given->antialiased == is->antialiased},
         {"background", !memcmp(given->background, is->background, sizeof is->background)}
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
@@ -125,6 +126,8 @@ static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fi
         return fail(EXIT_USAGE, "--exposure: %s was begun with another", c->coarse);
     if (c->coarse && o->refine_poses && !fxs_fit_options_of(*fit)->refine_poses)
         return fail(EXIT_USAGE, "--refine-poses: %s was begun without", c->coarse);
+    if (c->coarse && o->antialiased && !fxs_fit_options_of(*fit)->antialiased)
+        return fail(EXIT_USAGE, "--antialiased: %s was begun without", c->coarse);
     return c->resume ? check_resumed(c, *fit) : 0;
 }
 

@@ -114,7 +114,7 @@ static int holds(archive *a, uint64_t count, uint64_t words)
 /* The version of a fit with these options: one of earlier options can be read by an earlier fixsplat. */
 static uint32_t version_of(const fxs_fit_options *o)
 {
-    return VERSION + o->exposure + 2 * (uint32_t)o->refine_poses;
+    return VERSION + o->exposure + 2 * (uint32_t)o->refine_poses + 4 * (uint32_t)o->antialiased;
 }
 
 /* Returns whether there is such a version. */
@@ -122,6 +122,7 @@ static int take_version(fxs_fit_options *o, uint32_t version)
 {
     o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 2);
     o->refine_poses = (int)((version - VERSION) / 2 % 2);
+    o->antialiased = (int)((version - VERSION) / 4 % 2);
     return version == version_of(o);
 }
 

@@ -138,6 +138,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
     fxs_fit_options all = *options;
     all.exposure = coarse->fit->options.exposure;
     all.refine_poses = coarse->fit->options.refine_poses;
+    all.antialiased = coarse->fit->options.antialiased;
     *fit = NULL;
     if (options->steps <= coarse->fit->step)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the coarse fit has made %u steps, and a block goes on from "
@@ -177,6 +178,7 @@ void fxs_fit_block_gaussians(const fxs_fit_block *block, fxs_gaussian_source *ga
     memset(gaussians, 0, sizeof *gaussians);
     gaussians->count = block->gaussian_count;
     gaussians->sh_degree = block->coarse->fit->options.sh_degree;
+    gaussians->antialiased = block->coarse->fit->options.antialiased;
     gaussians->read = read_outside;
     gaussians->argument = (void *)block;
 }

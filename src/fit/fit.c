@@ -113,6 +113,7 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : o->batch > FXS_FIT_BATCH                                 ? "number of photographs of a step"
                         : (unsigned)o->exposure > FXS_FIT_EXPOSURE_GAIN            ? "exposure"
                         : (unsigned)o->refine_poses > 1                            ? "refinement of poses"
+                        : (unsigned)o->antialiased > 1                             ? "antialiasing"
                                                                                    : NULL;
     if (wrong)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong);
@@ -202,10 +203,13 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->gains.count = (uint32_t)photo_count;
         f->poses.of = calloc(photo_count, sizeof *f->poses.of);
         f->poses.count = (uint32_t)photo_count;
+        f->cameras.of = calloc(photo_count, sizeof *f->cameras.of);
+        f->cameras.count = (uint32_t)photo_count;
         f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
                                             options->threads, options->clock);
     }
-    if (!f || !f->photographs || !f->order || !f->gains.of || !f->poses.of || !f->stepper) {
+    if (!f || !f->photographs || !f->order || !f->gains.of || !f->poses.of || !f->cameras.of ||
+        !f->stepper) {
         fxs_fit_free(f);
         return fxs_fail_memory(message, "a fit", 0);
     }
@@ -218,6 +222,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->photographs[i].number = (uint32_t)i;
         fxs_fit_set_camera(&f->photographs[i].camera, &photos[i].view);
         f->photographs[i].camera.is_square = options->cutoff == FXS_CUTOFF_SQUARE;
+        f->photographs[i].camera.is_antialiased = options->antialiased;
+        f->cameras.of[i] = f->photographs[i].camera;
     }
     const int error = fxs_fit_choose_engine(f, message);
     if (error)
@@ -250,6 +256,7 @@ int fxs_fit_hand_over(fxs_fit *f, fxs_message *message)
 {
     f->model.gains = f->options.exposure ? &f->gains : NULL;
     f->model.poses = f->options.refine_poses ? &f->poses : NULL;
+    f->model.cameras = f->options.antialiased ? &f->cameras : NULL;
     return f->engine->give(f->self, message);
 }
 
@@ -294,6 +301,7 @@ void fxs_fit_free(fxs_fit *f)
     free(f->order);
     free(f->gains.of);
     free(f->poses.of);
+    free(f->cameras.of);
     free(f);
 }
 
@@ -362,6 +370,7 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->by_scale = plan->by_scale;
     options->gain_rate = plan->gain_rate;
     options->pose_rate = pose_rate(f, plan->pose_way);
+    options->smooths = plan->smooths;
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
     memcpy(options->rate, plan->rate, sizeof options->rate);
     for (int c = 0; c < 3; c++)
@@ -428,6 +437,7 @@ int fxs_fit_gaussians(fxs_fit *f, fxs_gaussian_source *gaussians, fxs_message *m
     const int error = f->engine->fetch(f->self, message);
     gaussians->count = f->model.count;
     gaussians->sh_degree = f->options.sh_degree;
+    gaussians->antialiased = f->options.antialiased;
     gaussians->read = read_gaussians;
     gaussians->argument = &f->model;
     return error;

@@ -210,6 +210,25 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
     }
 }
 
+/* Adds what the picture has by the share of the opacity, o sqrt(sharp / det), with n = T_0 x T_1, sharp = |n|^2, det =
+   sharp + e (A + C) + e^2, e the dilation and A, C the squared lengths of T_0, T_1. dL/dln(o) = -sum of h, and
+       d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
+                                   = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T)
+   In the picture sharp / det is above 2^-16, so nothing overflows. */
+static inline void add_share_gradient(const shape *s, const real sums[], real by_t[2][3])
+{
+    const real *p = s->t[0], *q = s->t[1];
+    const real n[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+    const real wide = (dot3(p, p) + dot3(q, q)) + FXS_FIT_DILATION, sharp = dot3(n, n);
+    const real by_log = -sums[FXS_FIT_SUM] * (FXS_FIT_DILATION / (sharp + FXS_FIT_DILATION * wide));
+    const real by_sharp = wide / sharp;
+    for (int j = 0; j < 3; j++) {
+        const int k = (j + 1) % 3, l = (j + 2) % 3;
+        by_t[0][j] += by_log * (by_sharp * (q[k] * n[l] - q[l] * n[k]) - p[j]);
+        by_t[1][j] += by_log * (by_sharp * (n[k] * p[l] - n[l] * p[k]) - q[j]);
+    }
+}
+
 /* dR/dq of the unit quaternion, then the derivative of the normalisation. */
 static inline void rotation_gradient(const shape *s, const real r[3][3], real out[4])
 {
@@ -274,6 +293,8 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
     by_centre[0] = -(s.ux * sums[FXS_FIT_SUM_U]) * (1.0f / FXS_FIT_UNIT);
     by_centre[1] = -(s.uy * sums[FXS_FIT_SUM_U] + s.vy * sums[FXS_FIT_SUM_V]) * (1.0f / FXS_FIT_UNIT);
     covariance_gradient(&s, sums, by_t);
+    if (camera->is_antialiased)
+        add_share_gradient(&s, sums, by_t);
     shape_gradient(&s, camera, (const real(*)[3])by_t, by_centre, gradient, by_position);
     find_look(l, &s, degree, at, stride);
     colour_gradient(l, degree, at, stride, sums, g, along);

@@ -18,6 +18,7 @@ struct fxs_fit {
     fxs_fit_model model;
     fxs_fit_gains gains;           /* exposures of the photographs, all 0 where the options ask for none */
     fxs_fit_poses poses;           /* of their cameras, all 0 where they stay as they are given */
+    fxs_fit_cameras cameras;       /* of the photographs, of an antialiased fit; else none */
     fxs_fit_profile profile;
     float extent;
     uint32_t step;                 /* number of steps made so far */

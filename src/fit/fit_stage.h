@@ -43,9 +43,9 @@ typedef struct fxs_fit_camera {
     float near;
     int32_t width, height, tiles_x, tiles_y;
     int32_t is_square;             /* 1: the square cut-off of Kerbl et al. 2023, see radius2 of fxs_fit_splat */
-    /* Of pictures alone (float_scene.h); a fit has 0: the camera is orthographic, with pixels a unit in `focal` and
-       slope_most 0; opacities compensate the dilation. */
-    int32_t is_parallel, is_antialiased;
+    int32_t is_parallel;           /* 1: orthographic, with pixels a unit in `focal` and slope_most 0. Of pictures alone
+                                      (float_scene.h) */
+    int32_t is_antialiased;        /* 1: opacities compensate the dilation (Yu et al. 2024) */
 } fxs_fit_camera;
 
 /* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
@@ -137,6 +137,12 @@ typedef struct fxs_fit_poses {
     uint32_t count;
 } fxs_fit_poses;
 
+/* The cameras of all photographs of a fit, of their full size and as they were given: how finely each place is seen. */
+typedef struct fxs_fit_cameras {
+    fxs_fit_camera *of;
+    uint32_t count;
+} fxs_fit_cameras;
+
 /* How the FXS_FIT_CHUNK Gaussians of a chunk are quantised: the numbers of fxs_chunk in the units of the parameters. An
    inverse is that of the step of the profile's own codes, or 0 for a step of 0. */
 typedef struct fxs_fit_chunk {
@@ -159,8 +165,9 @@ typedef struct fxs_fit_noise {
     uint32_t key[2];
 } fxs_fit_noise;
 
-/* The stages for an instruction set. `cover` is a part of bin, `loss_*` are the passes of loss. `noise` and `quantise`
-   follow update, where the recipe or the profile needs them; `pose` comes before it, where poses are refined. */
+/* The stages for an instruction set. `cover` is a part of bin, `loss_*` are the passes of loss. `noise`, `smooth`
+   and `quantise` follow update, where the recipe, the options or the profile need them; `pose` comes before it, where
+   poses are refined. */
 typedef struct fxs_fit_stages {
     const char *name;
     /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_GROUP. */
@@ -194,6 +201,10 @@ typedef struct fxs_fit_stages {
                    size_t count, const float *sums, float *by_centre);
     /* Moves Gaussians first..first + count by noise; none beyond FXS_FIT_FARTHEST_PLACE. */
     void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
+    /* Makes the scales of Gaussians first..first + count as large as the finest photograph asks for (smooth.h), whose
+       pixels are the means of divisor x divisor of its camera's. */
+    void (*smooth)(const fxs_fit_cameras *cameras, int divisor, float *parameters, size_t stride, size_t first,
+                   size_t count);
     /* Sets the parameters of Gaussians first..first + count to the masters as packing quantises them. */
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);

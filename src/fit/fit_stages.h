@@ -4,6 +4,7 @@
 #include "noise.h"
 #include "fit_project.h"
 #include "quantise.h"
+#include "smooth.h"
 #include "tile.h"
 
 #define JOIN(a, b) a##b
@@ -329,6 +330,13 @@ static void NAMED(fxs_fit_noise_, ISA)(const fxs_fit_noise *noise, float *parame
         add_noise(noise, parameters + i, stride, (uint32_t)i);
 }
 
+static void NAMED(fxs_fit_smooth_, ISA)(const fxs_fit_cameras *cameras, int divisor, float *parameters, size_t stride,
+                                        size_t first, size_t count)
+{
+    for (size_t i = first; i < first + count; i += LANES)
+        smooth_scales(cameras, divisor, parameters + i, stride);
+}
+
 static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float *masters, float *parameters,
                                           size_t stride, size_t first, size_t count)
 {
@@ -378,4 +386,4 @@ const fxs_fit_stages NAMED(fxs_fit_stages_, ISA) = {
     NAMED(fxs_fit_backward_, ISA),
     NAMED(fxs_fit_loss_rows_, ISA), NAMED(fxs_fit_loss_derivatives_, ISA), NAMED(fxs_fit_loss_backward_rows_, ISA),
     NAMED(fxs_fit_loss_gradient_, ISA), NAMED(fxs_fit_update_, ISA), NAMED(fxs_fit_noise_, ISA),
-    NAMED(fxs_fit_quantise_, ISA), NAMED(fxs_fit_pose_, ISA)};
+    NAMED(fxs_fit_smooth_, ISA), NAMED(fxs_fit_quantise_, ISA), NAMED(fxs_fit_pose_, ISA)};

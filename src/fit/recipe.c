@@ -134,6 +134,14 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     plan->order = plan->relocate && step % (5 * interval) == 0;
 }
 
+/* At first, or Gaussians smaller than a pixel would be too faint to be fitted; every 100 steps; before the last tenth,
+   which finds the ranges of scales; and at the end. */
+static int is_smoothed(const fxs_fit_options *options, uint32_t step)
+{
+    const uint32_t steps = options->steps;
+    return options->antialiased && (step == 1 || step % 100 == 0 || step == steps - steps / 10 || step == steps);
+}
+
 void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t step, int least_side,
                        fxs_fit_plan *plan)
 {
@@ -144,5 +152,6 @@ void fxs_fit_plan_step(const fxs_fit_options *options, float extent, uint32_t st
         plan_reference(options, extent, step, plan);
     else
         plan_mcmc(options, extent, step, least_side, plan);
+    plan->smooths = is_smoothed(options, step) ? plan->divisor : 0;
     plan->sh_degree = plan->sh_degree < options->sh_degree ? plan->sh_degree : options->sh_degree;
 }

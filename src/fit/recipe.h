@@ -13,7 +13,8 @@ typedef struct fxs_fit_plan {
     float gain_rate;               /* of the exposures of photographs, log2 */
     float pose_way;                /* of their cameras' poses: radians, shared out among the steps of each photograph */
     float noise;                   /* amount of fxs_fit_noise */
-    int densify, relocate, order;  /* 1: done after the update */
+    int smooths;                   /* 0, or as the divisor: scales are bounded after the update */
+    int densify, relocate, order;  /* 1: done after that */
     float large;                   /* scale above which densify removes a Gaussian; infinity: none */
     int reset;                     /* 1: opacities are reset after that */
 } fxs_fit_plan;

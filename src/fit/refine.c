@@ -366,8 +366,6 @@ int fxs_refine(void *data, size_t bytes, const fxs_refine_options *options, fxs_
         return fxs_fail_as(error, message, "%s", fxs_strerror(error));
     if (!r.scene.nodes)
         return 0;
-    if (options->steps && r.scene.antialiased)
-        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "levels of an anti-aliased scene are not refined");
     error = refine_all(&r, data);
     fxs_refine_views_free(&r.views);
     fxs_fit_stepper_free(r.stepper);

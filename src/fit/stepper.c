@@ -601,6 +601,8 @@ static void update_job(void *argument, uint32_t job)
                           m->squares, m->stride, first, count, sums[0][0], m->by_centre);
         if (s->options->noise.amount > 0)
             s->stages->noise(&s->options->noise, masters, m->stride, first, count);
+        if (m->cameras && s->options->smooths)
+            s->stages->smooth(m->cameras, s->options->smooths, masters, m->stride, first, count);
         if (m->masters)
             s->stages->quantise(m->grid, masters, m->parameters, m->stride, first, count);
     }

@@ -32,6 +32,7 @@ typedef struct fxs_fit_model {
     const fxs_fit_grid *grid;
     fxs_fit_gains *gains;          /* exposures of the photographs, changed by steps; null: none has one */
     fxs_fit_poses *poses;          /* the same of the poses of their cameras */
+    const fxs_fit_cameras *cameras;    /* by which steps bound scales; null: they do not */
 } fxs_fit_model;
 
 typedef struct fxs_fit_step_options {
@@ -42,6 +43,8 @@ typedef struct fxs_fit_step_options {
     float gain_rate;               /* of the exposures of the batch's photographs, log2; 0: they stay */
     float pose_rate;               /* of the poses of their cameras, radians; 0: they stay */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
+    int smooths;                   /* scales are bounded after the update, where the model has cameras: by what
+                                      photographs are reduced meanwhile; 0: they are not */
     fxs_fit_noise noise;           /* noise after the update; amount 0: none */
     size_t changed;                /* so many Gaussians are changed, the first of the model, rounded down to
                                       FXS_FIT_GROUP; 0: all. Of the processor's stepper alone */

@@ -57,6 +57,10 @@ for photos in "$@"; do
     fit "$photos" "$name-cpu.ply" --resolution 300 --steps 200 >/dev/null
     fit "$photos" "$name-cuda.ply" --resolution 300 --steps 200 --backend cuda >/dev/null
     same "$name-cpu.ply" "$name-cuda.ply"
+    say "the same antialiased, packed"
+    fit "$photos" "$name-cpu.fxs" --resolution 300 --steps 200 --antialiased >/dev/null
+    fit "$photos" "$name-cuda.fxs" --resolution 300 --steps 200 --antialiased --backend cuda >/dev/null
+    same "$name-cpu.fxs" "$name-cuda.fxs"
     say "the same with exposures and poses, 700 steps"
     fit "$photos" "$name-cpu.ply" --resolution 300 --steps 700 --exposure gain --refine-poses >/dev/null
     fit "$photos" "$name-cuda.ply" --resolution 300 --steps 700 --exposure gain --refine-poses --backend cuda >/dev/null

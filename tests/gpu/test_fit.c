@@ -17,6 +17,7 @@ typedef struct what {
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
     uint32_t gains, poses;         /* photographs with an exposure, with a pose; 0: none. Where there are both, as many */
+    int is_antialiased;            /* and the cameras of the batch bound scales, as divisors of 1, 2, none */
     int has_masks;                 /* all photographs but the second, which are at most MASK_PIXELS large */
 } what;
 
@@ -109,6 +110,7 @@ static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uin
         p->camera = fit_camera(w->width, w->height, (float)w->width);
         p->camera.eye[2] -= 3 + (float)i;
         p->camera.is_square = w->is_square;
+        p->camera.is_antialiased = w->is_antialiased;
         p->width = w->width;
         p->height = w->height;
         p->divisor = 1;
@@ -128,6 +130,7 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     o->by_opacity = o->by_scale = w->by_opacity;
     o->gain_rate = 0.05f;
     o->pose_rate = 0.01f;
+    o->smooths = (int)number % 3;
     o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}};
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
         o->rate[k] = 0.01f;
@@ -232,6 +235,8 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     static fxs_fit_pose poses_of[2][MOST_GAINS];
     fxs_fit_gains gains[2] = {{gains_of[0], w->gains}, {gains_of[1], w->gains}};
     fxs_fit_poses poses[2] = {{poses_of[0], w->poses}, {poses_of[1], w->poses}};
+    fxs_fit_camera cameras_of[MOST_BATCH];
+    const fxs_fit_cameras cameras = {cameras_of, MOST_BATCH};
     fxs_fit_model here, there;
     fxs_fit_options options;
     const fxs_fit_engine *engine;
@@ -256,6 +261,9 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     fill_poses(poses_of);
     here.poses = w->poses ? &poses[0] : NULL;
     there.poses = w->poses ? &poses[1] : NULL;
+    for (int i = 0; i < MOST_BATCH; i++)
+        cameras_of[i] = photographs[i].camera;
+    here.cameras = there.cameras = w->is_antialiased ? &cameras : NULL;
     CHECK(!engine->give(self, &why));
     if (narrow)
         CHECK(!peek_fit_narrow(self, narrow));
@@ -276,9 +284,9 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
                   CHECK(!memcmp(gains_of[0], gains_of[1], sizeof gains_of[0])) &&
                   CHECK(!memcmp(poses_of[0], poses_of[1], sizeof poses_of[0]));
     if (!CHECK(is_same))
-        printf("  %d x %d, square %d, %zu Gaussians, degree %d, batch %d, %u exposures, %u poses, spoiled %d\n",
-               (int)w->width, (int)w->height, (int)w->is_square, w->count, w->degree, w->batch, (unsigned)w->gains,
-               (unsigned)w->poses, is_spoiled);
+        printf("  %d x %d, square %d, antialiased %d, %zu Gaussians, degree %d, batch %d, %u exposures, %u poses, "
+               "spoiled %d\n", (int)w->width, (int)w->height, (int)w->is_square, w->is_antialiased, w->count,
+               w->degree, w->batch, (unsigned)w->gains, (unsigned)w->poses, is_spoiled);
     peek_fit_free(&p);
     fxs_fit_stepper_free(s);
     engine->free(self);
@@ -348,6 +356,19 @@ static void test_poses(void)
         const what w = {.width = i % 2 ? 37 : 160, .height = i % 2 ? 27 : 120, .count = counts[quick ? 0 : i % 3],
                         .degree = i % 4, .batch = 1 + i % MOST_BATCH, .near_size = -2.5f, .poses = poses,
                         .gains = i % 5 < 2 ? poses : 0};
+        compare(&w, i % 4 == 3, 0, MOST_STEPS);
+    }
+}
+
+/* Of Gaussians smaller than a pixel and larger ones, by either cut-off, with poses and without. */
+static void test_antialiased(void)
+{
+    static const size_t counts[] = {200, 3000, 20000};
+    for (int i = 0; i < (quick ? 3 : 18); i++) {
+        const what w = {.width = i % 2 ? 37 : 160, .height = i % 2 ? 27 : 120, .is_square = i % 5 == 3,
+                        .count = counts[quick ? 0 : i % 3], .degree = i % 4, .batch = 1 + i % MOST_BATCH,
+                        .noise = i % 3 ? 0 : 50.0f, .near_size = i % 4 < 2 ? -4.5f : -2.5f,
+                        .poses = i % 6 < 2 ? 5 : 0, .is_antialiased = 1};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }
@@ -476,6 +497,7 @@ int main(int argc, char **argv)
     RUN(test_exposures);
     RUN(test_masks);
     RUN(test_poses);
+    RUN(test_antialiased);
     RUN(test_no_room);
     RUN(test_too_little_memory);
     if (!quick)

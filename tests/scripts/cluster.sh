@@ -60,6 +60,13 @@ succeeds "its exposures" $fit --coarse exposed.fit --block 1/3 -o exposed.ply --
 check "its exposures: as of itself" cmp exposed.ply again.ply
 fails "not its exposures" 2 "exposed.fit was begun with another" $fit --coarse exposed.fit --block 1/3 -o x.ply \
     --exposure none
+fails "not antialiased" 2 "exposed.fit was begun without" $fit --coarse exposed.fit --block 1/3 -o x.ply --antialiased
+succeeds "coarse, antialiased" fit set --quiet --recipe reference --steps 100 --resolution 32 -o smooth.fit \
+    --antialiased
+succeeds "of it: antialiased" $fit --coarse smooth.fit --block 1/3 -o smooth.ply
+succeeds "of it: what is outside" $fit --coarse smooth.fit --block 0/3 -o outside.ply
+check "of it: the parts say so" equal "$(grep -al '^comment antialiased 1$' smooth.ply outside.ply | tr '\n' ' ')" \
+    "smooth.ply outside.ply "
 succeeds "another coarse fit" fit set --quiet --recipe reference --steps 99 --resolution 32 -o other.fit
 fails "resumed from another coarse fit" 1 "of other photographs" $fit --coarse other.fit --block 1/3 -o x.ply \
     --resume saved.ply.fit

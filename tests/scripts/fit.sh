@@ -336,6 +336,14 @@ fails "--resume: poses that stay" 2 "--refine-poses: part.fxs.fit was begun with
     --resume part.fxs.fit --refine-poses
 fails "--refine-poses of a block" 2 "--refine-poses: of --block only with --coarse" fit set -o x.ply --refine-poses \
     --block 1/2
+succeeds "--antialiased" fit set --steps 60 -o smooth.fxs --antialiased --threads 1 --save-every 31
+"$fixsplat" info smooth.fxs >logs/out
+check "--antialiased: the scene says so" grep -q '^format  *fxs, anti-aliased$' logs/out
+cp smooth.fxs.fit smooth.fit
+"$fixsplat" fit set --steps 60 -o again.fxs --resume smooth.fit --threads 2 --cpu c >logs/out
+check "--antialiased, resumed, 2 threads, plain C: the same file" cmp smooth.fxs again.fxs
+fails "--resume: antialiased" 2 "--antialiased: part.fxs.fit was begun with another" $fit -o x.fxs \
+    --resume part.fxs.fit --antialiased
 cp part.fxs.fit given.fxs
 fails "OUT is the file that it goes on from" 2 "given.fxs: is read and cannot be written too" $fit -o given.fxs --resume given.fxs
 fails "--resume: another batch" 2 "--batch: again.ply.fit was begun with another" fit set --steps 60 -o x.fxs \

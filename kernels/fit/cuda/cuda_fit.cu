@@ -33,8 +33,10 @@ struct device {
     step_buffers buffers;
     fxs_fit_gains gains;           /* on the device; count 0: photographs have no exposure */
     fxs_fit_poses poses;           /* likewise */
+    fxs_fit_cameras cameras;       /* on the device; count 0: they do not bound scales */
     posed_camera *posed;           /* of a batch's views; null where no photograph has a pose */
-    block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures, all_poses, pose_parts;
+    block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures, all_poses, pose_parts,
+        all_cameras;
     photograph_slot photographs[PHOTOGRAPHS];
     uint32_t next_photograph;
     float *views[FXS_FIT_BATCH];   /* sums of a batch's photographs (see launch_gather), its own and the others' */
@@ -414,6 +416,8 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
                                         d->stream);
     if (o->noise.amount > 0)
         failure = first_of(failure, launch_noise(b, &d->model, &o->noise, d->stream));
+    if (o->smooths && d->cameras.count)
+        failure = first_of(failure, launch_smooth(b, &d->model, &d->cameras, o->smooths, d->stream));
     if (d->model.masters)
         failure = first_of(failure, launch_quantise(b, &d->model, e->model->grid, d->stream));
     if (moves_gains(d, s))
@@ -657,6 +661,21 @@ int upload_poses(device *d, const fxs_fit_poses *from, fxs_message *why)
                  cudaStreamSynchronize(d->stream));
 }
 
+/* And of the cameras by which scales are bounded. */
+int upload_cameras(device *d, const fxs_fit_cameras *from, fxs_message *why)
+{
+    const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
+    d->cameras = {nullptr, 0};
+    if (!from)
+        return 0;
+    const int error = reserve(&d->memory, &d->all_cameras, bytes, why);
+    if (error)
+        return error;
+    d->cameras = {(fxs_fit_camera *)d->all_cameras.data, from->count};
+    return check(why, cudaMemcpyAsync(d->cameras.of, from->of, bytes, cudaMemcpyHostToDevice, d->stream),
+                 cudaStreamSynchronize(d->stream));
+}
+
 int download_poses(const device *d, const fxs_fit_poses *to, fxs_message *why)
 {
     if (!d->poses.count)
@@ -671,6 +690,7 @@ int give(void *self, fxs_message *why)
     return change_model(e, why, [&](device *d) {
         int error = upload_gains(d, e->model->gains, why);
         error = error ? error : upload_poses(d, e->model->poses, why);
+        error = error ? error : upload_cameras(d, e->model->cameras, why);
         return error ? error : model_upload(&d->model, e->model, &d->memory, d->stream, why);
     });
 }
@@ -723,7 +743,7 @@ void close(device *d)
     model_free(&d->model, &d->memory);
     block *const blocks[] = {&d->splats,  &d->slots,  &d->pixels, &d->sums_of_views,
                              &d->scratch, &d->status, &d->reduced, &d->exposures,
-                             &d->all_poses, &d->pose_parts};
+                             &d->all_poses, &d->pose_parts, &d->all_cameras};
     for (block *b : blocks)
         reserve(&d->memory, b, 0, nullptr);
     for (photograph_slot &slot : d->photographs) {

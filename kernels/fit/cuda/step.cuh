@@ -42,6 +42,7 @@ static inline float odds_of(float alpha)
 #include "src/fit/adam.h"
 #include "src/fit/noise.h"
 #include "src/fit/quantise.h"
+#include "src/fit/smooth.h"
 #undef static
 
 const uint32_t WARP = 32;

@@ -342,6 +342,22 @@ cudaError_t launch_noise(const step_buffers *b, const device_model *m, const fxs
     return cudaGetLastError();
 }
 
+/* `cameras`: on the device. */
+__global__ void __launch_bounds__(FXS_FIT_PART)
+    smooth_model(step_buffers b, device_model m, fxs_fit_cameras cameras, int divisor)
+{
+    const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
+    if (i < m.count && !is_stopped(b.status))
+        smooth_scales(&cameras, divisor, (m.masters ? m.masters : m.parameters) + i, m.stride);
+}
+
+cudaError_t launch_smooth(const step_buffers *b, const device_model *m, const fxs_fit_cameras *cameras, int divisor,
+                          cudaStream_t stream)
+{
+    smooth_model<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, *cameras, divisor);
+    return cudaGetLastError();
+}
+
 /* Those of a degree; all is read before the first is written. */
 template <int Degree>
 __device__ inline void quantise_sh(const fxs_fit_chunk *chunk, const device_model &m, uint32_t i)

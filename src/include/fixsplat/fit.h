@@ -101,6 +101,10 @@ typedef struct fxs_fit_options {
     enum fxs_fit_exposure exposure;    /* of a whole fit; a block has that of its coarse fit */
     int refine_poses;              /* 1: the poses of the photographs' cameras are refined beside the scene, from step
                                       501 on; of a whole fit, as above. fxs_fit_pose_photos gives them */
+    int antialiased;               /* 1: for other distances and sizes than the photographs' (Yu et al. 2024): opacities
+                                      compensate the dilation, which the scene says of itself, and no Gaussian is finer
+                                      than 0.447 pixels (sigma) of its finest photograph. A block is as its coarse
+                                      fit */
 } fxs_fit_options;
 
 /* Sets the initial values that the comments above name, and 0 for the others, which is one thread. */

@@ -41,8 +41,7 @@ typedef struct fxs_refine_options {
    and within the box of what is seen. It takes 1.3 KB for each Gaussian of the finest level that is refined, and up to
    200 MB of pictures, of a scene of more than a million up to 1.4 GB; without steps an eighth of that. Returns 0, or an
    error and a message, after which levels may be refined in part and can be drawn all the same: FXS_ERR_ARGUMENT,
-   FXS_ERR_UNSUPPORTED (steps for an anti-aliased scene), FXS_ERR_STOPPED, FXS_ERR_MEMORY, and those of fxs_scene_open,
-   of nodes too. */
+   FXS_ERR_STOPPED, FXS_ERR_MEMORY, and those of fxs_scene_open, of nodes too. */
 FXS_API int fxs_refine(void *data, size_t bytes, const fxs_refine_options *options, fxs_message *message);
 
 #ifdef __cplusplus

@@ -1,0 +1,52 @@
+/* smooth: no Gaussian is finer than the finest photograph that sees it. No photograph tells how thin it would be, but
+ * from nearer than all of them that would be seen. The 3D smoothing filter of Yu et al. 2024 ("Mip-Splatting"), as a
+ * bound of each scale. */
+#ifndef FXS_FIT_SMOOTH_H
+#define FXS_FIT_SMOOTH_H
+
+#include "fit_gaussian.h"
+
+#define FXS_FIT_SMOOTH 0.447213595f    /* sqrt(0.2) pixels */
+#define FXS_FIT_BESIDE 0.15f       /* of the picture's size: a centre so far beyond an edge is seen too */
+
+/* The size of a camera's pixel at a place, or `least_so_far` where that is less or the place is not seen. A pixel x of
+   the place is (focal X + middle Z) / Z. */
+static inline real finest_of(const fxs_fit_camera *c, const real place[3], real least_so_far)
+{
+    const int32_t size[2] = {c->width, c->height};
+    real offset[3], at[3];
+    for (int i = 0; i < 3; i++)
+        offset[i] = place[i] - c->eye[i];
+    for (int i = 0; i < 3; i++)
+        at[i] = (c->rotation[3 * i] * offset[0] + c->rotation[3 * i + 1] * offset[1]) +
+                c->rotation[3 * i + 2] * offset[2];
+    mask seen = below(all(c->near), at[2]);
+    for (int i = 0; i < 2; i++) {
+        const real pixel = c->focal[i] * at[i] + c->middle[i] * at[2];
+        seen = both(seen, both(below(at[2] * (-FXS_FIT_BESIDE * (float)size[i]), pixel),
+                               below(pixel, at[2] * ((1.0f + FXS_FIT_BESIDE) * (float)size[i]))));
+    }
+    const real own = at[2] / (c->focal[0] > c->focal[1] ? c->focal[0] : c->focal[1]);
+    return choose(both(seen, below(own, least_so_far)), own, least_so_far);
+}
+
+/* scale = max(scale, sqrt(0.2) divisor min of depth / focal over the cameras that see the centre). What none sees
+   stays. */
+static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, float *at, size_t stride)
+{
+    const real farthest = all(FXS_FIT_FARTHEST_PLACE);
+    real place[3], finest = farthest;
+    for (int i = 0; i < 3; i++)
+        place[i] = load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride);
+    for (uint32_t i = 0; i < cameras->count; i++)
+        finest = finest_of(&cameras->of[i], place, finest);
+    const mask is_seen = below(finest, farthest);
+    const real low = ln(most(finest, all(1e-16f)) * (FXS_FIT_SMOOTH * (float)divisor));    /* -37.6..29 */
+    for (int i = 0; i < 3; i++) {
+        float *to = at + (FXS_FIT_SCALE + i) * (ptrdiff_t)stride;
+        const real scale = load(to);
+        store(to, choose(both(is_seen, below(scale, low)), low, scale));
+    }
+}
+
+#endif
