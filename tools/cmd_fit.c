@@ -58,6 +58,9 @@ static const option_row own_rows[] = {
     {"refine-poses", 0, FLAG(options.refine_poses), .help =
      "cameras are not quite where they are said to be: their poses are fitted beside the scene, those of photographs "
      "that are held out excepted; of --block those of --coarse"},
+    {"sky", "N", UINT32(options.sky, 1, FXS_FIT_SKY_MOST), .help =
+     "begin with Gaussians far away too, where photographs look and no points lie: a sky, mountains; N directions "
+     "around the cameras, 1 to 1000000, of which 50000 are enough for most; of --block that of --coarse"},
     {"steps", "N", UINT32(options.steps, 1, 1000000000), .help =
      "one photograph each (default 8000, of the other recipes 30000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =
@@ -203,6 +206,8 @@ static int check_options(const fit_command *c)
         return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
     if (c->options.refine_poses && c->blocks && !c->coarse)
         return fail(EXIT_USAGE, "--refine-poses: of --block only with --coarse, whose poses it has");
+    if (c->options.sky && c->blocks && !c->coarse)
+        return fail(EXIT_USAGE, "--sky: of --block only with --coarse, whose sky it has");
     if (c->crops && (c->blocks || (c->out && ends_with(c->out, ".fit"))))
         return fail(EXIT_USAGE, "--crop-to-subject: of a whole fit that ends in .fxs or .ply");
     if (c->coarse && !c->blocks)

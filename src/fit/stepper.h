@@ -42,6 +42,7 @@ typedef struct fxs_fit_step_options {
     float gain_rate;               /* of the exposures of the batch's photographs, log2; 0: they stay */
     float pose_rate;               /* of the poses of their cameras, radians; 0: they stay */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
+    fxs_fit_far far;               /* where by_scale is of scales in its units */
     fxs_fit_noise noise;           /* noise after the update; amount 0: none */
     size_t changed;                /* so many Gaussians are changed, the first of the model, rounded down to
                                       FXS_FIT_GROUP; 0: all. Of the processor's stepper alone */
