@@ -165,7 +165,7 @@ int fxs_fit_sky_find(const fxs_fit_photo *photos, size_t photo_count, const fxs_
             look(&photos[i], &near, &sky->points[k], &tallies[k]);
     }
     sky->count = choose(sky->points, tallies, directions);
-    sky->sigma = (float)(radius * sqrt(4 * 3.14159265358979324 / directions));
+    sky->sigma = (float)(0.5 * radius * sqrt(4 * 3.14159265358979324 / directions));
     for (int k = 0; k < 3; k++)
         sky->far.middle[k] = (float)middle[k];
     sky->far.inverse = fminf(1 / extent, FXS_FIT_INVERSE_MOST);
