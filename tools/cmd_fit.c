@@ -39,6 +39,16 @@ static int take_block(const option_row *row, void *field, const char *value)
     return 0;
 }
 
+static int take_sky(const option_row *row, void *field, const char *value)
+{
+    fit_command *c = field;
+    uint64_t directions = FXS_FIT_SKY;
+    if (value && !parse_count(value, 1, FXS_FIT_SKY_MOST, &directions))
+        return wrong_value(row, value);
+    c->options.sky = (uint32_t)directions;
+    return 0;
+}
+
 #define OPTIONS fit_command
 
 static const option_row own_rows[] = {
@@ -58,9 +68,9 @@ static const option_row own_rows[] = {
     {"refine-poses", 0, FLAG(options.refine_poses), .help =
      "cameras are not quite where they are said to be: their poses are fitted beside the scene, those of photographs "
      "that are held out excepted; of --block those of --coarse"},
-    {"sky", "N", UINT32(options.sky, 1, FXS_FIT_SKY_MOST), .help =
-     "begin with Gaussians far away too, where photographs look and no points lie: a sky, mountains; N directions "
-     "around the cameras, 1 to 1000000, of which 50000 are enough for most; of --block that of --coarse"},
+    {"sky", "[=N]", take_sky, 0, .expected = "1 to 1000000 directions", .help =
+     "begin with Gaussians far away too, where photographs look and no points lie: sky, clouds, mountains; of N "
+     "directions all around, 1 to 1000000 (default 20000); of --block that of --coarse"},
     {"steps", "N", UINT32(options.steps, 1, 1000000000), .help =
      "one photograph each (default 8000, of the other recipes 30000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =

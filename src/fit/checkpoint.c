@@ -114,7 +114,7 @@ static int holds(archive *a, uint64_t count, uint64_t words)
 /* The version of a fit with these options: one of earlier options can be read by an earlier fixsplat. */
 static uint32_t version_of(const fxs_fit_options *o)
 {
-    return VERSION + o->exposure + 2 * (uint32_t)o->refine_poses + 4 * (o->sky > 0);
+    return VERSION + o->exposure + 2 * (uint32_t)o->refine_poses + 4 * (uint32_t)(o->sky > 0);
 }
 
 /* Returns whether there is such a version. */

@@ -478,7 +478,7 @@ options = {"recipe": "mcmc", "steps": 12, "exposure": "gain", "refine_poses": Tr
            "max_gaussians": 300, "background": (16, 32, 48), "cutoff": "square", "profile": "small",
            "hold_out": 0, "seed": 3, "resolution": 32, "batch": 2}
 fixsplat.fit("set", **options).save("fitted.fxs")
-run("fit", "set", "--recipe", "mcmc", "--exposure", "gain", "--refine-poses", "--sky", "500", "--steps", "12",
+run("fit", "set", "--recipe", "mcmc", "--exposure", "gain", "--refine-poses", "--sky=500", "--steps", "12",
     "--sh-degree", "1", "--max-gaussians", "300", "--background", "102030", "--cutoff", "square", "--profile", "small", "--hold-out",
     "0", "--seed", "3", "--resolution", "32", "--batch", "2", "-o", "command.fxs")
 ok("fit: all options: the command's file", read("fitted.fxs") == read("command.fxs"))

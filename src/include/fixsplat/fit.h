@@ -61,7 +61,8 @@ enum fxs_fit_recipe {
     FXS_FIT_FAST = 2               /* the same with fewer steps and Gaussians */
 };
 
-#define FXS_FIT_SKY_MOST 1000000   /* directions */
+#define FXS_FIT_SKY 20000          /* directions of a sky that suit most sets, and the most */
+#define FXS_FIT_SKY_MOST 1000000
 
 /* What a fit knows of the exposure of its photographs. */
 enum fxs_fit_exposure {
