@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include <fixsplat/fit.h>
+#include "src/fit/fit_internal.h"
 #include "src/fit/sky.h"
 #include "fit_scene.h"
 
@@ -183,6 +184,25 @@ static void masked(void)
     CHECK(!sky.count);
 }
 
+/* The mean of the photographs that see it free, half up: the third has a point before it. */
+static void mean_colour(void)
+{
+    static uint8_t shades[3][sizeof pixels];
+    static const fxs_fit_point before = {{8, -2, 17}, {0}};
+    static const uint8_t values[] = {10, 21, 200};
+    for (int i = 0; i < 3; i++) {
+        aim(i, 0, i < 2 ? 0 : 5);
+        memset(shades[i], values[i], sizeof shades[i]);
+        photos[i].pixels = shades[i];
+    }
+    CHECK(ahead(3, &before, 1) > 2);
+    for (size_t i = 0; i < sky.count; i++) {
+        const float *p = sky.points[i].position;
+        if (hypot((double)p[0] - middle[0], (double)p[1] - middle[1]) < 0.03 * ((double)p[2] - middle[2]))
+            CHECK(sky.points[i].colour[0] == 16 && sky.points[i].colour[2] == 16);
+    }
+}
+
 /* ---- Sizes ------------------------------------------------------------------------------------------------------- */
 
 static float *at(const fxs_fit_model *m, int plane, size_t i)
@@ -298,12 +318,13 @@ static void begins_a_fit(void)
     options.extent = 2;
     if (CHECK(!fxs_fit_create(&fit, photos, PHOTOS, points, POINTS, &options, &message))) {
         CHECK(fxs_fit_sky_count(fit) == sky.count && sky.count > 1000);
+        CHECK(!memcmp(&fit->far, &sky.far, sizeof sky.far));
         CHECK(!fxs_fit_gaussians(fit, &source, &message) && source.count == POINTS + sky.count);
         CHECK(source.read(source.argument, source.count - 1, &last, 1) == 1);
         CHECK(!memcmp(last.position, sky.points[sky.count - 1].position, sizeof last.position));
         CHECK(fabs((double)last.scale[1] - log((double)sky.sigma)) < 1e-5);
         CHECK(source.read(source.argument, POINTS - 1, &last, 1) == 1);
-        CHECK(!memcmp(last.position, points[POINTS - 1].position, sizeof last.position));
+        CHECK(!memcmp(last.position, points[POINTS - 1].position, sizeof last.position) && last.scale[1] < 5);
         fxs_fit_free(fit);
     }
     options.max_gaussians = (POINTS + sky.count) / 4;
@@ -328,6 +349,7 @@ int main(void)
     RUN(is_the_same_everywhere);
     RUN(most_photographs_decide);
     RUN(masked);
+    RUN(mean_colour);
     RUN(sizes);
     RUN(begins_a_fit);
     free(sky.points);
