@@ -156,8 +156,8 @@ int fxs_fit_sky_find(const fxs_fit_photo *photos, size_t photo_count, const fxs_
         sky->points = NULL;
         return FXS_ERR_MEMORY;
     }
-    const double size = away > (double)extent ? away : (double)extent;
-    const double radius = TIMES * size < FARTHEST ? TIMES * size : FARTHEST;
+    const double size = TIMES * (away > (double)extent ? away : (double)extent);
+    const double radius = size < FARTHEST ? size : FARTHEST;
     spread(sky->points, directions, middle, radius);
     for (size_t i = 0; i < photo_count; i++) {
         find_cells(&near, &photos[i].view, points, point_count);
@@ -168,7 +168,7 @@ int fxs_fit_sky_find(const fxs_fit_photo *photos, size_t photo_count, const fxs_
     sky->sigma = (float)(0.5 * radius * sqrt(4 * 3.14159265358979324 / directions));
     for (int k = 0; k < 3; k++)
         sky->far.middle[k] = (float)middle[k];
-    sky->far.inverse = fminf((float)(1 / size), FXS_FIT_INVERSE_MOST);
+    sky->far.inverse = fminf(1 / extent, FXS_FIT_INVERSE_MOST);
     free(tallies);
     return 0;
 }

@@ -9,14 +9,14 @@ typedef struct fxs_fit_sky {
     fxs_fit_point *points;
     size_t count;
     float sigma;                   /* of a Gaussian that overlaps with its neighbours, scene units */
-    fxs_fit_far far;               /* about the mean of the cameras */
+    fxs_fit_far far;               /* about the mean of the cameras; its radius is the extent */
 } fxs_fit_sky;
 
-/* The radius of sky->far is the extent of the cameras, or the distance from their mean within which 19 of 20 points lie
-   where that is more. Spreads `directions` points evenly over a sphere 1000 times as large. A point stays where more than
-   half of the photographs that see it have no point of the reconstruction near it: in a cell of a 48th of the longer side
-   of the picture, and those around it. Its colour is the mean of these photographs. Returns 0, with points that the
-   caller frees, or FXS_ERR_MEMORY and none. */
+/* Spreads `directions` points evenly over a sphere about the mean of the cameras, 1000 times as large as their extent,
+   or as the distance within which 19 of 20 points lie where that is more. Those stay that a photograph sees, and of
+   most photographs that see it has a place there without points: none of a 48th of the longer side of the picture, nor
+   in the cells of that size around. The colour is the mean of those photographs. Returns 0, with points that the caller
+   frees, or FXS_ERR_MEMORY and none. */
 int fxs_fit_sky_find(const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_point *points, size_t point_count,
                      uint32_t directions, float extent, fxs_fit_sky *sky);
 

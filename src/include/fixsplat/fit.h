@@ -107,7 +107,7 @@ typedef struct fxs_fit_options {
     uint32_t sky;                  /* so many directions, FXS_FIT_SKY_MOST at most, are spread evenly around the cameras
                                       (spherical Fibonacci lattice). Where photographs look and no points lie, the fit
                                       begins with a Gaussian far away, of the photographs' colour, and sizes of what is
-                                      farther than the points are measured as they look from the cameras. Of a whole
+                                      farther than the extent are measured as they look from the cameras. Of a whole
                                       fit, as above. 0: no sky */
 } fxs_fit_options;
 
