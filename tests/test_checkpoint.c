@@ -267,6 +267,7 @@ static void a_block_keeps(const char *name, uint32_t steps)
         const fxs_fit_options *o = fxs_fit_options_of(fit), *of_whole = fxs_fit_options_of(whole);
         CHECK(o->exposure == of_whole->exposure && o->refine_poses == of_whole->refine_poses &&
               o->antialiased == of_whole->antialiased);
+        CHECK(o->sky == of_whole->sky && !memcmp(&fit->far, &whole->far, sizeof fit->far));
         go_on(fit, steps);
         for (int i = 0; i < 2; i++) {
             CHECK(!memcmp(&fit->gains.of[i], &whole->gains.of[numbers[i]], sizeof *fit->gains.of));
@@ -358,6 +359,37 @@ static void goes_on_antialiased(void)
     fxs_fit_free(whole);
     options.antialiased = 2;
     CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
+    options = mine;
+}
+
+/* A sky: how sizes are measured is in the file, and a block has that of its coarse fit. */
+static void goes_on_with_a_sky(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit *whole, *second;
+    options.recipe = FXS_FIT_MCMC;
+    options.sky = 300;
+    options.steps = 60;
+    whole = begin();
+    CHECK(fxs_fit_sky_count(whole) > 10);
+    go_on(whole, 20);
+    save(whole, "half-sky");
+    go_on(whole, 40);
+    save(whole, "whole-sky");
+    options.sky = 0;
+    if (CHECK(resume(&second, "half-sky") == 0)) {
+        CHECK(fxs_fit_options_of(second)->sky == 300 && !fxs_fit_sky_count(second));
+        CHECK(second->far.inverse > 0 && !memcmp(&second->far, &whole->far, sizeof whole->far));
+        go_on(second, 40);
+        save(second, "resumed-sky");
+        CHECK(same_files("whole-sky", "resumed-sky"));
+        fxs_fit_free(second);
+    }
+    fxs_fit_free(whole);
+    options = mine;
+    options.recipe = FXS_FIT_MCMC;
+    options.steps = 60;
+    a_block_keeps("half-sky", 22);
     options = mine;
 }
 
@@ -610,7 +642,7 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     change("half", 1, 13);          /* of an antialiased one, whose cameras are others */
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
-    change("half", 1, 17);
+    change("half", 1, 41);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
     for (int i = 0; i < 6 * 4; i++) {    /* moments, which may be anything; the second one 0 or more, others to 1 */
         const uint32_t value = faulty[i % 4];
@@ -654,6 +686,32 @@ static void faulty_poses_are_refused(void)
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
     change("half", 1, 11);          /* the version of a fit with poses: it has none */
+    CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
+}
+
+/* Of the sky: the number of directions, which is behind the options, and the middle and the inverse behind the extent. */
+static void faulty_skies_are_refused(void)
+{
+    enum { SKY = PRINT, FAR = EXTENT + 2 };
+    static const struct {
+        int word;
+        uint32_t value;
+        const char *why;
+    } numbers[] = {{SKY, 0, "out of its range"}, {SKY, FXS_FIT_SKY_MOST + 1, "out of its range"},
+                   {FAR, 0x5368d4a6, "out of its range"}, {FAR + 2, 0xd368d4a6, "out of its range"},
+                   {FAR + 1, 0x7fc00001, "not finite"}, {FAR + 3, 0xbf800000, "out of its range"},
+                   {FAR + 3, 0x60ad78ed, "out of its range"}};
+    fxs_fit *fit;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        change("half-sky", numbers[i].word, numbers[i].value);
+        CHECK(refused("changed", FXS_ERR_FILE, numbers[i].why));
+    }
+    change("half-sky", FAR + 3, 0x60ad78ec);    /* 1e20 */
+    if (CHECK(resume(&fit, "changed") == 0)) {
+        go_on(fit, 24);
+        fxs_fit_free(fit);
+    }
+    change("half", 1, 17);          /* the version of a fit with a sky: it has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -816,6 +874,7 @@ static void tests(void)
     RUN(goes_on_with_poses);
     RUN(goes_on_antialiased);
     RUN(a_block_keeps_exposures_and_poses);
+    RUN(goes_on_with_a_sky);
     RUN(the_file_does_not_depend_on_threads);
     RUN(its_options_are_those_of_the_file);
     RUN(names_of_photographs_do_not_matter);
@@ -824,6 +883,7 @@ static void tests(void)
     RUN(faulty_numbers_are_refused);
     RUN(faulty_exposures_are_refused);
     RUN(faulty_poses_are_refused);
+    RUN(faulty_skies_are_refused);
     RUN(a_changed_byte_is_seen);
     RUN(more_is_refused);
     RUN(any_finite_numbers_are_lived_with);

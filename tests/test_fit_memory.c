@@ -74,7 +74,7 @@ static int begin(fxs_fit **f, const fxs_fit_options *options, int count)
 /* What the recipes do to a model now and then. */
 static int change_model(fxs_fit_model *m)
 {
-    const fxs_fit_densify densify = {0, 0.3f, 100, 0.005f, 3 * POINTS};
+    const fxs_fit_densify densify = {0, 0.3f, 100, 0.005f, 3 * POINTS, {{0}, 0}};
     const fxs_fit_relocate relocate = {0.005f, 4 * POINTS, 1, 700};
     int error = fxs_fit_model_densify(m, &densify);
     error = error ? error : fxs_fit_model_relocate(m, &relocate);
@@ -90,6 +90,7 @@ static int fit_some(enum fxs_fit_recipe recipe)
     options.recipe = recipe;
     options.steps = STEPS;
     options.profile = (enum fxs_profile)recipe;
+    options.sky = recipe == FXS_FIT_MCMC ? 40 : 0;
     int error = begin(&f, &options, POINTS);
     for (int i = 0; i < STEPS && !error; i++) {
         fxs_fit_report report;

@@ -185,7 +185,7 @@ static void beginning(void)
 
 /* ---- Clone, split, prune ----------------------------------------------------------------------------------------- */
 
-static const fxs_fit_densify rule = {0.0002f, 0.1f, 0.3f, 0.005f, 1 << 20};
+static const fxs_fit_densify rule = {0.0002f, 0.1f, 0.3f, 0.005f, 1 << 20, {{0}, 0}};
 
 static double largest(const fxs_fit_model *m, size_t i)
 {
@@ -848,7 +848,7 @@ static void noise(void)
 {
     enum { COUNT = 8000 };
     const fxs_fit_stages *plain = fxs_fit_stages_choose(0), *best = fxs_fit_stages_choose(~0u);
-    const fxs_fit_noise n = {2, {123456789u, 987654321u}};
+    const fxs_fit_noise n = {2, {123456789u, 987654321u}, {{0}, 0}};
     const double s[3] = {0.3, 1, 1.5}, o = 0.02, strength = 2 / (1 + exp(100 * (o - 0.005)));
     fxs_fit_model m = random_model(COUNT), other;
     double got[3][3] = {{0}}, mean[3] = {0};

@@ -290,7 +290,7 @@ typedef struct recorded {
 } recorded;
 
 enum { FEW, FEW_MCMC, FEW_EXPOSURE, REFERENCE, MCMC, LONGER, FAST, HALF_THE_SIZE, BATCH, EXPOSURE, MASKS, HALF_MASKS,
-       POSES, ANTIALIASED, FITS };
+       POSES, ANTIALIASED, FEW_SKY, SKY, FITS };
 static const recorded fits[FITS] = {
     {"few", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 680, 150, 1,
      FXS_FIT_EXPOSURE_NONE, 0.6, 0x7039dbc1345dae8b},
@@ -319,7 +319,11 @@ static const recorded fits[FITS] = {
     {"poses, batches of four", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 1100, 250, 4,
      FXS_FIT_EXPOSURE_GAIN, 0.5, 0xdddb7537ff986555},
     {"antialiased, batches of two", FXS_FIT_FAST, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_SMALL, ORDINARY, 700, 200, 2,
-     FXS_FIT_EXPOSURE_NONE, 0.5, 0x8b4e82a4f63e23fd}};
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0x8b4e82a4f63e23fd},
+    {"few, a sky", FXS_FIT_MCMC, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, 1, 60, 250, 1,
+     FXS_FIT_EXPOSURE_NONE, 0.9, 0xc3af5f4ded87c78a},
+    {"a sky", FXS_FIT_REFERENCE, FXS_CUTOFF_MAHALANOBIS, FXS_PROFILE_DEFAULT, ORDINARY, 700, 350, 2,
+     FXS_FIT_EXPOSURE_NONE, 0.5, 0x3375cfd5212724c3}};
 
 static int devices;                /* 0: the processor, 1: the first GPU */
 
@@ -337,6 +341,7 @@ static void set_options(const recorded *wanted, fxs_fit_options *o)
     o->exposure = wanted->exposure;
     o->refine_poses = wanted == &fits[POSES];
     o->antialiased = wanted == &fits[ANTIALIASED];
+    o->sky = wanted == &fits[FEW_SKY] || wanted == &fits[SKY] ? 300 : 0;
     o->device_count = (uint32_t)devices;
 }
 
@@ -387,6 +392,7 @@ static void test_few(void)
     make_set(1);
     check_fit(&fits[FEW], ~0u, 1);
     check_fit(&fits[FEW_MCMC], ~0u, 1);
+    check_fit(&fits[FEW_SKY], ~0u, 1);
     change_exposures();
     say_exposures(1);
     check_fit(&fits[FEW_EXPOSURE], ~0u, 1);
@@ -431,6 +437,11 @@ static void test_reference_for_longer(void)
 static void test_fast(void)
 {
     check_everywhere(&fits[FAST]);
+}
+
+static void test_sky(void)
+{
+    check_everywhere(&fits[SKY]);
 }
 
 /* Photographs large enough to begin with half their size. */
@@ -611,6 +622,7 @@ int main(int argc, char **argv)
     RUN(test_mcmc);
     RUN(test_reference_for_longer);
     RUN(test_fast);
+    RUN(test_sky);
     RUN(test_fast_from_half_the_size);
     RUN(test_batches);
     RUN(test_exposures);

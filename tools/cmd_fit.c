@@ -39,6 +39,16 @@ static int take_block(const option_row *row, void *field, const char *value)
     return 0;
 }
 
+static int take_sky(const option_row *row, void *field, const char *value)
+{
+    fit_command *c = field;
+    uint64_t directions = FXS_FIT_SKY;
+    if (value && !parse_count(value, 1, FXS_FIT_SKY_MOST, &directions))
+        return wrong_value(row, value);
+    c->options.sky = (uint32_t)directions;
+    return 0;
+}
+
 #define OPTIONS fit_command
 
 static const option_row own_rows[] = {
@@ -61,6 +71,9 @@ static const option_row own_rows[] = {
     {"antialiased", 0, FLAG(options.antialiased), .help =
      "the scene is to be seen from other distances or at other sizes than the photographs: Gaussians smaller than a "
      "pixel get fainter, and none is finer than the photographs are; of --block as --coarse"},
+    {"sky", "[=N]", take_sky, 0, .expected = "1 to 1000000 directions", .help =
+     "begin with Gaussians far away too, where photographs look and no points lie: sky, clouds, mountains; of N "
+     "directions all around, 1 to 1000000 (default 20000); of --block that of --coarse"},
     {"steps", "N", UINT32(options.steps, 1, 1000000000), .help =
      "one photograph each (default 8000, of the other recipes 30000)"},
     {"resolution", "N", INT(reading.resolution, 1, FXS_MAX_SIZE), .help =
@@ -206,6 +219,8 @@ static int check_options(const fit_command *c)
         return fail(EXIT_USAGE, "--exposure: of --block only with --coarse, whose exposures it has");
     if (c->options.refine_poses && c->blocks && !c->coarse)
         return fail(EXIT_USAGE, "--refine-poses: of --block only with --coarse, whose poses it has");
+    if (c->options.sky && c->blocks && !c->coarse)
+        return fail(EXIT_USAGE, "--sky: of --block only with --coarse, whose sky it has");
     if (c->crops && (c->blocks || (c->out && ends_with(c->out, ".fit"))))
         return fail(EXIT_USAGE, "--crop-to-subject: of a whole fit that ends in .fxs or .ply");
     if (c->coarse && !c->blocks)

@@ -103,7 +103,7 @@ static int check_resumed(const fit_command *c, const fxs_fit *fit)
         {"max-gaussians", given->max_gaussians == is->max_gaussians}, {"cutoff", given->cutoff == is->cutoff},
         {"profile", given->profile == is->profile}, {"exposure", given->exposure == is->exposure},
         {"refine-poses", given->refine_poses == is->refine_poses},
-        {"antialiased", given->antialiased == is->antialiased},
+        {"antialiased", given->antialiased == is->antialiased}, {"sky", given->sky == is->sky},
         {"background", !memcmp(given->background, is->background, sizeof is->background)}
     };
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
@@ -128,7 +128,18 @@ static int open_fit(const fit_command *c, const fxs_photos *photos, const fxs_fi
         return fail(EXIT_USAGE, "--refine-poses: %s was begun without", c->coarse);
     if (c->coarse && o->antialiased && !fxs_fit_options_of(*fit)->antialiased)
         return fail(EXIT_USAGE, "--antialiased: %s was begun without", c->coarse);
+    if (c->coarse && is_given("sky") && o->sky != fxs_fit_options_of(*fit)->sky)
+        return fail(EXIT_USAGE, "--sky: %s was begun with another", c->coarse);
     return c->resume ? check_resumed(c, *fit) : 0;
+}
+
+static void say_sky(const fit_command *c, const fxs_fit *fit)
+{
+    const size_t count = fxs_fit_sky_count(fit);
+    if (count)
+        note("%s: begins with a sky of %zu Gaussians", c->in, count);
+    else if (c->options.sky && !c->resume && !c->coarse)
+        note("%s: no sky: wherever a photograph looks, points lie", c->in);
 }
 
 /* Pictures are drawn as the fit draws them: a resumed one has the options of its file. */
@@ -150,6 +161,7 @@ static int make_fit(fit_command *c, const fxs_photos *photos, const fxs_fit_bloc
     if (!status)
         status = open_fit(c, photos, block, &fit);
     if (!status) {
+        say_sky(c, fit);
         draw_as_fitted(c, fit);
         status = fit_make_steps(c, fit, photos, &progress);
     }
@@ -168,7 +180,9 @@ static int fit_whole(fit_command *c)
     if (error)
         return fail_for(&message);
     say_photos(c, &photos, photos.point_count);
-    const int status = make_fit(c, &photos, 0);
+    const int status = c->options.sky && photos.points_are_random && !c->resume
+                           ? fail(EXIT_FAILED, "--sky: %s has no points, which say where there is none", c->in)
+                           : make_fit(c, &photos, 0);
     fxs_photos_free(&photos);
     return status;
 }

@@ -2,6 +2,7 @@
 #ifndef FXS_FIT_ADAM_H
 #define FXS_FIT_ADAM_H
 
+#include "far.h"
 #include "fit_gaussian.h"
 
 #define FXS_FIT_TINY 7.88860905e-31f    /* 2^-100 */
@@ -28,9 +29,9 @@ static inline real opacity_regularised(const fxs_fit_adam *adam, real gradient, 
     return gradient + adam->by_opacity * (opacity * (1.0f - opacity));
 }
 
-static inline real scale_regularised(const fxs_fit_adam *adam, real gradient, real ln_scale)
+static inline real scale_regularised(const fxs_fit_adam *adam, real gradient, real ln_scale, real unit)
 {
-    return least(gradient + adam->by_scale * exp_e(ln_scale), all(FXS_FIT_FARTHEST_GRADIENT));
+    return least(gradient + adam->by_scale * exp_e(ln_scale) / unit, all(FXS_FIT_FARTHEST_GRADIENT));
 }
 
 /* |dL/dcentre| with centres in half sides of the picture and L a mean: times half a side / (3 width height) */

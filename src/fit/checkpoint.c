@@ -114,7 +114,8 @@ static int holds(archive *a, uint64_t count, uint64_t words)
 /* The version of a fit with these options: one of earlier options can be read by an earlier fixsplat. */
 static uint32_t version_of(const fxs_fit_options *o)
 {
-    return VERSION + o->exposure + 2 * (uint32_t)o->refine_poses + 4 * (uint32_t)o->antialiased;
+    return VERSION + o->exposure + 2 * (uint32_t)o->refine_poses + 4 * (uint32_t)o->antialiased +
+           8 * (uint32_t)(o->sky > 0);
 }
 
 /* Returns whether there is such a version. */
@@ -123,6 +124,7 @@ static int take_version(fxs_fit_options *o, uint32_t version)
     o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 2);
     o->refine_poses = (int)((version - VERSION) / 2 % 2);
     o->antialiased = (int)((version - VERSION) / 4 % 2);
+    o->sky = (version - VERSION) / 8 % 2;
     return version == version_of(o);
 }
 
@@ -191,6 +193,8 @@ static void walk_options(archive *a, fxs_fit_options *o)
         o->background[c] = (uint8_t)within(a, o->background[c], 0, 255);
     o->cutoff = (enum fxs_cutoff)within(a, o->cutoff, 0, FXS_CUTOFF_SQUARE);
     o->profile = (enum fxs_profile)within(a, o->profile, 0, FXS_PROFILE_SMALL);
+    if (o->sky)
+        o->sky = within(a, o->sky, 1, FXS_FIT_SKY_MOST);
 }
 
 /* Checks the ranges of parameters that later computations rely on. Fits stay well within them (FXS_FIT_FARTHEST). */
@@ -310,12 +314,27 @@ static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
+/* Beyond which radius sizes are as they look, in a fit with a sky. */
+static void walk_far(archive *a, fxs_fit *f)
+{
+    fxs_fit_far *far = &f->far;
+    if (!f->options.sky)
+        return;
+    floats(a, (float *)far, sizeof *far / sizeof(float));
+    int is_wrong = far->inverse < 0 || far->inverse > FXS_FIT_INVERSE_MOST;
+    for (int k = 0; k < 3; k++)
+        is_wrong |= fabsf(far->middle[k]) > FXS_FIT_FARTHEST_PLACE;
+    if (is_wrong)
+        damaged(a, "a number out of its range");
+}
+
 /* All data that a step changes and the next step needs, except data that follow from the options and the step's number.
    A new field of a fit is added here. */
 static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     number(a, &f->step);
     floats(a, &f->extent, 1);
+    walk_far(a, f);
     walk_model(a, &f->model);
     walk_profile(a, f);
     walk_gains(a, f, coarse);

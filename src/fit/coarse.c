@@ -139,6 +139,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
     all.exposure = coarse->fit->options.exposure;
     all.refine_poses = coarse->fit->options.refine_poses;
     all.antialiased = coarse->fit->options.antialiased;
+    all.sky = coarse->fit->options.sky;
     *fit = NULL;
     if (options->steps <= coarse->fit->step)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "the coarse fit has made %u steps, and a block goes on from "
@@ -152,6 +153,7 @@ int fxs_fit_create_block(fxs_fit **fit, const fxs_fit_coarse *coarse, const fxs_
     if (!error) {
         (*fit)->step = coarse->fit->step;
         (*fit)->extent = coarse->fit->extent;
+        (*fit)->far = coarse->fit->far;
         take_photographs(*fit, coarse);
         fxs_fit_set_order(*fit, (uint64_t)(*fit)->step * (*fit)->options.batch);
         error = fxs_fit_hand_over(*fit, message);

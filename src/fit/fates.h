@@ -2,6 +2,7 @@
 #ifndef FXS_FIT_FATES_H
 #define FXS_FIT_FATES_H
 
+#include "far.h"
 #include "planes.h"
 
 #define SPLIT_SHARE 0.707106781f    /* of the longest sigma, in a child */
@@ -60,9 +61,15 @@ static inline int has_rotation(const fxs_fit_model *m, size_t i)
     return square > 1e-20f;
 }
 
+/* The largest scale, far away as it looks from the cameras. */
+static inline float looked_at_scale(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
+{
+    return largest_scale(m, i) / unit_at(&d->far, m->parameters + i, m->stride);
+}
+
 static inline uint8_t fate_of(const fxs_fit_model *m, const fxs_fit_densify *d, float least_logit, size_t i)
 {
-    const float scale = largest_scale(m, i);
+    const float scale = looked_at_scale(m, d, i);
     const int is_wanted = mean_gradient(m, i) >= d->gradient, is_split = is_wanted && scale > d->small;
     if (!(plane(m, FXS_FIT_OPACITY)[i] >= least_logit) || (is_split ? scale * SPLIT_SHARE : scale) > d->large ||
         !has_rotation(m, i))
@@ -73,7 +80,7 @@ static inline uint8_t fate_of(const fxs_fit_model *m, const fxs_fit_densify *d, 
 /* The fate of a candidate for a clone or split when there is no room for more Gaussians. */
 static inline uint8_t fate_without_room(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
-    return largest_scale(m, i) > d->large ? GOES : STAYS;
+    return looked_at_scale(m, d, i) > d->large ? GOES : STAYS;
 }
 
 #endif

@@ -12,6 +12,7 @@
 #include "pose.h"
 #include "random.h"
 #include "recipe.h"
+#include "sky.h"
 
 void fxs_fit_options_init(fxs_fit_options *options)
 {
@@ -114,6 +115,7 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : (unsigned)o->exposure > FXS_FIT_EXPOSURE_GAIN            ? "exposure"
                         : (unsigned)o->refine_poses > 1                            ? "refinement of poses"
                         : (unsigned)o->antialiased > 1                             ? "antialiasing"
+                        : o->sky > FXS_FIT_SKY_MOST                                ? "number of directions of a sky"
                                                                                    : NULL;
     if (wrong)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a fit: there is no such %s", wrong);
@@ -139,19 +141,36 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     return 0;
 }
 
-/* Begins with the points; of more than max_gaussians, with that many, evenly spaced in their order. */
-static int begin_model(fxs_fit *f, const fxs_fit_point *points, size_t count)
+/* Begins with the points and then those of the sky; of more than max_gaussians, with that many, evenly spaced in this
+   order. */
+static int begin_with(fxs_fit *f, const fxs_fit_point *points, size_t count, const fxs_fit_sky *sky)
 {
-    const size_t most = count < f->options.max_gaussians ? count : f->options.max_gaussians;
+    const size_t all = count + sky->count, most = all < f->options.max_gaussians ? all : f->options.max_gaussians;
     fxs_fit_point *chosen = malloc(most * sizeof *chosen);
     if (!chosen)
         return FXS_ERR_MEMORY;
-    for (size_t i = 0; i < most; i++)
-        chosen[i] = points[(size_t)((uint64_t)i * count / most)];
+    for (size_t i = 0; i < most; i++) {
+        const size_t from = (size_t)((uint64_t)i * all / most);
+        chosen[i] = from < count ? points[from] : sky->points[from - count];
+        f->sky_count += from >= count;
+    }
     const int error = fxs_fit_model_begin(&f->model, chosen, most, fxs_fit_first_opacity(f->options.recipe));
-    if (!error)
+    if (!error) {
         fxs_fit_model_widen(&f->model, fxs_fit_first_scale(f->options.recipe));
+        fxs_fit_model_set_sigma(&f->model, most - f->sky_count, sky->sigma);
+    }
     free(chosen);
+    return error;
+}
+
+static int begin_model(fxs_fit *f, const fxs_fit_photo *photos, const fxs_fit_point *points, size_t count)
+{
+    fxs_fit_sky sky = {0};
+    if (f->options.sky && fxs_fit_sky_find(photos, f->count, points, count, f->options.sky, f->extent, &sky))
+        return FXS_ERR_MEMORY;
+    f->far = sky.far;
+    const int error = begin_with(f, points, count, &sky);
+    free(sky.points);
     return error;
 }
 
@@ -268,15 +287,18 @@ int fxs_fit_create(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_coun
         error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "exposures of a block are those of its coarse fit");
     if (!error && options->refine_poses && options->blocks)
         error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "refined poses of a block are those of its coarse fit");
+    if (!error && options->sky && options->blocks)
+        error = fxs_fail_as(FXS_ERR_ARGUMENT, message, "the sky of a block is that of its coarse fit");
     if (!error)
         error = check_points(photos, photo_count, points, point_count, message);
-    if (!error && begin_model(*fit, points, point_count))
+    if (!error)
+        (*fit)->extent = options->extent > 0 ? options->extent
+                                             : fxs_fit_extent(photos, photo_count, points, point_count);
+    if (!error && begin_model(*fit, photos, points, point_count))
         error = fxs_fail_memory(message, "a fit", point_count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
     if (!error && options->exposure)
         begin_gains(*fit, photos);
     if (!error) {
-        (*fit)->extent = options->extent > 0 ? options->extent
-                                             : fxs_fit_extent(photos, photo_count, points, point_count);
         if (options->refine_poses)
             begin_poses(*fit, points, point_count);
         error = fxs_fit_hand_over(*fit, message);
@@ -313,6 +335,11 @@ uint32_t fxs_fit_steps(const fxs_fit *f)
 const fxs_fit_options *fxs_fit_options_of(const fxs_fit *f)
 {
     return &f->options;
+}
+
+size_t fxs_fit_sky_count(const fxs_fit *f)
+{
+    return f->sky_count;
 }
 
 /* ---- A step ------------------------------------------------------------------------------------------------------ */
@@ -371,7 +398,8 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->gain_rate = plan->gain_rate;
     options->pose_rate = pose_rate(f, plan->pose_way);
     options->smooths = plan->smooths;
-    options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
+    options->far = f->far;
+    options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}, f->far};
     memcpy(options->rate, plan->rate, sizeof options->rate);
     for (int c = 0; c < 3; c++)
         options->background[c] = (float)f->options.background[c] / 255.0f;
@@ -379,7 +407,8 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
 
 static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *message)
 {
-    const fxs_fit_densify densify = {0.0002f, 0.01f * f->extent, plan->large, 0.005f, f->options.max_gaussians};
+    const fxs_fit_densify densify = {0.0002f, 0.01f * f->extent, plan->large, 0.005f, f->options.max_gaussians,
+                                     f->far};
     const fxs_fit_relocate relocate = {0.005f, f->options.max_gaussians, f->options.seed, f->step};
     int error = plan->densify ? f->engine->densify(f->self, &densify, message) : 0;
     if (!error && plan->relocate)

@@ -21,6 +21,8 @@ struct fxs_fit {
     fxs_fit_cameras cameras;       /* of the photographs, of an antialiased fit; else none */
     fxs_fit_profile profile;
     float extent;
+    fxs_fit_far far;               /* of a fit with a sky */
+    size_t sky_count;              /* Gaussians that the sky began with; 0 in a fit that is resumed */
     uint32_t step;                 /* number of steps made so far */
 };
 

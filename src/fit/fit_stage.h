@@ -104,12 +104,19 @@ typedef struct fxs_fit_loss {
     const uint8_t *mask;           /* null, or a byte a pixel, rows without gaps; 0: the pixel is ignored (loss.h) */
 } fxs_fit_loss;
 
+/* Beyond a radius about a middle, sizes are measured in proportion to the distance from it (far.h): there a sky may be
+   large. */
+typedef struct fxs_fit_far {
+    float middle[3], inverse;      /* scene units; 1 / radius, or 0: nowhere */
+} fxs_fit_far;
+
 /* The numbers of Adam for one step. */
 typedef struct fxs_fit_adam {
     float rate[FXS_FIT_PARAMETERS];        /* learning rates over the correction of the first moment */
     float correction;              /* 1 / (1 - 0.999^step) */
     float epsilon;                 /* in units of the gradient */
     float by_opacity, by_scale;    /* added to dL/dopacity and dL/dscale of every Gaussian */
+    fxs_fit_far far;               /* where by_scale is of the scale in its units */
 } fxs_fit_adam;
 
 /* The exposure of a photograph (exposure.h): log2 of its gain, and of what red and blue have beside it; Adam's moments,
@@ -159,10 +166,12 @@ typedef struct fxs_fit_grid {
     const fxs_fit_chunk *chunks;
 } fxs_fit_grid;
 
-/* The noise of positions in a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, seeded by key. */
+/* The noise of positions in a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, seeded by key; with
+   Sigma in the units of `far`, and so is the way that results. */
 typedef struct fxs_fit_noise {
     float amount;
     uint32_t key[2];
+    fxs_fit_far far;
 } fxs_fit_noise;
 
 /* The stages for an instruction set. `cover` is a part of bin, `loss_*` are the passes of loss. `noise`, `smooth`
@@ -231,6 +240,7 @@ extern const fxs_fit_stages fxs_fit_stages_c;
 #define FXS_FIT_FARTHEST 40.0f     /* largest |ln scale| and |logit| */
 #define FXS_FIT_FARTHEST_PLACE 1e12f   /* largest coordinate */
 #define FXS_FIT_FARTHEST_GRADIENT 1e18f
+#define FXS_FIT_INVERSE_MOST 1e20f  /* largest inverse of a radius */
 #define FXS_FIT_TURN_MOST 0.5f     /* largest number of a camera's turn */
 #define FXS_FIT_GAIN_MOST 8.0f     /* largest number of a photograph's exposure before the mean is taken off */
 

@@ -240,9 +240,10 @@ static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, s
 {
     float *to = gradients + FXS_FIT_OPACITY * FXS_FIT_PART;
     store(to, opacity_regularised(adam, load(to), load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
+    const real unit = unit_at(&adam->far, at, stride);
     for (int i = FXS_FIT_SCALE; i < FXS_FIT_SCALE + 3; i++) {
         to = gradients + i * FXS_FIT_PART;
-        store(to, scale_regularised(adam, load(to), load(at + i * (ptrdiff_t)stride)));
+        store(to, scale_regularised(adam, load(to), load(at + i * (ptrdiff_t)stride), unit));
     }
 }
 

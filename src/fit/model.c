@@ -121,6 +121,13 @@ void fxs_fit_model_widen(fxs_fit_model *m, float factor)
             plane(m, FXS_FIT_SCALE + k)[i] += ln(factor);
 }
 
+void fxs_fit_model_set_sigma(fxs_fit_model *m, size_t first, float sigma)
+{
+    for (int k = 0; k < 3; k++)
+        for (size_t i = first; i < m->count; i++)
+            plane(m, FXS_FIT_SCALE + k)[i] = ln(sigma);
+}
+
 void fxs_fit_model_give(const fxs_fit_model *m, size_t i, fxs_gaussian *out)
 {
     for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)

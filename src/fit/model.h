@@ -21,6 +21,9 @@ int fxs_fit_model_begin(fxs_fit_model *model, const fxs_fit_point *points, size_
 
 /* Multiplies all scales by a factor. */
 void fxs_fit_model_widen(fxs_fit_model *model, float factor);
+
+/* Sets the scales of the Gaussians from `first` on. */
+void fxs_fit_model_set_sigma(fxs_fit_model *model, size_t first, float sigma);
 void fxs_fit_model_free(fxs_fit_model *model);
 
 /* Gives out Gaussian i, with all its parameters. */
@@ -42,6 +45,7 @@ typedef struct fxs_fit_densify {
     float small, large;            /* scene units: cloned up to `small`, else split; removed above `large` */
     float opacity;                 /* the least opacity that stays */
     size_t most;                   /* the most Gaussians: the largest gradients are cloned and split first */
+    fxs_fit_far far;               /* where `small` and `large` are in its units */
 } fxs_fit_densify;
 
 /* Clones and splits Gaussians, and removes those with too little opacity, too large a scale or no rotation; where that

@@ -636,6 +636,7 @@ void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, c
         numbers += 3 * (float)photographs[v].camera.width * (float)photographs[v].camera.height;
     adam->correction = (float)(1 / (1 - beta2));
     adam->epsilon = 1e-15f * numbers;
+    adam->far = options->far;
     adam->by_opacity = options->by_opacity * numbers / (float)gaussians;
     adam->by_scale = options->by_scale * numbers / (3 * (float)gaussians);
 }

@@ -45,6 +45,7 @@ typedef struct fxs_fit_step_options {
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     int smooths;                   /* scales are bounded after the update, where the model has cameras: by what
                                       photographs are reduced meanwhile; 0: they are not */
+    fxs_fit_far far;               /* where by_scale is of scales in its units */
     fxs_fit_noise noise;           /* noise after the update; amount 0: none */
     size_t changed;                /* so many Gaussians are changed, the first of the model, rounded down to
                                       FXS_FIT_GROUP; 0: all. Of the processor's stepper alone */

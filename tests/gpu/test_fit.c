@@ -18,6 +18,7 @@ typedef struct what {
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
     uint32_t gains, poses;         /* photographs with an exposure, with a pose; 0: none. Where there are both, as many */
     int is_antialiased;            /* and the cameras of the batch bound scales, as divisors of 1, 2, none */
+    int has_far;                   /* sizes of about half of them are as they look */
     int has_masks;                 /* all photographs but the second, which are at most MASK_PIXELS large */
 } what;
 
@@ -131,7 +132,9 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     o->gain_rate = 0.05f;
     o->pose_rate = 0.01f;
     o->smooths = (int)number % 3;
-    o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}};
+    if (w->has_far)
+        o->far = (fxs_fit_far){{0.3f, -0.2f, 0.1f}, 0.25f};
+    o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}, o->far};
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
         o->rate[k] = 0.01f;
     for (int c = 0; c < 3; c++)
@@ -302,7 +305,8 @@ static void test_steps(void)
         const int size = quick ? i % 3 : i % 6;
         const what w = {.width = sizes[size][0], .height = sizes[size][1], .is_square = i % 3 == 2,
                         .count = counts[quick ? i % 3 : i % 5], .degree = i % 4, .batch = 1,
-                        .by_opacity = i % 4 ? 0 : 0.01f, .noise = i % 3 ? 0 : 50.0f, .near_size = i % 2 ? -3.0f : -1.5f};
+                        .by_opacity = i % 4 ? 0 : 0.01f, .noise = i % 3 ? 0 : 50.0f, .near_size = i % 2 ? -3.0f : -1.5f,
+                        .has_far = i % 8 < 4};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }

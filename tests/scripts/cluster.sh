@@ -67,6 +67,13 @@ succeeds "of it: antialiased" $fit --coarse smooth.fit --block 1/3 -o smooth.ply
 succeeds "of it: what is outside" $fit --coarse smooth.fit --block 0/3 -o outside.ply
 check "of it: the parts say so" equal "$(grep -al '^comment antialiased 1$' smooth.ply outside.ply | tr '\n' ' ')" \
     "smooth.ply outside.ply "
+succeeds "coarse, with a sky" fit set --quiet --recipe reference --steps 100 --resolution 32 -o sky.fit --sky=2000
+succeeds "its sky" $fit --coarse sky.fit --block 1/3 -o sky.ply --sky=2000
+succeeds "its sky: as of itself" $fit --coarse sky.fit --block 1/3 -o again.ply
+check "its sky: the same file" cmp sky.ply again.ply
+succeeds "its sky is outside of all blocks" fit set --quiet --coarse sky.fit --block 0/3 -o sky-0.ply
+check "its sky: more outside" at_least "$(count sky-0.ply)" $(($(count part-0.ply) + 100))
+fails "not its sky" 2 "sky.fit was begun with another" $fit --coarse sky.fit --block 1/3 -o x.ply --sky=100
 succeeds "another coarse fit" fit set --quiet --recipe reference --steps 99 --resolution 32 -o other.fit
 fails "resumed from another coarse fit" 1 "of other photographs" $fit --coarse other.fit --block 1/3 -o x.ply \
     --resume saved.ply.fit

@@ -313,6 +313,19 @@ check "--exposure gain, resumed, 2 threads, plain C: the same file" cmp exposed.
 fails "--resume: another exposure" 2 "--exposure: exposed.fit was begun with another" fit set --steps 60 -o x.fxs \
     --resume exposed.fit --exposure none
 fails "--exposure of a block" 2 "--exposure: of --block only with --coarse" fit set -o x.ply --exposure gain --block 1/2
+loud fit set --steps 60 -o sky.ply --sky=3000 --threads 1 --save-every 31
+check "--sky: said" grep -Eq '^fixsplat: set: begins with a sky of [1-9][0-9]+ Gaussians$' logs/err
+check "--sky: another file" [ "$(cmp -s plain.ply sky.ply; echo $?)" = 1 ]
+cp sky.ply.fit sky.fit
+"$fixsplat" fit set --steps 60 -o again.ply --resume sky.fit --threads 2 --cpu c >logs/out
+check "--sky, resumed, 2 threads, plain C: the same file" cmp sky.ply again.ply
+fails "--resume: another sky" 2 "--sky: sky.fit was begun with another" fit set --steps 60 -o x.fxs --resume sky.fit \
+    --sky=2000
+fails "--sky of a block" 2 "--sky: of --block only with --coarse" fit set -o x.ply --sky=3000 --block 1/2
+fails "--sky 0" 2 "--sky=0: expected 1 to 1000000 directions" fit set -o x.fxs --sky=0
+fails "--sky: too many" 2 "--sky=1000001: expected" fit set -o x.fxs --sky=1000001
+cp -r set bare && head -n 3 set/sparse/0/points3D.txt | grep '^#' >bare/sparse/0/points3D.txt
+fails "--sky without points" 1 "--sky: bare has no points, which say where there is none" fit bare --steps 9 -o x.fxs --sky
 succeeds "--refine-poses" fit set --steps 540 -o posed.ply --refine-poses --exposure gain --threads 1 --save-every 520
 "$fixsplat" fit set --steps 540 -o plain.ply --exposure gain >logs/out
 check "--refine-poses: another file" [ "$(cmp -s plain.ply posed.ply; echo $?)" = 1 ]

@@ -144,8 +144,9 @@ __device__ inline void add_regularisers(const fxs_fit_adam *adam, const float *a
 {
     gradient[FXS_FIT_OPACITY] =
         opacity_regularised(adam, gradient[FXS_FIT_OPACITY], at[FXS_FIT_OPACITY * stride]);
+    const real unit = unit_at(&adam->far, at, stride);
     for (int k = FXS_FIT_SCALE; k < FXS_FIT_SCALE + 3; k++)
-        gradient[k] = scale_regularised(adam, gradient[k], at[k * stride]);
+        gradient[k] = scale_regularised(adam, gradient[k], at[k * stride], unit);
 }
 
 const int AT_ONCE = 7;             /* parameters */

@@ -38,7 +38,7 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
         colours: Any = None, recipe: str = "fast", steps: Optional[int] = None, resolution: Optional[int] = None,
         sh_degree: int = 3, max_gaussians: Optional[int] = None, seed: int = 0, batch: int = 0,
         background: "Sequence[int]" = (0, 0, 0), cutoff: str = "mahalanobis", profile: str = "default",
-        exposure: str = "none", refine_poses: bool = False, antialiased: bool = False,
+        exposure: str = "none", refine_poses: bool = False, antialiased: bool = False, sky: int = 0,
         hold_out: Optional[int] = None, skip_bad: bool = False,
         backend: str = "cpu", devices: "Sequence[int]" = (0,),
         max_memory: int = 0, threads: int = 0,
@@ -77,6 +77,8 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
     exposure: "none", or "gain": each photograph has a gain and a colour balance of its own.
     refine_poses: True finds the poses of the photographs beside the scene.
     antialiased: True makes a scene for other distances and sizes than those of the photographs.
+    sky: the number of directions around the cameras in which the fit begins with a Gaussian far away, where photographs
+    look and no points lie, up to 1,000,000. 0 stands for no sky.
     backend: the engine that makes the steps, "cpu" or "cuda".
     devices: the numbers of the GPUs for "cuda", 1 to 8 of them.
     max_memory: the largest number of bytes of memory on each device. 0 stands for no limit.
@@ -103,6 +105,7 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
     options.exposure = choose("exposure", exposure, EXPOSURES)
     options.refine_poses = bool(refine_poses)
     options.antialiased = bool(antialiased)
+    options.sky = whole("sky", sky, 0, lib.FXS_FIT_SKY_MOST)
     options.max_memory = whole("max_memory", max_memory, 0, 2**64 - 1)
     if choose("backend", backend, {"cpu": 0, "cuda": 1}):
         _choose_devices(options, devices)

@@ -61,6 +61,9 @@ enum fxs_fit_recipe {
     FXS_FIT_FAST = 2               /* the same with fewer steps and Gaussians */
 };
 
+#define FXS_FIT_SKY 20000          /* directions of a sky that suit most sets, and the most */
+#define FXS_FIT_SKY_MOST 1000000
+
 /* What a fit knows of the exposure of its photographs. */
 enum fxs_fit_exposure {
     FXS_FIT_EXPOSURE_NONE = 0,     /* all have the same */
@@ -105,6 +108,11 @@ typedef struct fxs_fit_options {
                                       compensate the dilation, which the scene says of itself, and no Gaussian is finer
                                       than 0.447 pixels (sigma) of its finest photograph. A block is as its coarse
                                       fit */
+    uint32_t sky;                  /* so many directions, FXS_FIT_SKY_MOST at most, are spread evenly around the cameras
+                                      (spherical Fibonacci lattice). Where photographs look and no points lie, the fit
+                                      begins with a Gaussian far away, of the photographs' colour, and sizes of what is
+                                      farther than the extent are measured as they look from the cameras. Of a whole
+                                      fit, as above. 0: no sky */
 } fxs_fit_options;
 
 /* Sets the initial values that the comments above name, and 0 for the others, which is one thread. */
@@ -142,6 +150,9 @@ FXS_API uint32_t fxs_fit_steps(const fxs_fit *fit);
 
 /* The options in use; after fxs_fit_resume, most are from the file. */
 FXS_API const fxs_fit_options *fxs_fit_options_of(const fxs_fit *fit);
+
+/* The number of Gaussians that a sky began with: 0 where no photograph shows one, and in a fit that was resumed. */
+FXS_API size_t fxs_fit_sky_count(const fxs_fit *fit);
 
 /* Changes the views of these photographs, those of the fit with the views that it began with, to their refined poses;
    where no poses are refined, nothing. Errors as of fxs_fit_gaussians. */

@@ -1,0 +1,19 @@
+/* What is far away has a size as it looks from the cameras. The processor and CUDA compile this same text. */
+#ifndef FXS_FIT_FAR_H
+#define FXS_FIT_FAR_H
+
+#include "fit_lanes.h"
+#include "fit_stage.h"
+
+/* The unit of sizes at LANES Gaussians: 1 up to the radius, beyond it in proportion to |p - middle|. */
+static inline real unit_at(const fxs_fit_far *far, const float *at, size_t stride)
+{
+    real square = all(0);
+    for (int k = 0; k < 3; k++) {
+        const real away = load(at + (FXS_FIT_POSITION + k) * (ptrdiff_t)stride) - far->middle[k];
+        square += away * away;
+    }
+    return most(root(square) * far->inverse, all(1));
+}
+
+#endif
