@@ -220,7 +220,7 @@ static double difference(scene *s, double *variable)
         draw(s);
         loss[side] = 0;
         for (int c = 0; c < 3; c++)
-            loss[side] += fit_loss(picture[c], &s->photograph[0][c], s->mask, WIDTH, HEIGHT);
+            loss[side] += fit_loss(picture[c], &s->photograph[0][c], s->mask, s->has_gain, WIDTH, HEIGHT);
     }
     *variable = kept;
     return (loss[1] - loss[0]) / (2 * h);

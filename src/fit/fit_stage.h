@@ -102,6 +102,7 @@ typedef struct fxs_fit_loss {
     ptrdiff_t step, pitch;
     int32_t width, height;
     const uint8_t *mask;           /* null, or a byte a pixel, rows without gaps; 0: the pixel is ignored (loss.h) */
+    int has_exposure;              /* 1: white of the photograph is white that was cut (loss.h) */
 } fxs_fit_loss;
 
 /* The numbers of Adam for one step. */

@@ -402,6 +402,7 @@ static int make_planes(fxs_fit_stepper *s)
         l->pitch = 3 * width;
         l->photograph = s->photograph ? s->photograph + c : NULL;
         l->mask = s->photograph ? s->mask : NULL;
+        l->has_exposure = s->model->gains != NULL;
     }
     return 0;
 }
