@@ -111,7 +111,7 @@ static int check_options(const fxs_fit_options *o, fxs_message *message)
                         : o->threads > 64                                          ? "number of threads"
                         : o->device_count > FXS_FIT_BATCH                          ? "number of devices"
                         : o->batch > FXS_FIT_BATCH                                 ? "number of photographs of a step"
-                        : (unsigned)o->exposure > FXS_FIT_EXPOSURE_GAIN            ? "exposure"
+                        : (unsigned)o->exposure > FXS_FIT_EXPOSURE_AFFINE          ? "exposure"
                         : (unsigned)o->refine_poses > 1                            ? "refinement of poses"
                                                                                    : NULL;
     if (wrong)
@@ -200,6 +200,7 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->order = calloc(photo_count, sizeof *f->order);
         f->gains.of = calloc(photo_count, sizeof *f->gains.of);
         f->gains.count = (uint32_t)photo_count;
+        f->gains.is_affine = options->exposure == FXS_FIT_EXPOSURE_AFFINE;
         f->poses.of = calloc(photo_count, sizeof *f->poses.of);
         f->poses.count = (uint32_t)photo_count;
         f->stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(options->cpu), options->run, options->pool,
@@ -216,6 +217,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
         f->photographs[i].height = photos[i].view.height;
         f->photographs[i].divisor = 1;
         f->photographs[i].number = (uint32_t)i;
+        for (int k = 0; k < FXS_FIT_GAIN; k++)
+            f->gains.of[i].at[k] = gain_neutral(f->gains.is_affine, k);
         fxs_fit_set_camera(&f->photographs[i].camera, &photos[i].view);
         f->photographs[i].camera.is_square = options->cutoff == FXS_CUTOFF_SQUARE;
     }
@@ -227,10 +230,10 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
-/* Begins with the exposures that are known: log2 of a gain is 1 / 2.2 of that of the light. */
+/* Begins with the exposures that are known: log2 of a gain is 1 / 2.2 of that of the light. Affine ones have the gain as
+   a factor, over the mean of all factors. */
 static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
 {
-    double parts[GAIN_PARTS];
     fxs_fit_gain *const gains = f->gains.of;
     for (size_t i = 0; i < f->count; i++)
         if (!(photos[i].exposure >= 1e-30 && photos[i].exposure <= 1e30))
@@ -239,11 +242,16 @@ static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
         const float at = (1.44269504f / 2.2f) * ln((float)photos[i].exposure);
         gains[i].at[0] = least(most(at, -FXS_FIT_GAIN_MOST), FXS_FIT_GAIN_MOST);
     }
-    for (size_t i = 0; i < GAIN_PARTS; i++)
-        parts[i] = gain_part(&gains->at[0], GAIN_STEP, f->count, i);
-    const float mean = gain_sum(parts, (double)f->count);
+    const float mean = gain_mean(&f->gains, 0);
     for (size_t i = 0; i < f->count; i++)
         gains[i].at[0] -= mean;
+    if (!f->gains.is_affine)
+        return;
+    for (size_t i = 0; i < f->count; i++)
+        gains[i].at[0] = least(exp_2_minus(-gains[i].at[0]), FXS_FIT_GAIN_MOST);
+    const float mean_factor = gain_mean(&f->gains, 0);
+    for (size_t i = 0; i < f->count; i++)
+        gains[i].at[0] = gains[i].at[4] = gains[i].at[8] = least(gains[i].at[0] / mean_factor, FXS_FIT_GAIN_MOST);
 }
 
 int fxs_fit_hand_over(fxs_fit *f, fxs_message *message)

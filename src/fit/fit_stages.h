@@ -222,7 +222,7 @@ static void NAMED(fxs_fit_loss_backward_rows_, ISA)(const fxs_fit_loss *loss, in
 
 static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t row)
 {
-    float b[STRIP], differences[16] = {0}, by_gain[16] = {0};
+    float b[STRIP], differences[16] = {0};
     const float *a = at_of(&loss->picture, row);
     for (int32_t x = 0; x < loss->width; x += LANES) {
         real sums[FXS_FIT_DERIVATIVES];
@@ -236,11 +236,9 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
         if (loss->has_exposure)
             gradient = choose(is_beyond_white(p, q), all(0), gradient);
         store(at_of(&loss->gradient, row) + x, gradient);
-        add_to(by_gain, x, gradient * p);
         add_to(differences, x, keep(counted, absolute(seen - q)));
     }
     loss->absolute[row] = sum_of(differences);
-    loss->by_gain[row] = sum_of(by_gain);
 }
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
