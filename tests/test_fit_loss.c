@@ -12,7 +12,7 @@ typedef struct pictures {
     int is_masked, has_exposure;
     uint8_t mask[FIT_LOSS_PIXELS];
     fxs_fit_loss loss;
-    float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS], by_gain[MOST_ROWS];   /* of rows */
+    float *memory, absolute[MOST_ROWS], dissimilar[MOST_ROWS];   /* of rows */
 } pictures;
 
 /* The picture a few steps of the photograph's bytes away or anywhere, but not so near that |a - b| has no gradient. */
@@ -80,7 +80,7 @@ static void make_planes(pictures *p)
     for (size_t i = 0; i < PLANES; i++)
         planes[i] = (fxs_fit_plane){p->memory + i * plane + FXS_FIT_MARGIN * stride + FXS_FIT_MARGIN, stride};
     p->loss = (fxs_fit_loss){.picture = planes[0], .gradient = planes[1], .absolute = p->absolute,
-                             .dissimilar = p->dissimilar, .by_gain = p->by_gain, .photograph = p->photograph, .step = 3,
+                             .dissimilar = p->dissimilar, .photograph = p->photograph, .step = 3,
                              .pitch = 3 * p->width, .width = p->width, .height = p->height,
                              .mask = mask_of(p), .has_exposure = p->has_exposure};
     memcpy(p->loss.rows, planes + 2, sizeof p->loss.rows);
@@ -139,16 +139,14 @@ static void check_pictures(pictures *p, const fxs_fit_stages *stages)
 {
     run_loss(p, stages);
     for (int row = 0; row < p->height; row++) {
-        double absolute = 0, dissimilar = 0, by_gain = 0;
+        double absolute = 0, dissimilar = 0;
         for (int i = row * p->width; i < (row + 1) * p->width; i++) {
             absolute += is_ignored(p, i) ? 0 : fabs(seen_of(p, i) - p->photograph[3 * i] / 255.0);
             dissimilar += is_ignored(p, i) ? 0 : 1 - similarity_at(p, i);
-            by_gain += at_of(&p->loss.gradient, p, i) * p->picture[i];
         }
         /* Singles leave some 1e-7 of the mean squares, beside the 9e-4 of the definition. */
         CHECK(fabs((double)p->absolute[row] - absolute) < 1e-6 * p->width);
         CHECK(fabs((double)p->dissimilar[row] - dissimilar) < 3e-4 * p->width);
-        CHECK(fabs((double)p->by_gain[row] - by_gain) < 1e-5 * p->width);
     }
     for (int i = 0; i < p->width * p->height; i++) {
         const double kept = p->picture[i], h = 1e-6;
@@ -169,7 +167,7 @@ static void check_pictures(pictures *p, const fxs_fit_stages *stages)
 static void check_versions(pictures *p)
 {
     const fxs_fit_stages *versions[FIT_VERSIONS];
-    static float gradient[FIT_LOSS_PIXELS], sums[3][MOST_ROWS];
+    static float gradient[FIT_LOSS_PIXELS], sums[2][MOST_ROWS];
     const size_t rows = (size_t)p->height * sizeof(float);
     const int count = fit_versions(versions);
     check_pictures(p, versions[0]);
@@ -177,15 +175,13 @@ static void check_versions(pictures *p)
         gradient[i] = (float)at_of(&p->loss.gradient, p, i);
     memcpy(sums[0], p->absolute, rows);
     memcpy(sums[1], p->dissimilar, rows);
-    memcpy(sums[2], p->by_gain, rows);
     free_planes(p);
     for (int v = 1; v < count; v++) {
         run_loss(p, versions[v]);
         for (int i = 0; i < p->width * p->height; i++)
             if (!CHECK((float)at_of(&p->loss.gradient, p, i) == gradient[i]))
                 printf("  %s, %dx%d, pixel %d\n", versions[v]->name, p->width, p->height, i);
-        CHECK(!memcmp(sums[0], p->absolute, rows) && !memcmp(sums[1], p->dissimilar, rows) &&
-              !memcmp(sums[2], p->by_gain, rows));
+        CHECK(!memcmp(sums[0], p->absolute, rows) && !memcmp(sums[1], p->dissimilar, rows));
         free_planes(p);
     }
 }
@@ -232,7 +228,7 @@ static void test_cut_white(void)
 
 /* All that the passes give, of one version. */
 typedef struct outcome {
-    float gradient[FIT_LOSS_PIXELS], absolute[MOST_ROWS], dissimilar[MOST_ROWS], by_gain[MOST_ROWS];
+    float gradient[FIT_LOSS_PIXELS], absolute[MOST_ROWS], dissimilar[MOST_ROWS];
 } outcome;
 
 /* `p` stays as it is; its numbers for the first `width` columns. */
@@ -245,7 +241,6 @@ static void find_outcome(pictures *p, const fxs_fit_stages *stages, int width, o
             out->gradient[i / p->width * width + i % p->width] = (float)at_of(&p->loss.gradient, p, i);
     memcpy(out->absolute, p->absolute, (size_t)p->height * sizeof *p->absolute);
     memcpy(out->dissimilar, p->dissimilar, (size_t)p->height * sizeof *p->dissimilar);
-    memcpy(out->by_gain, p->by_gain, (size_t)p->height * sizeof *p->by_gain);
     free_planes(p);
 }
 

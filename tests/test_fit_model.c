@@ -431,7 +431,7 @@ static void order(void)
 static void resized(void)
 {
     const size_t counts[] = {500, 497, 498, 40, 600};
-    fxs_fit_gains gains = {NULL, 0};
+    fxs_fit_gains gains = {NULL, 0, 0};
     fxs_fit_model m = random_model(500);
     m.gains = &gains;
     for (size_t n = 0; n < sizeof counts / sizeof *counts; n++) {
