@@ -1,7 +1,7 @@
 /* The exposure of photographs. A colour I of the picture that is compared with a photograph becomes I M + m, with a 3x3
- * matrix M and a row m: 12 numbers, those of M row by row, then those of m. Where they are affine, a photograph has these
- * 12 themselves (the exposure of Inria's code, 2024). Else it has the three numbers e, r and b of a diagonal M, 2^(e + r),
- * 2^(e - (r + b)) and 2^(e + b), and m is 0. The processor and CUDA compile this same text. */
+ * matrix M and a row m: 12 numbers, those of M row by row, then those of m. Where exposures are affine, a photograph
+ * has these 12 themselves (the exposure of Inria's code, 2024). Else it has the three numbers e, r and b of a diagonal
+ * M, 2^(e + r), 2^(e - (r + b)) and 2^(e + b), and m is 0. The processor and CUDA compile this same text. */
 #ifndef FXS_FIT_EXPOSURE_H
 #define FXS_FIT_EXPOSURE_H
 
@@ -80,8 +80,8 @@ static inline int gain_needs(int is_affine, int k)
     return is_affine || (k < 9 && k % 4 == 0);
 }
 
-/* The gradient by a photograph's numbers. `sums`: over pixels, of dL/da_c a_k at 3 k + c, with the channels a of I M + m,
-   and of dL/da_c at 9 + c, over the number of pixels and channels. Affine: by W and w where a becomes a + a W + w. Else
+/* The gradient by a photograph's numbers. `sums`: over pixels, of dL/da_c a_k at 3 k + c, with the channels a of I M +
+   m, and of dL/da_c at 9 + c, over the number of pixels and channels. Affine: by W and w where a becomes a + a W + w. Else
    dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with dL/da a. */
 static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
 {

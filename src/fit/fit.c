@@ -230,8 +230,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
-/* Begins with the exposures that are known: log2 of a gain is 1 / 2.2 of that of the light. Affine ones have the gain as
-   a factor, over the mean of all factors. */
+/* Begins with the exposures that are known: log2 of a gain is 1 / 2.2 of that of the light. Affine ones have the gain
+   as a factor, over the mean of all factors. */
 static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
 {
     fxs_fit_gain *const gains = f->gains.of;
@@ -360,6 +360,14 @@ static float pose_rate(const fxs_fit *f, float way)
     return least(way * (float)f->count / ((float)f->options.steps * (float)f->options.batch), 0.002f);
 }
 
+/* The first rate of exposures, with which one gets as far whose photograph is in few steps: 4 shared out among these,
+   from 0.05 to 0.2, in log2. */
+static float gain_rate(const fxs_fit *f, float part)
+{
+    const float share = 4 * (float)f->count / ((float)f->options.steps * (float)f->options.batch);
+    return part * least(most(share, 0.05f), 0.2f);
+}
+
 static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_options *options)
 {
     const uint64_t key = fxs_fit_random(f->options.seed, f->step, UINT64_MAX);
@@ -368,7 +376,7 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->number = f->step;
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
-    options->gain_rate = plan->gain_rate;
+    options->gain_rate = gain_rate(f, plan->gain_part);
     options->pose_rate = pose_rate(f, plan->pose_way);
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
     memcpy(options->rate, plan->rate, sizeof options->rate);

@@ -58,9 +58,10 @@ for photos in "$@"; do
     fit "$photos" "$name-cuda.ply" --resolution 300 --steps 200 --backend cuda >/dev/null
     same "$name-cpu.ply" "$name-cuda.ply"
     for how in gain affine; do
+        options="--resolution 300 --steps 700 --exposure $how --refine-poses"
         say "the same with exposures, $how, and poses, 700 steps"
-        fit "$photos" "$name-cpu.ply" --resolution 300 --steps 700 --exposure $how --refine-poses >/dev/null
-        fit "$photos" "$name-cuda.ply" --resolution 300 --steps 700 --exposure $how --refine-poses --backend cuda >/dev/null
+        fit "$photos" "$name-cpu.ply" $options >/dev/null
+        fit "$photos" "$name-cuda.ply" $options --backend cuda >/dev/null
         same "$name-cpu.ply" "$name-cuda.ply"
     done
 done
