@@ -229,10 +229,10 @@ static void test_gain_steps(void)
         for (int k = 0; k < 3; k++) {
             mean[k] = 0.9 * mean[k] + 0.1 * 0.69314718055994531 * gradients[k];
             const double by = 0.01 * mean[k] / (1 - pow(0.9, step)) / sqrt(square / (1 - pow(0.999, step)));
-            at[k] = at[k] * (1 - 0.01) - by;
+            at[k] = at[k] * (1 - 0.02) - by;
             way[k] += fabs(by);
         }
-        gain_step(&gain, 0, sums, 0.01f);
+        gain_step(&gain, 0, sums, 0.01f, 0.02f);
         for (int k = 0; k < 3; k++)
             CHECK(fabs((double)gain.at[k] - at[k]) < 1e-5 * way[k]);
     }
@@ -241,11 +241,11 @@ static void test_gain_steps(void)
     for (int i = 0; i < 9; i++) {
         float sums[FXS_FIT_GAIN] = {0};
         sums[i % 3 * 4] = bad[i / 3];
-        gain_step(&gain, 0, sums, 0.01f);
+        gain_step(&gain, 0, sums, 0.01f, 0.02f);
         CHECK(!memcmp(&gain, &before, sizeof gain));
     }
     gain = (fxs_fit_gain){{20, -20, 1}, {0}, 0, {0}};
-    gain_step(&gain, 0, (const float[FXS_FIT_GAIN]){0}, 0.05f);
+    gain_step(&gain, 0, (const float[FXS_FIT_GAIN]){0}, 0.1f, 0.05f);
     CHECK(gain.at[0] == FXS_FIT_GAIN_MOST && gain.at[1] == -FXS_FIT_GAIN_MOST && gain.at[2] == 0.95f);
 }
 
@@ -272,10 +272,10 @@ static void test_affine_steps(void)
         for (int k = 0; k < FXS_FIT_GAIN; k++) {
             const double *row = at + k / 3 * 3, off = k == 0 || k == 4 || k == 8;
             next[k] = at[k] + (row[0] * by[k % 3] + row[1] * by[3 + k % 3] + row[2] * by[6 + k % 3]) +
-                      (k < 9 ? 0 : by[k]) - 0.01 * (at[k] - off);
+                      (k < 9 ? 0 : by[k]) - 0.02 * (at[k] - off);
         }
         memcpy(at, next, sizeof at);
-        gain_step(&gain, 1, sums, 0.01f);
+        gain_step(&gain, 1, sums, 0.01f, 0.02f);
         for (int k = 0; k < FXS_FIT_GAIN; k++)
             CHECK(fabs((double)gain.at[k] - at[k]) < 1e-5 * way);
     }
@@ -284,11 +284,11 @@ static void test_affine_steps(void)
     for (int i = 0; i < 3 * FXS_FIT_GAIN; i++) {
         float sums[FXS_FIT_GAIN] = {0};
         sums[i % FXS_FIT_GAIN] = bad[i / FXS_FIT_GAIN];
-        gain_step(&gain, 1, sums, 0.01f);
+        gain_step(&gain, 1, sums, 0.01f, 0.02f);
         CHECK(!memcmp(&gain, &before, sizeof gain));
     }
     gain = (fxs_fit_gain){{1, 0, 0, 0, 20, 0, 0, 0, 1, -20, 0, 1}, {0}, 0, {0}};
-    gain_step(&gain, 1, (const float[FXS_FIT_GAIN]){0}, 0.05f);
+    gain_step(&gain, 1, (const float[FXS_FIT_GAIN]){0}, 0.1f, 0.05f);
     CHECK(gain.at[4] == FXS_FIT_GAIN_MOST && gain.at[9] == -FXS_FIT_GAIN_MOST && gain.at[11] == 0.95f &&
           gain.at[0] == 1 && gain.at[1] == 0);
 }
@@ -318,7 +318,8 @@ static void check_means(int is_affine)
     make_model(&m, &photographs[0].camera);
     m.gains = &gains;
     for (int step = 1; step <= 60; step++) {
-        const fxs_fit_step_options options = {.number = (uint32_t)step, .gain_rate = 0.05f};
+        const fxs_fit_step_options options = {.number = (uint32_t)step, .gain_rate = 0.05f,
+                                              .gain_decay = 0.05f};
         static fxs_fit_gain before[GAINS];
         memcpy(before, of, sizeof of);
         CHECK(!fxs_fit_stepper_step(stepper, &m, &photographs[step % 2], 2, &options, &report));

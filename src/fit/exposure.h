@@ -106,11 +106,12 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
 }
 
 /* A step of Adam. The second moment is of the gradient's squared length, so that a number whose gradient is small
-   beside the others' moves little; all are corrected by those of a gradient of 1. The rate is also the share of each
-   number's difference from a neutral one that is taken off (decoupled decay, Loshchilov and Hutter 2019), as a scene
-   could else become brighter from one side, and the photographs from there darker. A gradient that is not finite, or
+   beside the others' moves little; all are corrected by those of a gradient of 1. `decay` is the share of each number's
+   difference from a neutral one that is taken off (decoupled decay, Loshchilov and Hutter 2019), as a scene could else
+   become brighter from one side, and the photographs from there darker. A gradient that is not finite, or
    beyond FXS_FIT_FARTHEST_GRADIENT, changes nothing. */
-static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate)
+static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
+                             float decay)
 {
     float gradient[FXS_FIT_GAIN], step[FXS_FIT_GAIN], next[FXS_FIT_GAIN], square = 0;
     const int numbers = gain_numbers(is_affine);
@@ -129,7 +130,7 @@ static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums
         step[k] = -(share * gain->mean[k]);
     }
     for (int k = 0; k < numbers; k++)
-        next[k] = gain_after(gain, is_affine, step, k) - rate * (gain->at[k] - gain_neutral(is_affine, k));
+        next[k] = gain_after(gain, is_affine, step, k) - decay * (gain->at[k] - gain_neutral(is_affine, k));
     for (int k = 0; k < numbers; k++)
         gain->at[k] = least(most(next[k], -FXS_FIT_GAIN_MOST), FXS_FIT_GAIN_MOST);
 }

@@ -376,7 +376,7 @@ static void set_step(const fxs_fit *f, const fxs_fit_plan *plan, fxs_fit_step_op
     options->number = f->step;
     options->by_opacity = plan->by_opacity;
     options->by_scale = plan->by_scale;
-    options->gain_rate = gain_rate(f, plan->gain_part);
+    options->gain_rate = options->gain_decay = gain_rate(f, plan->gain_part);
     options->pose_rate = pose_rate(f, plan->pose_way);
     options->noise = (fxs_fit_noise){plan->noise, {(uint32_t)key, (uint32_t)(key >> 32)}};
     memcpy(options->rate, plan->rate, sizeof options->rate);

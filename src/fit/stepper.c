@@ -713,7 +713,8 @@ static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *pho
 {
     const fxs_fit_gains *gains = s->model->gains;
     for (uint32_t v = 0; v < s->batch; v++)
-        gain_step(&gains->of[photographs[v].number], gains->is_affine, s->by_gain[v], s->options->gain_rate);
+        gain_step(&gains->of[photographs[v].number], gains->is_affine, s->by_gain[v], s->options->gain_rate,
+                  s->options->gain_decay);
     for (int k = 0; k < gain_numbers(gains->is_affine); k++) {
         const float excess = gain_mean(gains, k) - gain_neutral(gains->is_affine, k);
         for (uint32_t i = 0; i < gains->count; i++)

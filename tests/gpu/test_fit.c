@@ -128,6 +128,7 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     o->number = number;
     o->by_opacity = o->by_scale = w->by_opacity;
     o->gain_rate = 0.05f;
+    o->gain_decay = 0.02f;
     o->pose_rate = 0.01f;
     o->noise = (fxs_fit_noise){w->noise, {12345 + number, 67890}};
     for (int k = 0; k < FXS_FIT_PARAMETERS; k++)

@@ -393,7 +393,8 @@ cudaError_t step_gains(const device *d, const step_order *s)
         batch.numbers[v] = s->photographs[v].number;
         batch.by_gain[v] = by_gain_of(d, v);
     }
-    return launch_update_gains(&d->buffers, &d->gains, &batch, s->options.gain_rate, d->stream);
+    return launch_update_gains(&d->buffers, &d->gains, &batch, s->options.gain_rate, s->options.gain_decay,
+                               d->stream);
 }
 
 int update(engine *e, device *d, const step_order *s, fxs_message *why)

@@ -71,7 +71,7 @@ struct gain_batch {
 };
 
 __global__ void __launch_bounds__(GAIN_THREADS)
-update_gains(step_buffers b, fxs_fit_gains gains, gain_batch batch, float rate)
+update_gains(step_buffers b, fxs_fit_gains gains, gain_batch batch, float rate, float decay)
 {
     __shared__ double parts[FXS_FIT_GAIN][GAIN_PARTS];
     __shared__ float excess[FXS_FIT_GAIN];
@@ -79,7 +79,7 @@ update_gains(step_buffers b, fxs_fit_gains gains, gain_batch batch, float rate)
         return;
     const uint32_t k = threadIdx.x / GAIN_PARTS, part = threadIdx.x % GAIN_PARTS;
     for (uint32_t v = 0; v < batch.count && threadIdx.x == 0; v++)
-        gain_step(&gains.of[batch.numbers[v]], gains.is_affine, batch.by_gain[v], rate);
+        gain_step(&gains.of[batch.numbers[v]], gains.is_affine, batch.by_gain[v], rate, decay);
     __syncthreads();
     parts[k][part] = gain_part(&gains.of->at[k], GAIN_STEP, gains.count, part);
     __syncthreads();
@@ -91,9 +91,9 @@ update_gains(step_buffers b, fxs_fit_gains gains, gain_batch batch, float rate)
 }
 
 cudaError_t launch_update_gains(const step_buffers *b, const fxs_fit_gains *gains, const gain_batch *batch, float rate,
-                                cudaStream_t stream)
+                                float decay, cudaStream_t stream)
 {
-    update_gains<<<1, GAIN_THREADS, 0, stream>>>(*b, *gains, *batch, rate);
+    update_gains<<<1, GAIN_THREADS, 0, stream>>>(*b, *gains, *batch, rate, decay);
     return cudaGetLastError();
 }
 
