@@ -413,7 +413,8 @@ static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
 {
     static const fxs_fit_gain none;
     for (int k = 0; k < (s->exposure == FXS_FIT_EXPOSURE_AFFINE ? FXS_FIT_GAIN : 3) && s->exposure; k++) {
-        const double wanted = difference(s, &s->gain[k]);
+        const double unit = s->exposure == FXS_FIT_EXPOSURE_GAIN ? 1 : k > 8 ? 0.03125 : k % 4 ? 0.25 : 1;
+        const double wanted = unit * difference(s, &s->gain[k]);
         check_near((double)of[1].mean[k] / (double)0.1f * 3 * PIXELS, wanted, 1 + fabs(wanted), -1, k, t);
     }
     CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->exposure || !memcmp(&of[1], &none, sizeof none)));

@@ -18,6 +18,14 @@ static inline float gain_neutral(int is_affine, int k)
     return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;   /* M's diagonal */
 }
 
+/* In what unit Adam's step moves number k of an affine exposure: beside M's diagonal a quarter, as a photograph that is
+   brighter would else become greyer too; constants 1 / 32, as they have by far the largest gradients where pictures are
+   black, from SSIM. */
+static inline float gain_unit(int is_affine, int k)
+{
+    return !is_affine || gain_neutral(1, k) > 0 ? 1.0f : k < 9 ? 0.25f : 0.03125f;
+}
+
 /* M and m. */
 static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float factors[FXS_FIT_GAIN])
 {
@@ -81,13 +89,13 @@ static inline int gain_needs(int is_affine, int k)
 }
 
 /* The gradient by a photograph's numbers. `sums`: over pixels, of dL/da_c a_k at 3 k + c, with the channels a of I M +
-   m, and of dL/da_c at 9 + c, over the number of pixels and channels. Affine: by W and w where a becomes a + a W + w. Else
+   m, and of dL/da_c at 9 + c, over the number of pixels and channels. Affine: by W and w, in their units, where a becomes a + a W + w. Else
    dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with dL/da a. */
 static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
 {
     const float red = sums[0], green = sums[4], blue = sums[8];
     for (int k = 0; k < FXS_FIT_GAIN; k++)
-        gradient[k] = is_affine ? sums[k] : 0.0f;
+        gradient[k] = is_affine ? gain_unit(1, k) * sums[k] : 0.0f;
     if (is_affine)
         return;
     gradient[0] = 0.693147181f * ((red + green) + blue);
@@ -127,7 +135,7 @@ static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums
     const float share = rate / gain->of_one[0] / (root(gain->square / gain->of_one[1]) + 1e-15f);
     for (int k = 0; k < numbers; k++) {
         gain->mean[k] = without_tiny(gain->mean[k] * 0.9f + gradient[k] * 0.1f);
-        step[k] = -(share * gain->mean[k]);
+        step[k] = -(share * gain->mean[k]) * gain_unit(is_affine, k);
     }
     for (int k = 0; k < numbers; k++)
         next[k] = gain_after(gain, is_affine, step, k) - decay * (gain->at[k] - gain_neutral(is_affine, k));
