@@ -39,16 +39,18 @@ static inline void fit_window_sums(const double (*from)[5], double (*to)[5], int
 }
 
 /* The sum over the pixels of a channel, the photograph's three bytes apart, of 0.8 |a - b| + 0.2 (1 - SSIM). Pixels for
-   which the mask (or null) has 0 are as those beyond the picture. */
-static inline double fit_loss(const double *picture, const uint8_t *photograph, const uint8_t *mask, int width,
-                              int height)
+   which the mask (or null) has 0 are as those beyond the picture. is_cut: where the photograph is white, the picture may
+   be brighter. */
+static inline double fit_loss(const double *picture, const uint8_t *photograph, const uint8_t *mask, int is_cut,
+                              int width, int height)
 {
     static double products[FIT_LOSS_PIXELS][5], rows[FIT_LOSS_PIXELS][5], sums[FIT_LOSS_PIXELS][5];
     double window[FIT_WINDOW], loss = 0;
     fit_window(window);
     for (int p = 0; p < width * height; p++) {
         const int counts = !mask || mask[p];
-        const double a = counts ? picture[p] : 0, b = counts ? photograph[3 * p] / 255.0 : 0;
+        const double b = counts ? photograph[3 * p] / 255.0 : 0;
+        const double a = !counts ? 0 : is_cut && b == 1 ? fmin(picture[p], 1) : picture[p];
         products[p][0] = a, products[p][1] = b, products[p][2] = a * a, products[p][3] = b * b, products[p][4] = a * b;
         loss += 0.8 * fabs(a - b);
     }

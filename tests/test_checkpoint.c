@@ -131,28 +131,37 @@ static void goes_on_in_the_middle_of_a_round(void)
 }
 
 /* Exposures and their moments are in the file, and the option is the file's. */
-static void goes_on_with_exposures(void)
+static void goes_on_with_exposure(enum fxs_fit_exposure exposure, const char *half)
 {
     const fxs_fit_options mine = options;
     fxs_fit *whole, *second;
-    options.exposure = FXS_FIT_EXPOSURE_GAIN;
+    options.exposure = exposure;
     options.batch = 2;
     whole = begin();
     go_on(whole, 20);
-    save(whole, "half-exposures");
+    save(whole, half);
     go_on(whole, 40);
     save(whole, "whole-exposures");
     CHECK(whole->gains.of[1].at[0] != 0 && whole->gains.of[1].at[2] != 0);
+    CHECK((whole->gains.of[1].at[9] != 0) == (exposure == FXS_FIT_EXPOSURE_AFFINE));
     fxs_fit_free(whole);
     options = mine;
-    if (CHECK(resume(&second, "half-exposures") == 0)) {
-        CHECK(fxs_fit_options_of(second)->exposure == FXS_FIT_EXPOSURE_GAIN);
+    if (CHECK(resume(&second, half) == 0)) {
+        CHECK(fxs_fit_options_of(second)->exposure == exposure);
         go_on(second, 40);
         save(second, "resumed-exposures");
         CHECK(same_files("whole-exposures", "resumed-exposures"));
         fxs_fit_free(second);
     }
-    options.exposure = (enum fxs_fit_exposure)2;
+}
+
+static void goes_on_with_exposures(void)
+{
+    const fxs_fit_options mine = options;
+    fxs_fit *second;
+    goes_on_with_exposure(FXS_FIT_EXPOSURE_GAIN, "half-exposures");
+    goes_on_with_exposure(FXS_FIT_EXPOSURE_AFFINE, "half-affine");
+    options.exposure = (enum fxs_fit_exposure)3;
     CHECK(fxs_fit_create(&second, photos, PHOTOS, points, POINTS, &options, &message) == FXS_ERR_ARGUMENT);
     options.exposure = FXS_FIT_EXPOSURE_GAIN;
     options.block = options.blocks = 1;
@@ -191,9 +200,22 @@ static void begins_with_known_exposures(void)
         CHECK(fit->gains.of[0].at[0] == 0 && fit->gains.of[1].at[0] == 0);
         fxs_fit_free(fit);
     }
+    for (int i = 0; i < PHOTOS; i++)               /* affine: factors, over their mean */
+        photos[i].exposure = 0.01 * (1 + i);
+    options.exposure = FXS_FIT_EXPOSURE_AFFINE;
+    fxs_fit *fit = begin();
+    for (int i = 0; i < PHOTOS; i++) {
+        const double mean = (1 + pow(2, 1 / 2.2) + pow(3, 1 / 2.2)) / 3;
+        for (int k = 0; k < FXS_FIT_GAIN; k++) {
+            const double expected = k < 9 && k % 4 == 0 ? pow(1 + i, 1 / 2.2) / mean : 0;
+            CHECK(fabs((double)fit->gains.of[i].at[k] - expected) < 1e-6);
+        }
+    }
+    fxs_fit_free(fit);
+    options.exposure = FXS_FIT_EXPOSURE_GAIN;
     for (int i = 0; i < PHOTOS; i++)
         photos[i].exposure = i == 1 ? 1e-20 : 1e20;
-    fxs_fit *fit = begin();
+    fit = begin();
     for (int i = 0; i < PHOTOS; i++)
         CHECK(fabsf(fit->gains.of[i].at[0]) <= 2 * FXS_FIT_GAIN_MOST);
     save(fit, "extreme-exposures");
@@ -397,6 +419,7 @@ static void a_block_keeps_exposures_and_poses(void)
 {
     a_block_keeps("half-antialiased", 26);
     a_block_keeps("half-exposures", 26);
+    a_block_keeps("half-affine", 26);
     a_block_keeps("half-poses", 526);
 }
 
@@ -636,17 +659,20 @@ static void faulty_exposures_are_refused(void)
     CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     change("half-exposures", END - 1, nan);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 10);          /* the version of a fit with exposures: it has none */
+    change("half", 1, 14);          /* the version of a fit with exposures: it has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
     change("half", 1, 4);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
-    change("half", 1, 13);          /* of an antialiased one, whose cameras are others */
+    change("half", 1, 19);          /* of an antialiased one, whose cameras are others */
     CHECK(refused("changed", FXS_ERR_FILE, "other photographs"));
-    change("half", 1, 41);
+    change("half", 1, 37);
     CHECK(refused("changed", FXS_ERR_VERSION, "another version"));
+    change("half-affine", AT + WORDS + 11, beyond);
+    CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
     for (int i = 0; i < 6 * 4; i++) {    /* moments, which may be anything; the second one 0 or more, others to 1 */
         const uint32_t value = faulty[i % 4];
-        change("half-exposures", AT + 3 + i / 4, value);
+        const int word = i < 3 * 4 ? FXS_FIT_GAIN + i / 4 : WORDS + i / 4 - 6;
+        change("half-exposures", AT + word, value);
         if (i >= 3 * 4 && (value >> 31 || (i >= 4 * 4 && value))) {
             CHECK(refused("changed", FXS_ERR_FILE, "a number out of its range"));
             continue;
@@ -685,7 +711,7 @@ static void faulty_poses_are_refused(void)
     }
     change("half-poses", AT + 6, 0x7fc00001);
     CHECK(refused("changed", FXS_ERR_FILE, "not finite"));
-    change("half", 1, 11);          /* the version of a fit with poses: it has none */
+    change("half", 1, 16);          /* the version of a fit with poses: it has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 
@@ -711,7 +737,7 @@ static void faulty_skies_are_refused(void)
         go_on(fit, 24);
         fxs_fit_free(fit);
     }
-    change("half", 1, 17);          /* the version of a fit with a sky: it has none */
+    change("half", 1, 25);          /* the version of a fit with a sky: it has none */
     CHECK(refused("changed", FXS_ERR_FILE, "damaged: "));
 }
 

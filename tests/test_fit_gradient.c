@@ -24,8 +24,9 @@ typedef struct cuts {
 typedef struct scene {
     int count, degree;
     fxs_fit_camera camera;
-    double variables[MOST][VARIABLES], background[3], gain[3];
-    int has_gain;                  /* 0: the photograph has no exposure, and `gain` is 0 */
+    double variables[MOST][VARIABLES], background[3];
+    enum fxs_fit_exposure exposure;    /* of the photograph */
+    double gain[FXS_FIT_GAIN];     /* its numbers: e, r and b; or what is added, as W and w, to an affine map */
     double pose[FXS_FIT_POSE];
     int has_pose;                  /* likewise */
     double rotation[9], eye[3];    /* the camera's, with its pose */
@@ -182,11 +183,28 @@ static void pose(scene *s)
     }
 }
 
+/* A map with all 12 numbers. */
+static const double affine[FXS_FIT_GAIN] = {1.25, -0.125, 0.0625, 0.1875, 0.75, -0.0625, -0.25, 0.125, 1.125, 0.0625,
+                                            -0.03125, 0.125};
+
+static void expose(const scene *s, double colour[3])
+{
+    const double *g = s->gain, factor[3] = {exp2(g[0] + g[1]), exp2(g[0] - g[1] - g[2]), exp2(g[0] + g[2])};
+    double mapped[3];
+    for (int c = 0; c < 3 && s->exposure == FXS_FIT_EXPOSURE_GAIN; c++)
+        colour[c] *= factor[c];
+    if (s->exposure != FXS_FIT_EXPOSURE_AFFINE)
+        return;
+    for (int c = 0; c < 3; c++)
+        mapped[c] = colour[0] * affine[c] + colour[1] * affine[3 + c] + colour[2] * affine[6 + c] + affine[9 + c];
+    for (int c = 0; c < 3; c++)
+        colour[c] = mapped[c] + mapped[0] * g[c] + mapped[1] * g[3 + c] + mapped[2] * g[6 + c] + g[9 + c];
+}
+
 static void draw(scene *s)
 {
     flat flats[MOST];
     pose(s);
-    const double *g = s->gain, factor[3] = {exp2(g[0] + g[1]), exp2(g[0] - g[1] - g[2]), exp2(g[0] + g[2])};
     for (int i = 0; i < s->count; i++)
         flatten(s, i, &flats[i]);
     if (!s->cuts.is_set)
@@ -210,7 +228,10 @@ static void draw(scene *s)
             transmittance *= 1 - alpha;
         }
         for (int c = 0; c < 3; c++)
-            picture[c][p] = factor[c] * (colour[c] + transmittance * s->background[c]);
+            colour[c] += transmittance * s->background[c];
+        expose(s, colour);
+        for (int c = 0; c < 3; c++)
+            picture[c][p] = colour[c];
     }
     s->cuts.is_set = 1;
 }
@@ -225,7 +246,8 @@ static double difference(scene *s, double *variable)
         draw(s);
         loss[side] = 0;
         for (int c = 0; c < 3; c++)
-            loss[side] += fit_loss(picture[c], &s->photograph[0][c], s->mask, WIDTH, HEIGHT);
+            loss[side] += fit_loss(picture[c], &s->photograph[0][c], s->mask, s->exposure != FXS_FIT_EXPOSURE_NONE, WIDTH,
+                                   HEIGHT);
     }
     *variable = kept;
     return (loss[1] - loss[0]) / (2 * h);
@@ -243,15 +265,15 @@ typedef struct kind {
 } kind;
 
 /* Draws scenes until one has no decision that singles might take otherwise, and photographs beside their pictures. */
-static void make_scene(scene *s, const kind *k, int degree, int has_gain, int has_pose)
+static void make_scene(scene *s, const kind *k, int degree, enum fxs_fit_exposure exposure, int has_pose)
 {
     static const double gain[3] = {0.375, -0.25, 0.125}, at[] = {0.0625, -0.25, 0.1875, -0.125, 0.0625, 0.25};
     do {
         memset(s, 0, sizeof *s);
-        s->has_gain = has_gain;
+        s->exposure = exposure;
         s->mask = k->mask;
         for (int i = 0; i < 3; i++)
-            s->gain[i] = has_gain ? gain[i] : 0;
+            s->gain[i] = exposure == FXS_FIT_EXPOSURE_GAIN ? gain[i] : 0;
         s->has_pose = has_pose;
         for (int i = 0; i < FXS_FIT_POSE; i++)
             s->pose[i] = has_pose ? at[i] : 0;
@@ -306,7 +328,8 @@ typedef struct photographs {
 /* What a first step leaves: a tenth of the gradients as Adam's means. The photograph is the second. */
 static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_model *m, photographs *of)
 {
-    fxs_fit_gains gains = {of->gains, 2};
+    const int is_affine = s->exposure == FXS_FIT_EXPOSURE_AFFINE;
+    fxs_fit_gains gains = {of->gains, 2, is_affine};
     fxs_fit_poses poses = {of->poses, 2};
     fxs_fit_stepper *stepper = fxs_fit_stepper_create(stages, NULL, NULL, 1, NULL);
     const fxs_fit_photograph photograph = {s->photograph[0], WIDTH, HEIGHT, 1, s->camera, 1, s->mask};
@@ -320,12 +343,12 @@ static void step_once(const scene *s, const fxs_fit_stages *stages, fxs_fit_mode
         for (int k = 0; k < FXS_FIT_PARAMETERS; k++)
             m->parameters[(size_t)k * m->stride + (size_t)i] = (float)s->variables[i][k];
     memset(of, 0, sizeof *of);
-    for (int k = 0; k < 3; k++)
-        of->gains[1].at[k] = (float)s->gain[k];
+    for (int k = 0; k < FXS_FIT_GAIN; k++)
+        of->gains[1].at[k] = (float)(is_affine ? affine[k] : s->gain[k]);
     for (int k = 0; k < FXS_FIT_POSE; k++)
         of->poses[1].at[k] = (float)s->pose[k];
     of->poses[1].depth = DEPTH;
-    m->gains = s->has_gain ? &gains : NULL;
+    m->gains = s->exposure ? &gains : NULL;
     m->poses = s->has_pose ? &poses : NULL;
     CHECK(fxs_fit_stepper_step(stepper, m, &photograph, 1, &options, &report) == 0);
     m->gains = NULL;
@@ -396,11 +419,12 @@ static void check_gaussian(scene *s, const fxs_fit_model *m, int i, tally *t)
 static void check_gain(scene *s, const fxs_fit_gain of[2], tally *t)
 {
     static const fxs_fit_gain none;
-    for (int k = 0; k < 3 && s->has_gain; k++) {
-        const double wanted = difference(s, &s->gain[k]);
+    for (int k = 0; k < (s->exposure == FXS_FIT_EXPOSURE_AFFINE ? FXS_FIT_GAIN : 3) && s->exposure; k++) {
+        const double unit = s->exposure == FXS_FIT_EXPOSURE_GAIN ? 1 : k > 8 ? 0.03125 : k % 4 ? 0.25 : 1;
+        const double wanted = unit * difference(s, &s->gain[k]);
         check_near((double)of[1].mean[k] / (double)0.1f * 3 * PIXELS, wanted, 1 + fabs(wanted), -1, k, t);
     }
-    CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->has_gain || !memcmp(&of[1], &none, sizeof none)));
+    CHECK(!memcmp(of[0].mean, none.mean, sizeof none.mean) && (s->exposure || !memcmp(&of[1], &none, sizeof none)));
 }
 
 /* The same; and each three take a step as long as their rate against the gradient. */
@@ -446,7 +470,7 @@ static tally check_scenes(const kind *k, int scenes)
     for (int n = 0; n < scenes; n++) {
         fxs_fit_model m;
         photographs of;
-        make_scene(&s, k, 3 - n % 4, n % 2, n % 4 != 3);
+        make_scene(&s, k, 3 - n % 4, (enum fxs_fit_exposure)((n + 1) % 3), n % 4 != 3);
         step_once(&s, fxs_fit_stages_choose(0), &m, &of);
         check_versions(&s, &m, &of);
         check_gain(&s, of.gains, &t);

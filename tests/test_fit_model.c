@@ -431,7 +431,7 @@ static void order(void)
 static void resized(void)
 {
     const size_t counts[] = {500, 497, 498, 40, 600};
-    fxs_fit_gains gains = {NULL, 0};
+    fxs_fit_gains gains = {NULL, 0, 0};
     fxs_fit_model m = random_model(500);
     m.gains = &gains;
     for (size_t n = 0; n < sizeof counts / sizeof *counts; n++) {
@@ -662,7 +662,7 @@ static void rates_of_exposures(void)
 {
     fxs_fit_options o;
     fxs_fit_options_init(&o);
-    CHECK(plan_of(&o, 700).gain_rate == 0);
+    CHECK(plan_of(&o, 700).gain_part == 0);
     o.exposure = FXS_FIT_EXPOSURE_GAIN;
     for (int recipe = FXS_FIT_REFERENCE; recipe <= FXS_FIT_FAST; recipe++) {
         const double steps = recipe == FXS_FIT_REFERENCE ? 30000 : 8000;
@@ -671,8 +671,8 @@ static void rates_of_exposures(void)
         o.steps = 8000;
         uint32_t last = 0;
         for (uint32_t step = 1; step <= 8000; step++) {
-            wrong += !is_near((double)plan_of(&o, step).gain_rate,
-                              0.05 * fmin((step - last) / 500.0, 1) * pow(10, -(double)step / steps), 1e-6);
+            wrong += !is_near((double)plan_of(&o, step).gain_part,
+                              fmin((step - last) / 500.0, 1) * pow(10, -(double)step / steps), 1e-6);
             last = plan_of(&o, step).reset ? step : last;
         }
         CHECK(!wrong && last == (recipe == FXS_FIT_REFERENCE ? 6000 : 0));

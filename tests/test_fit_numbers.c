@@ -194,16 +194,19 @@ static void test_tiny_gradients(void)
 
 static void test_factors(void)
 {
-    float factors[3];
-    gain_factors(&(fxs_fit_gain){{0, 0, 0}, {0}, 0, {0}}, factors);
-    CHECK(factors[0] == 1 && factors[1] == 1 && factors[2] == 1);
+    static const float neutral[FXS_FIT_GAIN] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+    float factors[FXS_FIT_GAIN];
+    gain_factors(&(fxs_fit_gain){{0, 0, 0}, {0}, 0, {0}}, 0, factors);
+    CHECK(!memcmp(factors, neutral, sizeof neutral));
+    for (int k = 0; k < FXS_FIT_GAIN; k++)
+        CHECK(gain_neutral(1, k) == neutral[k] && gain_neutral(0, k) == 0);
     fit_state = 6;
     for (int i = 0; i < 1000; i++) {
         const double e = (float)fit_uniform(-16, 16), r = (float)fit_uniform(-16, 16), b = (float)fit_uniform(-16, 16);
         const double wanted[3] = {exp2(e + r), exp2(e - r - b), exp2(e + b)};
-        gain_factors(&(fxs_fit_gain){{(float)e, (float)r, (float)b}, {0}, 0, {0}}, factors);
+        gain_factors(&(fxs_fit_gain){{(float)e, (float)r, (float)b}, {0}, 0, {0}}, 0, factors);
         for (int c = 0; c < 3; c++)
-            CHECK(fabs((double)factors[c] - wanted[c]) < 4e-6 * wanted[c]);
+            CHECK(fabs((double)factors[4 * c] - wanted[c]) < 4e-6 * wanted[c]);
     }
 }
 
@@ -215,10 +218,10 @@ static void test_gain_steps(void)
     fxs_fit_gain gain = {{0, 0, 0}, {0}, 0, {0}};
     fit_state = 7;
     for (int step = 1; step <= STEPS; step++) {
-        float sums[3];
-        for (int c = 0; c < 3; c++)
+        float sums[FXS_FIT_GAIN];
+        for (int c = 0; c < FXS_FIT_GAIN; c++)         /* those beside the diagonal are nothing to a gain */
             sums[c] = (float)ldexp(fit_uniform(-1, 1), step % 9 - 12);
-        const double red = (double)sums[0], green = (double)sums[1], blue = (double)sums[2];
+        const double red = (double)sums[0], green = (double)sums[4], blue = (double)sums[8];
         const double gradients[3] = {red + green + blue, red - green, blue - green};
         square *= 0.999;
         for (int k = 0; k < 3; k++)
@@ -226,40 +229,88 @@ static void test_gain_steps(void)
         for (int k = 0; k < 3; k++) {
             mean[k] = 0.9 * mean[k] + 0.1 * 0.69314718055994531 * gradients[k];
             const double by = 0.01 * mean[k] / (1 - pow(0.9, step)) / sqrt(square / (1 - pow(0.999, step)));
-            at[k] = at[k] * (1 - 0.01) - by;
+            at[k] = at[k] * (1 - 0.02) - by;
             way[k] += fabs(by);
         }
-        gain_step(&gain, sums, 0.01f);
+        gain_step(&gain, 0, sums, 0.01f, 0.02f);
         for (int k = 0; k < 3; k++)
             CHECK(fabs((double)gain.at[k] - at[k]) < 1e-5 * way[k]);
     }
     CHECK(way[0] > 0.1 && way[1] > 0.1 && way[2] > 0.1);
     const fxs_fit_gain before = gain;
     for (int i = 0; i < 9; i++) {
-        float sums[3] = {0, 0, 0};
-        sums[i % 3] = bad[i / 3];
-        gain_step(&gain, sums, 0.01f);
+        float sums[FXS_FIT_GAIN] = {0};
+        sums[i % 3 * 4] = bad[i / 3];
+        gain_step(&gain, 0, sums, 0.01f, 0.02f);
         CHECK(!memcmp(&gain, &before, sizeof gain));
     }
     gain = (fxs_fit_gain){{20, -20, 1}, {0}, 0, {0}};
-    gain_step(&gain, (const float[3]){0, 0, 0}, 0.05f);
+    gain_step(&gain, 0, (const float[FXS_FIT_GAIN]){0}, 0.1f, 0.05f);
     CHECK(gain.at[0] == FXS_FIT_GAIN_MOST && gain.at[1] == -FXS_FIT_GAIN_MOST && gain.at[2] == 0.95f);
 }
 
-/* Steps of batches of more photographs than a sum has parts. After each the means are 0, but for the rounding of each
+/* The same of affine exposures, whose step is put behind the map that is there. */
+static void test_affine_steps(void)
+{
+    static const float bad[] = {NAN, INFINITY, 1e20f};
+    double at[FXS_FIT_GAIN] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, mean[FXS_FIT_GAIN] = {0}, square = 0, way = 0;
+    fxs_fit_gain gain = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0}, 0, {0}};
+    fit_state = 9;
+    for (int step = 1; step <= STEPS; step++) {
+        float sums[FXS_FIT_GAIN];
+        double by[FXS_FIT_GAIN], next[FXS_FIT_GAIN];
+        square *= 0.999;
+        for (int k = 0; k < FXS_FIT_GAIN; k++) {
+            sums[k] = (float)ldexp(fit_uniform(-1, 1), step % 9 - 12);
+            const double unit = k > 8 ? 0.03125 : k % 4 ? 0.25 : 1, gradient = unit * (double)sums[k];
+            square += 0.001 * gradient * gradient;
+            mean[k] = 0.9 * mean[k] + 0.1 * gradient;
+        }
+        for (int k = 0; k < FXS_FIT_GAIN; k++) {
+            const double unit = k > 8 ? 0.03125 : k % 4 ? 0.25 : 1;
+            by[k] = -0.01 * unit * mean[k] / (1 - pow(0.9, step)) / sqrt(square / (1 - pow(0.999, step)));
+            way += fabs(by[k]);
+        }
+        for (int k = 0; k < FXS_FIT_GAIN; k++) {
+            const double *row = at + k / 3 * 3, off = k == 0 || k == 4 || k == 8;
+            next[k] = at[k] + (row[0] * by[k % 3] + row[1] * by[3 + k % 3] + row[2] * by[6 + k % 3]) +
+                      (k < 9 ? 0 : by[k]) - 0.02 * (at[k] - off);
+        }
+        memcpy(at, next, sizeof at);
+        gain_step(&gain, 1, sums, 0.01f, 0.02f);
+        for (int k = 0; k < FXS_FIT_GAIN; k++)
+            CHECK(fabs((double)gain.at[k] - at[k]) < 1e-5 * way);
+    }
+    CHECK(way > 1);
+    const fxs_fit_gain before = gain;
+    for (int i = 0; i < 3 * FXS_FIT_GAIN; i++) {
+        float sums[FXS_FIT_GAIN] = {0};
+        sums[i % FXS_FIT_GAIN] = bad[i / FXS_FIT_GAIN];
+        gain_step(&gain, 1, sums, 0.01f, 0.02f);
+        CHECK(!memcmp(&gain, &before, sizeof gain));
+    }
+    gain = (fxs_fit_gain){{1, 0, 0, 0, 20, 0, 0, 0, 1, -20, 0, 1}, {0}, 0, {0}};
+    gain_step(&gain, 1, (const float[FXS_FIT_GAIN]){0}, 0.1f, 0.05f);
+    CHECK(gain.at[4] == FXS_FIT_GAIN_MOST && gain.at[9] == -FXS_FIT_GAIN_MOST && gain.at[11] == 0.95f &&
+          gain.at[0] == 1 && gain.at[1] == 0);
+}
+
+/* Steps of batches of more photographs than a sum has parts. After each the means are neutral, but for the rounding of each
    number, and photographs that were not in the batch have moved by the same. */
-static void test_means_stay_0(void)
+static void check_means(int is_affine)
 {
     enum { GAINS = GAIN_PARTS + 7 };
     static uint8_t pixels[PHOTOGRAPHS][3 * WIDTH * HEIGHT];
     static fxs_fit_gain of[GAINS];
-    fxs_fit_gains gains = {of, GAINS};
+    fxs_fit_gains gains = {of, GAINS, is_affine};
     fxs_fit_photograph photographs[PHOTOGRAPHS];
     fxs_fit_model m;
     fxs_fit_report report;
     fxs_fit_stepper *stepper = fxs_fit_stepper_create(fxs_fit_stages_choose(~0u), NULL, NULL, 1, NULL);
     fit_state = 8;
     memset(of, 0, sizeof of);
+    for (int i = 0; i < GAINS * FXS_FIT_GAIN; i++)
+        of[i / FXS_FIT_GAIN].at[i % FXS_FIT_GAIN] = gain_neutral(is_affine, i % FXS_FIT_GAIN);
     for (int i = 0; i < PHOTOGRAPHS; i++) {
         for (int k = 0; k < 3 * WIDTH * HEIGHT; k++)
             pixels[i][k] = (uint8_t)fit_uniform(0, k % 3 ? 256 : 100 + 50 * i);
@@ -269,12 +320,14 @@ static void test_means_stay_0(void)
     make_model(&m, &photographs[0].camera);
     m.gains = &gains;
     for (int step = 1; step <= 60; step++) {
-        const fxs_fit_step_options options = {.number = (uint32_t)step, .gain_rate = 0.05f};
+        const fxs_fit_step_options options = {.number = (uint32_t)step, .gain_rate = 0.05f,
+                                              .gain_decay = 0.05f};
         static fxs_fit_gain before[GAINS];
         memcpy(before, of, sizeof of);
         CHECK(!fxs_fit_stepper_step(stepper, &m, &photographs[step % 2], 2, &options, &report));
-        for (int k = 0; k < 3; k++) {
-            double sum = 0, way = 0;
+        for (int k = 0; k < (is_affine ? FXS_FIT_GAIN : 3); k++) {
+            const int is_diagonal = is_affine && (k == 0 || k == 4 || k == 8);
+            double sum = is_diagonal ? -GAINS : 0, way = 0;
             for (int i = 0; i < GAINS; i++)
                 sum += (double)of[i].at[k];
             for (int i = 0; i < GAINS; i++)
@@ -285,9 +338,15 @@ static void test_means_stay_0(void)
         }
         CHECK(of[0].of_one[0] > 0 || step < 2);
     }
-    CHECK(fabsf(of[0].at[1] - of[GAINS - 2].at[1]) > 0.01f);
+    CHECK(fabsf(of[0].at[is_affine ? 0 : 1] - of[GAINS - 2].at[is_affine ? 0 : 1]) > 0.01f);
     fxs_fit_model_free(&m);
     fxs_fit_stepper_free(stepper);
+}
+
+static void test_means_stay_neutral(void)
+{
+    check_means(0);
+    check_means(1);
 }
 
 int main(void)
@@ -299,6 +358,7 @@ int main(void)
     RUN(test_tiny_gradients);
     RUN(test_factors);
     RUN(test_gain_steps);
-    RUN(test_means_stay_0);
+    RUN(test_affine_steps);
+    RUN(test_means_stay_neutral);
     return check_report();
 }

@@ -18,7 +18,7 @@ static const struct {
     uint32_t steps;
     int resolution;                 /* 0: as without --quality */
 } by_quality[] = {{FXS_FIT_FAST, 3000, 800}, {FXS_FIT_FAST, 8000, 0}, {FXS_FIT_MCMC, 30000, 0}};
-static const char *const exposures[] = {"none", "gain", 0};   /* of enum fxs_fit_exposure */
+static const char *const exposures[] = {"none", "gain", "affine", 0};   /* of enum fxs_fit_exposure */
 static const char *const alphas[] = {"compose", "ignore", 0};   /* of fxs_photos_options.ignore_transparent */
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
@@ -63,8 +63,9 @@ static const option_row own_rows[] = {
      "how Gaussians are added and taken away, by itself: fast (that of draft and good), mcmc (that of best) or "
      "reference (54 s, 27.9 dB; the published one, to compare with)"},
     {"exposure", "NAME", CHOICE(options.exposure, exposures), .help =
-     "none (default), or gain: photographs differ in exposure and white balance, and three numbers of each are fitted "
-     "beside the scene; of --block those of --coarse"},
+     "none (default), or photographs differ in exposure and white balance, and numbers of each are fitted beside the "
+     "scene: gain (three) or affine (a map of colours: 3x3 factors and a constant for each channel); of --block those "
+     "of --coarse"},
     {"refine-poses", 0, FLAG(options.refine_poses), .help =
      "cameras are not quite where they are said to be: their poses are fitted beside the scene, those of photographs "
      "that are held out excepted; of --block those of --coarse"},

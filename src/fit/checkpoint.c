@@ -14,7 +14,7 @@
 #define END 0x646e6578u            /* "xend": the checksum of all words before it follows */
 
 /* Grows with every change of what a fit computes: an older file would not end as if it had never been stopped. */
-#define VERSION 9u                 /* and more for its options: see version_of */
+#define VERSION 13u                /* and more for its options: see version_of */
 
 typedef struct archive {
     fxs_output *output;            /* null: the file is read */
@@ -114,17 +114,17 @@ static int holds(archive *a, uint64_t count, uint64_t words)
 /* The version of a fit with these options: one of earlier options can be read by an earlier fixsplat. */
 static uint32_t version_of(const fxs_fit_options *o)
 {
-    return VERSION + o->exposure + 2 * (uint32_t)o->refine_poses + 4 * (uint32_t)o->antialiased +
-           8 * (uint32_t)(o->sky > 0);
+    return VERSION + o->exposure + 3 * (uint32_t)o->refine_poses + 6 * (uint32_t)o->antialiased +
+           12 * (uint32_t)(o->sky > 0);
 }
 
 /* Returns whether there is such a version. */
 static int take_version(fxs_fit_options *o, uint32_t version)
 {
-    o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 2);
-    o->refine_poses = (int)((version - VERSION) / 2 % 2);
-    o->antialiased = (int)((version - VERSION) / 4 % 2);
-    o->sky = (version - VERSION) / 8 % 2;
+    o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 3);
+    o->refine_poses = (int)((version - VERSION) / 3 % 2);
+    o->antialiased = (int)((version - VERSION) / 6 % 2);
+    o->sky = (version - VERSION) / 12 % 2;
     return version == version_of(o);
 }
 
@@ -281,7 +281,7 @@ static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
         fxs_fit_gain *gain = &f->gains.of[i];
         floats(a, (float *)gain, WORDS);
         int is_wrong = gain->square < 0;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < FXS_FIT_GAIN; k++)
             is_wrong |= fabsf(gain->at[k]) > 2 * FXS_FIT_GAIN_MOST;
         for (int k = 0; k < 2; k++)
             is_wrong |= gain->of_one[k] < 0 || gain->of_one[k] > 1;

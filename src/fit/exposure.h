@@ -1,16 +1,56 @@
-/* The exposure of photographs. The picture that is compared with a photograph is multiplied by its factors of red,
- * green and blue, 2^(e + r), 2^(e - (r + b)) and 2^(e + b). The processor and CUDA compile this same text. */
+/* The exposure of photographs. A colour I of the picture that is compared with a photograph becomes I M + m, with a 3x3
+ * matrix M and a row m: 12 numbers, those of M row by row, then those of m. Where exposures are affine, a photograph
+ * has these 12 themselves (the exposure of Inria's code, 2024). Else it has the three numbers e, r and b of a diagonal
+ * M, 2^(e + r), 2^(e - (r + b)) and 2^(e + b), and m is 0. The processor and CUDA compile this same text. */
 #ifndef FXS_FIT_EXPOSURE_H
 #define FXS_FIT_EXPOSURE_H
 
 #include "adam.h"
 
-static inline void gain_factors(const fxs_fit_gain *gain, float factors[3])
+static inline int gain_numbers(int is_affine)
+{
+    return is_affine ? FXS_FIT_GAIN : 3;
+}
+
+/* Number k of an exposure that changes nothing. */
+static inline float gain_neutral(int is_affine, int k)
+{
+    return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;   /* M's diagonal */
+}
+
+/* In what unit Adam's step moves number k of an affine exposure: beside M's diagonal a quarter, as a photograph that is
+   brighter would else become greyer too; constants 1 / 32, as they have by far the largest gradients where pictures are
+   black, from SSIM. */
+static inline float gain_unit(int is_affine, int k)
+{
+    return !is_affine || gain_neutral(1, k) > 0 ? 1.0f : k < 9 ? 0.25f : 0.03125f;
+}
+
+/* M and m. */
+static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float factors[FXS_FIT_GAIN])
 {
     const float e = gain->at[0], r = gain->at[1], b = gain->at[2];
+    for (int k = 0; k < FXS_FIT_GAIN; k++)
+        factors[k] = is_affine ? gain->at[k] : 0.0f;
+    if (is_affine)
+        return;
     factors[0] = exp_2_minus(-(e + r));
-    factors[1] = exp_2_minus((r + b) - e);
-    factors[2] = exp_2_minus(-(e + b));
+    factors[4] = exp_2_minus((r + b) - e);
+    factors[8] = exp_2_minus(-(e + b));
+}
+
+/* A channel of I M + m. */
+static inline float exposed(const float factors[FXS_FIT_GAIN], const float colour[3], int channel)
+{
+    const float *m = factors + channel;
+    return ((colour[0] * m[0] + colour[1] * m[3]) + colour[2] * m[6]) + m[9];
+}
+
+/* dL/dI of a channel, of those by I M + m. */
+static inline float gradient_before(const float factors[FXS_FIT_GAIN], const float gradient[3], int channel)
+{
+    const float *m = factors + 3 * channel;
+    return (gradient[0] * m[0] + gradient[1] * m[1]) + gradient[2] * m[2];
 }
 
 /* The order of sums over rows and over photographs: number i is added to part i % GAIN_PARTS, in ascending order, and
@@ -33,20 +73,58 @@ static inline float gain_sum(const double parts[GAIN_PARTS], double divisor)
     return (float)(sum / divisor);
 }
 
-/* A step of Adam. `of_channels`: for each channel the sum over pixels of dL/da a, with a the picture times its factor,
-   over the number of pixels and channels. dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2
-   (blue - green). The second moment is of the gradient's squared length, so that a number whose gradient is small
-   beside the others' moves little; all are corrected by those of a gradient of 1. The rate is also the share of each
-   number that is taken off (decoupled decay, Loshchilov and Hutter 2019), as a scene could else become brighter from
-   one side, and the photographs from there darker. A gradient that is not finite, or beyond
-   FXS_FIT_FARTHEST_GRADIENT, changes nothing. */
-static inline void gain_step(fxs_fit_gain *gain, const float of_channels[3], float rate)
+/* Of number k over all photographs. */
+static inline float gain_mean(const fxs_fit_gains *gains, int k)
 {
-    const float red = of_channels[0], green = of_channels[1], blue = of_channels[2];
-    const float gradient[3] = {0.693147181f * ((red + green) + blue), 0.693147181f * (red - green),
-                               0.693147181f * (blue - green)};
-    float square = 0;
-    for (int k = 0; k < 3; k++) {
+    double parts[GAIN_PARTS];
+    for (size_t i = 0; i < GAIN_PARTS; i++)
+        parts[i] = gain_part(&gains->of->at[k], GAIN_STEP, gains->count, i);
+    return gain_sum(parts, gains->count);
+}
+
+/* Which of the sums that gain_gradient takes it needs. */
+static inline int gain_needs(int is_affine, int k)
+{
+    return is_affine || (k < 9 && k % 4 == 0);
+}
+
+/* The gradient by a photograph's numbers. `sums`: over pixels, of dL/da_c a_k at 3 k + c, with the channels a of I M +
+   m, and of dL/da_c at 9 + c, over the number of pixels and channels. Affine: by W and w, in their units, where a becomes a + a W + w. Else
+   dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with dL/da a. */
+static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
+{
+    const float red = sums[0], green = sums[4], blue = sums[8];
+    for (int k = 0; k < FXS_FIT_GAIN; k++)
+        gradient[k] = is_affine ? gain_unit(1, k) * sums[k] : 0.0f;
+    if (is_affine)
+        return;
+    gradient[0] = 0.693147181f * ((red + green) + blue);
+    gradient[1] = 0.693147181f * (red - green);
+    gradient[2] = 0.693147181f * (blue - green);
+}
+
+/* Number k after this step: affine, M + M W, and m + m W + w. */
+static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const float step[FXS_FIT_GAIN], int k)
+{
+    const float *of_row = gain->at + k / 3 * 3, *by = step + k % 3;
+    if (!is_affine)
+        return gain->at[k] + step[k];
+    const float moved = gain->at[k] + ((of_row[0] * by[0] + of_row[1] * by[3]) + of_row[2] * by[6]);
+    return k < 9 ? moved : moved + by[9];
+}
+
+/* A step of Adam. The second moment is of the gradient's squared length, so that a number whose gradient is small
+   beside the others' moves little; all are corrected by those of a gradient of 1. `decay` is the share of each number's
+   difference from a neutral one that is taken off (decoupled decay, Loshchilov and Hutter 2019), as a scene could else
+   become brighter from one side, and the photographs from there darker. A gradient that is not finite, or
+   beyond FXS_FIT_FARTHEST_GRADIENT, changes nothing. */
+static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
+                             float decay)
+{
+    float gradient[FXS_FIT_GAIN], step[FXS_FIT_GAIN], next[FXS_FIT_GAIN], square = 0;
+    const int numbers = gain_numbers(is_affine);
+    gain_gradient(is_affine, sums, gradient);
+    for (int k = 0; k < numbers; k++) {
         if (!(absolute(gradient[k]) < FXS_FIT_FARTHEST_GRADIENT))
             return;
         square += gradient[k] * gradient[k];
@@ -55,11 +133,14 @@ static inline void gain_step(fxs_fit_gain *gain, const float of_channels[3], flo
     gain->of_one[1] = gain->of_one[1] * 0.999f + 0.001f;
     gain->square = without_tiny(gain->square * 0.999f + square * 0.001f);
     const float share = rate / gain->of_one[0] / (root(gain->square / gain->of_one[1]) + 1e-15f);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < numbers; k++) {
         gain->mean[k] = without_tiny(gain->mean[k] * 0.9f + gradient[k] * 0.1f);
-        const float at = gain->at[k] * (1.0f - rate) - share * gain->mean[k];
-        gain->at[k] = least(most(at, -FXS_FIT_GAIN_MOST), FXS_FIT_GAIN_MOST);
+        step[k] = -(share * gain->mean[k]) * gain_unit(is_affine, k);
     }
+    for (int k = 0; k < numbers; k++)
+        next[k] = gain_after(gain, is_affine, step, k) - decay * (gain->at[k] - gain_neutral(is_affine, k));
+    for (int k = 0; k < numbers; k++)
+        gain->at[k] = least(most(next[k], -FXS_FIT_GAIN_MOST), FXS_FIT_GAIN_MOST);
 }
 
 #endif

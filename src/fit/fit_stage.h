@@ -97,11 +97,11 @@ enum { FXS_FIT_ROWS = 5, FXS_FIT_DERIVATIVES = 3 };
 typedef struct fxs_fit_loss {
     fxs_fit_plane picture, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES], gradient;
     float *absolute, *dissimilar;  /* for each row the sums of |a - b| and of 1 - SSIM */
-    float *by_gain;                /* for each row the sum of dL/da a */
     const uint8_t *photograph;     /* bytes, `step` apart, `pitch` from row to row */
     ptrdiff_t step, pitch;
     int32_t width, height;
     const uint8_t *mask;           /* null, or a byte a pixel, rows without gaps; 0: the pixel is ignored (loss.h) */
+    int has_exposure;              /* 1: white of the photograph is white that was cut (loss.h) */
 } fxs_fit_loss;
 
 /* Beyond a radius about a middle, sizes are measured in proportion to the distance from it (far.h): there a sky may be
@@ -119,16 +119,18 @@ typedef struct fxs_fit_adam {
     fxs_fit_far far;               /* where by_scale is of the scale in its units */
 } fxs_fit_adam;
 
-/* The exposure of a photograph (exposure.h): log2 of its gain, and of what red and blue have beside it; Adam's moments,
-   the second one of all three, and those of a gradient of 1. */
+/* The exposure of a photograph (exposure.h): log2 of its gain, and of what red and blue have beside it, then 0; or an
+   affine map of colours. Adam's moments, the second one of all numbers, and those of a gradient of 1. */
+enum { FXS_FIT_GAIN = 12 };
 typedef struct fxs_fit_gain {
-    float at[3], mean[3], square, of_one[2];
+    float at[FXS_FIT_GAIN], mean[FXS_FIT_GAIN], square, of_one[2];
 } fxs_fit_gain;
 
 /* Of all photographs of a fit. */
 typedef struct fxs_fit_gains {
     fxs_fit_gain *of;
     uint32_t count;
+    int is_affine;
 } fxs_fit_gains;
 
 /* What the fit adds to the pose of a photograph's camera (pose.h): a turn, then a shift; Adam's moments, the second one

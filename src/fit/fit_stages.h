@@ -125,19 +125,30 @@ static void drop_ignored(const fxs_fit_loss *loss, int32_t row, int32_t first, i
     }
 }
 
+static void cut_white(const float *a, const float *b, int32_t count, float *out)
+{
+    for (int32_t x = 0; x < count; x += LANES)
+        store(out + x, recorded(load(a + x), load(b + x)));
+}
+
 static void loss_strip(const fxs_fit_loss *loss, int32_t row, int32_t first)
 {
     float b[STRIP + 2 * FXS_FIT_MARGIN], products[3][STRIP + 2 * FXS_FIT_MARGIN], kept[STRIP + 2 * FXS_FIT_MARGIN];
     const float *a = at_of(&loss->picture, row) + first - FXS_FIT_MARGIN;
     const int32_t left = (loss->width - first + 15) & ~15, count = left < STRIP ? left : STRIP;
-    photograph_strip(loss, row, first - FXS_FIT_MARGIN, count + 2 * FXS_FIT_MARGIN, b);
-    if (loss->mask) {
-        memcpy(kept, a, (size_t)(count + 2 * FXS_FIT_MARGIN) * sizeof *kept);
-        drop_ignored(loss, row, first - FXS_FIT_MARGIN, count + 2 * FXS_FIT_MARGIN, kept);
-        drop_ignored(loss, row, first - FXS_FIT_MARGIN, count + 2 * FXS_FIT_MARGIN, b);
+    const int32_t with_margins = count + 2 * FXS_FIT_MARGIN;
+    photograph_strip(loss, row, first - FXS_FIT_MARGIN, with_margins, b);
+    if (loss->has_exposure) {
+        cut_white(a, b, with_margins, kept);
         a = kept;
     }
-    for (int32_t x = 0; x < count + 2 * FXS_FIT_MARGIN; x += LANES) {
+    if (loss->mask) {
+        memmove(kept, a, (size_t)with_margins * sizeof *kept);
+        drop_ignored(loss, row, first - FXS_FIT_MARGIN, with_margins, kept);
+        drop_ignored(loss, row, first - FXS_FIT_MARGIN, with_margins, b);
+        a = kept;
+    }
+    for (int32_t x = 0; x < with_margins; x += LANES) {
         const real p = load(a + x), q = load(b + x);
         store(products[0] + x, p * p);
         store(products[1] + x, q * q);
@@ -212,7 +223,7 @@ static void NAMED(fxs_fit_loss_backward_rows_, ISA)(const fxs_fit_loss *loss, in
 
 static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t row)
 {
-    float b[STRIP], differences[16] = {0}, by_gain[16] = {0};
+    float b[STRIP], differences[16] = {0};
     const float *a = at_of(&loss->picture, row);
     for (int32_t x = 0; x < loss->width; x += LANES) {
         real sums[FXS_FIT_DERIVATIVES];
@@ -221,14 +232,14 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
         for (int i = 0; i < FXS_FIT_DERIVATIVES; i++)
             sums[i] = window_sum(at_of(&loss->rows[i], row) + x, loss->rows[i].stride);
         const mask counted = counting(loss, row, x);
-        const real p = load(a + x), q = load(b + x % STRIP);
-        const real gradient = keep(counted, gradient_of(p, q, sums[0], sums[1], sums[2]));
+        const real p = load(a + x), q = load(b + x % STRIP), seen = loss->has_exposure ? recorded(p, q) : p;
+        real gradient = keep(counted, gradient_of(p, q, sums[0], sums[1], sums[2]));
+        if (loss->has_exposure)
+            gradient = choose(is_beyond_white(p, q), all(0), gradient);
         store(at_of(&loss->gradient, row) + x, gradient);
-        add_to(by_gain, x, gradient * p);
-        add_to(differences, x, keep(counted, absolute(p - q)));
+        add_to(differences, x, keep(counted, absolute(seen - q)));
     }
     loss->absolute[row] = sum_of(differences);
-    loss->by_gain[row] = sum_of(by_gain);
 }
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */

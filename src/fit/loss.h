@@ -2,13 +2,28 @@
  * photograph, and its gradient. SSIM: Wang et al. 2004, windows of 11x11, sigma 1.5, zeros beyond the edges.
  *
  * A pixel that a mask ignores is as if it lay beyond the edges: a = b = 0 in all windows, it has neither a window of
- * its own nor |a - b|, and its gradient is 0. So nothing depends on the photograph there. */
+ * its own nor |a - b|, and its gradient is 0. So nothing depends on the photograph there.
+ *
+ * Where photographs have exposures, a photograph's 1 is white that was cut: it was 1 or more. So a counts as min(a, 1)
+ * there, and its gradient is 0 where it is more. */
 #ifndef FXS_FIT_LOSS_H
 #define FXS_FIT_LOSS_H
 
 #include "fit_lanes.h"
 
 #define FXS_FIT_WINDOW 11
+
+/* Whether the picture is brighter than white that was cut. */
+static inline mask is_beyond_white(real a, real b)
+{
+    return both(below(all(1), a), at_most(all(1), b));
+}
+
+/* What the photograph would have of the picture. */
+static inline real recorded(real a, real b)
+{
+    return choose(is_beyond_white(a, b), all(1), a);
+}
 
 /* A weighted sum of 11 numbers, `step` apart, around `at`. */
 static inline real window_sum(const float *at, ptrdiff_t step)

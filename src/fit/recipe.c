@@ -82,9 +82,9 @@ static int is_reset(const fxs_fit_options *options, uint32_t step)
            (is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background)));
 }
 
-/* Of exposures 0.05 * 10^-(step / steps), and of poses 0.1 * 100^-(step / steps) over the steps from 501 on. The 500
-   steps after the beginning and after each reset take a growing part of them: pictures are not of the scene yet. A block
-   has those of its coarse fit. */
+/* Of exposures 10^-(step / steps) of the first rate, and of poses 0.1 * 100^-(step / steps) over the steps from 501 on.
+   The 500 steps after the beginning and after each reset take a growing part of them: pictures are not of the scene
+   yet. A block has those of its coarse fit. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
@@ -94,7 +94,7 @@ static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, 
     while (since < 500 && since < step && !is_reset(options, step - since))
         since++;
     if (options->exposure)
-        plan->gain_rate = 0.05f * ((float)since / 500.0f) * exp_e(-2.30258509f * part);
+        plan->gain_part = ((float)since / 500.0f) * exp_e(-2.30258509f * part);
     if (options->refine_poses && step > 500 && options->steps > 500)
         plan->pose_way = position_rate(0.1f, step - 500, options->steps - 500) * ((float)since / 500.0f);
 }

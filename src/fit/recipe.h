@@ -10,7 +10,7 @@ typedef struct fxs_fit_plan {
     int divisor;                   /* photographs are reduced by it, in width and height */
     float rate[FXS_FIT_PARAMETERS];
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
-    float gain_rate;               /* of the exposures of photographs, log2 */
+    float gain_part;               /* of the first rate of the exposures of photographs: 0 to 1 */
     float pose_way;                /* of their cameras' poses: radians, shared out among the steps of each photograph */
     float noise;                   /* amount of fxs_fit_noise */
     int smooths;                   /* 0, or as the divisor: scales are bounded after the update */

@@ -36,8 +36,8 @@ struct fxs_fit_stepper {
     fxs_fit_camera posed[FXS_FIT_BATCH];   /* cameras of the batch with their poses */
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
     uint32_t batch, view;          /* number of views in the batch, and the current one */
-    float factors[3];              /* of the current photograph's exposure */
-    float by_gain[FXS_FIT_BATCH][3];   /* of each view and channel: see gain_step */
+    float factors[FXS_FIT_GAIN];   /* of the current photograph's exposure, where there is one */
+    float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];   /* of each view: see gain_gradient */
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];
     int plane_count;               /* of each of these: the picture alone, or all */
@@ -326,10 +326,24 @@ static float light_of(const fxs_fit_stepper *s)
     return s->photograph ? 1 : 16;
 }
 
-/* By what a channel's light is multiplied. */
-static float share_of(const fxs_fit_stepper *s, int channel)
+static int has_exposure(const fxs_fit_stepper *s)
 {
-    return s->photograph ? s->factors[channel] : 1 / light_of(s);
+    return s->photograph && s->model->gains;
+}
+
+/* The exposure of a tile's pixels in the picture. */
+static void expose(const fxs_fit_stepper *s, int32_t left, int32_t top, int32_t columns, int32_t rows)
+{
+    for (int32_t y = top; y < top + rows; y++)
+        for (int32_t x = left; x < left + columns; x++) {
+            float *to[3], colour[3];
+            for (int c = 0; c < 3; c++) {
+                to[c] = s->loss[c].picture.first + y * s->loss[c].picture.stride + x;
+                colour[c] = *to[c];
+            }
+            for (int c = 0; c < 3; c++)
+                *to[c] = exposed(s->factors, colour, c);
+        }
 }
 
 static void put_tile(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile *pixels)
@@ -338,8 +352,8 @@ static void put_tile(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile
     tile_place(s, tile, &left, &top);
     const int32_t columns = least_of(FXS_FIT_TILE, s->camera->width - left);
     const int32_t rows = least_of(FXS_FIT_TILE, s->camera->height - top);
-    for (int c = 0; c < 3; c++) {
-        const float share = share_of(s, c);
+    const float share = 1 / light_of(s);
+    for (int c = 0; c < 3; c++)
         for (int32_t y = 0; y < rows; y++) {
             float *to = s->loss[c].picture.first + (top + y) * s->loss[c].picture.stride + left;
             for (int32_t x = 0; x < columns; x++) {
@@ -347,7 +361,8 @@ static void put_tile(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile
                 to[x] = (pixels->colour[c][at] + pixels->transmittance[at] * s->options->background[c]) * share;
             }
         }
-    }
+    if (has_exposure(s))
+        expose(s, left, top, columns, rows);
 }
 
 static void blend_job(void *argument, uint32_t tile)
@@ -376,7 +391,7 @@ static int make_planes(fxs_fit_stepper *s)
     const int count = s->photograph ? PLANES : 1;
     const size_t bytes = 3 * (size_t)count * (size_t)size * sizeof(float);
     const int is_new = s->loss[0].width != width || s->loss[0].height != height || s->plane_count != count;
-    float *rows = room(&s->rows, 9 * (size_t)height * sizeof *rows), *first = room(&s->planes, bytes);
+    float *rows = room(&s->rows, (6 + FXS_FIT_GAIN) * (size_t)height * sizeof *rows), *first = room(&s->planes, bytes);
     s->loss[0].width = 0;
     s->plane_count = count;
     if (!first || !rows)
@@ -395,13 +410,13 @@ static int make_planes(fxs_fit_stepper *s)
         l->gradient = l->rows[FXS_FIT_DERIVATIVES];
         l->absolute = rows + 2 * c * height;
         l->dissimilar = l->absolute + height;
-        l->by_gain = rows + (6 + c) * height;
         l->width = width;
         l->height = height;
         l->step = 3;
         l->pitch = 3 * width;
         l->photograph = s->photograph ? s->photograph + c : NULL;
         l->mask = s->photograph ? s->mask : NULL;
+        l->has_exposure = has_exposure(s);
     }
     return 0;
 }
@@ -459,6 +474,16 @@ void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t 
 
 /* ---- backward ---------------------------------------------------------------------------------------------------- */
 
+/* dL/dI of a tile's pixels, of those by I M + m. */
+static void pass_exposure(const fxs_fit_stepper *s, fxs_fit_tile_gradient *g)
+{
+    for (int i = 0; i < FXS_FIT_PIXELS; i++) {
+        const float gradient[3] = {g->colour[0][i], g->colour[1][i], g->colour[2][i]};
+        for (int c = 0; c < 3; c++)
+            g->colour[c][i] = gradient_before(s->factors, gradient, c);
+    }
+}
+
 static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gradient *g)
 {
     int32_t left, top;
@@ -471,11 +496,14 @@ static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_
             const fxs_fit_loss *l = &s->loss[c];
             const float *from = l->gradient.first + (top + y) * l->gradient.stride + left;
             const float *picture = l->picture.first + (top + y) * l->picture.stride + left;
+            const float constant = has_exposure(s) ? s->factors[9 + c] : 0;
             for (int32_t x = 0; x < columns; x++) {
-                g->colour[c][FXS_FIT_AT(x, y)] = from[x] * s->factors[c];
-                g->whole[FXS_FIT_AT(x, y)] += from[x] * picture[x];
+                g->colour[c][FXS_FIT_AT(x, y)] = from[x];
+                g->whole[FXS_FIT_AT(x, y)] += from[x] * (picture[x] - constant);
             }
         }
+    if (has_exposure(s))
+        pass_exposure(s, g);
 }
 
 /* Writes the sums of a tile's splats for this gradient of its pixels. */
@@ -651,24 +679,49 @@ static float sum_numbers(const float *numbers, size_t step, size_t count, double
     return gain_sum(parts, divisor);
 }
 
+/* The sums of gain_gradient over a row, 16 parts that are added as those of loss. */
+static void gain_rows_job(void *argument, uint32_t row)
+{
+    const fxs_fit_stepper *s = argument;
+    const int32_t height = s->camera->height;
+    float *out = (float *)s->rows.memory + 6 * height + row;
+    for (int k = 0; k < FXS_FIT_GAIN; k++, out += height) {
+        const fxs_fit_plane *of = &s->loss[k % 3].gradient, *by = k < 9 ? &s->loss[k / 3].picture : NULL;
+        const float *gradient = of->first + (ptrdiff_t)row * of->stride;
+        const float *picture = by ? by->first + (ptrdiff_t)row * by->stride : NULL;
+        float sums[16] = {0};
+        const int32_t width = gain_needs(s->model->gains->is_affine, k) ? s->camera->width : 0;
+        for (int32_t x = 0; x < width; x++)
+            sums[x % 16] += picture ? gradient[x] * picture[x] : gradient[x];
+        for (int half = 8; half; half /= 2)
+            for (int i = 0; i < half; i++)
+                sums[i] += sums[i + half];
+        *out = sums[0];
+    }
+}
+
 static void sum_by_gain(fxs_fit_stepper *s)
 {
     const double values = 3.0 * s->camera->width * s->camera->height;
-    for (int c = 0; c < 3; c++)
-        s->by_gain[s->view][c] = sum_numbers(s->loss[c].by_gain, 1, (size_t)s->camera->height, values);
+    const size_t height = (size_t)s->camera->height;
+    const float *rows = (const float *)s->rows.memory + 6 * height;
+    run(s, gain_rows_job, (uint32_t)height);
+    for (size_t k = 0; k < FXS_FIT_GAIN; k++)
+        s->by_gain[s->view][k] = sum_numbers(rows + k * height, 1, height, values);
 }
 
-/* A step for each photograph of the batch, in order; then the means over all photographs become 0, so that the scene
-   has none of their colour. */
+/* A step for each photograph of the batch, in order; then the means over all photographs become those of a neutral
+   exposure, so that the scene has none of their colour. */
 static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
 {
     const fxs_fit_gains *gains = s->model->gains;
     for (uint32_t v = 0; v < s->batch; v++)
-        gain_step(&gains->of[photographs[v].number], s->by_gain[v], s->options->gain_rate);
-    for (int k = 0; k < 3; k++) {
-        const float mean = sum_numbers(&gains->of->at[k], GAIN_STEP, gains->count, gains->count);
+        gain_step(&gains->of[photographs[v].number], gains->is_affine, s->by_gain[v], s->options->gain_rate,
+                  s->options->gain_decay);
+    for (int k = 0; k < gain_numbers(gains->is_affine); k++) {
+        const float excess = gain_mean(gains, k) - gain_neutral(gains->is_affine, k);
         for (uint32_t i = 0; i < gains->count; i++)
-            gains->of[i].at[k] -= mean;
+            gains->of[i].at[k] -= excess;
     }
 }
 
@@ -828,10 +881,8 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
     }
     s->photograph = photograph->pixels;
     s->mask = photograph->mask;
-    for (int k = 0; k < 3; k++)
-        s->factors[k] = 1;
     if (s->model->gains)
-        gain_factors(&s->model->gains->of[photograph->number], s->factors);
+        gain_factors(&s->model->gains->of[photograph->number], s->model->gains->is_affine, s->factors);
     if (photograph->divisor > 1) {
         if (!room(&s->reduced, 3 * (size_t)c->width * (size_t)c->height))
             return FXS_ERR_MEMORY;

@@ -41,6 +41,7 @@ typedef struct fxs_fit_step_options {
     float rate[FXS_FIT_PARAMETERS];
     uint32_t number;               /* number of the step, from 1 on */
     float gain_rate;               /* of the exposures of the batch's photographs, log2; 0: they stay */
+    float gain_decay;              /* share of them that is taken off (exposure.h) */
     float pose_rate;               /* of the poses of their cameras, radians; 0: they stay */
     float by_opacity, by_scale;    /* weights of the mean opacity and the mean scale in the loss */
     int smooths;                   /* scales are bounded after the update, where the model has cameras: by what

@@ -61,10 +61,13 @@ for photos in "$@"; do
     fit "$photos" "$name-cpu.fxs" --resolution 300 --steps 200 --antialiased >/dev/null
     fit "$photos" "$name-cuda.fxs" --resolution 300 --steps 200 --antialiased --backend cuda >/dev/null
     same "$name-cpu.fxs" "$name-cuda.fxs"
-    say "the same with exposures and poses, 700 steps"
-    fit "$photos" "$name-cpu.ply" --resolution 300 --steps 700 --exposure gain --refine-poses >/dev/null
-    fit "$photos" "$name-cuda.ply" --resolution 300 --steps 700 --exposure gain --refine-poses --backend cuda >/dev/null
-    same "$name-cpu.ply" "$name-cuda.ply"
+    for how in gain affine; do
+        options="--resolution 300 --steps 700 --exposure $how --refine-poses"
+        say "the same with exposures, $how, and poses, 700 steps"
+        fit "$photos" "$name-cpu.ply" $options >/dev/null
+        fit "$photos" "$name-cuda.ply" $options --backend cuda >/dev/null
+        same "$name-cpu.ply" "$name-cuda.ply"
+    done
 done
 
 if [ "$("$B/fixsplat" info --backends 2>/dev/null | grep -c 'device [1-9]')" -gt 0 ]; then

@@ -17,6 +17,7 @@ typedef struct what {
     int degree, batch;
     float by_opacity, noise, near_size;    /* near_size: about e^ that a Gaussian is wide */
     uint32_t gains, poses;         /* photographs with an exposure, with a pose; 0: none. Where there are both, as many */
+    int is_affine;                 /* the exposures */
     int is_antialiased;            /* and the cameras of the batch bound scales, as divisors of 1, 2, none */
     int has_far;                   /* sizes of about half of them are as they look */
     int has_masks;                 /* all photographs but the second, which are at most MASK_PIXELS large */
@@ -61,13 +62,13 @@ static int copy_model(fxs_fit_model *to, const fxs_fit_model *from)
 }
 
 /* Exposures as after some steps, twice. */
-static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS])
+static void fill_gains(fxs_fit_gain gains[2][MOST_GAINS], int is_affine)
 {
     for (int i = 0; i < MOST_GAINS; i++) {
         fxs_fit_gain *of = &gains[0][i];
         *of = (fxs_fit_gain){.square = (float)fit_uniform(0, 0.001), .of_one = {0.3f, 0.01f}};
-        for (int k = 0; k < 3; k++) {
-            of->at[k] = (float)fit_uniform(-0.5, 0.5);
+        for (int k = 0; k < (is_affine ? FXS_FIT_GAIN : 3); k++) {
+            of->at[k] = (float)(fit_uniform(-0.5, 0.5) + (is_affine && k < 9 && k % 4 == 0));
             of->mean[k] = (float)fit_uniform(-0.01, 0.01);
         }
     }
@@ -103,7 +104,7 @@ static void fill_photographs(fxs_fit_photograph *photographs, const what *w, uin
     static uint8_t masks[MOST_BATCH][MASK_PIXELS];
     const size_t bytes = 3 * (size_t)w->width * (size_t)w->height;
     for (size_t i = 0; i < bytes * MOST_BATCH; i++)
-        pixels[i] = (uint8_t)(fit_random() % 256);
+        pixels[i] = (uint8_t)(fit_random() % 5 ? fit_random() % 256 : 255);    /* with white that was cut */
     for (int i = 0; i < MOST_BATCH; i++) {
         fxs_fit_photograph *p = &photographs[i];
         memset(p, 0, sizeof *p);
@@ -130,6 +131,7 @@ static void set_options(fxs_fit_step_options *o, const what *w, uint32_t number)
     o->number = number;
     o->by_opacity = o->by_scale = w->by_opacity;
     o->gain_rate = 0.05f;
+    o->gain_decay = 0.02f;
     o->pose_rate = 0.01f;
     o->smooths = (int)number % 3;
     if (w->has_far)
@@ -236,7 +238,7 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     fxs_fit_photograph photographs[MOST_BATCH];
     static fxs_fit_gain gains_of[2][MOST_GAINS];
     static fxs_fit_pose poses_of[2][MOST_GAINS];
-    fxs_fit_gains gains[2] = {{gains_of[0], w->gains}, {gains_of[1], w->gains}};
+    fxs_fit_gains gains[2] = {{gains_of[0], w->gains, w->is_affine}, {gains_of[1], w->gains, w->is_affine}};
     fxs_fit_poses poses[2] = {{poses_of[0], w->poses}, {poses_of[1], w->poses}};
     fxs_fit_camera cameras_of[MOST_BATCH];
     const fxs_fit_cameras cameras = {cameras_of, MOST_BATCH};
@@ -258,7 +260,7 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
     if (!CHECK(!copy_model(&there, &here)) || !CHECK(!fxs_cuda_fit_engine(&engine, &self, &there, &options, &why)))
         return;
     fxs_fit_stepper *s = fxs_fit_stepper_create(fxs_fit_stages_choose(~0u), fxs_pool_run, pool, 8, NULL);
-    fill_gains(gains_of);
+    fill_gains(gains_of, w->is_affine);
     here.gains = w->gains ? &gains[0] : NULL;
     there.gains = w->gains ? &gains[1] : NULL;
     fill_poses(poses_of);
@@ -287,9 +289,9 @@ static void compare(const what *w, int is_spoiled, uint32_t narrow, uint32_t ste
                   CHECK(!memcmp(gains_of[0], gains_of[1], sizeof gains_of[0])) &&
                   CHECK(!memcmp(poses_of[0], poses_of[1], sizeof poses_of[0]));
     if (!CHECK(is_same))
-        printf("  %d x %d, square %d, antialiased %d, %zu Gaussians, degree %d, batch %d, %u exposures, %u poses, "
-               "spoiled %d\n", (int)w->width, (int)w->height, (int)w->is_square, w->is_antialiased, w->count,
-               w->degree, w->batch, (unsigned)w->gains, (unsigned)w->poses, is_spoiled);
+        printf("  %d x %d, square %d, antialiased %d, %zu Gaussians, degree %d, batch %d, %u exposures, affine %d, "
+               "%u poses, spoiled %d\n", (int)w->width, (int)w->height, (int)w->is_square, w->is_antialiased,
+               w->count, w->degree, w->batch, (unsigned)w->gains, w->is_affine, (unsigned)w->poses, is_spoiled);
     peek_fit_free(&p);
     fxs_fit_stepper_free(s);
     engine->free(self);
@@ -334,9 +336,10 @@ static void test_batches(void)
 static void test_exposures(void)
 {
     static const uint32_t gains[] = {MOST_GAINS, 5, 1};
-    for (int i = 0; i < (quick ? 3 : 12); i++) {
+    for (int i = 0; i < (quick ? 4 : 24); i++) {
         const what w = {.width = i % 2 ? 37 : 160, .height = i % 2 ? 27 : 120, .count = quick ? 200 : 3000,
-                        .degree = i % 4, .batch = 1 + i % MOST_BATCH, .near_size = -2.5f, .gains = gains[i / 2 % 3]};
+                        .degree = i % 4, .batch = 1 + i % MOST_BATCH, .near_size = -2.5f, .gains = gains[i / 2 % 3],
+                        .is_affine = i / (quick ? 2 : 12)};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }
@@ -346,7 +349,7 @@ static void test_masks(void)
     for (int i = 0; i < (quick ? 3 : 12); i++) {
         const what w = {.width = i % 2 ? 37 : 160, .height = i % 2 ? 27 : 120, .count = quick ? 200 : 3000,
                         .degree = i % 4, .batch = 1 + i % MOST_BATCH, .near_size = -2.5f, .gains = i % 3 ? 0 : 7,
-                        .has_masks = 1};
+                        .is_affine = i % 2, .has_masks = 1};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
 }

@@ -304,12 +304,17 @@ succeeds "--batch" fit set --steps 60 -o batch.ply --batch 2 --threads 1
 check "--batch, 2 threads: the same file" cmp batch.ply again.ply
 "$fixsplat" fit set --steps 60 -o again.ply --resume again.ply.fit >logs/out
 check "--batch, resumed: the same file" cmp batch.ply again.ply
-succeeds "--exposure gain" fit set --steps 60 -o exposed.ply --exposure gain --threads 1 --save-every 31
 "$fixsplat" fit set --steps 60 -o plain.ply >logs/out
-check "--exposure gain: another file" [ "$(cmp -s plain.ply exposed.ply; echo $?)" = 1 ]
-cp exposed.ply.fit exposed.fit
-"$fixsplat" fit set --steps 60 -o again.ply --resume exposed.fit --threads 2 --cpu c >logs/out
-check "--exposure gain, resumed, 2 threads, plain C: the same file" cmp exposed.ply again.ply
+for exposure in affine gain; do
+    succeeds "--exposure $exposure" fit set --steps 60 -o exposed.ply --exposure $exposure --threads 1 --save-every 31
+    check "--exposure $exposure: another file" [ "$(cmp -s plain.ply exposed.ply; echo $?)" = 1 ]
+    cp exposed.ply.fit exposed.fit
+    "$fixsplat" fit set --steps 60 -o again.ply --resume exposed.fit --threads 2 --cpu c >logs/out
+    check "--exposure $exposure, resumed, 2 threads, plain C: the same file" cmp exposed.ply again.ply
+    cp exposed.ply plain.ply
+done
+fails "--resume: affine for gain" 2 "--exposure: exposed.fit was begun with another" fit set --steps 60 -o x.fxs \
+    --resume exposed.fit --exposure affine
 fails "--resume: another exposure" 2 "--exposure: exposed.fit was begun with another" fit set --steps 60 -o x.fxs \
     --resume exposed.fit --exposure none
 fails "--exposure of a block" 2 "--exposure: of --block only with --coarse" fit set -o x.ply --exposure gain --block 1/2

@@ -100,7 +100,7 @@ uint64_t cut_pixels(step_buffers *b, unsigned char *memory, uint64_t width, uint
     b->dissimilar = cut<float>(&at, 3 * pixels);
     b->gradient = cut<float>(&at, 3 * pixels);
     b->rows = cut<float>(&at, 6 * height);
-    b->gain_rows = cut<float>(&at, 3 * height);
+    b->gain_rows = cut<float>(&at, FXS_FIT_GAIN * height);
     b->starts = cut<uint32_t>(&at, tiles + 1);
     b->needed = cut<uint32_t>(&at, tiles);
     return (uint64_t)(at - memory);
@@ -150,7 +150,7 @@ int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
     return error;
 }
 
-/* Numbers of a photograph's sums: see launch_gather; then one that is not 0 where there was no room, three of
+/* Numbers of a photograph's sums: see launch_gather; then one that is not 0 where there was no room, those of
    launch_by_gain, and those of launch_by_pose. */
 uint64_t view_numbers(const device *d)
 {
@@ -169,7 +169,7 @@ float *by_gain_of(const device *d, uint32_t view)
 
 float *by_pose_of(const device *d, uint32_t view)
 {
-    return by_gain_of(d, view) + 3;
+    return by_gain_of(d, view) + FXS_FIT_GAIN;
 }
 
 int reserve_views(device *d, uint32_t count, fxs_message *why)
@@ -312,13 +312,13 @@ int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *
     failure = first_of(failure, launch_bin(b, &d->model, c, d->stream));
     mark(d, s, BLEND);
     if (d->gains.count)
-        failure = first_of(failure, launch_factors(b, &d->gains.of[s->photographs[view].number], d->stream));
+        failure = first_of(failure, launch_factors(b, &d->gains, s->photographs[view].number, d->stream));
     failure = first_of(failure, launch_blend(b, c, s->options.background, d->stream));
     mark(d, s, LOSS);
     error = check(why, failure);
     error = error ? error : find_loss(e, d, s, view, why);
     if (moves_gains(d, s) && !error)
-        error = check(why, launch_by_gain(b, c, by_gain_of(d, view), d->stream));
+        error = check(why, launch_by_gain(b, c, d->gains.is_affine, by_gain_of(d, view), d->stream));
     mark(d, s, BACK);
     error = error ? error : check(why, launch_back(b, c, d->stream));
     mark(d, s, UPDATE);
@@ -395,7 +395,8 @@ cudaError_t step_gains(const device *d, const step_order *s)
         batch.numbers[v] = s->photographs[v].number;
         batch.by_gain[v] = by_gain_of(d, v);
     }
-    return launch_update_gains(&d->buffers, &d->gains, &batch, s->options.gain_rate, d->stream);
+    return launch_update_gains(&d->buffers, &d->gains, &batch, s->options.gain_rate, s->options.gain_decay,
+                               d->stream);
 }
 
 int update(engine *e, device *d, const step_order *s, fxs_message *why)
@@ -631,14 +632,14 @@ int reset_opacity(void *self, float opacity, fxs_message *why)
 int upload_gains(device *d, const fxs_fit_gains *from, fxs_message *why)
 {
     const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
-    d->gains = {nullptr, 0};
+    d->gains = {nullptr, 0, 0};
     d->buffers.factors = nullptr;
     if (!from)
         return 0;
-    const int error = reserve(&d->memory, &d->exposures, bytes + 3 * sizeof(float), why);
+    const int error = reserve(&d->memory, &d->exposures, bytes + FXS_FIT_GAIN * sizeof(float), why);
     if (error)
         return error;
-    d->gains = {(fxs_fit_gain *)d->exposures.data, from->count};
+    d->gains = {(fxs_fit_gain *)d->exposures.data, from->count, from->is_affine};
     d->buffers.factors = (float *)(d->gains.of + from->count);
     return check(why, cudaMemcpyAsync(d->gains.of, from->of, bytes, cudaMemcpyHostToDevice, d->stream),
                  cudaStreamSynchronize(d->stream));

@@ -49,6 +49,12 @@ __device__ inline bool counts(const loss_photograph &photograph, size_t at)
     return !HAS_MASK || photograph.mask[at];
 }
 
+/* What the photograph would have of a number of the picture. */
+__device__ inline float recorded_of(const step_buffers &b, float a, float level)
+{
+    return b.factors ? recorded(a, level) : a;
+}
+
 /* Calls visit(row, column of the patch, its place in the picture, whether it is in it). */
 template <class Visit>
 __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p, Visit visit)
@@ -112,8 +118,9 @@ find_derivatives(step_buffers b, loss_photograph photograph, fxs_fit_camera came
     const size_t size = (size_t)camera.width * (size_t)camera.height, channel = blockIdx.z;
     visit_patch(camera, p, [&](int row, int column, size_t at, bool is_inside) {
         const bool is_seen = is_inside && counts<HAS_MASK>(photograph, at);
-        pixels[0][row][column] = is_seen ? b.picture[channel * size + at] : 0;
-        pixels[1][row][column] = is_seen ? level_of_byte(photograph.pixels[3 * at + channel]) : 0;
+        const float level = is_seen ? level_of_byte(photograph.pixels[3 * at + channel]) : 0;
+        pixels[0][row][column] = is_seen ? recorded_of(b, b.picture[channel * size + at], level) : 0;
+        pixels[1][row][column] = level;
     });
     __syncthreads();
     sum_rows(pixels[0], pixels[1], rows);
@@ -181,10 +188,10 @@ find_gradient_of_pixels(step_buffers b, loss_photograph photograph, fxs_fit_came
         if (x >= camera.width || y >= camera.height)
             continue;
         const size_t at = (size_t)y * (size_t)camera.width + (size_t)x;
-        const float gradient = gradient_of(b.picture[channel * size + at],
-                                           level_of_byte(photograph.pixels[3 * at + channel]), sums[0][k], sums[1][k],
-                                           sums[2][k]);
-        b.gradient[channel * size + at] = counts<HAS_MASK>(photograph, at) ? gradient : 0;
+        const float a = b.picture[channel * size + at], level = level_of_byte(photograph.pixels[3 * at + channel]);
+        const float gradient = gradient_of(a, level, sums[0][k], sums[1][k], sums[2][k]);
+        const bool is_kept = counts<HAS_MASK>(photograph, at) && !(b.factors && is_beyond_white(a, level));
+        b.gradient[channel * size + at] = is_kept ? gradient : 0;
     }
 }
 
@@ -214,7 +221,8 @@ __global__ void report_rows(step_buffers b, loss_photograph photograph, fxs_fit_
     const uint8_t *bytes = photograph.pixels + 3 * y * width + channel;
     const float difference = row_sum(camera.width, [&](int32_t x) {
         const bool is_counted = counts<HAS_MASK>(photograph, y * width + (size_t)x);
-        return is_counted ? absolute(a[x] - level_of_byte(bytes[3 * x])) : 0.0f;
+        const float level = level_of_byte(bytes[3 * x]);
+        return is_counted ? absolute(recorded_of(b, a[x], level) - level) : 0.0f;
     });
     const float unlike = row_sum(camera.width, [&](int32_t x) { return dissimilar[x]; });
     if (own < all && threadIdx.x % 16 == 0) {

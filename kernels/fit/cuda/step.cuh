@@ -81,13 +81,13 @@ struct step_buffers {
     uint32_t *needed;              /* by tile: entries up to the last one that a pixel took of */
     float *sums;                   /* by slot: FXS_FIT_SUMS; 0 of entries beyond `needed` */
     /* Planes of pixels, of picture_stride = width by height numbers, without margins: red, green, blue. */
-    float *picture;                /* 3: with background, times `factors` */
+    float *picture;                /* 3: with background, as `factors` change it */
     float *derivatives;            /* 9: of each channel, of SSIM by mean, square and product */
     float *dissimilar;             /* 3: 1 - SSIM; written where a report is wanted */
     float *gradient;               /* 3: dL/dcolour of `picture` */
     float *rows;                   /* of a report: 3 times height sums of |a - b|, then as many of 1 - SSIM */
-    float *factors;                /* 3: of the photograph's exposure; null: photographs have none */
-    float *gain_rows;              /* with exposures: 3 times height sums of the gradient times `picture` */
+    float *factors;                /* FXS_FIT_GAIN: of the photograph's exposure; null: photographs have none */
+    float *gain_rows;              /* with exposures: for each sum of gain_gradient, those of the rows */
     uint8_t *photograph;           /* red, green, blue, of the camera's size; then its mask, if any */
     void *scratch;                 /* for sorts and sums */
     size_t scratch_bytes;
@@ -113,12 +113,6 @@ __device__ inline fxs_fit_camera with_pose(const fxs_fit_camera &given, const po
     memcpy(camera.rotation, posed->rotation, sizeof camera.rotation);
     memcpy(camera.eye, posed->eye, sizeof camera.eye);
     return camera;
-}
-
-/* By what a channel's light is multiplied. */
-__device__ inline float factor_of(const step_buffers &b, int channel)
-{
-    return b.factors ? b.factors[channel] : 1.0f;
 }
 
 /* Kernels begin with this: whether a step before it, or this one, had no room. */

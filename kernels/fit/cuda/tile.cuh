@@ -3,7 +3,7 @@
 #ifndef FXS_CUDA_FIT_TILE_CUH
 #define FXS_CUDA_FIT_TILE_CUH
 
-#include "step.cuh"
+#include "exposure.cuh"
 
 namespace {
 
@@ -236,9 +236,11 @@ blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float
     if (p.is_inside) {
         const size_t at = (size_t)p.y * (size_t)camera.width + (size_t)p.x;
         const size_t size = (size_t)camera.width * (size_t)camera.height;
-        b.picture[at] = (pixel.red + pixel.transmittance * background.x) * factor_of(b, 0);
-        b.picture[size + at] = (pixel.green + pixel.transmittance * background.y) * factor_of(b, 1);
-        b.picture[2 * size + at] = (pixel.blue + pixel.transmittance * background.z) * factor_of(b, 2);
+        const float colour[3] = {pixel.red + pixel.transmittance * background.x,
+                                 pixel.green + pixel.transmittance * background.y,
+                                 pixel.blue + pixel.transmittance * background.z};
+        for (int c = 0; c < 3; c++)
+            b.picture[c * size + at] = b.factors ? exposed(b.factors, colour, c) : colour[c];
     }
 }
 
@@ -423,12 +425,13 @@ __device__ inline backward_pixel begin_pixel(const step_buffers &b, const fxs_fi
 {
     const size_t at = (size_t)p.y * (size_t)camera.width + (size_t)p.x;
     const size_t size = (size_t)camera.width * (size_t)camera.height;
-    float gradient[3] = {0, 0, 0}, behind = 0;
+    float found[3] = {0, 0, 0}, gradient[3], behind = 0;
     for (int c = 0; c < 3 && p.is_inside; c++) {
-        const float found = b.gradient[c * size + at];
-        behind += found * b.picture[c * size + at];
-        gradient[c] = found * factor_of(b, c);
+        found[c] = b.gradient[c * size + at];
+        behind += found[c] * (b.picture[c * size + at] - (b.factors ? b.factors[9 + c] : 0.0f));
     }
+    for (int c = 0; c < 3; c++)
+        gradient[c] = b.factors ? gradient_before(b.factors, found, c) : found[c];
     return {{1, behind}, gradient[0], gradient[1], gradient[2]};
 }
 

@@ -16,7 +16,8 @@ from ._library import (CUTOFFS, NULL, PROFILES, Calls, Error, PathLike, Struct, 
                        new, pool, whole)
 from ._scene import Memory, Scene
 
-EXPOSURES = {"none": lib.FXS_FIT_EXPOSURE_NONE, "gain": lib.FXS_FIT_EXPOSURE_GAIN}
+EXPOSURES = {"none": lib.FXS_FIT_EXPOSURE_NONE, "gain": lib.FXS_FIT_EXPOSURE_GAIN,
+             "affine": lib.FXS_FIT_EXPOSURE_AFFINE}
 RECIPES = {"reference": lib.FXS_FIT_REFERENCE, "mcmc": lib.FXS_FIT_MCMC, "fast": lib.FXS_FIT_FAST}
 
 
@@ -74,7 +75,8 @@ def fit(photos: "Union[PathLike, Sequence[Any]]", K: Any = None, world_to_camera
     batch: the number of photographs in a step, 1 to 8. 0 stands for one, or for one on each device.
     background: the colour behind the scene as red, green, blue, 0 to 255 each.
     cutoff: as for `render`. profile: as for `load`.
-    exposure: "none", or "gain": each photograph has a gain and a colour balance of its own.
+    exposure: "none", "gain": each photograph has a gain and a colour balance of its own, or "affine": each has an
+        affine map of colours.
     refine_poses: True finds the poses of the photographs beside the scene.
     antialiased: True makes a scene for other distances and sizes than those of the photographs.
     sky: the number of directions around the cameras in which the fit begins with a Gaussian far away, where photographs

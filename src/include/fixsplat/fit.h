@@ -42,7 +42,7 @@ typedef struct fxs_fit_photo {
     fxs_file_view view;
     const uint8_t *pixels;         /* red, green, blue; rows from the top without gaps; valid until the fit is freed */
     double exposure;               /* how much light it got, in any unit that is the same for all, as time * sensitivity /
-                                      f-number^2; 0: not known. FXS_FIT_EXPOSURE_GAIN begins with it */
+                                      f-number^2; 0: not known. exposures begin with it */
     const uint8_t *mask;           /* null, or a byte for each of the pixels, likewise; 0: the pixel is ignored, and the
                                       fit does not depend on its colour */
 } fxs_fit_photo;
@@ -67,11 +67,15 @@ enum fxs_fit_recipe {
 /* What a fit knows of the exposure of its photographs. */
 enum fxs_fit_exposure {
     FXS_FIT_EXPOSURE_NONE = 0,     /* all have the same */
-    FXS_FIT_EXPOSURE_GAIN = 1      /* each has a gain and a colour balance, log2 of three factors that the fit finds: by
+    FXS_FIT_EXPOSURE_GAIN = 1,     /* each has a gain and a colour balance, log2 of three factors that the fit finds: by
                                       these the picture is multiplied before it is compared with the photograph. Their
                                       means over the photographs are 0. The scene has none of them. They begin at 0;
                                       where the exposure of every photograph is known, the gain begins at 1 / 2.2 of its
-                                      log2, as pixels have about that power of the light, less the mean over all */
+                                      log2, as pixels have about that power of the light, less the mean over all. White
+                                      of a photograph counts as white that was cut: the picture may be brighter */
+    FXS_FIT_EXPOSURE_AFFINE = 2    /* the same with an affine map of colours for each: 3x3 factors and three constants,
+                                      as in the code of Kerbl et al. of 2024, whose means over the photographs are
+                                      those of a map that changes nothing */
 };
 
 typedef struct fxs_fit_options {
