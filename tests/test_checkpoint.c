@@ -746,12 +746,12 @@ static void a_changed_byte_is_seen(void)
     size_t size;
     uint8_t *bytes = bytes_of("half", &size);
     for (size_t i = 0; i < size; i += i < 4 * FIRST || i + 80 > size ? 1 : 173) {
-        bytes[i] ^= 0x11;
+        bytes[i] ^= 0x51;              /* no version that there is becomes another that there is */
         put_file("changed", bytes, size);
         const int is_version = i >= 4 && i < 8;
         if (!CHECK(refused("changed", is_version ? FXS_ERR_VERSION : FXS_ERR_FILE, is_version ? "another" : "")))
             printf("  byte %zu\n", i);
-        bytes[i] ^= 0x11;
+        bytes[i] ^= 0x51;
     }
     free(bytes);
 }

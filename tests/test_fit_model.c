@@ -432,11 +432,16 @@ static void resized(void)
 {
     const size_t counts[] = {500, 497, 498, 40, 600};
     fxs_fit_gains gains = {NULL, 0, 0};
+    fxs_fit_poses poses = {NULL, 0};
+    const fxs_fit_cameras cameras = {NULL, 0};
     fxs_fit_model m = random_model(500);
     m.gains = &gains;
+    m.poses = &poses;
+    m.cameras = &cameras;
     for (size_t n = 0; n < sizeof counts / sizeof *counts; n++) {
         size_t wrong = 0;
-        CHECK(!fxs_fit_model_resize(&m, counts[n]) && m.count == counts[n] && m.gains == &gains);
+        CHECK(!fxs_fit_model_resize(&m, counts[n]) && m.count == counts[n]);
+        CHECK(m.gains == &gains && m.poses == &poses && m.cameras == &cameras);
         CHECK(m.stride == (m.count + FXS_FIT_GROUP - 1) / FXS_FIT_GROUP * FXS_FIT_GROUP);
         for (size_t i = m.count; i < m.stride; i++) {
             for (int k = 0; k < FXS_FIT_PARAMETERS; k++) {

@@ -82,6 +82,7 @@ int fxs_fit_model_resize(fxs_fit_model *m, size_t count)
         return FXS_ERR_MEMORY;
     made.gains = m->gains;
     made.poses = m->poses;
+    made.cameras = m->cameras;
     fxs_fit_model_free(m);
     *m = made;
     return 0;
