@@ -67,10 +67,10 @@ WASM := $(MODULES:%=$(WEB)/%.wasm)
 
 # What has its other files inside needs a bundler to be made.
 ESBUILD ?= esbuild
-WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,fixsplat.js viewer.js files.js worker.js))
-WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js \
+WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,fixsplat.js viewer.js files.js worker.js package.json))
+WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js react.js \
                                    system.js thread_node.js viewer/style.js)
-PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts package.json README.md CHANGELOG.md LICENSE) \
+PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts react.d.ts package.json README.md CHANGELOG.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(filter-out %.css,$(wildcard port/web/viewer/*))) $(WEB_INLINE)
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package

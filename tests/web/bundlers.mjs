@@ -83,15 +83,26 @@ async function build(folder, [program, ...args]) {
 
 const KINDS = { js: 'text/javascript', mjs: 'text/javascript', html: 'text/html', css: 'text/css', wasm: 'application/wasm' }
 const ISOLATED = { 'cross-origin-opener-policy': 'same-origin', 'cross-origin-embedder-policy': 'require-corp' }
-const listening = (server) => new Promise((done) => server.listen(0, '127.0.0.1', () => done(server.address().port)))
-const closed = (server) => new Promise((done) => (server.closeAllConnections?.(), server.close(done)))
+
+function listening(server) {
+  server.sockets = new Set()
+  server.on('connection', (socket) => {
+    server.sockets.add(socket)
+    socket.on('close', () => server.sockets.delete(socket))
+  })
+  return new Promise((done) => server.listen(0, '127.0.0.1', () => done(server.address().port)))
+}
+
+function closed(server) {
+  for (const socket of server.sockets) socket.destroy()
+  return new Promise((done) => server.close(done))
+}
 
 /** A folder, the scene, and the package's files under /published. */
 async function serveFiles(folder, headers = ISOLATED) {
-  const roots = { '/scene.ply': work, '/published/': join(published, '..') }
   const server = createServer((request, response) => {
     const path = decodeURIComponent(new URL(request.url, 'http://x').pathname).replace(/\/$/, '/index.html')
-    let file = path.startsWith('/published/') ? join(published, path.slice(10)) : join(path === '/scene.ply' ? work : folder, path)
+    const file = path.startsWith('/published/') ? join(published, path.slice(10)) : join(path === '/scene.ply' ? work : folder, path)
     for (const [name, value] of Object.entries(headers)) response.setHeader(name, value)
     if (!existsSync(file) || !statSync(file).isFile()) return response.writeHead(404).end()
     response.setHeader('content-type', KINDS[file.split('.').pop()] ?? 'application/octet-stream')
@@ -216,7 +227,7 @@ async function works(page, { isolated = true, inline = false } = {}) {
 async function reacts(page) {
   assert.equal(await shown(page), WANTED_VIEW)
   await page.click('#wider')
-  await until(page, () => document.querySelector('#drawn').textContent === '2', 'no second picture')
+  await pause(600)
   assert.equal(await shown(page), WANTED_TURNED)
   await page.click('#shown')
   await until(page, () => !document.querySelector('fixsplat-viewer'), 'the element stays')
@@ -252,8 +263,15 @@ async function built(name, files, commands, out, how = {}) {
   }
   if (how.page) writeFileSync(join(folder, out, 'index.html'), PAGE(how.page))
   isSmall(join(folder, out))
-  const server = await serveFiles(join(folder, out))
-  await opened(`${server.address}${how.hash ?? ''}`, (page) => (how.see ?? works)(page, how)).finally(server.end)
+  await shows(join(folder, out), how)
+}
+
+/** A folder in a page that has threads, and in one that has none. */
+async function shows(folder, how = {}) {
+  for (const isolated of [true, false]) {
+    const server = await serveFiles(folder, { ...(isolated ? ISOLATED : {}), ...how.headers })
+    await opened(`${server.address}${how.hash ?? ''}`, (page) => (how.see ?? works)(page, { ...how, isolated })).finally(server.end)
+  }
 }
 
 async function developed(name, files, command, how = {}) {
@@ -292,6 +310,112 @@ const ROLLUP = ['rollup#rollup', 'main.js', '-p', 'node-resolve', '-d', 'dist', 
 add('rollup', 'build, inline', ['build', ...EVERYTHING], () =>
   built('rollup inline', { 'main.js': INLINE }, [ROLLUP, ['esbuild#esbuild', 'dist/main.js', '--minify', '--allow-overwrite', '--outfile=dist/main.js']], 'dist',
     { page: MODULE, inline: true }))
+
+const CLIENT = `import { createRoot } from 'react-dom/client'
+import App from './react.jsx'
+createRoot(document.body.appendChild(document.createElement('div'))).render(<App />)
+`
+const REACTS = { 'index.html': PAGE('<script type="module" src="/main.jsx"></script>'), 'main.jsx': CLIENT, 'react.jsx': REACT }
+add('React 19 (vite 8)', 'build', ['build', 'minified', ...EVERYTHING], () =>
+  built('react build', REACTS, [['vite#vite', 'build']], 'dist', { see: reacts }))
+add('React 19 (vite 8)', 'dev', ['dev', ...EVERYTHING], () =>
+  developed('react dev', REACTS, ['vite#vite', '--host', '127.0.0.1', '--port', 'PORT', '--strictPort'], { see: reacts }))
+
+const NEXT = {
+  'app/layout.jsx': `export default ({ children }) => <html lang="en"><head><link rel="icon" href="data:," /></head><body>{children}</body></html>`,
+  'app/page.jsx': `'use client'\nimport { useEffect } from 'react'\nimport 'fixsplat/viewer'\nimport { load } from 'fixsplat'
+globalThis.kept = load\nexport default () => { useEffect(() => { import('../main.js') }, []); return <p>splats</p> }`,
+  'app/react/page.jsx': `'use client'\nexport { default } from '../../react.jsx'`,
+  'main.js': MAIN,
+  'react.jsx': REACT,
+}
+for (const [tool, flag] of [['Next.js (Turbopack)', '--turbopack'], ['Next.js (webpack)', '--webpack']]) {
+  const both = async (server) => {
+    try {
+      await opened(server.address, works)
+      await opened(`${server.address}react`, reacts)
+    } catch (error) {
+      throw new Error(`${error.message}\n${server.said()}`)
+    } finally {
+      await server.end()
+    }
+  }
+  add(tool, 'build', ['build', 'minified', ...EVERYTHING], async () => {
+    const folder = project(`${tool} build`, NEXT)
+    assert.doesNotMatch(await build(folder, ['next#next', 'build', flag]), /fixsplat[^\n]*warn/i)
+    isSmall(join(folder, '.next/static'))
+    await both(await serveProgram(folder, ['next#next', 'start', '-p', 'PORT', '-H', '127.0.0.1']))
+  })
+  add(tool, 'dev', ['dev', ...EVERYTHING], async () =>
+    both(await serveProgram(project(`${tool} dev`, NEXT), ['next#next', 'dev', flag, '-p', 'PORT', '-H', '127.0.0.1'])))
+}
+
+// It loses modules of a worker that are imported in two ways.
+const PARCEL = { 'index.html': PAGE('<script type="module" src="./main.js"></script>'), 'main.js': INLINE }
+add('parcel 2', 'build, inline', ['build', 'minified', ...EVERYTHING], () =>
+  built('parcel build', PARCEL, [['parcel#parcel', 'build', 'index.html', '--no-cache']], 'dist', { inline: true }))
+add('parcel 2', 'dev', ['dev', ...EVERYTHING], () =>
+  developed('parcel dev', { ...PARCEL, 'main.js': MAIN }, ['parcel#parcel', 'serve', 'index.html', '--port', 'PORT', '--host', '127.0.0.1', '--no-cache']))
+
+const FAR = { ...ISOLATED, 'access-control-allow-origin': '*', 'cross-origin-resource-policy': 'cross-origin' }
+add('none, of another server', 'a line', EVERYTHING, async () => {
+  const far = await serveFiles(home, FAR)
+  const at = `${far.address}published`
+  const folder = project('far', { 'index.html': PAGE(MODULE), 'main.js': mainOf(`${at}/fixsplat.js`, `${at}/viewer/viewer.js`) })
+  await shows(folder).finally(far.end)
+}, true)
+
+const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; img-src data:"
+add('none, strict policy', 'a line', EVERYTHING, () => {
+  const [load, viewer] = ['/published/fixsplat.js', '/published/viewer/viewer.js']
+  return shows(project('near', { 'index.html': PAGE(MODULE), 'main.js': mainOf(load, viewer) }),
+    { headers: { 'content-security-policy': POLICY } })
+}, true)
+
+/** A bundle that nobody carried the files after says so, everywhere. */
+add('esbuild', 'no files: words', [], async () => {
+  const folder = project('esbuild bare', { 'main.js': MAIN, 'dist/index.html': PAGE(MODULE) })
+  await build(folder, ['esbuild#esbuild', 'main.js', '--bundle', '--format=esm', '--outfile=dist/main.js', '--log-level=warning'])
+  const server = await serveFiles(join(folder, 'dist'))
+  const failing = opened(server.address, async (page) => {
+    await until(page, () => globalThis.result && globalThis.said, 'nothing is said')
+    const [{ error }, said] = await page.evaluate(() => [globalThis.result, globalThis.said])
+    assert.match(error, /\.wasm: 404 Not Found.*README.*Bundlers/)
+    assert.match(said, /script of the renderer cannot be loaded.*Bundlers/)
+    const words = await page.evaluate(() => {
+      const viewer = document.querySelector('fixsplat-viewer')
+      viewer.removeAttribute('noui')
+      const root = viewer.shadowRoot
+      const { hidden, offsetHeight } = root.getElementById('error')
+      return [hidden, offsetHeight > 0, root.getElementById('words').textContent]
+    })
+    assert.deepEqual(words, [false, true, said])
+    throw new Error('said')
+  }).finally(server.end)
+  await assert.rejects(failing, /^Error: said\n404 /)
+}, true)
+
+const IN_NODE = `import assert from 'node:assert/strict'
+import { load, end } from 'fixsplat'
+import * as inline from 'fixsplat/inline'
+import 'fixsplat/viewer'
+import 'fixsplat/react'
+import 'fixsplat/inline/viewer'
+assert.equal(inline.load, load)
+const scene = await load(process.argv[2], { threads: 2 })
+for (let i = 0; i < 500 && scene.threads < 2; i++) await new Promise((done) => setTimeout(done, 10))
+assert.equal(scene.threads, 2)
+let h = 0xcbf29ce484222325n
+for (const byte of scene.render({ eye: [2, -1, -4] }, { width: 64, height: 48 })) h = BigInt.asUintN(64, (h ^ BigInt(byte)) * 0x100000001b3n)
+console.log(h.toString(16).padStart(16, '0'))
+scene.free()
+await end()
+`
+add('Node', 'import', ['worker', 'wasm'], async () => {
+  const folder = project('node', { 'a.mjs': IN_NODE })
+  const { stdout, stderr } = await run(process.execPath, ['a.mjs', resolve(work, 'scene.ply')], { cwd: folder })
+  assert.deepEqual([stdout.trim(), stderr], [WANTED, ''])
+}, true)
 
 const report = async ({ tool, name, columns, run }) => {
   const start = performance.now()

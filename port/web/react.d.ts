@@ -1,7 +1,7 @@
 import type { ClassAttributes, HTMLAttributes } from 'react'
-import type { Viewer, ViewerAttributes } from './viewer.js'
+import type { Viewer, ViewerAttributes } from './viewer/viewer.js'
 
-export * from './viewer.js'
+export * from './viewer/viewer.js'
 
 type ViewerProps = ClassAttributes<Viewer> & HTMLAttributes<Viewer> & ViewerAttributes & { class?: string }
 
