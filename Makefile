@@ -52,7 +52,8 @@ setup: ## install the Debian packages that are missing (and what the goals behin
 	    $(if $(filter test test-all web web-package,$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
 	@$(if $(filter test test-all web web-package,$(GOALS)),$(if $(WEB_SOURCES),sh tools/web_sources.sh $(WEB_SOURCES)))
-	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; sh tools/arm_libraries.sh $(B)/aarch64)
+	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; \
+	    sh tools/page_modules.sh $(B)/bundlers tests/web/bundlers $(if $(filter test-all,$(GOALS)),,part); sh tools/arm_libraries.sh $(B)/aarch64)
 
 # What else is asked for, by a make that finds what was installed.
 REST := $(filter-out setup,$(GOALS))

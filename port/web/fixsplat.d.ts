@@ -429,6 +429,11 @@ export class Screen {
    */
   static open(
     canvas: HTMLCanvasElement | OffscreenCanvas | null,
+    backend: 'webgpu',
+    options?: LoadOptions & { device?: GPUDevice }
+  ): Promise<Screen & { readonly device: GPUDevice }>
+  static open(
+    canvas: HTMLCanvasElement | OffscreenCanvas | null,
     backend: Backend,
     options?: LoadOptions & { device?: GPUDevice }
   ): Promise<Screen>
