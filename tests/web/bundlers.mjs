@@ -185,7 +185,7 @@ async function opened(address, see) {
 }
 
 const until = async (page, is, words, ...args) =>
-  page.waitForFunction(is, { timeout: 60000, polling: 50 }, ...args).catch(async () => {
+  page.waitForFunction(is, { timeout: 120000, polling: 50 }, ...args).catch(async () => {
     throw new Error(`${words}: ${JSON.stringify(await page.evaluate(() => ({ result: globalThis.result, said: globalThis.said,
       state: document.querySelector('fixsplat-viewer')?.getAttribute('state') })))}`)
   })
