@@ -1,5 +1,5 @@
-// Where the package finds its other files: modules of WebAssembly, and the scripts of workers. As they are published the
-// files lie beside this one. A bundler puts them elsewhere, and finds them by the literal addresses; where it does not
+// Where the package finds its other files: modules of WebAssembly, and the scripts of workers. As they are published,
+// they lie beside this one. A bundler puts them elsewhere, and finds them by the literal addresses; where it does not
 // know these, `setAssets` says where they are. What only Node has is in system.js.
 
 export const inNode = typeof process === 'object' && !!process.versions?.node

@@ -18,16 +18,19 @@ function blocksOf(text) {
   const fenced = [...text.matchAll(/^```(\w+)\n([^]*?)^```$/gm)].map(([, language, code]) => ({ language, code }))
   const indented = text.replace(/^```[^]*?^```$/gm, '').match(/(^( {4}.*)?\n)*^ {4}.*\n/gm) ?? []
   const found = [...fenced, ...indented.map((code) => ({ language: 'js', code: code.replace(/^ {4}/gm, '') }))]
-  return found.filter(({ language, code }) => LANGUAGES.test(language) && CODE.test(code))
-    .map(({ language, code }) => (language === 'html' ? { language: 'js', code: code.match(HTML)[1] } : { language, code }))
+  return found
+    .filter(({ language, code }) => LANGUAGES.test(language) && CODE.test(code))
+    .map(({ language, code }) => ({
+      ending: language === 'tsx' ? 'tsx' : 'ts',
+      code: (language === 'html' ? code.match(HTML)[1] : code).replace(/https:.*fixsplat\.js/g, 'fixsplat'),
+    }))
 }
 
 const names = []
 for (const file of ['port/web/README.md', 'docs/web.md'])
-  for (const { language, code } of blocksOf(readFileSync(file, 'utf8'))) {
-    const name = `${file.replace(/\W/g, '_')}_${names.length}.${language === 'js' ? 'ts' : language}`
-    const line = readFileSync(file, 'utf8').split(code.split('\n').find((text) => text.trim()))[0].split('\n').length
-    writeFileSync(join(folder, name), `// ${file}:${line}\n${code.replace(/https:.*fixsplat\.js/g, 'fixsplat')}\nexport {}\n`)
+  for (const { ending, code } of blocksOf(readFileSync(file, 'utf8'))) {
+    const name = `${file.replace(/\W/g, '_')}_${names.length}.${ending}`
+    writeFileSync(join(folder, name), `${code}\nexport {}\n`)
     names.push(name)
   }
 cpSync('tests/web/bundlers/types.tsx', join(folder, 'types.tsx'))
@@ -38,10 +41,19 @@ cpSync(join(folder, 'node_modules/package'), join(folder, 'node_modules/fixsplat
 writeFileSync(join(folder, 'package.json'), '{ "private": true, "type": "module" }')
 
 const { bin } = JSON.parse(readFileSync(join(modules, 'typescript/package.json'), 'utf8'))
-const react18 = { react: [join(resolve(modules), '@types/react-18/index.d.ts')],
-  'react/jsx-runtime': [join(resolve(modules), '@types/react-18/jsx-runtime.d.ts')] }
-const common = { strict: true, noEmit: true, skipLibCheck: false, target: 'esnext', lib: ['esnext', 'dom', 'dom.iterable'],
-  jsx: 'react-jsx', types: ['node'] }
+const react18 = {
+  react: [resolve(modules, '@types/react-18/index.d.ts')],
+  'react/jsx-runtime': [resolve(modules, '@types/react-18/jsx-runtime.d.ts')],
+}
+const common = {
+  strict: true,
+  noEmit: true,
+  skipLibCheck: false,
+  target: 'esnext',
+  lib: ['esnext', 'dom', 'dom.iterable'],
+  jsx: 'react-jsx',
+  types: ['node'],
+}
 const ways = {
   'as bundlers, React 19': { module: 'esnext', moduleResolution: 'bundler' },
   'as Node, React 19': { module: 'nodenext', moduleResolution: 'nodenext' },
@@ -52,7 +64,8 @@ if (names.length < 10) throw new Error('blocks of code are missing')
 for (const [name, way] of Object.entries(ways).slice(0, all ? 3 : 1)) {
   const file = join(folder, 'tsconfig.json')
   writeFileSync(file, JSON.stringify({ compilerOptions: { ...common, ...way }, include: ['*.ts', '*.tsx'] }))
-  const { stdout, stderr, status } = spawnSync(process.execPath, [join(modules, 'typescript', bin.tsc), '-p', file], { encoding: 'utf8' })
+  const words = [join(modules, 'typescript', bin.tsc), '-p', file]
+  const { stdout, stderr, status } = spawnSync(process.execPath, words, { encoding: 'utf8' })
   console.log(status ? `FAIL types ${name}: ${stdout}${stderr}` : `ok types ${name}`)
   if (status) process.exitCode = 1
 }

@@ -34,9 +34,9 @@ globalThis.setAssets = setAssets
 if (location.hash === '#assets') setAssets('/published')
 const viewer = document.createElement('fixsplat-viewer')
 viewer.addEventListener('error', (event) => (globalThis.said = event.message))
-for (const [name, value] of Object.entries({ noui: '', threads: 2, background: '#0e1116', view: '0.3,-0.9,-4,0,0,0,0,-1,0,45' }))
+const view = '0.3,-0.9,-4,0,0,0,0,-1,0,45'
+for (const [name, value] of Object.entries({ noui: '', threads: 2, background: '#0e1116', view, src: '/scene.ply' }))
   viewer.setAttribute(name, value)
-viewer.setAttribute('src', '/scene.ply')
 viewer.style.cssText = 'width: 320px; height: 200px'
 document.body.append(viewer)
 run().then((found) => (globalThis.result = found), (error) => (globalThis.result = { error: error.stack }))

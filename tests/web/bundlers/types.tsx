@@ -42,7 +42,7 @@ export function Component({ src }: { src: string }) {
   const viewer = useRef<Viewer>(null)
   return (
     <>
-      <fixsplat-viewer ref={viewer} key="a" src={src} budget={5e5} turn="" noui backend="webgl2" className="a" style={{ width: 9 }} />
+      <fixsplat-viewer ref={viewer} key="a" src={src} budget={5e5} turn="" noui backend="webgl2" className="a" />
       <fixsplat-viewer onPointerDown={(event) => event.currentTarget.replace(src)} suppressHydrationWarning />
       {/* @ts-expect-error: an address */}
       <fixsplat-viewer src={5} />
