@@ -83,7 +83,7 @@ endif
 
 web-package: web ## the same as one file for `npm publish`: build/web/fixsplat-VERSION.tgz
 	@[ "$(WEB_INLINE)" ] || { echo "web-package: esbuild is not here: make setup web-package" >&2; exit 1; }
-	@rm -f $(B)/web/fixsplat-$(VERSION).tgz
+	@rm -f $(B)/web/fixsplat-*.tgz
 	$(call say,PACK,$(B)/web/fixsplat-$(VERSION).tgz)npm pack --silent --ignore-scripts --pack-destination $(B)/web ./$(WEB) >/dev/null
 
 define web_rules

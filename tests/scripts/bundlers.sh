@@ -38,10 +38,19 @@ entries() {
             --outdir="$work/entries" --log-level=error
 }
 
+# minified: the element, its worker and a thread, as a bundler makes them; the part for headsets stays apart.
+minified() {
+    esbuild "$package/viewer/element.js" "$package/viewer/worker_whole.js" "$package/thread.js" --bundle --minify \
+        --format=esm --outdir="$work/minified" --outbase="$package" --external:./xr.js --log-level=error
+}
+
 check "builds" builds web-package
 tarball=$(ls "$B"/web/fixsplat-*.tgz)
 check "is ready to publish" ready
 check "its entries" eval "(entries)"
+check "is minified" minified
+# 28.5 KB of it are WebGPU, which a page without a bundler fetches only where a graphics card draws.
+check "size of the element in a bundle" at_most 61500 $(find "$work/minified" -name '*.js')
 "$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply" >/dev/null
 if node tests/web/types.mjs "$tarball" "$tools" $all >"$work/asked" 2>&1; then TYPES=yes; else TYPES=no; fi
 export TYPES
@@ -50,4 +59,5 @@ counts
 node tests/web/bundlers.mjs "$tarball" "$work" "$tools" "$modules" "$B/fixsplat" $all >"$work/asked" 2>&1 ||
     echo "FAIL bundlers.mjs: a check above, or it ended early" >>"$work/asked"
 counts
+cat "$work/sizes"
 finish
