@@ -67,9 +67,9 @@ WASM := $(MODULES:%=$(WEB)/%.wasm)
 
 # What has its other files inside needs a bundler to be made.
 ESBUILD ?= esbuild
-WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,fixsplat.js viewer.js files.js worker.js package.json))
+WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,with_files.js viewer_with_files.js files.js worker.js package.json viewer/package.json))
 WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js react.js \
-                                   system.js thread_node.js viewer/style.js)
+                                   system.js thread_node.js viewer/style.js viewer/package.json)
 PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts react.d.ts package.json README.md CHANGELOG.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(filter-out %.css,$(wildcard port/web/viewer/*))) $(WEB_INLINE)
 
@@ -135,6 +135,12 @@ $(WEB)/inline/worker.js: tools/inline.mjs $(WEB_SCRIPTS) $(addprefix $(WEB)/view
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --outfile=$(B)/web/worker.js \
 	    $(WEB)/viewer/worker_whole.js && node $< files viewer/worker.js=$(B)/web/worker.js >$@
+# For what looks for a folder by its name, without "exports".
+$(WEB)/viewer/package.json: main_is := ./element.js", "types": "./viewer.d.ts
+$(WEB)/inline/package.json: main_is := ./with_files.js", "types": "../fixsplat.d.ts
+$(WEB)/inline/viewer/package.json: main_is := ../viewer_with_files.js", "types": "../../viewer/viewer.d.ts
+$(WEB)/viewer/package.json $(WEB)/inline/package.json $(WEB)/inline/viewer/package.json: make/web.mk
+	@mkdir -p $(@D) && echo '{ "type": "module", "main": "$(main_is)" }' >$@
 $(WEB)/CHANGELOG.md: NEWS.md
 	@mkdir -p $(@D) && cp $< $@
 # Without comments, but for those of several lines, and indentation: a sixth less to download.

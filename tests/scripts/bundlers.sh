@@ -34,7 +34,7 @@ entries() {
         const files = (entry) => typeof entry === "string" ? [entry] : Object.values(entry).flatMap(files)
         const { exports } = require("./package.json")
         for (const file of files(exports)) if (!file.includes("*")) require("fs").accessSync(file)' &&
-        esbuild fixsplat.js thread.js react.js inline/viewer.js viewer/worker_whole.js --bundle --format=iife \
+        esbuild fixsplat.js thread.js react.js inline/viewer_with_files.js viewer/worker_whole.js --bundle --format=iife \
             --outdir="$work/entries" --log-level=error
 }
 
