@@ -31,7 +31,7 @@ CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu
 TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
                      libc6-dev-m68k-cross libc6-dev-sparc64-cross libc6-dev-hppa-cross libc6-dev-armel-cross \
                      libc6-dev-mips64el-cross slurm-wlm
-WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev
+WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
 # Where "make setup web" puts the sources of libraries (tools/web_sources.sh), for every clone; WEB_SOURCES= : none.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
 GOALS := $(or $(MAKECMDGOALS),all)
@@ -49,10 +49,11 @@ ifneq ($(filter setup,$(GOALS)),)
 
 setup: ## install the Debian packages that are missing (and what the goals behind it need: setup test, setup web)
 	@sh tools/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
-	    $(if $(filter test test-all web,$(GOALS)),$(WEB_PACKAGES)) \
+	    $(if $(filter test test-all web web-package,$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
-	@$(if $(filter test test-all web,$(GOALS)),$(if $(WEB_SOURCES),sh tools/web_sources.sh $(WEB_SOURCES)))
-	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; sh tools/arm_libraries.sh $(B)/aarch64)
+	@$(if $(filter test test-all web web-package,$(GOALS)),$(if $(WEB_SOURCES),sh tools/web_sources.sh $(WEB_SOURCES)))
+	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; \
+	    sh tools/page_modules.sh $(B)/bundlers tests/web/bundlers $(if $(filter test-all,$(GOALS)),,part); sh tools/arm_libraries.sh $(B)/aarch64)
 
 # What else is asked for, by a make that finds what was installed.
 REST := $(filter-out setup,$(GOALS))
@@ -69,7 +70,7 @@ include $(addprefix make/,build.mk firmware.mk web.mk install.mk test.mk measure
 clean: ## remove what was built
 	rm -rf $(B) demo.ply demo.png
 
-.PHONY: all demo firmware web install wheel uninstall headers core-headers check test test-all \
+.PHONY: all demo firmware web web-package install wheel uninstall headers core-headers check test test-all \
         test-programs cuda-tests golden-update fuzz mutants bench plot size clean peers FORCE
 endif
 

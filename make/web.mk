@@ -65,10 +65,26 @@ endif
 
 WASM := $(MODULES:%=$(WEB)/%.wasm)
 
-PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js fixsplat.d.ts package.json README.md LICENSE) \
-           $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
+# What has its other files inside needs a bundler to be made.
+ESBUILD ?= esbuild
+WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,with_files.js viewer_with_files.js files.js worker.js package.json viewer/package.json))
+WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js react.js \
+                                   system.js thread_node.js viewer/style.js viewer/package.json)
+PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts react.d.ts package.json README.md CHANGELOG.md LICENSE) \
+           $(patsubst port/web/%,$(WEB)/%,$(filter-out %.css,$(wildcard port/web/viewer/*))) $(WEB_INLINE)
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
+
+ifneq ($(filter web web-package,$(GOALS)),)
+ifeq ($(WEB_INLINE),)
+$(info built without fixsplat/inline: no esbuild)
+endif
+endif
+
+web-package: web ## the same as one file for `npm publish`: build/web/fixsplat-VERSION.tgz
+	@[ "$(WEB_INLINE)" ] || { echo "web-package: esbuild is not here: make setup web-package" >&2; exit 1; }
+	@rm -f $(B)/web/fixsplat-*.tgz
+	$(call say,PACK,$(B)/web/fixsplat-$(VERSION).tgz)npm pack --silent --ignore-scripts --pack-destination $(B)/web ./$(WEB) >/dev/null
 
 define web_rules
 $(B)/web/$(1)/%.o: %.c $(B)/commands/web
@@ -109,6 +125,24 @@ $(PACKAGE): src/scene/formats.c
 $(WEB)/stages.js: tools/stages.mjs src/include/fixsplat/pixel.h $(wildcard kernels/compute/*.wgsl)
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)node $< $@
+$(WEB)/viewer/style.js: port/web/viewer/viewer.css tools/inline.mjs
+	@mkdir -p $(@D)
+	@node tools/inline.mjs style $< >$@
+$(WEB)/inline/files.js: tools/inline.mjs $(filter-out %/core.wasm,$(WASM)) $(WEB)/thread.js
+	@mkdir -p $(@D)
+	$(call say,NODE,$@)node $< files $(foreach file,$(filter-out $<,$^),$(notdir $(file))=$(file)) >$@
+$(WEB)/inline/worker.js: tools/inline.mjs $(WEB_SCRIPTS) $(addprefix $(WEB)/viewer/,worker_whole.js worker.js)
+	@mkdir -p $(@D)
+	$(call say,NODE,$@)$(ESBUILD) --log-level=warning --bundle --minify --format=esm --outfile=$(B)/web/worker.js \
+	    $(WEB)/viewer/worker_whole.js && node $< files viewer/worker.js=$(B)/web/worker.js >$@
+# For what looks for a folder by its name, without "exports".
+$(WEB)/viewer/package.json: main_is := ./element.js", "types": "./viewer.d.ts
+$(WEB)/inline/package.json: main_is := ./with_files.js", "types": "../fixsplat.d.ts
+$(WEB)/inline/viewer/package.json: main_is := ../viewer_with_files.js", "types": "../../viewer/viewer.d.ts
+$(WEB)/viewer/package.json $(WEB)/inline/package.json $(WEB)/inline/viewer/package.json: make/web.mk
+	@mkdir -p $(@D) && echo '{ "type": "module", "main": "$(main_is)" }' >$@
+$(WEB)/CHANGELOG.md: NEWS.md
+	@mkdir -p $(@D) && cp $< $@
 # Without comments, but for those of several lines, and indentation: a sixth less to download.
 $(WEB)/%.js: port/web/%.js
 	@mkdir -p $(@D)

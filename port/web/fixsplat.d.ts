@@ -5,6 +5,17 @@ export const hasSimd: boolean
     pictures are the same. */
 export const hasRelaxed: boolean
 
+/** Pixels in memory of their own, as ImageData takes them: Uint8ClampedArray<ArrayBuffer> where TypeScript (5.7 and
+    later) tells kinds of memory apart. */
+export type Pixels = ReturnType<typeof Uint8ClampedArray.of>
+
+/** Bytes in memory of their own, as Blob and Response take them. */
+export type Bytes = ReturnType<typeof Uint8Array.of>
+
+/** Where the files of the package are (core.wasm, simd.wasm, threads.wasm, import.wasm, *.js, viewer/), as a folder that a
+    server answers for: for bundlers that do not carry them on. To be called before anything is loaded. */
+export function setAssets(folder: string | URL): void
+
 /** Three numbers: x, y, z, or red, green, blue. */
 export type Vector = readonly [number, number, number]
 
@@ -207,7 +218,7 @@ export interface Frame extends Drawn {
   readonly width: number
   readonly height: number
   /** Uint16Array for the formats 'rgb565' and 'premultiplied16', Uint8ClampedArray for the others. */
-  readonly colour?: Uint8ClampedArray | Uint16Array
+  readonly colour?: Pixels | Uint16Array
   readonly coverage?: Uint8Array
   readonly depth?: Uint32Array
   readonly meanDepth?: Uint32Array
@@ -316,13 +327,13 @@ export class Scene {
       yet. */
   readonly threads: number
   /** A copy of the packed scene, which has the bytes of an .fxs file. Throws an Error where it comes in parts. */
-  readonly packed: Uint8Array
+  readonly packed: Bytes
   /** Draws the scene by itself, as the function `render` draws objects. */
   render(camera: Camera, options: TargetOptions): Frame
-  render(camera?: Camera, options?: FrameOptions): Uint8ClampedArray
+  render(camera?: Camera, options?: FrameOptions): Pixels
   /** Draws the scene by itself for two eyes, as the function `renderStereo` draws objects. */
   renderStereo(left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
-  renderStereo(left: Camera, right: Camera, options?: StereoOptions): [Uint8ClampedArray, Uint8ClampedArray]
+  renderStereo(left: Camera, right: Camera, options?: StereoOptions): [Pixels, Pixels]
   /** Finds the Gaussian of the scene at a pixel, as the function `pick` does. */
   pick(x: number, y: number, camera?: Camera, options?: FrameOptions): Picked | null
   /** The same as the function `foresee`, for the scene by itself. */
@@ -341,7 +352,7 @@ export function end(): Promise<void>
     down, four bytes each: red, green, blue, alpha. With `targets`, it returns a Frame of the named targets instead.
     Throws an Error that states the reason where the arguments are not valid or memory is too small. */
 export function render(objects: readonly Placed[], camera: Camera, options: TargetOptions): Frame
-export function render(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Uint8ClampedArray
+export function render(objects: readonly Placed[], camera?: Camera, options?: FrameOptions): Pixels
 
 /** Draws objects for two eyes with pictures of the same size, in less time than two calls of `render`. `maxMemory` must
     be enough for both whole frames at once. Returns the left and the right picture. */
@@ -349,7 +360,7 @@ export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options: StereoTargetOptions): [Frame, Frame]
 export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options?: StereoOptions,
-): [Uint8ClampedArray, Uint8ClampedArray]
+): [Pixels, Pixels]
 
 /** For scenes that come in parts (`LoadOptions.paging`): has fetched what a picture from this camera will lack, after all
     that the last picture lacks. Draws nothing, and does not wait. Returns the number of parts that are missing. */
@@ -418,6 +429,11 @@ export class Screen {
    */
   static open(
     canvas: HTMLCanvasElement | OffscreenCanvas | null,
+    backend: 'webgpu',
+    options?: LoadOptions & { device?: GPUDevice }
+  ): Promise<Screen & { readonly device: GPUDevice }>
+  static open(
+    canvas: HTMLCanvasElement | OffscreenCanvas | null,
     backend: Backend,
     options?: LoadOptions & { device?: GPUDevice }
   ): Promise<Screen>
@@ -440,11 +456,11 @@ export class Screen {
   finish(): Promise<void>
   /** The last picture: the pixels from the top row down, four bytes each: red, green, blue, alpha. With the back end
       'webgpu' a promise of them. */
-  pixels(): Uint8ClampedArray | Promise<Uint8ClampedArray>
+  pixels(): Pixels | Promise<Pixels>
   /** Frees the memory of the Screen. The canvas keeps its picture. It may be called again. */
   free(): void
 }
 
 /** Makes the bytes of a .png file from the pixels of a picture: rows from the top, four bytes a pixel, red, green,
     blue, alpha. */
-export function png(pixels: Uint8ClampedArray, width: number, height: number): Promise<Uint8Array>
+export function png(pixels: Uint8ClampedArray, width: number, height: number): Promise<Bytes>

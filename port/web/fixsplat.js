@@ -1,7 +1,10 @@
 // The package for browsers and Node. It draws pictures with the same bytes as the library in C, in WebAssembly.
 // fixsplat.d.ts describes all functions and classes that a program can use.
 
-import { Files, inNode, nameOf, urlOf } from './read.js'
+import { inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
+import { Files, nameOf, urlOf } from './read.js'
+
+export { setAssets } from './fixsplat_assets.js'
 
 const SHOWN = 100000            // Gaussians of a preview, at most
 const PAUSE = 400               // milliseconds before the first, and at least between two
@@ -25,11 +28,7 @@ export const hasRelaxed = runs(WITH_RELAXED)
 
 // ---- Modules --------------------------------------------------------------------------------------------------
 
-async function compileFrom(url, relaxes) {
-  if (inNode && url.protocol === 'file:')
-    return compiledOf(await (await import('node:fs/promises')).readFile(url), relaxes)
-  const answer = await fetch(url)
-  if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`)
+async function compileFrom(answer, relaxes) {
   return !relaxes && answer.headers.get('content-type') === 'application/wasm'
     ? WebAssembly.compileStreaming(answer)
     : compiledOf(new Uint8Array(await answer.arrayBuffer()), relaxes)
@@ -142,8 +141,8 @@ const once = (made, name, make) =>
 
 const compiled = {}
 const compile = (name) =>
-  once(compiled, name, () =>
-    compileFrom(new URL(`${name}.wasm`, import.meta.url), hasRelaxed && ['simd', 'threads'].includes(name)))
+  once(compiled, name, async () =>
+    compileFrom(await moduleOf(name), hasRelaxed && ['simd', 'threads'].includes(name)))
 const cores = {}
 const coreOf = (name) => once(cores, name, async () => new Module(await compile(name)))
 
@@ -165,11 +164,7 @@ function mayWait() {
   }
 }
 
-async function processors() {
-  if (!inNode) return navigator.hardwareConcurrency
-  const os = await import('node:os')
-  return os.availableParallelism?.() ?? os.cpus().length
-}
+const processors = async () => (inNode ? (await ofSystem()).processors() : navigator.hardwareConcurrency)
 
 /** Shared memory that may grow to 4 GB, or to as much of them as there is room for. */
 function sharedMemory(maximum = 65536) {
@@ -182,25 +177,13 @@ function sharedMemory(maximum = 65536) {
 }
 
 /** One more thread for a module; where it cannot be had there is one less, and pictures take longer. */
-async function startThread(core, module) {
-  const data = { module, memory: core.c.memory, stack: core.place(core.c.allocate(STACK)) + STACK }
-  if (inNode) {
-    const { Worker } = await import('node:worker_threads')
-    const worker = new Worker(new URL('./thread.js', import.meta.url), { workerData: data })
-    worker.on('error', () => {})
-    worker.unref()
-    return worker
-  }
-  const worker = new Worker(new URL('./thread.js', import.meta.url), { type: 'module' })
-  worker.onerror = (event) => event.preventDefault()
-  worker.postMessage(data)
-  return worker
-}
+const oneMore = async (core, module) =>
+  startThread({ module, memory: core.c.memory, stack: core.place(core.c.allocate(STACK)) + STACK })
 
 async function threadedCore(threads) {
   const module = await compile('threads')
   const core = new Module(module, { memory: sharedMemory() }, threads)
-  const started = Array.from({ length: threads - 1 }, () => startThread(core, module).catch(() => null))
+  const started = Array.from({ length: threads - 1 }, () => oneMore(core, module).catch(() => null))
   core.workers = Promise.all(started)   // held, so that none is collected
   return core
 }

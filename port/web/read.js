@@ -1,10 +1,10 @@
 // Reads the files of a scene, from addresses, from files of the machine or from memory. A scene file may name other
 // files, which are read too.
 
+import { inNode, ofSystem } from './fixsplat_assets.js'
+
 const MOST = 2e9               // bytes of a file
 const AT_ONCE = 16             // files beside, asked for before they are wanted
-
-export const inNode = typeof process === 'object' && !!process.versions?.node
 
 /** The bytes of a file, of which `there` have come: `bytes` has room for those that are known to come. */
 class SourceFile {
@@ -38,7 +38,7 @@ class SourceFile {
 
 export async function urlOf(text) {
   if (!inNode) return new URL(text, globalThis.document?.baseURI ?? globalThis.location?.href)
-  return /^[a-z]+:\/\//i.test(text) ? new URL(text) : (await import('node:url')).pathToFileURL(text)
+  return /^[a-z]+:\/\//i.test(text) ? new URL(text) : (await ofSystem()).urlOfPath(text)
 }
 
 export function nameOf(url) {
@@ -87,7 +87,7 @@ async function download(name, url, came, begun) {
 
 async function fromUrl(url, came, begun) {
   if (!inNode || url.protocol !== 'file:') return download(nameOf(url), url, came, begun)
-  return new SourceFile(nameOf(url), await (await import('node:fs/promises')).readFile(url))
+  return new SourceFile(nameOf(url), await (await ofSystem()).readFile(url))
 }
 
 async function fromBlob(blob) {

@@ -1,7 +1,7 @@
 // One more thread of the module threads.wasm. It is a worker that runs another instance of the module, with the same
 // memory and a stack of its own.
 
-function help({ module, memory, stack }) {
+export function help({ module, memory, stack }) {
   // Nothing that a thread does calls a function of the page's.
   const imports = new Proxy({}, { get: (_, name) => (name === 'memory' ? memory : () => 0) })
   const { exports } = new WebAssembly.Instance(module, new Proxy({}, { get: () => imports }))
@@ -13,9 +13,7 @@ function help({ module, memory, stack }) {
   }
 }
 
-if (typeof process === 'object' && process.versions?.node) help((await import('node:worker_threads')).workerData)
-else
-  onmessage = ({ data }) => {
-    help(data)
-    close()
-  }
+globalThis.onmessage = ({ data }) => {
+  help(data)
+  close()
+}

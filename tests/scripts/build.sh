@@ -154,10 +154,13 @@ check "setup: npm runs once, no script of a module" equal "$(cut -d ' ' -f 1-4 "
     "ci --prefix $work/page --ignore-scripts"
 lock=tests/web/package-lock.json
 check "setup: npm has the lock" cmp $lock "$work/page/package-lock.json"
-check "the lock: a sum for each module" equal "$(grep -c '"integrity": "sha512-' $lock)" \
-    "$(($(grep -c '^    "node_modules/' $lock)))"
-check "the lock: no address but the registry's" equal "$(grep '"resolved"' $lock |
-    grep -v '"https://registry.npmjs.org/')" ""
+for lock in tests/web/package-lock.json tests/web/bundlers/package-lock.json; do
+    check "$lock: a sum for each module" equal "$(grep -c '"integrity": "sha512-' $lock)" \
+        "$(($(grep -c '^    "node_modules/' $lock)))"
+    check "$lock: no address but the registry's" equal "$(grep '"resolved"' $lock |
+        grep -v '"https://registry.npmjs.org/')" ""
+done
+lock=tests/web/package-lock.json
 check "the lock: of package.json" equal "$(sed -n '/"": {/,/}/s/^ *\("[^"]*": "[0-9][^"]*"\).*/\1/p' $lock)" \
     "$(sed -n 's/^ *\("[^"]*": "[0-9][^"]*"\).*/\1/p' tests/web/package.json)"
 finish

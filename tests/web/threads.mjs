@@ -107,7 +107,7 @@ const cases = {
 
   async 'a script that is not there'() {
     const short = mkdtempSync(join(tmpdir(), 'fixsplat-'))
-    for (const name of readdirSync(folder).filter((name) => /\.(js|json|wasm)$/.test(name) && name !== 'thread.js'))
+    for (const name of readdirSync(folder).filter((name) => /\.(js|json|wasm)$/.test(name) && name !== 'thread_node.js'))
       copyFileSync(join(folder, name), join(short, name))
     const { load } = await anew(short)
     const scene = await load(file, { threads: 2 })

@@ -1,11 +1,16 @@
 // A scene that is loaded and drawn in a worker of its own. Each request to the worker returns a promise. When the
 // worker ends, all of its memory is freed.
+import { assets, startWorker } from '../fixsplat_assets.js'
 
 /** What goes to the worker and is not copied. */
 const moved = (value) => {
   if (globalThis.OffscreenCanvas && value instanceof OffscreenCanvas) return [value]
   return value instanceof Uint8Array ? [value.buffer] : []
 }
+
+// The script was not found, or is none that this browser knows.
+const NO_WORKER = 'The script of the renderer cannot be loaded: where a bundler has made this page, see Bundlers in the ' +
+  'README of fixsplat; else this browser is too old'
 
 export class Engine {
   #waiting = new Map()
@@ -15,9 +20,10 @@ export class Engine {
   /** `hear` is told what the worker says by itself; without a number of threads there are as many as processors. */
   constructor(hear, threads) {
     this.threads = threads
-    this.worker = new Worker(new URL('./worker.js', import.meta.url), { type: 'module' })
+    this.worker = startWorker('viewer/worker.js')
     this.worker.onmessage = ({ data }) => (data.stage ? hear(data) : this.#settle(data))
-    this.worker.onerror = (event) => this.end(event.message || 'this browser cannot run the renderer')
+    this.worker.onerror = (event) => this.end(event.message || NO_WORKER)
+    if (assets()) this.ask('assets', assets()).catch(() => {})
   }
 
   /** A File, a list of them, bytes or an address; `previews` where the worker is to tell of parts that have come. */

@@ -1,11 +1,13 @@
 // The element <fixsplat-viewer src=... cameras=... view=...>, which shows a scene in a page. The page index.html
 // consists of one such element.
+import { addressIn } from '../fixsplat_assets.js'
 import { Engine } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
 import { Pilot } from './pilot.js'
 import { Picture, backends } from './picture.js'
 import { Panels } from './panels.js'
 import { body } from './body.js'
+import { style } from './style.js'
 import { addressOf, cameraOf, fetchViews, nameOf, textOf, viewsOf } from './views.js'
 
 const STILL_MS = 150 // after the last motion
@@ -15,8 +17,9 @@ const LIGHT = '#eef0f3'
 const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers that have WebXR on secure pages alone
 
 const template = document.createElement('template')
-const style = new URL('./viewer.css', import.meta.url)
-template.innerHTML = `<style>:host { opacity: 0 }</style><link rel="stylesheet" href="${style}">${body}`
+template.innerHTML = body
+const sheet = new CSSStyleSheet()
+sheet.replaceSync(style)
 
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn']
@@ -45,6 +48,7 @@ export class Viewer extends HTMLElement {
   constructor() {
     super()
     this.attachShadow({ mode: 'open', delegatesFocus: true }).append(template.content.cloneNode(true))
+    this.shadowRoot.adoptedStyleSheets = [sheet]
     this.#panels = new Panels(this.shadowRoot)
     this.#ui = this.#panels.ui
     this.#picture = new Picture(this.#ui.stage)
@@ -99,15 +103,28 @@ export class Viewer extends HTMLElement {
   get backend() {
     return this.#picture.backend
   }
+  set backend(name) {
+    this.#setAttribute('backend', name)
+  }
 
   /** eye, look, up and fov, ten numbers with commas, or thirteen: as the attribute `view`. */
   get view() {
     return this.#pilot.camera ? textOf(this.#pilot.camera) : ''
   }
+  set view(text) {
+    this.#setAttribute('view', text)
+  }
 
-  /** The viewer's page with this scene and view. */
+  /** As React has it, which sets the property where there is one. */
+  #setAttribute(name, value) {
+    if (value === null || value === undefined) this.removeAttribute(name)
+    else this.setAttribute(name, value)
+  }
+
+  /** The viewer's page with this scene and view; this page where a bundler has left out that one. */
   get link() {
-    const link = new URL('./index.html', import.meta.url)
+    const link = addressIn('viewer/index.html')
+    if (!link) return `${location.href.replace(/#.*/, '')}#view=${this.view}`
     link.searchParams.set('scene', this.#source)
     const cameras = this.getAttribute('cameras')
     if (cameras) link.searchParams.set('cameras', addressOf(cameras))
@@ -158,11 +175,17 @@ export class Viewer extends HTMLElement {
     } catch (error) {
       if (this.#opening !== opening) return false
       this.#cancel()
-      this.#panels.say(error)
+      this.#fail(error)
       return false
     } finally {
       if (this.#opening === opening) this.#begun()
     }
+  }
+
+  /** Says it, to the page's program too. */
+  #fail(error) {
+    this.#panels.say(error)
+    this.dispatchEvent(new ErrorEvent('error', { error, message: error.message }))
   }
 
   /** Puts another scene in the place of the one on show, by the same camera and without a word. False where there is none,
@@ -409,7 +432,7 @@ export class Viewer extends HTMLElement {
       this.#changed = true
     } else if (this.#good && this.#good !== this.#pilot.camera) this.#pilot.camera = this.#good
     else {
-      this.#panels.say(error)
+      this.#fail(error)
       if (this.#linked && this.#linked === this.#pilot.camera) this.#pilot.show(this.#pilot.start)
     }
   }
@@ -640,4 +663,4 @@ export class Viewer extends HTMLElement {
   }
 }
 
-customElements.define('fixsplat-viewer', Viewer)
+if (!customElements.get('fixsplat-viewer')) customElements.define('fixsplat-viewer', Viewer)

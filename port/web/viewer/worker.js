@@ -1,5 +1,5 @@
 // The worker of a scene. It loads and draws the scene while the page goes on responding.
-import { load, png, Screen } from '../fixsplat.js'
+import { load, png, Screen, setAssets } from '../fixsplat.js'
 
 const PREVIEW_MS = 1000 // at most, until the page has drawn what there is
 const AHEAD_MS = 600 // how far a camera in motion is followed, for parts that are to come
@@ -87,6 +87,8 @@ async function bitmapOf(cameras, options, backend) {
 }
 
 const words = {
+  assets: setAssets,
+
   async open(source, threads, previews) {
     how = { threads }
     const progress = (progress) => postMessage(progress)

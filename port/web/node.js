@@ -1,0 +1,6 @@
+// The package in Node.
+import { setSystem } from './fixsplat_assets.js'
+import * as system from './system.js'
+
+setSystem(system)
+export * from './fixsplat.js'

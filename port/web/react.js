@@ -1,0 +1,2 @@
+// The element for React, whose types are beside.
+export * from './viewer/element.js'

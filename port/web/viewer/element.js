@@ -1,0 +1,3 @@
+// The element, as bundlers take it.
+import './starts.js'
+export * from './viewer.js'

@@ -1,0 +1,63 @@
+#!/bin/sh
+# The npm package as programs take it (docs/web.md): packed, installed, bundled by the tools of tests/web/bundlers and by
+# none, opened in Chromium, and read by TypeScript. With FXS_PROCESSORS=all by every tool; else by some. ONLY=PATTERN:
+# cases with such names. PICTURES=FOLDER keeps a picture of what fails.
+. tests/scripts/lib/check.sh
+. tests/scripts/lib/web.sh
+needs bundlers chromium esbuild npm -- puppeteer-core
+tools=$B/bundlers/node_modules
+all=
+[ "$FXS_PROCESSORS" = all ] && all=all
+missing=vite
+[ "$all" ] && missing=next
+if [ ! -d "$tools/$missing" ]; then
+    skip bundlers "no $missing: make setup test${all:+-all}"
+    finish
+    exit
+fi
+
+# ready: the tarball has what a registry shows, the library's version, and no file that is not for programs.
+ready() {
+    tar xzf "$tarball" -C "$work" || return 1
+    for file in README.md LICENSE CHANGELOG.md fixsplat.d.ts react.d.ts viewer/viewer.d.ts inline/worker.js; do
+        [ -s "$work/package/$file" ] || { echo "no $file"; return 1; }
+    done
+    grep -q '^## ' "$work/package/CHANGELOG.md" && ! grep -rl '@VERSION@\|@FORMATS@' "$work/package" &&
+        ! find "$work/package" -name '*.c' -o -name '*.h' | grep . &&
+        equal "$(node -p 'require(process.argv[1]).version' "$work/package/package.json")" "$("$B/fixsplat" --version | sed 's/[^ ]* //')"
+}
+
+# entries: every file that package.json names is there; a classic script can be made of those for browsers, which none
+# can with an import of Node's or with an await outside of functions.
+entries() {
+    cd "$work/package" && node -e '
+        const files = (entry) => typeof entry === "string" ? [entry] : Object.values(entry).flatMap(files)
+        const { exports } = require("./package.json")
+        for (const file of files(exports)) if (!file.includes("*")) require("fs").accessSync(file)' &&
+        esbuild fixsplat.js thread.js react.js inline/viewer_with_files.js viewer/worker_whole.js --bundle --format=iife \
+            --outdir="$work/entries" --log-level=error
+}
+
+# minified: the element, its worker and a thread, as a bundler makes them; the part for headsets stays apart.
+minified() {
+    esbuild "$package/viewer/element.js" "$package/viewer/worker_whole.js" "$package/thread.js" --bundle --minify \
+        --format=esm --outdir="$work/minified" --outbase="$package" --external:./xr.js --log-level=error
+}
+
+check "builds" builds web-package
+tarball=$(ls "$B"/web/fixsplat-*.tgz)
+check "is ready to publish" ready
+check "its entries" eval "(entries)"
+check "is minified" minified
+# 28.5 KB of it are WebGPU, which a page without a bundler fetches only where a graphics card draws.
+check "size of the element in a bundle" at_most 61500 $(find "$work/minified" -name '*.js')
+"$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply" >/dev/null
+if node tests/web/types.mjs "$tarball" "$tools" $all >"$work/asked" 2>&1; then TYPES=yes; else TYPES=no; fi
+export TYPES
+[ "$TYPES" = yes ] || grep -q '^FAIL' "$work/asked" || echo "FAIL types.mjs: ended early" >>"$work/asked"
+counts
+node tests/web/bundlers.mjs "$tarball" "$work" "$tools" "$modules" "$B/fixsplat" $all >"$work/asked" 2>&1 ||
+    echo "FAIL bundlers.mjs: a check above, or it ended early" >>"$work/asked"
+counts
+cat "$work/sizes"
+finish

@@ -1,0 +1,53 @@
+// What TypeScript is to say of the package: errors where they are expected, and no others.
+import { load, png, render, renderStereo, Screen, setAssets } from 'fixsplat'
+import * as inline from 'fixsplat/inline'
+import 'fixsplat/inline/viewer'
+import 'fixsplat/react'
+import { type Backend, Viewer } from 'fixsplat/viewer'
+import { useRef } from 'react'
+
+export async function pictures() {
+  setAssets(new URL('https://example.org/fixsplat/'))
+  const scene = await load('scene.fxs', { threads: 2, preview: (part) => part.free() })
+  const size = { width: 4, height: 4 }
+  new ImageData(scene.render({}, size), 4)
+  new ImageData(render([{ scene }], {}, size), 4)
+  for (const pixels of renderStereo([{ scene }], {}, {}, size)) new ImageData(pixels, 4)
+  new Blob([await png(scene.render({}, size), 4, 4), scene.packed])
+  await inline.load(new Response().body ? 'scene.fxs' : new Uint8Array(4))
+  const screen = await Screen.open(null, 'webgpu')
+  screen.device.createBuffer({ size: 4, usage: GPUBufferUsage.STORAGE })
+  const drawn = await Screen.open(document.createElement('canvas'), 'webgl2')
+  // @ts-expect-error: there is none where WebGL draws
+  drawn.device.queue
+  // @ts-expect-error: no back end
+  await Screen.open(null, 'metal')
+  // @ts-expect-error: three numbers
+  scene.render({ eye: [0, 1] })
+}
+
+export function page() {
+  const viewer = document.querySelector('fixsplat-viewer')
+  viewer?.addEventListener('picture', ({ detail }) => console.log(detail.milliseconds.toFixed()))
+  viewer?.addEventListener('error', (event) => console.log(event.message.length))
+  const made: Viewer = document.createElement('fixsplat-viewer')
+  made.view = '0,0,-4,0,0,0,0,-1,0,45'
+  const backend: Backend | undefined = made.backend
+  // @ts-expect-error: of the element, not of the program
+  made.link = ''
+  return backend
+}
+
+export function Component({ src }: { src: string }) {
+  const viewer = useRef<Viewer>(null)
+  return (
+    <>
+      <fixsplat-viewer ref={viewer} key="a" src={src} budget={5e5} turn="" noui backend="webgl2" className="a" />
+      <fixsplat-viewer onPointerDown={(event) => event.currentTarget.replace(src)} suppressHydrationWarning />
+      {/* @ts-expect-error: an address */}
+      <fixsplat-viewer src={5} />
+      {/* @ts-expect-error: no such attribute */}
+      <fixsplat-viewer colour="red" />
+    </>
+  )
+}

@@ -1,0 +1,25 @@
+// The files of the npm package as texts. Run as
+// node tools/inline.mjs style STYLE.css: the module that has the text of a style sheet.
+// node tools/inline.mjs files NAME=FILE...: the module that gives the package these files. A module of WebAssembly is
+// compressed by gzip and in base64, a script is as it is.
+import { readFileSync } from 'node:fs'
+import { gzipSync } from 'node:zlib'
+
+const [kind, ...rest] = process.argv.slice(2)
+
+const textOf = (file) =>
+  file.endsWith('.wasm')
+    ? gzipSync(readFileSync(file), { level: 9 }).toString('base64')
+    : readFileSync(file, 'utf8')
+
+function styleOf(file) {
+  const text = readFileSync(file, 'utf8').replace(/\/\*[^]*?\*\//g, '').replace(/\s*\n\s*/g, '\n').trim()
+  return `export const style = ${JSON.stringify(text)}\n`
+}
+
+function filesOf(pairs) {
+  const files = Object.fromEntries(pairs.map((pair) => pair.split('=')).map(([name, file]) => [name, textOf(file)]))
+  return `import { setAssets } from '../fixsplat_assets.js'\nsetAssets(${JSON.stringify(files)})\n`
+}
+
+process.stdout.write(kind === 'style' ? styleOf(rest[0]) : filesOf(rest))
