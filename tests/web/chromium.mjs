@@ -119,7 +119,7 @@ export const inside = (body, ...args) =>
     const $ = (id) => v.shadowRoot.getElementById(id);
     ${body} })(...${JSON.stringify(args)})`)
 
-export const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: 300000 })
+export const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: Number(process.env.WAIT ?? 300000) })
 
 /** When what was begun just now has been drawn. */
 export async function moved() {
@@ -175,9 +175,10 @@ export async function run(tests) {
   for (const [name, test] of Object.entries(tests).filter(([name]) => only.test(name))) {
     try {
       faults.length = 0
+      const start = performance.now()
       await test()
       assert.deepEqual(faults, [])
-      console.log(`ok ${name}`)
+      console.log(`ok ${name}${process.env.TIMES ? ` ${((performance.now() - start) / 1000).toFixed(1)} s` : ''}`)
     } catch (error) {
       console.log(`FAIL ${name}: ${error.stack}`)
       process.exitCode = 1

@@ -131,7 +131,7 @@ const tests = {
   async 'the element in a page of its own; its end ends its worker'() {
     await go('')
     await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>
-      <fixsplat-viewer style="width: 300px; height: 200px" src="scenes/scene.ply"
+      <fixsplat-viewer style="width: 300px; height: 200px" src="scenes/scene.ply" keep="0"
         background="#000000"></fixsplat-viewer>`)
     await still()
     assert.equal(await hash(), native('scene.ply', await viewOf(), '300x200', '000000'))
@@ -147,6 +147,73 @@ const tests = {
     await are(enginesOf, 1)
     await inside('v.remove()')
     await are(() => page.workers(), 0)
+  },
+
+  async 'several scenes at their places, moved, taken away and put back'() {
+    const counts = { worker: 0, scene: 0 }
+    const count = (request) => {
+      if (request.url().endsWith('/worker.js')) counts.worker++
+      if (request.url().endsWith('scene.ply')) counts.scene++
+    }
+    page.on('request', count)
+    try {
+      await go('')
+      await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>
+        <div id="a"><fixsplat-viewer style="width: 300px; height: 200px" src="scenes/scene.ply" background="#000000">
+        <fixsplat-scene src="scenes/levels.fxs" position="6 0 0" rotation="0 90 0" scale="0.5"></fixsplat-scene>
+        </fixsplat-viewer></div><div id="b"></div>`)
+      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').scenes?.length === 2)
+      await moved()
+      const both = await viewOf()
+      const n = both.split(',')
+      const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join()]
+      const quaternion = [Math.SQRT1_2, 0, Math.SQRT1_2, 0].join()
+      const beside = [`${scenes}/levels.fxs`, '--place', `1:6,0,0,${quaternion},0.5`]
+      const options = [...beside, ...camera, '--fov', n[9], '--size', '300x200', '--bg', '000000']
+      const together = await hash()
+      assert.equal(together, rendered('scene.ply', ...options))
+      assert.notEqual(together, native('scene.ply', both, '300x200', '000000'))
+      assert.deepEqual(await inside('return v.scenes.map(({ name, element }) => [name, element?.localName])'),
+        [['scene.ply', undefined], ['levels.fxs', 'fixsplat-scene']])
+      const found = await inside(`return Promise.all([...Array(30).keys()].map((i) => v.pick(10 * i, 100)))`)
+      assert.deepEqual(new Set(found.filter(Boolean).map(({ scene }) => scene.name)), new Set(['scene.ply', 'levels.fxs']))
+
+      // In another place of the page, and away for a while: the same worker, and no download.
+      const before = { ...counts }
+      await inside(`document.getElementById('b').append(v)`)
+      await moved()
+      await inside(`window.away = v; v.remove(); await new Promise((done) => setTimeout(done, 100));
+        document.getElementById('a').append(window.away)`)
+      await moved()
+      assert.equal(await hash(), together)
+      await inside(`v.removeAttribute('src')`)
+      await moved()
+      assert.deepEqual(await inside('return v.scenes.map(({ name }) => name)'), ['levels.fxs'])
+      await inside(`window.child = v.firstElementChild; window.child.remove()`)
+      await page.waitForSelector('fixsplat-viewer[state=empty]:not([open])')
+      await inside(`v.append(window.child); v.setAttribute('src', 'scenes/scene.ply')`)
+      await moved()
+      await inside(`v.setAttribute('view', args[0])`, both)
+      await moved()
+      assert.equal(await hash(), together)
+      assert.deepEqual(counts, before)
+
+      // Its place is changed, and a wrong one is said and changes nothing.
+      await inside(`window.child.position = [0, 0, 0]`)
+      await moved()
+      assert.notEqual(await hash(), together)
+      await inside(`window.child.position = 'here'`)
+      assert.match(await wordsOf(), /position="here": expected 3 numbers/)
+      await inside(`window.child.position = [6, 0, 0]; window.child.hidden = true`)
+      await moved()
+      assert.equal(await hash(), native('scene.ply', both, '300x200', '000000'))
+      await inside(`window.child.src = 'scenes/none.ply'`)
+      assert.match(await wordsOf(), /none\.ply: there is no such file/)
+      await moved()
+      assert.equal(await hash(), native('scene.ply', both, '300x200', '000000'))
+    } finally {
+      page.off('request', count)
+    }
   },
 
   async 'errors in words; the page goes on'() {
@@ -347,7 +414,7 @@ const tests = {
     const kept = () => page.evaluate(async () => (await (await caches.open('fixsplat')).keys()).length)
     ranges.wait = 0.2
     await without(
-      () => addEventListener('picture', ({ detail }) => (window.seen ??= []).push(detail.missing), true),
+      () => addEventListener('frame', ({ detail }) => (window.seen ??= []).push(detail.missing), true),
       async () => {
         await go(PARTS)
         await still()
@@ -483,7 +550,7 @@ const tests = {
 
   async 'nothing is drawn in a hidden tab; the right picture when it is shown again'() {
     await open(SCENE)
-    await inside(`v.drawn = 0; v.addEventListener('picture', () => v.drawn++); v.hide = (is) => {
+    await inside(`v.drawn = 0; v.addEventListener('frame', () => v.drawn++); v.hide = (is) => {
       Object.defineProperty(document, 'hidden', { configurable: true, get: () => is })
       document.dispatchEvent(new Event('visibilitychange')) }
       v.hide(true)`)
@@ -601,7 +668,7 @@ const tests = {
     if (pictures === scenes) delete list.guitar // pictures are not kept
     for (const [folder, file] of existsSync(`${scenes}/real`) ? Object.entries(list) : []) {
       await without(
-        () => addEventListener('picture', ({ target }) => (window.first ??= target.state), true),
+        () => addEventListener('frame', ({ target }) => (window.first ??= target.state), true),
         () => go(`?scene=/scenes/real/${folder}/${file}`, 1280, 720)
       )
       await page.waitForFunction(() => window.first, { polling: 20, timeout: 120000 })
@@ -611,7 +678,7 @@ const tests = {
       await picture(folder)
       assert.equal(await hash(), native(`real/${folder}/${file.split('&')[0]}`, await viewOf(), '1280x720'))
       await inside(
-        `v.seen = []; v.addEventListener('picture', ({ detail }) =>
+        `v.seen = []; v.addEventListener('frame', ({ detail }) =>
           v.seen.push([detail.divisor, Math.round(detail.milliseconds)]))`
       )
       await page.keyboard.press('ArrowLeft', { delay: 1500 })
