@@ -173,8 +173,8 @@ const tests = {
       const together = await hash()
       assert.equal(together, rendered('scene.ply', ...options))
       assert.notEqual(together, native('scene.ply', both, '300x200', '000000'))
-      assert.deepEqual(await inside('return v.scenes.map(({ name, element }) => [name, element?.localName])'),
-        [['scene.ply', undefined], ['levels.fxs', 'fixsplat-scene']])
+      assert.deepEqual(await inside('return v.scenes.map(({ name, element }) => [name, element && element.localName])'),
+        [['scene.ply', null], ['levels.fxs', 'fixsplat-scene']])
       const found = await inside(`return Promise.all([...Array(30).keys()].map((i) => v.pick(10 * i, 100)))`)
       assert.deepEqual(new Set(found.filter(Boolean).map(({ scene }) => scene.name)), new Set(['scene.ply', 'levels.fxs']))
 
@@ -214,6 +214,83 @@ const tests = {
     } finally {
       page.off('request', count)
     }
+  },
+
+  async 'camera, settings, picks and events of the element; its own size; the wheel that scrolls the page'() {
+    await go('', 800, 600)
+    await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>
+      <style>body { margin: 0; height: 3000px } .small { width: 300px } .fixed { height: 100px; min-height: 0 }</style>
+      <fixsplat-viewer src="scenes/scene.ply" wheel="page"></fixsplat-viewer>
+      <fixsplat-viewer class="small"></fixsplat-viewer><fixsplat-viewer class="fixed"></fixsplat-viewer>`)
+    await inside(`v.told = []; for (const name of ['load', 'progress', 'error', 'camera', 'pick', 'frame'])
+      v.addEventListener(name, (event) => v.told.push([name, event.detail ?? event.message]))`)
+    await still()
+    const sizes = await page.evaluate(() => [...document.querySelectorAll('fixsplat-viewer')]
+      .map((one) => [one.clientWidth, one.clientHeight]))
+    assert.deepEqual(sizes, [[800, 450], [300, 169], [800, 100]])
+    const told = (name) => inside('return v.told.filter(([name]) => name === args[0]).map(([, detail]) => detail)', name)
+    const [load] = await told('load')
+    assert.deepEqual([load.source, load.name, load.count, load.low.length, load.element],
+      [`${base}/scenes/scene.ply`, 'scene.ply', 20000, 3, null])
+    assert.ok((await told('progress')).some(({ stage, done }) => stage === 'prepare' && done > 0))
+    assert.equal((await told('frame')).at(-1).width, 800)
+
+    await inside(`v.camera = { eye: [0, -1, -6], look: [0, 0, 0] }`)
+    await moved()
+    assert.deepEqual(await inside('return v.camera'),
+      { eye: [0, -1, -6], look: [0, 0, 0], up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0] })
+    assert.equal(await hash(), native('scene.ply', '0,-1,-6,0,0,0,0,-1,0,50', '800x450'))
+    const wrong = await inside(`try { v.camera = { eye: [0, 1] } } catch ({ message }) { return message }`)
+    assert.equal(wrong, 'camera: eye: expected 3 numbers')
+    assert.equal(await inside(`return v.animate({ eye: [3, -1, -6], fov: 40 }, { duration: 200 })`), true)
+    assert.deepEqual(await inside('return [v.camera.eye, v.camera.fov]'), [[3, -1, -6], 40])
+    const flight = inside(`return v.animate({ eye: [9, -1, -6] }, { duration: 5000 })`)
+    await pause(200)
+    await page.mouse.move(400, 200)
+    await page.mouse.down()
+    await page.mouse.move(420, 220, { steps: 3 })
+    await page.mouse.up()
+    assert.equal(await flight, false) // a hand has taken it
+    const cameras = await told('camera')
+    assert.ok(cameras.some(({ byHand }) => byHand) && cameras.some(({ byHand }) => !byHand))
+
+    const settings = await inside(`v.settings = { background: '#405060', fov: 30, sharpness: 0.5 }; return v.settings`)
+    assert.deepEqual([settings.background, settings.fov, settings.sharpness], ['#405060', 30, 0.5])
+    assert.match(await inside(`try { v.settings = { colour: 1 } } catch ({ message }) { return message }`), /^colour: expected/)
+    await moved()
+    assert.equal((await shown()).size.join(), '400,225')
+    await inside(`v.settings = { sharpness: 1, background: null }; v.camera = { eye: [0, -1, -6], look: [0, 0, 0] }`)
+    await moved()
+
+    const y = await inside(`v.told = []
+      for (let y = 100; y < 225; y += 5) if (await v.pick(400, y)) return y`)
+    await page.mouse.click(400, y)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').told.some(([name]) => name === 'pick'))
+    await page.mouse.click(3, 3)
+    await pause(500)
+    const [hit, miss] = await told('pick')
+    const same = await inside('return v.pick(400, args[0])', y)
+    assert.deepEqual([hit.x, hit.y, hit.found], [400, y, same])
+    assert.ok(same.scene.name === 'scene.ply' && same.position.length === 3 && same.depth > 0)
+    assert.equal(miss.found, null)
+
+    const wheel = async () => {
+      const [before, top] = [await viewOf(), await page.evaluate(() => scrollY)]
+      await page.mouse.move(400, 200)
+      await page.mouse.wheel({ deltaY: 50 })
+      await pause(400)
+      return [(await viewOf()) !== before, (await page.evaluate(() => scrollY)) !== top]
+    }
+    assert.deepEqual(await wheel(), [true, false]) // it has the focus, by the clicks
+    await inside('document.activeElement.blur()')
+    assert.deepEqual(await wheel(), [false, true])
+    assert.match(await inside(`return $('note').textContent`), /hold Ctrl/)
+    await page.keyboard.down('Control')
+    assert.deepEqual(await wheel(), [true, false])
+    await page.keyboard.up('Control')
+    await inside(`scrollTo(0, 0); v.setAttribute('src', 'scenes/none.ply')`)
+    await wordsOf()
+    assert.match((await told('error'))[0], /none\.ply: there is no such file/)
   },
 
   async 'errors in words; the page goes on'() {

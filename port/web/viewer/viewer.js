@@ -66,6 +66,8 @@ export class Viewer extends HTMLElement {
     this.#ui = this.#panels.ui
     this.#picture = new Picture(this.#ui.stage)
     this.shadowRoot.adoptedStyleSheets = [hidden]
+    const link = this.shadowRoot.querySelector('link')
+    link.onload = link.onerror = () => (this.shadowRoot.adoptedStyleSheets = [])
     this.#listen()
     this.#setMode('orbit')
     const watched = { childList: true, subtree: true, attributeFilter: WATCHED }
@@ -115,7 +117,7 @@ export class Viewer extends HTMLElement {
     if (!this.isConnected || before === value) return
     if (name === 'src') this.#readSrc()
     if (name === 'cameras' && this.#scene) this.#changeViews(value)
-    if (name === 'view') this.#pilot.show(cameraOf(value))
+    if (name === 'view') this.#goTo(cameraOf(value))
     if (['background', 'budget', 'detail'].includes(name)) this.#change()
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
     if (name === 'poster' && value) this.#showPoster(value)
@@ -146,8 +148,14 @@ export class Viewer extends HTMLElement {
   }
   /** Some of these; where there is no scene yet, that is how the next begins. */
   set camera(camera) {
-    if (this.#scene) this.#pilot.show(checkedCamera(camera, this.#pilot.camera))
+    if (this.#scene) this.#goTo(checkedCamera(camera, this.#pilot.camera))
     else this.#asked = camera && checkedCamera(camera)
+  }
+
+  /** At once, and no scene that comes later moves it. */
+  #goTo(camera) {
+    if (camera && this.#scene) this.#pilot.touched = true
+    this.#pilot.show(camera)
   }
 
   /** Moves there. True when it is there, false where a hand, a program or another scene has taken the camera meanwhile. */
@@ -344,15 +352,20 @@ export class Viewer extends HTMLElement {
       this.#openAlone(missing, this.#fetchViews(), cameraOf(this.getAttribute('view')))
       return
     }
-    if (missing) await this.#load(engine, missing)
-    if (engine && engine === this.#engine && !this.#opening) await this.#place(engine)
+    this.#adding = missing
+    try {
+      if (missing) await this.#load(engine, missing)
+      if (engine && engine === this.#engine && !this.#opening) await this.#place(engine)
+    } finally {
+      this.#adding = null
+      if (missing && !this.#opening) this.#begun()
+    }
     if (missing) this.#gather()
   }
 
   /** Loads one more in the worker of those on show. */
   async #load(engine, item) {
     const { bytes } = item
-    this.#adding = item
     if (!bytes) this.#begin(item)
     try {
       const facts = await engine.open(item.key, bytes ?? item.source, item.place)
@@ -363,9 +376,6 @@ export class Viewer extends HTMLElement {
       if (engine !== this.#engine) return
       item.failed = true
       this.#fail(error, item)
-    } finally {
-      this.#adding = null
-      if (!this.#opening) this.#begun()
     }
   }
 
