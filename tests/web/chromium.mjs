@@ -26,6 +26,8 @@ export const changes = {}
 /** Of scenes that come in parts, which are asked for in ranges: the bytes that were sent, and the seconds of each; what
     changes their answers. */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }
+/** A Content-Security-Policy that is sent with every file, where it is not empty. */
+export const policy = { text: '' }
 /** Milliseconds until a file comes whose address says slow. */
 const SLOW = 1500
 
@@ -36,6 +38,7 @@ async function answer(request, response) {
   if (!existsSync(file)) return response.writeHead(404).end()
   response.setHeader('cross-origin-opener-policy', 'same-origin')
   response.setHeader('cross-origin-embedder-policy', 'require-corp')
+  if (policy.text) response.setHeader('content-security-policy', policy.text)
   response.setHeader('content-type', KINDS[file.split('.').pop()] ?? 'application/octet-stream')
   if (search.includes('slow')) await pause(SLOW)
   if (search.includes('cut')) {

@@ -2,9 +2,10 @@
 import assert from 'node:assert/strict'
 import { existsSync, statSync } from 'node:fs'
 import * as chromium from './chromium.mjs'
+import { POLICY } from './policy.mjs'
 import { base, go, hash, inside, moved, native, open, page, pause, picture, shown, still, viewOf } from './chromium.mjs'
 
-const { changed, pictures, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
+const { changed, pictures, policy, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
 const numbersOf = async () => (await viewOf()).split(',').map(Number)
 /** Workers with a scene; the others are threads of theirs. */
 const enginesOf = () => page.workers().filter((worker) => worker.url().endsWith('/worker.js'))
@@ -296,9 +297,9 @@ const tests = {
   async 'errors in words; the page goes on'() {
     const wrong = {
       'none.ply': /no such file/,
-      'text.ply': /text\.ply/,
-      'short.ply': /short\.ply/,
-      'huge.ply': /huge\.ply/,
+      'text.ply': /text\.ply: this is no scene\. Scenes are \.fxs, /,
+      'short.ply': /short\.ply: the file is cut off: 3 KB of 5\.0 MB/,
+      'huge.ply': /huge\.ply: the file is damaged/,
       'scene.ply?cut': /broke off/,
       'http://127.0.0.1:1/a.ply': /cannot be reached/,
       '100%.ply': /100%\.ply: there is no such file/,
@@ -584,6 +585,77 @@ const tests = {
       assert.equal(await inside('return v.backend'), 'wasm')
       assert.equal(await inside(`return $('error').hidden`), true)
     })
+  },
+
+  async 'lost in the middle of a picture, and restored: the same anew, without a word'() {
+    const inMiddle = (text) => `for (const name of ['drawArrays', 'texSubImage2D']) {
+        const own = WebGL2RenderingContext.prototype[name]
+        WebGL2RenderingContext.prototype[name] = function (...args) {
+          own.apply(this, args)
+          if (!self.armed || --self.armed) return
+          const lose = this.getExtension('WEBGL_lose_context')
+          lose.loseContext()
+          setTimeout(() => lose.restoreContext())
+          self.lost = (self.lost ?? 0) + 1
+        }
+      }
+      const ask = OffscreenCanvas.prototype.getContext
+      OffscreenCanvas.prototype.getContext = function (...args) {
+        this.addEventListener('webglcontextlost', (event) => event.preventDefault())
+        return ask.apply(this, args)
+      }\n${text}`
+    await changed('/viewer/worker.js', inMiddle, async () => {
+      await open(`${SCENE}&backend=webgl2`)
+      await inside(`const now = performance.now.bind(performance); let more = 0; performance.now = () => now() + more
+        v.later = () => (more += 6000)`)
+      const [worker] = enginesOf()
+      await page.mouse.move(320, 180)
+      await page.mouse.down()
+      for (let round = 1; round <= 5; round++) {
+        await inside('v.later()')
+        await worker.evaluate((round) => (self.armed = round), round)
+        for (let i = 0; i < 8; i++) {
+          await page.mouse.move(320 + 20 * i, 180 + round)
+          await pause(30)
+        }
+        await page.waitForFunction(() => document.querySelector('fixsplat-viewer').backend === 'webgl2')
+      }
+      await page.mouse.up()
+      await moved()
+      assert.ok((await worker.evaluate(() => self.lost)) >= 4)
+      assert.equal(await inside('return v.backend'), 'webgl2')
+      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      assert.equal(await inside(`return $('error').hidden`), true)
+    })
+  },
+
+  async 'under the policy of the documentation'() {
+    const refused = []
+    const listen = (message) => /Content Security Policy/i.test(message.text()) && refused.push(message.text())
+    page.on('console', listen)
+    policy.text = POLICY
+    try {
+      await open(`${SCENE}&poster=/scenes/poster.png&cameras=/scenes/cameras.json`)
+      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      await inside(`$('set').click(); v.append(Object.assign(document.createElement('fixsplat-scene'),
+        { src: '/scenes/levels.fxs', position: [1, 0, 0] })); v.setAttribute('backend', 'webgl2')`)
+      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').scenes.length === 2)
+      await page.keyboard.press('h')
+      await moved()
+      await inside(`const bytes = await (await fetch('/scenes/scene.ply')).arrayBuffer(); const data = new DataTransfer()
+        data.items.add(new File([bytes], 'dropped.ply'))
+        v.dispatchEvent(new DragEvent('drop', { dataTransfer: data }))`)
+      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').scenes[0].name === 'dropped.ply')
+      await moved()
+      assert.deepEqual(refused, [])
+      assert.equal(await inside('return getComputedStyle(v).opacity'), '1')
+      policy.text = POLICY.replace(" 'wasm-unsafe-eval'", '')
+      await go(SCENE)
+      assert.match(await wordsOf(), /needs 'wasm-unsafe-eval' in script-src/)
+    } finally {
+      policy.text = ''
+      page.off('console', listen)
+    }
   },
 
   async 'no WebGL, no SIMD, no canvas for workers, no WebAssembly'() {

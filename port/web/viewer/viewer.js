@@ -483,10 +483,11 @@ export class Viewer extends HTMLElement {
   }
 
   /** Says it, to the page's program too. */
-  #fail(error, { source } = {}) {
-    const words = new Error(wordsOf(error), { cause: error })
-    this.#panels.say(words)
-    this.dispatchEvent(new ErrorEvent('error', { message: words.message, error: Object.assign(words, { source }) }))
+  #fail(cause, { source } = {}) {
+    const { kind, words: message } = wordsOf(cause)
+    const error = Object.assign(new Error(message, { cause }), { kind, source })
+    this.#panels.say(error)
+    this.dispatchEvent(new ErrorEvent('error', { message, error }))
   }
 
   /** Parts of a scene have come; or, with words, no more will. */

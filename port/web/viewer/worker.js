@@ -1,6 +1,8 @@
 // The worker of a viewer's scenes. It loads and draws them while the page goes on responding.
 import { firstView, foresee, load, pick, png, render, renderStereo, Screen } from '../fixsplat.js'
 
+const SEEN = 40000 // Gaussians of a preview that is shown, at least
+const SEEN_SHARE = 1 / 3 // or of the download
 const PREVIEW_MS = 1000 // at most, until the page has drawn what there is
 const AHEAD_MS = 600 // how far a camera in motion is followed, for parts that are to come
 const STOPPED_MS = 300 // between two pictures: the camera did not move
@@ -58,8 +60,10 @@ function put(key, scene) {
   scenes.set(key, scene)
 }
 
-/** What has come of a scene so far: loading goes on when it was drawn. */
-function preview(key, part) {
+/** What has come of a scene so far: loading goes on when it was drawn. Few Gaussians, enlarged, are a fog: the page's
+    poster, or nothing, tells more. */
+function preview(key, part, share) {
+  if (part.count < SEEN && share < SEEN_SHARE) return part.free()
   put(key, part)
   postMessage({ stage: 'preview', key, scene: factsOf(part) })
   return new Promise((done) => {
@@ -136,10 +140,14 @@ async function bitmapOf(cameras, options, backend) {
 const words = {
   async open(key, source, place, { threads, previews }) {
     how = { threads }
-    const progress = (progress) => postMessage({ ...progress, key })
+    let share = 0
+    const progress = (progress) => {
+      share = progress.stage === 'download' ? (progress.done ?? 0) : 1
+      postMessage({ ...progress, key })
+    }
     const changed = (error) => postMessage({ stage: 'changed', words: error?.message })
     if (!placed.length) placed = [{ key, place }]
-    const shown = previews ? (part) => preview(key, part) : undefined
+    const shown = previews ? (part) => preview(key, part, share) : undefined
     const scene = await load(source, { ...how, progress, paging: { changed }, preview: shown })
     put(key, scene)
     return factsOf(scene)
