@@ -45,11 +45,25 @@ async function answer(request, response) {
     response.setHeader('content-length', 100000)
     response.write(readFileSync(file).subarray(0, 5000), () => setTimeout(() => response.destroy(), 50))
   } else if (changes[path]) response.end(changes[path](readFileSync(file, 'utf8')))
+  else if (search.includes('trickle')) await trickle(readFileSync(file), response)
   else if (search.includes('ranges') && request.headers.range) await answerRange(file, request, response)
   else {
     response.setHeader('content-length', statSync(file).size)
     createReadStream(file).pipe(response)
   }
+}
+
+/** The shares of a file that have come after so many milliseconds. */
+const TRICKLE = [[0.03, 0], [0.031, 700], [0.7, 0], [0.701, 2400], [1, 1200]]
+
+async function trickle(bytes, response) {
+  response.setHeader('content-length', bytes.length)
+  let at = 0
+  for (const [share, wait] of TRICKLE) {
+    await pause(wait)
+    response.write(bytes.subarray(at, (at = Math.floor(share * bytes.length))))
+  }
+  response.end()
 }
 
 async function answerRange(file, { headers }, response) {

@@ -2,7 +2,7 @@
 
 const AIM_MS = 40 // of a picture in motion
 const WORTH = 1.3 // so many times as long as the smallest picture may others take: smaller ones would gain little
-const MARGIN = 1.2 // between the time at which pictures become smaller, and that at which they become larger
+const MARGIN = 1.3 // between the time at which pictures become larger, and that at which they become smaller
 const DIVISORS = [1, 1.5, 2, 3, 4] // of width and height
 const KEPT = 7 // pictures, whose median counts
 const PROBES = 3 // smallest pictures, when the camera moves for the first time
@@ -57,7 +57,7 @@ export class Pace {
     if (!this.#times[LAST]) return this.#times[0] <= AIM_MS ? 0 : LAST
     if (this.#step === LAST && this.#count < PROBES) return LAST
     const limit = Math.max(AIM_MS, WORTH * this.#times[LAST])
-    const fits = (step) => this.#timeAt(step) <= (step < this.#step ? limit / MARGIN : limit * MARGIN)
+    const fits = (step) => this.#timeAt(step) <= (step < this.#step ? limit : limit * MARGIN)
     return STEPS.find((step) => step === LAST || fits(step))
   }
 
