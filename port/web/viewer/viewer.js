@@ -974,4 +974,5 @@ export class Viewer extends HTMLElement {
   }
 }
 
+export { PlacedScene }
 customElements.define('fixsplat-viewer', Viewer)
