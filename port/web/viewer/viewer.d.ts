@@ -168,7 +168,7 @@ export class Viewer extends HTMLElement {
   showView(index: number): void
   /** Moves the camera in so many milliseconds, 1000 by default; at once where the machine is set to less motion. True when
       it is there, false where a hand, a program or another scene has taken the camera meanwhile. */
-  animate(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
+  flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
   /** What is at a place, in CSS pixels of the element; null where nothing is. */
   pick(x: number, y: number): Promise<Found | null>
   addEventListener<Name extends keyof ViewerEvents>(
