@@ -53,8 +53,8 @@ async function answer(request, response) {
   }
 }
 
-/** The shares of a file that have come after so many milliseconds. */
-const TRICKLE = [[0.03, 0], [0.031, 700], [0.7, 0], [0.701, 2400], [1, 1200]]
+/** The shares of a file that come, and milliseconds before each. */
+const TRICKLE = [[0.03, 0], [0.031, 700], [1, 200]]
 
 async function trickle(bytes, response) {
   response.setHeader('content-length', bytes.length)

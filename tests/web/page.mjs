@@ -447,7 +447,7 @@ const tests = {
       [0, 30, 0.1, 1],
       [0, 130, 0.1, 2],
       [10, 110, 0.1, 2],
-      [70, 60, 0.1, 2], // smaller ones would gain little
+      [70, 85, 0.1, 2], // smaller ones would gain little
       [300, 50, 0.1, 1],
       [10, 1000, 0.2, 4],
     ]) {
