@@ -2,7 +2,8 @@
 // <fixsplat-viewer>, and the camera (#view=...).
 import './viewer.js'
 
-const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'wheel', 'keep']
+const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui',
+  'wheel', 'keep']
 const asked = new URLSearchParams(location.search)
 const viewer = document.createElement('fixsplat-viewer')
 const viewOfLink = () => new URLSearchParams(location.hash.slice(1)).get('view') ?? ''
