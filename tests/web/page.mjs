@@ -150,7 +150,7 @@ const tests = {
     await inside('v.remove()')
     await are(() => page.workers(), 0)
     await page.evaluate(async (src) => {
-      for (let i = 0; i < 4; i++) {
+      for (let i = 0; i < 3; i++) {
         const own = Object.assign(document.createElement('fixsplat-viewer'), { style: 'width: 60px; height: 40px' })
         own.setAttribute('src', src)
         own.setAttribute('threads', 1)
