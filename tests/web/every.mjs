@@ -18,7 +18,7 @@ const tests = {}
 /** The milliseconds of a second picture by what the page has. */
 const time = () =>
   inside(`return await new Promise((done) => {
-    v.addEventListener('picture', ({ detail }) => done(Math.round(detail.milliseconds)), { once: true });
+    v.addEventListener('frame', ({ detail }) => done(Math.round(detail.milliseconds)), { once: true });
     v.setAttribute('background', '#0e1116') })`)
 
 /** Threads that there are beside the one of the scene. */
@@ -64,6 +64,7 @@ tests['memory after 50 scenes'] = async () => {
           Object.assign(own.style, { width: '640px', height: '360px' })
           own.setAttribute('backend', i % 10 ? 'wasm' : 'webgl2')
           own.setAttribute('src', src)
+          own.setAttribute('keep', 0)
           document.body.append(own)
           while (own.state !== 'still') await new Promise((done) => setTimeout(done, 20))
           own.remove()

@@ -1,4 +1,4 @@
-// A scene that is loaded and drawn in a worker of its own. Each request to the worker returns a promise. When the
+// Scenes that are loaded and drawn in a worker of their own. Each request to the worker returns a promise. When the
 // worker ends, all of its memory is freed.
 import { assets, startWorker } from '../fixsplat_assets.js'
 
@@ -26,9 +26,10 @@ export class Engine {
     if (assets()) this.ask('assets', assets()).catch(() => {})
   }
 
-  /** A File, a list of them, bytes or an address; `previews` where the worker is to tell of parts that have come. */
-  open(source, previews = false) {
-    return this.ask('open', source, this.threads, previews)
+  /** A File, a list of them, bytes or an address, by the key of the scene, and its place; `previews` where the worker
+      is to tell of parts that have come. */
+  open(key, source, place = {}, previews = false) {
+    return this.ask('open', key, source, place, { threads: this.threads, previews })
   }
 
   ask(word, ...args) {

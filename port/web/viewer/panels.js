@@ -50,11 +50,12 @@ export class Panels {
   }
 
   /** With the first picture. */
-  greet() {
+  greet(scrolls) {
     if (this.#greeted || this.ui.note.textContent) return
     this.#greeted = true
     const hovers = matchMedia('(hover: hover)').matches
-    this.note(hovers ? 'Drag to turn, wheel to zoom. H: keys' : 'Drag to turn, pinch to zoom')
+    const wheel = scrolls ? 'Ctrl and wheel' : 'wheel'
+    this.note(hovers ? `Drag to turn, ${wheel} to zoom. H: keys` : 'Drag to turn, pinch to zoom')
   }
 
   /** Shows a panel or puts it away; the other is put away. */

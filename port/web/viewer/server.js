@@ -1,2 +1,3 @@
-// The element where a page is made by a server, which shows nothing: the browser has it then.
+// The elements where a page is made by a server, which shows nothing: the browser has them then.
 export class Viewer {}
+export class PlacedScene {}

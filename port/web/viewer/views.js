@@ -63,3 +63,17 @@ export function textOf({ eye, look, up, fov, flat, shift }) {
   const more = flat || shift.some(Boolean) ? [flat ? 1 : 0, ...shift] : []
   return [...eye, ...look, ...up, fov, ...more].join()
 }
+
+/** A camera that a program gives, which may leave out what another has. */
+export function checkedCamera(given, other = {}) {
+  const camera = { up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0], ...other }
+  for (const [name, value] of Object.entries(given)) {
+    const numbers = { eye: 3, look: 3, up: 3, shift: 2 }[name]
+    if (numbers && !hasNumbers([...value], numbers)) throw new Error(`camera: ${name}: expected ${numbers} numbers`)
+    camera[name] = numbers ? [...value] : value
+  }
+  if (!camera.eye || !camera.look) throw new Error('camera: expected eye and look')
+  if (!(camera.fov >= 1 && camera.fov <= 170)) throw new Error(`camera: fov ${camera.fov}: expected 1 to 170 degrees`)
+  const { eye, look, up, fov, flat, shift } = camera
+  return { eye, look, up, fov, flat: !!flat, shift }
+}
