@@ -90,7 +90,7 @@ $(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out to
                     $(B)/libfixsplat.a $(B)/commands/link
 	$(call link,$(LIBS_TTF) $(LIBS_SDL))
 
-$(B)/fixsplat-web: $(call objects,tools/serve.c tools/serve_preview.c $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
+$(B)/fixsplat-web: $(call objects,$(wildcard tools/serve*.c) $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
                    $(B)/commands/link
 	$(call link,$(LIBS_MICROHTTPD))
 

@@ -1,0 +1,54 @@
+#include "scene_pages.h"
+
+#include <stdarg.h>
+#include <string.h>
+
+void print_html(FILE *file, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    for (; *format; format++) {
+        if (format[0] != '%' || format[1] != 's') {
+            fputc(*format, file);
+            continue;
+        }
+        for (const char *text = va_arg(arguments, const char *); *text; text++)
+            if (strchr("<>&\"'", *text))
+                fprintf(file, "&#%d;", *text);
+            else
+                fputc(*text, file);
+        format++;
+    }
+    va_end(arguments);
+}
+
+void print_page_head(FILE *file, const char *title)
+{
+    static const char head[] =
+        "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1, viewport-fit=cover\">\n"
+        "<meta name=\"color-scheme\" content=\"dark light\">\n<link rel=\"icon\" href=\"data:,\">\n"
+        "<title>%s</title>\n<meta property=\"og:title\" content=\"%s\">\n";
+    print_html(file, head, title, title);
+}
+
+void print_list_head(FILE *file, const char *title)
+{
+    static const char of_list[] =
+        "<style>\nbody { margin: 2rem; font: 1rem/1.4 system-ui, sans-serif }\n"
+        "main { display: grid; gap: 1.5rem; grid-template-columns: repeat(auto-fill, minmax(16rem, 1fr)) }\n"
+        "a { color: inherit; text-decoration: none; overflow-wrap: anywhere }\n"
+        "img { width: 100%; aspect-ratio: 16 / 9; border-radius: .5rem; display: block; margin-bottom: .4rem; "
+        "background: #8883 }\nsmall { display: block; opacity: .7 }\n</style>\n"
+        "<h1>%s</h1>\n<main>\n";
+    print_page_head(file, title);
+    print_html(file, of_list, title);
+}
+
+void print_listed(FILE *file, const char *address, const char *picture, const char *title)
+{
+    print_html(file, "<a href=\"%s\"><img ", address);
+    if (picture)
+        print_html(file, "src=\"%s\" ", picture);
+    print_html(file, "alt=\"\" loading=\"lazy\">%s</a>\n", title);
+}
