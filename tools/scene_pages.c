@@ -47,8 +47,7 @@ void print_list_head(FILE *file, const char *title)
 
 void print_listed(FILE *file, const char *address, const char *picture, const char *title)
 {
-    print_html(file, "<a href=\"%s\"><img ", address);
-    if (picture)
-        print_html(file, "src=\"%s\" ", picture);
-    print_html(file, "alt=\"\" loading=\"lazy\">%s</a>\n", title);
+    static const char none[] = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7";
+    print_html(file, "<a href=\"%s\"><img src=\"%s\" alt=\"\" loading=\"lazy\">%s</a>\n", address,
+               picture ? picture : none, title);
 }
