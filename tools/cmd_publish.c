@@ -238,10 +238,11 @@ static void report(const publish_options *o)
 {
     const double megabytes = (double)o->bytes * 1e-6;
     if (o->single)
-        printf("%s: %.1f MB, all in one file: any browser opens it, without a server or a network\n", o->site, megabytes);
+        printf("%s: %.1f MB, all in one file: any browser opens it, without a server or a network\n", o->site,
+               megabytes);
     else
-        printf("%s: %zu scene%s, %.1f MB with the page; any web server shows it: python3 -m http.server -d %s\n", o->site,
-               o->list.count, o->list.count == 1 ? "" : "s", megabytes, o->site);
+        printf("%s: %zu scene%s, %.1f MB with the page; any web server shows it: python3 -m http.server -d %s\n",
+               o->site, o->list.count, o->list.count == 1 ? "" : "s", megabytes, o->site);
 }
 
 static int run(int argc, char **argv)

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/map.h>
@@ -15,7 +16,7 @@
 #ifdef FXS_WITH_ZLIB
 #include <zlib.h>
 
-/* Browsers hold a script of less than 2^29 characters: a scene of these bytes has 3/4 of them, if gzip gains nothing. */
+/* Browsers hold a text of less than 2^29 characters, and these are 2^29 in base64 where gzip gains nothing. */
 enum { SCENE_MOST = 384 * 1000 * 1000 };
 
 /* ---- Base64 of gzip ---------------------------------------------------------------------------------------------- */
@@ -143,11 +144,12 @@ static int print_carried(FILE *file, const char *package)
 static int print_scene(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster)
 {
     print_page_head(file, page->title);
-    print_html(file, "<style>\nhtml, body { height: 100%; margin: 0 }\nfixsplat-viewer { height: 100vh; height: 100dvh }\n"
-               "</style>\n<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n"
+    print_html(file, "<style>\nhtml, body { height: 100%; margin: 0 }\n"
+               "fixsplat-viewer { height: 100vh; height: 100dvh }\n</style>\n<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n"
                "<fixsplat-viewer threads=\"1\" background=\"#000000\" poster=\"data:image/jpeg;base64,");
     write_base64(file, poster->bytes, poster->size);
-    print_html(file, "\"></fixsplat-viewer>\n<script type=\"text/plain\" id=\"scene\" data-name=\"%s.fxs\">", page->name);
+    print_html(file, "\"></fixsplat-viewer>\n<script type=\"text/plain\" id=\"scene\" data-name=\"%s.fxs\">",
+               page->name);
     const int status = write_packed(file, opened->data, opened->bytes);
     fputs("</script>\n", file);
     return status;
@@ -160,29 +162,38 @@ static int print_page(FILE *file, const single_page *page, const fxs_opened *ope
     return status ? status : print_file(file, page->package, "viewer/single.js", "<script type=\"module\">\n");
 }
 
+/* The bytes of a file without a name, of which a stream in memory would not say that there was no room for them. */
+static int write_printed(FILE *file, const char *out, size_t *bytes)
+{
+    fxs_message why;
+    const long size = fflush(file) || ferror(file) ? -1 : ftell(file);
+    void *data = size < 0 ? MAP_FAILED : mmap(0, (size_t)size, PROT_READ, MAP_PRIVATE, fileno(file), 0);
+    if (data == MAP_FAILED)
+        return fail(EXIT_FAILED, "%s: a temporary file: %s", out, strerror(errno));
+    const fxs_encoded whole = {.bytes = data, .size = (size_t)size};
+    const int error = fxs_encoded_write(out, &whole, &why);
+    munmap(data, (size_t)size);
+    *bytes = (size_t)size;
+    return error ? fail_for(&why) : 0;
+}
+
 static int write_page(const single_page *page, const fxs_opened *opened, const fxs_encoded *poster, const char *out,
                       size_t *bytes)
 {
-    char *text = 0;
-    fxs_message why;
-    FILE *file = open_memstream(&text, bytes);
+    FILE *file = tmpfile();
     if (!file)
-        return fail(EXIT_FAILED, "out of memory");
+        return fail(EXIT_FAILED, "%s: a temporary file: %s", out, strerror(errno));
     int status = print_page(file, page, opened, poster);
-    const int is_whole = !ferror(file);
-    if ((fclose(file) || !is_whole) && !status)
-        status = fail(EXIT_FAILED, "out of memory");
-    const fxs_encoded whole = {.bytes = (const uint8_t *)text, .size = *bytes};
-    if (!status && fxs_encoded_write(out, &whole, &why))
-        status = fail_for(&why);
-    free(text);
+    status = status ? status : write_printed(file, out, bytes);
+    fclose(file);
     return status;
 }
 
 static int write_of_scene(const single_page *page, const frame_options *frame, loaded_scene *scene, const char *out,
                           size_t *bytes)
 {
-    const int width = frame->width ? frame->width : PICTURE_WIDTH, height = frame->width ? frame->height : PICTURE_HEIGHT;
+    const int width = frame->width ? frame->width : PICTURE_WIDTH;
+    const int height = frame->width ? frame->height : PICTURE_HEIGHT;
     fxs_encoded poster;
     fxs_message why;
     if (scene->opened->bytes > SCENE_MOST)

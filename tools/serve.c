@@ -247,12 +247,12 @@ static sigset_t ending_signals(void)
 /* Until a signal, or until the only scene turns out to be none. */
 static int work(site *s)
 {
-    const struct timespec pause = {0, 250000000};
-    int status = 0;
+    static const struct timespec none = {0, 0}, pause = {0, 250000000};
+    int did;
     do
-        status = scenes_work(s->scenes);
-    while (!status && sigtimedwait(s->how.ending, 0, &pause) < 0);
-    return status;
+        did = scenes_work(s->scenes);
+    while (did >= 0 && sigtimedwait(s->how.ending, 0, did ? &none : &pause) < 0);
+    return did < 0 ? EXIT_FAILED : EXIT_OK;
 }
 
 static int serve(site *s, const view_options *o, const sigset_t *ending)

@@ -51,7 +51,7 @@ static int is_dark(const QRcode *code, int x, int y)
 /* Two rows of modules a line: white blocks on black, whatever the colours of the terminal are. */
 static void print_code(const QRcode *code)
 {
-    static const char *const blocks[] = {"\u2588", "\u2580", "\u2584", " "};   /* of the light ones: both, upper, lower */
+    static const char *const blocks[] = {"\u2588", "\u2580", "\u2584", " "};   /* light: both, the upper, the lower */
     for (int y = -MARGIN; y < code->width + MARGIN; y += 2) {
         fputs("\033[40;97m", stdout);
         for (int x = -MARGIN; x < code->width + MARGIN; x++)

@@ -256,8 +256,8 @@ static int picture_of(const served_scene *s, const loaded_scene *scene)
     const served_options *o = s->all->options;
     fxs_encoded encoded;
     fxs_message why;
-    const int error = scene_picture(scene->opened, LISTED_WIDTH, LISTED_HEIGHT, o->background, o->load.threads, &encoded,
-                                    &why);
+    const int error = scene_picture(scene->opened, LISTED_WIDTH, LISTED_HEIGHT, o->background, o->load.threads,
+                                    &encoded, &why);
     const int descriptor = error ? -1 : keep(encoded.bytes, encoded.size);
     fxs_encoded_free(&encoded);
     return descriptor;
@@ -386,20 +386,21 @@ static int take(served_scene *s, const file_state *now)
 /* ---- Which, and when --------------------------------------------------------------------------------------------- */
 
 /* Takes it again where its file has changed and then stayed as it is. */
-static int follow(served_scene *s)
+static void follow(served_scene *s)
 {
     const uint64_t time = fxs_clock(0);
     file_state now;
     if (look_at_file(s->path, &now)) {
         set_state(s, GONE, "the file is not there any more");
         s->taken = s->seen = now;   /* all 0 */
-        return 0;
+        return;
     }
     if (!is_same(&now, &s->seen)) {
         s->seen = now;
         s->seen_at = time;
     }
-    return is_same(&now, &s->taken) || time - s->seen_at < SETTLED ? 0 : take(s, &now);
+    if (!is_same(&now, &s->taken) && time - s->seen_at >= SETTLED)
+        take(s, &now);
 }
 
 static int take_first(served_scene *s)
@@ -411,25 +412,38 @@ static int take_first(served_scene *s)
     return fail(EXIT_FAILED, "%s: there is no such file", s->given);
 }
 
+/* Whether a page shows it, or has it in a list without a picture. */
+enum interest { NOBODY, LISTED, SHOWN };
+
+static enum interest interest_in(served_scene *s, enum scene_state *state)
+{
+    const served_scenes *all = s->all;
+    const uint64_t now = fxs_clock(0);
+    pthread_mutex_lock(&s->all->lock);
+    const int is_shown = !all->options->has_list || (s->asked_at && now - s->asked_at < LOOKS);
+    const int is_listed = all->listed_at && now - all->listed_at < LOOKS && s->picture < 0;
+    *state = s->state;
+    pthread_mutex_unlock(&s->all->lock);
+    return is_shown ? SHOWN : is_listed ? LISTED : NOBODY;
+}
+
 int scenes_work(served_scenes *all)
 {
-    const uint64_t time = fxs_clock(0);
-    const int is_one = !all->options->has_list;
+    served_scene *next = 0;
+    enum interest most = NOBODY;
     for (int i = 0; i < all->count; i++) {
-        served_scene *s = &all->scenes[i];
-        pthread_mutex_lock(&all->lock);
-        const int is_shown = is_one || (s->asked_at && time - s->asked_at < LOOKS);
-        const int is_listed = all->listed_at && time - all->listed_at < LOOKS && s->picture < 0;
-        const enum scene_state state = s->state;
-        pthread_mutex_unlock(&all->lock);
-        if (state == WAITS && (is_shown || is_listed)) {
-            const int status = take_first(s);
-            return is_one ? status : 0;
+        enum scene_state state;
+        const enum interest interest = interest_in(&all->scenes[i], &state);
+        if (interest == SHOWN && state != WAITS)
+            follow(&all->scenes[i]);
+        if (state == WAITS && interest > most) {
+            next = &all->scenes[i];
+            most = interest;
         }
-        if (is_shown && state != WAITS)
-            follow(s);
     }
-    return 0;
+    if (!next)
+        return 0;
+    return take_first(next) && !all->options->has_list ? -1 : 1;
 }
 
 /* ---- The scenes -------------------------------------------------------------------------------------------------- */
@@ -486,7 +500,9 @@ int scenes_add(served_scenes *all, const char *path, int is_sure)
     if (!s->path && !(is_sure ? 0 : (s->path = strdup(path))))
         return fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
     find_twins(all, s);
-    return name_scene(s, look.is_sent);
+    if (name_scene(s, look.is_sent))
+        return EXIT_FAILED;
+    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;   /* there is nothing to wait for */
 }
 
 const char *scenes_address(const served_scenes *all, int scene)

@@ -1,5 +1,6 @@
-/* The scenes of `fixsplat view --web`: each is packed where that makes it smaller, told of while that goes on, and taken
- * anew when its file has changed. One thread takes them, that of scenes_work; the server's thread sends what there is. */
+/* The scenes of `fixsplat view --web`: each is packed where that makes it smaller, told of while that goes on, and
+ * taken anew when its file has changed. One thread takes them, that of scenes_work; the server's thread sends what
+ * there is. */
 #ifndef SERVE_SCENES_H
 #define SERVE_SCENES_H
 
@@ -36,8 +37,8 @@ enum { SCENE_FILES = 4 };
 int scenes_file_count(const served_scenes *all);
 void scenes_files(served_scenes *all, fxs_http_file *files);
 
-/* Takes the next scene that is wanted or has changed; to be called a few times a second. Returns 0, or EXIT_FAILED where
-   the only scene could not be taken at first. */
+/* Takes the next scene that is wanted, and those that have changed; to be called a few times a second. Returns 1 where
+   there was one to take, 0 where there was none, and -1 where the only scene could not be taken at first. */
 int scenes_work(served_scenes *all);
 
 void scenes_free(served_scenes *all);
