@@ -1,4 +1,5 @@
-// The list of the scenes that `fixsplat view --web` serves: their pictures, as they are made, and what goes on until then.
+// The list of the scenes that `fixsplat view --web` serves: their pictures, as they are made, and what goes on until
+// then.
 
 const ASK_MS = 1000
 const cards = [...document.querySelectorAll('main a')].map((card) => ({

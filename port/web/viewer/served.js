@@ -1,6 +1,9 @@
-// The page of a scene that `fixsplat view --web` serves: says what the server does with it, opens it when it is there, and
-// puts each newer version in the place of the one on show, by the same camera.
+// The page of a scene that `fixsplat view --web` serves: says what the server does with it, opens it when it is there,
+// and puts each newer version in the place of the one on show, by the same camera. The address of the page chooses the
+// scene (?scene=/scenes/0/NAME), other attributes of the element, and the camera (#view=...).
+import './viewer.js'
 
+const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'turn', 'noui']
 const ASK_MS = 1000
 const FIRST_MS = 300 // until there is a scene
 const SILENT = 3 // questions without an answer, and the page says so
@@ -38,12 +41,16 @@ function tell({ name, state, done, words: why }) {
   else say('')
 }
 
-/** The viewer's page takes the scene from the address, which is that of this version. */
-async function begin(address) {
-  params.set('scene', address)
-  history.replaceState(null, '', `?${params}${location.hash}`)
-  await import('./page.js')
-  viewer = document.querySelector('fixsplat-viewer')
+const viewOfLink = () => new URLSearchParams(location.hash.slice(1)).get('view') ?? ''
+
+function begin(address) {
+  viewer = document.createElement('fixsplat-viewer')
+  viewer.setAttribute('view', viewOfLink())
+  for (const name of NAMES) if (params.has(name)) viewer.setAttribute(name, params.get(name))
+  addEventListener('hashchange', () => viewer.setAttribute('view', viewOfLink()))
+  viewer.setAttribute('src', address)
+  document.body.append(viewer)
+  viewer.focus({ focusVisible: false })
 }
 
 /** False where it is not the time for it. */

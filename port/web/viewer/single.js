@@ -11,8 +11,8 @@ async function unpacked(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer())
 }
 
-/** Gives files addresses (blob:), and has `new URL('simd.wasm', import.meta.url)` be that of the file. Returns them by the
-    names of the files. */
+/** Gives files addresses (blob:), and has `new URL('simd.wasm', import.meta.url)` be that of the file. Returns them by
+    the names of the files. */
 function addressAll(files) {
   const base = 'https://fixsplat.invalid/' // what scripts take for their folder; there is nothing, and nobody asks
   const imports = /(\bfrom\s*|\bimport\s*\(?\s*)(["'])(\.\.?\/[^"'\s]+)\2/g
@@ -42,17 +42,26 @@ function addressAll(files) {
 
   for (const name of Object.keys(files)) addressOf(name)
   globalThis.URL = class extends URL {
+    #isOwn = false
+
     constructor(...words) {
       super(...words)
       const own = this.href.startsWith(base) && addresses[this.href.slice(base.length)]
-      if (own) this.href = own
+      if (!own) return
+      this.href = own
+      this.#isOwn = true
+    }
+
+    /** A file that the page carries is of no other server. */
+    get origin() {
+      return this.#isOwn ? location.origin : super.origin
     }
   }
   return addresses
 }
 
-/** A worker. Of file:// it cannot be a module, nor have addresses of the page: it is sent the files, and then does as the
-    page does. What comes before its script has begun is kept for that. */
+/** A worker. Of file:// it cannot be a module, nor have addresses of the page: it is sent the files, and then does as
+    the page does. What comes before its script has begun is kept for that. */
 function work(addressAll) {
   const kept = []
   const keep = (event) => kept.push(event.data)
