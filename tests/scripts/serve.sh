@@ -116,6 +116,7 @@ check "405: what is allowed" equal "$(header Allow -X POST -d 123 "$at/")" 'GET,
 
 # ---- A file that changes ---------------------------------------------------------------------------------------------
 
+check "the address of the next: the same, until there is one" gets "$at/scenes/1/next/knot.ply.fxs" knot.fxs
 still() { gets "$at/scenes/1/knot.ply.fxs" knot.fxs; }
 facts() { get "$at/scenes/1.json" | sed -n 's/.*"version": \([0-9]*\), .*"address": "\([^"]*\)", "words": "\(.*\)"}/\1 \2 \3/p'; }
 mv knot.ply away.ply
@@ -127,7 +128,7 @@ check "a FIFO in its place: the same" equal "$(code -m 5 "$at/scenes/1/knot.ply.
     "200 $(cksum <knot.fxs) 1 /scenes/1/knot.ply.fxs the file is not there any more"
 rm knot.ply
 ln -s beside.txt knot.ply
-sleep 0.4
+sleep 1.3
 check "a link in its place: the same" equal "$(code "$at/scenes/1/knot.ply.fxs") $(cksum <logs/body) $(facts)" \
     "200 $(cksum <knot.fxs) 1 /scenes/1/knot.ply.fxs the file is not there any more"
 rm knot.ply
@@ -139,8 +140,8 @@ mv away.ply knot.ply
 check "the same again" ready 1 ready 2
 check "at an address of its own" gets "$at$(facts | cut -d ' ' -f 2)" knot.fxs
 "$fixsplat" make-scene cubes --count 1000 -o cubes.ply && "$fixsplat" convert cubes.ply cubes.fxs --quiet
-(head -c 20000 cubes.ply && sleep 0.5 && tail -c +20001 cubes.ply) >growing && cat growing >knot.ply
-check "another, in the same file" ready 1 ready 3
+{ head -c 20000 cubes.ply && sleep 0.3 && tail -c +20001 cubes.ply; } >knot.ply
+check "another, in the same file, when all of it is there" ready 1 ready 3
 check "that one" gets "$at$(facts | cut -d ' ' -f 2)" cubes.fxs
 check "a page of the last one reads on" gets "$at/scenes/1/next/knot.ply.fxs" knot.fxs
 cp 'a knot+50%.ply' knot.ply
