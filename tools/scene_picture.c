@@ -14,7 +14,7 @@ static int render(const fxs_opened *opened, int width, int height, const uint8_t
     fxs_request request;
     fxs_object_init(&object, opened->scene);
     fxs_request_init(&request, &object, 1);
-    request.targets[0].colour = (fxs_image){pixels, (size_t)width * 4};
+    request.targets[0].colour = (fxs_image){pixels, (ptrdiff_t)width * 4};
     memcpy(request.options.background, background, 3);
     int error = fxs_opened_camera(opened, width, height, &request.cameras[0], message);
     error = error ? error : fxs_renderer_create("cpu", &options, &renderer, message);
