@@ -90,14 +90,14 @@ $(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out to
                     $(B)/libfixsplat.a $(B)/commands/link
 	$(call link,$(LIBS_TTF) $(LIBS_SDL))
 
-$(B)/fixsplat-web: $(call objects,tools/serve.c tools/serve_preview.c $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
+$(B)/fixsplat-web: $(call objects,$(wildcard tools/serve*.c) $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
                    $(B)/commands/link
-	$(call link,$(LIBS_MICROHTTPD))
+	$(call link,$(LIBS_MICROHTTPD) $(LIBS_QRENCODE))
 
 # What commands are made of: what was built by another is built again.
 $(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
 $(B)/commands/nvcc: COMMAND := $(NVCC) $(NVCC_VERSION) $(NVCC_FLAGS)
-$(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(LIBS_TTF) $(LIBS_SDL) $(LIBS_MICROHTTPD) $(AR) \
+$(B)/commands/link: COMMAND := $(CC) $(CC_VERSION) $(CFLAGS) $(LDFLAGS) $(LIBS) $(LIBS_TTF) $(LIBS_SDL) $(LIBS_MICROHTTPD) $(LIBS_QRENCODE) $(AR) \
                               $(CORE) $(DEVICES) $(LIBRARY)
 $(B)/commands/%: FORCE
 	@mkdir -p $(@D)

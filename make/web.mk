@@ -71,7 +71,7 @@ WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,wit
 WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js react.js \
                                    system.js thread_node.js viewer/style.js viewer/package.json)
 PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts react.d.ts package.json README.md CHANGELOG.md LICENSE) \
-           $(patsubst port/web/%,$(WEB)/%,$(filter-out %.css,$(wildcard port/web/viewer/*))) $(WEB_INLINE)
+           $(patsubst port/web/%,$(WEB)/%,$(filter-out %/viewer.css,$(wildcard port/web/viewer/*))) $(WEB_INLINE)
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package
 

@@ -1,9 +1,7 @@
-/* fixsplat publish: a folder for any web server, with scenes, their pictures and the page that shows them. */
-#define _XOPEN_SOURCE 700   /* strdup */
-#include <ctype.h>
+/* fixsplat publish: a folder for any web server, with scenes, their pictures and the page that shows them; or one file
+   that needs none. */
 #include <dirent.h>
 #include <errno.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,21 +10,16 @@
 #include <fixsplat/map.h>
 #include "cmd_render.h"
 #include "page_folder.h"
+#include "publish_single.h"
+#include "scene_list.h"
+#include "scene_pages.h"
 #include "task.h"
-
-enum { NAMES_MOST = 80 };
-
-typedef struct shown {
-    char *path;
-    char name[NAMES_MOST];         /* of its files, without an ending */
-    char title[NAMES_MOST];        /* the last part of its path, without the ending */
-} shown;
 
 typedef struct publish_options {
     frame_options frame;           /* the poster's size, how scenes are packed and read */
     const char *title, *site;
-    shown *scenes;
-    size_t count, room;
+    int single;                    /* one .html file, and no folder */
+    scene_list list;
     size_t bytes;                  /* of all that was written */
 } publish_options;
 
@@ -37,6 +30,8 @@ static const option_row own_rows[] = {
     {"title", "TEXT", TEXT(title), .help = "of the page (default: the scene's name)"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
      "how scenes are packed that are no .fxs: small (default, 20 bytes a Gaussian), compact or default"},
+    {"single", 0, FLAG(single), .help =
+     "one scene as one .html file that holds all of it, and opens by a double click, without a server or a network"},
     {"levels", 0, FLAG(frame.load.tree), .help =
      "pack them with levels of detail: of a large scene the page then fetches what it shows"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "of the poster (default 1280x720)"},
@@ -45,76 +40,9 @@ static const option_row own_rows[] = {
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-static int is_taken(const publish_options *o, const char *name)
+static int write_scene(publish_options *o, listed_scene *s)
 {
-    int taken = !*name || !strcmp(name, "index");
-    for (size_t i = 0; i < o->count; i++)
-        taken |= !strcmp(o->scenes[i].name, name);
-    return taken;
-}
-
-/* The name without its ending, in letters, digits and dashes, as it stands in addresses. */
-static void name_scene(publish_options *o, shown *s)
-{
-    const char *slash = strrchr(s->path, '/'), *base = slash && slash[1] ? slash + 1 : s->path;
-    const char *dot = strrchr(base, '.');
-    size_t length = 0;
-    snprintf(s->title, NAMES_MOST, "%.*s", dot ? (int)(dot - base) : NAMES_MOST, base);
-    for (; s->title[length] && length < NAMES_MOST - 16; length++)
-        s->name[length] = isalnum((unsigned char)s->title[length]) ? s->title[length] : '-';
-    s->name[length] = 0;
-    for (unsigned number = 2; is_taken(o, s->name); number++)
-        snprintf(s->name + length, 16, "-%u", number);
-}
-
-static int add_scene(publish_options *o, const char *folder, const char *name)
-{
-    char path[TASK_PATH];
-    if (o->count == o->room) {
-        const size_t room = 2 * o->room + 16;
-        shown *larger = realloc(o->scenes, room * sizeof *larger);
-        if (!larger)
-            return 0;
-        o->scenes = larger;
-        o->room = room;
-    }
-    join_path(path, folder, name);
-    shown s = {.path = strdup(*folder ? path : name)};
-    if (!s.path)
-        return 0;
-    name_scene(o, &s);
-    o->scenes[o->count++] = s;
-    return 1;
-}
-
-static int compare_paths(const void *a, const void *b)
-{
-    return strcmp(((const shown *)a)->path, ((const shown *)b)->path);
-}
-
-/* A scene, or a folder of scenes. */
-static int add_scenes(publish_options *o, const char *path)
-{
-    const size_t before = o->count;
-    DIR *folder = is_folder(path) && !fxs_scene_format_of(path, 0) ? opendir(path) : 0;
-    int fits = 1;
-    for (struct dirent *entry; folder && fits && (entry = readdir(folder)) != 0;)
-        if (entry->d_name[0] != '.' && fxs_scene_format_of(entry->d_name, 0))
-            fits = add_scene(o, path, entry->d_name);
-    if (folder)
-        closedir(folder);
-    if (o->count > before)
-        qsort(o->scenes + before, o->count - before, sizeof *o->scenes, compare_paths);
-    else if (fits && folder)
-        return fail(EXIT_FAILED, "%s: no scene in this folder", path);
-    else if (fits)
-        fits = add_scene(o, "", path);
-    return fits ? 0 : fail(EXIT_FAILED, "out of memory");
-}
-
-static int write_scene(publish_options *o, shown *s)
-{
-    char name[NAMES_MOST + 8], path[TASK_PATH];
+    char name[LISTED_NAME + 8], path[TASK_PATH];
     loaded_scene scene;
     fxs_message why;
     snprintf(name, sizeof name, "%s.fxs", s->name);
@@ -130,10 +58,10 @@ static int write_scene(publish_options *o, shown *s)
 }
 
 /* From where the page begins. */
-static int write_poster(const publish_options *o, const shown *s)
+static int write_poster(const publish_options *o, const listed_scene *s)
 {
     render_options *r = calloc(1, sizeof *r);
-    char name[NAMES_MOST + 8], scene[TASK_PATH], poster[TASK_PATH], *scenes[] = {scene};
+    char name[LISTED_NAME + 8], scene[TASK_PATH], poster[TASK_PATH], *scenes[] = {scene};
     if (!r)
         return fail(EXIT_FAILED, "out of memory");
     snprintf(name, sizeof name, "%s.fxs", s->name);
@@ -194,44 +122,32 @@ static int copy_page(publish_options *o, const char *package)
     return status ? status : copy_files(o, from, to_viewer);
 }
 
-/* Prints a format in which each %s is a text, written as HTML wants it. */
-static void print_html(FILE *file, const char *format, ...)
+static void print_scene(FILE *file, const char *title, const char *name)
 {
-    va_list arguments;
-    va_start(arguments, format);
-    for (; *format; format++) {
-        if (format[0] != '%' || format[1] != 's') {
-            fputc(*format, file);
-            continue;
-        }
-        for (const char *text = va_arg(arguments, const char *); *text; text++)
-            if (strchr("<>&\"'", *text))
-                fprintf(file, "&#%d;", *text);
-            else
-                fputc(*text, file);
-        format++;
-    }
-    va_end(arguments);
+    static const char of_scene[] =
+        "<meta property=\"og:image\" content=\"%s.jpg\">\n"
+        "<link rel=\"stylesheet\" href=\"fixsplat/viewer/page.css\">\n"
+        "<script type=\"module\" src=\"fixsplat/viewer/viewer.js\"></script>\n"
+        "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" background=\"#000000\">\n"
+        "This page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
+        "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
+    print_page_head(file, title);
+    print_html(file, of_scene, name, name, name);
 }
 
-static const char head[] =
-    "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
-    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1, viewport-fit=cover\">\n"
-    "<meta name=\"color-scheme\" content=\"dark light\">\n<link rel=\"icon\" href=\"data:,\">\n"
-    "<title>%s</title>\n<meta property=\"og:title\" content=\"%s\">\n";
-static const char of_scene[] =
-    "<meta property=\"og:image\" content=\"%s.jpg\">\n"
-    "<link rel=\"stylesheet\" href=\"fixsplat/viewer/page.css\">\n"
-    "<script type=\"module\" src=\"fixsplat/viewer/viewer.js\"></script>\n"
-    "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" background=\"#000000\">\n"
-    "This page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
-    "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
-static const char of_list[] =
-    "<link rel=\"stylesheet\" href=\"fixsplat/viewer/list.css\">\n"
-    "<h1>%s</h1>\n<main>\n";
+static void print_list(FILE *file, const char *title, const scene_list *list)
+{
+    char address[LISTED_NAME + 8], poster[LISTED_NAME + 8];
+    print_list_head(file, title, "fixsplat/viewer");
+    for (size_t i = 0; i < list->count; i++) {
+        snprintf(address, sizeof address, "%s.html", list->scenes[i].name);
+        snprintf(poster, sizeof poster, "%s.jpg", list->scenes[i].name);
+        print_listed(file, address, poster, list->scenes[i].title);
+    }
+}
 
 /* A page of one scene, or the list of all. */
-static int write_page(publish_options *o, const char *name, const shown *s)
+static int write_page(publish_options *o, const char *name, const listed_scene *s)
 {
     char *text = 0;
     size_t size = 0;
@@ -239,14 +155,10 @@ static int write_page(publish_options *o, const char *name, const shown *s)
     if (!file)
         return fail(EXIT_FAILED, "out of memory");
     const char *title = o->title ? o->title : s ? s->title : "Scenes";
-    print_html(file, head, title, title);
     if (s)
-        print_html(file, of_scene, s->name, s->name, s->name);
+        print_scene(file, title, s->name);
     else
-        print_html(file, of_list, title);
-    for (size_t i = 0; i < o->count && !s; i++)
-        print_html(file, "<a href=\"%s.html\"><img src=\"%s.jpg\" alt=\"\" loading=\"lazy\">%s</a>\n", o->scenes[i].name,
-                   o->scenes[i].name, o->scenes[i].title);
+        print_list(file, title, &o->list);
     const int is_whole = !ferror(file) && !fclose(file);
     const int status = is_whole ? write_bytes(o, o->site, name, text, size) : fail(EXIT_FAILED, "out of memory");
     free(text);
@@ -255,11 +167,11 @@ static int write_page(publish_options *o, const char *name, const shown *s)
 
 static int write_pages(publish_options *o)
 {
-    char name[NAMES_MOST + 8];
-    int status = write_page(o, "index.html", o->count == 1 ? o->scenes : 0);
-    for (size_t i = 0; i < o->count && o->count > 1 && !status; i++) {
-        snprintf(name, sizeof name, "%s.html", o->scenes[i].name);
-        status = write_page(o, name, &o->scenes[i]);
+    char name[LISTED_NAME + 8];
+    int status = write_page(o, "index.html", o->list.count == 1 ? o->list.scenes : 0);
+    for (size_t i = 0; i < o->list.count && o->list.count > 1 && !status; i++) {
+        snprintf(name, sizeof name, "%s.html", o->list.scenes[i].name);
+        status = write_page(o, name, &o->list.scenes[i]);
     }
     return status;
 }
@@ -293,48 +205,71 @@ static int read_options(publish_options *o, int argc, char **argv)
         return fail(EXIT_USAGE, "publish takes scenes and a folder to write; see: fixsplat publish --help");
     o->site = argv[argc - 1];
     if (fxs_scene_format_of(o->site, 0))
-        return fail(EXIT_USAGE, "publish: %s is a scene: the last name is that of a folder to write", o->site);
+        return fail(EXIT_USAGE, "publish: %s is a scene: the last name is that of %s to write", o->site,
+                    o->single ? "a file" : "a folder");
+    if (o->single && !ends_with(o->site, ".html"))
+        return fail(EXIT_USAGE, "publish: --single writes a file whose name ends in .html, not %s", o->site);
     return frame_options_check(&o->frame);
 }
 
-static int publish(publish_options *o)
+static int publish_folder(publish_options *o, const char *package)
 {
-    char package[PAGE_PATH];
-    int status = page_folder_find(package);
-    status = status ? status : take_site(o);
+    int status = take_site(o);
     status = status ? status : copy_page(o, package);
-    for (size_t i = 0; i < o->count && !status; i++) {
-        status = write_scene(o, &o->scenes[i]);
-        status = status ? status : write_poster(o, &o->scenes[i]);
+    for (size_t i = 0; i < o->list.count && !status; i++) {
+        status = write_scene(o, &o->list.scenes[i]);
+        status = status ? status : write_poster(o, &o->list.scenes[i]);
     }
     return status ? status : write_pages(o);
+}
+
+static int publish_file(publish_options *o, const char *package)
+{
+    const listed_scene *s = o->list.scenes;
+    if (o->list.count != 1)
+        return fail(EXIT_USAGE, "publish: --single takes one scene, not %zu", o->list.count);
+    const single_page page = {.package = package, .title = o->title ? o->title : s->title, .scene = s->path,
+                              .name = s->name};
+    return write_single(&page, &o->frame, o->site, &o->bytes);
+}
+
+static void report(const publish_options *o)
+{
+    const double megabytes = (double)o->bytes * 1e-6;
+    if (o->single)
+        printf("%s: %.1f MB, all in one file: any browser opens it, without a server or a network\n", o->site,
+               megabytes);
+    else
+        printf("%s: %zu scene%s, %.1f MB with the page; any web server shows it: python3 -m http.server -d %s\n",
+               o->site, o->list.count, o->list.count == 1 ? "" : "s", megabytes, o->site);
 }
 
 static int run(int argc, char **argv)
 {
     static publish_options o;
+    char package[PAGE_PATH];
     int status = read_options(&o, argc, argv);
     for (int i = optind; i < argc - 1 && !status; i++)
-        status = add_scenes(&o, argv[i]);
-    status = status ? status : publish(&o);
+        status = scene_list_add(&o.list, argv[i]);
+    status = status ? status : page_folder_find(package);
+    status = status ? status : o.single ? publish_file(&o, package) : publish_folder(&o, package);
     if (!status)
-        printf("%s: %zu scene%s, %.1f MB with the page; any web server shows it: python3 -m http.server -d %s\n", o.site,
-               o.count, o.count == 1 ? "" : "s", (double)o.bytes * 1e-6, o.site);
-    for (size_t i = 0; i < o.count; i++)
-        free(o.scenes[i].path);
-    free(o.scenes);
+        report(&o);
+    scene_list_free(&o.list);
     return status;
 }
 
 const command command_publish = {
     "publish", "scene files -> folder for a web server", run,
-    "Usage: fixsplat publish SCENE... SITE [OPTION...]\n\n"
+    "Usage: fixsplat publish SCENE... SITE [OPTION...]\n"
+    "       fixsplat publish --single SCENE FILE.html [OPTION...]\n\n"
     "Writes a folder that any web server, or a host of static pages, can show: each scene as .fxs, a picture of it,\n"
     "the page with the viewer, and of several scenes a list. A SCENE may be a folder of scenes. A SITE that publish\n"
     "made before is written anew, and keeps what else is in it.\n",
     0,
     "  $ fixsplat publish garden.ply site\n"
     "  $ fixsplat publish garden.fxs site --title 'The garden'\n"
-    "  $ fixsplat publish scenes site --levels\n",
+    "  $ fixsplat publish scenes site --levels\n"
+    "  $ fixsplat publish --single garden.ply garden.html\n",
     {{own_rows, 0}, COMMON_TABLE}
 };

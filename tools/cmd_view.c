@@ -47,9 +47,15 @@ static const option_row window_rows[] = {
 static const option_row page_rows[] = {
     {.help = "In a browser:"},
     {"web", 0, FLAG(web), .help =
-     "serve the scenes and a page that shows them, and print the page's address, until Ctrl-C. Of what follows it "
-     "takes --cameras, --view, --bg and the options of an import; a scene is sent as it lies on the disk, or packed "
-     "here where it has several files or such an option"},
+     "serve the scenes and a page that shows them, print its address and open it, until Ctrl-C. Of several scenes, or "
+     "of a folder, it is a list with pictures. A scene whose file changes is shown anew. Of what follows it takes "
+     "--cameras, --view, --bg and the options of an import"},
+    {"no-open", 0, FLAG(no_open), .help =
+     "open no browser (default: on a desktop, where this runs in a terminal, unless FIXSPLAT_NO_OPEN is set)"},
+    {"qr", 0, FLAG(qr), .help =
+     "print the address as a QR code (default: in a terminal, where other machines reach it: --bind)"},
+    {"levels", 0, FLAG(frame.load.tree), .help =
+     "pack scenes with levels of detail: of a large one the page then fetches what it shows"},
     {"port", "N", UINT64(port, 0, 65535), .help = "1 to 65535, or 0 for any that is free (default 8080)"},
     {"bind", "ADDRESS", TEXT(bind), .help =
      "0.0.0.0 for every machine of the network, or one address of this one (default 127.0.0.1)"},
@@ -158,6 +164,7 @@ const command command_view = {
     "  $ fixsplat view scene.ply --up 0,0,1 --size 1920x1080 --screenshot shot.png\n"
     "  $ fixsplat view city.fxs --budget 1000000 --pool 512M\n"
     "  $ fixsplat view https://example.org/city.fxs --fps 60\n"
-    "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n",
+    "  $ fixsplat view scene.ply --web --bind 0.0.0.0 --cert cert.pem --key key.pem\n"
+    "  $ fixsplat view --web folder\n",
     {{window_rows, 0}, {page_rows, 0}, FRAME_TABLES(view_options), POOL_TABLE(view_options), COMMON_TABLE}
 };

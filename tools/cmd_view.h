@@ -11,6 +11,7 @@ typedef struct view_options {
     int web;                                /* in a page of a browser; the rest is of that: */
     const char *bind, *host, *certificate, *key;
     uint64_t port;
+    int no_open, qr;
 } view_options;
 
 /* Returns 0, or prints what is wrong and returns EXIT_USAGE; after --help the program ends. */

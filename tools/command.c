@@ -10,6 +10,8 @@
 
 /* ---- Errors and notes -------------------------------------------------------------------------------------------- */
 
+static fxs_message failure;
+
 static void say(const fxs_message *message)
 {
     progress_end();
@@ -24,7 +26,13 @@ int fail(int status, const char *format, ...)
     fxs_fail_list(status, &message, format, arguments);
     va_end(arguments);
     say(&message);
+    failure = message;
     return status;
+}
+
+const char *last_failure(void)
+{
+    return failure.text;
 }
 
 const char *needed_bytes(char text[64], const fxs_message *why)

@@ -15,7 +15,10 @@ void check_printed_at_exit(void);
 /* Prints "fixsplat: ..." on stderr and returns the status. */
 int fail(int status, const char *format, ...) FXS_PRINTF(2, 3);
 
-/* The same for news that are no error: not printed with --quiet. */
+/* What fail printed last, without the program's name; empty: nothing yet. */
+const char *last_failure(void);
+
+/* The same as fail for news that are no error: not printed with --quiet. */
 void note(const char *format, ...) FXS_PRINTF(1, 2);
 
 /* --quiet: no notes and no progress, of this program and of the programs that it runs. */

@@ -21,6 +21,7 @@ STB stb/stb_image_write.h
 SDL SDL2/SDL.h -lSDL2
 TTF SDL2/SDL_ttf.h -lSDL2_ttf
 MICROHTTPD microhttpd.h -lmicrohttpd
+QRENCODE qrencode.h -lqrencode
 CURL curl/curl.h -ldl
 GLES GLES3/gl3.h -ldl
 EGL EGL/egl.h

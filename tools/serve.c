@@ -1,33 +1,35 @@
 /* fixsplat-web: what `fixsplat view --web` and `fixsplat fit --preview` run, with the same arguments. */
-#define _XOPEN_SOURCE 700   /* realpath */
-#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <fixsplat/camera_file.h>
 #include "port/http/server.h"
 #include "src/camera/view_print.h"
-#include <fixsplat/fxs_file.h>
-#include "load_scene.h"
 #include "cmd_view.h"
 #include "page_folder.h"
+#include "scene_list.h"
+#include "scene_pages.h"
 #include "serve.h"
+#include "serve_scenes.h"
 #include "views.h"
 
 typedef struct site {
     fxs_http_site served;
-    fxs_http_file *files;                   /* the scenes, then the views where there are any */
-    const char **starts;                    /* an address for each scene */
+    fxs_http_file *files;                   /* of the scenes, then views and the list where there are any */
+    const char **starts;                    /* of the only scene; or of the list, then of each scene */
+    scene_list list;
+    served_options how;
+    served_scenes *scenes;
     char folder[4096];
 } site;
 
-static char *text_of(const char *format, ...)
+char *text_of(const char *format, ...)
 {
     va_list arguments;
     char *text = 0;
@@ -64,85 +66,10 @@ int keep(const void *data, size_t bytes)
     return keep_written(file);
 }
 
-/* Whether it is a file that is there for as long as this is, and none in JSON, which names others. */
-static int is_one_file(const char *path)
+static int add_kept(site *s, const char *name, const char *of, int descriptor)
 {
-    struct stat information;
-    if (stat(path, &information) || !S_ISREG(information.st_mode))
-        return 0;
-    FILE *file = fopen(path, "rb");
-    int c = ' ';
-    while (file && isspace(c))
-        c = getc(file);
-    if (file)
-        fclose(file);
-    return c != '{';
-}
-
-/* Whether it is sent as it is: one file, and nothing asked about its import. */
-static int is_sent(const char *path, const load_options *o)
-{
-    return !o->lod && !o->axes && !o->profile && !o->max_gaussians && !o->import_memory && is_one_file(path);
-}
-
-/* That it can be read is found out here and not first by the page: of an .fxs file as it is rendered. */
-static int check_file(const char *path, const load_options *o, int *is_fxs)
-{
-    fxs_scene_file *file;
-    fxs_scene_file_info info;
-    loaded_scene packed;
-    if (open_scene(path, o, &file, &info))
-        return EXIT_FAILED;
-    fxs_scene_file_close(file);
-    *is_fxs = !strcmp(info.format, "fxs");
-    if (!*is_fxs)
-        return 0;
-    const int status = load_scene(&packed, path, o);
-    if (!status)
-        free_scene(&packed);
-    return status;
-}
-
-static int pack(const char *path, const load_options *o, int *descriptor)
-{
-    loaded_scene scene;
-    if (load_scene(&scene, path, o))
-        return EXIT_FAILED;
-    fxs_file_seal((void *)scene.opened->data, scene.opened->bytes);   /* packed here, so the bytes are no file's */
-    *descriptor = keep(scene.opened->data, scene.opened->bytes);
-    free_scene(&scene);
-    return *descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", path, strerror(errno)) : 0;
-}
-
-/* The last part of a path. Returns its length. */
-static int base_of(const char **base, const char *path)
-{
-    const char *end = path + strlen(path);
-    while (end > path && end[-1] == '/')
-        end--;
-    for (*base = end; *base > path && (*base)[-1] != '/'; --*base)
-        ;
-    return (int)(end - *base);
-}
-
-static int add_scene(site *s, const char *path, const load_options *o)
-{
-    const int i = s->served.file_count++;
-    fxs_http_file *file = &s->files[i];
-    const char *base;
-    int is_fxs;
-    int status = check_file(path, o, &is_fxs);
-    if (status)
-        return status;
-    if (!is_fxs && !is_sent(path, o))
-        status = pack(path, o, &file->descriptor);
-    else if (!(file->path = realpath(path, 0)))   /* links are followed now, not later */
-        status = fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
-    if (status)
-        return status;
-    const int length = base_of(&base, path);
-    file->name = text_of("/scenes/%d/%.*s%s", i, length, base, file->path ? "" : ".fxs");
-    return file->name ? 0 : fail(EXIT_FAILED, "out of memory");
+    s->files[s->served.file_count++] = (fxs_http_file){name, .descriptor = descriptor};
+    return descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", of, strerror(errno)) : 0;
 }
 
 /* The views of any camera file as a cameras.json, from the one that --view names. */
@@ -162,11 +89,9 @@ static int add_views(site *s, const frame_options *o)
     free(views);
     if (first < 0)
         return EXIT_FAILED;
-    fxs_http_file *to = &s->files[s->served.file_count++];
     if (file)
         fputs("]\n", file);
-    *to = (fxs_http_file){"/cameras.json", .descriptor = keep_written(file)};
-    return to->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", o->cameras, strerror(errno)) : 0;
+    return add_kept(s, "/cameras.json", o->cameras, keep_written(file));
 }
 
 /* The same as a part of an address: what is not plain as %XX. Room for three times its length and a 0. */
@@ -178,74 +103,132 @@ static void escape(char *out, const char *text)
     *out = 0;
 }
 
-static int add_starts(site *s, const frame_options *o)
+/* The page of a scene; null: out of memory. */
+static char *page_of(const site *s, int scene, const frame_options *o)
 {
     const uint8_t *bg = o->render.background;
-    const int has_background = bg[0] || bg[1] || bg[2];
-    for (int i = 0; i < o->world.scene_count; i++) {
-        char *name = malloc(3 * strlen(s->files[i].name) + 1), colour[32] = "";
-        if (has_background)
-            snprintf(colour, sizeof colour, "&background=%%23%02x%02x%02x", bg[0], bg[1], bg[2]);
-        if (name)
-            escape(name, s->files[i].name);
-        s->starts[i] = name ? text_of("/viewer/?scene=%s%s%s", name, o->cameras ? "&cameras=/cameras.json" : "", colour)
-                            : 0;
-        free(name);
-        if (!s->starts[i])
-            return fail(EXIT_FAILED, "out of memory");
-        s->served.start_count++;
+    const char *address = scenes_address(s->scenes, scene);
+    char *name = malloc(3 * strlen(address) + 1), colour[32] = "", *page = 0;
+    if (bg[0] || bg[1] || bg[2])
+        snprintf(colour, sizeof colour, "&background=%%23%02x%02x%02x", bg[0], bg[1], bg[2]);
+    if (name) {
+        escape(name, address);
+        page = text_of("/viewer/served.html?scene=%s%s%s", name, o->cameras ? "&cameras=/cameras.json" : "", colour);
     }
+    free(name);
+    return page;
+}
+
+static int add_start(site *s, const char *start)
+{
+    s->starts[s->served.start_count++] = start;
+    return start ? 0 : fail(EXIT_FAILED, "out of memory");
+}
+
+static int add_list(site *s, int scenes)
+{
+    FILE *file = tmpfile();
+    if (file)
+        print_list_head(file, "Scenes", "/viewer");
+    for (int i = 0; file && i < scenes; i++) {
+        char address[16];
+        snprintf(address, sizeof address, "/%d", i + 1);
+        print_listed(file, address, 0, scenes_title(s->scenes, i));
+    }
+    if (file)
+        fputs("</main>\n<script type=\"module\" src=\"/viewer/list.js\"></script>\n", file);
+    const int status = add_kept(s, "/list.html", "the list of scenes", keep_written(file));
+    return status ? status : add_start(s, "/list.html");
+}
+
+/* Whether it is looked at before anything is served: what was named by itself, and is not one of a folder. */
+static int is_named(const world_options *given, const char *path)
+{
+    for (int i = 0; i < given->scene_count; i++)
+        if (!strcmp(given->scenes[i], path))
+            return 1;
     return 0;
+}
+
+static int add_scenes(site *s, const frame_options *o)
+{
+    const int scenes = (int)s->list.count;
+    int status = 0;
+    s->how.has_list = scenes > 1 || is_folder_of_scenes(o->world.scenes[0]);
+    s->scenes = scenes_new(&s->how, scenes);
+    s->files = calloc(s->scenes ? (size_t)scenes * SCENE_FILES + 3 : 1, sizeof *s->files);
+    s->starts = calloc((size_t)scenes + 1, sizeof *s->starts);
+    if (!s->scenes || !s->files || !s->starts)
+        return fail(EXIT_FAILED, "out of memory");
+    for (int i = 0; i < scenes && !status; i++)
+        status = scenes_add(s->scenes, s->list.scenes[i].path, is_named(&o->world, s->list.scenes[i].path));
+    if (!status)
+        scenes_files(s->scenes, s->files);
+    s->served.file_count = scenes_file_count(s->scenes);
+    return status;
+}
+
+static int add_pages(site *s, const frame_options *o)
+{
+    const int scenes = (int)s->list.count;
+    int status = o->cameras ? add_views(s, o) : 0;
+    if (!status && s->how.has_list)
+        status = add_list(s, scenes);
+    for (int i = 0; i < scenes && !status; i++)
+        status = add_start(s, page_of(s, i, o));
+    return status;
 }
 
 static int fill_site(site *s, const frame_options *o)
 {
-    const size_t scenes = (size_t)o->world.scene_count;
-    load_options load = o->load;
-    load.threads = o->threads;
-    s->files = calloc(scenes + 1, sizeof *s->files);
-    s->starts = calloc(scenes, sizeof *s->starts);
-    if (!s->files || !s->starts)
-        return fail(EXIT_FAILED, "out of memory");
+    int status = page_folder_find(s->folder);
+    s->how.load = o->load;
+    s->how.load.threads = o->threads;
+    memcpy(s->how.background, o->render.background, sizeof s->how.background);
+    for (int i = 0; i < o->world.scene_count && !status; i++)
+        status = scene_list_add(&s->list, o->world.scenes[i]);
+    status = status ? status : add_scenes(s, o);
+    status = status ? status : add_pages(s, o);
     s->served.files = s->files;
     s->served.starts = s->starts;
     s->served.folder = s->folder;
-    int status = page_folder_find(s->folder);
-    for (size_t i = 0; i < scenes && !status; i++)
-        status = add_scene(s, o->world.scenes[i], &load);
-    if (!status && o->cameras)
-        status = add_views(s, o);
-    return status ? status : add_starts(s, o);
+    return status;
 }
 
 /* ---- Serving ----------------------------------------------------------------------------------------------------- */
 
 typedef struct told {
-    const site *site;
-    int far;                                /* addresses of other machines */
+    char near[128], far[128];               /* addresses of this machine alone, and of others too; empty: none */
 } told;
 
 static void tell(void *self, const char *address, int is_local)
 {
     told *t = self;
-    t->far += !is_local;
-    for (int i = 0; i < t->site->served.start_count; i++)
-        if (is_local)
-            printf("%s%s\n", address, t->site->starts[i]);
-        else if (i)
-            printf("%s/%d\n", address, i);
-        else
-            printf("%s/\n", address);
+    char *first = is_local ? t->near : t->far;
+    if (!*first)
+        snprintf(first, sizeof t->near, "%s/", address);
+    printf("%s/\n", address);
 }
 
-static void tell_all(const fxs_http_server *server, const site *s, int is_https)
+/* What only people want, and no script: a browser, and a code for a phone's camera. */
+static void tell_people(const told *t, const view_options *o)
 {
-    told t = {s, 0};
+    const int is_terminal = isatty(STDOUT_FILENO);
+    if ((o->qr || (is_terminal && *t->far)) && print_qr_code(*t->far ? t->far : t->near) && o->qr)
+        note("--qr: this program was built without libqrencode");
+    fflush(stdout);
+    if (is_terminal && !o->no_open && !getenv("FIXSPLAT_NO_OPEN"))
+        open_browser(*t->near ? t->near : t->far);
+}
+
+static void tell_all(const fxs_http_server *server, const view_options *o)
+{
+    told t = {"", ""};
     fxs_http_each_address(server, tell, &t);
-    if (t.far && !is_https)
+    if (*t.far && !o->key)
         puts("Browsers of other machines have no threads and no headset over http: --cert and --key, or for a headset "
              "on a cable adb reverse (docs/web.md)");
-    fflush(stdout);
+    tell_people(&t, o);
 }
 
 /* The signals that end it, but for those that are ignored. */
@@ -261,21 +244,30 @@ static sigset_t ending_signals(void)
     return set;
 }
 
-static int serve(const site *s, const view_options *o)
+/* Until a signal, or until the only scene turns out to be none. */
+static int work(site *s)
+{
+    static const struct timespec none = {0, 0}, pause = {0, 250000000};
+    int did;
+    do
+        did = scenes_work(s->scenes);
+    while (did >= 0 && sigtimedwait(s->how.ending, 0, did ? &none : &pause) < 0);
+    return did < 0 ? EXIT_FAILED : EXIT_OK;
+}
+
+static int serve(site *s, const view_options *o, const sigset_t *ending)
 {
     const fxs_http_options options = {o->bind, (uint16_t)o->port, o->certificate, o->key, o->host};
     fxs_http_server *server;
     fxs_message message;
-    sigset_t ending = ending_signals();
-    int which;
     signal(SIGPIPE, SIG_IGN);
-    sigprocmask(SIG_BLOCK, &ending, 0);
+    sigprocmask(SIG_BLOCK, ending, 0);
     if (fxs_http_open(&server, &s->served, &options, &message))
         return fail_for(&message);
-    tell_all(server, s, o->key != 0);
-    sigwait(&ending, &which);
+    tell_all(server, o);
+    const int status = work(s);
     fxs_http_close(server);
-    return EXIT_OK;
+    return status;
 }
 
 /* By its option, or the beginning of that: emulators have another argv[0]. */
@@ -296,8 +288,13 @@ int main(int argc, char **argv)
     check_printed_at_exit();
     if (is_fit(argc, argv))
         return serve_fit(argc, argv);
+    const sigset_t ending = ending_signals();
     int status = view_options_take(&o, argc, argv);
+    s.how.ending = &ending;
     if (!status)
         status = fill_site(&s, &o.frame);
-    return status ? status : serve(&s, &o);
+    if (!status)
+        status = serve(&s, &o, &ending);
+    scenes_free(s.scenes);
+    return status;
 }

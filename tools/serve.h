@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include <fixsplat/camera_file.h>
+#include <fixsplat/message.h>
 
 /* The descriptor, that no program run from here has, of what was written to a file of tmpfile, which it closes. Returns
    -1, with errno, where that or the file (null) failed. */
@@ -13,6 +13,16 @@ int keep_written(FILE *file);
 
 /* The same of bytes. */
 int keep(const void *data, size_t bytes);
+
+/* A text of a format, for free; null: out of memory. */
+char *text_of(const char *format, ...) FXS_PRINTF(1, 2);
+
+/* Opens an address in the browser of a desktop, where there is one. */
+void open_browser(const char *address);
+
+/* Prints the QR code of an address, for terminals of either brightness. Returns 0, or -1 where this was built without
+   libqrencode. */
+int print_qr_code(const char *address);
 
 /* `fixsplat fit --preview`: returns its exit status. */
 int serve_fit(int argc, char **argv);

@@ -12,10 +12,10 @@ export function Splats({ src, view, onPicture, onFault }) {
     const element = viewer.current
     const drawn = (event) => onPicture?.(event.detail)
     const failed = (event) => onFault?.(event.message)
-    element.addEventListener('picture', drawn)
+    element.addEventListener('frame', drawn)
     element.addEventListener('error', failed)
     return () => {
-      element.removeEventListener('picture', drawn)
+      element.removeEventListener('frame', drawn)
       element.removeEventListener('error', failed)
     }
   }, [onPicture, onFault])

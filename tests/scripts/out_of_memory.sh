@@ -99,18 +99,20 @@ serves() {
     server=$!
     until [ -s logs/served ] || ! kill -0 $server 2>/dev/null; do sleep 0.05; done
     at=$(sed -n 's|^\(http://[^/]*\)/.*|\1|p;q' logs/served)
-    [ -z "$at" ] || curl -s -m 2 -H 'Accept-Encoding: gzip' "$at/long.js" "$at/none" "$at/scenes/0/knot.ply" >logs/got
+    [ -z "$at" ] || curl -s -m 2 -H 'Accept-Encoding: gzip' "$at/long.js" "$at/none" "$at/scenes/0.json" "$at/scenes/0/knot.ply.fxs" \
+        >logs/got
     kill $server 2>/dev/null
     wait $server
     status=$?
     [ $status = 0 ] || { [ $status = 1 ] && [ "$(wc -l <logs/err)" = 1 ]; }
 }
+mkdir -p page/viewer
+echo page >page/viewer/index.html
+seq 2000 | tee page/long.js page/viewer/single.js >page/LICENSE
+FIXSPLAT_WEB=$work/page
+export FIXSPLAT_WEB
+survives o.html publish --single knot.ply o.html --size 64x48
 if [ -x "$fixsplat-web" ] && have curl; then
-    mkdir -p page/viewer
-    echo page >page/viewer/index.html
-    seq 2000 >page/long.js
-    FIXSPLAT_WEB=$work/page
-    export FIXSPLAT_WEB
     for n in $(seq 3 9 160); do
         check "view --web, allocation $n" serves $n ''
         check "view --web, allocation $n and on" serves $n 1

@@ -1,5 +1,6 @@
 #!/bin/sh
-# fixsplat publish: the files of the folder, what it does not take, and in Chromium the pages.
+# fixsplat publish: the files of the folder, what it does not take, one file that has all, and in Chromium the pages; those
+# of `fixsplat view --web` too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
@@ -54,6 +55,22 @@ FIXSPLAT_WEB=$work/nowhere fails "no page" 1 "FIXSPLAT_WEB=.*: the page is not t
 check "nothing is made then" [ ! -e new3 ]
 unset FIXSPLAT_WEB
 
+# ---- One file --------------------------------------------------------------------------------------------------------
+
+echo licence >page/LICENSE
+echo script >page/viewer/single.js
+fails_single() { FIXSPLAT_WEB=$work/page fails "$@"; }
+check "--single: into a new file" env FIXSPLAT_WEB="$work/page" "$fixsplat" publish --single knot.ply one.html --size 64x36 --quiet
+sed -n 's/.*data-name="knot.fxs">\([A-Za-z0-9+\/=]*\).*/\1/p' one.html | base64 -d | gzip -d >unpacked.fxs
+check "--single: the scene, packed small" cmp unpacked.fxs small.fxs
+fails_single "--single: several scenes" 2 "takes one scene, not 2" publish --single knot.ply small.fxs two.html
+fails_single "--single: a folder" 2 "name ends in .html, not site" publish --single knot.ply site
+fails_single "--single: a scene for a file" 2 "knot.ply is a scene: the last name is that of a file" publish --single small.fxs knot.ply
+fails_single "--single: a damaged scene" 1 "short.ply" publish --single short.ply new.html
+rm page/LICENSE
+fails_single "--single: a page of an earlier version" 1 "page/LICENSE" publish --single knot.ply new.html
+check "--single: nothing is written then" [ ! -e new.html ]
+
 # ---- In a browser ----------------------------------------------------------------------------------------------------
 
 cd "$root" || exit 1
@@ -65,5 +82,14 @@ check "builds" builds
 "$fixsplat" publish "$kept/scenes" "$work/site" --size 640x360 --quiet >/dev/null
 node tests/web/publish.mjs "$work/site" "$modules" "${PICTURES:-$work}" a---b knot >"$work/asked" 2>&1 ||
     echo "FAIL publish.mjs: a check above, or it ended early" >>"$work/asked"
+counts
+"$fixsplat" publish --single "$kept/knot.ply" "$work/one.html" --quiet >/dev/null
+node tests/web/single.mjs "$work/one.html" "$modules" "${PICTURES:-$work}" "$fixsplat" "$kept/small.fxs" >"$work/asked" 2>&1 ||
+    echo "FAIL single.mjs: a check above, or it ended early" >>"$work/asked"
+counts
+check "size of what one file has beside scene and picture" [ "$(sed 's/base64,[^"]*"//; s/data-name=.*//' "$work/one.html" | wc -c)" -lt 650000 ]
+mkdir "$work/served" && cp "$kept/knot.ply" "$work/served" && head -c 3000 "$kept/knot.ply" >"$work/served/bad.ply"
+node tests/web/served.mjs "$fixsplat" "$work/served" "$modules" "${PICTURES:-$work}" >"$work/asked" 2>&1 ||
+    echo "FAIL served.mjs: a check above, or it ended early" >>"$work/asked"
 counts
 finish

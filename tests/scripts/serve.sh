@@ -1,5 +1,6 @@
 #!/bin/sh
-# `fixsplat view --web`: what it serves and what not, with which headers; ranges, large files, TLS, misuse, its end.
+# `fixsplat view --web`: what it serves and what not, with which headers; lists, files that change, ranges, large files,
+# TLS, misuse, its end.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 server=
@@ -7,6 +8,7 @@ trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
 
 "$fixsplat" make-scene knot --count 2000 -o 'a knot+50%.ply' || exit 1
 cp 'a knot+50%.ply' knot.ply
+"$fixsplat" convert knot.ply knot.fxs --quiet && "$fixsplat" convert knot.ply knot.spz --quiet || exit 1
 run view --web none.ply
 case $(cat logs/err) in
 *'built without'*) skip serve "$(cat logs/err)"; finish; exit ;;
@@ -50,34 +52,51 @@ header() {
     shift
     get -o logs/body -D - "$@" | tr -d '\r' | sed -n "s/^$name: //Ip"
 }
+# ready NUMBER [STATE [VERSION]]: waits until a scene is, 30 seconds at most.
+ready() {
+    tries=0
+    until get "$at/scenes/$1.json" | grep -q "\"state\": \"${2:-ready}\", \"version\": ${3:-}"; do
+        [ $((tries += 1)) -lt 300 ] || { get "$at/scenes/$1.json"; return 1; }
+        sleep 0.1
+    done
+}
 gets() { get -o logs/body "$1" && cmp logs/body "$2"; }
 
-serve 'a knot+50%.ply' knot.ply --bg 102030
+serve 'a knot+50%.ply' knot.ply knot.spz --bg 102030
+for i in 0 1 2; do check "scene $i is there" ready $i; done
 
 # ---- Files -----------------------------------------------------------------------------------------------------------
 
-check "the address" equal "$(head -n 1 logs/served)" \
-    "$at/viewer/?scene=/scenes/0/a%20knot%2B50%25.ply&background=%23102030"
-check "of the second scene" equal "$(sed -n 2p logs/served)" "$at/viewer/?scene=/scenes/1/knot.ply&background=%23102030"
-check "/ leads there" equal "$at$(header Location "$at/")" "$(head -n 1 logs/served)"
-check "/1 to the second" equal "$at$(header Location "$at/1")" "$(sed -n 2p logs/served)"
+check "the address" equal "$(cat logs/served)" "$at/"
+check "/ leads to the list" equal "$(header Location "$at/")" /list.html
+check "/1 to the first" equal "$(header Location "$at/1")" \
+    "/viewer/served.html?scene=/scenes/0/a%20knot%2B50%25.ply.fxs&background=%23102030"
+check "/2 to the second" equal "$(header Location "$at/2")" "/viewer/served.html?scene=/scenes/1/knot.ply.fxs&background=%23102030"
+get -o list.html "$at/list.html"
+check "the list" equal "$(sed -n 's/^<a href="\([^"]*\)".*>\(.*\)<\/a>$/\1 \2/p' list.html | tr '\n' ,)" \
+    "/1 a knot+50%.ply,/2 knot.ply,/3 knot.spz,"
 check "the page" gets "$at/viewer/?scene=x" page/viewer/index.html
-check "a scene, its name escaped" gets "$at/scenes/0/a%20knot%2B50%25.ply" 'a knot+50%.ply'
-check "the other scene" gets "$at/scenes/1/knot.ply" knot.ply
+check "a scene of floats: packed, its name escaped" gets "$at/scenes/0/a%20knot%2B50%25.ply.fxs" knot.fxs
+check "the other scene" gets "$at/scenes/1/knot.ply.fxs" knot.fxs
+check "a scene that is small: as it lies" gets "$at/scenes/2/knot.spz" knot.spz
+get -o picture.jpg "$at/scenes/1.jpg"
+"$fixsplat" render knot.fxs --size 640x360 --bg 102030 --quality 85 -o wanted.jpg --quiet
+check "its picture" cmp picture.jpg wanted.jpg
+check "all of them" equal "$(get "$at/scenes.json" | grep -c '"state": "ready", "version": 1, "done": 0.000, "picture": true')" 3
 for type in /viewer/:text/html /a.js:text/javascript /a.wasm:application/wasm /a.css:text/css /a.json:application/json \
-    /scenes/1/knot.ply:application/octet-stream; do
+    /scenes/1/knot.ply.fxs:application/octet-stream; do
     check "type of ${type%%:*}" equal "$(header Content-Type "$at${type%%:*}" | sed 's/;.*//')" "${type#*:}"
 done
-for path in /a.js /scenes/1/knot.ply /none; do
+for path in /a.js /scenes/1/knot.ply.fxs /none; do
     for pair in Opener-Policy:same-origin Embedder-Policy:require-corp Resource-Policy:same-origin; do
         check "$path: Cross-Origin-$pair" equal "$(header "Cross-Origin-${pair%:*}" "$at$path")" "${pair#*:}"
     done
 done
-check "no-cache" equal "$(header Cache-Control "$at/scenes/1/knot.ply")" no-cache
+check "no-cache" equal "$(header Cache-Control "$at/scenes/1/knot.ply.fxs")" no-cache
 
 # ---- Nothing else ----------------------------------------------------------------------------------------------------
 
-for path in /none /viewer /scenes/ /scenes/2/knot.ply /scenes/0/knot.ply /scenes/1/knot.ply/ /2 /.x /viewer/.x \
+for path in /none /viewer /scenes/ /scenes/2/knot.ply /scenes/0/knot.ply.fxs /scenes/1/knot.ply /scenes/1/knot.ply.fxs/ /scenes/3.json /4 /.x /viewer/.x \
     /.hidden/x /../beside.txt /viewer/../../beside.txt /%2e%2e/beside.txt /viewer/%2e%2e/%2e%2e/beside.txt '/..%2fbeside.txt' \
     /out.txt /viewer/..%00/x /a.js%00 /a.js%00.png //beside.txt "/$work/beside.txt" '/..\beside.txt' /scenes/1/../1/knot.ply \
     "/$(head -c 5000 /dev/zero | tr '\0' a)"; do
@@ -94,15 +113,42 @@ for host in localhost LOCALHOST:80 127.0.0.1 '[::1]:80'; do
     check "as $host" equal "$(code -H "Host: $host" "$at/a.js")" 200
 done
 check "405: what is allowed" equal "$(header Allow -X POST -d 123 "$at/")" 'GET, HEAD'
+
+# ---- A file that changes ---------------------------------------------------------------------------------------------
+
+check "the address of the next: the same, until there is one" gets "$at/scenes/1/next/knot.ply.fxs" knot.fxs
+still() { gets "$at/scenes/1/knot.ply.fxs" knot.fxs; }
+facts() { get "$at/scenes/1.json" | sed -n 's/.*"version": \([0-9]*\), .*"address": "\([^"]*\)", "words": "\(.*\)"}/\1 \2 \3/p'; }
 mv knot.ply away.ply
-check "a scene that went away: 404" equal "$(code "$at/scenes/1/knot.ply")" 404
+check "a scene that went away: said" ready 1 gone
+check "and what was there is sent" still
 mkfifo knot.ply
-check "a FIFO in its place: 404" equal "$(code -m 5 "$at/scenes/1/knot.ply")" 404
+sleep 0.4
+check "a FIFO in its place: the same" equal "$(code -m 5 "$at/scenes/1/knot.ply.fxs") $(cksum <logs/body) $(facts)" \
+    "200 $(cksum <knot.fxs) 1 /scenes/1/knot.ply.fxs the file is not there any more"
 rm knot.ply
 ln -s beside.txt knot.ply
-check "a link in its place: 404" equal "$(code "$at/scenes/1/knot.ply")" 404
+sleep 1.3
+check "a link in its place: the same" equal "$(code "$at/scenes/1/knot.ply.fxs") $(cksum <logs/body) $(facts)" \
+    "200 $(cksum <knot.fxs) 1 /scenes/1/knot.ply.fxs the file is not there any more"
 rm knot.ply
+head -c 3000 away.ply >knot.ply
+check "half of it: not shown" ready 1 failed 1
+check "why, without its folder" equal "$(facts | cut -d ' ' -f 1-5)" "1 /scenes/1/knot.ply.fxs the header asks"
+check "and what was there is sent" still
 mv away.ply knot.ply
+check "the same again" ready 1 ready 2
+check "at an address of its own" gets "$at$(facts | cut -d ' ' -f 2)" knot.fxs
+"$fixsplat" make-scene cubes --count 1000 -o cubes.ply && "$fixsplat" convert cubes.ply cubes.fxs --quiet
+{ head -c 20000 cubes.ply && sleep 0.3 && tail -c +20001 cubes.ply; } >knot.ply
+check "another, in the same file, when all of it is there" ready 1 ready 3
+check "that one" gets "$at$(facts | cut -d ' ' -f 2)" cubes.fxs
+check "a page of the last one reads on" gets "$at/scenes/1/next/knot.ply.fxs" knot.fxs
+cp 'a knot+50%.ply' knot.ply
+check "the first one" ready 1 ready 4
+check "said, to the one who started it" equal "$(sed 's|/[^ ]*/|/|' logs/errors)" \
+    "fixsplat: /knot.ply: the header asks for at least 497529 bytes, the file has 3000"
+: >logs/errors
 
 # ---- Compressed ------------------------------------------------------------------------------------------------------
 
@@ -128,7 +174,7 @@ if ldd "$fixsplat-web" 2>/dev/null | grep -q libz; then
             "200 $(cksum <page/long.js)"
     done
     check "a range: not of gzip" equal "$(gzipped -r 0-9 "$at/long.js") $(wc -c <logs/body)" "206 10"
-    check "a scene: not by gzip" equal "$(gzipped "$at/scenes/1/knot.ply") $(cksum <logs/body)" "200 $(cksum <knot.ply)"
+    check "a scene: not by gzip" equal "$(gzipped "$at/scenes/0/a%20knot%2B50%25.ply.fxs") $(cksum <logs/body)" "200 $(cksum <knot.fxs)"
 else
     skip gzip "no zlib here"
 fi
@@ -136,21 +182,21 @@ fi
 # ---- Many that wait --------------------------------------------------------------------------------------------------
 
 check "beside 1100 requests that never end" $helper hang "${at##*:}" 1100 \
-    curl -s -m 5 -o logs/body "$at/a.js" "$at/scenes/1/knot.ply"
+    curl -s -m 5 -o logs/body "$at/a.js" "$at/scenes/0/a%20knot%2B50%25.ply.fxs"
 
 # ---- HEAD, ranges, ETag ----------------------------------------------------------------------------------------------
 
-size=$(wc -c <knot.ply)
-scene=$at/scenes/1/knot.ply
+size=$(wc -c <knot.fxs)
+scene=$at/scenes/0/a%20knot%2B50%25.ply.fxs
 check "HEAD: the length" equal "$(get -I "$scene" | tr -d '\r' | sed -n 's/^Content-Length: //p')" "$size"
 check "HEAD: no body" equal "$(get --head -m 5 -o logs/body -w '%{size_download}' "$scene")" 0
 part() { check "range $1" equal "$(code -r "$1" "$scene") $(cksum <logs/body)" "206 $(eval "$2" | cksum)"; }
-part 0-99 'head -c 100 knot.ply'
-part 100-299 'head -c 300 knot.ply | tail -c 200'
-part 1000- 'tail -c +1001 knot.ply'
-part -77 'tail -c 77 knot.ply'
-part "5-$((size * 2))" 'tail -c +6 knot.ply'
-part "-$((size * 2))" 'cat knot.ply'
+part 0-99 'head -c 100 knot.fxs'
+part 100-299 'head -c 300 knot.fxs | tail -c 200'
+part 1000- 'tail -c +1001 knot.fxs'
+part -77 'tail -c 77 knot.fxs'
+part "5-$((size * 2))" 'tail -c +6 knot.fxs'
+part "-$((size * 2))" 'cat knot.fxs'
 check "Content-Range" equal "$(header Content-Range -r 0-99 "$scene")" "bytes 0-99/$size"
 for range in "$size-" 99999999999999- -0; do
     check "range $range: 416" equal "$(code -r "$range" "$scene")" 416
@@ -190,7 +236,9 @@ check "Ctrl-C: status 0" equal "$? $(wc -l <logs/out) $(wc -c <logs/err)" "0 1 0
     printf ']'
 } >three.json
 serve knot.ply --cameras three.json --view 1 --profile compact
-check "views in the address" equal "$(cat logs/served)" "$at/viewer/?scene=/scenes/0/knot.ply.fxs&cameras=/cameras.json"
+check "views in the address" equal "$(header Location "$at/")" \
+    "/viewer/served.html?scene=/scenes/0/knot.ply.fxs&cameras=/cameras.json"
+ready 0
 gets_packed() {
     "$fixsplat" convert knot.ply compact.fxs --profile compact >/dev/null 2>&1 &&
         gets "$at/scenes/0/knot.ply.fxs" compact.fxs
@@ -214,6 +262,7 @@ if [ -e "$tile" ]; then
 	END
     "$fixsplat" convert tileset.json tileset.fxs >/dev/null
     serve tileset.json
+    ready 0
     check "several files: packed" gets "$at/scenes/0/tileset.json.fxs" tileset.fxs
     check "and not those" equal "$(code "$at/scenes/0/tile.glb")" 404
     ends TERM
@@ -221,27 +270,23 @@ if [ -e "$tile" ]; then
     mv tile.glb folder
     mv tileset.json folder/INDEX
     serve folder/INDEX
+    ready 0
     check "several files, whatever their index is called" gets "$at/scenes/0/INDEX.fxs" tileset.fxs
     ends TERM
     mv folder/INDEX folder/tileset.json
     serve folder/
-    check "a folder" gets "$at/scenes/0/folder.fxs" tileset.fxs
+    ready 0
+    check "a folder that is a scene" gets "$at/scenes/0/folder.fxs" tileset.fxs
     ends TERM
 else
     skip "several files" "no $tile"
 fi
 
-# 20 million Gaussians in 4.96 GB, all of it a hole but for the last bytes.
-{
-    printf 'ply\nformat binary_little_endian 1.0\nelement vertex 20000000\n'
-    for name in x y z nx ny nz f_dc_0 f_dc_1 f_dc_2 $(seq -f 'f_rest_%g' 0 44) opacity scale_0 scale_1 scale_2 \
-        rot_0 rot_1 rot_2 rot_3; do echo "property float $name"; done
-    echo end_header
-} >large.ply
-large=$(($(wc -c <large.ply) + 20000000 * 248))
-if truncate -s $((large - 4)) large.ply 2>/dev/null && printf last >>large.ply; then
-    serve large.ply
-    scene=$at/scenes/0/large.ply
+# 5 GB, all of it a hole but for the last bytes.
+large=5000000000
+if truncate -s $((large - 4)) page/large.bin 2>/dev/null && printf last >>page/large.bin; then
+    serve knot.ply
+    scene=$at/large.bin
     check "5 GB: the length" equal "$(get -I "$scene" | tr -d '\r' | sed -n 's/^Content-Length: //p')" $large
     check "5 GB: its last bytes" equal "$(code -r -4 "$scene") $(cat logs/body)" "206 last"
     check "5 GB: past 4 GB" equal "$(code -r "$((large - 8))-" "$scene") $(tr '\0' . <logs/body)" "206 ....last"
@@ -256,7 +301,7 @@ if truncate -s $((large - 4)) large.ply 2>/dev/null && printf last >>large.ply; 
     check "ends at once beside a download that waits" equal "$status $(($(date +%s) - begun < 3))" "0 1"
     kill $slow 2>/dev/null
     wait
-    rm large.ply
+    rm page/large.bin
 else
     skip "5 GB" "no such files here"
 fi
@@ -264,11 +309,11 @@ fi
 # ---- Other machines, TLS ---------------------------------------------------------------------------------------------
 
 serve knot.ply --bind 0.0.0.0
-check "all addresses: this machine's own" grep -q '^http://127\.0\.0\.1:.*/viewer/?scene=' logs/served
+check "all addresses: this machine's own" grep -q '^http://127\.0\.0\.1:[0-9]*/$' logs/served
 if [ "$(wc -l <logs/served)" -gt 1 ]; then
     far=$(sed -n 2p logs/served)
     check "all addresses: a short one, which leads there" equal "$(header Location "$far")" \
-        "/viewer/?scene=/scenes/0/knot.ply"
+        "/viewer/served.html?scene=/scenes/0/knot.ply.fxs"
     check "all addresses: what http lacks" grep -q 'http: --cert and --key' logs/served
 else
     skip "all addresses" "no network here"
@@ -286,7 +331,8 @@ check "--host: not by another" equal "$(code -H "Host: evil.example" "$at/a.js")
 ends TERM
 ln -s knot.ply link.ply
 serve link.ply
-check "a link that is given: its file" gets "$at/scenes/0/link.ply" knot.ply
+ready 0
+check "a link that is given: its file" gets "$at/scenes/0/link.ply.fxs" knot.fxs
 ends TERM
 if [ -e /proc/net/if_inet6 ] && grep -q ' lo$' /proc/net/if_inet6; then
     serve knot.ply --bind ::1
@@ -300,8 +346,9 @@ if have openssl; then
     openssl genrsa -out other.pem 2048 2>>logs/openssl
     serve knot.ply --cert cert.pem --key key.pem
     check "TLS: the address" equal "${at%%:*}" https
-    check "TLS: a scene" gets "$at/scenes/0/knot.ply" knot.ply
-    check "TLS: a range" equal "$(code -r 0-9 "$at/scenes/0/knot.ply") $(wc -c <logs/body)" "206 10"
+    ready 0
+    check "TLS: a scene" gets "$at/scenes/0/knot.ply.fxs" knot.fxs
+    check "TLS: a range" equal "$(code -r 0-9 "$at/scenes/0/knot.ply.fxs") $(wc -c <logs/body)" "206 10"
     check "TLS: not without" equal "$(code -m 5 "http${at#https}/a.js")" 000
     ends TERM
     check "TLS: status 0" equal "$status $(cat logs/errors)" "0 "
@@ -313,11 +360,85 @@ else
     skip TLS "no openssl here"
 fi
 
+# ---- A folder --------------------------------------------------------------------------------------------------------
+
+mkdir many more nothing
+cp knot.ply knot.fxs many
+cp knot.ply more
+echo >many/text.txt
+head -c 3000 knot.ply >many/bad.ply
+serve many more
+check "a folder: its list" equal "$(get "$at/list.html" | sed -n 's/^<a href="\([^"]*\)".*>\(.*\)<\/a>$/\1 \2/p' | tr '\n' ,)" \
+    "/1 bad.ply,/2 knot.fxs,/3 many/knot.ply,/4 more/knot.ply,"
+check "nothing is done before somebody looks" equal "$(sleep 0.5; cat logs/errors)" ""
+get "$at/scenes.json" >logs/body
+check "a damaged one: the others are there" ready 3
+check "a damaged one: says so" ready 0 failed 0
+check "a scene of two folders" gets "$at/scenes/3/knot.ply.fxs" knot.fxs
+check "an .fxs as it lies" sh -c 'curl -s "$1/scenes/1/knot.fxs" | cmp - knot.fxs' - "$at"
+check "not another file" equal "$(code "$at/scenes/1/text.txt")" 404
+ends TERM
+serve many/knot.ply --levels
+ready 0
+"$fixsplat" convert knot.ply levels.fxs --levels --quiet
+check "--levels" gets "$at/scenes/0/knot.ply.fxs" levels.fxs
+ends TERM
+
+# ---- For people at a terminal ----------------------------------------------------------------------------------------
+
+if ldd "$fixsplat-web" | grep -q qrencode && have zbarimg; then
+    serve knot.ply --qr
+    sleep 0.2
+    # Of half blocks on black: light is white ink.
+    sed -n 's/^.\[40;97m\(.*\).\[0m$/\1/p' logs/served | sed 's/\xe2\x96\x88/a/g; s/\xe2\x96\x80/b/g; s/\xe2\x96\x84/c/g' | awk '
+        { up = down = ""
+          for (i = 1; i <= length($0); i++) {
+              c = substr($0, i, 1)
+              for (k = 0; k < 4; k++) { up = up (c ~ /[ab]/ ? " 0" : " 1"); down = down (c ~ /[ac]/ ? " 0" : " 1") }
+          }
+          rows[2 * NR - 1] = up; rows[2 * NR] = down; wide = 4 * length($0) }
+        END { print "P1"; print wide, 8 * NR; for (r = 1; r <= 2 * NR; r++) for (k = 0; k < 4; k++) print rows[r] }' >code.pbm
+    check "--qr: the address" equal "$(zbarimg -q --raw code.pbm 2>logs/zbar)" "$at/"
+    ends TERM
+else
+    skip "--qr" "no libqrencode, or no zbarimg here"
+fi
+if have script; then
+    mkdir bin
+    printf '#!/bin/sh\necho "$*" >"$OPENED"\n' >bin/xdg-open
+    chmod +x bin/xdg-open
+    # opened NAME [OPTION...]: in a terminal, with a desktop.
+    opened() {
+        name=$1
+        shift
+        env PATH="$work/bin:$PATH" OPENED="$work/opened.$name" DISPLAY="${display-:99}" WAYLAND_DISPLAY= timeout -s INT 3 script -qec \
+            "'$fixsplat' view --web --port 0 knot.ply $*" /dev/null >"terminal.$name" 2>&1 </dev/null &
+    }
+    opened plain
+    opened not --no-open
+    FIXSPLAT_NO_OPEN=1 opened variable
+    opened code --bind 0.0.0.0
+    wait
+    check "a browser is opened" equal "$(cat opened.plain)" "$(tr -d '\r' <terminal.plain | grep -o '^http://127[^ ]*/$')"
+    check "not by --no-open, or FIXSPLAT_NO_OPEN" [ ! -e opened.not -a ! -e opened.variable ]
+    check "no code for this machine alone" equal "$(grep -c '40;97m' terminal.plain)" 0
+    if ldd "$fixsplat-web" | grep -q qrencode && [ "$(grep -c ^http terminal.code)" -gt 1 ]; then
+        check "a code for others" grep -q '40;97m' terminal.code
+    fi
+else
+    skip "a browser is opened" "no script here"
+fi
+
 # ---- Misuse ----------------------------------------------------------------------------------------------------------
 
 fails "no scene file" 1 "none.ply: No such file" view --web none.ply
 fails "no scene" 1 "beside.txt: not a scene file" view --web beside.txt
 fails "one of two" 1 "none.ply: No such file" view --web knot.ply none.ply
+fails "a folder without scenes" 1 "nothing: no scene in this folder" view --web nothing
+head -c 1600 knot.ply >zeros.ply
+truncate -s "$(wc -c <knot.ply)" zeros.ply
+run view --web --port 0 zeros.ply
+check "nothing to draw: seen when it is packed" equal "$status $(wc -l <logs/err) $(grep -c 'zeros.ply: ' logs/err)" "1 1 1"
 fails "no cameras" 1 "none.json" view --web knot.ply --cameras none.json
 fails "no view of that name" 1 "no view 'x'" view --web knot.ply --cameras three.json --view x
 fails "an address in words" 1 "expected an address in digits" view --web knot.ply --bind somewhere
@@ -325,7 +446,7 @@ fails "an address of another machine" 1 "192.0.2.99, port 8080: Cannot assign" v
 for bad in 'eye 1,2,3' 'place 0:1,2,3' 'scene x.json' 'screenshot x.png' 'size 10x10'; do
     fails "--web --${bad%% *}" 2 "no --${bad%% *}" view --web knot.ply --$bad
 done
-for bad in 'port 80' 'bind 0.0.0.0' 'host x' 'cert x' 'key x'; do
+for bad in 'port 80' 'bind 0.0.0.0' 'host x' 'cert x' 'key x' no-open qr levels; do
     fails "--${bad%% *} without --web" 2 "--${bad%% *} needs --web" view knot.ply --$bad
 done
 for bad in 'port 65536' 'port -1' 'port x'; do fails "--$bad" 2 "--$bad: expected" view --web knot.ply --$bad; done
@@ -339,7 +460,9 @@ if ! have valgrind || [ "$FXS_EMULATED" ]; then
 else
     through='valgrind -q --trace-children=yes --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite'
     serve knot.ply compact.fxs --cameras three.json --profile small
-    for path in / /a.js /none /cameras.json /scenes/0/knot.ply.fxs /viewer/../../beside.txt; do
+    ready 0
+    ready 1
+    for path in / /a.js /none /cameras.json /scenes.json /scenes/0.jpg /scenes/0/knot.ply.fxs /viewer/../../beside.txt; do
         get "$at$path"
     done >logs/body
     get -r 5-10 "$at/a.js" >logs/body

@@ -201,7 +201,7 @@ served_in_parts() {
     "$B/fixsplat" view --web --port 0 "$work/paged.fxs" >"$work/address" 2>&1 &
     server=$!
     until [ -s "$work/address" ] || ! kill -0 $server 2>/dev/null; do sleep 0.1; done
-    got=$(web parts "$(sed -n 's|/viewer/?scene=||p;q' "$work/address")" '{"eye":[2,-1,-4]}' \
+    got=$(web parts "$(head -n 1 "$work/address")scenes/0/paged.fxs" '{"eye":[2,-1,-4]}' \
         '{"width":200,"height":150,"budget":6000}')
     kill $server
     wait $server 2>/dev/null

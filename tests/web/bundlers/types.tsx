@@ -28,7 +28,7 @@ export async function pictures() {
 
 export function page() {
   const viewer = document.querySelector('fixsplat-viewer')
-  viewer?.addEventListener('picture', ({ detail }) => console.log(detail.milliseconds.toFixed()))
+  viewer?.addEventListener('frame', ({ detail }) => console.log(detail.milliseconds.toFixed()))
   viewer?.addEventListener('error', (event) => console.log(event.message.length))
   const made: Viewer = document.createElement('fixsplat-viewer')
   made.view = '0,0,-4,0,0,0,0,-1,0,45'

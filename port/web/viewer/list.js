@@ -1,0 +1,27 @@
+// The list of the scenes that `fixsplat view --web` serves: their pictures, as they are made, and what goes on until
+// then.
+
+const ASK_MS = 1000
+const cards = [...document.querySelectorAll('main a')].map((card) => ({
+  image: card.querySelector('img'),
+  note: card.appendChild(document.createElement('small')),
+  version: 0,
+}))
+
+const wordsOf = ({ state, done, words, picture }) =>
+  ({ packs: `packing: ${Math.floor(100 * done)} %`, failed: words, gone: words })[state] ?? (picture ? '' : '…')
+
+function update({ image, note, ...card }, facts, number) {
+  note.textContent = wordsOf(facts)
+  if (facts.picture && facts.version !== card.version) image.src = `/scenes/${number}.jpg?${facts.version}`
+  return facts.version
+}
+
+for (;;) {
+  const all = document.hidden ? [] : await fetch('/scenes.json', { cache: 'no-store' }).then((a) => a.json()).catch(() => [])
+  all.forEach((facts, i) => {
+    if (cards[i]) cards[i].version = update(cards[i], facts, i)
+  })
+  const isDone = all.length && all.every(({ picture, state }) => picture || state === 'failed' || state === 'gone')
+  await new Promise((done) => setTimeout(done, isDone ? 5 * ASK_MS : ASK_MS))
+}

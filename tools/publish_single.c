@@ -1,0 +1,232 @@
+#include "publish_single.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/map.h>
+#include "command.h"
+#include "scene_pages.h"
+#include "scene_picture.h"
+#include "task.h"
+
+#ifdef FXS_WITH_ZLIB
+#include <zlib.h>
+
+/* Browsers hold a text of less than 2^29 characters, and these are 2^29 in base64 where gzip gains nothing. */
+enum { SCENE_MOST = 384 * 1000 * 1000 };
+
+/* ---- Base64 of gzip ---------------------------------------------------------------------------------------------- */
+
+static void write_base64(FILE *file, const unsigned char *bytes, size_t size)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < size; i += 3) {
+        const size_t left = size - i;
+        const unsigned group = (unsigned)bytes[i] << 16 | (left > 1 ? (unsigned)bytes[i + 1] << 8 : 0) |
+                               (left > 2 ? bytes[i + 2] : 0);
+        putc(digits[group >> 18], file);
+        putc(digits[group >> 12 & 63], file);
+        putc(left > 1 ? digits[group >> 6 & 63] : '=', file);
+        putc(left > 2 ? digits[group & 63] : '=', file);
+    }
+}
+
+/* Returns 0, or prints that memory ran out and returns EXIT_FAILED. */
+static int write_packed(FILE *file, const void *bytes, size_t size)
+{
+    z_stream stream = {0};
+    if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+        return fail(EXIT_FAILED, "out of memory");
+    const size_t room = deflateBound(&stream, (uLong)size);
+    unsigned char *out = malloc(room);
+    stream.next_in = (Bytef *)(uintptr_t)bytes;
+    stream.avail_in = (uInt)size;
+    stream.next_out = out;
+    stream.avail_out = (uInt)room;
+    const int ended = out ? deflate(&stream, Z_FINISH) : Z_MEM_ERROR;
+    if (ended == Z_STREAM_END)
+        write_base64(file, out, stream.total_out);
+    deflateEnd(&stream);
+    free(out);
+    return ended == Z_STREAM_END ? 0 : fail(EXIT_FAILED, "out of memory");
+}
+
+/* ---- What the page carries --------------------------------------------------------------------------------------- */
+
+/* What a page without threads and without a server does not need, of the files with these endings. */
+static int is_carried(const char *name)
+{
+    static const char *const endings[] = {".js", ".wasm", ".css"};
+    static const char *const left_out[] = {"threads.wasm", "viewer/page.js", "viewer/fit.js", "viewer/served.js",
+                                           "viewer/single.js"};
+    int is = 0;
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        is |= ends_with(name, endings[i]);
+    for (size_t i = 0; i < sizeof left_out / sizeof *left_out; i++)
+        is &= strcmp(name, left_out[i]) != 0;
+    return is;
+}
+
+typedef struct carrier {
+    FILE *file;
+    const char *package;
+    int count;
+} carrier;
+
+static int carry_file(carrier *c, const char *name)
+{
+    char path[TASK_PATH];
+    fxs_mapping mapping;
+    fxs_message why;
+    join_path(path, c->package, name);
+    if (fxs_map(&mapping, path, &why))
+        return fail_for(&why);
+    fputs(c->count++ ? ",\n" : "{", c->file);
+    write_json_string(c->file, name);
+    fputs(": \"", c->file);
+    const int status = write_packed(c->file, mapping.data, mapping.bytes);
+    putc('"', c->file);
+    fxs_unmap(&mapping);
+    return status;
+}
+
+/* `inside`: "" or "viewer/". */
+static int carry_folder(carrier *c, const char *inside)
+{
+    char path[TASK_PATH], name[TASK_PATH];
+    join_path(path, c->package, inside);
+    struct dirent **entries;
+    const int count = scandir(path, &entries, 0, alphasort);
+    int status = count < 0 ? fail(EXIT_FAILED, "%s: %s", path, strerror(errno)) : 0;
+    for (int i = 0; i < count; i++) {
+        if (!status && snprintf(name, sizeof name, "%s%s", inside, entries[i]->d_name) < (int)sizeof name &&
+            is_carried(name))
+            status = carry_file(c, name);
+        free(entries[i]);
+    }
+    if (count >= 0)
+        free(entries);
+    return status;
+}
+
+/* A file of the package as it is, in an element of the page. */
+static int print_file(FILE *file, const char *package, const char *name, const char *before)
+{
+    char path[TASK_PATH];
+    fxs_mapping mapping;
+    fxs_message why;
+    join_path(path, package, name);
+    if (fxs_map(&mapping, path, &why))
+        return fail_for(&why);
+    fputs(before, file);
+    fwrite(mapping.data, 1, mapping.bytes, file);
+    fputs("</script>\n", file);
+    fxs_unmap(&mapping);
+    return 0;
+}
+
+static int print_carried(FILE *file, const char *package)
+{
+    carrier c = {file, package, 0};
+    fputs("<script type=\"application/json\" id=\"files\">", file);
+    int status = carry_folder(&c, "");
+    status = status ? status : carry_folder(&c, "viewer/");
+    fputs("}</script>\n", file);
+    return status ? status : print_file(file, package, "LICENSE", "<script type=\"text/plain\" id=\"licence\">\n");
+}
+
+/* ---- The page ---------------------------------------------------------------------------------------------------- */
+
+static int print_scene(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster)
+{
+    print_page_head(file, page->title);
+    print_html(file, "<style>\nhtml, body { height: 100%; margin: 0 }\n"
+               "fixsplat-viewer { height: 100vh; height: 100dvh }\n</style>\n<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n"
+               "<fixsplat-viewer threads=\"1\" background=\"#000000\" poster=\"data:image/jpeg;base64,");
+    write_base64(file, poster->bytes, poster->size);
+    print_html(file, "\"></fixsplat-viewer>\n<script type=\"text/plain\" id=\"scene\" data-name=\"%s.fxs\">",
+               page->name);
+    const int status = write_packed(file, opened->data, opened->bytes);
+    fputs("</script>\n", file);
+    return status;
+}
+
+static int print_page(FILE *file, const single_page *page, const fxs_opened *opened, const fxs_encoded *poster)
+{
+    int status = print_scene(file, page, opened, poster);
+    status = status ? status : print_carried(file, page->package);
+    return status ? status : print_file(file, page->package, "viewer/single.js", "<script type=\"module\">\n");
+}
+
+/* The bytes of a file without a name, of which a stream in memory would not say that there was no room for them. */
+static int write_printed(FILE *file, const char *out, size_t *bytes)
+{
+    fxs_message why;
+    const long size = fflush(file) || ferror(file) ? -1 : ftell(file);
+    void *data = size < 0 ? MAP_FAILED : mmap(0, (size_t)size, PROT_READ, MAP_PRIVATE, fileno(file), 0);
+    if (data == MAP_FAILED)
+        return fail(EXIT_FAILED, "%s: a temporary file: %s", out, strerror(errno));
+    const fxs_encoded whole = {.bytes = data, .size = (size_t)size};
+    const int error = fxs_encoded_write(out, &whole, &why);
+    munmap(data, (size_t)size);
+    *bytes = (size_t)size;
+    return error ? fail_for(&why) : 0;
+}
+
+static int write_page(const single_page *page, const fxs_opened *opened, const fxs_encoded *poster, const char *out,
+                      size_t *bytes)
+{
+    FILE *file = tmpfile();
+    if (!file)
+        return fail(EXIT_FAILED, "%s: a temporary file: %s", out, strerror(errno));
+    int status = print_page(file, page, opened, poster);
+    status = status ? status : write_printed(file, out, bytes);
+    fclose(file);
+    return status;
+}
+
+static int write_of_scene(const single_page *page, const frame_options *frame, loaded_scene *scene, const char *out,
+                          size_t *bytes)
+{
+    const int width = frame->width ? frame->width : PICTURE_WIDTH;
+    const int height = frame->width ? frame->height : PICTURE_HEIGHT;
+    fxs_encoded poster;
+    fxs_message why;
+    if (scene->opened->bytes > SCENE_MOST)
+        return fail(EXIT_FAILED, "%s: %.0f MB packed, and one page takes %d at most: publish a folder", page->scene,
+                    (double)scene->opened->bytes * 1e-6, SCENE_MOST / 1000000);
+    if (!is_packed(scene))
+        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, so no file's */
+    int status = scene_picture(scene->opened, width, height, frame->render.background, frame->threads, &poster, &why)
+               ? fail_for(&why) : 0;
+    status = status ? status : write_page(page, scene->opened, &poster, out, bytes);
+    fxs_encoded_free(&poster);
+    return status;
+}
+
+int write_single(const single_page *page, const frame_options *frame, const char *out, size_t *bytes)
+{
+    loaded_scene scene;
+    if (load_scene(&scene, page->scene, &frame->load))
+        return EXIT_FAILED;
+    int status = write_of_scene(page, frame, &scene, out, bytes);
+    status = status ? status : check_scene(&scene);
+    free_scene(&scene);
+    return status;
+}
+
+#else
+
+int write_single(const single_page *page, const frame_options *frame, const char *out, size_t *bytes)
+{
+    (void)page;
+    (void)frame;
+    (void)bytes;
+    return fail(EXIT_FAILED, "%s: cannot be written: this program was built without zlib", out);
+}
+
+#endif

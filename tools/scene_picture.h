@@ -1,0 +1,15 @@
+/* A picture of a scene in memory, from where the viewer's page begins. */
+#ifndef SCENE_PICTURE_H
+#define SCENE_PICTURE_H
+
+#include <fixsplat/image_file.h>
+#include <fixsplat/renderer.h>
+
+enum { PICTURE_WIDTH = 1280, PICTURE_HEIGHT = 720, PICTURE_QUALITY = 85 };
+
+/* Renders it and encodes it as .jpg. `threads` 0: one a processor; `background`: red, green and blue. Returns 0, with
+   an `encoded` for fxs_encoded_free, or an error and a message. */
+int scene_picture(const fxs_opened *opened, int width, int height, const uint8_t background[3], uint32_t threads,
+                  fxs_encoded *encoded, fxs_message *message);
+
+#endif

@@ -1,0 +1,535 @@
+#define _XOPEN_SOURCE 700   /* realpath, strdup */
+#include "serve_scenes.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <fixsplat/clock.h>
+#include <fixsplat/fxs_file.h>
+#include "scene_picture.h"
+#include "serve.h"
+
+#define SECOND ((uint64_t)1000000000)
+#define SETTLED (SECOND * 3 / 4)            /* without a change, and a file is complete */
+#define LOOKS (5 * SECOND)                  /* after a question of a page, it is still there */
+#define KEPT_MOST ((uint64_t)1 << 30)       /* bytes of packed scenes that no page looks at */
+enum { SMALL = 64 };                        /* bytes a Gaussian that packing does not make fewer */
+enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
+
+/* Of two versions that follow each other each has an address of its own, so that a page that shows the one goes on
+   reading it. */
+enum { VERSIONS = 2, FILES = SCENE_FILES };
+
+enum scene_state { WAITS, PACKS, READY, FAILED, GONE };
+static const char *const state_names[] = {"waits", "packs", "ready", "failed", "gone"};
+
+/* What tells one state of a file from another. */
+typedef struct file_state {
+    dev_t device;
+    ino_t inode;
+    off_t size;
+    struct timespec modified;
+} file_state;
+
+typedef struct served_scene {
+    served_scenes *all;
+    const char *given;                      /* its path, for messages */
+    char *path;                             /* and with links followed */
+    char *names[FILES];                     /* versions, facts, picture */
+    int number, is_twice;                   /* another scene has the same name */
+    file_state taken, seen;                 /* of the file: as it is served, and as it was last looked at */
+    uint64_t seen_at;
+
+    /* Under the lock: */
+    enum scene_state state;
+    int descriptors[VERSIONS], picture;     /* or -1: none */
+    uint64_t kept;                          /* bytes that were packed, and are no file's */
+    uint32_t version;                       /* from 1 on; 0: there was none yet */
+    double done;                            /* of packing */
+    uint64_t asked_at;                      /* by a page that shows it; 0: never */
+    char words[256];                        /* why not */
+} served_scene;
+
+struct served_scenes {
+    const served_options *options;
+    served_scene *scenes;
+    int count;
+    pthread_mutex_t lock;
+    uint64_t listed_at;                     /* when a list last asked; 0: never */
+};
+
+static int slot_of(const served_scene *s)
+{
+    return (int)(s->version + VERSIONS - 1) % VERSIONS;
+}
+
+/* The last part of a path. Returns its length. */
+static int base_of(const char **base, const char *path)
+{
+    const char *end = path + strlen(path);
+    while (end > path && end[-1] == '/')
+        end--;
+    for (*base = end; *base > path && (*base)[-1] != '/'; --*base)
+        ;
+    return (int)(end - *base);
+}
+
+/* ---- What is told ------------------------------------------------------------------------------------------------ */
+
+static void write_facts(FILE *file, const served_scene *s)
+{
+    const int has = s->version && s->descriptors[slot_of(s)] >= 0;
+    fputs("{\"name\": ", file);
+    write_json_string(file, scenes_title(s->all, s->number));
+    fprintf(file, ", \"state\": \"%s\", \"version\": %u, \"done\": %.3f, \"picture\": %s, \"address\": ",
+            state_names[s->state], has ? (unsigned)s->version : 0, s->done, s->picture < 0 ? "false" : "true");
+    write_json_string(file, s->names[slot_of(s)]);
+    fputs(", \"words\": ", file);
+    write_json_string(file, s->words);
+    putc('}', file);
+}
+
+static int open_facts(void *self)
+{
+    served_scene *s = self;
+    FILE *file = tmpfile();
+    pthread_mutex_lock(&s->all->lock);
+    s->asked_at = fxs_clock(0);
+    if (file)
+        write_facts(file, s);
+    pthread_mutex_unlock(&s->all->lock);
+    return keep_written(file);
+}
+
+static int open_all_facts(void *self)
+{
+    served_scenes *all = self;
+    FILE *file = tmpfile();
+    pthread_mutex_lock(&all->lock);
+    all->listed_at = fxs_clock(0);
+    for (int i = 0; file && i < all->count; i++) {
+        fputs(i ? ",\n" : "[", file);
+        write_facts(file, &all->scenes[i]);
+    }
+    pthread_mutex_unlock(&all->lock);
+    if (file)
+        putc(']', file);
+    return keep_written(file);
+}
+
+static int open_again(int descriptor)
+{
+    return descriptor < 0 ? -1 : fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+}
+
+/* A version, or where it is not there the one that is; a scene that is not there at all is wanted from now on. */
+static int open_version(served_scene *s, int slot)
+{
+    pthread_mutex_lock(&s->all->lock);
+    const int has = s->descriptors[slot] >= 0;
+    const int descriptor = open_again(s->descriptors[has ? slot : slot_of(s)]);
+    if (descriptor < 0)
+        s->asked_at = fxs_clock(0);
+    pthread_mutex_unlock(&s->all->lock);
+    return descriptor;
+}
+
+static int open_first(void *self)
+{
+    return open_version(self, 0);
+}
+
+static int open_next(void *self)
+{
+    return open_version(self, 1);
+}
+
+static int open_picture(void *self)
+{
+    served_scene *s = self;
+    pthread_mutex_lock(&s->all->lock);
+    const int descriptor = open_again(s->picture);
+    pthread_mutex_unlock(&s->all->lock);
+    return descriptor;
+}
+
+int scenes_file_count(const served_scenes *all)
+{
+    return all->count * FILES + 1;
+}
+
+void scenes_files(served_scenes *all, fxs_http_file *files)
+{
+    static int (*const opens[FILES])(void *) = {open_first, open_next, open_facts, open_picture};
+    for (int i = 0; i < all->count; i++)
+        for (int j = 0; j < FILES; j++)
+            *files++ = (fxs_http_file){.name = all->scenes[i].names[j], .open = opens[j], .self = &all->scenes[i]};
+    *files = (fxs_http_file){.name = "/scenes.json", .open = open_all_facts, .self = all};
+}
+
+/* ---- Taking a scene ---------------------------------------------------------------------------------------------- */
+
+/* Returns 0, or -1 where there is nothing that could be a scene: no file, a link, a FIFO. */
+static int look_at_file(const char *path, file_state *state)
+{
+    struct stat information;
+    memset(state, 0, sizeof *state);
+    if (lstat(path, &information) || !(S_ISREG(information.st_mode) || S_ISDIR(information.st_mode)))
+        return -1;
+    state->device = information.st_dev;
+    state->inode = information.st_ino;
+    state->size = information.st_size;
+    state->modified = information.st_mtim;
+    return 0;
+}
+
+static int is_same(const file_state *a, const file_state *b)
+{
+    return a->device == b->device && a->inode == b->inode && a->size == b->size &&
+           a->modified.tv_sec == b->modified.tv_sec && a->modified.tv_nsec == b->modified.tv_nsec;
+}
+
+/* Whether it is one file, and none in JSON, which names others. */
+static int is_one_file(const char *path)
+{
+    struct stat information;
+    if (stat(path, &information) || !S_ISREG(information.st_mode))
+        return 0;
+    FILE *file = fopen(path, "rb");
+    int c = ' ';
+    while (file && isspace(c))
+        c = getc(file);
+    if (file)
+        fclose(file);
+    return c != '{';
+}
+
+/* What a scene's file says at first sight. */
+typedef struct first_look {
+    int is_fxs, is_sent;                    /* is_sent: as it is, since packing gains nothing and is not asked for */
+} first_look;
+
+static int look_first(const char *path, const load_options *o, first_look *look)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    file_state state;
+    if (open_scene(path, o, &file, &info))
+        return EXIT_FAILED;
+    fxs_scene_file_close(file);
+    look->is_fxs = !strcmp(info.format, "fxs");
+    const int is_asked = o->lod || o->axes || o->profile || o->tree || o->max_gaussians || o->import_memory;
+    look->is_sent = look->is_fxs || (!is_asked && is_one_file(path) && !look_at_file(path, &state) &&
+                                     (uint64_t)state.size / SMALL <= info.count);
+    return 0;
+}
+
+/* Shows it here and to pages; a signal ends the program. */
+static int tell_progress(void *scene, double done)
+{
+    served_scene *s = scene;
+    const struct timespec now = {0, 0};
+    char label[64];
+    const char *base;
+    const int length = base_of(&base, s->given);
+    pthread_mutex_lock(&s->all->lock);
+    s->done = done;
+    pthread_mutex_unlock(&s->all->lock);
+    snprintf(label, sizeof label, "packing %.*s", length < 40 ? length : 40, base);
+    progress_bar(label, done);
+    if (sigtimedwait(s->all->options->ending, 0, &now) > 0) {
+        progress_end();
+        exit(EXIT_OK);
+    }
+    return 0;
+}
+
+static int picture_of(const served_scene *s, const loaded_scene *scene)
+{
+    const served_options *o = s->all->options;
+    fxs_encoded encoded;
+    fxs_message why;
+    const int error = scene_picture(scene->opened, LISTED_WIDTH, LISTED_HEIGHT, o->background, o->load.threads,
+                                    &encoded, &why);
+    const int descriptor = error ? -1 : keep(encoded.bytes, encoded.size);
+    fxs_encoded_free(&encoded);
+    return descriptor;
+}
+
+typedef struct taken {
+    int descriptor, picture;                /* or -1 */
+    uint64_t kept;
+} taken;
+
+static int take_loaded(served_scene *s, const first_look *look, loaded_scene *scene, taken *t)
+{
+    if (s->all->options->has_list)
+        t->picture = picture_of(s, scene);
+    if (look->is_sent)
+        return 0;
+    fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, so no file's */
+    t->kept = scene->opened->bytes;
+    t->descriptor = keep(scene->opened->data, scene->opened->bytes);
+    return t->descriptor < 0 ? fail(EXIT_FAILED, "%s: a temporary file: %s", s->given, strerror(errno)) : 0;
+}
+
+/* What is sent, and a picture. That it can be read is found out here and not first by the page. */
+static int take_file(served_scene *s, taken *t)
+{
+    load_options o = s->all->options->load;
+    first_look look;
+    loaded_scene scene;
+    o.progress = tell_progress;
+    o.progress_argument = s;
+    int status = look_first(s->path, &o, &look);
+    if (!status && look.is_sent && (t->descriptor = open(s->path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) < 0)
+        status = fail(EXIT_FAILED, "%s: %s", s->given, strerror(errno));
+    if (status || (look.is_sent && !look.is_fxs && !s->all->options->has_list))
+        return status;
+    status = load_scene(&scene, s->path, &o);
+    if (status)
+        return status;
+    status = take_loaded(s, &look, &scene, t);
+    free_scene(&scene);
+    return status;
+}
+
+/* Under the lock. */
+static void replace(int *descriptor, int by)
+{
+    if (*descriptor >= 0)
+        close(*descriptor);
+    *descriptor = by;
+}
+
+static void set_state(served_scene *s, enum scene_state state, const char *words)
+{
+    pthread_mutex_lock(&s->all->lock);
+    s->state = state;
+    s->done = 0;
+    snprintf(s->words, sizeof s->words, "%s", words);
+    pthread_mutex_unlock(&s->all->lock);
+}
+
+/* Under the lock. */
+static void drop(served_scene *s)
+{
+    for (int i = 0; i < VERSIONS; i++)
+        replace(&s->descriptors[i], -1);
+    s->kept = 0;
+    s->state = WAITS;
+}
+
+/* Closes packed scenes that no page looks at, until there are few bytes of them. */
+static void make_room(served_scenes *all)
+{
+    const uint64_t now = fxs_clock(0);
+    served_scene *oldest;
+    pthread_mutex_lock(&all->lock);
+    do {
+        uint64_t kept = 0;
+        oldest = 0;
+        for (int i = 0; i < all->count; i++) {
+            served_scene *s = &all->scenes[i];
+            kept += s->kept;
+            if (s->kept && now - s->asked_at > LOOKS && (!oldest || s->asked_at < oldest->asked_at))
+                oldest = s;
+        }
+        if (kept <= KEPT_MOST)
+            oldest = 0;
+        if (oldest)
+            drop(oldest);
+    } while (oldest);
+    pthread_mutex_unlock(&all->lock);
+}
+
+/* Pages of other machines need not know where a scene lies. */
+static const char *without_path(const served_scene *s, const char *words)
+{
+    const size_t length = strlen(s->path);
+    return strncmp(words, s->path, length) || strncmp(words + length, ": ", 2) ? words : words + length + 2;
+}
+
+static int take(served_scene *s, const file_state *now)
+{
+    taken t = {-1, -1, 0};
+    make_room(s->all);
+    set_state(s, PACKS, "");
+    s->taken = s->seen = *now;
+    const int status = take_file(s, &t);
+    progress_end();
+    if (status) {
+        if (t.descriptor >= 0)
+            close(t.descriptor);
+        if (t.picture >= 0)
+            close(t.picture);
+        set_state(s, FAILED, without_path(s, last_failure()));
+        return status;
+    }
+    pthread_mutex_lock(&s->all->lock);
+    s->version++;
+    replace(&s->descriptors[slot_of(s)], t.descriptor);
+    replace(&s->picture, t.picture);
+    s->kept = t.kept;
+    pthread_mutex_unlock(&s->all->lock);
+    set_state(s, READY, "");
+    return 0;
+}
+
+/* ---- Which, and when --------------------------------------------------------------------------------------------- */
+
+/* Takes it again where its file has changed and then stayed as it is. */
+static void follow(served_scene *s)
+{
+    const uint64_t time = fxs_clock(0);
+    file_state now;
+    if (look_at_file(s->path, &now)) {
+        set_state(s, GONE, "the file is not there any more");
+        s->taken = s->seen = now;   /* all 0 */
+        return;
+    }
+    if (!is_same(&now, &s->seen)) {
+        s->seen = now;
+        s->seen_at = time;
+    }
+    if (!is_same(&now, &s->taken) && time - s->seen_at >= SETTLED)
+        take(s, &now);
+}
+
+static int take_first(served_scene *s)
+{
+    file_state now;
+    if (!look_at_file(s->path, &now))
+        return take(s, &now);
+    set_state(s, GONE, "there is no such file");
+    return fail(EXIT_FAILED, "%s: there is no such file", s->given);
+}
+
+/* Whether a page shows it, or has it in a list without a picture. */
+enum interest { NOBODY, LISTED, SHOWN };
+
+static enum interest interest_in(served_scene *s, enum scene_state *state)
+{
+    const served_scenes *all = s->all;
+    const uint64_t now = fxs_clock(0);
+    pthread_mutex_lock(&s->all->lock);
+    const int is_shown = !all->options->has_list || (s->asked_at && now - s->asked_at < LOOKS);
+    const int is_listed = all->listed_at && now - all->listed_at < LOOKS && s->picture < 0;
+    *state = s->state;
+    pthread_mutex_unlock(&s->all->lock);
+    return is_shown ? SHOWN : is_listed ? LISTED : NOBODY;
+}
+
+int scenes_work(served_scenes *all)
+{
+    served_scene *next = 0;
+    enum interest most = NOBODY;
+    for (int i = 0; i < all->count; i++) {
+        enum scene_state state;
+        const enum interest interest = interest_in(&all->scenes[i], &state);
+        if (interest == SHOWN && state != WAITS)
+            follow(&all->scenes[i]);
+        if (state == WAITS && interest > most) {
+            next = &all->scenes[i];
+            most = interest;
+        }
+    }
+    if (!next)
+        return 0;
+    return take_first(next) && !all->options->has_list ? -1 : 1;
+}
+
+/* ---- The scenes -------------------------------------------------------------------------------------------------- */
+
+served_scenes *scenes_new(const served_options *options, int most)
+{
+    served_scenes *all = calloc(1, sizeof *all);
+    if (!all || !(all->scenes = calloc((size_t)most, sizeof *all->scenes))) {
+        free(all);
+        return 0;
+    }
+    all->options = options;
+    pthread_mutex_init(&all->lock, 0);
+    return all;
+}
+
+static int name_scene(served_scene *s, int is_sent)
+{
+    const char *base, *ending = is_sent ? "" : ".fxs";
+    const int length = base_of(&base, s->given);
+    s->names[0] = text_of("/scenes/%d/%.*s%s", s->number, length, base, ending);
+    s->names[1] = text_of("/scenes/%d/next/%.*s%s", s->number, length, base, ending);
+    s->names[2] = text_of("/scenes/%d.json", s->number);
+    s->names[3] = text_of("/scenes/%d.jpg", s->number);
+    for (int i = 0; i < FILES; i++)
+        if (!s->names[i])
+            return fail(EXIT_FAILED, "out of memory");
+    return 0;
+}
+
+/* Those with the same last part are called by their whole paths. */
+static void find_twins(served_scenes *all, served_scene *s)
+{
+    const char *base, *other;
+    const int length = base_of(&base, s->given);
+    for (int i = 0; i < s->number; i++) {
+        served_scene *before = &all->scenes[i];
+        if (base_of(&other, before->given) == length && !strncmp(base, other, (size_t)length))
+            s->is_twice = before->is_twice = 1;
+    }
+}
+
+int scenes_add(served_scenes *all, const char *path, int is_sure)
+{
+    served_scene *s = &all->scenes[all->count];
+    first_look look = {.is_sent = ends_with(path, ".fxs")};
+    s->all = all;
+    s->number = all->count++;
+    s->given = path;
+    s->picture = s->descriptors[0] = s->descriptors[1] = -1;
+    if (is_sure && look_first(path, &all->options->load, &look))
+        return EXIT_FAILED;
+    s->path = realpath(path, 0);   /* links are followed now, not later */
+    if (!s->path && !(is_sure ? 0 : (s->path = strdup(path))))
+        return fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
+    find_twins(all, s);
+    if (name_scene(s, look.is_sent))
+        return EXIT_FAILED;
+    return is_sure && look.is_sent && !all->options->has_list ? take_first(s) : 0;   /* there is nothing to wait for */
+}
+
+const char *scenes_address(const served_scenes *all, int scene)
+{
+    return all->scenes[scene].names[0];
+}
+
+const char *scenes_title(const served_scenes *all, int scene)
+{
+    const served_scene *s = &all->scenes[scene];
+    const char *base;
+    base_of(&base, s->given);
+    return s->is_twice ? s->given : base;
+}
+
+void scenes_free(served_scenes *all)
+{
+    for (int i = 0; all && i < all->count; i++) {
+        served_scene *s = &all->scenes[i];
+        for (int j = 0; j < FILES; j++)
+            free(s->names[j]);
+        for (int j = 0; j < VERSIONS; j++)
+            replace(&s->descriptors[j], -1);
+        replace(&s->picture, -1);
+        free(s->path);
+    }
+    if (all)
+        free(all->scenes);
+    free(all);
+}
