@@ -65,7 +65,7 @@ endif
 
 WASM := $(MODULES:%=$(WEB)/%.wasm)
 
-PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js fixsplat.d.ts package.json README.md LICENSE) \
+PACKAGE := $(WASM) $(addprefix $(WEB)/,fixsplat.js three.js three.d.ts webgl.js webgpu.js stages.js read.js paged.js store.js thread.js fixsplat.d.ts package.json README.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(wildcard port/web/viewer/*))
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package

@@ -47,9 +47,12 @@ const WORKER = `import { drawn, hash, Screen } from '/common.js'
 const PAGE = '<!doctype html><title>fixsplat</title>'
 const MAP = {
   imports: {
+    three: '/three/three.module.js',
     'three/webgpu': '/three/three.webgpu.js',
+    'three/tsl': '/three/three.tsl.js',
     playcanvas: '/playcanvas/playcanvas.mjs',
     fixsplat: '/fixsplat.js',
+    'fixsplat/three': '/three.js',
   },
 }
 const MESH = `${PAGE}<script type="importmap">${JSON.stringify(MAP)}</script>`

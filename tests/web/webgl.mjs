@@ -3,6 +3,7 @@ import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'
 import { frame, FRAMES, hashOf, launch, open, runIn, runTests, shared, work } from './screens.mjs'
+import { threeTests } from './three.mjs'
 
 const browser = await launch(...WEBGL)
 const { run } = await open(browser, 'isolated')
@@ -294,4 +295,4 @@ async function measure() {
     }
 }
 
-await runTests(browser, tests, measure)
+await runTests(browser, { ...tests, ...threeTests(browser) }, measure)
