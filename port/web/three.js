@@ -589,7 +589,7 @@ export class Splats extends Mesh {
   }
 
   onBeforeRender(renderer, scene, camera, geometry, material) {
-    if (renderer !== this.#stage?.renderer) throw new Error(`${this.name}: was loaded for another renderer, or disposed`)
+    if (renderer !== this.#stage?.renderer) throw new Error(`${this.name}: these Splats are of another renderer`)
     this.geometry.setDrawRange(0, this.#stage.show(this, scene, camera, material) ? 3 : 0)
   }
 
@@ -639,6 +639,7 @@ export class Splats extends Mesh {
 
   dispose() {
     if (!this.#stage) return
+    this.removeFromParent()
     this.#stage.splats.delete(this)
     leave(this.#stage)
     this.#stage = undefined

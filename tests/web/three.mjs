@@ -1,21 +1,21 @@
 // What webgl.mjs and webgpu.mjs ask of fixsplat/three.
 import assert from 'node:assert/strict'
 import { mkdirSync, writeFileSync } from 'node:fs'
-import { frame, hashOf, runIn } from './screens.mjs'
+import { base, frame, hashOf, runIn, work } from './screens.mjs'
 
 const [WIDTH, HEIGHT] = [160, 100]
 // As the command sees what the page's camera sees: three.js has y up and z back.
-const seen = frame('knot', WIDTH, HEIGHT, ['--eye', '0,-1,-4', '--look', '0,0,0', '--near', '0.1'])
+const EYE = ['--eye', '0,-1,-4', '--look', '0,0,0', '--near', '0.1']
+const seen = frame('knot', WIDTH, HEIGHT, EYE)
 
-/** A renderer, a scene and a camera in the page, and what is asked of them. */
+/** What pages with a renderer need. */
 const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await import('fixsplat/three')
   const { render, pick } = await import('fixsplat')
-  const [width, height] = [${WIDTH}, ${HEIGHT}], RED = [255, 0, 0, 255]
-  const flat = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true })
-  function shown(canvas) {
-    flat.clearRect(0, 0, width, height)
+  const [width, height] = [${WIDTH}, ${HEIGHT}]
+  function bytesOf(canvas) {
+    const flat = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true })
     flat.drawImage(canvas, 0, 0)
-    return flat.getImageData(0, 0, width, height).data
+    return flat.getImageData(0, 0, canvas.width, canvas.height).data
   }
   const pictures = {}
   async function keep(name, canvas) {
@@ -32,16 +32,54 @@ const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await i
     camera.updateMatrixWorld()
     return camera
   }
-  /** A wall that faces the camera, so that all of it has one depth. */
-  function wall(camera, distance, color = 0xff0000, side = 1.2) {
-    const material = new THREE.MeshBasicMaterial({ color })
-    const mesh = new THREE.Mesh(new THREE.PlaneGeometry(side, side), material)
+  function stageOf(...objects) {
+    const scene = new THREE.Scene()
+    scene.background = new THREE.Color(0)
+    return scene.add(...objects)
+  }
+  /** A red wall that faces the camera, so that all of it has one depth. */
+  function wall(camera, distance) {
+    const side = camera.isOrthographicCamera ? 1.6 : 0.4 * distance
+    const mesh = new THREE.Mesh(new THREE.PlaneGeometry(side, side), new THREE.MeshBasicMaterial({ color: 0xff0000 }))
     mesh.quaternion.copy(camera.quaternion)
     mesh.position.copy(camera.position).addScaledVector(camera.getWorldDirection(new THREE.Vector3()), distance)
     return mesh
   }
-  const apart = (a, b) => a.reduce((most, byte, i) => Math.max(most, Math.abs(byte - b[i])), 0)
-  const at = (bytes, i) => [...bytes.slice(4 * i, 4 * i + 4)]`
+  /** Draws splats and a wall before, amid and behind them, by a function that gives the picture's bytes: how far the
+      bytes are from premultiplied splats over the wall; and the pixels of the wall of which nothing, some or all is seen.
+      What is blended as light counts only where it is opaque. */
+  async function walled(splats, camera, isLight, draw) {
+    const back = camera.isOrthographicCamera ? 11 : 0, view = viewOf(camera, width, height), all = []
+    for (const distance of [2, 4.03, 8]) {
+      const mesh = wall(camera, distance)
+      splats.visible = false
+      const red = await draw(mesh)
+      splats.visible = true
+      const shows = await draw(mesh), occluder = new Uint32Array(width * height).fill(0xffffffff)
+      occluder.forEach((_, i) => red[4 * i] && (occluder[i] = (distance + back) * 2 ** 20))
+      const targets = { colour: 'premultiplied', occluder }
+      const { colour } = render([splats.placed], view, { width, height, depthBits: 20, targets })
+      const found = { most: 0, wall: 0, both: 0, splats: 0 }
+      occluder.forEach((_, i) => {
+        const coverage = colour[4 * i + 3]
+        if (![0, 255].includes(red[4 * i]) || (isLight && coverage > 0 && coverage < 255)) return
+        if (red[4 * i]) found[coverage === 0 ? 'wall' : coverage === 255 ? 'splats' : 'both']++
+        for (const c of [0, 1, 2]) {
+          const wanted = colour[4 * i + c] + red[4 * i + c] * (1 - coverage / 255)
+          found.most = Math.max(found.most, Math.abs(Math.min(255, wanted) - shows[4 * i + c]))
+        }
+      })
+      all.push(found)
+    }
+    return all
+  }`
+
+/** Before splats there is the wall alone, behind them more of them than amid. */
+function checkWalls(name, [before, amid, behind]) {
+  assert.ok(Math.max(before.most, amid.most, behind.most) <= 1, `${name}: ${amid.most} and ${behind.most} apart`)
+  assert.ok(before.wall > 1000 && !before.both && !before.splats, `${name}: ${JSON.stringify(before)}`)
+  assert.ok(amid.splats > 100 && behind.splats > amid.splats + 50, `${name}: ${JSON.stringify([amid, behind])}`)
+}
 
 /** Writes the page's pictures where PICTURES says. */
 function keepPictures(pictures) {
@@ -51,93 +89,260 @@ function keepPictures(pictures) {
     writeFileSync(`${folder}/${name}.png`, Buffer.from(text, 'base64'))
 }
 
+/** The hash of the command's picture of objects as the page has placed them. */
+function hashOfPlaced(placed) {
+  const objects = placed.map((how) => ({ file: 'knot.fxs', ...how }))
+  writeFileSync(`${work}/three.json`, JSON.stringify({ objects }))
+  const args = ['--eye', '0,1,4', '--look', '0,0,0', '--up', '0,1,0', '--near', '0.1', '--size', `${WIDTH}x${HEIGHT}`]
+  return hashOf({ args: ['--scene', `${work}/three.json`, ...args] })
+}
+
+/** Two objects, in the page: one picture in one order. */
+const TWO = `const second = splats.clone()
+  second.position.set(0.7, 0.4, 0.5)
+  second.rotation.y = 0.7
+  second.scale.setScalar(0.6)
+  second.opacity = 0.75
+  scene.add(second)`
+const placedIn = 'JSON.parse(JSON.stringify([splats, second].map(({ placed: { scene, ...how } }) => how)))'
+
+/** A page of docs/examples: what a click at the middle of each object marks. */
+async function example(browser, address) {
+  const page = await browser.newPage()
+  const faults = []
+  page.on('pageerror', ({ message }) => faults.push(message))
+  await page.goto(`${base}examples/${address}?scene=/work/knot.fxs`)
+  return { page, faults }
+}
+
+const ALL = process.env.FXS_PROCESSORS === 'all'
+
 export const threeTests = (browser) => ({
-  async 'three.js: splats alone have the bytes of the command'() {
-    const [hashes, pictures] = await runIn(browser, 'mesh', `${STAGE}
-      const hashes = []
-      for (const antialias of [false, true]) {
-        const renderer = new THREE.WebGLRenderer({ antialias })
-        renderer.setSize(width, height)
-        const scene = new THREE.Scene(), camera = cameraOf(), splats = await Splats.load(renderer, '/work/knot.fxs')
-        scene.background = new THREE.Color(0)
-        scene.add(splats)
-        renderer.render(scene, camera)
-        hashes.push(hash(shown(renderer.domElement)), renderer.getContext().getError())
-        await keep('alone-' + antialias, renderer.domElement)
-      }
-      return [hashes, pictures]`)
+  async 'three.js: the bytes of the command; sizes, corners, what is not seen; two objects'() {
+    const { hashes, placed, pictures } = await runIn(browser, 'mesh', `${STAGE}
+      const renderer = new THREE.WebGLRenderer({ antialias: true }), shown = renderer.domElement, hashes = {}
+      renderer.setSize(width, height)
+      const splats = await Splats.load(renderer, '/work/knot.fxs'), scene = stageOf(splats), camera = cameraOf()
+      const draw = () => (renderer.render(scene, camera), bytesOf(shown))
+      const take = (name) => (hashes[name] = hash(draw()))
+      take('alone')
+      await keep('alone', shown)
+      renderer.toneMapping = THREE.ACESFilmicToneMapping
+      take('tones')
+      renderer.toneMapping = THREE.NoToneMapping
+      renderer.setPixelRatio(2)
+      renderer.setSize(width / 2, height / 2)
+      take('pixel ratio')
+      renderer.setPixelRatio(1)
+      renderer.setSize(80, 50)
+      take('smaller')
+      renderer.setSize(width, height)
+      renderer.setViewport(20, 30, 80, 50)
+      const bytes = draw(), corner = new Uint8ClampedArray(4 * 80 * 50)
+      for (let y = 0; y < 50; y++) corner.set(bytes.subarray(4 * (160 * (y + 20) + 20), 4 * (160 * (y + 20) + 100)), 320 * y)
+      hashes.corner = hash(corner)
+      renderer.setViewport(0, 0, width, height)
+      const black = () => !draw().some((byte, i) => i % 4 < 3 && byte)
+      splats.visible = false
+      hashes.hidden = black()
+      splats.visible = true
+      const group = new THREE.Group().add(splats)
+      group.visible = false
+      scene.add(group)
+      hashes['hidden by its parent'] = black()
+      scene.add(splats)
+      splats.layers.set(3)
+      hashes['on another layer'] = black()
+      splats.layers.set(0)
+      scene.overrideMaterial = new THREE.MeshBasicMaterial({ color: 0xffffff })
+      hashes['another material'] = black()
+      scene.overrideMaterial = null
+      THREE.ColorManagement.enabled = false
+      renderer.outputColorSpace = THREE.LinearSRGBColorSpace
+      take('colours unmanaged')
+      THREE.ColorManagement.enabled = true
+      renderer.outputColorSpace = THREE.SRGBColorSpace
+      ${TWO}
+      take('two')
+      await keep('two', shown)
+      hashes.error = renderer.getContext().getError()
+      return { hashes, placed: ${placedIn}, pictures }`)
     keepPictures(pictures)
-    assert.deepEqual(hashes, [hashOf(seen), 0, hashOf(seen), 0])
+    const [whole, half] = [hashOf(seen), hashOf(frame('knot', 80, 50, EYE))]
+    assert.deepEqual(hashes, {
+      alone: whole, tones: whole, 'pixel ratio': whole, smaller: half, corner: half, hidden: true,
+      'hidden by its parent': true, 'on another layer': true, 'another material': true, 'colours unmanaged': whole,
+      two: hashOfPlaced(placed), error: 0,
+    })
+    assert.notEqual(hashes.two, whole)
   },
 
   async 'three.js: a mesh before, behind and amid splats'() {
     const [found, pictures] = await runIn(browser, 'mesh', `${STAGE}
-      // What is drawn into: the canvas or targets, whose colours are light, so that only opaque ones are bytes.
-      const target = (how) => new THREE.WebGLRenderTarget(width, height, how)
+      const target = (how) => new THREE.WebGLRenderTarget(width, height, { type: THREE.HalfFloatType, ...how })
       const depthTexture = new THREE.DepthTexture(width, height, THREE.FloatType)
-      const ways = {
-        plain: [{}],
-        multisampled: [{ antialias: true }],
-        orthographic: [{}, 'orthographic'],
-        logarithmic: [{ logarithmicDepthBuffer: true }],
-        reversed: [{ reversedDepthBuffer: true }],
-        'reversed and orthographic': [{ reversedDepthBuffer: true }, 'orthographic'],
-        'a target': [{}, 'perspective', target({ type: THREE.HalfFloatType })],
-        'a target of halves, multisampled': [{}, 'perspective', target({ samples: 4, type: THREE.HalfFloatType })],
-        'a target with a stencil': [{}, 'perspective', target({ type: THREE.HalfFloatType, stencilBuffer: true })],
-        'a target with a texture of depths': [{}, 'perspective', target({ type: THREE.HalfFloatType, depthTexture })],
-      }
+      // Colours in a target are light.
+      const into = { 'the canvas': null, 'of samples': target({ samples: 4 }), stencil: target({ stencilBuffer: true }),
+                     depths: target({ depthTexture }) }
+      const ways = [['multisampled', { antialias: true }], ...(args[0] ? [['plain', {}],
+        ['logarithmic', { logarithmicDepthBuffer: true }], ['reversed', { reversedDepthBuffer: true }]] : [])]
       const found = {}
-      for (const [name, [how, kind, into]] of Object.entries(ways)) {
-        const renderer = new THREE.WebGLRenderer(how), scene = new THREE.Scene(), camera = cameraOf(kind)
+      for (const [name, how] of ways) {
+        const renderer = new THREE.WebGLRenderer(how)
         renderer.setSize(width, height)
-        const splats = await Splats.load(renderer, '/work/knot.fxs')
-        const shows = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshBasicMaterial({ map: into?.texture }))
-        scene.background = new THREE.Color(0)
-        scene.add(splats)
-        function draw(...meshes) {
-          scene.add(...meshes)
-          renderer.setRenderTarget(into ?? null)
-          renderer.render(scene, camera)
-          renderer.setRenderTarget(null)
-          if (into) renderer.render(shows, new THREE.Camera())
-          meshes.forEach((mesh) => scene.remove(mesh))
-          return shown(renderer.domElement)
-        }
-        const redAlone = (...meshes) => {
-          splats.visible = false
-          const bytes = draw(...meshes)
-          splats.visible = true
-          return bytes
-        }
-        // The most that a pixel is from premultiplied splats over a mesh, where there is all of the mesh or nothing.
-        const back = kind === 'orthographic' ? 11 : 0, view = viewOf(camera, width, height)
-        found[name] = [2, 4.03, 8].map((distance) => {
-          const mesh = wall(camera, distance, 0xff0000, kind === 'orthographic' ? 1.6 : 0.4 * distance)
-          const red = redAlone(mesh), shows = draw(mesh), occluder = new Uint32Array(width * height).fill(0xffffffff)
-          occluder.forEach((_, i) => red[4 * i] && (occluder[i] = (distance + back) * 2 ** 20))
-          const targets = { colour: 'premultiplied', occluder }
-          const { colour } = render([splats.placed], view, { width, height, depthBits: 20, targets })
-          let most = 0, whole = 0, hidden = 0
-          occluder.forEach((_, i) => {
-            const coverage = colour[4 * i + 3], isLight = into && coverage > 0 && coverage < 255
-            if (![0, 255].includes(red[4 * i]) || isLight) return
-            if (red[4 * i]) coverage ? whole++ : hidden++
-            for (const c of [0, 1, 2]) {
-              const wanted = colour[4 * i + c] + red[4 * i + c] * (1 - coverage / 255)
-              most = Math.max(most, Math.abs(Math.min(255, wanted) - shows[4 * i + c]))
+        const splats = await Splats.load(renderer, '/work/knot.fxs'), scene = stageOf(splats)
+        if (how.reversedDepthBuffer) found.reversible = renderer.capabilities.reversedDepthBuffer
+        for (const kind of ['perspective', 'orthographic'])
+          for (const [place, target] of Object.entries(kind === 'perspective' ? into : { 'the canvas': null })) {
+            const camera = cameraOf(kind)
+            const shows = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), new THREE.MeshBasicMaterial())
+            shows.material.map = target?.texture ?? null
+            function draw(mesh) {
+              scene.add(mesh)
+              renderer.setRenderTarget(target)
+              renderer.render(scene, camera)
+              renderer.setRenderTarget(null)
+              if (target) renderer.render(shows, new THREE.Camera())
+              scene.remove(mesh)
+              return bytesOf(renderer.domElement)
             }
-          })
-          return { most, whole, hidden }
-        })
-        const amid = wall(camera, 4.03, 0xff0000, 1.6)
-        draw(amid)
-        await keep(name, renderer.domElement)
+            found[name + ', ' + kind + ', ' + place] = await walled(splats, camera, !!target, draw)
+            draw(wall(camera, 4.03))
+            await keep(name + '-' + kind + '-' + place, renderer.domElement)
+          }
         splats.dispose()
         renderer.dispose()
       }
-      return [found, pictures]`)
+      return [found, pictures]`, ALL)
     keepPictures(pictures)
-    console.log(found)
+    const { reversible, ...walls } = found
+    assert.equal(Object.keys(walls).length, ALL ? 20 : 5)
+    for (const [name, all] of Object.entries(walls)) checkWalls(name, all)
+    if (ALL) console.log(`  the depth buffer ${reversible ? 'was' : 'cannot be'} reversed`)
+  },
+
+  async 'three.js: a ray finds what pick finds'() {
+    const { same, hits, misses, free, moved } = await runIn(browser, 'mesh', `${STAGE}
+      const renderer = new THREE.WebGLRenderer()
+      renderer.setSize(width, height)
+      const splats = await Splats.load(renderer, '/work/knot.fxs'), camera = cameraOf(), raycaster = new THREE.Raycaster()
+      splats.updateMatrixWorld()
+      const inScene = { eye: [0, -1, -4], look: [0, 0, 0], near: 0.1 }, said = { same: true, hits: 0, misses: 0, free: 0 }
+      const shoot = (x, y) => {
+        raycaster.setFromCamera(new THREE.Vector2((2 * x + 1) / width - 1, 1 - (2 * y + 1) / height), camera)
+        return raycaster.intersectObject(splats)
+      }
+      for (let i = 0; i < 12; i++) {
+        const [x, y] = [13 * i + 1, (37 * i) % height], [hit] = shoot(x, y)
+        const wanted = splats.scene.pick(x, y, inScene, { width, height })
+        hit ? said.hits++ : said.misses++
+        if (!hit || !wanted) {
+          said.same &&= !hit && !wanted
+          continue
+        }
+        const [a, b, c] = wanted.position
+        said.same &&= hit.index === wanted.gaussian && hit.object === splats &&
+          hit.point.distanceTo(new THREE.Vector3(a, -b, -c)) < 1e-4 &&
+          Math.abs(hit.distance - camera.position.distanceTo(hit.point)) < 1e-9
+        const [alone] = new THREE.Raycaster(raycaster.ray.origin, raycaster.ray.direction).intersectObject(splats)
+        said.free = Math.max(said.free, Math.abs((alone?.distance ?? 99) - hit.distance))
+      }
+      // Where all is moved, turned and scaled, rays find the same.
+      const [first] = shoot(60, 40), world = new THREE.Group().add(splats, camera)
+      world.position.set(5, -3, 2)
+      world.rotation.set(0.3, 1, -0.5)
+      world.scale.setScalar(1.5)
+      world.updateMatrixWorld()
+      raycaster.setFromCamera(new THREE.Vector2(121 / width - 1, 1 - 81 / height), camera)
+      const [then] = raycaster.intersectObject(splats)
+      said.moved = then.index === first.index && then.point.distanceTo(world.localToWorld(first.point)) < 1e-3
+      raycaster.far = then.distance - 0.1
+      said.moved &&= !raycaster.intersectObject(splats).length
+      raycaster.far = Infinity
+      raycaster.near = then.distance + 0.1
+      said.moved &&= !raycaster.intersectObject(splats).length
+      const box = new THREE.Box3().setFromObject(world), { low, high } = splats.scene
+      said.moved &&= !box.isEmpty() && box.distanceToPoint(then.point) < 0.1
+      return said`)
+    assert.deepEqual([same, moved], [true, true])
+    assert.ok(hits >= 4 && misses >= 2, `${hits} hits, ${misses} misses`)
+    assert.ok(free < 0.2, `without a camera ${free} apart`)
+  },
+
+  async 'three.js: given back; a context that is lost and restored; in parts; errors in words'() {
+    const { pictures, hashes, objects, freed, said, paged } = await runIn(browser, 'mesh', `${STAGE}
+      const KINDS = ['Buffer', 'Framebuffer', 'Program', 'Renderbuffer', 'Shader', 'Texture', 'VertexArray']
+      const renderer = new THREE.WebGLRenderer(), gl = renderer.getContext(), camera = cameraOf(), hashes = []
+      renderer.setSize(width, height)
+      let objects = 0
+      for (const kind of KINDS)
+        for (const [verb, step] of [['create', 1], ['delete', -1]]) {
+          const was = gl[verb + kind]
+          gl[verb + kind] = function (...values) {
+            objects += step
+            return was.apply(this, values)
+          }
+        }
+      const scene = stageOf(), draw = () => hashes.push(hash((renderer.render(scene, camera), bytesOf(renderer.domElement))))
+      const counts = [], ends = []
+      for (let i = 0; i < 4; i++) {
+        const one = await Splats.load(renderer, '/work/knot.fxs'), other = await Splats.load(renderer, one.scene)
+        other.position.x = 100
+        scene.add(one, other)
+        draw()
+        other.dispose()
+        draw()
+        one.dispose()
+        one.dispose()
+        ends.push(one.scene.isFreed && !scene.children.length)
+        counts.push(objects)
+      }
+      const splats = await Splats.load(renderer, '/work/knot.fxs'), said = []
+      scene.add(splats)
+      const ending = gl.getExtension('WEBGL_lose_context')
+      const lost = new Promise((done) => renderer.domElement.addEventListener('webglcontextlost', done))
+      ending.loseContext()
+      await lost
+      renderer.render(scene, camera)
+      await new Promise((done) => setTimeout(done, 50))
+      const back = new Promise((done) => splats.addEventListener('change', done))
+      ending.restoreContext()
+      await back
+      draw()
+      await keep('restored', renderer.domElement)
+      const note = async (act) => said.push(await wordsOf((async () => act())()))
+      splats.scale.set(1, 2, 1)
+      await note(() => renderer.render(scene, camera))
+      splats.scale.setScalar(1)
+      await note(() => Splats.load({}, '/work/knot.fxs'))
+      await note(() => Splats.load(renderer, '/work/none.fxs'))
+      const other = new THREE.WebGLRenderer()
+      await note(() => other.render(scene, camera))
+      draw()
+      splats.dispose()
+
+      let news = 0
+      const paged = await Splats.load(renderer, '/work/levels.fxs?ranges', { paging: { changed: () => news++, cache: 0 } })
+      scene.add(paged)
+      let events = 0
+      paged.addEventListener('change', () => events++)
+      renderer.render(scene, camera)
+      await paged.scene.complete({ eye: [0, -1, -4], look: [0, 0, 0], near: 0.1 }, { width, height })
+      await new Promise((done) => setTimeout(done, 100))
+      const all = await Splats.load(renderer, '/work/levels.fxs', { paging: false })
+      draw()
+      scene.remove(paged)
+      scene.add(all)
+      draw()
+      return { pictures, hashes, objects: counts, freed: ends, said, paged: [paged.scene.paged, events > 0, events === news] }`)
+    keepPictures(pictures)
+    const whole = hashOf(seen), levels = hashOf(frame('levels', WIDTH, HEIGHT, EYE))
+    assert.deepEqual(hashes, [...Array(10).fill(whole), levels, levels])
+    assert.equal(new Set(objects.slice(1)).size, 1, `objects of WebGL: ${objects}`)
+    assert.deepEqual(freed, [true, true, true, true])
+    const wanted = [/one scale, above 0, for x, y and z/, /expected a WebGLRenderer or a WebGPURenderer/, /none.fxs.*404/,
+                    /knot.fxs: these Splats are of another renderer/]
+    wanted.forEach((words, i) => assert.match(said[i], words))
+    assert.deepEqual(paged, [true, true, true])
   },
 })

@@ -4,6 +4,7 @@ import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { WEBGPU } from './flags.mjs'
 import { command, frame, FRAMES, hash, hashOf, launch, near, open, runIn, runTests, shared, work } from './screens.mjs'
+import { threeGpuTests } from './three.mjs'
 
 const browser = await launch(...WEBGPU)
 const { run, page } = await open(browser, 'isolated')
@@ -520,4 +521,4 @@ const more = {
   },
 }
 
-await runTests(browser, process.env.FXS_PROCESSORS === 'all' ? { ...tests, ...more } : tests)
+await runTests(browser, process.env.FXS_PROCESSORS === 'all' ? { ...tests, ...more, ...threeGpuTests(browser) } : tests)
