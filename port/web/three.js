@@ -243,9 +243,10 @@ class Surface {
   }
 
   free() {
-    this.gl.deleteTexture(this.texture ?? null)
-    this.gl.deleteFramebuffer(this.framebuffer ?? null)
-    this.format = undefined
+    if (!this.texture) return
+    this.gl.deleteTexture(this.texture)
+    this.gl.deleteFramebuffer(this.framebuffer)
+    this.texture = this.format = undefined
   }
 }
 
