@@ -428,7 +428,7 @@ class WebGPU extends Stage {
     const material = Object.assign(new NodeMaterial(), { ...EVEN, blending: NoBlending, lights: false })
     material.vertexNode = vec4(positionGeometry.xy, 0, 1)
     material.fragmentNode = vec4(select(isLight, sRGBTransferEOTF(colour), colour), coverage)
-    this.#nodes = { corner, decodes, picture }
+    this.#nodes = { corner, decodes, picture, behind }
     return material
   }
 
@@ -518,6 +518,7 @@ class WebGPU extends Stage {
   close() {
     super.close()
     this.#depths?.dispose()
+    this.#nodes.behind.value.dispose()
     this.#texture.sourceTexture.destroy()
     this.#texture.dispose()
   }
