@@ -314,7 +314,7 @@ class WebGL extends Stage {
     if (material !== this.material || !this.screen) return false
     const seen = this.seen(rootOf(one), camera)
     if (seen[0] !== one) return false
-    const [x, y, width, height] = this.renderer.getCurrentViewport(new Vector4()).toArray()
+    const [x, y, width, height] = this.#gl.getParameter(this.#gl.VIEWPORT)
     if (!(width > 0 && height > 0)) return false
     const view = viewOf(camera, width, height)
     const depth = keeping(this.#gl, (framebuffer) => {

@@ -106,15 +106,39 @@ const TWO = `const second = splats.clone()
   scene.add(second)`
 const placedIn = 'JSON.parse(JSON.stringify([splats, second].map(({ placed: { scene, ...how } }) => how)))'
 
-/** A page of docs/examples, in which a click marks what is there. */
+/** A page of docs/examples: what it shows, before and after a click on what is drawn there. */
 async function example(browser, address) {
   const page = await browser.newPage(), faults = []
   page.on('pageerror', ({ message }) => faults.push(message))
-  const marks = `const { open } = await import('./three.js'), THREE = await import('three')
-    const canvas = document.querySelector('canvas')`
+  await page.setViewport({ width: 660, height: 420 })
   await page.goto(`${base}examples/${address}?scene=/work/knot.fxs`)
-  await page.waitForFunction(() => window.drawn > 2, { timeout: 120000 })
-  return { page, faults, marks }
+  // How much of the picture is not the background, and how much is the mark.
+  async function look(name) {
+    const text = await page.screenshot({ encoding: 'base64', clip: { x: 8, y: 8, width: 640, height: 400 } })
+    keepPictures({ [name]: text })
+    return page.evaluate(`(async () => {
+      const image = await createImageBitmap(await (await fetch('data:image/png;base64,${text}')).blob())
+      const flat = new OffscreenCanvas(640, 400).getContext('2d', { willReadFrequently: true })
+      flat.drawImage(image, 0, 0)
+      const words = new Uint32Array(flat.getImageData(0, 0, 640, 400).data.buffer)
+      const count = (word) => words.reduce((sum, one) => sum + (one === word ? 1 : 0), 0)
+      return { drawn: words.length - count(0xff403020) - count(0xffffffff), marked: count(0xff00ffff) }
+    })()`)
+  }
+  async function until(name, isThere) {
+    const end = performance.now() + 120000
+    let seen
+    do seen = await look(name)
+    while (!isThere(seen) && performance.now() < end)
+    return seen
+  }
+  const before = await until(`${address}-before`, ({ drawn }) => drawn >= 50000)
+  await page.mouse.click(8 + 250, 8 + 200)
+  const after = await until(`${address}-after`, ({ marked }) => marked)
+  await page.close()
+  assert.deepEqual(faults, [])
+  assert.ok(before.drawn >= 50000 && !before.marked, JSON.stringify(before))
+  assert.ok(after.marked > 20, JSON.stringify(after))
 }
 
 const ALL = process.env.FXS_PROCESSORS === 'all'
@@ -347,6 +371,8 @@ export const threeTests = (browser) => ({
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.deepEqual(paged, [true, true, true])
   },
+
+  ...(ALL && { 'three.js: docs/examples/three-webgl.html': () => example(browser, 'three-webgl.html') }),
 })
 
 /** By a WebGPURenderer; each device compiles the shaders anew. */
@@ -452,4 +478,6 @@ export const threeGpuTests = (browser) => ({
     const wanted = [/one scale/, /not logarithmic/, /^nothing$/, /^nothing$/, /no WebGPU here/]
     wanted.forEach((words, i) => assert.match(said[i], words))
   },
+
+  'three.js by WebGPU: docs/examples/three-webgpu.html': () => example(browser, 'three-webgpu.html'),
 })
