@@ -534,7 +534,7 @@ function cover() {
 
 export class Splats extends Mesh {
   #stage
-  #isOwner                      // of its scene
+  #owners                       // of its scene, with its clones: { count }; none where that is the caller's
   isSplats = true
   opacity = 1
   tint = [1, 1, 1]
@@ -542,14 +542,15 @@ export class Splats extends Mesh {
   options = {}
   turn = new Quaternion(1, 0, 0, 0)
 
-  constructor(stage, scene, isOwner) {
+  constructor(stage, scene, owners) {
     super(cover(), stage.material)
     this.type = 'Splats'
     this.frustumCulled = false
     this.scene = scene
     this.name = scene.name
     this.#stage = stage
-    this.#isOwner = isOwner
+    this.#owners = owners
+    if (owners) owners.count++
     stage.splats.add(this)
   }
 
@@ -562,8 +563,9 @@ export class Splats extends Mesh {
         splats?.dispatchEvent({ type: 'change', error })
       }
       const paging = options.paging !== false && renderer.isWebGLRenderer && { ...options.paging, changed }
-      const scene = source instanceof Scene ? source : await load(source, { ...options, paging })
-      return (splats = new Splats(stage, scene, scene !== source))
+      const isGiven = source instanceof Scene
+      const scene = isGiven ? source : await load(source, { ...options, paging })
+      return (splats = new Splats(stage, scene, isGiven ? null : { count: 0 }))
     } catch (error) {
       leave(stage)
       throw error
@@ -635,8 +637,9 @@ export class Splats extends Mesh {
   }
 
   clone(recursive) {
+    if (!this.#stage) throw new Error(`${this.name}: was disposed of`)
     this.#stage.users++
-    return new Splats(this.#stage, this.scene, false).copy(this, recursive)
+    return new Splats(this.#stage, this.scene, this.#owners).copy(this, recursive)
   }
 
   dispose() {
@@ -646,6 +649,6 @@ export class Splats extends Mesh {
     leave(this.#stage)
     this.#stage = undefined
     this.geometry.dispose()
-    if (this.#isOwner) this.scene.free()
+    if (this.#owners && !--this.#owners.count) this.scene.free()
   }
 }

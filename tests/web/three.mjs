@@ -318,9 +318,12 @@ export const threeTests = (browser) => ({
         draw()
         other.dispose()
         draw()
+        const clone = one.clone()
         one.dispose()
         one.dispose()
-        ends.push(one.scene.isFreed && !scene.children.length)
+        ends.push(!one.scene.isFreed && !scene.children.length)
+        clone.dispose()
+        ends.push(one.scene.isFreed)
         counts.push(objects)
       }
       const splats = await Splats.load(renderer, '/work/knot.fxs'), said = []
@@ -365,7 +368,7 @@ export const threeTests = (browser) => ({
     const whole = hashOf(seen), levels = hashOf(frame('levels', WIDTH, HEIGHT, EYE))
     assert.deepEqual(hashes, [...Array(8).fill(whole), levels, levels])
     assert.equal(new Set(objects.slice(1)).size, 1, `objects of WebGL: ${objects}`)
-    assert.deepEqual(freed, [true, true, true])
+    assert.deepEqual(freed, Array(6).fill(true))
     const wanted = [/one scale, above 0, for x, y and z/, /expected a WebGLRenderer or a WebGPURenderer/, /none.fxs.*404/,
                     /knot.fxs: these Splats are of another renderer/]
     wanted.forEach((words, i) => assert.match(said[i], words))
