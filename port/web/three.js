@@ -144,14 +144,25 @@ function leave(stage) {
 
 const COVER = 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }'
 
-// The picture's bytes, not times the coverage, go the way of all colours of three.js, which blends what comes out.
+// three.js encodes what comes out, and blends it as premultiplied colours. Into a target of light goes what makes that the
+// sum of colours as they are shown.
 const SHOW = `
 uniform highp sampler2D picture;
-uniform vec2 corner;
+uniform highp sampler2D behind;
+uniform ivec2 corner;
 uniform bool decodes;
+uniform bool lights;
 void main()
 {
-    vec4 colour = texelFetch(picture, ivec2(gl_FragCoord.xy - corner), 0);
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec4 colour = texelFetch(picture, at - corner, 0);
+    if (lights) {
+        vec3 rest = (1.0 - colour.a) * texelFetch(behind, at, 0).rgb;
+        vec4 under = sRGBTransferOETF(vec4(max(texelFetch(behind, at, 0).rgb, 0.0), 1.0));
+        vec4 shown = vec4(colour.rgb + (1.0 - colour.a) * under.rgb, 1.0);
+        gl_FragColor = vec4(sRGBTransferEOTF(shown).rgb - rest, colour.a);
+        return;
+    }
     float coverage = max(colour.a, 1.0 / 255.0);
     gl_FragColor = vec4(colour.rgb / coverage, 1.0);
     if (decodes)
@@ -182,8 +193,9 @@ void main()
     gl_FragDepth = depth == places.z ? 0.0 : min(near_by_z, 1.0);
 }`
 const [PERSPECTIVE, ORTHOGRAPHIC, LOGARITHMIC] = [0, 1, 2]
-// A depth buffer is copied to one of its own format, and that of a canvas is the browser's choice.
+// A multisampled buffer, and one of depths, is copied to one of its own format, which a canvas does not say.
 const DEPTHS = ['DEPTH24_STENCIL8', 'DEPTH_COMPONENT24', 'DEPTH_COMPONENT32F', 'DEPTH_COMPONENT16', 'DEPTH32F_STENCIL8']
+const COLOURS = ['RGBA16F', 'RGBA8', 'RGBA32F', 'SRGB8_ALPHA8', 'R11F_G11F_B10F', 'RGB10_A2']
 
 /** Runs with the state of a context that three.js does not know to be changed. */
 function keeping(gl, run) {
@@ -220,12 +232,12 @@ class Surface {
   width = 0
   height = 0
 
-  constructor(gl, attachment) {
-    Object.assign(this, { gl, attachment })
+  constructor(gl) {
+    this.gl = gl
   }
 
   reserve(format, width, height) {
-    const { gl, attachment } = this
+    const { gl } = this
     if (format === this.format && width <= this.width && height <= this.height) return
     const isSame = format === this.format
     this.free()
@@ -234,11 +246,13 @@ class Surface {
     this.height = Math.max(height, isSame ? this.height : 0)
     this.texture = gl.createTexture()
     gl.bindTexture(gl.TEXTURE_2D, this.texture)
-    gl.texStorage2D(gl.TEXTURE_2D, 1, format, this.width, this.height)
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl[format], this.width, this.height)
     for (const side of ['TEXTURE_MIN_FILTER', 'TEXTURE_MAG_FILTER'])
       gl.texParameteri(gl.TEXTURE_2D, gl[side], gl.NEAREST)
     this.framebuffer = gl.createFramebuffer()
     gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.framebuffer)
+    const part = /STENCIL/.test(format) ? 'DEPTH_STENCIL' : /DEPTH/.test(format) ? 'DEPTH' : 'COLOR'
+    const attachment = gl[`${part}_ATTACHMENT${part === 'COLOR' ? 0 : ''}`]
     gl.framebufferTexture2D(gl.DRAW_FRAMEBUFFER, attachment, gl.TEXTURE_2D, this.texture, 0)
   }
 
@@ -253,13 +267,14 @@ class Surface {
 /** Draws within a render of three.js, when the opaque meshes are there, whose depths it copies. */
 class WebGL extends Stage {
   #gl
-  #formats = new WeakMap()      // of depth buffers that were copied, by framebuffer
+  #formats                      // of buffers that were copied, by their bits and framebuffers
   #picture
-  #copy
-  #turned
+  #behind                       // copies of what three.js has drawn,
+  #depths
+  #turned                       // and its depths as near / distance
   #program
   #uniforms
-  #texture = new ExternalTexture()
+  #textures = { picture: new ExternalTexture(), behind: new ExternalTexture() }
   #restored = () => this.#reopen()
 
   openScreen() {
@@ -271,10 +286,8 @@ class WebGL extends Stage {
   async #take() {
     const gl = this.#gl
     const screen = await Screen.open(gl.canvas, 'webgl2', this.options)
-    this.#picture = new Surface(gl, gl.COLOR_ATTACHMENT0)
-    this.#copy = new Surface(gl, gl.DEPTH_ATTACHMENT)
-    this.#turned = new Surface(gl, gl.DEPTH_ATTACHMENT)
-    this.#formats = new WeakMap()
+    ;[this.#picture, this.#behind, this.#depths, this.#turned] = Array.from({ length: 4 }, () => new Surface(gl))
+    this.#formats = { [gl.COLOR_BUFFER_BIT]: new WeakMap(), [gl.DEPTH_BUFFER_BIT]: new WeakMap() }
     this.#makeProgram()
     return screen
   }
@@ -304,7 +317,8 @@ class WebGL extends Stage {
   }
 
   makeMaterial() {
-    const uniforms = { picture: { value: this.#texture }, corner: { value: new Vector2() }, decodes: { value: true } }
+    const values = { ...this.#textures, corner: new Vector2(), decodes: true, lights: false }
+    const uniforms = Object.fromEntries(Object.entries(values).map(([name, value]) => [name, { value }]))
     const shaders = { vertexShader: COVER, fragmentShader: SHOW }
     return new ShaderMaterial({ uniforms, ...shaders, ...EVEN, premultipliedAlpha: true })
   }
@@ -317,24 +331,34 @@ class WebGL extends Stage {
     const [x, y, width, height] = this.#gl.getParameter(this.#gl.VIEWPORT)
     if (!(width > 0 && height > 0)) return false
     const view = viewOf(camera, width, height)
+    const lights = this.decodes && this.#isLight
     const depth = keeping(this.#gl, (framebuffer) => {
-      this.#picture.reserve(this.#gl.RGBA8, width, height)
+      this.#gl.bindFramebuffer(this.#gl.READ_FRAMEBUFFER, framebuffer)
+      this.#picture.reserve('RGBA8', width, height)
+      if (lights) this.#copy(framebuffer, this.#behind, COLOURS, this.#gl.COLOR_BUFFER_BIT)
       return this.#takeDepths(framebuffer, [x, y, width, height], camera, view)
     })
     this.draw(seen, view, width, height, { framebuffer: this.#picture.framebuffer, depth })
-    this.#texture.sourceTexture = this.#picture.texture
+    this.#textures.picture.sourceTexture = this.#picture.texture
+    this.#textures.behind.sourceTexture = this.#behind.texture
     material.uniforms.corner.value.set(x, y)
     material.uniforms.decodes.value = this.decodes
+    material.uniforms.lights.value = lights
     material.uniformsNeedUpdate = true
     return true
   }
 
+  /** Whether three.js draws light now, which it encodes later. */
+  get #isLight() {
+    const target = this.renderer.getRenderTarget()
+    return target ? !target.isXRRenderTarget : this.renderer.outputColorSpace === LinearSRGBColorSpace
+  }
+
   #takeDepths(framebuffer, [x, y, width, height], camera, view) {
     const gl = this.#gl
-    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, framebuffer)
     if (!this.#hasDepths(framebuffer)) return undefined
-    this.#copyDepths(framebuffer)
-    this.#turned.reserve(gl.DEPTH_COMPONENT32F, width, height)
+    this.#copy(framebuffer, this.#depths, DEPTHS, gl.DEPTH_BUFFER_BIT)
+    this.#turned.reserve('DEPTH_COMPONENT32F', width, height)
     gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.#turned.framebuffer)
     gl.viewport(0, 0, width, height)
     gl.enable(gl.DEPTH_TEST)
@@ -342,7 +366,7 @@ class WebGL extends Stage {
     gl.depthMask(true)
     gl.useProgram(this.#program)
     gl.bindVertexArray(null)
-    gl.bindTexture(gl.TEXTURE_2D, this.#copy.texture)
+    gl.bindTexture(gl.TEXTURE_2D, this.#depths.texture)
     const { logarithmicDepthBuffer } = this.renderer.capabilities
     const kind = view.orthographic ? ORTHOGRAPHIC : logarithmicDepthBuffer ? LOGARITHMIC : PERSPECTIVE
     gl.uniform2i(this.#uniforms.corner, x, y)
@@ -360,29 +384,26 @@ class WebGL extends Stage {
     return gl.getFramebufferAttachmentParameter(target, gl.DEPTH_ATTACHMENT, kind) !== gl.NONE
   }
 
-  #copyDepths(framebuffer) {
+  /** Copies a buffer of the framebuffer that is read. Multisampled ones are copied whole. */
+  #copy(framebuffer, surface, formats, bit) {
     const gl = this.#gl
-    const size = this.renderer.getRenderTarget() ?? { width: gl.drawingBufferWidth, height: gl.drawingBufferHeight }
+    const { width, height } =
+      this.renderer.getRenderTarget() ?? { width: gl.drawingBufferWidth, height: gl.drawingBufferHeight }
+    const known = this.#formats[bit]
     const key = framebuffer ?? gl
-    const known = this.#formats.get(key)
-    if (known) return this.#tryCopy(known, size)
+    const copyAs = (format) => {
+      surface.reserve(format, width, height)
+      gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, surface.framebuffer)
+      gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, bit, gl.NEAREST)
+    }
+    if (known.has(key)) return copyAs(known.get(key))
     while (gl.getError() && !gl.isContextLost());
-    const found = DEPTHS.find((name) => {
-      this.#tryCopy(gl[name], size)
+    const found = formats.find((format) => {
+      copyAs(format)
       return gl.getError() === gl.NO_ERROR
     })
-    if (!found) throw new Error('the depth buffer cannot be copied here: render into a WebGLRenderTarget')
-    this.#formats.set(key, gl[found])
-  }
-
-  /** Of a multisampled framebuffer only whole. */
-  #tryCopy(format, { width, height }) {
-    const gl = this.#gl
-    this.#copy.attachment = /STENCIL/.test(DEPTHS.find((name) => gl[name] === format)) ? gl.DEPTH_STENCIL_ATTACHMENT
-                                                                                      : gl.DEPTH_ATTACHMENT
-    this.#copy.reserve(format, width, height)
-    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.#copy.framebuffer)
-    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.DEPTH_BUFFER_BIT, gl.NEAREST)
+    if (!found) throw new Error('what is drawn already cannot be copied here: render into a WebGLRenderTarget')
+    known.set(key, found)
   }
 
   async update() {}
@@ -390,7 +411,7 @@ class WebGL extends Stage {
   close() {
     super.close()
     this.#gl.canvas.removeEventListener('webglcontextrestored', this.#restored)
-    for (const surface of [this.#picture, this.#copy, this.#turned]) surface.free()
+    for (const surface of [this.#picture, this.#behind, this.#depths, this.#turned]) surface.free()
     this.#gl.deleteProgram(this.#program)
   }
 }
@@ -405,7 +426,7 @@ class WebGPU extends Stage {
   #turn = Promise.resolve()     // the update that is under way
 
   async openScreen() {
-    await this.renderer.init()
+    if (!this.renderer.backend.device) await this.renderer.init()
     const { device } = this.renderer.backend
     if (!device) throw new Error('the WebGPURenderer has no WebGPU here: a WebGLRenderer can draw Splats')
     return Screen.open(null, 'webgpu', { ...this.options, device })

@@ -46,9 +46,8 @@ const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await i
     return mesh
   }
   /** Draws splats and a wall before, amid and behind them, by a function that gives the picture's bytes: how far the
-      bytes are from premultiplied splats over the wall; and the pixels of the wall of which nothing, some or all is seen.
-      What is blended as light counts only where it is opaque. */
-  async function walled(splats, camera, isLight, draw) {
+      bytes are from premultiplied splats over the wall; and the wall's pixels of which nothing, some or all is seen. */
+  async function walled(splats, camera, draw) {
     const back = camera.isOrthographicCamera ? 11 : 0, view = viewOf(camera, width, height), all = []
     for (const distance of [2, 4.03, 8]) {
       const mesh = wall(camera, distance)
@@ -62,7 +61,7 @@ const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await i
       const found = { most: 0, wall: 0, both: 0, splats: 0 }
       occluder.forEach((_, i) => {
         const coverage = colour[4 * i + 3]
-        if (![0, 255].includes(red[4 * i]) || (isLight && coverage > 0 && coverage < 255)) return
+        if (![0, 255].includes(red[4 * i])) return
         if (red[4 * i]) found[coverage === 0 ? 'wall' : coverage === 255 ? 'splats' : 'both']++
         for (const c of [0, 1, 2]) {
           const wanted = colour[4 * i + c] + red[4 * i + c] * (1 - coverage / 255)
@@ -207,7 +206,6 @@ export const threeTests = (browser) => ({
     const [found, pictures] = await runIn(browser, 'mesh', `${STAGE}
       const target = (how) => new THREE.WebGLRenderTarget(width, height, { type: THREE.HalfFloatType, ...how })
       const depthTexture = new THREE.DepthTexture(width, height, THREE.FloatType)
-      // Colours in a target are light.
       const into = { 'the canvas': null, 'of samples': target({ samples: 4 }), stencil: target({ stencilBuffer: true }),
                      depths: target({ depthTexture }) }
       const ways = [['multisampled', { antialias: true }], ...(args[0] ? [['plain', {}],
@@ -228,11 +226,11 @@ export const threeTests = (browser) => ({
               renderer.setRenderTarget(target)
               renderer.render(scene, camera)
               renderer.setRenderTarget(null)
-              if (target) renderer.render(shows, new THREE.Camera())
+              if (target) renderer.render(shows, new THREE.OrthographicCamera(-1, 1, 1, -1, -1, 1))
               scene.remove(mesh)
               return bytesOf(renderer.domElement)
             }
-            found[name + ', ' + kind + ', ' + place] = await walled(splats, camera, !!target, draw)
+            found[name + ', ' + kind + ', ' + place] = await walled(splats, camera, draw)
             draw(wall(camera, 4.03))
             await keep(name + '-' + kind + '-' + place, renderer.domElement)
           }
@@ -463,7 +461,7 @@ export const threeGpuTests = (browser) => ({
           scene.remove(...meshes)
           return bytesOf(renderer.domElement)
         }
-        walls[name] = await walled(splats, camera, false, draw)
+        walls[name] = await walled(splats, camera, draw)
         if (kind !== 'orthographic') hashes[name] = hash(await draw(new THREE.Group()))
         await draw(wall(camera, 4.03))
         await keep('gpu-' + name, renderer.domElement)
