@@ -20,16 +20,16 @@ export interface SplatsEventMap extends Object3DEventMap {
  * pixel by pixel, and are seen through what is not opaque.
  *
  * The picture is drawn among the transparent objects, where three.js draws the Splats that was loaded first
- * (`renderOrder`, then the distance of its origin). A transparent mesh is wholly under it or wholly over it. It writes no
- * depth. Its colours are as they were trained, without the tone mapping of a WebGLRenderer.
+ * (`renderOrder`, then the distance of its origin). A transparent mesh is wholly under it or wholly over it. It writes
+ * no depth. Its colours are as they were trained, without the tone mapping of a WebGLRenderer.
  */
 export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   private constructor()
   /**
    * Loads a scene for a renderer, with the options of `load`. `source` may also be a Scene, which stays the caller's.
-   * The scenes of one renderer must be loaded with the same `simd` and the same `threads`. With a WebGPURenderer a scene
-   * is downloaded whole, never in parts. The promise is rejected with an Error that states the reason where the scene
-   * cannot be opened, or the renderer has neither WebGL 2 nor WebGPU.
+   * The scenes of one renderer must be loaded with the same `simd` and the same `threads`. With a WebGPURenderer a
+   * scene is downloaded whole, never in parts. The promise is rejected with an Error that states the reason where the
+   * scene cannot be opened, or the renderer has neither WebGL 2 nor WebGPU.
    */
   static load(
     renderer: Renderer,
@@ -52,10 +52,11 @@ export class Splats extends Mesh<BufferGeometry, Material, SplatsEventMap> {
   /** The object as fixsplat's functions take it, by its matrixWorld. */
   readonly placed: Required<Omit<Placed, 'visible' | 'id'>>
   /**
-   * With a WebGPURenderer: draws the Splats of the scene in which this one is, for the next `render` with this camera, to
-   * the current render target or the canvas. WebGPU says only later whether a picture is whole, so it is awaited; without
-   * it, `render` shows the last picture. The opaque meshes are rendered once more for their depths. Rejected with an
-   * Error that states the reason. With a WebGLRenderer `render` alone does all, and `update` is fulfilled at once.
+   * With a WebGPURenderer: draws the Splats of the scene in which this one is, for the next `render` with this camera,
+   * to the current render target or the canvas. WebGPU says only later whether a picture is whole, so it is awaited;
+   * without it, `render` shows the last picture. The opaque meshes are rendered once more for their depths. Rejected
+   * with an Error that states the reason. With a WebGLRenderer `render` alone does all, and `update` is fulfilled at
+   * once.
    */
   update(camera: Camera): Promise<void>
   /** Another object of the same scene, whose Gaussians are in memory once. */

@@ -1,9 +1,9 @@
-// An object of three.js that stands in its scenes: Gaussians that meshes hide and that hide meshes, with a WebGLRenderer
+// An object of three.js that stands in its scenes: Gaussians that meshes hide and that hide meshes, by a WebGLRenderer
 // or a WebGPURenderer. three.d.ts describes it.
 
 import {
-  Box3, BufferAttribute, BufferGeometry, ColorManagement, DepthTexture, ExternalTexture, FloatType, LinearSRGBColorSpace,
-  Mesh, NoBlending, Quaternion, RenderTarget, ShaderMaterial, Vector2, Vector3, Vector4,
+  Box3, BufferAttribute, BufferGeometry, ColorManagement, DepthTexture, ExternalTexture, FloatType,
+  LinearSRGBColorSpace, Mesh, NoBlending, Quaternion, RenderTarget, ShaderMaterial, Vector2, Vector3, Vector4,
 } from 'three'
 import { load, pick, Scene, Screen } from './fixsplat.js'
 
@@ -144,8 +144,8 @@ function leave(stage) {
 
 const COVER = 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }'
 
-// three.js encodes what comes out, and blends it as premultiplied colours. Into a target of light goes what makes that the
-// sum of colours as they are shown.
+// three.js encodes what comes out, and blends it as premultiplied colours. Into a target of light goes what makes that
+// the sum of colours as they are shown.
 const SHOW = `
 uniform highp sampler2D picture;
 uniform highp sampler2D behind;
@@ -516,7 +516,8 @@ class WebGPU extends Stage {
   /** The meshes alone, for their depths. */
   #drawDepths(root, camera, width, height) {
     const { renderer } = this
-    if (renderer.logarithmicDepthBuffer) throw new Error('Splats with WebGPU need a depth buffer that is not logarithmic')
+    if (renderer.logarithmicDepthBuffer)
+      throw new Error('Splats with WebGPU need a depth buffer that is not logarithmic')
     this.#depths ??= new RenderTarget(width, height, { depthTexture: new DepthTexture(width, height, FloatType) })
     this.#depths.setSize(width, height)
     const [target, face, level] =

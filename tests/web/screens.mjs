@@ -57,7 +57,8 @@ const MAP = {
 }
 const mapped = (map) => `${PAGE}<script type="importmap">${JSON.stringify(map)}</script>`
 const [MESH, MESH_GPU] = [MAP, { imports: { ...MAP.imports, three: MAP.imports['three/webgpu'] } }].map(mapped)
-const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/mesh-gpu': MESH_GPU, '/common.js': COMMON, '/worker.js': WORKER }
+const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/mesh-gpu': MESH_GPU, '/common.js': COMMON,
+                '/worker.js': WORKER }
 const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build`,
                   playcanvas: `${modules}/playcanvas/build` }
 

@@ -37,14 +37,15 @@ const STAGE = `const THREE = await import('three'), { Splats, viewOf } = await i
     scene.background = new THREE.Color(0)
     return scene.add(...objects)
   }
-  /** A red wall that faces the camera, so that all of it has one depth. */
+  /** An orange wall that faces the camera, so that all of it has one depth. */
   function wall(camera, distance) {
     const side = camera.isOrthographicCamera ? 1.6 : 0.4 * distance
-    const mesh = new THREE.Mesh(new THREE.PlaneGeometry(side, side), new THREE.MeshBasicMaterial({ color: 0xff0000 }))
+    const mesh = new THREE.Mesh(new THREE.PlaneGeometry(side, side), new THREE.MeshBasicMaterial({ color: 0xff8040 }))
     mesh.quaternion.copy(camera.quaternion)
     mesh.position.copy(camera.position).addScaledVector(camera.getWorldDirection(new THREE.Vector3()), distance)
     return mesh
   }
+  const apart = (a, b) => a.reduce((most, byte, i) => Math.max(most, Math.abs(byte - b[i])), 0)
   /** Draws splats and a wall before, amid and behind them, by a function that gives the picture's bytes: how far the
       bytes are from premultiplied splats over the wall; and the wall's pixels of which nothing, some or all is seen. */
   async function walled(splats, camera, draw) {
@@ -161,11 +162,22 @@ export const threeTests = (browser) => ({
       renderer.setPixelRatio(1)
       renderer.setSize(80, 50)
       take('smaller')
+      // A part of a picture's bytes, 80 x 50 pixels.
+      const cut = (bytes, left, top) => Uint8ClampedArray.from({ length: 4 * 80 * 50 },
+        (_, i) => bytes[4 * (160 * (top + Math.floor(i / 320)) + left) + (i % 320)])
+      for (const kind of ['perspective', 'orthographic']) {
+        const other = cameraOf(kind)
+        renderer.setSize(width, height)
+        renderer.render(scene, other)
+        const wanted = cut(bytesOf(shown), 33, 21)
+        renderer.setSize(80, 50)
+        other.setViewOffset(width, height, 33, 21, 80, 50)
+        renderer.render(scene, other)
+        hashes['a part, ' + kind] = apart(bytesOf(shown), wanted) <= 1
+      }
       renderer.setSize(width, height)
       renderer.setViewport(20, 30, 80, 50)
-      const bytes = draw(), corner = new Uint8ClampedArray(4 * 80 * 50)
-      for (let y = 0; y < 50; y++) corner.set(bytes.subarray(4 * (160 * (y + 20) + 20), 4 * (160 * (y + 20) + 100)), 320 * y)
-      hashes.corner = hash(corner)
+      hashes.corner = hash(cut(draw(), 20, 20))
       renderer.setViewport(0, 0, width, height)
       const black = () => !draw().some((byte, i) => i % 4 < 3 && byte)
       splats.visible = false
@@ -187,17 +199,40 @@ export const threeTests = (browser) => ({
       take('colours unmanaged')
       THREE.ColorManagement.enabled = true
       renderer.outputColorSpace = THREE.SRGBColorSpace
+      const veil = wall(camera, 4.03), bare = draw()
+      Object.assign(veil.material, { transparent: true, opacity: 0.5 })
+      scene.add(veil)
+      // In the middle of the picture, where splats are opaque: wholly over them, and wholly under.
+      hashes.veiled = [1, -1].map((order) => {
+        veil.renderOrder = order
+        const bytes = draw(), pixel = 160 * 40 + 60
+        return [255, 128, 64].every((part, c) =>
+          Math.abs(bytes[4 * pixel + c] - (order > 0 ? (part + bare[4 * pixel + c]) / 2 : bare[4 * pixel + c])) <= 1)
+      }).join()
+      scene.remove(veil)
       ${TWO}
       take('two')
       await keep('two', shown)
+      group.add(second)
+      take('one of two in what is hidden')
+      scene.add(second)
+      second.layers.set(3)
+      take('one of two on another layer')
+      second.layers.set(0)
+      new THREE.Scene().add(second)
+      take('one of two elsewhere')
+      scene.add(second)
+      second.updateMatrixWorld()
       hashes.error = renderer.getContext().getError()
       return { hashes, placed: ${placedIn}, pictures }`)
     keepPictures(pictures)
     const [whole, half] = [hashOf(seen), hashOf(frame('knot', 80, 50, EYE))]
     assert.deepEqual(hashes, {
-      alone: whole, tones: whole, 'pixel ratio': whole, smaller: half, corner: half, hidden: true,
+      alone: whole, tones: whole, 'pixel ratio': whole, smaller: half, corner: half, 'a part, perspective': true,
+      'a part, orthographic': true, hidden: true,
       'hidden by its parent': true, 'on another layer': true, 'another material': true, 'colours unmanaged': whole,
-      two: hashOfPlaced(placed), error: 0,
+      veiled: 'true,true', two: hashOfPlaced(placed),
+      'one of two in what is hidden': whole, 'one of two on another layer': whole, 'one of two elsewhere': whole, error: 0,
     })
     assert.notEqual(hashes.two, whole)
   },
@@ -249,9 +284,11 @@ export const threeTests = (browser) => ({
     const { same, hits, misses, free, moved } = await runIn(browser, 'mesh', `${STAGE}
       const renderer = new THREE.WebGLRenderer()
       renderer.setSize(width, height)
-      const splats = await Splats.load(renderer, '/work/knot.fxs'), camera = cameraOf(), raycaster = new THREE.Raycaster()
+      const splats = await Splats.load(renderer, '/work/knot.fxs'), camera = cameraOf()
+      const raycaster = new THREE.Raycaster()
       splats.updateMatrixWorld()
-      const inScene = { eye: [0, -1, -4], look: [0, 0, 0], near: 0.1 }, said = { same: true, hits: 0, misses: 0, free: 0 }
+      const inScene = { eye: [0, -1, -4], look: [0, 0, 0], near: 0.1 }
+      const said = { same: true, hits: 0, misses: 0, free: 0 }
       const shoot = (x, y) => {
         raycaster.setFromCamera(new THREE.Vector2((2 * x + 1) / width - 1, 1 - (2 * y + 1) / height), camera)
         return raycaster.intersectObject(splats)
@@ -294,7 +331,7 @@ export const threeTests = (browser) => ({
   },
 
   async 'three.js: given back; a context that is lost and restored; in parts; errors in words'() {
-    const { pictures, hashes, objects, freed, said, paged } = await runIn(browser, 'mesh', `${STAGE}
+    const { hashes, objects, freed, said, paged } = await runIn(browser, 'mesh', `${STAGE}
       const KINDS = ['Buffer', 'Framebuffer', 'Program', 'Renderbuffer', 'Shader', 'Texture', 'VertexArray']
       const renderer = new THREE.WebGLRenderer(), gl = renderer.getContext(), camera = cameraOf(), hashes = []
       renderer.setSize(width, height)
@@ -307,7 +344,11 @@ export const threeTests = (browser) => ({
             return was.apply(this, values)
           }
         }
-      const scene = stageOf(), draw = () => hashes.push(hash((renderer.render(scene, camera), bytesOf(renderer.domElement))))
+      const scene = stageOf()
+      function draw() {
+        renderer.render(scene, camera)
+        hashes.push(hash(bytesOf(renderer.domElement)))
+      }
       const counts = [], ends = []
       for (let i = 0; i < 3; i++) {
         const one = await Splats.load(renderer, '/work/knot.fxs'), other = await Splats.load(renderer, one.scene)
@@ -336,7 +377,6 @@ export const threeTests = (browser) => ({
       ending.restoreContext()
       await back
       draw()
-      await keep('restored', renderer.domElement)
       const note = async (act) => said.push(await wordsOf((async () => act())()))
       splats.scale.set(1, 2, 1)
       await note(() => renderer.render(scene, camera))
@@ -349,7 +389,8 @@ export const threeTests = (browser) => ({
       splats.dispose()
 
       let news = 0
-      const paged = await Splats.load(renderer, '/work/levels.fxs?ranges', { paging: { changed: () => news++, cache: 0 } })
+      const paging = { changed: () => news++, cache: 0 }
+      const paged = await Splats.load(renderer, '/work/levels.fxs?ranges', { paging })
       scene.add(paged)
       let events = 0
       paged.addEventListener('change', () => events++)
@@ -361,14 +402,14 @@ export const threeTests = (browser) => ({
       scene.remove(paged)
       scene.add(all)
       draw()
-      return { pictures, hashes, objects: counts, freed: ends, said, paged: [paged.scene.paged, events > 0, events === news] }`)
-    keepPictures(pictures)
+      const parts = [paged.scene.paged, events > 0, events === news]
+      return { hashes, objects: counts, freed: ends, said, paged: parts }`)
     const whole = hashOf(seen), levels = hashOf(frame('levels', WIDTH, HEIGHT, EYE))
     assert.deepEqual(hashes, [...Array(8).fill(whole), levels, levels])
     assert.equal(new Set(objects.slice(1)).size, 1, `objects of WebGL: ${objects}`)
     assert.deepEqual(freed, Array(6).fill(true))
-    const wanted = [/one scale, above 0, for x, y and z/, /expected a WebGLRenderer or a WebGPURenderer/, /none.fxs.*404/,
-                    /knot.fxs: these Splats are of another renderer/]
+    const wanted = [/one scale, above 0, for x, y and z/, /expected a WebGLRenderer or a WebGPURenderer/,
+                    /none.fxs.*404/, /knot.fxs: these Splats are of another renderer/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.deepEqual(paged, [true, true, true])
   },
