@@ -103,6 +103,7 @@ const TWO = `const second = splats.clone()
   second.rotation.y = 0.7
   second.scale.setScalar(0.6)
   second.opacity = 0.75
+  second.tint = [1, 0.5, 2]
   scene.add(second)`
 const placedIn = 'JSON.parse(JSON.stringify([splats, second].map(({ placed: { scene, ...how } }) => how)))'
 
@@ -162,6 +163,39 @@ export const threeTests = (browser) => ({
       renderer.setPixelRatio(1)
       renderer.setSize(80, 50)
       take('smaller')
+      // A state of the context that three.js does not have, which stays as it is.
+      const gl = renderer.getContext(), textures = [gl.createTexture(), gl.createTexture()]
+      const parameters = ['ACTIVE_TEXTURE', 'TEXTURE_BINDING_2D', 'SAMPLER_BINDING', 'CURRENT_PROGRAM', 'VIEWPORT',
+        'VERTEX_ARRAY_BINDING', 'READ_FRAMEBUFFER_BINDING', 'DRAW_FRAMEBUFFER_BINDING', 'DEPTH_WRITEMASK', 'DEPTH_FUNC',
+        'CULL_FACE', 'DEPTH_TEST', 'SCISSOR_TEST', 'STENCIL_TEST', 'BLEND', 'SCISSOR_BOX', 'COLOR_WRITEMASK']
+      const stateOf = () => parameters.map((name) => gl.getParameter(gl[name])).map((value) => value?.join?.() ?? value)
+      const reading = gl.createFramebuffer(), switches = ['CULL_FACE', 'SCISSOR_TEST', 'STENCIL_TEST']
+      splats.onBeforeRender = function (...given) {
+        const was = stateOf()
+        for (const name of switches) gl.enable(gl[name])
+        gl.disable(gl.DEPTH_TEST)
+        gl.depthMask(false)
+        gl.depthFunc(gl.GREATER)
+        gl.scissor(1, 2, 3, 4)
+        textures.forEach((texture, unit) => {
+          gl.activeTexture(gl.TEXTURE1 - unit)
+          gl.bindTexture(gl.TEXTURE_2D, texture)
+        })
+        gl.activeTexture(gl.TEXTURE1)
+        gl.bindFramebuffer(gl.READ_FRAMEBUFFER, reading)
+        const odd = stateOf()
+        Splats.prototype.onBeforeRender.apply(this, given)
+        const then = stateOf()
+        gl.activeTexture(gl.TEXTURE0)
+        hashes.kept = then.every((value, i) => value === odd[i]) &&
+          gl.getParameter(gl.TEXTURE_BINDING_2D) === textures[1] && was.some((value, i) => value !== odd[i])
+        for (const name of switches) gl.disable(gl[name])
+        gl.enable(gl.DEPTH_TEST)
+        gl.bindFramebuffer(gl.READ_FRAMEBUFFER, was[parameters.indexOf('READ_FRAMEBUFFER_BINDING')])
+        renderer.state.reset()
+      }
+      take('odd')
+      delete splats.onBeforeRender
       // A part of a picture's bytes, 80 x 50 pixels.
       const cut = (bytes, left, top) => Uint8ClampedArray.from({ length: 4 * 80 * 50 },
         (_, i) => bytes[4 * (160 * (top + Math.floor(i / 320)) + left) + (i % 320)])
@@ -228,12 +262,13 @@ export const threeTests = (browser) => ({
     keepPictures(pictures)
     const [whole, half] = [hashOf(seen), hashOf(frame('knot', 80, 50, EYE))]
     assert.deepEqual(hashes, {
-      alone: whole, tones: whole, 'pixel ratio': whole, smaller: half, corner: half, 'a part, perspective': true,
+      alone: whole, odd: half, kept: true, tones: whole, 'pixel ratio': whole, smaller: half, corner: half, 'a part, perspective': true,
       'a part, orthographic': true, hidden: true,
       'hidden by its parent': true, 'on another layer': true, 'another material': true, 'colours unmanaged': whole,
       veiled: 'true,true', two: hashOfPlaced(placed),
       'one of two in what is hidden': whole, 'one of two on another layer': whole, 'one of two elsewhere': whole, error: 0,
     })
+    assert.deepEqual([placed[1].opacity, placed[1].tint, placed[1].scale.toFixed(9)], [0.75, [1, 0.5, 2], '0.600000000'])
     assert.notEqual(hashes.two, whole)
   },
 
