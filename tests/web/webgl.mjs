@@ -243,12 +243,13 @@ const tests = {
         await wordsOf(Screen.open(canvas(), 'webgl')), await wordsOf(Screen.open(canvas(), 'webgl2', { simd: false })),
         await wordsOf(drawn(freed, args[0])), await wordsOf((async () => screen.draw([{ scene: plain }]))()),
         await wordsOf(drawn(screen, { ...args[0], options: { width: 16384, height: 16384 } })),
+        await wordsOf(drawn(screen, { ...args[0], options: { into: { depth: { planes: [1, 0] } } } })),
         hash(await drawn(screen, args[0]))]`,
       FRAMES.framed
     )
     const wanted = [/^too little memory/, /nothing/, /no WebGL 2 here, or/, /another kind/,
                     /webgl: expected one of wasm, webgl2, webgl2-quads, webgpu/, /without simd128/,
-                    /was freed/, /different modules/, /16384 x 16384 pixels|memory/]
+                    /was freed/, /different modules/, /16384 x 16384 pixels|memory/, /two planes/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.equal(said.at(-1), hashOf(FRAMES.framed))
   },

@@ -391,7 +391,8 @@ const tests = {
         [{ texture: made({}, other) }], [{ texture: gone }], [{ texture, depth: { planes: [1, 9] } }],
         [{ texture, depth: depthOf({ format: 'stencil8' }) }], [{ texture, depth: depthOf({ usage: COPY_SRC }) }],
         [{ texture, x: 1, depth: depthOf({ size: [1, 8] }) }], [{ texture, depth: depthOf({}, other) }],
-        [{ texture, depth: { ...depthOf(), planes: [1, 0] } }], [{ texture, over: true }],
+        [{ texture, depth: { ...depthOf(), planes: [1, 0] } }],
+        [{ texture, depth: { ...depthOf(), planes: [1, Infinity], linear: true } }], [{ texture, over: true }],
         [{ texture }, { targets: { grey: bufferOf() } }], [{ texture }, { targets: { ids: bufferOf({ size: 4 }) } }],
         [{ texture }, { targets: { ids: bufferOf({ usage: GPUBufferUsage.STORAGE }) } }],
         [{ texture }, { targets: { depth: bufferOf({}, other) } }],
@@ -413,9 +414,9 @@ const tests = {
                     /`into` needs a texture with the usage RENDER_ATTACHMENT/, /from 8, 0 on do not lie/,
                     /do not lie/, /cannot be used with/, /[Dd]estroyed texture/, /a texture of depths/,
                     /a texture of depths/, /`into.depth` needs a texture with the usage TEXTURE_BINDING/,
-                    /do not lie in the texture of `into.depth`/, /cannot be used with/, /two planes/, /needs `alpha`/,
-                    /grey: expected one of colour/, /ids needs a buffer of 8 bytes/, /with the usage COPY_DST/,
-                    /cannot be used with/, /depthBits 29/]
+                    /do not lie in the texture of `into.depth`/, /cannot be used with/, /two planes/, /finite planes/,
+                    /needs `alpha`/, /grey: expected one of colour/, /ids needs a buffer of 8 bytes/,
+                    /with the usage COPY_DST/, /cannot be used with/, /depthBits 29/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.equal(said.length, wanted.length)
     assert.ok(said.every((words) => !words.includes('\n')), said.join('; '))
