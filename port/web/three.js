@@ -277,10 +277,11 @@ class WebGL extends Stage {
   #textures = { picture: new ExternalTexture(), behind: new ExternalTexture() }
   #restored = () => this.#reopen()
 
-  openScreen() {
+  async openScreen() {
     this.#gl = this.renderer.getContext()
+    const screen = await this.#take()
     this.#gl.canvas.addEventListener('webglcontextrestored', this.#restored)
-    return this.#take()
+    return screen
   }
 
   async #take() {
@@ -297,7 +298,9 @@ class WebGL extends Stage {
     const { screen } = this
     this.screen = undefined
     screen?.free()
-    if (this.users) this.screen = await this.#take()
+    const taken = await this.#take().catch(() => undefined)    // where it is lost again, until the next time
+    if (this.users) this.screen = taken
+    else taken?.free()
     for (const one of this.splats) one.dispatchEvent({ type: 'change' })
   }
 
