@@ -173,6 +173,9 @@ export const threeTests = (browser) => ({
       const amid = wall(camera, 4.03)
       scene.add(amid)
       const usual = hash(draw())
+      scene.remove(amid)
+      draw()
+      scene.add(amid)
       splats.onBeforeRender = function (...given) {
         const was = stateOf()
         for (const name of switches) gl.enable(gl[name])
