@@ -18,7 +18,7 @@ export async function open(renderer, address) {
   second.position.set(1.6, 1.2, -1)
   second.scale.setScalar(0.4)
   const knot = new THREE.Mesh(new THREE.TorusKnotGeometry(1, 0.15, 128, 16), new THREE.MeshNormalMaterial())
-  const mark = new THREE.Mesh(new THREE.SphereGeometry(0.06), new THREE.MeshBasicMaterial({ color: 0xffff00 }))
+  const mark = new THREE.Mesh(new THREE.SphereGeometry(0.1), new THREE.MeshBasicMaterial({ color: 0xffff00 }))
   mark.visible = false
   scene.add(splats, second, knot, mark)
 
