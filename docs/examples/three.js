@@ -1,45 +1,44 @@
-// A mesh of three.js that stands in a scene of Gaussians, drawn by one WebGPU device: in a page with an import map for
-// `three/webgpu` and `fixsplat`, and a <canvas>.
-import * as THREE from 'three/webgpu'
-import { load, Screen } from 'fixsplat'
+// Gaussians in a scene of three.js: a torus knot goes through them, a second object of the same scene floats above, and
+// a click marks the point there. three-webgl.html and three-webgpu.html are pages with it.
+import * as THREE from 'three'
+import { Splats } from 'fixsplat/three'
 
-const FOV = 50
-const [NEAR, FAR] = [0.1, 100]
+/** Fills a scene for a WebGLRenderer or a WebGPURenderer; `draw` shows one picture, `click` marks what is at a pixel of
+    the page. */
+export async function open(renderer, address) {
+  const canvas = renderer.domElement
+  const scene = new THREE.Scene()
+  scene.background = new THREE.Color(0x203040)
+  const camera = new THREE.PerspectiveCamera(50, canvas.width / canvas.height, 0.1, 100)
+  camera.position.set(0, 1, 5)
+  camera.lookAt(0, 0, 0)
 
-/** Opens a scene on a canvas; `draw` shows one picture. */
-export async function open(canvas, address) {
-  THREE.ColorManagement.enabled = false          // colours as they are shown, which those of the scene are too
-  const { width, height } = canvas
-  const renderer = new THREE.WebGPURenderer({ canvas, outputColorSpace: THREE.LinearSRGBColorSpace })
-  await renderer.init()
-  renderer.setSize(width, height, false)
-  const target = new THREE.RenderTarget(width, height, { depthTexture: new THREE.DepthTexture(width, height) })
-  const textureOf = (texture) => renderer.backend.get(texture).texture         // three's as WebGPU's
+  const splats = await Splats.load(renderer, address)
+  const second = splats.clone()
+  second.position.set(1.6, 1.2, -1)
+  second.scale.setScalar(0.4)
+  const knot = new THREE.Mesh(new THREE.TorusKnotGeometry(1, 0.15, 128, 16), new THREE.MeshNormalMaterial())
+  const mark = new THREE.Mesh(new THREE.SphereGeometry(0.1), new THREE.MeshBasicMaterial({ color: 0xffff00 }))
+  mark.visible = false
+  scene.add(splats, second, knot, mark)
 
-  const world = new THREE.Scene()
-  world.background = new THREE.Color(0x203040)
-  const mesh = new THREE.Mesh(new THREE.BoxGeometry(1, 1, 1), new THREE.MeshBasicMaterial({ color: 0xff8000 }))
-  world.add(mesh)
-  const camera = new THREE.PerspectiveCamera(FOV, width / height, NEAR, FAR)
-  const shown = new THREE.QuadMesh(new THREE.MeshBasicMaterial({ map: target.texture }))
-
-  const screen = await Screen.open(null, 'webgpu', { device: renderer.backend.device })
-  const scene = await load(address)
-  const placed = [{ scene, rotation: [0, 1, 0, 0] }]         // scenes have y down, three has y up
-
-  async function draw(eye, look) {
-    camera.position.set(...eye)
-    camera.lookAt(...look)
-    renderer.setRenderTarget(target)
-    renderer.render(world, camera)
-    const depth = { texture: textureOf(target.depthTexture), planes: [NEAR, FAR] }
-    const into = { texture: textureOf(target.texture), depth, over: true }
-    const view = { eye, look, up: [0, 1, 0], fov: FOV, near: NEAR }
-    screen.draw(placed, view, { width, height, alpha: true, into })
-    await screen.finish()
-    renderer.setRenderTarget(null)
-    shown.render(renderer)
+  const raycaster = new THREE.Raycaster()
+  function click({ clientX, clientY }) {
+    const { left, top, width, height } = canvas.getBoundingClientRect()
+    const at = new THREE.Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height)
+    raycaster.setFromCamera(at, camera)
+    const [hit] = raycaster.intersectObjects([splats, second, knot])
+    mark.visible = !!hit
+    if (hit) mark.position.copy(hit.point)
+    return hit
   }
 
-  return { draw, mesh, renderer, target, screen, placed }
+  /** WebGPU draws splats before the rest, as it says only later whether they are whole; with WebGL there is no wait. */
+  async function draw() {
+    await splats.update(camera)
+    renderer.render(scene, camera)
+  }
+
+  canvas.addEventListener('click', click)
+  return { scene, camera, splats, second, knot, mark, click, draw }
 }

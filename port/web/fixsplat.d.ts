@@ -386,9 +386,10 @@ export interface IntoTexture {
   y?: number
   /** The depth buffer of what is drawn already, in a depth format and with the usage TEXTURE_BINDING, at the same
       pixels: a Gaussian whose centre is farther adds nothing to that pixel. `planes` are the distances from the
-      camera, in scene units, that 0 and 1 stand for, of a camera with perspective. Either may be the farther one, which
-      hides nothing and may be Infinity. */
-  depth?: { texture: GPUTexture; planes: readonly [number, number] }
+      camera, in scene units, that 0 and 1 stand for. Either may be the farther one, which hides nothing and may be
+      Infinity. `linear`: values between them stand for distances between, as an orthographic camera has them; false,
+      the default, for those of a camera with perspective. */
+  depth?: { texture: GPUTexture; planes: readonly [number, number]; linear?: boolean }
   /** With `alpha`: true blends the picture over what is in the texture. False, the default, replaces that. */
   over?: boolean
 }
@@ -412,8 +413,17 @@ export interface ScreenOptions extends FrameOptions {
   depthBits?: number
   /** For the back ends of WebGL 2: draws into a framebuffer of the Screen's context in place of the canvas. `x` and `y`
       are the pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default. The default
-      `framebuffer` is null, the canvas itself, which then keeps its size. */
-  into?: { framebuffer?: WebGLFramebuffer | null; x?: number; y?: number } | IntoTexture
+      `framebuffer` is null, the canvas itself, which then keeps its size. `depth` is for 'webgl2': the texture of a
+      depth buffer with perspective, whose lowest left texel is that of the picture, and its `planes` as in IntoTexture;
+      the texture has no filter but NEAREST. */
+  into?:
+    | {
+        framebuffer?: WebGLFramebuffer | null
+        x?: number
+        y?: number
+        depth?: { texture: WebGLTexture; planes: readonly [number, number] }
+      }
+    | IntoTexture
 }
 
 type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'

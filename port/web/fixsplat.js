@@ -724,16 +724,21 @@ class Drawn {
   }
 
   draw(core, width, height, { into, alpha, ...options }) {
-    const { framebuffer = null, x = 0, y = 0 } = into ?? {}
+    const { framebuffer = null, x = 0, y = 0, depth } = into ?? {}
     const { gl } = this
     if (!into) resize(gl.canvas, width, height)
     if (!into && (gl.drawingBufferWidth !== width || gl.drawingBufferHeight !== height) && !this.lost)
       throw new Error(`${width} x ${height} pixels are more than the device's canvas can have`)
     core.gl = this.#functions
-    const values = [x, y, alpha ? 1 : 0, ...valuesOf(core, options)]
+    if (depth && !(depth.planes?.length === 2 && depth.planes.every((plane) => plane > 0)))
+      throw new Error('`into.depth` needs two planes, the distances that 0 and 1 stand for')
+    const values = [x, y, ...(depth?.planes ?? [0, 0]), alpha ? 1 : 0, ...valuesOf(core, options)]
     let failure
     try {
-      core.gl.call((gl) => core.draw('gl_render', this.#place, this.#quads, gl.nameOf(framebuffer), ...values))
+      core.gl.call((gl) => {
+        const names = [framebuffer, depth?.texture].map((object) => gl.nameOf(object))
+        core.draw('gl_render', this.#place, this.#quads, ...names, ...values)
+      })
     } catch (error) {
       failure = error
     }

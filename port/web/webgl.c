@@ -58,10 +58,10 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
     free(gles);
 }
 
-/* The same as `render`, to a framebuffer from (x, y) on. */
-EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, int x, int y, int format,
-                                        uint32_t background, int sh_degree, int square, uint32_t budget,
-                                        uint32_t detail_q8, size_t limit)
+/* The same as `render`, to a framebuffer from (x, y) on. `depth`: the texture of a depth buffer, or 0; its planes. */
+EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, uint32_t depth, int x, int y,
+                                        float plane_0, float plane_1, int format, uint32_t background, int sh_degree,
+                                        int square, uint32_t budget, uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
     fxs_gles_target target;
@@ -71,6 +71,9 @@ EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t fram
     target.framebuffer = framebuffer;
     target.x = x;
     target.y = y;
+    target.depth_buffer = depth;
+    target.plane_0 = plane_0;
+    target.plane_1 = plane_1;
     target.format = (enum fxs_format)format;
     target.quads = quads;
     return fxs_web_frame_end(&f, fxs_gles_render(gles, f.context, &f.request, &target, f.memory, f.bytes, &f.stats));

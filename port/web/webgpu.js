@@ -10,6 +10,7 @@ const BUFFERS = 7               // but for the one that OpenGL reads back
 const [NONE, HEADS, ROWS] = [-1, -2, -3]
 const STRIDE = 1024             // bytes of a uniform, as FXS_COMPUTE_STRIDE
 const STEP = 13                 // words of fxs_step
+const PLACE = 10                // and of a Place below
 const LOST = 'the WebGPU device was lost: open another Screen'
 const NOTHING = 0xffffffff      // as FXS_NOTHING
 const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }  // words a pixel, in the order of the module
@@ -24,6 +25,7 @@ struct Place {
     colour: i32,
     occluder: i32,
     planes: vec2<f32>,
+    linear: i32,
 }
 @group(0) @binding(0) var<uniform> place: Place;
 @group(0) @binding(1) var<storage, read> memory: array<u32>;
@@ -50,9 +52,13 @@ fn hide(@builtin(global_invocation_id) id: vec3<u32>)
     if (any(pixel >= place.size)) {
         return;
     }
-    let inverse = mix(place.planes.x, place.planes.y, textureLoad(depths, pixel + place.corner, 0));
-    let z = 1.0 / inverse;
-    let nothing = inverse <= min(place.planes.x, place.planes.y) || z >= 4294967040.0;
+    // 1 / distance, or of an orthographic camera the distance
+    let value = mix(place.planes.x, place.planes.y, textureLoad(depths, pixel + place.corner, 0));
+    let linear = place.linear != 0;
+    let z = select(1.0 / value, value, linear);
+    let low = min(place.planes.x, place.planes.y);
+    let high = max(place.planes.x, place.planes.y);
+    let nothing = select(value <= low, value >= high, linear) || z >= 4294967040.0;
     hiding[place.occluder + pixel.y * place.size.x + pixel.x] = select(u32(z), ${NOTHING}u, nothing);
 }`
 const FORMATS = ['rgba8unorm', 'bgra8unorm', 'rgba16float', 'rgba32float']
@@ -151,6 +157,7 @@ function checkInto({ texture, x = 0, y = 0, depth, over }, width, height, alpha)
   if (depth) checkTexture('`into.depth`', depth.texture, isDepth, 'depths', 'TEXTURE_BINDING', place)
   if (depth && !(depth.planes?.length === 2 && depth.planes.every((plane) => plane > 0)))
     throw new Error('`into.depth` needs two planes, the distances that 0 and 1 stand for')
+  if (depth?.linear && !depth.planes.every(Number.isFinite)) throw new Error('`into.depth.linear` needs finite planes')
   if (over && !alpha) throw new Error('`into.over` needs `alpha`')
 }
 
@@ -213,7 +220,7 @@ export class Computed {
     const { maxStorageBufferBindingSize, maxBufferSize } = this.device.limits
     this.#rooms = this.#core.place(this.#core.c.gpu_open(Math.min(maxStorageBufferBindingSize, maxBufferSize)))
     this.#status = this.#buffer(4 * STATUS, GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST)
-    this.#place = this.#buffer(32, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
+    this.#place = this.#buffer(4 * PLACE, GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST)
   }
 
   async #take(canvas) {
@@ -414,8 +421,11 @@ export class Computed {
 
   /** A Place of ENDS. */
   #writePlace({ width, height, into: { x = 0, y = 0, depth } = {}, images, depthBits }) {
-    const words = new Int32Array([x, y, width, height, images[0], images[OCCLUDER], 0, 0])
-    new Float32Array(words.buffer).set(depth?.planes.map((plane) => 1 / (plane * 2 ** depthBits)) ?? [], 6)
+    const { planes = [], linear = false } = depth ?? {}
+    const words = new Int32Array(PLACE)
+    words.set([x, y, width, height, images[0], images[OCCLUDER]])
+    new Float32Array(words.buffer).set(planes.map((plane) => (plane * 2 ** depthBits) ** (linear ? 1 : -1)), 6)
+    words[8] = linear ? 1 : 0
     this.device.queue.writeBuffer(this.#place, 0, words)
   }
 

@@ -32,7 +32,7 @@ check "builds" builds
 of_parts="$package/paged.js $package/store.js"      # fetched with the first scene that comes in parts
 of_webgpu="$package/webgpu.js $package/stages.js"
 of_bundlers="element.js react.js server.js starts.js worker_whole.js"      # never fetched by a page, nor what Node has
-of_pages="fit.js served.js list.js single.js"       # of other pages
+of_pages="fit.js served.js list.js single.js three.js"      # of other pages
 others=$(printf '/%s$|' $of_pages paged.js store.js webgpu.js stages.js node.js system.js thread_node.js $of_bundlers)
 # 1.3 KB of it find the package's other files, also from another server's page, and say so where they are not there.
 check "size" at_most 54000 "$package"/viewer/index.html "$package"/viewer/page.css \

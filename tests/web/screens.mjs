@@ -8,7 +8,7 @@ import { join, resolve } from 'node:path'
 
 export const [folder, work, modules, command, speed] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
-const KINDS = { js: 'text/javascript', mjs: 'text/javascript', wasm: 'application/wasm' }
+const KINDS = { html: 'text/html', js: 'text/javascript', mjs: 'text/javascript', wasm: 'application/wasm' }
 
 export function hash(bytes) {
   let h = 0xcbf29ce484222325n
@@ -47,25 +47,42 @@ const WORKER = `import { drawn, hash, Screen } from '/common.js'
 const PAGE = '<!doctype html><title>fixsplat</title>'
 const MAP = {
   imports: {
+    three: '/three/three.module.js',
     'three/webgpu': '/three/three.webgpu.js',
+    'three/tsl': '/three/three.tsl.js',
     playcanvas: '/playcanvas/playcanvas.mjs',
     fixsplat: '/fixsplat.js',
+    'fixsplat/three': '/three.js',
   },
 }
-const MESH = `${PAGE}<script type="importmap">${JSON.stringify(MAP)}</script>`
-const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/common.js': COMMON, '/worker.js': WORKER }
+const mapped = (map) => `${PAGE}<script type="importmap">${JSON.stringify(map)}</script>`
+const [MESH, MESH_GPU] = [MAP, { imports: { ...MAP.imports, three: MAP.imports['three/webgpu'] } }].map(mapped)
+const TEXTS = { '/': PAGE, '/isolated': PAGE, '/mesh': MESH, '/mesh-gpu': MESH_GPU, '/common.js': COMMON,
+                '/worker.js': WORKER }
 const FOLDERS = { work, examples: 'docs/examples', three: `${modules}/three/build`,
                   playcanvas: `${modules}/playcanvas/build` }
 
+/** A part of a file, for scenes that come in parts. */
+function answerRange(file, range, answer) {
+  const [first, last] = range.match(/\d+/g).map(Number)
+  const all = readFileSync(file)
+  const size = `bytes ${first}-${Math.min(last, all.length - 1)}/${all.length}`
+  answer.writeHead(206, { etag: '"one"', 'content-range': size }).end(all.subarray(first, last + 1))
+}
+
 const server = createServer((request, answer) => {
-  const path = decodeURIComponent(new URL(request.url, 'http://x').pathname)
+  const { pathname, search } = new URL(request.url, 'http://x')
+  const path = decodeURIComponent(pathname)
   const [, first, ...rest] = path.split('/')
-  const file = rest.length && FOLDERS[first] ? join(FOLDERS[first], ...rest) : folder + path
+  const npm = path.match(/^\/examples\/node_modules\/(fixsplat|three)(\/.*)/)
+  const file = npm ? (npm[1] === 'three' ? `${modules}/three` : folder) + npm[2]
+             : rest.length && FOLDERS[first] ? join(FOLDERS[first], ...rest) : folder + path
   const kind = TEXTS[path]?.startsWith(PAGE) ? 'text/html' : KINDS[path.split('.').pop()]
   answer.setHeader('content-type', kind ?? 'application/octet-stream')
   answer.setHeader('cross-origin-embedder-policy', 'require-corp')
   if (path === '/isolated') answer.setHeader('cross-origin-opener-policy', 'same-origin')
   if (TEXTS[path]) answer.end(TEXTS[path])
+  else if (search === '?ranges' && request.headers.range) answerRange(file, request.headers.range, answer)
   else if (existsSync(file)) createReadStream(file).pipe(answer)
   else answer.writeHead(404).end()
 }).listen(0, '127.0.0.1')

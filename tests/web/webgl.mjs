@@ -3,6 +3,7 @@ import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'
 import { frame, FRAMES, hashOf, launch, open, runIn, runTests, shared, work } from './screens.mjs'
+import { threeTests } from './three.mjs'
 
 const browser = await launch(...WEBGL)
 const { run } = await open(browser, 'isolated')
@@ -253,12 +254,13 @@ const tests = {
         await wordsOf(Screen.open(canvas(), 'webgl')), await wordsOf(Screen.open(canvas(), 'webgl2', { simd: false })),
         await wordsOf(drawn(freed, args[0])), await wordsOf((async () => screen.draw([{ scene: plain }]))()),
         await wordsOf(drawn(screen, { ...args[0], options: { width: 16384, height: 16384 } })),
+        await wordsOf(drawn(screen, { ...args[0], options: { into: { depth: { planes: [1, 0] } } } })),
         hash(await drawn(screen, args[0]))]`,
       FRAMES.framed
     )
     const wanted = [/^too little memory/, /nothing/, /no WebGL 2 here, or/, /another kind/,
                     /webgl: expected one of wasm, webgl2, webgl2-quads, webgpu/, /without simd128/,
-                    /was freed/, /different modules/, /16384 x 16384 pixels|memory/]
+                    /was freed/, /different modules/, /16384 x 16384 pixels|memory/, /two planes/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.equal(said.at(-1), hashOf(FRAMES.framed))
   },
@@ -305,4 +307,4 @@ async function measure() {
     }
 }
 
-await runTests(browser, tests, measure)
+await runTests(browser, { ...tests, ...threeTests(browser) }, measure)

@@ -4,6 +4,7 @@ import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { WEBGPU } from './flags.mjs'
 import { command, frame, FRAMES, hash, hashOf, launch, near, open, runIn, runTests, shared, work } from './screens.mjs'
+import { threeGpuTests } from './three.mjs'
 
 const browser = await launch(...WEBGPU)
 const { run, page } = await open(browser, 'isolated')
@@ -390,7 +391,8 @@ const tests = {
         [{ texture: made({}, other) }], [{ texture: gone }], [{ texture, depth: { planes: [1, 9] } }],
         [{ texture, depth: depthOf({ format: 'stencil8' }) }], [{ texture, depth: depthOf({ usage: COPY_SRC }) }],
         [{ texture, x: 1, depth: depthOf({ size: [1, 8] }) }], [{ texture, depth: depthOf({}, other) }],
-        [{ texture, depth: { ...depthOf(), planes: [1, 0] } }], [{ texture, over: true }],
+        [{ texture, depth: { ...depthOf(), planes: [1, 0] } }],
+        [{ texture, depth: { ...depthOf(), planes: [1, Infinity], linear: true } }], [{ texture, over: true }],
         [{ texture }, { targets: { grey: bufferOf() } }], [{ texture }, { targets: { ids: bufferOf({ size: 4 }) } }],
         [{ texture }, { targets: { ids: bufferOf({ usage: GPUBufferUsage.STORAGE }) } }],
         [{ texture }, { targets: { depth: bufferOf({}, other) } }],
@@ -412,9 +414,9 @@ const tests = {
                     /`into` needs a texture with the usage RENDER_ATTACHMENT/, /from 8, 0 on do not lie/,
                     /do not lie/, /cannot be used with/, /[Dd]estroyed texture/, /a texture of depths/,
                     /a texture of depths/, /`into.depth` needs a texture with the usage TEXTURE_BINDING/,
-                    /do not lie in the texture of `into.depth`/, /cannot be used with/, /two planes/, /needs `alpha`/,
-                    /grey: expected one of colour/, /ids needs a buffer of 8 bytes/, /with the usage COPY_DST/,
-                    /cannot be used with/, /depthBits 29/]
+                    /do not lie in the texture of `into.depth`/, /cannot be used with/, /two planes/, /finite planes/,
+                    /needs `alpha`/, /grey: expected one of colour/, /ids needs a buffer of 8 bytes/,
+                    /with the usage COPY_DST/, /cannot be used with/, /depthBits 29/]
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.equal(said.length, wanted.length)
     assert.ok(said.every((words) => !words.includes('\n')), said.join('; '))
@@ -478,35 +480,33 @@ const more = {
       return hashes`, some), hashesOf(some))
   },
 
-  ...Object.fromEntries([['three.js', 'position.set'], ['playcanvas.js', 'setPosition']].map(([file, put]) => [
-    `a mesh that stands in a scene: docs/examples/${file}`, async () => {
-      const [before, within, behind, apart] = await runIn(browser, 'mesh',
-        `const { open } = await import('/examples/${file}')
-        const [width, height] = [160, 100], element = Object.assign(document.createElement('canvas'), { width, height })
-        const mesh = await open(element, '/work/knot.fxs'), orange = 0xff0080ff
-        const flat = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true })
-        const shownAt = async (...at) => {
-          mesh.mesh.${put}(...at)
-          await mesh.draw([0, 1, 4], [0, 0, 0])
-          flat.drawImage(element, 0, 0)
-          return flat.getImageData(0, 0, width, height).data
-        }
-        const count = (bytes) => new Uint32Array(bytes.buffer).reduce((sum, word) => sum + (word === orange ? 1 : 0), 0)
-        const before = count(await shownAt(0, 0.5, 2)), within = count(await shownAt(0.5, 0, 0.3))
-        const last = await shownAt(0, 0, -90), options = { width, height, alpha: true }
-        const { scene, ...how } = mesh.placed[0], view = { eye: [0, 1, 4], look: [0, 0, 0], up: [0, 1, 0], near: 0.1 }
-        const { render } = await import('/fixsplat.js'), wanted = render([{ scene, ...how }], view, options)
-        const apart = last.reduce((most, byte, i) => {
-          const colour = wanted[i] + [0x20, 0x30, 0x40, 255][i % 4] * (1 - wanted[4 * (i >> 2) + 3] / 255)
-          return Math.max(most, Math.abs(byte - Math.min(255, colour)))
-        }, 0)
-        return [before, within, count(last), apart]`)
-      console.log(`  ${before} pixels of the mesh before the scene, ${within} within`)
-      assert.ok(before > 1.2 * within && within > 100, 'nothing of the mesh is hidden, or all')
-      assert.equal(behind, 0)
-      assert.ok(apart <= 1, `${apart} apart`)
-    },
-  ])),
+  async 'a mesh that stands in a scene: docs/examples/playcanvas.js'() {
+    const [before, within, behind, apart] = await runIn(browser, 'mesh',
+      `const { open } = await import('/examples/playcanvas.js')
+      const [width, height] = [160, 100], element = Object.assign(document.createElement('canvas'), { width, height })
+      const mesh = await open(element, '/work/knot.fxs'), orange = 0xff0080ff
+      const flat = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true })
+      const shownAt = async (...at) => {
+        mesh.mesh.setPosition(...at)
+        await mesh.draw([0, 1, 4], [0, 0, 0])
+        flat.drawImage(element, 0, 0)
+        return flat.getImageData(0, 0, width, height).data
+      }
+      const count = (bytes) => new Uint32Array(bytes.buffer).reduce((sum, word) => sum + (word === orange ? 1 : 0), 0)
+      const before = count(await shownAt(0, 0.5, 2)), within = count(await shownAt(0.5, 0, 0.3))
+      const last = await shownAt(0, 0, -90), options = { width, height, alpha: true }
+      const { scene, ...how } = mesh.placed[0], view = { eye: [0, 1, 4], look: [0, 0, 0], up: [0, 1, 0], near: 0.1 }
+      const { render } = await import('/fixsplat.js'), wanted = render([{ scene, ...how }], view, options)
+      const apart = last.reduce((most, byte, i) => {
+        const colour = wanted[i] + [0x20, 0x30, 0x40, 255][i % 4] * (1 - wanted[4 * (i >> 2) + 3] / 255)
+        return Math.max(most, Math.abs(byte - Math.min(255, colour)))
+      }, 0)
+      return [before, within, count(last), apart]`)
+    console.log(`  ${before} pixels of the mesh before the scene, ${within} within`)
+    assert.ok(before > 1.2 * within && within > 100, 'nothing of the mesh is hidden, or all')
+    assert.equal(behind, 0)
+    assert.ok(apart <= 1, `${apart} apart`)
+  },
 
   async 'in a Worker'() {
     const some = [FRAMES.framed, FRAMES['two objects']]
@@ -520,4 +520,4 @@ const more = {
   },
 }
 
-await runTests(browser, process.env.FXS_PROCESSORS === 'all' ? { ...tests, ...more } : tests)
+await runTests(browser, process.env.FXS_PROCESSORS === 'all' ? { ...tests, ...more, ...threeGpuTests(browser) } : tests)
