@@ -399,6 +399,9 @@ export interface ScreenOptions extends FrameOptions {
       are the pixel of the framebuffer for the lower left corner of the picture, 0 and 0 by default. The default
       `framebuffer` is null, the canvas itself, which then keeps its size. */
   into?: { framebuffer?: WebGLFramebuffer | null; x?: number; y?: number } | IntoTexture
+  /** A picture in place of the background, as `Targets.backdrop`. Not with `alpha`, nor with 'webgl2-quads'. The other
+      three draw the same bytes over it. */
+  backdrop?: Uint8ClampedArray | Uint8Array
 }
 
 type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'

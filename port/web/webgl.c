@@ -58,9 +58,9 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
     free(gles);
 }
 
-/* The same as `render`, to a framebuffer from (x, y) on. */
-EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, int x, int y, int format,
-                                        uint32_t background, int sh_degree, int square, uint32_t budget,
+/* The same as `render`, to a framebuffer from (x, y) on, over a texture where there is one. */
+EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, uint32_t backdrop, int x, int y,
+                                        int format, uint32_t background, int sh_degree, int square, uint32_t budget,
                                         uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
@@ -69,6 +69,7 @@ EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t fram
         return FXS_ERR_MEMORY;
     fxs_gles_target_init(&target);
     target.framebuffer = framebuffer;
+    target.backdrop = backdrop;
     target.x = x;
     target.y = y;
     target.format = (enum fxs_format)format;
