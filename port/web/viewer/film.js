@@ -1,10 +1,12 @@
 // A film of a camera track as a .webm, frame by frame. WebCodecs encodes each frame with the time that it has in the film,
 // however long it took to draw. Where there is no WebCodecs (on pages that are not secure, and in older browsers),
 // MediaRecorder takes each frame for as long as it is to be seen, by the clock. Either way the codec (VP9 or VP8, 4:2:0)
-// changes the bytes of what was drawn.
+// changes the bytes of what was drawn: constant quality where the encoder has it, else bits in proportion to the pixels.
 
 const CODECS = { 'vp09.00.51.08': 'VP9', vp8: 'VP8' }
-const BITS_A_PIXEL = 0.2
+const BITS_A_PIXEL = 0.3
+const QUANTIZER = 20 // of VP9: 0 is the finest, 63 the coarsest
+const FAST_BITS = 16e6 // a second, for a MediaRecorder
 const KEY_S = 2 // seconds between frames that need no other
 const MOST_WAITING = 4 // frames in the encoder
 const MOST_FRAMES = 36000
@@ -74,10 +76,12 @@ function webmOf(codec, { width, height, rate }, chunks) {
 // ---- By WebCodecs, and by MediaRecorder ------------------------------------------------------------------------------
 
 async function configOf({ width, height, rate, bitrate }) {
-  for (const codec of Object.keys(CODECS)) {
-    const config = { codec, width, height, framerate: rate, bitrate }
+  const [fine, coarse] = Object.keys(CODECS)
+  const by = { width, height, framerate: rate, bitrate: bitrate ?? Math.round(BITS_A_PIXEL * width * height * rate) }
+  const configs = [{ codec: fine, ...by }, { codec: coarse, ...by }]
+  if (!bitrate) configs.unshift({ codec: fine, width, height, framerate: rate, bitrateMode: 'quantizer' })
+  for (const config of configs)
     if ((await VideoEncoder.isConfigSupported(config).catch(() => null))?.supported) return config
-  }
   return null
 }
 
@@ -96,7 +100,7 @@ async function encoded(config, film, frames) {
     for await (const pixels of frames) {
       const timestamp = Math.round((1e6 * i) / film.rate)
       const frame = new VideoFrame(pixels, { format: 'RGBX', codedWidth: film.width, codedHeight: film.height, timestamp })
-      encoder.encode(frame, { keyFrame: i++ % Math.round(KEY_S * film.rate) === 0 })
+      encoder.encode(frame, { keyFrame: i++ % Math.round(KEY_S * film.rate) === 0, vp9: { quantizer: QUANTIZER } })
       frame.close()
       while (encoder.encodeQueueSize > MOST_WAITING && !failure) await pause(5)
       if (failure) throw failure
@@ -114,7 +118,7 @@ async function recorded(film, frames) {
   const context = canvas.getContext('2d')
   const stream = canvas.captureStream(0)
   const [track] = stream.getVideoTracks()
-  const recorder = new MediaRecorder(stream, { videoBitsPerSecond: film.bitrate, mimeType: 'video/webm' })
+  const recorder = new MediaRecorder(stream, { videoBitsPerSecond: film.bitrate ?? FAST_BITS, mimeType: 'video/webm' })
   const parts = []
   recorder.ondataavailable = ({ data }) => parts.push(data)
   const stopped = new Promise((done) => (recorder.onstop = done))
@@ -146,7 +150,7 @@ export async function filmOf(asked, draw, progress) {
   const count = Math.max(Math.round(seconds * rate), 1)
   if (!(rate >= 1 && rate <= 120)) throw new Error(`rate ${rate}: expected 1 to 120 frames a second`)
   if (!(count <= MOST_FRAMES)) throw new Error(`A film of ${count} frames: at most ${MOST_FRAMES}`)
-  const film = { width, height, rate, bitrate: asked.bitrate ?? Math.round(BITS_A_PIXEL * width * height * rate) }
+  const film = { width, height, rate, bitrate: asked.bitrate }
   const frames = (async function* () {
     for (let i = 0; i < count; i++) {
       progress(i / count)

@@ -121,7 +121,7 @@ function seen(sky, camera, up, width, height) {
   return out
 }
 
-/** The backdrop of a frame: of the sky { url, up }. */
+/** The backdrop of a frame: of the sky { url, up }; an Error where there is none. */
 export async function backdropOf({ url, up }, camera, { width, height }) {
   if (!skies.has(url)) skies.clear(), skies.set(url, pixelsOf(url))
   return seen(await skies.get(url), camera, up, width, height)

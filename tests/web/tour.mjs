@@ -1,0 +1,312 @@
+// node tour.mjs PACKAGE SCENES MODULES PICTURES COMMAND: what tests/scripts/page.sh asks of annotations, camera tracks, films,
+// settings files, skies and languages of the viewer's page.
+import assert from 'node:assert/strict'
+import { writeFileSync } from 'node:fs'
+import { hash, inside, moved, native, open, page, pause, picture, run, scenes, viewOf, wordsOf } from './chromium.mjs'
+
+const SCENE = '?scene=/scenes/scene.ply'
+const WITH = (file) => `${SCENE}&settings=/scenes/${file}`
+const put = (name, value) => writeFileSync(`${scenes}/${name}`, typeof value === 'string' ? value : JSON.stringify(value))
+const numbersOf = async () => (await viewOf()).split(',').map(Number)
+const noteOf = () => inside(`return $('note').textContent`)
+const near = (a, b, by = 1e-6) => assert.ok(a.every((x, i) => Math.abs(x - b[i]) <= by), `${a}, and not ${b}`)
+
+const features = (motion) =>
+  page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }, { name: 'prefers-reduced-motion', value: motion }])
+
+/** Waits until the page shows a picture. */
+async function shows(wanted) {
+  for (let i = 0; (await hash()) !== wanted; i++) assert.ok(i < 40, `another picture than ${wanted}`)
+}
+
+const front = { eye: [0, 0, -9], look: [0, 0, 0], up: [0, -1, 0], fov: 40 }
+const side = { eye: [-9, 0, 0], look: [0, 0, 0], up: [0, -1, 0], fov: 40 }
+const TOUR = {
+  fixsplat: 1,
+  background: '#203040',
+  camera: front,
+  annotations: [
+    { position: [0, 0, -2.5], title: 'The knot', text: 'Seen from the front.\nIn two lines.', camera: front },
+    { position: [0.011, -2.642, 1.935], title: 'Behind', text: '', camera: side },
+    { position: [2, 0.5, 0] },
+  ],
+  tracks: [
+    { name: 'Around', loop: 'none', duration: 1, keys: [front, { ...front, eye: [-6, -2, -6] }, side].map((key, i) => ({ time: i / 2, ...key })) },
+    { loop: 'repeat', keys: [{ time: 0, ...front }, { time: 2, ...side }] },
+  ],
+}
+// As supersplat-viewer writes it.
+const THEIRS = {
+  version: 2,
+  tonemapping: 'none',
+  highPrecisionRendering: false,
+  background: { color: [0.2, 0.4, 0.6] },
+  postEffectSettings: { bloom: { enabled: true, intensity: 0.1, blurLevel: 2 }, vignette: { enabled: false } },
+  animTracks: [
+    {
+      name: 'theirs', duration: 2, frameRate: 30, loopMode: 'repeat', interpolation: 'spline', smoothness: 0.5,
+      keyframes: { times: [0, 20, 45], values: { position: [0, 0, -9, 9, 2, 0, 0, 4, 9], target: Array(9).fill(0), fov: [60, 50, 70] } },
+    },
+  ],
+  cameras: [{ initial: { position: [1, 2, -9], target: [0.5, 0, 0], fov: 60 } }],
+  annotations: [{ position: [0.5, 0.25, -2], title: 'Theirs', text: 'words', camera: { initial: { position: [0, 0, -7], target: [0, 0, 0], fov: 75 } } }],
+  startMode: 'default',
+}
+
+/** The numbers of its own CubicSpline for that track, at seconds. */
+const THEIRS_AT = {
+  0.3: [4.177285714285715, 0.6737142857142859, -5.968285714285715, 54.72214285714286],
+  1.8: [-0.4397142857142857, 1.433714285714286, -2.548285714285713, 64.31714285714287],
+}
+
+const tests = {
+  async 'annotations: markers, their captions and links, by buttons and keys'() {
+    put('tour.json', TOUR)
+    await open(WITH('tour.json'))
+    near(await numbersOf(), [0, 0, -9, 0, 0, 0, 0, -1, 0, 40])
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360', '203040'))
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot.querySelector('.marker.behind'))
+    const markers = () => inside(`return [...v.shadowRoot.querySelectorAll('.marker')].map((one) => {
+      const { x, y, width } = one.getBoundingClientRect()
+      return [one.textContent, one.ariaLabel, one.classList.contains('behind'), one.hidden, x + width / 2, y + width / 2] })`)
+    const [first, second, third] = await markers()
+    assert.deepEqual(first.slice(0, 4), ['1', 'Annotation 1 of 3: The knot', false, false])
+    near(first.slice(4), [320, 180], 1)
+    assert.deepEqual(second.slice(0, 4), ['2', 'Annotation 2 of 3: Behind', true, false])
+    near(third.slice(4), [320 + (2 * 180) / Math.tan(Math.PI / 9) / 9, 180 + (0.5 * 180) / Math.tan(Math.PI / 9) / 9], 1)
+    await inside(`v.told = []; v.addEventListener('annotation', ({ detail }) => v.told.push([detail.index, detail.annotation?.title]))`)
+    await page.mouse.click(320, 180)
+    assert.equal(await inside(`return $('caption').hidden`), false)
+    assert.match(await inside(`return $('caption').innerText`), /The knot\s+Seen from the front.\s+In two lines.\s+1 \/ 3/)
+    await page.keyboard.press('.')
+    await moved()
+    near(await numbersOf(), [-9, 0, 0, 0, 0, 0, 0, -1, 0, 40])
+    await inside(`$('later').click()`)
+    await moved()
+    assert.equal(await inside(`return $('caption').querySelector('h2').textContent`), 'Annotation 3')
+    assert.ok(Math.abs((await numbersOf())[3] - 2) < 1e-9) // one without a camera is what it looks at
+    await page.keyboard.press('Escape')
+    assert.equal(await inside(`return $('caption').hidden`), true)
+    assert.deepEqual(await inside('return v.told'), [[0, 'The knot'], [1, 'Behind'], [2, ''], [-1, null]])
+    await picture('annotations')
+    await inside(`navigator.clipboard.writeText = async (text) => { v.copied = text }; await v.goTo(1); $('linkTo').click()`)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').copied)
+    const link = new URL(await inside('return v.copied'))
+    assert.equal(link.hash, '#annotation=2')
+    await open(link.search + link.hash)
+    await moved()
+    near(await numbersOf(), [-9, 0, 0, 0, 0, 0, 0, -1, 0, 40])
+    assert.equal(await inside(`return $('caption').querySelector('h2').textContent`), 'Behind')
+  },
+
+  async 'a track: played, paused by a hand, scrubbed, looped'() {
+    await open(WITH('tour.json'))
+    await inside(`v.told = []; for (const name of ['play', 'pause', 'ended']) v.addEventListener(name, () => v.told.push(name))`)
+    await page.keyboard.press('k')
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').told.includes('ended'))
+    await moved()
+    near(await numbersOf(), [-9, 0, 0, 0, 0, 0, 0, -1, 0, 40])
+    assert.deepEqual(await inside('return v.told'), ['play', 'pause', 'ended'])
+    await inside(`$('time').value = 0.5; $('time').dispatchEvent(new InputEvent('input', { bubbles: true }))`)
+    await moved()
+    near((await numbersOf()).slice(0, 3), [-6, -2, -6])
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360', '203040'))
+    assert.equal(await inside(`return $('clock').textContent`), '0.5 / 1.0 s')
+    await inside(`await v.play(1)`)
+    await pause(2500)
+    assert.equal(await inside('return v.paused'), false)
+    assert.ok((await inside('return v.time')) < 2)
+    await page.mouse.move(320, 180)
+    await page.mouse.down()
+    await page.mouse.move(340, 180, { steps: 3 })
+    await page.mouse.up()
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').paused)
+    await picture('track')
+  },
+
+  async 'settings of supersplat-viewer, version 2 and 1'() {
+    put('theirs.json', THEIRS)
+    await open(WITH('theirs.json'))
+    // Their scenes are turned about z; fov is that of the longer side.
+    const upright = (fov) => (360 / Math.PI) * Math.atan(Math.tan((fov * Math.PI) / 360) * (360 / 640))
+    near(await numbersOf(), [-1, -2, -9, -0.5, 0, 0, 0, -1, 0, upright(60)])
+    assert.match(await wordsOf(), /theirs.json: postEffectSettings: bloom: not drawn here/)
+    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360', '336699'))
+    const { annotations, tracks } = await inside('return { annotations: v.annotations, tracks: v.tracks }')
+    assert.deepEqual(annotations[0].position, [-0.5, -0.25, -2])
+    assert.deepEqual(tracks[0].keys.map(({ time }) => time), [0, 20 / 30, 1.5])
+    // What their own spline gives at 0.3 and at 1.8 seconds of this track.
+    for (const [time, wanted] of [[0.3, THEIRS_AT[0.3]], [1.8, THEIRS_AT[1.8]]]) {
+      await inside('v.seek(args[0])', time)
+      await moved()
+      const [x, y, z, , , , , , , fov] = await numbersOf()
+      near([x, y, z, fov], [-wanted[0], -wanted[1], wanted[2], upright(wanted[3])], 1e-9)
+    }
+    await page.setViewport({ width: 360, height: 640 })
+    await inside('v.seek(0)')
+    await moved()
+    near([(await numbersOf())[9]], [60])
+    put('early.json', { camera: { position: [0, 1, -9], target: [0, 0, 0], startAnim: 'animTrack' }, background: {},
+      animTracks: [{ ...THEIRS.animTracks[0], frameRate: undefined, loopMode: 'none', keyframes: { times: [0, 0.2, 0.4], values: THEIRS.animTracks[0].keyframes.values } }] })
+    await open(WITH('early.json'))
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').time > 0.1) // it plays by itself
+    await inside('v.pause()')
+    await features('reduce')
+    await open(WITH('early.json'))
+    await pause(500)
+    assert.equal(await inside('return v.paused && v.time'), 0) // but where less motion is wanted
+    await features('')
+  },
+
+  async 'settings that are wrong: a line in words, the rest is shown'() {
+    const wrong = {
+      'none.json': /none.json: there are no settings at this address/,
+      'text.ply': /text.ply: this is no settings file: it is not JSON/,
+      'cameras.json': /cameras.json: this is no settings file: expected an object/,
+      'version.json': /version 7: expected 1 or 2/,
+      'types.json': /camera: expected an object: left out.*background.*start.*annotations: expected a list/s,
+      'many.json': /annotations: 1000000 of them: the first 200 are shown/,
+      'keys.json': /tracks 1, key 3: its time is not behind.*tracks 2: it has no key.*tracks 3, key 1.fov: expected 1 to 170/s,
+    }
+    put('version.json', { version: 7 })
+    put('types.json', { fixsplat: 1, camera: [1], background: 5, start: 'x', annotations: {}, tracks: TOUR.tracks })
+    put('many.json', `{"fixsplat":1,"annotations":[${Array(1e6).fill('{"position":[0,0,0]}').join()}]}`)
+    const swapped = [0, 2, 1].map((time) => ({ time, ...front }))
+    put('keys.json', { fixsplat: 1, annotations: TOUR.annotations, tracks: [{ keys: swapped }, { keys: [] },
+      { keys: [{ time: 0, ...front, fov: 'NaN' }] }, { keys: [{ time: 0, ...side }] }] })
+    for (const [file, words] of Object.entries(wrong)) {
+      await open(WITH(file))
+      assert.match(await wordsOf(), words)
+      assert.equal(await inside('return v.state'), 'still')
+    }
+    assert.deepEqual(await inside('return [v.annotations.length, v.tracks.length, v.duration]'), [3, 1, 1])
+    await inside('await v.play()') // of a track of one key
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').paused)
+    near(await numbersOf(), [-9, 0, 0, 0, 0, 0, 0, -1, 0, 40])
+    await open(WITH('many.json'))
+    assert.equal(await inside(`return v.shadowRoot.querySelectorAll('.marker').length`), 200)
+    assert.match(await inside(`try { await v.goTo(500) } catch (error) { return error.message }`), /annotation 500: there are 200/)
+    assert.match(await inside(`v.tracks = [{ keys: [{ time: -1 }] }]; await new Promise((done) => setTimeout(done, 100));
+      return $('words').textContent`), /tracks 1, key 1.eye: expected three numbers/)
+  },
+
+  async 'a place is marked, a track is made of views, and the settings that are saved are read again'() {
+    await open(SCENE)
+    await inside(`HTMLAnchorElement.prototype.click = async function () { v.saved = [this.download, await (await fetch(this.href)).text()] }`)
+    await inside(`$('set').click(); $('mark').click()`)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').annotations.length)
+    await page.keyboard.type('A place')
+    for (const key of ['Escape', 'ArrowLeft']) await page.keyboard.press(key, { delay: 60 })
+    await moved()
+    await inside(`$('addKey').click()`)
+    await page.keyboard.press('ArrowLeft', { delay: 60 })
+    await moved()
+    await inside(`$('addKey').click()`)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').duration === 2)
+    await inside(`v.setAttribute('background', '#405060'); $('save').click()`)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').saved)
+    const [name, text] = await inside('return v.saved')
+    assert.equal(name, 'settings.json')
+    const [view, first] = [await viewOf(), await hash()]
+    put('saved.json', text)
+    await open(WITH('saved.json'))
+    assert.equal(await viewOf(), view)
+    assert.equal(await hash(), first)
+    assert.equal((await inside('return v.annotations'))[0].title, 'A place')
+    assert.deepEqual(JSON.parse(text).tracks, await inside('return v.tracks'))
+    await inside(`const data = new DataTransfer(); data.items.add(new File([JSON.stringify({ fixsplat: 1, tracks: args[0] })], 'dropped.json'));
+      v.dispatchEvent(new DragEvent('drop', { dataTransfer: data }))`, TOUR.tracks)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').tracks.length === 2)
+  },
+
+  async 'a film of a track: every frame goes in as the command draws it'() {
+    put('tour.json', { ...TOUR, tracks: [{ ...TOUR.tracks[0], duration: 0.5, keys: [{ time: 0, ...front }, { time: 0.5, ...side }] }] })
+    await open(WITH('tour.json'), 320, 180)
+    const film = (before) => inside(`${before}
+      const { blob, codec, frames, width, height } = await v.film({ rate: 12, width: 321, height: 180 })
+      const bytes = new Uint8Array(await blob.arrayBuffer())
+      let text = ''
+      for (let i = 0; i < bytes.length; i += 4096) text += String.fromCharCode(...bytes.subarray(i, i + 4096))
+      const video = Object.assign(document.createElement('video'), { src: URL.createObjectURL(blob), muted: true })
+      await new Promise((done, fail) => Object.assign(video, { onloadeddata: done, onerror: () => fail(video.error) }))
+      video.currentTime = 0.35
+      await new Promise((done) => (video.onseeked = done))
+      const context = new OffscreenCanvas(width, height).getContext('2d')
+      context.drawImage(video, 0, 0)
+      const { data } = context.getImageData(0, 0, width, height)
+      let sum = 0
+      for (let i = 0; i < data.length && v.frames; i++) if (i % 4 < 3) sum += (data[i] - v.frames[4][i]) ** 2
+      const psnr = 10 * Math.log10((255 ** 2 * 3 * width * height) / sum)
+      return { text: btoa(text), codec, frames, size: [video.videoWidth, video.videoHeight], duration: video.duration, psnr, hashes: v.hashes }`)
+    const told = await film(`v.frames = [], v.hashes = []
+      const Own = VideoFrame
+      window.VideoFrame = class extends Own { constructor(bytes, how) {
+        super(bytes, how)
+        if (!how.format) return
+        let h = 0xcbf29ce484222325n
+        for (const b of bytes) h = BigInt.asUintN(64, (h ^ BigInt(b)) * 0x100000001b3n)
+        v.hashes.push(h.toString(16).padStart(16, '0'))
+        v.frames.push(bytes.slice()) } }`)
+    writeFileSync(`${scenes}/film.webm`, Buffer.from(told.text, 'base64'))
+    assert.deepEqual([told.frames, told.size, told.duration], [6, [322, 180], 0.5])
+    assert.match(told.codec, /^VP[89]$/)
+    assert.ok(told.psnr > 30, `${told.psnr} dB`)
+    for (const i of [0, 3]) {
+      await inside('v.seek(args[0])', i / 12)
+      await moved()
+      assert.equal(told.hashes[i], native('scene.ply', await viewOf(), '322x180', '203040'))
+    }
+    const recorded = await film('delete window.VideoEncoder; v.frames = null')
+    assert.deepEqual([recorded.codec, recorded.frames, recorded.size], ['MediaRecorder', 6, [322, 180]])
+    const stopped = await inside(`return v.film({ progress: (share) => { if (share) throw new Error('enough') } }).catch((error) => error.message)`)
+    assert.equal(stopped, 'enough')
+  },
+
+  async 'the button of a film: progress, the file, and what the codec does'() {
+    await open(WITH('tour.json'), 320, 180)
+    await inside(`HTMLAnchorElement.prototype.click = function () { v.saved = this.download }; $('film').click()`)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').saved)
+    assert.equal(await inside('return v.saved'), 'Around.webm')
+    assert.match(await noteOf(), /Film saved: 15 frames of 320 × 180, by VP[89], which changes their bytes: what went in is exact/)
+    await inside(`$('film').click(); $('film').click()`)
+    await page.waitForFunction(() => /stopped/.test(document.querySelector('fixsplat-viewer').shadowRoot.getElementById('note').textContent))
+  },
+
+  async 'a sky: the bytes of a backdrop, by the processor and by WebGL; words where there is none'() {
+    await open(SCENE)
+    // 64 x 32 pixels whose colours say where they are.
+    const png = await inside(`const canvas = new OffscreenCanvas(64, 32), context = canvas.getContext('2d')
+      for (let y = 0; y < 32; y++) for (let x = 0; x < 64; x++) { context.fillStyle = \`rgb(\${4 * x} \${8 * y} 80)\`; context.fillRect(x, y, 1, 1) }
+      return btoa(String.fromCharCode(...new Uint8Array(await (await canvas.convertToBlob()).arrayBuffer())))`)
+    writeFileSync(`${scenes}/sky.png`, Buffer.from(png, 'base64'))
+    const pixels = () => inside(`const seen = await createImageBitmap($('stage').lastElementChild)
+      const context = new OffscreenCanvas(seen.width, seen.height).getContext('2d')
+      context.drawImage(seen, 0, 0)
+      return [[0, 0], [639, 0], [0, 359], [639, 359], [20, 180]].map((at) => [...context.getImageData(...at, 1, 1).data.slice(0, 3)])`)
+    const hashes = []
+    for (const backend of ['wasm', 'webgl2']) {
+      await open(`${SCENE}&skybox=/scenes/sky.png&backend=${backend}#view=0,0,-9,0,0,0,0,-1,0,40`)
+      hashes.push(await hash())
+      await pause(200)
+      for (const [i, [x, y]] of [[0, 0], [639, 0], [0, 359], [639, 359], [20, 180]].entries()) {
+        const f = 180 / Math.tan(Math.PI / 9)
+        const ray = [(x + 0.5 - 320) / f, (y + 0.5 - 180) / f, 1]
+        const [u, v] = [0.5 + Math.atan2(ray[0], ray[2]) / 2 / Math.PI, 0.5 + Math.atan2(ray[1], Math.hypot(ray[0], 1)) / Math.PI]
+        near((await pixels())[i], [4 * (64 * u - 0.5), 8 * (32 * v - 0.5), 80], 1.1)
+      }
+    }
+    assert.equal(hashes[0], hashes[1])
+    const before = await hash()
+    await inside(`v.setAttribute('skybox', '/scenes/text.ply')`)
+    assert.match(await wordsOf(), /text.ply: this browser does not read it as a picture/)
+    await moved()
+    await shows(native('scene.ply', await viewOf(), '640x360'))
+    await inside(`$('error').hidden = true; v.setAttribute('skybox', '/scenes/none.png')`)
+    assert.match(await wordsOf(), /none.png: there is no picture at this address/)
+    await inside(`v.setAttribute('skybox', '/scenes/sky.png')`)
+    await shows(before)
+    await picture('sky')
+  },
+}
+
+await run(tests)
