@@ -221,16 +221,13 @@ static const char head[] =
     "<title>%s</title>\n<meta property=\"og:title\" content=\"%s\">\n";
 static const char of_scene[] =
     "<meta property=\"og:image\" content=\"%s.jpg\">\n"
-    "<style>\nhtml, body { height: 100%; margin: 0 }\nfixsplat-viewer { height: 100vh; height: 100dvh }\n</style>\n"
+    "<link rel=\"stylesheet\" href=\"fixsplat/viewer/page.css\">\n"
     "<script type=\"module\" src=\"fixsplat/viewer/viewer.js\"></script>\n"
-    "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" background=\"#000000\"></fixsplat-viewer>\n"
-    "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n"
-    "<script>\nif (location.protocol === 'file:')\n"
-    "  document.body.append('This page needs a server of files, say: python3 -m http.server')\n</script>\n";
+    "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" background=\"#000000\">\n"
+    "This page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
+    "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
 static const char of_list[] =
-    "<style>\nbody { margin: 2rem; font: 1rem/1.4 system-ui, sans-serif }\n"
-    "main { display: grid; gap: 1.5rem; grid-template-columns: repeat(auto-fill, minmax(16rem, 1fr)) }\n"
-    "a { color: inherit; text-decoration: none }\nimg { width: 100%; border-radius: .5rem; display: block }\n</style>\n"
+    "<link rel=\"stylesheet\" href=\"fixsplat/viewer/list.css\">\n"
     "<h1>%s</h1>\n<main>\n";
 
 /* A page of one scene, or the list of all. */

@@ -379,9 +379,7 @@ export class Scene {
 
   /** Where it is seen from at first. */
   get first() {
-    const objects = [{ scene: this }]
-    const first = chosen(placeAll(objects), objects)
-    return { up: first.slice(0, 3), from: first.slice(3, 6), part: first[6] }
+    return firstView([{ scene: this }])
   }
 
   /** The start view that it keeps, as an entry of a cameras.json of 2 x 2 pixels, or null. */
@@ -488,6 +486,11 @@ function chosen(core, objects) {
     core.chosen = { key, first: core.get(0, 7) }
   }
   return core.chosen.first
+}
+
+export function firstView(objects) {
+  const first = chosen(placeAll(objects), objects)
+  return { up: first.slice(0, 3), from: first.slice(3, 6), part: first[6] }
 }
 
 function takeCamera(core, objects, camera, width, height) {
@@ -720,9 +723,11 @@ class Drawn {
   #functions
   #place
   #quads
+  #gone = false
 
   constructor(canvas, core, Functions, quads) {
     this.gl = canvas.getContext('webgl2', CONTEXT)
+    canvas.addEventListener('webglcontextlost', () => (this.#gone = true))
     if (!this.gl) throw new Error('there is no WebGL 2 here, or the canvas has a context of another kind')
     if (this.lost) throw new Error("the canvas's WebGL context is lost: take another canvas")
     if (!core.c.gl_open) throw new Error('the module without simd128 has no WebGL')
@@ -732,8 +737,9 @@ class Drawn {
     this.#place = this.#functions.call(() => core.place(core.c.gl_open()))
   }
 
+  /** For ever: a context that the browser restores has none of what was made in it. */
   get lost() {
-    return this.gl.isContextLost()
+    return (this.#gone ||= this.gl.isContextLost())
   }
 
   /** Pixels as a texture, whose lowest row is the first; nothing else of the context is changed. */

@@ -26,6 +26,8 @@ export const changes = {}
 /** Of scenes that come in parts, which are asked for in ranges: the bytes that were sent, and the seconds of each; what
     changes their answers. */
 export const ranges = { sent: 0, wait: 0, tag: '"one"' }
+/** A Content-Security-Policy that is sent with every file, where it is not empty. */
+export const policy = { text: '' }
 /** Milliseconds until a file comes whose address says slow. */
 const SLOW = 1500
 
@@ -36,17 +38,32 @@ async function answer(request, response) {
   if (!existsSync(file)) return response.writeHead(404).end()
   response.setHeader('cross-origin-opener-policy', 'same-origin')
   response.setHeader('cross-origin-embedder-policy', 'require-corp')
+  if (policy.text) response.setHeader('content-security-policy', policy.text)
   response.setHeader('content-type', KINDS[file.split('.').pop()] ?? 'application/octet-stream')
   if (search.includes('slow')) await pause(SLOW)
   if (search.includes('cut')) {
     response.setHeader('content-length', 100000)
     response.write(readFileSync(file).subarray(0, 5000), () => setTimeout(() => response.destroy(), 50))
   } else if (changes[path]) response.end(changes[path](readFileSync(file, 'utf8')))
+  else if (search.includes('trickle')) await trickle(readFileSync(file), response)
   else if (search.includes('ranges') && request.headers.range) await answerRange(file, request, response)
   else {
     response.setHeader('content-length', statSync(file).size)
     createReadStream(file).pipe(response)
   }
+}
+
+/** The shares of a file that have come after so many milliseconds. */
+const TRICKLE = [[0.03, 0], [0.031, 700], [0.7, 0], [0.701, 2400], [1, 1200]]
+
+async function trickle(bytes, response) {
+  response.setHeader('content-length', bytes.length)
+  let at = 0
+  for (const [share, wait] of TRICKLE) {
+    await pause(wait)
+    response.write(bytes.subarray(at, (at = Math.floor(share * bytes.length))))
+  }
+  response.end()
 }
 
 async function answerRange(file, { headers }, response) {
@@ -119,7 +136,7 @@ export const inside = (body, ...args) =>
     const $ = (id) => v.shadowRoot.getElementById(id);
     ${body} })(...${JSON.stringify(args)})`)
 
-export const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: 300000 })
+export const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: Number(process.env.WAIT ?? 300000) })
 
 /** When what was begun just now has been drawn. */
 export async function moved() {
@@ -175,9 +192,10 @@ export async function run(tests) {
   for (const [name, test] of Object.entries(tests).filter(([name]) => only.test(name))) {
     try {
       faults.length = 0
+      const start = performance.now()
       await test()
       assert.deepEqual(faults, [])
-      console.log(`ok ${name}`)
+      console.log(`ok ${name}${process.env.TIMES ? ` ${((performance.now() - start) / 1000).toFixed(1)} s` : ''}`)
     } catch (error) {
       console.log(`FAIL ${name}: ${error.stack}`)
       process.exitCode = 1

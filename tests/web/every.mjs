@@ -18,7 +18,7 @@ const tests = {}
 /** The milliseconds of a second picture by what the page has. */
 const time = () =>
   inside(`return await new Promise((done) => {
-    v.addEventListener('picture', ({ detail }) => done(Math.round(detail.milliseconds)), { once: true });
+    v.addEventListener('frame', ({ detail }) => done(Math.round(detail.milliseconds)), { once: true });
     v.setAttribute('background', '#0e1116') })`)
 
 /** Threads that there are beside the one of the scene. */

@@ -61,7 +61,7 @@ await run({
     const lose = async () => {
       await engineOf().evaluate(() => (self.losing = true))
       await inside(`const next = v.getAttribute('background') === '#0e1116' ? '#0e1117' : '#0e1116'
-        const drawn = new Promise((done) => v.addEventListener('picture', done, { once: true }))
+        const drawn = new Promise((done) => v.addEventListener('frame', done, { once: true }))
         v.setAttribute('background', next)
         await drawn`)
       await moved()

@@ -1,10 +1,12 @@
 // node page.mjs PACKAGE SCENES MODULES PICTURES COMMAND: what tests/scripts/page.sh asks of the viewer's page.
 import assert from 'node:assert/strict'
-import { existsSync, statSync } from 'node:fs'
+import { copyFileSync, existsSync, mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs'
+import { resolve } from 'node:path'
 import * as chromium from './chromium.mjs'
+import { POLICY } from './policy.mjs'
 import { base, go, hash, inside, moved, native, open, page, pause, picture, shown, still, viewOf } from './chromium.mjs'
 
-const { changed, pictures, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
+const { changed, folder, pictures, policy, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
 const numbersOf = async () => (await viewOf()).split(',').map(Number)
 /** Workers with a scene; the others are threads of theirs. */
 const enginesOf = () => page.workers().filter((worker) => worker.url().endsWith('/worker.js'))
@@ -131,7 +133,7 @@ const tests = {
   async 'the element in a page of its own; its end ends its worker'() {
     await go('')
     await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>
-      <fixsplat-viewer style="width: 300px; height: 200px" src="scenes/scene.ply"
+      <fixsplat-viewer style="width: 300px; height: 200px" src="scenes/scene.ply" keep="0"
         background="#000000"></fixsplat-viewer>`)
     await still()
     assert.equal(await hash(), native('scene.ply', await viewOf(), '300x200', '000000'))
@@ -149,12 +151,156 @@ const tests = {
     await are(() => page.workers(), 0)
   },
 
+  async 'several scenes at their places, moved, taken away and put back'() {
+    const counts = { worker: 0, scene: 0 }
+    const count = (request) => {
+      if (request.url().endsWith('/worker.js')) counts.worker++
+      if (request.url().endsWith('scene.ply')) counts.scene++
+    }
+    page.on('request', count)
+    try {
+      await go('')
+      await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>
+        <div id="a"><fixsplat-viewer style="width: 300px; height: 200px" src="scenes/scene.ply" background="#000000">
+        <fixsplat-scene src="scenes/levels.fxs" position="6 0 0" rotation="0 90 0" scale="0.5"></fixsplat-scene>
+        </fixsplat-viewer></div><div id="b"></div>`)
+      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').scenes?.length === 2)
+      await moved()
+      const both = await viewOf()
+      const n = both.split(',')
+      const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join()]
+      const quaternion = [Math.SQRT1_2, 0, Math.SQRT1_2, 0].join()
+      const beside = [`${scenes}/levels.fxs`, '--place', `1:6,0,0,${quaternion},0.5`]
+      const options = [...beside, ...camera, '--fov', n[9], '--size', '300x200', '--bg', '000000']
+      const together = await hash()
+      assert.equal(together, rendered('scene.ply', ...options))
+      assert.notEqual(together, native('scene.ply', both, '300x200', '000000'))
+      assert.deepEqual(await inside('return v.scenes.map(({ name, element }) => [name, element && element.localName])'),
+        [['scene.ply', null], ['levels.fxs', 'fixsplat-scene']])
+      const found = await inside(`return Promise.all([...Array(30).keys()].map((i) => v.pick(10 * i, 100)))`)
+      assert.deepEqual(new Set(found.filter(Boolean).map(({ scene }) => scene.name)), new Set(['scene.ply', 'levels.fxs']))
+
+      // In another place of the page, and away for a while: the same worker, and no download.
+      const before = { ...counts }
+      await inside(`document.getElementById('b').append(v)`)
+      await moved()
+      await inside(`window.away = v; v.remove(); await new Promise((done) => setTimeout(done, 100));
+        document.getElementById('a').append(window.away)`)
+      await moved()
+      assert.equal(await hash(), together)
+      await inside(`v.removeAttribute('src')`)
+      await moved()
+      assert.deepEqual(await inside('return v.scenes.map(({ name }) => name)'), ['levels.fxs'])
+      await inside(`window.child = v.firstElementChild; window.child.remove()`)
+      await page.waitForSelector('fixsplat-viewer[state=empty]:not([open])')
+      await inside(`v.append(window.child); v.setAttribute('src', 'scenes/scene.ply')`)
+      await moved()
+      await inside(`v.setAttribute('view', args[0])`, both)
+      await moved()
+      assert.equal(await hash(), together)
+      assert.deepEqual(counts, before)
+
+      // Its place is changed, and a wrong one is said and changes nothing.
+      await inside(`window.child.position = [0, 0, 0]`)
+      await moved()
+      assert.notEqual(await hash(), together)
+      await inside(`window.child.position = 'here'`)
+      assert.match(await wordsOf(), /position="here": expected 3 numbers/)
+      await inside(`window.child.position = [6, 0, 0]; window.child.hidden = true`)
+      await moved()
+      assert.equal(await hash(), native('scene.ply', both, '300x200', '000000'))
+      await inside(`window.child.src = 'scenes/none.ply'`)
+      assert.match(await wordsOf(), /none\.ply: there is no such file/)
+      await moved()
+      assert.equal(await hash(), native('scene.ply', both, '300x200', '000000'))
+    } finally {
+      page.off('request', count)
+    }
+  },
+
+  async 'camera, settings, picks and events of the element; its own size; the wheel that scrolls the page'() {
+    await go('', 800, 600)
+    await page.setContent(`<base href="${base}/"><script type="module" src="viewer/viewer.js"></script>
+      <style>body { margin: 0; height: 3000px } .small { width: 300px } .fixed { height: 100px; min-height: 0 }</style>
+      <fixsplat-viewer src="scenes/scene.ply" wheel="page"></fixsplat-viewer>
+      <fixsplat-viewer class="small"></fixsplat-viewer><fixsplat-viewer class="fixed"></fixsplat-viewer>`)
+    await inside(`v.told = []; for (const name of ['load', 'progress', 'error', 'camera', 'pick', 'frame'])
+      v.addEventListener(name, (event) => v.told.push([name, event.detail ?? event.message]))`)
+    await still()
+    const sizes = await page.evaluate(() => [...document.querySelectorAll('fixsplat-viewer')]
+      .map((one) => [one.clientWidth, one.clientHeight]))
+    assert.deepEqual(sizes, [[800, 450], [300, 169], [800, 100]])
+    const told = (name) => inside('return v.told.filter(([name]) => name === args[0]).map(([, detail]) => detail)', name)
+    const [load] = await told('load')
+    assert.deepEqual([load.source, load.name, load.count, load.low.length, load.element],
+      [`${base}/scenes/scene.ply`, 'scene.ply', 20000, 3, null])
+    assert.ok((await told('progress')).some(({ stage, done }) => stage === 'prepare' && done > 0))
+    assert.equal((await told('frame')).at(-1).width, 800)
+
+    await inside(`v.camera = { eye: [0, -1, -6], look: [0, 0, 0] }`)
+    await moved()
+    assert.deepEqual(await inside('return v.camera'),
+      { eye: [0, -1, -6], look: [0, 0, 0], up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0] })
+    assert.equal(await hash(), native('scene.ply', '0,-1,-6,0,0,0,0,-1,0,50', '800x450'))
+    const wrong = await inside(`try { v.camera = { eye: [0, 1] } } catch ({ message }) { return message }`)
+    assert.equal(wrong, 'camera: eye: expected 3 numbers')
+    assert.equal(await inside(`return v.animate({ eye: [3, -1, -6], fov: 40 }, { duration: 200 })`), true)
+    assert.deepEqual(await inside('return [v.camera.eye, v.camera.fov]'), [[3, -1, -6], 40])
+    const flight = inside(`return v.animate({ eye: [9, -1, -6] }, { duration: 5000 })`)
+    await pause(200)
+    await page.mouse.move(400, 200)
+    await page.mouse.down()
+    await page.mouse.move(420, 220, { steps: 3 })
+    await page.mouse.up()
+    assert.equal(await flight, false) // a hand has taken it
+    const cameras = await told('camera')
+    assert.ok(cameras.some(({ byHand }) => byHand) && cameras.some(({ byHand }) => !byHand))
+
+    const settings = await inside(`v.settings = { background: '#405060', fov: 30, sharpness: 0.5 }; return v.settings`)
+    assert.deepEqual([settings.background, settings.fov, settings.sharpness], ['#405060', 30, 0.5])
+    assert.match(await inside(`try { v.settings = { colour: 1 } } catch ({ message }) { return message }`), /^colour: expected/)
+    await moved()
+    assert.equal((await shown()).size.join(), '400,225')
+    await inside(`v.settings = { sharpness: 1, background: null }; v.camera = { eye: [0, -1, -6], look: [0, 0, 0] }`)
+    await moved()
+
+    const y = await inside(`v.told = []
+      for (let y = 100; y < 225; y += 5) if (await v.pick(400, y)) return y`)
+    await page.mouse.click(400, y)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').told.some(([name]) => name === 'pick'))
+    await page.mouse.click(3, 3)
+    await pause(500)
+    const [hit, miss] = await told('pick')
+    const same = await inside('return v.pick(400, args[0])', y)
+    assert.deepEqual([hit.x, hit.y, hit.found], [400, y, same])
+    assert.ok(same.scene.name === 'scene.ply' && same.position.length === 3 && same.depth > 0)
+    assert.equal(miss.found, null)
+
+    const wheel = async () => {
+      const [before, top] = [await viewOf(), await page.evaluate(() => scrollY)]
+      await page.mouse.move(400, 200)
+      await page.mouse.wheel({ deltaY: 50 })
+      await pause(400)
+      return [(await viewOf()) !== before, (await page.evaluate(() => scrollY)) !== top]
+    }
+    assert.deepEqual(await wheel(), [true, false]) // it has the focus, by the clicks
+    await inside('document.activeElement.blur()')
+    assert.deepEqual(await wheel(), [false, true])
+    assert.match(await inside(`return $('note').textContent`), /hold Ctrl/)
+    await page.keyboard.down('Control')
+    assert.deepEqual(await wheel(), [true, false])
+    await page.keyboard.up('Control')
+    await inside(`scrollTo(0, 0); v.setAttribute('src', 'scenes/none.ply')`)
+    await wordsOf()
+    assert.match((await told('error'))[0], /none\.ply: there is no such file/)
+  },
+
   async 'errors in words; the page goes on'() {
     const wrong = {
       'none.ply': /no such file/,
-      'text.ply': /text\.ply/,
-      'short.ply': /short\.ply/,
-      'huge.ply': /huge\.ply/,
+      'text.ply': /text\.ply: this is no scene\. Scenes are \.fxs, /,
+      'short.ply': /short\.ply: the file is cut off: 3 KB of 5\.0 MB/,
+      'huge.ply': /huge\.ply: the file is damaged/,
       'scene.ply?cut': /broke off/,
       'http://127.0.0.1:1/a.ply': /cannot be reached/,
       '100%.ply': /100%\.ply: there is no such file/,
@@ -203,6 +349,102 @@ const tests = {
     assert.deepEqual(await inside('return v.saved'), ['dropped.ply.png', '80,78,71'])
     await page.keyboard.press('l')
     assert.match(await inside(`return $('note').textContent`), /file of yours/)
+  },
+
+  async 'several files, a folder, and what is among files'() {
+    await go('')
+    await inside(`const data = new DataTransfer()
+      for (const name of ['scene.ply', 'levels.fxs', 'cameras.json'])
+        data.items.add(new File([await (await fetch('/scenes/' + name)).arrayBuffer()], name))
+      v.dispatchEvent(new DragEvent('drop', { dataTransfer: data }))`)
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').scenes.length === 2)
+    await moved()
+    assert.equal(await inside(`return $('name').textContent + ' | ' + $('count').textContent`),
+      'levels.fxs and 1 more | 40,000 splats')
+    assert.equal(await inside(`return $('after').hidden`), false) // it has views
+    assert.equal(await hash(), rendered('levels.fxs', `${scenes}/scene.ply`, '--cameras', `${scenes}/cameras.json`,
+      '--size', '640x360', '--bg', '0e1116'))
+
+    mkdirSync(`${scenes}/folder/inside`, { recursive: true })
+    copyFileSync(`${scenes}/scene.ply`, `${scenes}/folder/inside/one.ply`)
+    writeFileSync(`${scenes}/folder/note.txt`, 'no scene')
+    const session = await page.createCDPSession()
+    const drop = async (file) => {
+      const data = { items: [], files: [`${scenes}/${file}`], dragOperationsMask: 1 }
+      for (const type of ['dragEnter', 'dragOver', 'drop'])
+        await session.send('Input.dispatchDragEvent', { type, x: 300, y: 100, data })
+    }
+    await drop('folder')
+    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').scenes[0]?.name === 'folder/inside/one.ply')
+    await moved()
+    assert.equal(await inside('return v.scenes.length'), 1)
+    rmSync(`${scenes}/folder/inside`, { recursive: true })
+    writeFileSync(`${scenes}/folder/more.txt`, 'none')
+    await drop('folder')
+    assert.match(await wordsOf(), /None of these files is a scene/)
+    assert.equal(await inside('return v.scenes.length'), 1)
+
+    const { scenesIn } = await import(resolve(folder, 'viewer/drop.js'))
+    const found = (...names) => {
+      const { scenes, views } = scenesIn(names.map((name) => ({ name })))
+      return [scenes.map((one) => (Array.isArray(one) ? one.map(({ name }) => name).join('+') : one.name)), views?.name]
+    }
+    assert.deepEqual(found('b.ply', 'readme.txt', 'a.SPZ', 'cameras.json'), [['a.SPZ', 'b.ply'], 'cameras.json'])
+    assert.deepEqual(found('x/tiles/a.glb', 'x/tileset.json', 'y/meta.json', 'y/sh.webp', 'z.ply'),
+      [['x/tileset.json+x/tiles/a.glb', 'y/meta.json+y/sh.webp', 'z.ply'], undefined])
+    assert.deepEqual(found('unknown'), [['unknown'], undefined])
+    assert.deepEqual(found('one.txt', 'two.txt'), [[], undefined])
+  },
+
+  async 'a preview is shown where it is worth it'() {
+    const tell = (text) => text.replace('function preview(key, part, share) {', '$& (self.offered ??= []).push(part.count)')
+    await changed('/viewer/worker.js', tell, () =>
+      without(
+        () => addEventListener('frame', ({ target }) => (window.counts ??= []).push(target.scenes[0].count), true),
+        async () => {
+          await go('?scene=/scenes/large.ply%3Ftrickle&threads=1')
+          await still()
+          const offered = await enginesOf()[0].evaluate(() => self.offered)
+          const counts = await page.evaluate(() => window.counts)
+          assert.ok(offered[0] < 2000, `${offered}`)
+          assert.ok(counts.every((count) => count > 10000) && counts.at(-1) === 60000, `${counts}`)
+        }
+      ))
+  },
+
+  async 'the size in motion: as large as the machine can draw, and steady'() {
+    const { Pace } = await import(resolve(folder, 'viewer/pace.js'))
+    let seed = 1
+    const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647
+    /** The divisor of most pictures and how often it changed: of pictures that take `fixed` ms, and `all` for the pixels of
+        a whole one. */
+    const most = (fixed, all, noise) => {
+      const pace = new Pace()
+      const take = (divisor) => pace.take(divisor, (fixed + all / divisor ** 2) * (1 + noise * (2 * random() - 1)))
+      const counts = {}
+      let [turns, last] = [0, pace.divisor]
+      take(1)
+      for (let i = 0; i < 500; i++) {
+        const { divisor } = pace
+        counts[divisor] = (counts[divisor] ?? 0) + 1
+        turns += divisor !== last
+        take((last = divisor))
+      }
+      return [Number(Object.entries(counts).sort(([, a], [, b]) => b - a)[0][0]), turns]
+    }
+    for (const [fixed, all, noise, divisor] of [
+      [0, 30, 0.1, 1],
+      [0, 130, 0.1, 2],
+      [10, 110, 0.1, 2],
+      [70, 60, 0.1, 1.5], // smaller ones would gain little
+      [300, 50, 0.1, 1],
+      [10, 1000, 0.2, 4],
+    ]) {
+      const [found, turns] = most(fixed, all, noise)
+      assert.equal(found, divisor, `${fixed} + ${all} ms`)
+      assert.ok(turns <= 5, `${turns} changes at ${fixed} + ${all} ms`)
+    }
+    assert.ok(most(20, 100, 0.4)[1] <= 12)
   },
 
   async 'every control has a name; panels by key; noui'() {
@@ -347,7 +589,7 @@ const tests = {
     const kept = () => page.evaluate(async () => (await (await caches.open('fixsplat')).keys()).length)
     ranges.wait = 0.2
     await without(
-      () => addEventListener('picture', ({ detail }) => (window.seen ??= []).push(detail.missing), true),
+      () => addEventListener('frame', ({ detail }) => (window.seen ??= []).push(detail.missing), true),
       async () => {
         await go(PARTS)
         await still()
@@ -442,6 +684,77 @@ const tests = {
     })
   },
 
+  async 'lost in the middle of a picture, and restored: the same anew, without a word'() {
+    const inMiddle = (text) => `for (const name of ['drawArrays', 'texSubImage2D']) {
+        const own = WebGL2RenderingContext.prototype[name]
+        WebGL2RenderingContext.prototype[name] = function (...args) {
+          own.apply(this, args)
+          if (!self.armed || --self.armed) return
+          const lose = this.getExtension('WEBGL_lose_context')
+          lose.loseContext()
+          setTimeout(() => lose.restoreContext())
+          self.lost = (self.lost ?? 0) + 1
+        }
+      }
+      const ask = OffscreenCanvas.prototype.getContext
+      OffscreenCanvas.prototype.getContext = function (...args) {
+        this.addEventListener('webglcontextlost', (event) => event.preventDefault())
+        return ask.apply(this, args)
+      }\n${text}`
+    await changed('/viewer/worker.js', inMiddle, async () => {
+      await open(`${SCENE}&backend=webgl2`)
+      await inside(`const now = performance.now.bind(performance); let more = 0; performance.now = () => now() + more
+        v.later = () => (more += 6000)`)
+      const [worker] = enginesOf()
+      await page.mouse.move(320, 180)
+      await page.mouse.down()
+      for (let round = 1; round <= 3; round++) {
+        await inside('v.later()')
+        await worker.evaluate((round) => (self.armed = round), round)
+        for (let i = 0; i < 8; i++) {
+          await page.mouse.move(320 + 20 * i, 180 + round)
+          await pause(30)
+        }
+        await page.waitForFunction(() => document.querySelector('fixsplat-viewer').backend === 'webgl2')
+      }
+      await page.mouse.up()
+      await moved()
+      assert.ok((await worker.evaluate(() => self.lost)) >= 2)
+      assert.equal(await inside('return v.backend'), 'webgl2')
+      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      assert.equal(await inside(`return $('error').hidden`), true)
+    })
+  },
+
+  async 'under the policy of the documentation'() {
+    const refused = []
+    const listen = (message) => /Content Security Policy/i.test(message.text()) && refused.push(message.text())
+    page.on('console', listen)
+    policy.text = POLICY
+    try {
+      await open(`${SCENE}&poster=/scenes/poster.png&cameras=/scenes/cameras.json`)
+      assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360'))
+      await inside(`$('set').click(); v.append(Object.assign(document.createElement('fixsplat-scene'),
+        { src: '/scenes/levels.fxs', position: [1, 0, 0] })); v.setAttribute('backend', 'webgl2')`)
+      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').scenes.length === 2)
+      await page.keyboard.press('h')
+      await moved()
+      await inside(`const bytes = await (await fetch('/scenes/scene.ply')).arrayBuffer(); const data = new DataTransfer()
+        data.items.add(new File([bytes], 'dropped.ply'))
+        v.dispatchEvent(new DragEvent('drop', { dataTransfer: data }))`)
+      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').scenes[0].name === 'dropped.ply')
+      await moved()
+      assert.deepEqual(refused, [])
+      assert.equal(await inside('return getComputedStyle(v).opacity'), '1')
+      policy.text = POLICY.replace(" 'wasm-unsafe-eval'", '')
+      await go(SCENE)
+      assert.match(await wordsOf(), /needs 'wasm-unsafe-eval' in script-src/)
+    } finally {
+      policy.text = ''
+      page.off('console', listen)
+    }
+  },
+
   async 'no WebGL, no SIMD, no canvas for workers, no WebAssembly'() {
     const exact = async () => {
       await open(`${SCENE}&backend=webgl2`)
@@ -483,7 +796,7 @@ const tests = {
 
   async 'nothing is drawn in a hidden tab; the right picture when it is shown again'() {
     await open(SCENE)
-    await inside(`v.drawn = 0; v.addEventListener('picture', () => v.drawn++); v.hide = (is) => {
+    await inside(`v.drawn = 0; v.addEventListener('frame', () => v.drawn++); v.hide = (is) => {
       Object.defineProperty(document, 'hidden', { configurable: true, get: () => is })
       document.dispatchEvent(new Event('visibilitychange')) }
       v.hide(true)`)
@@ -601,7 +914,7 @@ const tests = {
     if (pictures === scenes) delete list.guitar // pictures are not kept
     for (const [folder, file] of existsSync(`${scenes}/real`) ? Object.entries(list) : []) {
       await without(
-        () => addEventListener('picture', ({ target }) => (window.first ??= target.state), true),
+        () => addEventListener('frame', ({ target }) => (window.first ??= target.state), true),
         () => go(`?scene=/scenes/real/${folder}/${file}`, 1280, 720)
       )
       await page.waitForFunction(() => window.first, { polling: 20, timeout: 120000 })
@@ -611,7 +924,7 @@ const tests = {
       await picture(folder)
       assert.equal(await hash(), native(`real/${folder}/${file.split('&')[0]}`, await viewOf(), '1280x720'))
       await inside(
-        `v.seen = []; v.addEventListener('picture', ({ detail }) =>
+        `v.seen = []; v.addEventListener('frame', ({ detail }) =>
           v.seen.push([detail.divisor, Math.round(detail.milliseconds)]))`
       )
       await page.keyboard.press('ArrowLeft', { delay: 1500 })

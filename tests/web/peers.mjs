@@ -242,7 +242,7 @@ function watch(width, height) {
   }
   addEventListener('DOMContentLoaded', () => {
     const viewer = document.querySelector('fixsplat-viewer')
-    viewer?.addEventListener('picture', ({ detail }) => {
+    viewer?.addEventListener('frame', ({ detail }) => {
       if (!(detail.width > peer.size[0])) peer.size = [detail.width, detail.height]
       const at = performance.now()
       if (!peer.small) return frame(at)

@@ -5,6 +5,7 @@ import { existsSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
 import { createRequire } from 'node:module'
 import { resolve } from 'node:path'
+import { POLICY } from './policy.mjs'
 
 const [site, modules, pictures, ...names] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
@@ -13,12 +14,15 @@ const lost = []
 const server = createServer((request, response) => {
   const file = site + new URL(request.url, 'http://x').pathname.replace(/\/$/, '/index.html')
   if (!existsSync(file)) return lost.push(file), response.writeHead(404).end()
+  response.setHeader('content-security-policy', POLICY)
   response.setHeader('content-type', KINDS[file.split('.').pop()] ?? 'application/octet-stream')
   response.end(readFileSync(file))
 }).listen(0, '127.0.0.1')
 await new Promise((done) => server.once('listening', done))
 const browser = await puppeteer.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] })
 const page = await browser.newPage()
+const refused = []
+page.on('console', (message) => /Content Security Policy/i.test(message.text()) && refused.push(message.text()))
 const open = (name) => page.goto(`http://127.0.0.1:${server.address().port}/${name}`, { waitUntil: 'load' })
 const keep = (name) => page.screenshot({ path: `${pictures}/published-${name}.png` })
 try {
@@ -36,6 +40,7 @@ try {
     console.log(`ok ${name} is shown`)
   }
   assert.deepEqual(lost, [], 'every file is there')
+  assert.deepEqual(refused, [], 'the policy allows all of it')
 } catch (error) {
   console.log(`FAIL published pages: ${error.message}`)
   process.exitCode = 1

@@ -205,12 +205,21 @@ const tests = {
   },
 
   async 'a lost context'() {
-    const [lost, draws, opens, again] = await run(
+    const [lost, draws, opens, still, stays, again] = await run(
       `const element = canvas(), screen = await Screen.open(element, 'webgl2')
       await drawn(screen, args[0])
       screen.gl.getExtension('WEBGL_lose_context').loseContext()
       const said = [screen.lost, await wordsOf(drawn(screen, args[0])), await wordsOf(Screen.open(element, 'webgl2'))]
       screen.free()
+      const given = canvas(), back = await Screen.open(given, 'webgl2')
+      given.addEventListener('webglcontextlost', (event) => event.preventDefault())
+      const lose = back.gl.getExtension('WEBGL_lose_context'), 
+        restored = new Promise((done) => given.addEventListener('webglcontextrestored', done))
+      lose.loseContext()
+      await new Promise((done) => setTimeout(done, 50))
+      lose.restoreContext()
+      await restored
+      said.push(back.lost, await wordsOf(drawn(back, args[0])))
       const other = await Screen.open(canvas(), 'webgl2')
       return [...said, hash(await drawn(other, args[0]))]`,
       FRAMES.framed
@@ -218,6 +227,8 @@ const tests = {
     assert.equal(lost, true)
     assert.match(draws, /context was lost: open another Screen/)
     assert.match(opens, /context is lost: take another canvas/)
+    assert.equal(still, true) // a context that is restored is empty
+    assert.match(stays, /context was lost: open another Screen/)
     assert.equal(again, hashOf(FRAMES.framed))
   },
 

@@ -1,4 +1,4 @@
-// A scene that is loaded and drawn in a worker of its own. Each request to the worker returns a promise. When the
+// Scenes that are loaded and drawn in a worker of their own. Each request to the worker returns a promise. When the
 // worker ends, all of its memory is freed.
 
 /** What goes to the worker and is not copied. */
@@ -20,9 +20,10 @@ export class Engine {
     this.worker.onerror = (event) => this.end(event.message || 'this browser cannot run the renderer')
   }
 
-  /** A File, a list of them, bytes or an address; `previews` where the worker is to tell of parts that have come. */
-  open(source, previews = false) {
-    return this.ask('open', source, this.threads, previews)
+  /** A File, a list of them, bytes or an address, by the key of the scene, and its place; `previews` where the worker is
+      to tell of parts that have come. */
+  open(key, source, place = {}, previews = false) {
+    return this.ask('open', key, source, place, { threads: this.threads, previews })
   }
 
   ask(word, ...args) {

@@ -1,5 +1,8 @@
 // Listens to pointers and keys, and calls the functions of an object `act`: drag, look and pan (with a distance in
-// pixels), zoom (with a factor), focus (with a pixel), fly and press.
+// pixels), zoom (with a factor), focus and click (with a pixel), fly and press. `takesWheel` says whether a turn of the
+// wheel is for the scene.
+
+const CLICK_PIXELS = 4 // a pointer that moves farther drags
 
 /** The middle of one or two pointers, and how far they are apart. */
 function middle(pointers) {
@@ -13,10 +16,17 @@ export function listenToPointers(stage, act, holdsSpace) {
     if (holdsSpace()) return act.look
     return pointers.size > 1 || event.buttons & 6 || event.shiftKey ? act.pan : act.drag
   }
+  let pressed = null // where a click may come of it
   const end = (event) => pointers.delete(event.pointerId)
   stage.addEventListener('pointerdown', (event) => {
     stage.setPointerCapture(event.pointerId)
+    pressed = pointers.size || event.button ? null : event
     if (pointers.size < 2) pointers.set(event.pointerId, event)
+  })
+  stage.addEventListener('pointerup', (event) => {
+    const far = pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY)
+    if (pressed?.pointerId === event.pointerId && far <= CLICK_PIXELS) act.click(event.offsetX, event.offsetY)
+    pressed = null
   })
   stage.addEventListener('pointermove', (event) => {
     if (stage.getRootNode().pointerLockElement === stage) return act.look(-event.movementX, -event.movementY)
@@ -33,6 +43,7 @@ export function listenToPointers(stage, act, holdsSpace) {
   stage.addEventListener(
     'wheel',
     (event) => {
+      if (!act.takesWheel(event)) return
       event.preventDefault()
       const pixels = event.deltaY * [1, 33, 400][event.deltaMode]
       act.zoom(1.1 ** (Math.max(-300, Math.min(300, pixels)) / 100))

@@ -81,7 +81,8 @@ export function flatten(camera, flat, fov) {
 /** Some of the way to another camera. */
 export function between(a, b, t) {
   const part = t * t * (3 - 2 * t)
-  return { ...b, ...Object.fromEntries(['eye', 'look', 'up', 'shift'].map((k) => [k, mix(a[k], b[k], part)])) }
+  const mixed = ['eye', 'look', 'up', 'shift'].map((k) => [k, mix(a[k], b[k], part)])
+  return { ...b, fov: a.fov + part * (b.fov - a.fov), ...Object.fromEntries(mixed) }
 }
 
 /** As the renderer takes it: by its axes where a point to look at does not say all. */

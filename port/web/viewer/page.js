@@ -2,8 +2,8 @@
 // <fixsplat-viewer>, and the camera (#view=...).
 import './viewer.js'
 
-const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'settings',
-  'skybox', 'lang']
+const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'wheel', 'keep',
+  'settings', 'skybox', 'lang']
 const asked = new URLSearchParams(location.search)
 const viewer = document.createElement('fixsplat-viewer')
 
@@ -18,5 +18,6 @@ takeLink()
 if (asked.has('scene')) viewer.setAttribute('src', asked.get('scene'))
 for (const name of NAMES) if (asked.has(name)) viewer.setAttribute(name, asked.get(name))
 addEventListener('hashchange', takeLink)
+document.getElementById('local').remove()
 document.body.append(viewer)
 viewer.focus({ focusVisible: false })

@@ -51,11 +51,12 @@ export class Panels {
   }
 
   /** With the first picture. */
-  greet() {
+  greet(scrolls) {
     if (this.#greeted || this.ui.note.textContent) return
     this.#greeted = true
     const hovers = matchMedia('(hover: hover)').matches
-    this.note(hovers ? 'Drag to turn, wheel to zoom. H: keys' : 'Drag to turn, pinch to zoom')
+    const byWheel = scrolls ? 'Drag to turn, Ctrl and wheel to zoom. H: keys' : 'Drag to turn, wheel to zoom. H: keys'
+    this.note(hovers ? byWheel : 'Drag to turn, pinch to zoom')
   }
 
   /** Shows a panel or puts it away; the other is put away. */

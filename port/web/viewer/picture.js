@@ -1,8 +1,7 @@
 // The picture of a scene in the page: the canvases, the back end that draws on them, and the size of the picture while
 // the camera moves.
+import { Pace } from './pace.js'
 
-const AIM_MS = 40 // of a picture in motion
-const DIVISORS = [1, 1.5, 2, 3, 4] // beyond, the time is the same
 const MOST_PIXELS = 1 << 23
 const LEAST_PIXELS = 1 << 14
 const SHOWN_MS = 100 // after a worker's picture, the browser shows it
@@ -25,7 +24,7 @@ export class Picture {
   #screen = null // what is drawn on: { engine, id, canvas, backend, openedAt }
   #tried = true
   #most = MOST_PIXELS
-  #divisor = 1 // of width and height in motion
+  #pace = new Pace()
 
   /** The stage's last child is what is seen: a canvas, or what stands there until the first picture. */
   constructor(stage) {
@@ -41,7 +40,7 @@ export class Picture {
   async open(engine, wanted) {
     const backend = wanted || 'wasm'
     const screen = await this.#openNext(engine, backend)
-    if (engine !== this.#screen?.engine) [this.#divisor, this.#most] = [1, MOST_PIXELS]
+    if (engine !== this.#screen?.engine) [this.#pace, this.#most] = [new Pace(), MOST_PIXELS]
     this.#screen = screen
     this.#tried = !!wanted
     return screen.backend === backend || screen.backend !== 'wasm'
@@ -55,6 +54,7 @@ export class Picture {
   }
 
   close() {
+    if (this.#screen) free(this.#screen.canvas)
     this.#screen = null
     this.#stage.replaceChildren()
   }
@@ -73,7 +73,7 @@ export class Picture {
   // ---- Drawing ------------------------------------------------------------------------------------------------------
 
   size(width, height, moving) {
-    const divisor = moving ? this.#divisor : 1
+    const divisor = moving ? this.#pace.divisor : 1
     const scale = Math.min(1, Math.sqrt(this.#most / (width * height))) / divisor
     const [w, h] = [width, height].map((n) => Math.max(1, Math.round(n * scale)))
     return { width: w, height: h, divisor }
@@ -86,7 +86,7 @@ export class Picture {
     if (lost || screen !== this.#screen) return null
     if (pixels) paint(screen.canvas, pixels, options)
     this.#show(screen)
-    this.#choose(divisor, facts.milliseconds)
+    this.#pace.take(divisor, facts.milliseconds)
     return { width: options.width, height: options.height, divisor, ...facts, backend: screen.backend }
   }
 
@@ -97,16 +97,6 @@ export class Picture {
     }, SHOWN_MS)
   }
 
-  /** A picture's time tells by how much the next in motion is to be smaller. */
-  #choose(divisor, milliseconds) {
-    const fits = (d) => (milliseconds * divisor ** 2) / d ** 2 <= AIM_MS
-    const now = DIVISORS.indexOf(this.#divisor)
-    const wanted = DIVISORS.findIndex((d) => fits(d) || d === DIVISORS.at(-1))
-    const step = Math.sign(wanted - now)
-    this.#divisor =
-      divisor === 1 ? DIVISORS[wanted] : DIVISORS[step < 0 && milliseconds > AIM_MS / 2 ? now : now + step]
-  }
-
   /** Half as many pixels from now on; false where they are few already. */
   shrink({ width, height }) {
     this.#most = (width * height) / 2
@@ -115,27 +105,27 @@ export class Picture {
 
   // ---- Back ends ----------------------------------------------------------------------------------------------------
 
-  /** The other exact back ends' turn, once, out of sight and in a worker of its own: where one is faster, it draws from
-      now on, and this is its engine. */
-  async try(newEngine, camera, options) {
+  /** The other exact back ends' turn, once, out of sight and in a worker of its own, which `copy` gives the scenes: where
+      one is faster, it draws from now on, and this is its engine. */
+  async try(newEngine, copy, camera, options) {
     if (this.#tried) return null
     this.#tried = true
     const own = this.#screen
     const backends = await ofGraphicsCard()
     if (!backends.length || own !== this.#screen) return null
     const engine = newEngine()
-    const others = await this.#copies(engine, own, backends).catch(() => [])
+    const others = await this.#copies(engine, copy, backends).catch(() => [])
     const found = await fastest(own, others, camera, options).catch(() => own)
     const wins = found !== own && own === this.#screen
     for (const other of others) if (!wins || other !== found) free(other.canvas)
-    if (wins) this.#screen = found
+    if (wins) [this.#screen, this.#pace] = [found, new Pace()]
     else engine.end()
     return wins ? engine : null
   }
 
   /** Of a scene of which only parts are here there is no copy, and so no trial. */
-  async #copies(engine, own, backends) {
-    await engine.open(await own.engine.ask('packed'))
+  async #copies(engine, copy, backends) {
+    await copy(engine)
     const opened = []
     for (const backend of backends) opened.push(await this.#open(engine, backend).catch(() => null))
     return opened.filter(Boolean)

@@ -26,7 +26,7 @@ export class Pilot {
   #gliding = null // the last that was begun
   #turning = 0 // the next frame of turning by itself
 
-  /** `moved` is called after each change of the camera. */
+  /** `moved` is called after each change of the camera: whether it is in motion, and whether by a hand. */
   constructor(element, moved) {
     this.#element = element
     this.#moved = moved
@@ -74,7 +74,7 @@ export class Pilot {
   show(camera) {
     if (!camera || !this.#scene) return
     this.camera = camera
-    this.#moved(false)
+    this.#moved(false, false)
   }
 
   /** The next camera of a track that is played. */
@@ -85,26 +85,31 @@ export class Pilot {
     this.#move(camera)
   }
 
-  #move(camera) {
+  #move(camera, byHand = false) {
     this.camera = camera
-    this.#moved(true)
+    this.#moved(true, byHand)
   }
 
-  glide(to) {
-    if (!this.#scene) return
+  /** True when it is there; false where something else has moved the camera meanwhile. */
+  async glide(to, duration = GLIDE_MS) {
+    if (!this.#scene) return false
     const [from, start] = [this.camera, performance.now()]
     const own = (this.#gliding = {})
-    const step = (now) => {
-      if (this.camera !== last || this.#gliding !== own) return
-      const t = Math.max(0, Math.min((now - start) / GLIDE_MS, 1))
-      this.#move((last = t < 1 ? motion.between(from, to, t) : to))
-      if (t < 1) requestAnimationFrame(step)
-    }
-    let last = from
     this.#actedAt = start
     this.touched = true
-    if (matchMedia('(prefers-reduced-motion: reduce)').matches) this.show(to)
-    else requestAnimationFrame(step)
+    if (duration <= 0 || matchMedia('(prefers-reduced-motion: reduce)').matches) return this.show(to) ?? true
+    return new Promise((done) => {
+      let last = from
+      const step = (now) => {
+        if (this.camera !== last || this.#gliding !== own) return done(false)
+        const t = Math.max(0, Math.min((now - start) / duration, 1))
+        this.#actedAt = now
+        this.#move((last = t < 1 ? motion.between(from, to, t) : to))
+        if (t < 1) requestAnimationFrame(step)
+        else done(true)
+      }
+      requestAnimationFrame(step)
+    })
   }
 
   /** Nearer to a point, and about it from then on. */
@@ -155,7 +160,7 @@ export class Pilot {
   #act(camera) {
     this.touched = true
     this.#actedAt = performance.now()
-    this.#move(camera)
+    this.#move(camera, true)
   }
 
   /** Half a turn across the height. */

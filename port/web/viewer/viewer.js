@@ -1,5 +1,6 @@
-// The element <fixsplat-viewer src=... cameras=... view=...>, which shows a scene in a page. The page index.html
-// consists of one such element.
+// The element <fixsplat-viewer src=... cameras=... view=...>, which shows scenes in a page: that of `src`, and those of
+// the elements <fixsplat-scene> in it. The page index.html consists of one such element.
+import { scenesIn, filesOf } from './drop.js'
 import { Engine } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
 import { Pilot } from './pilot.js'
@@ -7,9 +8,14 @@ import { Picture, backends } from './picture.js'
 import { Panels } from './panels.js'
 import { body } from './body.js'
 import { Language } from './language.js'
-import { addressOf, cameraOf, fetchViews, nameOf, textOf, viewsOf } from './views.js'
+import { Item, PlacedScene, WATCHED } from './scenes.js'
+import { addressOf, cameraOf, checkedCamera, fetchViews, nameOf, textOf, viewsOf } from './views.js'
+import { wordsOf } from './words.js'
 
 const STILL_MS = 150 // after the last motion
+const GLIDE_MS = 1000 // of `animate`
+const KEPT_S = 60 // seconds that scenes stay in memory after they were taken away
+const HINT_MS = 5000 // between two hints that the wheel scrolls the page
 const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6] // of the slider; behind the last, no limit
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
@@ -17,21 +23,31 @@ const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers that have WebXR on 
 
 const template = document.createElement('template')
 const style = new URL('./viewer.css', import.meta.url)
-template.innerHTML = `<style>:host { opacity: 0 }</style><link rel="stylesheet" href="${style}">${body}`
+template.innerHTML = `<link rel="stylesheet" href="${style}">${body}`
+const hidden = new CSSStyleSheet() // until viewer.css is there
+hidden.replaceSync(':host { opacity: 0 }')
 
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn',
     'settings', 'annotation', 'skybox', 'lang']
 
   #headset = null
-  #engine = null // of the scene on show
-  #opening = null // what is loading: { engine, name, source, views, view }
+  #engine = null // of the scenes on show
+  #opening = null // what is loading in a worker of its own: { engine, item, name, views, view }
+  #adding = null // what is loading beside scenes on show
   #taken = Promise.resolve() // one scene after the other
-  #scene = null // its name, count and box
-  #source = '' // its address, where it has one
+  #gathered = Promise.resolve()
+  #items = [] // scenes that are there or asked for
+  #main = null // that of `src` or `open` among them
+  #src = null // the attribute's value that was opened last
+  #dropped = [] // the elements of files that were dropped
+  #leaving = 0
+  #isHere = false // in a document
+  #scene = null // of all on show: count, box and first view
   #picture
-  #pilot = new Pilot(this, (moving) => this.#moved(moving))
+  #pilot = new Pilot(this, (moving, byHand) => this.#moved(moving, byHand))
   #good = null // the camera of the last picture
+  #asked = null // a camera for a scene that is still to come
   #linked = null // that of the attribute `view`, where the scene began with it
   #busy = false
   #switching = false
@@ -40,6 +56,7 @@ export class Viewer extends HTMLElement {
   #missing = 0 // parts that the last picture lacked
   #stuck = false // and that do not come
   #movedAt = -Infinity
+  #hintedAt = -Infinity
   #settings = { sharpness: 1, colours: true }
   #language = new Language()
   #tour = null // of annotations, tracks and settings files, once there is any: a promise of it, and it
@@ -55,13 +72,23 @@ export class Viewer extends HTMLElement {
     this.#panels = new Panels(this.shadowRoot, this.#language)
     this.#ui = this.#panels.ui
     this.#picture = new Picture(this.#ui.stage)
+    this.shadowRoot.adoptedStyleSheets = [hidden]
+    const link = this.shadowRoot.querySelector('link')
+    link.onload = link.onerror = () => (this.shadowRoot.adoptedStyleSheets = [])
     this.#listen()
     this.#setMode('orbit')
     this.#language.take(this.shadowRoot)
+    const watched = { childList: true, subtree: true, attributeFilter: WATCHED }
+    new MutationObserver(() => this.#gather()).observe(this, watched)
   }
 
   connectedCallback() {
-    this.state = 'empty'
+    clearTimeout(this.#leaving)
+    this.#leaving = 0
+    if (this.#isHere) return this.#readSrc() // moved
+    this.#isHere = true
+    this.state = this.#scene ? 'loading' : 'empty'
+    for (const item of this.#items) item.keep()
     this.resized = new ResizeObserver(() => this.#change())
     this.resized.observe(this)
     this.theme = matchMedia('(prefers-color-scheme: light)')
@@ -73,24 +100,34 @@ export class Viewer extends HTMLElement {
       this.attributeChangedCallback(name, null, this.getAttribute(name))
     this.#choose()
     if (this.hasAttribute('settings')) this.#readSettings()
-    if (this.hasAttribute('src')) this.#openAttribute()
+    this.#readSrc()
+    this.#gather()
     this.#findHeadset()
   }
 
+  /** One that is put elsewhere within the same task goes on. */
   disconnectedCallback() {
+    this.#leaving = setTimeout(() => this.#leave())
+  }
+
+  #leave() {
+    this.#isHere = false
     this.resized.disconnect()
     this.theme.onchange = null
     document.removeEventListener('visibilitychange', this.shown)
     this.#pilot.turnByItself(false)
+    this.#headset?.end()
+    const isLoading = this.#opening
     this.#cancel()
-    this.#close()
+    if (isLoading) this.#src = null // begins anew
+    for (const item of this.#items) this.#letGo(item)
   }
 
   attributeChangedCallback(name, before, value) {
     if (!this.isConnected || before === value) return
-    if (name === 'src' && value) this.#openAttribute()
+    if (name === 'src') this.#readSrc()
     if (name === 'cameras' && this.#scene) this.#changeViews(value)
-    if (name === 'view') this.#pilot.show(cameraOf(value))
+    if (name === 'view') this.#goTo(cameraOf(value))
     if (['background', 'budget', 'detail', 'skybox'].includes(name)) this.#change()
     if (name === 'settings' && value) this.#readSettings()
     if (name === 'annotation' && this.#scene) this.#goToAttribute()
@@ -118,10 +155,60 @@ export class Viewer extends HTMLElement {
     return this.#pilot.camera ? textOf(this.#pilot.camera) : ''
   }
 
+  /** eye, look, up, fov, flat and shift; null without a scene. */
+  get camera() {
+    return this.#pilot.camera && structuredClone(this.#pilot.camera)
+  }
+  /** Some of these; where there is no scene yet, that is how the next begins. */
+  set camera(camera) {
+    if (this.#scene) this.#goTo(checkedCamera(camera, this.#pilot.camera))
+    else this.#asked = camera && checkedCamera(camera)
+  }
+
+  /** At once, and no scene that comes later moves it. */
+  #goTo(camera) {
+    if (camera && this.#scene) this.#pilot.touched = true
+    this.#pilot.show(camera)
+  }
+
+  /** Moves there. True when it is there, false where a hand, a program or another scene has taken the camera meanwhile. */
+  async animate(camera, { duration = GLIDE_MS } = {}) {
+    if (!this.#scene) return false
+    return this.#pilot.glide(checkedCamera(camera, this.#pilot.camera), duration)
+  }
+
+  /** What is at a place of the element, in CSS pixels; null where nothing is. */
+  async pick(x, y) {
+    if (!this.#scene || !this.clientWidth || !this.clientHeight) return null
+    const found = await this.#pick(x / this.clientWidth, y / this.clientHeight, this.#frame()).catch(() => null)
+    if (!found) return null
+    const { key, gaussian, depth, position } = found
+    const item = this.#items.find((one) => one.key === key)
+    return item ? { position, depth, gaussian, scene: item.told } : null
+  }
+
+  /** All settings, and what some of them are to be. */
+  get settings() {
+    return Object.fromEntries(Object.entries(this.#table).map(([name, [get]]) => [name, get()]))
+  }
+  set settings(values) {
+    for (const name of Object.keys(values))
+      if (!Object.hasOwn(this.#table, name)) throw new Error(`${name}: expected one of ${Object.keys(this.#table).join(', ')}`)
+    for (const [name, value] of Object.entries(values)) this.#table[name][1](value)
+    this.#change()
+    this.#showSettings()
+  }
+
+  /** Of the scene of `src` or `open`, where it has one. */
+  get #address() {
+    const { source } = this.#main ?? {}
+    return typeof source === 'string' ? source : ''
+  }
+
   /** The viewer's page with this scene and view. */
   get link() {
     const link = new URL('./index.html', import.meta.url)
-    link.searchParams.set('scene', this.#source)
+    link.searchParams.set('scene', this.#address)
     const cameras = this.getAttribute('cameras')
     if (cameras) link.searchParams.set('cameras', addressOf(cameras))
     for (const name of ['settings', 'skybox'])
@@ -163,11 +250,11 @@ export class Viewer extends HTMLElement {
       depths: (pixels, camera, ...size) =>
         ask('depths', pixels, this.#pilot.rendered(sized(...size), camera), sized(...size)),
       linkTo: (index) => this.#linkTo(index),
-      copy: (link) => this.#copy(link),
+      copy: (link) => this.#copyAddress(link),
       save: (blob, name) => this.#save(blob, name),
       note: (...words) => this.#panels.note(...words),
-      say: (error) => this.#panels.say(error),
-      tell: (name, detail) => this.dispatchEvent(new CustomEvent(name, { detail })),
+      say: (error) => this.#fail(error),
+      tell: (name, detail) => this.#tell(name, detail),
     }
   }
 
@@ -176,18 +263,24 @@ export class Viewer extends HTMLElement {
   async readSettings(source) {
     const tour = await this.#tourNow()
     const words = await tour.read(source)
-    if (words.length) this.#panels.say(new Error(words.join('\n')))
+    if (words.length) this.#fail(new Error(words.join('\n')))
     if (this.#scene) this.#takeViews(this.#pilot.views)
     return words
   }
 
   #readSettings() {
-    this.#begins = this.readSettings(this.getAttribute('settings')).catch((error) => this.#panels.say(error))
+    this.#begins = this.readSettings(this.getAttribute('settings')).catch((error) => this.#fail(error))
+  }
+
+  /** As the address or the settings file say, with a scene that is new. */
+  #beginTour(view) {
+    if (this.hasAttribute('annotation')) this.#goToAttribute()
+    else if (!view) this.#tour?.begin()
   }
 
   #goToAttribute() {
     const number = Number(this.getAttribute('annotation'))
-    if (number) this.goTo(number - 1).catch((error) => this.#panels.say(error))
+    if (number) this.goTo(number - 1).catch((error) => this.#fail(error))
   }
 
   get annotations() {
@@ -205,7 +298,7 @@ export class Viewer extends HTMLElement {
   }
 
   #give(name, list) {
-    this.#tourNow().then((tour) => (tour[name] = list)).catch((error) => this.#panels.say(error))
+    this.#tourNow().then((tour) => (tour[name] = list)).catch((error) => this.#fail(error))
   }
 
   async goTo(index) {
@@ -276,14 +369,27 @@ export class Viewer extends HTMLElement {
 
   // ---- Opening ------------------------------------------------------------------------------------------------------
 
-  #openAttribute() {
-    return this.open(this.getAttribute('src'), this.#fetchViews(), cameraOf(this.getAttribute('view')))
+  /** Opens what `src` names, where that is another scene; without it that of the last is taken away. */
+  #readSrc() {
+    const src = this.getAttribute('src')
+    if (src === this.#src) return
+    this.#src = src
+    if (src) this.open(src, this.#fetchViews(), cameraOf(this.getAttribute('view')))
+    else this.clear()
+  }
+
+  /** Takes away what `src`, `open` or a drop has opened; elements <fixsplat-scene> of the page stay. */
+  clear() {
+    if (this.#opening && this.#opening.item === this.#main) this.#cancel()
+    this.#main = null
+    for (const element of this.#dropped.splice(0)) element.remove()
+    this.#gather()
   }
 
   /** The views that the attribute `cameras` names; none where that fails. */
   async #fetchViews() {
     const url = this.getAttribute('cameras')
-    return url ? fetchViews(url).catch((error) => this.#panels.say(error) ?? []) : []
+    return url ? fetchViews(url).catch((error) => this.#fail(error) ?? []) : []
   }
 
   async #changeViews(url) {
@@ -298,45 +404,189 @@ export class Viewer extends HTMLElement {
     this.#ui.stage.append(Object.assign(new Image(), { src: url, alt: '' }))
   }
 
-  /** Opens a file, files or an address; the scene there was stays where that fails. True where it is open. */
+  /** Opens a file, the files of a scene or an address; the scene there was stays where that fails. True where it is
+      open. */
   async open(source, views = [], view = null) {
-    const isAddress = typeof source === 'string'
-    const name = isAddress ? nameOf(source) : (source.name ?? source[0]?.name ?? 'scene')
+    const item = this.#keptOf(source) ?? new Item(source)
     this.#cancel()
-    const opening = (this.#opening = { name, source, views, view })
-    this.#begin(name)
+    if (!item.engine) return this.#openAlone(item, views, view)
+    this.#main = item
+    const isOpen = await this.#gather()
+    if (isOpen) this.#takeViews(await views, view)
+    return isOpen
+  }
+
+  /** What was opened before, was taken away and is still there. */
+  #keptOf(source) {
+    const { source: address } = new Item(source)
+    const isKept = (item) => item.source === address && !item.element && item !== this.#main
+    return this.#items.find((item) => isKept(item) && item.engine && item.engine === this.#engine)
+  }
+
+  /** Puts one more scene beside those there are. Its element has its place, and takes it away by `remove`. */
+  add(source, place = {}) {
+    const element = Object.assign(new PlacedScene(), place)
+    if (typeof source === 'string') element.src = source
+    else element.source = source
+    return this.appendChild(element)
+  }
+
+  /** Loads a scene in a worker of its own, which takes the place of the one on show when the scene is there. */
+  async #openAlone(item, views, view) {
+    const opening = (this.#opening = { item, views, view })
+    this.#begin(item)
     try {
-      if (!globalThis.WebAssembly) throw new Error('This browser has no WebAssembly, or it is switched off')
-      if (isAddress) opening.source = addressOf(source)
+      if (!globalThis.WebAssembly) throw new Error('no WebAssembly')
+      if (typeof item.source === 'string') addressOf(item.source)
       opening.engine = this.#newEngine((told) => this.#hear(opening, told))
-      const scene = await opening.engine.open(opening.source, !this.#scene)
-      await this.#take(opening, scene)
-      if (this.hasAttribute('annotation')) this.#goToAttribute()
-      else if (!opening.view) this.#tour?.begin()
-      return opening.engine === this.#engine
+      await this.#take(opening, await opening.engine.open(item.key, item.source, item.place, !this.#scene))
+      if (opening.engine !== this.#engine) return false
+      this.#tell('load', item.told)
+      this.#beginTour(view ?? this.#asked)
+      return true
     } catch (error) {
       if (this.#opening !== opening) return false
+      item.failed = true
       this.#cancel()
-      this.#panels.say(error)
+      this.#fail(error, item)
       return false
     } finally {
-      if (this.#opening === opening) this.#begun()
+      if (this.#opening === opening) {
+        this.#begun()
+        this.#gather()
+      }
     }
   }
 
   /** Puts another scene in the place of the one on show, by the same camera and without a word. False where there is none,
       or not now. */
   async replace(url) {
-    const engine = this.#engine
-    if (!engine || this.#opening || this.#held) return false
+    const [engine, item] = [this.#engine, this.#main]
+    if (!this.#scene || !item || item.engine !== engine || this.#opening || this.#held) return false
     this.#held = true
-    const scene = await engine.open(addressOf(url)).finally(() => (this.#held = false))
+    const source = addressOf(url)
+    const facts = await engine.open(item.key, source, item.place).finally(() => (this.#held = false))
     if (engine !== this.#engine) return false
-    this.#scene = scene
-    this.#panels.entitle(scene)
-    this.#pilot.take(scene)
+    Object.assign(item, { source, facts })
+    this.#show(facts.whole)
     this.#change()
     return true
+  }
+
+  // ---- Several scenes -----------------------------------------------------------------------------------------------
+
+  /** The scenes on show. */
+  get scenes() {
+    return this.#scene ? this.#shown.map((item) => item.told) : []
+  }
+
+  /** What is asked for, in order. */
+  get #wantedItems() {
+    const elements = [...this.querySelectorAll('fixsplat-scene')].filter((one) => one.source || one.getAttribute('src'))
+    return [this.#main, ...elements.map((element) => this.#itemOf(element))].filter((item) => item && !item.failed)
+  }
+
+  get #shown() {
+    return this.#wantedItems.filter((item) => item.engine && item.engine === this.#engine)
+  }
+
+  #itemOf(element) {
+    const item = new Item(element.source ?? element.getAttribute('src'), element)
+    const own = this.#items.find((other) => other.element === element && other.source === item.source)
+    if (!own) this.#items.push(item)
+    return own ?? item
+  }
+
+  /** Brings what is shown to what is asked for. True where something is on show then. */
+  #gather() {
+    const next = () => this.#gatherNow().catch((error) => this.#engine && this.#fail(error))
+    return (this.#gathered = this.#gathered.then(next).then(() => !!this.#scene))
+  }
+
+  async #gatherNow() {
+    if (!this.#isHere || this.#opening) return
+    const wanted = this.#wantedItems
+    for (const item of this.#items) {
+      if (wanted.includes(item)) item.keep()
+      else this.#letGo(item)
+    }
+    const engine = this.#engine
+    const missing = wanted.find((item) => !item.engine || item.engine !== engine)
+    if (missing && !engine) {
+      this.#openAlone(missing, this.#fetchViews(), cameraOf(this.getAttribute('view')))
+      return
+    }
+    this.#adding = missing
+    try {
+      if (missing) await this.#load(engine, missing)
+      if (engine && engine === this.#engine && !this.#opening) await this.#place(engine)
+    } finally {
+      this.#adding = null
+      if (missing && !this.#opening) this.#begun()
+    }
+    if (missing) this.#gather()
+  }
+
+  /** Loads one more in the worker of those on show. */
+  async #load(engine, item) {
+    const { bytes } = item
+    if (!bytes) this.#begin(item)
+    try {
+      const facts = await engine.open(item.key, bytes ?? item.source, item.place)
+      if (engine !== this.#engine) return
+      Object.assign(item, { engine, bytes: null, facts: bytes ? item.facts : facts })
+      if (!bytes) this.#tell('load', item.told)
+    } catch (error) {
+      if (engine !== this.#engine) return
+      item.failed = true
+      this.#fail(error, item)
+    }
+  }
+
+  async #place(engine) {
+    const list = this.#shown.map(({ key, place }) => ({ key, place }))
+    for (const item of this.#shown) if (item.wrong) this.#fail(item.wrong, item)
+    const [placed, keys] = [JSON.stringify(list), list.map(({ key }) => key).join()]
+    if (this.#scene && placed === engine.placed) return
+    if (!list.length) return this.#showNothing()
+    const whole = await engine.ask('place', list)
+    if (engine !== this.#engine) return
+    const isOther = engine.keys !== keys
+    Object.assign(engine, { placed, keys })
+    if (!this.#scene) await this.#inTurn(() => this.#switch(engine))
+    if (engine !== this.#engine) return
+    this.#show(whole)
+    const { touched, views } = this.#pilot
+    if (isOther && !touched && !this.#linked && !views.length) this.#pilot.show(this.#pilot.start)
+    else this.#change()
+  }
+
+  /** Keeps a scene that nobody asks for any more for a while, and the worker while there are scenes in it. */
+  #letGo(item) {
+    const seconds = this.hasAttribute('keep') ? this.#numberOf('keep') : KEPT_S
+    item.let(seconds, () => {
+      this.#items = this.#items.filter((other) => other !== item)
+      if (item === this.#main) this.#main = this.#src = null
+      item.engine?.ask('free', item.key).catch(() => {})
+      if (!this.#items.some(({ engine }) => engine && engine === this.#engine)) this.#close()
+    })
+  }
+
+  #show(whole) {
+    const [first, ...more] = this.#shown
+    const name = first?.facts.name ?? whole.name
+    this.#scene = { ...whole, name: more.length ? this.#language.of('{0} and {1} more', name, more.length) : name }
+    this.setAttribute('open', '')
+    this.#panels.entitle(this.#scene)
+    this.#pilot.take(this.#scene)
+  }
+
+  #showNothing() {
+    this.#headset?.end()
+    this.#scene = null
+    this.#picture.close()
+    this.removeAttribute('open')
+    this.state = 'empty'
   }
 
   #newEngine(hear) {
@@ -353,15 +603,21 @@ export class Viewer extends HTMLElement {
   }
 
   #close() {
-    this.#headset?.end()
-    this.#engine?.end()
-    this.#engine = this.#scene = null
-    this.#picture.close()
-    this.removeAttribute('open')
-    this.state = 'empty'
+    const engine = this.#engine
+    if (this.#main?.engine === engine) this.#main = null
+    this.#showNothing()
+    this.#leaveTo(null)
+    engine?.end()
   }
 
-  #begin(name) {
+  /** Scenes are in another worker from now on, or in none: what is not there yet is loaded again. */
+  #leaveTo(engine, there = []) {
+    this.#items = this.#items.filter((item) => item === this.#main || item.element || there.includes(item))
+    for (const item of this.#items) item.engine = there.includes(item) ? engine : null
+    this.#engine = engine
+  }
+
+  #begin({ name }) {
     this.state = 'loading'
     this.#panels.begin(name)
   }
@@ -376,24 +632,42 @@ export class Viewer extends HTMLElement {
     if (told.stage === 'lost') this.#redraw(() => this.#picture.lost(told.id))
     else if (told.stage === 'noSky') this.#sayNoSky(told)
     else if (told.stage === 'changed') this.#hearOfParts(opening, told.words)
-    else if (!opening || opening !== this.#opening) return
-    else if (told.stage === 'preview') this.#take(opening, told.scene).catch(() => {}) // the whole will tell
-    else this.#panels.progress(opening.name, told)
+    else if (told.stage === 'preview') {
+      if (opening === this.#opening) this.#take(opening, told.scene).catch(() => {}) // the whole will tell
+    } else this.#hearOfProgress([this.#opening?.item, this.#adding].find((item) => item?.key === told.key), told)
+  }
+
+  #hearOfProgress(item, { stage, done, bytes }) {
+    if (!item || item.bytes) return
+    this.#panels.progress(item.name, { stage, done, bytes })
+    this.#tell('progress', { source: item.source, name: item.name, element: item.element, stage, done, bytes })
+  }
+
+  #tell(event, detail) {
+    this.dispatchEvent(new CustomEvent(event, { detail }))
+  }
+
+  /** Says it, to the page's program too. */
+  #fail(cause, { source } = {}) {
+    const { kind, words: message } = wordsOf(cause, (...words) => this.#language.of(...words))
+    const error = Object.assign(new Error(message, { cause }), { kind, source })
+    this.#panels.say(error)
+    this.dispatchEvent(new ErrorEvent('error', { message, error }))
   }
 
   #sayNoSky({ url, words }) {
     if (this.#noSky === this.getAttribute('skybox')) return
     this.#noSky = this.getAttribute('skybox')
-    this.#panels.say(new Error(words))
+    this.#fail(new Error(words))
     this.#change()
   }
 
   /** Parts of a scene have come; or, with words, no more will. */
   #hearOfParts(opening, words) {
-    if (!opening || opening.engine !== this.#engine) return
+    if (opening && opening.engine !== this.#engine) return
     if (words) {
       this.#stuck = true
-      this.#panels.say(new Error(words))
+      this.#fail(new Error(words))
     }
     if (this.#missing || words) this.#change()
   }
@@ -413,32 +687,44 @@ export class Viewer extends HTMLElement {
     const engine = this.#engine
     this.#inTurn(change).then(
       (is) => is && this.#change(),
-      (error) => engine && engine === this.#engine && this.#panels.say(error)
+      (error) => engine && engine === this.#engine && this.#fail(error)
     )
   }
 
   /** A scene, or as much of it as has come. */
-  async #takeNext(opening, scene, views) {
-    const { engine, source, view } = opening
+  async #takeNext(opening, facts, views) {
+    const { engine, item, view } = opening
     if (opening !== this.#opening) return
     if (engine !== this.#engine) {
       this.#headset?.end()
       await this.#switch(engine)
+      await this.#packAll()
       if (opening !== this.#opening) return
-      this.#engine?.end()
-      this.#engine = engine
-      this.#busy = this.#pilot.touched = false
-      if (this.matches(':focus-within')) this.#ui.stage.focus({ focusVisible: false })
+      this.#takeWorker(engine, item)
     }
-    this.#scene = scene
+    item.facts = facts
     this.#missing = 0
     this.#stuck = false
-    this.#source = typeof source === 'string' ? source : ''
-    this.setAttribute('open', '')
-    this.#panels.entitle(scene)
-    this.#pilot.take(scene)
+    this.#show(facts.whole)
     if (this.#pilot.touched) this.#change()
-    else this.#takeViews(views, view)
+    else this.#takeViews(views, view ?? this.#asked)
+  }
+
+  /** The scenes of elements, which another worker gets without another download. */
+  async #packAll() {
+    for (const item of this.#shown.filter(({ element }) => element))
+      item.bytes = await this.#engine.ask('packed', item.key).catch(() => null) // of one in parts nothing
+  }
+
+  #takeWorker(engine, item) {
+    const old = this.#engine
+    if (!item.element) this.#main = item
+    if (!this.#items.includes(item)) this.#items.push(item)
+    this.#leaveTo(engine, [item])
+    old?.end()
+    Object.assign(engine, { placed: JSON.stringify([{ key: item.key, place: item.place }]), keys: `${item.key}` })
+    this.#busy = this.#pilot.touched = false
+    if (this.matches(':focus-within')) this.#ui.stage.focus({ focusVisible: false })
   }
 
   #takeViews(views, view = null) {
@@ -449,20 +735,29 @@ export class Viewer extends HTMLElement {
     this.#showSettings()
   }
 
+  /** Scenes among files, each in the order of its name, and a list of views. */
   async #openFiles(files) {
-    const list = [...files]
-    const isViews = ({ name }) => /\.json$/i.test(name) && !/(tileset|meta)\.json$/i.test(name)
-    const [views, scene] = [list.find(isViews), list.filter((file) => !isViews(file))]
-    if (scene.length && !(await this.open(scene.length > 1 ? scene : scene[0]))) return
-    if (!views) return
+    const { scenes, views } = scenesIn(files)
     try {
+      if (scenes.length && !(await this.#openScenes(scenes))) return
+      if (!scenes.length && !views) throw new Error(files.length ? 'no scene' : 'no files')
+      if (!views) return
       if (!this.#scene) throw new Error(`${views.name}: open a scene first, then its views`)
       const text = await views.text()
       if (/^\s*\{/.test(text)) await this.readSettings(views)
       else this.#takeViews(viewsOf(views.name, text))
     } catch (error) {
-      this.#panels.say(error)
+      this.#fail(error)
     }
+  }
+
+  /** The first takes the place of what was opened before, with the others beside it. */
+  async #openScenes([first, ...more]) {
+    if (!(await this.open(first))) return false
+    for (const element of this.#dropped.splice(0)) element.remove()
+    this.#dropped = more.map((files) => this.add(files))
+    if (more.length) this.#panels.note('{0} scenes in one picture', more.length + 1)
+    return true
   }
 
   // ---- Pictures -----------------------------------------------------------------------------------------------------
@@ -471,10 +766,13 @@ export class Viewer extends HTMLElement {
     return performance.now() - this.#movedAt < STILL_MS
   }
 
-  get #background() {
+  get #colour() {
     const given = this.getAttribute('background')
-    const colour = /^#[0-9a-f]{6}$/i.test(given) ? given : this.theme.matches ? LIGHT : DARK
-    return parseInt(colour.slice(1), 16)
+    return /^#[0-9a-f]{6}$/i.test(given) ? given : this.theme?.matches ? LIGHT : DARK
+  }
+
+  get #background() {
+    return parseInt(this.#colour.slice(1), 16)
   }
 
   #frame(moving = false) {
@@ -525,9 +823,10 @@ export class Viewer extends HTMLElement {
     this.#draw()
   }
 
-  #moved(moving) {
+  #moved(moving, byHand) {
     if (moving) this.#movedAt = performance.now()
     this.#change()
+    this.#tell('camera', { camera: this.camera, byHand })
   }
 
   get #wanted() {
@@ -559,7 +858,7 @@ export class Viewer extends HTMLElement {
     }
     if (engine !== this.#engine) return
     this.#busy = false
-    this.#after(options)
+    if (this.#scene) this.#after(options)
   }
 
   async #drawNow(engine, options) {
@@ -567,10 +866,10 @@ export class Viewer extends HTMLElement {
     const picture = await this.#picture.draw(this.#pilot.rendered(options), options)
     if (engine !== this.#engine || !picture) return
     this.#missing = picture.missing ?? 0
-    if (!this.#good) this.#panels.greet()
+    if (!this.#good) this.#panels.greet(this.getAttribute('wheel') === 'page')
     this.#good = camera
     this.#panels.read(picture)
-    this.dispatchEvent(new CustomEvent('picture', { detail: picture }))
+    this.#tell('frame', picture)
     this.#tour?.drawn()
   }
 
@@ -581,7 +880,7 @@ export class Viewer extends HTMLElement {
       this.#changed = true
     } else if (this.#good && this.#good !== this.#pilot.camera) this.#pilot.camera = this.#good
     else {
-      this.#panels.say(error)
+      this.#fail(error)
       if (this.#linked && this.#linked === this.#pilot.camera) this.#pilot.show(this.#pilot.start)
     }
   }
@@ -590,7 +889,7 @@ export class Viewer extends HTMLElement {
     if (this.#changed) return requestAnimationFrame(() => this.#draw())
     clearTimeout(this.timer)
     if (this.#isMoving || divisor > 1) this.timer = setTimeout(() => this.#change(), STILL_MS)
-    else if (this.#opening || (this.#missing && !this.#stuck)) this.state = 'loading'
+    else if (this.#opening || this.#adding || (this.#missing && !this.#stuck)) this.state = 'loading'
     else this.#rest()
   }
 
@@ -605,13 +904,24 @@ export class Viewer extends HTMLElement {
     if (this.#held) return
     this.#held = true
     const newEngine = () => this.#newEngine((told) => this.#hear(null, told))
-    const trial = this.#picture.try(newEngine, this.#pilot.rendered(options), options)
+    const list = this.#shown
+    const copy = (other) => this.#copy(engine, other, list)
+    const trial = this.#picture.try(newEngine, copy, this.#pilot.rendered(options), options)
     const other = await trial.finally(() => (this.#held = false))
     if (!other) return
+    this.#leaveTo(other, list)
     engine.end()
-    this.#engine = other
     this.#busy = false
+    this.#gather()
     this.#change()
+  }
+
+  /** Gives another worker the scenes of one. */
+  async #copy(engine, other, items) {
+    const list = items.map(({ key, place }) => ({ key, place }))
+    for (const { key, place } of list) await other.open(key, await engine.ask('packed', key), place)
+    await other.ask('place', list)
+    Object.assign(other, { placed: JSON.stringify(list), keys: list.map(({ key }) => key).join() })
   }
 
   // ---- Views --------------------------------------------------------------------------------------------------------
@@ -631,9 +941,15 @@ export class Viewer extends HTMLElement {
     return this.#engine.ask('pick', ...at, this.#pilot.rendered(options), options)
   }
 
+  /** A click without a drag. */
+  async #click(x, y) {
+    const found = await this.pick(x, y)
+    if (this.#scene) this.#tell('pick', { x, y, found })
+  }
+
   async #focus(x, y) {
     if (!this.#scene) return
-    const found = await this.#pick(x / this.clientWidth, y / this.clientHeight, this.#frame()).catch(() => null)
+    const found = await this.pick(x, y)
     if (found) this.#pilot.goTo(found.position)
     else this.#panels.note('Nothing there')
   }
@@ -649,7 +965,7 @@ export class Viewer extends HTMLElement {
       : isSecureContext || !OF_HEADSETS.test(navigator.userAgent)
     if (xr && !button.hidden) this.#headset ??= await this.#newHeadset()
     const words = 'A headset needs a page of https://, or of the machine that it is on (http://localhost)'
-    button.onclick = () => (xr ? this.#headset.enter() : this.#panels.say(new Error(words)))
+    button.onclick = () => (xr ? this.#headset.enter() : this.#fail(new Error(words)))
   }
 
   /** It stands at the page's camera; the page's picture stays as it is meanwhile. */
@@ -662,7 +978,7 @@ export class Viewer extends HTMLElement {
       view: () => this.#pilot,
       options: () => this.#frame(),
       drawn: (detail) => this.dispatchEvent(new CustomEvent('eyes', { detail })),
-      say: (error) => this.#panels.say(error),
+      say: (error) => this.#fail(error),
       changed: (isOn) => {
         this.toggleAttribute('headset', isOn)
         this.#change()
@@ -678,7 +994,7 @@ export class Viewer extends HTMLElement {
     const { name } = this.#scene
     const bytes = await this.#engine
       .ask('png', this.#pilot.rendered(options), options)
-      .catch((error) => this.#panels.say(error))
+      .catch((error) => this.#fail(error))
     if (!bytes) return
     this.#save(new Blob([bytes], { type: 'image/png' }), `${name}.png`)
     this.#panels.note('Picture saved')
@@ -691,11 +1007,11 @@ export class Viewer extends HTMLElement {
   }
 
   #copyLink() {
-    if (this.#scene) this.#copy(this.link)
+    if (this.#scene) this.#copyAddress(this.link)
   }
 
-  async #copy(link) {
-    if (!this.#source) return this.#panels.note('This scene is a file of yours: a link cannot hold it')
+  async #copyAddress(link) {
+    if (!this.#address) return this.#panels.note('This scene is a file of yours: a link cannot hold it')
     const copied = await navigator.clipboard?.writeText(link).then(
       () => true,
       () => false
@@ -710,8 +1026,7 @@ export class Viewer extends HTMLElement {
 
   #showSettings() {
     const { camera, turns } = this.#pilot
-    const background = `#${this.#background.toString(16).padStart(6, '0')}`
-    this.#panels.set({ background, flat: !!camera?.flat, turn: turns, backend: this.#wanted, budget: this.#budgetPlace })
+    this.#panels.set({ background: this.#colour, flat: !!camera?.flat, turn: turns, backend: this.#wanted, budget: this.#budgetPlace })
     this.#ui.levels.hidden = !this.#scene?.levels
     this.#ui.budget.textContent = this.#budget
       ? this.#language.of('at most {0}', this.#language.number(this.#budget))
@@ -741,7 +1056,7 @@ export class Viewer extends HTMLElement {
     const pilot = this.#pilot
     const does = {
       h: () => this.#toggle(this.#ui.help),
-      Escape: () => (this.#toggle(null), this.#tour?.close()),
+      Escape: () => [this.#toggle(null), this.#tour?.close()],
       k: () => this.#tour?.toggle(),
       ',': () => this.#tour?.step(-1),
       '.': () => this.#tour?.step(1),
@@ -765,28 +1080,44 @@ export class Viewer extends HTMLElement {
     does[key.length === 1 ? key.toLowerCase() : key]?.()
   }
 
-  #set({ name, value, checked }) {
-    const pilot = this.#pilot
-    const does = {
-      background: () => this.setAttribute('background', value),
-      backend: () => this.setAttribute('backend', value),
-      budget: () => this.#setBudget(Number(value)),
-      turn: () => this.toggleAttribute('turn', checked),
-      flat: () => pilot.flatten(checked),
-      speed: () => (pilot.speed = Number(value)),
-      fov: () => pilot.widen(Number(value)),
-      up: () => pilot.upright(value ? value.split(',').map(Number) : undefined),
-      readout: () => (this.#ui.readout.hidden = !checked),
-      sharpness: () => (this.#settings.sharpness = Number(value)),
-      colours: () => (this.#settings.colours = checked),
-    }
-    does[name]()
+  /** How each setting is read and written; files of settings have these names. */
+  #table = {
+    background: [() => this.#colour, (value) => this.#setAttribute('background', value)],
+    backend: [() => this.#wanted, (value) => this.#setAttribute('backend', value)],
+    budget: [() => this.#budget ?? 0, (value) => this.#setAttribute('budget', value || null)],
+    detail: [() => this.#numberOf('detail'), (value) => this.#setAttribute('detail', value || null)],
+    turn: [() => this.hasAttribute('turn'), (value) => this.toggleAttribute('turn', !!value)],
+    mode: [() => this.#pilot.mode, (value) => this.#setMode(value === 'fly' ? 'fly' : 'orbit')],
+    speed: [() => this.#pilot.speed, (value) => (this.#pilot.speed = Number(value))],
+    fov: [() => this.#pilot.camera?.fov ?? this.#pilot.fov, (value) => this.#pilot.widen(Number(value))],
+    flat: [() => !!this.#pilot.camera?.flat, (value) => this.#pilot.flatten(!!value)],
+    up: [() => [...this.#pilot.up], (value) => this.#pilot.upright(value ? [...value] : undefined)],
+    sharpness: [() => this.#settings.sharpness, (value) => (this.#settings.sharpness = Number(value))],
+    colours: [() => this.#settings.colours, (value) => (this.#settings.colours = !!value)],
+    readout: [() => !this.#ui.readout.hidden, (value) => (this.#ui.readout.hidden = !value)],
+  }
+
+  #setAttribute(name, value) {
+    if (value === null || value === undefined) this.removeAttribute(name)
+    else this.setAttribute(name, value)
+  }
+
+  /** What a field of the panel says. */
+  #set({ name, type, value, checked }) {
+    if (name === 'budget') return this.#setBudget(Number(value))
+    const up = name === 'up' && value ? value.split(',').map(Number) : null
+    this.#table[name][1](name === 'up' ? up : type === 'checkbox' ? checked : value)
     this.#change()
   }
 
   #listen() {
     const ui = this.#ui
-    const acts = this.#pilot.acts({ focus: (x, y) => this.#focus(x, y), press: (key) => this.#press(key) })
+    const acts = this.#pilot.acts({
+      focus: (x, y) => this.#focus(x, y),
+      click: (x, y) => this.#click(x, y),
+      press: (key) => this.#press(key),
+      takesWheel: (event) => this.#takesWheel(event),
+    })
     const held = listenToKeys(this, acts)
     listenToPointers(ui.stage, acts, () => held.has('Space'))
     const clicks = {
@@ -808,9 +1139,17 @@ export class Viewer extends HTMLElement {
     ui.save.onclick = () => this.#saveSettings()
     ui.set.onclick = () => this.#toggle(ui.options)
     for (const id of ['closeHelp', 'closeOptions']) ui[id].onclick = () => this.#toggle(null)
-    ui.file.onchange = () => this.#openFiles(ui.file.files).then(() => (ui.file.value = ''))
+    ui.file.onchange = () => this.#openFiles([...ui.file.files]).then(() => (ui.file.value = ''))
     ui.options.oninput = (event) => this.#set(event.target)
     this.#listenToDrops()
+  }
+
+  /** With wheel="page" the wheel scrolls the page, unless the viewer has the focus or ctrl is held. */
+  #takesWheel({ ctrlKey, timeStamp }) {
+    if (this.getAttribute('wheel') !== 'page' || ctrlKey || this.matches(':focus-within')) return true
+    if (timeStamp - this.#hintedAt > HINT_MS) this.#panels.note('Click the scene, or hold Ctrl, and the wheel zooms')
+    this.#hintedAt = timeStamp
+    return false
   }
 
   #listenToDrops() {
@@ -822,7 +1161,7 @@ export class Viewer extends HTMLElement {
     this.addEventListener('dragleave', over(false))
     this.addEventListener('drop', (event) => {
       over(false)(event)
-      this.#openFiles(event.dataTransfer.files)
+      filesOf(event.dataTransfer).then((files) => this.#openFiles(files))
     })
   }
 }

@@ -63,3 +63,17 @@ export function textOf({ eye, look, up, fov, flat, shift }) {
   const more = flat || shift.some(Boolean) ? [flat ? 1 : 0, ...shift] : []
   return [...eye, ...look, ...up, fov, ...more].join()
 }
+
+/** A camera that a program gives, which may leave out what another has. */
+export function checkedCamera(given, other = {}) {
+  const camera = { up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0], ...other }
+  for (const [name, value] of Object.entries(given)) {
+    if (['eye', 'look', 'up'].includes(name) ? hasNumbers([...value], 3) : name !== 'shift' || hasNumbers([...value], 2))
+      camera[name] = typeof value === 'object' ? [...value] : value
+    else throw new Error(`camera: ${name}: expected ${name === 'shift' ? 2 : 3} numbers`)
+  }
+  if (!camera.eye || !camera.look) throw new Error('camera: expected eye and look')
+  if (!(camera.fov >= 1 && camera.fov <= 170)) throw new Error(`camera: fov ${camera.fov}: expected 1 to 170 degrees`)
+  const { eye, look, up, fov, flat, shift } = camera
+  return { eye, look, up, fov, flat: !!flat, shift }
+}

@@ -1,23 +1,73 @@
-// The worker of a scene. It loads and draws the scene while the page goes on responding.
-import { load, png, Screen } from '../fixsplat.js'
+// The worker of a viewer's scenes. It loads and draws them while the page goes on responding.
+import { firstView, foresee, load, pick, png, render, renderStereo, Screen } from '../fixsplat.js'
 
+const SEEN = 40000 // Gaussians of a preview that is shown, at least
+const SEEN_SHARE = 1 / 3 // or of the download
 const PREVIEW_MS = 1000 // at most, until the page has drawn what there is
 const AHEAD_MS = 600 // how far a camera in motion is followed, for parts that are to come
 const STOPPED_MS = 300 // between two pictures: the camera did not move
 const NO_DEPTH = 0xffffffff
 const UNIT = 65536 // depths of a scene unit
 const screens = {}
-let scene, how
+const scenes = new Map() // by the page's keys
+let placed = [] // what is drawn: { key, place }
+let how
 let drawn = () => {}
 
-const factsOf = ({ name, count, levels, paged, low, high, first, start }) =>
-  ({ name, count, levels, paged, low, high, first, start })
+const isThere = ({ key }) => scenes.has(key)
+const objects = () => placed.filter(isThere).map(({ key, place }) => ({ scene: scenes.get(key), ...place }))
 
-/** What has come of a scene so far: loading goes on when it was drawn. */
-function preview(part) {
-  scene?.free()
-  scene = part
-  postMessage({ stage: 'preview', scene: factsOf(part) })
+/** A point of a scene in the world: v + 2 w (q x v) + 2 q x (q x v), with the quaternion's length 1. */
+function moved(v, { translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1 }) {
+  const [w, ...q] = rotation.map((x) => x / Math.hypot(...rotation))
+  const cross = (a, b) => [1, 2, 0].map((j, i) => a[j] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[j])
+  const once = cross(q, v)
+  const twice = cross(q, once)
+  return v.map((x, i) => translation[i] + scale * (x + 2 * (w * once[i] + twice[i])))
+}
+
+const corners = (low, high) => [0, 1, 2, 3, 4, 5, 6, 7].map((i) => low.map((x, axis) => (i & (1 << axis) ? high : low)[axis]))
+
+/** The box of all objects. */
+function boxOf(list) {
+  const points = list.flatMap(({ scene, ...place }) => corners(scene.low, scene.high).map((v) => moved(v, place)))
+  const [low, high] = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...points.map((v) => v[axis]))))
+  return { low, high }
+}
+
+let seen = {} // which scenes `first` is of, and that
+
+/** Where it is seen from at first: chosen anew with each other scene, not where one is moved. */
+function firstOf(list) {
+  const of = placed.filter(isThere).map(({ key }) => key).join()
+  if (seen.of !== of || seen.last !== list.at(-1).scene) seen = { of, last: list.at(-1).scene, first: firstView(list) }
+  const [{ scene, ...place }] = list
+  return { first: seen.first, start: Object.keys(place).length ? null : scene.start }
+}
+
+/** Of all that is drawn. */
+function whole() {
+  const list = objects()
+  if (!list.length) return null
+  const all = list.map(({ scene }) => scene)
+  const has = (name) => all.some((scene) => scene[name])
+  const count = all.reduce((sum, scene) => sum + scene.count, 0)
+  return { count, levels: has('levels'), paged: has('paged'), ...boxOf(list), ...firstOf(list) }
+}
+
+const factsOf = ({ name, count, low, high }) => ({ name, count, low, high, whole: whole() })
+
+function put(key, scene) {
+  scenes.get(key)?.free()
+  scenes.set(key, scene)
+}
+
+/** What has come of a scene so far: loading goes on when it was drawn. Few Gaussians, enlarged, are a fog: the page's
+    poster, or nothing, tells more. */
+function preview(key, part, share) {
+  if (part.count < SEEN && share < SEEN_SHARE) return part.free()
+  put(key, part)
+  postMessage({ stage: 'preview', key, scene: factsOf(part) })
   return new Promise((done) => {
     drawn = done
     setTimeout(done, PREVIEW_MS)
@@ -35,12 +85,12 @@ async function draw(id, camera, options) {
   const screen = screens[id]
   if (!screen) {
     const { backdrop } = options
-    const { colour, drawn, missing } = scene.render(camera, { ...options, targets: { colour: true, backdrop } })
+    const { colour, drawn, missing } = render(objects(), camera, { ...options, targets: { colour: true, backdrop } })
     return { pixels: colour, drawn, missing }
   }
   let facts = null
   try {
-    facts = screen.draw([{ scene }], camera, options)
+    facts = screen.draw(objects(), camera, options)
     await screen.finish()
     return facts
   } catch (error) {
@@ -65,8 +115,9 @@ async function withSky({ sky, ...options }, camera) {
 let last // the camera of the last picture, and when that was
 
 /** Has fetched what the camera is to see soon, where it goes on as it did. */
-function foresee(camera, options) {
-  if (!scene.paged || scene.failure) return
+function lookAhead(camera, options) {
+  const list = objects()
+  if (!list.some(({ scene }) => scene.paged && !scene.failure)) return
   const now = performance.now()
   const before = last
   last = { position: camera.position, now }
@@ -75,7 +126,7 @@ function foresee(camera, options) {
   const far = AHEAD_MS / (now - before.now)
   const position = camera.position.map((x, i) => x + far * (x - before.position[i]))
   try {
-    scene.foresee({ ...camera, position }, options)
+    foresee(list, { ...camera, position }, options)
   } catch {} // a place where no camera can be
 }
 
@@ -95,25 +146,41 @@ async function bitmapOf(cameras, options, backend) {
   const { gl } = screen
   if (gl && (gl.drawingBufferWidth !== whole || gl.drawingBufferHeight !== height)) return null
   for (let i = 0; i < cameras.length; i++) {
-    screen.draw([{ scene }], cameras[i], { ...options, into: { x: i * width } })
+    screen.draw(objects(), cameras[i], { ...options, into: { x: i * width } })
     if (!gl || i === cameras.length - 1) await screen.finish()
   }
   return canvas.transferToImageBitmap()
 }
 
 const words = {
-  async open(source, threads, previews) {
+  async open(key, source, place, { threads, previews }) {
     how = { threads }
-    const progress = (progress) => postMessage(progress)
+    let share = 0
+    const progress = (progress) => {
+      share = progress.stage === 'download' ? (progress.done ?? 0) : 1
+      postMessage({ ...progress, key })
+    }
     const changed = (error) => postMessage({ stage: 'changed', words: error?.message })
-    const whole = await load(source, { ...how, progress, paging: { changed }, preview: previews ? preview : undefined })
-    scene?.free()
-    scene = whole
+    if (!placed.length) placed = [{ key, place }]
+    const shown = previews ? (part) => preview(key, part, share) : undefined
+    const scene = await load(source, { ...how, progress, paging: { changed }, preview: shown })
+    put(key, scene)
     return factsOf(scene)
   },
 
+  /** What is drawn from now on; the scenes that it leaves out stay here. */
+  place(list) {
+    placed = list
+    return whole()
+  },
+
+  free(key) {
+    scenes.get(key)?.free()
+    scenes.delete(key)
+  },
+
   async screen(id, canvas, backend) {
-    if (backend === 'webgpu' && scene.paged) throw new Error('WebGPU draws no scene in parts')
+    if (backend === 'webgpu' && objects().some(({ scene }) => scene.paged)) throw new Error('WebGPU draws no scene in parts')
     screens[id] = await Screen.open(canvas, backend, how)
     const lost = () => postMessage({ stage: 'lost', id })
     canvas.addEventListener('webglcontextlost', lost)
@@ -130,7 +197,7 @@ const words = {
     const start = performance.now()
     const isRough = screens[id]?.backend === 'webgl2-quads'
     const facts = await draw(id, camera, await withSky(isRough ? { ...options, sky: null } : options, camera))
-    foresee(camera, options)
+    lookAhead(camera, options)
     onScreen(drawn)
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
   },
@@ -139,12 +206,16 @@ const words = {
   async eyes(cameras, options, backend) {
     const bitmap = backend !== 'wasm' && (await bitmapOf(cameras, options, backend).catch(() => null))
     if (bitmap) return { bitmap }
-    if (!cameras[1]) return { pictures: [scene.render(cameras[0], options)] }
-    return { pictures: scene.renderStereo(...cameras, { ...options, exact: true }) }
+    if (!cameras[1]) return { pictures: [render(objects(), cameras[0], options)] }
+    return { pictures: renderStereo(objects(), ...cameras, { ...options, exact: true }) }
   },
 
-  packed: () => scene.packed,
-  pick: (x, y, camera, options) => scene.pick(x, y, camera, options),
+  packed: (key) => scenes.get(key).packed,
+
+  pick(x, y, camera, options) {
+    const found = pick(x, y, objects(), camera, options)
+    return found && { ...found, key: placed.filter(isThere)[found.object].key }
+  },
 
   async png(camera, options) {
     const { pixels } = await draw(0, camera, await withSky(options, camera))
@@ -155,7 +226,7 @@ const words = {
       farthest of nine neighbours, as a marker lies on what it marks. */
   depths(pixels, camera, options) {
     const { width, height } = options
-    const { depth } = scene.render(camera, { ...options, targets: { depth: true } })
+    const { depth } = render(objects(), camera, { ...options, targets: { depth: true } })
     const at = (x, y) => depth[width * Math.min(Math.max(y, 0), height - 1) + Math.min(Math.max(x, 0), width - 1)]
     const around = (x, y) => [-1, 0, 1].flatMap((j) => [-1, 0, 1].map((i) => at(x + i, y + j)))
     return pixels.map(([x, y]) => Math.max(...around(x, y))).map((code) => (code === NO_DEPTH ? Infinity : code / UNIT))

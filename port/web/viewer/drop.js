@@ -1,0 +1,53 @@
+// Files that are dropped or chosen: those of folders too, and which of them are scenes.
+
+const FORMATS = '@FORMATS@'.split(', ')
+const INDEX = FORMATS.filter((name) => !name.startsWith('.') || /\.(gltf|lcc)$/.test(name)) // names other files
+const MOST = 10000 // files of folders
+
+const lastOf = (file) => file.name.split('/').pop().toLowerCase()
+const isOf = (names) => (file) => names.some((name) => lastOf(file) === name || (name[0] === '.' && lastOf(file).endsWith(name)))
+const isIndex = isOf(INDEX)
+const folderOf = (file) => (file.webkitRelativePath || file.name).replace(/[^/]*$/, '')
+
+/** All files of a drop. What comes of a folder has its path as its name, as scenes of several files need it. */
+export async function filesOf(data) {
+  const entries = [...data.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean)
+  if (!entries.some((entry) => entry.isDirectory)) return [...data.files]
+  const files = []
+  for (const entry of entries) await take(entry, files)
+  return files
+}
+
+async function take(entry, files) {
+  if (entry.isFile) {
+    const file = await new Promise((done, failed) => entry.file(done, failed))
+    files.push(new File([file], entry.fullPath.slice(1), { type: file.type }))
+    return
+  }
+  const reader = entry.createReader()
+  const next = () => new Promise((done, failed) => reader.readEntries(done, failed)) // some at a time
+  for (let some = await next(); some.length; some = await next())
+    for (const one of some) {
+      if (files.length >= MOST) throw new Error(`${entry.name}: this folder has more than ${MOST} files`)
+      await take(one, files)
+    }
+}
+
+/** The scenes among files, each a file or the list of its files, and a file of views. An index has what lies below its
+    folder. Where nothing has the name of a scene, one file alone may still be one. */
+export function scenesIn(files) {
+  const isViews = (file) => /\.json$/i.test(file.name) && !isIndex(file)
+  const rest = new Set([...files].sort((a, b) => (a.name < b.name ? -1 : 1)))
+  const views = [...rest].find(isViews)
+  const indexes = [...rest].filter(isIndex).sort((a, b) => folderOf(a).length - folderOf(b).length)
+  const scenes = []
+  for (const index of indexes.filter((file) => rest.has(file))) {
+    const own = [index, ...[...rest].filter((file) => file !== index && folderOf(file).startsWith(folderOf(index)))]
+    if (!rest.has(index)) continue
+    for (const file of own) rest.delete(file)
+    scenes.push(own.length > 1 ? own : index)
+  }
+  const others = [...rest].filter((file) => file !== views)
+  const known = others.filter(isOf(FORMATS))
+  return { scenes: [...scenes, ...(known.length || scenes.length || others.length > 1 ? known : others)], views }
+}
