@@ -1,6 +1,6 @@
 // Reads and writes the viewer's settings files, and reads those of supersplat-viewer, versions 1 and 2. What is wrong in
 // one is left out, with a line in words; the rest is taken. What comes out is { camera, annotations, tracks, background,
-// skybox, start, budget, detail, turn }, of which any may be missing. A camera is { eye, look, up, fov, longer }; `longer`:
+// skybox, start, and some of the settings of the element }. Any may be missing. A camera is { eye, look, up, fov, longer }; `longer`:
 // fov is that of the longer side of the picture.
 import { LOOPS } from './track.js'
 
@@ -12,6 +12,7 @@ const MOST_TEXT = 5000
 const MOST_SECONDS = 86400
 const MOST_WORDS = 5 // lines about one file
 const FAR = 1e9
+const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1]]
 const STARTS = ['camera', 'track', 'annotation']
 
 const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value)
@@ -165,13 +166,14 @@ function checked(file, words) {
         }
       })
     )
-  const number = (name) => (x) => (need(isNumber(x, 0), `${name}: expected a number`), x)
+  const number = (name, low, high) => (x) => (need(isNumber(x, low, high), `${name}: expected ${low} to ${high}`), x)
   take('camera', (camera) => poseOf(camera))
   take('background', (colour) => (need(/^#[0-9a-f]{6}$/i.test(colour), 'background: expected #rrggbb'), colour))
   take('skybox', (url) => (need(typeof url === 'string', 'skybox: expected an address'), url))
   take('start', (start) => (need(STARTS.includes(start), `start: expected one of ${STARTS.join(', ')}`), start))
-  take('turn', (turn) => turn === true)
-  for (const name of ['budget', 'detail']) take(name, number(name))
+  take('mode', (mode) => (need(['orbit', 'fly'].includes(mode), 'mode: expected orbit or fly'), mode))
+  for (const name of ['turn', 'colours']) take(name, (is) => is === true)
+  for (const [name, low, high] of NUMBERS) take(name, number(name, low, high))
   each('annotations', MOST_ANNOTATIONS, annotationOf)
   each('tracks', MOST_TRACKS, trackOf)
   return settings

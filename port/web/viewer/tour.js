@@ -10,6 +10,7 @@ const LONGEST_S = 0.5 // of one step of playing
 const WAIT_MS = 100 // between two looks whether parts of a scene have come
 const PATIENCE_MS = 30000
 const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn'] // attributes that a file may set
+const OWN = ['mode', 'speed', 'sharpness', 'colours'] // of the element's other settings those that it may have
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 const reduced = () => matchMedia('(prefers-reduced-motion: reduce)').matches
@@ -74,11 +75,11 @@ export class Tour {
     if (attributes.skybox) attributes.skybox = new URL(attributes.skybox, base).href
     this.#given = GIVEN.filter((name) => attributes[name] && !element.hasAttribute(name))
     for (const name of this.#given) element.setAttribute(name, attributes[name] === true ? '' : attributes[name])
+    element.settings = Object.fromEntries(OWN.filter((name) => name in attributes).map((name) => [name, attributes[name]]))
     this.#home = camera
     this.#start = start
     this.annotations = annotations
     this.tracks = tracks
-    this.#host.tell('settings', {})
   }
 
   /** The camera that a file begins with, and goes back to; null without one. */
@@ -97,10 +98,9 @@ export class Tour {
   /** What a settings file of what there is would say. */
   get saved() {
     const { element, current } = this.#host
-    const set = GIVEN.filter((name) => element.hasAttribute(name))
-    const valueOf = (name) => ({ turn: true, budget: Number(element.getAttribute(name)), detail: Number(element.getAttribute(name)) })[name]
-    const attributes = Object.fromEntries(set.map((name) => [name, valueOf(name) ?? element.getAttribute(name)]))
-    return { ...attributes, camera: this.#poseOf(current()), annotations: this.annotations, tracks: this.tracks }
+    const all = { ...element.settings, skybox: element.getAttribute('skybox') }
+    const names = [...GIVEN.filter((name) => element.hasAttribute(name)), ...OWN]
+    return { ...Object.fromEntries(names.map((name) => [name, all[name]])), camera: this.#poseOf(current()), annotations: this.annotations, tracks: this.tracks }
   }
 
   get savedText() {
