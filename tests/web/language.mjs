@@ -8,8 +8,9 @@ const folder = resolve(process.argv[2])
 const from = (name) => import(pathToFileURL(resolve(folder, name)))
 // Of another page, or lines about a file or a call for who has written that.
 const OTHERS = /^(fit|page|worker|engine|settings|track|language.*)\.js$/
-const NO_WORDS = ['Space', 'Escape', 'ui bar', 'there are', 'A film of', 'frames: at most', 'expected 1 to 120 frames a second',
-  "the headset's picture:", 'The headset:']
+// Names of keys and classes, what words.js finds words for, and lines for who writes a program.
+const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker|The headset:|the headset's picture:)$/,
+  /^(no WebAssembly|no files|no scene|this folder has more than)$/, /expected (?!a list)/]
 
 /** Texts and names of elements in HTML. */
 const wordsOfHtml = (html) => [
@@ -53,7 +54,7 @@ function textsOf(source) {
 
 const isCode = /[<>=$\\#@_]|--|:host|^[^A-Za-z{]*$|^[a-z-]+$|^\w*[a-z][A-Z]\w*$|^(M|[a-z]+ [a-z]+$).*\d/
 const isWords = (text) =>
-  /[a-z]{2,} [A-Za-z{(\d]|^[A-Z][a-z]+( \(.\))?$|^\{0\} [a-z]|\{0\}$/.test(text) && !isCode.test(text) && !NO_WORDS.includes(text)
+  /[a-z]{2,} [A-Za-z{(\d]|^[A-Z][a-z]+( \(.\))?$|^\{0\} [a-z]|\{0\}$/.test(text) && !isCode.test(text) && !NO_WORDS.some((one) => one.test(text))
 
 export async function wordsOfViewer() {
   const { body, listOf } = await from('body.js')

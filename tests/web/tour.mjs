@@ -219,6 +219,45 @@ const tests = {
     await page.waitForFunction(() => document.querySelector('fixsplat-viewer').tracks.length === 2)
   },
 
+  async 'languages: by the attribute and by the browser, every word of the page; English fetches none'() {
+    const asked = []
+    const hear = (request) => /language_/.test(request.url()) && asked.push(request.url().match(/language_(..)/)[1])
+    page.on('request', hear)
+    const texts = () => inside(`const walker = document.createTreeWalker(v.shadowRoot, NodeFilter.SHOW_ALL,
+        (node) => (node.translate === false || /STYLE|KBD/.test(node.nodeName) || /^(draws|readout|note)$/.test(node.id) ? 2 : 1)), seen = []
+      for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+        if (node.nodeType === 3) seen.push(node.data)
+        else for (const name of ['aria-label', 'title', 'placeholder']) seen.push(node.getAttribute?.(name) ?? '')
+      }
+      return seen.map((text) => text.trim()).filter((text) => /[A-Za-z]{2}/.test(text))`)
+    const speaks = (lang) => page.waitForFunction((lang) => document.querySelector('fixsplat-viewer').shadowRoot.getElementById('stage').lang === lang, {}, lang)
+    await open(WITH('tour.json'))
+    const english = await texts()
+    assert.deepEqual(asked, [])
+    for (const [lang, one] of [['de', 'Vorige Anmerkung (,)'], ['zh-TW', '上一个标注 (,)']]) {
+      await open(`${WITH('tour.json')}&lang=${lang}`)
+      await speaks(lang.slice(0, 2))
+      const words = await texts()
+      assert.ok(words.includes(one))
+      const same = english.filter((text) => words.includes(text))
+      const known = /^(fixsplat|Splats|Text|Shift|Around|Track 2|Behind|The knot|.*\.ply.*|\d+ splats)$/
+      assert.deepEqual(same.filter((text) => !known.test(text)), [])
+      await inside(`v.setAttribute('lang', 'en')`)
+      await speaks('en')
+      assert.deepEqual((await texts()).filter((text) => !english.includes(text) && !known.test(text)), [])
+    }
+    assert.deepEqual(asked, ['de', 'zh'])
+    page.off('request', hear)
+    const { identifier } = await page.evaluateOnNewDocument(() =>
+      Object.defineProperty(navigator, 'languages', { get: () => ['xx', 'de-AT', 'en'] }))
+    await open(`${SCENE}&settings=/scenes/none.json`)
+    await speaks('de')
+    assert.equal(await wordsOf(), 'none.json: an dieser Adresse sind keine Einstellungen')
+    assert.equal(await inside(`return $('count').textContent`), '20.000 Splats')
+    await picture('german')
+    await page.removeScriptToEvaluateOnNewDocument(identifier)
+  },
+
   async 'a film of a track: every frame goes in as the command draws it'() {
     put('tour.json', { ...TOUR, tracks: [{ ...TOUR.tracks[0], duration: 0.5, keys: [{ time: 0, ...front }, { time: 0.5, ...side }] }] })
     await open(WITH('tour.json'), 320, 180)

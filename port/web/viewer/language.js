@@ -6,21 +6,21 @@ const NAMES = ['aria-label', 'title', 'placeholder']
 
 /** The first of the languages asked for that there is. */
 export function chosen(asked) {
-  return asked.map((one) => one.toLowerCase().split(/[-_]/)[0]).find((one) => one === 'en' || one in TABLES) ?? 'en'
+  return asked.map((one) => one.toLowerCase().split(/[-_]/)[0]).find((one) => one === 'en' || Object.hasOwn(TABLES, one)) ?? 'en'
 }
 
 export class Language {
   name = 'en'
-  #table = {}
+  #table = new Map()
   #seen = new WeakMap() // of a text or an attribute: { english, written }
   #roots = []
 
-  /** The words in this language; {0}, {1} and so on stand for values. Behind the name of a file, the last part alone. */
+  /** The words in this language; {0}, {1} and so on stand for values. Of a line with the name of a file in front what
+      stands behind it. */
   of(words, ...values) {
-    const found = this.#table[words]
-    const [, name, rest] = found || !words.includes(': ') ? [] : words.match(/^(.*: )(.*)$/s)
-    const text = found ?? (this.#table[rest] ? name + this.#table[rest] : words)
-    return text.replace(/\{(\d)\}/g, (_, i) => values[i])
+    let [at, text] = [0, this.#table.get(words)]
+    while (!text && (at = words.indexOf(': ', at) + 2) > 1) text = this.#table.get(words.slice(at))
+    return ((at > 1 ? words.slice(0, at) : '') + (text ?? words)).replace(/\{(\d)\}/g, (_, i) => values[i])
   }
 
   number(n) {
@@ -58,10 +58,10 @@ export class Language {
   async choose(asked) {
     const name = chosen(asked)
     if (name === this.name) return false
-    const table = name === 'en' ? {} : (await TABLES[name]().catch(() => ({ words: null }))).words
+    const table = name === 'en' ? { words: {} } : await TABLES[name]().catch(() => null)
     if (!table) return false
     this.name = name
-    this.#table = table
+    this.#table = new Map(Object.entries(table.words))
     for (const root of this.#roots) this.write(root)
     return true
   }

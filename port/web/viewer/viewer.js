@@ -364,6 +364,7 @@ export class Viewer extends HTMLElement {
     const asked = [this.getAttribute('lang'), ...(navigator.languages ?? [navigator.language])].filter(Boolean)
     if (!(await this.#language.choose(asked))) return
     if (this.#scene) this.#panels.entitle(this.#scene)
+    this.#showSettings()
     this.#tour?.rename()
   }
 
