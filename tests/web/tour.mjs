@@ -229,7 +229,7 @@ const tests = {
         if (node.nodeType === 3) seen.push(node.data)
         else for (const name of ['aria-label', 'title', 'placeholder']) seen.push(node.getAttribute?.(name) ?? '')
       }
-      return seen.map((text) => text.trim()).filter((text) => /[A-Za-z]{2}/.test(text))`)
+      return seen.map((text) => text.trim()).filter((text) => /\\p{L}{2}/u.test(text))`)
     const speaks = (lang) => page.waitForFunction((lang) => document.querySelector('fixsplat-viewer').shadowRoot.getElementById('stage').lang === lang, {}, lang)
     await open(WITH('tour.json'))
     const english = await texts()
@@ -238,7 +238,7 @@ const tests = {
       await open(`${WITH('tour.json')}&lang=${lang}`)
       await speaks(lang.slice(0, 2))
       const words = await texts()
-      assert.ok(words.includes(one))
+      assert.ok(words.includes(one), words.join())
       const same = english.filter((text) => words.includes(text))
       const known = /^(fixsplat|Splats|Text|Shift|Around|Track 2|Behind|The knot|.*\.ply.*|\d+ splats)$/
       assert.deepEqual(same.filter((text) => !known.test(text)), [])
