@@ -64,6 +64,7 @@ tests['memory after 50 scenes'] = async () => {
           Object.assign(own.style, { width: '640px', height: '360px' })
           own.setAttribute('backend', i % 10 ? 'wasm' : 'webgl2')
           own.setAttribute('src', src)
+          own.setAttribute('keep', 0)
           document.body.append(own)
           while (own.state !== 'still') await new Promise((done) => setTimeout(done, 20))
           own.remove()

@@ -149,6 +149,17 @@ const tests = {
     await are(enginesOf, 1)
     await inside('v.remove()')
     await are(() => page.workers(), 0)
+    await page.evaluate(async (src) => {
+      for (let i = 0; i < 4; i++) {
+        const own = Object.assign(document.createElement('fixsplat-viewer'), { style: 'width: 60px; height: 40px' })
+        own.setAttribute('src', src)
+        own.setAttribute('threads', 1)
+        document.body.append(own)
+        while (own.state !== 'still') await new Promise((done) => setTimeout(done, 20))
+        own.remove()
+      }
+    }, at)
+    await are(enginesOf, 2) // of many that are away, two keep their scenes
   },
 
   async 'several scenes at their places, moved, taken away and put back'() {
@@ -244,9 +255,9 @@ const tests = {
     assert.equal(await hash(), native('scene.ply', '0,-1,-6,0,0,0,0,-1,0,50', '800x450'))
     const wrong = await inside(`try { v.camera = { eye: [0, 1] } } catch ({ message }) { return message }`)
     assert.equal(wrong, 'camera: eye: expected 3 numbers')
-    assert.equal(await inside(`return v.animate({ eye: [3, -1, -6], fov: 40 }, { duration: 200 })`), true)
+    assert.equal(await inside(`return v.flyTo({ eye: [3, -1, -6], fov: 40 }, { duration: 200 })`), true)
     assert.deepEqual(await inside('return [v.camera.eye, v.camera.fov]'), [[3, -1, -6], 40])
-    const flight = inside(`return v.animate({ eye: [9, -1, -6] }, { duration: 5000 })`)
+    const flight = inside(`return v.flyTo({ eye: [9, -1, -6] }, { duration: 5000 })`)
     await pause(200)
     await page.mouse.move(400, 200)
     await page.mouse.down()
@@ -436,7 +447,7 @@ const tests = {
       [0, 30, 0.1, 1],
       [0, 130, 0.1, 2],
       [10, 110, 0.1, 2],
-      [70, 60, 0.1, 1.5], // smaller ones would gain little
+      [70, 60, 0.1, 2], // smaller ones would gain little
       [300, 50, 0.1, 1],
       [10, 1000, 0.2, 4],
     ]) {

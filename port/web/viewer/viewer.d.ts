@@ -1,7 +1,142 @@
+import type { Vector } from '../fixsplat.js'
+
 type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'
 
+/** Where the viewer looks from. */
+export interface ViewerCamera {
+  /** Scene units. */
+  eye: [number, number, number]
+  /** The point that it turns about. */
+  look: [number, number, number]
+  up: [number, number, number]
+  /** The vertical field of view, 1 to 170 degrees. */
+  fov: number
+  /** Whether its rays are parallel. */
+  flat: boolean
+  /** How far right and down of the middle the axis lies, in heights of the picture. */
+  shift: [number, number]
+}
+
+/** Some of a camera; what it leaves out stays as it is. */
+export type SomeCamera = { [Name in keyof ViewerCamera]?: Readonly<ViewerCamera[Name]> }
+
+/** Where a scene lies among others: as the attributes of <fixsplat-scene>. */
+export interface Place {
+  /** World units. */
+  position?: Vector | string | null
+  /** Degrees about x, then y, then z; or a quaternion w, x, y, z. */
+  rotation?: Vector | readonly [number, number, number, number] | string | null
+  /** Above 0. */
+  scale?: number | string | null
+  /** 0 to 1. */
+  opacity?: number | string | null
+  /** Factors for red, green and blue, 0 to 4 each. */
+  tint?: Vector | string | null
+}
+
+/** <fixsplat-scene>: one more scene in the <fixsplat-viewer> around it. `hidden` leaves it out. Its properties are its
+    attributes, and so texts when they are read. */
+export class PlacedScene extends HTMLElement {
+  get src(): string | null
+  set src(address: string | null)
+  get position(): string | null
+  set position(value: Place['position'])
+  get rotation(): string | null
+  set rotation(value: Place['rotation'])
+  get scale(): string | null
+  set scale(value: Place['scale'])
+  get opacity(): string | null
+  set opacity(value: Place['opacity'])
+  get tint(): string | null
+  set tint(value: Place['tint'])
+  /** A file, or the files of one scene, in place of `src`; to be set before the element is in a viewer. */
+  source: File | File[] | null
+}
+
+/** A scene that is there. */
+export interface ShownScene {
+  /** Its address, or its file or files. */
+  source: string | File | File[]
+  name: string
+  /** Gaussians. */
+  count: number
+  /** Its box, in its own units. */
+  low: number[]
+  high: number[]
+  /** Its element; null for that of `src` and `open`. */
+  element: PlacedScene | null
+}
+
+/** What is at a pixel. */
+export interface Found {
+  /** In the world. */
+  position: [number, number, number]
+  /** Along the camera's axis, world units. */
+  depth: number
+  /** Its number in the packed scene. */
+  gaussian: number
+  scene: ShownScene
+}
+
+/** All that a person can set, by the names of the attributes where there is one. */
+export interface Settings {
+  /** #rrggbb. */
+  background: string
+  backend: Backend | ''
+  /** Gaussians of a picture, of scenes with levels of detail; 0 for all. */
+  budget: number
+  /** Pixels; 0 for all. */
+  detail: number
+  turn: boolean
+  mode: 'orbit' | 'fly'
+  /** Of flight, 0.1 to 2. */
+  speed: number
+  fov: number
+  flat: boolean
+  /** The direction that is up. */
+  up: number[]
+  /** Of width and height in device pixels, 0.25 to 1. */
+  sharpness: number
+  /** Whether colours change with the direction of view. */
+  colours: boolean
+  /** Whether pictures a second are shown. */
+  readout: boolean
+}
+
+/** An Error in words for people; `cause` is the one of the program. */
+export interface ViewerError extends Error {
+  kind: 'format' | 'damaged' | 'missing' | 'network' | 'memory' | 'browser' | 'policy' | 'other'
+  /** What could not be opened, where it is about a scene. */
+  source?: string | File | File[]
+}
+
+/** What a <fixsplat-viewer> tells. None of these bubbles. */
+export interface ViewerEvents {
+  /** A scene is whole. */
+  load: CustomEvent<ShownScene>
+  /** How far a scene has come: `done` is a share, where that is known, and `bytes` have come. */
+  progress: CustomEvent<{
+    source: ShownScene['source']; name: string; element: PlacedScene | null
+    stage: 'download' | 'prepare'; done?: number; bytes?: number
+  }>
+  /** `error` is a ViewerError. */
+  error: ErrorEvent
+  /** The camera has changed: by a pointer or a key, or else by a program. */
+  camera: CustomEvent<{ camera: ViewerCamera; byHand: boolean }>
+  /** A click on the scene, in CSS pixels of the element. */
+  pick: CustomEvent<{ x: number; y: number; found: Found | null }>
+  /** A picture is shown: `drawn` Gaussians, with `missing` parts that are still to come; `divisor` is what its width and
+      height were divided by while the camera moved. */
+  frame: CustomEvent<{
+    width: number; height: number; divisor: number; milliseconds: number; backend: Backend
+    drawn: number; missing: number
+  }>
+  /** Pictures for a headset: `scale` is their size, of the viewport's. */
+  eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
+}
+
 /** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
-    threads, noui. */
+    threads, noui, wheel, keep. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** What draws. */
@@ -11,13 +146,36 @@ export class Viewer extends HTMLElement {
   readonly view: string
   /** The address of the viewer's page with this scene and view. */
   readonly link: string
-  /** Opens an address, a file, or the files of a scene; what there was stays where that fails. */
+  /** The scenes on show. */
+  readonly scenes: ShownScene[]
+  /** A copy; null without a scene. Some of one may be set, before there is a scene too: then it begins so. An Error where
+      a number is missing. */
+  get camera(): ViewerCamera | null
+  set camera(camera: SomeCamera | null)
+  /** All; some may be set. */
+  get settings(): Settings
+  set settings(values: { [Name in keyof Settings]?: Settings[Name] | null })
+  /** Opens an address, a file, or the files of one scene; what there was stays where that fails. */
   open(source: string | File | File[]): Promise<boolean>
+  /** Puts one more scene beside those there are: a new <fixsplat-scene> in this element. */
+  add(source: string | File | File[], place?: Place): PlacedScene
+  /** Takes away what `src`, `open` or a person has opened; each <fixsplat-scene> of the page stays. */
+  clear(): void
   /** Puts the scene of another address in the place of the one on show; the camera stays. False where there is no scene
       yet, or where it is not the time: ask again. */
   replace(source: string): Promise<boolean>
   /** Of the views of `cameras`, from 0. */
   showView(index: number): void
+  /** Moves the camera in so many milliseconds, 1000 by default; at once where the machine is set to less motion. True when
+      it is there, false where a hand, a program or another scene has taken the camera meanwhile. */
+  flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
+  /** What is at a place, in CSS pixels of the element; null where nothing is. */
+  pick(x: number, y: number): Promise<Found | null>
+  addEventListener<Name extends keyof ViewerEvents>(
+    name: Name, listener: (this: Viewer, event: ViewerEvents[Name]) => void, options?: boolean | AddEventListenerOptions): void
+  addEventListener<Name extends keyof HTMLElementEventMap>(
+    name: Name, listener: (this: Viewer, event: HTMLElementEventMap[Name]) => void, options?: boolean | AddEventListenerOptions): void
+  addEventListener(name: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void
 }
 
 /** As of a cameras.json. */
@@ -36,14 +194,6 @@ export interface EyeCamera {
 declare global {
   interface HTMLElementTagNameMap {
     'fixsplat-viewer': Viewer
-  }
-  interface HTMLElementEventMap {
-    /** Pictures for a headset: `scale` is their size, of the viewport's. */
-    eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
-    /** `drawn` Gaussians, with `missing` parts that are still to come. */
-    picture: CustomEvent<{
-      width: number; height: number; divisor: number; milliseconds: number; backend: Backend
-      drawn: number; missing: number
-    }>
+    'fixsplat-scene': PlacedScene
   }
 }

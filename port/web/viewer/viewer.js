@@ -13,13 +13,16 @@ import { addressOf, cameraOf, checkedCamera, fetchViews, nameOf, textOf, viewsOf
 import { wordsOf } from './words.js'
 
 const STILL_MS = 150 // after the last motion
-const GLIDE_MS = 1000 // of `animate`
+const GLIDE_MS = 1000 // of `flyTo`
 const KEPT_S = 60 // seconds that scenes stay in memory after they were taken away
 const HINT_MS = 5000 // between two hints that the wheel scrolls the page
 const BUDGETS = [5e4, 1e5, 2e5, 3e5, 5e5, 75e4, 1e6, 15e5, 2e6, 3e6, 5e6] // of the slider; behind the last, no limit
 const DARK = '#0e1116'
 const LIGHT = '#eef0f3'
 const OF_HEADSETS = /OculusBrowser|Wolvic|Pico/i // browsers that have WebXR on secure pages alone
+
+const MOST_AWAY = 2 // viewers out of the page that keep their scenes: of more, those that left first do not
+const away = new Set()
 
 const template = document.createElement('template')
 const style = new URL('./viewer.css', import.meta.url)
@@ -87,6 +90,7 @@ export class Viewer extends HTMLElement {
     this.#leaving = 0
     if (this.#isHere) return this.#readSrc() // moved
     this.#isHere = true
+    away.delete(this)
     this.state = this.#scene ? 'loading' : 'empty'
     for (const item of this.#items) item.keep()
     this.resized = new ResizeObserver(() => this.#change())
@@ -121,6 +125,16 @@ export class Viewer extends HTMLElement {
     this.#cancel()
     if (isLoading) this.#src = null // begins anew
     for (const item of this.#items) this.#letGo(item)
+    away.add(this)
+    if (away.size > MOST_AWAY) [...away][0].#end()
+  }
+
+  #end() {
+    away.delete(this)
+    for (const item of this.#items) item.keep()
+    this.#items = []
+    this.#main = this.#src = null
+    this.#close()
   }
 
   attributeChangedCallback(name, before, value) {
@@ -172,7 +186,7 @@ export class Viewer extends HTMLElement {
   }
 
   /** Moves there. True when it is there, false where a hand, a program or another scene has taken the camera meanwhile. */
-  async animate(camera, { duration = GLIDE_MS } = {}) {
+  async flyTo(camera, { duration = GLIDE_MS } = {}) {
     if (!this.#scene) return false
     return this.#pilot.glide(checkedCamera(camera, this.#pilot.camera), duration)
   }
@@ -569,7 +583,7 @@ export class Viewer extends HTMLElement {
       this.#items = this.#items.filter((other) => other !== item)
       if (item === this.#main) this.#main = this.#src = null
       item.engine?.ask('free', item.key).catch(() => {})
-      if (!this.#items.some(({ engine }) => engine && engine === this.#engine)) this.#close()
+      if (!this.#items.some(({ engine }) => engine && engine === this.#engine)) this.#isHere ? this.#close() : this.#end()
     })
   }
 
@@ -1167,4 +1181,5 @@ export class Viewer extends HTMLElement {
   }
 }
 
+export { PlacedScene }
 customElements.define('fixsplat-viewer', Viewer)
