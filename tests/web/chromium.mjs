@@ -53,8 +53,8 @@ async function answer(request, response) {
   }
 }
 
-/** The shares of a file that have come after so many milliseconds. */
-const TRICKLE = [[0.03, 0], [0.031, 700], [0.7, 0], [0.701, 2400], [1, 1200]]
+/** The shares of a file that come, and milliseconds before each. */
+const TRICKLE = [[0.03, 0], [0.031, 700], [1, 200]]
 
 async function trickle(bytes, response) {
   response.setHeader('content-length', bytes.length)
@@ -138,9 +138,21 @@ export const inside = (body, ...args) =>
 
 export const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: Number(process.env.WAIT ?? 300000) })
 
-/** When what was begun just now has been drawn. */
+const QUIET_MS = 250 // without another camera, and nothing moving or loading
+
+/** When what was begun just now has been drawn: the worker, which takes one thing after the other, has answered what comes
+    after it, and the page has been still since. */
 export async function moved() {
-  await Promise.all([pause(600), inside('for (let i = 0; i < 30; i++) await new Promise(requestAnimationFrame)')])
+  await inside(`for (let i = 0; i < 2; i++) {
+      await v.pick(0, 0)
+      for (let k = 0; k < 3; k++) await new Promise(requestAnimationFrame)
+    }
+    let [since, view] = [performance.now(), '']
+    while (performance.now() - since < ${QUIET_MS}) {
+      await new Promise(requestAnimationFrame)
+      if (v.state !== 'still' || v.view !== view) since = performance.now()
+      view = v.view
+    }`)
   await still()
 }
 

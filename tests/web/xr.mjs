@@ -287,10 +287,10 @@ const tests = {
   },
 
   async 'a scene that breaks off after its preview ends it'() {
-    const failing = `await preview(whole)
+    const failing = `await preview(key, scene, 1)
       await new Promise((done) => setTimeout(done, 4000))
       throw new Error('it broke off')`
-    await changed('/viewer/worker.js', (text) => text.replace(/scene\?\.free\(\)\s+scene = whole/, failing), async () => {
+    await changed('/viewer/worker.js', (text) => text.replace(/put\(key, scene\)\s+return factsOf\(scene\)/, failing), async () => {
       await go('?scene=/scenes/scene.ply', width, height)
       await until('v.view')
       await enter()

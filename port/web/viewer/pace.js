@@ -5,7 +5,7 @@ const WORTH = 1.3 // so many times as long as the smallest picture may others ta
 const MARGIN = 1.3 // between the time at which pictures become larger, and that at which they become smaller
 const DIVISORS = [1, 1.5, 2, 3, 4] // of width and height
 const KEPT = 7 // pictures, whose median counts
-const PROBES = 3 // smallest pictures, when the camera moves for the first time
+const PROBES = 5 // smallest pictures, when the camera moves for the first time
 const PATIENCE = 12 // pictures until they become larger
 const FORGOTTEN = 100 // pictures until what was measured at other sizes is out of date
 

@@ -395,7 +395,7 @@ export class Viewer extends HTMLElement {
 
   /** Takes away what `src`, `open` or a drop has opened; elements <fixsplat-scene> of the page stay. */
   clear() {
-    if (this.#opening && this.#opening.item === this.#main) this.#cancel()
+    if (this.#opening && !this.#opening.item.element) this.#cancel()
     this.#main = null
     for (const element of this.#dropped.splice(0)) element.remove()
     this.#gather()
@@ -427,8 +427,10 @@ export class Viewer extends HTMLElement {
     if (!item.engine) return this.#openAlone(item, views, view)
     this.#main = item
     const isOpen = await this.#gather()
-    if (isOpen) this.#takeViews(await views, view)
-    return isOpen
+    if (!isOpen) return false
+    this.#takeViews(await views, view)
+    this.#tell('load', item.told)
+    return true
   }
 
   /** What was opened before, was taken away and is still there. */
@@ -456,6 +458,7 @@ export class Viewer extends HTMLElement {
       opening.engine = this.#newEngine((told) => this.#hear(opening, told))
       await this.#take(opening, await opening.engine.open(item.key, item.source, item.place, !this.#scene))
       if (opening.engine !== this.#engine) return false
+      this.#asked = null
       this.#tell('load', item.told)
       this.#beginTour(view ?? this.#asked)
       return true
@@ -464,6 +467,7 @@ export class Viewer extends HTMLElement {
       item.failed = true
       this.#cancel()
       this.#fail(error, item)
+      this.#gather()
       return false
     } finally {
       if (this.#opening === opening) {
@@ -583,7 +587,9 @@ export class Viewer extends HTMLElement {
       this.#items = this.#items.filter((other) => other !== item)
       if (item === this.#main) this.#main = this.#src = null
       item.engine?.ask('free', item.key).catch(() => {})
-      if (!this.#items.some(({ engine }) => engine && engine === this.#engine)) this.#isHere ? this.#close() : this.#end()
+      if (this.#items.some(({ engine }) => engine && engine === this.#engine)) return
+      if (this.#isHere) this.#close()
+      else this.#end()
     })
   }
 
@@ -601,7 +607,7 @@ export class Viewer extends HTMLElement {
     this.#scene = null
     this.#picture.close()
     this.removeAttribute('open')
-    this.state = 'empty'
+    this.state = this.#opening ? 'loading' : 'empty'
   }
 
   #newEngine(hear) {
