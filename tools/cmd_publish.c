@@ -24,7 +24,7 @@ typedef struct shown {
 
 typedef struct publish_options {
     frame_options frame;           /* the poster's size, how scenes are packed and read */
-    const char *title, *site;
+    const char *title, *site, *settings;
     shown *scenes;
     size_t count, room;
     size_t bytes;                  /* of all that was written */
@@ -40,6 +40,8 @@ static const option_row own_rows[] = {
     {"levels", 0, FLAG(frame.load.tree), .help =
      "pack them with levels of detail: of a large scene the page then fetches what it shows"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "of the poster (default 1280x720)"},
+    {"settings", "FILE", TEXT(settings), .help =
+     "a settings file of the viewer or of supersplat-viewer, for one scene: camera, annotations, camera tracks"},
     {0}
 };
 
@@ -184,6 +186,20 @@ static int copy_files(publish_options *o, const char *from, const char *to)
     return status;
 }
 
+/* Beside the scene, as the page asks for it. */
+static int copy_settings(publish_options *o)
+{
+    fxs_mapping file;
+    fxs_message why;
+    if (!o->settings)
+        return 0;
+    if (fxs_map(&file, o->settings, &why))
+        return fail_for(&why);
+    const int status = write_bytes(o, o->site, "settings.json", file.data, file.bytes);
+    fxs_unmap(&file);
+    return status;
+}
+
 static int copy_page(publish_options *o, const char *package)
 {
     char from[TASK_PATH], to[TASK_PATH], to_viewer[TASK_PATH];
@@ -223,8 +239,10 @@ static const char of_scene[] =
     "<meta property=\"og:image\" content=\"%s.jpg\">\n"
     "<link rel=\"stylesheet\" href=\"fixsplat/viewer/page.css\">\n"
     "<script type=\"module\" src=\"fixsplat/viewer/viewer.js\"></script>\n"
-    "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" background=\"#000000\">\n"
-    "This page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
+    "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" ";
+static const char with_settings[] = "settings=\"settings.json\"", without_settings[] = "background=\"#000000\"";
+static const char in_scene[] =
+    ">\nThis page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
     "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
 static const char of_list[] =
     "<link rel=\"stylesheet\" href=\"fixsplat/viewer/list.css\">\n"
@@ -242,6 +260,8 @@ static int write_page(publish_options *o, const char *name, const shown *s)
     print_html(file, head, title, title);
     if (s)
         print_html(file, of_scene, s->name, s->name, s->name);
+    if (s)
+        fprintf(file, "%s%s", o->settings ? with_settings : without_settings, in_scene);
     else
         print_html(file, of_list, title);
     for (size_t i = 0; i < o->count && !s; i++)
@@ -301,7 +321,10 @@ static int publish(publish_options *o)
 {
     char package[PAGE_PATH];
     int status = page_folder_find(package);
+    if (!status && o->settings && o->count > 1)
+        status = fail(EXIT_USAGE, "publish: --settings is of one scene, and there are %zu", o->count);
     status = status ? status : take_site(o);
+    status = status ? status : copy_settings(o);
     status = status ? status : copy_page(o, package);
     for (size_t i = 0; i < o->count && !status; i++) {
         status = write_scene(o, &o->scenes[i]);
@@ -334,7 +357,7 @@ const command command_publish = {
     "made before is written anew, and keeps what else is in it.\n",
     0,
     "  $ fixsplat publish garden.ply site\n"
-    "  $ fixsplat publish garden.fxs site --title 'The garden'\n"
+    "  $ fixsplat publish garden.fxs site --title 'The garden' --settings settings.json\n"
     "  $ fixsplat publish scenes site --levels\n",
     {{own_rows, 0}, COMMON_TABLE}
 };

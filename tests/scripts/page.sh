@@ -31,15 +31,24 @@ make_scenes() {
 check "builds" builds
 of_parts="$package/paged.js $package/store.js"      # fetched with the first scene that comes in parts
 of_webgpu="$package/webgpu.js $package/stages.js"
-check "size" at_most 52500 "$package"/viewer/index.html "$package"/viewer/viewer.css "$package"/viewer/page.css \
-    $(ls "$package"/viewer/*.js | grep -v /fit.js) $(ls "$package"/*.js | grep -v -e /paged.js -e /store.js -e /webgpu.js -e /stages.js)
+# Fetched with the first annotation, track, settings file, film, sky, or word of another language.
+of_tours="$package/viewer/tour.css $(ls "$package"/viewer/*.js | grep -E '/(tour|markers|player|settings|track)\.js')"
+check "size" at_most 55500 "$package"/viewer/index.html "$package"/viewer/viewer.css "$package"/viewer/page.css \
+    $(ls "$package"/viewer/*.js | grep -v -E '/(fit|tour|markers|player|settings|track|film|sky|language_.*)\.js') $(ls "$package"/*.js | grep -v -e /paged.js -e /store.js -e /webgpu.js -e /stages.js)
 check "size of what scenes in parts need" at_most 7500 $of_parts
 # 0.5 KB of it are depths and ids as targets, and what is wrong with a texture or a buffer in words; 1.4 are shaders: two
 # pixels a thread, merges, tiles of 8x8 and those without a list.
-check "size of what WebGPU needs" at_most 28500 $of_webgpu
+check "size of annotations, tracks and settings files" at_most 12500 $of_tours
+check "size of films" at_most 2800 "$package/viewer/film.js"
+check "size of skies" at_most 2100 "$package/viewer/sky.js"
+check "size of German" at_most 4000 "$package/viewer/language_de.js"
+check "size of Chinese" at_most 4200 "$package/viewer/language_zh.js"
+check "words in each language" node tests/web/language.mjs "$package/viewer"
+check "size of what WebGPU needs" at_most 28700 $of_webgpu
 check "makes scenes" make_scenes
 if [ -d "$scenes" ]; then ln -s "$(cd "$scenes" && pwd)" "$work/real"; else skip scenes "no $scenes"; fi
 asks page.mjs "${PICTURES:-$work}" "$B/fixsplat"
+asks tour.mjs "${PICTURES:-$work}" "$B/fixsplat"
 if [ "$FXS_PROCESSORS" = all ] && [ -d "$scenes" ]; then asks every.mjs "${PICTURES:-$work}" "$B/fixsplat"; fi
 cat "$work/sizes"
 finish

@@ -64,7 +64,7 @@ export async function wordsOfViewer() {
   const said = sources.flatMap((name) => textsOf(readFileSync(resolve(folder, name), 'utf8')))
   const texts = said.flatMap((text) => (/<\w/.test(text) ? wordsOfHtml(text) : text.replace(/^: /, ''))).map((text) => text.trim()).filter(isWords)
   const all = [...html, ...Object.values(backends), ...texts].map((words) => words.trim())
-  return [...new Set(all)].filter((words) => /[A-Za-z]{2}/.test(words) && !/^(fixsplat|@.*@)$|^[A-Z ]+$/.test(words)).sort()
+  return [...new Set(all)].filter((words) => /[A-Za-z]{2}/.test(words) && !/^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/.test(words)).sort()
 }
 
 const wanted = await wordsOfViewer()

@@ -2,7 +2,8 @@
 // settings files, skies and languages of the viewer's page.
 import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
-import { hash, inside, moved, native, open, page, pause, picture, run, scenes, viewOf, wordsOf } from './chromium.mjs'
+import { hash, inside, moved, native, open, page, pause, picture, policy, run, scenes, viewOf, wordsOf } from './chromium.mjs'
+import { POLICY } from './policy.mjs'
 
 const SCENE = '?scene=/scenes/scene.ply'
 const WITH = (file) => `${SCENE}&settings=/scenes/${file}`
@@ -62,7 +63,9 @@ const THEIRS_AT = {
 const tests = {
   async 'annotations: markers, their captions and links, by buttons and keys'() {
     put('tour.json', TOUR)
+    policy.text = POLICY // the strict one of docs/web.md
     await open(WITH('tour.json'))
+    policy.text = ''
     near(await numbersOf(), [0, 0, -9, 0, 0, 0, 0, -1, 0, 40])
     assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360', '203040'))
     await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot.querySelector('.marker.behind'))

@@ -1,7 +1,8 @@
-// A film of a camera track as a .webm, frame by frame. WebCodecs encodes each frame with the time that it has in the film,
-// however long it took to draw. Where there is no WebCodecs (on pages that are not secure, and in older browsers),
-// MediaRecorder takes each frame for as long as it is to be seen, by the clock. Either way the codec (VP9 or VP8, 4:2:0)
-// changes the bytes of what was drawn: constant quality where the encoder has it, else bits in proportion to the pixels.
+// A film of a camera track as a .webm, frame by frame. WebCodecs encodes each frame with the time that it has in the
+// film, however long it took to draw. Where there is no WebCodecs (on pages that are not secure, and in older
+// browsers), MediaRecorder takes each frame for as long as it is to be seen, by the clock. Either way the codec (VP9 or
+// VP8, 4:2:0) changes the bytes of what was drawn: at constant quality where the encoder has that, else by bits in
+// proportion to the pixels.
 
 const CODECS = { 'vp09.00.51.08': 'VP9', vp8: 'VP8' }
 const BITS_A_PIXEL = 0.3
@@ -13,7 +14,7 @@ const MOST_FRAMES = 36000
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
-// ---- WebM: RFC 9559, and RFC 8794 for its elements -------------------------------------------------------------------
+// ---- WebM: RFC 9559, and RFC 8794 for its elements -----------------------------------------------------------------
 
 function numberOf(value, length) {
   const bytes = new Uint8Array(length)
@@ -22,12 +23,20 @@ function numberOf(value, length) {
 }
 
 const idOf = (id) => numberOf(id, Math.ceil(Math.log2(id + 1) / 8))
-const doubleOf = (value) => new Uint8Array(Float64Array.of(value).buffer).reverse() // on the little-endian machines of today
+function doubleOf(value) {
+  const bytes = new DataView(new ArrayBuffer(8))
+  bytes.setFloat64(0, value)
+  return new Uint8Array(bytes.buffer)
+}
+
+const partOf = (value) => {
+  if (typeof value === 'number') return numberOf(value, 8)
+  return typeof value === 'string' ? new TextEncoder().encode(value) : value
+}
 
 /** An element: its id, its size in eight bytes, and what is in it. */
 function element(id, ...inside) {
-  const parts = inside.map((part) => (typeof part === 'number' ? numberOf(part, 8) : typeof part === 'string' ? new TextEncoder().encode(part) : part))
-  const body = parts.flat(Infinity)
+  const body = inside.map(partOf).flat(Infinity)
   const size = body.reduce((sum, bytes) => sum + bytes.length, 0)
   return [idOf(id), Uint8Array.of(1, ...numberOf(size, 7)), ...body]
 }
@@ -54,15 +63,15 @@ function clustersOf(chunks) {
 function webmOf(codec, { width, height, rate }, chunks) {
   const head = element(0x1a45dfa3, element(0x4282, 'webm'), element(0x4287, 4), element(0x4285, 2))
   const length = (1000 * chunks.length) / rate
-  const info = element(0x1549a966, element(0x2ad7b1, 1e6), element(0x4489, doubleOf(length)), element(0x4d80, 'fixsplat'),
-    element(0x5741, 'fixsplat'))
+  const by = [element(0x4d80, 'fixsplat'), element(0x5741, 'fixsplat')]
+  const info = element(0x1549a966, element(0x2ad7b1, 1e6), element(0x4489, doubleOf(length)), by)
   const video = element(0xe0, element(0xb0, width), element(0xba, height))
   const track = element(0xae, element(0xd7, 1), element(0x73c5, 1), element(0x83, 1), element(0x86, `V_${codec}`),
     element(0x23e383, Math.round(1e9 / rate)), video)
   const tracks = element(0x1654ae6b, track)
   const clusters = clustersOf(chunks)
-  const cuesAt = (places) =>
-    element(0x1c53bb6b, clusters.map(({ time }, i) => element(0xbb, element(0xb3, time), element(0xb7, element(0xf7, 1), element(0xf1, places[i])))))
+  const cue = (time, place) => element(0xbb, element(0xb3, time), element(0xb7, element(0xf7, 1), element(0xf1, place)))
+  const cuesAt = (places) => element(0x1c53bb6b, clusters.map(({ time }, i) => cue(time, places[i])))
   let at = bytesOf(info) + bytesOf(tracks) + bytesOf(cuesAt(clusters.map(() => 0)))
   const places = clusters.map(({ parts }) => {
     const place = at
@@ -73,7 +82,7 @@ function webmOf(codec, { width, height, rate }, chunks) {
   return new Blob([...head, ...segment], { type: 'video/webm' })
 }
 
-// ---- By WebCodecs, and by MediaRecorder ------------------------------------------------------------------------------
+// ---- By WebCodecs, and by MediaRecorder ----------------------------------------------------------------------------
 
 async function configOf({ width, height, rate, bitrate }) {
   const [fine, coarse] = Object.keys(CODECS)
@@ -93,13 +102,14 @@ async function encoded(config, film, frames) {
     chunk.copyTo(bytes)
     chunks.push({ bytes, time: Math.round(chunk.timestamp / 1000), isKey: chunk.type === 'key' })
   }
+  const layout = { format: 'RGBX', codedWidth: film.width, codedHeight: film.height }
   const encoder = new VideoEncoder({ output, error: (error) => (failure = error) })
   try {
     encoder.configure(config)
     let i = 0
     for await (const pixels of frames) {
       const timestamp = Math.round((1e6 * i) / film.rate)
-      const frame = new VideoFrame(pixels, { format: 'RGBX', codedWidth: film.width, codedHeight: film.height, timestamp })
+      const frame = new VideoFrame(pixels, { ...layout, timestamp })
       encoder.encode(frame, { keyFrame: i++ % Math.round(KEY_S * film.rate) === 0, vp9: { quantizer: QUANTIZER } })
       frame.close()
       while (encoder.encodeQueueSize > MOST_WAITING && !failure) await pause(5)

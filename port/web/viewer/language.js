@@ -1,12 +1,13 @@
-// The viewer's words in the language of who looks at it. They are written in English where they are used, and looked up in
-// the table of a language, which is fetched when it is wanted. tests/web/language.mjs holds that each table has all words.
+// The viewer's words in the language of who looks at it. They are written in English where they are used, and looked up
+// in the table of a language, which is fetched when it is wanted. tests/web/language.mjs holds that each has all words.
 
 const TABLES = { de: () => import('./language_de.js'), zh: () => import('./language_zh.js') }
 const NAMES = ['aria-label', 'title', 'placeholder']
 
 /** The first of the languages asked for that there is. */
 export function chosen(asked) {
-  return asked.map((one) => one.toLowerCase().split(/[-_]/)[0]).find((one) => one === 'en' || Object.hasOwn(TABLES, one)) ?? 'en'
+  const names = asked.map((one) => one.toLowerCase().split(/[-_]/)[0])
+  return names.find((one) => one === 'en' || Object.hasOwn(TABLES, one)) ?? 'en'
 }
 
 export class Language {

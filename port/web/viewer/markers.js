@@ -1,4 +1,5 @@
-// Annotations: numbered markers on the picture, which fade where the scene hides them, and the caption of the chosen one.
+// Annotations: numbered markers on the picture, which fade where the scene hides them, and the caption of the chosen
+// one.
 import { ICONS, button, panel } from './body.js'
 import { project } from './motion.js'
 
@@ -67,9 +68,10 @@ export class Markers {
 
   /** What a screen reader says of each. */
   name() {
-    this.#buttons.forEach((one, i) => {
-      const { title } = this.#list[i]
-      one.setAttribute('aria-label', this.#host.language.of('Annotation {0} of {1}', i + 1, this.#list.length) + (title ? `: ${title}` : ''))
+    const { language } = this.#host
+    this.#list.forEach(({ title }, i) => {
+      const name = language.of('Annotation {0} of {1}', i + 1, this.#list.length)
+      this.#buttons[i].setAttribute('aria-label', title ? `${name}: ${title}` : name)
     })
   }
 
@@ -125,11 +127,12 @@ export class Markers {
     const scale = SMALL / Math.max(element.clientWidth, element.clientHeight)
     if (this.#looking || !seen || !this.#list.length || !(scale > 0) || !Number.isFinite(scale)) return
     const [width, height] = [element.clientWidth, element.clientHeight].map((n) => Math.max(1, Math.round(scale * n)))
-    const all = this.#list.map(({ position }, i) => ({ one: this.#buttons[i], ...project(seen, position, width, height) }))
-    const visible = all.filter(({ one }) => !one.hidden)
+    const placed = ({ position }, i) => ({ one: this.#buttons[i], ...project(seen, position, width, height) })
+    const visible = this.#list.map(placed).filter(({ one }) => !one.hidden)
+    const pixels = visible.map(({ x, y }) => [Math.floor(x), Math.floor(y)])
     this.#looking = true
     const start = performance.now()
-    const found = await depths(visible.map(({ x, y }) => [Math.floor(x), Math.floor(y)]), seen, width, height).catch(() => null)
+    const found = await depths(pixels, seen, width, height).catch(() => null)
     this.#looking = false
     this.#lookedAt = performance.now()
     this.#pause = Math.max(AGAIN_MS, 5 * (this.#lookedAt - start))

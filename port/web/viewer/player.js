@@ -16,7 +16,8 @@ export class Player {
     Object.assign(bar, { id: 'player', className: 'ui bar', hidden: true })
     bar.setAttribute('role', 'group')
     bar.setAttribute('aria-label', 'Camera track')
-    bar.innerHTML = `${button('play', 'Play (K)', PLAY)}<select id="track" aria-label="Track" translate="no" hidden></select>
+    bar.innerHTML = `${button('play', 'Play (K)', PLAY)}
+      <select id="track" aria-label="Track" translate="no" hidden></select>
       <input id="time" type="range" min="0" step="any" aria-label="Time"><output id="clock" translate="no"></output>
       ${button('film', 'Save a film', FILM)}`
     host.ui.note.before(bar)

@@ -1,7 +1,7 @@
-// Reads and writes the viewer's settings files, and reads those of supersplat-viewer, versions 1 and 2. What is wrong in
-// one is left out, with a line in words; the rest is taken. What comes out is { camera, annotations, tracks, background,
-// skybox, start, and some of the settings of the element }. Any may be missing. A camera is { eye, look, up, fov, longer }; `longer`:
-// fov is that of the longer side of the picture.
+// Reads and writes the viewer's settings files, and reads those of supersplat-viewer, versions 1 and 2. What is wrong
+// in one is left out, with a line in words; the rest is taken. What comes out is { camera, annotations, tracks, skybox,
+// start } and some of the settings of the element; any may be missing. A camera is { eye, look, up, fov, longer };
+// `longer`: fov is that of the longer side of the picture.
 import { LOOPS } from './track.js'
 
 const MOST_ANNOTATIONS = 200
@@ -45,9 +45,11 @@ export function poseOf(value, name = 'camera') {
   need(isObject(value), `${name}: expected an object`)
   const { up, fov, longer } = value
   const pose = { eye: vectorOf(value.eye, `${name}.eye`), look: vectorOf(value.look, `${name}.look`) }
-  need(Math.hypot(...pose.eye.map((x, i) => x - pose.look[i])) > 0, `${name}: looks nowhere, as eye and look are the same`)
+  const ahead = pose.eye.map((x, i) => x - pose.look[i])
+  need(Math.hypot(...ahead) > 0, `${name}: looks nowhere, as eye and look are the same`)
   need(isNumber(fov, 1, 170), `${name}.fov: expected 1 to 170 degrees`)
-  if (up !== undefined) need(Math.hypot(...(pose.up = vectorOf(up, `${name}.up`))) > 0, `${name}.up: expected a direction`)
+  if (up !== undefined) pose.up = vectorOf(up, `${name}.up`)
+  need(!pose.up || Math.hypot(...pose.up) > 0, `${name}.up: expected a direction`)
   return { ...pose, fov, ...(longer === true && { longer }) }
 }
 
@@ -79,7 +81,7 @@ function trackOf(value, name) {
   return { ...how, ...(longer === true && { longer }), keys: taken }
 }
 
-// ---- Those of supersplat-viewer --------------------------------------------------------------------------------------
+// ---- Those of supersplat-viewer ------------------------------------------------------------------------------------
 
 /** Its scenes are turned half about the axis z. */
 const turned = (v) => (isVector(v) ? [-v[0], -v[1], v[2]] : v)
@@ -102,7 +104,8 @@ function trackOfTheirs(track, fov) {
     const pose = { position: rowsOf(position, i), target: rowsOf(target, i), fov: fovs === undefined ? fov : fovs?.[i] }
     return { ...poseOfTheirs(pose), time: typeof time === 'number' ? time / (frameRate || 1) : time }
   })
-  return { name, duration, loop: loopMode, smoothness: smoothness ?? 0, step: interpolation === 'step', longer: true, keys }
+  const step = interpolation === 'step'
+  return { name, duration, loop: loopMode, smoothness: smoothness ?? 0, step, longer: true, keys }
 }
 
 function annotationOfTheirs(annotation) {
@@ -113,21 +116,25 @@ function annotationOfTheirs(annotation) {
 }
 
 const COLOUR = [0, 0, 0]
-const hex = (colour) =>
-  isVector(colour) ? `#${colour.map((x) => Math.round(255 * Math.min(Math.max(x, 0), 1)).toString(16).padStart(2, '0')).join('')}` : colour
+const byte = (x) => Math.round(255 * Math.min(Math.max(x, 0), 1)).toString(16).padStart(2, '0')
+const hex = (colour) => (isVector(colour) ? `#${colour.map(byte).join('')}` : colour)
 
 /** Calls for each of a list that is one; what is none is told of later. */
 const eachOf = (list, of) => (Array.isArray(list) ? list.map(of) : list)
 
+/** Says what of theirs there is nothing of here. */
+function sayLeftOut({ postEffectSettings, soundUrl, tonemapping }, words) {
+  const effects = Object.entries(isObject(postEffectSettings) ? postEffectSettings : {})
+  const names = effects.filter(([, effect]) => effect?.enabled).map(([name]) => name)
+  if (names.length) words.push(`postEffectSettings: ${names.join(', ')}: not drawn here`)
+  if (tonemapping && !['none', 'linear'].includes(tonemapping)) words.push(`tonemapping: ${tonemapping}: not drawn here`)
+  if (soundUrl) words.push('soundUrl: no sound is played here')
+}
+
 function fromTheirs(file, words) {
-  const { version, cameras, background, animTracks, annotations, postEffectSettings, soundUrl, tonemapping, startMode } = file
+  const { version, cameras, background, animTracks, annotations, startMode } = file
   need(version === undefined || version === 2, `version ${version}: expected 1 or 2 of supersplat-viewer, or our own`)
-  if (version === 2) {
-    const effects = Object.entries(isObject(postEffectSettings) ? postEffectSettings : {}).filter(([, effect]) => effect?.enabled)
-    if (effects.length) words.push(`postEffectSettings: ${effects.map(([name]) => name).join(', ')}: not drawn here`)
-    if (tonemapping && !['none', 'linear'].includes(tonemapping)) words.push(`tonemapping ${tonemapping}: not drawn here`)
-    if (soundUrl) words.push('soundUrl: no sound is played here')
-  }
+  if (version === 2) sayLeftOut(file, words)
   const { camera = {} } = version === 2 ? {} : file
   const fov = camera?.fov || 85
   const first = version === 2 ? cameras?.[0]?.initial : camera?.position && camera?.target && { ...camera, fov }
@@ -143,7 +150,7 @@ function fromTheirs(file, words) {
   }
 }
 
-// ---- All ---------------------------------------------------------------------------------------------------------------
+// ---- All -----------------------------------------------------------------------------------------------------------
 
 /** Says what is wrong with each part, and leaves that out. */
 function checked(file, words) {
@@ -179,7 +186,7 @@ function checked(file, words) {
   return settings
 }
 
-/** { settings, words }: what a file says, and lines about what of it is left out. An Error where it is no settings file. */
+/** { settings, words }: what a file says, and lines about what of it is left out. An Error where it is none. */
 export function settingsOf(name, text) {
   let file
   try {
@@ -197,8 +204,10 @@ export function settingsOf(name, text) {
   }
 }
 
-const shortened = (words) =>
-  words.length > MOST_WORDS ? [...words.slice(0, MOST_WORDS), `and ${words.length - MOST_WORDS} more of the kind`] : words
+function shortened(words) {
+  const more = words.length - MOST_WORDS
+  return more > 0 ? [...words.slice(0, MOST_WORDS), `and ${more} more of the kind`] : words
+}
 
 /** The same of lists that a program gives. An Error where anything is wrong. */
 export function listsOf(given) {

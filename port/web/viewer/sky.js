@@ -1,6 +1,6 @@
 // The picture behind a scene: an equirectangular one, which the worker turns into the backdrop of each frame. Of its
-// columns the middle one is ahead, along the axis z unless that is up; its top row is up. All in sums, products, quotients and roots
-// of doubles, so that browsers agree where they decode a picture alike.
+// columns the middle one is ahead, along the axis z unless that is up; its top row is up. All in sums, products,
+// quotients and roots of doubles, so that browsers agree where they decode a picture alike.
 import { add, cross, dot, unit } from './motion.js'
 
 const MOST_WIDTH = 4096
@@ -47,7 +47,8 @@ function raysOf(camera, width, height) {
     const scale = camera.width ? width / camera.width : 1
     const [cx, cy] = [camera.cx ?? width / 2 / scale, camera.cy ?? height / 2 / scale]
     const step = camera.orthographic ? 0 : 1 / (scale * camera.fx)
-    return { right, down, forward, step, cx: scale * cx, cy: height / 2 + scale * (cy - (camera.height ?? height / scale) / 2) }
+    const middle = (camera.height ?? height / scale) / 2
+    return { right, down, forward, step, cx: scale * cx, cy: height / 2 + scale * (cy - middle) }
   }
   const forward = unit(add(camera.look, camera.eye, -1))
   const right = unit(cross(forward, camera.up))

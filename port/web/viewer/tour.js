@@ -57,7 +57,8 @@ export class Tour {
   async read(source) {
     const isAddress = typeof source === 'string'
     const name = isAddress ? nameOf(source) : (source.name ?? 'settings')
-    const text = isAddress ? await this.#fetch(source, name) : source.text ? await source.text() : JSON.stringify(source)
+    const told = () => source.text?.() ?? JSON.stringify(source)
+    const text = await (isAddress ? this.#fetch(source, name) : told())
     const { settings, words } = settingsOf(name, text)
     this.#take(settings, isAddress ? addressOf(source) : document.baseURI)
     return words
@@ -75,7 +76,8 @@ export class Tour {
     if (attributes.skybox) attributes.skybox = new URL(attributes.skybox, base).href
     this.#given = GIVEN.filter((name) => attributes[name] && !element.hasAttribute(name))
     for (const name of this.#given) element.setAttribute(name, attributes[name] === true ? '' : attributes[name])
-    element.settings = Object.fromEntries(OWN.filter((name) => name in attributes).map((name) => [name, attributes[name]]))
+    const own = OWN.filter((name) => name in attributes)
+    element.settings = Object.fromEntries(own.map((name) => [name, attributes[name]]))
     this.#home = camera
     this.#start = start
     this.annotations = annotations
@@ -100,7 +102,9 @@ export class Tour {
     const { element, current } = this.#host
     const all = { ...element.settings, skybox: element.getAttribute('skybox') }
     const names = [...GIVEN.filter((name) => element.hasAttribute(name)), ...OWN]
-    return { ...Object.fromEntries(names.map((name) => [name, all[name]])), camera: this.#poseOf(current()), annotations: this.annotations, tracks: this.tracks }
+    const { annotations, tracks } = this
+    const values = Object.fromEntries(names.map((name) => [name, all[name]]))
+    return { ...values, camera: this.#poseOf(current()), annotations, tracks }
   }
 
   get savedText() {
@@ -315,7 +319,8 @@ export class Tour {
     try {
       const { blob, codec, frames, width, height } = await this.film({ progress })
       host.save(blob, `${this.#tracks[this.#track].name || 'film'}.webm`)
-      host.note('Film saved: {0} frames of {1}, by {2}, which changes their bytes: what went in is exact', frames, `${width} × ${height}`, codec)
+      const words = 'Film saved: {0} frames of {1}, by {2}, which changes their bytes: what went in is exact'
+      host.note(words, frames, `${width} × ${height}`, codec)
     } catch (error) {
       if (error === filming) host.note('The film was stopped')
       else host.say(error)

@@ -1,17 +1,18 @@
-// Camera tracks: keys with times, and cameras between them. A track is { name, loop, duration, smoothness, step, longer,
-// keys }, a key { time, eye, look, up, fov }, times and duration are seconds. settings.js has checked all of it.
+// Camera tracks: keys with times, and cameras between them. A track is { name, loop, duration, smoothness, step,
+// longer, keys }, a key { time, eye, look, up, fov }, times and duration are seconds. settings.js has checked all of it.
 
 export const LOOPS = ['none', 'repeat', 'pingpong']
 
 const flat = ({ eye, look, up, fov }) => [...eye, ...look, ...up, fov]
 
-/** Keys of a track that is repeated, with two more before and behind: the path closes. The last key counts as one second
-    before the first of the next time where the track ends with it, as in supersplat-viewer. */
+/** Keys of a track that is repeated, with two more before and behind: the path closes. The last key counts as one
+    second before the first of the next time where the track ends with it, as in supersplat-viewer. */
 function closed(keys, duration) {
   if (keys.length < 2) return keys
   const length = duration + (duration === keys.at(-1).time ? 1 : 0)
   const later = (key, by) => ({ ...key, time: key.time + by })
-  return [...keys.slice(-2).map((key) => later(key, -length)), ...keys, ...keys.slice(0, 2).map((key) => later(key, length))]
+  const [before, behind] = [keys.slice(-2), keys.slice(0, 2)]
+  return [...before.map((key) => later(key, -length)), ...keys, ...behind.map((key) => later(key, length))]
 }
 
 /** The part of the keys before a time, by halving: the last that is not later, but never the last of all. */
@@ -35,11 +36,10 @@ function slopes(keys, i) {
 function between(keys, i, t, smoothness) {
   const [a, b] = [keys[i], keys[i + 1]]
   const scale = smoothness * (b.time - a.time)
-  const [out, into] = [slopes(keys, i), slopes(keys, i + 1)]
-  const [s, tt] = [1 - t, t * t]
-  return a.values.map(
-    (p, k) => p * (1 + 2 * t) * s * s + scale * out[k] * t * s * s + b.values[k] * tt * (3 - 2 * t) + scale * into[k] * tt * (t - 1)
-  )
+  const [out, into] = [slopes(keys, i), slopes(keys, i + 1)].map((slope) => slope.map((x) => scale * x))
+  const [ss, tt] = [(1 - t) * (1 - t), t * t]
+  const weights = [(1 + 2 * t) * ss, t * ss, (3 - 2 * t) * tt, (t - 1) * tt]
+  return a.values.map((p, k) => weights[0] * p + weights[1] * out[k] + weights[2] * b.values[k] + weights[3] * into[k])
 }
 
 const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1))
@@ -77,7 +77,8 @@ export class Track {
     if (next && time >= next.time) values = next.values
     else if (next && time > keys[i].time && !this.step)
       values = between(keys, i, (time - keys[i].time) / (next.time - keys[i].time), this.smoothness)
-    return { eye: values.slice(0, 3), look: values.slice(3, 6), up: unit(values.slice(6, 9)), fov: values[9], longer: this.longer }
+    const [eye, look, up] = [0, 3, 6].map((at) => values.slice(at, at + 3))
+    return { eye, look, up: unit(up), fov: values[9], longer: this.longer }
   }
 }
 
