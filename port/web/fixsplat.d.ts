@@ -351,7 +351,8 @@ export function renderStereo(
   objects: readonly Placed[], left: Camera, right: Camera, options?: StereoOptions,
 ): [Uint8ClampedArray, Uint8ClampedArray]
 
-/** Where objects are seen from at first, as `Scene.first` says of one. It takes some 0.2 seconds once for the same objects. */
+/** Where objects are seen from at first, as `Scene.first` says of one. It takes some 0.2 seconds once for the same
+    objects. */
 export function firstView(objects: readonly Placed[]): Scene['first']
 
 /** For scenes that come in parts (`LoadOptions.paging`): has fetched what a picture from this camera will lack, after all

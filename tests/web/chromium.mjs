@@ -136,12 +136,13 @@ export const inside = (body, ...args) =>
     const $ = (id) => v.shadowRoot.getElementById(id);
     ${body} })(...${JSON.stringify(args)})`)
 
-export const still = () => page.waitForSelector('fixsplat-viewer[state=still]', { timeout: Number(process.env.WAIT ?? 300000) })
+export const still = () =>
+  page.waitForSelector('fixsplat-viewer[state=still]', { timeout: Number(process.env.WAIT ?? 300000) })
 
 const QUIET_MS = 250 // without another camera, and nothing moving or loading
 
-/** When what was begun just now has been drawn: the worker, which takes one thing after the other, has answered what comes
-    after it, and the page has been still since. */
+/** When what was begun just now has been drawn: the worker, which takes one thing after the other, has answered what
+    comes after it, and the page has been still since. */
 export async function moved() {
   await inside(`for (let i = 0; i < 2; i++) {
       await v.pick(0, 0)

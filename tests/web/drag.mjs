@@ -1,5 +1,6 @@
-// node drag.mjs PACKAGE SCENES MODULES PICTURES COMMAND [SECONDS [SCENE [WIDTHxHEIGHT]]]: drags a scene for so long, and
-// says of the pictures meanwhile how large they were, how long they took and how many came each second.
+// node drag.mjs PACKAGE SCENES MODULES PICTURES COMMAND [SECONDS [SCENE [WIDTHxHEIGHT]]]: drags a scene for so long,
+// and says of the pictures meanwhile how large they were, how long they took and how many came each second.
+// EVENT=picture for packages whose event `frame` had that name.
 import { go, page, pause, still, inside, run } from './chromium.mjs'
 
 const [seconds = 60, scene = 'real/snowmiku/snowmiku.ply', size = '800x450'] = process.argv.slice(7)
@@ -36,8 +37,9 @@ await run({
     const turns = facts.filter(({ divisor }, i) => i && divisor !== facts[i - 1].divisor).length
     const span = (seen.at(-1)[0] - seen[0][0]) / 1000
     console.log(`${seen.length} pictures in ${span.toFixed(1)} s: ${(seen.length / span).toFixed(1)} a second`)
-    console.log(`milliseconds of a picture: ${[0.1, 0.5, 0.9].map((p) => part(times, p).toFixed(0)).join(', ')} (10, 50, 90 %)`)
-    console.log(`between two: ${[0.1, 0.5, 0.9, 0.99].map((p) => part(gaps, p).toFixed(0)).join(', ')} (10, 50, 90, 99 %)`)
+    const parts = (list, ...places) => places.map((p) => part(list, p / 100).toFixed(0)).join(', ')
+    console.log(`milliseconds of a picture: ${parts(times, 10, 50, 90)} (10, 50, 90 %)`)
+    console.log(`between two: ${parts(gaps, 10, 50, 90, 99)} (10, 50, 90, 99 %)`)
     console.log(`divisors: ${shares(facts.map(({ divisor }) => divisor))}; ${turns} changes`)
   },
 })

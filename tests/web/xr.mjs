@@ -290,7 +290,8 @@ const tests = {
     const failing = `await preview(key, scene, 1)
       await new Promise((done) => setTimeout(done, 4000))
       throw new Error('it broke off')`
-    await changed('/viewer/worker.js', (text) => text.replace(/put\(key, scene\)\s+return factsOf\(scene\)/, failing), async () => {
+    const fail = (text) => text.replace(/put\(key, scene\)\s+return factsOf\(scene\)/, failing)
+    await changed('/viewer/worker.js', fail, async () => {
       await go('?scene=/scenes/scene.ply', width, height)
       await until('v.view')
       await enter()

@@ -5,7 +5,8 @@ const INDEX = FORMATS.filter((name) => !name.startsWith('.') || /\.(gltf|lcc)$/.
 const MOST = 10000 // files of folders
 
 const lastOf = (file) => file.name.split('/').pop().toLowerCase()
-const isOf = (names) => (file) => names.some((name) => lastOf(file) === name || (name[0] === '.' && lastOf(file).endsWith(name)))
+const isOf = (names) => (file) =>
+  names.some((name) => lastOf(file) === name || (name[0] === '.' && lastOf(file).endsWith(name)))
 const isIndex = isOf(INDEX)
 const folderOf = (file) => (file.webkitRelativePath || file.name).replace(/[^/]*$/, '')
 

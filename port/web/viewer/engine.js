@@ -20,8 +20,8 @@ export class Engine {
     this.worker.onerror = (event) => this.end(event.message || 'this browser cannot run the renderer')
   }
 
-  /** A File, a list of them, bytes or an address, by the key of the scene, and its place; `previews` where the worker is
-      to tell of parts that have come. */
+  /** A File, a list of them, bytes or an address, by the key of the scene, and its place; `previews` where the worker
+      is to tell of parts that have come. */
   open(key, source, place = {}, previews = false) {
     return this.ask('open', key, source, place, { threads: this.threads, previews })
   }

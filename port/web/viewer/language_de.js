@@ -78,8 +78,8 @@ export const words = {
   Text: 'Text',
   'The film was stopped': 'Der Film wurde abgebrochen',
   'The headset: its graphics context was lost': 'Das Headset: sein Grafikkontext ging verloren',
-  'The policy of this page does not allow WebAssembly: its Content-Security-Policy needs {0} in script-src':
-    'Die Richtlinie dieser Seite erlaubt kein WebAssembly: ihre Content-Security-Policy braucht {0} in script-src',
+  'The policy of this page does not allow WebAssembly: it needs {0} in script-src':
+    'Die Richtlinie dieser Seite erlaubt kein WebAssembly: sie braucht {0} in script-src',
   'The scene. Drag or use the arrow keys to look around, W A S D to fly; H lists the keys.':
     'Die Szene. Ziehen oder die Pfeiltasten sehen sich um, W A S D fliegen; H nennt die Tasten.',
   'The scene. Drag or use the arrow keys to turn it; H lists the keys.':
@@ -88,8 +88,8 @@ export const words = {
   'There is no file in what was dropped': 'Im Abgelegten ist keine Datei',
   'There is too little memory for a picture of this size: it has fewer pixels':
     'Der Speicher reicht nicht für ein Bild dieser Größe: es hat weniger Pixel',
-  'There is too little memory here for this scene. A smaller copy of it (fixsplat convert), or fewer open pages, may help':
-    'Der Speicher reicht hier nicht für diese Szene. Eine kleinere Fassung (fixsplat convert) oder weniger offene Seiten können helfen',
+  'There is too little memory here for this scene. A smaller copy (fixsplat convert) or fewer pages may help':
+    'Der Speicher reicht hier nicht für diese Szene. Eine kleinere (fixsplat convert) oder weniger Seiten helfen',
   'This browser cannot make films': 'Dieser Browser kann keine Filme machen',
   'This browser does not draw scenes on the graphics card: the processor does':
     'Dieser Browser zeichnet Szenen nicht auf der Grafikkarte: der Prozessor tut es',

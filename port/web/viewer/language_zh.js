@@ -78,15 +78,15 @@ export const words = {
   Text: '文字',
   'The film was stopped': '影片已停止',
   'The headset: its graphics context was lost': '头戴设备：图形上下文已丢失',
-  'The policy of this page does not allow WebAssembly: its Content-Security-Policy needs {0} in script-src':
-    '此页面的策略不允许 WebAssembly：其 Content-Security-Policy 的 script-src 需要 {0}',
+  'The policy of this page does not allow WebAssembly: it needs {0} in script-src':
+    '此页面的策略不允许 WebAssembly：script-src 需要 {0}',
   'The scene. Drag or use the arrow keys to look around, W A S D to fly; H lists the keys.':
     '场景。拖动或用方向键环视，W A S D 飞行；H 列出按键。',
   'The scene. Drag or use the arrow keys to turn it; H lists the keys.': '场景。拖动或用方向键旋转；H 列出按键。',
   'The track has {0} views': '镜头路径有 {0} 个视角',
   'There is no file in what was dropped': '拖放的内容中没有文件',
   'There is too little memory for a picture of this size: it has fewer pixels': '内存不足以绘制此尺寸的画面，已减少像素',
-  'There is too little memory here for this scene. A smaller copy of it (fixsplat convert), or fewer open pages, may help':
+  'There is too little memory here for this scene. A smaller copy (fixsplat convert) or fewer pages may help':
     '内存不足以打开此场景。可尝试更小的副本（fixsplat convert），或关闭一些页面',
   'This browser cannot make films': '此浏览器无法生成影片',
   'This browser does not draw scenes on the graphics card: the processor does': '此浏览器不能用显卡绘制场景，改用处理器',

@@ -33,8 +33,8 @@ export class Pace {
     this.#choose()
   }
 
-  /** What changes at one size has changed for all: the machine is busier, or the scene nearer. The first pictures tell of
-      the size itself. */
+  /** What changes at one size has changed for all: the machine is busier, or the scene nearer. The first pictures tell
+      of the size itself. */
   #measure(milliseconds) {
     this.#recent = [...this.#recent, milliseconds].slice(-KEPT)
     const [time, before] = [median(this.#recent), this.#times[this.#step]]

@@ -2,8 +2,8 @@
 // <fixsplat-viewer>, and the camera (#view=...).
 import './viewer.js'
 
-const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'wheel', 'keep',
-  'settings', 'skybox', 'lang']
+const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui',
+  'wheel', 'keep', 'settings', 'skybox', 'lang']
 const asked = new URLSearchParams(location.search)
 const viewer = document.createElement('fixsplat-viewer')
 

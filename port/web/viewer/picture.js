@@ -105,8 +105,8 @@ export class Picture {
 
   // ---- Back ends ----------------------------------------------------------------------------------------------------
 
-  /** The other exact back ends' turn, once, out of sight and in a worker of its own, which `copy` gives the scenes: where
-      one is faster, it draws from now on, and this is its engine. */
+  /** The other exact back ends' turn, once, out of sight and in a worker of its own, which `copy` gives the scenes:
+      where one is faster, it draws from now on, and this is its engine. */
   async try(newEngine, copy, camera, options) {
     if (this.#tried) return null
     this.#tried = true

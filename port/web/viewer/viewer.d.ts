@@ -1,5 +1,6 @@
 import type { Vector } from '../fixsplat.js'
 
+type How = boolean | AddEventListenerOptions
 type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'
 
 /** Where the viewer looks from. */
@@ -125,8 +126,8 @@ export interface ViewerEvents {
   camera: CustomEvent<{ camera: ViewerCamera; byHand: boolean }>
   /** A click on the scene, in CSS pixels of the element. */
   pick: CustomEvent<{ x: number; y: number; found: Found | null }>
-  /** A picture is shown: `drawn` Gaussians, with `missing` parts that are still to come; `divisor` is what its width and
-      height were divided by while the camera moved. */
+  /** A picture is shown: `drawn` Gaussians, with `missing` parts that are still to come; `divisor` is what its width
+      and height were divided by while the camera moved. */
   frame: CustomEvent<{
     width: number; height: number; divisor: number; milliseconds: number; backend: Backend
     drawn: number; missing: number
@@ -232,8 +233,8 @@ export class Viewer extends HTMLElement {
   readonly link: string
   /** The scenes on show. */
   readonly scenes: ShownScene[]
-  /** A copy; null without a scene. Some of one may be set, before there is a scene too: then it begins so. An Error where
-      a number is missing. */
+  /** A copy; null without a scene. Some of one may be set, before there is a scene too: then it begins so. An Error
+      where a number is missing. */
   get camera(): ViewerCamera | null
   set camera(camera: SomeCamera | null)
   /** All; some may be set. */
@@ -250,8 +251,8 @@ export class Viewer extends HTMLElement {
   replace(source: string): Promise<boolean>
   /** Of the views of `cameras`, from 0. */
   showView(index: number): void
-  /** Moves the camera in so many milliseconds, 1000 by default; at once where the machine is set to less motion. True when
-      it is there, false where a hand, a program or another scene has taken the camera meanwhile. */
+  /** Moves the camera in so many milliseconds, 1000 by default; at once where the machine is set to less motion. True
+      when it is there, false where a hand, a program or another scene has taken the camera meanwhile. */
   flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
   /** What is at a place, in CSS pixels of the element; null where nothing is. */
   pick(x: number, y: number): Promise<Found | null>
@@ -276,10 +277,10 @@ export class Viewer extends HTMLElement {
       takes the place of those that are there. Lines about what of it is left out. Rejects where it is none. */
   readSettings(source: string | File | object): Promise<string[]>
   addEventListener<Name extends keyof ViewerEvents>(
-    name: Name, listener: (this: Viewer, event: ViewerEvents[Name]) => void, options?: boolean | AddEventListenerOptions): void
+    name: Name, listener: (this: Viewer, event: ViewerEvents[Name]) => void, options?: How): void
   addEventListener<Name extends keyof HTMLElementEventMap>(
-    name: Name, listener: (this: Viewer, event: HTMLElementEventMap[Name]) => void, options?: boolean | AddEventListenerOptions): void
-  addEventListener(name: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void
+    name: Name, listener: (this: Viewer, event: HTMLElementEventMap[Name]) => void, options?: How): void
+  addEventListener(name: string, listener: EventListenerOrEventListenerObject, options?: How): void
 }
 
 /** As of a cameras.json. */

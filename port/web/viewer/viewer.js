@@ -185,7 +185,8 @@ export class Viewer extends HTMLElement {
     this.#pilot.show(camera)
   }
 
-  /** Moves there. True when it is there, false where a hand, a program or another scene has taken the camera meanwhile. */
+  /** Moves there. True when it is there, false where a hand, a program or another scene has taken the camera
+      meanwhile. */
   async flyTo(camera, { duration = GLIDE_MS } = {}) {
     if (!this.#scene) return false
     return this.#pilot.glide(checkedCamera(camera, this.#pilot.camera), duration)
@@ -206,8 +207,9 @@ export class Viewer extends HTMLElement {
     return Object.fromEntries(Object.entries(this.#table).map(([name, [get]]) => [name, get()]))
   }
   set settings(values) {
+    const names = Object.keys(this.#table)
     for (const name of Object.keys(values))
-      if (!Object.hasOwn(this.#table, name)) throw new Error(`${name}: expected one of ${Object.keys(this.#table).join(', ')}`)
+      if (!names.includes(name)) throw new Error(`${name}: expected one of ${names.join(', ')}`)
     for (const [name, value] of Object.entries(values)) this.#table[name][1](value)
     this.#change()
     this.#showSettings()
@@ -1047,7 +1049,8 @@ export class Viewer extends HTMLElement {
 
   #showSettings() {
     const { camera, turns } = this.#pilot
-    this.#panels.set({ background: this.#colour, flat: !!camera?.flat, turn: turns, backend: this.#wanted, budget: this.#budgetPlace })
+    const [background, flat] = [this.#colour, !!camera?.flat]
+    this.#panels.set({ background, flat, turn: turns, backend: this.#wanted, budget: this.#budgetPlace })
     this.#ui.levels.hidden = !this.#scene?.levels
     this.#ui.budget.textContent = this.#budget
       ? this.#language.of('at most {0}', this.#language.number(this.#budget))

@@ -68,9 +68,9 @@ export function textOf({ eye, look, up, fov, flat, shift }) {
 export function checkedCamera(given, other = {}) {
   const camera = { up: [0, -1, 0], fov: 50, flat: false, shift: [0, 0], ...other }
   for (const [name, value] of Object.entries(given)) {
-    if (['eye', 'look', 'up'].includes(name) ? hasNumbers([...value], 3) : name !== 'shift' || hasNumbers([...value], 2))
-      camera[name] = typeof value === 'object' ? [...value] : value
-    else throw new Error(`camera: ${name}: expected ${name === 'shift' ? 2 : 3} numbers`)
+    const numbers = { eye: 3, look: 3, up: 3, shift: 2 }[name]
+    if (numbers && !hasNumbers([...value], numbers)) throw new Error(`camera: ${name}: expected ${numbers} numbers`)
+    camera[name] = numbers ? [...value] : value
   }
   if (!camera.eye || !camera.look) throw new Error('camera: expected eye and look')
   if (!(camera.fov >= 1 && camera.fov <= 170)) throw new Error(`camera: fov ${camera.fov}: expected 1 to 170 degrees`)

@@ -6,12 +6,14 @@ const size = (bytes) => (bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} 
 // Kind, what an Error's message has, and the words for that, which `say` has in another language; without words the
 // message says it. The first that fits.
 const TABLE = [
-  ['browser', /^no WebAssembly$/, (say) => say('This browser has no WebAssembly, or it is switched off: a newer one shows the scene')],
+  ['browser', /^no WebAssembly$/, (say) =>
+    say('This browser has no WebAssembly, or it is switched off: a newer one shows the scene')],
   ['policy', /unsafe-eval/, (say) =>
-    say('The policy of this page does not allow WebAssembly: its Content-Security-Policy needs {0} in script-src', "'wasm-unsafe-eval'")],
+    say('The policy of this page does not allow WebAssembly: it needs {0} in script-src', "'wasm-unsafe-eval'")],
   ['format', /^no scene$/, (say) => say('None of these files is a scene. Scenes are {0}', FORMATS)],
   ['format', /^no files$/, (say) => say('There is no file in what was dropped')],
-  ['format', /^(.*?): not a scene file of a known format/, (say, name) => say('{0}: this is no scene. Scenes are {1}', name, FORMATS)],
+  ['format', /^(.*?): not a scene file of a known format/, (say, name) =>
+    say('{0}: this is no scene. Scenes are {1}', name, FORMATS)],
   ['format', /^(.*?): not a scene file, but (.*)/, (say, ...words) => say('{0}: this is no scene, but {1}', ...words)],
   ['damaged', /^(.*?): the header asks for at least (\d+) bytes, the file has (\d+)/, (say, name, wanted, there) =>
     say('{0}: the file is cut off: {1} of {2} are there', name, size(there), size(wanted))],
@@ -21,7 +23,7 @@ const TABLE = [
     navigator.onLine === false ? say('This machine is not connected to the network') : undefined],
   ['network', /broke off|the server answered|on its server|no address/],
   ['memory', /out of memory|allocation failed|could not allocate|can be read$/i, (say) =>
-    say('There is too little memory here for this scene. A smaller copy of it (fixsplat convert), or fewer open pages, may help')],
+    say('There is too little memory here for this scene. A smaller copy (fixsplat convert) or fewer pages may help')],
 ]
 
 /** The kind of an error and its words. */

@@ -26,7 +26,8 @@ function moved(v, { translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1 
   return v.map((x, i) => translation[i] + scale * (x + 2 * (w * once[i] + twice[i])))
 }
 
-const corners = (low, high) => [0, 1, 2, 3, 4, 5, 6, 7].map((i) => low.map((x, axis) => (i & (1 << axis) ? high : low)[axis]))
+const corners = (low, high) =>
+  [0, 1, 2, 3, 4, 5, 6, 7].map((i) => low.map((x, axis) => (i & (1 << axis) ? high : low)[axis]))
 
 /** The box of all objects. */
 function boxOf(list) {
@@ -180,7 +181,8 @@ const words = {
   },
 
   async screen(id, canvas, backend) {
-    if (backend === 'webgpu' && objects().some(({ scene }) => scene.paged)) throw new Error('WebGPU draws no scene in parts')
+    const isInParts = objects().some(({ scene }) => scene.paged)
+    if (backend === 'webgpu' && isInParts) throw new Error('WebGPU draws no scene in parts')
     screens[id] = await Screen.open(canvas, backend, how)
     const lost = () => postMessage({ stage: 'lost', id })
     canvas.addEventListener('webglcontextlost', lost)
