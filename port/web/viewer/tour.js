@@ -6,6 +6,8 @@ import { Track, upright } from './track.js'
 import { addressOf, nameOf } from './views.js'
 
 const KEY_S = 2 // seconds between two keys that are added
+const FLIGHT_MS = 1000
+const NEARER = 0.6 // of the distance is left to an annotation without a camera
 const LONGEST_S = 0.5 // of one step of playing
 const WAIT_MS = 100 // between two looks whether parts of a scene have come
 const PATIENCE_MS = 30000
@@ -24,7 +26,7 @@ export class Tour {
   #index = -1 // of the annotation whose caption is open
   #edits = false
   #track = 0
-  #path = null // of the track that is chosen
+  #made = null // the path of the track that is chosen: { told, up, path }
   #seconds = 0 // of playing
   #plays = false
   #last = null // the camera that was shown last
@@ -141,8 +143,11 @@ export class Tour {
     if (!one) throw new Error(`annotation ${index}: there are ${this.#annotations.length}`)
     this.pause()
     this.#choose(index)
+    const current = this.#host.current()
+    if (!current) return false
     const { camera, position } = one
-    return camera ? this.#host.fly(this.#cameraOf(camera)) : this.#host.focus(position)
+    const eye = position.map((x, i) => x + NEARER * (current.eye[i] - x))
+    return this.#host.fly(camera ? this.#cameraOf(camera) : { ...current, eye, look: position }, FLIGHT_MS)
   }
 
   step(by) {
@@ -182,6 +187,14 @@ export class Tour {
 
   // ---- Tracks -------------------------------------------------------------------------------------------------------
 
+  /** Made anew where up is another: keys may have none. */
+  get #path() {
+    const [told, up] = [this.#tracks[this.#track], this.#host.up()]
+    if (!told) return null
+    if (this.#made?.told !== told || this.#made.up !== up) this.#made = { told, up, path: new Track(told, up) }
+    return this.#made.path
+  }
+
   get tracks() {
     return structuredClone(this.#tracks)
   }
@@ -195,7 +208,6 @@ export class Tour {
     this.pause()
     this.#track = index
     this.#seconds = 0
-    this.#path = this.#tracks[index] ? new Track(this.#tracks[index], this.#host.up()) : null
     this.#player.show(this.#tracks, index)
     this.#tell()
   }

@@ -246,7 +246,7 @@ export class Viewer extends HTMLElement {
     const link = document.createElement('link')
     Object.assign(link, { rel: 'stylesheet', href: new URL('./tour.css', import.meta.url) })
     this.shadowRoot.append(link)
-    const ask = (...args) => this.#engine.ask(...args)
+    const ask = async (...args) => this.#engine.ask(...args)
     const sized = (width, height) => ({ ...this.#frame(), width, height })
     return {
       element: this,
@@ -260,8 +260,7 @@ export class Viewer extends HTMLElement {
       aspect: () => this.clientWidth / this.clientHeight || 1,
       size: () => this.#frame(),
       show: (camera) => this.#pilot.follow(camera),
-      fly: (camera) => this.#pilot.glide(camera),
-      focus: (point) => this.#pilot.goTo(point),
+      fly: (camera, duration) => this.#pilot.glide(camera, duration),
       draw: (camera, ...size) => ask('draw', 0, this.#pilot.rendered(sized(...size), camera), sized(...size)),
       depths: (pixels, camera, ...size) =>
         ask('depths', pixels, this.#pilot.rendered(sized(...size), camera), sized(...size)),
@@ -280,7 +279,8 @@ export class Viewer extends HTMLElement {
     const tour = await this.#tourNow()
     const words = await tour.read(source)
     if (words.length) this.#fail(new Error(words.join('\n')))
-    if (this.#scene) this.#takeViews(this.#pilot.views)
+    if (this.#scene && tour.home) this.#takeViews(this.#pilot.views)
+    if (this.#scene) tour.begin()
     return words
   }
 
