@@ -32,9 +32,9 @@ check "builds" builds
 of_parts="$package/paged.js $package/store.js"      # fetched with the first scene that comes in parts
 of_webgpu="$package/webgpu.js $package/stages.js"
 # Fetched with the first annotation, track, settings file, film, sky, or word of another language.
-of_tours="$package/viewer/tour.css $(ls "$package"/viewer/*.js | grep -E '/(tour|markers|player|settings|track)\.js')"
+of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player|settings|track)\.js')
 check "size" at_most 56500 "$package"/viewer/index.html "$package"/viewer/viewer.css "$package"/viewer/page.css \
-    $(ls "$package"/viewer/*.js | grep -v -E '/(fit|tour|markers|player|settings|track|film|sky|language_.*)\.js') $(ls "$package"/*.js | grep -v -e /paged.js -e /store.js -e /webgpu.js -e /stages.js)
+    $(ls "$package"/viewer/*.js | grep -v -E '/(fit|tour|tour_style|markers|player|settings|track|film|sky|language_.*)\.js') $(ls "$package"/*.js | grep -v -e /paged.js -e /store.js -e /webgpu.js -e /stages.js)
 check "size of what scenes in parts need" at_most 7500 $of_parts
 # 0.5 KB of it are depths and ids as targets, and what is wrong with a texture or a buffer in words; 1.4 are shaders: two
 # pixels a thread, merges, tiles of 8x8 and those without a list.

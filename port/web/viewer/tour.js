@@ -2,6 +2,7 @@
 import { Markers } from './markers.js'
 import { Player } from './player.js'
 import { listsOf, settingsOf, textOfSettings } from './settings.js'
+import { rules } from './tour_style.js'
 import { Track, upright } from './track.js'
 import { addressOf, nameOf } from './views.js'
 
@@ -37,6 +38,9 @@ export class Tour {
 
   constructor(host) {
     this.#host = host
+    const sheet = new CSSStyleSheet()
+    sheet.replaceSync(rules)
+    host.style(sheet)
     this.#markers = new Markers(host, {
       choose: (index) => (index === this.#index ? this.close() : this.goTo(index)),
       step: (by) => this.step(by),

@@ -77,12 +77,16 @@ export class Viewer extends HTMLElement {
     this.#picture = new Picture(this.#ui.stage)
     this.shadowRoot.adoptedStyleSheets = [hidden]
     const link = this.shadowRoot.querySelector('link')
-    link.onload = link.onerror = () => (this.shadowRoot.adoptedStyleSheets = [])
+    link.onload = link.onerror = () => this.#restyle((sheets) => sheets.filter((one) => one !== hidden))
     this.#listen()
     this.#setMode('orbit')
     this.#language.take(this.shadowRoot)
     const watched = { childList: true, subtree: true, attributeFilter: WATCHED }
     new MutationObserver(() => this.#gather()).observe(this, watched)
+  }
+
+  #restyle(change) {
+    this.shadowRoot.adoptedStyleSheets = change([...this.shadowRoot.adoptedStyleSheets])
   }
 
   connectedCallback() {
@@ -243,14 +247,12 @@ export class Viewer extends HTMLElement {
   }
 
   #tourHost() {
-    const link = document.createElement('link')
-    Object.assign(link, { rel: 'stylesheet', href: new URL('./tour.css', import.meta.url) })
-    this.shadowRoot.append(link)
     const ask = async (...args) => this.#engine.ask(...args)
     const sized = (width, height) => ({ ...this.#frame(), width, height })
     return {
       element: this,
       root: this.shadowRoot,
+      style: (sheet) => this.#restyle((sheets) => [...sheets, sheet]),
       ui: this.#ui,
       language: this.#language,
       camera: () => this.#good,

@@ -1,3 +1,5 @@
+// The rules of markers, captions and the player: a sheet that the element takes, and no file, for bundlers and policies.
+export const rules = `
 #markers { position: absolute; inset: 0; isolation: isolate; overflow: hidden; pointer-events: none; }
 .marker { position: absolute; left: -15px; top: -15px; min-width: 30px; height: 30px; border-radius: 15px;
   background: var(--accent); color: var(--on); border: 2px solid var(--on); font-weight: 650; font-size: 13px;
@@ -32,3 +34,4 @@ section#caption { right: auto; left: calc(14px + var(--left, 0px)); }
 @media (prefers-reduced-motion: reduce) {
   .marker { transition: none; }
 }
+`
