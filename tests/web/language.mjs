@@ -55,8 +55,8 @@ function textsOf(source) {
 }
 
 const isCode = /[<>=$\\#@_]|--|:host|^[^A-Za-z{]*$|^[a-z-]+$|^\w*[a-z][A-Z]\w*$|^(M|[a-z]+ [a-z]+$).*\d/
-const isWords = (text) =>
-  /[a-z]{2,} [A-Za-z{(\d]|^[A-Z][a-z]+( \(.\))?$|^\{0\} [a-z]|\{0\}$/.test(text) && !isCode.test(text) && !NO_WORDS.some((one) => one.test(text))
+const areWords = /[a-z]{2,} [A-Za-z{(\d]|^[A-Z][a-z]+( \(.\))?$|^\{0\} [a-z]|\{0\}$/
+const isWords = (text) => areWords.test(text) && !isCode.test(text) && !NO_WORDS.some((one) => one.test(text))
 
 export async function wordsOfViewer() {
   const { body, listOf } = await from('body.js')
@@ -64,9 +64,11 @@ export async function wordsOfViewer() {
   const html = [body, listOf('orbit'), listOf('fly')].flatMap(wordsOfHtml)
   const sources = readdirSync(folder).filter((name) => name.endsWith('.js') && !OTHERS.test(name) && name !== 'body.js')
   const said = sources.flatMap((name) => textsOf(readFileSync(resolve(folder, name), 'utf8')))
-  const texts = said.flatMap((text) => (/<\w/.test(text) ? wordsOfHtml(text) : text.replace(/^: /, ''))).map((text) => text.trim()).filter(isWords)
+  const parts = said.flatMap((text) => (/<\w/.test(text) ? wordsOfHtml(text) : text.replace(/^: /, '')))
+  const texts = parts.map((text) => text.trim()).filter(isWords)
   const all = [...html, ...Object.values(backends), ...texts].map((words) => words.trim())
-  return [...new Set(all)].filter((words) => /[A-Za-z]{2}/.test(words) && !/^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/.test(words)).sort()
+  const isName = /^(fixsplat|@.*@|\..*, .*)$|^[A-Z ]+$/ // of formats and keys too
+  return [...new Set(all)].filter((words) => /[A-Za-z]{2}/.test(words) && !isName.test(words)).sort()
 }
 
 const wanted = await wordsOfViewer()

@@ -25,6 +25,7 @@ export class Player {
     const ui = (this.#ui = { ...this.#ui, bar })
     ui.play.onclick = () => acts.toggle()
     ui.time.oninput = () => acts.seek(Number(ui.time.value))
+    ui.time.onkeydown = ({ key }) => key.toLowerCase() === 'k' && acts.toggle() // which fields keep to themselves
     ui.track.onchange = () => acts.choose(Number(ui.track.value))
     ui.film.onclick = () => acts.film()
     host.language.write(bar)
