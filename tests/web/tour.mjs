@@ -149,9 +149,9 @@ const tests = {
     await pause(1000)
     assert.equal(await inside('return v.paused'), false)
     assert.ok((await inside('return v.time')) < 0.8)
-    await page.mouse.move(320, 180)
+    await page.mouse.move(40, 120)
     await page.mouse.down()
-    await page.mouse.move(340, 180, { steps: 3 })
+    await page.mouse.move(60, 120, { steps: 3 })
     await page.mouse.up()
     await until('v.paused')
     await picture('track')
@@ -214,8 +214,8 @@ const tests = {
       { keys: [{ time: 0, ...front, fov: 'NaN' }] }, { keys: [{ time: 0, ...side }] }] })
     await open(WITH('none.json'))
     for (const [file, words] of Object.entries(wrong)) {
-      await inside(`$('error').hidden = true; v.setAttribute('settings', '')
-        v.setAttribute('settings', args[0])`, `/scenes/${file}`)
+      await inside(`$('words').textContent = ''
+        for (const file of ['', 'tour.json', args[0]]) v.setAttribute('settings', file && '/scenes/' + file)`, file)
       await until(`${words}.test($('words').textContent)`)
       if (file === 'many.json') assert.equal(await inside(`return v.shadowRoot.querySelectorAll('.marker').length`), 200)
     }

@@ -32,6 +32,7 @@ export class Tour {
   #plays = false
   #last = null // the camera that was shown last
   #filming = null
+  #reading = null // the last file that was asked for
   #given = [] // attributes that a settings file has set
   #home = null
   #start = null // what a file begins with, until it has
@@ -59,12 +60,17 @@ export class Tour {
 
   // ---- Settings -----------------------------------------------------------------------------------------------------
 
-  /** Reads the file of an address, or a File, or what such a file says. Lines about what of it is left out. */
+  /** Reads the file of an address, or a File, or what such a file says. Lines about what of it is left out; none where
+      another is read since. */
   async read(source) {
+    const own = (this.#reading = {})
     const isAddress = typeof source === 'string'
     const name = isAddress ? nameOf(source) : (source.name ?? 'settings')
     const told = () => source.text?.() ?? JSON.stringify(source)
-    const text = await (isAddress ? this.#fetch(source, name) : told())
+    const text = await Promise.resolve(isAddress ? this.#fetch(source, name) : told()).catch((error) => {
+      if (own === this.#reading) throw error
+    })
+    if (own !== this.#reading) return []
     const { settings, words } = settingsOf(name, text)
     this.#take(settings, isAddress ? addressOf(source) : document.baseURI)
     return words
