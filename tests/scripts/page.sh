@@ -22,7 +22,8 @@ make_scenes() {
 	 {"img_name": "flat", "width": 640, "height": 360, "position": [0, 0, -9], "fx": 50, "fy": 50, "orthographic": true,
 	  "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}]
 	END
-    "$B/fixsplat" convert "$work/scene.ply" "$work/levels.fxs" --levels >/dev/null || return 1
+    "$B/fixsplat" convert "$work/scene.ply" "$work/levels.fxs" --levels >/dev/null &&
+        "$B/fixsplat" convert "$work/scene.ply" "$work/scene.fxs" >/dev/null || return 1
     "$B/fixsplat" make-scene knot --count 60000 -o "$work/large.ply" >/dev/null &&
         "$B/fixsplat" convert "$work/large.ply" "$work/parts.fxs" --levels >/dev/null || return 1
     "$B/fixsplat" render "$work/scene.ply" --size 64x36 -o "$work/poster.png" >/dev/null

@@ -8,7 +8,7 @@ import { POLICY } from './policy.mjs'
 
 const { policy, run } = chromium
 
-const SCENE = '?scene=/scenes/scene.ply'
+const SCENE = '?scene=/scenes/scene.fxs'
 const WITH = (file) => `${SCENE}&settings=/scenes/${file}`
 const put = (name, value) =>
   writeFileSync(`${scenes}/${name}`, typeof value === 'string' ? value : JSON.stringify(value))
@@ -91,7 +91,7 @@ const tests = {
     await open(WITH('tour.json'))
     policy.text = ''
     near(await numbersOf(), [0, 0, -9, 0, 0, 0, 0, -1, 0, 40])
-    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360', '203040'))
+    assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360', '203040'))
     await until(`v.shadowRoot.querySelector('.marker.behind')`)
     const markers = () => inside(`return [...v.shadowRoot.querySelectorAll('.marker')].map((one) => {
       const { x, y, width } = one.getBoundingClientRect()
@@ -143,7 +143,7 @@ const tests = {
     await inside(`$('time').value = 0.5; $('time').dispatchEvent(new InputEvent('input', { bubbles: true }))`)
     await moved()
     near((await numbersOf()).slice(0, 3), [-6, -2, -6])
-    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360', '203040'))
+    assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360', '203040'))
     assert.equal(await inside(`return $('clock').textContent`), '0.5 / 1.0 s')
     await inside(`await v.play(1)`)
     await pause(1000)
@@ -164,7 +164,7 @@ const tests = {
     const upright = (fov) => (360 / Math.PI) * Math.atan(Math.tan((fov * Math.PI) / 360) * (360 / 640))
     near(await numbersOf(), [-1, -2, -9, -0.5, 0, 0, 0, -1, 0, upright(60)])
     assert.match(await wordsOf(), /theirs.json: postEffectSettings: bloom: not drawn here/)
-    assert.equal(await hash(), native('scene.ply', await viewOf(), '640x360', '336699'))
+    assert.equal(await hash(), native('scene.fxs', await viewOf(), '640x360', '336699'))
     const { annotations, tracks } = await inside('return { annotations: v.annotations, tracks: v.tracks }')
     assert.deepEqual(annotations[0].position, [-0.5, -0.25, -2])
     assert.deepEqual(tracks[0].keys.map(({ time }) => time), [0, 20 / 30, 1.5])
@@ -286,7 +286,7 @@ const tests = {
       const words = await texts()
       assert.ok(words.includes(one), words.join())
       const same = english.filter((text) => words.includes(text))
-      const known = /^(fixsplat|Splats|Text|Shift|Around|Track 2|Behind|The knot|.*\.ply.*|\d+ splats)$/
+      const known = /^(fixsplat|Splats|Text|Shift|Around|Track 2|Behind|The knot|.*\.(ply|fxs).*|\d+ splats)$/
       assert.deepEqual(same.filter((text) => !known.test(text)), [])
       await inside(`v.setAttribute('lang', 'en')`)
       await speaks('en')
@@ -343,7 +343,7 @@ const tests = {
     for (const i of [0, 3]) {
       await inside('v.seek(args[0])', i / 12)
       await moved()
-      assert.equal(told.hashes[i], native('scene.ply', await viewOf(), '322x180', '203040'))
+      assert.equal(told.hashes[i], native('scene.fxs', await viewOf(), '322x180', '203040'))
     }
     const recorded = await film('delete window.VideoEncoder; v.frames = null')
     assert.deepEqual([recorded.codec, recorded.frames, recorded.size], ['MediaRecorder', 6, [322, 180]])
@@ -397,7 +397,7 @@ const tests = {
     await inside(`v.setAttribute('skybox', '/scenes/text.ply')`)
     assert.match(await wordsOf(), /text.ply: this browser does not read it as a picture/)
     await moved()
-    await shows(native('scene.ply', await viewOf(), '640x360'))
+    await shows(native('scene.fxs', await viewOf(), '640x360'))
     await inside(`$('error').hidden = true; v.setAttribute('skybox', '/scenes/none.png')`)
     assert.match(await wordsOf(), /none.png: there is no picture at this address/)
     await inside(`v.setAttribute('skybox', '/scenes/sky.png')`)
