@@ -275,8 +275,8 @@ export class Viewer extends HTMLElement {
     }
   }
 
-  /** Reads a settings file of ours or of supersplat-viewer: an address, a File or what such a file says. Lines about what
-      of it is left out. */
+  /** Reads a settings file of ours or of supersplat-viewer: an address, a File or what such a file says. Lines about
+      what of it is left out. */
   async readSettings(source) {
     const tour = await this.#tourNow()
     const words = await tour.read(source)
