@@ -17,7 +17,7 @@
 
 typedef struct publish_options {
     frame_options frame;           /* the poster's size, how scenes are packed and read */
-    const char *title, *site;
+    const char *title, *site, *settings;
     int single;                    /* one .html file, and no folder */
     scene_list list;
     size_t bytes;                  /* of all that was written */
@@ -35,6 +35,8 @@ static const option_row own_rows[] = {
     {"levels", 0, FLAG(frame.load.tree), .help =
      "pack them with levels of detail: of a large scene the page then fetches what it shows"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "of the poster (default 1280x720)"},
+    {"settings", "FILE", TEXT(settings), .help =
+     "a settings file of the viewer or of supersplat-viewer, for one scene: camera, annotations, camera tracks"},
     {0}
 };
 
@@ -112,6 +114,20 @@ static int copy_files(publish_options *o, const char *from, const char *to)
     return status;
 }
 
+/* Beside the scene, as the page asks for it. */
+static int copy_settings(publish_options *o)
+{
+    fxs_mapping file;
+    fxs_message why;
+    if (!o->settings)
+        return 0;
+    if (fxs_map(&file, o->settings, &why))
+        return fail_for(&why);
+    const int status = write_bytes(o, o->site, "settings.json", file.data, file.bytes);
+    fxs_unmap(&file);
+    return status;
+}
+
 static int copy_page(publish_options *o, const char *package)
 {
     char from[TASK_PATH], to[TASK_PATH], to_viewer[TASK_PATH];
@@ -122,17 +138,19 @@ static int copy_page(publish_options *o, const char *package)
     return status ? status : copy_files(o, from, to_viewer);
 }
 
-static void print_scene(FILE *file, const char *title, const char *name)
+static void print_scene(FILE *file, const char *title, const char *name, const char *settings)
 {
     static const char of_scene[] =
         "<meta property=\"og:image\" content=\"%s.jpg\">\n"
         "<link rel=\"stylesheet\" href=\"fixsplat/viewer/page.css\">\n"
         "<script type=\"module\" src=\"fixsplat/viewer/viewer.js\"></script>\n"
-        "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" background=\"#000000\">\n"
-        "This page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
+        "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" ";
+    static const char in_scene[] =
+        ">\nThis page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
         "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
     print_page_head(file, title);
     print_html(file, of_scene, name, name, name);
+    fprintf(file, "%s%s", settings ? "settings=\"settings.json\"" : "background=\"#000000\"", in_scene);
 }
 
 static void print_list(FILE *file, const char *title, const scene_list *list)
@@ -156,7 +174,7 @@ static int write_page(publish_options *o, const char *name, const listed_scene *
         return fail(EXIT_FAILED, "out of memory");
     const char *title = o->title ? o->title : s ? s->title : "Scenes";
     if (s)
-        print_scene(file, title, s->name);
+        print_scene(file, title, s->name, o->settings);
     else
         print_list(file, title, &o->list);
     const int is_whole = !ferror(file) && !fclose(file);
@@ -214,7 +232,10 @@ static int read_options(publish_options *o, int argc, char **argv)
 
 static int publish_folder(publish_options *o, const char *package)
 {
-    int status = take_site(o);
+    int status = o->settings && o->list.count > 1
+                     ? fail(EXIT_USAGE, "publish: --settings is of one scene, and there are %zu", o->list.count)
+                     : take_site(o);
+    status = status ? status : copy_settings(o);
     status = status ? status : copy_page(o, package);
     for (size_t i = 0; i < o->list.count && !status; i++) {
         status = write_scene(o, &o->list.scenes[i]);
@@ -228,6 +249,8 @@ static int publish_file(publish_options *o, const char *package)
     const listed_scene *s = o->list.scenes;
     if (o->list.count != 1)
         return fail(EXIT_USAGE, "publish: --single takes one scene, not %zu", o->list.count);
+    if (o->settings)
+        return fail(EXIT_USAGE, "publish: --settings is of a folder, not of --single");
     const single_page page = {.package = package, .title = o->title ? o->title : s->title, .scene = s->path,
                               .name = s->name};
     return write_single(&page, &o->frame, o->site, &o->bytes);
@@ -268,7 +291,7 @@ const command command_publish = {
     "made before is written anew, and keeps what else is in it.\n",
     0,
     "  $ fixsplat publish garden.ply site\n"
-    "  $ fixsplat publish garden.fxs site --title 'The garden'\n"
+    "  $ fixsplat publish garden.fxs site --title 'The garden' --settings settings.json\n"
     "  $ fixsplat publish scenes site --levels\n"
     "  $ fixsplat publish --single garden.ply garden.html\n",
     {{own_rows, 0}, COMMON_TABLE}

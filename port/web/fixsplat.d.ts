@@ -424,6 +424,9 @@ export interface ScreenOptions extends FrameOptions {
         depth?: { texture: WebGLTexture; planes: readonly [number, number] }
       }
     | IntoTexture
+  /** A picture in place of the background, as `Targets.backdrop`. Not with `alpha`, nor with 'webgl2-quads'. The other
+      three draw the same bytes over it. */
+  backdrop?: Uint8ClampedArray | Uint8Array
 }
 
 type Backend = 'wasm' | 'webgl2' | 'webgl2-quads' | 'webgpu'

@@ -681,7 +681,9 @@ class Copied {
 
   draw(core, width, height, options) {
     resize(this.#context.canvas, width, height)
-    ;[this.#pixels] = draw(core, width, height, 1, { ...options, targets: undefined })
+    const { backdrop } = options
+    const [drawn] = draw(core, width, height, 1, { ...options, targets: backdrop && { colour: true, backdrop } })
+    this.#pixels = backdrop ? drawn.colour : drawn
     const facts = drawnBy(core)
     const shown = options.alpha ? divided(this.#pixels.slice()) : this.#pixels
     this.#context.putImageData(new ImageData(shown, width), 0, 0)
@@ -723,7 +725,27 @@ class Drawn {
     return (this.#gone ||= this.gl.isContextLost())
   }
 
-  draw(core, width, height, { into, alpha, ...options }) {
+  /** Pixels as a texture, whose lowest row is the first; nothing else of the context is changed. */
+  #textureOf(pixels, width, height) {
+    const { gl } = this
+    const rows = ['ROW_LENGTH', 'SKIP_ROWS', 'SKIP_PIXELS'].map((name) => gl[`UNPACK_${name}`])
+    const states = [gl.UNPACK_FLIP_Y_WEBGL, gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, ...rows]
+    const before = states.map((state) => gl.getParameter(state))
+    const [bound, buffer] = [gl.TEXTURE_BINDING_2D, gl.PIXEL_UNPACK_BUFFER_BINDING].map((name) => gl.getParameter(name))
+    const bytes = new Uint8Array(pixels.buffer, pixels.byteOffset, pixels.length)
+    const texture = gl.createTexture()
+    states.forEach((state, i) => gl.pixelStorei(state, i ? 0 : 1))
+    gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null)
+    gl.bindTexture(gl.TEXTURE_2D, texture)
+    for (const side of ['MIN', 'MAG']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${side}_FILTER`], gl.NEAREST)
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, bytes)
+    gl.bindTexture(gl.TEXTURE_2D, bound)
+    gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, buffer)
+    states.forEach((state, i) => gl.pixelStorei(state, before[i]))
+    return texture
+  }
+
+  draw(core, width, height, { into, alpha, backdrop, ...options }) {
     const { framebuffer = null, x = 0, y = 0, depth } = into ?? {}
     const { gl } = this
     if (!into) resize(gl.canvas, width, height)
@@ -733,14 +755,17 @@ class Drawn {
     if (depth && !(depth.planes?.length === 2 && depth.planes.every((plane) => plane > 0)))
       throw new Error('`into.depth` needs two planes, the distances that 0 and 1 stand for')
     const values = [x, y, ...(depth?.planes ?? [0, 0]), alpha ? 1 : 0, ...valuesOf(core, options)]
+    const texture = backdrop ? this.#textureOf(backdrop, width, height) : null
     let failure
     try {
       core.gl.call((gl) => {
-        const names = [framebuffer, depth?.texture].map((object) => gl.nameOf(object))
+        const names = [framebuffer, depth?.texture, texture].map((object) => gl.nameOf(object))
         core.draw('gl_render', this.#place, this.#quads, ...names, ...values)
       })
     } catch (error) {
       failure = error
+    } finally {
+      gl.deleteTexture(texture)
     }
     if (this.lost) throw new Error('the WebGL context was lost: open another Screen, on another canvas')
     if (failure) throw failure
@@ -818,6 +843,8 @@ export class Screen {
     const way = this.inside
     const [core, width, height] = begin(objects, camera, options)
     if (core !== this.#core) throw new Error('the Screen and the scenes are of different modules')
+    if (options.backdrop && options.backdrop.length !== 4 * width * height)
+      throw new Error(`backdrop: expected ${4 * width * height} numbers`)
     return way.draw(core, width, height, options, objects)
   }
 

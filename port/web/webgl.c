@@ -58,10 +58,12 @@ EXPORT(gl_close) void fxs_web_gl_close(fxs_gles *gles)
     free(gles);
 }
 
-/* The same as `render`, to a framebuffer from (x, y) on. `depth`: the texture of a depth buffer, or 0; its planes. */
-EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, uint32_t depth, int x, int y,
-                                        float plane_0, float plane_1, int format, uint32_t background, int sh_degree,
-                                        int square, uint32_t budget, uint32_t detail_q8, size_t limit)
+/* The same as `render`, to a framebuffer from (x, y) on. `depth`: the texture of a depth buffer, or 0; its planes.
+   `backdrop`: a texture of what is behind, or 0. */
+EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t framebuffer, uint32_t depth,
+                                        uint32_t backdrop, int x, int y, float plane_0, float plane_1, int format,
+                                        uint32_t background, int sh_degree, int square, uint32_t budget,
+                                        uint32_t detail_q8, size_t limit)
 {
     fxs_web_frame f;
     fxs_gles_target target;
@@ -69,6 +71,7 @@ EXPORT(gl_render) int fxs_web_gl_render(fxs_gles *gles, int quads, uint32_t fram
         return FXS_ERR_MEMORY;
     fxs_gles_target_init(&target);
     target.framebuffer = framebuffer;
+    target.backdrop = backdrop;
     target.x = x;
     target.y = y;
     target.depth_buffer = depth;

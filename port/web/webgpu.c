@@ -80,11 +80,11 @@ EXPORT(gpu_end) void fxs_web_gpu_end(web_plan *w)
     free(w);
 }
 
-/* The bits of `asked`: colours, mean and median depths, ids, an occluder. Images are on the device alone, and their
+/* The bits of `asked`: colours, mean and median depths, ids, an occluder, a backdrop. Images are on the device alone, and their
    addresses are not followed: in each row one lies behind the other. */
 static void take_targets(fxs_targets *t, int32_t width, int alpha, int depth_bits, uint32_t asked)
 {
-    fxs_image *const images[] = {&t->colour, &t->mean_depth, &t->median_depth, &t->id, &t->occluder};
+    fxs_image *const images[] = {&t->colour, &t->mean_depth, &t->median_depth, &t->id, &t->occluder, &t->backdrop};
     ptrdiff_t row = 0;
     fxs_targets_init(t);
     t->format = alpha ? FXS_FORMAT_RGBA8_COVERAGE : FXS_FORMAT_RGBA8;
@@ -160,7 +160,7 @@ EXPORT(gpu_lay_out) int fxs_web_gpu_lay_out(web_plan *w)
     const double facts[] = {(double)(uintptr_t)w->words, (double)uniforms,
                             (double)(uintptr_t)(w->words + uniforms / 4), (double)places, 4.0 * p->frame.spans_at,
                             (double)(uintptr_t)w->steps, w->step_count, p->frame.colour, p->frame.mean_depth,
-                            p->frame.median_depth, p->frame.id, p->frame.occluder};
+                            p->frame.median_depth, p->frame.id, p->frame.occluder, p->frame.backdrop};
     memcpy(out, facts, sizeof facts);
     for (size_t i = 0; i < FXS_COMPUTE_BUFFERS; i++)
         out[sizeof facts / sizeof *facts + i] = (double)p->bytes[i];

@@ -14,7 +14,7 @@ const PLACE = 10                // and of a Place below
 const LOST = 'the WebGPU device was lost: open another Screen'
 const NOTHING = 0xffffffff      // as FXS_NOTHING
 const TARGETS = { colour: 1, meanDepth: 1, depth: 1, ids: 2 }  // words a pixel, in the order of the module
-const [OCCLUDER, IMAGES] = [4, 5]                       // its number, behind them; and how many there are
+const [OCCLUDER, BACKDROP, IMAGES] = [4, 5, 6]          // their numbers, behind them; and how many there are
 
 // Beside the stages: the picture's words as colours of a texture, whose formats of 8 bits take k / 255 exactly; and the
 // depth buffer of a caller as the occluder, as kernels/gles/mesh.frag has it.
@@ -305,7 +305,7 @@ export class Computed {
   // ---- Drawing ------------------------------------------------------------------------------------------------
 
   /** Plans a frame, and has it drawn when the one before it is. */
-  draw(core, width, height, { alpha, into, targets = {}, depthBits = 16, ...options }, objects) {
+  draw(core, width, height, { alpha, into, backdrop, targets = {}, depthBits = 16, ...options }, objects) {
     if (this.lost) throw new Error(LOST)
     checkTargets(targets, width * height)
     if (into && !into.texture && this.#context) into = { ...into, texture: this.#partsOf(this.#canvas) }
@@ -313,13 +313,13 @@ export class Computed {
     const scenes = objects.map(({ scene }) => scene)
     for (const scene of scenes) core.check(core.c.gpu_parts(this.#rooms, scene.inside[1]))
     const [background, shDegree, square, budget, detail, limit] = this.#valuesOf(core, options)
-    const asked = Object.keys(TARGETS).map((name) => targets[name] || name === 'colour').concat(!!into?.depth)
+    const asked = Object.keys(TARGETS).map((name) => targets[name] || name === 'colour').concat(!!into?.depth, !!backdrop)
     const bits = asked.reduce((sum, is, i) => sum + (is ? 2 ** i : 0), 0)
     const values = [alpha ? 1 : 0, depthBits, bits, background, shDegree, square, budget, detail]
     const at = core.place(core.c.gpu_begin(this.#rooms, ...values))
     const [drawn] = core.get(0, 1)
     if (this.#next) core.c.gpu_end(this.#next.at)
-    this.#next = { at, scenes, width, height, into, targets, depthBits, bits, limit }
+    this.#next = { at, scenes, width, height, into, backdrop, targets, depthBits, bits, limit }
     this.#running ??= this.#run()
     return { drawn, missing: 0 }
   }
@@ -356,7 +356,7 @@ export class Computed {
     const { texture, over = false } = frame.into ?? {}
     const format = texture?.format ?? this.#format
     const show = format && (await programsOf(this.device).show(format, over))
-    if (frame.bits > 1) await this.#need('trace_tiles', 'name_pixels', 'hide')
+    if (frame.bits & ~(1 | (1 << BACKDROP))) await this.#need('trace_tiles', 'name_pixels', 'hide')
     do {
       this.#stay()
       const words = await this.#scoped(() => this.#submit(frame))
@@ -399,6 +399,7 @@ export class Computed {
     this.#reserve(facts.slice(7 + IMAGES), frame.limit)
     this.#write(UNIFORMS, 0, uniforms, bytes)
     this.#writePlace(frame)
+    if (frame.backdrop) this.device.queue.writeBuffer(this.#buffers[MEMORY], 4 * frame.images[BACKDROP], frame.backdrop)
     this.#write(MEMORY, placesAt, places, placesBytes)
     const copies = frame.scenes.map((scene) => this.#copyOf(scene))
     const encoder = this.device.createCommandEncoder()

@@ -30,6 +30,12 @@ check "--profile: that one" cmp whole/knot.fxs default.fxs
 check "--title" "$fixsplat" publish knot.ply site --size 64x36 --title '<Knot> & "more"' --quiet
 check "--title: as HTML has it" grep -q '<title>&#60;Knot&#62; &#38; &#34;more&#34;</title>' site/index.html
 
+printf '{"fixsplat":1,"annotations":[{"position":[0,0,0],"title":"Middle"}],"background":"#102030"}\n' >tour.json
+check "--settings" "$fixsplat" publish knot.ply told --size 64x36 --settings tour.json --quiet
+check "--settings: beside the scene" cmp told/settings.json tour.json
+check "--settings: the page reads them" grep -q '<fixsplat-viewer src="knot.fxs" poster="knot.jpg" settings="settings.json">' \
+    told/index.html
+
 # ---- Several ---------------------------------------------------------------------------------------------------------
 
 mkdir scenes more && cp knot.ply 'a & b.ply' scenes && cp knot.ply more && cp knot.ply more/index.ply && echo >scenes/text.txt
@@ -46,6 +52,9 @@ check "by its own name" grep -q '>a &#38; b</a>' list/index.html
 fails "no folder" 2 "publish takes scenes and a folder to write" publish knot.ply
 fails "a scene for a folder" 2 "knot.ply is a scene: the last name is that of a folder" publish small.fxs knot.ply
 fails "a folder of something else" 1 "scenes: not empty, and not a folder that publish made" publish knot.ply scenes
+fails "no settings" 1 "none.json" publish knot.ply site --settings none.json
+fails "settings of several" 2 "publish: --settings is of one scene, and there are 2" publish knot.ply small.fxs new4 --settings tour.json
+check "nothing is made then" [ ! -e new4 ]
 fails "no scene" 1 "nothing.ply" publish nothing.ply new --quiet
 head -c 200 knot.ply >short.ply
 fails "a damaged scene" 1 "short.ply" publish short.ply new2 --quiet
@@ -82,6 +91,9 @@ check "builds" builds
 "$fixsplat" publish "$kept/scenes" "$work/site" --size 640x360 --quiet >/dev/null
 node tests/web/publish.mjs "$work/site" "$modules" "${PICTURES:-$work}" a---b knot >"$work/asked" 2>&1 ||
     echo "FAIL publish.mjs: a check above, or it ended early" >>"$work/asked"
+"$fixsplat" publish "$kept/knot.ply" "$work/told" --size 640x360 --settings "$kept/tour.json" --quiet >/dev/null
+node tests/web/publish.mjs "$work/told" "$modules" "${PICTURES:-$work}" knot >>"$work/asked" 2>&1 ||
+    echo "FAIL publish.mjs: of settings" >>"$work/asked"
 counts
 "$fixsplat" publish --single "$kept/knot.ply" "$work/one.html" --quiet >/dev/null
 node tests/web/single.mjs "$work/one.html" "$modules" "${PICTURES:-$work}" "$fixsplat" "$kept/small.fxs" >"$work/asked" 2>&1 ||

@@ -36,6 +36,8 @@ try {
   for (const name of names) {
     await open(names.length > 1 ? `${name}.html` : '')
     await page.waitForFunction(() => document.querySelector('fixsplat-viewer').state === 'still', { timeout: 60000 })
+    if (existsSync(`${site}/settings.json`))
+      await page.waitForFunction(() => document.querySelector('fixsplat-viewer').annotations[0]?.title === 'Middle')
     await keep(name)
     console.log(`ok ${name} is shown`)
   }

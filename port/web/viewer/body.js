@@ -1,10 +1,10 @@
 // The HTML inside the element <fixsplat-viewer>: the place of the picture, the buttons and the panels.
 
 const icon = (path) => `<svg viewBox="0 0 24 24" aria-hidden="true"><path d="${path}"/></svg>`
-const button = (id, name, path, more = '') =>
+export const button = (id, name, path, more = '') =>
   `<button id="${id}" type="button" aria-label="${name}" title="${name}" ${more}>${icon(path)}</button>`
 
-const ICONS = {
+export const ICONS = {
   open: 'M3 18V6a1 1 0 0 1 1-1h5l2 3h8a1 1 0 0 1 1 1v2M3 18l3-7h15l-3 8H4a1 1 0 0 1-1-1z',
   before: 'M15 5l-7 7 7 7',
   after: 'M9 5l7 7-7 7',
@@ -49,6 +49,8 @@ const ALWAYS = [
   ['N P', 'next, previous view'],
   ['T', 'turn by itself'],
   ['B V', 'fewer, more splats'],
+  ['K', 'play the camera track'],
+  [', .', 'previous, next annotation'],
   ['I', 'save a picture'],
   ['L', 'copy a link to this view'],
   ['F', 'full screen'],
@@ -89,9 +91,12 @@ const settings = `
 ${check('colours', 'Gloss and reflections', 'checked')}
 ${check('flat', 'Without perspective')}
 ${check('turn', 'Turns by itself')}
-${check('readout', 'Show pictures a second')}`
+${check('readout', 'Show pictures a second')}
+<p class="making"><button id="mark" type="button">Mark a place</button>
+<button id="addKey" type="button">Add this view to the track</button>
+<button id="save" type="button">Save settings</button></p>`
 
-const panel = (id, name, close, inside) => `
+export const panel = (id, name, close, inside) => `
 <section id="${id}" class="panel" aria-label="${name}" hidden>
   <header><h2>${name}</h2>${button(close, 'Close', ICONS.close)}</header>${inside}
 </section>`
@@ -101,12 +106,12 @@ export const body = `
   aria-label="The scene. Drag or use the arrow keys to turn it; H lists the keys."></div>
 <div id="empty" class="ui">
   <h1>fixsplat</h1>
-  <p>Drop a scene here: @FORMATS@</p>
+  <p>Drop a scene here:</p><p>@FORMATS@</p>
   <button id="choose" type="button" class="main">Open a file</button>
   <p class="fine">It stays on this machine: nothing is sent.</p>
 </div>
 <div class="ui top">
-  <p class="title"><b id="name"></b> <span id="count"></span></p>
+  <p class="title"><b id="name" translate="no"></b> <span id="count"></span></p>
   ${button('headset', 'Look at it in the headset', ICONS.headset, 'hidden')}
   ${button('full', 'Full screen (F)', ICONS.full)}
 </div>

@@ -96,6 +96,16 @@ export function rendered(camera, width, height, near) {
   return { rotation, position: eye, fx, cx, cy, near, orthographic: flat, width, height }
 }
 
+/** Where a point is in a picture, pixels, and how far away along the axis of view. */
+export function project(camera, point, width, height) {
+  const { right, down, forward } = axes(camera)
+  const to = add(point, camera.eye, -1)
+  const depth = dot(forward, to)
+  const scale = height / (camera.flat ? heightAt(camera) : 2 * slope(camera.fov) * depth)
+  const [x, y] = [dot(right, to), dot(down, to)]
+  return { x: width / 2 + camera.shift[0] * height + scale * x, y: height / 2 + camera.shift[1] * height + scale * y, depth }
+}
+
 const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1, (i >> 1) & 1, i >> 2])
 
 /** The direction from a scene to a camera that sees it from a little above. */

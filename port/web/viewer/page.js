@@ -3,15 +3,21 @@
 import './viewer.js'
 
 const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui',
-  'wheel', 'keep']
+  'wheel', 'keep', 'settings', 'skybox', 'lang']
 const asked = new URLSearchParams(location.search)
 const viewer = document.createElement('fixsplat-viewer')
-const viewOfLink = () => new URLSearchParams(location.hash.slice(1)).get('view') ?? ''
 
-viewer.setAttribute('view', viewOfLink())
+/** The camera and the annotation of a link. */
+function takeLink() {
+  const link = new URLSearchParams(location.hash.slice(1))
+  viewer.setAttribute('view', link.get('view') ?? '')
+  if (link.has('annotation')) viewer.setAttribute('annotation', link.get('annotation'))
+}
+
+takeLink()
 if (asked.has('scene')) viewer.setAttribute('src', asked.get('scene'))
 for (const name of NAMES) if (asked.has(name)) viewer.setAttribute(name, asked.get(name))
-addEventListener('hashchange', () => viewer.setAttribute('view', viewOfLink()))
+addEventListener('hashchange', takeLink)
 document.getElementById('local').remove()
 document.body.append(viewer)
 viewer.focus({ focusVisible: false })

@@ -12,15 +12,16 @@ export class Panels {
   #greeted = false
   #readAt = 0
 
-  constructor(root) {
+  constructor(root, language) {
     this.#root = root
+    this.language = language
     for (const element of root.querySelectorAll('[id]')) this.ui[element.id] = element
     this.ui.closeError.onclick = () => (this.ui.error.hidden = true)
   }
 
   entitle({ name, count }) {
     this.ui.name.textContent = name
-    this.ui.count.textContent = `${count.toLocaleString('en')} splats`
+    this.ui.count.textContent = this.language.of('{0} splats', this.language.number(count))
   }
 
   begin(name) {
@@ -30,21 +31,21 @@ export class Panels {
   }
 
   progress(name, { stage, done, bytes }) {
-    const what = stage === 'download' ? 'Loading' : 'Preparing'
     const size = bytes ? `, ${(bytes / 1e6).toFixed(1)} MB` : ''
-    this.ui.stageOf.textContent = `${what} ${name}${size}`
+    this.ui.stageOf.textContent = this.language.of(stage === 'download' ? 'Loading {0}' : 'Preparing {0}', name) + size
     this.ui.percent.textContent = done === undefined ? '' : `${Math.floor(100 * done)} %`
     if (done === undefined) this.ui.bar.removeAttribute('value')
     else this.ui.bar.value = done
   }
 
   say(error) {
-    this.ui.words.textContent = error.message
+    this.ui.words.textContent = error.message.split('\n').map((line) => this.language.of(line)).join('\n')
     this.ui.error.hidden = false
   }
 
-  note(text) {
-    this.ui.note.textContent = text
+  /** Words in English, and the values that they have. */
+  note(words, ...values) {
+    this.ui.note.textContent = this.language.of(words, ...values)
     clearTimeout(this.#timer)
     this.#timer = setTimeout(() => (this.ui.note.textContent = ''), NOTE_MS)
   }
@@ -54,8 +55,8 @@ export class Panels {
     if (this.#greeted || this.ui.note.textContent) return
     this.#greeted = true
     const hovers = matchMedia('(hover: hover)').matches
-    const wheel = scrolls ? 'Ctrl and wheel' : 'wheel'
-    this.note(hovers ? `Drag to turn, ${wheel} to zoom. H: keys` : 'Drag to turn, pinch to zoom')
+    const byWheel = scrolls ? 'Drag to turn, Ctrl and wheel to zoom. H: keys' : 'Drag to turn, wheel to zoom. H: keys'
+    this.note(hovers ? byWheel : 'Drag to turn, pinch to zoom')
   }
 
   /** Shows a panel or puts it away; the other is put away. */
@@ -73,8 +74,13 @@ export class Panels {
     for (const name of ['orbit', 'fly']) this.ui[name].setAttribute('aria-pressed', name === mode)
     help.querySelector('h2').textContent = mode === 'fly' ? 'Keys in flight' : 'Keys'
     list.innerHTML = listOf(mode)
-    const does = mode === 'fly' ? 'look around, W A S D to fly' : 'turn it'
-    stage.setAttribute('aria-label', `The scene. Drag or use the arrow keys to ${does}; H lists the keys.`)
+    stage.setAttribute(
+      'aria-label',
+      mode === 'fly'
+        ? 'The scene. Drag or use the arrow keys to look around, W A S D to fly; H lists the keys.'
+        : 'The scene. Drag or use the arrow keys to turn it; H lists the keys.'
+    )
+    for (const one of [help, stage]) this.language.write(one)
   }
 
   /** The settings as they are. */
@@ -91,11 +97,13 @@ export class Panels {
     const now = performance.now()
     const between = now - this.#readAt
     this.#readAt = now
-    const rate = between < PAUSE_MS ? `${Math.round(1000 / between)} a second, ` : ''
-    const took = `${Math.round(milliseconds)} ms by ${backends[backend]}, ${width} × ${height}`
-    const coming = missing ? `, ${missing} parts to come` : ''
-    const splats = drawn === undefined ? '' : `, ${drawn.toLocaleString('en')} splats${coming}`
-    this.ui.readout.textContent = rate + took + splats
-    this.ui.draws.textContent = `Now ${took}${splats}`
+    const { language } = this
+    const rate = between < PAUSE_MS ? [language.of('{0} a second', Math.round(1000 / between))] : []
+    const by = language.of(backends[backend])
+    const took = language.of('{0} ms by {1}, {2}', Math.round(milliseconds), by, `${width} × ${height}`)
+    const splats = drawn === undefined ? [] : [language.of('{0} splats', language.number(drawn))]
+    const coming = missing ? [language.of('{0} parts to come', missing)] : []
+    this.ui.readout.textContent = [...rate, took, ...splats, ...coming].join(', ')
+    this.ui.draws.textContent = [language.of('Now {0}', took), ...splats, ...coming].join(', ')
   }
 }

@@ -13,6 +13,7 @@ export class Pilot {
   up = UPRIGHT
   views = []
   index = 0
+  home = () => null // the camera that a settings file begins with
   speed = 0.5
   fov = 50
   ahead = null // what lies in the middle of the picture, where that is known
@@ -22,6 +23,7 @@ export class Pilot {
   #moved
   #scene = null
   #actedAt = 0
+  #gliding = null // the last that was begun
   #turning = 0 // the next frame of turning by itself
 
   /** `moved` is called after each change of the camera: whether it is in motion, and whether by a hand. */
@@ -35,16 +37,20 @@ export class Pilot {
     this.ahead = null
   }
 
-  /** Views, and the one to begin with where that is not the first. */
-  takeViews(views, view) {
+  /** Views, the one to begin with where that is not the first, and a function of the camera to begin with without views. */
+  takeViews(views, view, home = () => null) {
     this.views = views
     this.index = 0
+    this.home = views.length ? () => null : home
     this.up = views.length ? motion.upOf(views, this.up) : this.#scene.first.up
+    this.up = this.home()?.up ?? this.up
     this.show(view ?? this.start)
   }
 
   /** The view that it starts with and goes back to: of the file of views, of the scene, or the whole scene. */
   get start() {
+    const home = this.home()
+    if (home) return home
     const view = this.views[this.index] ?? (this.up === this.#scene.first.up ? this.#scene.start : null)
     return view ? motion.ofView(view, this.#scene) : this.whole
   }
@@ -60,15 +66,23 @@ export class Pilot {
     return Math.max(Math.hypot(...motion.add(this.#scene.high, this.#scene.low, -1)) / 2, 1e-3)
   }
 
-  /** The camera as the renderer takes it. */
-  rendered({ width, height }) {
-    return motion.rendered(this.camera, width, height, Math.min(this.radius / 100, 0.2))
+  /** A camera as the renderer takes it. */
+  rendered({ width, height }, camera = this.camera) {
+    return motion.rendered(camera, width, height, Math.min(this.radius / 100, 0.2))
   }
 
   show(camera) {
     if (!camera || !this.#scene) return
     this.camera = camera
     this.#moved(false, false)
+  }
+
+  /** The next camera of a track that is played. */
+  follow(camera) {
+    if (!this.#scene) return
+    this.#actedAt = performance.now()
+    this.touched = true
+    this.#move(camera)
   }
 
   #move(camera, byHand = false) {
@@ -80,13 +94,14 @@ export class Pilot {
   async glide(to, duration = GLIDE_MS) {
     if (!this.#scene) return false
     const [from, start] = [this.camera, performance.now()]
+    const own = (this.#gliding = {})
     this.#actedAt = start
     this.touched = true
     if (duration <= 0 || matchMedia('(prefers-reduced-motion: reduce)').matches) return this.show(to) ?? true
     return new Promise((done) => {
       let last = from
       const step = (now) => {
-        if (this.camera !== last) return done(false)
+        if (this.camera !== last || this.#gliding !== own) return done(false)
         const t = Math.max(0, Math.min((now - start) / duration, 1))
         this.#actedAt = now
         this.#move((last = t < 1 ? motion.between(from, to, t) : to))

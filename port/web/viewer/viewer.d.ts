@@ -132,12 +132,96 @@ export interface ViewerEvents {
     width: number; height: number; divisor: number; milliseconds: number; backend: Backend
     drawn: number; missing: number
   }>
+  /** The caption of an annotation is opened, or closed: then `index` is -1 and `annotation` null. */
+  annotation: CustomEvent<{ index: number; annotation: Annotation | null }>
+  /** A track is played, paused, at its end, or shows another time: that in seconds. */
+  play: CustomEvent<{ track: number }>
+  pause: CustomEvent<{ track: number }>
+  ended: CustomEvent<{ track: number }>
+  timeupdate: CustomEvent<{ track: number; time: number }>
   /** Pictures for a headset: `scale` is their size, of the viewport's. */
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
 }
 
+/** A camera of a settings file. */
+export interface Pose {
+  eye: Vector
+  look: Vector
+  /** The scene's up by default. */
+  up?: Vector
+  /** Degrees, 1 to 170. */
+  fov: number
+  /** Whether `fov` is that of the picture's longer side, as in supersplat-viewer, and not the vertical one. */
+  longer?: boolean
+}
+
+/** A text at a place of the world. */
+export interface Annotation {
+  position: Vector
+  /** At most 200 and 5,000 characters; shown as plain text, with its lines. */
+  title?: string
+  text?: string
+  /** Where it is seen from; without one the camera turns to it, and comes nearer. */
+  camera?: Pose
+}
+
+/** A track of the camera: cubic curves through its keys. */
+export interface CameraTrack {
+  name?: string
+  /** What comes behind the end; 'none' by default. */
+  loop?: 'none' | 'repeat' | 'pingpong'
+  /** Seconds; the time of the last key by default. */
+  duration?: number
+  /** 0 for straight lines, 1 for the smoothest; 1 by default. */
+  smoothness?: number
+  /** Whether each key stays until the next. */
+  step?: boolean
+  longer?: boolean
+  /** At least one, at most 10,000, in the order of their times, which are seconds. */
+  keys: readonly (Omit<Pose, 'longer'> & { time: number })[]
+}
+
+/** A settings file. Versions 1 and 2 of supersplat-viewer's are read too. */
+export interface SettingsFile
+  extends Partial<Omit<Settings, 'backend' | 'fov' | 'flat' | 'up' | 'readout'>> {
+  fixsplat: 1
+  camera?: Pose
+  /** An address, from the file's own on: an equirectangular picture. */
+  skybox?: string
+  /** At most 200. */
+  annotations?: readonly Annotation[]
+  /** At most 20. */
+  tracks?: readonly CameraTrack[]
+  /** What begins with the scene: 'track' and 'annotation' are the first of these. */
+  start?: 'camera' | 'track' | 'annotation'
+}
+
+export interface FilmOptions {
+  /** From 0; the one that is chosen by default. */
+  track?: number
+  /** Pixels, made even; those of the picture by default. */
+  width?: number
+  height?: number
+  /** Frames a second, 1 to 120; 30 by default. */
+  rate?: number
+  /** Bits a second; without it the quality is constant where the encoder has that. */
+  bitrate?: number
+  /** Called with the share that is done; what it throws ends the film. */
+  progress?: (share: number) => void
+}
+
+/** A film as a .webm. */
+export interface Film {
+  blob: Blob
+  /** 'MediaRecorder' where there is no WebCodecs: frames then have the times at which they were drawn. */
+  codec: 'VP9' | 'VP8' | 'MediaRecorder'
+  frames: number
+  width: number
+  height: number
+}
+
 /** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
-    threads, noui, wheel, keep. */
+    threads, noui, wheel, keep, settings, annotation, skybox, lang. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** What draws; to set it is to set the attribute. */
@@ -175,6 +259,26 @@ export class Viewer extends HTMLElement {
   flyTo(camera: SomeCamera, options?: { duration?: number }): Promise<boolean>
   /** What is at a place, in CSS pixels of the element; null where nothing is. */
   pick(x: number, y: number): Promise<Found | null>
+  /** Copies; some may be set, which are there a moment later. What is wrong in one is an event `error`. */
+  get annotations(): Annotation[]
+  set annotations(list: readonly Annotation[])
+  get tracks(): CameraTrack[]
+  set tracks(list: readonly CameraTrack[])
+  /** Opens the caption of an annotation, from 0, and flies to it. True when it is there. Rejects where there is none. */
+  goTo(index: number): Promise<boolean>
+  /** Plays a track, from 0, or the one that is chosen, from where it was paused. Rejects where there is none. */
+  play(track?: number): Promise<void>
+  pause(): void
+  /** Shows a time of the track, seconds. */
+  seek(seconds: number): void
+  readonly time: number
+  readonly duration: number
+  readonly paused: boolean
+  /** Each frame is drawn whole, as `fixsplat render` draws it, and goes to the codec, which changes its bytes. */
+  film(options?: FilmOptions): Promise<Film>
+  /** Reads a settings file: its address, a File, or what it says. What it gives in place of annotations, tracks and camera
+      takes the place of those that are there. Lines about what of it is left out. Rejects where it is none. */
+  readSettings(source: string | File | object): Promise<string[]>
   addEventListener<Name extends keyof ViewerEvents>(
     name: Name, listener: (this: Viewer, event: ViewerEvents[Name]) => void, options?: How): void
   addEventListener<Name extends keyof HTMLElementEventMap>(

@@ -8,6 +8,7 @@ import { Pilot } from './pilot.js'
 import { Picture, backends } from './picture.js'
 import { Panels } from './panels.js'
 import { body } from './body.js'
+import { Language } from './language.js'
 import { Item, PlacedScene, WATCHED } from './scenes.js'
 import { style } from './style.js'
 import { addressOf, cameraOf, checkedCamera, fetchViews, nameOf, textOf, viewsOf } from './views.js'
@@ -31,7 +32,8 @@ const sheet = new CSSStyleSheet()
 sheet.replaceSync(style)
 
 export class Viewer extends HTMLElement {
-  static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn']
+  static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn',
+    'settings', 'annotation', 'skybox', 'lang']
 
   #headset = null
   #engine = null // of the scenes on show
@@ -60,6 +62,11 @@ export class Viewer extends HTMLElement {
   #movedAt = -Infinity
   #hintedAt = -Infinity
   #settings = { sharpness: 1, colours: true }
+  #language = new Language()
+  #tour = null // of annotations, tracks and settings files, once there is any: a promise of it, and it
+  #touring = null
+  #begins = null // a promise: the settings file has been read
+  #noSky = '' // the address of a sky that cannot be had
   #ui
   #panels
 
@@ -67,13 +74,18 @@ export class Viewer extends HTMLElement {
     super()
     this.attachShadow({ mode: 'open', delegatesFocus: true }).append(template.content.cloneNode(true))
     this.shadowRoot.adoptedStyleSheets = [sheet]
-    this.#panels = new Panels(this.shadowRoot)
+    this.#panels = new Panels(this.shadowRoot, this.#language)
     this.#ui = this.#panels.ui
     this.#picture = new Picture(this.#ui.stage)
     this.#listen()
     this.#setMode('orbit')
+    this.#language.take(this.shadowRoot)
     const watched = { childList: true, subtree: true, attributeFilter: WATCHED }
     new MutationObserver(() => this.#gather()).observe(this, watched)
+  }
+
+  #restyle(change) {
+    this.shadowRoot.adoptedStyleSheets = change([...this.shadowRoot.adoptedStyleSheets])
   }
 
   connectedCallback() {
@@ -93,6 +105,8 @@ export class Viewer extends HTMLElement {
     const still = matchMedia('(prefers-reduced-motion: reduce)').matches
     for (const name of still ? ['poster'] : ['poster', 'turn'])
       this.attributeChangedCallback(name, null, this.getAttribute(name))
+    this.#choose()
+    if (this.hasAttribute('settings')) this.#readSettings()
     this.#readSrc()
     this.#gather()
     this.#findHeadset()
@@ -131,7 +145,10 @@ export class Viewer extends HTMLElement {
     if (name === 'src') this.#readSrc()
     if (name === 'cameras' && this.#scene) this.#changeViews(value)
     if (name === 'view') this.#goTo(cameraOf(value))
-    if (['background', 'budget', 'detail'].includes(name)) this.#change()
+    if (['background', 'budget', 'detail', 'skybox'].includes(name)) this.#change()
+    if (name === 'settings' && value) this.#readSettings()
+    if (name === 'annotation' && this.#scene) this.#goToAttribute()
+    if (name === 'lang') this.#choose()
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
     if (name === 'poster' && value) this.#showPoster(value)
     if (name === 'turn') this.#pilot.turnByItself(value !== null)
@@ -226,10 +243,159 @@ export class Viewer extends HTMLElement {
     link.searchParams.set('scene', this.#address)
     const cameras = this.getAttribute('cameras')
     if (cameras) link.searchParams.set('cameras', addressOf(cameras))
+    for (const name of ['settings', 'skybox'])
+      if (this.hasAttribute(name)) link.searchParams.set(name, addressOf(this.getAttribute(name)))
     for (const name of ['background', 'budget', 'detail'])
       if (this.hasAttribute(name)) link.searchParams.set(name, this.getAttribute(name))
     link.hash = `view=${this.view}`
     return link.href
+  }
+
+  // ---- Annotations, camera tracks and settings files ----------------------------------------------------------------
+
+  /** Fetched with the first of them. */
+  #tourNow() {
+    return (this.#touring ??= import('./tour.js').then(({ Tour }) => (this.#tour = new Tour(this.#tourHost()))))
+  }
+
+  #tourHost() {
+    const ask = async (...args) => this.#engine.ask(...args)
+    const sized = (width, height) => ({ ...this.#frame(), width, height })
+    return {
+      element: this,
+      root: this.shadowRoot,
+      style: (sheet) => this.#restyle((sheets) => [...sheets, sheet]),
+      ui: this.#ui,
+      language: this.#language,
+      camera: () => this.#good,
+      current: () => this.#pilot.camera,
+      up: () => this.#pilot.up,
+      radius: () => this.#pilot.radius,
+      aspect: () => this.clientWidth / this.clientHeight || 1,
+      size: () => this.#frame(),
+      show: (camera) => this.#pilot.follow(camera),
+      fly: (camera, duration) => this.#pilot.glide(camera, duration),
+      draw: (camera, ...size) => ask('draw', 0, this.#pilot.rendered(sized(...size), camera), sized(...size)),
+      depths: (pixels, camera, ...size) =>
+        ask('depths', pixels, this.#pilot.rendered(sized(...size), camera), sized(...size)),
+      linkTo: (index) => this.#linkTo(index),
+      copy: (link) => this.#copyAddress(link),
+      save: (blob, name) => this.#save(blob, name),
+      note: (...words) => this.#panels.note(...words),
+      say: (error) => this.#fail(error),
+      tell: (name, detail) => this.#tell(name, detail),
+    }
+  }
+
+  /** Reads a settings file of ours or of supersplat-viewer: an address, a File or what such a file says. Lines about
+      what of it is left out. */
+  async readSettings(source) {
+    const tour = await this.#tourNow()
+    const words = await tour.read(source)
+    if (words.length) this.#fail(new Error(words.join('\n')))
+    if (this.#scene && tour.home) this.#takeViews(this.#pilot.views)
+    if (this.#scene) tour.begin()
+    return words
+  }
+
+  #readSettings() {
+    this.#begins = this.readSettings(this.getAttribute('settings')).catch((error) => this.#fail(error))
+  }
+
+  /** As the address or the settings file say, with a scene that is new. */
+  #beginTour(view) {
+    if (this.hasAttribute('annotation')) this.#goToAttribute()
+    else if (!view) this.#tour?.begin()
+  }
+
+  #goToAttribute() {
+    const number = Number(this.getAttribute('annotation'))
+    if (number) this.goTo(number - 1).catch((error) => this.#fail(error))
+  }
+
+  get annotations() {
+    return this.#tour?.annotations ?? []
+  }
+  set annotations(list) {
+    this.#give('annotations', list)
+  }
+
+  get tracks() {
+    return this.#tour?.tracks ?? []
+  }
+  set tracks(list) {
+    this.#give('tracks', list)
+  }
+
+  #give(name, list) {
+    this.#tourNow().then((tour) => (tour[name] = list)).catch((error) => this.#fail(error))
+  }
+
+  async goTo(index) {
+    return (await this.#tourNow()).goTo(index)
+  }
+
+  async play(track) {
+    return (await this.#tourNow()).play(track)
+  }
+
+  pause() {
+    this.#tour?.pause()
+  }
+
+  seek(seconds) {
+    this.#tour?.seek(seconds)
+  }
+
+  get time() {
+    return this.#tour?.time ?? 0
+  }
+
+  get duration() {
+    return this.#tour?.duration ?? 0
+  }
+
+  get paused() {
+    return this.#tour?.paused ?? true
+  }
+
+  async film(options) {
+    return (await this.#tourNow()).film(options)
+  }
+
+  /** The page, with the same settings, at an annotation. */
+  #linkTo(index) {
+    const link = new URL(this.link)
+    link.hash = `annotation=${index + 1}`
+    return link.href
+  }
+
+  async #mark() {
+    if (!this.#scene) return
+    const found = await this.#pick(0.5, 0.5, this.#frame()).catch(() => null)
+    if (!found) return this.#panels.note('Nothing there')
+    this.#toggle(null)
+    ;(await this.#tourNow()).mark(found.position)
+  }
+
+  async #addKey() {
+    if (!this.#scene) return
+    this.#panels.note('The track has {0} views', (await this.#tourNow()).addKey())
+  }
+
+  async #saveSettings() {
+    if (!this.#scene) return
+    const { savedText } = await this.#tourNow()
+    this.#save(new Blob([savedText], { type: 'application/json' }), 'settings.json')
+    this.#panels.note('Settings saved')
+  }
+
+  async #choose() {
+    const asked = [this.getAttribute('lang'), ...(navigator.languages ?? [navigator.language])].filter(Boolean)
+    if (!(await this.#language.choose(asked))) return
+    if (this.#scene) this.#panels.entitle(this.#scene)
+    this.#showSettings()
+    this.#tour?.rename()
   }
 
   // ---- Opening ------------------------------------------------------------------------------------------------------
@@ -310,6 +476,7 @@ export class Viewer extends HTMLElement {
       if (opening.engine !== this.#engine) return false
       this.#asked = null
       this.#tell('load', item.told)
+      this.#beginTour(view ?? this.#asked)
       return true
     } catch (error) {
       if (this.#opening !== opening) return false
@@ -444,8 +611,8 @@ export class Viewer extends HTMLElement {
 
   #show(whole) {
     const [first, ...more] = this.#shown
-    const name = `${first?.facts.name ?? whole.name}${more.length ? ` and ${more.length} more` : ''}`
-    this.#scene = { ...whole, name }
+    const name = first?.facts.name ?? whole.name
+    this.#scene = { ...whole, name: more.length ? this.#language.of('{0} and {1} more', name, more.length) : name }
     this.setAttribute('open', '')
     this.#panels.entitle(this.#scene)
     this.#pilot.take(this.#scene)
@@ -500,6 +667,7 @@ export class Viewer extends HTMLElement {
 
   #hear(opening, told) {
     if (told.stage === 'lost') this.#redraw(() => this.#picture.lost(told.id))
+    else if (told.stage === 'noSky') this.#sayNoSky(told)
     else if (told.stage === 'changed') this.#hearOfParts(opening, told.words)
     else if (told.stage === 'preview') {
       if (opening === this.#opening) this.#take(opening, told.scene).catch(() => {}) // the whole will tell
@@ -518,10 +686,17 @@ export class Viewer extends HTMLElement {
 
   /** Says it, to the page's program too. */
   #fail(cause, { source } = {}) {
-    const { kind, words: message } = wordsOf(cause)
+    const { kind, words: message } = wordsOf(cause, (...words) => this.#language.of(...words))
     const error = Object.assign(new Error(message, { cause }), { kind, source })
     this.#panels.say(error)
     this.dispatchEvent(new ErrorEvent('error', { message, error }))
+  }
+
+  #sayNoSky({ url, words }) {
+    if (this.#noSky === this.getAttribute('skybox')) return
+    this.#noSky = this.getAttribute('skybox')
+    this.#fail(new Error(words))
+    this.#change()
   }
 
   /** Parts of a scene have come; or, with words, no more will. */
@@ -535,7 +710,7 @@ export class Viewer extends HTMLElement {
   }
 
   async #take(opening, scene) {
-    const views = await opening.views
+    const [views] = await Promise.all([opening.views, this.#begins])
     return this.#inTurn(() => this.#takeNext(opening, scene, views))
   }
 
@@ -593,7 +768,7 @@ export class Viewer extends HTMLElement {
     this.#ui.before.hidden = this.#ui.after.hidden = !views.length
     this.#good = null
     this.#linked = view
-    this.#pilot.takeViews(views, view)
+    this.#pilot.takeViews(views, view, () => this.#tour?.home ?? null)
     this.#showSettings()
   }
 
@@ -605,7 +780,9 @@ export class Viewer extends HTMLElement {
       if (!scenes.length && !views) throw new Error(files.length ? 'no scene' : 'no files')
       if (!views) return
       if (!this.#scene) throw new Error(`${views.name}: open a scene first, then its views`)
-      this.#takeViews(viewsOf(views.name, await views.text()))
+      const text = await views.text()
+      if (/^\s*\{/.test(text)) await this.readSettings(views)
+      else this.#takeViews(viewsOf(views.name, text))
     } catch (error) {
       this.#fail(error)
     }
@@ -616,7 +793,7 @@ export class Viewer extends HTMLElement {
     if (!(await this.open(first))) return false
     for (const element of this.#dropped.splice(0)) element.remove()
     this.#dropped = more.map((files) => this.add(files))
-    if (more.length) this.#panels.note(`${more.length + 1} scenes in one picture`)
+    if (more.length) this.#panels.note('{0} scenes in one picture', more.length + 1)
     return true
   }
 
@@ -640,8 +817,10 @@ export class Viewer extends HTMLElement {
       (n) => n * devicePixelRatio * this.#settings.sharpness
     )
     const size = this.#picture.size(width, height, moving)
+    const url = this.getAttribute('skybox')
+    const sky = url && url !== this.#noSky ? { url: new URL(url, document.baseURI).href, up: this.#pilot.up } : null
     const bounds = { budget: this.#budget, detail: Math.min(this.#numberOf('detail'), 16384) }
-    return { ...size, ...bounds, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
+    return { ...size, ...bounds, sky, background: this.#background, shDegree: this.#settings.colours ? 3 : 0 }
   }
 
   /** That of an attribute; 0 where it is none above 0. */
@@ -728,6 +907,7 @@ export class Viewer extends HTMLElement {
     this.#good = camera
     this.#panels.read(picture)
     this.#tell('frame', picture)
+    this.#tour?.drawn()
   }
 
   /** Where there is no room for so many pixels, there are fewer; where the renderer does not reach, nothing moves. */
@@ -789,7 +969,7 @@ export class Viewer extends HTMLElement {
     this.#pilot.index = (index + views.length) % views.length
     const { img_name: name } = views[this.#pilot.index]
     this.#pilot.glide(this.#pilot.start)
-    this.#panels.note(`View ${this.#pilot.index + 1} of ${views.length}${name ? `: ${name}` : ''}`)
+    this.#panels.note(name ? 'View {0} of {1}: {2}' : 'View {0} of {1}', this.#pilot.index + 1, views.length, name)
   }
 
   /** What is seen at a place of the picture, whose sides are 1. */
@@ -853,20 +1033,27 @@ export class Viewer extends HTMLElement {
       .ask('png', this.#pilot.rendered(options), options)
       .catch((error) => this.#fail(error))
     if (!bytes) return
-    const url = URL.createObjectURL(new Blob([bytes], { type: 'image/png' }))
-    Object.assign(document.createElement('a'), { href: url, download: `${name}.png` }).click()
-    setTimeout(() => URL.revokeObjectURL(url), 1000)
+    this.#save(new Blob([bytes], { type: 'image/png' }), `${name}.png`)
     this.#panels.note('Picture saved')
   }
 
-  async #copyLink() {
-    if (!this.#scene) return
+  #save(blob, name) {
+    const url = URL.createObjectURL(blob)
+    Object.assign(document.createElement('a'), { href: url, download: name }).click()
+    setTimeout(() => URL.revokeObjectURL(url), 1000)
+  }
+
+  #copyLink() {
+    if (this.#scene) this.#copyAddress(this.link)
+  }
+
+  async #copyAddress(link) {
     if (!this.#address) return this.#panels.note('This scene is a file of yours: a link cannot hold it')
-    const copied = await navigator.clipboard?.writeText(this.link).then(
+    const copied = await navigator.clipboard?.writeText(link).then(
       () => true,
       () => false
     )
-    this.#panels.note(copied ? 'Link copied: it opens this view' : this.link)
+    this.#panels.note(copied ? 'Link copied: it opens this view' : link)
   }
 
   #toggle(panel) {
@@ -879,7 +1066,9 @@ export class Viewer extends HTMLElement {
     const [background, flat] = [this.#colour, !!camera?.flat]
     this.#panels.set({ background, flat, turn: turns, backend: this.#wanted, budget: this.#budgetPlace })
     this.#ui.levels.hidden = !this.#scene?.levels
-    this.#ui.budget.textContent = this.#budget ? `at most ${this.#budget.toLocaleString('en')}` : 'without limit'
+    this.#ui.budget.textContent = this.#budget
+      ? this.#language.of('at most {0}', this.#language.number(this.#budget))
+      : this.#language.of('without limit')
     if (camera && !camera.flat) this.#panels.set({ fov: camera.fov })
   }
 
@@ -905,7 +1094,10 @@ export class Viewer extends HTMLElement {
     const pilot = this.#pilot
     const does = {
       h: () => this.#toggle(this.#ui.help),
-      Escape: () => this.#toggle(null),
+      Escape: () => [this.#toggle(null), this.#tour?.close()],
+      k: () => this.#tour?.toggle(),
+      ',': () => this.#tour?.step(-1),
+      '.': () => this.#tour?.step(1),
       o: () => this.#ui.file.click(),
       n: () => this.showView(pilot.index + 1),
       p: () => this.showView(pilot.index - 1),
@@ -975,6 +1167,9 @@ export class Viewer extends HTMLElement {
       full: 'f',
     }
     for (const [id, key] of Object.entries(clicks)) ui[id].onclick = () => this.#press(key)
+    ui.mark.onclick = () => this.#mark()
+    ui.addKey.onclick = () => this.#addKey()
+    ui.save.onclick = () => this.#saveSettings()
     ui.set.onclick = () => this.#toggle(ui.options)
     for (const id of ['closeHelp', 'closeOptions']) ui[id].onclick = () => this.#toggle(null)
     ui.file.onchange = () => this.#openFiles([...ui.file.files]).then(() => (ui.file.value = ''))

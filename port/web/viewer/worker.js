@@ -6,6 +6,8 @@ const SEEN_SHARE = 1 / 3 // or of the download
 const PREVIEW_MS = 1000 // at most, until the page has drawn what there is
 const AHEAD_MS = 600 // how far a camera in motion is followed, for parts that are to come
 const STOPPED_MS = 300 // between two pictures: the camera did not move
+const NO_DEPTH = 0xffffffff
+const UNIT = 65536 // depths of a scene unit
 const screens = {}
 const scenes = new Map() // by the page's keys
 let placed = [] // what is drawn: { key, place }
@@ -83,7 +85,8 @@ function onScreen(call) {
 async function draw(id, camera, options) {
   const screen = screens[id]
   if (!screen) {
-    const { colour, drawn, missing } = render(objects(), camera, { ...options, targets: { colour: true } })
+    const { backdrop } = options
+    const { colour, drawn, missing } = render(objects(), camera, { ...options, targets: { colour: true, backdrop } })
     return { pixels: colour, drawn, missing }
   }
   let facts = null
@@ -95,6 +98,18 @@ async function draw(id, camera, options) {
     if (facts) postMessage({ stage: 'lost', id })
     else if (!screen.lost) throw error
     return null
+  }
+}
+
+/** The options of a frame, with what lies behind the scene where that is a picture. */
+async function withSky({ sky, ...options }, camera) {
+  if (!sky) return options
+  try {
+    const { backdropOf } = await import('./sky.js')
+    return { ...options, backdrop: await backdropOf(sky, camera, options) }
+  } catch (error) {
+    postMessage({ stage: 'noSky', url: sky.url, words: error.message })
+    return options
   }
 }
 
@@ -184,7 +199,8 @@ const words = {
   /** On a screen; without one the pixels are the answer. */
   async draw(id, camera, options) {
     const start = performance.now()
-    const facts = await draw(id, camera, options)
+    const isRough = screens[id]?.backend === 'webgl2-quads'
+    const facts = await draw(id, camera, await withSky(isRough ? { ...options, sky: null } : options, camera))
     lookAhead(camera, options)
     onScreen(drawn)
     return { ...facts, milliseconds: performance.now() - start, lost: !facts }
@@ -205,7 +221,20 @@ const words = {
     return found && { ...found, key: placed.filter(isThere)[found.object].key }
   },
 
-  png: (camera, options) => png(render(objects(), camera, options), options.width, options.height),
+  async png(camera, options) {
+    const { pixels } = await draw(0, camera, await withSky(options, camera))
+    return png(pixels, options.width, options.height)
+  },
+
+  /** How far away what is seen at pixels of a small picture is, along the axis of view; Infinity where nothing is. The
+      farthest of nine neighbours, as a marker lies on what it marks. */
+  depths(pixels, camera, options) {
+    const { width, height } = options
+    const { depth } = render(objects(), camera, { ...options, targets: { depth: true } })
+    const at = (x, y) => depth[width * Math.min(Math.max(y, 0), height - 1) + Math.min(Math.max(x, 0), width - 1)]
+    const around = (x, y) => [-1, 0, 1].flatMap((j) => [-1, 0, 1].map((i) => at(x + i, y + j)))
+    return pixels.map(([x, y]) => Math.max(...around(x, y))).map((code) => (code === NO_DEPTH ? Infinity : code / UNIT))
+  },
 }
 
 self.onmessage = async ({ data: { id, word, args } }) => {

@@ -1,0 +1,368 @@
+// What settings files, annotations and camera tracks need beside a scene: fetched with the first of them.
+import { Markers } from './markers.js'
+import { Player } from './player.js'
+import { listsOf, settingsOf, textOfSettings } from './settings.js'
+import { rules } from './tour_style.js'
+import { Track, upright } from './track.js'
+import { addressOf, nameOf } from './views.js'
+
+const KEY_S = 2 // seconds between two keys that are added
+const FLIGHT_MS = 1000
+const NEARER = 0.6 // of the distance is left to an annotation without a camera
+const LONGEST_S = 0.5 // of one step of playing
+const WAIT_MS = 100 // between two looks whether parts of a scene have come
+const PATIENCE_MS = 30000
+const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn'] // attributes that a file may set
+const OWN = ['mode', 'speed', 'sharpness', 'colours'] // of the element's other settings those that it may have
+
+const pause = (ms) => new Promise((done) => setTimeout(done, ms))
+const reduced = () => matchMedia('(prefers-reduced-motion: reduce)').matches
+
+export class Tour {
+  #host
+  #markers
+  #player
+  #annotations = []
+  #tracks = []
+  #index = -1 // of the annotation whose caption is open
+  #edits = false
+  #track = 0
+  #made = null // the path of the track that is chosen: { told, up, path }
+  #seconds = 0 // of playing
+  #plays = false
+  #last = null // the camera that was shown last
+  #filming = null
+  #reading = null // the last file that was asked for
+  #given = [] // attributes that a settings file has set
+  #home = null
+  #start = null // what a file begins with, until it has
+
+  constructor(host) {
+    this.#host = host
+    const sheet = new CSSStyleSheet()
+    sheet.replaceSync(rules)
+    host.style(sheet)
+    this.#markers = new Markers(host, {
+      choose: (index) => (index === this.#index ? this.close() : this.goTo(index)),
+      step: (by) => this.step(by),
+      link: () => host.copy(host.linkTo(this.#index)),
+      close: () => this.close(),
+      change: (words) => this.#change(words),
+      remove: () => this.#remove(),
+    })
+    this.#player = new Player(host, {
+      toggle: () => this.toggle(),
+      seek: (time) => this.seek(time),
+      choose: (index) => this.choose(index),
+      film: () => this.#saveFilm(),
+    })
+  }
+
+  // ---- Settings -----------------------------------------------------------------------------------------------------
+
+  /** Reads the file of an address, or a File, or what such a file says. Lines about what of it is left out; none where
+      another is read since. */
+  async read(source) {
+    const own = (this.#reading = {})
+    const isAddress = typeof source === 'string'
+    const name = isAddress ? nameOf(source) : (source.name ?? 'settings')
+    const told = () => source.text?.() ?? JSON.stringify(source)
+    const text = await Promise.resolve(isAddress ? this.#fetch(source, name) : told()).catch((error) => {
+      if (own === this.#reading) throw error
+    })
+    if (own !== this.#reading) return []
+    const { settings, words } = settingsOf(name, text)
+    this.#take(settings, isAddress ? addressOf(source) : document.baseURI)
+    return words
+  }
+
+  async #fetch(url, name) {
+    const answer = await fetch(addressOf(url)).catch(() => null)
+    if (!answer?.ok) throw new Error(`${name}: there are no settings at this address`)
+    return answer.text()
+  }
+
+  #take({ camera = null, annotations = [], tracks = [], start = null, ...attributes }, base) {
+    const { element } = this.#host
+    for (const name of this.#given) element.removeAttribute(name)
+    if (attributes.skybox) attributes.skybox = new URL(attributes.skybox, base).href
+    this.#given = GIVEN.filter((name) => attributes[name] && !element.hasAttribute(name))
+    for (const name of this.#given) element.setAttribute(name, attributes[name] === true ? '' : attributes[name])
+    const own = OWN.filter((name) => name in attributes)
+    element.settings = Object.fromEntries(own.map((name) => [name, attributes[name]]))
+    this.#home = camera
+    this.#start = start
+    this.annotations = annotations
+    this.tracks = tracks
+  }
+
+  /** The camera that a file begins with, and goes back to; null without one. */
+  get home() {
+    return this.#home && this.#cameraOf(this.#home)
+  }
+
+  /** Begins as the settings say, when the scene is there. */
+  begin() {
+    const start = this.#start
+    this.#start = null
+    if (start === 'annotation' && this.#annotations.length) this.goTo(0)
+    if (start === 'track' && this.#tracks.length && !reduced()) this.play()
+  }
+
+  /** What a settings file of what there is would say. */
+  get saved() {
+    const { element, current } = this.#host
+    const all = { ...element.settings, skybox: element.getAttribute('skybox') }
+    const names = [...GIVEN.filter((name) => element.hasAttribute(name)), ...OWN]
+    const { annotations, tracks } = this
+    const values = Object.fromEntries(names.map((name) => [name, all[name]]))
+    return { ...values, camera: this.#poseOf(current()), annotations, tracks }
+  }
+
+  get savedText() {
+    return textOfSettings(this.saved)
+  }
+
+  #poseOf({ eye, look, up, fov }) {
+    return { eye, look, up, fov }
+  }
+
+  #cameraOf(pose, aspect = this.#host.aspect()) {
+    return { flat: false, shift: [0, 0], ...upright({ ...pose, up: pose.up ?? this.#host.up() }, aspect) }
+  }
+
+  // ---- Annotations --------------------------------------------------------------------------------------------------
+
+  get annotations() {
+    return structuredClone(this.#annotations)
+  }
+  set annotations(list) {
+    this.#annotations = listsOf({ annotations: list }).annotations
+    this.#edits = false
+    this.close()
+    this.#markers.show(this.#annotations)
+  }
+
+  get index() {
+    return this.#index
+  }
+
+  /** Flies to one, by its number from 0, and opens its caption. */
+  async goTo(index) {
+    const one = this.#annotations[index]
+    if (!one) throw new Error(`annotation ${index}: there are ${this.#annotations.length}`)
+    this.pause()
+    this.#choose(index)
+    const current = this.#host.current()
+    if (!current) return false
+    const { camera, position } = one
+    const eye = position.map((x, i) => x + NEARER * (current.eye[i] - x))
+    return this.#host.fly(camera ? this.#cameraOf(camera) : { ...current, eye, look: position }, FLIGHT_MS)
+  }
+
+  step(by) {
+    const { length } = this.#annotations
+    if (length) this.goTo(this.#index < 0 ? (by > 0 ? 0 : length - 1) : (this.#index + by + length) % length)
+  }
+
+  close() {
+    if (this.#index >= 0) this.#choose(-1)
+  }
+
+  #choose(index) {
+    this.#index = index
+    this.#markers.choose(index, this.#edits)
+    this.#host.tell('annotation', { index, annotation: this.annotations[index] ?? null })
+  }
+
+  /** A new one at a point, seen as now, whose words are to be written. */
+  mark(position) {
+    this.#annotations.push({ position, title: '', text: '', camera: this.#poseOf(this.#host.current()) })
+    this.#edits = true
+    this.#markers.show(this.#annotations)
+    this.#choose(this.#annotations.length - 1)
+    this.#markers.write()
+  }
+
+  #change(words) {
+    Object.assign(this.#annotations[this.#index], words)
+    this.#markers.entitle(this.#index)
+  }
+
+  #remove() {
+    this.#annotations.splice(this.#index, 1)
+    this.close()
+    this.#markers.show(this.#annotations)
+  }
+
+  // ---- Tracks -------------------------------------------------------------------------------------------------------
+
+  /** Made anew where up is another: keys may have none. */
+  get #path() {
+    const [told, up] = [this.#tracks[this.#track], this.#host.up()]
+    if (!told) return null
+    if (this.#made?.told !== told || this.#made.up !== up) this.#made = { told, up, path: new Track(told, up) }
+    return this.#made.path
+  }
+
+  get tracks() {
+    return structuredClone(this.#tracks)
+  }
+  set tracks(list) {
+    this.#tracks = listsOf({ tracks: list }).tracks
+    this.choose(0)
+  }
+
+  /** The track that is played from now on. */
+  choose(index) {
+    this.pause()
+    this.#track = index
+    this.#seconds = 0
+    this.#player.show(this.#tracks, index)
+    this.#tell()
+  }
+
+  /** The camera as it is now as a key, two seconds behind the last. */
+  addKey() {
+    const key = this.#poseOf(this.#host.current())
+    const track = this.#tracks[this.#track] ?? { name: '', loop: 'none', smoothness: 1, step: false, keys: [] }
+    const time = track.keys.length ? track.keys.at(-1).time + KEY_S : 0
+    const longer = { ...track, keys: [...track.keys, { time, ...key }], duration: Math.max(time, 1) }
+    const index = this.#track
+    this.tracks = this.#tracks.length ? this.#tracks.map((one) => (one === track ? longer : one)) : [longer]
+    this.choose(index)
+    return longer.keys.length
+  }
+
+  get duration() {
+    return this.#path?.duration ?? 0
+  }
+  get time() {
+    return this.#path?.timeAt(this.#seconds) ?? 0
+  }
+  get paused() {
+    return !this.#plays
+  }
+
+  #tell() {
+    this.#player.tell(this.time, this.duration, this.#plays)
+  }
+
+  #show() {
+    this.#last = this.#cameraOf(this.#path.at(this.time))
+    this.#host.show(this.#last)
+    this.#tell()
+    this.#host.tell('timeupdate', { time: this.time, track: this.#track })
+  }
+
+  /** From where it was paused, or of another track from its start. */
+  play(index = this.#track) {
+    if (!this.#tracks[index]) throw new Error(`track ${index}: there are ${this.#tracks.length}`)
+    if (index !== this.#track) this.choose(index)
+    if (this.#plays || this.#filming) return
+    if (this.#path.ends && this.#seconds >= this.duration) this.#seconds = 0
+    this.#plays = true
+    this.close()
+    this.#show()
+    this.#host.tell('play', { track: index })
+    let before = performance.now()
+    const step = (now) => {
+      if (!this.#plays) return
+      if (this.#host.current() !== this.#last) return this.pause() // by a hand, or a program
+      this.#seconds += Math.min((now - before) / 1000, LONGEST_S)
+      before = now
+      this.#show()
+      if (this.#path.ends && this.#seconds >= this.duration) this.#end()
+      else requestAnimationFrame(step)
+    }
+    requestAnimationFrame(step)
+  }
+
+  #end() {
+    this.pause()
+    this.#host.tell('ended', { track: this.#track })
+  }
+
+  pause() {
+    if (!this.#plays) return
+    this.#plays = false
+    this.#tell()
+    this.#host.tell('pause', { track: this.#track })
+  }
+
+  toggle() {
+    if (!this.#path) return
+    if (this.#plays) this.pause()
+    else this.play()
+  }
+
+  seek(seconds) {
+    if (!this.#path || !(seconds >= 0)) return
+    this.pause()
+    this.#seconds = Math.min(seconds, this.duration)
+    this.#last = null
+    this.#show()
+  }
+
+  // ---- Films --------------------------------------------------------------------------------------------------------
+
+  /** { blob, codec, frames, width, height } of a track; of a 'pingpong' there and back. */
+  async film({ track = this.#track, rate, bitrate, progress = () => {}, ...size } = {}) {
+    const told = this.#tracks[track]
+    if (!told) throw new Error(`track ${track}: there are ${this.#tracks.length}`)
+    const path = new Track(told, this.#host.up())
+    const { width, height } = { ...this.#host.size(), ...size }
+    const seconds = path.duration * (path.loop === 'pingpong' ? 2 : 1)
+    const { filmOf } = await import('./film.js')
+    const draw = (at, w, h) => this.#whole(this.#cameraOf(path.at(path.timeAt(at)), w / h), w, h)
+    return filmOf({ width, height, rate, bitrate, seconds }, draw, progress)
+  }
+
+  /** A picture's pixels when all parts of the scene are there that it wants. */
+  async #whole(camera, width, height) {
+    const until = performance.now() + PATIENCE_MS
+    for (;;) {
+      const { pixels, missing } = await this.#host.draw(camera, width, height)
+      if (!missing) return pixels
+      if (performance.now() > until) throw new Error('Parts of the scene do not come: there is no film')
+      await pause(WAIT_MS)
+    }
+  }
+
+  async #saveFilm() {
+    const host = this.#host
+    if (this.#filming) return (this.#filming.stopped = true)
+    this.pause()
+    const filming = (this.#filming = { stopped: false })
+    const progress = (share) => {
+      if (filming.stopped) throw filming
+      this.#player.filming(share)
+    }
+    try {
+      const { blob, codec, frames, width, height } = await this.film({ progress })
+      host.save(blob, `${this.#tracks[this.#track].name || 'film'}.webm`)
+      const words = 'Film saved: {0} frames of {1}, by {2}, which changes their bytes: what went in is exact'
+      host.note(words, frames, `${width} × ${height}`, codec)
+    } catch (error) {
+      if (error === filming) host.note('The film was stopped')
+      else host.say(error)
+    }
+    this.#filming = null
+    this.#player.filming(null)
+    this.#tell()
+  }
+
+  // ---- Both ---------------------------------------------------------------------------------------------------------
+
+  /** A picture is shown. */
+  drawn() {
+    this.#markers.place()
+  }
+
+  /** The language is another. */
+  rename() {
+    this.#markers.name()
+    this.#player.show(this.#tracks, this.#track)
+    this.#tell()
+  }
+}

@@ -1,0 +1,37 @@
+// The rules of markers, captions and the player: a sheet that the element takes, and no file, for bundlers and policies.
+export const rules = `
+#markers { position: absolute; inset: 0; isolation: isolate; overflow: hidden; pointer-events: none; }
+.marker { position: absolute; left: -15px; top: -15px; min-width: 30px; height: 30px; border-radius: 15px;
+  background: var(--accent); color: var(--on); border: 2px solid var(--on); font-weight: 650; font-size: 13px;
+  font-variant-numeric: tabular-nums; pointer-events: auto; transition: opacity 0.2s; box-shadow: 0 1px 5px #0006; }
+.marker:hover { background: var(--accent); color: var(--on); filter: brightness(1.12); }
+.marker.behind { opacity: 0.3; }
+.marker[aria-expanded="true"] { background: var(--on); color: var(--accent); border-color: var(--accent); opacity: 1; }
+
+section#caption { right: auto; left: calc(14px + var(--left, 0px)); }
+#caption header { gap: 8px; align-items: start; }
+#caption h2 { padding-top: 8px; overflow-wrap: anywhere; }
+#captionText { padding-right: 10px; white-space: pre-line; overflow-wrap: anywhere; }
+#caption footer { display: flex; align-items: center; gap: 2px; margin-top: 6px; color: var(--quiet); }
+#place { flex: 1; text-align: center; font-variant-numeric: tabular-nums; }
+#caption :is(input, textarea) { display: block; width: calc(100% - 10px); margin: 4px 0; padding: 7px 9px; font: inherit;
+  color: inherit; background: transparent; border: 1px solid var(--line); border-radius: 7px; }
+#caption textarea { height: 90px; resize: vertical; }
+
+#player { position: absolute; bottom: calc(68px + var(--below, 0px)); left: 50%; transform: translateX(-50%);
+  width: min(440px, calc(100% - 12px)); display: flex; align-items: center; padding: 3px; }
+#player input { flex: 1; min-width: 60px; }
+#player select { max-width: 120px; height: 30px; border: 0; background: transparent; text-overflow: ellipsis; }
+#player output { min-width: 92px; text-align: center; color: var(--quiet); font-size: 13px; white-space: nowrap;
+  font-variant-numeric: tabular-nums; }
+#player:not([hidden]) ~ #note { bottom: calc(126px + var(--below, 0px)); }
+#player:not([hidden]) ~ section.panel { bottom: calc(122px + var(--below, 0px));
+  max-height: calc(100% - 140px - var(--below, 0px)); }
+
+@media (max-width: 560px) {
+  section#caption { left: 6px; right: 6px; width: auto; max-height: 38%; }
+}
+@media (prefers-reduced-motion: reduce) {
+  .marker { transition: none; }
+}
+`
