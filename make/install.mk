@@ -55,7 +55,7 @@ uninstall: ## remove what install put there
 	    $(addprefix $(DESTDIR)$(LIBDIR)/pkgconfig/,$(PC_FILES)) $(addprefix $(DESTDIR)$(CMAKE)/,$(CMAKE_FILES)) \
 	    $(addprefix $(DESTDIR)$(INCLUDE)/,$(notdir $(HEADERS)))
 	for f in $(DESTDIR)$(CMAKE) $(DESTDIR)$(INCLUDE) \
-	    $(addprefix $(DESTDIR),$(addprefix $(PAGE)/,$(filter-out .,$(PAGE_FOLDERS))) $(PAGE) $(PREFIX)/share/fixsplat); do \
+	    $(addprefix $(DESTDIR),$(addprefix $(PAGE)/,$(shell printf '%s\n' $(filter-out .,$(PAGE_FOLDERS)) | sort -r)) $(PAGE) $(PREFIX)/share/fixsplat); do \
 	    [ ! -d $$f ] || rmdir $$f || exit 1; done
 
 headers: ## list the public headers

@@ -765,7 +765,7 @@ class Drawn {
     } catch (error) {
       failure = error
     } finally {
-      gl.deleteTexture(texture)
+      if (texture) gl.deleteTexture(texture)
     }
     if (this.lost) throw new Error('the WebGL context was lost: open another Screen, on another canvas')
     if (failure) throw failure

@@ -3,7 +3,7 @@
 import { openPaged } from '../paged.js'
 import { Functions } from '../webgl.js'
 import { Computed } from '../webgpu.js'
-import './sky.js'
+import { backdropOf } from './sky.js'
 import './worker.js'
 
-globalThis.whole = [openPaged, Functions, Computed]
+globalThis.whole = [openPaged, Functions, Computed, backdropOf]
