@@ -60,6 +60,13 @@ static void find_cells(cells *c, const fxs_file_view *view, const fxs_fit_point 
     }
 }
 
+/* Of a place in the picture. */
+static int cell_of(const cells *c, double at)
+{
+    const int cell = (int)(at / c->size);
+    return cell < CELLS ? cell : CELLS - 1;    /* the quotient may be rounded up */
+}
+
 static void look(const fxs_fit_photo *photo, const cells *c, const fxs_fit_point *point, tally *t)
 {
     double place[3], at[2];
@@ -70,7 +77,7 @@ static void look(const fxs_fit_photo *photo, const cells *c, const fxs_fit_point
     if (photo->mask && !photo->mask[pixel])
         return;
     t->seen++;
-    if (c->is_near[(int)(at[1] / c->size)][(int)(at[0] / c->size)])
+    if (c->is_near[cell_of(c, at[1])][cell_of(c, at[0])])
         return;
     t->is_free++;
     for (int k = 0; k < 3; k++)
