@@ -127,6 +127,7 @@ static struct row_taken {
 static void list_rows(const command *c, void *options, struct option table[ROWS_MOST], char letters[2 * ROWS_MOST])
 {
     int count = 0;
+    assert(!c->tables[TABLES_MOST - 1].rows);
     for (const option_table *t = c->tables; t->rows; t++)
         for (const option_row *r = t->rows; r->help; r++)
             if (r->name) {

@@ -73,7 +73,7 @@ typedef struct option_table {
     size_t offset;                          /* in a command's options, of the struct that the rows are of */
 } option_table;
 
-enum { TABLES_MOST = 9 };
+enum { TABLES_MOST = 10 };
 
 typedef struct command {
     const char *name, *does;                /* does: a line in the list of commands */
@@ -81,7 +81,7 @@ typedef struct command {
     const char *about;                      /* --help: usage and what it does, then the options, */
     void (*more)(void);                     /* what follows them, or null, */
     const char *examples;                   /* and lines of examples */
-    option_table tables[TABLES_MOST];       /* COMMON_TABLE is the last one */
+    option_table tables[TABLES_MOST];       /* COMMON_TABLE is the last one; one more without rows ends them */
 } command;
 
 extern const command command_render, command_view, command_info, command_convert, command_fit, command_compare,
