@@ -52,7 +52,7 @@ static int write_scene(publish_options *o, listed_scene *s)
     if (load_scene(&scene, s->path, &o->frame.load))
         return EXIT_FAILED;
     if (is_packed(&scene) && (is_given("profile") || o->frame.load.tree))
-        note("%s: is packed already, and is taken as it is", s->path);
+        note("%s: is packed already, and is taken as it is: convert packs it anew", s->path);
     o->bytes += scene.opened->bytes;
     const int error = fxs_file_write(path, scene.opened->data, scene.opened->bytes, &why);
     free_scene(&scene);

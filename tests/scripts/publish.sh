@@ -22,7 +22,7 @@ check "the page shows it" grep -q '<fixsplat-viewer src="knot.fxs" poster="knot.
 check "an .fxs as it is" "$fixsplat" publish small.fxs site --size 64x36 --quiet
 check "it is that file" cmp site/small.fxs small.fxs
 "$fixsplat" publish small.fxs site --size 64x36 --profile default >logs/out 2>logs/err
-check "an .fxs in another profile: said" grep -qx 'fixsplat: small.fxs: is packed already, and is taken as it is' logs/err
+check "an .fxs in another profile: said" grep -qx 'fixsplat: small.fxs: is packed already, and is taken as it is: convert packs it anew' logs/err
 check "what was there stays" [ -f site/knot.fxs ]
 check "--profile" "$fixsplat" publish knot.ply whole --size 64x36 --profile default --quiet
 "$fixsplat" convert knot.ply default.fxs

@@ -28,6 +28,8 @@ const keep = (name) => page.screenshot({ path: `${pictures}/published-${name}.pn
 try {
   await open('')
   if (names.length > 1) {
+    const loaded = () => [...document.images].every((image) => image.naturalWidth)
+    await page.waitForFunction(loaded, { timeout: 10000 }).catch(() => {}) // they are fetched when they are seen
     const widths = await page.$$eval('img', (all) => all.map((image) => image.naturalWidth))
     assert.deepEqual(widths, names.map(() => 640), 'a picture for each scene')
     console.log('ok the list')
