@@ -89,8 +89,9 @@ static inline int gain_needs(int is_affine, int k)
 }
 
 /* The gradient by a photograph's numbers. `sums`: over pixels, of dL/da_c a_k at 3 k + c, with the channels a of I M +
-   m, and of dL/da_c at 9 + c, over the number of pixels and channels. Affine: by W and w, in their units, where a becomes a + a W + w. Else
-   dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with dL/da a. */
+   m, and of dL/da_c at 9 + c, over the number of pixels and channels. Affine: by W and w, in their units, where a becomes
+   a + a W + w. Else dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with
+   dL/da a. */
 static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
 {
     const float red = sums[0], green = sums[4], blue = sums[8];

@@ -42,7 +42,8 @@ static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t strid
         q[i] *= length;
     rotation_of(q, r);
     const real opacity = 1.0f / (1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
-    const real amount = noise->amount / unit_at(&noise->far, at, stride) / (1.0f + exp_e(least(100.0f * (opacity - 0.005f), all(80))));
+    const real amount = noise->amount / unit_at(&noise->far, at, stride) /
+                        (1.0f + exp_e(least(100.0f * (opacity - 0.005f), all(80))));
     const bits numbers = (bits)real_to_whole(numbers_from(0)) + index;
     const real xi[3] = {normal(noise, numbers, 0), normal(noise, numbers, 1), normal(noise, numbers, 2)};
     /* R S^2 R^t xi */
