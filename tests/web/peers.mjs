@@ -1,4 +1,5 @@
-// node peers.mjs PACKAGE SCENES MODULES PICTURES [ROUNDS [SCENE...]]: what tools/peers.sh measures.
+// node peers.mjs PACKAGE SCENES MADE MODULES PICTURES [ROUNDS [SCENE...]]: what tools/peers.sh measures. MADE: where
+// landscape.ply lies, a million Gaussians of fixsplat make-scene.
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -8,7 +9,7 @@ import { join, resolve } from 'node:path'
 import { gzipSync } from 'node:zlib'
 import { WEBGL } from './flags.mjs'
 
-const [folder, scenes, modules, pictures, rounds = '3', ...asked] = process.argv.slice(2)
+const [folder, scenes, makes, modules, pictures, rounds = '3', ...asked] = process.argv.slice(2)
 const puppeteer = createRequire(resolve(modules, 'of'))('puppeteer-core')
 const KINDS = { js: 'text/javascript', html: 'text/html', css: 'text/css', wasm: 'application/wasm', json: 'application/json' }
 const [WIDTH, HEIGHT] = [1280, 720]
@@ -21,12 +22,13 @@ const SAME = 1 // of 255, mean: the same picture
 // Scene axes, y down. snowmiku: its first view.
 const VIEWS = {
   snowmiku: {
-    file: 'snowmiku/snowmiku.ply',
+    file: '/scenes/snowmiku/snowmiku.ply',
     eye: [-2.02394, 1.50942, -3.17181],
     look: [-1.26934, 1.0593, 0.73049],
     fov: 48.73,
   },
-  guitar: { file: 'guitar/guitar.compressed.ply', eye: [5.5, -3.2, 0.2], look: [0.09, -2.1, 0.2], fov: 50 },
+  guitar: { file: '/scenes/guitar/guitar.compressed.ply', eye: [5.5, -3.2, 0.2], look: [0.09, -2.1, 0.2], fov: 50 },
+  landscape: { file: '/makes/landscape.ply', eye: [4.6, -1.9, -12.7], look: [0, -2.2, 0], fov: 52 },
 }
 
 /** The camera turned about the vertical through what it looks at. */
@@ -93,7 +95,7 @@ const renderer = new THREE.WebGLRenderer()
 renderer.setSize(innerWidth, innerHeight)
 document.body.append(renderer.domElement)
 scene.add(new SparkRenderer({ renderer }))
-const mesh = new SplatMesh({ url: '/scenes/${file}' })
+const mesh = new SplatMesh({ url: '${file}' })
 scene.add(mesh)
 camera.up.set(0, -1, 0)
 window.look = ({ eye, look }) => { camera.position.set(...eye); camera.lookAt(...look) }
@@ -112,13 +114,13 @@ const supersplatPage = () =>
 const viewers = {
   fixsplat: {
     address: (file, view) =>
-      `/fixsplat/viewer/index.html?noui&background=%23000000&scene=/scenes/${file}` +
+      `/fixsplat/viewer/index.html?noui&background=%23000000&scene=${file}` +
       `#view=${[...view.eye, ...view.look, 0, -1, 0, view.fov]}`,
     look: ({ eye, look, fov }) =>
       document.querySelector('fixsplat-viewer').setAttribute('view', [...eye, ...look, 0, -1, 0, fov].join()),
   },
   'supersplat-viewer': {
-    address: (file) => `/supersplat/index.html?noui&noanim&content=/scenes/${file}&settings=/settings.json`,
+    address: (file) => `/supersplat/index.html?noui&noanim&content=${file}&settings=/settings.json`,
     look: (_, i) => window.viewer.seek(i),
   },
   Spark: { address: () => '/spark.html', look: (view) => window.look(view) },
@@ -135,6 +137,7 @@ const made = {
 const places = {
   '/fixsplat/': folder,
   '/scenes/': scenes,
+  '/makes/': makes,
   '/modules/': modules,
   '/supersplat/': join(modules, '@playcanvas/supersplat-viewer/public'),
 }
@@ -147,7 +150,7 @@ function answer(request, response) {
   response.setHeader('cross-origin-opener-policy', 'same-origin')
   response.setHeader('cross-origin-embedder-policy', 'require-corp')
   response.setHeader('cache-control', 'no-store')
-  if (place !== '/scenes/' && (made[path] || (file && existsSync(file)))) sent.add(path)
+  if (path !== now.file && (made[path] || (file && existsSync(file)))) sent.add(path)
   if (made[path]) response.end(made[path]())
   else if (file && existsSync(file)) {
     response.setHeader('content-length', readFileSync(file).length)
