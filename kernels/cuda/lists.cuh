@@ -3,6 +3,7 @@
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
+#include <cuda/ptx>
 #include <cuda_pipeline_primitives.h>
 
 #include "pool.cuh"
@@ -90,6 +91,9 @@ __device__ inline uint64_t box_mask(uint64_t box)
 /* A block's chunk, and its splats on their way to tiles. */
 struct block_splats {
     alignas(64) unsigned char rows[CHUNK_BYTES_MOST];
+    alignas(16) fxs_chunk header;
+    alignas(16) fxs_chunk_view view;
+    uint64_t arrived[2];                   /* barriers of the two parts that are fetched */
     fxs_splat splats[FXS_CHUNK];
     fxs_bounds bounds[FXS_CHUNK];
     uint32_t row_ends[FXS_CHUNK];          /* tile rows of the splats up to this one */
@@ -97,12 +101,60 @@ struct block_splats {
     uint32_t warp_rows[FXS_CHUNK / WARP];
 };
 
-/* Starts to copy bytes `first` to `end` of a chunk, multiples of 16. */
-__device__ inline void fetch_rows(block_splats *b, const unsigned char *rows, uint32_t first, uint32_t end)
+/* Starts to copy `bytes` bytes, a multiple of 16, as one of a part's copies. */
+__device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, const void *from, uint32_t bytes)
 {
-    for (uint32_t at = first + 16 * threadIdx.x; at < end; at += 16 * FXS_CHUNK)
-        __pipeline_memcpy_async(b->rows + at, rows + at, 16);
+#if __CUDA_ARCH__ >= 900
+    if (bytes)
+        cuda::ptx::cp_async_bulk(cuda::ptx::space_cluster, cuda::ptx::space_global, to, from, bytes,
+                                 &b->arrived[part]);
+#else
+    for (uint32_t at = 16 * threadIdx.x; at < bytes; at += 16 * FXS_CHUNK)
+        __pipeline_memcpy_async((unsigned char *)to + at, (const unsigned char *)from + at, 16);
+#endif
+}
+
+/* Starts to fetch a chunk in two parts: where it lies, its header and all but the SH, then these. One thread asks for
+   them where the device copies whole blocks by itself. */
+__device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, const unsigned char *header,
+                                   const unsigned char *rows, uint32_t bytes)
+{
+    static_assert(sizeof b->view % 16 == 0 && sizeof b->header % 16 == 0, "copied by 16 bytes");
+    const uint32_t early = bytes < FXS_ROW_SH ? bytes : FXS_ROW_SH;
+#if __CUDA_ARCH__ >= 900
+    if (threadIdx.x > 0)
+        return;
+    const uint32_t parts[2] = {early + (uint32_t)(sizeof b->view + sizeof b->header), bytes - early};
+    for (uint32_t part = 0; part < 2; part++) {
+        cuda::ptx::mbarrier_init(&b->arrived[part], 1);
+        cuda::ptx::fence_proxy_async(cuda::ptx::space_shared);
+        cuda::ptx::mbarrier_arrive_expect_tx(cuda::ptx::sem_release, cuda::ptx::scope_cta, cuda::ptx::space_shared,
+                                             &b->arrived[part], parts[part]);
+    }
+#endif
+    fetch_bytes(b, 0, &b->view, view, sizeof b->view);
+    fetch_bytes(b, 0, &b->header, header, sizeof b->header);
+    fetch_bytes(b, 0, b->rows, rows, early);
     __pipeline_commit();
+    fetch_bytes(b, 1, b->rows + early, rows + early, bytes - early);
+    __pipeline_commit();
+}
+
+/* Waits for a part, by all threads. */
+__device__ inline void await_part(block_splats *b, uint32_t part)
+{
+#if __CUDA_ARCH__ >= 900
+    if (part == 0)
+        __syncthreads();                   /* the barriers are there */
+    while (!cuda::ptx::mbarrier_try_wait_parity(&b->arrived[part], 0)) {
+    }
+#else
+    if (part == 0)
+        __pipeline_wait_prior(1);
+    else
+        __pipeline_wait_prior(0);
+    __syncthreads();
+#endif
 }
 
 /* row_ends, from the tile rows of each thread's splat. Returns those of all. */
@@ -217,6 +269,16 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
     store_large(f, e->bounds, index, large ? rows : none);
 }
 
+/* By 16 bytes: nvcc would store four at a time, as a splat's words allow. */
+__device__ inline void store_splat(fxs_splat *to, const fxs_splat &splat)
+{
+    static_assert(sizeof splat == 2 * sizeof(uint4), "two words of 16 bytes");
+    uint4 halves[2];
+    memcpy(halves, &splat, sizeof halves);
+    ((uint4 *)to)[0] = halves[0];
+    ((uint4 *)to)[1] = halves[1];
+}
+
 /* A block a chunk that can be seen: its splats and colours, and list_splats. */
 template <bool Many>
 __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ fxs_view view,
@@ -225,23 +287,21 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
 {
     __shared__ block_splats b;
     wait_for_last_kernel();
+    const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
+    const uint32_t place = cv->chunk;      /* read beside the number of chunks, though there may be none */
     if (blockIdx.x >= f.status->chunks)
         return;
-    const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
     const fxs_object_view *object = Many ? &f.objects[f.chunk_objects[blockIdx.x]] : nullptr;
     const fxs_view *camera = Many ? &object->view : &view;
     const fxs_scene *scene = Many ? &object->scene : &only_scene;
-    const uint32_t chunk = Many ? chunk_at(&f, cv->chunk) - object->first_chunk : cv->chunk, g = threadIdx.x;
-    const uint32_t index = cv->chunk * FXS_CHUNK + g;
-    const uint32_t share_q8 = Many && f.drawn ? f.drawn[cv->chunk].share_q8 : 256;
-    const fxs_chunk *header = (const fxs_chunk *)fxs_header(scene, chunk);
+    const uint32_t chunk = Many ? chunk_at(&f, place) - object->first_chunk : place, g = threadIdx.x;
+    const uint32_t index = place * FXS_CHUNK + g;
+    const uint32_t share_q8 = Many && f.drawn ? f.drawn[place].share_q8 : 256;
     const unsigned char *rows = (const unsigned char *)__builtin_assume_aligned(b.rows, 64);
-    const uint32_t early = scene->chunk_bytes < FXS_ROW_SH ? scene->chunk_bytes : FXS_ROW_SH;
-    const unsigned char *from = Many ? rows_of(scene, chunk) : fxs_rows(scene, chunk);
-    fetch_rows(&b, from, 0, early);
-    fetch_rows(&b, from, early, scene->chunk_bytes);
-    __pipeline_wait_prior(1);
-    __syncthreads();
+    fetch_chunk(&b, cv, fxs_header(scene, chunk), Many ? rows_of(scene, chunk) : fxs_rows(scene, chunk),
+                scene->chunk_bytes);
+    cv = &b.view;
+    await_part(&b, 0);
     const fxs_codes codes = fxs_codes_of(scene, rows, g);
     const uint32_t offset_q11 = offset_of_code_q11[cv->opacity_law][codes.colour >> 24];
     fxs_splat splat;
@@ -249,15 +309,14 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     uint32_t depth;
     bool visible = project_one(&splat, &bounds, &depth, camera, cv, &codes, fxs_share_of_q11(offset_q11, share_q8));
     if (Many && visible && !object->plain)
-        visible = fxs_object_change(object, header, codes.position, &depth);
-    __pipeline_wait_prior(0);
-    __syncthreads();
+        visible = fxs_object_change(object, &b.header, codes.position, &depth);
+    await_part(&b, 1);
     ellipse e;
     if (visible) {
-        shade_one(&splat, camera, scene, header, rows, g);
+        shade_one(&splat, camera, scene, &b.header, rows, g);
         if (Many)
             fxs_object_tint(object, &splat);
-        f.splats[index] = splat;
+        store_splat(&f.splats[index], splat);
         f.depths[index] = depth;
         e = ellipse_of(&view, &splat, &bounds);
     }

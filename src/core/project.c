@@ -28,26 +28,27 @@ typedef struct covariance {
 static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv, const uint16_t code[3])
 {
     for (int i = 0; i < 3; i++)
-        out->camera[i] = (int32_t)((cv->base_q16[i] + (int64_t)cv->m_q16[i][0] * code[0] +
-                                    (int64_t)cv->m_q16[i][1] * code[1] + (int64_t)cv->m_q16[i][2] * code[2]) >> 16);
+        out->camera[i] = (int32_t)(fxs_mul_add(cv->m_q16[i][0], code[0], fxs_mul_add(cv->m_q16[i][1], code[1],
+                                   fxs_mul_add(cv->m_q16[i][2], code[2], cv->base_q16[i]))) >> 16);
     const int32_t z = out->camera[2];
     if (z <= cv->near)
         return 0;
     out->zeros = view->orthographic ? cv->plane_zeros : fxs_clz32((uint32_t)z);
     out->inverse_q30 = view->orthographic ? 1u << 30 : fxs_reciprocal((uint32_t)z << out->zeros);
     out->out_of_range = 0;
-    const int64_t side = view->orthographic ? cv->plane_side : (int64_t)z * 64;
-    const int64_t f_q12[2] = {view->fx_q12, view->fy_q12}, c_q12[2] = {view->cx_q12, view->cy_q12};
+    /* 64 z, or more than |x| and |y|, which are below 2^30 */
+    const int32_t side = view->orthographic ? cv->plane_side : 64 * (z >> 25 ? (1 << 25) - 1 : z);
+    const int32_t f_q12[2] = {(int32_t)view->fx_q12, (int32_t)view->fy_q12};
+    const int64_t c_q12[2] = {view->cx_q12, view->cy_q12};
     for (int i = 0; i < 2; i++) {
         const int32_t x = out->camera[i];
         const int off_axis = x >= side || -x >= side;
-        int64_t slope = fxs_round_shift((int64_t)x * out->inverse_q30, 39 - out->zeros);
-        if (off_axis)
-            slope = x < 0 ? -((int64_t)64 << 23) : (int64_t)64 << 23;
-        int64_t position = fxs_round_shift(f_q12[i] * slope, 21) + c_q12[i] * 4 - (1 << 13);
+        const int64_t over_z = fxs_round_shift(fxs_mul_add(x, (int32_t)out->inverse_q30, 0), 39 - out->zeros);
+        const int32_t slope = !off_axis ? (int32_t)over_z : x < 0 ? -(64 << 23) : 64 << 23;
+        int64_t position = fxs_round_shift(fxs_mul_add(f_q12[i], slope, 0), 21) + c_q12[i] * 4 - (1 << 13);
         if (off_axis || position >= FXS_CENTRE_LIMIT_Q14 || position <= -FXS_CENTRE_LIMIT_Q14)
             out->out_of_range = 1;
-        out->slope_q23[i] = (int32_t)slope;
+        out->slope_q23[i] = slope;
         out->position_q14[i] = (int32_t)position;
     }
     return 1;
@@ -116,10 +117,12 @@ static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, cons
 /* The Gaussian's size cannot bring it onto the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
 static int off_picture(const fxs_view *view, const projected *centre, int exponent)
 {
-    int64_t radius_q14 = ((int64_t)14 << 12) * ((1 << (exponent > 0 ? exponent : 0)) + 1);
-    return centre->position_q14[0] + radius_q14 < 0 || centre->position_q14[1] + radius_q14 < 0 ||
-           centre->position_q14[0] - radius_q14 > (int64_t)view->tiles_x << 18 ||
-           centre->position_q14[1] - radius_q14 > (int64_t)view->tiles_y << 18;
+    /* below 2^32 - 2^30, as exponent is at most 16; so are a picture's sides */
+    const uint32_t radius_q14 = (14u << 12) * ((1u << (exponent > 0 ? exponent : 0)) + 1);
+    const int32_t x_q14 = centre->position_q14[0], y_q14 = centre->position_q14[1];
+    return (uint32_t)(x_q14 < 0 ? -x_q14 : 0) > radius_q14 || (uint32_t)(y_q14 < 0 ? -y_q14 : 0) > radius_q14 ||
+           (x_q14 > 0 && (uint32_t)x_q14 > ((uint32_t)view->tiles_x << 18) + radius_q14) ||
+           (y_q14 > 0 && (uint32_t)y_q14 > ((uint32_t)view->tiles_y << 18) + radius_q14);
 }
 
 static int32_t dot_q15(const int32_t a_q15[3], const int32_t b_q15[3])
@@ -168,7 +171,7 @@ static root root_of_q30(uint32_t x)
 /* x * 2^-shift rounded to nearest, 0 where nothing is left; shift above 0, x below 2^32 - 1. */
 static uint32_t scale_down(uint32_t x, int shift)
 {
-    return shift > 32 ? 0 : ((x >> (shift - 1)) + 1) >> 1;
+    return (fxs_shift_down(x, shift - 1) + 1) >> 1;
 }
 
 /* sqrt(x) 2^exponent */
@@ -185,17 +188,17 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
     const int e = s->exponent;
     root d = root_of_q60(s->det_q60), a = root_of_q30(s->a_q30);
     uint32_t root_c_q30 = fxs_mulhi(c.m, c.inverse_q30), root_d_q30 = fxs_mulhi(d.m, d.inverse_q30);
-    uint64_t inverse_q29 = (uint64_t)c.inverse_q30 * d.inverse_q30 >> 31;
+    const int32_t inverse_q29 = (int32_t)((uint64_t)c.inverse_q30 * d.inverse_q30 >> 31);
     splat->vy_q24 = (int32_t)scale_down(c.inverse_q30, 6 + c.half + e);
     splat->ux_q24 = (int32_t)scale_down((uint32_t)((uint64_t)root_c_q30 * d.inverse_q30 >> 30),
                                         6 - c.half + d.half + e);
-    splat->uy_q24 = -(int32_t)fxs_round_shift(s->b_q30 * (int64_t)inverse_q29, 35 + c.half + d.half + e);
+    splat->uy_q24 = -(int32_t)fxs_round_shift(fxs_mul_add(s->b_q30, inverse_q29, 0), 35 + c.half + d.half + e);
 
     bounds->cx_q14 = centre->position_q14[0];
     bounds->cy_q14 = centre->position_q14[1];
     bounds->breadth_q8 = scale_down((uint32_t)((uint64_t)root_d_q30 * c.inverse_q30 >> 30),
                                     22 - d.half + c.half - e);
-    bounds->shear_q8 = (int32_t)fxs_round_shift((int64_t)s->b_q30 * c.inverse_q30, 52 + c.half - e);
+    bounds->shear_q8 = (int32_t)fxs_round_shift(fxs_mul_add(s->b_q30, (int32_t)c.inverse_q30, 0), 52 + c.half - e);
     bounds->half_width_q8 = (uint32_t)((uint64_t)sqrt_q8(a, e) * r_q12 >> 12);
     bounds->half_width_q8 += (bounds->half_width_q8 >> 8) + 32;
     bounds->square_radius = 0;
@@ -210,12 +213,12 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
    size. Returns 0 where it misses the picture, or all of it is hidden. */
 static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint32_t sigma_q8, uint32_t r_q12)
 {
-    int64_t half_height_q8 = (int64_t)((uint64_t)sigma_q8 * r_q12 >> 12);
-    int64_t half_width_q8 = bounds->half_width_q8;
+    int32_t half_height_q8 = (int32_t)((uint64_t)sigma_q8 * r_q12 >> 12);        /* below 2^27, as exponent <= 16 */
+    const int32_t half_width_q8 = (int32_t)bounds->half_width_q8;
     half_height_q8 += (half_height_q8 >> 8) + 32;
-    int64_t cx_q8 = bounds->cx_q14 >> 6, cy_q8 = bounds->cy_q14 >> 6;
-    int64_t first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
-    if (cx_q8 + half_width_q8 < 0 || cx_q8 - half_width_q8 > (int64_t)(view->width - 1) << 8 || last < 0 ||
+    const int32_t cx_q8 = bounds->cx_q14 >> 6, cy_q8 = bounds->cy_q14 >> 6;
+    const int32_t first = (cy_q8 - half_height_q8 + 255) >> 8, last = (cy_q8 + half_height_q8) >> 8;
+    if (cx_q8 + half_width_q8 < 0 || cx_q8 - half_width_q8 > (view->width - 1) * 256 || last < 0 ||
         first >= view->height || first > last)
         return 0;
     if (cx_q8 - half_width_q8 >= view->hidden[0] * 256 && first >= view->hidden[1] &&

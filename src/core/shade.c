@@ -22,7 +22,7 @@ static void direction(int32_t d_q15[3], const int64_t offset_q32[3])
     int zeros = fxs_clz32(square + !square) & ~1;
     uint32_t inverse_q30 = fxs_rsqrt((square + !square) << zeros);
     for (int i = 0; i < 3; i++) {  /* d 2^(zeros / 2) is below 2^16 */
-        int64_t x = fxs_round_shift((int64_t)(d[i] * (1 << zeros / 2)) * inverse_q30, 31);
+        int64_t x = fxs_round_shift(fxs_mul_add(d[i] * (1 << zeros / 2), (int32_t)inverse_q30, 0), 31);
         d_q15[i] = fxs_clamp((int32_t)x, -32767, 32767);
     }
 }
@@ -54,11 +54,12 @@ static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
     b[14] = -2 * fxs_mul_q15(fxs_mul_q15(Q15(590044), x), (xx - 3 * yy) / 2);
 }
 
-/* Adds a degree, Q16: step * sum basis * code. Codes of the three channels follow each other. */
-static void add_band(int32_t sum_q16[3], const int8_t *codes, const int32_t *b_q15, int count, int step_q19)
+/* Adds degree d, Q16: step * sum basis * code. `sh`: the first code; those of the three channels follow each other. */
+static inline void add_band(int32_t sum_q16[3], const int8_t *sh, const int32_t b_q15[15], int d, int step_q19)
 {
     int32_t band_q15[3] = {0, 0, 0};
-    for (int k = 0; k < count; k++, codes += 3 * FXS_CHUNK) {
+    for (int k = FXS_SH_COUNT(d - 1); k < FXS_SH_COUNT(d); k++) {
+        const int8_t *codes = sh + 3 * k * FXS_CHUNK;
         band_q15[0] += b_q15[k] * codes[0];
         band_q15[1] += b_q15[k] * codes[FXS_CHUNK];
         band_q15[2] += b_q15[k] * codes[2 * FXS_CHUNK];
@@ -79,7 +80,7 @@ static void add_residual(fxs_sh_sums *s, const unsigned char *record, int degree
 {
     for (int c = 0; c < 3; c++) {
         uint64_t codes = fxs_residual(record, degree, c);
-        for (int k = 0; k < FXS_SH_COUNT(degree); k++, codes >>= 3)
+        for (int k = 0; k < 15; k++, codes >>= 3)
             s->odd[c] += b_q15[k] * (2 * (int32_t)((codes & 7) ^ 4) - 7);
     }
     s->gain = record[FXS_GAIN_BYTE];
@@ -126,10 +127,11 @@ static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scen
         return;
     }
     const int8_t *sh = (const int8_t *)rows + FXS_ROW_SH + g;
-    for (int d = 1; d <= view->sh_degree; d++) {
-        const int first = FXS_SH_COUNT(d - 1), count = FXS_SH_COUNT(d) - first;
-        add_band(sum_q16, sh + 3 * first * FXS_CHUNK, b_q15 + first, count, chunk->sh_step_q19[d - 1]);
-    }
+    add_band(sum_q16, sh, b_q15, 1, chunk->sh_step_q19[0]);
+    if (view->sh_degree > 1)
+        add_band(sum_q16, sh, b_q15, 2, chunk->sh_step_q19[1]);
+    if (view->sh_degree > 2)
+        add_band(sum_q16, sh, b_q15, 3, chunk->sh_step_q19[2]);
 }
 
 /* The colour of Gaussian g of a chunk; `rows` are the chunk's. */

@@ -71,7 +71,38 @@ static inline fxs_scale fxs_scale_of(int64_t scale_q32)
 /* High half of a product. */
 static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 {
+#if defined(__CUDA_ARCH__)         /* nvcc adds 0 to the half of a product that it can see */
+    uint32_t high;
+    asm("{ .reg .b32 low; .reg .b64 whole; mul.wide.u32 whole, %1, %2; mov.b64 {low, %0}, whole; }"
+        : "=r"(high) : "r"(a), "r"(b));
+    return high;
+#else
     return (uint32_t)((uint64_t)a * b >> 32);
+#endif
+}
+
+/* a * b + c, whole. */
+static inline int64_t fxs_mul_add(int32_t a, int32_t b, int64_t c)
+{
+#if defined(__CUDA_ARCH__)         /* nvcc makes 64 bits of both factors where one has been unsigned */
+    int64_t sum;
+    asm("mad.wide.s32 %0, %1, %2, %3;" : "=l"(sum) : "r"(a), "r"(b), "l"(c));
+    return sum;
+#else
+    return (int64_t)a * b + c;
+#endif
+}
+
+/* x * 2^-shift, rounded down, 0 where nothing is left; shift 0 or more. */
+static inline uint32_t fxs_shift_down(uint32_t x, int shift)
+{
+#if defined(__CUDA_ARCH__)         /* whose shifts take any number */
+    uint32_t left;
+    asm("shr.u32 %0, %1, %2;" : "=r"(left) : "r"(x), "r"(shift));
+    return left;
+#else
+    return shift > 31 ? 0 : x >> shift;
+#endif
 }
 
 /* x * 2^-shift, rounded to nearest, halves up; shift in 1..62. */
