@@ -1,6 +1,6 @@
 // What webgl.mjs asks of fixsplat/playcanvas.
 import assert from 'node:assert/strict'
-import { checkWalls, EYE, HEIGHT, keepPictures, PAGE, seen, WIDTH } from './engines.mjs'
+import { checkWalls, example, EYE, hashOfPlaced, keepPictures, PAGE, seen } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'
 
 /** What pages with an application need. */
@@ -9,6 +9,7 @@ const STAGE = `const pc = await import('playcanvas'), { Splats, viewOf } = await
   async function appOf(how = {}) {
     const canvas = Object.assign(document.createElement('canvas'), { width, height })
     const graphicsDevice = await pc.createGraphicsDevice(canvas, { deviceTypes: [pc.DEVICETYPE_WEBGL2], ...how })
+    document.body.append(canvas)
     const app = new pc.AppBase(canvas)
     app.init(Object.assign(new pc.AppOptions(), {
       graphicsDevice,
@@ -43,25 +44,193 @@ const STAGE = `const pc = await import('playcanvas'), { Splats, viewOf } = await
     mesh.setLocalScale(side, 1, side)
     return mesh
   }
-  const rendered = (all, camera) => hash(render(all.map(({ placed }) => placed), viewOf(camera.camera, width, height), { width, height }))`
+  /** What is in a target, from its top row down. */
+  async function readOf({ colorBuffer }) {
+    const rows = await colorBuffer.read(0, 0, width, height, { immediate: true })
+    return rows.map((_, i) => rows[4 * width * (height - 1 - Math.floor(i / (4 * width))) + (i % (4 * width))])
+  }
+  /** The walls of walled, in an application, into the canvas or a target. */
+  const wallsOf = (app, splats, camera, target) =>
+    walled(splats, viewOf(camera.camera, width, height), async (distance, isShown) => {
+      splats.enabled = isShown
+      const mesh = wall(app, camera, distance), bytes = draw(app)
+      mesh.destroy()
+      return target ? readOf(target) : bytes
+    })`
 
-export const playcanvasTests = (browser) => ({
-  async 'PlayCanvas: try'() {
-    const { hashes, pictures, most } = await runIn(browser, 'mesh', `${STAGE}
-      const hashes = {}
-      const app = await appOf(), camera = cameraOf(app), splats = await Splats.load(app, '/work/knot.fxs')
+/** Two objects, in the page: one picture in one order. */
+const TWO = `const second = splats.clone()
+  second.setPosition(0.7, 0.4, 0.5)
+  second.setEulerAngles(0, 40, 0)
+  second.setLocalScale(0.6, 0.6, 0.6)
+  second.opacity = 0.75
+  second.tint = [1, 0.5, 2]
+  app.root.addChild(second)`
+const placedIn = 'JSON.parse(JSON.stringify([splats, second].map(({ placed: { scene, ...how } }) => how)))'
+
+const ALL = process.env.FXS_PROCESSORS === 'all'
+
+const tests = (browser) => ({
+  async 'PlayCanvas: the bytes of the command; a mesh before, behind and amid; a ray; two objects'() {
+    const { hashes, found, placed, pictures } = await runIn(browser, 'mesh', `${STAGE}
+      const app = await appOf({ antialias: true }), camera = cameraOf(app), hashes = {}, states = []
+      // What PlayCanvas does not know to be changed: the state before and after the picture is drawn.
+      const gl = app.graphicsDevice.canvas.getContext('webgl2')
+      const names = ['ACTIVE_TEXTURE', 'TEXTURE_BINDING_2D', 'SAMPLER_BINDING', 'CURRENT_PROGRAM', 'VERTEX_ARRAY_BINDING',
+        'READ_FRAMEBUFFER_BINDING', 'DRAW_FRAMEBUFFER_BINDING', 'DEPTH_WRITEMASK', 'DEPTH_FUNC', 'CULL_FACE', 'DEPTH_TEST',
+        'SCISSOR_TEST', 'STENCIL_TEST', 'DEPTH_CLEAR_VALUE', 'ARRAY_BUFFER_BINDING', 'UNPACK_FLIP_Y_WEBGL']
+      const note = (layer) => layer.id === pc.LAYERID_WORLD && states.push(names.map((name) => gl.getParameter(gl[name])))
+      app.scene.on('prerender:layer', (_, layer, isTransparent) => isTransparent && note(layer))
+      const splats = await Splats.load(app, '/work/knot.fxs')
+      app.scene.on('prerender:layer', (_, layer, isTransparent) => isTransparent && note(layer))
       app.root.addChild(splats)
-      const bytes = draw(app)
-      hashes.alone = hash(bytes)
-      await keep('pc-alone', app.graphicsDevice.canvas)
-      hashes.rendered = rendered([splats], camera)
-      const wanted = render([splats.placed], viewOf(camera.camera, width, height), { width, height })
-      const most = apart(bytes, wanted)
-      const w = wall(app, camera, 4.03)
+      hashes.alone = hash(draw(app))
+      await keep('playcanvas-alone', app.graphicsDevice.canvas)
+      const found = await wallsOf(app, splats, camera), mesh = wall(app, camera, 4.03)
       draw(app)
-      await keep('pc-wall', app.graphicsDevice.canvas)
-      return { hashes, pictures, most }`)
+      await keep('playcanvas-wall', app.graphicsDevice.canvas)
+      mesh.destroy()
+      const [x, y] = [60, 40], at = [x + 0.5, y + 0.5].map((value) => value)
+      const from = camera.camera.screenToWorld(...at, 0.1), to = camera.camera.screenToWorld(...at, 100)
+      const hit = splats.raycast(new pc.Ray(from, to.sub(from).normalize()), camera.camera)
+      const wanted = splats.scene.pick(x, y, { eye: [0, -1, -4], look: [0, 0, 0], near: 0.1 }, { width, height })
+      hashes.ray = hit.index === wanted.gaussian
+      ${TWO}
+      hashes.two = hash(draw(app))
+      await keep('playcanvas-two', app.graphicsDevice.canvas)
+      const placed = ${placedIn}
+      hashes.kept = states.length > 4 && states.every((one, i) =>
+        i % 2 === 0 || one.every((value, k) => value === states[i - 1][k]))
+      second.destroy()
+      hashes['one again'] = hash(draw(app))
+      hashes.error = gl.getError()
+      app.destroy()
+      hashes.freed = splats.scene.isFreed
+      return { hashes, found, placed, pictures }`)
     keepPictures(pictures)
-    console.log(hashes, hashOf(seen), most)
+    checkWalls('the canvas', found)
+    const whole = hashOf(seen)
+    assert.deepEqual(hashes, { alone: whole, ray: true, two: hashOfPlaced(placed), kept: true, 'one again': whole,
+                               error: 0, freed: true })
+    assert.deepEqual([placed[1].opacity, placed[1].tint, placed[1].scale.toFixed(6)], [0.75, [1, 0.5, 2], '0.600000'])
   },
 })
+
+const more = (browser) => ({
+  async 'PlayCanvas: sizes, corners, several cameras, what is not seen, transparent meshes'() {
+    const { hashes, pictures } = await runIn(browser, 'mesh', `${STAGE}
+      const app = await appOf(), camera = cameraOf(app), hashes = {}, device = app.graphicsDevice
+      const splats = await Splats.load(app, '/work/knot.fxs')
+      app.root.addChild(splats)
+      const take = (name) => (hashes[name] = hash(draw(app)))
+      device.setResolution(80, 50)
+      take('smaller')
+      device.setResolution(width, height)
+      // A part of a picture's bytes, 80 x 50 pixels.
+      const cut = (bytes, left, top) => Uint8ClampedArray.from({ length: 4 * 80 * 50 },
+        (_, i) => bytes[4 * (160 * (top + Math.floor(i / 320)) + left) + (i % 320)])
+      camera.camera.rect = new pc.Vec4(0.125, 0.3, 0.5, 0.5)
+      hashes.corner = hash(cut(draw(app), 20, 20))
+      const other = cameraOf(app, { rect: new pc.Vec4(0.5, 0, 0.5, 0.5), priority: 1 })
+      camera.camera.rect = new pc.Vec4(0, 0.5, 0.5, 0.5)
+      const both = draw(app)
+      await keep('playcanvas-cameras', device.canvas)
+      hashes['one camera'] = hash(cut(both, 0, 0))
+      hashes['another camera'] = hash(cut(both, 80, 50))
+      other.destroy()
+      camera.camera.rect = new pc.Vec4(0, 0, 1, 1)
+      const whole = draw(app)
+      camera.camera.scissorRect = new pc.Vec4(0.25, 0, 0.5, 1)
+      const within = draw(app)
+      hashes.scissor = within.every((byte, i) => {
+        const x = (i >> 2) % width
+        return byte === (x >= 40 && x < 120 ? whole[i] : i % 4 < 3 ? 0 : byte)
+      })
+      camera.camera.scissorRect = new pc.Vec4(0, 0, 1, 1)
+      const black = () => !draw(app).some((byte, i) => i % 4 < 3 && byte)
+      splats.enabled = false
+      hashes.disabled = black()
+      splats.enabled = true
+      const group = new pc.Entity('group', app)
+      app.root.addChild(group)
+      group.addChild(splats)
+      take('in a group')
+      group.enabled = false
+      hashes['in what is disabled'] = black()
+      group.enabled = true
+      splats.remove()
+      hashes['nowhere'] = black()
+      app.root.addChild(splats)
+      const layer = new pc.Layer({ name: 'another' })
+      app.scene.layers.push(layer)
+      splats.layers = [layer.id]
+      hashes['on another layer'] = black()
+      camera.camera.layers = [...camera.camera.layers, layer.id]
+      take('on a layer of the camera')
+      splats.layers = [pc.LAYERID_WORLD]
+      // In the middle of the picture, where splats are opaque.
+      const veil = wall(app, camera, 3, { opacity: 0.5, blendType: pc.BLEND_NORMAL }), pixel = 4 * (160 * 40 + 60)
+      const veiled = draw(app)
+      await keep('playcanvas-veil', device.canvas)
+      hashes.veiled = [255, 128, 64].every((part, c) => Math.abs(veiled[pixel + c] - (part + whole[pixel + c]) / 2) <= 1)
+      veil.destroy()
+      ${TWO}
+      second.enabled = false
+      take('one of two')
+      const clone = app.root.clone()
+      hashes.clones = clone.children.filter((one) => one instanceof Splats && one !== splats).length
+      clone.destroy()
+      take('after clones')
+      return { hashes, pictures }`)
+    keepPictures(pictures)
+    const [whole, half] = [hashOf(seen), hashOf(frame('knot', 80, 50, EYE))]
+    assert.deepEqual(hashes, {
+      smaller: half, corner: half, 'one camera': half, 'another camera': half, scissor: true, disabled: true,
+      'in a group': whole, 'in what is disabled': true, nowhere: true, 'on another layer': true,
+      'on a layer of the camera': whole, veiled: true, 'one of two': whole, clones: 2, 'after clones': whole,
+    })
+  },
+
+  async 'PlayCanvas: walls in targets, in light, of samples, orthographic'() {
+    const [found, errors, pictures] = await runIn(browser, 'mesh', `${STAGE}
+      const found = {}, errors = {}
+      const ways = { plain: {}, multisampled: { antialias: true } }
+      const ortho = { projection: pc.PROJECTION_ORTHOGRAPHIC, orthoHeight: 2, nearClip: -10, farClip: 60 }
+      const targetOf = (app, how) => new pc.RenderTarget({ ...how, colorBuffer: new pc.Texture(app.graphicsDevice,
+        { width, height, format: pc.PIXELFORMAT_RGBA8, mipmaps: false }) })
+      const frames = { light: { samples: 1 }, 'light of samples': { samples: 4 }, 'light and depths': { samples: 1, sceneDepthMap: true } }
+      for (const [name, how] of Object.entries(ways)) {
+        const app = await appOf(how), splats = await Splats.load(app, '/work/knot.fxs')
+        app.root.addChild(splats)
+        const into = { 'the canvas': {}, orthographic: ortho,
+          'a target': { target: targetOf(app, { depth: true }) }, 'of samples': { target: targetOf(app, { depth: true, samples: 4 }) },
+          stencil: { target: targetOf(app, { depth: true, stencil: true }) },
+          'depths': { target: targetOf(app, { depthBuffer: new pc.Texture(app.graphicsDevice,
+            { width, height, format: pc.PIXELFORMAT_DEPTH, mipmaps: false }) }) } }
+        for (const [place, { target, ...kind }] of Object.entries({ ...into, ...(name === 'plain' && frames) })) {
+          const isFrame = frames[place], camera = cameraOf(app, isFrame ? {} : { ...kind, renderTarget: target })
+          const frame = isFrame && new pc.CameraFrame(app, camera.camera)
+          if (frame) {
+            Object.assign(frame.rendering, { renderFormats: [pc.PIXELFORMAT_RGBA16F], ...isFrame })
+            if (place === 'light and depths') Object.assign(frame.ssao, { type: pc.SSAOTYPE_COMBINE, intensity: 0 })
+            frame.update()
+          }
+          found[name + ', ' + place] = await wallsOf(app, splats, camera, target)
+          const mesh = wall(app, camera, 4.03)
+          draw(app)
+          if (!target) await keep('playcanvas-' + name + '-' + place, app.graphicsDevice.canvas)
+          mesh.destroy()
+          frame?.destroy()
+          camera.destroy()
+          errors[name + ', ' + place] = app.graphicsDevice.canvas.getContext('webgl2').getError()
+        }
+        app.destroy()
+      }
+      return [found, errors, pictures]`)
+    keepPictures(pictures)
+    console.log(JSON.stringify(found), errors)
+    for (const [name, all] of Object.entries(found)) checkWalls(name, all)
+  },
+})
+
+export const playcanvasTests = (browser) => ({ ...tests(browser), ...(ALL && more(browser)) })
