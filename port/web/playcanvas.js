@@ -68,7 +68,8 @@ class Stage extends placed.WebGLStage {
     const { renderer: { graphicsDevice: device, root, xr }, target } = this
     const seen = [...this.splats].filter((one) => one.enabled && one.root === root && one.layers.includes(layer.id))
     if (!seen.length || !this.screen || this.screen.lost || (xr?.active && xr.camera === camera.entity)) return
-    if (target.flipY) throw new Error('Splats are not drawn into a render target with flipY')
+    if (target.flipY || target.colorBuffer?.srgb)
+      throw new Error('Splats are not drawn into a render target with flipY or of sRGB colours')
     const box = boxOf(camera.rect, target)
     const [x, y, width, height] = box
     if (!(width > 0 && height > 0)) return

@@ -1,6 +1,6 @@
 // What webgl.mjs asks of fixsplat/playcanvas.
 import assert from 'node:assert/strict'
-import { checkWalls, example, EYE, hashOfPlaced, keepPictures, PAGE, seen } from './engines.mjs'
+import { checkWalls, example, EYE, hashOfPlaced, HEIGHT, keepPictures, PAGE, seen, WIDTH } from './engines.mjs'
 import { frame, hashOf, runIn } from './screens.mjs'
 
 /** What pages with an application need. */
@@ -192,13 +192,13 @@ const more = (browser) => ({
   },
 
   async 'PlayCanvas: walls in targets, in light, of samples, orthographic'() {
-    const [found, errors, pictures] = await runIn(browser, 'mesh', `${STAGE}
-      const found = {}, errors = {}
+    const [found, errors, buffers, pictures] = await runIn(browser, 'mesh', `${STAGE}
+      const found = {}, errors = {}, buffers = {}
       const ways = { plain: {}, multisampled: { antialias: true } }
       const ortho = { projection: pc.PROJECTION_ORTHOGRAPHIC, orthoHeight: 2, nearClip: -10, farClip: 60 }
       const targetOf = (app, how) => new pc.RenderTarget({ ...how, colorBuffer: new pc.Texture(app.graphicsDevice,
         { width, height, format: pc.PIXELFORMAT_RGBA8, mipmaps: false }) })
-      const frames = { light: { samples: 1 }, 'light of samples': { samples: 4 }, 'light and depths': { samples: 1, sceneDepthMap: true } }
+      const frames = { light: { samples: 1 }, 'light of samples': { samples: 4 }, 'light and depths': { samples: 1 } }
       for (const [name, how] of Object.entries(ways)) {
         const app = await appOf(how), splats = await Splats.load(app, '/work/knot.fxs')
         app.root.addChild(splats)
@@ -215,6 +215,8 @@ const more = (browser) => ({
             if (place === 'light and depths') Object.assign(frame.ssao, { type: pc.SSAOTYPE_COMBINE, intensity: 0 })
             frame.update()
           }
+          const gl = app.graphicsDevice.canvas.getContext('webgl2')
+          app.scene.once('prerender:layer', () => (buffers[place] = gl.getParameter(gl.DRAW_BUFFER1) > gl.NONE))
           found[name + ', ' + place] = await wallsOf(app, splats, camera, target)
           const mesh = wall(app, camera, 4.03)
           draw(app)
@@ -222,14 +224,160 @@ const more = (browser) => ({
           mesh.destroy()
           frame?.destroy()
           camera.destroy()
-          errors[name + ', ' + place] = app.graphicsDevice.canvas.getContext('webgl2').getError()
+          errors[name + ', ' + place] = gl.getError()
         }
         app.destroy()
       }
-      return [found, errors, pictures]`)
+      return [found, errors, buffers, pictures]`)
     keepPictures(pictures)
-    console.log(JSON.stringify(found), errors)
+    assert.equal(Object.keys(found).length, 15)
     for (const [name, all] of Object.entries(found)) checkWalls(name, all)
+    assert.deepEqual(Object.entries(errors).filter(([, error]) => error), [])
+    assert.deepEqual(Object.keys(buffers).filter((place) => buffers[place]), ['light and depths'])
+  },
+
+  async 'PlayCanvas: a ray finds what pick finds'() {
+    const { same, hits, misses, free, moved } = await runIn(browser, 'mesh', `${STAGE}
+      const app = await appOf(), camera = cameraOf(app), splats = await Splats.load(app, '/work/knot.fxs')
+      app.root.addChild(splats)
+      draw(app)
+      const inScene = { eye: [0, -1, -4], look: [0, 0, 0], near: 0.1 }
+      const said = { same: true, hits: 0, misses: 0, free: 0 }
+      function rayOf(x, y) {
+        const [from, to] = [0.1, 100].map((z) => camera.camera.screenToWorld(x + 0.5, y + 0.5, z))
+        return new pc.Ray(from, to.sub(from).normalize())
+      }
+      for (let i = 0; i < 12; i++) {
+        const [x, y] = [13 * i + 1, (37 * i) % height], ray = rayOf(x, y), hit = splats.raycast(ray, camera.camera)
+        const wanted = splats.scene.pick(x, y, inScene, { width, height })
+        hit ? said.hits++ : said.misses++
+        if (!hit || !wanted) {
+          said.same &&= !hit && !wanted
+          continue
+        }
+        const [a, b, c] = wanted.position
+        said.same &&= hit.index === wanted.gaussian && hit.point.distance(new pc.Vec3(a, -b, -c)) < 1e-4 &&
+          Math.abs(hit.distance - ray.origin.distance(hit.point)) < 1e-6
+        said.free = Math.max(said.free, Math.abs((splats.raycast(ray)?.distance ?? 99) - hit.distance))
+      }
+      // Where all is moved, turned and scaled, rays find the same.
+      const first = splats.raycast(rayOf(60, 40), camera.camera), world = new pc.Entity('world', app)
+      app.root.addChild(world)
+      world.addChild(splats)
+      world.addChild(camera)
+      world.setPosition(5, -3, 2)
+      world.setEulerAngles(20, 60, -30)
+      world.setLocalScale(1.5, 1.5, 1.5)
+      draw(app)
+      const then = splats.raycast(rayOf(60, 40), camera.camera)
+      const wanted = world.getWorldTransform().transformPoint(first.point)
+      const { aabb } = splats, margin = new pc.BoundingBox(aabb.center, aabb.halfExtents.clone().addScalar(0.1))
+      said.moved = [then.index === first.index, then.point.distance(wanted) < 1e-3, margin.containsPoint(then.point),
+        aabb.halfExtents.length() < 1.5 * 1.8 * new pc.Vec3(...splats.scene.high).length()]
+      // A camera that sees but half of the picture.
+      world.setPosition(0, 0, 0)
+      world.setEulerAngles(0, 0, 0)
+      world.setLocalScale(1, 1, 1)
+      camera.camera.rect = new pc.Vec4(0, 0.5, 0.5, 0.5)
+      draw(app)
+      const half = splats.scene.pick(30, 20, inScene, { width: 80, height: 50 })
+      said.moved.push(splats.raycast(rayOf(30, 20), camera.camera)?.index === half.gaussian)
+      return said`)
+    assert.deepEqual([same, ...moved], Array(6).fill(true))
+    assert.ok(hits >= 4 && misses >= 2, `${hits} hits, ${misses} misses`)
+    assert.ok(free < 0.2, `without a camera ${free} apart`)
+  },
+
+  async 'PlayCanvas: given back; a context that is lost and restored; in parts; errors in words'() {
+    const { hashes, objects, freed, said, paged } = await runIn(browser, 'mesh', `${STAGE}
+      const KINDS = ['Buffer', 'Framebuffer', 'Program', 'Renderbuffer', 'Shader', 'Texture', 'VertexArray']
+      const app = await appOf(), shown = app.graphicsDevice.canvas, gl = shown.getContext('webgl2'), hashes = []
+      const camera = cameraOf(app)
+      let objects = 0
+      for (const kind of KINDS)
+        for (const [verb, step] of [['create', 1], ['delete', -1]]) {
+          const was = gl[verb + kind]
+          gl[verb + kind] = function (...values) {
+            objects += step
+            return was.apply(this, values)
+          }
+        }
+      const take = () => hashes.push(hash(draw(app)))
+      const counts = [], freed = []
+      for (let i = 0; i < 3; i++) {
+        const one = await Splats.load(app, '/work/knot.fxs'), other = await Splats.load(app, one.scene)
+        other.setPosition(100, 0, 0)
+        app.root.addChild(one)
+        app.root.addChild(other)
+        take()
+        other.destroy()
+        take()
+        const clone = one.clone()
+        one.destroy()
+        one.destroy()
+        freed.push(!one.scene.isFreed && one.raycast(new pc.Ray()) === null)
+        clone.destroy()
+        freed.push(one.scene.isFreed)
+        counts.push(objects)
+      }
+      const splats = await Splats.load(app, '/work/knot.fxs'), said = []
+      app.root.addChild(splats)
+      take()
+      const ending = gl.getExtension('WEBGL_lose_context')
+      const lost = new Promise((done) => shown.addEventListener('webglcontextlost', done))
+      ending.loseContext()
+      await lost
+      app.renderNextFrame = true
+      app.tick()
+      await new Promise((done) => setTimeout(done, 50))
+      const back = new Promise((done) => splats.once('change', done))
+      ending.restoreContext()
+      await back
+      take()
+      const note = async (act) => said.push(await wordsOf((async () => act())()))
+      splats.setLocalScale(1, 2, 1)
+      await note(() => draw(app))
+      splats.setLocalScale(1, 1, -1)
+      await note(() => draw(app))
+      splats.setLocalScale(1, 1, 1)
+      await note(() => Splats.load({}, '/work/knot.fxs'))
+      await note(() => Splats.load(app, '/work/none.fxs'))
+      const textureOf = (format) =>
+        new pc.Texture(app.graphicsDevice, { width, height, format, mipmaps: false })
+      for (const how of [{ flipY: true, colorBuffer: textureOf(pc.PIXELFORMAT_RGBA8) },
+                         { colorBuffer: textureOf(pc.PIXELFORMAT_SRGBA8) }]) {
+        camera.camera.renderTarget = new pc.RenderTarget({ depth: true, ...how })
+        await note(() => draw(app))
+      }
+      camera.camera.renderTarget = null
+      take()
+      splats.destroy()
+      await note(() => splats.clone())
+
+      let news = 0
+      const paging = { changed: () => news++, cache: 0 }
+      const paged = await Splats.load(app, '/work/levels.fxs?ranges', { paging })
+      app.root.addChild(paged)
+      let events = 0
+      paged.on('change', () => events++)
+      draw(app)
+      await paged.scene.complete({ eye: [0, -1, -4], look: [0, 0, 0], near: 0.1 }, { width, height })
+      await new Promise((done) => setTimeout(done, 100))
+      const all = await Splats.load(app, '/work/levels.fxs', { paging: false })
+      take()
+      paged.remove()
+      app.root.addChild(all)
+      take()
+      const parts = [paged.scene.paged, events > 0, events === news]
+      return { hashes, objects: counts, freed, said, paged: parts }`)
+    const whole = hashOf(seen), levels = hashOf(frame('levels', WIDTH, HEIGHT, EYE))
+    assert.deepEqual(hashes, [...Array(9).fill(whole), levels, levels])
+    assert.equal(new Set(objects.slice(1)).size, 1, `objects of WebGL: ${objects}`)
+    assert.deepEqual(freed, Array(6).fill(true))
+    const wanted = [/one scale, above 0, for x, y and z/, /one scale/, /expected an application of PlayCanvas with WebGL 2/,
+                    /none.fxs.*404/, /flipY or of sRGB/, /flipY or of sRGB/, /knot.fxs: was destroyed/]
+    wanted.forEach((words, i) => assert.match(said[i], words))
+    assert.deepEqual(paged, [true, true, true])
   },
 })
 
