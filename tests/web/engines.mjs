@@ -80,7 +80,7 @@ export async function example(browser, address) {
   page.on('pageerror', ({ message }) => faults.push(message))
   await page.setViewport({ width: 660, height: 420 })
   await page.goto(`${base}examples/${address}?scene=/work/knot.fxs`)
-  // How much of the picture is not the background, and how much is the mark.
+  // How much of the picture is not the background, nor a canvas before the first frame, and how much is the mark.
   async function look(name) {
     const text = await page.screenshot({ encoding: 'base64', clip: { x: 8, y: 8, width: 640, height: 400 } })
     keepPictures({ [name]: text })
@@ -90,7 +90,8 @@ export async function example(browser, address) {
       flat.drawImage(image, 0, 0)
       const words = new Uint32Array(flat.getImageData(0, 0, 640, 400).data.buffer)
       const count = (word) => words.reduce((sum, one) => sum + (one === word ? 1 : 0), 0)
-      return { drawn: words.length - count(0xff403020) - count(0xffffffff), marked: count(0xff00ffff) }
+      const empty = [0xff403020, 0xffffffff, 0xff000000].reduce((sum, word) => sum + count(word), 0)
+      return { drawn: words.length - empty, marked: count(0xff00ffff) }
     })()`)
   }
   async function until(name, isThere) {

@@ -379,6 +379,8 @@ const more = (browser) => ({
     wanted.forEach((words, i) => assert.match(said[i], words))
     assert.deepEqual(paged, [true, true, true])
   },
+
+  'PlayCanvas: docs/examples/playcanvas-webgl.html': () => example(browser, 'playcanvas-webgl.html'),
 })
 
 export const playcanvasTests = (browser) => ({ ...tests(browser), ...(ALL && more(browser)) })
