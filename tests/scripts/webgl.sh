@@ -4,7 +4,7 @@
 # every scene of shared/scenes, not some. SPEED=1 measures too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
-needs webgl chromium -- puppeteer-core three
+needs webgl chromium -- playcanvas puppeteer-core three
 
 # make_scene KIND COUNT
 make_scene() {
