@@ -131,6 +131,9 @@ const more = (browser) => ({
         (_, i) => bytes[4 * (160 * (top + Math.floor(i / 320)) + left) + (i % 320)])
       camera.camera.rect = new pc.Vec4(0.125, 0.3, 0.5, 0.5)
       hashes.corner = hash(cut(draw(app), 20, 20))
+      camera.camera.requestSceneDepthMap(true)
+      hashes['in a pass of its own'] = hash(cut(draw(app), 20, 20))
+      camera.camera.requestSceneDepthMap(false)
       const other = cameraOf(app, { rect: new pc.Vec4(0.5, 0, 0.5, 0.5), priority: 1 })
       camera.camera.rect = new pc.Vec4(0, 0.5, 0.5, 0.5)
       const both = draw(app)
@@ -158,6 +161,9 @@ const more = (browser) => ({
       group.enabled = false
       hashes['in what is disabled'] = black()
       group.enabled = true
+      app.xr = { active: true, camera }
+      hashes['in a headset'] = black()
+      app.xr = null
       splats.remove()
       hashes['nowhere'] = black()
       app.root.addChild(splats)
@@ -185,8 +191,8 @@ const more = (browser) => ({
     keepPictures(pictures)
     const [whole, half] = [hashOf(seen), hashOf(frame('knot', 80, 50, EYE))]
     assert.deepEqual(hashes, {
-      smaller: half, corner: half, 'one camera': half, 'another camera': half, scissor: true, disabled: true,
-      'in a group': whole, 'in what is disabled': true, nowhere: true, 'on another layer': true,
+      smaller: half, corner: half, 'in a pass of its own': half, 'one camera': half, 'another camera': half, scissor: true, disabled: true,
+      'in a group': whole, 'in what is disabled': true, 'in a headset': true, nowhere: true, 'on another layer': true,
       'on a layer of the camera': whole, veiled: true, 'one of two': whole, clones: 2, 'after clones': whole,
     })
   },
@@ -203,9 +209,10 @@ const more = (browser) => ({
         const app = await appOf(how), splats = await Splats.load(app, '/work/knot.fxs')
         app.root.addChild(splats)
         const into = { 'the canvas': {}, orthographic: ortho,
-          'a target': { target: targetOf(app, { depth: true }) }, 'of samples': { target: targetOf(app, { depth: true, samples: 4 }) },
+          'a target': { target: targetOf(app, { depth: true }) },
+          'of samples': { target: targetOf(app, { depth: true, samples: 4 }) },
           stencil: { target: targetOf(app, { depth: true, stencil: true }) },
-          'depths': { target: targetOf(app, { depthBuffer: new pc.Texture(app.graphicsDevice,
+          depths: { target: targetOf(app, { depthBuffer: new pc.Texture(app.graphicsDevice,
             { width, height, format: pc.PIXELFORMAT_DEPTH, mipmaps: false }) }) } }
         for (const [place, { target, ...kind }] of Object.entries({ ...into, ...(name === 'plain' && frames) })) {
           const isFrame = frames[place], camera = cameraOf(app, isFrame ? {} : { ...kind, renderTarget: target })
@@ -216,11 +223,15 @@ const more = (browser) => ({
             frame.update()
           }
           const gl = app.graphicsDevice.canvas.getContext('webgl2')
-          app.scene.once('prerender:layer', () => (buffers[place] = gl.getParameter(gl.DRAW_BUFFER1) > gl.NONE))
+          const look = (_, layer, isTransparent) => {
+            if (layer.id === pc.LAYERID_WORLD && isTransparent) buffers[place] = gl.getParameter(gl.DRAW_BUFFER1) > gl.NONE
+          }
+          app.scene.on('prerender:layer', look)
           found[name + ', ' + place] = await wallsOf(app, splats, camera, target)
           const mesh = wall(app, camera, 4.03)
           draw(app)
           if (!target) await keep('playcanvas-' + name + '-' + place, app.graphicsDevice.canvas)
+          app.scene.off('prerender:layer', look)
           mesh.destroy()
           frame?.destroy()
           camera.destroy()
@@ -317,7 +328,7 @@ const more = (browser) => ({
         one.destroy()
         freed.push(!one.scene.isFreed && one.raycast(new pc.Ray()) === null)
         clone.destroy()
-        freed.push(one.scene.isFreed)
+        freed.push(one.scene.isFreed && !app.scene.hasEvent('prerender:layer'))
         counts.push(objects)
       }
       const splats = await Splats.load(app, '/work/knot.fxs'), said = []
@@ -326,9 +337,9 @@ const more = (browser) => ({
       const ending = gl.getExtension('WEBGL_lose_context')
       const lost = new Promise((done) => shown.addEventListener('webglcontextlost', done))
       ending.loseContext()
+      draw(app)
       await lost
-      app.renderNextFrame = true
-      app.tick()
+      draw(app)
       await new Promise((done) => setTimeout(done, 50))
       const back = new Promise((done) => splats.once('change', done))
       ending.restoreContext()
