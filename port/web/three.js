@@ -29,7 +29,7 @@ const seenOf = (stage, root, camera) =>
   [...stage.splats].filter((one) => rootOf(one) === root && isVisible(one) && camera.layers.test(one.layers))
 
 /** Whether bytes are decoded to light for three.js, which encodes them again. */
-const decodes = ({ outputColorSpace }) => ColorManagement.enabled || outputColorSpace !== LinearSRGBColorSpace
+const isDecoded = ({ outputColorSpace }) => ColorManagement.enabled || outputColorSpace !== LinearSRGBColorSpace
 
 const changed = (one, error) => one.dispatchEvent({ type: 'change', error })
 
@@ -89,12 +89,12 @@ class WebGL extends placed.WebGLStage {
     if (!(width > 0 && height > 0)) return false
     const { near, far, reversedDepth } = camera
     const how = { near, far, reversedDepth, isLogarithmic: this.renderer.capabilities.logarithmicDepthBuffer }
-    const lights = decodes(this.renderer) && this.#isLight
+    const lights = isDecoded(this.renderer) && this.#isLight
     this.drawWithin(seen, viewOf(camera, width, height), how, [x, y, width, height], lights)
     this.#textures.picture.sourceTexture = this.picture.texture
     this.#textures.behind.sourceTexture = this.behind.texture
     material.uniforms.corner.value.set(x, y)
-    material.uniforms.decodes.value = decodes(this.renderer)
+    material.uniforms.decodes.value = isDecoded(this.renderer)
     material.uniforms.lights.value = lights
     material.uniformsNeedUpdate = true
     return true
@@ -197,7 +197,7 @@ class WebGPU extends placed.Stage {
     }
     if (!isKept) this.#drop(texture)
     this.#nodes.corner.value.set(x, y)
-    this.#nodes.decodes.value = decodes(this.renderer) ? 1 : 0
+    this.#nodes.decodes.value = isDecoded(this.renderer) ? 1 : 0
   }
 
   /** Another texture in the place of the one that is shown. */

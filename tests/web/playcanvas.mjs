@@ -187,6 +187,8 @@ const more = (browser) => ({
       hashes.clones = clone.children.filter((one) => one instanceof Splats && one !== splats).length
       clone.destroy()
       take('after clones')
+      splats.turn.set(0, 0, 0, 1)
+      hashes['turned clone'] = splats.clone().placed.rotation.join()
       return { hashes, pictures }`)
     keepPictures(pictures)
     const [whole, half] = [hashOf(seen), hashOf(frame('knot', 80, 50, EYE))]
@@ -194,6 +196,7 @@ const more = (browser) => ({
       smaller: half, corner: half, 'in a pass of its own': half, 'one camera': half, 'another camera': half, scissor: true, disabled: true,
       'in a group': whole, 'in what is disabled': true, 'in a headset': true, nowhere: true, 'on another layer': true,
       'on a layer of the camera': whole, veiled: true, 'one of two': whole, clones: 2, 'after clones': whole,
+      'turned clone': '1,0,0,0',
     })
   },
 
