@@ -1,6 +1,6 @@
-// What objects of other engines have alike (three.js, playcanvas.js): cameras and rays as fixsplat takes them, the picture
-// of all that a camera sees, and within a render by WebGL what the engine has drawn before. A matrix is 16 numbers,
-// column by column; axes of an engine are x right, y up, z back.
+// What objects of other engines have alike (three.js, playcanvas.js): cameras and rays as fixsplat takes them, the
+// picture of all that a camera sees, and within a render by WebGL what the engine has drawn before. A matrix is 16
+// numbers, column by column; axes of an engine are x right, y up, z back.
 
 import { load, pick, Scene, Screen } from './fixsplat.js'
 
@@ -13,9 +13,13 @@ const plus = (a, b, times) => a.map((value, i) => value + times * b[i])
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 const lengthOf = (a) => Math.sqrt(dot(a, a))
-const unit = (a) => a.map((value) => value / lengthOf(a))
 const column = (matrix, i) => Array.from({ length: 3 }, (_, row) => matrix[4 * i + row])
 const isOrthographic = (projection) => projection[15] === 1
+
+function unit(a) {
+  const length = lengthOf(a)
+  return a.map((value) => value / length)
+}
 
 /** A camera, by its place in the world and its projection, as a Pinhole. Planes of an orthographic one may lie behind
     it, so that it is moved back until the near one is at 1. */
@@ -46,7 +50,8 @@ function viewOfRay({ origin, direction }, near) {
   const z = unit(direction)
   const x = unit(cross(Math.abs(z[1]) > 0.9 ? [1, 0, 0] : [0, 1, 0], z))
   const y = cross(z, x)
-  return { rotation: [0, 1, 2].map((row) => [x[row], y[row], z[row]]), position: origin, fx: RAY, cx: 0.5, cy: 0.5, near }
+  const rotation = [0, 1, 2].map((row) => [x[row], y[row], z[row]])
+  return { rotation, position: origin, fx: RAY, cx: 0.5, cy: 0.5, near }
 }
 
 /** Whether a ray is one along which a camera sees. */
@@ -66,11 +71,11 @@ function pixelOf({ rotation, position, fx, fy, cx, cy, orthographic }, point) {
     its own. */
 export function hitOf(placed, ray, view, options, near, far) {
   const { width, height } = view ? options : { width: 1, height: 1 }
-  const { scene: { low, high }, scale } = placed
-  const own = () => viewOfRay(ray, Math.max(near, (lengthOf(plus(high, low, -1)) * scale) / 10000))
+  const size = lengthOf(plus(placed.scene.high, placed.scene.low, -1)) * placed.scale
+  const from = view ?? viewOfRay(ray, Math.max(near, size / 10000))
   const [x, y] = view ? pixelOf(view, plus(ray.origin, ray.direction, 1)) : [0, 0]
   if (!(x >= 0 && y >= 0 && x < width && y < height)) return null
-  const found = pick(x, y, [placed], view ?? own(), { ...options, width, height })
+  const found = pick(x, y, [placed], from, { ...options, width, height })
   if (!found) return null
   const distance = lengthOf(plus(found.position, ray.origin, -1))
   return distance < near || distance > far ? null : { distance, point: found.position, index: found.gaussian }

@@ -56,6 +56,6 @@ export class Splats extends Entity {
   destroy(): void
 }
 
-/** A camera of PlayCanvas, by its entity's world transform and its projectionMatrix, as fixsplat's functions take it, for
-    a picture of this size in pixels. An orthographic one is moved back until its near plane is at a depth of 1. */
+/** A camera of PlayCanvas, by its entity's world transform and its projectionMatrix, as fixsplat's functions take it,
+    for a picture of this size in pixels. An orthographic one is moved back until its near plane is at a depth of 1. */
 export function viewOf(camera: CameraComponent, width: number, height: number): Pinhole

@@ -80,7 +80,7 @@ export async function example(browser, address) {
   page.on('pageerror', ({ message }) => faults.push(message))
   await page.setViewport({ width: 660, height: 420 })
   await page.goto(`${base}examples/${address}?scene=/work/knot.fxs`)
-  // How much of the picture is not the background, nor a canvas before the first frame, and how much is the mark.
+  // How much of the picture is neither the background nor a canvas before its first frame, and how much is the mark.
   async function look(name) {
     const text = await page.screenshot({ encoding: 'base64', clip: { x: 8, y: 8, width: 640, height: 400 } })
     keepPictures({ [name]: text })
