@@ -194,8 +194,8 @@ const more = (browser) => ({
     keepPictures(pictures)
     const [whole, half] = [hashOf(seen), hashOf(frame('knot', 80, 50, EYE))]
     assert.deepEqual(hashes, {
-      smaller: half, corner: half, 'in a pass of its own': half, 'one camera': half, 'another camera': half, scissor: true, disabled: true,
-      'in a group': whole, 'in what is disabled': true, 'in a headset': true, nowhere: true, 'on another layer': true,
+      smaller: half, corner: half, 'in a pass of its own': half, 'one camera': half, 'another camera': half,
+      scissor: true, disabled: true, 'in a group': whole, 'in what is disabled': true, 'in a headset': true, nowhere: true, 'on another layer': true,
       'on a layer of the camera': whole, veiled: true, 'one of two': whole, clones: 2, 'after clones': whole,
       'turned clone': '1,0,0,0',
     })
