@@ -68,9 +68,9 @@ WASM := $(MODULES:%=$(WEB)/%.wasm)
 # What has its other files inside needs a bundler to be made.
 ESBUILD ?= esbuild
 WEB_INLINE := $(if $(shell command -v $(ESBUILD)),$(addprefix $(WEB)/inline/,with_files.js viewer_with_files.js files.js worker.js package.json viewer/package.json))
-WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js three.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js react.js \
+WEB_SCRIPTS := $(addprefix $(WEB)/,fixsplat.js fixsplat_assets.js placed.js playcanvas.js three.js webgl.js webgpu.js stages.js read.js paged.js store.js thread.js node.js react.js \
                                    system.js thread_node.js viewer/style.js viewer/package.json)
-PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts react.d.ts three.d.ts package.json README.md CHANGELOG.md LICENSE) \
+PACKAGE := $(WASM) $(WEB_SCRIPTS) $(addprefix $(WEB)/,fixsplat.d.ts react.d.ts playcanvas.d.ts three.d.ts package.json README.md CHANGELOG.md LICENSE) \
            $(patsubst port/web/%,$(WEB)/%,$(filter-out %/viewer.css,$(wildcard port/web/viewer/*))) $(WEB_INLINE)
 
 web: $(PACKAGE) ## the npm package (docs/web.md), in build/web/package

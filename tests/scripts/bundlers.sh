@@ -4,7 +4,7 @@
 # cases with such names. PICTURES=FOLDER keeps a picture of what fails.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
-needs bundlers chromium esbuild npm -- puppeteer-core
+needs bundlers chromium esbuild npm -- puppeteer-core playcanvas
 tools=$B/bundlers/node_modules
 all=
 [ "$FXS_PROCESSORS" = all ] && all=all
@@ -19,7 +19,7 @@ fi
 # ready: the tarball has what a registry shows, the library's version, and no file that is not for programs.
 ready() {
     tar xzf "$tarball" -C "$work" || return 1
-    for file in README.md LICENSE CHANGELOG.md fixsplat.d.ts react.d.ts viewer/viewer.d.ts inline/worker.js; do
+    for file in README.md LICENSE CHANGELOG.md fixsplat.d.ts playcanvas.d.ts react.d.ts three.d.ts viewer/viewer.d.ts inline/worker.js; do
         [ -s "$work/package/$file" ] || { echo "no $file"; return 1; }
     done
     grep -q '^## ' "$work/package/CHANGELOG.md" && ! grep -rl '@VERSION@\|@FORMATS@' "$work/package" &&
@@ -60,7 +60,7 @@ check "size of the element" at_most 40000 "$work/minified/viewer/element.js" "$w
 check "size of the element in a bundle" at_most 72000 "$work/minified/viewer/element.js" \
     "$work/minified/viewer/worker_whole.js" "$work/minified/thread.js"
 "$B/fixsplat" make-scene knot --count 20000 -o "$work/scene.ply" >/dev/null
-if node tests/web/types.mjs "$tarball" "$tools" $all >"$work/asked" 2>&1; then TYPES=yes; else TYPES=no; fi
+if node tests/web/types.mjs "$tarball" "$tools" "$modules" $all >"$work/asked" 2>&1; then TYPES=yes; else TYPES=no; fi
 export TYPES
 [ "$TYPES" = yes ] || grep -q '^FAIL' "$work/asked" || echo "FAIL types.mjs: ended early" >>"$work/asked"
 counts

@@ -1,10 +1,11 @@
 #!/bin/sh
 # A Screen of the npm package (docs/web.md) in headless Chromium, whose WebGL 2 is SwiftShader's: the pixels of the
-# command, by the processor and by WebGL; lost contexts, errors in words, what is given back. With FXS_PROCESSORS=all
-# every scene of shared/scenes, not some. SPEED=1 measures too.
+# command, by the processor and by WebGL; lost contexts, errors in words, what is given back; and Splats in scenes of
+# three.js and PlayCanvas. With FXS_PROCESSORS=all every scene of shared/scenes, not some, and all of PlayCanvas. SPEED=1
+# measures too.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/web.sh
-needs webgl chromium -- puppeteer-core three
+needs webgl chromium -- playcanvas puppeteer-core three
 
 # make_scene KIND COUNT
 make_scene() {

@@ -53,6 +53,7 @@ const MAP = {
     playcanvas: '/playcanvas/playcanvas.mjs',
     fixsplat: '/fixsplat.js',
     'fixsplat/three': '/three.js',
+    'fixsplat/playcanvas': '/playcanvas.js',
   },
 }
 const mapped = (map) => `${PAGE}<script type="importmap">${JSON.stringify(map)}</script>`
@@ -74,8 +75,8 @@ const server = createServer((request, answer) => {
   const { pathname, search } = new URL(request.url, 'http://x')
   const path = decodeURIComponent(pathname)
   const [, first, ...rest] = path.split('/')
-  const npm = path.match(/^\/examples\/node_modules\/(fixsplat|three)(\/.*)/)
-  const file = npm ? (npm[1] === 'three' ? `${modules}/three` : folder) + npm[2]
+  const npm = path.match(/^\/examples\/node_modules\/(fixsplat|three|playcanvas)(\/.*)/)
+  const file = npm ? (npm[1] === 'fixsplat' ? folder : `${modules}/${npm[1]}`) + npm[2]
              : rest.length && FOLDERS[first] ? join(FOLDERS[first], ...rest) : folder + path
   const kind = TEXTS[path]?.startsWith(PAGE) ? 'text/html' : KINDS[path.split('.').pop()]
   answer.setHeader('content-type', kind ?? 'application/octet-stream')

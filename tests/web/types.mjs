@@ -1,11 +1,11 @@
-// node types.mjs TARBALL MODULES [all]: TypeScript, strict, on the lines of port/web/README.md and docs/web.md and on
+// node types.mjs TARBALL MODULES PAGE_MODULES [all]: TypeScript, strict, on the lines of port/web/README.md and docs/web.md and on
 // bundlers/types.tsx, with types of React 19 as bundlers find modules; `all`: as
 // Node does too, and with React 18. Prints what is wrong.
 import { execFileSync, spawnSync } from 'node:child_process'
 import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { dirname, join, resolve } from 'node:path'
 
-const [tarball, modules, all] = process.argv.slice(2)
+const [tarball, modules, pageModules, all] = process.argv.slice(2)
 const folder = mkdtempSync(join(dirname(resolve(modules)), 'types-'))
 process.on('exit', () => rmSync(folder, { recursive: true, force: true }))
 
@@ -41,7 +41,9 @@ cpSync(join(folder, 'node_modules/package'), join(folder, 'node_modules/fixsplat
 writeFileSync(join(folder, 'package.json'), '{ "private": true, "type": "module" }')
 
 const { bin } = JSON.parse(readFileSync(join(modules, 'typescript/package.json'), 'utf8'))
+const playcanvas = { playcanvas: [resolve(pageModules, 'playcanvas/build/playcanvas.d.ts')] }
 const react18 = {
+  ...playcanvas,
   react: [resolve(modules, '@types/react-18/index.d.ts')],
   'react/jsx-runtime': [resolve(modules, '@types/react-18/jsx-runtime.d.ts')],
 }
@@ -53,6 +55,7 @@ const common = {
   lib: ['esnext', 'dom', 'dom.iterable'],
   jsx: 'react-jsx',
   types: ['node'],
+  paths: playcanvas,
 }
 const ways = {
   'as bundlers, React 19': { module: 'esnext', moduleResolution: 'bundler' },

@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'
+import { playcanvasTests } from './playcanvas.mjs'
 import { frame, FRAMES, hashOf, launch, open, runIn, runTests, shared, work } from './screens.mjs'
 import { threeTests } from './three.mjs'
 
@@ -331,4 +332,4 @@ async function measure() {
     }
 }
 
-await runTests(browser, { ...tests, ...threeTests(browser) }, measure)
+await runTests(browser, { ...tests, ...threeTests(browser), ...playcanvasTests(browser) }, measure)
