@@ -522,7 +522,7 @@ const tests = {
     ])
     const places = await inside(`const box = (name) => v.shadowRoot.querySelector(name).getBoundingClientRect();
       return [box('.top').top, box('.bar').bottom]`)
-    assert.deepEqual(places, [50, 740 - 44])
+    assert.deepEqual(places, [50, 740 - 36])
     await picture('phone')
     await page.keyboard.press('h')
     await picture('phone-keys')

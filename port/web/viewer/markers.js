@@ -87,8 +87,8 @@ export class Markers {
     ui.editing.hidden = ui.remove.hidden = !isEditing
     if (ui.newTitle.value !== title) ui.newTitle.value = title
     if (ui.newText.value !== text) ui.newText.value = text
-    ui.place.textContent = `${index + 1} / ${this.#list.length}`
-    ui.earlier.disabled = ui.later.disabled = this.#list.length < 2
+    ui.place.textContent = this.#list.length > 1 ? `${index + 1} / ${this.#list.length}` : ''
+    ui.earlier.hidden = ui.later.hidden = this.#list.length < 2
   }
 
   write() {

@@ -8,28 +8,42 @@ export const rules = `
 .marker.behind { opacity: 0.3; }
 .marker[aria-expanded="true"] { background: var(--on); color: var(--accent); border-color: var(--accent); opacity: 1; }
 
-section#caption { right: auto; left: calc(14px + var(--left, 0px)); }
+#player, section { --bar: 60px; }
+:host([ui]) :is(#player, section) { --bar: 0px; }
+:host([ui~="tracks"]) :is(#player, section) { --bar: 6px; }
+:host([ui]:not([ui~="annotations"])) :is(#markers, #caption), :host([ui]:not([ui~="tracks"])) #player {
+  display: none !important; }
+:host(:is(:not([ui]), [ui~="tracks"])) #player:not([hidden]) ~ * { --track: 48px; }
+section.panel { --under: calc(var(--bar) + var(--track, 0px) + var(--below, 0px)); bottom: calc(14px + var(--under));
+  max-height: calc(100% - 32px - var(--under)); }
+section#caption { right: auto; left: calc(14px + var(--left, 0px)); flex-direction: column; overflow: hidden; }
+section#caption:not([hidden]) { display: flex; }
 #caption header { gap: 8px; align-items: start; }
 #caption h2 { padding-top: 8px; overflow-wrap: anywhere; }
-#captionText { padding-right: 10px; white-space: pre-line; overflow-wrap: anywhere; }
+#captionText { min-height: 3em; padding-right: 10px; overflow: auto; white-space: pre-line; overflow-wrap: anywhere; }
 #caption footer { display: flex; align-items: center; gap: 2px; margin-top: 6px; color: var(--quiet); }
 #place { flex: 1; text-align: center; font-variant-numeric: tabular-nums; }
 #caption :is(input, textarea) { display: block; width: calc(100% - 10px); margin: 4px 0; padding: 7px 9px; font: inherit;
   color: inherit; background: transparent; border: 1px solid var(--line); border-radius: 7px; }
 #caption textarea { height: 90px; resize: vertical; }
 
-#player { position: absolute; bottom: calc(68px + var(--below, 0px)); left: 50%; transform: translateX(-50%);
+#player { position: absolute; bottom: calc(8px + var(--bar) + var(--below, 0px)); left: 50%; transform: translateX(-50%);
   width: min(440px, calc(100% - 12px)); display: flex; align-items: center; padding: 3px; }
 #player input { flex: 1; min-width: 60px; }
 #player select { max-width: 120px; height: 30px; border: 0; background: transparent; text-overflow: ellipsis; }
 #player output { min-width: 92px; text-align: center; color: var(--quiet); font-size: 13px; white-space: nowrap;
   font-variant-numeric: tabular-nums; }
 #player:not([hidden]) ~ #note { bottom: calc(126px + var(--below, 0px)); }
-#player:not([hidden]) ~ section.panel { bottom: calc(122px + var(--below, 0px));
-  max-height: calc(100% - 140px - var(--below, 0px)); }
+#note:has(~ #caption:not([hidden])) { bottom: auto; top: calc(56px + var(--above, 0px)); }
 
-@media (max-width: 560px) {
-  section#caption { left: 6px; right: 6px; width: auto; max-height: 38%; }
+@container (max-width: 560px) {
+  section#caption { left: 6px; right: 6px; width: auto; max-height: max(38%, min(170px, 100% - 12px)); }
+}
+@container (max-width: 400px) {
+  #player, section { --bar: 40px; }
+  section.panel { bottom: calc(6px + var(--below, 0px)); max-height: calc(100% - 12px); }
+  #player { bottom: calc(12px + var(--bar) + var(--below, 0px)); }
+  #player output { min-width: 76px; }
 }
 @media (prefers-reduced-motion: reduce) {
   .marker { transition: none; }

@@ -221,7 +221,7 @@ export interface Film {
 }
 
 /** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
-    threads, noui, wheel, keep, settings, annotation, skybox, lang. */
+    threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** What draws; to set it is to set the attribute. */
@@ -298,9 +298,18 @@ export interface ViewerAttributes {
   backend?: Backend | ''
   threads?: number | string
   turn?: '' | true
+  /** Nothing but the picture. */
   noui?: '' | true
+  /** Which parts of the interface there are, and no others; all without it. */
+  ui?: '' | 'annotations' | 'tracks' | 'annotations tracks'
+  /** The scene's name in the corner; without it that of its file. */
+  label?: string
   wheel?: 'page' | ''
   keep?: number | string
+  settings?: string
+  annotation?: number | string
+  skybox?: string
+  lang?: string
 }
 
 /** As of a cameras.json. */
