@@ -505,6 +505,26 @@ const tests = {
     )
   },
 
+  async 'the corner: the name of the scene, or its label, to be read on any picture'() {
+    const named = () => inside(`return $('name').textContent`)
+    await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'light' }])
+    await open('?scene=/scenes/scene.ply&label=A <knot>&background=%23000000')
+    assert.equal(await named(), 'A <knot>')
+    const contrast = await inside(`const of = (text) => text.match(/[\\d.]+/g).map(Number)
+      const [plate, ink] = ['backgroundColor', 'color'].map((one) => of(getComputedStyle($('name').parentNode)[one]))
+      const light = (rgb) => [0.2126, 0.7152, 0.0722].reduce((sum, share, i) => sum + share * (rgb[i] / 255) ** 2.2, 0)
+      return (light(plate.map((x) => x * (plate[3] ?? 1))) + 0.05) / (light(ink) + 0.05)`) // over black
+    assert.ok(contrast > 7, contrast)
+    await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
+    await inside(`v.removeAttribute('label')`)
+    assert.equal(await named(), 'scene.ply')
+    assert.equal(await inside(`v.setAttribute('label', 'Another'); return new URL(v.link).searchParams.get('label')`), 'Another')
+    await inside(`const data = new DataTransfer()
+      data.items.add(new File([await (await fetch('/scenes/scene.fxs')).arrayBuffer()], 'dropped.fxs'))
+      v.dispatchEvent(new DragEvent('drop', { dataTransfer: data }))`)
+    await page.waitForFunction(`document.querySelector('fixsplat-viewer').shadowRoot.getElementById('name').textContent === 'dropped.fxs'`)
+  },
+
   async 'in the width of a phone nothing lies outside'() {
     await open('?scene=/scenes/scene.ply&cameras=/scenes/cameras.json', 360, 740)
     for (const panel of ['options', 'help'])

@@ -34,16 +34,24 @@ section#caption:not([hidden]) { display: flex; }
 #player output { min-width: 92px; text-align: center; color: var(--quiet); font-size: 13px; white-space: nowrap;
   font-variant-numeric: tabular-nums; }
 #player:not([hidden]) ~ #note { bottom: calc(126px + var(--below, 0px)); }
-#note:has(~ #caption:not([hidden])) { bottom: auto; top: calc(56px + var(--above, 0px)); }
+#note:has(~ #caption:not([hidden])) { bottom: auto; top: calc(54px + var(--above, 0px)); z-index: 1; }
 
 @container (max-width: 560px) {
-  section#caption { left: 6px; right: 6px; width: auto; max-height: max(38%, min(170px, 100% - 12px)); }
+  section#caption { left: 6px; right: 6px; width: auto; max-height: max(38%, min(150px, 100% - 12px)); }
 }
 @container (max-width: 400px) {
   #player, section { --bar: 40px; }
   section.panel { bottom: calc(6px + var(--below, 0px)); max-height: calc(100% - 12px); }
+  section#caption { padding: 4px 6px 4px 14px; }
+  #caption button { height: 32px; }
+  #caption h2 { padding-top: 5px; }
+  #caption footer { margin-top: 0; }
   #player { bottom: calc(12px + var(--bar) + var(--below, 0px)); }
+  #player button { min-width: 32px; }
   #player output { min-width: 76px; }
+}
+@container (max-width: 300px) {
+  #clock { display: none; }
 }
 @media (prefers-reduced-motion: reduce) {
   .marker { transition: none; }

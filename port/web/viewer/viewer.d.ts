@@ -240,9 +240,9 @@ export class Viewer extends HTMLElement {
       where a number is missing. */
   get camera(): ViewerCamera | null
   set camera(camera: SomeCamera | null)
-  /** All; some may be set. */
+  /** All; some may be set. To set an address is to set the attribute, which is that of a settings file. */
   get settings(): Settings
-  set settings(values: { [Name in keyof Settings]?: Settings[Name] | null })
+  set settings(values: { [Name in keyof Settings]?: Settings[Name] | null } | string)
   /** Opens an address, a file, or the files of one scene; what there was stays where that fails. */
   open(source: string | File | File[]): Promise<boolean>
   /** Puts one more scene beside those there are: a new <fixsplat-scene> in this element. */

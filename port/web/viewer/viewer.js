@@ -223,6 +223,7 @@ export class Viewer extends HTMLElement {
     return Object.fromEntries(Object.entries(this.#table).map(([name, [get]]) => [name, get()]))
   }
   set settings(values) {
+    if (typeof values === 'string') return this.setAttribute('settings', values) // as React has it
     const names = Object.keys(this.#table)
     for (const name of Object.keys(values))
       if (!names.includes(name)) throw new Error(`${name}: expected one of ${names.join(', ')}`)
