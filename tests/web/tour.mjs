@@ -156,6 +156,12 @@ const tests = {
       assert.ok(caption <= Math.max(150, 0.9 * height - 74) && text > 40, `${caption}, ${text}`)
       await picture(`card-${width}`)
     }
+    await page.setViewport({ width: 320, height: 240 })
+    await inside(`v.camera = { eye: [0, -2.6, -6], look: [0, -2.6, 0] }; $('mark').click()`)
+    await until('v.annotations.length === 4')
+    const foot = await inside(`return ['newTitle', 'remove'].map((id) => $(id).getBoundingClientRect().bottom)`)
+    assert.ok(foot[0] < foot[1] && foot[1] < 240, `${foot}`) // what is written scrolls, the buttons stay
+    assert.deepEqual(await outside(), [[], false])
     const arrows = () => inside(`return ['earlier', 'later', 'linkTo'].map((id) => $(id).checkVisibility())`)
     assert.deepEqual(await arrows(), [true, true, true])
     await inside(`v.settings = '/scenes/one.json'`) // as React gives it

@@ -13,14 +13,16 @@ export const rules = `
 :host([ui~="tracks"]) :is(#player, section) { --bar: 6px; }
 :host([ui]:not([ui~="annotations"])) :is(#markers, #caption), :host([ui]:not([ui~="tracks"])) #player {
   display: none !important; }
+:host([ui]:not([ui~="annotations"])) #player { visibility: visible; }
 :host(:is(:not([ui]), [ui~="tracks"])) #player:not([hidden]) ~ * { --track: 48px; }
 section.panel { --under: calc(var(--bar) + var(--track, 0px) + var(--below, 0px)); bottom: calc(14px + var(--under));
   max-height: calc(100% - 32px - var(--under)); }
 section#caption { right: auto; left: calc(14px + var(--left, 0px)); flex-direction: column; overflow: hidden; }
 section#caption:not([hidden]) { display: flex; }
 #caption header { gap: 8px; align-items: start; }
-#caption h2 { padding-top: 8px; overflow-wrap: anywhere; }
-#captionText { min-height: 3em; padding-right: 10px; overflow: auto; white-space: pre-line; overflow-wrap: anywhere; }
+#caption h2 { max-height: 4.8em; padding-top: 8px; overflow: auto; overflow-wrap: anywhere; }
+#captionText, #editing { min-height: 3em; overflow: auto; }
+#captionText { padding-right: 10px; white-space: pre-line; overflow-wrap: anywhere; }
 #caption footer { display: flex; align-items: center; gap: 2px; margin-top: 6px; color: var(--quiet); }
 #place { flex: 1; text-align: center; font-variant-numeric: tabular-nums; }
 #caption :is(input, textarea) { display: block; width: calc(100% - 10px); margin: 4px 0; padding: 7px 9px; font: inherit;
