@@ -9,6 +9,7 @@
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/map.h>
 #include "cmd_render.h"
+#include "file_guard.h"
 #include "page_folder.h"
 #include "publish_single.h"
 #include "scene_list.h"
@@ -76,6 +77,7 @@ static int write_poster(const publish_options *o, const listed_scene *s)
     r->encoding = FXS_IMAGE_JPG;
     r->quality = 85;
     const int status = render_views(r);
+    files_done();
     free(r);
     return status;
 }
