@@ -68,6 +68,8 @@ try {
     await page.click('main a:last-of-type')
     await still()
     await count('2,000')
+    const named = `document.querySelector('fixsplat-viewer').shadowRoot.getElementById('name').textContent`
+    assert.equal(await page.evaluate(named), 'knot.ply') // and not that of what it was packed as
     await compare(knot)
   })
   let view

@@ -44,24 +44,25 @@ function tell({ name, state, done, words: why }) {
   else say('')
 }
 
-function begin(address) {
+function begin(address, name) {
   viewer = document.createElement('fixsplat-viewer')
   viewer.setAttribute('src', address)
+  viewer.setAttribute('label', name)
   followAddress(viewer)
   document.body.append(viewer)
   viewer.focus({ focusVisible: false })
 }
 
 /** False where it is not the time for it. */
-async function open(address) {
-  if (!viewer) return begin(address)
+async function open(address, name) {
+  if (!viewer) return begin(address, name)
   if (viewer.hasAttribute('open')) return viewer.replace(address)
   viewer.setAttribute('src', address)
 }
 
 async function show({ name, version, address }) {
   try {
-    if ((await open(address)) !== false) shown = version
+    if ((await open(address, name)) !== false) shown = version
   } catch (error) {
     shown = version
     say(language.of('{0} has changed, and cannot be shown: {1}', name, error.message))
