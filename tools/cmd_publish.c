@@ -9,6 +9,7 @@
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/map.h>
 #include "cmd_render.h"
+#include "file_guard.h"
 #include "page_folder.h"
 #include "publish_single.h"
 #include "scene_list.h"
@@ -27,7 +28,7 @@ typedef struct publish_options {
 
 static const option_row own_rows[] = {
     {.help = "Options:"},
-    {"title", "TEXT", TEXT(title), .help = "of the page (default: the scene's name)"},
+    {"title", "TEXT", TEXT(title), .help = "of the page, and in its corner; of several scenes that of their list (default: the scene's name)"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
      "how scenes are packed that are no .fxs: small (default, 20 bytes a Gaussian), compact or default"},
     {"single", 0, FLAG(single), .help =
@@ -76,6 +77,7 @@ static int write_poster(const publish_options *o, const listed_scene *s)
     r->encoding = FXS_IMAGE_JPG;
     r->quality = 85;
     const int status = render_views(r);
+    files_done();
     free(r);
     return status;
 }
@@ -144,12 +146,12 @@ static void print_scene(FILE *file, const char *title, const char *name, const c
         "<meta property=\"og:image\" content=\"%s.jpg\">\n"
         "<link rel=\"stylesheet\" href=\"fixsplat/viewer/page.css\">\n"
         "<script type=\"module\" src=\"fixsplat/viewer/viewer.js\"></script>\n"
-        "<fixsplat-viewer src=\"%s.fxs\" poster=\"%s.jpg\" ";
+        "<fixsplat-viewer src=\"%s.fxs\" label=\"%s\" poster=\"%s.jpg\" ";
     static const char in_scene[] =
         ">\nThis page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"
         "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n";
     print_page_head(file, title);
-    print_html(file, of_scene, name, name, name);
+    print_html(file, of_scene, name, name, title, name);
     fprintf(file, "%s%s", settings ? "settings=\"settings.json\"" : "background=\"#000000\"", in_scene);
 }
 
@@ -172,7 +174,8 @@ static int write_page(publish_options *o, const char *name, const listed_scene *
     FILE *file = open_memstream(&text, &size);
     if (!file)
         return fail(EXIT_FAILED, "out of memory");
-    const char *title = o->title ? o->title : s ? s->title : "Scenes";
+    const int is_one = s && o->list.count > 1;     /* of several: --title is that of the list */
+    const char *title = o->title && !is_one ? o->title : s ? s->title : "Scenes";
     if (s)
         print_scene(file, title, s->name, o->settings);
     else

@@ -180,3 +180,12 @@ int files_check(void)
             return fail(EXIT_USAGE, "%s: two outputs are one file", written->files[i].name);
     return 0;
 }
+
+void files_done(void)
+{
+    for (size_t i = 0; i < known.written.count; i++) {
+        free(known.written.files[i].place);
+        free(known.written.files[i].name);
+    }
+    known.written.count = 0;
+}

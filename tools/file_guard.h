@@ -24,4 +24,7 @@ void files_force(enum files_force force);
 /* Returns 0, or prints which output is refused and returns the exit status. */
 int files_check(void);
 
+/* Forgets the outputs that were told: they are there now. In the place of such a file another may be, which is read. */
+void files_done(void);
+
 #endif

@@ -147,7 +147,8 @@ static int print_scene(FILE *file, const single_page *page, const fxs_opened *op
     print_html(file, "<style>\nhtml, body { height: 100%; margin: 0 }\n"
                "fixsplat-viewer { height: 100vh; height: 100dvh }\n</style>\n"
                "<noscript>This page draws with WebAssembly, which needs JavaScript.</noscript>\n"
-               "<fixsplat-viewer threads=\"1\" background=\"#000000\" poster=\"data:image/jpeg;base64,");
+               "<fixsplat-viewer label=\"%s\" threads=\"1\" background=\"#000000\" poster=\"data:image/jpeg;base64,",
+               page->title);
     write_base64(file, poster->bytes, poster->size);
     print_html(file, "\"></fixsplat-viewer>\n<script type=\"text/plain\" id=\"scene\" data-name=\"%s.fxs\">",
                page->name);

@@ -174,6 +174,8 @@ export interface FrameOptions {
   /** Of such scenes, a size in pixels, 1/256 to 16384: what is smaller is not drawn more finely. It may be combined with
       a budget. */
   detail?: number
+  /** Of scenes that come in parts: false draws what is there, and has nothing fetched for it. True by default. */
+  fetch?: boolean
   /** The largest number of bytes of working memory. With less memory than a whole frame needs, the same picture takes
       longer; too little memory is an Error. */
   maxMemory?: number

@@ -57,6 +57,7 @@ class Module {
     this.scenes = 0
     this.pagers = []            // of the placed scenes that come in parts
     this.ahead = false          // whether what is drawn is not to be shown yet
+    this.fetches = true         // whether what is drawn has parts fetched
   }
 
   /** What the module wants of OpenGL: the functions of webgl.js that are `this.gl` when they are called. */
@@ -110,7 +111,7 @@ class Module {
   draw(name, ...args) {
     try {
       const result = this.check(this.c[name](...args))
-      for (const pager of this.pagers) pager.looked(this.ahead)
+      if (this.fetches) for (const pager of this.pagers) pager.looked(this.ahead)
       return result
     } catch (error) {
       this.c.settle?.()
@@ -505,9 +506,10 @@ function sizeOf(camera, options) {
 
 function begin(objects, camera, options) {
   const [width, height] = sizeOf(camera, options)
-  const { depthBits = 16 } = options
+  const { depthBits = 16, fetch = true } = options
   if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
   const core = placeAll(objects)
+  core.fetches = fetch
   takeCamera(core, objects, camera, width, height)
   return [core, width, height]
 }

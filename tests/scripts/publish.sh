@@ -18,7 +18,7 @@ check "its files" equal "$(cd site && find . -type f | sort | tr '\n' ' ')" \
 check "it is packed small" cmp site/knot.fxs small.fxs
 "$fixsplat" render small.fxs --size 64x36 --quality 85 -o poster.jpg --quiet
 check "the picture is its own" cmp site/knot.jpg poster.jpg
-check "the page shows it" grep -q '<fixsplat-viewer src="knot.fxs" poster="knot.jpg" background="#000000">' site/index.html
+check "the page shows it" grep -q '<fixsplat-viewer src="knot.fxs" label="knot" poster="knot.jpg" background="#000000">' site/index.html
 check "an .fxs as it is" "$fixsplat" publish small.fxs site --size 64x36 --quiet
 check "it is that file" cmp site/small.fxs small.fxs
 "$fixsplat" publish small.fxs site --size 64x36 --profile default >logs/out 2>logs/err
@@ -29,11 +29,12 @@ check "--profile" "$fixsplat" publish knot.ply whole --size 64x36 --profile defa
 check "--profile: that one" cmp whole/knot.fxs default.fxs
 check "--title" "$fixsplat" publish knot.ply site --size 64x36 --title '<Knot> & "more"' --quiet
 check "--title: as HTML has it" grep -q '<title>&#60;Knot&#62; &#38; &#34;more&#34;</title>' site/index.html
+check "--title: in the corner of the page" grep -q ' label="&#60;Knot&#62; &#38; &#34;more&#34;" ' site/index.html
 
 printf '{"fixsplat":1,"annotations":[{"position":[0,0,0],"title":"Middle"}],"background":"#102030"}\n' >tour.json
 check "--settings" "$fixsplat" publish knot.ply told --size 64x36 --settings tour.json --quiet
 check "--settings: beside the scene" cmp told/settings.json tour.json
-check "--settings: the page reads them" grep -q '<fixsplat-viewer src="knot.fxs" poster="knot.jpg" settings="settings.json">' \
+check "--settings: the page reads them" grep -q '<fixsplat-viewer src="knot.fxs" label="knot" poster="knot.jpg" settings="settings.json">' \
     told/index.html
 
 # ---- Several ---------------------------------------------------------------------------------------------------------
@@ -46,6 +47,9 @@ index-2.html index-2.jpg index.html knot-2.fxs knot-2.html knot-2.jpg knot.fxs k
 check "the list names each" equal "$(grep -o '<a href="[^"]*"' list/index.html | tr '\n' ' ')" \
     '<a href="a---b.html" <a href="knot.html" <a href="index-2.html" <a href="knot-2.html" '
 check "by its own name" grep -q '>a &#38; b</a>' list/index.html
+"$fixsplat" publish scenes list --size 64x36 --title All --quiet >logs/out
+check "--title of several: of the list" grep -q '<title>All</title>' list/index.html
+check "and each has its own name" grep -q '<title>a &#38; b</title>' list/a---b.html
 
 # ---- What goes wrong -------------------------------------------------------------------------------------------------
 
@@ -70,6 +74,7 @@ echo licence >page/LICENSE
 echo script >page/viewer/single.js
 fails_single() { FIXSPLAT_WEB=$work/page fails "$@"; }
 check "--single: into a new file" env FIXSPLAT_WEB="$work/page" "$fixsplat" publish --single knot.ply one.html --size 64x36 --quiet
+check "--single: its name in the corner" grep -q '<fixsplat-viewer label="knot" ' one.html
 sed -n 's/.*data-name="knot.fxs">\([A-Za-z0-9+\/=]*\).*/\1/p' one.html | base64 -d | gzip -d >unpacked.fxs
 check "--single: the scene, packed small" cmp unpacked.fxs small.fxs
 fails_single "--single: several scenes" 2 "takes one scene, not 2" publish --single knot.ply small.fxs two.html
@@ -95,7 +100,7 @@ node tests/web/publish.mjs "$work/site" "$modules" "${PICTURES:-$work}" a---b kn
 node tests/web/publish.mjs "$work/told" "$modules" "${PICTURES:-$work}" knot >>"$work/asked" 2>&1 ||
     echo "FAIL publish.mjs: of settings" >>"$work/asked"
 counts
-"$fixsplat" publish --single "$kept/knot.ply" "$work/one.html" --quiet >/dev/null
+"$fixsplat" publish --single "$kept/knot.ply" "$work/one.html" --title 'A knot' --quiet >/dev/null
 node tests/web/single.mjs "$work/one.html" "$modules" "${PICTURES:-$work}" "$fixsplat" "$kept/small.fxs" >"$work/asked" 2>&1 ||
     echo "FAIL single.mjs: a check above, or it ended early" >>"$work/asked"
 counts

@@ -8,7 +8,7 @@ import { pathToFileURL } from 'node:url'
 const folder = resolve(process.argv[2])
 const from = (name) => import(pathToFileURL(resolve(folder, name)))
 // Of another page, or lines about a file or a call for who has written that.
-const OTHERS = /^(fit|served|list|single|page|worker|engine|settings|track|language.*)\.js$/
+const OTHERS = /^(fit|single|page|worker|engine|settings|track|language.*)\.js$/
 // Names of keys and classes, what words.js finds words for, and lines for who writes a program.
 const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker)$/,
   /^(The headset:|the headset's picture:)$/,

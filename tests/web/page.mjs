@@ -505,6 +505,27 @@ const tests = {
     )
   },
 
+  async 'the corner: the name of the scene, or its label, to be read on any picture'() {
+    const named = () => inside(`return $('name').textContent`)
+    await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'light' }])
+    await open('?scene=/scenes/scene.ply&label=A <knot>&background=%23000000')
+    assert.equal(await named(), 'A <knot>')
+    const contrast = await inside(`const of = (text) => text.match(/[\\d.]+/g).map(Number)
+      const [plate, ink] = ['backgroundColor', 'color'].map((one) => of(getComputedStyle($('name').parentNode)[one]))
+      const light = (rgb) => [0.2126, 0.7152, 0.0722].reduce((sum, share, i) => sum + share * (rgb[i] / 255) ** 2.2, 0)
+      return (light(plate.map((x) => x * (plate[3] ?? 1))) + 0.05) / (light(ink) + 0.05)`) // over black
+    assert.ok(contrast > 7, contrast)
+    await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }])
+    await inside(`v.removeAttribute('label')`)
+    assert.equal(await named(), 'scene.ply')
+    const linked = await inside(`v.setAttribute('label', 'Another'); return new URL(v.link).searchParams.get('label')`)
+    assert.equal(linked, 'Another')
+    await inside(`const data = new DataTransfer()
+      data.items.add(new File([await (await fetch('/scenes/scene.fxs')).arrayBuffer()], 'dropped.fxs'))
+      v.dispatchEvent(new DragEvent('drop', { dataTransfer: data }))`)
+    for (let i = 0; (await named()) !== 'dropped.fxs'; i++) assert.ok(i < 100, await pause(100))
+  },
+
   async 'in the width of a phone nothing lies outside'() {
     await open('?scene=/scenes/scene.ply&cameras=/scenes/cameras.json', 360, 740)
     for (const panel of ['options', 'help'])
@@ -522,7 +543,7 @@ const tests = {
     ])
     const places = await inside(`const box = (name) => v.shadowRoot.querySelector(name).getBoundingClientRect();
       return [box('.top').top, box('.bar').bottom]`)
-    assert.deepEqual(places, [50, 740 - 44])
+    assert.deepEqual(places, [50, 740 - 36])
     await picture('phone')
     await page.keyboard.press('h')
     await picture('phone-keys')
@@ -658,6 +679,20 @@ const tests = {
     await open(PARTS) // of another version nothing is left
     await exact()
     assert.ok(ranges.sent > 10000 && (await kept()) <= count + 2)
+  },
+
+  async 'annotations of a scene in parts: which are hidden is known by what is there'() {
+    ranges.tag = '"near"'
+    await open('?scene=/scenes/parts.fxs%3Franges&detail=3#view=0,-2.6,-2,0,-2.6,2,0,-1,0,40')
+    await moved()
+    ranges.sent = 0
+    await inside(`const { eye } = v.camera, found = []
+      for (let x = 40; x < 640; x += 60) found.push(await v.pick(x, 180))
+      const beyond = ({ position }) => position.map((x, i) => eye[i] + 1.5 * (x - eye[i]))
+      v.annotations = found.filter(Boolean).map((one) => ({ position: beyond(one) }))`)
+    await page.waitForFunction(`document.querySelector('fixsplat-viewer').shadowRoot.querySelector('.marker.behind')`)
+    await pause(300)
+    assert.equal(ranges.sent, 0)
   },
 
   async 'a scene in parts that changes on its server: words, and the page goes on'() {

@@ -150,6 +150,21 @@ const tests = {
     })
   },
 
+  async 'without `fetch` a picture asks for nothing'() {
+    await served({}, async (scene, server) => {
+      while (scene.foresee(CAMERA, OPTIONS)) await new Promise((done) => setTimeout(done, 5))
+      const ahead = { eye: [-3, 1, 2] }
+      const look = () => scene.render(ahead, { ...OPTIONS, fetch: false, targets: { depth: true } }).missing
+      const { requests } = server
+      assert.ok(look() > 0)
+      await new Promise((done) => setTimeout(done, 50))
+      assert.equal(server.requests, requests)
+      scene.foresee(ahead, OPTIONS)
+      await new Promise((done) => setTimeout(done, 50))
+      assert.ok(server.requests > requests)
+    })
+  },
+
   async 'a file that changes: words, and no picture of both'() {
     const words = /has changed on its server/
     await fails((server) => (server.tag = '"two"'), words)

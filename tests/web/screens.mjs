@@ -1,5 +1,6 @@
 // What webgl.mjs and webgpu.mjs need: a server of the package and of scenes, code that runs in a page of it, and frames
 // that a Screen draws as the command does. node TEST.mjs PACKAGE WORK MODULES COMMAND [1].
+import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { createReadStream, existsSync, readdirSync, readFileSync } from 'node:fs'
 import { createServer } from 'node:http'
@@ -147,6 +148,34 @@ export const FRAMES = {
 }
 export const shared = readdirSync(work).flatMap((name) => name.match(/^(shared-.*)\.fxs$/)?.[1] ?? [])
 
+
+/** Screens of some back ends in one page: over a backdrop the bytes of `render`, without it those of the command. */
+export async function drawsOverBackdrop(run, ...backends) {
+  const [over, ...seen] = await run(
+    `const { render } = await import('/fixsplat.js')
+    const { objects: [{ scene }], camera, options } = args[0]
+    const backdrop = Uint8Array.from({ length: 4 * options.width * options.height }, (_, i) => (i * 37 + (i >> 9)) % 251)
+    const placed = [{ scene: await sceneOf(scene) }]
+    const seen = [hash(render(placed, camera, { ...options, targets: { colour: true, backdrop } }).colour)]
+    for (const backend of args[1]) {
+      const screen = await Screen.open(canvas(), backend)
+      for (const more of [{ backdrop }, {}, { backdrop }]) {
+        screen.draw(placed, camera, { ...options, ...more })
+        seen.push(hash(await screen.pixels()))
+      }
+      const short = { ...options, backdrop: backdrop.subarray(4) }
+      seen.push(screen.gl?.getError() || (await wordsOf((async () => screen.draw(placed, camera, short))())))
+      screen.free()
+    }
+    return seen`,
+    FRAMES.framed,
+    backends
+  )
+  const plain = hashOf(FRAMES.framed)
+  assert.notEqual(over, plain)
+  const count = 4 * 320 * 200
+  assert.deepEqual(seen, backends.flatMap(() => [over, plain, over, `backdrop: expected ${count} numbers`]))
+}
 
 /** Runs the tests, and what measures if that is asked for. */
 export async function runTests(browser, tests, measure) {

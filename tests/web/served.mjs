@@ -58,11 +58,18 @@ try {
     await until(`/bad.ply.*asks for/s.test(document.querySelector('main').innerText)`)
     await page.screenshot({ path: `${pictures}/served-list.png` })
   })
+  await test('the list in Chinese', async () => {
+    await page.goto(`${address}list.html?lang=zh`)
+    await until(`document.querySelector('h1').textContent === '场景' && document.documentElement.lang === 'zh'`)
+    await page.goto(address)
+  })
   const knot = `${folder}/knot.ply`
   await test('a scene', async () => {
     await page.click('main a:last-of-type')
     await still()
     await count('2,000')
+    const named = `document.querySelector('fixsplat-viewer').shadowRoot.getElementById('name').textContent`
+    assert.equal(await page.evaluate(named), 'knot.ply') // and not that of what it was packed as
     await compare(knot)
   })
   let view
@@ -92,6 +99,13 @@ try {
     await still()
     await count('1,000')
     await told('the file is not there any more')
+  })
+  await test('the same in German', async () => {
+    const english = page.url()
+    await page.goto(english.replace('&', '?').replace('?scene', '?lang=de&scene'))
+    await still()
+    await told('knot.ply: die Datei ist nicht mehr da. Das hier ist, was vorher da war')
+    await page.goto(english)
   })
   await test('it is there again', async () => {
     renameSync(`${folder}/kept.tmp`, knot)

@@ -34,7 +34,7 @@ try {
     return { view: viewer.view, title: $('name').textContent, hash: h.toString(16).padStart(16, '0') }
   })
   await page.screenshot({ path: `${pictures}/single.png` })
-  assert.equal(title, 'knot.fxs', 'its name')
+  assert.equal(title, 'A knot', 'its title')
   const n = view.split(',')
   const camera = ['--eye', n.slice(0, 3).join(), '--look', n.slice(3, 6).join(), '--up', n.slice(6, 9).join(), '--fov', n[9]]
   const words = ['render', scene, '--hash', ...camera, '--size', '640x360', '--bg', '000000']

@@ -131,6 +131,75 @@ const tests = {
     assert.equal(await inside(`return $('caption').querySelector('h2').textContent`), 'Behind')
   },
 
+  async 'in a card of 320 and of 240 pixels: captions and bars fit, nothing is cut'() {
+    put('one.json', { ...TOUR, annotations: TOUR.annotations.slice(0, 1) })
+    const outside = () => inside(`const out = [], box = v.getBoundingClientRect()
+      const seen = (one) => one.checkVisibility({ visibilityProperty: true })
+      for (const one of v.shadowRoot.querySelectorAll('button, input, output, .bar, section, h2, .title')) {
+        if (!seen(one) || one.matches('.marker')) continue
+        const { boxShadow } = getComputedStyle(one)
+        const [, y = 0, blur = 0] = boxShadow.match(/-?[\\d.]+px/g)?.map(parseFloat) ?? []
+        const { left, right, top, bottom, width } = one.getBoundingClientRect()
+        const room = Math.min(left, box.width - right, top + y, box.height - bottom - y) - blur
+        if (room < 0 || (one.matches('button') && width < 24)) out.push([one.id || one.className, room, width])
+      }
+      return [out, seen(v.shadowRoot.querySelector('nav'))]`)
+    await features('reduce')
+    await open(`${WITH('tour.json')}&cameras=/scenes/cameras.json`)
+    for (const [width, height] of [[320, 240], [240, 320], [640, 360]]) {
+      await page.setViewport({ width, height })
+      await page.keyboard.press('Escape')
+      assert.deepEqual(await outside(), [[], true])
+      await inside('await v.goTo(0)')
+      assert.deepEqual(await outside(), [[], width > 400]) // of a narrow one the caption takes the place of the bars
+      const [caption, text] = await inside(`return ['caption', 'captionText'].map((id) => $(id).offsetHeight)`)
+      assert.ok(caption <= Math.max(150, 0.9 * height - 74) && text > 40, `${caption}, ${text}`)
+      if (width === 320) await picture('card')
+    }
+    await page.setViewport({ width: 320, height: 240 })
+    await inside(`v.camera = { eye: [0, -2.6, -6], look: [0, -2.6, 0] }; $('mark').click()`)
+    await until('v.annotations.length === 4')
+    const foot = await inside(`return ['newTitle', 'remove'].map((id) => $(id).getBoundingClientRect().bottom)`)
+    assert.ok(foot[0] < foot[1] && foot[1] < 240, `${foot}`) // what is written scrolls, the buttons stay
+    assert.deepEqual(await outside(), [[], false])
+    const arrows = () => inside(`return ['earlier', 'later', 'linkTo'].map((id) => $(id).checkVisibility())`)
+    assert.deepEqual(await arrows(), [true, true, true])
+    await inside(`v.settings = '/scenes/one.json'`) // as React gives it
+    await until('v.annotations.length === 1')
+    await inside('await v.goTo(0)')
+    assert.deepEqual(await arrows(), [false, false, true])
+    assert.equal(await inside(`return $('place').textContent`), '')
+    await features('')
+  },
+
+  async 'no field keeps the focus, a caption gives it back to its marker; parts of the interface by ui and noui'() {
+    await open(WITH('tour.json'))
+    const focused = () => inside(`return v.shadowRoot.activeElement?.ariaLabel ?? v.shadowRoot.activeElement?.id`)
+    await inside(`$('time').focus()`)
+    await page.keyboard.press('ArrowRight')
+    assert.ok((await inside('return v.time')) > 0)
+    await page.keyboard.press('Tab')
+    assert.equal(await focused(), 'Save a film')
+    await inside(`v.shadowRoot.querySelector('.marker').focus()`)
+    await page.keyboard.press('Enter')
+    await inside(`$('closeCaption').focus()`)
+    await page.keyboard.press('Enter')
+    assert.equal(await focused(), 'Annotation 1 of 3: The knot')
+    assert.equal(await inside(`return $('clock').getAttribute('aria-live')`), 'off') // it changes with each picture
+    await inside('await v.goTo(0)')
+    const parts = { markers: '#markers', caption: '#caption', player: '#player', bar: 'nav', corner: '.top' }
+    const seen = () => inside(`return Object.entries(args[0]).filter(([, one]) =>
+      getComputedStyle(v.shadowRoot.querySelector(one)).display !== 'none').map(([name]) => name).join()`, parts)
+    assert.equal(await seen(), Object.keys(parts).join())
+    for (const [ui, wanted] of [['annotations', 'markers,caption'], ['tracks', 'player'], ['', ''],
+      ['annotations tracks', 'markers,caption,player']]) {
+      await inside(`v.setAttribute('ui', args[0])`, ui)
+      assert.equal(await seen(), wanted)
+    }
+    await inside(`v.removeAttribute('ui'); v.toggleAttribute('noui')`)
+    assert.equal(await seen(), '')
+  },
+
   async 'a track: played, paused by a hand, scrubbed, looped'() {
     await open(WITH('tour.json'))
     await inside(`v.told = []

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { WEBGL } from './flags.mjs'
 import { playcanvasTests } from './playcanvas.mjs'
-import { frame, FRAMES, hashOf, launch, open, runIn, runTests, shared, work } from './screens.mjs'
+import { drawsOverBackdrop, frame, FRAMES, hashOf, launch, open, runIn, runTests, shared, work } from './screens.mjs'
 import { threeTests } from './three.mjs'
 
 const browser = await launch(...WEBGL)
@@ -123,29 +123,7 @@ const tests = {
     assert.ok(rest <= 2, `wasm and webgl2 are ${rest} apart`)
   },
 
-  async 'a backdrop: the bytes that are rendered over it'() {
-    const seen = await run(
-      `const { render } = await import('/fixsplat.js')
-      const { objects: [{ scene }], camera, options } = args[0]
-      const backdrop = Uint8Array.from({ length: 4 * options.width * options.height }, (_, i) => (i * 37 + (i >> 9)) % 251)
-      const placed = [{ scene: await sceneOf(scene) }]
-      const seen = [hash(render(placed, camera, { ...options, targets: { colour: true, backdrop } }).colour)]
-      const [screen, other] = [await Screen.open(canvas(), 'webgl2'), await Screen.open(canvas(), 'wasm')]
-      for (const one of [screen, other]) {
-        one.draw(placed, camera, { ...options, backdrop })
-        seen.push(hash(one.pixels()))
-        one.draw(placed, camera, options)
-        seen.push(hash(one.pixels()))
-      }
-      const short = { ...options, backdrop: backdrop.subarray(4) }
-      return [...seen, screen.gl.getError(), await wordsOf((async () => screen.draw(placed, camera, short))())]`,
-      FRAMES.framed
-    )
-    const plain = hashOf(FRAMES.framed)
-    assert.notEqual(seen[0], plain)
-    assert.deepEqual(seen.slice(1, 6), [seen[0], plain, seen[0], plain, 0])
-    assert.match(seen[6], /backdrop: expected \d+ numbers/)
-  },
+  'a backdrop: the bytes that are rendered over it': () => drawsOverBackdrop(run, 'webgl2', 'wasm'),
 
   async 'a corner of a framebuffer'() {
     const [got, around, kept] = await run(

@@ -3,7 +3,9 @@ import assert from 'node:assert/strict'
 import { execFileSync } from 'node:child_process'
 import { readFileSync, writeFileSync } from 'node:fs'
 import { WEBGPU } from './flags.mjs'
-import { command, frame, FRAMES, hash, hashOf, launch, near, open, runIn, runTests, shared, work } from './screens.mjs'
+import {
+  command, drawsOverBackdrop, frame, FRAMES, hash, hashOf, launch, near, open, runIn, runTests, shared, work,
+} from './screens.mjs'
 import { threeGpuTests } from './three.mjs'
 
 const browser = await launch(...WEBGPU)
@@ -199,26 +201,7 @@ const tests = {
     assert.equal(shown, hashOf(FRAMES.framed))
   },
 
-  async 'a backdrop: the bytes that are rendered over it'() {
-    const seen = await run(
-      `const { render } = await import('/fixsplat.js')
-      const { objects: [{ scene }], camera, options } = args[0]
-      const backdrop = Uint8Array.from({ length: 4 * options.width * options.height }, (_, i) => (i * 37 + (i >> 9)) % 251)
-      const placed = [{ scene: await sceneOf(scene) }]
-      const over = hash(render(placed, camera, { ...options, targets: { colour: true, backdrop } }).colour)
-      const screen = await Screen.open(canvas(), 'webgpu'), seen = []
-      for (const more of [{ backdrop }, {}, { backdrop }]) {
-        screen.draw(placed, camera, { ...options, ...more })
-        seen.push(hash(await screen.pixels()))
-      }
-      screen.free()
-      return [over, ...seen]`,
-      FRAMES.framed
-    )
-    const plain = hashOf(FRAMES.framed)
-    assert.notEqual(seen[0], plain)
-    assert.deepEqual(seen.slice(1), [seen[0], plain, seen[0]])
-  },
+  'a backdrop: the bytes that are rendered over it': () => drawsOverBackdrop(run, 'webgpu'),
 
   async 'two eyes on one canvas'() {
     const some = [frame('few', 40, 30), frame('few', 40, 30, ['--eye', '2,-1,-4'], {}, { eye: [2, -1, -4] })]

@@ -10,6 +10,9 @@ export function chosen(asked) {
   return names.find((one) => one === 'en' || Object.hasOwn(TABLES, one)) ?? 'en'
 }
 
+/** The languages that somebody wants: one by name, then those of the browser. */
+export const askedFor = (name) => [name, ...(navigator.languages ?? [navigator.language])].filter(Boolean)
+
 export class Language {
   name = 'en'
   #table = new Map()

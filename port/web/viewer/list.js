@@ -1,15 +1,21 @@
 // The list of the scenes that `fixsplat view --web` serves: their pictures, as they are made, and what goes on until
 // then.
+import { Language, askedFor } from './language.js'
 
 const ASK_MS = 1000
-const cards = [...document.querySelectorAll('main a')].map((card) => ({
+const cards = [...document.querySelectorAll('main > a')].map((card) => ({
   image: card.querySelector('img'),
   note: card.appendChild(document.createElement('small')),
   version: 0,
 }))
 
-const wordsOf = ({ state, done, words, picture }) =>
-  ({ packs: `packing: ${Math.floor(100 * done)} %`, failed: words, gone: words })[state] ?? (picture ? '' : '…')
+const language = new Language()
+
+function wordsOf({ state, done, words, picture }) {
+  if (state === 'packs') return language.of('packing {0} %', Math.floor(100 * done))
+  if (state === 'gone') return language.of('the file is not there any more')
+  return state === 'failed' ? words : picture ? '' : '…'
+}
 
 function update({ image, note, ...card }, facts, number) {
   note.textContent = wordsOf(facts)
@@ -17,6 +23,9 @@ function update({ image, note, ...card }, facts, number) {
   return facts.version
 }
 
+await language.choose(askedFor(new URLSearchParams(location.search).get('lang')))
+document.documentElement.lang = language.name
+document.title = document.querySelector('h1').textContent = language.of('Scenes')
 for (;;) {
   const all = document.hidden ? [] : await fetch('/scenes.json', { cache: 'no-store' }).then((a) => a.json()).catch(() => [])
   all.forEach((facts, i) => {

@@ -78,6 +78,7 @@ export class Markers {
   /** Opens the caption of one; -1 closes it. */
   choose(index, isEditing) {
     const ui = this.#ui
+    if (index < 0 && ui.caption.matches(':focus-within')) this.#leave()
     this.#buttons.forEach((one, i) => one.setAttribute('aria-expanded', i === index))
     const { title = '', text = '' } = this.#list[index] ?? {}
     ui.caption.hidden = index < 0
@@ -87,8 +88,14 @@ export class Markers {
     ui.editing.hidden = ui.remove.hidden = !isEditing
     if (ui.newTitle.value !== title) ui.newTitle.value = title
     if (ui.newText.value !== text) ui.newText.value = text
-    ui.place.textContent = `${index + 1} / ${this.#list.length}`
-    ui.earlier.disabled = ui.later.disabled = this.#list.length < 2
+    ui.place.textContent = this.#list.length > 1 ? `${index + 1} / ${this.#list.length}` : ''
+    ui.earlier.hidden = ui.later.hidden = this.#list.length < 2
+  }
+
+  /** The focus goes from the caption to its marker, where that is to be seen. */
+  #leave() {
+    const marker = this.#layer.querySelector('[aria-expanded="true"]:not([hidden])')
+    ;(marker ?? this.#host.ui.stage).focus({ focusVisible: false })
   }
 
   write() {

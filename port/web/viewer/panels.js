@@ -19,8 +19,8 @@ export class Panels {
     this.ui.closeError.onclick = () => (this.ui.error.hidden = true)
   }
 
-  entitle({ name, count }) {
-    this.ui.name.textContent = name
+  entitle({ name, count }, label) {
+    this.ui.name.textContent = label || name
     this.ui.count.textContent = this.language.of('{0} splats', this.language.number(count))
   }
 

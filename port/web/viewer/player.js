@@ -18,14 +18,16 @@ export class Player {
     bar.setAttribute('aria-label', 'Camera track')
     bar.innerHTML = `${button('play', 'Play (K)', PLAY)}
       <select id="track" aria-label="Track" translate="no" hidden></select>
-      <input id="time" type="range" min="0" step="any" aria-label="Time"><output id="clock" translate="no"></output>
+      <input id="time" type="range" min="0" step="any" aria-label="Time"><output id="clock" aria-live="off" translate="no"></output>
       ${button('film', 'Save a film', FILM)}`
     host.ui.note.before(bar)
     for (const element of bar.querySelectorAll('[id]')) this.#ui[element.id] = element
     const ui = (this.#ui = { ...this.#ui, bar })
     ui.play.onclick = () => acts.toggle()
     ui.time.oninput = () => acts.seek(Number(ui.time.value))
-    ui.time.onkeydown = ({ key }) => key.toLowerCase() === 'k' && acts.toggle() // which fields keep to themselves
+    ui.time.onkeydown = ({ key }) => {
+      if (key.toLowerCase() === 'k') acts.toggle() // which fields keep to themselves
+    }
     ui.track.onchange = () => acts.choose(Number(ui.track.value))
     ui.film.onclick = () => acts.film()
     host.language.write(bar)

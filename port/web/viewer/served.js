@@ -2,8 +2,9 @@
 // and puts each newer version in the place of the one on show, by the same camera. The address of the page chooses the
 // scene (?scene=/scenes/0/NAME), other attributes of the element, and the camera (#view=...).
 import './viewer.js'
+import { Language, askedFor } from './language.js'
+import { followAddress } from './views.js'
 
-const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'turn', 'noui']
 const ASK_MS = 1000
 const FIRST_MS = 300 // until there is a scene
 const SILENT = 3 // questions without an answer, and the page says so
@@ -14,6 +15,7 @@ const told = document.getElementById('told')
 const words = document.getElementById('words')
 const bar = document.getElementById('bar')
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
+const language = new Language()
 
 let viewer = null
 let shown = 0 // the version on show, or the last that could not be
@@ -34,47 +36,48 @@ const ask = () =>
 
 /** What goes on with the file, unless all is well. */
 function tell({ name, state, done, words: why }) {
-  const still = viewer ? '. This is what there was before' : ''
-  if (state === 'packs' && !viewer) say(`Packing ${name}: ${Math.floor(100 * done)} %`, done)
-  else if (state === 'waits' && !viewer) say(`${name} is next`)
-  else if (state === 'failed' || state === 'gone') say(`${name}: ${why}${still}`)
+  const still = viewer ? `. ${language.of('This is what there was before')}` : ''
+  if (state === 'packs' && !viewer) say(language.of('Packing {0}: {1} %', name, Math.floor(100 * done)), done)
+  else if (state === 'waits' && !viewer) say(language.of('{0} is next', name))
+  else if (state === 'gone') say(`${name}: ${language.of('the file is not there any more')}${still}`)
+  else if (state === 'failed') say(`${name}: ${why}${still}`)
   else say('')
 }
 
-const viewOfLink = () => new URLSearchParams(location.hash.slice(1)).get('view') ?? ''
-
-function begin(address) {
+function begin(address, name) {
   viewer = document.createElement('fixsplat-viewer')
-  viewer.setAttribute('view', viewOfLink())
-  for (const name of NAMES) if (params.has(name)) viewer.setAttribute(name, params.get(name))
-  addEventListener('hashchange', () => viewer.setAttribute('view', viewOfLink()))
   viewer.setAttribute('src', address)
+  viewer.setAttribute('label', name)
+  followAddress(viewer)
   document.body.append(viewer)
   viewer.focus({ focusVisible: false })
 }
 
 /** False where it is not the time for it. */
-async function open(address) {
-  if (!viewer) return begin(address)
+async function open(address, name) {
+  if (!viewer) return begin(address, name)
   if (viewer.hasAttribute('open')) return viewer.replace(address)
   viewer.setAttribute('src', address)
 }
 
 async function show({ name, version, address }) {
   try {
-    if ((await open(address)) !== false) shown = version
+    if ((await open(address, name)) !== false) shown = version
   } catch (error) {
     shown = version
-    say(`${name} has changed, and cannot be shown: ${error.message}`)
+    say(language.of('{0} has changed, and cannot be shown: {1}', name, error.message))
     await pause(3 * ASK_MS)
   }
 }
 
 document.title = (params.get('scene') ?? '').split('/').pop() || document.title
+await language.choose(askedFor(params.get('lang')))
+document.documentElement.lang = language.name
+language.write(told)
 for (let silent = 0; number; await pause(viewer ? ASK_MS : FIRST_MS)) {
   const facts = await ask()
   silent = facts ? 0 : silent + 1
-  if (silent >= SILENT) say('The server does not answer: it has ended, or cannot be reached')
+  if (silent >= SILENT) say(language.of('The server does not answer: it has ended, or cannot be reached'))
   if (!facts) continue
   document.title = facts.name
   tell(facts)
@@ -83,4 +86,4 @@ for (let silent = 0; number; await pause(viewer ? ASK_MS : FIRST_MS)) {
     tell(facts)
   }
 }
-if (!number) say('This address names no scene of this server')
+if (!number) say(language.of('This address names no scene of this server'))

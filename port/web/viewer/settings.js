@@ -3,6 +3,7 @@
 // start } and some of the settings of the element; any may be missing. A camera is { eye, look, up, fov, longer };
 // `longer`: fov is that of the longer side of the picture.
 import { LOOPS } from './track.js'
+import { hasNumbers } from './views.js'
 
 const MOST_ANNOTATIONS = 200
 const MOST_TRACKS = 20
@@ -17,7 +18,7 @@ const STARTS = ['camera', 'track', 'annotation']
 
 const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value)
 const isNumber = (x, low = -FAR, high = FAR) => typeof x === 'number' && x >= low && x <= high
-const isVector = (v) => Array.isArray(v) && v.length === 3 && v.every((x) => isNumber(x))
+const isVector = (v) => hasNumbers(v, 3) && v.every((x) => isNumber(x))
 
 function need(is, words) {
   if (!is) throw new Error(words)

@@ -4,7 +4,7 @@ import { Player } from './player.js'
 import { listsOf, settingsOf, textOfSettings } from './settings.js'
 import { rules } from './tour_style.js'
 import { Track, upright } from './track.js'
-import { addressOf, nameOf } from './views.js'
+import { addressOf, nameOf, textAt } from './views.js'
 
 const KEY_S = 2 // seconds between two keys that are added
 const FLIGHT_MS = 1000
@@ -67,19 +67,13 @@ export class Tour {
     const isAddress = typeof source === 'string'
     const name = isAddress ? nameOf(source) : (source.name ?? 'settings')
     const told = () => source.text?.() ?? JSON.stringify(source)
-    const text = await Promise.resolve(isAddress ? this.#fetch(source, name) : told()).catch((error) => {
+    const text = await Promise.resolve(isAddress ? textAt(source, 'there are no settings at this address') : told()).catch((error) => {
       if (own === this.#reading) throw error
     })
     if (own !== this.#reading) return []
     const { settings, words } = settingsOf(name, text)
     this.#take(settings, isAddress ? addressOf(source) : document.baseURI)
     return words
-  }
-
-  async #fetch(url, name) {
-    const answer = await fetch(addressOf(url)).catch(() => null)
-    if (!answer?.ok) throw new Error(`${name}: there are no settings at this address`)
-    return answer.text()
   }
 
   #take({ camera = null, annotations = [], tracks = [], start = null, ...attributes }, base) {

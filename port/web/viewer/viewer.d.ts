@@ -221,7 +221,7 @@ export interface Film {
 }
 
 /** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
-    threads, noui, wheel, keep, settings, annotation, skybox, lang. */
+    threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** What draws; to set it is to set the attribute. */
@@ -240,9 +240,9 @@ export class Viewer extends HTMLElement {
       where a number is missing. */
   get camera(): ViewerCamera | null
   set camera(camera: SomeCamera | null)
-  /** All; some may be set. */
+  /** All; some may be set. To set an address is to set the attribute, which is that of a settings file. */
   get settings(): Settings
-  set settings(values: { [Name in keyof Settings]?: Settings[Name] | null })
+  set settings(values: { [Name in keyof Settings]?: Settings[Name] | null } | string)
   /** Opens an address, a file, or the files of one scene; what there was stays where that fails. */
   open(source: string | File | File[]): Promise<boolean>
   /** Puts one more scene beside those there are: a new <fixsplat-scene> in this element. */
@@ -298,9 +298,18 @@ export interface ViewerAttributes {
   backend?: Backend | ''
   threads?: number | string
   turn?: '' | true
+  /** Nothing but the picture. */
   noui?: '' | true
+  /** Which parts of the interface there are, and no others; all without it. */
+  ui?: '' | 'annotations' | 'tracks' | 'annotations tracks'
+  /** The scene's name in the corner; without it that of its file. */
+  label?: string
   wheel?: 'page' | ''
   keep?: number | string
+  settings?: string
+  annotation?: number | string
+  skybox?: string
+  lang?: string
 }
 
 /** As of a cameras.json. */

@@ -8,7 +8,7 @@ import { Pilot } from './pilot.js'
 import { Picture, backends } from './picture.js'
 import { Panels } from './panels.js'
 import { body } from './body.js'
-import { Language } from './language.js'
+import { Language, askedFor } from './language.js'
 import { Item, PlacedScene, WATCHED } from './scenes.js'
 import { style } from './style.js'
 import { addressOf, cameraOf, checkedCamera, fetchViews, nameOf, textOf, viewsOf } from './views.js'
@@ -33,7 +33,7 @@ sheet.replaceSync(style)
 
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn',
-    'settings', 'annotation', 'skybox', 'lang']
+    'settings', 'annotation', 'skybox', 'lang', 'label']
 
   #headset = null
   #engine = null // of the scenes on show
@@ -149,6 +149,7 @@ export class Viewer extends HTMLElement {
     if (name === 'settings' && value) this.#readSettings()
     if (name === 'annotation' && this.#scene) this.#goToAttribute()
     if (name === 'lang') this.#choose()
+    if (name === 'label') this.#entitle()
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
     if (name === 'poster' && value) this.#showPoster(value)
     if (name === 'turn') this.#pilot.turnByItself(value !== null)
@@ -222,6 +223,7 @@ export class Viewer extends HTMLElement {
     return Object.fromEntries(Object.entries(this.#table).map(([name, [get]]) => [name, get()]))
   }
   set settings(values) {
+    if (typeof values === 'string') return this.setAttribute('settings', values) // as React has it
     const names = Object.keys(this.#table)
     for (const name of Object.keys(values))
       if (!names.includes(name)) throw new Error(`${name}: expected one of ${names.join(', ')}`)
@@ -245,7 +247,7 @@ export class Viewer extends HTMLElement {
     if (cameras) link.searchParams.set('cameras', addressOf(cameras))
     for (const name of ['settings', 'skybox'])
       if (this.hasAttribute(name)) link.searchParams.set(name, addressOf(this.getAttribute(name)))
-    for (const name of ['background', 'budget', 'detail'])
+    for (const name of ['label', 'background', 'budget', 'detail'])
       if (this.hasAttribute(name)) link.searchParams.set(name, this.getAttribute(name))
     link.hash = `view=${this.view}`
     return link.href
@@ -391,9 +393,8 @@ export class Viewer extends HTMLElement {
   }
 
   async #choose() {
-    const asked = [this.getAttribute('lang'), ...(navigator.languages ?? [navigator.language])].filter(Boolean)
-    if (!(await this.#language.choose(asked))) return
-    if (this.#scene) this.#panels.entitle(this.#scene)
+    if (!(await this.#language.choose(askedFor(this.getAttribute('lang'))))) return
+    this.#entitle()
     this.#showSettings()
     this.#tour?.rename()
   }
@@ -614,8 +615,12 @@ export class Viewer extends HTMLElement {
     const name = first?.facts.name ?? whole.name
     this.#scene = { ...whole, name: more.length ? this.#language.of('{0} and {1} more', name, more.length) : name }
     this.setAttribute('open', '')
-    this.#panels.entitle(this.#scene)
+    this.#entitle()
     this.#pilot.take(this.#scene)
+  }
+
+  #entitle() {
+    if (this.#scene) this.#panels.entitle(this.#scene, this.getAttribute('label'))
   }
 
   #showNothing() {
@@ -791,6 +796,7 @@ export class Viewer extends HTMLElement {
   /** The first takes the place of what was opened before, with the others beside it. */
   async #openScenes([first, ...more]) {
     if (!(await this.open(first))) return false
+    this.removeAttribute('label') // that was of another
     for (const element of this.#dropped.splice(0)) element.remove()
     this.#dropped = more.map((files) => this.add(files))
     if (more.length) this.#panels.note('{0} scenes in one picture', more.length + 1)

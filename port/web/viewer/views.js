@@ -1,9 +1,9 @@
-// Reads the views of a cameras.json file and of links, and writes links. A camera is an object { eye, look, up, fov,
-// flat, shift }. `look` is the point that the camera turns about. With `flat` its rays are parallel. `shift` is the
-// horizontal and vertical distance of the camera's axis from the middle of the picture, divided by the height of the
-// picture.
+// Reads the views of a cameras.json file, of links and of a page's address, and writes links. A camera is an object
+// { eye, look, up, fov, flat, shift }. `look` is the point that the camera turns about. With `flat` its rays are
+// parallel. `shift` is the horizontal and vertical distance of the camera's axis from the middle of the picture, divided
+// by the height of the picture.
 
-const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
+export const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
 const isView = (v) =>
   v?.rotation?.length === 3 &&
   v.rotation.every((row) => hasNumbers(row, 3)) &&
@@ -43,10 +43,31 @@ export function viewsOf(name, text) {
   return views
 }
 
-export async function fetchViews(url) {
+/** The text at an address, or an Error with the words. */
+export async function textAt(url, words) {
   const answer = await fetch(addressOf(url)).catch(() => null)
-  if (!answer?.ok) throw new Error(`${nameOf(url)}: there are no views at this address`)
-  return viewsOf(nameOf(url), await answer.text())
+  if (!answer?.ok) throw new Error(`${nameOf(url)}: ${words}`)
+  return answer.text()
+}
+
+export const fetchViews = async (url) => viewsOf(nameOf(url), await textAt(url, 'there are no views at this address'))
+
+// Attributes of the element that are parameters of a page's address too.
+const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'ui',
+  'wheel', 'keep', 'settings', 'skybox', 'lang', 'label']
+
+/** Does as the page's address says: attributes by its parameters, camera and annotation by what stands behind #, then
+    too when that changes. */
+export function followAddress(viewer) {
+  const asked = new URLSearchParams(location.search)
+  for (const name of PARAMETERS) if (asked.has(name)) viewer.setAttribute(name, asked.get(name))
+  const follow = () => {
+    const link = new URLSearchParams(location.hash.slice(1))
+    viewer.setAttribute('view', link.get('view') ?? '')
+    if (link.has('annotation')) viewer.setAttribute('annotation', link.get('annotation'))
+  }
+  follow()
+  addEventListener('hashchange', follow)
 }
 
 /** A camera from the text of a link, or null. */

@@ -227,10 +227,10 @@ const words = {
   },
 
   /** How far away what is seen at pixels of a small picture is, along the axis of view; Infinity where nothing is. The
-      farthest of nine neighbours, as a marker lies on what it marks. */
+      farthest of nine neighbours, as a marker lies on what it marks. Of a scene in parts by what is there. */
   depths(pixels, camera, options) {
     const { width, height } = options
-    const { depth } = render(objects(), camera, { ...options, targets: { depth: true } })
+    const { depth } = render(objects(), camera, { ...options, fetch: false, targets: { depth: true } })
     const at = (x, y) => depth[width * Math.min(Math.max(y, 0), height - 1) + Math.min(Math.max(x, 0), width - 1)]
     const around = (x, y) => [-1, 0, 1].flatMap((j) => [-1, 0, 1].map((i) => at(x + i, y + j)))
     return pixels.map(([x, y]) => Math.max(...around(x, y))).map((code) => (code === NO_DEPTH ? Infinity : code / UNIT))

@@ -44,6 +44,9 @@ export function Component({ src }: { src: string }) {
     <>
       <fixsplat-viewer ref={viewer} key="a" src={src} budget={5e5} turn="" noui backend="webgl2" className="a" />
       <fixsplat-viewer onPointerDown={(event) => event.currentTarget.replace(src)} suppressHydrationWarning />
+      <fixsplat-viewer settings="settings.json" ui="annotations" label="A" annotation={1} skybox="sky.jpg" lang="de" />
+      {/* @ts-expect-error: no part of the interface */}
+      <fixsplat-viewer ui="everything" />
       {/* @ts-expect-error: an address */}
       <fixsplat-viewer src={5} />
       {/* @ts-expect-error: no such attribute */}
