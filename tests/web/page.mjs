@@ -4,6 +4,7 @@ import { copyFileSync, existsSync, mkdirSync, rmSync, statSync, writeFileSync } 
 import { resolve } from 'node:path'
 import * as chromium from './chromium.mjs'
 import { POLICY } from './policy.mjs'
+import { walking } from './walk.mjs'
 import { base, go, hash, inside, moved, native, open, page, pause, picture, shown, still, viewOf } from './chromium.mjs'
 
 const { changed, folder, pictures, policy, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
@@ -982,4 +983,4 @@ const tests = {
   },
 }
 
-await run(tests)
+await run({ ...tests, ...walking })

@@ -2,7 +2,6 @@
 // that has the focus, or else the one of which most is on the screen.
 const DEAD = 0.15 // of a stick
 const FAST = 4
-const TURN = 0.6 // heights of the picture a second, of a drag
 
 // What is moved, by which axes and buttons, and what pressing a button does: the key that does the same, by the mode.
 const BINDINGS = {
@@ -82,5 +81,5 @@ function drive(viewer, pad, seconds) {
   const sinks = mode === 'walk' ? 0 : most(down) - most(up)
   const step = seconds * (1 + (FAST - 1) * most(fast))
   act.fly(right * step, sinks * step, -back * step)
-  act.drag(...placeOf(pad, turn).map((x) => -x * seconds * TURN * viewer.clientHeight))
+  act.turn(...placeOf(pad, turn).map((x) => x * seconds))
 }

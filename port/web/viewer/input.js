@@ -29,7 +29,7 @@ export function listenToPointers(stage, act, holdsSpace) {
     pressed = null
   })
   stage.addEventListener('pointermove', (event) => {
-    if (stage.getRootNode().pointerLockElement === stage) return act.look(-event.movementX, -event.movementY)
+    if (stage.getRootNode().pointerLockElement === stage) return act.look(event.movementX, event.movementY)
     if (!pointers.has(event.pointerId)) return
     const before = middle(pointers)
     pointers.set(event.pointerId, event)

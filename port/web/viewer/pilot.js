@@ -157,7 +157,7 @@ export class Pilot {
 
   /** What input.js calls, with what others do. */
   acts(others) {
-    const names = ['drag', 'look', 'pan', 'zoom', 'fly', 'arrows']
+    const names = ['drag', 'look', 'pan', 'zoom', 'fly', 'arrows', 'turn']
     return { ...others, ...Object.fromEntries(names.map((name) => [name, (...args) => this[name](...args)])) }
   }
 
@@ -207,7 +207,7 @@ export class Pilot {
   fly(right, down, forward) {
     if (!this.#scene || !(right || down || forward)) return
     if (this.walks) {
-      this.drag(BY_KEY * down, 0)
+      this.turn(-down, 0)
       return this.walker?.go(right, forward)
     }
     const step = this.speed * this.#reach
@@ -217,7 +217,13 @@ export class Pilot {
   /** The arrow keys, to the right and down, seconds. */
   arrows(right, down) {
     if (this.walks) this.fly(right, 0, -down)
-    else this.drag(-BY_KEY * right, -BY_KEY * down)
+    else this.turn(right, down)
+  }
+
+  /** Moves the camera round, or looks there. */
+  turn(right, down) {
+    const sign = this.mode === 'orbit' ? -BY_KEY : BY_KEY
+    this.drag(sign * right, sign * down)
   }
 
   /** How far it is to what is seen: flight is slow near things, and fast far from them. */

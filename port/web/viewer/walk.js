@@ -3,10 +3,11 @@
 // picture, so it has what people see: all scenes, at their places, with the levels of detail that there are.
 import { add, cross, dot, unit } from './motion.js'
 
-const CELLS = 64 // of a map's side
+const CELLS = 48 // of a map's side
+const FOCAL = 4096 // the renderer's steps of a focal length, in pixels a unit
 // The rest of these lengths are in heights of the eye.
 const CELL = 1 / 16
-const REACH = 1.5 // from the middle of a map: beyond, the next is waited for
+const REACH = 1.25 // from the middle of a map: beyond, the next is waited for
 const STALE = 0.4 // so far from there the next is asked for
 const FOOT = 0.12 // around it the ground is looked at
 const BODY = 0.2 // as near things come
@@ -22,13 +23,19 @@ const GLIDE_MS = 500
 const TRIES = 8 // places for the first step, from the camera to what it looks at
 const ASIDE = [0, 20, -20, 40, -40, 60, -60, 80, -80].map((degrees) => (degrees * Math.PI) / 180) // along a wall
 
-const median = (list) => list.sort((a, b) => a - b)[list.length >> 1]
+/** The mean of the middle half, which stray Gaussians do not move. */
+function middle(list) {
+  const [from, to] = [list.length >> 2, list.length - (list.length >> 2)]
+  const half = list.sort((a, b) => a - b).slice(from, to)
+  return half.reduce((sum, x) => sum + x, 0) / half.length
+}
 
-/** Heights of what is below a place, along `up`. */
+/** Heights of what is below a place, along `up`: cells of `cell` units, for an eye of one height. */
 class Ground {
-  constructor(place, axes, cell, depths, time) {
-    Object.assign(this, { place, axes, cell, depths, time })
-    this.level = dot(place, axes.up)
+  constructor(facts) {
+    Object.assign(this, facts)
+    this.time = performance.now()
+    this.level = dot(this.place, this.axes.up)
   }
 
   /** Of cells around a point; -Infinity where nothing is. */
@@ -57,7 +64,8 @@ export class Walker {
   #ground = null
   #asking = null
   #feet = 0 // how high the ground is on which it stands
-  #eye = null // where it has put the eye; another one is elsewhere, and lands
+  #floats = false // where there has been no ground yet
+  #eye = null // where it has put the eye; another one is elsewhere, and has to come down
   #usual = { scene: null, height: 1 }
   #last = 0 // of rising and sinking
 
@@ -91,19 +99,28 @@ export class Walker {
     return unit(steep ? flat(camera.up.map((x) => -Math.sign(dot(ahead, up)) * x)) : level)
   }
 
-  /** Walks to a point that was looked for, or from where the camera is: down to the ground below, or to the first that
-      there is on the way to what the camera looks at. */
+  /** Stands on the ground: in front of a point, or below the camera, or where there is the first on the way to what the
+      camera looks at. */
   async begin(point = null) {
-    const { camera } = this.#pilot
     const own = (this.#asking = {})
+    const { camera } = this.#pilot
     await this.#findUsual()
     const spot = point ? this.#before(point, camera) : await this.#spot(camera)
-    if (own !== this.#asking) return
-    this.#asking = null
-    if (camera !== this.#pilot.camera) return
+    if (own === this.#asking && camera === this.#pilot.camera) await this.#settle(camera, spot)
+    if (own === this.#asking) this.#asking = null
+  }
+
+  async #settle(camera, spot) {
+    this.#floats = !spot
     if (!spot) this.#host.note('There is no ground below')
-    const there = await this.#pilot.glide(this.#upright(camera, spot ?? camera.eye), GLIDE_MS)
-    if (there) this.#land()
+    const to = this.#upright(camera, spot ?? camera.eye)
+    const isFar = Math.hypot(...add(to.eye, camera.eye, -1)) > STRIDE * this.height
+    if (!(await this.#pilot.glide(to, isFar ? GLIDE_MS : 0))) return
+    this.#ground = await this.#map(to.eye, this.height)
+    if (!this.#ground) return
+    this.#eye = to.eye
+    this.#feet = this.#groundAt(this.#ground, to.eye, this.height) ?? dot(to.eye, this.#up) - this.height
+    this.#ease()
   }
 
   /** A photograph is taken from eye level. Where the camera was chosen to show all, the scene's own height tells. */
@@ -127,18 +144,19 @@ export class Walker {
     const aside = Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 0, 1]
     const right = unit(add(aside, up, -dot(aside, up)))
     const axes = { up, right, down: cross(forward, right) }
-    const [cell, near, middle] = [CELL * height, height / 50, CELLS / 2]
+    const fx = Math.max(1, Math.round(FOCAL / (CELL * height))) / FOCAL
+    const [near, half] = [height / 50, CELLS / 2]
     const rotation = [0, 1, 2].map((i) => [right[i], axes.down[i], forward[i]])
-    const camera = { rotation, position: eye, fx: 1 / cell, cx: middle, cy: middle, near, orthographic: true }
+    const camera = { rotation, position: eye, fx, cx: half, cy: half, near, orthographic: true }
     const size = { width: CELLS, height: CELLS }
     const depths = await this.#host.draw({ ...camera, ...size }, size).catch(() => null)
-    return depths && new Ground(eye, axes, cell, depths, performance.now())
+    return depths && new Ground({ place: eye, axes, cell: 1 / fx, height, depths })
   }
 
   /** How high the ground below a point is, between two heights; null where there is none. */
   #groundAt(ground, point, height, low = -Infinity, high = Infinity) {
     const found = ground.heights(point, FOOT * height).filter((y) => y > low && y <= high)
-    return found.length ? median(found) : null
+    return found.length ? middle(found) : null
   }
 
   /** A place for the eye, above ground. */
@@ -177,7 +195,10 @@ export class Walker {
   go(right, forward) {
     const { camera } = this.#pilot
     if (!this.#host.scene() || !(right || forward)) return
-    if (camera.eye !== this.#eye || !this.#ground) return this.#land()
+    if (camera.eye !== this.#eye || this.#ground?.height !== this.height) {
+      if (!this.#asking) this.begin()
+      return
+    }
     const up = this.#up
     const ahead = this.#level(camera)
     const way = add(ahead.map((x) => x * forward), cross(ahead, up), right)
@@ -213,8 +234,12 @@ export class Walker {
 
   /** On the ground there; over a hole the last one counts. */
   #stand(place) {
-    const [low, high] = [this.#feet - DROP * this.height, this.#feet + STEP * this.height]
-    this.#feet = this.#groundAt(this.#ground, place, this.height, low, high) ?? this.#feet
+    const { height } = this
+    const low = this.#floats ? -Infinity : this.#feet - DROP * height
+    const feet = this.#groundAt(this.#ground, place, height, low, this.#feet + STEP * height)
+    if (feet === null) return
+    this.#feet = feet
+    this.#floats = false
   }
 
   #put(eye) {
@@ -236,23 +261,6 @@ export class Walker {
     if (!ground || this.#pilot.camera.eye !== this.#eye) return
     this.#ground = ground
     this.#stand(this.#eye)
-    this.#ease()
-  }
-
-  /** Takes the ground below the camera, wherever it has been put. */
-  async #land() {
-    if (this.#asking) return
-    const own = (this.#asking = {})
-    await this.#findUsual()
-    const { eye } = this.#pilot.camera
-    const ground = await this.#map(eye, this.height)
-    if (own !== this.#asking) return
-    this.#asking = null
-    if (!ground || eye !== this.#pilot.camera.eye) return
-    this.#ground = ground
-    this.#eye = eye
-    this.#feet = this.#groundAt(ground, eye, this.height) ?? dot(eye, this.#up) - this.height
-    this.#look(eye)
     this.#ease()
   }
 
