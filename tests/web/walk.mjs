@@ -1,7 +1,7 @@
 // The tests of walking, gamepads and the stick for the thumb, for page.mjs.
 import assert from 'node:assert/strict'
 import { writeFileSync } from 'node:fs'
-import { hash, inside, moved, native, open, page, pause, scenes, shown, viewOf } from './chromium.mjs'
+import { hash, inside, moved, native, open, page, pause, scenes, shown, viewOf, without } from './chromium.mjs'
 
 // A yard: a floor at y = 0, up is -y. A ramp and what it leads to at the right, a wall at the left, a hole in the middle.
 const RAMP = { left: 1, right: 3, from: 1, slope: 0.3, top: 4 }
@@ -30,184 +30,195 @@ function yard() {
   writeFileSync(`${scenes}/yard.ply`, Buffer.concat([Buffer.from(header), Buffer.from(new Float32Array(rows).buffer)]))
 }
 
-const numbersOf = async () => (await viewOf()).split(',').map(Number)
-const YARD = (x, z, to = [x, 9]) => `?scene=/scenes/yard.ply&eye-height=1#view=${x},-1.2,${z},${to[0]},-1.2,${to[1]},0,-1,0,60`
+const start = [2, -1.2, -2] // straight on to the ramp
+const YARD = `?scene=/scenes/yard.ply&eye-height=1#view=${start},2,-1.2,9,0,-1,0,60`
+const above = ([x, y, z]) => -y - rise(x, z) // the ground, where there is no hole
 const near = (a, b, most, words) => assert.ok(Math.abs(a - b) <= most, `${words}: ${a}, not ${b}`)
+const eye = () => inside('return v.camera.eye')
 
-async function walk(...place) {
-  await open(YARD(...place))
-  await page.keyboard.press('3')
-  await page.waitForFunction(() => document.querySelector('fixsplat-viewer').settings.mode === 'walk')
-  await pause(700)
-  await moved()
-  await inside(`v.seen = []
-    v.addEventListener('camera', ({ detail }) => v.seen.push(detail.camera.eye))
-    v.addEventListener('frame', ({ detail }) => (v.parts ??= new Set()).add(detail.divisor))`)
+async function until(is, words) {
+  for (let i = 0; i < 300; i++) {
+    if (await is()) return
+    await pause(100)
+  }
+  assert.fail(words)
 }
 
-/** Walks by a key until the eye is somewhere, or does not get on. */
-async function hold(key, until) {
+const stands = (height, words) => until(async () => Math.abs(above(await eye()) - height) < 0.03, words)
+
+/** Keeps a key down until the eye is somewhere, or has not got on for a while. */
+async function hold(key, isThere = () => false) {
   await page.keyboard.down(key)
-  for (let last = null; ; ) {
-    await pause(250)
-    const eye = (await numbersOf()).slice(0, 3)
-    if (until?.(eye) || (last && Math.hypot(...eye.map((x, i) => x - last[i])) < 0.01)) break
-    last = eye
+  for (let [last, rests] = [await eye(), -5]; rests < 4; ) {
+    await pause(150)
+    const now = await eye()
+    if (isThere(now)) break
+    rests = Math.hypot(...now.map((x, i) => x - last[i])) < 1e-3 ? rests + 1 : Math.min(rests, 0)
+    last = now
   }
   await page.keyboard.up(key)
   await moved()
-  return (await numbersOf()).slice(0, 3)
+  return eye()
+}
+
+/** Puts the camera somewhere, from where it comes down with the next step. */
+async function from(x, z, [to, far]) {
+  await inside(`v.camera = { eye: [args[0], -1.1, args[1]], look: [args[2], -1.1, args[3]], up: [0, -1, 0] }
+    v.seen = []`, x, z, to, far)
+}
+
+const STUB = `{
+  const pads = []
+  window.looked = 0
+  navigator.getGamepads = () => (window.looked++, pads)
+  window.pad = (axes, pressed = []) => {
+    const buttons = Array.from({ length: 17 }, (_, i) => ({ value: pressed.includes(i) ? 1 : 0 }))
+    pads[0] = axes && { connected: true, mapping: 'standard', axes, buttons }
+  }
+}`
+
+async function ground() {
+  await page.keyboard.press('3')
+  await stands(1, 'it comes down')
+  await inside(`v.seen = []
+    v.settings = { speed: 1.5 }
+    v.addEventListener('camera', ({ detail }) => v.seen.push(detail.camera.eye))
+    v.addEventListener('frame', () => (v.states ??= new Set()).add(v.state))`)
+  const [x, , z] = await hold('w', ([, , z]) => z > 3)
+  near(x, 2, 1e-6, 'straight on')
+  near(above(await eye()), 1, 0.03, 'on the ramp')
+  const seen = await inside('return v.seen')
+  assert.ok(z > 3 && seen.length > 10)
+  for (const place of seen) near(above(place), 1, 0.12, `at ${place}`)
+  assert.ok(await inside(`return v.states.has('moving')`))
+  assert.equal(await hash(), native('yard.ply', await viewOf(), '640x360'))
+  assert.deepEqual((await shown()).size, [640, 360])
+  const [, , back] = await hold('ArrowDown', ([, , z]) => z < 2)
+  assert.ok(back < z - 0.5)
+}
+
+async function walls() {
+  await from(-2, 1.5, [-2, 9])
+  const [, , z] = await hold('w')
+  assert.ok(z > WALL.z - 0.45 && z < WALL.z - 0.1, `the wall is at ${WALL.z}, it stops at ${z}`)
+  await from(-2, 2, [-5, 4.5])
+  const along = await hold('w', ([x]) => x < -3.2)
+  assert.ok(along[0] < -3.1 && along[2] < WALL.z - 0.1, `along the wall to ${along}`)
+}
+
+async function holes() {
+  await from(0.05, -0.5, [0.05, 9])
+  const [, , z] = await hold('w', ([, , z]) => z > HOLE.z[1] + 0.3)
+  assert.ok(z > HOLE.z[1])
+  for (const [, y, z] of await inside('return v.seen')) if (z > 0) near(y, -1, 0.03, 'over the hole')
+}
+
+/** Another height, one that is found, and a point that is gone to. */
+async function heights() {
+  await inside('v.settings = { eyeHeight: 0.5 }')
+  await stands(0.5, 'lower')
+  await page.keyboard.press('r')
+  await until(async () => (await eye())[1] < -3, 'the start')
+  await moved()
+  await hold('w', (place) => above(place) < 0.52)
+  await stands(0.5, 'on the ground again')
+  await inside(`v.settings = { eyeHeight: 0 }`)
+  await stands((HOLE.deep + WALL.tall) / 8, 'an eighth of what there is')
+  await from(-2, -2, [-2, 1])
+  await page.mouse.click(320, 260, { count: 2 })
+  await until(async () => (await eye())[2] > -1.9, 'it goes there')
+  await stands((HOLE.deep + WALL.tall) / 8, 'as high there')
+}
+
+/** The gamepad's sticks and buttons for a while. */
+async function push(axes, pressed = []) {
+  await inside('window.pad(...args)', axes, pressed)
+  await pause(400)
+  await inside('window.pad([0, 0, 0, 0])')
+  await moved()
+  return inside('return v.camera')
+}
+
+async function gamepad() {
+  await inside('v.settings = { eyeHeight: 1 }')
+  await from(2, -2, [2, 9])
+  const first = await inside('return v.camera')
+  await inside(`window.pad([0, 0, 0, 0])
+    dispatchEvent(new Event('gamepadconnected'))`)
+  await until(() => inside('return window.looked > 2'), 'it is looked at')
+  assert.deepEqual(await push([0.1, -0.1, 0.05, 0]), first)
+  await push([0, 0, 0, 0], [0])
+  assert.equal(await inside('return v.settings.mode'), 'fly')
+  assert.ok((await push([0, 0, 0, 0], [5])).eye[1] < first.eye[1] - 0.02, 'up')
+  await push([0, 0, 0, 0], [0])
+  assert.equal(await inside('return v.settings.mode'), 'walk')
+  await stands(1, 'it stands')
+  const stood = await inside('return v.camera')
+  const walked = await push([0, -1, 0, 0])
+  assert.ok(walked.eye[2] > stood.eye[2] + 0.1)
+  near(walked.eye[0], 2, 1e-6, 'ahead')
+  const turned = await push([0, 0, 1, 0])
+  assert.deepEqual(turned.eye, walked.eye)
+  assert.ok(turned.look[0] > walked.look[0] + 0.5, `to the right: ${turned.look}`)
+}
+
+/** It is looked at while there is one, and the viewer is on the screen. */
+async function polls() {
+  const looks = () => inside(`const before = window.looked
+    await new Promise((done) => setTimeout(done, 150))
+    return window.looked - before`)
+  const are = (is, words) => until(async () => (await looks()) > 0 === is, words)
+  await inside(`Object.assign(v.style, { position: 'absolute', top: '5000px' })`)
+  await are(false, 'not on the screen')
+  await inside(`v.removeAttribute('style')`)
+  await are(true, 'on the screen')
+  await inside('window.pad(null)')
+  await are(false, 'no gamepad')
+}
+
+async function stick() {
+  const touch = await page.createCDPSession()
+  const send = (type, ...list) =>
+    touch.send('Input.dispatchTouchEvent', { type, touchPoints: list.map(([x, y, id]) => ({ x, y, id })) })
+  const isThere = (is, words) => until(async () => (await inside(`return !!$('stick')?.checkVisibility()`)) === is, words)
+  await from(2, -2, [2, 9])
+  await isThere(false, 'no touchscreen')
+  await send('touchStart', [400, 100, 0])
+  await send('touchEnd')
+  await isThere(true, 'a touchscreen')
+  await moved()
+  const [x, y] = await inside(`const { left, top, width } = $('stick').getBoundingClientRect()
+    return [left + width / 2, top + width / 2]`)
+  await send('touchStart', [x, y, 0])
+  await send('touchMove', [x, y - 60, 0])
+  await until(async () => (await eye())[2] > -1.8, 'ahead')
+  near((await eye())[0], 2, 1e-6, 'straight')
+  await send('touchStart', [x, y - 60, 0], [400, 150, 1])
+  await send('touchMove', [x, y - 60, 0], [440, 150, 1])
+  await until(async () => (await inside('return v.camera.look'))[0] > 2.5, 'another finger looks')
+  await send('touchEnd')
+  await moved()
+  const last = await viewOf()
+  await pause(200)
+  assert.equal(await viewOf(), last)
+  const at = () => inside(`const { id, className } = v.shadowRoot.elementFromPoint(...args); return id || className`, x, y)
+  assert.equal(await at(), 'stick')
+  await inside(`v.annotations = [{ position: (await v.pick(...args)).position, title: 'Here' }]`, x, y)
+  await until(async () => (await at()) === 'marker', 'a marker on it is what a touch means')
+  await inside(`v.setAttribute('noui', '')`)
+  await isThere(false, 'the picture alone')
+  await inside(`v.setAttribute('joystick', '')`)
+  await isThere(true, 'where it is asked for')
+  await inside(`v.settings = { mode: 'orbit' }`)
+  await isThere(false, 'no use for it')
 }
 
 export const walking = {
-  async 'walking: on the ground, up a ramp; whole pictures at rest'() {
+  async 'walking: on the ground and up a ramp; walls stop, holes do not; gamepads, and a stick for the thumb'() {
     yard()
-    await walk(2, -2)
-    near((await numbersOf())[1], -1, 0.01, 'it lands')
-    const [x, y, z] = await hold('w', ([, , z]) => z > 3.2)
-    near(x, 2, 1e-6, 'straight on')
-    near(-y - rise(x, z), 1, 0.02, 'at rest')
-    const seen = await inside('return v.seen')
-    assert.ok(seen.length > 10)
-    for (const [x, y, z] of seen) near(-y - rise(x, z), 1, 0.08, `at ${z}`)
-    assert.equal(await hash(), native('yard.ply', await viewOf(), '640x360'))
-    assert.deepEqual((await shown()).size, [640, 360])
-    assert.ok((await inside('return [...v.parts]')).some((divisor) => divisor > 1))
-    const up = await hold('ArrowDown', ([, , z]) => z < 1.5)
-    assert.ok(up[2] < 2)
-    await inside('v.settings = { eyeHeight: 0.5 }')
-    await pause(300)
-    await moved()
-    const low = await numbersOf()
-    near(-low[1] - rise(low[0], low[2]), 0.5, 0.03, 'another height')
-    await page.keyboard.press('r')
-    await moved()
-    await hold('w')
-    const [ox, oy, oz] = await numbersOf()
-    near(-oy - rise(ox, oz), 0.5, 0.03, 'it lands again')
-  },
-
-  async 'walking: a wall stops, and is walked along; a hole is gone over'() {
-    await walk(-2, 1.5)
-    const [, , z] = await hold('w')
-    assert.ok(z > WALL.z - 0.45 && z < WALL.z - 0.1, `the wall is at ${WALL.z}, it stops at ${z}`)
-    await walk(-2, 1.5, [-5, 4])
-    const along = await hold('w', ([x]) => x < -3.4)
-    assert.ok(along[0] < -3 && along[2] < WALL.z - 0.1, `along the wall to ${along}`)
-    await walk(0.05, -0.8)
-    const over = await hold('w', ([, , z]) => z > HOLE.z[1] + 0.3)
-    assert.ok(over[2] > HOLE.z[1])
-    for (const [, y] of await inside('return v.seen')) near(y, -1, 0.03, 'over the hole')
-  },
-
-  async 'walking: where no number is given, and by a double click'() {
-    await open(YARD(2, -2).replace('&eye-height=1', ''))
-    await page.keyboard.press('3')
-    await pause(700)
-    await moved()
-    const height = -(await numbersOf())[1] // of the floor 0
-    near(height, (HOLE.deep + WALL.tall) / 8, 0.05, 'an eighth of what is there')
-    await page.mouse.click(320, 250, { count: 2 })
-    await pause(800)
-    await moved()
-    const [x, y, z] = await numbersOf()
-    assert.ok(z > -1.9)
-    near(-y - rise(x, z), height, 0.03, 'as high there')
-  },
-
-  async 'a gamepad moves, looks and chooses; it is looked at while there is a reason to'() {
-    await page.evaluateOnNewDocument(`{
-      const pads = []
-      window.looked = 0
-      Object.defineProperty(navigator, 'getGamepads', { value: () => (window.looked++, pads) })
-      window.pad = (axes, pressed = []) => {
-        const buttons = Array.from({ length: 17 }, (_, i) => ({ value: pressed.includes(i) ? 1 : 0 }))
-        pads[0] = axes && { connected: true, mapping: 'standard', axes, buttons }
-      }
-    }`)
-    await open(YARD(2, -2))
-    const push = async (axes, pressed, ms = 400) => {
-      await inside('window.pad(...args)', axes, pressed ?? [])
-      await pause(ms)
-      await inside('window.pad([0, 0, 0, 0])')
-      await moved()
-      return numbersOf()
-    }
-    const start = await numbersOf()
-    await inside(`window.pad([0, 0, 0, 0]); dispatchEvent(new Event('gamepadconnected'))`)
-    await pause(300)
-    assert.deepEqual(await push([0.1, -0.1, 0.05, 0]), start)
-    await push([0, 0, 0, 0], [0])
-    assert.equal(await inside('return v.settings.mode'), 'walk')
-    await pause(700)
-    await moved()
-    const stood = await numbersOf()
-    near(stood[1], -1, 0.01, 'it stands')
-    const walked = await push([0, -1, 0, 0])
-    assert.ok(walked[2] > stood[2] + 0.2)
-    near(walked[0], 2, 1e-6, 'ahead')
-    const turned = await push([0, 0, 1, 0])
-    assert.deepEqual(turned.slice(0, 3), walked.slice(0, 3))
-    assert.ok(turned[3] > walked[3] + 1, `to the right: ${walked}; ${turned}`)
-    await push([0, 0, 0, 0], [0])
-    assert.equal(await inside('return v.settings.mode'), 'fly')
-    assert.ok((await push([0, 0, 0, 0], [5]))[1] < turned[1] - 0.05, 'up')
-    const looks = () => inside('const before = window.looked; await new Promise((done) => setTimeout(done, 200)); return window.looked - before')
-    assert.ok((await looks()) > 2)
-    await inside(`v.style.position = 'absolute'; v.style.top = '5000px'`)
-    await pause(200)
-    assert.equal(await looks(), 0)
-    await inside(`v.style.top = '0'`)
-    await pause(200)
-    assert.ok((await looks()) > 2)
-    await inside('window.pad(null)')
-    await pause(100)
-    assert.equal(await looks(), 0)
-  },
-
-  async 'a stick for the thumb flies and walks, while another finger looks'() {
-    await open(YARD(2, -2))
-    const touch = await page.createCDPSession()
-    const send = (type, ...list) =>
-      touch.send('Input.dispatchTouchEvent', { type, touchPoints: list.map(([x, y, id]) => ({ x, y, id })) })
-    const isThere = () => inside(`return !!$('stick')?.checkVisibility()`)
-    await page.keyboard.press('3')
-    await pause(700)
-    await moved()
-    assert.equal(await isThere(), false)
-    await send('touchStart', [400, 100, 0])
-    await send('touchEnd')
-    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot.getElementById('stick'))
-    assert.equal(await isThere(), true)
-    const [x, y] = await inside(`const { left, top, width } = $('stick').getBoundingClientRect()
-      return [left + width / 2, top + width / 2]`)
-    const start = await numbersOf()
-    await send('touchStart', [x, y, 0])
-    await send('touchMove', [x, y - 60, 0])
-    await pause(400)
-    const walked = await numbersOf()
-    assert.ok(walked[2] > start[2] + 0.2 && Math.abs(walked[0] - start[0]) < 1e-6, `ahead to ${walked}`)
-    await send('touchStart', [x, y - 60, 0], [400, 150, 1])
-    await send('touchMove', [x, y - 60, 0], [440, 150, 1])
-    await pause(100)
-    await send('touchEnd')
-    await moved()
-    const turned = await numbersOf()
-    assert.ok(turned[3] > walked[3] + 0.5, `to the right, as by a mouse: ${walked}; ${turned}`)
-    await pause(200)
-    assert.deepEqual(await numbersOf(), turned)
-    // A marker on it is what a touch means.
-    const at = `return v.shadowRoot.elementFromPoint(...args)`
-    assert.equal(await inside(`${at}.id`, x, y), 'stick')
-    await inside(`v.annotations = [{ position: (await v.pick(...args)).position, title: 'Here' }]`, x, y)
-    await page.waitForFunction(() => document.querySelector('fixsplat-viewer').shadowRoot.querySelector('.marker'))
-    await moved()
-    assert.match(await inside(`${at}.className`, x, y), /marker/)
-    await inside(`v.setAttribute('noui', '')`)
-    assert.equal(await isThere(), false)
-    await inside(`v.setAttribute('joystick', ''); await new Promise(requestAnimationFrame)`)
-    assert.equal(await isThere(), true)
-    await inside(`v.settings = { mode: 'orbit' }; await new Promise(requestAnimationFrame)`)
-    assert.equal(await isThere(), false)
+    await without(STUB, async () => {
+      await open(YARD)
+      for (const test of [ground, walls, holes, heights, gamepad, polls, stick]) await test()
+    })
   },
 }

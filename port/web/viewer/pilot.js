@@ -26,7 +26,7 @@ export class Pilot {
   #moved
   #scene = null
   #actedAt = 0
-  #gliding = null // the last that was begun
+  #gliding = null // what was begun last, until it ends
   #turning = 0 // the next frame of turning by itself
 
   /** `moved` is called after each change of the camera: whether it is in motion, and whether by a hand. */
@@ -100,19 +100,30 @@ export class Pilot {
     const own = (this.#gliding = {})
     this.#actedAt = start
     this.touched = true
-    if (duration <= 0 || matchMedia('(prefers-reduced-motion: reduce)').matches) return this.show(to) ?? true
+    if (duration <= 0 || matchMedia('(prefers-reduced-motion: reduce)').matches) {
+      this.#gliding = null
+      return this.show(to) ?? true
+    }
     return new Promise((done) => {
       let last = from
+      const end = (isThere) => {
+        if (this.#gliding === own) this.#gliding = null
+        done(isThere)
+      }
       const step = (now) => {
-        if (this.camera !== last || this.#gliding !== own) return done(false)
+        if (this.camera !== last || this.#gliding !== own) return end(false)
         const t = Math.max(0, Math.min((now - start) / duration, 1))
         this.#actedAt = now
         this.#move((last = t < 1 ? motion.between(from, to, t) : to))
         if (t < 1) requestAnimationFrame(step)
-        else done(true)
+        else end(true)
       }
       requestAnimationFrame(step)
     })
+  }
+
+  get glides() {
+    return !!this.#gliding
   }
 
   /** Nearer to a point, and about it from then on. */

@@ -269,14 +269,14 @@ export class Walker {
     if (this.#pilot.camera?.eye === this.#eye) this.#ease()
   }
 
-  /** Brings the eye to its height, a part of the way with each picture. */
+  /** Brings the eye to its height, a part of the way with each picture, unless the camera is on its way elsewhere. */
   #ease() {
     if (this.#last) return
     const step = (now) => {
       const seconds = Math.min((now - this.#last) / 1000, 0.1)
       const up = this.#up
       const { eye } = this.#pilot.camera
-      const lacks = eye === this.#eye ? this.#feet + this.height - dot(eye, up) : 0
+      const lacks = eye === this.#eye && !this.#pilot.glides ? this.#feet + this.height - dot(eye, up) : 0
       const isNear = Math.abs(lacks) < 1e-3 * this.height
       if (lacks) this.#put(add(eye, up, isNear ? lacks : lacks * (1 - Math.exp(-EASE * seconds))))
       this.#last = isNear ? 0 : now
