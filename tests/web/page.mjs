@@ -485,11 +485,11 @@ const tests = {
       []
     )
     const order = []
-    for (let i = 0; i < 9; i++) {
+    for (let i = 0; i < 10; i++) {
       await page.keyboard.press('Tab')
       order.push(await inside('return v.shadowRoot.activeElement.id'))
     }
-    assert.deepEqual(order, ['full', 'add', 'orbit', 'fly', 'home', 'share', 'photo', 'set', 'keys'])
+    assert.deepEqual(order, ['full', 'add', 'orbit', 'fly', 'walk', 'home', 'share', 'photo', 'set', 'keys'])
     await page.keyboard.press('h')
     assert.equal(await inside(`return $('help').hidden`), false)
     await page.keyboard.press('Escape')

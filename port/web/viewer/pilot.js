@@ -22,11 +22,11 @@ export class Pilot {
   ahead = null // what lies in the middle of the picture, where that is known
   turns = false // by itself
   touched = false // by pointers or keys, since the scene is there
+  gliding = null // what was begun last, until it ends
   #element
   #moved
   #scene = null
   #actedAt = 0
-  #gliding = null // what was begun last, until it ends
   #turning = 0 // the next frame of turning by itself
 
   /** `moved` is called after each change of the camera: whether it is in motion, and whether by a hand. */
@@ -97,21 +97,18 @@ export class Pilot {
   async glide(to, duration = GLIDE_MS) {
     if (!this.#scene) return false
     const [from, start] = [this.camera, performance.now()]
-    const own = (this.#gliding = {})
     this.#actedAt = start
     this.touched = true
-    if (duration <= 0 || matchMedia('(prefers-reduced-motion: reduce)').matches) {
-      this.#gliding = null
-      return this.show(to) ?? true
-    }
+    if (duration <= 0 || matchMedia('(prefers-reduced-motion: reduce)').matches) return this.show(to) ?? true
+    const own = (this.gliding = {})
     return new Promise((done) => {
       let last = from
       const end = (isThere) => {
-        if (this.#gliding === own) this.#gliding = null
+        if (this.gliding === own) this.gliding = null
         done(isThere)
       }
       const step = (now) => {
-        if (this.camera !== last || this.#gliding !== own) return end(false)
+        if (this.camera !== last || this.gliding !== own) return end(false)
         const t = Math.max(0, Math.min((now - start) / duration, 1))
         this.#actedAt = now
         this.#move((last = t < 1 ? motion.between(from, to, t) : to))
@@ -120,10 +117,6 @@ export class Pilot {
       }
       requestAnimationFrame(step)
     })
-  }
-
-  get glides() {
-    return !!this.#gliding
   }
 
   /** Nearer to a point, and about it from then on. */

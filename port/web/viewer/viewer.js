@@ -1119,9 +1119,8 @@ export class Viewer extends HTMLElement {
 
   /** A stick for the thumb: on touchscreens, but for pages that show the picture alone; and where `joystick` asks. */
   async #showStick() {
-    const asked = this.getAttribute('joystick')
-    const isAuto = this.#touches && !this.hasAttribute('noui')
-    const is = this.#pilot.mode !== 'orbit' && asked !== 'none' && (asked !== null || isAuto)
+    const auto = this.#touches && !this.hasAttribute('noui') ? '' : 'none'
+    const is = this.#pilot.mode !== 'orbit' && (this.getAttribute('joystick') ?? auto) !== 'none'
     if (is) this.#stick ??= import('./joystick.js').then(({ joystick }) => joystick(this.shadowRoot, this.#acts))
     if (this.#stick) (await this.#stick).hidden = !is
   }

@@ -276,7 +276,7 @@ export class Walker {
       const seconds = Math.min((now - this.#last) / 1000, 0.1)
       const up = this.#up
       const { eye } = this.#pilot.camera
-      const lacks = eye === this.#eye && !this.#pilot.glides ? this.#feet + this.height - dot(eye, up) : 0
+      const lacks = eye === this.#eye && !this.#pilot.gliding ? this.#feet + this.height - dot(eye, up) : 0
       const isNear = Math.abs(lacks) < 1e-3 * this.height
       if (lacks) this.#put(add(eye, up, isNear ? lacks : lacks * (1 - Math.exp(-EASE * seconds))))
       this.#last = isNear ? 0 : now
