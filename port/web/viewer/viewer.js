@@ -1109,7 +1109,7 @@ export class Viewer extends HTMLElement {
     pilot.walker ??= new Walker(pilot, {
       scene: () => this.#scene,
       height: () => this.#numberOf('eye-height'),
-      draw: (camera, size) => this.#engine.ask('heights', camera, { ...this.#frame(), sky: null, ...size }),
+      draw: async (camera, size) => this.#engine.ask('heights', camera, { ...this.#frame(), sky: null, ...size }),
       note: (words) => this.#panels.note(words),
     })
     if (!this.#scene || !pilot.walks) return
