@@ -165,8 +165,9 @@ async function gamepad() {
 
 /** It is looked at while there is one, and the viewer is on the screen. */
 async function polls() {
-  const looks = () => inside(`const before = window.looked
-    await new Promise((done) => setTimeout(done, 150))
+  const looks = () => inside(`await new Promise(requestAnimationFrame)
+    const before = window.looked
+    for (let i = 0; i < 5; i++) await new Promise(requestAnimationFrame)
     return window.looked - before`)
   const are = (is, words) => until(async () => (await looks()) > 0 === is, words)
   await inside(`Object.assign(v.style, { position: 'absolute', top: '5000px' })`)
