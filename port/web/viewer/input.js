@@ -1,6 +1,6 @@
 // Listens to pointers and keys, and calls the functions of an object `act`: drag, look and pan (with a distance in
-// pixels), zoom (with a factor), focus and click (with a pixel), fly and arrows (in seconds), and press. `takesWheel` says whether a turn of the
-// wheel is for the scene.
+// pixels), zoom (with a factor), focus and click (with a pixel), fly and arrows (in seconds), and press.
+// `takesWheel` says whether a turn of the wheel is for the scene.
 
 const CLICK_PIXELS = 4 // a pointer that moves farther drags
 

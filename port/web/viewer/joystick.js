@@ -1,4 +1,5 @@
-// The stick for a thumb on touchscreens, at the lower left: it flies and walks as W A S D do, while another finger looks.
+// The stick for a thumb on touchscreens, at the lower left: it flies and walks as W A S D do, while another finger
+// looks.
 const SIZE = 116 // CSS pixels; its middle moves by a third of it
 const REACH = SIZE / 3
 const DEAD = 0.12 // of the reach

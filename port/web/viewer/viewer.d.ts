@@ -90,7 +90,7 @@ export interface Settings {
   detail: number
   turn: boolean
   mode: 'orbit' | 'fly' | 'walk'
-  /** Of the eye above the ground that is walked on, scene units; 0: what the start view or the scene's own height tells. */
+  /** Of the eye above the ground, for walking, scene units; 0: as the start view or the scene's own height tells. */
   eyeHeight: number
   /** Of flight and of walking, 0.1 to 2. */
   speed: number

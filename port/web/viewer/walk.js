@@ -1,6 +1,6 @@
 // Walking: the eye stays at its height above the ground. The ground and walls are found in a map of heights, a small
-// picture of depths that the worker draws straight down from the eye, of what lies around. The renderer draws it as every
-// picture, so it has what people see: all scenes, at their places, with the levels of detail that there are.
+// picture of depths that the worker draws straight down from the eye, of what lies around. It is drawn as every picture
+// is, so it has what people see: all scenes, at their places, with the levels of detail that there are.
 import { add, cross, dot, unit } from './motion.js'
 
 const CELLS = 48 // of a map's side
