@@ -61,7 +61,7 @@ const isWords = (text) => areWords.test(text) && !isCode.test(text) && !NO_WORDS
 export async function wordsOfViewer() {
   const { body, listOf } = await from('body.js')
   const { backends } = await from('picture.js')
-  const html = [body, listOf('orbit'), listOf('fly')].flatMap(wordsOfHtml)
+  const html = [body, listOf('orbit'), listOf('fly'), listOf('walk')].flatMap(wordsOfHtml)
   const sources = readdirSync(folder).filter((name) => name.endsWith('.js') && !OTHERS.test(name) && name !== 'body.js')
   const said = sources.flatMap((name) => textsOf(readFileSync(resolve(folder, name), 'utf8')))
   const parts = said.flatMap((text) => (/<\w/.test(text) ? wordsOfHtml(text) : text.replace(/^: /, '')))

@@ -4,6 +4,7 @@ import { copyFileSync, existsSync, mkdirSync, rmSync, statSync, writeFileSync } 
 import { resolve } from 'node:path'
 import * as chromium from './chromium.mjs'
 import { POLICY } from './policy.mjs'
+import { walking } from './walk.mjs'
 import { base, go, hash, inside, moved, native, open, page, pause, picture, shown, still, viewOf } from './chromium.mjs'
 
 const { changed, folder, pictures, policy, ranges, rendered, run, scenes, strange, without, wordsOf } = chromium
@@ -484,11 +485,11 @@ const tests = {
       []
     )
     const order = []
-    for (let i = 0; i < 9; i++) {
+    for (let i = 0; i < 10; i++) {
       await page.keyboard.press('Tab')
       order.push(await inside('return v.shadowRoot.activeElement.id'))
     }
-    assert.deepEqual(order, ['full', 'add', 'orbit', 'fly', 'home', 'share', 'photo', 'set', 'keys'])
+    assert.deepEqual(order, ['full', 'add', 'orbit', 'fly', 'walk', 'home', 'share', 'photo', 'set', 'keys'])
     await page.keyboard.press('h')
     assert.equal(await inside(`return $('help').hidden`), false)
     await page.keyboard.press('Escape')
@@ -1017,4 +1018,4 @@ const tests = {
   },
 }
 
-await run(tests)
+await run({ ...tests, ...walking })

@@ -332,7 +332,7 @@ const tests = {
 
   async 'languages: by the attribute and by the browser, every word of the page; English fetches none'() {
     const asked = []
-    const late = /\/(?:language_(..)|(tour|tour_style|markers|player|settings|track|film|sky))\.js/
+    const late = /\/(?:language_(..)|(tour|tour_style|markers|player|settings|track|film|sky|walk|gamepad|joystick))\.js/
     const hear = (request) => asked.push(...(request.url().match(late)?.slice(1).filter(Boolean) ?? []))
     page.on('request', hear)
     await open(SCENE)

@@ -10,6 +10,8 @@ export const ICONS = {
   after: 'M9 5l7 7-7 7',
   orbit: 'M12 8a4 4 0 1 0 0 8 4 4 0 0 0 0-8zM5 19A9.9 3.8 -45 1 1 19 5 9.9 3.8 -45 1 1 5 19z',
   fly: 'M21 3L3 10.5l6.5 3L12.5 20 21 3zM9.5 13.5L21 3',
+  walk: 'M13 3.5a1.6 1.6 0 1 0 0 3.2 1.6 1.6 0 0 0 0-3.2zM7 12l2.5-3 3-.8 2 3 3 1.3' +
+    'M12.5 8.5L11 14l3 3 .8 4M11 14l-1 3.5L7 21',
   home: 'M4 11l8-7 8 7M6 10v9h4v-5h4v5h4v-9',
   share: 'M10 14a4 4 0 0 0 6 0l3-3a4 4 0 0 0-6-6l-1 1M14 10a4 4 0 0 0-6 0l-3 3a4 4 0 0 0 6 6l1-1',
   photo: 'M4 8h4l2-3h4l2 3h4v11H4zM12 10a3.2 3.2 0 1 0 0 6.4 3.2 3.2 0 0 0 0-6.4z',
@@ -40,10 +42,19 @@ const MODES = {
     ['Shift', 'four times as fast'],
     ['G', 'look by the mouse alone'],
   ],
+  walk: [
+    ['Drag', 'look around'],
+    ['Wheel', 'ahead, back; or pinch'],
+    ['Double click', 'go to what is there'],
+    ['W A S D ← ↑ ↓ →', 'walk'],
+    ['Q E', 'turn left, right'],
+    ['Shift', 'four times as fast'],
+    ['G', 'look by the mouse alone'],
+  ],
 }
 
 const ALWAYS = [
-  ['1 2', 'turn, fly'],
+  ['1 2 3', 'turn, fly, walk'],
   ['R', 'back to the start'],
   ['0', 'the whole scene'],
   ['N P', 'next, previous view'],
@@ -73,7 +84,8 @@ const check = (name, words, more = '') => `<label>${words} <input name="${name}"
 const settings = `
 <label>Background <input name="background" type="color" value="#0e1116"></label>
 <label>Angle of view <input name="fov" type="range" min="20" max="100" value="50"></label>
-<label>Speed of flight <input name="speed" type="range" min="0.1" max="2" step="0.1" value="0.5"></label>
+<label>Speed <input name="speed" type="range" min="0.1" max="2" step="0.1" value="0.5"></label>
+<label id="tall" hidden>Height of the eye <input name="eyeHeight" type="range" min="-2" max="2" step="0.1"></label>
 <label>Picture <select name="sharpness">
   <option value="1">Sharp</option><option value="0.6667">Medium</option>
   <option value="0.5">Quick</option></select></label>
@@ -131,6 +143,7 @@ export const body = `
   <span id="modes" role="group" aria-label="Mode">
     ${button('orbit', 'Turn the scene (1)', ICONS.orbit, 'aria-pressed="true"')}
     ${button('fly', 'Fly (2)', ICONS.fly, 'aria-pressed="false"')}
+    ${button('walk', 'Walk (3)', ICONS.walk, 'aria-pressed="false"')}
   </span>
   ${button('home', 'Back to the start (R)', ICONS.home)}
   ${button('share', 'Copy a link to this view (L)', ICONS.share)}

@@ -1,6 +1,6 @@
 // Listens to pointers and keys, and calls the functions of an object `act`: drag, look and pan (with a distance in
-// pixels), zoom (with a factor), focus and click (with a pixel), fly and press. `takesWheel` says whether a turn of the
-// wheel is for the scene.
+// pixels), zoom (with a factor), focus and click (with a pixel), fly and arrows (in seconds), and press.
+// `takesWheel` says whether a turn of the wheel is for the scene.
 
 const CLICK_PIXELS = 4 // a pointer that moves farther drags
 
@@ -29,7 +29,7 @@ export function listenToPointers(stage, act, holdsSpace) {
     pressed = null
   })
   stage.addEventListener('pointermove', (event) => {
-    if (stage.getRootNode().pointerLockElement === stage) return act.look(-event.movementX, -event.movementY)
+    if (stage.getRootNode().pointerLockElement === stage) return act.look(event.movementX, event.movementY)
     if (!pointers.has(event.pointerId)) return
     const before = middle(pointers)
     pointers.set(event.pointerId, event)
@@ -66,7 +66,7 @@ function isForText(target) {
   return target.matches?.('input, select, textarea')
 }
 
-/** Keys that are held fly and turn, from picture to picture; the others are pressed. Returns what is held. */
+/** Keys that are held fly, walk and turn, from picture to picture; the others are pressed. Returns what is held. */
 export function listenToKeys(element, act) {
   const held = new Set()
   let last = 0
@@ -80,7 +80,7 @@ export function listenToKeys(element, act) {
     last = flight.some(Boolean) || turn.some(Boolean) ? now : 0
     if (!last) return
     act.fly(...flight.map((x) => x * seconds * (held.has('Shift') ? 4 : 1)))
-    act.drag(...turn.map((x) => -x * seconds * 400))
+    act.arrows(...turn.map((x) => x * seconds))
     requestAnimationFrame(step)
   }
   element.addEventListener('keydown', (event) => {

@@ -35,7 +35,7 @@ export class Markers {
     this.#layer.id = 'markers'
     this.#layer.className = 'ui'
     this.#layer.translate = false
-    host.ui.stage.after(this.#layer)
+    ;(host.root.getElementById('stick') ?? host.ui.stage).after(this.#layer)
     host.ui.options.insertAdjacentHTML('beforebegin', panel('caption', 'Annotation', 'closeCaption', captionBody))
     for (const element of [...host.root.querySelectorAll('#caption, #caption [id]')]) this.#ui[element.id] = element
     const ui = this.#ui

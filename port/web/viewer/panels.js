@@ -5,6 +5,13 @@ import { backends } from './picture.js'
 const NOTE_MS = 4000
 const PAUSE_MS = 1000 // between pictures: no rate
 
+const KEYS = { orbit: 'Keys', fly: 'Keys in flight', walk: 'Keys on foot' }
+const HINTS = {
+  orbit: 'The scene. Drag or use the arrow keys to turn it; H lists the keys.',
+  fly: 'The scene. Drag or use the arrow keys to look around, W A S D to fly; H lists the keys.',
+  walk: 'The scene. Drag to look around, W A S D or the arrow keys to walk; H lists the keys.',
+}
+
 export class Panels {
   ui = {}
   #root
@@ -71,15 +78,10 @@ export class Panels {
 
   setMode(mode) {
     const { stage, help, list } = this.ui
-    for (const name of ['orbit', 'fly']) this.ui[name].setAttribute('aria-pressed', name === mode)
-    help.querySelector('h2').textContent = mode === 'fly' ? 'Keys in flight' : 'Keys'
+    for (const name of ['orbit', 'fly', 'walk']) this.ui[name].setAttribute('aria-pressed', name === mode)
+    help.querySelector('h2').textContent = KEYS[mode]
     list.innerHTML = listOf(mode)
-    stage.setAttribute(
-      'aria-label',
-      mode === 'fly'
-        ? 'The scene. Drag or use the arrow keys to look around, W A S D to fly; H lists the keys.'
-        : 'The scene. Drag or use the arrow keys to turn it; H lists the keys.'
-    )
+    stage.setAttribute('aria-label', HINTS[mode])
     for (const one of [help, stage]) this.language.write(one)
   }
 

@@ -1,15 +1,18 @@
-// Moves the camera of the viewer: from view to view, and by pointers and keys, whose effect depends on the mode (orbit
-// or fly).
+// Moves the camera of the viewer: from view to view, and by pointers and keys, whose effect depends on the mode (orbit,
+// fly or walk).
 import * as motion from './motion.js'
 
 const GLIDE_MS = 350
 const IDLE_MS = 2500 // from the last act until the scene turns by itself
 const TURN = 0.25 // radians a second
 const UPRIGHT = [0, -1, 0]
+const BY_KEY = 400 // pixels of a drag a second
+const BY_ZOOM = 4 // seconds of walking
 
 export class Pilot {
   camera = null
-  mode = 'orbit' // or fly
+  mode = 'orbit' // or fly or walk
+  walker = null // of walk.js
   up = UPRIGHT
   views = []
   index = 0
@@ -19,11 +22,11 @@ export class Pilot {
   ahead = null // what lies in the middle of the picture, where that is known
   turns = false // by itself
   touched = false // by pointers or keys, since the scene is there
+  gliding = null // what was begun last, until it ends
   #element
   #moved
   #scene = null
   #actedAt = 0
-  #gliding = null // the last that was begun
   #turning = 0 // the next frame of turning by itself
 
   /** `moved` is called after each change of the camera: whether it is in motion, and whether by a hand. */
@@ -94,19 +97,23 @@ export class Pilot {
   async glide(to, duration = GLIDE_MS) {
     if (!this.#scene) return false
     const [from, start] = [this.camera, performance.now()]
-    const own = (this.#gliding = {})
     this.#actedAt = start
     this.touched = true
     if (duration <= 0 || matchMedia('(prefers-reduced-motion: reduce)').matches) return this.show(to) ?? true
+    const own = (this.gliding = {})
     return new Promise((done) => {
       let last = from
+      const end = (isThere) => {
+        if (this.gliding === own) this.gliding = null
+        done(isThere)
+      }
       const step = (now) => {
-        if (this.camera !== last || this.#gliding !== own) return done(false)
+        if (this.camera !== last || this.gliding !== own) return end(false)
         const t = Math.max(0, Math.min((now - start) / duration, 1))
         this.#actedAt = now
         this.#move((last = t < 1 ? motion.between(from, to, t) : to))
         if (t < 1) requestAnimationFrame(step)
-        else done(true)
+        else end(true)
       }
       requestAnimationFrame(step)
     })
@@ -114,6 +121,7 @@ export class Pilot {
 
   /** Nearer to a point, and about it from then on. */
   goTo(point) {
+    if (this.walks) return this.walker?.begin(point)
     const eye = motion.add(point, motion.add(this.camera.eye, point, -1), 0.6)
     this.glide({ ...this.camera, eye, look: point })
   }
@@ -153,11 +161,12 @@ export class Pilot {
 
   /** What input.js calls, with what others do. */
   acts(others) {
-    const names = ['drag', 'look', 'pan', 'zoom', 'fly']
+    const names = ['drag', 'look', 'pan', 'zoom', 'fly', 'arrows', 'turn']
     return { ...others, ...Object.fromEntries(names.map((name) => [name, (...args) => this[name](...args)])) }
   }
 
-  #act(camera) {
+  /** By a hand. */
+  act(camera) {
     this.touched = true
     this.#actedAt = performance.now()
     this.#move(camera, true)
@@ -166,15 +175,19 @@ export class Pilot {
   /** Half a turn across the height. */
   #turned(turn, dx, dy) {
     const angle = Math.PI / this.#element.clientHeight
-    if (this.#scene && (dx || dy)) this.#act(turn(this.camera, this.up, dx * angle, dy * angle))
+    if (this.#scene && (dx || dy)) this.act(turn(this.camera, this.up, dx * angle, dy * angle))
   }
 
   get isFlying() {
     return this.mode === 'fly'
   }
 
+  get walks() {
+    return this.mode === 'walk'
+  }
+
   drag(dx, dy) {
-    this.#turned(this.isFlying ? motion.lookAround : motion.orbit, dx, dy)
+    this.#turned(this.mode === 'orbit' ? motion.orbit : motion.lookAround, dx, dy)
   }
 
   look(dx, dy) {
@@ -182,20 +195,39 @@ export class Pilot {
   }
 
   pan(dx, dy) {
-    if (this.#scene) this.#act(motion.pan(this.camera, this.#element.clientHeight, dx, dy))
+    if (this.walks) this.drag(dx, dy)
+    else if (this.#scene) this.act(motion.pan(this.camera, this.#element.clientHeight, dx, dy))
   }
 
   /** In flight the way to what lies ahead, else to what the camera turns about. */
   zoom(factor) {
     if (!this.#scene) return
-    if (this.isFlying && !this.camera.flat) this.#act(motion.fly(this.camera, 0, 0, (1 - factor) * this.#reach))
-    else this.#act(motion.zoom(this.camera, factor, 1e-4 * this.radius))
+    if (this.walks) this.walker?.go(0, BY_ZOOM * (1 - factor))
+    else if (this.isFlying && !this.camera.flat) this.act(motion.fly(this.camera, 0, 0, (1 - factor) * this.#reach))
+    else this.act(motion.zoom(this.camera, factor, 1e-4 * this.radius))
   }
 
+  /** On foot down and up are left and right. */
   fly(right, down, forward) {
     if (!this.#scene || !(right || down || forward)) return
+    if (this.walks) {
+      this.turn(-down, 0)
+      return this.walker?.go(right, forward)
+    }
     const step = this.speed * this.#reach
-    this.#act(motion.fly(this.camera, right * step, down * step, forward * step))
+    this.act(motion.fly(this.camera, right * step, down * step, forward * step))
+  }
+
+  /** The arrow keys, to the right and down, seconds. */
+  arrows(right, down) {
+    if (this.walks) this.fly(right, 0, -down)
+    else this.turn(right, down)
+  }
+
+  /** Moves the camera round, or looks there. */
+  turn(right, down) {
+    const sign = this.mode === 'orbit' ? -BY_KEY : BY_KEY
+    this.drag(sign * right, sign * down)
   }
 
   /** How far it is to what is seen: flight is slow near things, and fast far from them. */

@@ -13,7 +13,9 @@ const MOST_TEXT = 5000
 const MOST_SECONDS = 86400
 const MOST_WORDS = 5 // lines about one file
 const FAR = 1e9
-const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1]]
+const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1],
+  ['eyeHeight', 0, FAR]]
+const MODES = ['orbit', 'fly', 'walk']
 const STARTS = ['camera', 'track', 'annotation']
 
 const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value)
@@ -179,7 +181,7 @@ function checked(file, words) {
   take('background', (colour) => (need(/^#[0-9a-f]{6}$/i.test(colour), 'background: expected #rrggbb'), colour))
   take('skybox', (url) => (need(typeof url === 'string', 'skybox: expected an address'), url))
   take('start', (start) => (need(STARTS.includes(start), `start: expected one of ${STARTS.join(', ')}`), start))
-  take('mode', (mode) => (need(['orbit', 'fly'].includes(mode), 'mode: expected orbit or fly'), mode))
+  take('mode', (mode) => (need(MODES.includes(mode), `mode: expected one of ${MODES.join(', ')}`), mode))
   for (const name of ['turn', 'colours']) take(name, (is) => is === true)
   for (const [name, low, high] of NUMBERS) take(name, number(name, low, high))
   each('annotations', MOST_ANNOTATIONS, annotationOf)

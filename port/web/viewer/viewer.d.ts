@@ -89,8 +89,10 @@ export interface Settings {
   /** Pixels; 0 for all. */
   detail: number
   turn: boolean
-  mode: 'orbit' | 'fly'
-  /** Of flight, 0.1 to 2. */
+  mode: 'orbit' | 'fly' | 'walk'
+  /** Of the eye above the ground, for walking, scene units; 0: as the start view or the scene's own height tells. */
+  eyeHeight: number
+  /** Of flight and of walking, 0.1 to 2. */
   speed: number
   fov: number
   flat: boolean
@@ -124,6 +126,8 @@ export interface ViewerEvents {
   error: ErrorEvent
   /** The camera has changed: by a pointer or a key, or else by a program. */
   camera: CustomEvent<{ camera: ViewerCamera; byHand: boolean }>
+  /** People turn the scene, fly or walk from now on. */
+  mode: CustomEvent<{ mode: Settings['mode'] }>
   /** A click on the scene, in CSS pixels of the element. */
   pick: CustomEvent<{ x: number; y: number; found: Found | null }>
   /** A picture is shown: `drawn` Gaussians, with `missing` parts that are still to come; `divisor` is what its width
@@ -221,7 +225,7 @@ export interface Film {
 }
 
 /** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
-    threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang. */
+    threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang, eye-height, joystick. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** What draws; to set it is to set the attribute. */
@@ -310,6 +314,8 @@ export interface ViewerAttributes {
   annotation?: number | string
   skybox?: string
   lang?: string
+  'eye-height'?: number | string
+  joystick?: '' | 'none'
 }
 
 /** As of a cameras.json. */

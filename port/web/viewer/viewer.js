@@ -33,7 +33,7 @@ sheet.replaceSync(style)
 
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn',
-    'settings', 'annotation', 'skybox', 'lang', 'label']
+    'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui']
 
   #headset = null
   #engine = null // of the scenes on show
@@ -63,6 +63,9 @@ export class Viewer extends HTMLElement {
   #hintedAt = -Infinity
   #settings = { sharpness: 1, colours: true }
   #language = new Language()
+  #acts // what input of all kinds calls
+  #stick = null // of joystick.js, and whether there is use for it: a touchscreen
+  #touches = matchMedia('(pointer: coarse)').matches
   #tour = null // of annotations, tracks and settings files, once there is any: a promise of it, and it
   #touring = null
   #begins = null // a promise: the settings file has been read
@@ -110,6 +113,11 @@ export class Viewer extends HTMLElement {
     this.#readSrc()
     this.#gather()
     this.#findHeadset()
+    this.joined = () => import('./gamepad.js').then(({ join }) => this.#isHere && join(this, this.#acts))
+    addEventListener('gamepadconnected', this.joined)
+    try {
+      if (navigator.getGamepads().some(Boolean)) this.joined()
+    } catch {} // not on this page, or not in this browser
   }
 
   /** One that is put elsewhere within the same task goes on. */
@@ -122,6 +130,7 @@ export class Viewer extends HTMLElement {
     this.resized.disconnect()
     this.theme.onchange = null
     document.removeEventListener('visibilitychange', this.shown)
+    removeEventListener('gamepadconnected', this.joined)
     this.#pilot.turnByItself(false)
     this.#headset?.end()
     const isLoading = this.#opening
@@ -150,6 +159,8 @@ export class Viewer extends HTMLElement {
     if (name === 'annotation' && this.#scene) this.#goToAttribute()
     if (name === 'lang') this.#choose()
     if (name === 'label') this.#entitle()
+    if (name === 'eye-height') this.#pilot.walker?.stand()
+    if (['joystick', 'noui', 'ui'].includes(name)) this.#showStick()
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
     if (name === 'poster' && value) this.#showPoster(value)
     if (name === 'turn') this.#pilot.turnByItself(value !== null)
@@ -247,7 +258,7 @@ export class Viewer extends HTMLElement {
     if (cameras) link.searchParams.set('cameras', addressOf(cameras))
     for (const name of ['settings', 'skybox'])
       if (this.hasAttribute(name)) link.searchParams.set(name, addressOf(this.getAttribute(name)))
-    for (const name of ['label', 'background', 'budget', 'detail'])
+    for (const name of ['label', 'background', 'budget', 'detail', 'eye-height'])
       if (this.hasAttribute(name)) link.searchParams.set(name, this.getAttribute(name))
     link.hash = `view=${this.view}`
     return link.href
@@ -774,6 +785,7 @@ export class Viewer extends HTMLElement {
     this.#good = null
     this.#linked = view
     this.#pilot.takeViews(views, view, () => this.#tour?.home ?? null)
+    if (this.#pilot.walks) this.#walk()
     this.#showSettings()
   }
 
@@ -1076,6 +1088,9 @@ export class Viewer extends HTMLElement {
       ? this.#language.of('at most {0}', this.#language.number(this.#budget))
       : this.#language.of('without limit')
     if (camera && !camera.flat) this.#panels.set({ fov: camera.fov })
+    const { walks, walker } = this.#pilot
+    this.#ui.tall.hidden = !walks || !walker
+    if (walker) this.#panels.set({ eyeHeight: Math.log2(walker.height / walker.usual) })
   }
 
   #fullScreen() {
@@ -1083,16 +1098,42 @@ export class Viewer extends HTMLElement {
     else this.requestFullscreen?.().catch(() => this.#panels.note('This browser keeps the page as it is'))
   }
 
-  /** orbit or fly. */
+  /** orbit, fly or walk. */
   #setMode(mode) {
     this.#pilot.mode = mode
     this.#panels.setMode(mode)
-    if (this.#scene) this.#change()
+    this.#showStick()
+    this.#tell('mode', { mode })
+    if (mode === 'walk') this.#walk()
+    else if (this.#scene) this.#change()
+  }
+
+  /** From where the camera is, when there is a scene. */
+  async #walk() {
+    const { Walker } = await import('./walk.js')
+    const pilot = this.#pilot
+    pilot.walker ??= new Walker(pilot, {
+      scene: () => this.#scene,
+      height: () => this.#numberOf('eye-height'),
+      draw: async (camera, size) => this.#engine.ask('heights', camera, { ...this.#frame(), sky: null, ...size }),
+      note: (words) => this.#panels.note(words),
+    })
+    if (!this.#scene || !pilot.walks) return
+    await pilot.walker.begin()
+    this.#showSettings()
+  }
+
+  /** A stick for the thumb: on touchscreens, but for pages that show the picture alone; and where `joystick` asks. */
+  async #showStick() {
+    const auto = this.#touches && !this.matches('[noui], [ui]') ? '' : 'none'
+    const is = this.#pilot.mode !== 'orbit' && (this.getAttribute('joystick') ?? auto) !== 'none'
+    if (is) this.#stick ??= import('./joystick.js').then(({ joystick }) => joystick(this.shadowRoot, this.#acts))
+    if (this.#stick) (await this.#stick).hidden = !is
   }
 
   /** The mouse looks around without a button, until Escape. */
   #capture() {
-    this.#setMode('fly')
+    if (!this.#pilot.walks) this.#setMode('fly')
     this.#ui.stage.requestPointerLock?.()?.catch(() => this.#panels.note('This browser keeps the mouse to itself'))
   }
 
@@ -1111,6 +1152,7 @@ export class Viewer extends HTMLElement {
       0: () => this.#scene && pilot.glide(pilot.whole),
       1: () => this.#setMode('orbit'),
       2: () => this.#setMode('fly'),
+      3: () => this.#setMode('walk'),
       g: () => this.#capture(),
       t: () => this.toggleAttribute('turn'),
       b: () => this.#stepBudget(-1),
@@ -1131,7 +1173,8 @@ export class Viewer extends HTMLElement {
     budget: [() => this.#budget ?? 0, (value) => this.#setAttribute('budget', value || null)],
     detail: [() => this.#numberOf('detail'), (value) => this.#setAttribute('detail', value || null)],
     turn: [() => this.hasAttribute('turn'), (value) => this.toggleAttribute('turn', !!value)],
-    mode: [() => this.#pilot.mode, (value) => this.#setMode(value === 'fly' ? 'fly' : 'orbit')],
+    mode: [() => this.#pilot.mode, (value) => this.#setMode(['fly', 'walk'].includes(value) ? value : 'orbit')],
+    eyeHeight: [() => this.#numberOf('eye-height'), (value) => this.#setAttribute('eye-height', value || null)],
     speed: [() => this.#pilot.speed, (value) => (this.#pilot.speed = Number(value))],
     fov: [() => this.#pilot.camera?.fov ?? this.#pilot.fov, (value) => this.#pilot.widen(Number(value))],
     flat: [() => !!this.#pilot.camera?.flat, (value) => this.#pilot.flatten(!!value)],
@@ -1144,6 +1187,7 @@ export class Viewer extends HTMLElement {
   /** What a field of the panel says. */
   #set({ name, type, value, checked }) {
     if (name === 'budget') return this.#setBudget(Number(value))
+    if (name === 'eyeHeight') value = this.#pilot.walker.usual * 2 ** value
     const up = name === 'up' && value ? value.split(',').map(Number) : null
     this.#table[name][1](name === 'up' ? up : type === 'checkbox' ? checked : value)
     this.#change()
@@ -1151,11 +1195,16 @@ export class Viewer extends HTMLElement {
 
   #listen() {
     const ui = this.#ui
-    const acts = this.#pilot.acts({
+    const acts = (this.#acts = this.#pilot.acts({
       focus: (x, y) => this.#focus(x, y),
       click: (x, y) => this.#click(x, y),
       press: (key) => this.#press(key),
       takesWheel: (event) => this.#takesWheel(event),
+    }))
+    ui.stage.addEventListener('pointerdown', ({ pointerType }) => {
+      if (pointerType !== 'touch' || this.#touches) return
+      this.#touches = true
+      this.#showStick()
     })
     const held = listenToKeys(this, acts)
     listenToPointers(ui.stage, acts, () => held.has('Space'))
@@ -1166,6 +1215,7 @@ export class Viewer extends HTMLElement {
       after: 'n',
       orbit: '1',
       fly: '2',
+      walk: '3',
       home: 'r',
       share: 'l',
       photo: 'i',

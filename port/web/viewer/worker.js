@@ -153,6 +153,11 @@ async function bitmapOf(cameras, options, backend) {
   return canvas.transferToImageBitmap()
 }
 
+/** Of a scene in parts by what is there. */
+const depthOf = (camera, options) =>
+  render(objects(), camera, { ...options, fetch: false, targets: { depth: true } }).depth
+const unitsOf = (code) => (code === NO_DEPTH ? Infinity : code / UNIT)
+
 const words = {
   assets: setAssets,
 
@@ -226,14 +231,17 @@ const words = {
     return png(pixels, options.width, options.height)
   },
 
+  /** How far away what is seen at each pixel is; Infinity where nothing is. */
+  heights: (camera, options) => Float32Array.from(depthOf(camera, options), unitsOf),
+
   /** How far away what is seen at pixels of a small picture is, along the axis of view; Infinity where nothing is. The
-      farthest of nine neighbours, as a marker lies on what it marks. Of a scene in parts by what is there. */
+      farthest of nine neighbours, as a marker lies on what it marks. */
   depths(pixels, camera, options) {
     const { width, height } = options
-    const { depth } = render(objects(), camera, { ...options, fetch: false, targets: { depth: true } })
+    const depth = depthOf(camera, options)
     const at = (x, y) => depth[width * Math.min(Math.max(y, 0), height - 1) + Math.min(Math.max(x, 0), width - 1)]
     const around = (x, y) => [-1, 0, 1].flatMap((j) => [-1, 0, 1].map((i) => at(x + i, y + j)))
-    return pixels.map(([x, y]) => Math.max(...around(x, y))).map((code) => (code === NO_DEPTH ? Infinity : code / UNIT))
+    return pixels.map(([x, y]) => unitsOf(Math.max(...around(x, y))))
   },
 }
 

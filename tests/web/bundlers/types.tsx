@@ -31,6 +31,7 @@ export function page() {
   viewer?.addEventListener('frame', ({ detail }) => console.log(detail.milliseconds.toFixed()))
   viewer?.addEventListener('error', (event) => console.log(event.message.length))
   const made: Viewer = document.createElement('fixsplat-viewer')
+  made.settings = { mode: 'walk', eyeHeight: 1.6 }
   made.view = '0,0,-4,0,0,0,0,-1,0,45'
   const backend: Backend | undefined = made.backend
   // @ts-expect-error: of the element, not of the program
@@ -43,6 +44,7 @@ export function Component({ src }: { src: string }) {
   return (
     <>
       <fixsplat-viewer ref={viewer} key="a" src={src} budget={5e5} turn="" noui backend="webgl2" className="a" />
+      <fixsplat-viewer eye-height={1.6} joystick="none" />
       <fixsplat-viewer onPointerDown={(event) => event.currentTarget.replace(src)} suppressHydrationWarning />
       <fixsplat-viewer settings="settings.json" ui="annotations" label="A" annotation={1} skybox="sky.jpg" lang="de" />
       {/* @ts-expect-error: no part of the interface */}

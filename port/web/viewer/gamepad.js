@@ -1,0 +1,85 @@
+// Gamepads of the standard mapping (w3.org/TR/gamepad). They are looked at while one is connected, and move the viewer
+// that has the focus, or else the one of which most is on the screen.
+const DEAD = 0.15 // of a stick
+const FAST = 4
+
+// What is moved, by which axes and buttons, and what pressing a button does: the key that does the same, by the mode.
+const BINDINGS = {
+  fly: [0, 1], // the left stick
+  turn: [2, 3], // the right one
+  down: [4], // the left shoulder
+  up: [5], // the right one
+  fast: [6, 7], // the triggers
+  pressed: {
+    0: (mode) => (mode === 'walk' ? '2' : '3'), // A: walk, fly
+    1: () => '1', // B: turn the scene
+    2: () => '0', // X: the whole scene
+    3: () => 'r', // Y: the start
+    9: () => 'h', // Start: the keys
+    12: () => 'p', // up, down: views
+    13: () => 'n',
+    14: () => ',', // left, right: annotations
+    15: () => '.',
+  },
+}
+
+const viewers = new Map() // what each does, and how much of it is on the screen: { act, share }
+const watch = new IntersectionObserver((list) => list.forEach(seen), { threshold: [0, 0.25, 0.5, 0.75, 1] })
+let last = 0 // of looking at gamepads; 0 while there is no reason to
+let before = [] // buttons that were pressed then
+
+/** A viewer that is in the page, when a gamepad is there. */
+export function join(viewer, act) {
+  viewers.set(viewer, { act, share: 0 })
+  watch.unobserve(viewer)
+  watch.observe(viewer) // tells at once
+}
+
+function seen({ target, isIntersecting, intersectionRatio }) {
+  const viewer = viewers.get(target)
+  if (viewer) viewer.share = isIntersecting ? Math.max(intersectionRatio, 1e-3) : 0
+  if (last || !viewer?.share) return
+  last = performance.now()
+  requestAnimationFrame(look)
+}
+
+/** The viewer that has the focus, or of which most is on the screen. */
+function meant() {
+  for (const viewer of viewers.keys()) if (!viewer.isConnected) watch.unobserve(viewer), viewers.delete(viewer)
+  const value = (viewer) => viewers.get(viewer).share + (viewer.matches(':focus-within') ? 1 : 0)
+  const there = [...viewers.keys()].filter((viewer) => viewers.get(viewer).share)
+  return there.sort((a, b) => value(b) - value(a))[0]
+}
+
+/** Where a stick is, without its middle, in which none comes to rest; finer near it. */
+function placeOf(pad, axes) {
+  const place = axes.map((i) => pad.axes[i] ?? 0)
+  const far = Math.hypot(...place)
+  const part = Math.max(0, Math.min(far, 1) - DEAD) / (1 - DEAD)
+  return place.map((x) => (part ? (x / far) * part * part : 0))
+}
+
+function look(now) {
+  const pads = navigator.getGamepads().filter((pad) => pad?.connected && pad.mapping === 'standard')
+  const viewer = meant()
+  const seconds = Math.min((now - last) / 1000, 0.1)
+  last = pads.length && viewer ? now : 0
+  if (!last) return
+  requestAnimationFrame(look)
+  if (!viewer.hasAttribute('headset')) drive(viewer, pads[0], seconds)
+}
+
+function drive(viewer, pad, seconds) {
+  const { act } = viewers.get(viewer)
+  const { mode } = viewer.settings
+  const held = pad.buttons.map(({ value }) => value)
+  const most = (buttons) => Math.max(0, ...buttons.map((i) => held[i] ?? 0))
+  const { fly, turn, down, up, fast, pressed } = BINDINGS
+  for (const [i, key] of Object.entries(pressed)) if (held[i] > 0.5 && !(before[i] > 0.5)) act.press(key(mode))
+  before = held
+  const [right, back] = placeOf(pad, fly)
+  const sinks = mode === 'walk' ? 0 : most(down) - most(up)
+  const step = seconds * (1 + (FAST - 1) * most(fast))
+  act.fly(right * step, sinks * step, -back * step)
+  act.turn(...placeOf(pad, turn).map((x) => x * seconds))
+}
