@@ -3,7 +3,7 @@
 import './viewer.js'
 
 const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui',
-  'wheel', 'keep', 'settings', 'skybox', 'lang']
+  'wheel', 'keep', 'settings', 'skybox', 'lang', 'ar']
 const asked = new URLSearchParams(location.search)
 const viewer = document.createElement('fixsplat-viewer')
 

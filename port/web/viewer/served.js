@@ -3,7 +3,7 @@
 // scene (?scene=/scenes/0/NAME), other attributes of the element, and the camera (#view=...).
 import './viewer.js'
 
-const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'turn', 'noui']
+const NAMES = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'turn', 'noui', 'ar']
 const ASK_MS = 1000
 const FIRST_MS = 300 // until there is a scene
 const SILENT = 3 // questions without an answer, and the page says so
