@@ -41,9 +41,9 @@ in vec2 at;
 out vec4 colour;
 void main() {
   float from = abs(length(at) - 0.88);
-  float edge = fwidth(from);
-  float white = 1.0 - smoothstep(0.05 - edge, 0.05, from);
-  float all = 1.0 - smoothstep(0.1 - edge, 0.1, from);
+  float pixel = fwidth(length(at));
+  float white = clamp((0.06 - from) / pixel + 0.5, 0.0, 1.0);
+  float all = clamp((0.1 - from) / pixel + 0.5, 0.0, 1.0);
   colour = vec4(vec3(white * all), max(white, 0.5) * all);
 }`
 

@@ -113,7 +113,7 @@ class Walker {
 /** What a mode is: its session of WebXR, the name and the end in errors, the spaces in the order in which they are
  *  asked for, whether the picture is transparent where the scene is not, and who says where the room lies.
  *  That has step(place, now), which gives the Place of a frame, or null where there is none yet; and where it needs
- *  them `options` of the session, begin(session, space), end(), and show(gl, view, viewport) of frames without a Place. */
+ *  them `options` of the session, begin(session, space), end(), and show(gl, view, viewport) of frames without one. */
 export const VR = {
   session: 'immersive-vr',
   name: 'The headset:',
