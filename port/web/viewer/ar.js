@@ -12,6 +12,7 @@ const LEVEL = Math.cos(Math.PI / 6) // of a surface's normal: steeper ones are w
 const BEFORE = 0.7 // metres: so far away is the near side where no surface is known
 const BELOW = 1.2 // metres: so far below the eyes is a floor that is not known
 const PATIENCE_MS = 8000 // without a surface, until a tap puts the scene in front
+const HINT_MS = 8000 // of what fingers do
 const REACH = 20 // metres: a ray meets the floor no farther away
 const TURNING = 4 // so many times the angle of a drag
 const [RING_LEAST, RING_MOST] = [0.06, 0.5] // metres: the ring's radius
@@ -121,6 +122,8 @@ class Stand {
   #rays = []
   #moves = false
   #program = null
+  #said = ''
+  #saidAt = 0
   #panel
 
   constructor(host) {
@@ -171,8 +174,13 @@ class Stand {
   }
 
   #say(state) {
-    const words = this.#host.language.of(HINTS[state])
-    if (this.#panel.hint.textContent !== words) this.#panel.hint.textContent = words
+    const { hint } = this.#panel
+    const now = performance.now()
+    hint.hidden = state === 'stands' && state === this.#said && now - this.#saidAt > HINT_MS
+    if (state === this.#said) return
+    hint.textContent = this.#host.language.of(HINTS[state])
+    this.#said = state
+    this.#saidAt = now
   }
 
   /** The button has the name of the other size. */
