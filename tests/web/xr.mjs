@@ -443,6 +443,7 @@ const tests = {
   },
 
   async 'AR: fingers move, turn and scale; buttons'() {
+    await inside('test.delay = 80') // fewer pictures
     const put = onTable(EYE, direction(...LOOKS))
     await point('right', ...LOOKS)
     await touch('right', 1)
@@ -490,6 +491,7 @@ const tests = {
   },
 
   async 'AR: the page is as it was after it; a second time too'() {
+    await inside('test.delay = 0')
     assert.equal(await inside(`return $('inRoom').parentNode === v.shadowRoot && !$('inRoom').hidden`), true)
     await inside(`$('roomEnd').click()`)
     await until(`!v.hasAttribute('headset') && !$('inRoom')`)

@@ -102,6 +102,8 @@ export interface Settings {
   colours: boolean
   /** Whether pictures a second are shown. */
   readout: boolean
+  /** In AR: the longest side is half a metre, or a unit is a metre, or AR is not offered. */
+  ar: 'table' | 'true' | 'off'
 }
 
 /** An Error in words for people; `cause` is the one of the program. */
@@ -139,7 +141,7 @@ export interface ViewerEvents {
   pause: CustomEvent<{ track: number }>
   ended: CustomEvent<{ track: number }>
   timeupdate: CustomEvent<{ track: number; time: number }>
-  /** Pictures for a headset: `scale` is their size, of the viewport's. */
+  /** Pictures for a headset or a phone, of VR or AR: `scale` is their size, of the viewport's. */
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
 }
 
@@ -221,7 +223,7 @@ export interface Film {
 }
 
 /** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
-    threads, noui, wheel, keep, settings, annotation, skybox, lang. */
+    threads, noui, wheel, keep, settings, annotation, skybox, lang, ar. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** What draws; to set it is to set the attribute. */
@@ -300,6 +302,7 @@ export interface ViewerAttributes {
   turn?: '' | true
   noui?: '' | true
   wheel?: 'page' | ''
+  ar?: Settings['ar']
   keep?: number | string
 }
 
