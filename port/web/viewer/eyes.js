@@ -121,7 +121,6 @@ export class Eyes {
     const index = Math.min(eye, this.cameras.length - 1)
     const own = this.cameras[index]
     gl.viewport(x, y, width, height)
-    gl.useProgram(this.#program)
     gl.uniform4f(this.#at.viewport, x, y, width, height)
     gl.uniform2f(this.#at.area, own.width, own.height)
     gl.uniform1f(this.#at.left, index * own.width)
@@ -130,7 +129,7 @@ export class Eyes {
     gl.drawArrays(gl.TRIANGLES, 0, 3)
   }
 
-  /** 0xrrggbb, where a picture does not reach; null for nothing, which lets through what is behind. */
+  /** For a frame: 0xrrggbb, where a picture does not reach; null for nothing, which lets through what is behind. */
   set ground(rgb) {
     const gl = this.#gl
     const parts = rgb === null ? [0, 0, 0, 0] : [...[16, 8, 0].map((shift) => ((rgb >> shift) & 255) / 255), 1]
