@@ -169,22 +169,28 @@ const stick = (hand, ...at) =>
 const hand = (name, ...at) => inside(`test.device.controllers[args[0]].position.set(...args[1])`, name, at)
 const grip = (name, value) =>
   inside(`test.device.controllers[args[0]].updateButtonValue('squeeze', args[1])`, name, value)
-/** Runs while a frame or two go by. */
+/** Runs while two frames go by. */
 const frames = (body, ...args) =>
-  inside(`${body}; for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame)`, ...args)
+  inside(`${body}; for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)`, ...args)
 const touch = (name, value) =>
   frames(`test.device.controllers[args[0]].updateButtonValue('trigger', args[1])`, name, value)
-/** A finger at the device's place, or a controller there, which points to the left and up by angles. */
-const point = (name, left, up) =>
-  frames(
-    `const [a, b] = [args[1] / 2, args[2] / 2].map((d) => d * Math.PI / 180), one = test.device.controllers[args[0]];
-    one.position.copy(test.device.position);
-    one.quaternion.set(Math.cos(a) * Math.sin(b), Math.sin(a) * Math.cos(b), -Math.sin(a) * Math.sin(b),
-      Math.cos(a) * Math.cos(b))`,
-    name,
-    left,
-    up
-  )
+/** Fingers at the device's place, or controllers there, that point to the left and up by angles: they are put down, and
+    taken away from where they are drawn to. */
+const drag = (...fingers) =>
+  inside(`const frames = async () => { for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame) }
+    const all = args.map(([name, ...places]) => [test.device.controllers[name], ...places])
+    const point = (one, place) => {
+      const [a, b] = place.map((d) => (d / 2) * Math.PI / 180)
+      one.position.copy(test.device.position)
+      one.quaternion.set(Math.cos(a) * Math.sin(b), Math.sin(a) * Math.cos(b), -Math.sin(a) * Math.sin(b),
+        Math.cos(a) * Math.cos(b))
+    }
+    for (const [one, from] of all) point(one, from), one.updateButtonValue('trigger', 1)
+    await frames()
+    for (const [one, , to] of all) point(one, to)
+    await frames()
+    for (const [one] of all) one.updateButtonValue('trigger', 0)
+    await frames()`, ...fingers)
 const hint = (words) => until(`${words}.test($('inRoom').firstChild.textContent)`)
 
 const pixels = async () =>
@@ -464,31 +470,18 @@ const tests = {
   },
 
   async 'AR: fingers move, turn and scale; buttons'() {
-    await inside('test.delay = 80') // fewer pictures
+    await inside('test.delay = 30') // fewer pictures
     const put = onTable(EYE, direction(...LOOKS))
-    await point('right', ...LOOKS)
-    await touch('right', 1)
-    await point('right', 20, -40)
-    await touch('right', 0)
+    await drag(['right', LOOKS, [20, -40]])
     await drawn()
     const at = onTable(EYE, direction(20, -40))
     stands((await cameras())[0], EYE, LOOKS, { at, put })
-    await point('right', 80, -40)
-    await touch('right', 1)
-    await point('right', 70, -35)
-    await touch('right', 0)
+    await drag(['right', [80, -40], [70, -35]])
     await drawn()
     const turn = (4 * 10 * Math.PI) / 180
     stands((await cameras())[0], EYE, LOOKS, { at, put, turn })
     await pose(EYE, 0, 0)
-    await point('left', 10, 0)
-    await point('right', -10, 0)
-    await touch('left', 1)
-    await touch('right', 1)
-    await point('left', 0, -20)
-    await point('right', 0, 20)
-    await touch('left', 0)
-    await touch('right', 0)
+    await drag(['left', [10, 0], [0, -20]], ['right', [-10, 0], [0, 20]])
     await drawn()
     const times = Math.tan(Math.PI / 9) / Math.tan(Math.PI / 18)
     const turned = { at, put, from: EYE, turn: turn + Math.PI / 2 }

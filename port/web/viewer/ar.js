@@ -51,6 +51,7 @@ void main() {
 const sheet = new CSSStyleSheet()
 sheet.replaceSync(`
 #inRoom { position: fixed; inset: 0; z-index: 1; color: var(--text); }
+#inRoom > * { backdrop-filter: none; }
 #inRoom .panel { padding: 8px 14px; text-align: center; }
 #inRoom .card { top: calc(16px + env(safe-area-inset-top)); }
 #inRoom .bar { bottom: calc(16px + env(safe-area-inset-bottom)); }
