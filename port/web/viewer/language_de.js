@@ -23,7 +23,7 @@ export const words = {
   'Double click': 'Doppelklick',
   Drag: 'Ziehen',
   'Drag the scene to move it, or beside it to turn it; two fingers make it larger and smaller':
-    'Ziehen verschiebt sie, daneben dreht es; zwei Finger machen sie größer und kleiner',
+    'Die Szene ziehen verschiebt sie, daneben ziehen dreht sie; zwei Finger machen sie größer und kleiner',
   'Drag to turn, Ctrl and wheel to zoom. H: keys': 'Ziehen dreht, Strg und Rad zoomen. H: Tasten',
   'Drag to turn, pinch to zoom': 'Ziehen dreht, zwei Finger zoomen',
   'Drag to turn, wheel to zoom. H: keys': 'Ziehen dreht, das Rad zoomt. H: Tasten',
