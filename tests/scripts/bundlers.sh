@@ -42,7 +42,7 @@ entries() {
 # apart: headsets, tours, films, walking, gamepads, sticks and languages, and of `worker.js` too WebGPU, scenes in parts and skies.
 minified() {
     for entry in viewer/element.js viewer/worker_whole.js viewer/worker.js thread.js; do
-        set -- --external:./xr.js --external:./tour.js --external:./film.js '--external:./language_*.js' \
+        set -- --external:./xr.js --external:./ar.js --external:./tour.js --external:./film.js '--external:./language_*.js' \
             --external:./walk.js --external:./gamepad.js --external:./joystick.js
         [ $entry != viewer/worker.js ] || set -- "$@" --external:./webgpu.js --external:./paged.js --external:./sky.js
         esbuild "$package/$entry" --bundle --minify --format=esm --outfile="$work/minified/$entry" "$@" --log-level=error ||

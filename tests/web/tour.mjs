@@ -271,12 +271,12 @@ const tests = {
       'text.ply': /text.ply: this is no settings file: it is not JSON/,
       'cameras.json': /cameras.json: this is no settings file: expected an object/,
       'version.json': /version 7: expected 1 or 2/,
-      'types.json': /camera: expected an object: left out.*background.*start.*annotations: expected a list/s,
+      'types.json': /camera: expected an object: left out.*background.*start.*ar: expected one of table.*annotations: expected a list/s,
       'many.json': /annotations: 1000000 of them: the first 200 are shown/,
       'keys.json': /tracks 1, key 3: its time is not behind.*tracks 2: it has no key.*tracks 3, key 1.fov: expected 1 to/s,
     }
     put('version.json', { version: 7 })
-    put('types.json', { fixsplat: 1, camera: [1], background: 5, start: 'x', annotations: {}, tracks: TOUR.tracks })
+    put('types.json', { fixsplat: 1, camera: [1], background: 5, start: 'x', ar: 1, annotations: {}, tracks: TOUR.tracks })
     put('many.json', `{"fixsplat":1,"annotations":[${Array(1e6).fill('{"position":[0,0,0]}').join()}]}`)
     const swapped = [0, 2, 1].map((time) => ({ time, ...front }))
     put('keys.json', { fixsplat: 1, annotations: TOUR.annotations, tracks: [{ keys: swapped }, { keys: [] },
@@ -313,7 +313,7 @@ const tests = {
     await moved()
     await inside(`$('addKey').click()`)
     await until('v.duration === 2')
-    await inside(`v.setAttribute('background', '#405060'); $('save').click()`)
+    await inside(`v.setAttribute('background', '#405060'); v.setAttribute('ar', 'true'); $('save').click()`)
     await until('v.saved')
     const [name, text] = await inside('return v.saved')
     assert.equal(name, 'settings.json')
@@ -322,6 +322,7 @@ const tests = {
     await open(WITH('saved.json'))
     assert.equal(await viewOf(), view)
     assert.equal(await hash(), first)
+    assert.equal(await inside('return v.settings.ar'), 'true')
     assert.equal((await inside('return v.annotations'))[0].title, 'A place')
     assert.deepEqual(JSON.parse(text).tracks, await inside('return v.tracks'))
     await inside(`const data = new DataTransfer(), text = JSON.stringify({ fixsplat: 1, tracks: args[0] })

@@ -1,4 +1,4 @@
-// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: the viewer in a headset of iwer.
+// node xr.mjs PACKAGE SCENES NODE_MODULES PICTURES COMMAND: the viewer in a headset and a phone of iwer.
 import assert from 'node:assert/strict'
 import { readFileSync } from 'node:fs'
 import { resolve } from 'node:path'
@@ -32,6 +32,7 @@ function prepare() {
   performance.now = () => base + rate * (clock() - from)
   /** The page's clock goes so many times as fast: what a picture takes does not depend on the machine. */
   test.run = (times) => ([base, from, rate] = [performance.now(), clock(), times])
+  test.skip = (milliseconds) => (base += milliseconds)
   const { getContext } = HTMLCanvasElement.prototype
   HTMLCanvasElement.prototype.getContext = function (kind, how) {
     const context = getContext.call(this, kind, { ...how, preserveDrawingBuffer: true })
@@ -57,8 +58,52 @@ function prepare() {
   }
 }
 
+/** Also there: a phone with one view, whose sessions of AR show the page over the camera's picture and find surfaces: a
+    wall close by, and level ones at heights. */
+function prepareRoom() {
+  const { test } = window
+  Object.assign(test, { isPhone: false, heights: [0], finds: true, hasFloor: true, hasPage: true, asked: [] })
+  test.phone = (is) => {
+    test.isPhone = is
+    Object.assign(test.device, { stereoEnabled: !is, ipd: is ? 0 : 0.0625 })
+  }
+  const change = (object, name, how) => {
+    const own = object[name]
+    object[name] = function (...args) {
+      return how.call(this, own.bind(this), ...args)
+    }
+  }
+  const refuse = () => Promise.reject(new DOMException('none', 'NotSupportedError'))
+  change(navigator.xr, 'requestSession', async (ask, mode, options) => {
+    test.asked.push({ mode, ...options, root: options?.domOverlay?.root.id })
+    const session = await ask(mode, options)
+    if (mode === 'immersive-ar' && test.hasPage) session.domOverlayState = { type: 'screen' }
+    return session
+  })
+  change(XRSession.prototype, 'requestReferenceSpace', (ask, name) =>
+    name === 'local-floor' && !test.hasFloor ? refuse() : ask(name))
+  XRSession.prototype.requestHitTestSource = async (source) => (test.finds ? source : refuse())
+  const hit = (...place) => ({ getPose: () => ({ transform: new XRRigidTransform(...place) }) })
+  XRFrame.prototype.getHitTestResults = function ({ space }) {
+    const wall = hit({ x: 0, y: 1.5, z: -0.1 }, { x: Math.SQRT1_2, y: 0, z: 0, w: Math.SQRT1_2 })
+    const { matrix: m, position: p } = this.getPose(space, test.space).transform
+    const level = test.heights.map((y) => ({ y, far: (p.y - y) / m[9] })).filter(({ far }) => far > 0 && far < 100)
+    return [wall, ...level.map(({ y, far }) => hit({ x: p.x - far * m[8], y, z: p.z - far * m[10] }))]
+  }
+  change(XRFrame.prototype, 'getViewerPose', (ask, space) => {
+    const { transform, views } = ask((test.space = space))
+    return { transform, views: test.isPhone ? views.slice(0, 1) : views }
+  })
+  const { get } = Object.getOwnPropertyDescriptor(XRInputSource.prototype, 'targetRayMode')
+  Object.defineProperty(XRInputSource.prototype, 'targetRayMode', {
+    get() {
+      return test.isPhone ? 'screen' : get.call(this)
+    },
+  })
+}
+
 page.on('console', (said) => said.type() === 'error' && faults.push(said.text()))
-const { identifier } = await page.evaluateOnNewDocument(`${iwer};(${prepare})()`)
+const { identifier } = await page.evaluateOnNewDocument(`${iwer};(${prepare})();(${prepareRoom})()`)
 
 const until = (expression) =>
   page.waitForFunction(`(() => { const v = document.querySelector('fixsplat-viewer');
@@ -77,10 +122,29 @@ async function enter() {
   await inside('test.run(0.01)')
 }
 
-/** Waits for the picture of the newest pose, at full size. */
-async function settle() {
+/** AR; with a tap, as soon as there is a ring. */
+async function enterRoom(taps) {
+  await until(`!$('room').hidden`)
+  await inside(`test.seen = []; $('room').click()`)
+  await until(`v.hasAttribute('headset')`)
+  await inside('test.run(0.01)')
+  if (!taps) return
+  await hint(/^Tap/)
+  await touch('right', 1)
+  await touch('right', 0)
+  await drawn()
+}
+
+/** Waits for the picture of the newest pose. */
+async function drawn() {
   await inside('test.seen = []')
-  await until('test.seen.length > 2 && test.seen.at(-1).scale === 1')
+  await until('test.seen.length > 2')
+}
+
+/** The same at full size. */
+async function settle() {
+  await drawn()
+  await until('test.seen.at(-1).scale === 1')
   await inside('for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)')
 }
 
@@ -105,6 +169,30 @@ const stick = (hand, ...at) =>
 const hand = (name, ...at) => inside(`test.device.controllers[args[0]].position.set(...args[1])`, name, at)
 const grip = (name, value) =>
   inside(`test.device.controllers[args[0]].updateButtonValue('squeeze', args[1])`, name, value)
+/** Runs while two frames go by. */
+const frames = (body, ...args) =>
+  inside(`${body}; for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame)`, ...args)
+const touch = (name, value) =>
+  frames(`test.device.controllers[args[0]].updateButtonValue('trigger', args[1])`, name, value)
+/** Fingers at the device's place, or controllers there, that point to the left and up by angles: they are put down, and
+    taken away from where they are drawn to. */
+const drag = (...fingers) =>
+  inside(`const frames = async () => { for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame) }
+    const all = args.map(([name, ...places]) => [test.device.controllers[name], ...places])
+    const point = (one, place) => {
+      const [a, b] = place.map((d) => (d / 2) * Math.PI / 180)
+      one.position.copy(test.device.position)
+      one.quaternion.set(Math.cos(a) * Math.sin(b), Math.sin(a) * Math.cos(b), -Math.sin(a) * Math.sin(b),
+        Math.cos(a) * Math.cos(b))
+    }
+    for (const [one, from] of all) point(one, from), one.updateButtonValue('trigger', 1)
+    await frames()
+    for (const [one, , to] of all) point(one, to)
+    await frames()
+    for (const [one] of all) one.updateButtonValue('trigger', 0)
+    await frames()`, ...fingers)
+const hint = (words) => until(`${words}.test($('inRoom').firstChild.textContent)`)
+
 const pixels = async () =>
   Buffer.from(await inside(`return btoa(test.pixels().reduce((s, b) => s + String.fromCharCode(b), ''))`), 'base64')
 const cameras = () => inside('return test.seen.at(-1).cameras')
@@ -124,10 +212,25 @@ const native = () => rendered('scene.ply', ...BETWEEN, ...APART)
 
 const scene = await load(`${scenes}/scene.ply`)
 /** The package's picture of the cameras. */
-function packaged(pair) {
-  const eyes = scene.renderStereo(...pair, { width: width / 2, height, background: 0x102030, exact: true })
+function packaged(pair, how) {
+  const eyes = scene.renderStereo(...pair, { width: width / 2, height, background: 0x102030, exact: true, ...how })
   const row = (pixels, y) => Buffer.from(pixels.buffer, 2 * width * y, 2 * width)
   return Buffer.concat(Array.from({ length: height }, (_, y) => eyes.map((eye) => row(eye, y))).flat())
+}
+
+/** AR by the graphics card: the bytes with alpha, which come as a bitmap. */
+async function seenThrough() {
+  await engineOf().evaluate(() => (self.bitmaps = 0))
+  await inside('test.finds = false')
+  await pose(EYE, 30, -25)
+  await enterRoom(false)
+  await settle()
+  const clear = await pixels()
+  assert.ok(Buffer.compare(clear, packaged(await cameras(), { alpha: true })) === 0)
+  assert.ok(clear.some((byte, i) => i % 4 === 3 && byte > 0 && byte < 255), 'nothing half transparent')
+  assert.ok(await engineOf().evaluate(() => self.bitmaps > 2), 'the processor drew')
+  await leave()
+  await pose([0, 1.6, 0])
 }
 
 /** Decibels. */
@@ -137,6 +240,40 @@ function likeness(a, b) {
   return 10 * Math.log10(255 ** 2 / (sum / a.length))
 }
 const near = (a, b, most = 1e-6) => a.forEach((x, i) => assert.ok(Math.abs(x - b[i]) < most, `${a}, not ${b}`))
+
+/** The room's direction to the left and up by angles. */
+function direction(left, up) {
+  const [a, b] = [left, up].map((degrees) => (degrees * Math.PI) / 180)
+  return [-Math.sin(a) * Math.cos(b), Math.sin(b), -Math.cos(a) * Math.cos(b)]
+}
+/** Where a ray from an eye meets the table. */
+const onTable = (eye, along) => eye.map((x, i) => x + ((HEIGHT - eye[1]) / along[1]) * along[i])
+
+/** A vector of the room in the scene that stands there, of so many units a metre. The page's camera looks along z, with
+    y down, and that is where the person at `eye` looked when the scene was put at `foot`. Then it was turned to the
+    left, as seen from above. */
+function inScene([x, y, z], eye, foot, turn, units) {
+  const [hx, hz] = [foot[0] - eye[0], foot[2] - eye[2]].map((part, _, all) => part / Math.hypot(...all))
+  const [c, s] = [Math.cos(turn), Math.sin(turn)]
+  const [a, b] = [c * x - s * z, s * x + c * z]
+  return [-a * hz + b * hx, -y, a * hx + b * hz].map((part) => part * units)
+}
+
+const middle = () => [0, 1, 2].map((i) => (i === 1 ? scene.high[i] : (scene.low[i] + scene.high[i]) / 2))
+const longest = Math.max(...scene.high.map((x, i) => x - scene.low[i]))
+const TABLE = 2 * longest // units a metre, where the longest side is half a metre
+
+/** Whether the camera of a picture is the one of an eye, before the scene that stands at `at`; it was put at `put`. */
+function stands({ position, rotation }, eye, looks, { at, put = at, from = eye, turn = 0, units = TABLE }) {
+  const to = inScene(eye.map((x, i) => x - at[i]), from, put, turn, units)
+  near(position, middle().map((x, i) => x + to[i]), 1e-4)
+  near(rotation.map((row) => row[2]), inScene(direction(...looks), from, put, turn, 1), 1e-4)
+}
+
+const EYE = [0.4, 1.6, 0.2]
+const LOOKS = [30, -45]
+const HEIGHT = 0.9 // of the table
+const BEFORE = 0.7 // to the near side, where no surface is known
 
 const tests = {
   async 'both eyes: the pixels of the command'() {
@@ -257,9 +394,8 @@ const tests = {
   async 'the page goes on after the session; a second one'() {
     await leave()
     await page.keyboard.press('ArrowLeft', { delay: 60 })
-    await until(`v.getAttribute('state') === 'moving'`)
+    await until(`v.view !== '${VIEW}'`)
     await still()
-    assert.notEqual(await inside('return v.view'), VIEW)
     await inside(`v.setAttribute('view', ''); v.setAttribute('view', args[0])`, VIEW)
     await pose([3, 1, 1], 90)
     await enter()
@@ -284,6 +420,132 @@ const tests = {
     await enter()
     await settle()
     await leave()
+  },
+
+  async 'AR: a ring on the table; a tap puts the scene there, upright'() {
+    await inside(`test.phone(true); test.heights = []; test.asked = []; v.setAttribute('view', '')
+      v.setAttribute('view', args[0])`, VIEW)
+    await pose(EYE, ...LOOKS)
+    await enterRoom(false)
+    await hint(/^Point/)
+    assert.ok((await pixels()).every((byte) => byte === 0), 'something before there is a surface')
+    await inside('test.heights = [args[0]]', HEIGHT)
+    await hint(/^Tap/)
+    await frames('')
+    const ring = await pixels()
+    const at = (x, y) => [...ring.subarray(4 * (width * y + x)).subarray(0, 4)]
+    assert.deepEqual([at(200, 90), at(160, 80), at(240, 90)].flat(), Array(12).fill(0), 'not around the axis of view')
+    assert.ok([181, 182, 217, 218].every((x) => at(x, 90).join() === '255,255,255,255'), 'no ring')
+    await touch('right', 1)
+    await touch('right', 0)
+    await settle()
+    await hint(/^Drag/)
+    assert.equal(await inside(`return $('inRoom').firstChild.hidden`), false)
+    const [camera, ...others] = await cameras()
+    assert.equal(others.length, 0)
+    stands(camera, EYE, LOOKS, { at: onTable(EYE, direction(...LOOKS)) })
+    const [{ mode, optionalFeatures, requiredFeatures, root }] = await inside('return test.asked')
+    assert.deepEqual([mode, optionalFeatures, requiredFeatures, root],
+      ['immersive-ar', ['local-floor', 'hit-test', 'dom-overlay'], undefined, 'inRoom'])
+  },
+
+  async 'AR: the room is seen through the picture'() {
+    const [camera] = await cameras()
+    const seen = await pixels()
+    const own = scene.render(camera, { width, height, alpha: true })
+    assert.ok(Buffer.compare(seen, Buffer.from(own.buffer)) === 0)
+    const alphas = Array.from({ length: width * height }, (_, i) => seen[4 * i + 3])
+    const clear = alphas.filter((a) => a === 0).length
+    assert.ok(clear > 0.5 * alphas.length && alphas.some((a) => a === 255), `${clear} clear pixels`)
+    assert.ok(seen.subarray(0, 4 * width).every((byte) => byte === 0), 'the first row is not clear')
+    const ground = [0x3c, 0x78, 0xb4]
+    const whole = scene.render(camera, { width, height, background: 0x3c78b4 })
+    const over = (i) => seen[i] + ((255 - seen[i | 3]) * ground[i % 4]) / 255
+    const far = [...whole].map((byte, i) => Math.abs(byte - over(i))).filter((_, i) => i % 4 < 3 && seen[i | 3])
+    const most = far.reduce((a, b) => Math.max(a, b))
+    const same = (100 * far.filter((one) => one <= 0.5).length) / far.length
+    console.log(`  over a colour ${same.toFixed(2)} % are the page's bytes, the others at most ${most.toFixed(2)} away`)
+    assert.ok(most <= 1.5, `${most}`) // three roundings: of the colour, of the coverage, of the page's own
+  },
+
+  async 'AR: fingers move, turn and scale; buttons'() {
+    await inside('test.delay = 30') // fewer pictures
+    const put = onTable(EYE, direction(...LOOKS))
+    await drag(['right', LOOKS, [20, -40]])
+    await drawn()
+    const at = onTable(EYE, direction(20, -40))
+    stands((await cameras())[0], EYE, LOOKS, { at, put })
+    await drag(['right', [80, -40], [70, -35]])
+    await drawn()
+    const turn = (4 * 10 * Math.PI) / 180
+    stands((await cameras())[0], EYE, LOOKS, { at, put, turn })
+    await pose(EYE, 0, 0)
+    await drag(['left', [10, 0], [0, -20]], ['right', [-10, 0], [0, 20]])
+    await drawn()
+    const times = Math.tan(Math.PI / 9) / Math.tan(Math.PI / 18)
+    const turned = { at, put, from: EYE, turn: turn + Math.PI / 2 }
+    stands((await cameras())[0], EYE, [0, 0], { ...turned, units: TABLE / times })
+    await frames(`$('roomSize').click()`)
+    await drawn()
+    stands((await cameras())[0], EYE, [0, 0], { ...turned, units: 1 })
+    assert.equal(await inside(`return $('roomSize').textContent`), 'On the table')
+    await inside(`$('roomAnew').click()`)
+    await hint(/^Point/)
+    await frames('test.skip(8000)')
+    await touch('right', 1)
+    await touch('right', 0)
+    await drawn()
+    stands((await cameras())[0], EYE, [0, 0], { at: [EYE[0], 0, EYE[2] - BEFORE - longest / 2], units: 1 })
+    await frames('test.skip(8000)')
+    assert.equal(await inside(`return $('inRoom').firstChild.hidden`), true)
+    await inside('test.device.recenter()')
+    await hint(/^Point/)
+    assert.equal(await inside(`return $('inRoom').firstChild.hidden`), false)
+  },
+
+  async 'AR: the page is as it was after it; a second time too'() {
+    await inside('test.delay = 0')
+    assert.equal(await inside(`return $('inRoom').parentNode === v.shadowRoot && !$('inRoom').hidden`), true)
+    await inside(`$('roomEnd').click()`)
+    await until(`!v.hasAttribute('headset') && !$('inRoom')`)
+    await inside('test.run(1)')
+    await still()
+    assert.equal(await inside('return v.view'), VIEW)
+    assert.equal(await inside('return v.settings.ar'), 'table')
+    await inside(`v.settings = { ar: 'true' }; test.hasPage = false`)
+    await pose(EYE, ...LOOKS)
+    await enterRoom(true)
+    stands((await cameras())[0], EYE, LOOKS, { at: onTable(EYE, direction(...LOOKS)), units: 1 })
+    assert.equal(await inside(`return $('inRoom').hidden`), true)
+    await inside(`test.run(1); test.gl.getExtension('WEBGL_lose_context').loseContext()`)
+    await until(`!v.hasAttribute('headset') && $('words').textContent === 'AR: its graphics context was lost'`)
+    faults.length = 0
+    await inside(`$('closeError').click(); v.setAttribute('ar', 'off')`)
+    await until(`$('room').hidden && !$('headset').hidden`)
+    await inside(`v.removeAttribute('ar')`)
+  },
+
+  async 'AR: in front of who looks, where no surface is known; both eyes of a headset'() {
+    await inside('test.phone(false); test.finds = false')
+    const check = async (eye, looks, height) => {
+      await enterRoom(false)
+      await drawn()
+      const pair = await cameras()
+      const [x, , z] = direction(looks[0], 0)
+      const at = [eye[0] + (BEFORE + 0.25) * x, height, eye[2] + (BEFORE + 0.25) * z]
+      stands({ ...pair[0], position: eyeOf(pair) }, eye, looks, { at })
+    }
+    await pose(EYE, ...LOOKS)
+    await check(EYE, LOOKS, 0)
+    await settle()
+    assert.ok(Buffer.compare(await pixels(), packaged(await cameras(), { alpha: true })) === 0)
+    await pose(EYE, 0, 0) // where the device is, iwer's next space begins
+    await drawn()
+    await leave()
+    await inside('test.hasFloor = false')
+    await check([0, 0, 0], [0, 0], -1.2)
+    await leave()
+    await inside('test.finds = test.hasFloor = true')
   },
 
   async 'a scene that breaks off after its preview ends it'() {
@@ -317,6 +579,7 @@ const tests = {
         assert.equal(hash(await pixels()), native())
         assert.ok(await engineOf().evaluate(() => self.bitmaps > 2), 'the processor drew')
         await leave()
+        if (process.env.WEBGPU) await seenThrough()
       })
   },
 

@@ -20,6 +20,7 @@ export const ICONS = {
   keys: 'M9 9a3 3 0 1 1 4.5 2.6c-1 .6-1.5 1.2-1.5 2.4M12 17.5v.5',
   full: 'M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5',
   headset: 'M5 7h14a2 2 0 0 1 2 2v6a2 2 0 0 1-2 2h-3.5l-2-3h-3l-2 3H5a2 2 0 0 1-2-2V9a2 2 0 0 1 2-2z',
+  room: 'M12 7l5 2.8v5.4L12 18l-5-2.8V9.8zM7 9.8l5 2.8 5-2.8M12 12.6V18M3 7V3h4M17 3h4v4M21 17v4h-4M7 21H3v-4',
   close: 'M6 6l12 12M18 6L6 18',
 }
 
@@ -100,6 +101,8 @@ const settings = `
   <option value="webgl2">Graphics card and processor</option>
   <option value="webgl2-quads">Graphics card, roughly</option></select></label>
 <p class="fine" id="draws"></p>
+<label id="arSize" hidden>In your room <select name="ar">
+  <option value="table">On the table</option><option value="true">True size</option></select></label>
 ${check('colours', 'Gloss and reflections', 'checked')}
 ${check('flat', 'Without perspective')}
 ${check('turn', 'Turns by itself')}
@@ -125,6 +128,7 @@ export const body = `
 <div class="ui top">
   <p class="title"><b id="name" translate="no"></b> <span id="count"></span></p>
   ${button('headset', 'Look at it in the headset', ICONS.headset, 'hidden')}
+  ${button('room', 'See it in your room', ICONS.room, 'hidden')}
   ${button('full', 'Full screen (F)', ICONS.full)}
 </div>
 <p id="readout" class="ui" hidden></p>

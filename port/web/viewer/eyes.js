@@ -51,7 +51,7 @@ uniform vec2 area;
 uniform float left;
 uniform mat3 turn;
 uniform bool same;
-uniform vec3 ground;
+uniform vec4 ground;
 out vec4 colour;
 void main() {
   vec2 pixel = vec2(gl_FragCoord.x - viewport.x, viewport.y + viewport.w - gl_FragCoord.y);
@@ -63,12 +63,12 @@ void main() {
   vec2 at = p.xy / p.z;
   bool inside = p.z > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, area));
   vec2 clamped = clamp(at, vec2(0.5), area - 0.5) + vec2(left, 0.0);
-  colour = inside ? texture(picture, clamped / vec2(textureSize(picture, 0))) : vec4(ground, 1.0);
+  colour = inside ? texture(picture, clamped / vec2(textureSize(picture, 0))) : ground;
 }`
 
-function programOf(gl) {
+export function programOf(gl, vertex, fragment) {
   const program = gl.createProgram()
-  for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+  for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
     const shader = gl.createShader(kind)
     gl.shaderSource(shader, text)
     gl.compileShader(shader)
@@ -83,11 +83,12 @@ function programOf(gl) {
 /** Shows pairs of pictures in the viewports of a framebuffer. */
 export class Eyes {
   #gl
+  #program
   #at = {}
 
   constructor(gl) {
     this.#gl = gl
-    const program = programOf(gl)
+    const program = (this.#program = programOf(gl, VERTEX, FRAGMENT))
     gl.useProgram(program)
     for (const name of ['viewport', 'area', 'left', 'turn', 'same', 'ground'])
       this.#at[name] = gl.getUniformLocation(program, name)
@@ -128,12 +129,13 @@ export class Eyes {
     gl.drawArrays(gl.TRIANGLES, 0, 3)
   }
 
-  /** 0xrrggbb, where a picture does not reach. */
+  /** For a frame: 0xrrggbb, where a picture does not reach; null for nothing, which lets through what is behind. */
   set ground(rgb) {
     const gl = this.#gl
-    const parts = [16, 8, 0].map((shift) => ((rgb >> shift) & 255) / 255)
-    gl.uniform3f(this.#at.ground, ...parts)
-    gl.clearColor(...parts, 1)
+    const parts = rgb === null ? [0, 0, 0, 0] : [...[16, 8, 0].map((shift) => ((rgb >> shift) & 255) / 255), 1]
+    gl.useProgram(this.#program)
+    gl.uniform4f(this.#at.ground, ...parts)
+    gl.clearColor(...parts)
   }
 }
 

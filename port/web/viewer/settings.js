@@ -15,6 +15,7 @@ const MOST_WORDS = 5 // lines about one file
 const FAR = 1e9
 const NUMBERS = [['budget', 0, FAR], ['detail', 0, 16384], ['speed', 0.01, 10], ['sharpness', 0.1, 1],
   ['eyeHeight', 0, FAR]]
+const SIZES = ['table', 'true', 'off'] // in AR
 const MODES = ['orbit', 'fly', 'walk']
 const STARTS = ['camera', 'track', 'annotation']
 
@@ -181,6 +182,7 @@ function checked(file, words) {
   take('background', (colour) => (need(/^#[0-9a-f]{6}$/i.test(colour), 'background: expected #rrggbb'), colour))
   take('skybox', (url) => (need(typeof url === 'string', 'skybox: expected an address'), url))
   take('start', (start) => (need(STARTS.includes(start), `start: expected one of ${STARTS.join(', ')}`), start))
+  take('ar', (size) => (need(SIZES.includes(size), `ar: expected one of ${SIZES.join(', ')}`), size))
   take('mode', (mode) => (need(MODES.includes(mode), `mode: expected one of ${MODES.join(', ')}`), mode))
   for (const name of ['turn', 'colours']) take(name, (is) => is === true)
   for (const [name, low, high] of NUMBERS) take(name, number(name, low, high))

@@ -12,7 +12,7 @@ const NEARER = 0.6 // of the distance is left to an annotation without a camera
 const LONGEST_S = 0.5 // of one step of playing
 const WAIT_MS = 100 // between two looks whether parts of a scene have come
 const PATIENCE_MS = 30000
-const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn'] // attributes that a file may set
+const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar'] // attributes that a file may set
 const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight'] // of the element's other settings those that it may have
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))

@@ -104,6 +104,8 @@ export interface Settings {
   colours: boolean
   /** Whether pictures a second are shown. */
   readout: boolean
+  /** In AR: the longest side is half a metre, or a unit is a metre, or AR is not offered. */
+  ar: 'table' | 'true' | 'off'
 }
 
 /** An Error in words for people; `cause` is the one of the program. */
@@ -143,7 +145,7 @@ export interface ViewerEvents {
   pause: CustomEvent<{ track: number }>
   ended: CustomEvent<{ track: number }>
   timeupdate: CustomEvent<{ track: number; time: number }>
-  /** Pictures for a headset: `scale` is their size, of the viewport's. */
+  /** Pictures for a headset or a phone, of VR or AR: `scale` is their size, of the viewport's. */
   eyes: CustomEvent<{ cameras: EyeCamera[]; width: number; height: number; scale: number; milliseconds: number }>
 }
 
@@ -225,7 +227,7 @@ export interface Film {
 }
 
 /** <fixsplat-viewer>: attributes src, cameras, view, background (#rrggbb), budget, detail, poster, turn, backend,
-    threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang, eye-height, joystick. */
+    threads, noui, ui, label, wheel, keep, settings, annotation, skybox, lang, eye-height, joystick, ar. */
 export class Viewer extends HTMLElement {
   readonly state: 'empty' | 'loading' | 'moving' | 'still'
   /** What draws; to set it is to set the attribute. */
@@ -309,6 +311,7 @@ export interface ViewerAttributes {
   /** The scene's name in the corner; without it that of its file. */
   label?: string
   wheel?: 'page' | ''
+  ar?: Settings['ar']
   keep?: number | string
   settings?: string
   annotation?: number | string

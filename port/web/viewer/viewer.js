@@ -33,9 +33,10 @@ sheet.replaceSync(style)
 
 export class Viewer extends HTMLElement {
   static observedAttributes = ['src', 'cameras', 'view', 'background', 'budget', 'detail', 'backend', 'poster', 'turn',
-    'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui']
+    'settings', 'annotation', 'skybox', 'lang', 'label', 'eye-height', 'joystick', 'noui', 'ui', 'ar']
 
   #headset = null
+  #room = null // AR as a mode of it
   #engine = null // of the scenes on show
   #opening = null // what is loading in a worker of its own: { engine, item, name, views, view }
   #adding = null // what is loading beside scenes on show
@@ -161,6 +162,7 @@ export class Viewer extends HTMLElement {
     if (name === 'label') this.#entitle()
     if (name === 'eye-height') this.#pilot.walker?.stand()
     if (['joystick', 'noui', 'ui'].includes(name)) this.#showStick()
+    if (name === 'ar') this.#findHeadset()
     if (name === 'backend') this.#redraw(() => this.#engine && this.#switch(this.#engine))
     if (name === 'poster' && value) this.#showPoster(value)
     if (name === 'turn') this.#pilot.turnByItself(value !== null)
@@ -1011,16 +1013,25 @@ export class Viewer extends HTMLElement {
 
   // ---- Headset ------------------------------------------------------------------------------------------------------
 
-  /** A button where there is one, and where there would be one if the page were secure. */
+  /** Buttons for what the device has: VR, also where there would be one if the page were secure, and AR. */
   async #findHeadset() {
-    const button = this.#ui.headset
+    const { headset, room, arSize } = this.#ui
     const { xr } = navigator
-    button.hidden = xr
-      ? !(await xr.isSessionSupported('immersive-vr').catch(() => false))
-      : isSecureContext || !OF_HEADSETS.test(navigator.userAgent)
-    if (xr && !button.hidden) this.#headset ??= await this.#newHeadset()
+    const has = (mode) => xr?.isSessionSupported(mode).catch(() => false)
+    const [vr, ar] = await Promise.all(['immersive-vr', 'immersive-ar'].map(has))
+    if (vr || ar) this.#headset ??= await this.#newHeadset()
+    if (ar) this.#room ??= (await import('./ar.js')).AR
+    headset.hidden = xr ? !vr : isSecureContext || !OF_HEADSETS.test(navigator.userAgent)
+    room.hidden = arSize.hidden = !ar || this.getAttribute('ar') === 'off'
     const words = 'A headset needs a page of https://, or of the machine that it is on (http://localhost)'
-    button.onclick = () => (xr ? this.#headset.enter() : this.#fail(new Error(words)))
+    headset.onclick = () => (xr ? this.#headset.enter() : this.#fail(new Error(words)))
+    room.onclick = () => this.#headset.enter(this.#room)
+  }
+
+  /** The size that the scene has in a room: table or true; off where it is not to be seen there. */
+  get #inRoom() {
+    const asked = this.getAttribute('ar')
+    return ['true', 'off'].includes(asked) ? asked : 'table'
   }
 
   /** It stands at the page's camera; the page's picture stays as it is meanwhile. */
@@ -1032,6 +1043,10 @@ export class Viewer extends HTMLElement {
       scene: () => this.#scene,
       view: () => this.#pilot,
       options: () => this.#frame(),
+      size: () => this.#inRoom,
+      root: this.shadowRoot,
+      style: (sheet) => this.#restyle((sheets) => [...new Set([...sheets, sheet])]),
+      language: this.#language,
       drawn: (detail) => this.dispatchEvent(new CustomEvent('eyes', { detail })),
       say: (error) => this.#fail(error),
       changed: (isOn) => {
@@ -1081,8 +1096,8 @@ export class Viewer extends HTMLElement {
 
   #showSettings() {
     const { camera, turns } = this.#pilot
-    const [background, flat] = [this.#colour, !!camera?.flat]
-    this.#panels.set({ background, flat, turn: turns, backend: this.#wanted, budget: this.#budgetPlace })
+    const [background, flat, ar] = [this.#colour, !!camera?.flat, this.#inRoom]
+    this.#panels.set({ background, flat, turn: turns, backend: this.#wanted, budget: this.#budgetPlace, ar })
     this.#ui.levels.hidden = !this.#scene?.levels
     this.#ui.budget.textContent = this.#budget
       ? this.#language.of('at most {0}', this.#language.number(this.#budget))
@@ -1172,6 +1187,7 @@ export class Viewer extends HTMLElement {
     backend: [() => this.#wanted, (value) => this.#setAttribute('backend', value)],
     budget: [() => this.#budget ?? 0, (value) => this.#setAttribute('budget', value || null)],
     detail: [() => this.#numberOf('detail'), (value) => this.#setAttribute('detail', value || null)],
+    ar: [() => this.#inRoom, (value) => this.#setAttribute('ar', value)],
     turn: [() => this.hasAttribute('turn'), (value) => this.toggleAttribute('turn', !!value)],
     mode: [() => this.#pilot.mode, (value) => this.#setMode(['fly', 'walk'].includes(value) ? value : 'orbit')],
     eyeHeight: [() => this.#numberOf('eye-height'), (value) => this.#setAttribute('eye-height', value || null)],

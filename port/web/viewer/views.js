@@ -54,7 +54,8 @@ export const fetchViews = async (url) => viewsOf(nameOf(url), await textAt(url, 
 
 // Attributes of the element that are parameters of a page's address too.
 const PARAMETERS = ['cameras', 'background', 'budget', 'detail', 'backend', 'threads', 'poster', 'turn', 'noui', 'ui',
-  'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick']
+  'wheel', 'keep', 'settings', 'skybox', 'lang', 'label', 'eye-height', 'joystick',
+  'ar']
 
 /** Does as the page's address says: attributes by its parameters, camera and annotation by what stands behind #, then
     too when that changes. */

@@ -1,5 +1,6 @@
-// Shows the scene in a headset, around the person who wears it. A worker draws a pair of pictures, one for each eye,
-// for the newest pose of the head. Each frame of the headset shows the newest complete pair, moved to the present pose.
+// Shows the scene in a headset or a phone by WebXR. A worker draws a pair of pictures, one for each eye, for the newest
+// pose of the head; one picture where the device has one view. Each frame shows the newest complete pair, moved to the
+// present pose. VR puts the scene around the person who looks; ar.js puts it into the room.
 import { cameraOf, Eyes, Scale } from './eyes.js'
 import { add, cross, distance, dot, rotate, unit } from './motion.js'
 
@@ -12,23 +13,27 @@ const [PUSHED, IDLE] = [0.7, 0.3] // of a thumbstick, for a turn and for the nex
 const DEAD = 0.15
 
 /** Where the room lies in the scene: its axes (right, up, back) there, its origin, and how long a metre is. */
-class Place {
+export class Place {
   constructor(axes, units, origin = [0, 0, 0]) {
     Object.assign(this, { axes, units, origin })
   }
 
-  /** Level; the head is at the camera's eye and looks where the camera does. */
-  static of({ camera, up }, head) {
+  /** Level; a direction of the room, its x and z, is where the camera looks. */
+  static towards([hx, hz], { camera, up }, units) {
     const y = unit(up)
     const level = (a) => add(a, y, -dot(a, y))
     const forward = add(camera.look, camera.eye, -1)
     const steep = Math.hypot(...level(forward)) < 0.01 * Math.hypot(...forward)
     const ahead = unit(level(steep ? camera.up.map((x) => -Math.sign(dot(forward, y)) * x) : forward))
     const right = cross(ahead, y)
-    const [hx, hz] = unit([-head.matrix[8], -head.matrix[10]])
     const mixed = (a, b) => add(ahead.map((x) => a * x), right, b)
-    const place = new Place([mixed(hx, -hz), y, mixed(hz, hx)], distance(camera) / REACH)
-    return place.held([head.position.x, head.position.y, head.position.z], camera.eye)
+    return new Place([mixed(hx, -hz), y, mixed(hz, hx)], units)
+  }
+
+  /** The head is at the camera's eye and looks where the camera does. */
+  static of(view, { matrix, position }) {
+    const place = Place.towards(unit([-matrix[8], -matrix[10]]), view, distance(view.camera) / REACH)
+    return place.held(numbers(position), view.camera.eye)
   }
 
   turned([x, y, z]) {
@@ -38,6 +43,12 @@ class Place {
   /** A point of the room in the scene. */
   at(point) {
     return add(this.origin, this.turned(point), this.units)
+  }
+
+  /** A point of the scene in the room. */
+  from(there) {
+    const to = add(there, this.origin, -1)
+    return this.axes.map((axis) => dot(axis, to) / this.units)
   }
 
   /** The same, moved so that a point of the room lies there. */
@@ -56,16 +67,66 @@ class Place {
     const axes = this.axes.map((axis) => rotate(axis, this.axes[1], -angle))
     return new Place(axes, this.units * times, this.origin)
   }
+
+  /** The same about a point of the room. */
+  about(point, angle, times) {
+    return this.changed(angle, times).held(point, this.at(point))
+  }
 }
+
+export const numbers = ({ x, y, z }) => [x, y, z]
 
 const stickOf = ({ gamepad }) => (gamepad ? gamepad.axes.slice(gamepad.axes.length >= 4 ? 2 : 0) : [])
 const pushed = (x = 0) => (Math.abs(x) < DEAD ? 0 : x)
-const numbers = ({ x, y, z }) => [x, y, z]
 
 const drop = (gl) => gl?.getExtension('WEBGL_lose_context')?.loseContext()
 
+/** Where the person stands in the scene: at the page's camera, and from there on by thumbsticks. */
+class Walker {
+  #host
+  #turning = false
+
+  constructor(host) {
+    this.#host = host
+  }
+
+  /** The left stick moves where the head looks, the right one turns, and goes up and down. */
+  step(place, { pose, session, seconds }) {
+    const { matrix, position } = pose.transform
+    place ??= Place.of(this.#host.view(), pose.transform)
+    const axis = (i) => place.turned([matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]])
+    const step = seconds * METRES_A_SECOND * place.units
+    let turn = 0
+    for (const source of session.inputSources) {
+      const [x, y] = stickOf(source)
+      if (source.handedness === 'right') turn = x ?? 0
+      if (source.handedness === 'right') place = place.shifted(place.axes[1], -pushed(y) * step)
+      else place = place.shifted(axis(0), pushed(x) * step).shifted(axis(2), pushed(y) * step)
+    }
+    if (Math.abs(turn) < IDLE) this.#turning = false
+    if (Math.abs(turn) < PUSHED || this.#turning) return place
+    this.#turning = true
+    return place.about(numbers(position), Math.sign(turn) * TURN, 1)
+  }
+}
+
+/** What a mode is: its session of WebXR, the name and the end in errors, the spaces in the order in which they are
+ *  asked for, whether the picture is transparent where the scene is not, and who says where the room lies.
+ *  That has step(place, now), which gives the Place of a frame, or null where there is none yet; and where it needs
+ *  them `options` of the session, begin(session, space), end(), and show(gl, view, viewport) of frames without one. */
+export const VR = {
+  session: 'immersive-vr',
+  name: 'The headset:',
+  lost: 'The headset: its graphics context was lost',
+  spaces: ['local'],
+  clear: false,
+  Guide: Walker,
+}
+
 export class Headset {
   #host
+  #mode
+  #guide
   #session = null
   #space
   #layer
@@ -75,12 +136,11 @@ export class Headset {
   #place = null
   #asked = null // what is being drawn, by which engine
   #entering = false
-  #turning = false
   #grips = []
   #last = 0
 
-  /** The host has engine(), backend(), scene(), options(), view() with camera and up; it hears changed(isOn),
-   *  drawn(detail) and say(error). */
+  /** The host has engine(), backend(), scene(), options(), view() with camera and up, and what a mode's guide needs; it
+   *  hears changed(isOn), drawn(detail) and say(error). */
   constructor(host) {
     this.#host = host
   }
@@ -89,18 +149,20 @@ export class Headset {
     return !!this.#session
   }
 
-  async enter() {
+  async enter(mode = VR) {
     if (this.#session || this.#entering) return this.end()
     this.#entering = true
+    this.#mode = mode
+    this.#guide = new mode.Guide(this.#host)
     let gl
     try {
       gl = this.#open()
-      this.#session = await navigator.xr.requestSession('immersive-vr')
+      this.#session = await navigator.xr.requestSession(mode.session, this.#guide.options)
       await this.#begin(gl)
     } catch (error) {
       if (this.#session) this.end()
-      else drop(gl)
-      this.#host.say(new Error(`The headset: ${error.message}`))
+      else this.#close(gl)
+      this.#host.say(new Error(`${mode.name} ${error.message}`))
     }
     this.#entering = false
   }
@@ -110,10 +172,14 @@ export class Headset {
   }
 
   #open() {
-    const how = { xrCompatible: true, alpha: false, antialias: false, depth: false, stencil: false }
+    const how = { xrCompatible: true, ...this.#buffers }
     const gl = document.createElement('canvas').getContext('webgl2', how)
     if (!gl) throw new Error('there is no WebGL 2, which shows the pictures there')
     return gl
+  }
+
+  get #buffers() {
+    return { alpha: this.#mode.clear, antialias: false, depth: false, stencil: false }
   }
 
   async #begin(gl) {
@@ -122,15 +188,16 @@ export class Headset {
     gl.canvas.addEventListener('webglcontextlost', () => {
       if (this.#session !== session) return
       this.end()
-      this.#host.say(new Error('The headset: its graphics context was lost'))
+      this.#host.say(new Error(this.#mode.lost))
     })
     await gl.makeXRCompatible?.()
     this.#gl = gl
     this.#eyes = new Eyes(gl)
-    this.#layer = new XRWebGLLayer(session, gl, { alpha: false, antialias: false, depth: false, stencil: false })
+    this.#layer = new XRWebGLLayer(session, gl, this.#buffers)
     this.#layer.fixedFoveation = 0
     session.updateRenderState({ baseLayer: this.#layer })
-    this.#space = await session.requestReferenceSpace('local')
+    const name = await this.#takeSpace(session)
+    await this.#guide.begin?.(session, name)
     this.#space.addEventListener('reset', () => (this.#place = null))
     this.#scale = new Scale(AIM_MS)
     this.#place = null
@@ -143,10 +210,26 @@ export class Headset {
     session.requestAnimationFrame(step)
   }
 
+  /** The first that the device has; its name. */
+  async #takeSpace(session) {
+    const { spaces } = this.#mode
+    for (const name of spaces) {
+      this.#space = await session.requestReferenceSpace(name).catch((error) => {
+        if (name === spaces.at(-1)) throw error
+      })
+      if (this.#space) return name
+    }
+  }
+
   #ended(gl) {
     this.#session = this.#layer = this.#eyes = this.#gl = this.#asked = null
-    drop(gl)
+    this.#close(gl)
     this.#host.changed(false)
+  }
+
+  #close(gl) {
+    drop(gl)
+    this.#guide.end?.()
   }
 
   // ---- Frames -------------------------------------------------------------------------------------------------------
@@ -154,12 +237,12 @@ export class Headset {
   #frame(now, frame) {
     const pose = frame.getViewerPose(this.#space)
     if (!pose) return
-    this.#place ??= Place.of(this.#host.view(), pose.transform)
-    this.#walk(pose, Math.min((now - this.#last) / 1000, 0.1))
-    this.#pull(frame)
+    const [space, session, seconds] = [this.#space, this.#session, Math.min((now - this.#last) / 1000, 0.1)]
+    this.#place = this.#guide.step(this.#place, { pose, frame, space, session, seconds })
+    if (this.#place) this.#pull(frame)
     this.#last = now
     const engine = this.#host.engine()
-    if (engine && engine !== this.#asked?.engine) this.#ask(engine, pose.views.slice(0, 2))
+    if (this.#place && engine && engine !== this.#asked?.engine) this.#ask(engine, pose.views.slice(0, 2))
     this.#show(pose.views)
   }
 
@@ -170,13 +253,14 @@ export class Headset {
   #show(views) {
     const [gl, eyes] = [this.#gl, this.#eyes]
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.#layer.framebuffer)
-    eyes.ground = this.#host.options().background
+    eyes.ground = this.#mode.clear ? null : this.#host.options().background
     gl.clear(gl.COLOR_BUFFER_BIT)
-    if (!eyes.cameras || !this.#host.scene()) return
     views.forEach((view, i) => {
       const viewport = this.#layer.getViewport(view)
+      if (!viewport.width) return
+      if (!this.#place) return this.#guide.show(gl, view, viewport)
       const camera = this.#camera(view, viewport)
-      if (viewport.width) eyes.draw(i, camera, this.#far(camera), viewport)
+      if (eyes.cameras && this.#host.scene()) eyes.draw(i, camera, this.#far(camera), viewport)
     })
   }
 
@@ -195,7 +279,7 @@ export class Headset {
     const cameras = views.map((view) => this.#camera(view, size))
     const { width, height } = cameras[0]
     const start = performance.now()
-    const options = { ...this.#host.options(), width, height }
+    const options = { ...this.#host.options(), alpha: this.#mode.clear, width, height }
     const pair = await engine.ask('eyes', cameras, options, this.#host.backend()).catch((error) => ({ error }))
     if (asked !== this.#asked || engine !== this.#host.engine()) return
     this.#asked = null
@@ -210,29 +294,6 @@ export class Headset {
   }
 
   // ---- Controllers --------------------------------------------------------------------------------------------------
-
-  /** The left stick moves where the head looks, the right one turns, and goes up and down. */
-  #walk(pose, seconds) {
-    const { matrix, position } = pose.transform
-    const axis = (i) => this.#place.turned([matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]])
-    const step = seconds * METRES_A_SECOND * this.#place.units
-    let turn = 0
-    for (const source of this.#session.inputSources) {
-      const [x, y] = stickOf(source)
-      if (source.handedness === 'right') turn = x ?? 0
-      if (source.handedness === 'right') this.#place = this.#place.shifted(this.#place.axes[1], -pushed(y) * step)
-      else this.#place = this.#place.shifted(axis(0), pushed(x) * step).shifted(axis(2), pushed(y) * step)
-    }
-    if (Math.abs(turn) < IDLE) this.#turning = false
-    if (Math.abs(turn) < PUSHED || this.#turning) return
-    this.#turning = true
-    this.#about(numbers(position), Math.sign(turn) * TURN, 1)
-  }
-
-  /** Turns about a point of the room. */
-  #about(point, angle, times) {
-    this.#place = this.#place.changed(angle, times).held(point, this.#place.at(point))
-  }
 
   /** A hand that grips pulls the scene along; two also turn it, and draw it larger and smaller. */
   #pull(frame) {
