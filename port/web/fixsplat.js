@@ -217,8 +217,17 @@ const numberOf = (names, value) => {
   return names.indexOf(value)
 }
 
+/** The modules of readers for a file, by how it begins: the likely one first. What a module reads is the library's table
+    of formats; it says where the file is of another. */
+function readersFor({ name, bytes }, { simd = hasSimd }) {
+  if (!simd || !hasSimd) return ['import_core']
+  const isSog = (bytes[0] === 0x50 && bytes[1] === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, a zip
+  return isSog ? ['import_sog', 'import'] : ['import', 'import_sog']
+}
+
 /** Packs files of which a share has come, or at most `most` of their Gaussians. The module is dropped with all of its
-    memory. Returns the bytes of an .fxs file or an error, and the names of files that were wanted and are not there. */
+    memory. Returns the bytes of an .fxs file or an error, and whether it is one of this module alone, and the names of
+    files that were wanted and are not there. */
 function runImport(module, files, options, share = 1, most = 0) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
@@ -243,7 +252,8 @@ function runImport(module, files, options, share = 1, most = 0) {
   const name = reader.copyText(all[0].name)
   reader.put(maxGaussians, maxMemory, share)
   try {
-    if (reader.c.import(name, kind, directions, most) < 0) return { missing, error: reader.error() }
+    const result = reader.c.import(name, kind, directions, most)
+    if (result) return { missing, error: reader.error(), isElsewhere: result > 0 }
   } catch (error) {
     if (!(error instanceof WebAssembly.RuntimeError)) throw error
     return { missing, error: new Error(`${all[0].name}: cannot be read: ${error.message}`) }
@@ -253,10 +263,13 @@ function runImport(module, files, options, share = 1, most = 0) {
 
 /** The same with every file that is wanted. */
 async function importAll(files, options, share, most) {
-  const module = await compile('import')
-  let result = runImport(module, files, options, share, most)
-  while (result.missing.size && (await files.ask(result.missing)))
-    result = runImport(module, files, options, share, most)
+  let result
+  for (const name of readersFor(files.all[0], options)) {
+    const module = await compile(name)
+    do result = runImport(module, files, options, share, most)
+    while (result.missing.size && (await files.ask(result.missing)))
+    if (!result.isElsewhere) break
+  }
   if (result.error) throw result.error
   return result.bytes
 }
@@ -319,7 +332,7 @@ export async function load(source, options = {}) {
   const file = await files.open(source, async (file, share) => {
     options.progress?.({ stage: 'download', done: share, bytes: file.there })
     if (file.there < 4 || file.isPacked) return
-    compile('import').catch(() => {})
+    compile(readersFor(file, options)[0]).catch(() => {})
     if (share < 1) await preview(share, false)
   }, answer && Promise.resolve(answer))
   if (!file.isPacked) await preview(1, true)

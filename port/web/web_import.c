@@ -9,6 +9,7 @@
 #include <fixsplat/pack.h>
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/scene_file.h>
+#include "src/scene/formats_internal.h"
 #include "web.h"
 
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
@@ -130,8 +131,17 @@ static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, si
     return error ? error : pack(opened, &own, FXS_PROFILE_DEFAULT);
 }
 
+/* 1 where file 0 has a format that this module was built without, and another one reads. */
+static int is_elsewhere(const char *name)
+{
+    const fxs_scene_source source = {.path = (char *)name, .input = input_of(0)};
+    const fxs_format_row *format;
+    return !fxs_format_by_content(&source, &format, &(fxs_message){0}) && !format->reader->read;
+}
+
 /* Packs file 0, or only a sample where `most` is not 0. In: limits of Gaussians and of memory, or 0; the part of the
-   file that has come. Out: address and size of the .fxs file; size 0 where a sample is not worth its time. */
+   file that has come. Out: address and size of the .fxs file; size 0 where a sample is not worth its time. Returns 0, 1
+   where another module may read the file, or an error; the words say why. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;
@@ -142,7 +152,7 @@ EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_
     const double there = numbers[2];
     int error = fxs_scene_file_open_input(name, &input, &options, &file, &info, &message);
     if (error)
-        return error;
+        return is_elsewhere(name) ? 1 : error;
     error = most ? pack_sample(file, &info, most, there) : pack(file, &info, profile);
     fxs_scene_file_close(file);
     numbers[0] = (double)(uintptr_t)packed.data;
