@@ -1,11 +1,11 @@
 # The npm package (docs/web.md).
 
 # Modules of WebAssembly: the renderer without simd128, with it, with it and threads; the packing with the readers of all
-# formats but .sog, with that of .sog, and with all of them without simd128.
+# formats but .sog, the same with threads, with the reader of .sog, and with all of them without simd128.
 WASM_CC ?= clang
 WASM_OPT ?= wasm-opt
 WEB := $(B)/web/package
-IMPORTS := import import_sog import_core
+IMPORTS := import import_threads import_sog import_core
 MODULES := core simd threads $(IMPORTS)
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=off -ffunction-sections \
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
@@ -21,7 +21,10 @@ WEB_IMPORT := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian sc
               src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) port/backend/pack_stages.c \
               $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c source.c text.c zip.c) \
               $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
-$(foreach module,$(IMPORTS),$(eval sources_of_$(module) := $(WEB_IMPORT)))
+sources_of_import := $(WEB_IMPORT)
+sources_of_import_sog := $(WEB_IMPORT)
+sources_of_import_core := $(WEB_IMPORT)
+sources_of_import_threads := $(WEB_IMPORT) port/web/web_pool.c
 # Readers that are not in a module are compiled without their libraries: then they know their files, and say so.
 not_in_import := %/sog.c %/zip.c
 not_in_import_sog := %/gltf.c %/tileset.c %/lcc.c %/rad.c %/spz.c %/inflate.c
@@ -37,12 +40,16 @@ WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/s
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c)
-# The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
+# The objects are those of simd, or of import; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
 # (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
                         -Wl,--no-check-features,--export=__stack_pointer
 wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
-web_objects_of = $(patsubst %.c,$(B)/web/$(if $(filter threads,$(1)),simd,$(1))/%.o,$(sources_of_$(1)))
+wasm_link_of_import_threads := $(wasm_link_of_threads)
+wasm_opt_of_import_threads := $(wasm_opt_of_threads)
+objects_for_threads := simd
+objects_for_import_threads := import
+web_objects_of = $(patsubst %.c,$(B)/web/$(or $(objects_for_$(1)),$(1))/%.o,$(sources_of_$(1)))
 # Libraries that readers need, where `make setup web` has put their sources: what decompresses, and cJSON. Of libwebp the
 # part that is lossless, as .sog has it.
 not_of_libzip := $(addprefix zip_,crypto_% winzip_aes% source_winzip_aes% pkware.c source_pkware% source_file_% random_% \

@@ -31,6 +31,7 @@ const modules = {
   simd: () => new URL('./simd.wasm', import.meta.url),
   threads: () => new URL('./threads.wasm', import.meta.url),
   import: () => new URL('./import.wasm', import.meta.url),
+  import_threads: () => new URL('./import_threads.wasm', import.meta.url),
   import_sog: () => new URL('./import_sog.wasm', import.meta.url),
   import_core: () => new URL('./import_core.wasm', import.meta.url),
 }

@@ -71,10 +71,12 @@ static int open_beside(void *first, const char *name, fxs_scene_input *input)
 
 /* ---- Packing ----------------------------------------------------------------------------------------------------- */
 
+static uint32_t threads;             /* that packing may use */
+
 static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profile)
 {
     fxs_pack_report report;
-    const fxs_pack_options options = {(enum fxs_profile)profile, NULL, NULL, 1, progress, NULL, NULL, 0};
+    const fxs_pack_options options = {(enum fxs_profile)profile, fxs_web_run, NULL, threads, progress, NULL, NULL, 0};
     const int error = fxs_pack(file, info, &packed, &report, &options, &message);
     return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }
@@ -112,15 +114,21 @@ static void enlarge(sample *s, double all)
             s->gaussians[i].scale[axis] += more;
 }
 
+/* How many times as long as the sample's packing must be that of all Gaussians: while a file comes there is time. */
+static double least_gain(double there)
+{
+    return there < 1 ? 2 : 6;
+}
+
 /* Packs a sample of at most `most` Gaussians, of a file of which the part `there`, 0 to 1, has come. Does nothing where
-   that would take half of the time for all Gaussians. */
+   the picture of all Gaussians would come late by that. */
 static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, size_t most, double there)
 {
     const double readable = (double)info->count * there;
     sample s = {NULL, 0, (size_t)fmin((double)most, readable)};
     fxs_scene_file *opened;
     fxs_scene_file_info own;
-    if ((double)s.room * 2 > (double)info->count || !(s.gaussians = fxs_allocate(NULL, s.room, sizeof *s.gaussians)))
+    if ((double)s.room * least_gain(there) > (double)info->count || !(s.gaussians = fxs_allocate(NULL, s.room, sizeof *s.gaussians)))
         return 0;
     take_sample(file, (size_t)ceil(readable / (double)s.room), &s);
     if (s.count == 0)
@@ -140,7 +148,7 @@ static int is_elsewhere(const char *name)
 }
 
 /* Packs file 0, or only a sample where `most` is not 0. In: limits of Gaussians and of memory, or 0; the part of the
-   file that has come. Out: address and size of the .fxs file; size 0 where a sample is not worth its time. Returns 0, 1
+   file that has come; threads. Out: address and size of the .fxs file; size 0 where a sample is not worth its time. Returns 0, 1
    where another module may read the file, or an error; the words say why. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
@@ -150,6 +158,7 @@ EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_
                                             .max_memory = (uint64_t)numbers[1]};
     const fxs_scene_input input = input_of(0);
     const double there = numbers[2];
+    threads = (uint32_t)numbers[3];
     int error = fxs_scene_file_open_input(name, &input, &options, &file, &info, &message);
     if (error)
         return is_elsewhere(name) ? 1 : error;
