@@ -142,7 +142,7 @@ $(WEB)/stages.js: tools/stages.mjs src/include/fixsplat/pixel.h $(wildcard kerne
 $(WEB)/viewer/style.js: port/web/viewer/viewer.css tools/inline.mjs
 	@mkdir -p $(@D)
 	@node tools/inline.mjs style $< >$@
-$(WEB)/inline/files.js: tools/inline.mjs $(filter-out %core.wasm,$(WASM)) $(WEB)/thread.js
+$(WEB)/inline/files.js: tools/inline.mjs $(filter-out %core.wasm %import_threads.wasm,$(WASM)) $(WEB)/thread.js
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)node $< files $(foreach file,$(filter-out $<,$^),$(notdir $(file))=$(file)) >$@
 $(WEB)/inline/worker.js: tools/inline.mjs $(WEB_SCRIPTS) $(addprefix $(WEB)/viewer/,worker_whole.js worker.js)

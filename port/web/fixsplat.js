@@ -1,7 +1,7 @@
 // The package for browsers and Node. It draws pictures with the same bytes as the library in C, in WebAssembly.
 // fixsplat.d.ts describes all functions and classes that a program can use.
 
-import { inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
+import { hasModule, inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
 import { Files, nameOf, urlOf } from './read.js'
 
 export { setAssets } from './fixsplat_assets.js'
@@ -232,8 +232,9 @@ async function readersFor({ name, bytes }, options) {
   const { simd = hasSimd } = options
   if (!simd || !hasSimd) return ['import_core']
   const isSog = (bytes[0] === 0x50 && bytes[1] === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, a zip
-  const other = (await threadsFor(options)) > 1 ? 'import_threads' : 'import'
-  return isSog ? ['import_sog', other] : [other, 'import_sog']
+  const isShared = hasModule('import_threads') && (await threadsFor(options)) > 1
+  const others = isShared ? ['import_threads', 'import'] : ['import']
+  return isSog ? ['import_sog', ...others] : [...others, 'import_sog']
 }
 
 /** A module of readers with these functions, and helpers where it can have them. */
@@ -253,7 +254,8 @@ function runImport(module, files, options, { share = 1, most = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
   const missing = new Set()
-  const reader = readerOf(module, {
+  let reader
+  const imports = {
     progress: (done) => progress?.({ stage: 'prepare', done }),
     size: (file) => all[file].bytes.length,
     read(file, offset, out, size) {
@@ -267,9 +269,14 @@ function runImport(module, files, options, { share = 1, most = 0, threads }) {
       if (number < 0) missing.add(name)
       return number
     },
-  }, threads)
+  }
   const kind = numberOf(['default', 'compact', 'small'], profile)
   const directions = numberOf(['file', 'rub', 'rdf'], axes)
+  try {
+    reader = readerOf(module, imports, threads)
+  } catch (error) {
+    return { missing, error, isElsewhere: true }   // no memory to share: another has its own
+  }
   const name = reader.copyText(all[0].name)
   reader.put(maxGaussians, maxMemory, share, threads)
   try {

@@ -46,6 +46,9 @@ export function setAssets(given) {
 /** The files that `setAssets` was given, which a worker is to be given too. */
 export const assets = () => files
 
+/** Whether there is a module: what has all files inside has no others. */
+export const hasModule = (name) => !files || `${name}.wasm` in files
+
 /** The address of a published file; null where only a bundler knows it. */
 export const addressIn = (name) => (folder ? new URL(name, folder) : null)
 
