@@ -39,7 +39,8 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
 WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/kernels/gl/gl.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
-             $(addprefix import/src/pack/,framing.c palette.c)
+             $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
+             import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%
 # The objects are those of simd, or of import; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
 # (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \

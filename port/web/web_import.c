@@ -9,6 +9,7 @@
 #include <fixsplat/pack.h>
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/scene_file.h>
+#include "src/base/exponential.h"
 #include "src/scene/formats_internal.h"
 #include "web.h"
 
@@ -108,7 +109,7 @@ static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
 /* Enlarges the Gaussians of the sample so that together they cover as much as all. */
 static void enlarge(sample *s, double all)
 {
-    const float more = (float)(log(all / (double)s->count) / 2);
+    const float more = (float)(fxs_log(all / (double)s->count) / 2);
     for (size_t i = 0; i < s->count; i++)
         for (int axis = 0; axis < 3; axis++)
             s->gaussians[i].scale[axis] += more;
