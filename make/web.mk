@@ -34,8 +34,9 @@ not_in_import_sog := %/gltf.c %/tileset.c %/lcc.c %/rad.c %/spz.c %/inflate.c
 wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not_in_$(1)),$(2)),,$(WEB_READERS_FLAGS))) \
                 $(if $(filter simd import import_sog,$(1)),-msimd128) $(if $(filter %/web_pool.c,$(2)),-matomics -mbulk-memory) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
+                $(if $(filter src/pack/%,$(2)),-fno-math-errno) \
                 $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
-                  $(filter src/pack/%,$(2)),-O2 -fno-math-errno,-O2)))
+                  $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
 WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/kernels/gl/gl.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \

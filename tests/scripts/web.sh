@@ -163,8 +163,8 @@ check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
 # Some 4.3 KB of core, 2.6 of simd and 1.9 of threads are the cut through levels of detail, and 1.4 of each scenes that
 # come in parts; 4.7 of simd and threads are WebGPU's plans of frames; 5 of import are the reader of .rad.
-for size in core.wasm:51500 simd.wasm:82800 threads.wasm:83000 import.wasm:98500 import_threads.wasm:98900 \
-    import_sog.wasm:91500 import_core.wasm:122500 fixsplat.js:40000; do
+for size in core.wasm:51500 simd.wasm:82800 threads.wasm:83000 import.wasm:83900 import_threads.wasm:84200 \
+    import_sog.wasm:80200 import_core.wasm:108000 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000
@@ -263,7 +263,7 @@ done
 check "damaged and cut: .spz" web damage "$work/700.spz"
 check "misuse" web misuse "$work/700-default.fxs" "$work/700.ply"
 check "previews" reader preview "$work/20000.ply"
-check "size of both" both_at_most 181500
+check "size of both" both_at_most 166500
 if [ -e "$B/web/libs" ]; then
     readers
 else
