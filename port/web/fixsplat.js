@@ -226,8 +226,8 @@ const numberOf = (names, value) => {
 const PACKING_STACK = 262144    // bytes, of each thread that packs, whose jobs take 90,000
 const MUCH = 8e6                // bytes of a file that is packed by threads: another's take less than to start them
 
-/** The modules of readers for a file, by how it begins: the likely one first. What a module reads is the library's table
-    of formats; it says where the file is of another. */
+/** The modules of readers for a file, by how it begins: the likely one first. What a module reads is decided by the
+    library's table of formats; it says where the file is of another. */
 async function readersFor({ name, bytes }, options) {
   const { simd = hasSimd } = options
   if (!simd || !hasSimd) return ['import_core']

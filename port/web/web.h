@@ -1,4 +1,4 @@
-/* The common declarations of the two modules that fixsplat.js calls. */
+/* The common declarations of the modules that fixsplat.js calls. */
 #ifndef FXS_WEB_H
 #define FXS_WEB_H
 

@@ -1,5 +1,5 @@
-/* Readers and packing as a WebAssembly module of their own: it reads files by functions of fixsplat.js and makes an
- * .fxs file; then the module is dropped with all of its memory. */
+/* Readers and packing as WebAssembly modules of their own (make/web.mk: which reads what): they read files by functions
+ * of fixsplat.js and make an .fxs file; then the module is dropped with all of its memory. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -129,7 +129,8 @@ static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, si
     sample s = {NULL, 0, (size_t)fmin((double)most, readable)};
     fxs_scene_file *opened;
     fxs_scene_file_info own;
-    if ((double)s.room * least_gain(there) > (double)info->count || !(s.gaussians = fxs_allocate(NULL, s.room, sizeof *s.gaussians)))
+    if ((double)s.room * least_gain(there) > (double)info->count ||
+        !(s.gaussians = fxs_allocate(NULL, s.room, sizeof *s.gaussians)))
         return 0;
     take_sample(file, (size_t)ceil(readable / (double)s.room), &s);
     if (s.count == 0)
@@ -149,8 +150,8 @@ static int is_elsewhere(const char *name)
 }
 
 /* Packs file 0, or only a sample where `most` is not 0. In: limits of Gaussians and of memory, or 0; the part of the
-   file that has come; threads. Out: address and size of the .fxs file; size 0 where a sample is not worth its time. Returns 0, 1
-   where another module may read the file, or an error; the words say why. */
+   file that has come; threads. Out: address and size of the .fxs file; size 0 where a sample is not worth its time.
+   Returns 0, 1 where another module may read the file, or an error; the words say why. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;
