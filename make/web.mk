@@ -1,10 +1,12 @@
 # The npm package (docs/web.md).
 
-# Modules of WebAssembly: the renderer without simd128, with it, with it and threads; the readers with the packing.
+# Modules of WebAssembly: the renderer without simd128, with it, with it and threads; the packing with the readers of all
+# formats but .sog, the same with threads, with the reader of .sog, and with all of them without simd128.
 WASM_CC ?= clang
 WASM_OPT ?= wasm-opt
 WEB := $(B)/web/package
-MODULES := core simd threads import
+IMPORTS := import import_threads import_sog import_core
+MODULES := core simd threads $(IMPORTS)
 WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=off -ffunction-sections \
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
@@ -15,45 +17,59 @@ sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES) kernels/compute/plan.c port/web/webgpu.c
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
-sources_of_import := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
-                     src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) port/backend/pack_stages.c \
-                     $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c source.c text.c zip.c) \
-                     $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
+WEB_IMPORT := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
+              src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) port/backend/pack_stages.c \
+              $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c source.c text.c zip.c) \
+              $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
+sources_of_import := $(WEB_IMPORT)
+sources_of_import_sog := $(WEB_IMPORT)
+sources_of_import_core := $(WEB_IMPORT)
+sources_of_import_threads := $(WEB_IMPORT) port/web/web_pool.c
+# Readers that are not in a module are compiled without their libraries: then they know their files, and say so.
+not_in_import := %/sog.c %/zip.c
+not_in_import_sog := %/gltf.c %/tileset.c %/lcc.c %/rad.c %/spz.c %/inflate.c
 # What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are
 # the end of the stack, which no pointer is to (--low-memory-unused).
 # <GLES3/gl3.h> is the host's.
-wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS) -DFXS_TO_PACK) \
-                $(if $(filter simd,$(1)),-msimd128) $(if $(filter %/web_pool.c,$(2)),-matomics -mbulk-memory) \
+wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not_in_$(1)),$(2)),,$(WEB_READERS_FLAGS))) \
+                $(if $(filter simd import import_sog,$(1)),-msimd128) $(if $(filter %/web_pool.c,$(2)),-matomics -mbulk-memory) \
                 $(if $(filter $(WEB_GLES),$(2)),-idirafter /usr/include -I$(B)/kernels/gles) \
-                $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
+                $(if $(filter src/pack/%,$(2)),-fno-math-errno) \
+                $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(subst import_sog,import,$(1))/$(2)),-Oz,$(if \
+                  $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
 WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/kernels/gl/gl.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
              import/src/base/foreign.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
-             $(addprefix import/src/pack/,coarsen.c framing.c part.c tree.c)
-# The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
+             $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
+             import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%
+# The objects are those of simd, or of import; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
 # (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
 wasm_link_of_threads := -Wl,--shared-memory,--import-memory,--initial-memory=1048576,--max-memory=4294967296 \
                         -Wl,--no-check-features,--export=__stack_pointer
 wasm_opt_of_threads := --enable-threads --enable-bulk-memory --enable-mutable-globals
-web_objects_of = $(patsubst %.c,$(B)/web/$(if $(filter threads,$(1)),simd,$(1))/%.o,$(sources_of_$(1)))
-# Libraries that readers need, where `make setup web` has put their sources: what decompresses, and cJSON.
+wasm_link_of_import_threads := $(wasm_link_of_threads)
+wasm_opt_of_import_threads := $(wasm_opt_of_threads)
+objects_for_threads := simd
+objects_for_import_threads := import
+web_objects_of = $(patsubst %.c,$(B)/web/$(or $(objects_for_$(1)),$(1))/%.o,$(sources_of_$(1)))
+# Libraries that readers need, where `make setup web` has put their sources: what decompresses, and cJSON. Of libwebp the
+# part that is lossless, as .sog has it.
 not_of_libzip := $(addprefix zip_,crypto_% winzip_aes% source_winzip_aes% pkware.c source_pkware% source_file_% random_% \
                    get_encryption_implementation.c mkstempm.c libzip_version.c algorithm_bzip2.c algorithm_xz.c)
 WEB_LIBS_C := cjson/cJSON.c $(patsubst %,zlib/%.c,adler32 inflate inftrees inffast zutil) \
               $(patsubst %,libzstd/lib/common/%.c,entropy_common error_private fse_decompress xxhash zstd_common) \
               $(patsubst %,libzstd/lib/decompress/%.c,huf_decompress zstd_ddict zstd_decompress \
                                                       zstd_decompress_block) \
-              $(patsubst %,libwebp/src/dec/%_dec.c,alpha buffer frame idec io quant tree vp8 vp8l webp) \
-              $(patsubst %,libwebp/src/dsp/%.c,alpha_processing cpu dec dec_clip_tables filters lossless rescaler \
-                                               upsampling yuv) libwebp/src/utils/utils.c \
-              $(patsubst %,libwebp/src/utils/%_utils.c,bit_reader color_cache huffman quant_levels_dec random \
-                                                       rescaler thread) \
+              $(patsubst %,libwebp/src/dec/%_dec.c,buffer vp8l webp) \
+              $(patsubst %,libwebp/src/dsp/%.c,alpha_processing cpu lossless rescaler yuv) libwebp/src/utils/utils.c \
+              $(patsubst %,libwebp/src/utils/%_utils.c,bit_reader color_cache huffman rescaler) \
               $(addprefix libzip/lib/,$(filter-out $(not_of_libzip),$(notdir $(wildcard $(WEB_SOURCES)/libzip/lib/*.c))))
+WEB_NONE := none.c no_lossy.c
 WEB_VERSIONS := $(if $(WEB_SOURCES),$(if $(wildcard $(WEB_SOURCES)/versions),$(shell cat $(WEB_SOURCES)/versions)))
-WEB_LIBS := $(if $(WEB_VERSIONS),$(patsubst %.c,$(B)/web/libs/%.o,$(WEB_LIBS_C) none.c))
+WEB_LIBS := $(if $(WEB_VERSIONS),$(patsubst %.c,$(B)/web/libs/%.o,$(WEB_LIBS_C) $(WEB_NONE)))
 WEB_LIBS_FLAGS := --target=wasm32-wasi -Oz -w -fwrapv -ffunction-sections -DNDEBUG \
                   -DHUF_FORCE_DECOMPRESS_X1 -DZSTD_FORCE_DECOMPRESS_SEQUENCES_SHORT -DZSTD_STRIP_ERROR_STRINGS \
-                  -DZSTD_LEGACY_SUPPORT=0 -DZSTD_DISABLE_ASM \
+                  -DZSTD_LEGACY_SUPPORT=0 -DZSTD_DISABLE_ASM -DWEBP_REDUCE_SIZE \
                   $(addprefix -I,port/web/libs $(addprefix $(WEB_SOURCES)/,zlib libzip/lib libwebp))
 WEB_READERS_FLAGS := $(if $(WEB_LIBS),$(patsubst %,-DFXS_WITH_%,CJSON WEBP ZIP ZLIB ZSTD) -isystem port/web/libs \
                        $(patsubst %,-isystem $(WEB_SOURCES)/%,. zlib libzip/lib libzstd/lib libwebp/src))
@@ -100,11 +116,11 @@ $(B)/web/simd/kernels/gles/gles.o: $(B)/kernels/gles/shaders.h
 $(B)/web/libs/%.o: $(WEB_SOURCES)/%.c $(B)/commands/web
 	@mkdir -p $(@D)
 	$(call say,CC,'$* (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
-$(B)/web/libs/none.o: port/web/libs/none.c $(B)/commands/web
+$(WEB_NONE:%.c=$(B)/web/libs/%.o): $(B)/web/libs/%.o: port/web/libs/%.c $(B)/commands/web
 	@mkdir -p $(@D)
 	$(call say,CC,'$< (import)')$(WASM_CC) $(WEB_LIBS_FLAGS) -c -o $@ $<
 $(WEB_LIBS): $(wildcard port/web/libs/*.h)
-$(WEB)/import.wasm: $(WEB_LIBS)
+$(IMPORTS:%=$(WEB)/%.wasm): $(WEB_LIBS)
 $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
     $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
 
@@ -128,7 +144,7 @@ $(WEB)/stages.js: tools/stages.mjs src/include/fixsplat/pixel.h $(wildcard kerne
 $(WEB)/viewer/style.js: port/web/viewer/viewer.css tools/inline.mjs
 	@mkdir -p $(@D)
 	@node tools/inline.mjs style $< >$@
-$(WEB)/inline/files.js: tools/inline.mjs $(filter-out %/core.wasm,$(WASM)) $(WEB)/thread.js
+$(WEB)/inline/files.js: tools/inline.mjs $(filter-out %core.wasm %import_threads.wasm,$(WASM)) $(WEB)/thread.js
 	@mkdir -p $(@D)
 	$(call say,NODE,$@)node $< files $(foreach file,$(filter-out $<,$^),$(notdir $(file))=$(file)) >$@
 $(WEB)/inline/worker.js: tools/inline.mjs $(WEB_SCRIPTS) $(addprefix $(WEB)/viewer/,worker_whole.js worker.js)

@@ -12,8 +12,7 @@ export type Pixels = ReturnType<typeof Uint8ClampedArray.of>
 /** Bytes in memory of their own, as Blob and Response take them. */
 export type Bytes = ReturnType<typeof Uint8Array.of>
 
-/** Where the files of the package are (core.wasm, simd.wasm, threads.wasm, import.wasm, *.js, viewer/), as a folder that a
-    server answers for: for bundlers that do not carry them on. To be called before anything is loaded. */
+/** Where the files of the package are (*.wasm, *.js, viewer/), as a folder that a server answers for: for bundlers that do not carry them on. To be called before anything is loaded. */
 export function setAssets(folder: string | URL): void
 
 /** Three numbers: x, y, z, or red, green, blue. */

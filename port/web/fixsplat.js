@@ -1,7 +1,7 @@
 // The package for browsers and Node. It draws pictures with the same bytes as the library in C, in WebAssembly.
 // fixsplat.d.ts describes all functions and classes that a program can use.
 
-import { inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
+import { hasModule, inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
 import { Files, nameOf, urlOf } from './read.js'
 
 export { setAssets } from './fixsplat_assets.js'
@@ -178,8 +178,8 @@ function sharedMemory(maximum = 65536) {
 }
 
 /** One more thread for a module; where it cannot be had there is one less, and pictures take longer. */
-const oneMore = async (core, module) =>
-  startThread({ module, memory: core.c.memory, stack: core.place(core.c.allocate(STACK)) + STACK })
+const oneMore = async (core, module, stack = STACK) =>
+  startThread({ module, memory: core.c.memory, stack: core.place(core.c.allocate(stack)) + stack })
 
 async function threadedCore(threads) {
   const module = await compile('threads')
@@ -189,12 +189,18 @@ async function threadedCore(threads) {
   return core
 }
 
-/** The module that `load` takes, with its threads. */
-async function coreFor({ simd = hasSimd, threads }) {
+/** The number of threads that options ask for. */
+async function threadsFor({ simd = hasSimd, threads }) {
   if (threads !== undefined && !(Number.isInteger(threads) && threads >= 1 && threads <= MOST_THREADS))
     throw new Error(`${threads} threads: expected 1 to ${MOST_THREADS}`)
-  const count = threads ?? Math.min(await processors(), USUAL_THREADS)
-  if (simd && hasSimd && canShare && count > 1)
+  return simd && hasSimd && canShare ? (threads ?? Math.min(await processors(), USUAL_THREADS)) : 1
+}
+
+/** The module that `load` takes, with its threads. */
+async function coreFor(options) {
+  const { simd = hasSimd } = options
+  const count = await threadsFor(options)
+  if (count > 1)
     try {
       return await once(cores, `threads ${count}`, () => threadedCore(count))
     } catch {}                  // one thread will do
@@ -218,13 +224,39 @@ const numberOf = (names, value) => {
   return names.indexOf(value)
 }
 
+const PACKING_STACK = 262144    // bytes, of each thread that packs, whose jobs take 90,000
+const MUCH = 8e6                // bytes of a file that is packed by threads: another's take less than to start them
+
+/** The modules of readers for a file, by how it begins: the likely one first. What a module reads is decided by the
+    library's table of formats; it says where the file is of another. */
+async function readersFor({ name, bytes }, options) {
+  const { simd = hasSimd } = options
+  if (!simd || !hasSimd) return ['import_core']
+  const isSog = (bytes[0] === 0x50 && bytes[1] === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, a zip
+  const isShared = hasModule('import_threads') && (await threadsFor(options)) > 1
+  const others = isShared ? ['import_threads', 'import'] : ['import']
+  return isSog ? ['import_sog', ...others] : [...others, 'import_sog']
+}
+
+/** A module of readers with these functions, and helpers where it can have them. */
+function readerOf(module, imports, threads) {
+  const isShared = WebAssembly.Module.imports(module).some(({ kind }) => kind === 'memory')
+  const reader = new Module(module, isShared ? { ...imports, memory: sharedMemory() } : imports)
+  const started = Array.from({ length: isShared ? threads - 1 : 0 }, () =>
+    oneMore(reader, module, PACKING_STACK).catch(() => null))
+  reader.workers = Promise.all(started)
+  return reader
+}
+
 /** Packs files of which a share has come, or at most `most` of their Gaussians. The module is dropped with all of its
-    memory. Returns the bytes of an .fxs file or an error, and the names of files that were wanted and are not there. */
-function runImport(module, files, options, share = 1, most = 0) {
+    memory. Returns the bytes of an .fxs file or an error, and whether it is one of this module alone, and the names of
+    files that were wanted and are not there. */
+function runImport(module, files, options, { share = 1, most = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
   const missing = new Set()
-  const reader = new Module(module, {
+  let reader
+  const imports = {
     progress: (done) => progress?.({ stage: 'prepare', done }),
     size: (file) => all[file].bytes.length,
     read(file, offset, out, size) {
@@ -238,26 +270,38 @@ function runImport(module, files, options, share = 1, most = 0) {
       if (number < 0) missing.add(name)
       return number
     },
-  })
+  }
   const kind = numberOf(['default', 'compact', 'small'], profile)
   const directions = numberOf(['file', 'rub', 'rdf'], axes)
-  const name = reader.copyText(all[0].name)
-  reader.put(maxGaussians, maxMemory, share)
   try {
-    if (reader.c.import(name, kind, directions, most) < 0) return { missing, error: reader.error() }
+    reader = readerOf(module, imports, threads)
+  } catch (error) {
+    return { missing, error, isElsewhere: true }   // no memory to share: another has its own
+  }
+  const name = reader.copyText(all[0].name)
+  reader.put(maxGaussians, maxMemory, share, threads)
+  try {
+    const result = reader.c.import(name, kind, directions, most)
+    if (result) return { missing, error: reader.error(), isElsewhere: result > 0 }
   } catch (error) {
     if (!(error instanceof WebAssembly.RuntimeError)) throw error
     return { missing, error: new Error(`${all[0].name}: cannot be read: ${error.message}`) }
+  } finally {
+    reader.c.end?.()
   }
   return { missing, bytes: reader.bytes(...reader.get(0, 2)) }
 }
 
 /** The same with every file that is wanted. */
 async function importAll(files, options, share, most) {
-  const module = await compile('import')
-  let result = runImport(module, files, options, share, most)
-  while (result.missing.size && (await files.ask(result.missing)))
-    result = runImport(module, files, options, share, most)
+  const threads = most || files.all[0].there < MUCH ? 1 : await threadsFor(options)
+  let result
+  for (const name of await readersFor(files.all[0], options)) {
+    const module = await compile(name)
+    do result = runImport(module, files, options, { share, most, threads })
+    while (result.missing.size && (await files.ask(result.missing)))
+    if (!result.isElsewhere) break
+  }
   if (result.error) throw result.error
   return result.bytes
 }
@@ -267,11 +311,11 @@ function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
   const began = performance.now()
   let last = began
-  let pause = PAUSE
+  let took = 0
   return async (share, isNow) => {
     const start = performance.now()
-    const isSoon = (start - began) * (1 - share) < SOON * share
-    if (!options.preview || !share || (!isNow && (isSoon || start < last + pause))) return
+    const isSoon = (start - began) * (1 - share) < Math.max(SOON, 4 * took) * share
+    if (!options.preview || !share || (!isNow && (isSoon || start < last + Math.max(PAUSE, 4 * took)))) return
     let scene
     try {
       const bytes = await importAll(files, quietly, share, SHOWN)
@@ -281,7 +325,7 @@ function previewsOf(files, options) {
     }
     if (scene) await options.preview(scene)
     last = performance.now()
-    pause = Math.max(PAUSE, 4 * (last - start))
+    took = last - start
   }
 }
 
@@ -320,7 +364,7 @@ export async function load(source, options = {}) {
   const file = await files.open(source, async (file, share) => {
     options.progress?.({ stage: 'download', done: share, bytes: file.there })
     if (file.there < 4 || file.isPacked) return
-    compile('import').catch(() => {})
+    readersFor(file, options).then(([name]) => compile(name)).catch(() => {})
     if (share < 1) await preview(share, false)
   }, answer && Promise.resolve(answer))
   if (!file.isPacked) await preview(1, true)

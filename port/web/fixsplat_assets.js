@@ -31,6 +31,9 @@ const modules = {
   simd: () => new URL('./simd.wasm', import.meta.url),
   threads: () => new URL('./threads.wasm', import.meta.url),
   import: () => new URL('./import.wasm', import.meta.url),
+  import_threads: () => new URL('./import_threads.wasm', import.meta.url),
+  import_sog: () => new URL('./import_sog.wasm', import.meta.url),
+  import_core: () => new URL('./import_core.wasm', import.meta.url),
 }
 
 export function setAssets(given) {
@@ -42,6 +45,9 @@ export function setAssets(given) {
 
 /** The files that `setAssets` was given, which a worker is to be given too. */
 export const assets = () => files
+
+/** Whether there is a module: what has all files inside has no others. */
+export const hasModule = (name) => !files || `${name}.wasm` in files
 
 /** The address of a published file; null where only a bundler knows it. */
 export const addressIn = (name) => (folder ? new URL(name, folder) : null)

@@ -1,4 +1,4 @@
-/* The common declarations of the two modules that fixsplat.js calls. */
+/* The common declarations of the modules that fixsplat.js calls. */
 #ifndef FXS_WEB_H
 #define FXS_WEB_H
 
@@ -9,7 +9,8 @@
 /* The array for numbers in and out, in the order that each function states; an object with 8 crops has 71. */
 enum { NUMBERS = 80 };
 
-/* Functions of web_pool.c; null in a module without it. */
+/* Functions of web_pool.c; null in a module without it. The calling thread runs job 0: helpers cannot call what
+   fixsplat.js provides, as the packing does to read. */
 __attribute__((weak)) void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argument,
                                        uint32_t jobs);
 

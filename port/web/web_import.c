@@ -1,5 +1,5 @@
-/* Readers and packing as a WebAssembly module of their own: it reads files by functions of fixsplat.js and makes an
- * .fxs file; then the module is dropped with all of its memory. */
+/* Readers and packing as WebAssembly modules of their own (make/web.mk: which reads what): they read files by functions
+ * of fixsplat.js and make an .fxs file; then the module is dropped with all of its memory. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +9,8 @@
 #include <fixsplat/pack.h>
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/scene_file.h>
+#include "src/base/exponential.h"
+#include "src/scene/formats_internal.h"
 #include "web.h"
 
 #define IMPORT(name) __attribute__((import_module("env"), import_name(#name)))
@@ -70,10 +72,12 @@ static int open_beside(void *first, const char *name, fxs_scene_input *input)
 
 /* ---- Packing ----------------------------------------------------------------------------------------------------- */
 
+static uint32_t threads;             /* that packing may use */
+
 static int pack(fxs_scene_file *file, const fxs_scene_file_info *info, int profile)
 {
     fxs_pack_report report;
-    const fxs_pack_options options = {(enum fxs_profile)profile, NULL, NULL, 1, progress, NULL, NULL, 0};
+    const fxs_pack_options options = {(enum fxs_profile)profile, fxs_web_run, NULL, threads, progress, NULL, NULL, 0};
     const int error = fxs_pack(file, info, &packed, &report, &options, &message);
     return error ? error : fxs_file_seal(packed.data, packed.bytes);
 }
@@ -105,21 +109,28 @@ static void take_sample(fxs_scene_file *file, size_t stride, sample *s)
 /* Enlarges the Gaussians of the sample so that together they cover as much as all. */
 static void enlarge(sample *s, double all)
 {
-    const float more = (float)(log(all / (double)s->count) / 2);
+    const float more = (float)(fxs_log(all / (double)s->count) / 2);
     for (size_t i = 0; i < s->count; i++)
         for (int axis = 0; axis < 3; axis++)
             s->gaussians[i].scale[axis] += more;
 }
 
+/* How many times as long as the sample's packing must be that of all Gaussians: while a file comes there is time. */
+static double least_gain(double there)
+{
+    return there < 1 ? 2 : 6;
+}
+
 /* Packs a sample of at most `most` Gaussians, of a file of which the part `there`, 0 to 1, has come. Does nothing where
-   that would take half of the time for all Gaussians. */
+   the picture of all Gaussians would come late by that. */
 static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, size_t most, double there)
 {
     const double readable = (double)info->count * there;
     sample s = {NULL, 0, (size_t)fmin((double)most, readable)};
     fxs_scene_file *opened;
     fxs_scene_file_info own;
-    if ((double)s.room * 2 > (double)info->count || !(s.gaussians = fxs_allocate(NULL, s.room, sizeof *s.gaussians)))
+    if ((double)s.room * least_gain(there) > (double)info->count ||
+        !(s.gaussians = fxs_allocate(NULL, s.room, sizeof *s.gaussians)))
         return 0;
     take_sample(file, (size_t)ceil(readable / (double)s.room), &s);
     if (s.count == 0)
@@ -130,8 +141,17 @@ static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, si
     return error ? error : pack(opened, &own, FXS_PROFILE_DEFAULT);
 }
 
+/* 1 where file 0 has a format that this module was built without, and another one reads. */
+static int is_elsewhere(const char *name)
+{
+    const fxs_scene_source source = {.path = (char *)name, .input = input_of(0)};
+    const fxs_format_row *format;
+    return !fxs_format_by_content(&source, &format, &(fxs_message){0}) && !format->reader->read;
+}
+
 /* Packs file 0, or only a sample where `most` is not 0. In: limits of Gaussians and of memory, or 0; the part of the
-   file that has come. Out: address and size of the .fxs file; size 0 where a sample is not worth its time. */
+   file that has come; threads. Out: address and size of the .fxs file; size 0 where a sample is not worth its time.
+   Returns 0, 1 where another module may read the file, or an error; the words say why. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;
@@ -140,9 +160,10 @@ EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_
                                             .max_memory = (uint64_t)numbers[1]};
     const fxs_scene_input input = input_of(0);
     const double there = numbers[2];
+    threads = (uint32_t)numbers[3];
     int error = fxs_scene_file_open_input(name, &input, &options, &file, &info, &message);
     if (error)
-        return error;
+        return is_elsewhere(name) ? 1 : error;
     error = most ? pack_sample(file, &info, most, there) : pack(file, &info, profile);
     fxs_scene_file_close(file);
     numbers[0] = (double)(uintptr_t)packed.data;

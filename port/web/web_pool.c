@@ -1,6 +1,6 @@
 /* Threads for fxs_config in a module with shared memory. A helper is an instance of the same module with its own stack
  * in a worker (thread.js). There is one batch of jobs at a time, and jobs start no batch. The caller runs its own jobs
- * too, so it does not wait for a helper that has not started or never does. */
+ * too, the first of them always, so it does not wait for a helper that has not started or never does. */
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -63,9 +63,11 @@ void fxs_web_run(void *pool, void (*job)(void *argument, uint32_t i), void *argu
     batch_job = job;
     batch_argument = argument;
     batch_jobs = jobs;
-    next = 0;
+    next = 1;
     add(&turn, 1);
     wake(&turn);
+    if (jobs > 0)
+        job(argument, 0);
     work();
     fxs_web_settle();
     if (get(&failed)) {

@@ -36,11 +36,16 @@ static void rotate_sh(double sh[15][15], matrix r)
 {
     static const double node[2] = {0.3399810435848563, 0.8611363115940526};
     static const double weight[2] = {0.6521451548625461, 0.3478548451374538};
+    /* of 0, pi/4, ... 7 pi/4, as doubles */
+    static const double cosine[8] = {1, 0x1.6a09e667f3bcdp-1, 0x1.1a62633145c07p-54, -0x1.6a09e667f3bccp-1,
+                                     -1, -0x1.6a09e667f3bcep-1, -0x1.a79394c9e8a0ap-53, 0x1.6a09e667f3bcbp-1};
+    static const double sine[8] = {0, 0x1.6a09e667f3bccp-1, 1, 0x1.6a09e667f3bcdp-1,
+                                   0x1.1a62633145c07p-53, -0x1.6a09e667f3bccp-1, -1, -0x1.6a09e667f3bcep-1};
     const double pi = 3.141592653589793;
     memset(sh, 0, 15 * sizeof *sh);
     for (int i = 0; i < 32; i++) {
-        double z = i & 1 ? -node[i >> 1 & 1] : node[i >> 1 & 1], rim = sqrt(1 - z * z), angle = (i >> 2) * pi / 4;
-        double d[3] = {rim * cos(angle), rim * sin(angle), z}, back[3], y[15], y_back[15];
+        double z = i & 1 ? -node[i >> 1 & 1] : node[i >> 1 & 1], rim = sqrt(1 - z * z);
+        double d[3] = {rim * cosine[i >> 2], rim * sine[i >> 2], z}, back[3], y[15], y_back[15];
         for (int k = 0; k < 3; k++)
             back[k] = r[0][k] * d[0] + r[1][k] * d[1] + r[2][k] * d[2];
         sh_basis(y, d);

@@ -97,6 +97,8 @@ static void NAMED(fxs_pack_take_ranges_, ISA)(fxs_chunk_ranges *r, const fxs_gau
 /* Notes the errors of three numbers. */
 static inline void note_three(fxs_loss *loss, int which, const double errors[3])
 {
+    if (!FXS_MEASURES_LOSS)
+        return;
     loss->largest[which] = larger_of(larger_of(fabs(errors[0]), fabs(errors[1])),
                                      larger_of(fabs(errors[2]), loss->largest[which]));
     loss->squares[which] += errors[0] * errors[0] + errors[1] * errors[1] + errors[2] * errors[2];
@@ -175,6 +177,8 @@ static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, c
 static inline void note_angle(fxs_loss *loss, double dot)
 {
     double *largest = &loss->largest[FXS_LOSS_ROTATION];
+    if (!FXS_MEASURES_LOSS)
+        return;
     dot = fabs(dot) < 1 ? fabs(dot) : 1;
     loss->squares[FXS_LOSS_ROTATION] += 8 * DEGREES * DEGREES * (1 - dot);
     if (10 * DEGREES * DEGREES * (1 - dot) > *largest * *largest)
@@ -243,13 +247,34 @@ static inline void fill_by_degree(double numbers[BANDS], const double of[3])
         numbers[i] = of[2];
 }
 
+/* Notes the sizes of the errors of 48 numbers, which it changes. */
+static inline void note_bands(fxs_loss *loss, double errors[BANDS])
+{
+    double most[BANDS / 2];
+    if (!FXS_MEASURES_LOSS)
+        return;
+    for (int i = 0; i < BANDS / 2; i++)
+        most[i] = larger_of(errors[i], errors[BANDS / 2 + i]);
+    for (int i = 0; i < BANDS; i++)
+        errors[i] *= errors[i];
+    for (int i = 0; i < BANDS / 2; i++)
+        errors[i] += errors[BANDS / 2 + i];
+    for (int left = BANDS / 4; left >= 3; left /= 2)
+        for (int i = 0; i < left; i++) {
+            most[i] = larger_of(most[i], most[left + i]);
+            errors[i] += errors[left + i];
+        }
+    loss->largest[FXS_LOSS_SH] = larger_of(larger_of(most[0], most[1]), larger_of(most[2], loss->largest[FXS_LOSS_SH]));
+    loss->squares[FXS_LOSS_SH] += errors[0] + errors[1] + errors[2];
+}
+
 /* Codes SH of profile default: 48 numbers, of which those above the degree are 0. */
 static inline void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                 unsigned char *record, fxs_loss *loss)
 {
     const int count = 3 * FXS_SH_COUNT(e->sh_degree);
     float x[BANDS] = {0};
-    double steps[BANDS], inverses[BANDS], own[3], errors[BANDS], most[BANDS / 2];
+    double steps[BANDS], inverses[BANDS], own[3], errors[BANDS];
     signed char codes[BANDS];
     memcpy(x, g->sh, (size_t)count * sizeof *x);
     for (int k = 0; k < 3; k++)
@@ -264,19 +289,7 @@ static inline void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, co
         errors[i] = fabs(code * steps[i] - (double)x[i]);
     }
     memcpy(record, codes, (size_t)count);
-    for (int i = 0; i < BANDS / 2; i++)
-        most[i] = larger_of(errors[i], errors[BANDS / 2 + i]);
-    for (int i = 0; i < BANDS; i++)
-        errors[i] *= errors[i];
-    for (int i = 0; i < BANDS / 2; i++)
-        errors[i] += errors[BANDS / 2 + i];
-    for (int left = BANDS / 4; left >= 3; left /= 2)
-        for (int i = 0; i < left; i++) {
-            most[i] = larger_of(most[i], most[left + i]);
-            errors[i] += errors[left + i];
-        }
-    loss->largest[FXS_LOSS_SH] = larger_of(larger_of(most[0], most[1]), larger_of(most[2], loss->largest[FXS_LOSS_SH]));
-    loss->squares[FXS_LOSS_SH] += errors[0] + errors[1] + errors[2];
+    note_bands(loss, errors);
 }
 
 static void NAMED(fxs_pack_encode_, ISA)(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,

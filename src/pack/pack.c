@@ -935,7 +935,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
     fxs_scene whole;                 /* checked, as the last pass may have read other numbers */
     if (fxs_scene_open(&whole, scene->data, scene->bytes))
         return fail_changed(p);
-    return whole.nodes ? build_tree(p, &whole, scene->data) : 0;
+    return FXS_BUILDS_TREES && whole.nodes ? build_tree(p, &whole, scene->data) : 0;
 }
 
 int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene, fxs_pack_report *report,
@@ -970,6 +970,7 @@ static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file
     if (!p.options.run)
         p.options.run = fxs_run_here;
     p.options.threads += p.options.threads == 0;
+    p.options.tree &= FXS_BUILDS_TREES;
     const int result = pack(&p, scene);
     fxs_release(p.options.allocator, p.entries);
     fxs_release(p.options.allocator, p.batches);

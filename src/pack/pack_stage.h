@@ -5,6 +5,13 @@
 #include "coarsen.h"
 #include "encode.h"
 
+/* FXS_TO_PACK: a build that packs scenes without levels of detail, and has nobody to read what packing loses. */
+#ifdef FXS_TO_PACK
+enum { FXS_BUILDS_TREES = 0, FXS_MEASURES_LOSS = 0 };
+#else
+enum { FXS_BUILDS_TREES = 1, FXS_MEASURES_LOSS = 1 };
+#endif
+
 typedef struct fxs_pack_stages {
     const char *name;
     /* Puts e^x, as fxs_exp has it, in the place of each x. */
@@ -18,7 +25,8 @@ typedef struct fxs_pack_stages {
     /* The signed index of the nearest of `count` vectors, at most 16. There are as many as the next multiple of 8. */
     uint32_t (*nearest)(const fxs_sh_vector *vectors, const int32_t *squares, uint32_t count,
                         const fxs_sh_vector vector);
-    /* Merges a set of more than `most` Gaussians until that many are left, and adds to the errors. */
+    /* Merges a set of more than `most` Gaussians until that many are left, and adds to the errors. Null where no trees
+       are built. */
     void (*coarsen)(fxs_merger *merger, uint32_t most, fxs_merge_error *sums);
     /* fxs_palette_code_chunk */
     void (*code_chunk)(const fxs_palette *palette, const fxs_sh_item *items, uint32_t count, int8_t mean[48],

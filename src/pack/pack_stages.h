@@ -12,7 +12,12 @@
 
 #include "encode_stages.h"
 
+#ifdef FXS_TO_PACK
+#define COARSEN NULL
+#else
+#define COARSEN NAMED(fxs_coarsen_, ISA)
 FXS_COARSEN(ISA);
+#endif
 
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
@@ -282,6 +287,8 @@ static inline void note(fxs_sh_loss *loss, const fxs_palette *p, const fxs_sh_it
     const double unit = ldexp(1, -p->unit_exponent), step = (double)item->step;
     const int count = FXS_SH_COUNT(p->sh_degree);
     double errors[45], most[3] = {0, 0, 0}, sums[3] = {0, 0, 0};
+    if (!FXS_MEASURES_LOSS)
+        return;
     for (int k = 0; k < count; k++)
         for (int c = 0; c < 3; c++)
             errors[3 * k + c] = fabs(item->codes[3 * k + c] * step - coded[16 * c + k] * unit);
@@ -344,5 +351,5 @@ static void NAMED(fxs_pack_code_chunk_, ISA)(const fxs_palette *p, const fxs_sh_
 
 const fxs_pack_stages NAMED(fxs_pack_stages_, ISA) = {
     STRING_OF(ISA), NAMED(fxs_pack_exponentials_, ISA), NAMED(fxs_pack_take_ranges_, ISA), NAMED(fxs_pack_encode_, ISA),
-    NAMED(fxs_pack_find_, ISA), NAMED(fxs_pack_nearest_, ISA), NAMED(fxs_coarsen_, ISA),
+    NAMED(fxs_pack_find_, ISA), NAMED(fxs_pack_nearest_, ISA), COARSEN,
     NAMED(fxs_pack_code_chunk_, ISA)};

@@ -56,10 +56,14 @@ threads_work() {
     return 1
 }
 
-# same_packed FILE PROFILE: the module packs as `fixsplat convert` does.
+# same_packed FILE PROFILE [MODULE...]: the module packs as `fixsplat convert` does; by default with threads, as Node can.
 same_packed() {
-    "$B/fixsplat" convert "$1" "$work/packed.fxs" --profile "$2" >/dev/null && web pack "$1" "$2" >"$work/web.fxs" &&
-        cmp "$work/packed.fxs" "$work/web.fxs"
+    packed=$1 profile=$2
+    shift 2
+    "$B/fixsplat" convert "$packed" "$work/packed.fxs" --profile "$profile" >/dev/null || return 1
+    for module in ${*:-threads}; do
+        web pack "$packed" "$profile" $module >"$work/web.fxs" && cmp "$work/packed.fxs" "$work/web.fxs" || return 1
+    done
 }
 
 make_scene() {
@@ -150,7 +154,7 @@ readers() {
     fi
 }
 both_at_most() {
-    bytes=$(cat "$package/import.wasm" "$package/threads.wasm" | gzip -9c | wc -c)
+    bytes=$(cat "$package/import_threads.wasm" "$package/threads.wasm" | gzip -9c | wc -c)
     [ "$bytes" -le "$1" ] || { echo "$bytes bytes gzipped, more than $1"; return 1; }
 }
 
@@ -159,7 +163,8 @@ check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
 # Some 4.3 KB of core, 2.6 of simd and 1.9 of threads are the cut through levels of detail, and 1.4 of each scenes that
 # come in parts; 4.7 of simd and threads are WebGPU's plans of frames; 5 of import are the reader of .rad.
-for size in core.wasm:51500 simd.wasm:82800 threads.wasm:83000 import.wasm:156500 fixsplat.js:40000; do
+for size in core.wasm:51500 simd.wasm:82800 threads.wasm:83000 import.wasm:83900 import_threads.wasm:84200 \
+    import_sog.wasm:80200 import_core.wasm:108000 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
 done
 check "makes a scene" make_scene 20000
@@ -246,8 +251,10 @@ for module in simd threads; do
     check "50 loads and unloads, $module" web memory $module "$work/3000.ply"
 done
 for profile in default compact small; do
-    check "packs a .ply, $profile" same_packed "$work/700.ply" $profile
+    check "packs a .ply, $profile" same_packed "$work/700.ply" $profile core simd threads
 done
+check "packs a large .ply" same_packed "$work/150000.ply" default threads
+check "a large scene's preview" reader sampled
 check "makes a .splat" "$B/fixsplat" convert "$work/700.ply" "$work/700.splat"
 check "makes an .spz" "$B/fixsplat" convert "$work/700.ply" "$work/700.spz" --spz-version 3
 for kind in splat spz; do
@@ -256,7 +263,7 @@ done
 check "damaged and cut: .spz" web damage "$work/700.spz"
 check "misuse" web misuse "$work/700-default.fxs" "$work/700.ply"
 check "previews" reader preview "$work/20000.ply"
-check "size of both" both_at_most 250000
+check "size of both" both_at_most 166500
 if [ -e "$B/web/libs" ]; then
     readers
 else
@@ -265,7 +272,6 @@ else
     check "says what is missing" reader without "$work/4.spz"
 fi
 if [ -d "$scenes" ]; then
-    check "a large scene's preview" reader sampled "$scenes/snowmiku/snowmiku.ply"
     compressed='kitchen-marble/kitchen-marble.spz skull/skull.sog boatyard-tile3/boatyard-tile3.glb'
     [ -e "$B/web/libs" ] || compressed=
     for scene in guitar/guitar.compressed.ply luma-seal/luma-seal.splat $compressed; do

@@ -270,9 +270,9 @@ const words = {
     console.log(readFileSync(file).toString('latin1').split('\xfd\x82\x01').length - 1)
   },
 
-  // FILE PROFILE: the packed scene, to standard output.
-  async pack(file, profile) {
-    process.stdout.write((await load(file, { profile })).packed)
+  // FILE PROFILE [MODULE]: the packed scene, to standard output.
+  async pack(file, profile, module) {
+    process.stdout.write((await load(file, { profile, ...modules[module] })).packed)
   },
 
   // MODULE FILE CAMERA WIDTH HEIGHT: the least milliseconds of twelve frames, or of some seconds.

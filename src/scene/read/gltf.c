@@ -1,13 +1,14 @@
 /* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians get
    the axes of a .ply, y down: x and y of glTF change their signs. Colours of linear light are turned into sRGB. Drafts
    of the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+#include <string.h>
+
 #include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
-#include <string.h>
 #include <strings.h>
 
 #include "src/base/byte_reader.h"

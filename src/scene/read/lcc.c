@@ -3,13 +3,14 @@
    Organization Format White Paper" (https://github.com/xgrids/LCCWhitepaper; Data Organization Format originated from
    XGRIDS). Points that it leaves open (axes, SH of files without "fileType") are read as PlayCanvas's splat-transform
    does. */
+#include <string.h>
+
 #include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include <cjson/cJSON.h>
 

@@ -3,13 +3,14 @@
    refined by REPLACE where no tile below it has contents. Bounding volumes and errors are ignored.
    A tileset is z up and its contents y up; the Gaussians get the same axes as from a content alone. A tileset on the
    globe is moved to the frame of the first tile there, as floats resolve only half a metre at the Earth's radius. */
+#include <string.h>
+
 #include "src/scene/formats_internal.h"
 
 #ifdef FXS_WITH_CJSON
 
 #include <cjson/cJSON.h>
 #include <math.h>
-#include <string.h>
 #include <strings.h>
 
 #include "gltf_internal.h"
