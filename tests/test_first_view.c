@@ -131,7 +131,7 @@ static void the_same_everywhere(void)
         fxs_init(&context, i & 1 ? &config : NULL);
         if (i & 2)
             fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
-        CHECK(!fxs_first_view_choose(&first[i], &context, &t.object, 1, t.low, t.high, &why));
+        CHECK(!fxs_first_view_choose(&first[i], &context, &t.object, 1, t.low, t.high, NULL, &why));
         CHECK(!memcmp(&first[i], &wanted, sizeof wanted));
     }
     if (memcmp(first, &wanted, sizeof wanted))

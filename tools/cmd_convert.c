@@ -658,6 +658,7 @@ static int place_whole(convert_options *o)
     fxs_object checked;
     if (o->up[0] != 0 || o->up[1] != 0 || o->up[2] != 0)
         fxs_placement_turn_up(&o->whole, o->up);
+    memcpy(o->placed.up, o->up, sizeof o->up);
     for (int axis = 0; axis < 3; axis++)
         if (o->degrees[axis] != 0)
             fxs_placement_turn(&o->whole, axis, o->degrees[axis]);
