@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "fit_result.h"
@@ -71,6 +72,23 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     quality_print_text(&r->quality);
 }
 
+/* What an option that was not given would have left out, and the command that does it now. */
+static void print_subject(const fit_command *c, const fxs_fit *fit)
+{
+    fxs_fit_subject s;
+    fxs_message why;
+    char cropped[4096];
+    if (c->crops || fxs_fit_find_subject(fit, &s, &why))
+        return;
+    const char *ending = strrchr(c->out, '.');
+    snprintf(cropped, sizeof cropped, "%.*s-cropped%s", (int)(ending - c->out), c->out, ending);
+    printf("%-29s fixsplat convert", "only what they look at:");
+    write_shell_word(stdout, c->out);
+    write_shell_word(stdout, cropped);
+    printf(" --sphere %.4g,%.4g,%.4g,%.4g\n", s.middle[0], s.middle[1], s.middle[2], s.radius);
+    puts("The cameras look at one thing: fit --crop-to-subject leaves out what lies around it by itself.");
+}
+
 /* How good it is, and what to do next. */
 static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
                          const quality *measured)
@@ -87,6 +105,8 @@ static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_pho
         write_shell_word(stdout, c->out);
         puts(next[i][2]);
     }
+    if (!ends_with(c->out, ".fit"))
+        print_subject(c, fit);
     return 0;
 }
 

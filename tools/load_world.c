@@ -181,16 +181,17 @@ static int find_bounds(world *w, int visible_only)
 static int place_objects(world *w)
 {
     fxs_message message;
-    uint64_t gaussians = 0;
+    uint64_t slots = 0, gaussians = 0;
     for (uint32_t i = 0; i < w->count; i++) {
         const fxs_placement *p = &w->placed.objects[i];
         const loaded_scene *scene = &w->scenes[p->file];
         if (fxs_object_place(&w->objects[i], scene->opened->scene, p, w->crops + i * FXS_MAX_CROPS, &message))
             return fail(EXIT_FAILED, "%s: %s", scene->path, message.text);
-        gaussians += scene->opened->scene->count;
+        slots += scene->opened->scene->count;
+        gaussians += scene->opened->report->packed;
     }
-    if (gaussians > FXS_MAX_COUNT)
-        return fail(EXIT_FAILED, "%" PRIu64 " Gaussians in all objects: at most %u can be drawn", gaussians,
+    if (slots > FXS_MAX_COUNT)
+        return fail(EXIT_FAILED, "%" PRIu64 " Gaussians in all objects: at most %u can be drawn", slots,
                     FXS_MAX_COUNT);
     w->gaussians = (uint32_t)gaussians;
     if (!find_bounds(w, 1))

@@ -98,7 +98,7 @@ void fxs_web_describe(fxs_web_scene *s)
         s->low[i] = (double)header.inner_low_q32[i] * 0x1p-32;
         s->high[i] = (double)header.inner_high_q32[i] * 0x1p-32;
     }
-    numbers[0] = s->scene.count;
+    numbers[0] = s->scene.count - header.holes;
     numbers[1] = s->scene.sh_degree;
     numbers[2] = s->scene.profile;
     memcpy(numbers + 3, s->low, 2 * sizeof s->low);

@@ -45,6 +45,13 @@ export function orbit(camera, sceneUp, right, down) {
   return { ...camera, eye: add(camera.look, back), up }
 }
 
+/** Whether a camera stands upright where that is up, however steeply it looks. */
+export function isLevel(camera, sceneUp) {
+  const { right, down } = axes(camera)
+  const up = unit(sceneUp)
+  return Math.abs(dot(right, up)) < 1e-3 && dot(down, up) < 1e-3
+}
+
 /** In place. */
 export function lookAround(camera, sceneUp, right, down) {
   const [ahead, up] = turn(camera, add(camera.look, camera.eye, -1), sceneUp, right, down)

@@ -42,8 +42,10 @@ export class Pilot {
     this.views = views
     this.index = 0
     this.home = views.length ? () => null : home
-    this.up = views.length ? motion.upOf(views, this.up) : this.#scene.first.up
-    this.up = this.home()?.up ?? this.up
+    const { first } = this.#scene
+    this.up = views.length && !first.known ? motion.upOf(views, this.up) : first.up
+    const settings = this.home()
+    if (settings && !motion.isLevel(settings, this.up)) this.up = settings.up
     this.show(view ?? this.start)
   }
 

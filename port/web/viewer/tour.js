@@ -147,10 +147,10 @@ export class Tour {
     return this.#index
   }
 
-  /** Flies to one, by its number from 0, and opens its caption. */
-  async goTo(index) {
-    const one = this.#annotations[index]
-    if (!one) throw new Error(`annotation ${index}: there are ${this.#annotations.length}`)
+  /** Flies to one, by its number from 0, and opens its caption. Errors number them from `from` on. */
+  async goTo(index, from = 0) {
+    const [one, { length }] = [this.#annotations[index], this.#annotations]
+    if (!one) throw new Error(`annotation ${index + from}: there are ${length}, numbered from ${from} on`)
     this.pause()
     this.#choose(index)
     const current = this.#host.current()

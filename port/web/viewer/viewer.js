@@ -310,7 +310,7 @@ export class Viewer extends HTMLElement {
 
   #goToAttribute() {
     const number = Number(this.getAttribute('annotation'))
-    if (number) this.goTo(number - 1).catch((error) => this.#fail(error))
+    if (number) this.#tourNow().then((tour) => tour.goTo(number - 1, 1)).catch((error) => this.#fail(error))
   }
 
   get annotations() {
@@ -1070,6 +1070,7 @@ export class Viewer extends HTMLElement {
       ? this.#language.of('at most {0}', this.#language.number(this.#budget))
       : this.#language.of('without limit')
     if (camera && !camera.flat) this.#panels.set({ fov: camera.fov })
+    this.#ui.angle.textContent = `${Math.round(camera?.fov ?? this.#pilot.fov)}°`
   }
 
   #fullScreen() {
@@ -1140,6 +1141,7 @@ export class Viewer extends HTMLElement {
     if (name === 'budget') return this.#setBudget(Number(value))
     const up = name === 'up' && value ? value.split(',').map(Number) : null
     this.#table[name][1](name === 'up' ? up : type === 'checkbox' ? checked : value)
+    if (name === 'fov') this.#showSettings()
     this.#change()
   }
 
