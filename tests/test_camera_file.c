@@ -849,7 +849,7 @@ static void up_of_a_scene(void)
     fxs_start start, found;
     fxs_start_of(&start, scene);
     CHECK(start.up[0] == 0 && start.up[1] == 0 && start.up[2] == 0 && start.tangent == 0);
-    start = (fxs_start){.tangent = 0.5, .position = {1, -2, 3.25}, .rotation = {0.6, 0, 0.8, 0}};
+    start = (fxs_start){.tangent = 0.5, .position = {1, -2, 3.25}, .rotation = {0.5, -0.5, 0.5, 0.5}};
     for (int i = 0; i < 4000; i++) {
         const double z = i % 4 ? 1 - i / 2000.0 : i % 8 ? 1e-5 : -1e-5, around = i * 2.399963229728653;
         start.up[0] = 7 * sqrt(1 - z * z) * cos(around);

@@ -22,7 +22,7 @@ check "the page shows it" grep -q '<fixsplat-viewer src="knot.fxs" poster="knot.
 check "an .fxs as it is" "$fixsplat" publish small.fxs site --size 64x36 --quiet
 check "it is that file" cmp site/small.fxs small.fxs
 "$fixsplat" convert knot.ply 'as it is.fxs' --up 0.2,-0.5,0.1 --start-view 3,-2,-5,0,0,0
-FIXSPLAT_QUIET= "$fixsplat" publish 'as it is.fxs' a/b/site --size 64x36 >logs/out 2>logs/err
+"$fixsplat" publish 'as it is.fxs' a/b/site --size 64x36 >logs/out 2>logs/err
 check "a large .fxs as it is, in folders that were not there" cmp a/b/site/as-it-is.fxs 'as it is.fxs'
 check "what would be gained" grep -Eqx "fixsplat: as it is.fxs: taken as it is, 0\.1 MB in profile default; [23]\.[0-9] times \
 smaller, with less detail, by: fixsplat publish 'as it is.fxs' a/b/site --size 64x36 --profile small" logs/err

@@ -170,6 +170,8 @@ for profile in default compact small; do
         --size 320x200
 done
 "$B/fixsplat" convert "$work/700.ply" "$work/start.fxs" --start-view 1,-2,-7,0.1,0.2,0,40
+"$B/fixsplat" convert "$work/700.ply" "$work/leant.fxs" --up 0.2,-0.5,0.1 --rotate 0,0,30
+check "chosen by what is up" same_picture '{}' '{"width":320,"height":200}' '[]' "$work/leant.fxs" -- --size 320x200
 check "a start view" same_picture '{}' '{"width":320,"height":200}' '[]' "$work/start.fxs" -- --size 320x200
 check "eye, look, field of view" same_picture \
     '{"eye":[2,-1,-4],"look":[0,0.3,0],"fov":65,"up":[0.1,-1,0.2],"near":0.5}' \
