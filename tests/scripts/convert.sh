@@ -144,7 +144,7 @@ alike() {
 }
 seen='--eye 3,-2,-5 --look 0,0,0 --fov 40 --up 0.5,-0.8660254,0'
 alike "--start-view is level by it, and --orbit turns about it" '--orbit 3' "--orbit 3 $seen"
-alike "it is up where none is given" '--eye 4,1,2 --orbit 1' '--eye 4,1,2 --up 0.5,-0.8660254,0 --orbit 1'
+alike "it is up where none is given" '--eye 4,1,2 --orbit 2' '--eye 4,1,2 --up 0.5,-0.8660254,0 --orbit 2'
 "$fixsplat" convert leant.fxs again.fxs
 check "an .fxs keeps both" equal "$(start_of again.fxs)" "$(start_of leant.fxs)"
 "$fixsplat" convert leant.fxs turned.fxs --rotate 20,-50,70 --scale 2 --translate 1,2,3

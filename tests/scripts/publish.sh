@@ -25,7 +25,7 @@ check "it is that file" cmp site/small.fxs small.fxs
 "$fixsplat" publish 'as it is.fxs' a/b/site --size 64x36 >logs/out 2>logs/err
 check "a large .fxs as it is, in folders that were not there" cmp a/b/site/as-it-is.fxs 'as it is.fxs'
 check "what would be gained" grep -Eqx "fixsplat: as it is.fxs: taken as it is, 0\.1 MB in profile default; [23]\.[0-9] times \
-smaller, with less detail, by: fixsplat publish 'as it is.fxs' a/b/site --size 64x36 --profile small" logs/err
+smaller, with less detail, by: fixsplat publish --size 64x36 'as it is.fxs' a/b/site --profile small" logs/err
 eval "$(sed 's/.*by: fixsplat/succeeds "by that command"/' logs/err)"
 "$fixsplat" convert 'as it is.fxs' small-anew.fxs --profile small --quiet
 check "--profile packs an .fxs anew" cmp a/b/site/as-it-is.fxs small-anew.fxs
