@@ -9,7 +9,7 @@ WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
-WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_paged.c src/base/crc32.c src/base/start.c src/scene/fxs_file.c \
+WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_paged.c src/base/crc32.c src/base/scene_start.c src/scene/fxs_file.c \
             $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c) src/scene/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
@@ -17,7 +17,7 @@ sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES) ker
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
 sources_of_import := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
                      src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) port/backend/pack_stages.c \
-                     $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c source.c start.c text.c zip.c) \
+                     $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c source.c scene_start.c text.c zip.c) \
                      $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
 # What takes little of a frame is to be small; kernels take a seventh less of it by -O3, for 2 KB. The lowest 1024 bytes are
 # the end of the stack, which no pointer is to (--low-memory-unused).
@@ -28,7 +28,7 @@ wasm_flags_of = $(if $(filter import,$(1)),$(WEB_READERS_FLAGS) -DFXS_TO_PACK) \
                 $(if $(filter kernels/simd/wasm/%,$(2)),-O3,$(if $(filter $(WEB_SMALL),$(1)/$(2)),-Oz,-O2))
 WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/kernels/gl/gl.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
-             import/src/base/foreign.c import/src/base/source.c import/src/base/start.c import/src/base/text.c import/src/base/zip.c \
+             import/src/base/foreign.c import/src/base/source.c import/src/base/scene_start.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,coarsen.c framing.c part.c tree.c)
 # The objects are those of simd; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked
 # (memcpy, qsort, exp) cares. Its memory is made by fixsplat.js, of 16 pages at first.
