@@ -266,8 +266,8 @@ static const option_row own_rows[] = {
      "six numbers or seven, the last 1 to 170, or a camera file", .help =
      "of .fxs: the camera that render and view begin with where none is given: from X,Y,Z to X,Y,Z, its "
      "vertical field of view 50 degrees or FOV; or a view of a camera file, its number from 0 on or name (default 0). "
-     "In the axes of what is written, with what the .fxs says as up, or 0,-1,0 (default: that of IN, where it is an .fxs "
-     "with one, placed as it is)"},
+     "In the axes of what is written, with what the .fxs says as up, or 0,-1,0 (default: that of an .fxs of IN, turned "
+     "and moved as it is)"},
     {"spz-version", "V", INT(spz_version, 3, 4), .help = "3 (gzip) or 4 (zstd, the default), for .spz"},
     {"spz-fine", 0, FLAG(spz_fine), .help =
      "all 8 bits of SH and 24 of positions in an .spz: nearly twice as large at SH degree 3, and 53 dB on a captured "

@@ -31,12 +31,12 @@ static const option_row own_rows[] = {
     {.help = "Options:"},
     {"title", "TEXT", TEXT(title), .help = "of the page (default: the scene's name)"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
-     "how scenes are packed: small (20 bytes a Gaussian), compact or default. Where it is not given, small, and an .fxs is "
-     "taken as it is"},
+     "how scenes are packed: small (20 bytes a Gaussian), compact or default. Where it is not given, small, and an .fxs "
+     "is taken as it is"},
     {"single", 0, FLAG(single), .help =
      "one scene as one .html file that holds all of it, and opens by a double click, without a server or a network"},
     {"levels", 0, FLAG(frame.load.tree), .help =
-     "pack them with levels of detail, an .fxs that has none too: of a large scene the page then fetches what it shows"},
+     "pack them with levels of detail, an .fxs without them too: of a large scene the page then fetches what it shows"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "of the poster (default 1280x720)"},
     {"settings", "FILE", TEXT(settings), .help =
      "a settings file of the viewer or of supersplat-viewer, for one scene: camera, annotations, camera tracks"},

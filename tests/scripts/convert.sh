@@ -137,7 +137,8 @@ start view    from 3 -2 -5, 40.0 degrees"
 # alike NAME OPTIONS OPTIONS: two pictures of it, the second with what the first is to know by itself
 alike() {
     for n in 1 2; do
-        "$fixsplat" render $([ $n = 1 ] && echo leant.fxs $2 || echo level.fxs $3) --size 96x64 -o $n-%d.png --quiet || return
+        what=$([ $n = 1 ] && echo leant.fxs $2 || echo level.fxs $3)
+        "$fixsplat" render $what --size 96x64 -o $n-%d.png --quiet || return
     done
     for i in 1-*.png; do check "$1" "$fixsplat" compare $i 2-${i#1-} --min-psnr 45; done
     rm ?-?.png
@@ -163,7 +164,8 @@ for i in 1 2; do "$fixsplat" convert leant.fxs part$i.fxs --rotate 0,0,9 --block
 "$fixsplat" convert leant.fxs whole.fxs --rotate 0,0,9
 check "--block: as at once" cmp parts.fxs whole.fxs
 "$fixsplat" info leant.fxs --json >logs/out
-check "info --json" grep -q '"up": \[0.5[0-9]*, -0.866[0-9]*, [-0-9.e]*\], "start_view": {"eye": \[3, -2, -5\], "fov": 40}' logs/out
+check "info --json" grep -q \
+    '"up": \[0.5[0-9]*, -0.866[0-9]*, [-0-9.e]*\], "start_view": {"eye": \[3, -2, -5\], "fov": 40}' logs/out
 for bad in 1,2 1,2,3,1,2,3 1,2,3,4,5,6,0.5 none.json; do
     rm -f x.fxs
     fails "--start-view $bad" 2 "start-view.*" convert knot.ply x.fxs --start-view $bad

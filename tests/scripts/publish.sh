@@ -74,8 +74,8 @@ fails "a damaged scene" 1 "short.ply" publish short.ply new2 --quiet
 mkdir nothing
 fails "a folder without scenes" 1 "nothing: no scene in this folder" publish nothing new3
 mkdir -p 'of photos/images' && cp poster.jpg 'of photos/images'
-fails "a folder of photographs" 1 "of photos: a folder of photographs: fit a scene to them first: fixsplat fit 'of photos' -o scene.fxs" \
-    publish 'of photos' new3
+fails "a folder of photographs" 1 \
+    "of photos: a folder of photographs: fit a scene to them first: fixsplat fit 'of photos' -o scene.fxs" publish 'of photos' new3
 fails "a file for a folder" 1 "knot.ply: not a folder" publish small.fxs knot.ply/site
 FIXSPLAT_WEB=$work/nowhere fails "no page" 1 "FIXSPLAT_WEB=.*: the page is not there" publish knot.ply new3
 check "nothing is made then" [ ! -e new3 ]

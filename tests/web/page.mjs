@@ -354,7 +354,8 @@ const tests = {
     near((await seen(ups))[2], [3, -2, -5])
     await turns(ups)
     // A camera of a settings file that is not rolled there leaves up as it is; another says what is up.
-    const readCamera = (camera) => inside('await v.readSettings({ fixsplat: 1, camera: args[0] })', { fov: 40, ...camera })
+    const readCamera = (camera) =>
+      inside('await v.readSettings({ fixsplat: 1, camera: args[0] })', { fov: 40, ...camera })
     const { eye, look, up } = await inside('return v.camera')
     await readCamera({ eye, look, up })
     await turns(ups)

@@ -154,10 +154,10 @@ class Scene:
     def frame(self, width: int, height: int, *, fov: Optional[float] = None,
               up: Optional[Sequence[float]] = None) -> Camera:
         """Makes a camera as `fixsplat render` does without one: the start view that an .fxs keeps, else one that shows
-        most of the scene, upright by `Scene.up` or as found, which small pictures from many sides find. width, height: the size of the picture
-        in pixels. fov: the vertical field of view, 1 to 170 degrees; None stands for that of the start view, or 50. up:
-        the direction that is up. With it, the camera shows the whole scene from the front and slightly above. With
-        `fov` or `up`, the start view is not taken."""
+        most of the scene, upright by `Scene.up` or as found, which small pictures from many sides find. width, height:
+        the size of the picture in pixels. fov: the vertical field of view, 1 to 170 degrees; None stands for that of
+        the start view, or 50. up: the direction that is up. With it, the camera shows the whole scene from the front
+        and slightly above. With `fov` or `up`, the start view is not taken."""
         view, start = new("fxs_file_view"), new("fxs_start")
         low, high = self.inner_box
         size = whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE)

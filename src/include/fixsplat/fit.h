@@ -176,11 +176,11 @@ typedef struct fxs_fit_subject {
     size_t dropped;                /* Gaussians, where it was cropped */
 } fxs_fit_subject;
 
-/* Finds the one thing that the cameras of a fit look at, a sphere. Its middle is the point that is nearest to the axes of all cameras (least squares); its radius is the
-   median over the cameras of how far they see to the nearer edge of their picture at the depth of that point. Returns 0,
-   or an error and a message: FXS_ERR_ARGUMENT where the cameras do not look at one thing (their axes are nearly
-   parallel, or more than a quarter of them do not have the point in the middle half of their width and height), or
-   FXS_ERR_MEMORY. */
+/* Finds the one thing that the cameras of a fit look at, a sphere. Its middle is the point that is nearest to the axes
+   of all cameras (least squares); its radius is the median over the cameras of how far they see to the nearer edge of
+   their picture at the depth of that point. Returns 0, or an error and a message: FXS_ERR_ARGUMENT where the cameras do
+   not look at one thing (their axes are nearly parallel, or more than a quarter of them do not have the point in the
+   middle half of their width and height), or FXS_ERR_MEMORY. */
 FXS_API int fxs_fit_find_subject(const fxs_fit *fit, fxs_fit_subject *subject, fxs_message *message);
 
 /* Leaves out of a fit that is at its end what lies around its subject: Gaussians that reach beyond the sphere by their

@@ -86,8 +86,8 @@ FXS_API int fxs_first_view_upright(const fxs_object *objects, uint32_t count, co
                                    fxs_message *message);
 
 /* Makes a camera of the start view of an .fxs (camera.h) where it has one, else of that view for the scene alone, with
-   a field of view of 50 degrees, by what the file says is up; one that is read in part is framed whole instead. Errors: those of fxs_first_view,
-   FXS_ERR_CAMERA. */
+   a field of view of 50 degrees, by what the file says is up; one that is read in part is framed whole instead. Errors:
+   those of fxs_first_view, FXS_ERR_CAMERA. */
 FXS_API int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
                               fxs_message *message);
 

@@ -1,5 +1,5 @@
-/* What a packed scene says of how to begin: which way is up in it, and a view. Both are in its header (packed.h); either
- * may be missing. The renderer does not read them.
+/* What a packed scene says of how to begin: which way is up in it, and a view. Both are in its header (packed.h), and
+ * either may be missing. The renderer does not read them.
  *
  * The functions keep no state, so several threads may call them at the same time.
  *
@@ -16,7 +16,7 @@ extern "C" {
 /* All fields 0: nothing is known. */
 typedef struct fxs_start {
     double up[3];         /* the direction that is up in the scene, of length 1; all 0: not known */
-    double tangent;       /* of half the vertical field of view of the start view, up to 12; 0: there is no start view */
+    double tangent;       /* of half the vertical field of view of the start view, up to 12; 0: there is none */
     double position[3];   /* the centre of its camera, scene units, within +-2^28 */
     double rotation[4];   /* its rotation, world to camera (x right, y down, z forward): unit quaternion w, x, y, z */
 } fxs_start;

@@ -76,8 +76,8 @@ FXS_API int fxs_object_place(fxs_object *object, const fxs_scene *scene, const f
 /* The rows of scale * rotation, followed by the translation. fxs_object_place must accept the placement. */
 FXS_API void fxs_placement_matrix(const fxs_placement *placement, double rows[3][4]);
 
-/* Turns and moves what a file says of its start, as an object of it is placed. A start view whose camera would be out of
-   range is dropped. */
+/* Turns and moves what a file says of its start, as an object of it is placed. A start view whose camera would be out
+   of range is dropped. */
 FXS_API void fxs_placement_start(const fxs_placement *placement, fxs_start *start);
 
 /* Finds the box in the world around the part of the file's box that the crops keep. Returns 0 where they keep none. */
@@ -91,8 +91,8 @@ FXS_API void fxs_world_place(fxs_world *world, const fxs_placement *whole);
    Gaussians of each visible object in turn, with the object's crops, opacity and tint, and with SH turned. It owns the
    files from then on, also where this fails. All files must be anti-aliased, or none. Where there are crops, the files
    are read once to count the Gaussians that are left. info->start has what is up in the world, or where that is not
-   known in the first object of which a file says it, and the start view of the first object that has one. fxs_object_place must accept the placements. Returns 0, or an
-   FXS_ERR_* and a message. */
+   known in the first object of which a file says it, and the start view of the first object that has one.
+   fxs_object_place must accept the placements. Returns 0, or an FXS_ERR_* and a message. */
 FXS_API int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,
                             fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message);
 
