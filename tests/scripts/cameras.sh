@@ -94,6 +94,7 @@ check "what was found is said" grep -q '^fixsplat: plain: cameras of 12 of 12 ph
     logs/err
 with "$fixsplat" fit plain -o only.fxs --cameras-only 2>logs/err
 check "--cameras-only" equal "$? $(sed 's/, some [0-9]* s left//; s/^fixsplat: //; /cameras of/d' logs/err)" "0 \
+looking at photographs: 1 of 12
 looking for features of photographs: 1 of 12
 matching pairs of photographs: 33 of 66
 placing photographs: 0 of 12"
