@@ -150,7 +150,8 @@ export class Tour {
   /** Flies to one, by its number from 0, and opens its caption. Errors number them from `from` on. */
   async goTo(index, from = 0) {
     const [one, { length }] = [this.#annotations[index], this.#annotations]
-    if (!one) throw new Error(`annotation ${index + from}: there are ${length}, numbered from ${from} on`)
+    const range = length ? `, expected ${from} to ${from + length - 1}` : ''
+    if (!one) throw new Error(`annotation ${index + from}: there are ${length}${range}`)
     this.pause()
     this.#choose(index)
     const current = this.#host.current()
