@@ -201,13 +201,13 @@ EXPORT(see_all) int fxs_web_see_all(int width, int height)
 static int find_up(double up[3])
 {
     for (uint32_t i = 0; i < object_count; i++) {
-        const fxs_object *o = &objects[i];
+        const int32_t *r = objects[i].rotation_q30;
         fxs_start start;
-        fxs_start_of(&start, ((const fxs_web_scene *)(const void *)o->scene)->data);
-        for (int k = 0; k < 3; k++)
-            up[k] = ldexp(o->rotation_q30[3 * k] * start.up[0] + o->rotation_q30[3 * k + 1] * start.up[1] +
-                          o->rotation_q30[3 * k + 2] * start.up[2], -30);
-        if (o->visible && (up[0] != 0 || up[1] != 0 || up[2] != 0))
+        fxs_start_of(&start, ((const fxs_web_scene *)(const void *)objects[i].scene)->data);
+        const double *u = start.up;
+        for (int k = 0; k < 3; k++, r += 3)
+            up[k] = (r[0] * u[0] + r[1] * u[1] + r[2] * u[2]) * 0x1p-30;
+        if (objects[i].visible && (u[0] != 0 || u[1] != 0 || u[2] != 0))
             return 1;
     }
     return 0;

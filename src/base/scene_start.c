@@ -81,11 +81,11 @@ void fxs_start_of(fxs_start *start, const void *data)
     memcpy(&h, data, sizeof h);
     fxs_packed_header_turn(&h);
     up_of_code(start->up, h.flags);
-    start->tangent = ldexp(h.start_tangent_q24, -24);
+    start->tangent = h.start_tangent_q24 * 0x1p-24;
     for (int i = 0; i < 3; i++)
-        start->position[i] = ldexp((double)h.start_q32[i], -32);
+        start->position[i] = (double)h.start_q32[i] * 0x1p-32;
     for (int i = 0; i < 4; i++)
-        start->rotation[i] = ldexp(h.start_rotation_q30[i], -30);
+        start->rotation[i] = h.start_rotation_q30[i] * 0x1p-30;
     if (!is_view(start))
         memset(&start->tangent, 0, sizeof *start - offsetof(fxs_start, tangent));
 }
@@ -97,11 +97,11 @@ void fxs_start_to(void *data, const fxs_start *start)
     fxs_packed_header_turn(&h);
     const int has_view = is_view(start);
     h.flags = (h.flags & FXS_PACKED_ANTIALIASED) | code_of_up(start->up);
-    h.start_tangent_q24 = has_view ? (uint32_t)floor(ldexp(start->tangent, 24) + 0.5) : 0;
+    h.start_tangent_q24 = has_view ? (uint32_t)floor(start->tangent * 0x1p24 + 0.5) : 0;
     for (int i = 0; i < 3; i++)
-        h.start_q32[i] = has_view ? (int64_t)floor(ldexp(start->position[i], 32) + 0.5) : 0;
+        h.start_q32[i] = has_view ? (int64_t)floor(start->position[i] * 0x1p32 + 0.5) : 0;
     for (int i = 0; i < 4; i++)
-        h.start_rotation_q30[i] = has_view ? (int32_t)floor(ldexp(start->rotation[i], 30) + 0.5) : 0;
+        h.start_rotation_q30[i] = has_view ? (int32_t)floor(start->rotation[i] * 0x1p30 + 0.5) : 0;
     fxs_packed_header_turn(&h);
     memcpy(data, &h, sizeof h);
 }

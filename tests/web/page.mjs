@@ -339,8 +339,9 @@ const tests = {
       await page.mouse.move(300 + dx, 180 + dy, { steps: 4 })
       await page.mouse.up()
     }
-    const turns = async (up) => {
-      near(await inside('return v.settings.up'), up)
+    const turns = async (wanted) => {
+      const up = await inside('return v.settings.up')
+      near(up, wanted)
       const [roll, height, eye] = await seen(up)
       await dragged(150, 0)
       const [rolled, same, elsewhere] = await seen(up)
