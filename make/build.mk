@@ -35,7 +35,7 @@ CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 # stages of packing, and without them their loops become vectors, with the same bytes.
 isa = $(if $(filter src/image/image_encode,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv) $(if $(filter kernels/% src/pack/%,$(1)),$(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
-      $(if $(filter src/pack/coarsen src/pack/pack_c kernels/pack/%,$(1)),-O3 -fno-math-errno -fno-trapping-math) $(if $(filter src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% src/image/photograph tests/gpu/test_fit% tests/test_fit_%,$(1)),$(SINGLES))
+      $(if $(filter src/pack/coarsen src/pack/pack_c kernels/pack/%,$(1)),-O3 -fno-math-errno -fno-trapping-math) $(if $(filter src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% src/image/photograph src/base/scene_start tests/gpu/test_fit% tests/test_fit_%,$(1)),$(SINGLES))
 
 with = $(if $(filter $(1),$(FOUND)),$(wildcard $(2)))
 FIT_KERNELS_x86 := sse41 avx2 avx512

@@ -11,7 +11,7 @@ WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
-WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_paged.c src/base/crc32.c src/scene/fxs_file.c \
+WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_paged.c src/base/crc32.c src/base/scene_start.c src/scene/fxs_file.c \
             $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c) src/scene/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
@@ -19,7 +19,7 @@ sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES) ker
 sources_of_threads := $(sources_of_simd) port/web/web_pool.c
 WEB_IMPORT := $(filter-out %/fxs.c,$(wildcard $(patsubst %,src/%/*.c,gaussian scene/read pack))) src/scene/scene_file.c src/scene/formats.c \
               src/scene/fxs_file.c $(addprefix port/web/web_,import.c crc.c sort.c) port/backend/pack_stages.c \
-              $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c source.c text.c zip.c) \
+              $(addprefix src/base/,crc32.c byte_reader.c foreign.c inflate.c opened.c scene_start.c source.c text.c zip.c) \
               $(addprefix src/core/,scene.c fixsplat.c chunk.c) $(WEB_C)
 sources_of_import := $(WEB_IMPORT)
 sources_of_import_sog := $(WEB_IMPORT)
@@ -39,7 +39,7 @@ wasm_flags_of = $(if $(filter $(IMPORTS),$(1)),-DFXS_TO_PACK $(if $(filter $(not
                   $(filter-out %/pack_c.c,$(filter import%,$(1)/$(2))),-Os,-O2)))
 WEB_SMALL := simd/src/% core/port/% core/src/base/% core/src/camera/% core/src/scene/% simd/port/% %/gles/gles.c %/gles/fetch.c %/kernels/gl/gl.c %/gl/state.c %/compute/plan.c \
              import/src/scene/formats.c import/src/scene/scene_file.c import/src/gaussian/stream.c \
-             import/src/base/foreign.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
+             import/src/base/foreign.c import/src/base/scene_start.c import/src/base/source.c import/src/base/text.c import/src/base/zip.c \
              $(addprefix import/src/pack/,framing.c palette.c) $(addprefix import/src/scene/read/,gltf.c lcc.c ply_header.c rad.c tileset.c) \
              import/src/core/% import/src/scene/fxs_file.c import/src/gaussian/transform.c import/port/web/%
 # The objects are those of simd, or of import; nothing of them but pool.c knows of threads, and nothing of wasi-libc that is linked

@@ -4,9 +4,12 @@
 #include <fixsplat/fit.h>
 #include <fixsplat/message.h>
 #include <fixsplat/packed.h>
+#include <fixsplat/start.h>
+#include <fixsplat/world.h>
 
 #include <math.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -839,6 +842,95 @@ static double along(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* Directions all around, and near the edges where the two halves of the octahedron meet. */
+static void up_of_a_scene(void)
+{
+    unsigned char scene[sizeof(fxs_packed_header)] = {0}, again[sizeof scene];
+    fxs_start start, found;
+    fxs_start_of(&start, scene);
+    CHECK(start.up[0] == 0 && start.up[1] == 0 && start.up[2] == 0 && start.tangent == 0);
+    start = (fxs_start){.tangent = 0.5, .position = {1, -2, 3.25}, .rotation = {0.5, -0.5, 0.5, 0.5}};
+    for (int i = 0; i < 4000; i++) {
+        const double z = i % 4 ? 1 - i / 2000.0 : i % 8 ? 1e-5 : -1e-5, around = i * 2.399963229728653;
+        start.up[0] = 7 * sqrt(1 - z * z) * cos(around);
+        start.up[1] = 7 * sqrt(1 - z * z) * sin(around);
+        start.up[2] = 7 * z;
+        fxs_start_to(scene, &start);
+        fxs_start_of(&found, scene);
+        const double cosine = along(found.up, start.up) / 7;
+        CHECK(cosine > cos(0.01 * 0.017453292519943295) && fabs(along(found.up, found.up) - 1) < 1e-12);
+        CHECK(!memcmp(&found.tangent, &start.tangent, sizeof found - offsetof(fxs_start, tangent)));
+        memcpy(again, scene, sizeof again);
+        fxs_start_to(again, &found);
+        CHECK(!memcmp(again, scene, sizeof again));
+    }
+    for (int i = 0; i < 6; i++) {
+        const double up[3] = {i < 2 ? 1 - 2 * i : 0, i / 2 == 1 ? 5 - 2 * i : 0, i / 2 == 2 ? 9 - 2 * i : 0};
+        memcpy(start.up, up, sizeof up);
+        fxs_start_to(scene, &start);
+        fxs_start_of(&found, scene);
+        CHECK(found.up[0] == up[0] && found.up[1] == up[1] && found.up[2] == up[2]);
+    }
+}
+
+/* What no program writes, and what there is no direction in, says nothing; nor is a view out of range kept. */
+static void start_that_is_none(void)
+{
+    static const uint32_t codes[] = {0x7fffffff, 0x80000000 | 0x4000 << 1, 0x80000000 | (uint32_t)0x4000 << 16};
+    unsigned char scene[sizeof(fxs_packed_header)] = {0};
+    const fxs_start known = {{0, 0, 1}, 0.5, {1, 2, 3}, {1, 0, 0, 0}};
+    const double wrong[][3] = {{0, 0, 0}, {NAN, 0, 1}, {INFINITY, 0, 0}, {1e308, 1e308, 0}};
+    fxs_start start;
+    for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
+        const uint32_t flags = fxs_little_32(codes[i]);
+        memcpy(scene + 24, &flags, sizeof flags);
+        fxs_start_of(&start, scene);
+        CHECK(start.up[0] == 0 && start.up[1] == 0 && start.up[2] == 0);
+    }
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        start = known;
+        memcpy(start.up, wrong[i], sizeof start.up);
+        fxs_start_to(scene, &start);
+        fxs_start_of(&start, scene);
+        CHECK(start.up[0] == 0 && start.up[1] == 0 && start.up[2] == 0 && start.tangent == 0.5);
+    }
+    for (int i = 0; i < 4; i++) {
+        start = known;
+        if (i < 2)
+            start.tangent = i ? 13 : -1;
+        else if (i == 2)
+            start.position[1] = NAN;
+        else
+            start.rotation[2] = 0.5;
+        fxs_start_to(scene, &start);
+        fxs_start_of(&start, scene);
+        CHECK(start.up[2] == 1 && start.tangent == 0 && start.position[0] == 0 && start.rotation[0] == 0);
+    }
+}
+
+/* A camera that looks at a place still does when both are turned, scaled and moved. */
+static void start_is_placed(void)
+{
+    fxs_placement p;
+    fxs_start start = {{0, 0, 1}, 0.5, {1, 2, 3}, {1, 0, 0, 0}}, plain = start;
+    fxs_placement_init(&p, 0, 0);
+    fxs_placement_start(&p, &start);
+    CHECK(!memcmp(&start, &plain, sizeof start));
+    fxs_placement_turn(&p, 0, 90);     /* y to z, z to -y */
+    for (int i = 0; i < 4; i++)
+        p.rotation[i] *= 3;
+    p.scale = 2;
+    p.translation[2] = 10;
+    fxs_placement_start(&p, &start);
+    const double up[3] = {0, -1, 0}, eye[3] = {2, -6, 14}, back = sqrt(0.5);
+    for (int k = 0; k < 3; k++)
+        CHECK(fabs(start.up[k] - up[k]) < 1e-12 && fabs(start.position[k] - eye[k]) < 1e-12);
+    CHECK(fabs(start.rotation[0] - back) < 1e-12 && fabs(start.rotation[1] + back) < 1e-12 && start.tangent == 0.5);
+    p.translation[0] = 0x1p28;
+    fxs_placement_start(&p, &start);
+    CHECK(start.tangent == 0 && start.position[0] == 0 && fabs(start.up[2] + 1) < 1e-12);
+}
+
 /* Cameras around something, rolled to either side, as hands hold them, one of them more level than the others; what is
    up there is no axis. */
 static void start_view_is_upright(void)
@@ -870,6 +962,9 @@ static void start_view_is_upright(void)
         CHECK(fabs(first.position[k] - photos[LEVEL].view.position[k]) < 1e-9);
     }
     CHECK(fabs(first.fy - photos->view.fy) < 1e-4);
+    fxs_start start;
+    fxs_start_of(&start, scene);
+    CHECK(along(start.up, up) > cos(0.02));
 
     /* One upright, one on its head. */
     photos[1] = photos[0];
@@ -879,6 +974,8 @@ static void start_view_is_upright(void)
     CHECK(!fxs_fit_start_view(photos, 2, scene, &message) && fxs_view_of_start(&first, scene, 64, 48) == 1);
     for (int k = 0; k < 9; k++)
         CHECK(fabs(first.rotation[k] - photos->view.rotation[k]) < 1e-7);
+    fxs_start_of(&start, scene);
+    CHECK(along(start.up, start.up) == 0);
     CHECK(fxs_view_level(&first, first.rotation + 6) == 0);
     CHECK(fxs_fit_start_view(photos, 0, scene, &message) == FXS_ERR_ARGUMENT);
 }
@@ -951,6 +1048,9 @@ int main(void)
     RUN(view_resized);
     RUN(view_of_a_box);
     RUN(start_views);
+    RUN(up_of_a_scene);
+    RUN(start_that_is_none);
+    RUN(start_is_placed);
     RUN(start_view_is_upright);
     RUN(up_of_a_view);
     RUN(way_is_smooth);

@@ -131,13 +131,34 @@ static void the_same_everywhere(void)
         fxs_init(&context, i & 1 ? &config : NULL);
         if (i & 2)
             fxs_kernels_choose(&context.kernels, fxs_cpu_detect());
-        CHECK(!fxs_first_view_choose(&first[i], &context, &t.object, 1, t.low, t.high, &why));
+        CHECK(!fxs_first_view_choose(&first[i], &context, &t.object, 1, t.low, t.high, NULL, &why));
         CHECK(!memcmp(&first[i], &wanted, sizeof wanted));
     }
     if (memcmp(first, &wanted, sizeof wanted))
         printf("  {{%.17g, %.17g, %.17g}, {%.17g, %.17g, %.17g}, %.17g}\n", first->up[0], first->up[1], first->up[2],
                first->from[0], first->from[1], first->from[2], first->part);
     fxs_pool_destroy(pool);
+    fxs_packed_scene_free(&t.packed);
+}
+
+/* What is said to be up is, wherever the ground lies; where nothing is said, up is found. */
+static void upright_as_told(void)
+{
+    static const double ups[][3] = {{3, -4, 0}, {0.1, 0.2, -0.7}, {0, 0, 0}};
+    turned t;
+    fxs_file_view view, found;
+    double up[3];
+    if (!CHECK(!make(&t, "site")))
+        return;
+    turn(&t, turns[1]);
+    CHECK(!fxs_first_view(&t.object, 1, t.low, t.high, 50, WIDTH, HEIGHT, &found, up, &why));
+    for (int i = 0; i < 3; i++) {
+        const double *u = ups[i], *r = view.rotation;
+        CHECK(!fxs_first_view_upright(&t.object, 1, t.low, t.high, u, 50, WIDTH, HEIGHT, &view, &why));
+        CHECK(fabs(r[0] * u[0] + r[1] * u[1] + r[2] * u[2]) < 1e-12);
+        CHECK(i == 2 || r[3] * u[0] + r[4] * u[1] + r[5] * u[2] < -0.3);
+        CHECK(!memcmp(view.rotation, found.rotation, sizeof view.rotation) == (i == 2));
+    }
     fxs_packed_scene_free(&t.packed);
 }
 
@@ -172,6 +193,7 @@ int main(void)
 {
     RUN(upright_with_something_to_see);
     RUN(the_same_everywhere);
+    RUN(upright_as_told);
     RUN(nothing_to_see);
     return check_report();
 }

@@ -11,6 +11,7 @@
 #include <fixsplat/pool.h>
 #include <fixsplat/refine.h>
 #include <fixsplat/scene_write.h>
+#include <fixsplat/start.h>
 #include "cmd_convert.h"
 #include "frame_options.h"
 #include "file_guard.h"
@@ -36,6 +37,7 @@ typedef struct convert_options {
     int spz_fine;
     int has_start;
     fxs_file_view start;                    /* of --start-view */
+    int start_is_level;                     /* to be, by what is up */
     int refine_steps;                       /* of --refine; has_refine: given */
     int has_refine;
     const char *cameras;                    /* of it */
@@ -183,6 +185,7 @@ static int take_start(const option_row *row, void *field, const char *value)
     if (parse_vector(value, 6, n) || parse_vector(value, 7, n)) {
         if (!(n[6] >= 1 && n[6] <= 170))
             return wrong_value(row, value);
+        o->start_is_level = 1;
         return fxs_view_look_at(&o->start, n, n + 3, up, n[6], 1280, 720, &message)
                    ? fail(EXIT_USAGE, "--start-view %s: %s", value, message.text) : 0;
     }
@@ -208,7 +211,7 @@ static const option_row own_rows[] = {
      "The whole is turned, scaled and moved in this order, whatever that of the options, with its SH, in the axes of "
      "a .ply (x right, y down, z to the front):"},
     {"up", "X,Y,Z", take_up, FIELD(vector_option, up), .expected = "a direction X,Y,Z, not 0,0,0", .help =
-     "turn this direction to up, which is 0,-1,0, by the shortest way"},
+     "turn this direction to up, which is 0,-1,0, by the shortest way; an .fxs then says that this is up"},
     {"level", "X,Y,Z,X,Y,Z,X,Y,Z", take_level, 0, .expected =
      "three points X,Y,Z,X,Y,Z,X,Y,Z that lie on no line", .help =
      "turn three points of the ground level, in place of --up; up is the side where most centres of Gaussians lie. "
@@ -263,7 +266,8 @@ static const option_row own_rows[] = {
      "six numbers or seven, the last 1 to 170, or a camera file", .help =
      "of .fxs: the camera that render and view begin with where none is given: from X,Y,Z to X,Y,Z, its "
      "vertical field of view 50 degrees or FOV; or a view of a camera file, its number from 0 on or name (default 0). "
-     "In the axes of what is written, with 0,-1,0 as up"},
+     "In the axes of what is written, with what the .fxs says as up, or 0,-1,0 (default: that of an .fxs of IN, turned "
+     "and moved as it is)"},
     {"spz-version", "V", INT(spz_version, 3, 4), .help = "3 (gzip) or 4 (zstd, the default), for .spz"},
     {"spz-fine", 0, FLAG(spz_fine), .help =
      "all 8 bits of SH and 24 of positions in an .spz: nearly twice as large at SH degree 3, and 53 dB on a captured "
@@ -396,6 +400,16 @@ static int refine(const convert_options *o, const fxs_opened *packed, const load
     return status;
 }
 
+static int keep_start(const convert_options *o, void *header, fxs_message *message)
+{
+    fxs_file_view view = o->start;
+    fxs_start start;
+    fxs_start_of(&start, header);
+    if (o->start_is_level)
+        fxs_view_level(&view, start.up);
+    return fxs_view_to_start(header, &view, message);
+}
+
 static int to_fxs(const convert_options *o)
 {
     world w;
@@ -409,7 +423,7 @@ static int to_fxs(const convert_options *o)
     int status = files_check();
     if (!status && scene->profile == FXS_PROFILE_COMPACT && !scene->sh_degree)
         note("%s: profile compact is no smaller than default for a scene without SH; small is", o->out);
-    if (!status && o->has_start && fxs_view_to_start((void *)(uintptr_t)loaded->opened->data, &o->start, &message))
+    if (!status && o->has_start && keep_start(o, (void *)(uintptr_t)loaded->opened->data, &message))
         status = fail(EXIT_FAILED, "--start-view: %s", message.text);   /* packed here, in memory of its own */
     if (!status && o->has_refine)
         status = refine(o, loaded->opened, &load);
@@ -467,7 +481,7 @@ static int to_part(const convert_options *o)
 static int set_start(void *argument, void *header, fxs_message *message)
 {
     const convert_options *o = argument;
-    return o->has_start ? fxs_view_to_start(header, &o->start, message) : 0;
+    return o->has_start ? keep_start(o, header, message) : 0;
 }
 
 /* What parts were made with is not said again. */
@@ -658,6 +672,7 @@ static int place_whole(convert_options *o)
     fxs_object checked;
     if (o->up[0] != 0 || o->up[1] != 0 || o->up[2] != 0)
         fxs_placement_turn_up(&o->whole, o->up);
+    memcpy(o->placed.up, o->up, sizeof o->up);
     for (int axis = 0; axis < 3; axis++)
         if (o->degrees[axis] != 0)
             fxs_placement_turn(&o->whole, axis, o->degrees[axis]);

@@ -1,5 +1,6 @@
 /* fixsplat info: prints what a scene holds, and what a frame of it needs. */
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,6 +73,34 @@ static void print_error_json(const char *name, const fxs_pack_error *e)
            "\"sh\": %.3g}, ", name, e->position, e->scale, e->rotation, e->opacity, e->dc, e->sh);
 }
 
+static int is_direction(const double up[3])
+{
+    return up[0] != 0 || up[1] != 0 || up[2] != 0;
+}
+
+/* The vertical field of view of a start view, degrees. */
+static double fov_of(const fxs_start *s)
+{
+    return atan(s->tangent) * (360 / 3.14159265358979324);
+}
+
+static void print_start_json(const fxs_start *s)
+{
+    printf("\"up\": ");
+    if (is_direction(s->up))
+        print_vector_json(s->up);
+    else
+        printf("null");
+    printf(", \"start_view\": ");
+    if (s->tangent > 0) {
+        printf("{\"eye\": ");
+        print_vector_json(s->position);
+        printf(", \"fov\": %.6g}, ", fov_of(s));
+    } else {
+        printf("null, ");
+    }
+}
+
 static void print_scene_json(const loaded_scene *s, const scene_levels *levels)
 {
     const fxs_scene_file_info *info = s->opened->info;
@@ -87,7 +116,9 @@ static void print_scene_json(const loaded_scene *s, const scene_levels *levels)
     print_box_json(r->low, r->high);
     printf(", \"seen\": ");
     print_box_json(r->inner_low, r->inner_high);
-    printf(", \"profile\": \"%s\", ", profile_names[s->opened->scene->profile]);
+    printf(", ");
+    print_start_json(&s->opened->info->start);
+    printf("\"profile\": \"%s\", ", profile_names[s->opened->scene->profile]);
     printf("\"packed_bytes\": %zu, \"bytes_per_gaussian\": %.3f, ", s->opened->bytes,
            (double)s->opened->bytes / (double)r->packed);
     if (!is_packed(s)) {
@@ -196,6 +227,15 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
                "%zu Gaussians\n", limit, row_of_limit(m, limit));
 }
 
+static void print_start_text(const fxs_start *s)
+{
+    if (is_direction(s->up))
+        printf("up            %.4f %.4f %.4f\n", s->up[0], s->up[1], s->up[2]);
+    if (s->tangent > 0)
+        printf("start view    from %.6g %.6g %.6g, %.1f degrees\n", s->position[0], s->position[1], s->position[2],
+               fov_of(s));
+}
+
 static void print_scene_text(const loaded_scene *s, const scene_levels *levels)
 {
     const fxs_pack_report *r = s->opened->report;
@@ -207,6 +247,7 @@ static void print_scene_text(const loaded_scene *s, const scene_levels *levels)
            r->high[2]);
     printf("seen          %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->inner_low[0], r->inner_low[1], r->inner_low[2],
            r->inner_high[0], r->inner_high[1], r->inner_high[2]);
+    print_start_text(&s->opened->info->start);
     printf("packed        %zu bytes, %.2f a Gaussian\n", s->opened->bytes,
            (double)s->opened->bytes / (double)r->packed);
     if (!is_packed(s)) {

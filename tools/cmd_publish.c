@@ -11,6 +11,7 @@
 #include "cmd_render.h"
 #include "file_guard.h"
 #include "page_folder.h"
+#include "publish_scene.h"
 #include "publish_single.h"
 #include "scene_list.h"
 #include "scene_pages.h"
@@ -19,6 +20,7 @@
 typedef struct publish_options {
     frame_options frame;           /* the poster's size, how scenes are packed and read */
     const char *title, *site, *settings;
+    char *const *words;            /* of the command */
     int single;                    /* one .html file, and no folder */
     scene_list list;
     size_t bytes;                  /* of all that was written */
@@ -30,11 +32,12 @@ static const option_row own_rows[] = {
     {.help = "Options:"},
     {"title", "TEXT", TEXT(title), .help = "of the page, and in its corner; of several scenes that of their list (default: the scene's name)"},
     {"profile", "P", CHOICE(frame.load.profile, profile_names), .help =
-     "how scenes are packed that are no .fxs: small (default, 20 bytes a Gaussian), compact or default"},
+     "how scenes are packed: small (20 bytes a Gaussian), compact or default. Where it is not given, small, and an .fxs "
+     "is taken as it is"},
     {"single", 0, FLAG(single), .help =
      "one scene as one .html file that holds all of it, and opens by a double click, without a server or a network"},
     {"levels", 0, FLAG(frame.load.tree), .help =
-     "pack them with levels of detail: of a large scene the page then fetches what it shows"},
+     "pack them with levels of detail, an .fxs without them too: of a large scene the page then fetches what it shows"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "of the poster (default 1280x720)"},
     {"settings", "FILE", TEXT(settings), .help =
      "a settings file of the viewer or of supersplat-viewer, for one scene: camera, annotations, camera tracks"},
@@ -50,10 +53,10 @@ static int write_scene(publish_options *o, listed_scene *s)
     fxs_message why;
     snprintf(name, sizeof name, "%s.fxs", s->name);
     join_path(path, o->site, name);
-    if (load_scene(&scene, s->path, &o->frame.load))
+    if (publish_load(&scene, s->path, &o->frame.load, is_given("profile")))
         return EXIT_FAILED;
-    if (is_packed(&scene) && (is_given("profile") || o->frame.load.tree))
-        note("%s: is packed already, and is taken as it is: convert packs it anew", s->path);
+    if (!is_given("profile"))
+        publish_say_gain(&scene, o->words);
     o->bytes += scene.opened->bytes;
     const int error = fxs_file_write(path, scene.opened->data, scene.opened->bytes, &why);
     free_scene(&scene);
@@ -212,7 +215,7 @@ static int take_site(const publish_options *o)
     join_path(path, o->site, "fixsplat/viewer");
     if (files && !is_folder(path))
         return fail(EXIT_FAILED, "%s: not empty, and not a folder that publish made: give a new one", o->site);
-    return make_folder(o->site);
+    return make_folders(o->site);
 }
 
 static int read_options(publish_options *o, int argc, char **argv)
@@ -225,6 +228,7 @@ static int read_options(publish_options *o, int argc, char **argv)
     if (argc - optind < 2)
         return fail(EXIT_USAGE, "publish takes scenes and a folder to write; see: fixsplat publish --help");
     o->site = argv[argc - 1];
+    o->words = argv;
     if (fxs_scene_format_of(o->site, 0))
         return fail(EXIT_USAGE, "publish: %s is a scene: the last name is that of %s to write", o->site,
                     o->single ? "a file" : "a folder");
@@ -255,7 +259,7 @@ static int publish_file(publish_options *o, const char *package)
     if (o->settings)
         return fail(EXIT_USAGE, "publish: --settings is of a folder, not of --single");
     const single_page page = {.package = package, .title = o->title ? o->title : s->title, .scene = s->path,
-                              .name = s->name};
+                              .name = s->name, .words = o->words, .has_profile = is_given("profile")};
     return write_single(&page, &o->frame, o->site, &o->bytes);
 }
 

@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "fit_result.h"
@@ -71,6 +72,21 @@ static void print_text(const fit_command *c, const fxs_fit *fit, const fxs_photo
     quality_print_text(&r->quality);
 }
 
+/* The command that leaves out what --crop-to-subject would have left out, which was not given. */
+static void print_crop(const char *out, const fxs_fit_subject *s)
+{
+    char cropped[4096];
+    const char *ending = strrchr(out, '.');
+    snprintf(cropped, sizeof cropped, "%.*s-cropped%s", (int)(ending - out), out, ending);
+    printf("%-29s fixsplat convert", "that thing alone:");
+    write_shell_word(stdout, out);
+    write_shell_word(stdout, cropped);
+    printf(" --sphere ");
+    for (int i = 0; i < 3; i++)
+        printf("%.4g,", fabs(s->middle[i]) < 1e-4 * s->radius ? 0 : s->middle[i]);
+    printf("%.4g\n", s->radius);
+}
+
 /* How good it is, and what to do next. */
 static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_photos *photos, world *scene,
                          const quality *measured)
@@ -81,12 +97,19 @@ static int print_verdict(const fit_command *c, const fxs_fit *fit, const fxs_pho
     const int status = result_measure_fitted(&fitted, scene, photos, &c->frame);
     if (status)
         return status;
+    fxs_fit_subject subject;
+    fxs_message why;
+    const int has_subject = !c->crops && !ends_with(c->out, ".fit") && !fxs_fit_find_subject(fit, &subject, &why);
     print_sentences(measured, fitted, fxs_fit_options_of(fit)->exposure != FXS_FIT_EXPOSURE_NONE);
+    if (has_subject)
+        puts("The cameras look at one thing: --crop-to-subject leaves out what lies around it.");
     for (int i = 0; i < 2 && !ends_with(c->out, ".fit"); i++) {
         printf("%-29s %s", next[i][0], next[i][1]);
         write_shell_word(stdout, c->out);
         puts(next[i][2]);
     }
+    if (has_subject)
+        print_crop(c->out, &subject);
     return 0;
 }
 

@@ -105,9 +105,11 @@ const option_row camera_rows[] = {
      "(default 0)"},
     {"eye", "X,Y,Z", POINT(eye), .help = "camera centre"},
     {"look", "X,Y,Z", POINT(look), .help = "point looked at (default: the middle of the scene)"},
-    {"up", "X,Y,Z", POINT(up), .help = "up in the picture (default 0,-1,0: y points down; 0,0,1 for scenes with z up)"},
+    {"up", "X,Y,Z", POINT(up), .help =
+     "up in the picture (default: what an .fxs says, else 0,-1,0: y points down; 0,0,1 for scenes with z up)"},
     {"auto-up", 0, FLAG(auto_up), .help =
-     "find up in the scene, for --eye, --orbit and --panorama; a view without a camera is upright in any case"},
+     "find up in the scene, or take what an .fxs says, for --eye, --orbit and --panorama; a view without a camera is "
+     "upright in any case"},
     {"fov", "DEG", REAL(fov, 1, 170, "1 to 170 degrees"), .help = "vertical field of view, 1 to 170 (default 50)"},
     {"tangents", "L,R,U,D", take_tangents, 0, .expected = "four numbers LEFT,RIGHT,UP,DOWN", .help =
      "field of view as a headset states it, tangents to the left (negative), right, up and down (negative), in place "

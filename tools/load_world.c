@@ -125,6 +125,25 @@ int place_scenes(fxs_world *placed, const world_options *o)
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
+static int is_direction(const double up[3])
+{
+    return up[0] != 0 || up[1] != 0 || up[2] != 0;
+}
+
+int world_up(const world *w, double up[3])
+{
+    for (uint32_t i = 0; i < w->count; i++) {
+        const fxs_placement *p = &w->placed.objects[i];
+        fxs_start start = w->scenes[p->file].opened->info->start;
+        if (!p->visible || !is_direction(start.up))
+            continue;
+        fxs_placement_start(p, &start);
+        memcpy(up, start.up, sizeof start.up);
+        return 1;
+    }
+    return 0;
+}
+
 int world_box(const world *w, uint32_t object, double low[3], double high[3])
 {
     const fxs_placement *p = &w->placed.objects[object];
@@ -162,16 +181,17 @@ static int find_bounds(world *w, int visible_only)
 static int place_objects(world *w)
 {
     fxs_message message;
-    uint64_t gaussians = 0;
+    uint64_t slots = 0, gaussians = 0;
     for (uint32_t i = 0; i < w->count; i++) {
         const fxs_placement *p = &w->placed.objects[i];
         const loaded_scene *scene = &w->scenes[p->file];
         if (fxs_object_place(&w->objects[i], scene->opened->scene, p, w->crops + i * FXS_MAX_CROPS, &message))
             return fail(EXIT_FAILED, "%s: %s", scene->path, message.text);
-        gaussians += scene->opened->scene->count;
+        slots += scene->opened->scene->count;
+        gaussians += scene->opened->report->packed;
     }
-    if (gaussians > FXS_MAX_COUNT)
-        return fail(EXIT_FAILED, "%" PRIu64 " Gaussians in all objects: at most %u can be drawn", gaussians,
+    if (slots > FXS_MAX_COUNT)
+        return fail(EXIT_FAILED, "%" PRIu64 " Gaussians in all objects: at most %u can be drawn", slots,
                     FXS_MAX_COUNT);
     w->gaussians = (uint32_t)gaussians;
     if (!find_bounds(w, 1))
@@ -245,8 +265,12 @@ static int is_plain(const fxs_world *placed)
 int open_merged(const fxs_world *placed, const char *name, const load_options *load, fxs_scene_file **file,
                 fxs_scene_file_info *info)
 {
-    if (is_plain(placed))
-        return open_scene(placed->files[0], load, file, info);
+    if (is_plain(placed)) {
+        const int status = open_scene(placed->files[0], load, file, info);
+        if (!status && is_direction(placed->up))
+            memcpy(info->start.up, placed->up, sizeof placed->up);
+        return status;
+    }
     fxs_scene_file **files = calloc(placed->file_count, sizeof *files);
     fxs_scene_file_info *infos = calloc(placed->file_count, sizeof *infos);
     const int status = files && infos ? merge(placed, name, load, files, infos, file, info)

@@ -51,6 +51,10 @@ int world_open_merged(world *w, const fxs_world *placed, const char *name, const
 /* One of a packed scene, which stays the caller's and where it is. */
 int world_open_packed(world *w, const char *name, fxs_packed_scene *packed);
 
+/* What is up in the world by the first visible object of which a file says it. Returns 0 and leaves `up` as it is where
+   none does. */
+int world_up(const world *w, double up[3]);
+
 /* The world's box of an object. Returns 0 where its crops leave nothing. */
 int world_box(const world *w, uint32_t object, double low[3], double high[3]);
 

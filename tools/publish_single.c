@@ -6,9 +6,9 @@
 #include <string.h>
 #include <sys/mman.h>
 
-#include <fixsplat/fxs_file.h>
 #include <fixsplat/map.h>
 #include "command.h"
+#include "publish_scene.h"
 #include "scene_pages.h"
 #include "scene_picture.h"
 #include "task.h"
@@ -203,8 +203,6 @@ static int write_of_scene(const single_page *page, const frame_options *frame, l
     if (scene->opened->bytes > SCENE_MOST)
         return fail(EXIT_FAILED, "%s: %.0f MB packed, and one page takes %d at most: publish a folder", page->scene,
                     (double)scene->opened->bytes * 1e-6, SCENE_MOST / 1000000);
-    if (!is_packed(scene))
-        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, so no file's */
     int status = scene_picture(scene->opened, width, height, frame->render.background, frame->threads, &poster, &why)
                ? fail_for(&why) : 0;
     status = status ? status : write_page(page, scene->opened, &poster, out, bytes);
@@ -215,8 +213,10 @@ static int write_of_scene(const single_page *page, const frame_options *frame, l
 int write_single(const single_page *page, const frame_options *frame, const char *out, size_t *bytes)
 {
     loaded_scene scene;
-    if (load_scene(&scene, page->scene, &frame->load))
+    if (publish_load(&scene, page->scene, &frame->load, page->has_profile))
         return EXIT_FAILED;
+    if (!page->has_profile)
+        publish_say_gain(&scene, page->words);
     int status = write_of_scene(page, frame, &scene, out, bytes);
     status = status ? status : check_scene(&scene);
     free_scene(&scene);

@@ -9,6 +9,8 @@ typedef struct single_page {
     const char *title;
     const char *scene;             /* a path */
     const char *name;              /* of the scene in the page, without an ending */
+    char *const *words;            /* of the command */
+    int has_profile;               /* in which an .fxs is to be packed too */
 } single_page;
 
 /* Writes it to `out`, complete or not at all; the picture has the size of `frame`. Returns 0 and its size in bytes, or

@@ -58,6 +58,12 @@ static size_t find_photographs(char folder[TASK_PATH], const char *in)
     return count;
 }
 
+int reconstruct_is_photographs(const char *folder)
+{
+    char in[TASK_PATH];
+    return find_photographs(in, folder) > 0;
+}
+
 int reconstruct_is_needed(const char *in)
 {
     fxs_message why;
@@ -185,7 +191,7 @@ static int find_features(work *w)
         "--ImageReader.single_camera", "1", *w->masked ? "--ImageReader.mask_path" : 0, w->masks, 0
     };
     int status = 0;
-    task_begin(&w->t, "looking for features", look_at_features);
+    task_begin(&w->t, "looking for features of photographs", look_at_features);
     for (size_t lens = 0; lens < w->photos.lens_count && !status; lens++) {
         status = write_list(w, (long)lens);
         status = status ? status : run_colmap(w, arguments);
@@ -195,13 +201,15 @@ static int find_features(work *w)
     return status ? status : write_list(w, EVERY_LENS);
 }
 
-/* Of pairs by blocks, or of photographs. */
+/* All pairs, of which COLMAP says blocks that have nearly as many each; or each photograph with those near it. */
 static void look_at_matches(task *t, const char *line)
 {
+    const work *w = t->argument;
+    const uint64_t pairs = (uint64_t)w->photos.count * (w->photos.count - 1) / 2;
     uint64_t row, rows, column, columns;
     if (sscanf(line, "Matching block [%" SCNu64 "/%" SCNu64 ", %" SCNu64 "/%" SCNu64 "]", &row, &rows, &column,
                &columns) == 4)
-        task_show(t, (row - 1) * columns + column - 1, rows * columns);
+        task_show(t, pairs * ((row - 1) * columns + column - 1) / (rows * columns), pairs);
     else if (sscanf(line, "Matching image [%" SCNu64 "/%" SCNu64 "]", &row, &rows) == 2)
         task_show(t, row, rows);
 }
@@ -214,7 +222,8 @@ static int find_matches(work *w)
         "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads", w->threads,
         all ? "--ExhaustiveMatching.block_size" : "--SequentialMatching.overlap", all ? "8" : "12", 0
     };
-    task_begin(&w->t, "matching pairs", look_at_matches);
+    task_begin(&w->t, all ? "matching pairs of photographs" : "matching photographs with those near them",
+               look_at_matches);
     return run_colmap(w, arguments);
 }
 
@@ -242,6 +251,7 @@ static int map_cameras(work *w, const char *models)
                                     "--output_path", models, "--Mapper.num_threads", w->threads,
                                     "--Mapper.min_model_size", "3", 0};
     task_begin(&w->t, "placing photographs", look_at_mapper);
+    task_show(&w->t, 0, w->photos.count);
     /* COLMAP's fails too where no pair is good enough to begin with, which the models tell. */
     return task_run(&w->t, global, 0, 0) ? task_run(&w->t, stepwise, 0, 0) : 0;
 }

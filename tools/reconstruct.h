@@ -18,6 +18,9 @@ typedef struct reconstruct_options {
 /* Whether at a path is a film, or a folder without cameras. */
 int reconstruct_is_needed(const char *in);
 
+/* Whether there are photographs in a folder, or in its folder images. */
+int reconstruct_is_photographs(const char *folder);
+
 /* Makes OUT.cameras, as COLMAP lays out what it makes (images, masks, sparse/0), and says what was found. What an earlier call
    left there of the same photographs is gone on from, or is the answer. Returns 0 and the folder's name, which the caller
    frees, or prints what is wrong and returns the exit status. */

@@ -10,6 +10,7 @@
 
 #include <fixsplat/formats.h>
 #include "command.h"
+#include "reconstruct.h"
 #include "task.h"
 
 static int is_taken(const scene_list *list, const char *name)
@@ -81,6 +82,23 @@ int is_folder_of_scenes(const char *path)
     return is_folder(path) && !fxs_scene_format_of(path, 0) && !is_scene_of_files(path);
 }
 
+/* Says what to do with photographs. */
+static int fail_without_scene(const char *path)
+{
+    char *command = 0;
+    size_t size;
+    FILE *file = reconstruct_is_photographs(path) ? open_memstream(&command, &size) : 0;
+    if (!file)
+        return fail(EXIT_FAILED, "%s: no scene in this folder", path);
+    fputs("fixsplat fit", file);
+    write_shell_word(file, path);
+    fputs(" -o scene.fxs", file);
+    if (!fclose(file))
+        fail(EXIT_FAILED, "%s: a folder of photographs: fit a scene to them first: %s", path, command);
+    free(command);
+    return EXIT_FAILED;
+}
+
 int scene_list_add(scene_list *list, const char *path)
 {
     const size_t before = list->count;
@@ -94,7 +112,7 @@ int scene_list_add(scene_list *list, const char *path)
     if (list->count > before)
         qsort(list->scenes + before, list->count - before, sizeof *list->scenes, compare_paths);
     else if (fits && folder)
-        return fail(EXIT_FAILED, "%s: no scene in this folder", path);
+        return fail_without_scene(path);
     else if (fits)
         fits = add_scene(list, "", path);
     return fits ? 0 : fail(EXIT_FAILED, "out of memory");

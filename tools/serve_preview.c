@@ -14,6 +14,7 @@
 #include <fixsplat/clock.h>
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/output.h>
+#include <fixsplat/start.h>
 #include "port/http/server.h"
 #include "src/camera/view_print.h"
 #include "file_guard.h"
@@ -179,10 +180,14 @@ static void tell_views(struct preview *p)
 
 /* ---- The scene --------------------------------------------------------------------------------------------------- */
 
-/* That of the first photograph that is held out, or else of the first; none, where that is no start view. */
+/* That of the first photograph that is held out, or else of the first; none, where that is no start view. Up is that of
+   all that are fitted. */
 static void set_start(fxs_packed_scene *packed, const fxs_photos *photos)
 {
     fxs_message message;
+    fxs_start start = {.tangent = 0};
+    if (fxs_views_up(&photos->fit->view, photos->fit_count, sizeof *photos->fit, start.up))
+        fxs_start_to(packed->data, &start);
     const fxs_fit_photo *first = photos->held_out_count ? photos->held_out : photos->fit;
     fxs_view_to_start(packed->data, &first->view, &message);
 }

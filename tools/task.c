@@ -21,7 +21,8 @@ void task_begin(task *t, const char *doing, void (*look)(task *t, const char *li
 {
     t->doing = doing;
     t->look = look;
-    t->start = t->shown = fxs_clock(0);
+    t->start = fxs_clock(0);
+    t->shown = 0;
     t->length = 0;
     fprintf(t->log, "\n== %s\n", doing);
 }
@@ -32,7 +33,7 @@ void task_show(task *t, uint64_t done, uint64_t all)
     const uint64_t now = fxs_clock(0);
     const int is_line = isatty(STDERR_FILENO);
     const double seconds = (double)(now - t->start) * 1e-9;
-    if (is_quiet() || now - t->shown < (is_line ? 200000000u : 10000000000u))
+    if (is_quiet() || (t->shown && now - t->shown < (is_line ? 200000000u : 10000000000u)))
         return;
     if (done && all)
         snprintf(left, sizeof left, ", some %.0f s left", seconds / (double)done * (double)(all - done));
@@ -150,6 +151,19 @@ int make_folder(const char *path)
     const int error = errno;
     return error == EEXIST && is_folder(path) ? 0 : fail(EXIT_FAILED, "%s: %s", path,
                                                          error == EEXIST ? "not a folder" : strerror(error));
+}
+
+int make_folders(const char *path)
+{
+    char part[TASK_PATH];
+    int status = 0;
+    for (const char *slash = strchr(path + (*path == '/'), '/'); slash && !status; slash = strchr(slash + 1, '/')) {
+        if (slash - path >= TASK_PATH)
+            return fail(EXIT_FAILED, "%s: name too long", path);
+        snprintf(part, sizeof part, "%.*s", (int)(slash - path), path);
+        status = is_folder(part) ? 0 : make_folder(part);
+    }
+    return status ? status : make_folder(path);
 }
 
 void remove_link(const char *path)

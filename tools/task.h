@@ -18,12 +18,13 @@ struct task {
     void *argument;
     char line[TASK_LINE];
     size_t length;
-    uint64_t start, shown;         /* nanoseconds: of the step, and when it was last shown */
+    uint64_t start, shown;         /* nanoseconds: of the step, and when it was last shown, or 0 */
 };
 
 void task_begin(task *t, const char *doing, void (*look)(task *t, const char *line));
 
-/* On a terminal a line that changes, else one every ten seconds; with the time that is left where all is not 0. */
+/* On a terminal a line that changes, else one at first and then every ten seconds; with the time that is left where all
+   is not 0. */
 void task_show(task *t, uint64_t done, uint64_t all);
 
 typedef void task_data_fn(void *argument, const char *data, size_t size);
@@ -44,6 +45,9 @@ int is_folder(const char *path);
 
 /* Makes a folder, or leaves it as it is. Returns 0, or prints why not and returns EXIT_FAILED. */
 int make_folder(const char *path);
+
+/* The same with the folders that it is in. */
+int make_folders(const char *path);
 
 /* Removes a folder and the files in it, but no folders. Of a link, the link alone. */
 void remove_folder(const char *path);

@@ -35,10 +35,12 @@ static void show_view(viewer *v, long index)
     v->changed = 1;
 }
 
-/* Up in the scene: as given, or the mean of the views' where they come from a file. */
+/* Up in the scene: as given, or as its file says, or the mean of the views' where they come from a file. */
 static void find_up(viewer *v)
 {
     double mean[3];
+    if (!v->options.up.given && world_up(&v->world, v->up))
+        return;
     const int of_views = v->options.cameras && !v->options.up.given && !v->options.auto_up &&
                          fxs_views_up(v->views, (size_t)v->view_count, sizeof *v->views, mean);
     memcpy(v->up, of_views ? mean : v->options.up.at, sizeof v->up);

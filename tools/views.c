@@ -243,16 +243,20 @@ static int has_start(const frame_options *o, const world *w, fxs_file_view *view
            fxs_view_of_start(view, w->scenes[0].opened->data, width_of(o), height_of(o));
 }
 
-/* The first view of a world, of which all is to be in memory. */
-static int choose_first(frame_options *o, const world *w, const fxs_object *objects, fxs_file_view *view,
+/* The first view of a world, of which all is to be in memory. `is_up`: what is up is known, as that of the options; or
+   else it becomes that. */
+static int choose_first(frame_options *o, const world *w, int is_up, const fxs_object *objects, fxs_file_view *view,
                         fxs_message *message)
 {
+    if (is_up)
+        return fxs_first_view_upright(objects, w->count, w->inner_low, w->inner_high, o->up.at, fov_of(o), width_of(o),
+                                      height_of(o), view, message);
     return fxs_first_view(objects, w->count, w->inner_low, w->inner_high, fov_of(o), width_of(o), height_of(o), view,
                           o->up.at, message);
 }
 
 /* Maps the files of which a part is in memory, for as long as the first view is chosen: it is that of the whole. */
-static int choose_by_files(frame_options *o, const world *w, fxs_file_view *view, fxs_message *message)
+static int choose_by_files(frame_options *o, const world *w, int is_up, fxs_file_view *view, fxs_message *message)
 {
     fxs_opened **opened = calloc(w->placed.file_count, sizeof *opened);
     fxs_object *objects = malloc(w->count * sizeof *objects);
@@ -265,7 +269,7 @@ static int choose_by_files(frame_options *o, const world *w, fxs_file_view *view
         objects[i] = w->objects[i];
         objects[i].scene = whole ? whole->scene : objects[i].scene;
     }
-    error = error ? error : choose_first(o, w, objects, view, message);
+    error = error ? error : choose_first(o, w, is_up, objects, view, message);
     for (uint32_t i = 0; i < w->placed.file_count && opened; i++)
         fxs_close(opened[i]);
     free(opened);
@@ -283,7 +287,7 @@ static int is_of_server(const world *w)
 
 /* The start view, or the view that shows most of the scene, or with --auto-up what is up there alone. That takes all of
    a scene: one of a server is framed whole. */
-static int look_at_scene(frame_options *o, const world *w, fxs_file_view *view, fxs_message *message)
+static int look_at_scene(frame_options *o, const world *w, int is_up, fxs_file_view *view, fxs_message *message)
 {
     if (!has_start(o, w, view) && is_of_server(w)) {
         note("%s: has no start view, so it is framed whole; convert --start-view gives it one", w->placed.files[0]);
@@ -291,9 +295,10 @@ static int look_at_scene(frame_options *o, const world *w, fxs_file_view *view, 
                                   message);
     }
     if (!has_start(o, w, view))
-        return world_is_paged(w) ? choose_by_files(o, w, view, message)
-                                 : choose_first(o, w, w->objects, view, message);
-    fxs_view_up(view, o->up.at);
+        return world_is_paged(w) ? choose_by_files(o, w, is_up, view, message)
+                                 : choose_first(o, w, is_up, w->objects, view, message);
+    if (!is_up)
+        fxs_view_up(view, o->up.at);
     view->near = fxs_near_of_box(w->inner_low, w->inner_high);
     return 0;
 }
@@ -363,7 +368,9 @@ static long choose(frame_options *options, const world *w, fxs_file_view **views
     long count = options->cameras ? views_of_file(options, views, lenses) : 1;
     if (count < 0)
         return -1;
-    int result = options->auto_up || is_chosen(options) ? look_at_scene(options, w, &first, &message) : 0;
+    const int is_up = !options->up.given && world_up(w, options->up.at);
+    int result = (options->auto_up && !is_up) || is_chosen(options) ? look_at_scene(options, w, is_up, &first, &message)
+                                                                    : 0;
     if (!options->cameras && !result) {
         *views = malloc(sizeof **views);
         result = *views ? 0 : fxs_fail(&message, "out of memory");

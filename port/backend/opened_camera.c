@@ -7,7 +7,7 @@
 #include "src/camera/first_view.h"
 
 static int choose(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
-                  fxs_first_choice *first, fxs_message *message)
+                  const double up[3], fxs_first_choice *first, fxs_message *message)
 {
     static const fxs_backend_options usual;
     static const fxs_config plain;
@@ -15,13 +15,15 @@ static int choose(const fxs_object *objects, uint32_t count, const double low[3]
     int error = fxs_processor_open(&processor, &usual, &plain, message);
     if (error)
         return error;
-    error = fxs_first_view_choose(first, &processor.context, objects, count, low, high, message);
+    error = fxs_first_view_choose(first, &processor.context, objects, count, low, high, up, message);
     fxs_processor_close(&processor);
     return error;
 }
 
-int fxs_first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3], double fov,
-                   int32_t width, int32_t height, fxs_file_view *view, double up[3], fxs_message *message)
+/* `known`: what is up, or null. */
+static int first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
+                      const double known[3], double fov, int32_t width, int32_t height, fxs_file_view *view,
+                      double up[3], fxs_message *message)
 {
     fxs_first_choice chosen;
     if ((count && !objects) || !low || !high || !view || !up)
@@ -29,11 +31,25 @@ int fxs_first_view(const fxs_object *objects, uint32_t count, const double low[3
     if (width < 1 || height < 1 || width > FXS_MAX_SIZE || height > FXS_MAX_SIZE)
         return fxs_fail_as(FXS_ERR_SIZE, message, "a picture of %ldx%ld: each side has 1 to %d pixels", (long)width,
                            (long)height, FXS_MAX_SIZE);
-    const int error = choose(objects, count, low, high, &chosen, message);
+    const int error = choose(objects, count, low, high, known, &chosen, message);
     if (error)
         return error;
     memcpy(up, chosen.up, sizeof chosen.up);
     return fxs_first_view_make(&chosen, low, high, fov, width, height, view, message);
+}
+
+int fxs_first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3], double fov,
+                   int32_t width, int32_t height, fxs_file_view *view, double up[3], fxs_message *message)
+{
+    return first_view(objects, count, low, high, NULL, fov, width, height, view, up, message);
+}
+
+int fxs_first_view_upright(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
+                           const double up[3], double fov, int32_t width, int32_t height, fxs_file_view *view,
+                           fxs_message *message)
+{
+    double unit[3];
+    return first_view(objects, count, low, high, up, fov, width, height, view, unit, message);
 }
 
 int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
@@ -41,7 +57,6 @@ int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, f
 {
     fxs_file_view view;
     fxs_object object;
-    double up[3];
     if (!opened || !camera)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to frame", opened ? "camera" : "scene");
     if (fxs_view_of_start(&view, opened->data, width, height)) {
@@ -49,14 +64,15 @@ int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, f
         return fxs_camera_from_view(camera, &view, message);
     }
     if (opened->pager) {
-        const double down[3] = {0, -1, 0};
-        FXS_TRY(fxs_view_frame_box(&view, opened->report->inner_low, opened->report->inner_high, down, 50, width,
-                                   height, message));
+        const double usual[3] = {0, -1, 0}, *up = opened->info->start.up;
+        const int is_known = up[0] != 0 || up[1] != 0 || up[2] != 0;
+        FXS_TRY(fxs_view_frame_box(&view, opened->report->inner_low, opened->report->inner_high, is_known ? up : usual,
+                                   50, width, height, message));
         view.near = fxs_near_of_box(opened->report->inner_low, opened->report->inner_high);
         return fxs_camera_from_view(camera, &view, message);
     }
     fxs_object_init(&object, opened->scene);
-    const int error = fxs_first_view(&object, 1, opened->report->inner_low, opened->report->inner_high, 50, width,
-                                     height, &view, up, message);
+    const int error = fxs_first_view_upright(&object, 1, opened->report->inner_low, opened->report->inner_high,
+                                             opened->info->start.up, 50, width, height, &view, message);
     return error ? error : fxs_camera_from_view(camera, &view, message);
 }

@@ -82,6 +82,7 @@ static void describe(open_scene *s, const void *data)
     s->info = (fxs_scene_file_info){.format = "fxs", .count = h.count - h.holes, .sh_degree = (int)h.sh_degree,
                                     .stored_sh_degree = (int)h.sh_degree, .levels = 1,
                                     .antialiased = (h.flags & FXS_PACKED_ANTIALIASED) != 0};
+    fxs_start_of(&s->info.start, data);
     s->report.read = s->report.packed = h.count - h.holes;
     for (int i = 0; i < 3; i++) {
         s->report.low[i] = ldexp((double)h.low_q32[i], -32);

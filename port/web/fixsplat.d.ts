@@ -320,8 +320,9 @@ export class Scene {
   /** The size of the packed scene in bytes. */
   readonly bytes: number
   /** Where the scene is seen from at first: the direction that is up in it, the direction from the middle of its box to
-      the camera, and the part (0.2 to 1) of the distance from which all of the box is seen. */
-  readonly first: { up: number[]; from: number[]; part: number }
+      the camera, and the part (0.2 to 1) of the distance from which all of the box is seen. `known`: the .fxs says what
+      is up, as those of `fixsplat fit` do; else it was found in small pictures. */
+  readonly first: { up: number[]; from: number[]; part: number; known: boolean }
   /** The start view that the .fxs keeps, for a picture of 2 x 2 pixels, or null. `render` takes it without a camera. */
   readonly start: Pinhole | null
   /** The number of threads that draw the scene at the moment. Pictures do not wait for threads that have not started

@@ -10,6 +10,7 @@
 #include <fixsplat/allocator.h>
 #include <fixsplat/message.h>
 #include <fixsplat/fxs_file.h>
+#include <fixsplat/start.h>
 #include <fixsplat/world.h>
 #include "src/camera/first_view.h"
 #include "web.h"
@@ -97,7 +98,7 @@ void fxs_web_describe(fxs_web_scene *s)
         s->low[i] = (double)header.inner_low_q32[i] * 0x1p-32;
         s->high[i] = (double)header.inner_high_q32[i] * 0x1p-32;
     }
-    numbers[0] = s->scene.count;
+    numbers[0] = s->scene.count - header.holes;
     numbers[1] = s->scene.sh_degree;
     numbers[2] = s->scene.profile;
     memcpy(numbers + 3, s->low, 2 * sizeof s->low);
@@ -196,10 +197,28 @@ EXPORT(see_all) int fxs_web_see_all(int width, int height)
     return error ? error : take_camera(numbers[4] != 0 ? numbers[4] : view.near);
 }
 
+/* What is up by the first visible object of which a file says it. Returns 0 where none does. */
+static int find_up(double up[3])
+{
+    for (uint32_t i = 0; i < object_count; i++) {
+        const int32_t *r = objects[i].rotation_q30;
+        fxs_start start;
+        fxs_start_of(&start, ((const fxs_web_scene *)(const void *)objects[i].scene)->data);
+        const double *u = start.up;
+        for (int k = 0; k < 3; k++, r += 3)
+            up[k] = (r[0] * u[0] + r[1] * u[1] + r[2] * u[2]) * 0x1p-30;
+        if (objects[i].visible && (u[0] != 0 || u[1] != 0 || u[2] != 0))
+            return 1;
+    }
+    return 0;
+}
+
 /* Chooses where the objects are seen from at first. Out: up, the direction from the middle to the camera, the part of
-   the distance (first_view.h). */
+   the distance (first_view.h); whether a file said what is up. */
 EXPORT(choose) int fxs_web_choose(void)
 {
+    double up[3];
+    const int is_up = find_up(up);
     fxs_first_choice first;
     fxs_object *seen = fxs_allocate(NULL, object_count, sizeof *seen);
     if (!seen)
@@ -209,11 +228,14 @@ EXPORT(choose) int fxs_web_choose(void)
         if (seen[i].scene->places)
             seen[i].scene = &((const fxs_web_scene *)(const void *)seen[i].scene)->coarse;
     }
-    const int error = fxs_first_view_choose(&first, &context, seen, object_count, low, high, &message);
+    const int error = fxs_first_view_choose(&first, &context, seen, object_count, low, high, is_up ? up : NULL,
+                                            &message);
     free(seen);
-    if (!error)
-        memcpy(numbers, &first, sizeof first);
-    return error;
+    if (error)
+        return error;
+    memcpy(numbers, &first, sizeof first);
+    numbers[sizeof first / sizeof *numbers] = is_up;
+    return 0;
 }
 
 /* In: what choose gave, field of view, near or 0. */

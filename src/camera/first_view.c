@@ -220,13 +220,22 @@ static int look_down(chooser *c, double *seen, double *detail)
     return 0;
 }
 
+static int is_direction(const double up[3])
+{
+    return up && (up[0] != 0 || up[1] != 0 || up[2] != 0);
+}
+
 /* Captures show most from above, and things lie on the ground; in doubt up is -y or z, as in most files. */
-static int find_up(chooser *c)
+static int find_up(chooser *c, const double known[3])
 {
     fxs_ground ground;
     double seen[2], detail[2];
     FXS_TRY(fxs_ground_find(&ground, &c->sample, c->message));
     c->outlined = !(ground.spread > 2.6);
+    if (is_direction(known)) {
+        memcpy(c->up, known, sizeof c->up);
+        return 0;
+    }
     for (int i = 0; i < 3; i++)
         c->up[i] = -ground.axis[i];
     FXS_TRY(look_down(c, &seen[1], &detail[1]));
@@ -327,12 +336,12 @@ static int try_within(chooser *c, choice *made)
     return try_stands(c, stands, YAWS, 1.5, made);
 }
 
-static int choose(chooser *c, fxs_first_choice *first)
+static int choose(chooser *c, const double up[3], fxs_first_choice *first)
 {
     choice made = {.best = {0, heights[0][0], heights[0][1], 1}};
-    memcpy(c->up, (double[3]){0, -1, 0}, sizeof c->up);
+    memcpy(c->up, is_direction(up) ? up : (double[3]){0, -1, 0}, sizeof c->up);
     if (c->sample.point_count > 0) {
-        FXS_TRY(find_up(c));
+        FXS_TRY(find_up(c, up));
         FXS_TRY(try_sides(c, &made));
         FXS_TRY(try_within(c, &made));
         for (int i = 0; i < SIDES_TRIED; i++)
@@ -361,7 +370,8 @@ static int set_up(chooser *c)
 }
 
 int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, const fxs_object *objects,
-                          uint32_t count, const double low[3], const double high[3], fxs_message *message)
+                          uint32_t count, const double low[3], const double high[3], const double up[3],
+                          fxs_message *message)
 {
     chooser c = {.context = *context, .config = &context->config, .threads = 1, .low = low, .high = high,
                  .message = message};
@@ -373,7 +383,7 @@ int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, c
     unsigned char *block = c.frames;
     if (!error) {
         c.frames += (64 - (uintptr_t)block % 64) % 64;
-        error = choose(&c, first);
+        error = choose(&c, up, first);
     }
     fxs_release(NULL, block);
     fxs_release(NULL, c.looks);

@@ -10,11 +10,12 @@ typedef struct fxs_first_choice {
     double part;                     /* of the distance from which the whole box is seen; 0.2 to 1 */
 } fxs_first_choice;
 
-/* Chooses for objects that are seen in the box low..high. The choice is the same whatever kernels and threads the
-   context has, and is made for a field of view of 50 degrees and a picture of 3:2. Errors: FXS_ERR_ARGUMENT,
-   FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
+/* Chooses for objects that are seen in the box low..high. `up` is what is up there, of any length; null or 0: it is
+   found. The choice is the same whatever kernels and threads the context has, and is made for a field of view of 50
+   degrees and a picture of 3:2. Errors: FXS_ERR_ARGUMENT, FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
 int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, const fxs_object *objects,
-                          uint32_t count, const double low[3], const double high[3], fxs_message *message);
+                          uint32_t count, const double low[3], const double high[3], const double up[3],
+                          fxs_message *message);
 
 /* Makes the view that was chosen. Errors are those of fxs_view_look_at. */
 int fxs_first_view_make(const fxs_first_choice *first, const double low[3], const double high[3], double fov, int width,

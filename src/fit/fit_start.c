@@ -1,8 +1,10 @@
-/* The view to begin with of a scene that was fitted. */
+/* What is up in a scene that was fitted, and the view to begin with. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/message.h>
+#include <fixsplat/start.h>
 #include <math.h>
+#include <string.h>
 
 /* The sine of how steeply a camera looks up or down. */
 static double slope_of(const fxs_file_view *view, const double up[3])
@@ -20,6 +22,10 @@ int fxs_fit_start_view(const fxs_fit_photo *photos, size_t photo_count, void *da
     const int has_up = fxs_views_up(&photos->view, photo_count, sizeof *photos, up);
     for (size_t i = 1; i < photo_count && has_up; i++)
         best = slope_of(&photos[i].view, up) < slope_of(&photos[best].view, up) ? i : best;
+    fxs_start start;
+    fxs_start_of(&start, data);
+    memcpy(start.up, up, sizeof up);
+    fxs_start_to(data, &start);
     fxs_file_view view = photos[best].view;
     if (has_up)
         fxs_view_level(&view, up);

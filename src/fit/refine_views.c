@@ -76,7 +76,7 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
     fxs_object object;
     double back[3], up[3], cosine = 1, sine = 0;
     fxs_object_init(&object, scene);
-    FXS_TRY(fxs_first_view_choose(&c, o->context, &object, 1, low, high, message));
+    FXS_TRY(fxs_first_view_choose(&c, o->context, &object, 1, low, high, NULL, message));
     FXS_TRY(fxs_level_back(back, up, c.up, message));
     const double side[3] = {up[1] * back[2] - up[2] * back[1], up[2] * back[0] - up[0] * back[2],
                             up[0] * back[1] - up[1] * back[0]};

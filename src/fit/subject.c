@@ -57,8 +57,9 @@ static double reach_at(const fxs_fit_camera *c, const double place[3])
 }
 
 /* The radius is the median of the reaches of those that see it. */
-static int find_subject(const fxs_fit *f, fxs_fit_subject *subject, fxs_message *message)
+int fxs_fit_find_subject(const fxs_fit *f, fxs_fit_subject *subject, fxs_message *message)
 {
+    memset(subject, 0, sizeof *subject);
     double *reaches = malloc(f->count * sizeof *reaches);
     size_t count = 0;
     if (!reaches)
@@ -92,8 +93,7 @@ static int is_inside(const fxs_fit_model *m, size_t i, const fxs_fit_subject *su
 
 int fxs_fit_crop_to_subject(fxs_fit *f, fxs_fit_subject *subject, fxs_message *message)
 {
-    memset(subject, 0, sizeof *subject);
-    FXS_TRY(find_subject(f, subject, message));
+    FXS_TRY(fxs_fit_find_subject(f, subject, message));
     FXS_TRY(f->engine->fetch(f->self, message));
     const size_t bytes = (f->model.count + 1) * sizeof(fxs_fit_origin);
     fxs_fit_origin *origins = malloc(bytes);

@@ -772,6 +772,9 @@ static fxs_packed_header header_of(const packer *p, size_t tree)
                            .palette_entries = fxs_palette_entries_for(p->report->packed, chunks, profile,
                                                                       p->encoder.sh_degree)};
     write_bounds(&h, p->report);
+    fxs_packed_header_turn(&h);
+    fxs_start_to(&h, &p->info->start);
+    fxs_packed_header_turn(&h);
     return h;
 }
 

@@ -30,7 +30,7 @@ tools           public
 # The room of each public header.
 public='
 src/core      fixsplat packed stage pixel fixed
-src/base      allocator message output input
+src/base      allocator message output input start
 src/gaussian  gaussian
 src/camera    camera camera_file
 src/image     image_file film_file

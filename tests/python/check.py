@@ -1,6 +1,7 @@
 """check.py COMMAND FOLDER [CAPTURED]: what the package does against the command, in a folder with the scenes and
 photographs of tests/scripts/python.sh. CAPTURED: a folder with train-1000.ply and its cameras.json. Prints "ok NAME",
 "FAIL NAME: WHY" or "skip NAME: WHY" for each check, "end" last."""
+import math
 import os
 import re
 import signal
@@ -44,6 +45,14 @@ with fixsplat.load("start.fxs") as started:
     said = run("render", "start.fxs", "--size", "320x200", "--hash").strip()
     ok("a start view: the command's hash", hash_of(started.render(started.frame(320, 200))) == said, said)
     ok("a start view: not with a field of view", hash_of(started.render(started.frame(320, 200, fov=50))) != said)
+    ok("up: not known", started.up is None and scene.up is None)
+fixsplat.convert("start.fxs", "leant.fxs", rotate=(0, 0, 30), up=(0, -2, 0))
+run("convert", "start.fxs", "same.fxs", "--rotate", "0,0,30", "--up", "0,-2,0")
+ok("up: as the command states it", read("leant.fxs") == read("same.fxs"))
+with fixsplat.load("leant.fxs") as leant:
+    said = run("render", "leant.fxs", "--size", "320x200", "--fov", "60", "--hash").strip()
+    ok("up: turned as the scene is", np.allclose(leant.up, (0.5, -math.sqrt(0.75), 0), atol=2e-4), leant.up)
+    ok("up: a view is upright by it", hash_of(leant.render(leant.frame(320, 200, fov=60))) == said, said)
 ok("background", hash_of(scene.render(camera, background=(17, 19, 27), cutoff="square", sh_degree=1)) == run(
     "render", "knot.ply", "--size", "320x200", "--hash", "--bg", "11131b", "--cutoff", "square", "--sh-degree",
     "1").strip())

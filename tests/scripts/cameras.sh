@@ -26,7 +26,7 @@ feature_extractor)
     echo "Processed file [1/12]"
     while [ "$1" != --image_list_path ]; do shift; done
     echo $(cat "$2") >>"$PLAY/lists" ;;
-exhaustive_matcher) echo "Matching block [1/2, 1/2]" ;;
+exhaustive_matcher) echo "Matching block [2/2, 1/2]" ;;
 mapper)
     [ -z "$NOTHING" ] || exit 1
     while [ "$1" != --output_path ]; do shift; done
@@ -92,7 +92,12 @@ with "$fixsplat" fit plain $steps -o a.fxs >logs/out 2>logs/err
 check "again: the cameras of before" equal "$(cut -d' ' -f1 calls)" model_analyzer
 check "what was found is said" grep -q '^fixsplat: plain: cameras of 12 of 12 photographs, 400 points, reprojection error 0.51 pixels$' \
     logs/err
-check "--cameras-only" with "$fixsplat" fit plain -o only.fxs --cameras-only --quiet
+with "$fixsplat" fit plain -o only.fxs --cameras-only 2>logs/err
+check "--cameras-only" equal "$? $(sed 's/, some [0-9]* s left//; s/^fixsplat: //; /cameras of/d' logs/err)" "0 \
+looking at photographs: 1 of 12
+looking for features of photographs: 1 of 12
+matching pairs of photographs: 33 of 66
+placing photographs: 0 of 12"
 check "--cameras-only: no scene" [ ! -e only.fxs ]
 mkdir below && ln -s ../plain below/images
 check "photographs in a folder images" with "$fixsplat" fit below $steps -o below.fxs --quiet
@@ -175,7 +180,7 @@ fi
 
 export KILLED FAILS NOTHING FRAMES DAMAGED
 KILLED=exhaustive_matcher
-fails "COLMAP killed" 1 "colmap: ended by signal 9 while matching pairs; the same command goes on" \
+fails "COLMAP killed" 1 "colmap: ended by signal 9 while matching pairs of photographs; the same command goes on" \
     fit plain $steps -o c.fxs --quiet
 KILLED=
 for model in 0 1 2; do
@@ -184,7 +189,7 @@ done
 check "and gone on" "$fixsplat" fit plain $steps -o c.fxs --quiet
 check "it is the same scene, not of a mapper that was stopped" cmp c.fxs set.fxs
 FAILS=feature_extractor
-fails "COLMAP fails" 1 "colmap: failed while looking for features: see d.fxs.cameras/log.txt" \
+fails "COLMAP fails" 1 "colmap: failed while looking for features of photographs: see d.fxs.cameras/log.txt" \
     fit plain $steps -o d.fxs --quiet
 check "its words are in the log" grep -q '^ERROR: played$' d.fxs.cameras/log.txt
 FAILS=

@@ -127,6 +127,45 @@ printf "1 0.7071067811865476 0 0 0.7071067811865476 0 0 13 1 a.png\n\n" >side/im
 "$fixsplat" convert knot.ply side.fxs --start-view side:0
 check "--start-view: of a scene that lies on its side, turned about what is up there" equal \
     "$(hash_of side.fxs --orbit 3 --near 0.2)" "$(hash_of side.fxs --orbit 3 --near 0.2 --cameras side --up -1,0,0)"
+# Beside it what is up, which is no axis here.
+start_of() { "$fixsplat" info "$1" | grep -e '^up ' -e '^start view '; }
+succeeds "--up is kept" convert knot.ply leant.fxs --up 0.2,-0.5,0.1 --rotate 0,0,30 --start-view 3,-2,-5,0,0,0,40
+check "--up is kept: turned" equal "$(start_of leant.fxs)" "up            0.5000 -0.8660 0.0000
+start view    from 3 -2 -5, 40.0 degrees"
+"$fixsplat" convert knot.ply level.ply --up 0.2,-0.5,0.1 --rotate 0,0,30
+"$fixsplat" convert level.ply level.fxs
+# alike NAME OPTIONS OPTIONS: two pictures of it, the second with what the first is to know by itself
+alike() {
+    for n in 1 2; do
+        what=$([ $n = 1 ] && echo leant.fxs $2 || echo level.fxs $3)
+        "$fixsplat" render $what --size 96x64 -o $n-%d.png --quiet || return
+    done
+    for i in 1-*.png; do check "$1" "$fixsplat" compare $i 2-${i#1-} --min-psnr 45; done
+    rm ?-?.png
+}
+seen='--eye 3,-2,-5 --look 0,0,0 --fov 40 --up 0.5,-0.8660254,0'
+alike "--start-view is level by it, and --orbit turns about it" '--orbit 3' "--orbit 3 $seen"
+alike "it is up where none is given" '--eye 4,1,2 --orbit 2' '--eye 4,1,2 --up 0.5,-0.8660254,0 --orbit 2'
+"$fixsplat" convert leant.fxs again.fxs
+check "an .fxs keeps both" equal "$(start_of again.fxs)" "$(start_of leant.fxs)"
+"$fixsplat" convert leant.fxs turned.fxs --rotate 20,-50,70 --scale 2 --translate 1,2,3
+"$fixsplat" render leant.fxs --size 160x120 -o leant.png --quiet
+"$fixsplat" render turned.fxs --size 160x120 -o turned.png --quiet
+check "turned with the scene" "$fixsplat" compare turned.png leant.png --min-psnr 45
+"$fixsplat" convert leant.fxs cropped.fxs --crop -9,-9,-9,0,9,9
+check "a part keeps both" equal "$(start_of cropped.fxs)" "$(start_of leant.fxs)"
+"$fixsplat" convert level.fxs leant.fxs start.fxs both.fxs
+check "of several the first that has them gives them" equal "$(start_of both.fxs)" "$(start_of leant.fxs)"
+"$fixsplat" convert start.fxs both.fxs --up 0,-2,0
+check "--up of what is upright" equal "$(start_of both.fxs)" "up            0.0000 -1.0000 0.0000
+$(start_of start.fxs)"
+for i in 1 2; do "$fixsplat" convert leant.fxs part$i.fxs --rotate 0,0,9 --block $i/2; done
+"$fixsplat" convert part1.fxs part2.fxs parts.fxs
+"$fixsplat" convert leant.fxs whole.fxs --rotate 0,0,9
+check "--block: as at once" cmp parts.fxs whole.fxs
+"$fixsplat" info leant.fxs --json >logs/out
+check "info --json" grep -q \
+    '"up": \[0.5[0-9]*, -0.866[0-9]*, [-0-9.e]*\], "start_view": {"eye": \[3, -2, -5\], "fov": 40}' logs/out
 for bad in 1,2 1,2,3,1,2,3 1,2,3,4,5,6,0.5 none.json; do
     rm -f x.fxs
     fails "--start-view $bad" 2 "start-view.*" convert knot.ply x.fxs --start-view $bad

@@ -63,7 +63,7 @@ check "into .ply: what is packed, rounded again, is as large" equal "$(wc -c <wh
 # Fewer than ten steps have no last tenth: nothing is rounded before it is packed.
 "$fixsplat" fit set --steps 9 -o few.fxs >logs/out
 "$fixsplat" fit set --steps 9 -o few.ply >logs/out
-"$fixsplat" convert few.ply packed.fxs --start-view set/sparse/0:1
+"$fixsplat" convert few.ply packed.fxs --start-view set/sparse/0:1 --up 0,-1,0
 check "into .ply: packed it is the same file" cmp few.fxs packed.fxs
 "$fixsplat" info floats.ply >logs/out
 check "into .ply: all can be drawn" grep -Eq '^Gaussians +([0-9]+), \1 of them' logs/out
@@ -77,8 +77,11 @@ ends() {
     loud fit "$@"
     check "$name" equal "$(sed '1,/^worst /d; s/[0-9][0-9.]* dB/N dB/; s/[0-9][0-9.]* where/N where/' logs/out)" "$lines"
 }
-next="to look at it:                fixsplat view it.fxs
-a folder for any web server:  fixsplat publish it.fxs site"
+around="The cameras look at one thing: --crop-to-subject leaves out what lies around it."
+next="$around
+to look at it:                fixsplat view it.fxs
+a folder for any web server:  fixsplat publish it.fxs site
+that thing alone:             fixsplat convert it.fxs it-cropped.fxs --sphere 0,0,0,5.2"
 more="Where it was fitted it is not much better: more --steps or sharper photographs would help."
 ends "below 20 dB" "Poor: from new places it does not look like the photographs (N dB; N where it was fitted).
 $more
@@ -93,8 +96,10 @@ ends "below 30 dB, and much better where it was fitted" \
 Places between the photographs are much worse than theirs: more photographs would help.
 $next" set --steps 1500 --recipe reference --hold-out 2 -o it.fxs
 ends "--hold-out 0" "Nothing was held out, so how it looks from new places is not known (N dB where it was fitted).
+$around
 to look at it:                fixsplat view 'it'\\''s.ply'
-a folder for any web server:  fixsplat publish 'it'\\''s.ply' site" set --steps 9 --hold-out 0 -o "it's.ply"
+a folder for any web server:  fixsplat publish 'it'\\''s.ply' site
+that thing alone:             fixsplat convert 'it'\\''s.ply' 'it'\\''s-cropped.ply' --sphere 0,0,0,5.2" set --steps 9 --hold-out 0 -o "it's.ply"
 ends ".fit: what is next is the fit itself" \
     "Poor: from new places it does not look like the photographs (N dB; N where it was fitted).
 $more" set --steps 9 -o it.fit
@@ -127,6 +132,9 @@ awk 'BEGIN { for (i = 0; i < 60; i++) print 400 + i, 9 * cos(i), i % 7 - 3, 9 * 
 count_of() { sed -n 's/^[a-z]*\.[a-z]*: \([0-9]*\) Gaussians, .*/\1/p' logs/out; }
 loud fit around --steps 30 -o it.fxs
 measured=$(sed -n '/^ *[0-9]* 0/p; /^mean/p' logs/out) all=$(count_of)
+eval "$(sed -n 's/^that thing alone: *fixsplat/"$fixsplat"/p' logs/out)"
+cut=$("$fixsplat" info it-cropped.fxs | awk '/^Gaussians/ { print $2 + 0 }')
+check "the crop that is named at the end leaves out what is beyond" [ $cut -lt $((all - 50)) -a $cut -gt 100 ]
 loud fit around --steps 30 -o cropped.fxs --crop-to-subject
 check "--crop-to-subject: says what it was cropped to" equal "$(said)" "fixsplat: cropped.fxs: cropped to 5.2 units around $(
     sed -n 's/.* units around \([^:]*\):.*/\1/p' logs/err): $((all - $(count_of))) Gaussians left out"

@@ -24,6 +24,8 @@ make_scenes() {
 	END
     "$B/fixsplat" convert "$work/scene.ply" "$work/levels.fxs" --levels >/dev/null &&
         "$B/fixsplat" convert "$work/scene.ply" "$work/scene.fxs" >/dev/null || return 1
+    "$B/fixsplat" convert "$work/scene.ply" "$work/leant.fxs" --up 0.2,-0.5,0.1 --rotate 0,0,30 \
+        --start-view 3,-2,-5,0,0,0,40 >/dev/null || return 1
     "$B/fixsplat" make-scene knot --count 60000 -o "$work/large.ply" >/dev/null &&
         "$B/fixsplat" convert "$work/large.ply" "$work/parts.fxs" --levels >/dev/null || return 1
     "$B/fixsplat" render "$work/scene.ply" --size 64x36 -o "$work/poster.png" >/dev/null

@@ -21,8 +21,21 @@ check "the picture is its own" cmp site/knot.jpg poster.jpg
 check "the page shows it" grep -q '<fixsplat-viewer src="knot.fxs" label="knot" poster="knot.jpg" background="#000000">' site/index.html
 check "an .fxs as it is" "$fixsplat" publish small.fxs site --size 64x36 --quiet
 check "it is that file" cmp site/small.fxs small.fxs
-"$fixsplat" publish small.fxs site --size 64x36 --profile default >logs/out 2>logs/err
-check "an .fxs in another profile: said" grep -qx 'fixsplat: small.fxs: is packed already, and is taken as it is: convert packs it anew' logs/err
+"$fixsplat" convert knot.ply 'as it is.fxs' --up 0.2,-0.5,0.1 --start-view 3,-2,-5,0,0,0
+"$fixsplat" publish 'as it is.fxs' a/b/site --size 64x36 >logs/out 2>logs/err
+check "a large .fxs as it is, in folders that were not there" cmp a/b/site/as-it-is.fxs 'as it is.fxs'
+check "what would be gained" grep -Eqx "fixsplat: as it is.fxs: taken as it is, 0\.1 MB in profile default; [23]\.[0-9] times \
+smaller, with less detail, by: fixsplat publish --size 64x36 'as it is.fxs' a/b/site --profile small" logs/err
+eval "$(sed 's/.*by: fixsplat/succeeds "by that command"/' logs/err)"
+"$fixsplat" convert 'as it is.fxs' small-anew.fxs --profile small --quiet
+check "--profile packs an .fxs anew" cmp a/b/site/as-it-is.fxs small-anew.fxs
+check "with its start" equal "$("$fixsplat" info a/b/site/as-it-is.fxs | grep -e '^up' -e '^start')" \
+    "$("$fixsplat" info 'as it is.fxs' | grep -e '^up' -e '^start')"
+"$fixsplat" publish 'as it is.fxs' a --levels --size 64x36 --quiet 2>logs/err
+check "a folder of something else" equal "$? $(grep -c 'not empty' logs/err)" "1 1"
+"$fixsplat" publish 'as it is.fxs' a/b/site --levels --size 64x36 --quiet >logs/out
+"$fixsplat" convert 'as it is.fxs' levels-anew.fxs --levels
+check "--levels too, in its own profile" cmp a/b/site/as-it-is.fxs levels-anew.fxs
 check "what was there stays" [ -f site/knot.fxs ]
 check "--profile" "$fixsplat" publish knot.ply whole --size 64x36 --profile default --quiet
 "$fixsplat" convert knot.ply default.fxs
@@ -64,6 +77,10 @@ head -c 200 knot.ply >short.ply
 fails "a damaged scene" 1 "short.ply" publish short.ply new2 --quiet
 mkdir nothing
 fails "a folder without scenes" 1 "nothing: no scene in this folder" publish nothing new3
+mkdir -p 'of photos/images' && cp poster.jpg 'of photos/images'
+fails "a folder of photographs" 1 \
+    "of photos: a folder of photographs: fit a scene to them first: fixsplat fit 'of photos' -o scene.fxs" publish 'of photos' new3
+fails "a file for a folder" 1 "knot.ply: not a folder" publish small.fxs knot.ply/site
 FIXSPLAT_WEB=$work/nowhere fails "no page" 1 "FIXSPLAT_WEB=.*: the page is not there" publish knot.ply new3
 check "nothing is made then" [ ! -e new3 ]
 unset FIXSPLAT_WEB

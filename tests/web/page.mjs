@@ -323,6 +323,56 @@ const tests = {
     assert.match((await told('error'))[0], /none\.ply: there is no such file/)
   },
 
+  async 'turns about what an .fxs says is up, about no axis, or about what is given'() {
+    const [ups, given] = [[0.5, -0.8660254, 0], [0.6, -0.64, 0.48]]
+    const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0)
+    const near = (a, b) => assert.ok(a.every((x, i) => Math.abs(x - b[i]) < 2e-4), `${a} is not ${b}`)
+    /** How far a camera is rolled where that is up, and how far it is turned and above what it looks at. */
+    const seen = async (up) => {
+      const { eye, look, up: top } = await inside('return v.camera')
+      const [b, a] = [top, eye.map((x, i) => x - look[i])]
+      const right = [b[1] * a[2] - b[2] * a[1], b[2] * a[0] - b[0] * a[2], b[0] * a[1] - b[1] * a[0]]
+      return [dot(right, up) / Math.hypot(...right), dot(a, up), eye]
+    }
+    const dragged = async (dx, dy) => {
+      await page.mouse.move(300, 180)
+      await page.mouse.down()
+      await page.mouse.move(300 + dx, 180 + dy, { steps: 4 })
+      await page.mouse.up()
+    }
+    const turns = async (wanted) => {
+      const up = await inside('return v.settings.up')
+      near(up, wanted)
+      const [roll, height, eye] = await seen(up)
+      await dragged(150, 0)
+      const [rolled, same, elsewhere] = await seen(up)
+      near([roll, rolled, same], [0, 0, height])
+      assert.ok(Math.hypot(...eye.map((x, i) => x - elsewhere[i])) > 1)
+      await dragged(-90, 60)
+      near([(await seen(up))[0]], [0])
+    }
+    await go('?scene=/scenes/leant.fxs')
+    await still()
+    near((await seen(ups))[2], [3, -2, -5])
+    await turns(ups)
+    // A camera of a settings file that is not rolled there leaves up as it is; another says what is up.
+    const readCamera = (camera) =>
+      inside('await v.readSettings({ fixsplat: 1, camera: args[0] })', { fov: 40, ...camera })
+    const { eye, look, up } = await inside('return v.camera')
+    await readCamera({ eye, look, up })
+    await turns(ups)
+    await readCamera({ eye: [0, 0, -9], look: [0, 0, 0], up: [0, -1, 0] })
+    near(await inside('return v.settings.up'), [0, -1, 0])
+    await inside('v.settings = { up: args[0] }', given.map((x) => 3 * x))
+    near(await inside('return v.settings.up.map((x) => x / 3)'), given)
+    await dragged(150, 0)
+    near([(await seen(given))[0]], [0])
+    // Of views of a file too: what the scene says is up goes before them.
+    await go('?scene=/scenes/leant.fxs&cameras=/scenes/cameras.json')
+    await still()
+    near(await inside('return v.settings.up'), ups)
+  },
+
   async 'errors in words; the page goes on'() {
     const wrong = {
       'none.ply': /no such file/,

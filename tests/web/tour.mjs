@@ -294,7 +294,7 @@ const tests = {
     await until('v.paused')
     near(await numbersOf(), [-9, 0, 0, 0, 0, 0, 0, -1, 0, 40])
     const none = await inside(`return v.goTo(500).catch((error) => error.message)`)
-    assert.match(none, /annotation 500: there are 3/)
+    assert.match(none, /annotation 500: there are 3, expected 0 to 2$/)
     assert.match(await inside(`v.tracks = [{ keys: [{ time: -1 }] }]; await new Promise((done) => setTimeout(done, 100));
       return $('words').textContent`), /tracks 1, key 1.eye: expected three numbers/)
   },

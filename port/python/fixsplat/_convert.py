@@ -57,7 +57,8 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     The scene is first turned, scaled and moved, in this order, with its SH, in the axes of a .ply (x right, y down, z
     to the front). Then Gaussians are left out, by where they are now; neighbours are merged last.
 
-    up: a direction of shape (3,), which is turned to up, (0, -1, 0), by the shortest way.
+    up: a direction of shape (3,), which is turned to up, (0, -1, 0), by the shortest way. An .fxs then says that this
+    is up (`Scene.up`). An .fxs that is converted to an .fxs keeps what it says of that, and its start view.
     rotate: degrees of shape (3,): a turn about the x axis, then about the y axis, then about the z axis.
     scale: the factor of the size, about the origin, 2^-16 to 2^16.
     translate: the movement, of shape (3,), in scene units.
@@ -91,9 +92,12 @@ def convert(src: Source, dst: PathLike, *, up: Any = None, rotate: Any = None, s
     how = _filter(crop, sphere, prune, drop_floaters, sh_degree)
     how.drawable = not packed or decimate is not None
     placement = _placement(up, rotate, scale, translate)
+    known = None if up is None else list(numbers("up", up, (3,)))
     with Calls(progress) as calls, _open(src, out, (level, axes, max_gaussians, max_memory), calls) as stream:
         if not lib.fxs_placement_is_plain(placement):
-            stream.place(placement)
+            stream.place(placement, known)
+        elif known is not None:
+            stream.info.start.up = known
         kept = stream.filter(how)
         if decimate is not None:
             stream.decimate(target or math.ceil(share * stream.info.count))

@@ -173,8 +173,8 @@ class Stream:
                      antialiased=bool(gaussians.antialiased), read=read)
         return cls("arrays", calls, "fxs_scene_file_open_gaussians", source, NULL, kept=(source, read))
 
-    def place(self, whole_scene: Struct) -> None:
-        """Turns, scales and moves all Gaussians."""
+    def place(self, whole_scene: Struct, up: "Optional[list[float]]" = None) -> None:
+        """Turns, scales and moves all Gaussians, and what is up there before."""
         world, placement, file = new("fxs_world"), new("fxs_placement"), ffi.new("uint32_t *")
         files, merged = ffi.new("fxs_scene_file *[]", [self.handle]), new("fxs_scene_file *")
         info = copy(self.info)
@@ -182,6 +182,8 @@ class Stream:
             call("fxs_world_add_file", world, os.fsencode(self.name), file)
             lib.fxs_placement_init(placement, 0, 0)
             call("fxs_world_add", world, placement)
+            if up is not None:
+                world.up = up
             lib.fxs_world_place(world, whole_scene)
             self.handle = NULL
             call("fxs_world_merge", world, files, info, merged, self.info)

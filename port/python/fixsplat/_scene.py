@@ -143,14 +143,22 @@ class Scene:
         scene units. It is the box for a camera that shows the whole scene."""
         return self.memory.inner_box
 
+    @property
+    def up(self) -> "Optional[npt.NDArray[np.float64]]":
+        """The direction that is up in the scene, of length 1, as the .fxs says it; None where it does not."""
+        start = new("fxs_start")
+        lib.fxs_start_of(start, self.memory.data)
+        up = np.array(list(start.up))
+        return up if up.any() else None
+
     def frame(self, width: int, height: int, *, fov: Optional[float] = None,
               up: Optional[Sequence[float]] = None) -> Camera:
         """Makes a camera as `fixsplat render` does without one: the start view that an .fxs keeps, else one that shows
-        most of the scene, upright, which small pictures from many sides find. width, height: the size of the picture
-        in pixels. fov: the vertical field of view, 1 to 170 degrees; None stands for that of the start view, or 50. up:
-        the direction that is up. With it, the camera shows the whole scene from the front and slightly above. With
-        `fov` or `up`, the start view is not taken."""
-        view, found = new("fxs_file_view"), ffi.new("double[3]")
+        most of the scene, upright by `Scene.up` or as found, which small pictures from many sides find. width, height:
+        the size of the picture in pixels. fov: the vertical field of view, 1 to 170 degrees; None stands for that of
+        the start view, or 50. up: the direction that is up. With it, the camera shows the whole scene from the front
+        and slightly above. With `fov` or `up`, the start view is not taken."""
+        view, start = new("fxs_file_view"), new("fxs_start")
         low, high = self.inner_box
         size = whole("width", width, 1, lib.FXS_MAX_SIZE), whole("height", height, 1, lib.FXS_MAX_SIZE)
         angle = number("fov", 50 if fov is None else fov, 1, 170)
@@ -159,7 +167,8 @@ class Scene:
         elif up is None:
             placed, memory = new("fxs_object"), self.memory
             lib.fxs_object_init(placed, memory.scene)
-            call("fxs_first_view", placed, 1, low, high, angle, *size, view, found)
+            lib.fxs_start_of(start, memory.data)
+            call("fxs_first_view_upright", placed, 1, low, high, start.up, angle, *size, view)
         else:
             call("fxs_view_frame_box", view, low, high, list(numbers("up", up, (3,))), angle, *size)
         return Camera._of(view)

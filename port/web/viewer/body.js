@@ -84,7 +84,8 @@ const check = (name, words, more = '') => `<label>${words} <input name="${name}"
 
 const settings = `
 <label>Background <input name="background" type="color" value="#0e1116"></label>
-<label>Angle of view <input name="fov" type="range" min="20" max="100" value="50"></label>
+<label>Angle of view <output id="angle"></output>
+  <input name="fov" type="range" min="20" max="100" value="50" aria-label="Angle of view"></label>
 <label>Speed <input name="speed" type="range" min="0.1" max="2" step="0.1" value="0.5"></label>
 <label id="tall" hidden>Height of the eye <input name="eyeHeight" type="range" min="-2" max="2" step="0.1"></label>
 <label>Picture <select name="sharpness">

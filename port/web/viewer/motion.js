@@ -45,6 +45,19 @@ export function orbit(camera, sceneUp, right, down) {
   return { ...camera, eye: add(camera.look, back), up }
 }
 
+/** Whether a camera stands upright where that is up, however steeply it looks. */
+export function isLevel(camera, sceneUp) {
+  const { right, down } = axes(camera)
+  const up = unit(sceneUp)
+  return Math.abs(dot(right, up)) < 1e-3 && dot(down, up) < 1e-3
+}
+
+/** The same view with that up in the picture, unless it looks along it. */
+export function level(camera, sceneUp) {
+  const up = unit(sceneUp)
+  return Math.abs(dot(axes(camera).forward, up)) > 0.9998 ? camera : { ...camera, up }
+}
+
 /** In place. */
 export function lookAround(camera, sceneUp, right, down) {
   const [ahead, up] = turn(camera, add(camera.look, camera.eye, -1), sceneUp, right, down)

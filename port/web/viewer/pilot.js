@@ -26,6 +26,7 @@ export class Pilot {
   #element
   #moved
   #scene = null
+  #given = false // up is: not as the scene or a file has it
   #actedAt = 0
   #turning = 0 // the next frame of turning by itself
 
@@ -45,13 +46,20 @@ export class Pilot {
     this.views = views
     this.index = 0
     this.home = views.length ? () => null : home
-    this.up = views.length ? motion.upOf(views, this.up) : this.#scene.first.up
-    this.up = this.home()?.up ?? this.up
+    const { first } = this.#scene
+    this.#given = false
+    this.up = views.length && !first.known ? motion.upOf(views, this.up) : first.up
+    const settings = this.home()
+    if (settings && !motion.isLevel(settings, this.up)) this.up = settings.up
     this.show(view ?? this.start)
   }
 
   /** The view that it starts with and goes back to: of the file of views, of the scene, or the whole scene. */
   get start() {
+    return this.#given ? motion.level(this.#begins, this.up) : this.#begins
+  }
+
+  get #begins() {
     const home = this.home()
     if (home) return home
     const view = this.views[this.index] ?? (this.up === this.#scene.first.up ? this.#scene.start : null)
@@ -137,6 +145,7 @@ export class Pilot {
 
   /** Without a direction, as it was found in the scene. */
   upright(up) {
+    this.#given = !!up
     this.up = up ?? this.#scene?.first.up ?? UPRIGHT
     if (this.#scene) this.show(this.start)
   }

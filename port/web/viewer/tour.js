@@ -141,10 +141,11 @@ export class Tour {
     return this.#index
   }
 
-  /** Flies to one, by its number from 0, and opens its caption. */
-  async goTo(index) {
-    const one = this.#annotations[index]
-    if (!one) throw new Error(`annotation ${index}: there are ${this.#annotations.length}`)
+  /** Flies to one, by its number from 0, and opens its caption. Errors number them from `from` on. */
+  async goTo(index, from = 0) {
+    const [one, { length }] = [this.#annotations[index], this.#annotations]
+    const range = length ? `, expected ${from} to ${from + length - 1}` : ''
+    if (!one) throw new Error(`annotation ${index + from}: there are ${length}${range}`)
     this.pause()
     this.#choose(index)
     const current = this.#host.current()

@@ -325,7 +325,7 @@ export class Viewer extends HTMLElement {
 
   #goToAttribute() {
     const number = Number(this.getAttribute('annotation'))
-    if (number) this.goTo(number - 1).catch((error) => this.#fail(error))
+    if (number) this.#tourNow().then((tour) => tour.goTo(number - 1, 1)).catch((error) => this.#fail(error))
   }
 
   get annotations() {
@@ -1106,6 +1106,7 @@ export class Viewer extends HTMLElement {
     const { walks, walker } = this.#pilot
     this.#ui.tall.hidden = !walks || !walker
     if (walker) this.#panels.set({ eyeHeight: Math.log2(walker.height / walker.usual) })
+    this.#ui.angle.textContent = `${Math.round(camera?.fov ?? this.#pilot.fov)}°`
   }
 
   #fullScreen() {
@@ -1206,6 +1207,7 @@ export class Viewer extends HTMLElement {
     if (name === 'eyeHeight') value = this.#pilot.walker.usual * 2 ** value
     const up = name === 'up' && value ? value.split(',').map(Number) : null
     this.#table[name][1](name === 'up' ? up : type === 'checkbox' ? checked : value)
+    if (name === 'fov') this.#showSettings()
     this.#change()
   }
 

@@ -170,18 +170,22 @@ FXS_API int fxs_fit_gaussians(fxs_fit *fit, fxs_gaussian_source *gaussians, fxs_
    ownership are those of fxs_pack. `report` may be null. */
 FXS_API int fxs_fit_pack(fxs_fit *fit, fxs_packed_scene *scene, fxs_pack_report *report, fxs_message *message);
 
-/* What a fit was cropped to. */
+/* What a fit is cropped to. */
 typedef struct fxs_fit_subject {
     double middle[3], radius;      /* scene units */
-    size_t dropped;                /* Gaussians */
+    size_t dropped;                /* Gaussians, where it was cropped */
 } fxs_fit_subject;
 
-/* Leaves out of a fit that is at its end what lies around its subject: Gaussians that reach beyond a sphere by their
-   largest sigma. Its middle is the point that is nearest to the axes of all cameras (least squares); its radius is the
-   median over the cameras of how far they see to the nearer edge of their picture at the depth of that point. Returns 0,
-   or an error and a message: FXS_ERR_ARGUMENT and the fit as it was where the cameras do not look at one thing (their
-   axes are nearly parallel, or more than a quarter of them do not have the point in the middle half of their width and
-   height), or where nothing would be left; FXS_ERR_MEMORY or FXS_ERR_DEVICE like fxs_fit_step. */
+/* Finds the one thing that the cameras of a fit look at, a sphere. Its middle is the point that is nearest to the axes
+   of all cameras (least squares); its radius is the median over the cameras of how far they see to the nearer edge of
+   their picture at the depth of that point. Returns 0, or an error and a message: FXS_ERR_ARGUMENT where the cameras do
+   not look at one thing (their axes are nearly parallel, or more than a quarter of them do not have the point in the
+   middle half of their width and height), or FXS_ERR_MEMORY. */
+FXS_API int fxs_fit_find_subject(const fxs_fit *fit, fxs_fit_subject *subject, fxs_message *message);
+
+/* Leaves out of a fit that is at its end what lies around its subject: Gaussians that reach beyond the sphere by their
+   largest sigma. Returns 0, or an error and a message, those above, and FXS_ERR_ARGUMENT and the fit as it was where
+   nothing would be left; FXS_ERR_MEMORY or FXS_ERR_DEVICE like fxs_fit_step. */
 FXS_API int fxs_fit_crop_to_subject(fxs_fit *fit, fxs_fit_subject *subject, fxs_message *message);
 
 /* Keeps the view to begin with in a packed scene at `data`, for fxs_file_write: that of the photograph that was taken

@@ -13,6 +13,7 @@
 
 #include "fixsplat.h"
 #include "input.h"
+#include "start.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -48,6 +49,7 @@ typedef struct fxs_scene_file_info {
     int linear_light;     /* 1: a glTF has colours of linear light, which are turned into sRGB Gaussian by Gaussian:
                              where different colours blend, that is not the picture of linear light */
     int log_scales;       /* 1: a glTF has logarithms for scales, as in a draft, and is read so */
+    fxs_start start;      /* of an .fxs: what is up, and its start view, which fxs_pack keeps */
 } fxs_scene_file_info;
 
 /* Reads the next Gaussians, at most `capacity`; some formats return fewer also before the end. Returns their number, 0

@@ -58,13 +58,14 @@ extern "C" {
 #define FXS_PACKED_VERSION 3u             /* without a tree, */
 #define FXS_PACKED_VERSION_TREE 4u        /* with one */
 #define FXS_PACKED_ANTIALIASED 1u
+#define FXS_PACKED_UP 0x80000000u       /* the bits below say what is up: docs/format.md, fxs_start_of */
 
 typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t magic, version;
     uint32_t count, chunk_count;     /* count: slots up to the last Gaussian, with the holes */
     uint32_t chunk_bytes;            /* of a chunk's rows */
     uint32_t sh_degree;
-    uint32_t flags;                  /* FXS_PACKED_ANTIALIASED */
+    uint32_t flags;                  /* FXS_PACKED_ANTIALIASED, FXS_PACKED_UP with its bits */
     uint32_t checksum;               /* in a file: CRC-32 of the header with 0 here; in memory: 0 */
     int64_t low_q32[3], high_q32[3];               /* bounds of the centres; not read by the renderer */
     int64_t inner_low_q32[3], inner_high_q32[3];   /* of what is seen: docs/format.md */
@@ -73,7 +74,7 @@ typedef struct fxs_packed_header {   /* 192 bytes */
     uint32_t palette_step_q19;       /* a coefficient of a palette is its number * step; at most 32767 */
     uint32_t palette_checksum;       /* in a file: CRC-32 of the palette */
     uint32_t holes;                  /* slots among them that hold no Gaussian */
-    uint32_t start_tangent_q24;      /* start view (camera.h): of half the vertical field of view; 0: there is none, */
+    uint32_t start_tangent_q24;      /* start view (start.h): of half the vertical field of view; 0: there is none, */
     int64_t start_q32[3];            /* the camera's centre, */
     int32_t start_rotation_q30[4];   /* and the unit quaternion w, x, y, z of its rotation, world to camera */
 } fxs_packed_header;

@@ -80,9 +80,14 @@ FXS_API int fxs_first_view(const fxs_object *objects, uint32_t count, const doub
                            double fov, int32_t width, int32_t height, fxs_file_view *view, double up[3],
                            fxs_message *message);
 
+/* The same where it is known what is up: `up` of any length; all 0: it is found. */
+FXS_API int fxs_first_view_upright(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
+                                   const double up[3], double fov, int32_t width, int32_t height, fxs_file_view *view,
+                                   fxs_message *message);
+
 /* Makes a camera of the start view of an .fxs (camera.h) where it has one, else of that view for the scene alone, with
-   a field of view of 50 degrees; one that is read in part is framed whole instead. Errors: those of fxs_first_view,
-   FXS_ERR_CAMERA. */
+   a field of view of 50 degrees, by what the file says is up; one that is read in part is framed whole instead. Errors:
+   those of fxs_first_view, FXS_ERR_CAMERA. */
 FXS_API int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
                               fxs_message *message);
 

@@ -36,6 +36,7 @@ typedef struct fxs_world {
     char **files;                  /* different paths */
     fxs_placement *objects;
     uint32_t file_count, count, room;
+    double up[3];                  /* the direction that is up, of any length; all 0: as the files say */
 } fxs_world;
 
 /* Sets a placement that changes nothing: at the origin, visible. */
@@ -75,18 +76,23 @@ FXS_API int fxs_object_place(fxs_object *object, const fxs_scene *scene, const f
 /* The rows of scale * rotation, followed by the translation. fxs_object_place must accept the placement. */
 FXS_API void fxs_placement_matrix(const fxs_placement *placement, double rows[3][4]);
 
+/* Turns and moves what a file says of its start, as an object of it is placed. A start view whose camera would be out
+   of range is dropped. */
+FXS_API void fxs_placement_start(const fxs_placement *placement, fxs_start *start);
+
 /* Finds the box in the world around the part of the file's box that the crops keep. Returns 0 where they keep none. */
 FXS_API int fxs_placement_box(const fxs_placement *placement, const double low[3], const double high[3],
                               double world_low[3], double world_high[3]);
 
-/* Applies a placement to all objects of a world, as if they were one object. */
+/* Applies a placement to all objects of a world, and to what is up in it, as if they were one object. */
 FXS_API void fxs_world_place(fxs_world *world, const fxs_placement *whole);
 
 /* Makes one stream of the open files of a world, which are in the order of world->files, as are `infos`. It gives the
    Gaussians of each visible object in turn, with the object's crops, opacity and tint, and with SH turned. It owns the
    files from then on, also where this fails. All files must be anti-aliased, or none. Where there are crops, the files
-   are read once to count the Gaussians that are left. fxs_object_place must accept the placements. Returns 0, or an
-   FXS_ERR_* and a message. */
+   are read once to count the Gaussians that are left. info->start has what is up in the world, or where that is not
+   known in the first object of which a file says it, and the start view of the first object that has one.
+   fxs_object_place must accept the placements. Returns 0, or an FXS_ERR_* and a message. */
 FXS_API int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_scene_file_info *infos,
                             fxs_scene_file **merged, fxs_scene_file_info *info, fxs_message *message);
 

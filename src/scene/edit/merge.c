@@ -1,11 +1,14 @@
 #include <fixsplat/world.h>
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
 #include "src/gaussian/transform_internal.h"
+
+#define FARTHEST 0x1p28             /* of the centre of a start view, scene units */
 
 /* The changes that an object makes to the Gaussians of its file. */
 typedef struct part {
@@ -57,6 +60,14 @@ static void multiply(double out[4], const double a[4], const double b[4])
     out[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
     out[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
     out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+}
+
+/* world to camera: camera * rotation^-1, of unit quaternions */
+static void turn_camera(double camera[4], const double rotation[4])
+{
+    const double back[4] = {rotation[0], -rotation[1], -rotation[2], -rotation[3]};
+    const double old[4] = {camera[0], camera[1], camera[2], camera[3]};
+    multiply(camera, old, back);
 }
 
 static void turn(const part *p, fxs_gaussian *g, int sh_degree)
@@ -170,13 +181,8 @@ static void close_all(fxs_scene_file **files, uint32_t count)
         fxs_scene_file_close(files[i]);
 }
 
-static void part_init(part *p, const fxs_placement *placement)
+static void normalise(double to[4], const double q[4])
 {
-    const double *q = placement->rotation, *t = placement->translation, *tints = placement->tint;
-    p->placement = *placement;
-    fxs_placement_matrix(placement, p->rows);
-    fxs_transform_init(&p->turn, p->rows);
-    p->log_scale = placement->scale == 1 ? 0 : fxs_log(placement->scale);
     int scale;                     /* exponent of the largest component, so that squares stay in range */
     double square = 0, most = 0;
     for (int i = 0; i < 4; i++)
@@ -185,10 +191,54 @@ static void part_init(part *p, const fxs_placement *placement)
     for (int i = 0; i < 4; i++)
         square += ldexp(q[i], -scale) * ldexp(q[i], -scale);
     for (int i = 0; i < 4; i++)
-        p->placement.rotation[i] = ldexp(q[i], -scale) / sqrt(square);
+        to[i] = ldexp(q[i], -scale) / sqrt(square);
+}
+
+static void part_init(part *p, const fxs_placement *placement)
+{
+    const double *q = placement->rotation, *t = placement->translation, *tints = placement->tint;
+    p->placement = *placement;
+    fxs_placement_matrix(placement, p->rows);
+    fxs_transform_init(&p->turn, p->rows);
+    p->log_scale = placement->scale == 1 ? 0 : fxs_log(placement->scale);
+    normalise(p->placement.rotation, q);
     p->is_turned = q[1] != 0 || q[2] != 0 || q[3] != 0;
     p->is_moved = p->is_turned || placement->scale != 1 || t[0] != 0 || t[1] != 0 || t[2] != 0;
     p->is_tinted = tints[0] != 1 || tints[1] != 1 || tints[2] != 1;
+}
+
+void fxs_placement_start(const fxs_placement *placement, fxs_start *start)
+{
+    const fxs_start old = *start;
+    double rows[3][4], q[4];
+    int in_range = start->tangent > 0;
+    fxs_placement_matrix(placement, rows);
+    normalise(q, placement->rotation);
+    turn_camera(start->rotation, q);
+    for (int i = 0; i < 3; i++) {
+        const double *r = rows[i], *p = old.position;
+        start->up[i] = (r[0] * old.up[0] + r[1] * old.up[1] + r[2] * old.up[2]) / placement->scale;
+        start->position[i] = r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3];
+        in_range = in_range && fabs(start->position[i]) < FARTHEST;
+    }
+    if (!in_range)
+        memset(&start->tangent, 0, sizeof *start - offsetof(fxs_start, tangent));
+}
+
+static int is_known(const double up[3])
+{
+    return up[0] != 0 || up[1] != 0 || up[2] != 0;
+}
+
+/* What the object adds to what is known of the start of all. */
+static void add_start(fxs_start *all, const fxs_placement *p, const fxs_scene_file_info *own)
+{
+    fxs_start start = own->start;
+    fxs_placement_start(p, &start);
+    if (!is_known(all->up))
+        memcpy(all->up, start.up, sizeof all->up);
+    if (!(all->tangent > 0))
+        memcpy(&all->tangent, &start.tangent, sizeof start - offsetof(fxs_start, tangent));
 }
 
 /* Lists the visible objects and fills in *info for them together. Returns 0, or an error. */
@@ -197,6 +247,7 @@ static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_f
 {
     r->sh_degree = info->sh_degree = 0;
     info->count = 0;
+    memcpy(info->start.up, world->up, sizeof world->up);
     for (uint32_t i = 0; i < world->count; i++) {
         const fxs_placement *p = &world->objects[i];
         const fxs_scene_file_info *own = &infos[p->file];
@@ -209,6 +260,7 @@ static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_f
         }
         part_init(&r->parts[r->count++], p);
         info->count += own->count;
+        add_start(&info->start, p, own);
         info->sh_degree = own->sh_degree > info->sh_degree ? own->sh_degree : info->sh_degree;
     }
     r->sh_degree = info->sh_degree;
@@ -246,6 +298,9 @@ void fxs_world_place(fxs_world *world, const fxs_placement *whole)
 {
     double rows[3][4];
     fxs_placement_matrix(whole, rows);
+    const double up[3] = {world->up[0], world->up[1], world->up[2]};
+    for (int k = 0; k < 3; k++)
+        world->up[k] = rows[k][0] * up[0] + rows[k][1] * up[1] + rows[k][2] * up[2];
     for (uint32_t i = 0; i < world->count; i++) {
         fxs_placement *p = &world->objects[i];
         const fxs_placement old = *p;

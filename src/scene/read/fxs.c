@@ -82,6 +82,9 @@ static int fxs_open_file(void *data, const fxs_scene_source *source, fxs_scene_f
     r->source = source;
     fxs_crc32_fill(&r->crc);
     FXS_TRY(take_header(r, &header, message));
+    fxs_packed_header_turn(&header);
+    fxs_start_of(&info->start, &header);
+    fxs_packed_header_turn(&header);
     const uint64_t palette_at = sizeof header + (uint64_t)r->scene.chunk_count * sizeof(fxs_chunk);
     const size_t palette_bytes = (size_t)(r->rows_at - palette_at);
     FXS_TRY(fxs_scene_source_read(source, palette_at, r->palette, palette_bytes, message));

@@ -1,0 +1,58 @@
+#define _XOPEN_SOURCE 700   /* open_memstream */
+#include "publish_scene.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <fixsplat/fxs_file.h>
+#include <fixsplat/pack.h>
+#include "command.h"
+
+#define WORTH_SAYING 1.5           /* times smaller */
+
+static int load_anew(loaded_scene *scene, const char *path, const load_options *options)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    return open_scene(path, options, &file, &info) || load_stream(scene, path, options, file, &info);
+}
+
+int publish_load(loaded_scene *scene, const char *path, const load_options *options, int profile)
+{
+    load_options how = *options;
+    if (load_scene(scene, path, options))
+        return EXIT_FAILED;
+    const int was_packed = is_packed(scene);
+    const fxs_scene *own = scene->opened->scene;
+    const int is_other = profile && own->profile != options->profile, lacks_tree = options->tree && !own->nodes;
+    const int anew = was_packed && (is_other || (lacks_tree && own->chunk_count > 1));
+    how.profile = profile ? options->profile : own->profile;
+    how.tree |= own->nodes != 0;
+    if (anew) {
+        free_scene(scene);
+        if (load_anew(scene, path, &how))
+            return EXIT_FAILED;
+    }
+    if (anew || !was_packed)
+        fxs_file_seal((void *)(uintptr_t)scene->opened->data, scene->opened->bytes);   /* packed here, so no file's */
+    return 0;
+}
+
+void publish_say_gain(const loaded_scene *scene, char *const *words)
+{
+    const fxs_scene *own = scene->opened->scene;
+    const size_t small = fxs_pack_bytes(scene->opened->info, FXS_PROFILE_SMALL) * (own->nodes ? 2 : 1);
+    const double times = small ? (double)scene->opened->bytes / (double)small : 0;
+    char *text = 0;
+    size_t size;
+    FILE *file = times < WORTH_SAYING ? 0 : open_memstream(&text, &size);
+    if (!file)
+        return;
+    fputs("fixsplat", file);
+    for (; *words; words++)
+        write_shell_word(file, *words);
+    if (!fclose(file))
+        note("%s: taken as it is, %.1f MB in profile %s; %.1f times smaller, with less detail, by: %s --profile small",
+             scene->path, (double)scene->opened->bytes * 1e-6, profile_names[own->profile], times, text);
+    free(text);
+}
