@@ -10,10 +10,10 @@ const isOf = (names) => (file) =>
 const isIndex = isOf(INDEX)
 const folderOf = (file) => (file.webkitRelativePath || file.name).replace(/[^/]*$/, '')
 
-/** All files of a drop. What comes of a folder has its path as its name, as scenes of several files need it. */
-export async function filesOf(data) {
-  const entries = [...data.items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean)
-  if (!entries.some((entry) => entry.isDirectory)) return [...data.files]
+/** All files of a drop, of its entries and its files. What comes of a folder has its path as its name, as scenes of
+    several files need it. */
+export async function filesOf(entries, dropped) {
+  if (!entries.some((entry) => entry.isDirectory)) return dropped
   const files = []
   for (const entry of entries) await take(entry, files)
   return files

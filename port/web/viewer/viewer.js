@@ -1,7 +1,6 @@
 // The element <fixsplat-viewer src=... cameras=... view=...>, which shows scenes in a page: that of `src`, and those of
 // the elements <fixsplat-scene> in it. The page index.html consists of one such element.
 import { addressIn } from '../fixsplat_assets.js'
-import { scenesIn, filesOf } from './drop.js'
 import { Engine } from './engine.js'
 import { listenToKeys, listenToPointers } from './input.js'
 import { Pilot } from './pilot.js'
@@ -791,10 +790,18 @@ export class Viewer extends HTMLElement {
     this.#showSettings()
   }
 
+  async #takeDrop(entries, files) {
+    try {
+      await this.#openFiles(await (await import('./drop.js')).filesOf(entries, files))
+    } catch (error) {
+      this.#fail(error)
+    }
+  }
+
   /** Scenes among files, each in the order of its name, and a list of views. */
   async #openFiles(files) {
-    const { scenes, views } = scenesIn(files)
     try {
+      const { scenes, views } = (await import('./drop.js')).scenesIn(files)
       if (scenes.length && !(await this.#openScenes(scenes))) return
       if (!scenes.length && !views) throw new Error(files.length ? 'no scene' : 'no files')
       if (!views) return
@@ -1268,7 +1275,8 @@ export class Viewer extends HTMLElement {
     this.addEventListener('dragleave', over(false))
     this.addEventListener('drop', (event) => {
       over(false)(event)
-      filesOf(event.dataTransfer).then((files) => this.#openFiles(files))
+      const { items, files } = event.dataTransfer // empty when the event is over
+      this.#takeDrop([...items].map((item) => item.webkitGetAsEntry?.()).filter(Boolean), [...files])
     })
   }
 }
