@@ -136,7 +136,7 @@ $(B)/kernels/%/shaders.h: make/build.mk
 	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
 WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/framebuffer.o)
 $(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
-$(WITH_SHADERS): CPPFLAGS += -I$(@D)
+$(WITH_SHADERS): INCLUDES += -I$(@D)
 
 # What the headers declare, as a text that the library carries.
 $(B)/declarations.c: $(HEADERS) tools/declarations.sh make/build.mk $(B)/commands/compile
@@ -153,6 +153,4 @@ FOLDERS := src/* src/*/* kernels kernels/* kernels/*/* port/* port/*/* tools tes
 .PRECIOUS: $(B)/%.o
 
 demo: all ## make a procedural scene and render it to demo.png
-	$(B)/fixsplat make-scene knot --count 200000 -o demo.ply
-	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
-	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
+	$(B)/fixsplat demo
