@@ -2,7 +2,7 @@
 
 # Compiler, kernels for its processors and optional libraries, as of the last change of any (tools/probe.sh). Without a
 # library, its feature answers with a clear message.
-ifneq ($(filter-out clean help headers core-headers uninstall,$(GOALS)),)
+ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall,$(GOALS)),)
 quoted = '$(subst ','\'',$(1))'
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
     LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/probe.sh $(B) >&2)
@@ -79,8 +79,8 @@ $(ARCHIVES): $(B)/commands/link
 
 link = $(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(1) $(LIBS)
 
-SHARED_FLAGS := -shared -Wl,-soname,$(SONAME)
-$(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(LIBRARY)) $(B)/commands/link
+SHARED_FLAGS := -shared -Wl,-soname,$(SONAME) -Wl,--version-script=tools/package/libfixsplat.map
+$(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(LIBRARY)) tools/package/libfixsplat.map $(B)/commands/link
 	$(call link,$(SHARED_FLAGS))
 
 $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link

@@ -1,6 +1,6 @@
 #!/bin/sh
-# tools/static_libraries.sh FOLDER MACHINE: the libraries that `make dist` links in, as FOLDER/include and FOLDER/lib, for
-# the machine that MACHINE-gcc compiles for (x86_64-linux-gnu). From Debian's sources with its patches, each by its own
+# tools/static_libraries.sh FOLDER MACHINE: the libraries that `make dist` links in, as FOLDER/include and FOLDER/lib,
+# for the machine that MACHINE-gcc compiles for (x86_64-linux-gnu). From Debian's sources with its patches, each by its own
 # build, and anew when those installed here change: Debian's own archives are not for shared libraries (no -fPIC), its
 # libzip needs OpenSSL and its libmicrohttpd GnuTLS, and cJSON and qrencode have no archive. The sources come from this
 # system's Debian repositories, by apt, which checks signatures, and whose own state stays as it is. FOLDER/licences has
