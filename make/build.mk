@@ -2,8 +2,8 @@
 
 # Compiler, kernels for its processors and optional libraries, as of the last change of any (tools/probe.sh). Without a
 # library, its feature answers with a clear message.
-ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall,$(GOALS)),)
 quoted = '$(subst ','\'',$(1))'
+ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall,$(GOALS)),)
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
     LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/probe.sh $(B) >&2)
 include $(B)/probe.mk
