@@ -22,7 +22,7 @@ FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=
 # One set of objects for the static and the shared libraries. The shared one shows what is declared FXS_API.
 PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition -fvisibility=hidden)
 NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
-             -gencode arch=compute_80,code=compute_80 \
+             -gencode arch=compute_80,code=compute_80 -gencode arch=compute_75,code=compute_75 \
              -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC,-fvisibility=hidden
 LIBS := $(foreach name,CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES CURL CUDA,$(LIBS_$(name))) \
         -lm -lpthread
