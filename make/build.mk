@@ -112,9 +112,12 @@ $(B)/%.o: %.c $(B)/commands/compile
 	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(call isa,$*) -MMD -MP -c -o $@ $<
 	@$(features)
 
+# Names have a hash of the source's path: of the one that is here, not of the folder's, so that any folder gives the same
+# bytes.
 $(B)/%.o: %.cu $(B)/commands/nvcc
 	@mkdir -p $(@D)
-	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) $(if $(findstring fit,$*),-fmad=false) -MMD -MP -c -o $@ $<
+	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -Xcudafe --orig_src_path_name,$< \
+	    $(if $(findstring fit,$*),-fmad=false) -MMD -MP -c -o $@ $<
 
 # These are there only with their library, and do not ask.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL

@@ -46,6 +46,7 @@ complete() {
     archive=$1
     shift
     { echo "create $archive.new"; printf 'addlib %s\n' "$archive" "$@"; echo save; echo end; } | ar -M
+    "$machine-strip" --strip-unneeded "$archive.new"
     mv "$archive.new" "$archive"
 }
 
