@@ -1,10 +1,11 @@
 #!/bin/sh
 # tools/static_libraries.sh FOLDER MACHINE: the libraries that `make dist` links in, as FOLDER/include and FOLDER/lib,
-# for the machine that MACHINE-gcc compiles for (x86_64-linux-gnu). From Debian's sources with its patches, each by its own
-# build, and anew when those installed here change: Debian's own archives are not for shared libraries (no -fPIC), its
-# libzip needs OpenSSL and its libmicrohttpd GnuTLS, and cJSON and qrencode have no archive. The sources come from this
-# system's Debian repositories, by apt, which checks signatures, and whose own state stays as it is. FOLDER/licences has
-# what their packages say of rights. Of a library that cannot be had, a line is printed, and its header says so too.
+# for the machine that MACHINE-gcc compiles for (x86_64-linux-gnu). From Debian's sources with its patches, each by its
+# own build, and anew when those installed here change: Debian's own archives are not for shared libraries (no -fPIC),
+# its libzip needs OpenSSL and its libmicrohttpd GnuTLS, and cJSON and qrencode have no archive. The sources come from
+# this system's Debian repositories, by apt, which checks signatures, and whose own state stays as it is.
+# FOLDER/licences has what their packages say of rights. Of a library that cannot be had, a line is printed, and its
+# header says so too.
 folder=${1:?folder} machine=${2:?machine}
 names='zlib libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libmicrohttpd qrencode'
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev zlib1g-dev
