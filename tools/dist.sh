@@ -14,6 +14,7 @@ version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/include/fixsplat/fix
 name=fixsplat-$version
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH LC_ALL=C TZ=UTC
+"$PYTHON" -c 'import setuptools, wheel, pip' 2>/dev/null || PYTHON=/usr/bin/python3
 out=$build/out source=$build/$name
 rm -rf "$out"
 mkdir "$out"
