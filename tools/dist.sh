@@ -74,7 +74,8 @@ linux() {
     rmdir "$folder/usr/local" "$folder/usr"
     # Of programs for another processor nothing can be asked here.
     [ $arch = "$here" ] || cp -r "$build/tarball/$name-linux-$here/share/." "$folder/share"
-    cp -r "build/web/package" "$folder/share/fixsplat/web"
+    mkdir -p "$folder/share/fixsplat"
+    cp -r build/web/package "$folder/share/fixsplat/web"
     private='-lm -lpthread -ldl'
     set --
     for library in "$libraries"/lib/*.a; do
