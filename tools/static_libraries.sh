@@ -102,7 +102,8 @@ build_qrencode() { made_by_cmake "$1" -DWITH_TOOLS=NO -DWITHOUT_PNG=ON; }
 
 # Headers of Debian's that are the same for every processor, of libraries that are opened at run time.
 link_headers() {
-    for header in EGL GLES2 GLES3 KHR GL stb libheif x86_64-linux-gnu/curl; do
+    own=$(cc -print-multiarch)
+    for header in EGL GLES2 GLES3 KHR GL stb "$own/libheif" "$own/curl"; do
         [ ! -d "/usr/include/$header" ] || ln -sfn "/usr/include/$header" "$there/include/${header##*/}" || return
     done
 }

@@ -91,7 +91,7 @@ python=${PYTHON:-python3}
 "$python" -c 'import numpy, cffi' 2>/dev/null || python=/usr/bin/python3
 if "$python" -m venv venv 2>/dev/null; then
     wheel=$(ls "$dist"/*_"$here".whl)
-    venv/bin/pip install -q --disable-pip-version-check --retries 0 "$wheel" >log 2>&1 ||
+    venv/bin/pip install -q --disable-pip-version-check --retries 0 --timeout 5 "$wheel" >log 2>&1 ||
         { "$python" -m venv --system-site-packages venv &&
             venv/bin/pip install -q --disable-pip-version-check --no-index --no-deps "$wheel" >log 2>&1; }
     check "wheel: renders" bare venv/bin/python -c 'import fixsplat
