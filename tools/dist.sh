@@ -90,7 +90,7 @@ linux() {
     mkdir -p "$documents/licences"
     cp LICENSE NEWS.md README.md docs/install.md "$documents"
     cp "$libraries"/licences/* "$documents/licences"
-    [ -z "$cudart" ] || cp /usr/share/doc/libstdc++-*-dev/copyright "$documents/licences/libstdc++"
+    [ -z "$cudart" ] || cat /usr/share/doc/libstdc++-*-dev/copyright >"$documents/licences/libstdc++"
     cp tools/package/licences.md "$documents/licences/README.md"
     for file in "$folder/bin/fixsplat" "$folder/bin/fixsplat-web" "$folder/lib/libfixsplat.so.$version"; do
         [ -z "$(needs "$file")" ] || { echo "dist: $file is linked with $(needs "$file")" >&2; exit 1; }
