@@ -141,7 +141,9 @@ if [ "$(id -u)" = 0 ] && have mmdebstrap && mmdebstrap --quiet --variant=apt boo
     before=$(du -sk --apparent-size "$root" | cut -f 1)
     cp "$dist"/*.deb knot.ply "$root/tmp"
     # Without what is only recommended, as COLMAP is large.
-    if chroot "$root" sh -c 'apt-get -qq install -y --no-install-recommends /tmp/*.deb' >log 2>&1; then
+    cp /etc/resolv.conf "$root/etc"
+    if chroot "$root" sh -c 'apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y \
+        --no-install-recommends /tmp/*.deb' >log 2>&1; then
         ok "Debian: installed"
     else
         fail "Debian: installed" "$(tail -n 5 log)"
