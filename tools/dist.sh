@@ -73,8 +73,10 @@ linux() {
     mv "$folder"/usr/local/* "$folder"
     rmdir "$folder/usr/local" "$folder/usr"
     # Of programs for another processor nothing can be asked here.
-    [ $arch = "$here" ] || cp -r "$build/tarball/$name-linux-$here/share/." "$folder/share"
     mkdir -p "$folder/share/fixsplat"
+    [ $arch = "$here" ] || for part in man bash-completion fish zsh; do
+        cp -r "$build/tarball/$name-linux-$here/share/$part" "$folder/share"
+    done
     cp -r build/web/package "$folder/share/fixsplat/web"
     private='-lm -lpthread -ldl'
     set --
