@@ -31,10 +31,13 @@ CROSS := mips-linux-gnu powerpc64-linux-gnu powerpc64le-linux-gnu m68k-linux-gnu
 TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-ppc64-cross libc6-dev-ppc64el-cross \
                      libc6-dev-m68k-cross libc6-dev-sparc64-cross libc6-dev-hppa-cross libc6-dev-armel-cross \
                      libc6-dev-mips64el-cross slurm-wlm
+DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ gcc-aarch64-linux-gnu \
+                 libc6-dev-arm64-cross python3-numpy python3-cffi python3-pip python3-setuptools python3-wheel python3-venv
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
 # Where "make setup web" puts the sources of libraries (tools/web_sources.sh), for every clone; WEB_SOURCES= : none.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
 GOALS := $(or $(MAKECMDGOALS),all)
+DIST_GOALS := dist dist-check
 
 # As many jobs as processors, unless told by -j.
 PROCESSORS := $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
@@ -49,9 +52,10 @@ ifneq ($(filter setup,$(GOALS)),)
 
 setup: ## install the Debian packages that are missing (and what the goals behind it need: setup test, setup web)
 	@sh tools/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
-	    $(if $(filter test test-all web web-package,$(GOALS)),$(WEB_PACKAGES)) \
+	    $(if $(filter test test-all web web-package $(DIST_GOALS),$(GOALS)),$(WEB_PACKAGES)) \
+	    $(if $(filter test-all $(DIST_GOALS),$(GOALS)),$(DIST_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES))
-	@$(if $(filter test test-all web web-package,$(GOALS)),$(if $(WEB_SOURCES),sh tools/web_sources.sh $(WEB_SOURCES)))
+	@$(if $(filter test test-all web web-package $(DIST_GOALS),$(GOALS)),$(if $(WEB_SOURCES),sh tools/web_sources.sh $(WEB_SOURCES)))
 	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; \
 	    sh tools/page_modules.sh $(B)/bundlers tests/web/bundlers $(if $(filter test-all,$(GOALS)),,part); sh tools/arm_libraries.sh $(B)/aarch64)
 
@@ -65,10 +69,10 @@ else
 
 # ---- Everything else ------------------------------------------------------------------------------------------------
 
-include $(addprefix make/,build.mk firmware.mk web.mk install.mk test.mk measure.mk)
+include $(addprefix make/,build.mk firmware.mk web.mk install.mk dist.mk test.mk measure.mk)
 
 clean: ## remove what was built
-	rm -rf $(B) demo.ply demo.png
+	rm -rf $(B) dist demo.ply demo.png
 
 .PHONY: all demo firmware web web-package install wheel uninstall headers core-headers check test test-all \
         test-programs cuda-tests golden-update fuzz mutants bench plot size clean peers FORCE

@@ -2,8 +2,8 @@
 
 # Compiler, kernels for its processors and optional libraries, as of the last change of any (tools/probe.sh). Without a
 # library, its feature answers with a clear message.
-ifneq ($(filter-out clean help headers core-headers uninstall,$(GOALS)),)
 quoted = '$(subst ','\'',$(1))'
+ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall,$(GOALS)),)
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
     LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/probe.sh $(B) >&2)
 include $(B)/probe.mk
@@ -22,7 +22,7 @@ FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=
 # One set of objects for the static and the shared libraries. The shared one shows what is declared FXS_API.
 PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition -fvisibility=hidden)
 NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
-             -gencode arch=compute_80,code=compute_80 \
+             -gencode arch=compute_80,code=compute_80 -gencode arch=compute_75,code=compute_75 \
              -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC,-fvisibility=hidden
 LIBS := $(foreach name,CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD GLES CURL CUDA,$(LIBS_$(name))) \
         -lm -lpthread
@@ -79,8 +79,8 @@ $(ARCHIVES): $(B)/commands/link
 
 link = $(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(1) $(LIBS)
 
-SHARED_FLAGS := -shared -Wl,-soname,$(SONAME)
-$(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(LIBRARY)) $(B)/commands/link
+SHARED_FLAGS := -shared -Wl,-soname,$(SONAME) -Wl,--version-script=tools/package/libfixsplat.map
+$(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(LIBRARY)) tools/package/libfixsplat.map $(B)/commands/link
 	$(call link,$(SHARED_FLAGS))
 
 $(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link
@@ -112,9 +112,12 @@ $(B)/%.o: %.c $(B)/commands/compile
 	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(call isa,$*) -MMD -MP -c -o $@ $<
 	@$(features)
 
+# Names have a hash of the source's path: of the one that is here, not of the folder's, so that any folder gives the same
+# bytes.
 $(B)/%.o: %.cu $(B)/commands/nvcc
 	@mkdir -p $(@D)
-	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) $(if $(findstring fit,$*),-fmad=false) -MMD -MP -c -o $@ $<
+	$(call say,NVCC,$<)$(NVCC) $(NVCC_FLAGS) -Xcudafe --orig_src_path_name,$< \
+	    $(if $(findstring fit,$*),-fmad=false) -MMD -MP -c -o $@ $<
 
 # These are there only with their library, and do not ask.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
@@ -136,7 +139,7 @@ $(B)/kernels/%/shaders.h: make/build.mk
 	        -e 's/^ *//' -e 's/ *$$//' -e '/^$$/d' $$f | od -An -v -tu1 | sed 's/[0-9][0-9]*/&,/g'; echo '0};'; done >$@
 WITH_SHADERS := $(addprefix $(B)/kernels/,gles/gles.o compute/compute.o compute/framebuffer.o)
 $(WITH_SHADERS): $(B)/kernels/gles/shaders.h $(B)/kernels/compute/shaders.h
-$(WITH_SHADERS): CPPFLAGS += -I$(@D)
+$(WITH_SHADERS): INCLUDES += -I$(@D)
 
 # What the headers declare, as a text that the library carries.
 $(B)/declarations.c: $(HEADERS) tools/declarations.sh make/build.mk $(B)/commands/compile
@@ -153,6 +156,4 @@ FOLDERS := src/* src/*/* kernels kernels/* kernels/*/* port/* port/*/* tools tes
 .PRECIOUS: $(B)/%.o
 
 demo: all ## make a procedural scene and render it to demo.png
-	$(B)/fixsplat make-scene knot --count 200000 -o demo.ply
-	$(B)/fixsplat render demo.ply --eye 0.9,-2.6,-12.8 --look 0,0.42,0 --fov 36 --bg 11131b -o demo.png --stats
-	@echo "demo.png: 200,000 Gaussians with view-dependent colour of degree 3, from demo.ply"
+	$(B)/fixsplat demo

@@ -85,7 +85,7 @@ typedef struct command {
 } command;
 
 extern const command command_render, command_view, command_info, command_convert, command_fit, command_compare,
-                     command_publish, command_make_scene, command_bench;
+                     command_publish, command_make_scene, command_bench, command_demo, command_doctor;
 
 /* The commands of the program up to a null, for messages; null: they are not known. */
 extern const command *const *all_commands;

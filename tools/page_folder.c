@@ -13,22 +13,30 @@ static int has_page(const char *folder)
     return snprintf(path, sizeof path, "%s/viewer/index.html", folder) < (int)sizeof path && access(path, R_OK) == 0;
 }
 
-int page_folder_find(char folder[PAGE_PATH])
+int page_folder_look(char folder[PAGE_PATH])
 {
     static const char *const places[] = {"web/package", "../share/fixsplat/web"};
     const char *given = getenv("FIXSPLAT_WEB");
     char path[2048];
-    if (given && snprintf(folder, PAGE_PATH, "%s", given) < PAGE_PATH && has_page(folder))
-        return 0;
     if (given)
-        return fail(EXIT_FAILED, "FIXSPLAT_WEB=%s: the page is not there: no viewer/index.html", given);
+        return snprintf(folder, PAGE_PATH, "%s", given) < PAGE_PATH && has_page(folder);
     const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
     path[length > 0 ? length : 0] = 0;
     char *end = strrchr(path, '/');
     for (size_t i = 0; end && i < sizeof places / sizeof *places; i++) {
         snprintf(folder, PAGE_PATH, "%.*s/%s", (int)(end - path), path, places[i]);
         if (has_page(folder))
-            return 0;
+            return 1;
     }
+    return 0;
+}
+
+int page_folder_find(char folder[PAGE_PATH])
+{
+    const char *given = getenv("FIXSPLAT_WEB");
+    if (page_folder_look(folder))
+        return 0;
+    if (given)
+        return fail(EXIT_FAILED, "FIXSPLAT_WEB=%s: the page is not there: no viewer/index.html", given);
     return fail(EXIT_FAILED, "the page is not built: make setup web, or FIXSPLAT_WEB=FOLDER where it is elsewhere");
 }

@@ -8,4 +8,7 @@ enum { PAGE_PATH = 4096 };
    there and returns EXIT_FAILED. */
 int page_folder_find(char folder[PAGE_PATH]);
 
+/* The same without a word: whether it is there. */
+int page_folder_look(char folder[PAGE_PATH]);
+
 #endif

@@ -130,6 +130,24 @@ __device__ inline uint32_t lane_index()
     return threadIdx.x % WARP;
 }
 
+/* Instructions from compute capability 8.0 on; before it, by a butterfly of five exchanges. */
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
+#define REDUCE(name, reduced)                                            \
+    template <typename T> __device__ inline T name(unsigned lanes, T own) \
+    {                                                                    \
+        for (int step = WARP / 2; step; step /= 2) {                     \
+            const T other = __shfl_xor_sync(lanes, own, step);           \
+            own = reduced;                                               \
+        }                                                                \
+        return own;                                                      \
+    }
+REDUCE(__reduce_add_sync, own + other)
+REDUCE(__reduce_or_sync, own | other)
+REDUCE(__reduce_min_sync, own < other ? own : other)
+REDUCE(__reduce_max_sync, own > other ? own : other)
+#undef REDUCE
+#endif
+
 /* The sum over the lanes up to this one. */
 template <class T>
 __device__ inline T warp_sum(T x)

@@ -1,5 +1,5 @@
 """Builds a wheel that holds the shared library: the file that FIXSPLAT_LIBRARY names, or the one in the build folder of
-the checkout. The wheel is for any Python 3 on the platform of the library."""
+the checkout. The wheel is for any Python 3 on the platform that FIXSPLAT_PLATFORM names, or else on this one."""
 import os
 import shutil
 from pathlib import Path
@@ -23,4 +23,5 @@ class WithLibrary(build_py):
         shutil.copyfile(library, Path(self.build_lib, "fixsplat", soname))
 
 
-setup(cmdclass={"build_py": WithLibrary}, options={"bdist_wheel": {"plat_name": get_platform()}})
+PLATFORM = os.environ.get("FIXSPLAT_PLATFORM") or get_platform()
+setup(cmdclass={"build_py": WithLibrary}, options={"bdist_wheel": {"plat_name": PLATFORM}})

@@ -66,7 +66,7 @@ succeeds "help" --help
 cut -f 2 table | sort -u >options
 check "each row belongs to a command" equal "$(cat options)" \
     "$(sed -En 's/^    \{"([a-z-]*)", (0|"[^"]*"), (take_|[A-Z0-9_]*\().*/\1/p' "$root"/tools/*.c | sort -u)"
-for command in render view bench info convert compare make-scene fit; do
+for command in render view bench info convert compare make-scene fit demo doctor; do
     succeeds "$command --help" $command --help
     check "$command --help has examples" grep -q '^Examples:' logs/out
     awk -F '\t' -v command=$command '$1 == command { print $2, $4 }' table >options
@@ -795,6 +795,27 @@ succeeds "make-scene --seed 4294967295" make-scene knot --count 10 --seed 429496
 for bad in 'count 0' 'count 100000001' 'count -1' 'count 1e3' 'count' 'seed -1' 'seed 4294967296' 'seed x'; do
     fails "make-scene --$bad" 2 "--${bad%% *}" make-scene knot -o a.ply --$bad
 done
+succeeds "demo" demo -o "a demo.png"
+check "demo: its two commands, and where the picture is" equal "$(cut -c 1-21 logs/out | grep -v '^{' | tr '\n' '|')" \
+    '$ fixsplat make-scene|$ fixsplat render '"'a |a demo.png: 200,000 G|"
+check "demo: the picture that they make" sh -c 'grep "^\$ fixsplat render" logs/out | tail -n 1 |
+    sed "s|^. fixsplat|\"$0\"|; s|-o .*|-o again.png|" | sh && cmp again.png "a demo.png"' "$fixsplat"
+fails "demo -o missing/x.png" 1 "missing/x.ply.*: cannot be" demo -o missing/x.png --quiet
+fails "demo -o of no ending" 2 "picture: expected a name ending in" demo -o picture
+fails "demo of a scene" 2 "demo takes no 'knot'" demo knot
+succeeds "doctor" doctor
+check "doctor: a line each, and what is not here gives" awk '
+    /^fixsplat [0-9]/ || /^(processor|scenes read|and written) / { next }
+    not_here { if (!/^ +with it: ./) exit 1; not_here = 0; next }
+    { if (!/^[a-zA-Z-]+ +(here|not here)/) exit 1; not_here = / not here/; n[not_here]++ }
+    END { if (not_here || !n[0]) exit 1 }' logs/out
+check "doctor: what is not built is not here" sh -c 'for part in CJSON:cJSON ZIP:libzip PNG:libpng EXPAT:expat; do
+    built=$(grep -c "^FOUND += ${part%:*}\$" "$0/probe.mk")
+    [ "$(grep -c "^${part#*:} *here" logs/out)" = "$built" ] || exit; done' "${fixsplat%/*}"
+run doctor
+check "doctor without programs" sh -c 'PATH= "$0" doctor | grep -A 1 "^ffmpeg *not here" | grep -q "apt install ffmpeg"' \
+    "$fixsplat"
+fails "doctor takes nothing" 2 "doctor takes no 'x'" doctor x
 fails "make-scene of no such name" 2 "'castle'" make-scene castle -o a.ply
 for name in a.spz a.compressed.ply a.fxs; do
     fails "make-scene -o $name" 2 "$name: a .ply is written" make-scene knot -o $name

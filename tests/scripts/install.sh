@@ -81,9 +81,17 @@ if [ "$shared" ]; then
         "libfixsplat.so libfixsplat.so.${version%%.*} libfixsplat.so.$version "
     check "its SONAME" equal "$(readelf -d "$library/libfixsplat.so" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')" \
         "libfixsplat.so.${version%%.*}"
-    check "it shows names with fxs_ alone" equal \
-        "$(nm -D --defined-only "$library/libfixsplat.so" | awk '{ print $3 }' | grep -v '^fxs_')" ""
-    nm -D --defined-only "$library/libfixsplat.so" | awk '{ print $3 }' | sort >"$work/shown"
+    nm -D --defined-only "$library/libfixsplat.so" | awk '$2 != "A" { print $3 }' | sort >"$work/versions"
+    check "it shows names with fxs_ alone" equal "$(grep -v '^fxs_' "$work/versions")" ""
+    check "each has the version that brought it" equal "$(grep -Ev '@@FIXSPLAT_1\.[0-9]+$' "$work/versions")" ""
+    # A program of 1.0 asks for these names of this version. What 1.0 is to have may be added to until it is out.
+    sed 's/$/@@FIXSPLAT_1.0/' tests/outside/names-1.0 >"$work/names-1.0"
+    check "a program that was built with 1.0 finds its names" equal "$(comm -23 "$work/names-1.0" "$work/versions")" ""
+    case $version in 1.0.0-*) ;; *)
+        check "and no later name is said to be of 1.0" equal \
+            "$(grep '@@FIXSPLAT_1\.0$' "$work/versions" | comm -13 "$work/names-1.0" -)" "" ;;
+    esac
+    sed 's/@@.*//' "$work/versions" | sort >"$work/shown"
     nm -g "$library/libfixsplat.a" 2>/dev/null | awk 'NF == 3 && $2 ~ /[TRDB]/ { print $3 }' | sort -u >"$work/defined"
     cat "$include"/* | grep -o 'fxs_[a-z0-9_]*[(;,]' | tr -d '(;,' | sort -u |
         comm -12 - "$work/defined" >"$work/declared"
@@ -101,6 +109,22 @@ cp -r tests/outside "$outside" && chmod -R u+w "$outside"      # of a checkout t
 # An installation without the shared library, for what is to be linked with the static one.
 mkdir "$work/static"
 cp "$library"/*.a "$work/static"
+
+# One that was built with the names of 1.0 alone, and with nothing of this version: its library is of another build.
+if [ "$shared" ]; then
+    sed 's/.*/void &(void);\nvoid &(void) {}/' tests/outside/names-1.0 >"$work/stub.c"
+    mkdir "$work/1.0" && $CC -w -shared -fPIC -Wl,-soname,libfixsplat.so.1 -o "$work/1.0/libfixsplat.so" "$work/stub.c" \
+        -Wl,--version-script=tools/package/libfixsplat.map
+    { sed 's/.*/extern char &;/' tests/outside/names-1.0; echo 'int fxs_version(void);'
+        echo '#include <stdio.h>'; echo 'static void *volatile const names[] = {'
+        grep -v '^fxs_version$' tests/outside/names-1.0 | sed 's/.*/\&&,/'
+        echo '}; int main(void) { return !(printf("%d", fxs_version()) && names[0]); }'; } |
+        grep -v '^extern char fxs_version;' >"$work/of_1.0.c"
+    check "a program of 1.0: built" $CC -w -fno-builtin -o "$work/of_1.0" "$work/of_1.0.c" -L"$work/1.0" -lfixsplat
+    said=$(LD_BIND_NOW=1 LD_LIBRARY_PATH=$library "$work/of_1.0" 2>&1)
+    check "a program of 1.0 runs with this library" equal "$said" "$(printf '%s\n' "$version" |
+        awk -F '[.-]' '{ print $1 * 10000 + $2 * 100 + $3 }')"
+fi
 
 sum=
 # draws NAME COMMAND...: it prints the sum of the picture, the same as the others.

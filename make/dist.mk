@@ -1,0 +1,13 @@
+# What people install: tarballs, wheels, Debian packages, the npm package (docs/install.md).
+
+DIST := dist
+
+dist: ## dist/: all of it, and SHA256SUMS, from the last commit
+	@NVCC=$(call quoted,$(NVCC)) PYTHON=$(call quoted,$(PYTHON)) WEB_SOURCES=$(call quoted,$(WEB_SOURCES)) \
+	    sh tools/dist.sh $(DIST) $(B)/dist
+
+dist-check: dist ## the same a second time in another folder, and that both are the same bytes
+	@NVCC=$(call quoted,$(NVCC)) PYTHON=$(call quoted,$(PYTHON)) WEB_SOURCES=$(call quoted,$(WEB_SOURCES)) \
+	    sh tools/dist.sh $(B)/dist-again/dist $(B)/dist-again/build
+	@cd $(B)/dist-again/dist && sha256sum -c $(abspath $(DIST))/SHA256SUMS
+.PHONY: dist dist-check

@@ -1,0 +1,168 @@
+#!/bin/sh
+# What `make dist` makes, each installed where nothing else of this project is, and used once: with FXS_PROCESSORS=all,
+# as it builds everything twice. FXS_DIST: a folder that `make dist` has made, for a run without building.
+. tests/scripts/lib/check.sh
+B=${B:-build}
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/include/fixsplat/fixsplat.h)
+dist=$FXS_DIST
+
+if [ "$dist" ]; then
+    dist=$(cd "$dist" && pwd)
+elif [ "$FXS_PROCESSORS" != all ]; then
+    skip "what make dist makes" "only by make test-all"
+    finish
+    exit
+else
+    for tool in dpkg-buildpackage dh_python3 cmake nasm esbuild; do
+        have $tool || { skip "what make dist makes" "no $tool here: make setup dist"; finish; exit; }
+    done
+    dist=$PWD/$B/dist-tested
+    if make -s B="$B" DIST="$dist" dist-check >"$work/log" 2>&1; then
+        ok "built twice, in two folders: the same bytes"
+    else
+        fail "built twice, in two folders: the same bytes" "$(tail -n 20 "$work/log")"
+    fi
+fi
+check "SHA256SUMS has every file" equal "$(cut -c 67- "$dist/SHA256SUMS" | sort)" "$(ls "$dist" | grep -v SHA256SUMS)"
+check "and their sums" sh -c 'cd "$0" && sha256sum --quiet -c SHA256SUMS' "$dist"
+[ -e "$B/fixsplat" ] && "$B/fixsplat" make-scene knot --count 5000 -o "$work/knot.ply" || { finish; exit 1; }
+hash=$("$B/fixsplat" render "$work/knot.ply" --size 320x180 --hash)
+cp -r tests/outside "$work"
+cd "$work" || exit 1
+
+# report NAME FOLDER...: how long it took since the last, and what is installed.
+now() { date +%s.%N; }
+begun=$(now)
+report() {
+    name=$1
+    shift
+    size=$(du -csk --apparent-size "$@" | tail -n 1 | cut -f 1)
+    echo "$name: $size KB installed, $(awk "BEGIN { printf \"%.1f\", $(now) - $begun }") seconds"
+    begun=$(now)
+}
+
+# bare COMMAND...: as on a machine without a driver, and with nothing of this one in the environment.
+bare() { env -i PATH=/usr/bin:/bin HOME="$work" LANG=C.UTF-8 "$@"; }
+
+# ---- Tarballs --------------------------------------------------------------------------------------------------------
+
+needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$'; }
+
+# tarball ARCHITECTURE RUN...: the command's hash by RUN.
+tarball() {
+    arch=$1 folder=$work/fixsplat-$version-linux-$1
+    shift
+    tar -xzf "$dist/fixsplat-$version-linux-$arch.tar.gz" || { fail "tarball, $arch" "tar"; return; }
+    for file in bin/fixsplat bin/fixsplat-web "lib/libfixsplat.so.$version"; do
+        check "$arch: $file needs glibc alone" equal "$(needs "$folder/$file")" ""
+    done
+    check "$arch: render" equal "$(bare "$@" "$folder/bin/fixsplat" render knot.ply --size 320x180 --hash 2>&1)" "$hash"
+    check "$arch: doctor" bare "$@" "$folder/bin/fixsplat" doctor
+    for file in share/man/man1/fixsplat-render.1 share/fixsplat/web/viewer/index.html share/doc/fixsplat/LICENSE \
+        share/doc/fixsplat/licences/zlib share/doc/fixsplat/install.md; do
+        check "$arch: $file" test -s "$folder/$file"
+    done
+    check "$arch: no word of where it was built" equal "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
+    report "tarball, $arch" "$folder"
+    du -k --apparent-size "$folder/bin/fixsplat" "$folder/lib/libfixsplat.so.$version" | sed "s|$folder/|    |"
+}
+here=$(uname -m)
+tarball "$here"
+export PKG_CONFIG_PATH="$work/fixsplat-$version-linux-$here/lib/pkgconfig"
+library=$work/fixsplat-$version-linux-$here/lib
+check "$here: a program, shared" sh -c '${CC:-cc} -x c -std=c99 outside/all.c -x none -o shared \
+    $(pkg-config --cflags --libs fixsplat) && LD_LIBRARY_PATH=$0 ./shared knot.ply a.packed' "$library"
+mkdir static && cp "$library"/*.a static
+check "$here: a program, static" sh -c '${CC:-cc} -x c -std=c99 outside/all.c -x none -o static/program \
+    $(pkg-config --cflags --libs --static --define-variable=libdir=static fixsplat) &&
+    ./static/program knot.ply a.packed'
+[ "$here" = aarch64 ] || if have qemu-aarch64; then
+    tarball aarch64 qemu-aarch64 -L /usr/aarch64-linux-gnu
+else
+    skip "tarball, aarch64" "no qemu-aarch64 here"
+fi
+
+# ---- Wheels ----------------------------------------------------------------------------------------------------------
+
+# From PyPI comes what it needs; without a network, from this system.
+python=${PYTHON:-python3}
+"$python" -c 'import numpy, cffi' 2>/dev/null || python=/usr/bin/python3
+if "$python" -m venv venv 2>/dev/null; then
+    wheel=$(ls "$dist"/*_"$here".whl)
+    venv/bin/pip install -q --disable-pip-version-check --retries 0 --timeout 5 "$wheel" >log 2>&1 ||
+        { "$python" -m venv --system-site-packages venv &&
+            venv/bin/pip install -q --disable-pip-version-check --no-index --no-deps "$wheel" >log 2>&1; }
+    check "wheel: renders" bare venv/bin/python -c 'import fixsplat
+s = fixsplat.load("knot.ply")
+s.render(s.frame(320, 180)).save("wheel.png")'
+    check "wheel: its library" sh -c 'find venv -path "*site-packages/fixsplat/libfixsplat.so.1" | grep -q .'
+    check "wheel: its types" sh -c 'find venv -path "*site-packages/fixsplat/py.typed" | grep -q .'
+    check "wheel: a picture" sh -c 'file -b wheel.png 2>/dev/null | grep -q "320 x 180" || test -s wheel.png'
+    report wheel venv/lib/python3*/site-packages/fixsplat
+else
+    skip wheel "no venv here"
+fi
+for file in "$dist"/*.whl; do
+    check "${file##*/}: for glibc of Debian 12" sh -c 'case $0 in *-py3-none-manylinux_2_36_*) ;; *) false ;; esac' \
+        "$file"
+done
+
+# ---- npm -------------------------------------------------------------------------------------------------------------
+
+if have npm; then
+    mkdir npm
+    (cd npm && npm install --silent --offline --no-audit --no-fund "$dist/fixsplat-$version-npm.tgz") >log 2>&1
+    cat >npm/program.mjs <<'END'
+import { load, png } from 'fixsplat'
+import { writeFile } from 'node:fs/promises'
+const scene = await load('../knot.ply')
+await writeFile('scene.png', await png(scene.render({}, { width: 320, height: 180 }), 320, 180))
+process.exit(0)
+END
+    check "npm: renders" sh -c 'cd npm && node program.mjs && test -s scene.png'
+    report npm npm/node_modules/fixsplat
+else
+    skip npm "no npm here"
+fi
+
+# ---- Debian packages -------------------------------------------------------------------------------------------------
+
+if have lintian; then
+    check "lintian" sh -c 'said=$(lintian --allow-root --fail-on error,warning --suppress-tags \
+        initial-upload-closes-no-bugs "$0"/*.deb 2>&1) || { echo "$said"; exit 1; }' "$dist"
+else
+    skip lintian "no lintian here"
+fi
+root=$work/root
+if [ "$(id -u)" = 0 ] && have mmdebstrap && mmdebstrap --quiet --variant=apt bookworm "$root" >log 2>&1; then
+    report "a clean Debian 12" "$root"
+    before=$(du -sk --apparent-size "$root" | cut -f 1)
+    cp "$dist"/*.deb knot.ply "$root/tmp"
+    # Without what is only recommended, as COLMAP is large.
+    cp /etc/resolv.conf "$root/etc"
+    if chroot "$root" sh -c 'apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install -y \
+        --no-install-recommends /tmp/*.deb' >log 2>&1; then
+        ok "Debian: installed"
+    else
+        fail "Debian: installed" "$(tail -n 5 log)"
+    fi
+    check "Debian: render" equal "$(chroot "$root" fixsplat render /tmp/knot.ply --size 320x180 --hash 2>&1)" "$hash"
+    check "Debian: doctor" chroot "$root" fixsplat doctor
+    check "Debian: Python" chroot "$root" python3 -c 'import fixsplat
+s = fixsplat.load("/tmp/knot.ply")
+s.render(s.frame(320, 180)).save("/tmp/python.png")'
+    check "Debian: headers" test -e "$root/usr/include/fixsplat/renderer.h"
+    echo "Debian packages with what they need: $(($(du -sk --apparent-size "$root" | cut -f 1) - before)) KB"
+    report "Debian packages" "$root/usr/include/fixsplat" "$root"/usr/lib/*/libfixsplat* "$root"/usr/bin/fixsplat* \
+        "$root/usr/share/fixsplat"
+    check "Debian: removed" chroot "$root" apt-get -qq purge -y fixsplat libfixsplat1 libfixsplat-dev python3-fixsplat
+    check "Debian: nothing is left" equal "$(find "$root/usr" -name '*fixsplat*' | head -n 3)" ""
+else
+    for package in "$dist"/*.deb; do dpkg-deb -x "$package" "$root" || fail "Debian: ${package##*/}" dpkg-deb; done
+    check "Debian: render" equal "$(LD_LIBRARY_PATH=$(echo "$root"/usr/lib/*-linux-gnu) \
+        "$root/usr/bin/fixsplat" render knot.ply --size 320x180 --hash 2>&1)" "$hash"
+    report "Debian packages, unpacked" "$root"
+fi
+finish

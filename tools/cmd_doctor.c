@@ -1,0 +1,150 @@
+/* fixsplat doctor: what this machine has for it, and what each thing that it lacks would give. */
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <fixsplat/backends.h>
+#include <fixsplat/formats.h>
+#include <fixsplat/pool.h>
+#include "beside.h"
+#include "drawing.h"
+#include "page_folder.h"
+
+/* 1 where a macro is defined as 1, as those of libraries are, else 0. */
+#define IS_BUILT(macro) IS_BUILT_OF(macro)
+#define IS_BUILT_OF(value) SECOND_OF(BEFORE_##value 1, 0, 0)
+#define BEFORE_1 0,
+#define SECOND_OF(...) SECOND(__VA_ARGS__)
+#define SECOND(first, second, ...) second
+
+/* What a build may be without. */
+static const struct {
+    const char *name;
+    int is_built;
+    const char *gives;
+} parts[] = {
+    {"cJSON", IS_BUILT(FXS_WITH_CJSON), "reads .gltf, .glb, .sog, .lcc, 3D Tiles, worlds and cameras"},
+    {"libzip", IS_BUILT(FXS_WITH_ZIP), "reads and writes .sog"},
+    {"zlib", IS_BUILT(FXS_WITH_ZLIB), "reads and writes .spz and .rad, writes .png"},
+    {"libdeflate", IS_BUILT(FXS_WITH_DEFLATE), "writes .png smaller and sooner"},
+    {"zstd", IS_BUILT(FXS_WITH_ZSTD), "reads and writes .spz of version 4"},
+    {"libpng", IS_BUILT(FXS_WITH_PNG), "reads photographs and masks of .png"},
+    {"libjpeg", IS_BUILT(FXS_WITH_JPEG), "reads photographs of .jpg"},
+    {"libwebp", IS_BUILT(FXS_WITH_WEBP), "reads .sog and photographs of .webp, writes both"},
+    {"libexif", IS_BUILT(FXS_WITH_EXIF), "reads which way up a photograph is, and its lens"},
+    {"expat", IS_BUILT(FXS_WITH_EXPAT), "reads cameras of Metashape, .xml"},
+};
+
+/* Programs and libraries that are looked for when they are needed. */
+static const struct {
+    const char *name, *library, *gives;         /* library: null: a program */
+} helpers[] = {
+    {"ffmpeg", 0, "fit takes films: apt install ffmpeg"},
+    {"colmap", 0, "fit finds the cameras of photographs that come without: apt install colmap"},
+    {"xdg-open", 0, "view --web opens the browser: apt install xdg-utils"},
+    {"libheif", "libheif.so.1", "fit takes photographs of .heic: apt install libheif1"},
+    {"libcurl", "libcurl.so.4", "view and render take the address of a scene: apt install libcurl4"},
+};
+
+static void line(const char *name, int is_here, const char *what, const char *words)
+{
+    printf("%-14s %s%s%s\n", name, is_here ? "here" : "not here", *words ? ": " : "", words);
+    if (!is_here)
+        printf("%-14s   with it: %s\n", "", what);
+}
+
+static int is_in_path(const char *program)
+{
+    char path[4096];
+    const char *folder = getenv("PATH");
+    while (folder && *folder) {
+        const int length = (int)strcspn(folder, ":");
+        if (snprintf(path, sizeof path, "%.*s/%s", length, folder, program) < (int)sizeof path && !access(path, X_OK))
+            return 1;
+        folder += length + (folder[length] == ':');
+    }
+    return 0;
+}
+
+static int is_library(const char *name)
+{
+    void *library = dlopen(name, RTLD_LAZY | RTLD_LOCAL);
+    return library && !dlclose(library);
+}
+
+/* The versions of the stages that run, each once: "avx512 avx2 c". */
+static void print_processor(void)
+{
+    frame_options options;
+    renderer r;
+    frame_options_default(&options);
+    options.threads = 1;
+    printf("%-14s %u threads", "processor", (unsigned)fxs_processors());
+    if (!renderer_open(&r, &options)) {
+        for (int i = 0; i < FXS_STAGES; i++)
+            printf("%s %s by %s", i ? "," : ";", fxs_stage_name((enum fxs_stage)i),
+                   r.backend->version(r.self, (enum fxs_stage)i));
+        renderer_close(&r);
+    }
+    puts("");
+}
+
+static void print_backends(void)
+{
+    const fxs_backend *b;
+    for (int i = 1; (b = fxs_backend_at(i)) != 0; i++) {
+        char name[256];
+        fxs_message why;
+        const int is_here = !b->device(0, name, sizeof name, &why);
+        line(b->name, is_here, b->does, is_here ? name : why.text);
+    }
+}
+
+static void print_formats(void)
+{
+    char text[512];
+    fxs_scene_format_endings(text, sizeof text, 0);
+    printf("%-14s %s\n", "scenes read", text);
+    fxs_scene_format_endings(text, sizeof text, 1);
+    printf("%-14s %s\n", "and written", text);
+}
+
+static void print_page(void)
+{
+    char folder[PAGE_PATH];
+    const int is_here = page_folder_look(folder);
+    line("page", is_here, "view --web and publish show scenes in a browser: make setup web", is_here ? folder : "");
+}
+
+static int run(int argc, char **argv)
+{
+    int none;
+    if (take_options(&command_doctor, &none, argc, argv))
+        return EXIT_USAGE;
+    if (optind != argc)
+        return fail(EXIT_USAGE, "doctor takes no '%s'; see: fixsplat doctor --help", argv[optind]);
+    print_version();
+    print_processor();
+    print_backends();
+    print_formats();
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        line(parts[i].name, parts[i].is_built, parts[i].gives, "");
+    line("window", *window_program.ending != 0, "view has a window: built with SDL2", "");
+    line("server", *server_program.ending != 0, "view --web has a server: built with libmicrohttpd", "");
+    print_page();
+    for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++)
+        line(helpers[i].name, helpers[i].library ? is_library(helpers[i].library) : is_in_path(helpers[i].name),
+             helpers[i].gives, "");
+    return EXIT_OK;
+}
+
+const command command_doctor = {
+    "doctor", "says what this machine has for it", run,
+    "Usage: fixsplat doctor\n\n"
+    "Says what this machine has, a line each: threads, instruction sets, GPUs, formats, libraries and programs; and of\n"
+    "what is not here, what it would give. Nothing of it is an error: the exit status is 0.\n",
+    0,
+    "  $ fixsplat doctor\n",
+    {COMMON_TABLE}
+};

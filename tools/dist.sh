@@ -1,0 +1,145 @@
+#!/bin/sh
+# tools/dist.sh OUT BUILD: what people install, of the last commit, in the folder OUT: sources, a tarball and a wheel
+# for each processor, Debian packages for this one, the npm package, SHA256SUMS. The same bytes for the same commit,
+# tools and libraries, in whichever folder BUILD. From the environment: NVCC PYTHON WEB_SOURCES. OUT appears when all is
+# made.
+set -e
+final=${1:?folder} build=${2:?build folder}
+unset MAKEFLAGS MAKELEVEL MFLAGS
+umask 022
+mkdir -p "$build" "$(dirname "$final")"
+build=$(cd "$build" && pwd)
+final=$(cd "$(dirname "$final")" && pwd)/$(basename "$final")
+version=$(sed -n 's/^#define FXS_VERSION "\(.*\)"/\1/p' src/include/fixsplat/fixsplat.h)
+name=fixsplat-$version
+SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
+export SOURCE_DATE_EPOCH LC_ALL=C TZ=UTC
+"$PYTHON" -c 'import setuptools, wheel, pip' 2>/dev/null || PYTHON=/usr/bin/python3
+out=$build/out source=$build/$name
+rm -rf "$out"
+mkdir "$out"
+here=$(uname -m)
+git diff --quiet HEAD || echo "dist: of the last commit, without what changed since" >&2
+
+# pack FOLDER FILE: a tarball of what FOLDER holds, in a folder of its name.
+pack() {
+    tar -C "${1%/*}" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@"$SOURCE_DATE_EPOCH" --format=gnu \
+        -c "${1##*/}" | gzip -9n >"$2"
+}
+
+sources() {
+    git -c tar.umask=0022 archive --format=tar --prefix="$name/" HEAD | gzip -9n >"$out/$name.tar.gz"
+    [ "$(cat "$build/commit" 2>/dev/null)" = "$(git rev-parse HEAD)" ] || rm -rf "$source"
+    [ -d "$source" ] || tar -C "$build" -xzf "$out/$name.tar.gz"
+    git rev-parse HEAD >"$build/commit"
+}
+
+npm_package() {
+    make -s WEB_SOURCES="$WEB_SOURCES" web-package
+    cp "build/web/$name.tgz" "$out/$name-npm.tgz"
+}
+
+# needs FILE: the shared libraries that it is linked with, but for those of glibc.
+needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$' || :; }
+
+# complete ARCHIVE LIBRARIES...: what these hold is added.
+complete() {
+    archive=$1
+    shift
+    { echo "create $archive.new"; printf 'addlib %s\n' "$archive" "$@"; echo save; echo end; } | ar -M
+    "$machine-strip" --strip-unneeded "$archive.new"
+    mv "$archive.new" "$archive"
+}
+
+# From where they lie, and with what is inside.
+relocate() {
+    sed -i -e 's|^prefix=.*|prefix=${pcfiledir}/../..|' -e 's|^libdir=.*|libdir=${prefix}/lib|' \
+        -e "s|^Libs.private:.*|Libs.private: $2|" "$1"/lib/pkgconfig/*.pc
+    sed -i -e 's|/usr/local/|${CMAKE_CURRENT_LIST_DIR}/../../../|g' \
+        -e "s|\(INTERFACE_LINK_LIBRARIES \"\)[^\"]*-lm.*\"|\1$2\"|" "$1"/lib/cmake/fixsplat/fixsplat-config.cmake
+}
+
+# linux MACHINE ARCHITECTURE: a tarball and a wheel.
+linux() {
+    machine=$1 arch=$2 libraries=$build/libraries/$1
+    sh tools/static_libraries.sh "$libraries" "$machine"
+    cxx=$($machine-gcc -print-file-name=libstdc++.a)
+    [ ! -e "$cxx" ] || ln -sf "$cxx" "$libraries/lib/"
+    folder=$build/tarball/$name-linux-$arch
+    rm -rf "$folder"
+    [ $arch = "$here" ] && nvcc=$NVCC || nvcc=none
+    make -s install B=build-$arch CC=$machine-gcc NVCC="$nvcc" CFLAGS=-O2 DESTDIR="$folder" \
+        CPPFLAGS="-isystem $libraries/include" LDFLAGS="-s -static-libgcc -L$libraries/lib"
+    mv "$folder"/usr/local/* "$folder"
+    rmdir "$folder/usr/local" "$folder/usr"
+    # Of programs for another processor nothing can be asked here.
+    mkdir -p "$folder/share/fixsplat"
+    [ $arch = "$here" ] || for part in man bash-completion fish zsh; do
+        cp -r "$build/tarball/$name-linux-$here/share/$part" "$folder/share"
+    done
+    cp -r build/web/package "$folder/share/fixsplat/web"
+    private='-lm -lpthread -ldl'
+    set --
+    for library in "$libraries"/lib/*.a; do
+        case $library in */libstdc++.a | */libmicrohttpd.a | */libqrencode.a | */libpng.a | */libwebpde*.a) ;;
+        *) set -- "$@" "$library" ;; esac
+    done
+    cudart=$(sed -n 's/^LIBS_CUDA := .*-L\([^ ]*\) -lcudart_static.*/\1/p' "build-$arch/probe.mk")
+    [ -z "$cudart" ] || { set -- "$@" "$cudart/libcudart_static.a"; private="-lstdc++ $private -lrt"; }
+    complete "$folder/lib/libfixsplat.a" "$@"
+    relocate "$folder" "$private"
+    documents=$folder/share/doc/fixsplat
+    mkdir -p "$documents/licences"
+    cp LICENSE NEWS.md README.md docs/install.md "$documents"
+    cp "$libraries"/licences/* "$documents/licences"
+    [ -z "$cudart" ] || cat /usr/share/doc/libstdc++-*-dev/copyright >"$documents/licences/libstdc++"
+    cp tools/package/licences.md "$documents/licences/README.md"
+    for file in "$folder/bin/fixsplat" "$folder/bin/fixsplat-web" "$folder/lib/libfixsplat.so.$version"; do
+        [ -z "$(needs "$file")" ] || { echo "dist: $file is linked with $(needs "$file")" >&2; exit 1; }
+    done
+    pack "$folder" "$out/$name-linux-$arch.tar.gz"
+    wheel $arch
+}
+
+# wheel ARCHITECTURE: with the library of its tarball, for glibc of Debian 12 or later.
+wheel() {
+    rm -rf "$build/wheel"
+    mkdir "$build/wheel"
+    cp -r port/python/pyproject.toml port/python/setup.py port/python/fixsplat LICENSE "$build/wheel"
+    cat "$documents"/licences/* >"$build/wheel/LICENSE.libraries"
+    find "$build/wheel" -name __pycache__ -prune -exec rm -r {} +
+    FIXSPLAT_LIBRARY=$folder/lib/libfixsplat.so.$version FIXSPLAT_PLATFORM=manylinux_2_36_$1 \
+        "$PYTHON" -m pip wheel --quiet --no-deps --no-build-isolation --disable-pip-version-check \
+        --wheel-dir "$out" "$build/wheel"
+}
+
+# With Debian's shared libraries. Of 1.0.0-rc1 the version is 1.0.0~rc1: before 1.0.0.
+debian() {
+    rm -rf "$build/deb"
+    mkdir "$build/deb"
+    tar -C "$build/deb" -xzf "$out/$name.tar.gz"
+    cp -r tools/package/debian "$build/deb/$name/debian"
+    sed '1,/^$/d; s/^$/ ./; s/^\([^ ]\)/ \1/' LICENSE | sed '1,/^ \.$/d' >>"$build/deb/$name/debian/copyright"
+    cat >"$build/deb/$name/debian/changelog" <<-END
+	fixsplat ($(echo "$version" | sed 's/-/~/')) unstable; urgency=medium
+
+	  * Version $version: see NEWS.md.
+
+	 -- fixsplat maintainers <maintainers@fixsplat.invalid>  $(date -R -d @"$SOURCE_DATE_EPOCH")
+	END
+    (cd "$build/deb/$name" && DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=$(nproc)" \
+        FXS_PAGE=$source/build/web/package dpkg-buildpackage -b -us -uc -nc --no-check-builddeps) \
+        >"$build/deb.log" 2>&1 || { tail -n 30 "$build/deb.log" >&2; exit 1; }
+    cp "$build"/deb/*.deb "$out"
+}
+
+sources
+cd "$source"
+npm_package
+linux "$here-linux-gnu" "$here"
+[ "$here" = aarch64 ] || linux aarch64-linux-gnu aarch64
+debian
+(cd "$out" && sha256sum -- * >../SHA256SUMS && mv ../SHA256SUMS .)
+rm -rf "$final"
+mv "$out" "$final"
+ls -l "$final"

@@ -1,0 +1,127 @@
+#!/bin/sh
+# tools/static_libraries.sh FOLDER MACHINE: the libraries that `make dist` links in, as FOLDER/include and FOLDER/lib,
+# for the machine that MACHINE-gcc compiles for (x86_64-linux-gnu). From Debian's sources with its patches, each by its
+# own build, and anew when those installed here change: Debian's own archives are not for shared libraries (no -fPIC),
+# its libzip needs OpenSSL and its libmicrohttpd GnuTLS, and cJSON and qrencode have no archive. The sources come from
+# this system's Debian repositories, by apt, which checks signatures, and whose own state stays as it is.
+# FOLDER/licences has what their packages say of rights. Of a library that cannot be had, a line is printed, and its
+# header says so too.
+folder=${1:?folder} machine=${2:?machine}
+names='zlib libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libmicrohttpd qrencode'
+packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev zlib1g-dev
+          libdeflate-dev libzstd-dev libmicrohttpd-dev libqrencode-dev'
+
+wanted=$(dpkg-query -W -f='${Package} ${source:Version}\n' $packages 2>/dev/null; cksum <"$0")
+printf '%s\n' "$wanted" | cmp -s - "$folder/versions" || rm -rf "$folder"
+missing=
+for name in $names; do [ -e "$folder/licences/$name" ] || missing="$missing $name"; done
+[ "$missing" ] || exit 0
+command -v "$machine-gcc" >/dev/null || { echo "no libraries for $machine: no $machine-gcc" >&2; exit 1; }
+
+apt() {
+    program=$1
+    shift
+    LC_ALL=C $program -qq -o Dir::Etc::sourcelist="$work/sources.list" -o Dir::Etc::sourceparts="$work/none" \
+        -o Dir::State::lists="$work/lists" -o Dir::Cache::srcpkgcache= -o Dir::Cache::pkgcache= \
+        -o APT::Sandbox::User= -o Debug::NoLocking=1 "$@"
+}
+
+list_sources() {
+    mkdir -p "$work/lists/partial" "$work/none" &&
+        apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Origin: Debian' \
+            'Created-By: Packages' | sort -ru >"$work/sources.list" && apt apt-get update
+}
+
+# The newest version that the repositories still have all files of.
+fetch() {
+    for version in $(apt apt-cache showsrc --only-source "$1" | sed -n 's/^Version: //p' | sort -ruV); do
+        apt apt-get source --only-source "$1=$version" && return
+    done
+    return 1
+}
+
+# made_by_cmake SOURCE OPTION..., made_by_configure SOURCE OPTION...: build and install.
+made_by_cmake() {
+    source=$1
+    shift
+    cmake -S "$source" -B "$source/made" -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR="${machine%%-*}" \
+        -DCMAKE_C_COMPILER="$machine-gcc" -DCMAKE_C_FLAGS="$flags" -DCMAKE_C_FLAGS_RELEASE='-O2 -DNDEBUG' \
+        -DCMAKE_BUILD_TYPE=Release -DCMAKE_FIND_ROOT_PATH="$there;/usr/$machine" \
+        -DCMAKE_FIND_ROOT_PATH_MODE_PROGRAM=NEVER -DCMAKE_FIND_ROOT_PATH_MODE_INCLUDE=ONLY \
+        -DCMAKE_FIND_ROOT_PATH_MODE_LIBRARY=ONLY -DCMAKE_INSTALL_PREFIX="$there" -DCMAKE_INSTALL_LIBDIR="$there/lib" \
+        -DBUILD_SHARED_LIBS=OFF "$@" &&
+        cmake --build "$source/made" -j "$(nproc)" && cmake --install "$source/made"
+}
+made_by_configure() {
+    source=$1
+    shift
+    (cd "$source" && ./configure --host="$machine" --prefix="$there" --disable-shared --enable-static "$@" \
+        CFLAGS="-O2 -DNDEBUG $flags" && make -j "$(nproc)" && make install)
+}
+
+build_zlib() {
+    (cd "$1" && CC=$machine-gcc AR=$machine-ar RANLIB=$machine-ranlib CFLAGS="-O2 $flags" \
+        ./configure --static --prefix="$there" && make -j "$(nproc)" libz.a && make install)
+}
+build_cjson() { made_by_cmake "$1" -DENABLE_CJSON_TEST=OFF -DENABLE_CUSTOM_COMPILER_FLAGS=OFF; }
+# A patch of Debian's asks for the value of XML_DTD, which the CMake file gives it none of.
+build_expat() {
+    sed -i 's/^#cmakedefine XML_DTD$/& 1/' "$1/expat/expat_config.h.cmake" &&
+        made_by_cmake "$1/expat" $(printf -- '-DEXPAT_%s=OFF ' SHARED_LIBS BUILD_TOOLS BUILD_EXAMPLES BUILD_TESTS)
+}
+build_libpng1_6() { made_by_cmake "$1" -DPNG_SHARED=OFF -DPNG_TESTS=OFF; }
+build_libjpeg_turbo() {
+    made_by_cmake "$1" -DENABLE_SHARED=OFF -DWITH_TURBOJPEG=OFF
+}
+build_libwebp() {
+    made_by_cmake "$1" $(printf -- '-DWEBP_BUILD_%s=OFF ' ANIM_UTILS CWEBP DWEBP GIF2WEBP IMG2WEBP VWEBP WEBPINFO \
+        LIBWEBPMUX WEBPMUX EXTRAS)
+}
+# Its configure is not in the source.
+build_libexif() {
+    (cd "$1" && : >config.h && $machine-gcc -O2 $flags -I. -DGETTEXT_PACKAGE='"libexif"' -c libexif/*.c \
+        libexif/*/*.c && $machine-ar rcs "$there/lib/libexif.a" ./*.o && mkdir -p "$there/include/libexif" &&
+        cp libexif/*.h "$there/include/libexif/")
+}
+build_libzip() {
+    made_by_cmake "$1" $(printf -- '-DENABLE_%s=OFF ' COMMONCRYPTO GNUTLS MBEDTLS OPENSSL BZIP2 LZMA) \
+        $(printf -- '-DBUILD_%s=OFF ' TOOLS REGRESS EXAMPLES DOC)
+}
+build_libdeflate() {
+    make -C "$1" -j "$(nproc)" CC="$machine-gcc" AR="$machine-ar" CFLAGS="-O2 $flags" libdeflate.a &&
+        cp "$1/libdeflate.h" "$there/include/" && cp "$1/libdeflate.a" "$there/lib/"
+}
+build_libzstd() {
+    make -C "$1/lib" -j "$(nproc)" CC="$machine-gcc" AR="$machine-ar" CFLAGS="-O2 $flags" ZSTD_LEGACY_SUPPORT=0 \
+        libzstd.a && cp "$1/lib/zstd.h" "$1/lib/zstd_errors.h" "$there/include/" && cp "$1/lib/libzstd.a" "$there/lib/"
+}
+build_libmicrohttpd() {
+    made_by_configure "$1" --disable-doc --disable-examples --disable-tools --disable-https --disable-curl
+}
+build_qrencode() { made_by_cmake "$1" -DWITH_TOOLS=NO -DWITHOUT_PNG=ON; }
+
+# Headers of Debian's that are the same for every processor, of libraries that are opened at run time.
+link_headers() {
+    own=$(cc -print-multiarch)
+    for header in EGL GLES2 GLES3 KHR GL stb "$own/libheif" "$own/curl"; do
+        [ ! -d "/usr/include/$header" ] || ln -sfn "/usr/include/$header" "$there/include/${header##*/}" || return
+    done
+}
+
+build() {
+    fetch "$1" && build_"$(echo "$1" | tr -- -. __)" "$(echo "$work/$1"-[0-9]*/)" &&
+        cp "$work/$1"-[0-9]*/debian/copyright "$there/licences/$1"
+}
+
+mkdir -p "$folder" && work=$(mktemp -d "$folder/fetch.XXXXXX") && cd "$work" && work=$PWD && there=${work%/*} || exit
+trap 'rm -rf "$work"' EXIT
+mkdir -p "$there/include" "$there/lib" "$there/licences" && printf '%s\n' "$wanted" >"$there/versions" &&
+    link_headers || exit
+flags="-fPIC -fvisibility=hidden -ffile-prefix-map=$work=."
+echo "libraries for $machine, from Debian's sources:$missing"
+list_sources >"$there/log" 2>&1 || { cat "$there/log" >&2; exit 1; }
+for name in $missing; do
+    build "$name" >"$there/log" 2>&1 && continue
+    echo "no $name for $machine: $(grep -m 1 -i error "$there/log" || tail -n 1 "$there/log")" >&2
+    [ "$name" = qrencode ] && echo '#error its source could not be had' >"$there/include/qrencode.h" || exit 1
+done
