@@ -4,8 +4,8 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
-#include <unistd.h>
 
+#include "src/base/system.h"
 #include "fit_result.h"
 
 /* ---- What is printed --------------------------------------------------------------------------------------------- */
@@ -178,7 +178,7 @@ static int write_scene(const fit_command *c, fxs_fit *fit, const fxs_photos *pho
         fit_save_for_later(c, fit, "saved");
         return status;
     }
-    if (!isatty(STDERR_FILENO))
+    if (!fxs_is_terminal(stderr))
         note("measuring %s", c->out);
     if (c->watcher)
         c->watcher->written(&result->packed, c->crops ? whole : &result->packed);

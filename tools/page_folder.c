@@ -3,14 +3,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "src/base/system.h"
 #include "command.h"
 
 static int has_page(const char *folder)
 {
     char path[4200];
-    return snprintf(path, sizeof path, "%s/viewer/index.html", folder) < (int)sizeof path && access(path, R_OK) == 0;
+    return snprintf(path, sizeof path, "%s/viewer/index.html", folder) < (int)sizeof path && fxs_file_kind(path) == FXS_FILE_REGULAR;
 }
 
 int page_folder_find(char folder[PAGE_PATH])
@@ -22,8 +22,7 @@ int page_folder_find(char folder[PAGE_PATH])
         return 0;
     if (given)
         return fail(EXIT_FAILED, "FIXSPLAT_WEB=%s: the page is not there: no viewer/index.html", given);
-    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
-    path[length > 0 ? length : 0] = 0;
+    fxs_program_path(path, sizeof path);
     char *end = strrchr(path, '/');
     for (size_t i = 0; end && i < sizeof places / sizeof *places; i++) {
         snprintf(folder, PAGE_PATH, "%.*s/%s", (int)(end - path), path, places[i]);

@@ -2,11 +2,9 @@
 #include "scene_list.h"
 
 #include <ctype.h>
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/formats.h>
 #include "command.h"
@@ -69,7 +67,7 @@ static int is_scene_of_files(const char *folder)
             const size_t length = strcspn(ending, " ");
             snprintf(name, sizeof name, "%.*s", (int)length, ending);
             join_path(path, folder, name);
-            if (*ending != '.' && !access(path, F_OK))
+            if (*ending != '.' && fxs_file_kind(path) != FXS_FILE_NONE)
                 return 1;
             ending += length;
         }
@@ -81,23 +79,31 @@ int is_folder_of_scenes(const char *path)
     return is_folder(path) && !fxs_scene_format_of(path, 0) && !is_scene_of_files(path);
 }
 
+typedef struct taking {
+    scene_list *list;
+    const char *path;
+    int fits;
+} taking;
+
+static void take_scene(void *argument, const char *name)
+{
+    taking *t = argument;
+    if (t->fits && *name != '.' && fxs_scene_format_of(name, 0))
+        t->fits = add_scene(t->list, t->path, name);
+}
+
 int scene_list_add(scene_list *list, const char *path)
 {
     const size_t before = list->count;
-    DIR *folder = is_folder_of_scenes(path) ? opendir(path) : 0;
-    int fits = 1;
-    for (struct dirent *entry; folder && fits && (entry = readdir(folder)) != 0;)
-        if (entry->d_name[0] != '.' && fxs_scene_format_of(entry->d_name, 0))
-            fits = add_scene(list, path, entry->d_name);
-    if (folder)
-        closedir(folder);
+    taking t = {list, path, 1};
+    const int is_folder = is_folder_of_scenes(path) && !fxs_folder_each(path, take_scene, &t);
     if (list->count > before)
         qsort(list->scenes + before, list->count - before, sizeof *list->scenes, compare_paths);
-    else if (fits && folder)
+    else if (t.fits && is_folder)
         return fail(EXIT_FAILED, "%s: no scene in this folder", path);
-    else if (fits)
-        fits = add_scene(list, "", path);
-    return fits ? 0 : fail(EXIT_FAILED, "out of memory");
+    else if (t.fits)
+        t.fits = add_scene(list, "", path);
+    return t.fits ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
 void scene_list_free(scene_list *list)
