@@ -6,7 +6,7 @@
 folder=${1:?folder}
 machine=x86_64-w64-mingw32
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev libdeflate-dev
-          libzstd-dev libmicrohttpd-dev libsdl2-dev libfreetype-dev libsdl2-ttf-dev'
+          libzstd-dev libsdl2-dev libfreetype-dev libsdl2-ttf-dev'
 
 wanted=$(dpkg-query -W -f='${Package} ${source:Version}\n' $packages 2>/dev/null; cksum <"$0")
 printf '%s\n' "$wanted" | cmp -s - "$folder/versions" && exit
@@ -59,7 +59,7 @@ build_expat() {
 }
 build_libpng1_6() { made_by_cmake "$1" -DPNG_SHARED=OFF -DPNG_TESTS=OFF; }
 build_libjpeg_turbo() {
-    made_by_cmake "$1" -DENABLE_SHARED=OFF -DWITH_TURBOJPEG=OFF -DCMAKE_INSTALL_DEFAULT_LIBDIR=lib
+    made_by_cmake "$1" -DENABLE_SHARED=OFF -DWITH_TURBOJPEG=OFF -DCMAKE_INSTALL_LIBDIR="$there/lib"
 }
 build_libwebp() {
     made_by_cmake "$1" $(printf -- '-DWEBP_BUILD_%s=OFF ' ANIM_UTILS CWEBP DWEBP GIF2WEBP IMG2WEBP VWEBP WEBPINFO \
@@ -67,7 +67,8 @@ build_libwebp() {
 }
 # Its configure is not in the source.
 build_libexif() {
-    (cd "$1" && : >config.h && $machine-gcc -O2 -I. -DGETTEXT_PACKAGE='"libexif"' -c libexif/*.c libexif/*/*.c &&
+    (cd "$1" && : >config.h && echo '#include <stdint.h>' >libexif/_stdint.h &&
+        $machine-gcc -O2 -I. -DGETTEXT_PACKAGE='"libexif"' -c libexif/*.c libexif/*/*.c &&
         $machine-ar rcs "$there/lib/libexif.a" ./*.o && mkdir -p "$there/include/libexif" &&
         cp libexif/*.h "$there/include/libexif/")
 }
@@ -83,9 +84,7 @@ build_libzstd() {
     make -C "$1/lib" -j "$(nproc)" CC=$machine-gcc AR=$machine-ar ZSTD_LEGACY_SUPPORT=0 libzstd.a &&
         cp "$1/lib/zstd.h" "$1/lib/zstd_errors.h" "$there/include/" && cp "$1/lib/libzstd.a" "$there/lib/"
 }
-build_libmicrohttpd() { made_by_configure "$1" --disable-doc --disable-examples --disable-tools --disable-https \
-    --disable-curl; }
-build_libsdl2() { made_by_cmake "$1" -DSDL_SHARED=OFF -DSDL_STATIC=ON -DSDL_TEST=OFF -DSDL_AUDIO=OFF; }
+build_libsdl2() { made_by_configure "$1" --disable-audio --disable-haptic --disable-sensor; }
 build_freetype() {
     made_by_cmake "$1" $(printf -- '-DFT_DISABLE_%s=ON ' ZLIB BZIP2 PNG HARFBUZZ BROTLI)
 }
@@ -95,8 +94,8 @@ build_libsdl2_ttf() {
 
 # SDL2_ttf takes SDL2 and freetype, and the others nothing but zlib.
 build_all() {
-    for name in cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libdeflate libzstd libmicrohttpd libsdl2 \
-        freetype libsdl2-ttf; do
+    for name in cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libdeflate libzstd libsdl2 freetype \
+        libsdl2-ttf; do
         { fetch $name && build_$(echo $name | tr -- -. __) "$(echo "$work/$name"-[0-9]*/)"; } >"$folder/$name.log" 2>&1 &&
             rm "$folder/$name.log" || echo "setup: no $name for Windows: see $folder/$name.log" >&2
     done
@@ -108,6 +107,7 @@ trap 'rm -rf "$work"' EXIT
 there=$folder
 mkdir -p "$there/include" "$there/lib"
 said=$(list_sources 2>&1) || { printf '%s\n' "setup: no libraries for Windows: $said" >&2; exit 0; }
+cp -r /usr/include/stb "$there/include/"        # of libstb-dev: headers alone
 build_all
 printf '%s\n' "$wanted" >"$folder/versions"
 exit 0
