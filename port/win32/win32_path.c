@@ -73,8 +73,8 @@ static wchar_t *prefixed(const wchar_t *wide)
     const DWORD room = GetFullPathNameW(wide, 0, NULL, NULL);
     wchar_t *whole = malloc((room + 16) * sizeof *whole);
     if (!whole || !GetFullPathNameW(wide, room, whole + 8, NULL)) {
-        free(whole);
         errno = whole ? EINVAL : ENOMEM;
+        free(whole);
         return NULL;
     }
     const wchar_t *from = whole + 8, *prefix = L"\\\\?\\";
