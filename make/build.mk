@@ -21,6 +21,7 @@ FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=
         -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(FLAGS_$(SYSTEM)) $(FOUND:%=-DFXS_WITH_%) $(CFLAGS) $(CPPFLAGS)
 # gcc takes the stack of Windows for aligned to more than 16 bytes, which it is not (bug 54412), so that wider vectors
 # are to be moved as if they were not; and its isfinite warns.
+FOR_TESTS_win32 := -include tests/on_windows.h
 FLAGS_win32 := -Wa,-muse-unaligned-vector-move -Wno-float-conversion
 # One set of objects for the static and the shared libraries. The shared one shows what is declared FXS_API.
 PIC_posix := -fPIC -fno-semantic-interposition -fvisibility=hidden
@@ -121,7 +122,7 @@ features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.
 
 $(B)/%.o: %.c $(B)/commands/compile
 	@mkdir -p $(@D)
-	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(call isa,$*) -MMD -MP -c -o $@ $<
+	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(if $(filter tests/%,$*),$(FOR_TESTS_$(SYSTEM))) $(call isa,$*) -MMD -MP -c -o $@ $<
 	@$(features)
 
 $(B)/%.o: %.cu $(B)/commands/nvcc
