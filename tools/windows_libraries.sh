@@ -6,7 +6,7 @@
 folder=${1:?folder}
 machine=x86_64-w64-mingw32
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev libdeflate-dev
-          libzstd-dev libsdl2-dev libfreetype-dev libsdl2-ttf-dev'
+          libzstd-dev'
 
 wanted=$(dpkg-query -W -f='${Package} ${source:Version}\n' $packages 2>/dev/null; cksum <"$0")
 printf '%s\n' "$wanted" | cmp -s - "$folder/versions" && exit
@@ -34,7 +34,7 @@ fetch() {
     return 1
 }
 
-# made_by_cmake SOURCE OPTION..., made_by_configure SOURCE OPTION...: build and install.
+# made_by_cmake SOURCE OPTION...: builds and installs.
 made_by_cmake() {
     source=$1
     shift
@@ -43,12 +43,6 @@ made_by_cmake() {
         -DCMAKE_FIND_ROOT_PATH="$there;/usr/$machine" -DCMAKE_FIND_ROOT_PATH_MODE_PROGRAM=NEVER \
         -DCMAKE_INSTALL_PREFIX="$there" -DCMAKE_INSTALL_LIBDIR=lib -DBUILD_SHARED_LIBS=OFF "$@" &&
         cmake --build "$source/made" -j "$(nproc)" && cmake --install "$source/made"
-}
-made_by_configure() {
-    source=$1
-    shift
-    (cd "$source" && ./configure --host=$machine --prefix="$there" --disable-shared --enable-static "$@" CFLAGS=-O2 &&
-        make -j "$(nproc)" && make install)
 }
 
 build_cjson() { made_by_cmake "$1" -DENABLE_CJSON_TEST=OFF -DENABLE_CUSTOM_COMPILER_FLAGS=OFF; }
@@ -84,18 +78,10 @@ build_libzstd() {
     make -C "$1/lib" -j "$(nproc)" CC=$machine-gcc AR=$machine-ar ZSTD_LEGACY_SUPPORT=0 libzstd.a &&
         cp "$1/lib/zstd.h" "$1/lib/zstd_errors.h" "$there/include/" && cp "$1/lib/libzstd.a" "$there/lib/"
 }
-build_libsdl2() { made_by_configure "$1" --disable-audio --disable-haptic --disable-sensor; }
-build_freetype() {
-    made_by_cmake "$1" $(printf -- '-DFT_DISABLE_%s=ON ' ZLIB BZIP2 PNG HARFBUZZ BROTLI)
-}
-build_libsdl2_ttf() {
-    made_by_cmake "$1" -DSDL2TTF_VENDORED=OFF -DSDL2TTF_SAMPLES=OFF -DSDL2TTF_HARFBUZZ=OFF
-}
 
-# SDL2_ttf takes SDL2 and freetype, and the others nothing but zlib.
+# Each takes nothing but zlib.
 build_all() {
-    for name in cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libdeflate libzstd libsdl2 freetype \
-        libsdl2-ttf; do
+    for name in cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libdeflate libzstd; do
         { fetch $name && build_$(echo $name | tr -- -. __) "$(echo "$work/$name"-[0-9]*/)"; } >"$folder/$name.log" 2>&1 &&
             rm "$folder/$name.log" || echo "setup: no $name for Windows: see $folder/$name.log" >&2
     done
@@ -105,9 +91,10 @@ echo "setup: building libraries for Windows"
 mkdir -p "$folder" && folder=$(cd "$folder" && pwd) && work=$(mktemp -d "$folder/fetch.XXXXXX") && cd "$work" || exit
 trap 'rm -rf "$work"' EXIT
 there=$folder
+rm -f "$folder"/*.log
 mkdir -p "$there/include" "$there/lib"
 said=$(list_sources 2>&1) || { printf '%s\n' "setup: no libraries for Windows: $said" >&2; exit 0; }
 cp -r /usr/include/stb "$there/include/"        # of libstb-dev: headers alone
 build_all
-printf '%s\n' "$wanted" >"$folder/versions"
+[ -n "$(ls "$folder"/*.log 2>/dev/null)" ] || printf '%s\n' "$wanted" >"$folder/versions"
 exit 0
