@@ -50,7 +50,7 @@ all: ## the command and the libraries (the default)
 ifneq ($(filter setup,$(GOALS)),)
 # ---- Setup ---------------------------------------------------------------------------------------------------------
 
-setup: ## install the Debian packages that are missing (and what the goals behind it need: setup test, setup web, setup windows)
+setup: ## install the Debian packages that are missing (and what goals behind it need: setup test, web, windows)
 	@sh tools/setup.sh $(PACKAGES) $(if $(filter test test-all,$(GOALS)),$(TEST_PACKAGES)) \
 	    $(if $(filter test test-all web web-package,$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES)) \

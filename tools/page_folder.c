@@ -10,7 +10,8 @@
 static int has_page(const char *folder)
 {
     char path[4200];
-    return snprintf(path, sizeof path, "%s/viewer/index.html", folder) < (int)sizeof path && fxs_file_kind(path) == FXS_FILE_REGULAR;
+    const int length = snprintf(path, sizeof path, "%s/viewer/index.html", folder);
+    return length < (int)sizeof path && fxs_file_kind(path) == FXS_FILE_REGULAR;
 }
 
 int page_folder_find(char folder[PAGE_PATH])

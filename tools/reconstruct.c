@@ -292,7 +292,8 @@ static int find_cameras(work *w)
     if (status)
         return status;
     status = map_cameras(w, models);
-    status = status < 0 || status >= FXS_PROGRAM_MISSING ? task_failed(&w->t, "colmap", status) : keep_largest(w, models);
+    status = status < 0 || status >= FXS_PROGRAM_MISSING ? task_failed(&w->t, "colmap", status)
+                                                         : keep_largest(w, models);
     remove_models(models);
     return status;
 }
@@ -459,7 +460,7 @@ int reconstruct(const reconstruct_options *options, char **folder)
     memset(&w, 0, sizeof w);
     w.options = options;
     w.is_film = film_is_named(options->in);
-    fxs_program_set("QT_QPA_PLATFORM", "offscreen");     /* COLMAP's commands open a window's library, also without one */
+    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP's commands open a window's library, also without one */
     int status = open_folder(&w);
     join_path(found, w.folder, "sparse/0");
     const int are_placed = !status && is_folder(found);

@@ -89,7 +89,9 @@ int is_folder(const char *path)
 int make_folder(const char *path)
 {
     fxs_message why;
-    return fxs_folder_make(path, &why) ? fail_for(&why) : 0;
+    if (!fxs_folder_make(path, &why))
+        return 0;
+    return fxs_file_is_named(path) && !is_folder(path) ? fail(EXIT_FAILED, "%s: not a folder", path) : fail_for(&why);
 }
 
 static void remove_in(void *folder, const char *name)

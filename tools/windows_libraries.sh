@@ -82,8 +82,9 @@ build_libzstd() {
 # Each takes nothing but zlib.
 build_all() {
     for name in cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libdeflate libzstd; do
-        { fetch $name && build_$(echo $name | tr -- -. __) "$(echo "$work/$name"-[0-9]*/)"; } >"$folder/$name.log" 2>&1 &&
-            rm "$folder/$name.log" || echo "setup: no $name for Windows: see $folder/$name.log" >&2
+        log=$folder/$name.log
+        { fetch $name && build_$(echo $name | tr -- -. __) "$(echo "$work/$name"-[0-9]*/)"; } >"$log" 2>&1 &&
+            rm "$log" || echo "setup: no $name for Windows: see $log" >&2
     done
 }
 

@@ -83,11 +83,8 @@ char *fxs_path_whole(const char *path)
 
 int fxs_folder_make(const char *path, fxs_message *message)
 {
-    if (mkdir(path, 0777) == 0)
-        return 0;
-    const int error = errno;
-    return error != EEXIST                            ? fxs_fail_errno(message, path, error)
-           : fxs_file_kind(path) != FXS_FILE_FOLDER ? fxs_fail(message, "%s: not a folder", path) : 0;
+    return mkdir(path, 0777) == 0 || (errno == EEXIST && fxs_file_kind(path) == FXS_FILE_FOLDER)
+               ? 0 : fxs_fail_errno(message, path, errno);
 }
 
 int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument)

@@ -50,7 +50,8 @@ static int start(const char *const *arguments, int output, int log, pid_t *child
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, log, STDERR_FILENO);
     /* posix_spawnp does not change the arguments, though its type does not say so */
-    error = error ? error : posix_spawnp(child, arguments[0], &actions, 0, (char *const *)(uintptr_t)arguments, environ);
+    if (!error)
+        error = posix_spawnp(child, arguments[0], &actions, 0, (char *const *)(uintptr_t)arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
     return error;
 }

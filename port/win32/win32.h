@@ -17,6 +17,9 @@ const char *win32_fault(const char *path);
    free(). Null, and errno. */
 wchar_t *win32_path(const char *path);
 
+/* The same from the root, always with the prefix. */
+wchar_t *win32_whole_path(const char *path);
+
 /* A text in UTF-16 as UTF-8, for free(), and the other way round. Null, and errno. */
 char *win32_narrow(const wchar_t *text);
 wchar_t *win32_wide(const char *text);

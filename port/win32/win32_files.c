@@ -166,8 +166,7 @@ int fxs_folder_make(const char *path, fxs_message *message)
     if (!call(path, create_folder))
         return 0;
     const int error = errno;
-    return error != EEXIST                            ? fxs_fail_errno(message, path, error)
-           : fxs_file_kind(path) != FXS_FILE_FOLDER ? fxs_fail(message, "%s: not a folder", path) : 0;
+    return error == EEXIST && fxs_file_kind(path) == FXS_FILE_FOLDER ? 0 : fxs_fail_errno(message, path, error);
 }
 
 static int each_of(const char *pattern, void (*each)(void *argument, const char *name), void *argument)

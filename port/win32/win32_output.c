@@ -62,7 +62,8 @@ static HANDLE create_named(const char *name)
     wchar_t *wide = win32_path(name);
     if (!wide)
         return INVALID_HANDLE_VALUE;
-    const HANDLE handle = CreateFileW(wide, GENERIC_WRITE | DELETE, 0, NULL, CREATE_ALWAYS, FILE_ATTRIBUTE_NORMAL, NULL);
+    const DWORD access = GENERIC_WRITE | DELETE;
+    const HANDLE handle = CreateFileW(wide, access, 0, NULL, CREATE_ALWAYS, FILE_ATTRIBUTE_NORMAL, NULL);
     if (handle != INVALID_HANDLE_VALUE)
         set_delete(handle, 1);
     else
@@ -78,7 +79,7 @@ static HANDLE create_beside(fxs_output *output)
     for (int i = 0; output->temporary && i < WRITERS_MOST && handle == INVALID_HANDLE_VALUE; i++) {
         name_temporary(output, i);
         handle = create_named(output->temporary);
-        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY)
+        if (handle == INVALID_HANDLE_VALUE && errno != EBUSY && errno != EACCES)   /* which another writer's gives */
             break;
     }
     return handle;
@@ -163,7 +164,7 @@ int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_mes
 static int put_in_place(fxs_output *output)
 {
     const HANDLE handle = (HANDLE)_get_osfhandle(_fileno(output->file));
-    wchar_t *wide = win32_path(output->target);
+    wchar_t *wide = win32_whole_path(output->target);
     const size_t bytes = wide ? wcslen(wide) * sizeof *wide : 0;
     FILE_RENAME_INFO *rename = wide ? calloc(1, sizeof *rename + bytes) : NULL;
     int error = ENOMEM;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SHORT_MOST = 240 };             /* characters of a path that needs no prefix, also as a folder of a file */
+enum { SHORT_MOST = 240 };             /* characters of a path that needs no prefix, also that of a folder */
 
 char *win32_narrow(const wchar_t *text)
 {
@@ -88,7 +88,7 @@ static wchar_t *prefixed(const wchar_t *wide)
     return whole;
 }
 
-wchar_t *win32_path(const char *path)
+static wchar_t *convert(const char *path, DWORD longest)
 {
     if (!*path || win32_fault(path)) {
         errno = *path ? EINVAL : ENOENT;
@@ -99,12 +99,21 @@ wchar_t *win32_path(const char *path)
         return NULL;
     for (wchar_t *c = wide; *c; c++)
         *c = *c == L'/' ? L'\\' : *c;
-    const DWORD length = GetFullPathNameW(wide, 0, NULL, NULL);
-    if (length < SHORT_MOST)
+    if (GetFullPathNameW(wide, 0, NULL, NULL) < longest)
         return wide;
     wchar_t *whole = prefixed(wide);
     free(wide);
     return whole;
+}
+
+wchar_t *win32_path(const char *path)
+{
+    return convert(path, SHORT_MOST);
+}
+
+wchar_t *win32_whole_path(const char *path)
+{
+    return convert(path, 0);
 }
 
 int win32_failed(void)
