@@ -178,12 +178,12 @@ void progress_end(void)
 {
     if (percent_shown < 0)
         return;
-    fputs("\r\033[K", stderr);
+    fputs(fxs_erase_line, stderr);
     percent_shown = -1;
 }
 
 void progress_line(const char *text)
 {
-    fprintf(stderr, "\r%s\033[K", text);
+    fprintf(stderr, "%s%s", fxs_erase_line, text);
     percent_shown = 0;
 }

@@ -110,6 +110,8 @@ int fxs_stream_empty(FILE *file)
     return ftruncate(fileno(file), 0);
 }
 
+const char fxs_erase_line[] = "\r\033[K";
+
 int fxs_is_terminal(FILE *file)
 {
     return isatty(fileno(file));

@@ -308,12 +308,13 @@ int fxs_stream_empty(FILE *file)
     return _chsize(_fileno(file), 0);
 }
 
-/* Where the console knows the code that clears a line. */
+/* Older consoles know no codes: 79 spaces. */
+#define TEN "          "
+const char fxs_erase_line[] = "\r" TEN TEN TEN TEN TEN TEN TEN "         \r";
+
+/* _isatty says so of NUL too. */
 int fxs_is_terminal(FILE *file)
 {
-    const HANDLE handle = (HANDLE)_get_osfhandle(_fileno(file));
     DWORD mode;
-    if (!_isatty(_fileno(file)) || !GetConsoleMode(handle, &mode))
-        return 0;
-    return file == stdin || SetConsoleMode(handle, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING);
+    return GetConsoleMode((HANDLE)_get_osfhandle(_fileno(file)), &mode) != 0;
 }

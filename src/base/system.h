@@ -96,8 +96,10 @@ FILE *fxs_stream_temporary(void);
    length. */
 int fxs_stream_empty(FILE *file);
 
-/* 1 where the stream is a terminal that lines can be written over on. */
 int fxs_is_terminal(FILE *file);
+
+/* Makes the line of a terminal an empty one. */
+extern const char fxs_erase_line[];
 
 /* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
