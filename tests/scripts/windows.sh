@@ -114,6 +114,17 @@ for f in set/sparse/0/*.txt; do
 done
 w fit set --steps 200 -o crlf.fxs >logs/out
 check "fit: cameras whose lines end as in Windows" cmp crlf.fxs linux-fit.fxs
+# At a console of wine: Ctrl-C saves what is fitted.
+if have script; then
+    {
+        until [ "$(wc -l <stop.log 2>/dev/null || echo 0)" -gt 1 ]; do sleep 0.2; done
+        printf '\003'
+        until [ -e stop.fxs.fit ]; do sleep 0.2; done
+    } | timeout 300 script -qec "'$wine' '$program' fit set --steps 20000 --log stop.log -o stop.fxs" /dev/null >logs/out 2>&1
+    check "fit: Ctrl-C saves it" [ -e stop.fxs.fit ]
+else
+    skip "fit: Ctrl-C" "no script here"
+fi
 
 # ---- Names -----------------------------------------------------------------------------------------------------------
 
