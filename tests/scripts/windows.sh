@@ -86,7 +86,8 @@ check "convert lod-meta.json: the same folder" diff -r windows linux
 # README's program, which has the .dll beside it.
 sed -n '/^```c$/,/^```$/p' "$root/README.md" | sed '/^```/d' >program.c
 mkdir dll && cp "$built"/libfixsplat-*.dll dll &&
-    $compiler -std=c99 -I"$root/src/include" program.c -o dll/program.exe "$built/libfixsplat.dll.a" && "$wine" dll/program.exe linux.fxs dll/windows.png
+    $compiler -std=c99 -I"$root/src/include" program.c -o dll/program.exe "$built/libfixsplat.dll.a" &&
+    "$wine" dll/program.exe linux.fxs dll/windows.png
 libraries=$(sed -n 's/^LIBS_[A-Z]* := //p' "${fixsplat%/*}/probe.mk" | tr '\n' ' ')
 ${CC:-cc} -std=c99 -I"$root/src/include" program.c -o program "${fixsplat%/*}/libfixsplat.a" $libraries -lm -lpthread &&
     ./program linux.fxs dll/linux.png
