@@ -5,6 +5,7 @@
 #include <direct.h>
 #include <errno.h>
 #include <malloc.h>
+#include <process.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,9 +17,16 @@
 #define setenv(name, value, replace) _putenv_s(name, value)
 #define unsetenv(name) _putenv_s(name, "")
 
+/* _mktemp has 26 names for a process, of whose number another had them before. */
 static inline char *mkdtemp(char *name)
 {
-    return _mktemp(name) && !_mkdir(name) ? name : NULL;
+    char *end = name + strlen(name) - strlen("XXXXXX");
+    for (int i = 0; i < 1000; i++) {
+        snprintf(end, sizeof "XXXXXX", "%06x", ((unsigned)_getpid() * 1000u + (unsigned)i) & 0xffffffu);
+        if (!_mkdir(name))
+            return name;
+    }
+    return NULL;
 }
 
 /* Blocks at multiples of 64, which a free of their own gives back: malloc takes more, and what it returned lies before
