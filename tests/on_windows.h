@@ -53,14 +53,22 @@ static inline void free_block(void *memory)
 }
 #define free free_block
 
-/* "rm -r FOLDER" */
+static inline int rename_over(const char *from, const char *to)
+{
+    _unlink(to);
+    return rename(from, to);
+}
+#define rename rename_over
+
+/* "rm -r FOLDER", or "rm -rf FOLDER" */
 static inline int run_shell(const char *command)
 {
     char line[256];
-    snprintf(line, sizeof line, "rd /s /q %s", command + strlen("rm -r "));
+    const char *space = strrchr(command, ' ');
+    snprintf(line, sizeof line, "rd /s /q %s", space ? space + 1 : "");
     for (char *c = line + strlen("rd /s /q "); *c; c++)
         *c = *c == '/' ? '\\' : *c;
-    return strncmp(command, "rm -r ", 6) ? -1 : system(line);
+    return strncmp(command, "rm -r", 5) ? -1 : system(line);
 }
 #define system run_shell
 
