@@ -1,8 +1,8 @@
 # Tests.
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
-# Programs for Windows are without those that fork, limit themselves or their memory, or make links and FIFOs.
-NOT_ON_WINDOWS := allocation bombs camera_file fit_model fxs_file image_file pager procedural scene_input scribble sog tileset
+# Programs for Windows are without those that fork, limit themselves or their memory, make links and FIFOs, or ask a shell.
+NOT_ON_WINDOWS := allocation bombs camera_file fit_model fxs_file image_file pager procedural scene_input scribble sog streamed_sog tileset
 TESTS_HERE := $(if $(EXE),$(filter-out $(NOT_ON_WINDOWS:%=test_%),$(TESTS)),$(TESTS))
 
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
