@@ -3,7 +3,7 @@
 # Compiler, kernels for its processors and optional libraries, as of the last change of any (tools/probe.sh). Without a
 # library, its feature answers with a clear message.
 quoted = '$(subst ','\'',$(1))'
-ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall,$(GOALS)),)
+ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall windows,$(GOALS)),)
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
     LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/probe.sh $(B) >&2)
 include $(B)/probe.mk
@@ -18,9 +18,15 @@ endif
 # No contraction of a * b + c: procedural scenes and imports are the same everywhere.
 INCLUDES := -Isrc/include -I.
 FLAGS = -std=c99 -D_POSIX_C_SOURCE=200809L -D_FILE_OFFSET_BITS=64 -ffp-contract=off $(INCLUDES) \
-        -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(FOUND:%=-DFXS_WITH_%) $(CFLAGS) $(CPPFLAGS)
+        -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(FLAGS_$(SYSTEM)) $(FOUND:%=-DFXS_WITH_%) $(CFLAGS) $(CPPFLAGS)
+# gcc takes the stack of Windows for aligned to more than 16 bytes, which it is not (bug 54412), so that wider vectors
+# are to be moved as if they were not; and its isfinite warns.
+FOR_TESTS_win32 := -include tests/on_windows.h
+FLAGS_win32 := -Wa,-muse-unaligned-vector-move -Wno-float-conversion
 # One set of objects for the static and the shared libraries. The shared one shows what is declared FXS_API.
-PIC := $(if $(SHARED),-fPIC -fno-semantic-interposition -fvisibility=hidden)
+PIC_posix := -fPIC -fno-semantic-interposition -fvisibility=hidden
+PIC_win32 := '-DFXS_API=__declspec(dllexport)'
+PIC := $(if $(SHARED),$(PIC_$(SYSTEM)))
 NVCC_FLAGS = -O3 -std=c++17 $(INCLUDES) -diag-suppress 177 -gencode arch=compute_90,code=sm_90 \
              -gencode arch=compute_80,code=compute_80 -gencode arch=compute_75,code=compute_75 \
              -Xcompiler -fno-exceptions,-fno-rtti,-fno-threadsafe-statics,-fPIC,-fvisibility=hidden
@@ -43,9 +49,12 @@ FIT_KERNELS_arm := neon
 PACK_KERNELS_x86 := avx2
 KERNELS := $(if $(KERNEL_FOLDER),$(wildcard kernels/simd/$(KERNEL_FOLDER)/*.c))
 CORE := $(wildcard src/core/*.c kernels/*.c) $(KERNELS)
+# These take threads of POSIX, which mingw-w64 has, and nothing else of it.
+ON_WINDOWS_TOO := open.c pager.c pager_url.c pool.c
 DEVICES := $(call with,GLES,kernels/gl/*.c kernels/gles/*.c kernels/compute/*.c) $(call with,CUDA,kernels/cuda/cuda.cu kernels/fit/cuda/cuda_fit.cu)
 LIBRARY := $(wildcard $(patsubst %,src/%/*.c,base gaussian scene scene/read scene/write scene/edit pack camera image fit) \
-                      $(patsubst %,port/%/*.c,posix backend board)) \
+                      $(patsubst %,port/%/*.c,$(SYSTEM) backend board)) \
+           $(if $(filter win32,$(SYSTEM)),$(addprefix port/posix/,$(ON_WINDOWS_TOO))) \
            $(wildcard $(patsubst %,kernels/fit/fit_%.c,$(FIT_KERNELS_$(KERNEL_FOLDER)))) \
            $(wildcard $(patsubst %,kernels/pack/*_%.c,$(PACK_KERNELS_$(KERNEL_FOLDER))))
 LIBRARY += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/gl/egl.c) $(call with,OSMESA,port/gl/osmesa.c))
@@ -57,10 +66,13 @@ TOOL := $(filter-out tools/viewer% tools/serve%,$(wildcard tools/*.c)) src/scene
 TOOL_SHARED := tools/metrics.c src/scene/make/procedural.c
 objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
 
-PROGRAMS := $(B)/fixsplat $(if $(WINDOW),$(B)/fixsplat-view) $(if $(SERVER),$(B)/fixsplat-web)
+EXE := $(if $(filter win32,$(SYSTEM)),.exe)
+PROGRAMS := $(patsubst %,$(B)/%$(EXE),fixsplat $(if $(WINDOW),fixsplat-view) $(if $(SERVER),fixsplat-web))
 ARCHIVES := $(B)/libfixsplat-core.a $(B)/libfixsplat.a
 SONAME := libfixsplat.so.$(MAJOR)
-SHARED_LIBRARY := $(if $(SHARED),$(B)/libfixsplat.so.$(VERSION))
+SHARED_posix := $(B)/libfixsplat.so.$(VERSION)
+SHARED_win32 := $(B)/libfixsplat-$(MAJOR).dll
+SHARED_LIBRARY := $(if $(SHARED),$(SHARED_$(SYSTEM)))
 
 
 # ---- Rules ---------------------------------------------------------------------------------------------------------
@@ -79,18 +91,20 @@ $(ARCHIVES): $(B)/commands/link
 
 link = $(call say,LD,$@)$(CC) $(FLAGS) $(LDFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(1) $(LIBS)
 
-SHARED_FLAGS := -shared -Wl,-soname,$(SONAME) -Wl,--version-script=tools/package/libfixsplat.map
+SHARED_FLAGS_posix := -shared -Wl,-soname,$(SONAME) -Wl,--version-script=tools/package/libfixsplat.map
+SHARED_FLAGS_win32 := -shared -Wl,--out-implib,$(B)/libfixsplat.dll.a
 $(SHARED_LIBRARY): $(call objects,$(CORE) $(DEVICES) $(LIBRARY)) tools/package/libfixsplat.map $(B)/commands/link
-	$(call link,$(SHARED_FLAGS))
+	$(call link,$(SHARED_FLAGS_$(SYSTEM)))
 
-$(B)/fixsplat: $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link
+
+$(B)/fixsplat$(EXE): $(call objects,$(TOOL)) $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)
 
-$(B)/fixsplat-view: $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out tools/main.c,$(TOOL))) \
+$(B)/fixsplat-view$(EXE): $(call objects,tools/viewer_main.c $(WINDOW) $(filter-out tools/main.c,$(TOOL))) \
                     $(B)/libfixsplat.a $(B)/commands/link
 	$(call link,$(LIBS_TTF) $(LIBS_SDL))
 
-$(B)/fixsplat-web: $(call objects,$(wildcard tools/serve*.c) $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
+$(B)/fixsplat-web$(EXE): $(call objects,$(wildcard tools/serve*.c) $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
                    $(B)/commands/link
 	$(call link,$(LIBS_MICROHTTPD) $(LIBS_QRENCODE))
 
@@ -109,7 +123,7 @@ features = grep -ohs 'FXS_WITH_[A-Z0-9]*' $$(sed 's/^[^ ]*://; s/[\\:]//g' $(@:.
 
 $(B)/%.o: %.c $(B)/commands/compile
 	@mkdir -p $(@D)
-	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(call isa,$*) -MMD -MP -c -o $@ $<
+	$(call say,CC,$<)$(CC) $(FLAGS) $(if $(filter tools/% tests/%,$*),,$(PIC)) $(if $(filter tests/%,$*),$(FOR_TESTS_$(SYSTEM))) $(call isa,$*) -MMD -MP -c -o $@ $<
 	@$(features)
 
 # Names have a hash of the source's path: of the one that is here, not of the folder's, so that any folder gives the same

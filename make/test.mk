@@ -1,6 +1,10 @@
 # Tests.
 
 TESTS := $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
+# Programs for Windows are without those that fork, limit themselves or their memory, make links and FIFOs, or ask a shell.
+NOT_ON_WINDOWS := allocation bombs camera_file fit_model fxs_file image_file pager procedural scene_input scribble sog streamed_sog tileset
+TESTS_HERE := $(if $(EXE),$(filter-out $(NOT_ON_WINDOWS:%=test_%),$(TESTS)),$(TESTS))
+
 SCRIPTS := $(notdir $(wildcard tests/scripts/*.sh))
 GATES := $(notdir $(wildcard tests/gates/*.sh))
 
@@ -24,11 +28,11 @@ run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALO
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
 NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter boards.sh,$(RUN)),test_strip test_ili9341) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input)
 
-$(B)/tests/test_%: $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
+$(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
                    $(B)/commands/link
 	$(call link)
 
-$(B)/tests/test_window: $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c \
+$(B)/tests/test_window$(EXE): $(call objects,tests/test_window.c port/window/motion.c port/window/overlay.c \
                         port/window/words.c $(WINDOW) \
                         $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a $(B)/commands/link
 	$(call link,$(LIBS_TTF) $(LIBS_SDL))
@@ -42,7 +46,7 @@ check: all $(addprefix $(B)/tests/,$(filter $(TESTS),$(CHECKED))) ## run the tes
 test-all: ## the same, with every compiler, processor, board and sanitizer at hand
 	FXS_PROCESSORS=all $(MAKE) test
 
-test-programs: $(addprefix $(B)/tests/,$(TESTS)) ## build the test programs
+test-programs: $(patsubst %,$(B)/tests/%$(EXE),$(TESTS_HERE)) ## build the test programs
 
 # Need a GPU: see tests/gpu/cuda.sh and tests/gpu/fit.sh.
 $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda: $(B)/tests/gpu/peek.o

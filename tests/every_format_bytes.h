@@ -399,16 +399,16 @@ static inline void make_sog_zip(void)
 {
     char name[] = "/tmp/test_zip_XXXXXX";
     int descriptor = mkstemp(name), code;
+    CHECK(descriptor >= 0 && !close(descriptor));
     add_sog("");
     zip_t *zip = zip_open(name, ZIP_TRUNCATE, &code);
     for (int i = 0; i < file_count && zip; i++)
         zip_file_add(zip, files[i].name, zip_source_buffer(zip, files[i].data, files[i].size, 0), 0);
-    CHECK(descriptor >= 0 && zip && zip_close(zip) == 0);
+    CHECK(zip && zip_close(zip) == 0);
     FILE *stream = fopen(name, "rb");
     size = stream ? fread(bytes, 1, MAX_FILE, stream) : 0;
     if (stream)
         fclose(stream);
-    close(descriptor);
     unlink(name);
     file_count = 0;
     add_file("a.sog");

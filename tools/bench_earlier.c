@@ -17,11 +17,13 @@ int bench_earlier_read(bench_earlier *earlier, const char *path, const bench_fac
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/system.h"
+
 #define FILE_MOST 65536
 
 static int load(const char *path, char text[FILE_MOST + 1])
 {
-    FILE *file = fopen(path, "rb");
+    FILE *file = fxs_stream_open(path, "rb");
     if (!file)
         return fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
     errno = 0;

@@ -2,8 +2,8 @@
 
 #include <errno.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "src/base/system.h"
 #include "command.h"
 
 #ifdef FXS_WITH_SDL
@@ -19,11 +19,13 @@ const beside_program server_program = {"", "libmicrohttpd"};
 
 int run_beside(const beside_program *program, const char *shown, char **argv)
 {
-    char path[4096] = "fixsplat";
+    char path[4096];
     if (!*program->ending)
         return fail(EXIT_FAILED, "%s: cannot be shown: this program was built without %s", shown, program->library);
-    ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof "-view");
-    strcpy(path + (length > 0 ? (size_t)length : strlen(path)), program->ending);
-    execvp(path, argv);
+    fxs_program_path(path, sizeof path - sizeof "-view");
+    if (!*path)
+        strcpy(path, "fixsplat");
+    strcat(path, program->ending);
+    fxs_program_become(path, argv);
     return fail(EXIT_FAILED, "%s: cannot be shown: %s: %s", shown, path, strerror(errno));
 }

@@ -1,12 +1,11 @@
 /* fixsplat doctor: what this machine has for it, and what each thing that it lacks would give. */
-#include <dlfcn.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/backends.h>
 #include <fixsplat/formats.h>
 #include <fixsplat/pool.h>
+#include "src/base/system.h"
 #include "beside.h"
 #include "drawing.h"
 #include "page_folder.h"
@@ -52,25 +51,6 @@ static void line(const char *name, int is_here, const char *what, const char *wo
     printf("%-14s %s%s%s\n", name, is_here ? "here" : "not here", *words ? ": " : "", words);
     if (!is_here)
         printf("%-14s   with it: %s\n", "", what);
-}
-
-static int is_in_path(const char *program)
-{
-    char path[4096];
-    const char *folder = getenv("PATH");
-    while (folder && *folder) {
-        const int length = (int)strcspn(folder, ":");
-        if (snprintf(path, sizeof path, "%.*s/%s", length, folder, program) < (int)sizeof path && !access(path, X_OK))
-            return 1;
-        folder += length + (folder[length] == ':');
-    }
-    return 0;
-}
-
-static int is_library(const char *name)
-{
-    void *library = dlopen(name, RTLD_LAZY | RTLD_LOCAL);
-    return library && !dlclose(library);
 }
 
 /* The versions of the stages that run, each once: "avx512 avx2 c". */
@@ -134,7 +114,8 @@ static int run(int argc, char **argv)
     line("server", *server_program.ending != 0, "view --web has a server: built with libmicrohttpd", "");
     print_page();
     for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++)
-        line(helpers[i].name, helpers[i].library ? is_library(helpers[i].library) : is_in_path(helpers[i].name),
+        line(helpers[i].name, helpers[i].library ? fxs_library_is_here(helpers[i].library)
+                                                 : fxs_program_is_here(helpers[i].name),
              helpers[i].gives, "");
     return EXIT_OK;
 }

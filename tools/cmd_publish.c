@@ -1,6 +1,5 @@
 /* fixsplat publish: a folder for any web server, with scenes, their pictures and the page that shows them; or one file
    that needs none. */
-#include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,26 +96,32 @@ static int write_bytes(publish_options *o, const char *folder, const char *name,
     return fxs_encoded_write(path, &file, &why) ? fail_for(&why) : 0;
 }
 
+typedef struct copying {
+    publish_options *o;
+    const char *from, *to;
+    int status;
+} copying;
+
+static void copy_file(void *argument, const char *name)
+{
+    copying *c = argument;
+    char path[TASK_PATH];
+    fxs_mapping file;
+    fxs_message why;
+    join_path(path, c->from, name);
+    if (c->status || is_folder(path))
+        return;
+    c->status = fxs_map(&file, path, &why) ? fail_for(&why) : 0;
+    if (!c->status) {
+        c->status = write_bytes(c->o, c->to, name, file.data, file.bytes);
+        fxs_unmap(&file);
+    }
+}
+
 static int copy_files(publish_options *o, const char *from, const char *to)
 {
-    DIR *folder = opendir(from);
-    char path[TASK_PATH];
-    int status = folder ? make_folder(to) : fail(EXIT_FAILED, "%s: %s", from, strerror(errno));
-    for (struct dirent *entry; folder && !status && (entry = readdir(folder)) != 0;) {
-        fxs_mapping file;
-        fxs_message why;
-        join_path(path, from, entry->d_name);
-        if (is_folder(path))
-            continue;
-        status = fxs_map(&file, path, &why) ? fail_for(&why) : 0;
-        if (!status) {
-            status = write_bytes(o, to, entry->d_name, file.data, file.bytes);
-            fxs_unmap(&file);
-        }
-    }
-    if (folder)
-        closedir(folder);
-    return status;
+    copying c = {o, from, to, make_folder(to)};
+    return fxs_folder_each(from, copy_file, &c) ? fail(EXIT_FAILED, "%s: %s", from, strerror(errno)) : c.status;
 }
 
 /* Beside the scene, as the page asks for it. */
@@ -172,20 +177,20 @@ static void print_list(FILE *file, const char *title, const scene_list *list)
 /* A page of one scene, or the list of all. */
 static int write_page(publish_options *o, const char *name, const listed_scene *s)
 {
-    char *text = 0;
-    size_t size = 0;
-    FILE *file = open_memstream(&text, &size);
-    if (!file)
+    fxs_printed printed;
+    if (fxs_print_begin(&printed))
         return fail(EXIT_FAILED, "out of memory");
+    FILE *file = printed.file;
     const int is_one = s && o->list.count > 1;     /* of several: --title is that of the list */
     const char *title = o->title && !is_one ? o->title : s ? s->title : "Scenes";
     if (s)
         print_scene(file, title, s->name, o->settings);
     else
         print_list(file, title, &o->list);
-    const int is_whole = !ferror(file) && !fclose(file);
-    const int status = is_whole ? write_bytes(o, o->site, name, text, size) : fail(EXIT_FAILED, "out of memory");
-    free(text);
+    if (fxs_print_end(&printed))
+        return fail(EXIT_FAILED, "out of memory");
+    const int status = write_bytes(o, o->site, name, printed.text, printed.size);
+    free(printed.text);
     return status;
 }
 
@@ -202,16 +207,17 @@ static int write_pages(publish_options *o)
 
 /* ---- The command ------------------------------------------------------------------------------------------------- */
 
+static void count_file(void *files, const char *name)
+{
+    *(int *)files += strcmp(name, ".") && strcmp(name, "..");
+}
+
 /* A folder that is not there, is empty, or is of an earlier call. */
 static int take_site(const publish_options *o)
 {
     char path[TASK_PATH];
-    DIR *folder = opendir(o->site);
     int files = 0;
-    for (struct dirent *entry; folder && (entry = readdir(folder)) != 0;)
-        files += strcmp(entry->d_name, ".") && strcmp(entry->d_name, "..");
-    if (folder)
-        closedir(folder);
+    fxs_folder_each(o->site, count_file, &files);
     join_path(path, o->site, "fixsplat/viewer");
     if (files && !is_folder(path))
         return fail(EXIT_FAILED, "%s: not empty, and not a folder that publish made: give a new one", o->site);

@@ -3,10 +3,10 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/backends.h>
 #include <fixsplat/formats.h>
+#include "src/base/system.h"
 #include "src/image/depth_file.h"
 
 enum { FRAMES_MOST = 100000 };              /* of a film */
@@ -144,7 +144,7 @@ static int check_picture(render_options *o)
         if (o->hash || o->stats || o->has_pick || (o->depth && !(o->depth_range > 0)))
             return fail(EXIT_USAGE, "-o -: the picture goes to standard output, and so does what --%s prints",
                         o->hash ? "hash" : o->stats ? "stats" : o->has_pick ? "pick" : "depth without --depth-range");
-        if (isatty(STDOUT_FILENO))
+        if (fxs_is_terminal(stdout))
             return fail(EXIT_USAGE, "-o -: standard output is a terminal");
     }
     if (o->quality && o->encoding != FXS_IMAGE_JPG && o->encoding != FXS_IMAGE_WEBP)

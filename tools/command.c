@@ -4,9 +4,9 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "src/base/fail_list.h"
+#include "src/base/system.h"
 
 /* ---- Errors and notes -------------------------------------------------------------------------------------------- */
 
@@ -56,7 +56,7 @@ static const char quiet_variable[] = "FIXSPLAT_QUIET";
 
 void be_quiet(void)
 {
-    setenv(quiet_variable, "1", 1);
+    fxs_program_set(quiet_variable, "1");
 }
 
 int is_quiet(void)
@@ -147,7 +147,7 @@ void write_shell_word(FILE *file, const char *word)
 static void check_printed(void)
 {
     if (fflush(stdout) || ferror(stdout))
-        _exit(fail(EXIT_FAILED, "cannot write to standard output"));
+        _Exit(fail(EXIT_FAILED, "cannot write to standard output"));
 }
 
 void check_printed_at_exit(void)
@@ -167,7 +167,7 @@ int progress_bar(void *label, double done)
 {
     static const char marks[] = "########################################";
     int width = (int)(sizeof marks - 1), filled = (int)(done * width), percent = (int)(done * 100);
-    if (percent == percent_shown || !isatty(STDERR_FILENO) || is_quiet())
+    if (percent == percent_shown || !fxs_is_terminal(stderr) || is_quiet())
         return 0;
     fprintf(stderr, "\r%-12s [%.*s%*s] %3d %%", (const char *)label, filled, marks, width - filled, "", percent);
     percent_shown = percent;
@@ -178,12 +178,12 @@ void progress_end(void)
 {
     if (percent_shown < 0)
         return;
-    fputs("\r\033[K", stderr);
+    fputs(fxs_erase_line, stderr);
     percent_shown = -1;
 }
 
 void progress_line(const char *text)
 {
-    fprintf(stderr, "\r%s\033[K", text);
+    fprintf(stderr, "%s%s", fxs_erase_line, text);
     percent_shown = 0;
 }

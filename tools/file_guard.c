@@ -3,11 +3,10 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <fixsplat/output.h>
 #include "src/base/opened.h"
+#include "src/base/system.h"
 #include "command.h"
 
 /* A regular file, or the place in its folder where one is to be. */
@@ -59,7 +58,7 @@ static char *copy_of(const char *text)
 }
 
 /* Of a file that is not there. Returns 0 where there is no folder for it. */
-static int find_place(file *f, const char *name, struct stat *folder)
+static int find_place(file *f, const char *name, fxs_file_facts *folder)
 {
     char *target = fxs_output_target(name), *slash = target ? strrchr(target, '/') : 0;
     if (!target)
@@ -67,20 +66,20 @@ static int find_place(file *f, const char *name, struct stat *folder)
     f->place = copy_of(slash ? slash + 1 : target);
     if (slash)
         slash[1] = 0;
-    const int found = f->place && !stat(slash ? target : ".", folder);
+    const int found = f->place && fxs_file_look(slash ? target : ".", folder) != FXS_FILE_NONE;
     free(target);
     return found;
 }
 
 /* Returns 0 where the name is of a device, or its folder is not there. f->place is allocated. */
-static int find_file(file *f, const char *name, int standard)
+static int find_file(file *f, const char *name, FILE *standard)
 {
-    struct stat status;
-    const int found = strcmp(name, "-") ? !stat(name, &status) : !fstat(standard, &status);
-    if (found ? !S_ISREG(status.st_mode) : !find_place(f, name, &status))
+    fxs_file_facts facts;
+    const enum fxs_file_kind kind = strcmp(name, "-") ? fxs_file_look(name, &facts) : fxs_stream_look(standard, &facts);
+    if (kind == FXS_FILE_NONE ? !find_place(f, name, &facts) : kind != FXS_FILE_REGULAR)
         return 0;
-    f->device = (uint64_t)status.st_dev;
-    f->inode = (uint64_t)status.st_ino;
+    f->device = facts.device;
+    f->inode = facts.inode;
     return 1;
 }
 
@@ -92,7 +91,7 @@ static const char *shown(const char *name)
 void files_read(const char *name)
 {
     file f = {.is_given = 1};
-    if (name && find_file(&f, name, STDIN_FILENO))
+    if (name && find_file(&f, name, stdin))
         add(&known.read, f);
     else
         free(f.place);
@@ -101,7 +100,7 @@ void files_read(const char *name)
 void files_write(const char *name)
 {
     file f = {.is_given = 0};
-    if (name && find_file(&f, name, STDOUT_FILENO)) {
+    if (name && find_file(&f, name, stdout)) {
         f.name = copy_of(shown(name));
         add(&known.written, f);
     } else
@@ -126,7 +125,7 @@ static int compare(const void *a, const void *b)
 int files_same(const char *one, const char *other)
 {
     file a = {.place = 0}, b = {.place = 0};
-    const int same = find_file(&a, one, STDIN_FILENO) && find_file(&b, other, STDOUT_FILENO) && !compare(&a, &b);
+    const int same = find_file(&a, one, stdin) && find_file(&b, other, stdout) && !compare(&a, &b);
     free(a.place);
     free(b.place);
     return same;
@@ -153,7 +152,7 @@ static int check_output(const file *output, const char *name, fxs_message *messa
 static int check_begun(const char *name, fxs_message *message)
 {
     file f = {.place = 0};
-    const int error = find_file(&f, name, STDOUT_FILENO) ? check_output(&f, shown(name), message) : 0;
+    const int error = find_file(&f, name, stdout) ? check_output(&f, shown(name), message) : 0;
     free(f.place);
     return error;
 }

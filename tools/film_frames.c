@@ -77,7 +77,7 @@ static int look_at_film(frames *f, const char *film)
                                      "scale=256:256,format=gray", "-f", "rawvideo", "pipe:1", 0};
     task_begin(f->t, "looking for sharp frames", 0);
     const int status = task_run(f->t, arguments, take_frames, f);
-    if (status < 0 || status >= TASK_MISSING)
+    if (status < 0 || status >= FXS_PROGRAM_MISSING)
         return task_failed(f->t, "ffmpeg", status);
     if (f->no_memory)
         return fail(EXIT_FAILED, "out of memory");
@@ -119,9 +119,9 @@ static int write_frames(task *t, const char *film, const char *filter, const cha
         return EXIT_FAILED;
     task_begin(t, "writing frames", 0);
     const int status = task_run(t, arguments, 0, 0);
-    if (status < 0 || status >= TASK_MISSING)
+    if (status < 0 || status >= FXS_PROGRAM_MISSING)
         return task_failed(t, "ffmpeg", status);
-    return rename(part, folder) ? fail(EXIT_FAILED, "%s: %s", folder, strerror(errno)) : 0;
+    return fxs_file_rename(part, folder) ? fail(EXIT_FAILED, "%s: %s", folder, strerror(errno)) : 0;
 }
 
 int film_frames(task *t, const char *film, size_t wanted, const char *folder)

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "src/base/system.h"
 #include "fit_result.h"
 
 /* ---- What is printed --------------------------------------------------------------------------------------------- */
@@ -201,7 +201,7 @@ static int write_scene(const fit_command *c, fxs_fit *fit, const fxs_photos *pho
         fit_save_for_later(c, fit, "saved");
         return status;
     }
-    if (!isatty(STDERR_FILENO))
+    if (!fxs_is_terminal(stderr))
         note("measuring %s", c->out);
     if (c->watcher)
         c->watcher->written(&result->packed, c->crops ? whole : &result->packed);

@@ -3,9 +3,9 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/clock.h>
+#include "src/base/system.h"
 #include "file_guard.h"
 #include "film_frames.h"
 #include "fit_result.h"
@@ -42,7 +42,7 @@ static int show_reading(void *argument, double done)
     const uint64_t now = fxs_clock(0);
     (void)argument;
     shown = shown ? shown : now;
-    if (!isatty(STDERR_FILENO) && now - shown >= 10000000000u) {
+    if (!fxs_is_terminal(stderr) && now - shown >= 10000000000u) {
         note("%s photographs: %d %%", label, (int)(100 * done));
         shown = now;
     }

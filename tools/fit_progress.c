@@ -3,9 +3,9 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/clock.h>
+#include "src/base/system.h"
 #include "command.h"
 
 /* ---- Progress ---------------------------------------------------------------------------------------------------- */
@@ -26,7 +26,7 @@ static void say_duration(char text[32], double seconds)
 static void show(fit_progress *p, uint32_t step, size_t gaussians, uint64_t now)
 {
     char text[160], left[32];
-    const int is_line = isatty(STDERR_FILENO), is_last = step == p->steps && !is_line;
+    const int is_line = fxs_is_terminal(stderr), is_last = step == p->steps && !is_line;
     const uint64_t pause = is_line ? 200000000u : p->shown == p->start ? 1000000000u : 10000000000u;
     if (is_quiet() || (now - p->shown < pause && !is_last))
         return;
@@ -78,7 +78,7 @@ static void give_up(fit_log *log)
 
 int fit_log_open(fit_log *log, const char *name)
 {
-    *log = (fit_log){.name = name, .file = name ? fopen(name, "a") : 0};
+    *log = (fit_log){.name = name, .file = name ? fxs_stream_open(name, "ab") : 0};
     return !name || log->file ? 0 : fail(EXIT_FAILED, "--log %s: cannot be written: %s", name, strerror(errno));
 }
 
@@ -87,7 +87,7 @@ void fit_log_begin(fit_log *log, int goes_on, uint32_t steps)
     log->every = (steps + 99) / 100;
     if (!log->file)
         return;
-    if (!goes_on && ftruncate(fileno(log->file), 0) && errno != EINVAL)    /* which a terminal or a pipe is */
+    if (!goes_on && fxs_stream_empty(log->file) && errno != EINVAL)    /* which a terminal or a pipe is */
         give_up(log);
     else if (fseek(log->file, 0, SEEK_END) || ftell(log->file) <= 0)
         if (fputs("step\tseconds\tgaussians\tloss\tpsnr\taffine_psnr\tssim\n", log->file) < 0 || fflush(log->file))

@@ -4,12 +4,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <fixsplat/image_file.h>
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/scene_write.h>
+#include "src/base/system.h"
 #include "file_guard.h"
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */
@@ -23,20 +22,18 @@ int result_check(const char *out)
 
 int result_check_place(const char *out)
 {
-    struct stat status;
-    if (!stat(out, &status)) {
-        if (S_ISDIR(status.st_mode))
-            return fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(EISDIR));
-        if (!S_ISREG(status.st_mode))
-            return access(out, W_OK) ? fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(errno)) : 0;
-    }
+    const enum fxs_file_kind kind = fxs_file_kind(out);
+    if (kind == FXS_FILE_FOLDER)
+        return fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(EISDIR));
+    if (kind == FXS_FILE_OTHER)
+        return fxs_file_may_be_written(out) ? fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(errno)) : 0;
     const char *slash = strrchr(out, '/');
     char *folder = slash ? strdup(out) : strdup(".");
     if (!folder)
         return fail(EXIT_FAILED, "out of memory");
     if (slash)
         folder[slash - out + 1] = 0;
-    const int error = access(folder, W_OK | X_OK) ? errno : 0;
+    const int error = fxs_file_may_be_written(folder) ? errno : 0;
     free(folder);
     return error ? fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(error)) : 0;
 }

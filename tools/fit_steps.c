@@ -2,47 +2,12 @@
 #include "cmd_fit.h"
 
 #include <inttypes.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <fixsplat/clock.h>
+#include "src/base/system.h"
 #include "fit_result.h"
-
-/* ---- Signals ----------------------------------------------------------------------------------------------------- */
-
-/* The first one asks for an end after the step; the next one does what it would have done. */
-static const int signals[] = {SIGHUP, SIGINT, SIGTERM};
-enum { SIGNALS = sizeof signals / sizeof *signals };
-static struct sigaction before[SIGNALS];
-static volatile sig_atomic_t asked;
-
-static void restore_signals(void)
-{
-    for (int i = 0; i < SIGNALS; i++)
-        sigaction(signals[i], &before[i], 0);
-}
-
-static void ask_for_end(int number)
-{
-    asked = number;
-    restore_signals();
-}
-
-/* What is ignored stays so. */
-static void listen_to_signals(void)
-{
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = ask_for_end;
-    sigfillset(&action.sa_mask);
-    action.sa_flags = SA_RESTART;
-    for (int i = 0; i < SIGNALS; i++)
-        sigaction(signals[i], 0, &before[i]);
-    for (int i = 0; i < SIGNALS; i++)
-        if (before[i].sa_handler != SIG_IGN)
-            sigaction(signals[i], &action, 0);
-}
 
 /* ---- Saves ------------------------------------------------------------------------------------------------------- */
 
@@ -132,7 +97,7 @@ static int step_to_end(const fit_command *c, fxs_fit *fit, const fxs_photos *pho
 {
     fxs_fit_report report;
     fxs_message message;
-    while (fxs_fit_steps(fit) < p->steps && !asked) {
+    while (fxs_fit_steps(fit) < p->steps && !fxs_end_asked()) {
         const uint32_t made = fxs_fit_steps(fit), step = made + 1;
         const int is_reported = wants_report(c, p, step);
         if (fxs_fit_step(fit, is_reported ? &report : NULL, &message))
@@ -161,13 +126,13 @@ static void begin_watching(const fit_command *c, fxs_fit *fit, const fxs_photos 
         c->watcher->begin(fit, photos, &c->frame, !c->metrics_every, &now);
 }
 
-/* A signal's end, as it would have been, once the fit is saved. */
+/* The end that was asked for, once the fit is saved. */
 static int stop(const fit_command *c, fxs_fit *fit)
 {
     if (c->watcher)
         c->watcher->stopped();
     if (!fit_save_for_later(c, fit, "stopped"))
-        raise(asked);
+        fxs_end_as_asked();
     return EXIT_FAILED;
 }
 
@@ -178,9 +143,9 @@ int fit_make_steps(const fit_command *c, fxs_fit *fit, const fxs_photos *photos,
     *p = (fit_progress){.first = first, .counted = first, .steps = fxs_fit_options_of(fit)->steps, .start = now,
                         .last = now, .shown = now, .saved = c->saves_itself ? first : 0};
     fit_log_begin(c->log, c->resume != 0, p->steps);
-    listen_to_signals();
+    fxs_end_listen();
     begin_watching(c, fit, photos, p);
     const int status = step_to_end(c, fit, photos, p);
-    restore_signals();
-    return !status && asked ? stop(c, fit) : status;
+    fxs_end_listen_no_more();
+    return !status && fxs_end_asked() ? stop(c, fit) : status;
 }

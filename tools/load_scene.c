@@ -5,13 +5,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/clock.h>
 #include <fixsplat/map.h>
 #include <fixsplat/message.h>
 #include <fixsplat/packed.h>
 #include <fixsplat/scene_decimate.h>
+#include "src/base/system.h"
 #include "file_guard.h"
 
 #define LARGE ((size_t)64 << 20)    /* bytes of an .fxs from which on it is worth to read it in part */
@@ -146,12 +146,12 @@ enum { PIECE = 1 << 20 };
 static int grow_standard_input(void)
 {
     const size_t room = 2 * standard_input.room + PIECE;
-    void *larger;
-    if (posix_memalign(&larger, 64, room))
+    void *larger = fxs_aligned_allocate(room);
+    if (!larger)
         return fail(EXIT_FAILED, "standard input: out of memory");
     if (standard_input.bytes)
         memcpy(larger, standard_input.bytes, standard_input.size);
-    free(standard_input.bytes);
+    fxs_aligned_free(standard_input.bytes);
     standard_input.bytes = larger;
     standard_input.room = room;
     return 0;
@@ -162,15 +162,15 @@ static int read_standard_input(void)
     if (standard_input.bytes)
         return 0;
     files_read("-");
-    if (isatty(STDIN_FILENO))
+    if (fxs_is_terminal(stdin))
         return fail(EXIT_FAILED, "standard input is a terminal, not a scene");
-    for (ssize_t got = 1; got;) {
+    for (size_t got = 1; got;) {
         if (standard_input.room - standard_input.size < PIECE && grow_standard_input())
             return EXIT_FAILED;
-        got = read(STDIN_FILENO, standard_input.bytes + standard_input.size, PIECE);
-        if (got < 0 && errno != EINTR)
+        got = fread(standard_input.bytes + standard_input.size, 1, PIECE, stdin);
+        if (ferror(stdin))
             return fail(EXIT_FAILED, "standard input: %s", strerror(errno));
-        standard_input.size += got > 0 ? (size_t)got : 0;
+        standard_input.size += got;
     }
     return standard_input.size ? 0 : fail(EXIT_FAILED, "standard input is empty");
 }

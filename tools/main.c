@@ -1,11 +1,10 @@
 /* fixsplat: renders 3D Gaussian splatting scenes in fixed point. */
-#include <fcntl.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/backends.h>
 #include <fixsplat/formats.h>
 #include <fixsplat/output.h>
+#include "src/base/system.h"
 #include "file_guard.h"
 #include "drawing.h"
 
@@ -116,7 +115,7 @@ static int wrong_command(const char *name)
     suggestion s = {0, 0};
     if (!*name)
         return fail(EXIT_USAGE, "no command; see: fixsplat --help");
-    if (!access(name, F_OK))
+    if (fxs_file_kind(name) != FXS_FILE_NONE)
         return fail(EXIT_USAGE, "no command before %s: render it, view it, or see: fixsplat --help", name);
     for (int i = 0; i < COMMANDS; i++)
         suggest(&s, name, strlen(name), commands[i]->name);
@@ -153,17 +152,9 @@ static int help_about(const char *name)
                   : fail(EXIT_USAGE, "no help on '%s'; see: fixsplat help", name);
 }
 
-/* One that is closed is opened the wrong way round: no file becomes standard output by chance, and to use it fails. */
-static void keep_standard_files(void)
-{
-    for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
-        if (fcntl(i, F_GETFD) < 0)
-            open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
-}
-
 int main(int argc, char **argv)
 {
-    keep_standard_files();
+    fxs_program_begin(&argc, &argv);
     fxs_output_remove_at_signals();
     check_printed_at_exit();
     files_begin();

@@ -3,14 +3,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
+#include "src/base/system.h"
 #include "command.h"
 
 static int has_page(const char *folder)
 {
     char path[4200];
-    return snprintf(path, sizeof path, "%s/viewer/index.html", folder) < (int)sizeof path && access(path, R_OK) == 0;
+    const int length = snprintf(path, sizeof path, "%s/viewer/index.html", folder);
+    return length < (int)sizeof path && fxs_file_kind(path) == FXS_FILE_REGULAR;
 }
 
 int page_folder_look(char folder[PAGE_PATH])
@@ -20,8 +21,7 @@ int page_folder_look(char folder[PAGE_PATH])
     char path[2048];
     if (given)
         return snprintf(folder, PAGE_PATH, "%s", given) < PAGE_PATH && has_page(folder);
-    const ssize_t length = readlink("/proc/self/exe", path, sizeof path - 1);
-    path[length > 0 ? length : 0] = 0;
+    fxs_program_path(path, sizeof path);
     char *end = strrchr(path, '/');
     for (size_t i = 0; end && i < sizeof places / sizeof *places; i++) {
         snprintf(folder, PAGE_PATH, "%.*s/%s", (int)(end - path), path, places[i]);

@@ -1,13 +1,10 @@
-#define _XOPEN_SOURCE 700          /* realpath, strdup */
+#define _XOPEN_SOURCE 700          /* strdup */
 
 #include "photo_folder.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <fixsplat/pool.h>
 #include "command.h"
@@ -47,17 +44,24 @@ void photographs_free(photographs *p)
     memset(p, 0, sizeof *p);
 }
 
+typedef struct listing {
+    photographs *p;
+    int fits;
+} listing;
+
+static void list_photograph(void *argument, const char *name)
+{
+    listing *l = argument;
+    l->fits = l->fits && (!fxs_photograph_kind_of(name) || add_photograph(l->p, name));
+}
+
 int photographs_list(photographs *p, const char *path)
 {
-    DIR *folder = opendir(path);
-    int fits = 1;
-    for (struct dirent *entry; folder && fits && (entry = readdir(folder)) != 0;)
-        fits = !fxs_photograph_kind_of(entry->d_name) || add_photograph(p, entry->d_name);
-    if (folder)
-        closedir(folder);
+    listing l = {p, 1};
+    fxs_folder_each(path, list_photograph, &l);
     if (p->count)
         qsort(p->names, p->count, sizeof *p->names, compare_names);
-    return fits;
+    return l.fits;
 }
 
 /* ---- What COLMAP reads ------------------------------------------------------------------------------------------- */
@@ -70,19 +74,18 @@ typedef struct conversion {
 
 static int link_to(const char *path, const char *to)
 {
-    unlink(to);
-    return symlink(path, to) ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
+    fxs_file_remove(to);
+    return fxs_file_link(path, to) ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
 }
 
 static void convert_one(void *argument, uint32_t i)
 {
     conversion *c = argument;
     char from[TASK_PATH], to[TASK_PATH], name[TASK_PATH];
-    struct stat status;
     join_path(from, c->folder, c->names[i]);
     snprintf(name, sizeof name, "%.1000s.jpg", c->names[i]);
     join_path(to, c->to, name);
-    c->errors[i] = stat(to, &status) ? fxs_photograph_to_jpg(from, to, &c->messages[i]) : 0;
+    c->errors[i] = fxs_file_kind(to) == FXS_FILE_NONE ? fxs_photograph_to_jpg(from, to, &c->messages[i]) : 0;
 }
 
 static int convert(task *t, conversion *c, size_t count, uint32_t threads, int skip_bad)
@@ -120,7 +123,7 @@ static int make_mixed(task *t, const photographs *p, const char *from, const cha
     char path[TASK_PATH], name[TASK_PATH];
     size_t heif = 0;
     const char **names = malloc(p->count * sizeof *names);
-    remove_link(to);
+    fxs_file_unlink(to);       /* what would be written into a folder that it names is someone else's */
     int status = names ? make_folder(to) : fail(EXIT_FAILED, "out of memory");
     for (size_t i = 0; i < p->count && !status; i++) {
         if (fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF) {
@@ -143,7 +146,7 @@ static int make_mixed(task *t, const photographs *p, const char *from, const cha
 int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad)
 {
     int is_mixed = 0, status;
-    char *whole = realpath(from, 0);
+    char *whole = fxs_path_whole(from);
     for (size_t i = 0; i < p->count; i++)
         is_mixed |= fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF;
     status = !whole     ? fail(EXIT_FAILED, "%s: %s", from, strerror(errno))

@@ -77,6 +77,9 @@ probe() {
         '#elif defined(__aarch64__) && !defined(__AARCH64EB__)' folder_arm '#endif' |
         compile -E -P -x c - | sed -n 's/^folder_/KERNEL_FOLDER := /p'
 
+    printf '%s\n' '#ifdef _WIN32' system_win32 '#else' system_posix '#endif' | compile -E -P -x c - |
+        sed -n 's/^system_/SYSTEM := /p'
+
     # What it takes for floats to be no wider than they are written, as a fit wants them: on i686, and on s390x.
     printf '%s\n' '#include <float.h>' '#if FLT_EVAL_METHOD != 0' '#error' '#endif' >"$source.h"
     for singles in '' '-msse2 -mfpmath=sse' -msse2 -fexcess-precision=fast; do

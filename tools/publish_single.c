@@ -1,10 +1,8 @@
 #include "publish_single.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 #include <fixsplat/map.h>
 #include "command.h"
@@ -17,7 +15,7 @@
 #include <zlib.h>
 
 /* Browsers hold a text of less than 2^29 characters, and these are 2^29 in base64 where gzip gains nothing. */
-enum { SCENE_MOST = 384 * 1000 * 1000 };
+enum { SCENE_MOST = 384 * 1000 * 1000, CARRIED_MOST = 256, CARRIED_NAME = 128 };
 
 /* ---- Base64 of gzip ---------------------------------------------------------------------------------------------- */
 
@@ -96,22 +94,42 @@ static int carry_file(carrier *c, const char *name)
     return status;
 }
 
-/* `inside`: "" or "viewer/". */
+typedef struct carried {
+    const char *inside;            /* "" or "viewer/" */
+    char names[CARRIED_MOST][CARRIED_NAME];
+    int count, fits;
+} carried;
+
+static void list_carried(void *argument, const char *file)
+{
+    carried *list = argument;
+    char name[CARRIED_NAME];
+    const int length = snprintf(name, sizeof name, "%s%s", list->inside, file);
+    if (length >= CARRIED_NAME || !is_carried(name))
+        return;
+    list->fits &= list->count < CARRIED_MOST;
+    if (list->fits)
+        strcpy(list->names[list->count++], name);
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(a, b);
+}
+
 static int carry_folder(carrier *c, const char *inside)
 {
-    char path[TASK_PATH], name[TASK_PATH];
+    char path[TASK_PATH];
+    carried list = {.inside = inside, .fits = 1};
     join_path(path, c->package, inside);
-    struct dirent **entries;
-    const int count = scandir(path, &entries, 0, alphasort);
-    int status = count < 0 ? fail(EXIT_FAILED, "%s: %s", path, strerror(errno)) : 0;
-    for (int i = 0; i < count; i++) {
-        if (!status && snprintf(name, sizeof name, "%s%s", inside, entries[i]->d_name) < (int)sizeof name &&
-            is_carried(name))
-            status = carry_file(c, name);
-        free(entries[i]);
-    }
-    if (count >= 0)
-        free(entries);
+    if (fxs_folder_each(path, list_carried, &list))
+        return fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
+    if (!list.fits)
+        return fail(EXIT_FAILED, "%s: more than %d files", path, CARRIED_MOST);
+    qsort(list.names, (size_t)list.count, sizeof *list.names, compare_names);
+    int status = 0;
+    for (int i = 0; i < list.count && !status; i++)
+        status = carry_file(c, list.names[i]);
     return status;
 }
 
@@ -171,12 +189,14 @@ static int write_printed(FILE *file, const char *out, size_t *bytes)
 {
     fxs_message why;
     const long size = fflush(file) || ferror(file) ? -1 : ftell(file);
-    void *data = size < 0 ? MAP_FAILED : mmap(0, (size_t)size, PROT_READ, MAP_PRIVATE, fileno(file), 0);
-    if (data == MAP_FAILED)
+    void *data = size < 0 ? 0 : malloc((size_t)size);
+    if (!data || fseek(file, 0, SEEK_SET) || fread(data, 1, (size_t)size, file) != (size_t)size) {
+        free(data);
         return fail(EXIT_FAILED, "%s: a temporary file: %s", out, strerror(errno));
+    }
     const fxs_encoded whole = {.bytes = data, .size = (size_t)size};
     const int error = fxs_encoded_write(out, &whole, &why);
-    munmap(data, (size_t)size);
+    free(data);
     *bytes = (size_t)size;
     return error ? fail_for(&why) : 0;
 }
@@ -184,7 +204,7 @@ static int write_printed(FILE *file, const char *out, size_t *bytes)
 static int write_page(const single_page *page, const fxs_opened *opened, const fxs_encoded *poster, const char *out,
                       size_t *bytes)
 {
-    FILE *file = tmpfile();
+    FILE *file = fxs_stream_temporary();
     if (!file)
         return fail(EXIT_FAILED, "%s: a temporary file: %s", out, strerror(errno));
     int status = print_page(file, page, opened, poster);

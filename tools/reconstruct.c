@@ -6,8 +6,6 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <fixsplat/camera_file.h>
 #include <fixsplat/image_file.h>
@@ -112,11 +110,11 @@ static int take_mask(const work *w, const char *from, const char *name)
     char to[TASK_PATH];
     if (snprintf(to, sizeof to, "%s/%s.png", w->masks, name) >= TASK_PATH)
         return fail(EXIT_FAILED, "%s: name too long", name);
-    unlink(to);
+    fxs_file_remove(to);
     if (w->options->invert_masks)
         return write_inverse(from, to);
-    char *whole = realpath(from, 0);
-    const int wrong = !whole || symlink(whole, to);
+    char *whole = fxs_path_whole(from);
+    const int wrong = !whole || fxs_file_link(whole, to);
     free(whole);
     return wrong ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
 }
@@ -142,7 +140,7 @@ enum { EVERY_LENS = -1 };
 
 static int write_list(const work *w, long lens)
 {
-    FILE *file = fopen(w->list, "w");
+    FILE *file = fxs_stream_open(w->list, "w");
     for (size_t i = 0; file && i < w->photos.count; i++)
         if (lens == EVERY_LENS || w->photos.lenses[i] == (size_t)lens)
             fprintf(file, "%s\n", w->photos.names[i]);
@@ -264,7 +262,7 @@ static uint64_t size_of_model(const char *models, const char *name)
     uint64_t count = 0;
     join_path(folder, models, name);
     join_path(path, folder, "images.bin");
-    FILE *file = fopen(path, "rb");
+    FILE *file = fxs_stream_open(path, "rb");
     const size_t read = file ? fread(bytes, 1, 8, file) : 0;
     if (file)
         fclose(file);
@@ -290,7 +288,7 @@ static int keep_largest(work *w, const char *models)
     join_path(from, models, best);
     join_path(to, sparse, "0");
     const int status = make_folder(sparse);
-    return status ? status : rename(from, to) ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
+    return status ? status : fxs_file_rename(from, to) ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
 }
 
 static int find_cameras(work *w)
@@ -304,7 +302,8 @@ static int find_cameras(work *w)
     if (status)
         return status;
     status = map_cameras(w, models);
-    status = status < 0 || status >= TASK_MISSING ? task_failed(&w->t, "colmap", status) : keep_largest(w, models);
+    status = status < 0 || status >= FXS_PROGRAM_MISSING ? task_failed(&w->t, "colmap", status)
+                                                         : keep_largest(w, models);
     remove_models(models);
     return status;
 }
@@ -371,14 +370,14 @@ static int report(work *w)
 /* A number for what the cameras are of, names and sizes of files: FNV-1a. */
 static uint64_t number_of(const work *w, const photographs *p)
 {
-    struct stat status;
+    fxs_file_facts facts;
     uint64_t number = 14695981039346656037u;
     char path[TASK_PATH], text[TASK_PATH + 48];
     for (size_t i = 0; i < p->count + (size_t)w->is_film; i++) {
         const char *name = w->is_film ? "" : p->names[i];
         join_path(path, w->source, name);
-        const int there = !stat(w->is_film ? w->source : path, &status);
-        snprintf(text, sizeof text, "%s %" PRId64 " ", name, there ? (int64_t)status.st_size : 0);
+        const int there = fxs_file_look(w->is_film ? w->source : path, &facts) != FXS_FILE_NONE;
+        snprintf(text, sizeof text, "%s %" PRIu64 " ", name, there ? facts.size : 0);
         for (const char *c = text; *c; c++)
             number = (number ^ (unsigned char)*c) * 1099511628211u;
     }
@@ -426,13 +425,13 @@ static int claim_folder(const work *w)
     const uint64_t number = number_of(w, &p);
     photographs_free(&p);
     join_path(path, w->folder, "of");
-    FILE *file = fopen(path, "r");
+    FILE *file = fxs_stream_open(path, "r");
     const int has = file && fscanf(file, "%" SCNx64 " %" SCNu32, &of, &frames) >= 1;
     if (file)
         fclose(file);
     if (has)
         return check_folder(w, number, of, frames);
-    file = fopen(path, "w");
+    file = fxs_stream_open(path, "w");
     const int wrong = !file || fprintf(file, "%016" PRIx64 " %" PRIu32 "\n", number, w->options->frames) < 0;
     return (file && fclose(file)) || wrong ? fail(EXIT_FAILED, "%s: %s", path, strerror(errno)) : 0;
 }
@@ -459,7 +458,7 @@ static int open_folder(work *w)
     w->t.of = w->options->in;
     w->t.log_name = w->log_name;
     w->t.argument = w;
-    w->t.log = fopen(w->log_name, "a");
+    w->t.log = fxs_stream_open(w->log_name, "a");
     snprintf(w->threads, sizeof w->threads, "%u", (unsigned)w->options->threads);
     return w->t.log ? 0 : fail(EXIT_FAILED, "%s: %s", w->log_name, strerror(errno));
 }
@@ -471,7 +470,7 @@ int reconstruct(const reconstruct_options *options, char **folder)
     memset(&w, 0, sizeof w);
     w.options = options;
     w.is_film = film_is_named(options->in);
-    setenv("QT_QPA_PLATFORM", "offscreen", 1);     /* COLMAP's commands open a window's library, also without one */
+    fxs_program_set("QT_QPA_PLATFORM", "offscreen");   /* COLMAP's commands open a window's library, also without one */
     int status = open_folder(&w);
     join_path(found, w.folder, "sparse/0");
     const int are_placed = !status && is_folder(found);

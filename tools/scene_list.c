@@ -2,13 +2,12 @@
 #include "scene_list.h"
 
 #include <ctype.h>
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/formats.h>
+#include "src/base/system.h"
 #include "command.h"
 #include "reconstruct.h"
 #include "task.h"
@@ -70,7 +69,7 @@ static int is_scene_of_files(const char *folder)
             const size_t length = strcspn(ending, " ");
             snprintf(name, sizeof name, "%.*s", (int)length, ending);
             join_path(path, folder, name);
-            if (*ending != '.' && !access(path, F_OK))
+            if (*ending != '.' && fxs_file_kind(path) != FXS_FILE_NONE)
                 return 1;
             ending += length;
         }
@@ -85,37 +84,43 @@ int is_folder_of_scenes(const char *path)
 /* Says what to do with photographs. */
 static int fail_without_scene(const char *path)
 {
-    char *command = 0;
-    size_t size;
-    FILE *file = reconstruct_is_photographs(path) ? open_memstream(&command, &size) : 0;
-    if (!file)
+    fxs_printed command;
+    if (!reconstruct_is_photographs(path) || fxs_print_begin(&command))
         return fail(EXIT_FAILED, "%s: no scene in this folder", path);
-    fputs("fixsplat fit", file);
-    write_shell_word(file, path);
-    fputs(" -o scene.fxs", file);
-    if (!fclose(file))
-        fail(EXIT_FAILED, "%s: a folder of photographs: fit a scene to them first: %s", path, command);
-    free(command);
+    fputs("fixsplat fit", command.file);
+    write_shell_word(command.file, path);
+    fputs(" -o scene.fxs", command.file);
+    if (!fxs_print_end(&command))
+        fail(EXIT_FAILED, "%s: a folder of photographs: fit a scene to them first: %s", path, command.text);
+    free(command.text);
     return EXIT_FAILED;
+}
+
+typedef struct taking {
+    scene_list *list;
+    const char *path;
+    int fits;
+} taking;
+
+static void take_scene(void *argument, const char *name)
+{
+    taking *t = argument;
+    if (t->fits && *name != '.' && fxs_scene_format_of(name, 0))
+        t->fits = add_scene(t->list, t->path, name);
 }
 
 int scene_list_add(scene_list *list, const char *path)
 {
     const size_t before = list->count;
-    DIR *folder = is_folder_of_scenes(path) ? opendir(path) : 0;
-    int fits = 1;
-    for (struct dirent *entry; folder && fits && (entry = readdir(folder)) != 0;)
-        if (entry->d_name[0] != '.' && fxs_scene_format_of(entry->d_name, 0))
-            fits = add_scene(list, path, entry->d_name);
-    if (folder)
-        closedir(folder);
+    taking t = {list, path, 1};
+    const int is_folder = is_folder_of_scenes(path) && !fxs_folder_each(path, take_scene, &t);
     if (list->count > before)
         qsort(list->scenes + before, list->count - before, sizeof *list->scenes, compare_paths);
-    else if (fits && folder)
+    else if (t.fits && is_folder)
         return fail_without_scene(path);
-    else if (fits)
-        fits = add_scene(list, "", path);
-    return fits ? 0 : fail(EXIT_FAILED, "out of memory");
+    else if (t.fits)
+        t.fits = add_scene(list, "", path);
+    return t.fits ? 0 : fail(EXIT_FAILED, "out of memory");
 }
 
 void scene_list_free(scene_list *list)

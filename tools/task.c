@@ -1,19 +1,11 @@
 #include "task.h"
 
-#include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
-#include <spawn.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <fixsplat/clock.h>
 #include "command.h"
-
-extern char **environ;
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
@@ -31,7 +23,7 @@ void task_show(task *t, uint64_t done, uint64_t all)
 {
     char text[160], left[48] = "";
     const uint64_t now = fxs_clock(0);
-    const int is_line = isatty(STDERR_FILENO);
+    const int is_line = fxs_is_terminal(stderr);
     const double seconds = (double)(now - t->start) * 1e-9;
     if (is_quiet() || (t->shown && now - t->shown < (is_line ? 200000000u : 10000000000u)))
         return;
@@ -62,66 +54,18 @@ static void take_lines(void *argument, const char *data, size_t size)
     }
 }
 
-static int start(const char *const *arguments, int output, int log, pid_t *child)
+int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument)
 {
-    posix_spawn_file_actions_t actions;
-    int error = posix_spawn_file_actions_init(&actions);
-    if (error)
-        return error;
-    error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    error = error ? error : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-    error = error ? error : posix_spawn_file_actions_adddup2(&actions, log, STDERR_FILENO);
-    /* posix_spawnp does not change the arguments, though its type does not say so */
-    error = error ? error : posix_spawnp(child, arguments[0], &actions, 0, (char *const *)(uintptr_t)arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    return error;
-}
-
-static void take_all(int from, task_data_fn *take, void *argument)
-{
-    char data[65536];
-    for (;;) {
-        const ssize_t size = read(from, data, sizeof data);
-        if (size > 0)
-            take(argument, data, (size_t)size);
-        else if (size == 0 || errno != EINTR)
-            return;
-    }
-}
-
-static int wait_for(pid_t child)
-{
-    int status;
-    while (waitpid(child, &status, 0) < 0)
-        if (errno != EINTR)
-            return -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-}
-
-int task_run(task *t, const char *const *arguments, task_data_fn *take, void *argument)
-{
-    int ends[2], status = -1;
-    pid_t child;
-    fflush(t->log);
-    if (pipe(ends))
-        return -1;
-    fcntl(ends[0], F_SETFD, FD_CLOEXEC);
-    fcntl(ends[1], F_SETFD, FD_CLOEXEC);
-    const int error = start(arguments, ends[1], fileno(t->log), &child);
-    close(ends[1]);
-    if (!error) {
-        take_all(ends[0], take ? take : take_lines, take ? argument : t);
-        status = wait_for(child);
-    }
-    close(ends[0]);
+    const int status = fxs_program_run(arguments, t->log, take ? take : take_lines, take ? argument : t);
+    const int error = errno;
     progress_end();
-    errno = error ? error : errno;
-    return error == ENOENT ? TASK_MISSING : status;
+    errno = error;
+    return status;
 }
 
 int task_failed(const task *t, const char *program, int status)
 {
-    return status == TASK_MISSING
+    return status == FXS_PROGRAM_MISSING
                ? fail(EXIT_FAILED, "%s: to find its cameras takes %s, which is not here: apt install %s", t->of, program,
                       program)
            : status < 0 ? fail(EXIT_FAILED, "%s: %s", program, strerror(errno))
@@ -140,17 +84,15 @@ void join_path(char path[TASK_PATH], const char *folder, const char *name)
 
 int is_folder(const char *path)
 {
-    struct stat status;
-    return !stat(path, &status) && S_ISDIR(status.st_mode);
+    return fxs_file_kind(path) == FXS_FILE_FOLDER;
 }
 
 int make_folder(const char *path)
 {
-    if (!mkdir(path, 0777))
+    fxs_message why;
+    if (!fxs_folder_make(path, &why))
         return 0;
-    const int error = errno;
-    return error == EEXIST && is_folder(path) ? 0 : fail(EXIT_FAILED, "%s: %s", path,
-                                                         error == EEXIST ? "not a folder" : strerror(error));
+    return fxs_file_is_named(path) && !is_folder(path) ? fail(EXIT_FAILED, "%s: not a folder", path) : fail_for(&why);
 }
 
 int make_folders(const char *path)
@@ -166,23 +108,18 @@ int make_folders(const char *path)
     return status ? status : make_folder(path);
 }
 
-void remove_link(const char *path)
+static void remove_in(void *folder, const char *name)
 {
-    struct stat status;
-    if (!lstat(path, &status) && S_ISLNK(status.st_mode))
-        unlink(path);
+    char path[TASK_PATH];
+    join_path(path, folder, name);
+    fxs_file_remove(path);
 }
 
 void remove_folder(const char *path)
 {
-    char name[TASK_PATH];
-    remove_link(path);
-    DIR *folder = opendir(path);
-    for (struct dirent *entry; folder && (entry = readdir(folder)) != 0;) {
-        join_path(name, path, entry->d_name);
-        unlink(name);
-    }
-    if (folder)
-        closedir(folder);
-    rmdir(path);
+    char folder[TASK_PATH];
+    fxs_file_unlink(path);
+    if (snprintf(folder, sizeof folder, "%s", path) < TASK_PATH)
+        fxs_folder_each(path, remove_in, folder);
+    fxs_folder_remove(path);
 }

@@ -6,7 +6,9 @@
 #include <stdint.h>
 #include <stdio.h>
 
-enum { TASK_LINE = 512, TASK_MISSING = 127 };   /* as a shell says that there is no such program */
+#include "src/base/system.h"
+
+enum { TASK_LINE = 512 };
 
 typedef struct task task;
 struct task {
@@ -27,12 +29,10 @@ void task_begin(task *t, const char *doing, void (*look)(task *t, const char *li
    is not 0. */
 void task_show(task *t, uint64_t done, uint64_t all);
 
-typedef void task_data_fn(void *argument, const char *data, size_t size);
-
 /* Runs a program of PATH with these arguments, the first its name and the last null. It reads nothing; its errors go to
    the log, its output to `take`, piece by piece, or where that is null to the log and to look. Returns its exit status,
-   128 and the signal's number where one ended it, TASK_MISSING, or -1 with errno where it could not be run. */
-int task_run(task *t, const char *const *arguments, task_data_fn *take, void *argument);
+   128 and the signal's number where one ended it, FXS_PROGRAM_MISSING, or -1 with errno where it could not be run. */
+int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument);
 
 /* Prints why a program failed, by what task_run returned. Returns the exit status of the command. */
 int task_failed(const task *t, const char *program, int status);
@@ -51,8 +51,5 @@ int make_folders(const char *path);
 
 /* Removes a folder and the files in it, but no folders. Of a link, the link alone. */
 void remove_folder(const char *path);
-
-/* Removes what is there if it is a link, as what would be written into it belongs to someone else. */
-void remove_link(const char *path);
 
 #endif

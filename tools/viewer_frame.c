@@ -3,12 +3,12 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <fixsplat/backends.h>
 #include <fixsplat/film_file.h>
 #include <fixsplat/clock.h>
 #include "port/window/motion.h"
+#include "src/base/system.h"
 #include "cmd_convert.h"
 #include <fixsplat/formats.h>
 
@@ -238,7 +238,7 @@ static int name_file(request *r, const char *stem, const char *ending)
         const int length = snprintf(r->path, sizeof r->path, "%s-%03d%s", stem, i, ending);
         if (length >= (int)sizeof r->path)
             return fxs_fail(&r->message, "not written: the name of the scene is too long");
-        if (access(r->path, F_OK))
+        if (fxs_file_kind(r->path) == FXS_FILE_NONE)
             return 0;
     }
     return fxs_fail(&r->message, "%s-001%s to -999%s are there already", stem, ending, ending);

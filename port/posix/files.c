@@ -14,12 +14,28 @@
 
 #include "src/base/try_internal.h"
 
-enum fxs_file_kind fxs_file_kind(const char *path)
+static enum fxs_file_kind kind_of(const struct stat *status, fxs_file_facts *facts)
+{
+    *facts = (fxs_file_facts){(uint64_t)status->st_size, (uint64_t)status->st_dev, (uint64_t)status->st_ino};
+    return S_ISREG(status->st_mode) ? FXS_FILE_REGULAR : S_ISDIR(status->st_mode) ? FXS_FILE_FOLDER : FXS_FILE_OTHER;
+}
+
+enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts)
 {
     struct stat status;
-    if (stat(path, &status))
-        return FXS_FILE_NONE;
-    return S_ISREG(status.st_mode) ? FXS_FILE_REGULAR : S_ISDIR(status.st_mode) ? FXS_FILE_FOLDER : FXS_FILE_OTHER;
+    return stat(path, &status) ? FXS_FILE_NONE : kind_of(&status, facts);
+}
+
+enum fxs_file_kind fxs_stream_look(FILE *file, fxs_file_facts *facts)
+{
+    struct stat status;
+    return fstat(fileno(file), &status) ? FXS_FILE_NONE : kind_of(&status, facts);
+}
+
+enum fxs_file_kind fxs_file_kind(const char *path)
+{
+    fxs_file_facts unused;
+    return fxs_file_look(path, &unused);
 }
 
 int fxs_file_is_named(const char *path)
@@ -28,19 +44,77 @@ int fxs_file_is_named(const char *path)
     return lstat(path, &status) == 0;
 }
 
+int fxs_file_remove(const char *path)
+{
+    return unlink(path);
+}
+
+int fxs_file_rename(const char *from, const char *to)
+{
+    return rename(from, to);
+}
+
+int fxs_folder_remove(const char *path)
+{
+    return rmdir(path);
+}
+
+int fxs_file_may_be_written(const char *path)
+{
+    return access(path, fxs_file_kind(path) == FXS_FILE_FOLDER ? W_OK | X_OK : W_OK);
+}
+
+int fxs_file_link(const char *target, const char *name)
+{
+    return symlink(target, name);
+}
+
+void fxs_file_unlink(const char *name)
+{
+    struct stat status;
+    if (!lstat(name, &status) && S_ISLNK(status.st_mode))
+        unlink(name);
+}
+
+char *fxs_path_whole(const char *path)
+{
+    return realpath(path, NULL);
+}
+
 int fxs_folder_make(const char *path, fxs_message *message)
 {
     return mkdir(path, 0777) == 0 || (errno == EEXIST && fxs_file_kind(path) == FXS_FILE_FOLDER)
                ? 0 : fxs_fail_errno(message, path, errno);
 }
 
-void fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument)
+int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument)
 {
     DIR *folder = opendir(path);
     for (struct dirent *entry; folder && (entry = readdir(folder)) != NULL;)
         each(argument, entry->d_name);
-    if (folder)
-        closedir(folder);
+    return folder ? closedir(folder) : -1;
+}
+
+FILE *fxs_stream_open(const char *path, const char *mode)
+{
+    return fopen(path, mode);
+}
+
+FILE *fxs_stream_temporary(void)
+{
+    return tmpfile();
+}
+
+int fxs_stream_empty(FILE *file)
+{
+    return ftruncate(fileno(file), 0);
+}
+
+const char fxs_erase_line[] = "\r\033[K";
+
+int fxs_is_terminal(FILE *file)
+{
+    return isatty(fileno(file));
 }
 
 /* `path` is for messages. */

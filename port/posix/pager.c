@@ -4,19 +4,19 @@
  * or takes it away. */
 #include <fixsplat/pager.h>
 
-#include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <fixsplat/clock.h>
 #include <fixsplat/message.h>
 #include <fixsplat/packed.h>
 
 #include "src/base/crc32.h"
+#include "src/base/system.h"
 #include "src/base/try_internal.h"
 #include "src/scene/fxs_file_internal.h"
+#include "timed_wait.h"
 
 #define POOL_USUAL ((size_t)256 << 20)
 
@@ -242,12 +242,6 @@ static uint32_t take_batch(fxs_pager *p, arrival *list)
     return count;
 }
 
-static struct timespec time_after(uint64_t nanoseconds)
-{
-    const uint64_t then = fxs_clock(0) + nanoseconds;
-    return (struct timespec){.tv_sec = (time_t)(then / 1000000000), .tv_nsec = (long)(then % 1000000000)};
-}
-
 /* Not under the lock: the function is the caller's. */
 static void tell_arrived(fxs_pager *p)
 {
@@ -290,8 +284,8 @@ static void read_batch(fxs_pager *p, arrival *list, uint32_t count)
 /* After a failure: not again at once. */
 static void hold_off(fxs_pager *p)
 {
-    const struct timespec end = time_after((uint64_t)PAUSE_MS * 1000000 * p->failures);
-    while (!p->stop && pthread_cond_timedwait(&p->work, &p->lock, &end) != ETIMEDOUT)
+    const uint64_t end = fxs_clock(0) + (uint64_t)PAUSE_MS * 1000000 * p->failures;
+    while (!p->stop && !timed_wait(&p->work, &p->lock, end))
         ;
 }
 
@@ -322,10 +316,9 @@ static void *read_wanted(void *pager)
 
 static void *allocate(fxs_pager *p, uint64_t count, size_t size)
 {
-    void *block = 0;
-    if (count > (SIZE_MAX - 64) / size || posix_memalign(&block, 64, (size_t)count * size + (count ? 0 : 1)))
-        return 0;
-    p->memory += (size_t)count * size;
+    const int fits = count <= (SIZE_MAX - 64) / size;
+    void *block = fits ? fxs_aligned_allocate((size_t)count * size + (count ? 0 : 1)) : 0;
+    p->memory += block ? (size_t)count * size : 0;
     return block;
 }
 
@@ -438,7 +431,6 @@ static int start_reader(fxs_pager *p, fxs_message *message)
 static fxs_pager *make(const char *name, const fxs_pager_source *source, const fxs_pager_options *options)
 {
     fxs_pager *p = calloc(1, sizeof *p);
-    pthread_condattr_t monotonic;
     if (!p || !(p->name = strdup(name))) {
         free(p);
         return 0;
@@ -449,11 +441,8 @@ static fxs_pager *make(const char *name, const fxs_pager_source *source, const f
     p->newest = p->oldest = FXS_NOTHING;
     p->batch_least = p->batch_most = source->gap ? BATCH_APART : BATCH_LEAST;
     pthread_mutex_init(&p->lock, 0);
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&p->work, &monotonic);
-    pthread_cond_init(&p->done, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    timed_condition_init(&p->work);
+    timed_condition_init(&p->done);
     return p;
 }
 
@@ -509,9 +498,10 @@ void fxs_pager_close(fxs_pager *p)
     if (p->source.close)
         p->source.close(p->source.argument);
     void *blocks[] = {p->head, p->tree, p->pool, p->stage, p->places, p->asked, p->tries, p->taken, p->in_pool,
-                      p->wanted, p->queue, p->spare, p->arrived, p->name};
+                      p->wanted, p->queue, p->spare, p->arrived};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
-        free(blocks[i]);
+        fxs_aligned_free(blocks[i]);
+    free(p->name);
     pthread_cond_destroy(&p->work);
     pthread_cond_destroy(&p->done);
     pthread_mutex_destroy(&p->lock);
@@ -616,11 +606,11 @@ int fxs_pager_turn(fxs_pager *p, fxs_pager_state *state, fxs_message *message)
 
 int fxs_pager_wait(fxs_pager *p, uint64_t nanoseconds)
 {
-    const struct timespec end = time_after(nanoseconds);
+    const uint64_t end = fxs_clock(0) + nanoseconds;
     int late = 0;
     pthread_mutex_lock(&p->lock);
     while (p->reading && p->failures < TRIES && !late)
-        late = pthread_cond_timedwait(&p->done, &p->lock, &end) == ETIMEDOUT;
+        late = timed_wait(&p->done, &p->lock, end);
     const int is_idle = !p->reading || p->failures >= TRIES;
     pthread_mutex_unlock(&p->lock);
     return is_idle;

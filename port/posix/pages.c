@@ -1,8 +1,39 @@
 #define _DEFAULT_SOURCE            /* madvise */
 #include <stdint.h>
+#include <stdlib.h>
 #include <sys/mman.h>
 
 #include "src/base/pages_internal.h"
+#include "src/base/system.h"
+
+void *fxs_aligned_allocate(size_t bytes)
+{
+    void *block;
+    return posix_memalign(&block, 64, bytes) ? NULL : block;
+}
+
+void fxs_aligned_free(void *block)
+{
+    free(block);
+}
+
+/* glibc notes no error where the last growth of such a stream fails. */
+int fxs_print_begin(fxs_printed *printed)
+{
+    *printed = (fxs_printed){.text = NULL};
+    printed->file = open_memstream(&printed->text, &printed->size);
+    return printed->file ? 0 : -1;
+}
+
+int fxs_print_end(fxs_printed *printed)
+{
+    const int failed = ferror(printed->file);
+    if (!fclose(printed->file) && !failed && printed->text && printed->size)
+        return 0;
+    free(printed->text);
+    printed->text = NULL;
+    return -1;
+}
 
 /* Only whole large pages, so that no other block has a part in one. */
 void fxs_use_large_pages(void *block, size_t bytes)

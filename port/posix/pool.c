@@ -1,13 +1,7 @@
-#ifdef __linux__
-#define _GNU_SOURCE                        /* sched_getaffinity */
-#include <sched.h>
-#endif
-
 #include <fixsplat/pool.h>
 
 #include <pthread.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 /* The jobs of one call of fxs_pool_run, on its stack. */
 typedef struct batch {
@@ -111,15 +105,4 @@ void fxs_pool_destroy(fxs_pool *pool)
     pthread_cond_destroy(&pool->start);
     pthread_cond_destroy(&pool->done);
     free(pool);
-}
-
-uint32_t fxs_processors(void)
-{
-    long n = sysconf(_SC_NPROCESSORS_ONLN);
-#ifdef __linux__
-    cpu_set_t allowed;
-    if (!sched_getaffinity(0, sizeof allowed, &allowed))
-        n = CPU_COUNT(&allowed);
-#endif
-    return n < 1 ? 1 : n > 64 ? 64 : (uint32_t)n;
 }

@@ -8,6 +8,7 @@
 #include <fixsplat/message.h>
 #include <fixsplat/pack.h>
 #include <fixsplat/packed.h>
+#include "src/base/system.h"
 #include "fit_internal.h"
 #include "planes.h"
 
@@ -65,8 +66,9 @@ static int make_room(fxs_float_scene *s, const fxs_scene_file_info *info, fxs_me
     const uint64_t planes = FXS_FIT_SH + 3 * (uint64_t)FXS_SH_COUNT(info->sh_degree);
     const uint64_t stride = (info->count + FXS_FIT_GROUP - 1) / FXS_FIT_GROUP * FXS_FIT_GROUP;
     const uint64_t bytes = stride * (planes + 3) * sizeof(float);
-    void *memory;
-    if (info->count > FXS_MAX_COUNT || bytes > SIZE_MAX || posix_memalign(&memory, 64, (size_t)bytes + 64))
+    const int fits = info->count <= FXS_MAX_COUNT && bytes <= SIZE_MAX - 64;
+    void *memory = fits ? fxs_aligned_allocate((size_t)bytes + 64) : NULL;
+    if (!memory)
         return fxs_fail_memory(message, "a scene in floats", bytes);
     s->model.parameters = memory;
     s->model.stride = (size_t)stride;
@@ -110,7 +112,7 @@ void fxs_float_scene_free(fxs_float_scene *s)
     if (!s)
         return;
     fxs_fit_stepper_free(s->stepper);
-    free(s->model.parameters);
+    fxs_aligned_free(s->model.parameters);
     free(s);
 }
 

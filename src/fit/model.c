@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/system.h"
 #include "curve.h"
 #include "nearest.h"
 #include "planes.h"
@@ -12,20 +13,18 @@
 
 static float *planes_of(size_t stride, size_t planes)
 {
-    void *memory;
-    if (posix_memalign(&memory, 64, stride * planes * sizeof(float)))
-        return NULL;
-    return memset(memory, 0, stride * planes * sizeof(float));
+    void *memory = fxs_aligned_allocate(stride * planes * sizeof(float));
+    return memory ? memset(memory, 0, stride * planes * sizeof(float)) : NULL;
 }
 
 void fxs_fit_model_free(fxs_fit_model *m)
 {
-    free(m->parameters);
-    free(m->means);
-    free(m->squares);
-    free(m->by_centre);
-    free(m->views);
-    free(m->masters);
+    fxs_aligned_free(m->parameters);
+    fxs_aligned_free(m->means);
+    fxs_aligned_free(m->squares);
+    fxs_aligned_free(m->by_centre);
+    fxs_aligned_free(m->views);
+    fxs_aligned_free(m->masters);
     memset(m, 0, sizeof *m);
 }
 
@@ -150,7 +149,7 @@ static int set_stride(float **planes, size_t old, size_t stride)
         return FXS_ERR_MEMORY;
     for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
         memcpy(made + k * stride, *planes + k * old, old * sizeof **planes);
-    free(*planes);
+    fxs_aligned_free(*planes);
     *planes = made;
     return 0;
 }
@@ -192,18 +191,18 @@ int fxs_fit_model_rebuild(fxs_fit_model *m, const fxs_fit_origin *origins, size_
     const size_t stride = stride_of(count), widest = stride > m->stride ? stride : m->stride;
     float *by_centre = planes_of(stride, 1), *views = planes_of(stride, 1), *spare = planes_of(widest, 1);
     if (!by_centre || !views || !spare || make_room(m, widest)) {
-        free(by_centre);
-        free(views);
-        free(spare);
+        fxs_aligned_free(by_centre);
+        fxs_aligned_free(views);
+        fxs_aligned_free(spare);
         return FXS_ERR_MEMORY;
     }
     gather(m->parameters, widest, origins, count, 0, spare);
     gather(m->means, widest, origins, count, 1, spare);
     gather(m->squares, widest, origins, count, 1, spare);
     narrow(m, stride);
-    free(spare);
-    free(m->by_centre);
-    free(m->views);
+    fxs_aligned_free(spare);
+    fxs_aligned_free(m->by_centre);
+    fxs_aligned_free(m->views);
     m->by_centre = by_centre;
     m->views = views;
     m->count = count;

@@ -22,7 +22,7 @@ static int exists(const char *path)
 /* Returns 0 where the path is too long. */
 static int join(char out[FXS_PHOTO_PATH], const char *folder, const char *name)
 {
-    const int absolute = *name == '/' || !*folder;
+    const int absolute = fxs_path_is_whole(name) || !*folder;
     const char *slash = absolute || folder[strlen(folder) - 1] == '/' ? "" : "/";
     name = fxs_without_dots(name);
     const int length = snprintf(out, FXS_PHOTO_PATH, "%s%s%s", absolute ? "" : folder, slash, name);
@@ -282,7 +282,7 @@ int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view
     static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
     if (!join(path, list->images, view->image) || strlen(path) > FXS_PHOTO_PATH - 8)
         return fxs_fail(message, "%s: view %s: name too long", list->cameras, view->view.name);
-    for (int beside = 0; beside <= (*view->image == '/'); beside++) {
+    for (int beside = 0; beside <= fxs_path_is_whole(view->image); beside++) {
         if (beside && (!join(path, list->images, base_of(view->image)) || strlen(path) > FXS_PHOTO_PATH - 8))
             break;
         char *end = path + strlen(path);

@@ -6,6 +6,7 @@
 
 #include <fixsplat/packed.h>
 #include <fixsplat/message.h>
+#include "src/base/system.h"
 #include "src/base/try_internal.h"
 #include "src/pack/order.h"
 #include "model.h"
@@ -268,7 +269,7 @@ static void set_grid(fxs_fit_profile *p)
 
 void fxs_fit_profile_free(fxs_fit_profile *p)
 {
-    free(p->chunks);
+    fxs_aligned_free(p->chunks);
     free(p->steps);
     free(p->palette);
     free(p->records);
@@ -278,17 +279,16 @@ void fxs_fit_profile_free(fxs_fit_profile *p)
 void fxs_fit_profile_end(fxs_fit_profile *p, fxs_fit_model *m)
 {
     fxs_fit_profile_free(p);
-    free(m->parameters);
+    fxs_aligned_free(m->parameters);
     m->parameters = m->masters;
     m->masters = NULL;
     m->grid = NULL;
 }
 
-/* A pointer for free(). */
 static void *aligned(size_t bytes)
 {
-    void *memory = NULL;
-    return posix_memalign(&memory, 64, bytes) ? NULL : memset(memory, 0, bytes);
+    void *memory = fxs_aligned_allocate(bytes);
+    return memory ? memset(memory, 0, bytes) : NULL;
 }
 
 int fxs_fit_profile_allocate(fxs_fit_profile *p, fxs_fit_model *m, enum fxs_profile which, int sh_degree)
@@ -305,7 +305,7 @@ int fxs_fit_profile_allocate(fxs_fit_profile *p, fxs_fit_model *m, enum fxs_prof
     p->records = has_palette ? calloc(p->count, record_bytes(p)) : NULL;
     m->masters = aligned(bytes);
     if (!m->masters || !p->chunks || !p->steps || (has_palette && (!p->palette || !p->records))) {
-        free(m->masters);
+        fxs_aligned_free(m->masters);
         m->masters = NULL;
         fxs_fit_profile_free(p);
         return FXS_ERR_MEMORY;

@@ -10,6 +10,7 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/message.h>
 #include <fixsplat/packed.h>
+#include "src/base/system.h"
 #include "src/base/try_internal.h"
 #include "src/camera/camera_internal.h"
 #include "src/camera/first_view.h"
@@ -142,16 +143,16 @@ static int render(const fxs_context *context, const fxs_scene *scene, const fxs_
 {
     fxs_object object;
     fxs_request request;
-    void *memory;
     fxs_object_init(&object, scene);
     fxs_request_init(&request, &object, 1);
     FXS_TRY(fxs_camera_from_view(&request.cameras[0], view, message));
     request.targets[0].colour = (fxs_image){rgba, 4 * (ptrdiff_t)view->width};
     const size_t bytes = fxs_request_bytes(context, &request, NULL);
-    if (!bytes || posix_memalign(&memory, 64, bytes))
+    void *memory = bytes ? fxs_aligned_allocate(bytes) : NULL;
+    if (!memory)
         return fxs_fail_memory(message, "a picture of the scene", bytes);
     const int error = fxs_render(context, &request, memory, bytes, NULL);
-    free(memory);
+    fxs_aligned_free(memory);
     return error ? fxs_fail_as(error, message, "%s", fxs_strerror(error)) : 0;
 }
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/system.h"
 #include "exposure.h"
 #include "pose.h"
 
@@ -51,10 +52,11 @@ struct fxs_fit_stepper {
 static void *room(block *b, size_t bytes)
 {
     if (bytes > b->bytes) {
-        free(b->memory);
+        fxs_aligned_free(b->memory);
         b->bytes = 0;
-        if (posix_memalign(&b->memory, 64, bytes + bytes / 4))
-            return b->memory = NULL;
+        b->memory = fxs_aligned_allocate(bytes + bytes / 4);
+        if (!b->memory)
+            return NULL;
         b->bytes = bytes + bytes / 4;
     }
     return b->memory;
@@ -81,7 +83,7 @@ void fxs_fit_stepper_free(fxs_fit_stepper *s)
     block *blocks[] = {&s->splats, &s->jobs, &s->keys, &s->counts, &s->histograms, &s->tiles, &s->entries, &s->sums,
                        &s->planes, &s->rows, &s->reduced, &s->reduced_mask, &s->gathered, &s->by_pose};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++)
-        free(blocks[i]->memory);
+        fxs_aligned_free(blocks[i]->memory);
     free(s);
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/system.h"
 #include "src/base/text_internal.h"
 
 #ifdef FXS_WITH_CJSON
@@ -29,7 +30,7 @@ static int take_file(const reader *r, const cJSON *item, fxs_placement *p)
     const char *name = cJSON_GetStringValue(item), *slash = strrchr(r->path, '/');
     if (!name || !*name)
         return wrong(r, "\"file\" is not a path");
-    const size_t folder = *name == '/' || !slash ? 0 : (size_t)(slash - r->path) + 1;
+    const size_t folder = fxs_path_is_whole(name) || !slash ? 0 : (size_t)(slash - r->path) + 1;
     char *path = malloc(folder + strlen(name) + 1);
     if (!path) {
         fxs_fail(r->message, "%s: out of memory", r->path);

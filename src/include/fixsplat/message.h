@@ -11,7 +11,9 @@
 extern "C" {
 #endif
 
-#if defined(__GNUC__)
+#if defined(__MINGW32__)
+#define FXS_PRINTF(text, first) __attribute__((format(gnu_printf, text, first)))
+#elif defined(__GNUC__)
 #define FXS_PRINTF(text, first) __attribute__((format(printf, text, first)))
 #else
 #define FXS_PRINTF(text, first)

@@ -16,7 +16,8 @@ extern "C" {
 
 /* A program may call this once, when it begins: SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGXCPU and SIGXFSZ then remove the
    temporary files of this process before they end it as usual. A signal that is already ignored or handled stays so.
-   The library never calls this: without it, or at any other signal, the temporary files stay behind. */
+   The library never calls this: without it, or at any other signal, the temporary files stay behind. Windows deletes
+   them however a process ends, and there this does nothing. */
 FXS_API void fxs_output_remove_at_signals(void);
 
 /* The name of the file that an output to `path` writes: the end of its symbolic links, whether that file exists or not.

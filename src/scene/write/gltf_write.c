@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "src/base/number.h"
+#include "src/base/system.h"
 #include "src/gaussian/attributes.h"
 #include "scene_write_internal.h"
 #include "src/scene/read/spz_internal.h"
@@ -79,17 +80,14 @@ static void make_json(FILE *json, const fxs_scene_write_options *o, uint32_t row
 /* The JSON text, for free(). NULL: out of memory. */
 static char *json_text(const fxs_scene_write_options *o, uint32_t row, size_t *length)
 {
-    char *text = NULL;
-    FILE *json = open_memstream(&text, length);
-    if (!json)
+    fxs_printed printed;
+    if (fxs_print_begin(&printed))
         return NULL;
-    make_json(json, o, row);
-    const int failed = ferror(json);
-    if (fclose(json) || failed) {
-        free(text);
+    make_json(printed.file, o, row);
+    if (fxs_print_end(&printed))
         return NULL;
-    }
-    return text;
+    *length = printed.size;
+    return printed.text;
 }
 
 static void write_header(FILE *file, const char *json, size_t length, uint32_t bytes)
@@ -108,7 +106,7 @@ static void write_header(FILE *file, const char *json, size_t length, uint32_t b
 static int glb_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
 {
     glb_writer *w = writer;
-    size_t length;
+    size_t length = 0;
     w->row = SH + 12 * (uint32_t)((o->sh_degree + 1) * (o->sh_degree + 1));
     if (o->count > (UINT32_MAX - JSON_MOST - 28) / w->row)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: a .glb has 4 GiB at most: %" PRIu64 " Gaussians of SH "

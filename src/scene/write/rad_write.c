@@ -15,6 +15,7 @@
 
 #include "src/base/exponential.h"
 #include "src/base/number.h"
+#include "src/base/system.h"
 #include "src/gaussian/attributes.h"
 #include "rad_tree_internal.h"
 #include "src/scene/read/rad_internal.h"
@@ -289,15 +290,14 @@ static void print_column(FILE *json, const rad_writer *w, int column, size_t off
     fputs("}", json);
 }
 
-/* Adds a magic number, the length of the text, and the text. */
-static int add_text(rad_writer *w, bytes *b, const char *magic, FILE *text, char *const *data, const size_t *size)
+/* Ends the text, and adds a magic number, its length, and the text. */
+static int add_text(rad_writer *w, bytes *b, const char *magic, fxs_printed *printed)
 {
     uint8_t length[4];
-    const int failed = ferror(text);
-    if (fclose(text) || failed || !*data || !*size)    /* glibc notes no error where its last growth fails */
+    if (fxs_print_end(printed))
         return no_memory(w);
-    fxs_put_u32(length, (uint32_t)*size);
-    return add(w, b, magic, 4) && add(w, b, length, 4) && add(w, b, *data, *size) && pad(w, b);
+    fxs_put_u32(length, (uint32_t)printed->size);
+    return add(w, b, magic, 4) && add(w, b, length, 4) && add(w, b, printed->text, printed->size) && pad(w, b);
 }
 
 /* ---- Chunks ------------------------------------------------------------------------------------------------------ */
@@ -325,12 +325,12 @@ static int make_payload(rad_writer *w, uint32_t first, uint32_t count, bytes *pa
 
 static int write_chunk(rad_writer *w, uint32_t first, uint32_t count, const bytes *payload, const size_t sizes[COLUMNS])
 {
-    char *data = NULL;
-    size_t size = 0, offset = 0;
+    fxs_printed printed;
+    size_t offset = 0;
     uint8_t length[8] = {0};
-    FILE *json = open_memstream(&data, &size);
-    if (!json)
+    if (fxs_print_begin(&printed))
         return no_memory(w);
+    FILE *json = printed.file;
     fprintf(json, "{\"version\":1,\"base\":%lu,\"count\":%lu,\"payloadBytes\":%zu", (unsigned long)first,
             (unsigned long)count, payload->size);
     print_common(json, w);
@@ -339,9 +339,9 @@ static int write_chunk(rad_writer *w, uint32_t first, uint32_t count, const byte
         print_column(json, w, c, offset, sizes[c]);
     fputs("]}", json);
     fxs_put_u32(length, (uint32_t)payload->size);
-    const int made = add_text(w, &w->file, "RADC", json, &data, &size) && add(w, &w->file, length, 8) &&
+    const int made = add_text(w, &w->file, "RADC", &printed) && add(w, &w->file, length, 8) &&
                      add(w, &w->file, payload->data, payload->size);
-    free(data);
+    free(printed.text);
     return made;
 }
 
@@ -367,11 +367,10 @@ static int make_chunks(rad_writer *w)
 
 static int make_header(rad_writer *w, bytes *head)
 {
-    char *data = NULL;
-    size_t size = 0;
-    FILE *json = open_memstream(&data, &size);
-    if (!json)
+    fxs_printed printed;
+    if (fxs_print_begin(&printed))
         return no_memory(w);
+    FILE *json = printed.file;
     fprintf(json, "{\"version\":1,\"type\":\"gsplat\",\"count\":%lu,\"chunkSize\":%d,\"allChunkBytes\":%zu",
             (unsigned long)w->tree.count, CHUNK, w->file.size);
     print_common(json, w);
@@ -381,8 +380,8 @@ static int make_header(rad_writer *w, bytes *head)
         fprintf(json, "%s{\"offset\":%zu,\"bytes\":%zu}", i ? "," : "", begin, w->ends[i] - begin);
     }
     fputs("]}", json);
-    const int made = add_text(w, head, "RAD0", json, &data, &size);
-    free(data);
+    const int made = add_text(w, head, "RAD0", &printed);
+    free(printed.text);
     return made;
 }
 

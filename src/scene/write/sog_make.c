@@ -12,6 +12,7 @@
 
 #include "src/base/exponential.h"
 #include "src/base/number.h"
+#include "src/base/system.h"
 #include "codebook_internal.h"
 
 enum { MEANS_LOW, MEANS_HIGH, SCALES, QUATS, SH0, LABELS, CENTROIDS, IMAGES, JSON = IMAGES };
@@ -293,12 +294,15 @@ static void print_json(FILE *json, const fxs_sog *w)
 
 static int make_json(fxs_sog *w)
 {
-    FILE *json = open_memstream(&w->json, &w->json_bytes);
-    if (!json)
+    fxs_printed printed;
+    if (fxs_print_begin(&printed))
         return no_memory(w);
-    print_json(json, w);
-    const int failed = ferror(json);
-    return fclose(json) || failed || !w->json || !w->json_bytes ? no_memory(w) : 1;
+    print_json(printed.file, w);
+    if (fxs_print_end(&printed))
+        return no_memory(w);
+    w->json = printed.text;
+    w->json_bytes = printed.size;
+    return 1;
 }
 
 fxs_sog *fxs_sog_make(const fxs_sog_source *from, fxs_progress_fn *progress, void *argument, int *error)

@@ -224,7 +224,7 @@ static void remove_parts(const streamed_writer *w)
         for (int k = 0; k <= FXS_SOG_FILES; k++) {
             char *path = path_of(w, &w->parts[i], k < FXS_SOG_FILES ? fxs_sog_names[k] : NULL);
             if (path)
-                remove(path);
+                (k < FXS_SOG_FILES ? fxs_file_remove : fxs_folder_remove)(path);
             free(path);
         }
 }
@@ -346,20 +346,17 @@ static void print_index(FILE *json, const streamed_writer *w)
 
 static void write_index(streamed_writer *w, fxs_message *message)
 {
-    char *data = NULL;
-    size_t size = 0;
-    FILE *json = open_memstream(&data, &size);
-    if (json) {
-        print_index(json, w);
-        const int failed = ferror(json);
-        if (fclose(json) || failed || !data || !size)      /* glibc notes no error where its last growth fails */
-            no_memory(w);
-        else
-            fxs_output_write(&w->held.output, data, size, message);
-    } else {
+    fxs_printed printed;
+    if (fxs_print_begin(&printed)) {
         no_memory(w);
+        return;
     }
-    free(data);
+    print_index(printed.file, w);
+    if (fxs_print_end(&printed))
+        no_memory(w);
+    else
+        fxs_output_write(&w->held.output, printed.text, printed.size, message);
+    free(printed.text);
 }
 
 /* ---- The format -------------------------------------------------------------------------------------------------- */

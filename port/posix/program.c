@@ -1,0 +1,161 @@
+#include "src/base/system.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* ---- This program ------------------------------------------------------------------------------------------------ */
+
+/* One that is closed is opened the wrong way round: no file becomes standard output by chance, and to use it fails. */
+void fxs_program_begin(int *argc, char ***argv)
+{
+    (void)argc, (void)argv;
+    for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
+        if (fcntl(i, F_GETFD) < 0)
+            open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+void fxs_program_path(char *path, size_t room)
+{
+    const ssize_t length = readlink("/proc/self/exe", path, room - 1);
+    path[length > 0 ? length : 0] = 0;
+}
+
+int fxs_program_is_here(const char *name)
+{
+    char path[4096];
+    const char *folder = getenv("PATH");
+    while (folder && *folder) {
+        const int length = (int)strcspn(folder, ":");
+        if (snprintf(path, sizeof path, "%.*s/%s", length, folder, name) < (int)sizeof path && !access(path, X_OK))
+            return 1;
+        folder += length + (folder[length] == ':');
+    }
+    return 0;
+}
+
+int fxs_library_is_here(const char *name)
+{
+    void *library = dlopen(name, RTLD_LAZY | RTLD_LOCAL);
+    return library && !dlclose(library);
+}
+
+void fxs_program_set(const char *variable, const char *value)
+{
+    setenv(variable, value, 1);
+}
+
+void fxs_program_become(const char *path, char **argv)
+{
+    execvp(path, argv);
+}
+
+/* ---- Others ------------------------------------------------------------------------------------------------------ */
+
+static int start(const char *const *arguments, int output, int log, pid_t *child)
+{
+    posix_spawn_file_actions_t actions;
+    int error = posix_spawn_file_actions_init(&actions);
+    if (error)
+        return error;
+    error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    error = error ? error : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    error = error ? error : posix_spawn_file_actions_adddup2(&actions, log, STDERR_FILENO);
+    /* posix_spawnp does not change the arguments, though its type does not say so */
+    if (!error)
+        error = posix_spawnp(child, arguments[0], &actions, 0, (char *const *)(uintptr_t)arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    return error;
+}
+
+static void hear_all(int from, fxs_program_said_fn *said, void *argument)
+{
+    char data[65536];
+    for (;;) {
+        const ssize_t size = read(from, data, sizeof data);
+        if (size > 0)
+            said(argument, data, (size_t)size);
+        else if (size == 0 || errno != EINTR)
+            return;
+    }
+}
+
+static int wait_for(pid_t child)
+{
+    int status;
+    while (waitpid(child, &status, 0) < 0)
+        if (errno != EINTR)
+            return -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument)
+{
+    int ends[2], status = -1;
+    pid_t child;
+    fflush(log);
+    if (pipe(ends))
+        return -1;
+    fcntl(ends[0], F_SETFD, FD_CLOEXEC);
+    fcntl(ends[1], F_SETFD, FD_CLOEXEC);
+    const int error = start(arguments, ends[1], fileno(log), &child);
+    close(ends[1]);
+    if (!error) {
+        hear_all(ends[0], said, argument);
+        status = wait_for(child);
+    }
+    close(ends[0]);
+    errno = error ? error : errno;
+    return error == ENOENT ? FXS_PROGRAM_MISSING : status;
+}
+
+/* ---- Being asked to end ------------------------------------------------------------------------------------------ */
+
+static const int signals[] = {SIGHUP, SIGINT, SIGTERM};
+enum { SIGNALS = sizeof signals / sizeof *signals };
+static struct sigaction before[SIGNALS];
+static volatile sig_atomic_t asked;
+
+void fxs_end_listen_no_more(void)
+{
+    for (int i = 0; i < SIGNALS; i++)
+        sigaction(signals[i], &before[i], 0);
+}
+
+static void note_request(int number)
+{
+    asked = number;
+    fxs_end_listen_no_more();
+}
+
+void fxs_end_listen(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = note_request;
+    sigfillset(&action.sa_mask);
+    action.sa_flags = SA_RESTART;
+    for (int i = 0; i < SIGNALS; i++)
+        sigaction(signals[i], 0, &before[i]);
+    for (int i = 0; i < SIGNALS; i++)
+        if (before[i].sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, 0);
+}
+
+int fxs_end_asked(void)
+{
+    return asked;
+}
+
+void fxs_end_as_asked(void)
+{
+    raise(asked);
+}

@@ -1,0 +1,320 @@
+#include "win32.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <io.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <fixsplat/message.h>
+
+#include "src/base/files_internal.h"
+#include "src/base/try_internal.h"
+
+/* ---- What a name is of ------------------------------------------------------------------------------------------- */
+
+HANDLE win32_open(const char *path, DWORD access, DWORD flags)
+{
+    wchar_t *wide = win32_path(path);
+    if (!wide)
+        return INVALID_HANDLE_VALUE;
+    const HANDLE handle = CreateFileW(wide, access, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, NULL,
+                                      OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL | flags, NULL);
+    if (handle == INVALID_HANDLE_VALUE)
+        win32_failed();
+    free(wide);
+    return handle;
+}
+
+enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts)
+{
+    BY_HANDLE_FILE_INFORMATION about;
+    *facts = (fxs_file_facts){0};
+    if (GetFileType(handle) != FILE_TYPE_DISK || !GetFileInformationByHandle(handle, &about))
+        return GetFileType(handle) == FILE_TYPE_UNKNOWN ? FXS_FILE_NONE : FXS_FILE_OTHER;
+    *facts = (fxs_file_facts){(uint64_t)about.nFileSizeHigh << 32 | about.nFileSizeLow, about.dwVolumeSerialNumber,
+                              (uint64_t)about.nFileIndexHigh << 32 | about.nFileIndexLow};
+    return about.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY ? FXS_FILE_FOLDER : FXS_FILE_REGULAR;
+}
+
+enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts)
+{
+    const HANDLE handle = win32_open(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS);
+    if (handle == INVALID_HANDLE_VALUE)
+        return FXS_FILE_NONE;
+    const enum fxs_file_kind kind = win32_look(handle, facts);
+    CloseHandle(handle);
+    return kind;
+}
+
+enum fxs_file_kind fxs_stream_look(FILE *file, fxs_file_facts *facts)
+{
+    return win32_look((HANDLE)_get_osfhandle(_fileno(file)), facts);
+}
+
+enum fxs_file_kind fxs_file_kind(const char *path)
+{
+    fxs_file_facts unused;
+    return fxs_file_look(path, &unused);
+}
+
+/* Those of the name itself, also of a link. */
+static DWORD attributes_of(const char *path)
+{
+    wchar_t *wide = win32_path(path);
+    const DWORD attributes = wide ? GetFileAttributesW(wide) : INVALID_FILE_ATTRIBUTES;
+    free(wide);
+    return attributes;
+}
+
+int fxs_file_is_named(const char *path)
+{
+    return attributes_of(path) != INVALID_FILE_ATTRIBUTES;
+}
+
+char *fxs_path_whole(const char *path)
+{
+    const HANDLE handle = win32_open(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS);
+    if (handle == INVALID_HANDLE_VALUE)
+        return NULL;
+    const DWORD room = GetFinalPathNameByHandleW(handle, NULL, 0, 0) + 1;
+    wchar_t *wide = malloc(room * sizeof *wide);
+    char *whole = NULL;
+    if (wide && GetFinalPathNameByHandleW(handle, wide, room, 0))
+        whole = win32_narrow(wide + (wcsncmp(wide, L"\\\\?\\", 4) ? 0 : 4));
+    else
+        win32_failed();
+    free(wide);
+    CloseHandle(handle);
+    for (char *c = whole; c && *c; c++)
+        *c = *c == '\\' ? '/' : *c;
+    return whole;
+}
+
+/* ---- Changes ----------------------------------------------------------------------------------------------------- */
+
+static int call(const char *path, BOOL WINAPI change(const wchar_t *wide))
+{
+    wchar_t *wide = win32_path(path);
+    const int result = !wide ? -1 : change(wide) ? 0 : win32_failed();
+    free(wide);
+    return result;
+}
+
+int fxs_file_remove(const char *path)
+{
+    return call(path, DeleteFileW);
+}
+
+int fxs_folder_remove(const char *path)
+{
+    return call(path, RemoveDirectoryW);
+}
+
+int fxs_file_rename(const char *from, const char *to)
+{
+    wchar_t *old = win32_path(from), *name = win32_path(to);
+    const int result = !old || !name ? -1 : MoveFileExW(old, name, MOVEFILE_REPLACE_EXISTING) ? 0 : win32_failed();
+    free(old);
+    free(name);
+    return result;
+}
+
+/* What is read-only says so; whether files can be made in a folder only shows when one is. */
+int fxs_file_may_be_written(const char *path)
+{
+    const DWORD attributes = attributes_of(path);
+    const int is_there = attributes != INVALID_FILE_ATTRIBUTES;
+    if (is_there && (attributes & (FILE_ATTRIBUTE_READONLY | FILE_ATTRIBUTE_DIRECTORY)) != FILE_ATTRIBUTE_READONLY)
+        return 0;
+    errno = is_there ? EACCES : ENOENT;
+    return -1;
+}
+
+/* Symbolic links are for administrators: a file gets a second name, on the same drive. */
+int fxs_file_link(const char *target, const char *name)
+{
+    wchar_t *old = win32_path(target), *wide = win32_path(name);
+    int result = -1;
+    if (old && wide)
+        result = CreateSymbolicLinkW(wide, old, fxs_file_kind(target) == FXS_FILE_FOLDER ? 1 : 0) ||
+                 CreateHardLinkW(wide, old, NULL) || CopyFileW(old, wide, TRUE) ? 0 : win32_failed();
+    free(old);
+    free(wide);
+    return result;
+}
+
+void fxs_file_unlink(const char *name)
+{
+    const DWORD attributes = attributes_of(name);
+    if (attributes != INVALID_FILE_ATTRIBUTES && attributes & FILE_ATTRIBUTE_REPARSE_POINT)
+        (attributes & FILE_ATTRIBUTE_DIRECTORY ? fxs_folder_remove : fxs_file_remove)(name);
+}
+
+/* ---- Folders ----------------------------------------------------------------------------------------------------- */
+
+static BOOL WINAPI create_folder(const wchar_t *wide)
+{
+    return CreateDirectoryW(wide, NULL);
+}
+
+int fxs_folder_make(const char *path, fxs_message *message)
+{
+    const char *fault = win32_fault(path);
+    if (fault)
+        return fxs_fail(message, "%s: %s", path, fault);
+    if (!call(path, create_folder))
+        return 0;
+    const int error = errno;
+    return error == EEXIST && fxs_file_kind(path) == FXS_FILE_FOLDER ? 0 : fxs_fail_errno(message, path, error);
+}
+
+static int each_of(const char *pattern, void (*each)(void *argument, const char *name), void *argument)
+{
+    WIN32_FIND_DATAW entry;
+    wchar_t *wide = win32_path(pattern);
+    const HANDLE found = wide ? FindFirstFileW(wide, &entry) : INVALID_HANDLE_VALUE;
+    free(wide);
+    if (found == INVALID_HANDLE_VALUE)
+        return wide ? win32_failed() : -1;
+    do {
+        char *name = win32_narrow(entry.cFileName);
+        if (name)
+            each(argument, name);
+        free(name);
+    } while (FindNextFileW(found, &entry));
+    FindClose(found);
+    return 0;
+}
+
+int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument)
+{
+    const size_t length = strlen(path);
+    char *pattern = malloc(length + 3);
+    if (!pattern)
+        return -1;
+    memcpy(pattern, path, length);
+    strcpy(pattern + length, "/*");
+    const int result = each_of(pattern, each, argument);
+    free(pattern);
+    return result;
+}
+
+/* ---- Reading ----------------------------------------------------------------------------------------------------- */
+
+FILE *win32_stream(HANDLE handle, const char *mode)
+{
+    const int descriptor = _open_osfhandle((intptr_t)handle, *mode == 'a' ? _O_APPEND : 0);
+    FILE *file = descriptor < 0 ? NULL : _fdopen(descriptor, mode);
+    if (!file && descriptor >= 0)
+        _close(descriptor);
+    else if (!file)
+        CloseHandle(handle);
+    return file;
+}
+
+static int open_checked(HANDLE handle, const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
+{
+    fxs_file_facts found;
+    if (win32_look(handle, &found) != FXS_FILE_REGULAR) {
+        CloseHandle(handle);
+        return fxs_fail(message, "%s: not a regular file", path);
+    }
+    if (facts)
+        *facts = found;
+    *file = win32_stream(handle, "rb");
+    return *file ? 0 : fxs_fail_errno(message, path, errno);
+}
+
+/* A folder is opened too, so that the message says what it is. */
+int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
+{
+    const char *fault = win32_fault(path);
+    *file = NULL;
+    if (fault)
+        return fxs_fail(message, "%s: %s", path, fault);
+    const HANDLE handle = win32_open(path, GENERIC_READ, FILE_FLAG_BACKUP_SEMANTICS);
+    return handle == INVALID_HANDLE_VALUE ? fxs_fail_errno(message, path, errno)
+                                          : open_checked(handle, path, file, facts, message);
+}
+
+/* The whole path of the folder of a path, for free(). NULL, and errno. */
+static char *whole_folder(const char *path)
+{
+    const size_t length = strlen(path) - strlen(strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
+    char *folder = malloc(length + 2);
+    if (!folder)
+        return NULL;
+    memcpy(folder, path, length);
+    strcpy(folder + length, length ? "" : ".");
+    char *whole = fxs_path_whole(folder);
+    free(folder);
+    return whole;
+}
+
+/* Names do not tell capital letters from small ones. */
+static int is_within(const char *folder, const char *path)
+{
+    const size_t length = strlen(folder);
+    return !_strnicmp(path, folder, length) &&
+           (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
+}
+
+int fxs_file_open_within(const char *first, const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
+{
+    char *folder = whole_folder(first), *whole = folder ? fxs_path_whole(path) : NULL;
+    int result;
+    *file = NULL;
+    if (!whole)
+        result = fxs_fail_errno(message, path, errno);
+    else if (!is_within(folder, whole))
+        result = fxs_fail(message, "%s: leaves the folder of %s", path, first);
+    else
+        result = fxs_file_open(whole, file, facts, message);
+    free(folder);
+    free(whole);
+    return result;
+}
+
+int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size)
+{
+    return _fseeki64(file, (__int64)offset, SEEK_SET) == 0 && fread(out, 1, size, file) == size ? 0 : -1;
+}
+
+/* ---- Streams ----------------------------------------------------------------------------------------------------- */
+
+FILE *fxs_stream_open(const char *path, const char *mode)
+{
+    wchar_t *wide = win32_path(path);
+    FILE *file = wide ? _wfopen(wide, *mode == 'r' ? L"rb" : *mode == 'w' ? L"wb" : L"ab") : NULL;
+    free(wide);
+    return file;
+}
+
+/* tmpfile of Windows wants to write to the root of the drive. */
+FILE *fxs_stream_temporary(void)
+{
+    wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 1];
+    if (!GetTempPathW(MAX_PATH, folder) || !GetTempFileNameW(folder, L"fxs", 0, name)) {
+        win32_failed();
+        return NULL;
+    }
+    return _wfopen(name, L"w+bTD");        /* short-lived, and deleted when it is closed */
+}
+
+int fxs_stream_empty(FILE *file)
+{
+    fflush(file);
+    return _chsize(_fileno(file), 0);
+}
+
+/* Older consoles know no codes: 79 spaces. */
+#define TEN "          "
+const char fxs_erase_line[] = "\r" TEN TEN TEN TEN TEN TEN TEN "         \r";
+
+/* _isatty says so of NUL too. */
+int fxs_is_terminal(FILE *file)
+{
+    DWORD mode;
+    return GetConsoleMode((HANDLE)_get_osfhandle(_fileno(file)), &mode) != 0;
+}

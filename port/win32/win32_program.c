@@ -1,0 +1,246 @@
+#include "win32.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <io.h>
+#include <process.h>
+#include <shellapi.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- This program ------------------------------------------------------------------------------------------------ */
+
+static UINT code_page;                 /* of the console, before */
+
+static void restore_console(void)
+{
+    SetConsoleOutputCP(code_page);
+}
+
+/* \ is no part of a name: as in all paths here, / stands between folders. */
+static char *argument_of(const wchar_t *wide)
+{
+    char *text = win32_narrow(wide);
+    for (char *c = text; c && *c; c++)
+        *c = *c == '\\' ? '/' : *c;
+    return text;
+}
+
+static void take_arguments(int *argc, char ***argv)
+{
+    int count;
+    wchar_t **wide = CommandLineToArgvW(GetCommandLineW(), &count);
+    char **texts = wide ? calloc((size_t)count + 1, sizeof *texts) : NULL;
+    for (int i = 0; texts && i < count; i++)
+        if (!(texts[i] = argument_of(wide[i])))
+            return;
+    LocalFree(wide);
+    if (texts) {
+        *argc = count;
+        *argv = texts;
+    }
+}
+
+void fxs_program_begin(int *argc, char ***argv)
+{
+    FILE *const standard[] = {stdin, stdout, stderr};
+    for (int i = 0; i < 3; i++)
+        if (_fileno(standard[i]) >= 0)
+            _setmode(_fileno(standard[i]), _O_BINARY);
+    code_page = GetConsoleOutputCP();
+    if (code_page && code_page != CP_UTF8 && SetConsoleOutputCP(CP_UTF8))
+        atexit(restore_console);
+    take_arguments(argc, argv);
+}
+
+void fxs_program_path(char *path, size_t room)
+{
+    wchar_t wide[4096];
+    const DWORD length = GetModuleFileNameW(NULL, wide, sizeof wide / sizeof *wide);
+    char *text = length && length < sizeof wide / sizeof *wide ? argument_of(wide) : NULL;
+    if (text && strlen(text) > 4 && !_stricmp(text + strlen(text) - 4, ".exe"))
+        text[strlen(text) - 4] = 0;
+    snprintf(path, room, "%s", text ? text : "");
+    free(text);
+}
+
+int fxs_program_is_here(const char *name)
+{
+    wchar_t *wide = win32_wide(name);
+    const int is_here = wide && SearchPathW(NULL, wide, L".exe", 0, NULL, NULL) > 0;
+    free(wide);
+    return is_here;
+}
+
+int fxs_library_is_here(const char *name)
+{
+    HMODULE library = LoadLibraryA(name);
+    return library && FreeLibrary(library);
+}
+
+void fxs_program_set(const char *variable, const char *value)
+{
+    char text[256];
+    if (snprintf(text, sizeof text, "%s=%s", variable, value) < (int)sizeof text)
+        _putenv(text);
+}
+
+/* ---- Others ------------------------------------------------------------------------------------------------------ */
+
+/* Adds a word of a command line as CommandLineToArgvW and the C library read it. Returns the end. */
+static wchar_t *add_word(wchar_t *to, const wchar_t *word)
+{
+    *to++ = L'"';
+    for (size_t slashes = 0; *word; word++) {
+        slashes = *word == L'\\' ? slashes + 1 : 0;
+        if (*word == L'"')
+            *to++ = L'\\';
+        *to++ = *word;
+        if (slashes && (word[1] == L'"' || !word[1]))
+            for (; slashes; slashes--)
+                *to++ = L'\\';
+    }
+    *to++ = L'"';
+    *to++ = L' ';
+    return to;
+}
+
+/* For free(). */
+static wchar_t *command_line(const char *const *arguments)
+{
+    size_t room = 1;
+    for (size_t i = 0; arguments[i]; i++)
+        room += 2 * strlen(arguments[i]) + 3;
+    wchar_t *line = malloc(room * sizeof *line), *end = line;
+    for (size_t i = 0; line && arguments[i]; i++) {
+        wchar_t *word = win32_wide(arguments[i]);
+        if (!word) {
+            free(line);
+            return NULL;
+        }
+        end = add_word(end, word);
+        free(word);
+    }
+    if (line)
+        *end = 0;
+    return line;
+}
+
+static int start(const char *const *arguments, HANDLE input, HANDLE output, HANDLE log, HANDLE *process)
+{
+    STARTUPINFOW how = {.cb = sizeof how, .dwFlags = STARTF_USESTDHANDLES, .hStdInput = input, .hStdOutput = output,
+                        .hStdError = log};
+    PROCESS_INFORMATION started;
+    wchar_t *line = command_line(arguments);
+    const int result = !line ? -1 : CreateProcessW(NULL, line, NULL, NULL, TRUE, 0, NULL, NULL, &how, &started)
+                                        ? 0 : win32_failed();
+    free(line);
+    if (!result) {
+        CloseHandle(started.hThread);
+        *process = started.hProcess;
+    }
+    return result;
+}
+
+/* As a signal's number is told: a program that crashed has the code of its exception. */
+static int wait_for(HANDLE process)
+{
+    DWORD code = 0;
+    WaitForSingleObject(process, INFINITE);
+    GetExitCodeProcess(process, &code);
+    CloseHandle(process);
+    return code < 126 ? (int)code : 128 + SIGSEGV;
+}
+
+static void hear_all(HANDLE from, fxs_program_said_fn *said, void *argument)
+{
+    char data[65536];
+    for (DWORD size; ReadFile(from, data, sizeof data, &size, NULL) && size;)
+        said(argument, data, size);
+}
+
+int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument)
+{
+    SECURITY_ATTRIBUTES inherited = {.nLength = sizeof inherited, .bInheritHandle = TRUE};
+    HANDLE from, to, process;
+    fflush(log);
+    if (!CreatePipe(&from, &to, &inherited, 0))
+        return win32_failed();
+    const HANDLE errors = (HANDLE)_get_osfhandle(_fileno(log));
+    const HANDLE input = CreateFileW(L"NUL", GENERIC_READ, FILE_SHARE_READ | FILE_SHARE_WRITE, &inherited,
+                                     OPEN_EXISTING, 0, NULL);
+    SetHandleInformation(from, HANDLE_FLAG_INHERIT, 0);
+    SetHandleInformation(errors, HANDLE_FLAG_INHERIT, HANDLE_FLAG_INHERIT);
+    int status = start(arguments, input, to, errors, &process);
+    const int error = errno;
+    CloseHandle(to);
+    if (!status) {
+        hear_all(from, said, argument);
+        status = wait_for(process);
+    } else if (error == ENOENT)
+        status = FXS_PROGRAM_MISSING;
+    CloseHandle(from);
+    CloseHandle(input);
+    errno = error;
+    return status;
+}
+
+/* Windows starts programs beside this one only: this one waits, and ends as the other does. */
+void fxs_program_become(const char *path, char **argv)
+{
+    HANDLE process;
+    char **arguments;
+    size_t count = 0;
+    while (argv[count])
+        count++;
+    arguments = calloc(count + 2, sizeof *arguments);
+    char *program = malloc(strlen(path) + sizeof ".exe");
+    if (!arguments || !program)
+        return;
+    strcat(strcpy(program, path), ".exe");
+    arguments[0] = program;
+    for (size_t i = 1; i < count; i++)
+        arguments[i] = argv[i];
+    SetConsoleCtrlHandler(NULL, TRUE);     /* Ctrl-C is for the other one */
+    const int error = start((const char *const *)arguments, GetStdHandle(STD_INPUT_HANDLE),
+                            GetStdHandle(STD_OUTPUT_HANDLE), GetStdHandle(STD_ERROR_HANDLE), &process);
+    free(arguments);
+    free(program);
+    if (!error)
+        exit(wait_for(process));
+}
+
+/* ---- Being asked to end ------------------------------------------------------------------------------------------ */
+
+static volatile LONG asked;
+
+/* On a thread of its own. The process ends when this returns, but for Ctrl-C and Ctrl-Break. */
+static BOOL WINAPI note_request(DWORD kind)
+{
+    if (InterlockedExchange(&asked, 1))
+        return FALSE;
+    if (kind != CTRL_C_EVENT && kind != CTRL_BREAK_EVENT)
+        Sleep(INFINITE);                   /* until the fit is saved */
+    return TRUE;
+}
+
+void fxs_end_listen(void)
+{
+    SetConsoleCtrlHandler(note_request, TRUE);
+}
+
+int fxs_end_asked(void)
+{
+    return (int)asked;
+}
+
+void fxs_end_listen_no_more(void)
+{
+    SetConsoleCtrlHandler(note_request, FALSE);
+}
+
+void fxs_end_as_asked(void)
+{
+    exit((int)STATUS_CONTROL_C_EXIT);
+}

@@ -1,0 +1,148 @@
+/* What the library and the command ask of the operating system beside files and outputs. The functions are in
+   port/posix and port/win32. Paths are in UTF-8, with / between folders. */
+#ifndef FXS_SYSTEM_H
+#define FXS_SYSTEM_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include <fixsplat/fixsplat.h>
+
+/* ---- Memory ------------------------------------------------------------------------------------------------------ */
+
+/* Memory at a multiple of 64 bytes, which the caller gives back; null: there is none. */
+void *fxs_aligned_allocate(size_t bytes);
+
+/* Null is allowed. */
+void fxs_aligned_free(void *block);
+
+/* A text that is written to `file`. */
+typedef struct fxs_printed {
+    FILE *file;
+    char *text;                /* once it is ended: for free(), of `size` bytes, and a 0 behind them */
+    size_t size;
+} fxs_printed;
+
+/* Returns 0, or -1 where there is no memory. `printed` must not move until it is ended. */
+int fxs_print_begin(fxs_printed *printed);
+
+/* Closes the file. Returns 0, or -1 where something could not be written; the text is null then. */
+int fxs_print_end(fxs_printed *printed);
+
+/* ---- Names of files ---------------------------------------------------------------------------------------------- */
+
+enum fxs_file_kind { FXS_FILE_NONE, FXS_FILE_REGULAR, FXS_FILE_FOLDER, FXS_FILE_OTHER };
+
+typedef struct fxs_file_facts {
+    uint64_t size, device, inode;
+} fxs_file_facts;
+
+/* The kind of a file, after its symbolic links are followed. */
+enum fxs_file_kind fxs_file_kind(const char *path);
+
+/* The same, and what is known of the file or folder. */
+enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts);
+
+/* Of an open file. */
+enum fxs_file_kind fxs_stream_look(FILE *file, fxs_file_facts *facts);
+
+/* 1 where the name exists, even as a symbolic link to a missing file, else 0. */
+int fxs_file_is_named(const char *path);
+
+/* 1 where the path does not depend on the folder that the program is in. */
+static inline int fxs_path_is_whole(const char *path)
+{
+#ifdef _WIN32
+    if (path[0] && path[1] == ':')
+        return 1;
+#endif
+    return *path == '/';
+}
+
+/* The following return 0, or -1 and errno. */
+int fxs_file_remove(const char *path);
+int fxs_file_rename(const char *from, const char *to);
+int fxs_folder_remove(const char *path);
+
+/* Whether a file, or files in a folder, can be written. */
+int fxs_file_may_be_written(const char *path);
+
+/* A symbolic link, or, where the system makes none for everybody, another name of the file or of the folder. */
+int fxs_file_link(const char *target, const char *name);
+
+/* Removes what fxs_file_link made; nothing else. */
+void fxs_file_unlink(const char *name);
+
+/* The path from the root, without symbolic links, for free(). Null, and errno. */
+char *fxs_path_whole(const char *path);
+
+/* Makes a folder, unless it is there. Returns 0, or an error and a message. */
+int fxs_folder_make(const char *path, fxs_message *message);
+
+/* Calls a function with the name of each file in a folder, in no order; of a folder that cannot be read, with none.
+   Returns 0, or -1 and errno where it cannot. */
+int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument);
+
+/* ---- Streams ----------------------------------------------------------------------------------------------------- */
+
+/* fopen: of its modes r, w and a, with b where no line is to end in another way than in the file. Null, and errno. */
+FILE *fxs_stream_open(const char *path, const char *mode);
+
+/* tmpfile: to be written and read, and gone when it is closed. Null, and errno. */
+FILE *fxs_stream_temporary(void);
+
+/* Takes out of a file all that is in it. Returns 0, or -1 and errno, of which EINVAL: it is of a kind that has no
+   length. */
+int fxs_stream_empty(FILE *file);
+
+int fxs_is_terminal(FILE *file);
+
+/* Makes the line of a terminal an empty one. */
+extern const char fxs_erase_line[];
+
+/* ---- Programs ---------------------------------------------------------------------------------------------------- */
+
+/* Called first of all by main: a standard file that is closed becomes one that every use of fails, bytes go through
+   the standard files unchanged, and the arguments are in UTF-8, their paths with /. */
+void fxs_program_begin(int *argc, char ***argv);
+
+/* The path of this program, cut to fit; empty where it is not known. */
+void fxs_program_path(char *path, size_t room);
+
+/* 1 where the user's path has a program of this name, or the system finds the library, else 0. */
+int fxs_program_is_here(const char *name);
+int fxs_library_is_here(const char *name);
+
+/* Of this program and those that it runs. */
+void fxs_program_set(const char *variable, const char *value);
+
+/* A function that gets what a program prints, piece by piece. */
+typedef void fxs_program_said_fn(void *argument, const char *data, size_t size);
+
+enum { FXS_PROGRAM_MISSING = 127 };    /* as a shell says that there is no such program */
+
+/* Runs a program of the user's path, the first of the arguments, which end with null; its input is empty, and what it
+   prints on standard error goes to `log`. Returns its exit status, 128 and the signal's number where one ended it,
+   FXS_PROGRAM_MISSING, or -1 and errno where it could not be run. */
+int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument);
+
+/* Runs a program in place of this one. Returns where that fails, with errno. */
+void fxs_program_become(const char *path, char **argv);
+
+/* ---- Being asked to end ------------------------------------------------------------------------------------------ */
+
+/* From here on the first request to end this process (Ctrl-C; SIGHUP, SIGINT, SIGTERM) is only noted. The next one does
+   what it would have done, and what is ignored stays so. */
+void fxs_end_listen(void);
+
+/* Not 0 where there was one. */
+int fxs_end_asked(void);
+
+/* Requests end the process again. */
+void fxs_end_listen_no_more(void);
+
+/* Ends this process as the request would have done; only after one. */
+void fxs_end_as_asked(void);
+
+#endif

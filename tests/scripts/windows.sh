@@ -1,0 +1,216 @@
+#!/bin/sh
+# The programs of `make windows`, from their folder alone, under wine: the same pictures, files and fits as those for
+# Linux; names, and what goes wrong, as Windows has them; and the test programs that can be built for it. Only with
+# FXS_PROCESSORS=all (make test-all).
+. tests/scripts/lib/check.sh
+wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)
+compiler=${WINDOWS_CC:-x86_64-w64-mingw32-gcc}
+if [ "$FXS_PROCESSORS" != all ]; then
+    skip windows "only with FXS_PROCESSORS=all (make test-all)"
+elif [ -z "$wine" ]; then
+    skip windows "no wine64 here (make setup test-all)"
+elif ! have "${compiler##* }"; then
+    skip windows "no $compiler here (make setup windows)"
+fi
+[ $skipped = 0 ] || { finish; exit; }
+
+built=${B:-build}/windows
+env -u MAKEFLAGS make -s windows B="${B:-build}" WINDOWS_GOALS='all test-programs' >/dev/null ||
+    { fail windows "make windows fails"; finish; exit 1; }
+case $built in /*) ;; *) built=$PWD/$built ;; esac
+. tests/scripts/lib/command.sh
+
+export WINEPREFIX="$work/wine" WINEDEBUG=-all FIXSPLAT_QUIET=1
+end_wine() { "$(dirname "$(readlink -f "$wine")")/wineserver" -k 2>/dev/null || wineserver -k 2>/dev/null; }
+trap 'end_wine; rm -rf "$work"' EXIT
+mkdir 'only this' && cp "$built/fixsplat.exe" 'only this/' || exit 1
+program="$work/only this/fixsplat.exe"
+w() { "$wine" "$program" "$@"; }
+fixsplat_linux=$fixsplat
+
+# refused NAME STATUS WORDS ARGUMENT...: as `fails`, of the program for Windows.
+cat >logs/windows <<END
+#!/bin/sh
+exec "$wine" "$program" "\$@"
+END
+chmod +x logs/windows
+refused() { fixsplat=$work/logs/windows; fails "$@"; fixsplat=$fixsplat_linux; }
+
+w --version >logs/out 2>/dev/null        # makes wine's folder
+check "runs, and says which version it is" equal "$(w --version)" "$("$fixsplat" --version)"
+check "ends no line but by a line feed" equal "$(w help formats | tr -d '\r' | cksum)" "$(w help formats | cksum)"
+check "the same formats" equal "$(w help formats)" "$("$fixsplat" help formats)"
+
+# ---- Pictures --------------------------------------------------------------------------------------------------------
+
+"$fixsplat" make-scene knot --count 3000 -o knot.ply
+w make-scene knot --count 3000 -o made.ply
+check "make-scene: the same file" cmp made.ply knot.ply
+wanted=$("$fixsplat" render knot.ply --hash)
+for set in c sse41 avx2 avx512; do
+    check "render --cpu $set: the same picture" equal "$(w render knot.ply --hash --cpu $set --threads 2)" "$wanted"
+done
+for ending in png jpg webp ppm; do
+    "$fixsplat" render knot.ply -o linux.$ending && w render knot.ply -o windows.$ending
+    check "render .$ending: the same file" cmp windows.$ending linux.$ending
+done
+check "render -o -: into a pipe" equal "$(w render knot.ply -o - --size 32x32 | cksum)" \
+    "$("$fixsplat" render knot.ply -o - --size 32x32 | cksum)"
+check "render: standard input" equal "$(w render - --hash <knot.ply)" "$wanted"
+check "compare" equal "$(w compare windows.png linux.jpg)" "$("$fixsplat" compare windows.png linux.jpg)"
+for scene in donut/donut.ply snowmiku/snowmiku.ply guitar/guitar.compressed.ply luma-seal/luma-seal.splat; do
+    if [ -e "$scenes/$scene" ]; then
+        check "render $scene: the same picture" equal "$(w render "$scenes/$scene" --hash)" \
+            "$("$fixsplat" render "$scenes/$scene" --hash)"
+    else
+        skip "render $scene" "not here"
+    fi
+done
+
+# ---- Files -----------------------------------------------------------------------------------------------------------
+
+for ending in fxs compressed.ply ply spz rad glb sog splat csv; do
+    "$fixsplat" convert knot.ply linux.$ending && w convert knot.ply windows.$ending
+    check "convert .$ending: the same file" cmp windows.$ending linux.$ending
+    [ $ending = csv ] || check "info .$ending" equal "$(w info linux.$ending --json)" \
+        "$("$fixsplat" info linux.$ending --json)"
+done
+"$fixsplat" convert knot.ply linux.levels.fxs --levels && w convert knot.ply windows.levels.fxs --levels
+check "convert --levels: the same file" cmp windows.levels.fxs linux.levels.fxs
+check "render --budget: of a file that is read in part" equal \
+    "$(w render windows.levels.fxs --budget 1000 --pool 256KiB --hash)" \
+    "$("$fixsplat" render linux.levels.fxs --budget 1000 --pool 256KiB --hash)"
+mkdir linux windows && "$fixsplat" convert knot.ply linux/lod-meta.json && w convert knot.ply windows/lod-meta.json
+check "convert lod-meta.json: the same folder" diff -r windows linux
+
+# README's program, which has the .dll beside it.
+sed -n '/^```c$/,/^```$/p' "$root/README.md" | sed '/^```/d' >program.c
+mkdir dll && cp "$built"/libfixsplat-*.dll dll &&
+    $compiler -std=c99 -I"$root/src/include" program.c -o dll/program.exe "$built/libfixsplat.dll.a" &&
+    "$wine" dll/program.exe linux.fxs dll/windows.png
+libraries=$(sed -n 's/^LIBS_[A-Z]* := //p' "${fixsplat%/*}/probe.mk" | tr '\n' ' ')
+${CC:-cc} -std=c99 -I"$root/src/include" program.c -o program "${fixsplat%/*}/libfixsplat.a" $libraries -lm -lpthread &&
+    ./program linux.fxs dll/linux.png
+check "the .dll: the same picture" cmp dll/windows.png dll/linux.png
+
+mkdir -p page/viewer && echo page >page/viewer/index.html && echo module >page/fixsplat.js
+export FIXSPLAT_WEB=page
+"$fixsplat" publish knot.ply site --size 64x36 && w publish knot.ply site-windows --size 64x36
+check "publish: the same folder" diff -r site-windows site
+
+# ---- Fits ------------------------------------------------------------------------------------------------------------
+
+. "$root/tests/scripts/lib/photos.sh"
+make_photographs 12
+"$fixsplat" fit set --steps 200 -o linux-fit.fxs >/dev/null && w fit set --steps 200 -o windows-fit.fxs >logs/out
+check "fit: the same file" cmp windows-fit.fxs linux-fit.fxs
+w fit set --steps 200 -o windows-c.fxs --cpu c --threads 3 >logs/out
+check "fit --cpu c, 3 threads: the same file" cmp windows-c.fxs linux-fit.fxs
+w fit set --steps 100 -o half.fit >logs/out && w fit set --steps 200 --resume half.fit -o half.fxs >logs/out
+"$fixsplat" fit set --steps 100 -o linux.fit >logs/out &&
+    "$fixsplat" fit set --steps 200 --resume linux.fit -o linux-half.fxs >logs/out
+check "fit --resume: the same file" cmp half.fxs linux-half.fxs
+for f in set/sparse/0/*.txt; do
+    sed 's/$/\r/' $f >logs/crlf && cp logs/crlf $f
+done
+w fit set --steps 200 -o crlf.fxs >logs/out
+check "fit: cameras whose lines end as in Windows" cmp crlf.fxs linux-fit.fxs
+# At a console of wine: Ctrl-C saves what is fitted.
+if have script; then
+    {
+        until [ "$(cat stop.log 2>/dev/null | wc -l)" -gt 1 ]; do sleep 0.2; done
+        printf '\003'
+        until [ -e stop.fxs.fit ]; do sleep 0.2; done
+    } | timeout 300 script -qec "'$wine' '$program' fit set --steps 20000 --log stop.log -o stop.fxs" /dev/null \
+        >logs/out 2>&1
+    check "fit: Ctrl-C saves it" [ -e stop.fxs.fit ]
+else
+    skip "fit: Ctrl-C" "no script here"
+fi
+
+# ---- Names -----------------------------------------------------------------------------------------------------------
+
+mkdir -p 'ä ö/😀' && cp knot.ply 'ä ö/😀/k not.ply'
+check "a name with spaces, umlauts and an emoji" equal "$(w render 'ä ö/😀/k not.ply' --hash)" "$wanted"
+check "and with backslashes" equal "$(w render 'ä ö\😀\k not.ply' --hash)" "$wanted"
+check "with a drive" equal "$(w render "Z:$(pwd | tr / '\\')\\knot.ply" --hash)" "$wanted"
+w convert knot.ply 'ä ö\😀\ü.fxs'
+check "written there" cmp 'ä ö/😀/ü.fxs' linux.fxs
+ten=$(printf 'd%.0s' 1 2 3 4 5 6 7 8 9 0) long=
+for i in 1 2 3; do long=$long$ten$ten$ten$ten$ten$ten$ten$ten$ten/; done
+mkdir -p "$long"
+w convert knot.ply "${long}x.fxs"
+check "a path of more than 260 characters" cmp "${long}x.fxs" linux.fxs
+check "read there" equal "$(w render "${long}x.fxs" --hash)" "$("$fixsplat" render linux.fxs --hash)"
+refused "a device's name" 1 '^fixsplat: con.fxs: cannot be written: it is the name of a device in Windows$' \
+    convert knot.ply con.fxs
+refused "a device's name, in a folder" 1 'the name of a device' convert knot.ply 'linux\LPT1.fxs'
+refused "a device's name, read" 1 '^fixsplat: aux.ply: is the name of a device in Windows$' info aux.ply
+refused "a folder that ends in a dot" 1 'x\./y.fxs: cannot be written: it ends in a dot or a space' \
+    convert knot.ply 'x.\y.fxs'
+refused "a colon" 1 'a colon' convert knot.ply 'linux/a:b.fxs'
+check "none of them is there" equal "$(ls | grep -i -e con -e '^x')" ""
+
+# ---- What goes wrong -------------------------------------------------------------------------------------------------
+
+refused "view: what this build has not" 1 '^fixsplat: knot.ply: cannot be shown: this program was built without SDL2$' \
+    view knot.ply
+refused "no such file" 1 '^fixsplat: nothing.ply: No such file or directory$' render nothing.ply --hash
+refused "a folder" 1 'not-there/x.fxs: cannot be written: No such file' convert knot.ply not-there/x.fxs
+refused "the input" 2 'is read and cannot be written too' convert knot.ply KNOT.ply
+mkdir taken.fxs
+refused "a folder in its place" 1 'taken.fxs: cannot be written: Is a directory' convert knot.ply taken.fxs
+head -c 100000 linux.fxs >cut.fxs
+refused "a file that is cut short" 1 'cut.fxs: ' render cut.fxs --hash
+$compiler -O1 -o hold.exe "$root/tests/windows/hold.c" && mkfifo ends || exit 1
+cp linux.spz held.fxs
+"$wine" hold.exe held.fxs <ends >logs/held &
+exec 3>ends
+until grep -q held logs/held; do sleep 0.1; done
+refused "a file that another program has open" 1 'held.fxs: cannot be written: another program has it open' \
+    convert knot.ply held.fxs
+check "it is as it was" cmp held.fxs linux.spz
+exec 3>&-
+wait
+check "and then not" w convert knot.ply held.fxs
+check "replaced" cmp held.fxs linux.fxs
+w make-scene knot --count 30000 -o both.ply &
+w make-scene knot --count 30000 -o both.ply
+wait $!
+check "two writers of one file: both end well" equal $? 0
+"$fixsplat" make-scene knot --count 30000 -o one.ply
+check "two writers of one file: it is whole" cmp both.ply one.ply
+mkdir closed && chmod a-w closed
+if [ "$(id -u)" = 0 ]; then
+    skip "a folder that is read-only" "root may write there"
+else
+    refused "a folder that is read-only" 1 'closed/x.fxs: cannot be written: ' convert knot.ply closed/x.fxs
+fi
+"$wine" "$program" make-scene knot --count 3000000 -o killed.ply &
+until ls -A | grep -q 'fixsplat-.*tmp'; do sleep 0.1; done
+kill -9 $!
+wait $! 2>/dev/null
+sleep 1
+check "ended at once: nothing is left" equal "$(ls -A | grep -e killed -e 'fixsplat-.*tmp')" ""
+
+# ---- The test programs -----------------------------------------------------------------------------------------------
+
+# With no folder of their own, /tmp is that of the drive.
+cd "$root" || exit 1
+count=0
+for test in "$built"/tests/test_*.exe; do
+    name=$(basename "$test" .exe)
+    said=$(FXS_SCENES=${scenes:-none} timeout 1200 "$wine" "$test" 2>&1)
+    status=$? last=$(printf '%s\n' "$said" | tail -n 1)
+    case $last in
+    *' passed, 0 failed, '*) count=$((count + ${last%% *})) ;;
+    *) status=1 ;;
+    esac
+    if [ $status = 0 ]; then
+        ok "$name: $last"
+    else
+        fail "$name" "$(printf '%s\n' "$said" | grep -v '^ok' | head -n 5)"
+    fi
+done
+echo "   $count tests of the test programs passed under wine"
+finish
