@@ -266,7 +266,7 @@ done
 check "damaged and cut: .spz" web damage "$work/700.spz"
 check "misuse" web misuse "$work/700-default.fxs" "$work/700.ply"
 check "previews" reader preview "$work/20000.ply"
-check "size of both" both_at_most 166500
+check "size of both" both_at_most 167200
 if [ -e "$B/web/libs" ]; then
     readers
 else
