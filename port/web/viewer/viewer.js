@@ -11,7 +11,6 @@ import { Language, askedFor } from './language.js'
 import { Item, PlacedScene, WATCHED } from './scenes.js'
 import { style } from './style.js'
 import { addressOf, cameraOf, checkedCamera, fetchViews, nameOf, textOf, viewsOf } from './views.js'
-import { wordsOf } from './words.js'
 
 const STILL_MS = 150 // after the last motion
 const GLIDE_MS = 1000 // of `flyTo`
@@ -702,7 +701,9 @@ export class Viewer extends HTMLElement {
   }
 
   /** Says it, to the page's program too. */
-  #fail(cause, { source } = {}) {
+  async #fail(cause, { source } = {}) {
+    const bare = { wordsOf: ({ message }) => ({ kind: 'other', words: message }) } // where the words cannot be fetched
+    const { wordsOf } = await import('./words.js').catch(() => bare)
     const { kind, words: message } = wordsOf(cause, (...words) => this.#language.of(...words))
     const error = Object.assign(new Error(message, { cause }), { kind, source })
     this.#panels.say(error)
