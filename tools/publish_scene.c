@@ -1,4 +1,3 @@
-#define _XOPEN_SOURCE 700   /* open_memstream */
 #include "publish_scene.h"
 
 #include <stdio.h>
@@ -6,6 +5,7 @@
 
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/pack.h>
+#include "src/base/system.h"
 #include "command.h"
 
 #define WORTH_SAYING 1.5           /* times smaller */
@@ -43,16 +43,14 @@ void publish_say_gain(const loaded_scene *scene, char *const *words)
     const fxs_scene *own = scene->opened->scene;
     const size_t small = fxs_pack_bytes(scene->opened->info, FXS_PROFILE_SMALL) * (own->nodes ? 2 : 1);
     const double times = small ? (double)scene->opened->bytes / (double)small : 0;
-    char *text = 0;
-    size_t size;
-    FILE *file = times < WORTH_SAYING ? 0 : open_memstream(&text, &size);
-    if (!file)
+    fxs_printed command;
+    if (times < WORTH_SAYING || fxs_print_begin(&command))
         return;
-    fputs("fixsplat", file);
+    fputs("fixsplat", command.file);
     for (; *words; words++)
-        write_shell_word(file, *words);
-    if (!fclose(file))
+        write_shell_word(command.file, *words);
+    if (!fxs_print_end(&command))
         note("%s: taken as it is, %.1f MB in profile %s; %.1f times smaller, with less detail, by: %s --profile small",
-             scene->path, (double)scene->opened->bytes * 1e-6, profile_names[own->profile], times, text);
-    free(text);
+             scene->path, (double)scene->opened->bytes * 1e-6, profile_names[own->profile], times, command.text);
+    free(command.text);
 }

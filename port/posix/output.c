@@ -245,14 +245,6 @@ static void drop(fxs_output *output)
     forget(output);
 }
 
-static int fail(const char *path, int error, fxs_message *message)
-{
-    if (error == ECANCELED)
-        return fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", path);
-    return fxs_fail_as(error == ENOMEM ? FXS_ERR_MEMORY : FXS_ERR_FILE, message, "%s: cannot be written: %s", path,
-                       strerror(error));
-}
-
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message)
 {
     FXS_TRY(fxs_may_write(path, message));
@@ -265,7 +257,7 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     if (output->file)
         return 0;
     const int number = descriptor >= 0 && errno == EINVAL ? EBADF : errno;     /* open, but for reading only */
-    const int error = fail(output->path ? output->path : path, number, message);
+    const int error = fxs_output_fail(output->path ? output->path : path, number, message);
     if (descriptor >= 0) {
         close(descriptor);
         drop(output);
@@ -275,26 +267,6 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
 }
 
 /* ---- Write and close ------------------------------------------------------------------------------------------- */
-
-int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message)
-{
-    if (n <= output->left) {
-        output->left -= n;
-        return 0;
-    }
-    output->error = EINVAL;
-    return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: more Gaussians than announced", output->path);
-}
-
-int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_message *message)
-{
-    errno = 0;
-    if (fwrite(bytes, 1, size, output->file) == size)
-        return 0;
-    if (!output->error)
-        output->error = errno ? errno : EIO;
-    return fail(output->path, output->error, message);
-}
 
 /* Some file systems cannot do this (EINVAL), which is no error here. */
 static int sync_file(FILE *file)
@@ -330,7 +302,7 @@ int fxs_output_close(fxs_output *output, fxs_message *message)
                              output->left);
     else if (output->error || (output->temporary && rename(output->temporary, output->target))) {
         output->error = output->error ? output->error : errno;
-        result = fail(output->path, output->error, message);
+        result = fxs_output_fail(output->path, output->error, message);
     }
     if (result)
         drop(output);

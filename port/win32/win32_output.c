@@ -113,14 +113,6 @@ static FILE *open_file(fxs_output *output)
     return handle == INVALID_HANDLE_VALUE ? NULL : win32_stream(handle, "wb");
 }
 
-static int fail(const char *path, int error, fxs_message *message)
-{
-    if (error == ECANCELED)
-        return fxs_fail_as(FXS_ERR_STOPPED, message, "%s: stopped", path);
-    return fxs_fail_as(error == ENOMEM ? FXS_ERR_MEMORY : FXS_ERR_FILE, message, "%s: cannot be written: %s", path,
-                       error == EBUSY ? "another program has it open" : strerror(error));
-}
-
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message)
 {
     const char *fault = strcmp(path, "-") ? win32_fault(path) : NULL;
@@ -133,32 +125,12 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
     output->file = output->path ? open_file(output) : NULL;
     if (output->file)
         return 0;
-    const int error = fail(output->path ? output->path : path, errno, message);
+    const int error = fxs_output_fail(output->path ? output->path : path, errno, message);
     release(output);
     return error;
 }
 
 /* ---- Write and close --------------------------------------------------------------------------------------------- */
-
-int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message)
-{
-    if (n <= output->left) {
-        output->left -= n;
-        return 0;
-    }
-    output->error = EINVAL;
-    return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: more Gaussians than announced", output->path);
-}
-
-int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_message *message)
-{
-    errno = 0;
-    if (fwrite(bytes, 1, size, output->file) == size)
-        return 0;
-    if (!output->error)
-        output->error = errno ? errno : EIO;
-    return fail(output->path, output->error, message);
-}
 
 /* Puts the file on the disk and gives it its name, as one that stays. Returns 0, or an errno. */
 static int put_in_place(fxs_output *output)
@@ -211,7 +183,7 @@ int fxs_output_close(fxs_output *output, fxs_message *message)
     if (fclose(output->file) && !output->error)
         output->error = errno ? errno : EIO;
     if (output->error)
-        result = fail(output->path, output->error, message);
+        result = fxs_output_fail(output->path, output->error, message);
     else if (output->left)
         result = fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: %" PRIu64 " Gaussians fewer than announced", output->path,
                              output->left);

@@ -23,6 +23,9 @@ typedef struct fxs_output {
    message; then there is nothing to close. */
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message);
 
+/* The error of an errno, and a message that names the file. */
+int fxs_output_fail(const char *path, int error, fxs_message *message);
+
 /* Called before n Gaussians are written. Returns 0, or FXS_ERR_ARGUMENT and a message where more are written than were
    announced. */
 int fxs_output_expect(fxs_output *output, size_t n, fxs_message *message);
