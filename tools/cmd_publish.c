@@ -39,7 +39,8 @@ static const option_row own_rows[] = {
      "pack them with levels of detail, an .fxs without them too: of a large scene the page then fetches what it shows"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "of the poster (default 1280x720)"},
     {"settings", "FILE", TEXT(settings), .help =
-     "a settings file of the viewer or of supersplat-viewer, for one scene: camera, annotations, camera tracks"},
+     "a settings file of the viewer or of supersplat-viewer, for the folder of one scene: camera, annotations, camera\n"
+     "tracks"},
     {0}
 };
 
@@ -153,7 +154,7 @@ static void print_scene(FILE *file, const char *title, const char *name, const c
     static const char of_scene[] =
         "<meta property=\"og:image\" content=\"%s.jpg\">\n"
         "<link rel=\"stylesheet\" href=\"fixsplat/viewer/page.css\">\n"
-        "<script type=\"module\" src=\"fixsplat/viewer/viewer.js\"></script>\n"
+        "<script type=\"module\" src=\"fixsplat/viewer/published.js\"></script>\n"
         "<fixsplat-viewer src=\"%s.fxs\" label=\"%s\" poster=\"%s.jpg\" ";
     static const char in_scene[] =
         ">\nThis page needs a server of files, say: python3 -m http.server\n</fixsplat-viewer>\n"

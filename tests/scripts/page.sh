@@ -35,7 +35,7 @@ check "builds" builds
 of_parts="$package/paged.js $package/store.js"      # fetched with the first scene that comes in parts
 of_webgpu="$package/webgpu.js $package/stages.js"
 of_bundlers="element.js react.js server.js starts.js worker_whole.js"      # never fetched by a page, nor what Node has
-of_pages="fit.js served.js list.js single.js three.js playcanvas.js placed.js"      # of other pages
+of_pages="fit.js published.js served.js list.js single.js three.js playcanvas.js placed.js"      # of other pages
 # Fetched with the first annotation, track, settings file, film, sky, or word of another language.
 of_tours=$(ls "$package"/viewer/*.js | grep -E '/(tour|tour_style|markers|player|settings|track)\.js')
 of_hands="walk.js gamepad.js joystick.js"        # fetched when somebody walks, has a gamepad, or a touchscreen

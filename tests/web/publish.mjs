@@ -42,6 +42,16 @@ try {
       await page.waitForFunction(() => document.querySelector('fixsplat-viewer').annotations[0]?.title === 'Middle')
     await keep(name)
     console.log(`ok ${name} is shown`)
+    const here = page.url().replace(/#.*/, '')
+    const [link, focused] = await page.evaluate(() => {
+      const viewer = document.querySelector('fixsplat-viewer')
+      return [viewer.link, document.activeElement === viewer]
+    })
+    assert.ok(link.startsWith(`${here}#view=`) && focused, `${link}, focused: ${focused}`)
+    await page.goto(`${here}#view=1,-2,-9,0,0,0,0,-1,0,40`)
+    const followed = () => document.querySelector('fixsplat-viewer').camera?.eye.join() === '1,-2,-9'
+    await page.waitForFunction(followed, { timeout: 30000 })
+    console.log(`ok ${name} follows links to it`)
   }
   assert.deepEqual(lost, [], 'every file is there')
   assert.deepEqual(refused, [], 'the policy allows all of it')

@@ -249,9 +249,10 @@ export class Viewer extends HTMLElement {
     return typeof source === 'string' ? source : ''
   }
 
-  /** The viewer's page with this scene and view; this page where a bundler has left out that one. */
+  /** The viewer's page with this scene and view; this page where it is of this scene alone (`linksHere`), or where a
+      bundler has left out that one. */
   get link() {
-    const link = addressIn('viewer/index.html')
+    const link = this.linksHere ? null : addressIn('viewer/index.html')
     if (!link) return `${location.href.replace(/#.*/, '')}#view=${this.view}`
     link.searchParams.set('scene', this.#address)
     const cameras = this.getAttribute('cameras')
