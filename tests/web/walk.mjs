@@ -227,8 +227,18 @@ async function stick() {
   await isThere(false, 'no use for it')
 }
 
+/** A second scene, whose framing comes after the mode. */
+async function two() {
+  await open('?scene=/scenes/yard.ply&eye-height=1', 400, 260)
+  const high = -(await eye())[1]
+  await inside(`v.addEventListener('load', () => (v.settings = { mode: 'walk' }), { once: true })
+    v.add('/scenes/yard.ply', { position: [6, 0, 0] })`)
+  await until(async () => -(await eye())[1] < 2.5, `down from ${high}`)
+  assert.ok(high > 3)
+}
+
 const OFTEN = [ground, walls, holes]
-const SELDOM = [heights, gamepad, polls, stick] // with FXS_PROCESSORS=all: they take as long as the others again
+const SELDOM = [heights, gamepad, polls, stick, two] // with FXS_PROCESSORS=all: they take as long as the others again
 
 export const walking = {
   async 'walking: on the ground and up a ramp; walls stop, holes do not; with all, gamepads and a stick for the thumb'() {

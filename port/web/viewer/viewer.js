@@ -605,8 +605,10 @@ export class Viewer extends HTMLElement {
     if (engine !== this.#engine) return
     this.#show(whole)
     const { touched, views } = this.#pilot
-    if (isOther && !touched && !this.#linked && !views.length) this.#pilot.show(this.#pilot.start)
-    else this.#change()
+    if (isOther && !touched && !this.#linked && !views.length) {
+      this.#pilot.show(this.#pilot.start)
+      if (this.#pilot.walks) this.#walk()
+    } else this.#change()
   }
 
   /** Keeps a scene that nobody asks for any more for a while, and the worker while there are scenes in it. */
