@@ -1,8 +1,8 @@
 #!/bin/sh
 # tools/dist.sh OUT BUILD: what people install, of the last commit, in the folder OUT: sources, a tarball and a wheel
 # for each processor, a zip for Windows, Debian packages for this processor, the npm package, SHA256SUMS. The same bytes
-# for the same commit, tools and libraries, in whichever folder BUILD. From the environment: NVCC PYTHON WEB_SOURCES. OUT
-# appears when all is made.
+# for the same commit, tools and libraries, in whichever folder BUILD. From the environment: NVCC PYTHON WEB_SOURCES.
+# OUT appears when all is made.
 set -e
 final=${1:?folder} build=${2:?build folder}
 unset MAKEFLAGS MAKELEVEL MFLAGS
