@@ -152,7 +152,7 @@ windows() {
     (cd "${folder%/*}" && find "${folder##*/}" -type f | sort | zip -qX9@ "$out/${folder##*/}.zip")
 }
 
-# With Debian's shared libraries. Of 1.0.0-rc1 the version is 1.0.0~rc1: before 1.0.0.
+# With Debian's shared libraries, so without the CUDA runtime. Of 1.0.0-rc1 the version is 1.0.0~rc1: before 1.0.0.
 debian() {
     rm -rf "$build/deb"
     mkdir "$build/deb"
@@ -166,7 +166,7 @@ debian() {
 
 	 -- fixsplat maintainers <maintainers@fixsplat.invalid>  $(date -R -d @"$SOURCE_DATE_EPOCH")
 	END
-    (cd "$build/deb/$name" && DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=$(nproc)" \
+    (cd "$build/deb/$name" && NVCC=none DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=$(nproc)" \
         FXS_PAGE=$source/build/web/package dpkg-buildpackage -b -us -uc -nc --no-check-builddeps) \
         >"$build/deb.log" 2>&1 || { tail -n 30 "$build/deb.log" >&2; exit 1; }
     cp "$build"/deb/*.deb "$out"

@@ -141,7 +141,7 @@ else
     for kind in shared static; do
         have x86_64-w64-mingw32-gcc || { skip "Windows: a program, $kind" "no x86_64-w64-mingw32-gcc here"; continue; }
         check "Windows: a program, $kind" x86_64-w64-mingw32-gcc -std=c99 outside/all.c -o "$folder/bin/$kind.exe" \
-            -I"$folder/include" -L"$folder/lib" $([ $kind = shared ] || echo -static) -lfixsplat
+            -I"$folder/include" -L"$folder/lib" $([ $kind = shared ] || echo -static) -lfixsplat -lpthread
         check "Windows: it runs, $kind" w $kind.exe knot.ply $kind.packed
         check "Windows: it packs the same, $kind" cmp $kind.packed a.packed
     done
