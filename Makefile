@@ -32,12 +32,13 @@ TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-
                      libc6-dev-m68k-cross libc6-dev-sparc64-cross libc6-dev-hppa-cross libc6-dev-armel-cross \
                      libc6-dev-mips64el-cross slurm-wlm
 DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ gcc-aarch64-linux-gnu \
-                 libc6-dev-arm64-cross python3-numpy python3-cffi python3-pip python3-setuptools python3-wheel python3-venv
+                 libc6-dev-arm64-cross python3-numpy python3-cffi python3-pip python3-setuptools python3-wheel python3-venv \
+                 zip
 WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
 # Where "make setup web" puts the sources of libraries (tools/web_sources.sh), for every clone; WEB_SOURCES= : none.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat
-# Where "make setup windows" builds the libraries that are linked in (tools/windows_libraries.sh), for every clone.
+# Where "make setup windows" builds the libraries that are linked in (tools/libraries.sh), for every clone.
 WINDOWS_LIBRARIES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat/windows
 GOALS := $(or $(MAKECMDGOALS),all)
 DIST_GOALS := dist dist-check
@@ -58,9 +59,9 @@ setup: ## install the Debian packages that are missing (and what goals behind it
 	    $(if $(filter test test-all web web-package $(DIST_GOALS),$(GOALS)),$(WEB_PACKAGES)) \
 	    $(if $(filter test-all $(DIST_GOALS),$(GOALS)),$(DIST_PACKAGES)) \
 	    $(if $(filter test-all,$(GOALS)),$(TEST_ALL_PACKAGES) wine64) \
-	    $(if $(filter test-all windows,$(GOALS)),$(WINDOWS_PACKAGES))
+	    $(if $(filter test-all windows $(DIST_GOALS),$(GOALS)),$(WINDOWS_PACKAGES))
 	@$(if $(filter test test-all web web-package $(DIST_GOALS),$(GOALS)),$(if $(WEB_SOURCES),sh tools/web_sources.sh $(WEB_SOURCES)))
-	@$(if $(filter test-all windows,$(GOALS)),sh tools/windows_libraries.sh $(WINDOWS_LIBRARIES))
+	@$(if $(filter test-all windows,$(GOALS)),sh tools/libraries.sh $(WINDOWS_LIBRARIES) x86_64-w64-mingw32 || :)
 	@$(if $(filter test test-all,$(GOALS)),sh tools/page_modules.sh $(B)/page; \
 	    sh tools/page_modules.sh $(B)/bundlers tests/web/bundlers $(if $(filter test-all,$(GOALS)),,part); sh tools/arm_libraries.sh $(B)/aarch64)
 

@@ -7,7 +7,7 @@ ifneq ($(filter-out $(DIST_GOALS) clean help headers core-headers uninstall wind
 $(shell CC=$(call quoted,$(CC)) CPPFLAGS=$(call quoted,$(CPPFLAGS)) CFLAGS=$(call quoted,$(CFLAGS)) \
     LDFLAGS=$(call quoted,$(LDFLAGS)) NVCC=$(call quoted,$(NVCC)) sh tools/probe.sh $(B) >&2)
 include $(B)/probe.mk
-ifeq ($(filter CUDA,$(FOUND)),)
+ifeq ($(filter CUDA,$(FOUND))$(filter none,$(NVCC)),)
 $(info built without the CUDA back end: no $(NVCC) for this compiler's machine)
 endif
 endif

@@ -1,8 +1,8 @@
 #!/bin/sh
 # tools/dist.sh OUT BUILD: what people install, of the last commit, in the folder OUT: sources, a tarball and a wheel
-# for each processor, Debian packages for this one, the npm package, SHA256SUMS. The same bytes for the same commit,
-# tools and libraries, in whichever folder BUILD. From the environment: NVCC PYTHON WEB_SOURCES. OUT appears when all is
-# made.
+# for each processor, a zip for Windows, Debian packages for this processor, the npm package, SHA256SUMS. The same bytes
+# for the same commit, tools and libraries, in whichever folder BUILD. From the environment: NVCC PYTHON WEB_SOURCES.
+# OUT appears when all is made.
 set -e
 final=${1:?folder} build=${2:?build folder}
 unset MAKEFLAGS MAKELEVEL MFLAGS
@@ -46,7 +46,7 @@ needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^
 complete() {
     archive=$1
     shift
-    { echo "create $archive.new"; printf 'addlib %s\n' "$archive" "$@"; echo save; echo end; } | ar -M
+    { echo "create $archive.new"; printf 'addlib %s\n' "$archive" "$@"; echo save; echo end; } | "$machine-ar" -M
     "$machine-strip" --strip-unneeded "$archive.new"
     mv "$archive.new" "$archive"
 }
@@ -59,10 +59,19 @@ relocate() {
         -e "s|\(INTERFACE_LINK_LIBRARIES \"\)[^\"]*-lm.*\"|\1$2\"|" "$1"/lib/cmake/fixsplat/fixsplat-config.cmake
 }
 
+# documents: with $folder go the words, and the licences of $libraries.
+documents() {
+    documents=$folder/share/doc/fixsplat
+    mkdir -p "$documents/licences"
+    cp LICENSE NEWS.md README.md docs/install.md "$documents"
+    cp "$libraries"/licences/* "$documents/licences"
+    cp tools/package/licences.md "$documents/licences/README.md"
+}
+
 # linux MACHINE ARCHITECTURE: a tarball and a wheel.
 linux() {
     machine=$1 arch=$2 libraries=$build/libraries/$1
-    sh tools/static_libraries.sh "$libraries" "$machine"
+    sh tools/libraries.sh "$libraries" "$machine"
     cxx=$($machine-gcc -print-file-name=libstdc++.a)
     [ ! -e "$cxx" ] || ln -sf "$cxx" "$libraries/lib/"
     folder=$build/tarball/$name-linux-$arch
@@ -88,12 +97,8 @@ linux() {
     [ -z "$cudart" ] || { set -- "$@" "$cudart/libcudart_static.a"; private="-lstdc++ $private -lrt"; }
     complete "$folder/lib/libfixsplat.a" "$@"
     relocate "$folder" "$private"
-    documents=$folder/share/doc/fixsplat
-    mkdir -p "$documents/licences"
-    cp LICENSE NEWS.md README.md docs/install.md "$documents"
-    cp "$libraries"/licences/* "$documents/licences"
+    documents
     [ -z "$cudart" ] || cat /usr/share/doc/libstdc++-*-dev/copyright >"$documents/licences/libstdc++"
-    cp tools/package/licences.md "$documents/licences/README.md"
     for file in "$folder/bin/fixsplat" "$folder/bin/fixsplat-web" "$folder/lib/libfixsplat.so.$version"; do
         [ -z "$(needs "$file")" ] || { echo "dist: $file is linked with $(needs "$file")" >&2; exit 1; }
     done
@@ -113,7 +118,41 @@ wheel() {
         --wheel-dir "$out" "$build/wheel"
 }
 
-# With Debian's shared libraries. Of 1.0.0-rc1 the version is 1.0.0~rc1: before 1.0.0.
+# The shared libraries that those of mingw-w64 say they need, but for those of Windows.
+needs_on_windows() { "$machine-objdump" -p "$1" | sed -n 's/.*DLL Name: //p' | grep -iE '^lib|^zlib' || :; }
+
+windows() {
+    machine=x86_64-w64-mingw32 libraries=$build/libraries/x86_64-w64-mingw32
+    command -v $machine-gcc >/dev/null || { echo "dist: no zip for Windows: no $machine-gcc" >&2; return; }
+    sh tools/libraries.sh "$libraries" $machine
+    folder=$build/zip/$name-windows-x86_64
+    make -s windows B=build CFLAGS=-O2 WINDOWS_LIBRARIES="$libraries"
+    rm -rf "$folder"
+    mkdir -p "$folder/bin" "$folder/lib" "$folder/include/fixsplat" "$folder/share/fixsplat"
+    cp build/windows/fixsplat.exe build/windows/libfixsplat-*.dll "$folder/bin"
+    cp build/windows/libfixsplat*.a "$folder/lib"
+    cp $(make -s headers) "$folder/include/fixsplat"
+    cp -r build/web/package "$folder/share/fixsplat/web"
+    set -- /usr/$machine/lib/libz.a
+    for library in "$libraries"/lib/*.a; do
+        case $library in */libpng.a | */libwebpde*.a) ;; *) set -- "$@" "$library" ;; esac
+    done
+    complete "$folder/lib/libfixsplat.a" "$@"
+    documents
+    cp docs/windows.md "$documents"
+    # What Debian's compiler brings: zlib, the beginning of each program and the threads, libgcc.
+    for package in libz-mingw-w64 mingw-w64-common gcc-mingw-w64-base; do
+        cp /usr/share/doc/$package/copyright "$documents/licences/$package"
+    done
+    for file in "$folder"/bin/*; do
+        [ -z "$(needs_on_windows "$file")" ] ||
+            { echo "dist: $file is linked with $(needs_on_windows "$file")" >&2; exit 1; }
+    done
+    find "$folder" -exec touch -d @"$SOURCE_DATE_EPOCH" {} +
+    (cd "${folder%/*}" && find "${folder##*/}" -type f | sort | zip -qX9@ "$out/${folder##*/}.zip")
+}
+
+# With Debian's shared libraries, so without the CUDA runtime. Of 1.0.0-rc1 the version is 1.0.0~rc1: before 1.0.0.
 debian() {
     rm -rf "$build/deb"
     mkdir "$build/deb"
@@ -127,7 +166,7 @@ debian() {
 
 	 -- fixsplat maintainers <maintainers@fixsplat.invalid>  $(date -R -d @"$SOURCE_DATE_EPOCH")
 	END
-    (cd "$build/deb/$name" && DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=$(nproc)" \
+    (cd "$build/deb/$name" && NVCC=none DEB_BUILD_OPTIONS="nocheck noautodbgsym parallel=$(nproc)" \
         FXS_PAGE=$source/build/web/package dpkg-buildpackage -b -us -uc -nc --no-check-builddeps) \
         >"$build/deb.log" 2>&1 || { tail -n 30 "$build/deb.log" >&2; exit 1; }
     cp "$build"/deb/*.deb "$out"
@@ -138,6 +177,7 @@ cd "$source"
 npm_package
 linux "$here-linux-gnu" "$here"
 [ "$here" = aarch64 ] || linux aarch64-linux-gnu aarch64
+windows
 debian
 (cd "$out" && sha256sum -- * >../SHA256SUMS && mv ../SHA256SUMS .)
 rm -rf "$final"

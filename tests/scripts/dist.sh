@@ -109,6 +109,44 @@ for file in "$dist"/*.whl; do
         "$file"
 done
 
+# ---- The zip for Windows ---------------------------------------------------------------------------------------------
+
+zip=$dist/fixsplat-$version-windows-x86_64.zip
+folder=$work/$(basename "$zip" .zip)
+wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)
+end_wine() { WINEPREFIX=$work/wine "$(dirname "$(readlink -f "$wine")")/wineserver" -k 2>/dev/null; }
+w() { bare WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" "$folder/bin/$@"; }
+if [ ! -e "$zip" ] && ! have x86_64-w64-mingw32-gcc; then
+    skip "zip for Windows" "no x86_64-w64-mingw32-gcc here: make setup dist"
+elif [ -z "$wine" ]; then
+    skip "zip for Windows" "no wine64 here: make setup test-all"
+else
+    trap 'end_wine; rm -rf "$work"' EXIT
+    check "zip for Windows: unpacked" "$python" -m zipfile -e "$zip" .
+    w fixsplat.exe --version >log 2>&1                    # makes wine's folder
+    check "Windows: render" equal "$(w fixsplat.exe render knot.ply --size 320x180 --hash)" "$hash"
+    check "Windows: demo" w fixsplat.exe demo -o windows.png
+    check "Windows: its picture and scene" test -s windows.png -a -s windows.ply
+    w fixsplat.exe doctor >doctor
+    check "Windows: doctor finds the page" grep -q "page.*$(basename "$folder")" doctor
+    check "Windows: publish" w fixsplat.exe publish knot.ply site.html --single
+    for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
+        share/doc/fixsplat/windows.md share/fixsplat/web/viewer/index.html; do
+        check "Windows: $file" test -s "$folder/$file"
+    done
+    check "Windows: no word of where it was built" equal \
+        "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
+    report "zip for Windows" "$folder"
+    # By the DLL, and by the static library.
+    for kind in shared static; do
+        have x86_64-w64-mingw32-gcc || { skip "Windows: a program, $kind" "no x86_64-w64-mingw32-gcc here"; continue; }
+        check "Windows: a program, $kind" x86_64-w64-mingw32-gcc -std=c99 outside/all.c -o "$folder/bin/$kind.exe" \
+            -I"$folder/include" -L"$folder/lib" $([ $kind = shared ] || echo -static) -lfixsplat -lpthread
+        check "Windows: it runs, $kind" w $kind.exe knot.ply $kind.packed
+        check "Windows: it packs the same, $kind" cmp $kind.packed a.packed
+    done
+fi
+
 # ---- npm -------------------------------------------------------------------------------------------------------------
 
 if have npm; then

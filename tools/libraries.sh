@@ -1,18 +1,27 @@
 #!/bin/sh
-# tools/static_libraries.sh FOLDER MACHINE: the libraries that `make dist` links in, as FOLDER/include and FOLDER/lib,
-# for the machine that MACHINE-gcc compiles for (x86_64-linux-gnu). From Debian's sources with its patches, each by its
-# own build, and anew when those installed here change: Debian's own archives are not for shared libraries (no -fPIC),
-# its libzip needs OpenSSL and its libmicrohttpd GnuTLS, and cJSON and qrencode have no archive. The sources come from
-# this system's Debian repositories, by apt, which checks signatures, and whose own state stays as it is.
-# FOLDER/licences has what their packages say of rights. Of a library that cannot be had, a line is printed, and its
-# header says so too.
+# tools/libraries.sh FOLDER MACHINE: the libraries that `make dist` and `make windows` link in, as FOLDER/include and
+# FOLDER/lib, for the machine that MACHINE-gcc compiles for (x86_64-linux-gnu, x86_64-w64-mingw32). From Debian's
+# sources with its patches, each by its own build, and anew when those installed here change: Debian's own archives are
+# not for shared libraries (no -fPIC), its libzip needs OpenSSL and its libmicrohttpd GnuTLS, cJSON and qrencode have no
+# archive, and for Windows there is zlib alone (libz-mingw-w64-dev). The sources come from this system's Debian
+# repositories, by apt, which checks signatures, and whose own state stays as it is. FOLDER/licences has what their
+# packages say of rights. Of each library that cannot be had a line is printed; without qrencode, whose header says so
+# too, the rest is still of use.
 folder=${1:?folder} machine=${2:?machine}
-names='zlib libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libmicrohttpd qrencode'
+names='libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip'
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev zlib1g-dev
           libdeflate-dev libzstd-dev libmicrohttpd-dev libqrencode-dev'
+case $machine in
+    *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb ;;
+    *)         system=Linux flags='-fPIC -fvisibility=hidden' libdeflate=libdeflate.a
+               names="zlib $names libmicrohttpd qrencode"
+               own=$(cc -print-multiarch)
+               headers="EGL GLES2 GLES3 KHR GL stb $own/libheif $own/curl" ;;
+esac
 
 wanted=$(dpkg-query -W -f='${Package} ${source:Version}\n' $packages 2>/dev/null; cksum <"$0")
-printf '%s\n' "$wanted" | cmp -s - "$folder/versions" || rm -rf "$folder"
+printf '%s\n' "$wanted" | cmp -s - "$folder/versions" ||
+    rm -rf "$folder/include" "$folder/lib" "$folder/licences"
 missing=
 for name in $names; do [ -e "$folder/licences/$name" ] || missing="$missing $name"; done
 [ "$missing" ] || exit 0
@@ -44,8 +53,9 @@ fetch() {
 made_by_cmake() {
     source=$1
     shift
-    cmake -S "$source" -B "$source/made" -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR="${machine%%-*}" \
-        -DCMAKE_C_COMPILER="$machine-gcc" -DCMAKE_C_FLAGS="$flags" -DCMAKE_C_FLAGS_RELEASE='-O2 -DNDEBUG' \
+    cmake -S "$source" -B "$source/made" -DCMAKE_SYSTEM_NAME=$system -DCMAKE_SYSTEM_PROCESSOR="${machine%%-*}" \
+        -DCMAKE_C_COMPILER="$machine-gcc" -DCMAKE_RC_COMPILER="$machine-windres" \
+        -DCMAKE_C_FLAGS="$flags" -DCMAKE_C_FLAGS_RELEASE='-O2 -DNDEBUG' \
         -DCMAKE_BUILD_TYPE=Release -DCMAKE_FIND_ROOT_PATH="$there;/usr/$machine" \
         -DCMAKE_FIND_ROOT_PATH_MODE_PROGRAM=NEVER -DCMAKE_FIND_ROOT_PATH_MODE_INCLUDE=ONLY \
         -DCMAKE_FIND_ROOT_PATH_MODE_LIBRARY=ONLY -DCMAKE_INSTALL_PREFIX="$there" -DCMAKE_INSTALL_LIBDIR="$there/lib" \
@@ -79,17 +89,18 @@ build_libwebp() {
 }
 # Its configure is not in the source.
 build_libexif() {
-    (cd "$1" && : >config.h && $machine-gcc -O2 $flags -I. -DGETTEXT_PACKAGE='"libexif"' -c libexif/*.c \
-        libexif/*/*.c && $machine-ar rcs "$there/lib/libexif.a" ./*.o && mkdir -p "$there/include/libexif" &&
+    (cd "$1" && : >config.h && echo '#include <stdint.h>' >libexif/_stdint.h &&
+        $machine-gcc -O2 $flags -I. -DGETTEXT_PACKAGE='"libexif"' -c libexif/*.c libexif/*/*.c &&
+        $machine-ar rcs "$there/lib/libexif.a" ./*.o && mkdir -p "$there/include/libexif" &&
         cp libexif/*.h "$there/include/libexif/")
 }
 build_libzip() {
-    made_by_cmake "$1" $(printf -- '-DENABLE_%s=OFF ' COMMONCRYPTO GNUTLS MBEDTLS OPENSSL BZIP2 LZMA) \
+    made_by_cmake "$1" $(printf -- '-DENABLE_%s=OFF ' COMMONCRYPTO GNUTLS MBEDTLS OPENSSL WINDOWS_CRYPTO BZIP2 LZMA) \
         $(printf -- '-DBUILD_%s=OFF ' TOOLS REGRESS EXAMPLES DOC)
 }
 build_libdeflate() {
-    make -C "$1" -j "$(nproc)" CC="$machine-gcc" AR="$machine-ar" CFLAGS="-O2 $flags" libdeflate.a &&
-        cp "$1/libdeflate.h" "$there/include/" && cp "$1/libdeflate.a" "$there/lib/"
+    make -C "$1" -j "$(nproc)" CC="$machine-gcc" AR="$machine-ar" CFLAGS="-O2 $flags" $libdeflate &&
+        cp "$1/libdeflate.h" "$there/include/" && cp "$1/$libdeflate" "$there/lib/libdeflate.a"
 }
 build_libzstd() {
     make -C "$1/lib" -j "$(nproc)" CC="$machine-gcc" AR="$machine-ar" CFLAGS="-O2 $flags" ZSTD_LEGACY_SUPPORT=0 \
@@ -100,10 +111,9 @@ build_libmicrohttpd() {
 }
 build_qrencode() { made_by_cmake "$1" -DWITH_TOOLS=NO -DWITHOUT_PNG=ON; }
 
-# Headers of Debian's that are the same for every processor, of libraries that are opened at run time.
+# Headers of Debian's that are the same for every processor, of libraries that are opened at run time, and of stb.
 link_headers() {
-    own=$(cc -print-multiarch)
-    for header in EGL GLES2 GLES3 KHR GL stb "$own/libheif" "$own/curl"; do
+    for header in $headers; do
         [ ! -d "/usr/include/$header" ] || ln -sfn "/usr/include/$header" "$there/include/${header##*/}" || return
     done
 }
@@ -117,11 +127,14 @@ mkdir -p "$folder" && work=$(mktemp -d "$folder/fetch.XXXXXX") && cd "$work" && 
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$there/include" "$there/lib" "$there/licences" && printf '%s\n' "$wanted" >"$there/versions" &&
     link_headers || exit
-flags="-fPIC -fvisibility=hidden -ffile-prefix-map=$work=."
+flags="$flags -ffile-prefix-map=$work=."
 echo "libraries for $machine, from Debian's sources:$missing"
-list_sources >"$there/log" 2>&1 || { cat "$there/log" >&2; exit 1; }
+status=0
+said=$(list_sources 2>&1) || { printf '%s\n' "no libraries for $machine: $said" >&2; exit 1; }
 for name in $missing; do
-    build "$name" >"$there/log" 2>&1 && continue
-    echo "no $name for $machine: $(grep -m 1 -i error "$there/log" || tail -n 1 "$there/log")" >&2
-    [ "$name" = qrencode ] && echo '#error its source could not be had' >"$there/include/qrencode.h" || exit 1
+    log=$there/$name.log
+    build "$name" >"$log" 2>&1 && rm "$log" && continue
+    echo "no $name for $machine ($log): $(grep -m 1 -i error "$log" || tail -n 1 "$log")" >&2
+    [ "$name" = qrencode ] && echo '#error its source could not be had' >"$there/include/qrencode.h" || status=1
 done
+exit $status
