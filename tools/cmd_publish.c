@@ -39,8 +39,7 @@ static const option_row own_rows[] = {
      "pack them with levels of detail, an .fxs without them too: of a large scene the page then fetches what it shows"},
     {"size", "WxH", take_frame_size, FIELD(frame_options, frame), .help = "of the poster (default 1280x720)"},
     {"settings", "FILE", TEXT(settings), .help =
-     "a settings file of the viewer or of supersplat-viewer, for the folder of one scene: camera, annotations, camera\n"
-     "tracks"},
+     "a settings file of the viewer or of supersplat-viewer, for the folder of one scene: camera, annotations, tracks"},
     {0}
 };
 
