@@ -432,7 +432,8 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
         make_lcc sky small.ply sky.ply
         check "splat-transform reads .lcc with an environment" transform -g cpu sky/scene.lcc sky/lod-meta.json
         check "splat-transform reads .lcc with an environment: as many" gaussians sky/lod-meta.json 600 3
-        check "splat-transform reads .lcc with an environment: as we do" looks_as sky/scene.lcc sky/lod-meta.json 46
+        # Its palettes begin by chance: mostly more than 46 dB, 45.88 was seen.
+        check "splat-transform reads .lcc with an environment: as we do" looks_as sky/scene.lcc sky/lod-meta.json 45.5
     fi
     for level in ${lcc:+0 1}; do
         check "splat-transform reads .lcc, level $level" transform -O $level $lcc theirs.ply
