@@ -426,14 +426,13 @@ if have node && [ -d "$modules/@playcanvas/splat-transform" ]; then
     check "splat-transform places" transform knot.ply -r 20,30,40 -s 2 -t 1,2,3 theirs.ply
     "$fixsplat" convert knot.ply ours.ply --rotate -20,-30,40 --scale 2 --translate -1,-2,3
     check "splat-transform places: as we do" looks_as ours.ply theirs.ply 60
-    if [ "$lcc" ]; then   # an environment it writes to a lod-meta.json alone
+    if [ "$lcc" ]; then   # an environment it writes to a lod-meta.json alone; its palettes begin by chance, so more rounds
         "$fixsplat" make-scene knot --count 300 -o small.ply
         "$fixsplat" convert small.ply sky.ply --scale 3 --translate 1,-4,9
         make_lcc sky small.ply sky.ply
-        check "splat-transform reads .lcc with an environment" transform -g cpu sky/scene.lcc sky/lod-meta.json
+        check "splat-transform reads .lcc with an environment" transform -g cpu -i 40 sky/scene.lcc sky/lod-meta.json
         check "splat-transform reads .lcc with an environment: as many" gaussians sky/lod-meta.json 600 3
-        # Its palettes begin by chance: mostly more than 46 dB, 45.88 was seen.
-        check "splat-transform reads .lcc with an environment: as we do" looks_as sky/scene.lcc sky/lod-meta.json 45.5
+        check "splat-transform reads .lcc with an environment: as we do" looks_as sky/scene.lcc sky/lod-meta.json 46
     fi
     for level in ${lcc:+0 1}; do
         check "splat-transform reads .lcc, level $level" transform -O $level $lcc theirs.ply
