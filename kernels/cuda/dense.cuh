@@ -1,8 +1,8 @@
 /* blend_dense: blends long lists, whose splats are mostly small. A block has a tile. It puts the list into bins by
  * depth. Then, bin after bin, it collects the splats that can touch an open pixel. Once there are enough of them, they
  * are sorted; each thread marks the pixels that its splat can touch; and each pixel takes the splats that are marked
- * for it, in order. A pixel is the work of a lane. Where few pixels are open, it is the work of a warp, which computes
- * for 32 splats at once everything that does not depend on the order. */
+ * for it, in order. A pixel is the work of a quad of lanes; where few pixels are open, of a warp. They
+ * compute for 4 or 32 splats at once everything that does not depend on the order. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
@@ -17,7 +17,7 @@ typedef group_keys<960> dense_keys;
 const uint32_t FULL = 512;                 /* collected: no more are looked for */
 const uint32_t REACH_MOST = 8192;          /* looked at at a time, where few are kept */
 const uint32_t WORDS = dense_keys::room / WARP, BLOCKS_MOST = 16, SHARE_MAGNITUDE = 11;
-const int CROWDED = 16, CROWD = 96;    /* open pixels of a pair of rows, of a tile: more of both take a lane each */
+const uint32_t QUAD = 4, CROWD = 96;   /* lanes; more open pixels than that take a quad each */
 
 struct dense_shared {
     dense_keys keys;
@@ -242,6 +242,14 @@ __device__ inline dense_splat splat_in(const dense_shared *shared, uint32_t i)
     return dense_splat(shared->shapes[i], shared->shades[i]);
 }
 
+/* T - fxs_weight_q15(alpha, T) = (T (1 - alpha) + 1/2) rounded down, but for a half. In two steps, as each splat of a
+   pixel waits for the one before it. T of a closed pixel stays. */
+__device__ inline int left_q15(int transmittance_q15, int alpha_q15)
+{
+    const int left = (transmittance_q15 * (32768 - alpha_q15) + 16383) >> 15;
+    return transmittance_q15 >= FXS_CLOSED_Q15 ? left : transmittance_q15;
+}
+
 /* Blends the lanes' splats in order over one pixel, the same for all lanes: their weights one after the other, then the
    colours at once. */
 __device__ inline void blend_lanes(pixel *p, int alpha, const dense_splat &s)
@@ -260,9 +268,9 @@ __device__ inline void blend_lanes(pixel *p, int alpha, const dense_splat &s)
         }
 #pragma unroll
         for (int i = 0; i < AT_ONCE; i++) {
-            const int of_lane = p->transmittance >= FXS_CLOSED_Q15 ? fxs_weight_q15(alphas[i], p->transmittance) : 0;
-            weight = (int)lane_index() == lane[i] ? of_lane : weight;
-            p->transmittance -= of_lane;
+            const int left = left_q15(p->transmittance, alphas[i]);
+            weight = (int)lane_index() == lane[i] ? p->transmittance - left : weight;
+            p->transmittance = left;
         }
     }
     s.add_to(&own, weight);
@@ -271,7 +279,7 @@ __device__ inline void blend_lanes(pixel *p, int alpha, const dense_splat &s)
 }
 
 /* Blends the splats that are marked at pixel n of the tile, by a warp. */
-__device__ void blend_marked(dense_shared *shared, uint32_t n)
+__device__ pixel blend_warp(const dense_shared *shared, uint32_t n)
 {
     const uint32_t marks = lane_index() < WORDS ? shared->touching[lane_index()][n] : 0;
     pixel p = shared->pixels[n];
@@ -280,102 +288,104 @@ __device__ void blend_marked(dense_shared *shared, uint32_t n)
         const dense_splat s = splat_in(shared, active ? place : 0);
         blend_lanes(&p, active ? s.alpha_at(shared->alpha_q15, n % FXS_TILE, n / FXS_TILE) : 0, s);
     });
-    __syncwarp();
-    if (lane_index() == 0) {
-        shared->pixels[n] = p;
-        if (p.transmittance < FXS_CLOSED_Q15)
-            atomicAnd(&shared->open[n / WARP], ~(1u << n % WARP));
-    }
+    return p;
 }
 
-/* The marks of a pixel, one after the other. */
+/* The marks of a pixel, four at a time, of one word. */
 struct mark_walk {
     const dense_shared *shared;
     uint32_t n, words, word, marks, next_word, next_marks;   /* words: with marks, those still to fetch */
 
-    __device__ mark_walk(const dense_shared *of, uint32_t pixel) : shared(of), n(pixel), words(0), word(0), marks(0)
+    /* By the four lanes of a quad. */
+    __device__ mark_walk(const dense_shared *of, uint32_t pixel, uint32_t lane) : shared(of), n(pixel), words(0), next_marks(0)
     {
 #pragma unroll
-        for (uint32_t i = 0; i < WORDS; i++)
-            words |= shared->touching[i][n] ? 1u << i : 0;
+        for (uint32_t i = 0; i < WORDS; i += QUAD)
+            words |= i + lane < WORDS && shared->touching[i + lane][n] ? 1u << i << lane : 0;
+        words |= __shfl_xor_sync(ALL_LANES, words, 1);
+        words |= __shfl_xor_sync(ALL_LANES, words, 2);
+        fetch();
         fetch();
     }
 
     __device__ void fetch()
     {
+        word = next_word;
+        marks = next_marks;
         next_word = words ? (uint32_t)__ffs((int)words) - 1 : 0;
         next_marks = words ? shared->touching[next_word][n] : 0;
         words &= words - 1;
     }
 
-    /* The place of the next splat; WORDS * WARP where there is none. */
-    __device__ uint32_t next()
+    /* The place of a lane's splat, of the next four; WORDS * WARP where there is none. */
+    __device__ uint32_t next(uint32_t lane)
     {
-        if (!marks) {
-            word = next_word;
-            marks = next_marks;
-            fetch();
+        uint32_t own = 0;
+#pragma unroll
+        for (uint32_t i = 0; i < QUAD; i++) {
+            own = i == lane ? marks : own;
+            marks &= marks - 1;
         }
-        const uint32_t place = marks ? word * WARP + (uint32_t)__ffs((int)marks) - 1 : WORDS * WARP;
-        marks &= marks - 1;
+        const uint32_t place = own ? word * WARP + (uint32_t)__ffs((int)own) - 1 : WORDS * WARP;
+        if (!marks)
+            fetch();
         return place;
     }
 };
 
-/* The same for the open pixels of a pair of rows, by a lane a pixel: the alphas of some splats at once, then their
-   weights. */
-__device__ void blend_pair(dense_shared *shared, uint32_t pair, uint32_t open_pixels)
+/* The same by a quad of lanes, each of a warp for its own pixel: four splats at a time, an alpha a lane, then their
+   weights one after the other. */
+__device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
 {
-    enum { AT_ONCE = 2 };
-    const uint32_t n = pair * WARP + lane_index();
-    pixel p = shared->pixels[n];
-    bool open = open_pixels >> lane_index() & 1;
-    mark_walk walk(shared, n);
-    for (bool more = open; more;) {
-        uint32_t shades[AT_ONCE][2];
-        int alpha[AT_ONCE];
+    const uint32_t lane = lane_index() % QUAD;
+    const pixel before = shared->pixels[n];
+    pixel p = {before.transmittance, {0, 0, 0}};           /* each lane adds up its own */
+    mark_walk walk(shared, n, lane);
+    while (__any_sync(ALL_LANES, active && walk.marks)) {
+        const uint32_t place = walk.next(lane);
+        const bool marked = place < WORDS * WARP;
+        const dense_splat s = splat_in(shared, marked ? place : 0);
+        const int alpha = marked ? s.alpha_at(shared->alpha_q15, n % FXS_TILE, n / FXS_TILE) : 0;
+        int weight = 0;
 #pragma unroll
-        for (int i = 0; i < AT_ONCE; i++) {
-            const uint32_t place = walk.next();
-            more = place < WORDS * WARP;
-            const dense_splat s = splat_in(shared, more ? place : 0);
-            alpha[i] = more ? s.alpha_at(shared->alpha_q15, n % FXS_TILE, n / FXS_TILE) : 0;
-            shades[i][0] = s.offset_red;
-            shades[i][1] = s.green_blue;
+        for (uint32_t i = 0; i < QUAD; i++) {
+            const int left = left_q15(p.transmittance, __shfl_sync(ALL_LANES, alpha, (int)i, QUAD));
+            weight = i == lane ? p.transmittance - left : weight;
+            p.transmittance = left;
         }
-#pragma unroll
-        for (int i = 0; i < AT_ONCE; i++) {
-            const int weight = open ? fxs_weight_q15(alpha[i], p.transmittance) : 0;
-            p.transmittance -= weight;
-            p.sum[0] += fxs_mul_q15(weight, (int)(shades[i][0] >> 16));
-            p.sum[1] += fxs_mul_q15(weight, (int)(shades[i][1] & 0xffff));
-            p.sum[2] += fxs_mul_q15(weight, (int)(shades[i][1] >> 16));
-            open = open && p.transmittance >= FXS_CLOSED_Q15;
-        }
-        more = more && open;
+        s.add_to(&p, weight);
+        active = active && p.transmittance >= FXS_CLOSED_Q15;
     }
-    shared->pixels[n] = p;
-    const uint32_t still_open = __ballot_sync(ALL_LANES, open);
-    if (lane_index() == 0)
-        shared->open[pair] = still_open;
+    for (int c = 0; c < 3; c++) {
+        p.sum[c] += __shfl_xor_sync(ALL_LANES, p.sum[c], 1);
+        p.sum[c] += __shfl_xor_sync(ALL_LANES, p.sum[c], 2) + before.sum[c];
+    }
+    return p;
 }
 
-/* Blends the open pixels, each pair of rows with many of them by a warp, each other pixel by one. */
+/* Blends the open pixels: by a quad each where there are many, else by a warp each. */
 __device__ void blend_pixels(dense_shared *shared, const dense_group *g)
 {
     const uint32_t warp = g->thread / WARP;
-    const uint32_t open = lane_index() < ROW_PAIRS ? shared->open[lane_index()] : 0, pixels = (uint32_t)__popc(open);
-    const bool crowd = __reduce_add_sync(ALL_LANES, pixels) > CROWD;
-    const uint32_t crowded = __ballot_sync(ALL_LANES, crowd && pixels > CROWDED);
-    const uint32_t own = crowded >> lane_index() & 1 ? 0 : pixels, end = warp_sum(own);
-    const uint32_t all = __shfl_sync(ALL_LANES, end, WARP - 1);
+    const uint32_t open = lane_index() < ROW_PAIRS ? shared->open[lane_index()] : 0, own = (uint32_t)__popc(open);
+    const uint32_t end = warp_sum(own), all = __shfl_sync(ALL_LANES, end, WARP - 1);
+    const bool crowd = all > CROWD;
+    const uint32_t each = crowd ? QUAD : WARP;             /* lanes of a pixel */
     g->sync();                                 /* all have read what is open */
-    if (crowded >> warp & 1)
-        blend_pair(shared, warp, __shfl_sync(ALL_LANES, open, (int)warp));
-    for (uint32_t i = warp; i < all; i += DENSE_THREADS / WARP) {
-        const int pair = __ffs((int)__ballot_sync(ALL_LANES, i < end)) - 1;
-        const uint32_t before = __shfl_sync(ALL_LANES, end - own, pair);
-        blend_marked(shared, (uint32_t)pair * WARP + bit_of(__shfl_sync(ALL_LANES, open, pair), i - before));
+    for (uint32_t i = g->thread / each; i - lane_index() / each < all; i += DENSE_THREADS / each) {
+        uint32_t pair = 0;                     /* of rows, that has the i-th open pixel */
+        for (uint32_t step = ROW_PAIRS / 2; step > 0; step /= 2)
+            pair += __shfl_sync(ALL_LANES, end, (int)(pair + step - 1)) <= i ? step : 0;
+        const uint32_t before = __shfl_sync(ALL_LANES, end - own, (int)pair);
+        const uint32_t bits = __shfl_sync(ALL_LANES, open, (int)pair);
+        const uint32_t n = pair * WARP + (i < all ? bit_of(bits, i - before) : 0);
+        const pixel p = crowd ? blend_quad(shared, n, i < all) : blend_warp(shared, n);
+        __syncwarp();
+        if (i < all && lane_index() % each == 0) {
+            shared->pixels[n] = p;
+            if (p.transmittance < FXS_CLOSED_Q15)
+                atomicAnd(&shared->open[pair], ~(1u << n % WARP));
+        }
     }
 }
 
