@@ -297,7 +297,8 @@ struct mark_walk {
     uint32_t n, words, word, marks, next_word, next_marks;   /* words: with marks, those still to fetch */
 
     /* By the four lanes of a quad. */
-    __device__ mark_walk(const dense_shared *of, uint32_t pixel, uint32_t lane) : shared(of), n(pixel), words(0), next_marks(0)
+    __device__ mark_walk(const dense_shared *of, uint32_t pixel, uint32_t lane)
+        : shared(of), n(pixel), words(0), next_word(0), next_marks(0)
     {
 #pragma unroll
         for (uint32_t i = 0; i < WORDS; i += QUAD)
@@ -334,11 +335,11 @@ struct mark_walk {
 };
 
 /* The same by a quad of lanes, each of a warp for its own pixel: four splats at a time, an alpha a lane, then their
-   weights one after the other. */
+   weights one after the other. Quads that are not active have none. */
 __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
 {
     const uint32_t lane = lane_index() % QUAD;
-    const pixel before = shared->pixels[n];
+    const pixel before = active ? shared->pixels[n] : pixel{};
     pixel p = {before.transmittance, {0, 0, 0}};           /* each lane adds up its own */
     mark_walk walk(shared, n, lane);
     while (__any_sync(ALL_LANES, active && walk.marks)) {
