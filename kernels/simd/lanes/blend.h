@@ -28,9 +28,20 @@ static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
     return all_h(((const int16_t *)levels_q11)[entry]);
 }
+
+static inline vh rows_of(vh columns)
+{
+    return columns;
+}
+
+static inline vh columns_of(vh rows)
+{
+    return rows;
+}
 #endif
 
-/* The pixels of a patch, row by row. */
+/* The pixels of a patch, column by column: so the levels of its rows, which stand together in memory, are spread over a
+   vector by loading them. */
 typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;
 } pixels;
@@ -47,9 +58,9 @@ typedef struct kept {
    vector faster. */
 typedef struct group {
     vu u_q24[PATCHES][2];          /* at a patch's first pixel */
-    vu ux_q24[2], uy_q24[2], four_q24[2];      /* four: 4 ux */
+    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the other pixels, less that of the pattern */
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
-    vu pattern_q24[GROUP];         /* by entry: u at a patch's first four columns, less that at its first pixel */
+    vu pattern_q24[GROUP];         /* by entry: u at half a patch's pixels, of each 8 the first 4, less that at its first */
     vh levels_q11[FXS_TILE];       /* v^2 + offset of the rows, where spread_levels finds them */
     uint32_t reached[PATCHES];     /* which entries may have a pixel within their limit there */
 } group;
@@ -116,7 +127,7 @@ static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, 
     o->u_high_q24[j] = (vu)(most(across, all(0)) + most(down, all(0)));
     g->ux_q24[j] = ux;
     g->uy_q24[j] = uy;
-    g->four_q24[j] = 4 * ux;
+    g->right_q24[j] = (4 / ROWS) * ux;
     g->limit_q11[j] = twice(least((vi)offset_q11 + view->cut_q11, all(FXS_FAINT_Q11)));
     g->red_q13[j] = twice((vi)((vu)more[1] >> 16));
     g->green_q13[j] = twice(more[2]);
@@ -224,11 +235,11 @@ ALWAYS_INLINE void blend_entry(pixels *at, kept *k, unsigned which, const group 
                                int number, int depth_q15)
 {
     const uint32_t place = place_of(entry);
-    const vu left = g->pattern_q24[entry] + spread(g->u_q24[patch], place), right = left + spread(g->four_q24, place);
+    const vu left = g->pattern_q24[entry] + spread(g->u_q24[patch], place), right = left + spread(g->right_q24, place);
     const vh u_q13 = pack_q13(left, right), t = at->transmittance_q15;
     const vh level = add_level(mul_h(u_q13, u_q13), spread_levels(g->levels_q11 + patch / 2 * ROWS, entry));
-    const mask_h counted = within(level, (vh)spread(g->limit_q11, place)) & open_of(t);
-    vh weight = where(counted, mul_h(alpha_of(level), t));
+    const vh alpha_q15 = where(within(level, (vh)spread(g->limit_q11, place)), alpha_of(level));
+    vh weight = where(open_of(t), mul_h(alpha_q15, t));
     if (k) {
         if (which & FXS_TRACE_END)
             weight = where(greater_h(k->end, all_h(number)), weight);
@@ -251,6 +262,7 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
         own = *k;
     uint32_t reached = g->reached[patch];
     do {
+#pragma GCC unroll 2
         for (int i = 0; i < 2 && reached; i++, reached &= reached - 1) {
             const uint32_t entry = (uint32_t)__builtin_ctz(reached);
             blend_entry(&p, k ? &own : 0, which, g, patch, entry, (int)(number + entry),
@@ -298,13 +310,13 @@ static inline vh load_rows(const int16_t *from)
     int16_t rows[ROWS][8];
     for (int i = 0; i < ROWS; i++)
         memcpy(rows[i], from + i * FXS_TILE, sizeof rows[i]);
-    return load_h(rows[0]);
+    return columns_of(load_h(rows[0]));
 }
 
 static inline void store_rows(int16_t *to, vh x)
 {
     int16_t rows[ROWS][8];
-    store_h(rows[0], x);
+    store_h(rows[0], rows_of(x));
     for (int i = 0; i < ROWS; i++)
         memcpy(to + i * FXS_TILE, rows[i], sizeof rows[i]);
 }
