@@ -141,12 +141,8 @@ static inline vh nearest(vh low, vh high)
     return most_h(most_h(low, ~high), all_h(0));
 }
 
-/* The least level of a row or more: v is largest or least at the first or the last. */
-static inline vh level_of_rows(const outline *o, uint32_t rows)
+static inline vh level_at(const outline *o, vh v_q13)
 {
-    const vh first = pack_q13(o->v_q24[0], o->v_q24[1]);
-    const vh last = pack_q13(o->v_q24[0] + (rows - 1) * o->vy_q24[0], o->v_q24[1] + (rows - 1) * o->vy_q24[1]);
-    const vh v_q13 = rows == 1 ? first : nearest(least_h(first, last), most_h(first, last));
     return add_level(mul_h(v_q13, v_q13), o->offset_q11);
 }
 
@@ -159,10 +155,18 @@ static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
     return bits_h(within(add_level(mul_h(u_q13, u_q13), level_q11), o->limit_q11));
 }
 
-/* The two patches of the next rows, and the levels of these. */
+/* The two patches of the next rows, and the levels of these. v is largest or least in the first row or the last. */
 static inline void set_out_rows(group *g, outline *o, int patch)
 {
-    const vh least_q11 = level_of_rows(o, ROWS);
+    vh v_q13[ROWS];
+    for (int row = 0; row < ROWS; row++) {
+        v_q13[row] = pack_q13(o->v_q24[0], o->v_q24[1]);
+        g->levels_q11[patch / 2 * ROWS + row] = level_at(o, v_q13[row]);
+        for (int j = 0; j < 2; j++)
+            o->v_q24[j] += o->vy_q24[j];
+    }
+    const vh first = v_q13[0], last = v_q13[ROWS - 1];
+    const vh least_q11 = level_at(o, nearest(least_h(first, last), most_h(first, last)));
     for (int j = 0; j < 2; j++) {
         g->u_q24[patch][j] = o->u_q24[j];
         g->u_q24[patch + 1][j] = o->u_q24[j] + 8 * g->ux_q24[j];
@@ -170,11 +174,6 @@ static inline void set_out_rows(group *g, outline *o, int patch)
     }
     g->reached[patch] = reach(o, g->u_q24[patch], least_q11);
     g->reached[patch + 1] = reach(o, g->u_q24[patch + 1], least_q11);
-    for (int row = 0; row < ROWS; row++) {
-        g->levels_q11[patch / 2 * ROWS + row] = level_of_rows(o, 1);
-        for (int j = 0; j < 2; j++)
-            o->v_q24[j] += o->vy_q24[j];
-    }
 }
 
 static inline void set_out(group *g, const fxs_view *view, const fxs_splat *splats, const uint32_t *entries,
@@ -182,21 +181,19 @@ static inline void set_out(group *g, const fxs_view *view, const fxs_splat *spla
 {
     outline o;
     int32_t at[GROUP];
-    uint32_t which = take_entries(at, entries, left, view->cutoff == FXS_CUTOFF_SQUARE), some = 0;
+    const uint32_t which = take_entries(at, entries, left, view->cutoff == FXS_CUTOFF_SQUARE);
     const vu first = load_places(g, &o, 0, view, splats, at, x, y);
     const vu second = load_places(g, &o, 1, view, splats, at + LANES, x, y);
     o.offset_q11 = pack_q13(first << 11, second << 11);
     o.limit_q11 = pack_q13(g->limit_q11[0] << 16 >> 5, g->limit_q11[1] << 16 >> 5);
     for (int patch = 0; patch < PATCHES; patch += 2) {
         set_out_rows(g, &o, patch);
-        some |= g->reached[patch] &= which;
-        some |= g->reached[patch + 1] &= which;
+        g->reached[patch] &= which;
+        g->reached[patch + 1] &= which;
     }
     order_levels(g->levels_q11);
-    for (; some; some &= some - 1) {
-        const uint32_t entry = (uint32_t)__builtin_ctz(some), place = place_of(entry);
-        g->pattern_q24[entry] = pattern_of(word_of(g->ux_q24, place), word_of(g->uy_q24, place));
-    }
+    for (uint32_t place = 0; place < GROUP; place++)
+        g->pattern_q24[place] = pattern_of(word_of(g->ux_q24, place), word_of(g->uy_q24, place));
 }
 
 /* ---- Blending a patch -------------------------------------------------------------------------------------------- */
@@ -235,7 +232,7 @@ ALWAYS_INLINE void blend_entry(pixels *at, kept *k, unsigned which, const group 
                                int number, int depth_q15)
 {
     const uint32_t place = place_of(entry);
-    const vu left = g->pattern_q24[entry] + spread(g->u_q24[patch], place), right = left + spread(g->right_q24, place);
+    const vu left = g->pattern_q24[place] + spread(g->u_q24[patch], place), right = left + spread(g->right_q24, place);
     const vh u_q13 = pack_q13(left, right), t = at->transmittance_q15;
     const vh level = add_level(mul_h(u_q13, u_q13), spread_levels(g->levels_q11 + patch / 2 * ROWS, entry));
     const vh alpha_q15 = where(within(level, (vh)spread(g->limit_q11, place)), alpha_of(level));
