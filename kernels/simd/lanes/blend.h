@@ -228,7 +228,7 @@ static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15
 }
 
 /* Blends an entry into a patch. k, here and below: its auxiliary outputs, null for blend. */
-ALWAYS_INLINE void blend_entry(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t entry,
+ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which, const group *g, int patch, uint32_t entry,
                                int number, int depth_q15)
 {
     const uint32_t place = place_of(entry);
@@ -236,13 +236,14 @@ ALWAYS_INLINE void blend_entry(pixels *at, kept *k, unsigned which, const group 
     const vh u_q13 = pack_q13(left, right), t = at->transmittance_q15;
     const vh level = add_level(mul_h(u_q13, u_q13), spread_levels(g->levels_q11 + patch / 2 * ROWS, entry));
     const vh alpha_q15 = where(within(level, (vh)spread(g->limit_q11, place)), alpha_of(level));
-    vh weight = where(open_of(t), mul_h(alpha_q15, t));
+    vh weight = where(*open, mul_h(alpha_q15, t));
     if (k) {
         if (which & FXS_TRACE_END)
             weight = where(greater_h(k->end, all_h(number)), weight);
         trace_entry(k, which, number, depth_q15, weight, t);
     }
     at->transmittance_q15 = t - weight;
+    *open = open_of(at->transmittance_q15);
     at->red_q13 = mul_add_cut_h(weight, (vh)spread(g->red_q13, place), at->red_q13);
     at->green_q13 = mul_add_cut_h(weight, (vh)spread(g->green_q13, place), at->green_q13);
     at->blue_q13 = mul_add_cut_h(weight, (vh)spread(g->blue_q13, place), at->blue_q13);
@@ -254,6 +255,7 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
                               const int16_t *depths_q15)
 {
     pixels p = *at;                /* in registers */
+    mask_h open = open_of(p.transmittance_q15);
     kept own;
     if (k)
         own = *k;
@@ -262,14 +264,14 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
 #pragma GCC unroll 2
         for (int i = 0; i < 2 && reached; i++, reached &= reached - 1) {
             const uint32_t entry = (uint32_t)__builtin_ctz(reached);
-            blend_entry(&p, k ? &own : 0, which, g, patch, entry, (int)(number + entry),
+            blend_entry(&p, &open, k ? &own : 0, which, g, patch, entry, (int)(number + entry),
                         k && which & FXS_TRACE_MEAN ? depths_q15[entry] : 0);
         }
-    } while (reached && any_h(open_of(p.transmittance_q15)));
+    } while (reached && any_h(open));
     *at = p;
     if (k)
         *k = own;
-    return any_h(open_of(p.transmittance_q15));
+    return any_h(open);
 }
 
 /* Blends a list from entry `first` to before `end`; depths_q15: null for blend. */
