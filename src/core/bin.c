@@ -240,6 +240,27 @@ static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t acr
     }
 }
 
+/* put for many, with what it changes in registers. */
+static void put_each(fxs_lister *l, fxs_key *keys, const uint32_t *macros, const uint32_t *listed, uint32_t count)
+{
+    const uint32_t first = l->first_macro, more = l->last_macro - first, room = l->room, *depths = l->depths;
+    uint32_t *next = l->next, taken = l->taken;
+    uint64_t *notes = l->notes;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t macro = macros[i];
+        if (macro - first > more)
+            continue;
+        const uint32_t at = next[macro]++;
+        if (keys)
+            keys[at] = FXS_KEY(depths[FXS_LISTED_SLOT(listed[i])], listed[i]);
+        else if (taken < room)
+            notes[taken++] = FXS_KEY(macro, listed[i]);
+        else
+            taken = UINT32_MAX;
+    }
+    l->taken = taken;
+}
+
 static inline void list(fxs_lister *l, fxs_key *keys, uint32_t first, uint32_t count)
 {
     const uint32_t across = fxs_macros(l->view->tiles_x), end = first + count;
@@ -247,8 +268,7 @@ static inline void list(fxs_lister *l, fxs_key *keys, uint32_t first, uint32_t c
     for (uint32_t slot = first; slot < end; slot += SOME) {
         const uint32_t some = end - slot < SOME ? end - slot : SOME;
         const uint32_t noted = l->note(l->view, l->boxes, slot, some, macros, listed);
-        for (uint32_t i = 0; i < noted; i++)
-            put(l, keys, macros[i], listed[i]);
+        put_each(l, keys, macros, listed, noted);
         for (uint32_t i = slot; i < slot + some; i++)
             if (l->boxes[i].bits == FXS_LARGE.bits)
                 list_large(l, keys, i, across);
@@ -271,8 +291,17 @@ void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys)
 
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys)
 {
-    for (uint32_t i = 0; i < l->noted; i++)
-        put(l, keys, (uint32_t)(l->notes[i] >> 32), (uint32_t)l->notes[i]);
+    const uint32_t first = l->first_macro, more = l->last_macro - first, noted = l->noted, *depths = l->depths;
+    const uint64_t *notes = l->notes;
+    uint32_t *next = l->next;
+    for (uint32_t i = 0; i < noted; i++) {
+        const uint32_t macro = (uint32_t)(notes[i] >> 32), listed = (uint32_t)notes[i];
+        if (macro - first > more)
+            continue;
+        const uint32_t at = next[macro]++;
+        __builtin_prefetch(&keys[at + 16], 1);
+        keys[at] = FXS_KEY(depths[FXS_LISTED_SLOT(listed)], listed);
+    }
 }
 
 static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, uint32_t tile)
