@@ -299,7 +299,7 @@ void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys)
         if (macro - first > more)
             continue;
         const uint32_t at = next[macro]++;
-        __builtin_prefetch(&keys[at + 16], 1);
+        FXS_PREFETCH(&keys[at + 16]);
         keys[at] = FXS_KEY(depths[FXS_LISTED_SLOT(listed)], listed);
     }
 }
