@@ -8,7 +8,7 @@
 #define GROUP (2 * LANES)
 #define ROWS (LANES / 4)
 #define PATCHES (FXS_TILE_PIXELS / GROUP)      /* in the order of their rows, two to a row */
-#define AHEAD 32                   /* entries: a splat is fetched that much before it is set out */
+#define AHEAD 64                   /* entries: a splat is fetched that much before it is set out */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
 #if LANES == 4                     /* a patch is half a row; longer lanes have these of their own */
@@ -280,13 +280,13 @@ ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *
                               unsigned which, uint32_t first, uint32_t end)
 {
     group g;
-    uint32_t open = 0;
+    uint32_t open = 0, fetched = first + GROUP;
     for (int patch = 0; patch < PATCHES; patch++)
         open |= (uint32_t)any_h(open_of(patches[patch].transmittance_q15)) << patch;
     for (uint32_t i = first; i < end && open; i += GROUP) {
         set_out(&g, view, splats, entries + i, end - i, x, y);
-        for (uint32_t j = i + AHEAD; j < end && j < i + AHEAD + GROUP; j++)
-            __builtin_prefetch(&splats[entries[j] & ~FXS_ENTRY_CUT_OFF]);
+        for (const uint32_t last = end - i < AHEAD + GROUP ? end : i + AHEAD + GROUP; fetched < last; fetched++)
+            __builtin_prefetch(&splats[entries[fetched] & ~FXS_ENTRY_CUT_OFF]);
         for (uint32_t rest = open; rest; rest &= rest - 1) {
             const int patch = __builtin_ctz(rest);
             if (g.reached[patch] && !blend_patch(patches + patch, k ? k + patch : 0, which, &g, patch, i,
