@@ -104,6 +104,27 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
+/* What 8 rows have in lanes first to first + 3, a constant. */
+static inline void transpose(octet out[4], const vi rows[8], int first)
+{
+    const __m512i two = first < 8 ? _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11)
+                                  : _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+    __m512i fours[2][4];           /* of each 128 bits, four words of one lane */
+    for (int i = 0; i < 2; i++) {
+        const __m512i *four = (const __m512i *)(const void *)rows + 4 * i;
+        const __m512i a = _mm512_unpacklo_epi32(four[0], four[1]), b = _mm512_unpacklo_epi32(four[2], four[3]);
+        const __m512i c = _mm512_unpackhi_epi32(four[0], four[1]), d = _mm512_unpackhi_epi32(four[2], four[3]);
+        fours[i][0] = _mm512_unpacklo_epi64(a, b);
+        fours[i][1] = _mm512_unpackhi_epi64(a, b);
+        fours[i][2] = _mm512_unpacklo_epi64(c, d);
+        fours[i][3] = _mm512_unpackhi_epi64(c, d);
+    }
+    for (int i = 0; i < 4; i++) {
+        const __m512i lanes = _mm512_permutex2var_epi64(fours[0][i], two, fours[1][i]);
+        out[i] = first & 4 ? _mm512_extracti64x4_epi64(lanes, 1) : _mm512_castsi512_si256(lanes);
+    }
+}
+
 /* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
 typedef __mmask32 mask_h;
