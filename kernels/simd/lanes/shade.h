@@ -73,20 +73,29 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
 typedef struct neighbours {
     uint32_t start, end;           /* of those that are visible, among the visible ones of the chunk */
     uint32_t first, wanted;        /* the first neighbour; a bit for each that is visible */
-    vi d_q15[PARTS][3];            /* directions */
+    vi d_q15[PARTS][3];            /* directions, where those of several groups are found together */
 } neighbours;
 
-static inline void find_directions(neighbours *n, const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
-                                   const unsigned char *rows)
+/* Towards the neighbours first to first + LANES - 1. */
+static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
+                                  const unsigned char *rows, uint32_t first)
 {
-    for (uint32_t part = 0; part < PARTS; part++) {
-        vi position[3];
-        wide offset[3];
-        load_positions(position, scene, rows, n->first + part * LANES);
-        for (int k = 0; k < 3; k++)
-            offset[k] = offset_q32(view, chunk, k, position[k]);
-        direction(n->d_q15[part], offset);
-    }
+    vi position[3];
+    wide offset[3];
+    load_positions(position, scene, rows, first);
+    for (int k = 0; k < 3; k++)
+        offset[k] = offset_q32(view, chunk, k, position[k]);
+    direction(d_q15, offset);
+}
+
+/* The basis towards a part of the neighbours. */
+static inline void basis_at(vi b_q15[16], const neighbours *n, uint32_t part, const fxs_view *view,
+                            const fxs_scene *scene, const fxs_chunk *chunk, const unsigned char *rows)
+{
+    vi d_q15[3];
+    if (SOME == 1)
+        find_direction(d_q15, view, scene, chunk, rows, n->first + part * LANES);
+    basis(b_q15, SOME == 1 ? d_q15 : n->d_q15[part], view->sh_degree);
 }
 
 static inline void add_band(vi sum_q16[PARTS], const vi band_q15[PARTS], int32_t step_q19)
@@ -173,7 +182,7 @@ static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t 
             sum_q16[c][part] = header->colour_q16[c] + round_shift(step, 4);
         }
         if (view->sh_degree > 0)
-            basis(b_q15[part], n->d_q15[part], view->sh_degree);
+            basis_at(b_q15[part], n, part, view, scene, header, rows);
     }
     if (view->sh_degree > 0 && scene->palette)
         add_palette(sum_q16, scene, header, rows, first, b_q15, view->sh_degree, n->wanted);
@@ -229,8 +238,9 @@ FXS_SHADE(ISA)
         uint32_t filled = 0;
         for (; filled < SOME && i < count; filled++)
             i = take_neighbours(&some[filled], indices, i, count);
-        for (uint32_t k = 0; k < filled && view->sh_degree > 0; k++)
-            find_directions(&some[k], view, scene, &header, rows);
+        for (uint32_t k = 0; k < filled * PARTS && view->sh_degree > 0 && SOME > 1; k++)
+            find_direction(some[k / PARTS].d_q15[k % PARTS], view, scene, &header, rows,
+                           some[k / PARTS].first + k % PARTS * LANES);
         for (uint32_t k = 0; k < filled; k++)
             shade_neighbours(&some[k], view, scene, &header, rows, indices, splats);
     }
