@@ -88,6 +88,16 @@ static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_s
     direction(d_q15, offset);
 }
 
+/* Not inlined, as colours below. */
+static __attribute__((noinline)) void find_directions(neighbours *some, uint32_t count, const fxs_view *view,
+                                                      const fxs_scene *scene, const fxs_chunk *chunk,
+                                                      const unsigned char *rows)
+{
+    for (neighbours *n = some; n < some + count; n++)
+        for (uint32_t part = 0; part < PARTS; part++)
+            find_direction(n->d_q15[part], view, scene, chunk, rows, n->first + part * LANES);
+}
+
 /* The basis towards a part of the neighbours. */
 static inline void basis_at(vi b_q15[16], const neighbours *n, uint32_t part, const fxs_view *view,
                             const fxs_scene *scene, const fxs_chunk *chunk, const unsigned char *rows)
@@ -201,12 +211,14 @@ static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t 
 static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, uint32_t i, uint32_t count)
 {
     const uint32_t first = indices[i] & ~(GROUP - 1u);
+    uint32_t wanted = 0, end = i;
+    for (; end < count && indices[end] - first < GROUP; end++)
+        wanted |= 1u << (indices[end] - first);
     n->start = i;
+    n->end = end;
     n->first = first % FXS_CHUNK;
-    n->wanted = 0;
-    for (; i < count && indices[i] - first < GROUP; i++)
-        n->wanted |= 1u << (indices[i] - first);
-    return n->end = i;
+    n->wanted = wanted;
+    return end;
 }
 
 static inline void shade_neighbours(const neighbours *n, const fxs_view *view, const fxs_scene *scene,
@@ -238,9 +250,8 @@ FXS_SHADE(ISA)
         uint32_t filled = 0;
         for (; filled < SOME && i < count; filled++)
             i = take_neighbours(&some[filled], indices, i, count);
-        for (uint32_t k = 0; k < filled * PARTS && view->sh_degree > 0 && SOME > 1; k++)
-            find_direction(some[k / PARTS].d_q15[k % PARTS], view, scene, &header, rows,
-                           some[k / PARTS].first + k % PARTS * LANES);
+        if (SOME > 1 && view->sh_degree > 0)
+            find_directions(some, filled, view, scene, &header, rows);
         for (uint32_t k = 0; k < filled; k++)
             shade_neighbours(&some[k], view, scene, &header, rows, indices, splats);
     }
