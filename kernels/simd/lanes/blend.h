@@ -58,9 +58,9 @@ typedef struct kept {
    vector faster. */
 typedef struct group {
     vu u_q24[PATCHES][2];          /* at a patch's first pixel */
-    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the other pixels, less that of the pattern */
+    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the other half, less that of the pattern's */
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
-    vu pattern_q24[GROUP];         /* by entry: u at half a patch's pixels, of each 8 the first 4, less that at its first */
+    vu pattern_q24[GROUP];         /* by place: u at half a patch's pixels, of 8 the first 4, less that at the first */
     vh levels_q11[FXS_TILE];       /* v^2 + offset of the rows, where spread_levels finds them */
     uint32_t reached[PATCHES];     /* which entries may have a pixel within their limit there */
 } group;
@@ -227,9 +227,9 @@ static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15
     }
 }
 
-/* Blends an entry into a patch. k, here and below: its auxiliary outputs, null for blend. */
-ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which, const group *g, int patch, uint32_t entry,
-                               int number, int depth_q15)
+/* Blends an entry into a patch. open: which pixels are; k, here and below: its auxiliary outputs, null for blend. */
+ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which, const group *g, int patch,
+                               uint32_t entry, int number, int depth_q15)
 {
     const uint32_t place = place_of(entry);
     const vu left = g->pattern_q24[place] + spread(g->u_q24[patch], place), right = left + spread(g->right_q24, place);

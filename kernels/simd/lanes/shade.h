@@ -3,7 +3,7 @@
 #include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)
-#define SOME (LANES > 4 ? 4u : 1u) /* groups whose directions are found one after the other: long chains, which overlap */
+#define SOME (LANES > 4 ? 4u : 1u) /* groups whose directions are found in a row: long chains, which then overlap */
 
 /* A constant of the basis, Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
@@ -221,6 +221,7 @@ static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, u
     return end;
 }
 
+/* Gives the visible ones their colours. */
 static inline void shade_neighbours(const neighbours *n, const fxs_view *view, const fxs_scene *scene,
                                     const fxs_chunk *header, const unsigned char *rows, const uint32_t *indices,
                                     fxs_splat *splats)
