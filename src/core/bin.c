@@ -178,18 +178,26 @@ void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds 
 
 /* ---- Lists ----------------------------------------------------------------------------------------------------- */
 
-/* Lists a splat in a macro tile: writes a key, or without keys counts it and takes a note, where there is room. */
-static inline void put(fxs_lister *l, fxs_key *keys, uint32_t macro, uint32_t listed)
+/* Lists splats in macro tiles: writes keys, or without keys counts them and takes notes, where there is room. What it
+   changes is in registers meanwhile. */
+static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, const uint32_t *listed, uint32_t count)
 {
-    if (macro - l->first_macro > l->last_macro - l->first_macro)
-        return;
-    const uint32_t at = l->next[macro]++;
-    if (keys)
-        keys[at] = FXS_KEY(l->depths[FXS_LISTED_SLOT(listed)], listed);
-    else if (l->taken < l->room)
-        l->notes[l->taken++] = FXS_KEY(macro, listed);
-    else
-        l->taken = UINT32_MAX;     /* more than there is room for */
+    const uint32_t first = l->first_macro, more = l->last_macro - first, room = l->room, *depths = l->depths;
+    uint32_t *next = l->next, taken = l->taken;
+    uint64_t *notes = l->notes;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t macro = macros[i];
+        if (macro - first > more)
+            continue;
+        const uint32_t at = next[macro]++;
+        if (keys)
+            keys[at] = FXS_KEY(depths[FXS_LISTED_SLOT(listed[i])], listed[i]);
+        else if (taken < room)
+            notes[taken++] = FXS_KEY(macro, listed[i]);
+        else
+            taken = UINT32_MAX;    /* more than there is room for */
+    }
+    l->taken = taken;
 }
 
 uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, uint32_t count, uint32_t *macros,
@@ -233,9 +241,11 @@ static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t acr
             const span a = s[r - row], b = s[r - row + 1];
             const int32_t left = a.first > a.last || (b.first <= b.last && b.first < a.first) ? b.first : a.first;
             const int32_t right = a.last > b.last ? a.last : b.last;
-            for (int32_t c = left / FXS_MACRO; c <= right / FXS_MACRO && right >= 0; c++)
-                put(l, keys, (uint32_t)r / FXS_MACRO * across + (uint32_t)c,
-                    FXS_LISTED(slot, pair_of(a, c) | pair_of(b, c) << 2));
+            for (int32_t c = left / FXS_MACRO; c <= right / FXS_MACRO && right >= 0; c++) {
+                const uint32_t macro = (uint32_t)r / FXS_MACRO * across + (uint32_t)c;
+                const uint32_t listed = FXS_LISTED(slot, pair_of(a, c) | pair_of(b, c) << 2);
+                put(l, keys, &macro, &listed, 1);
+            }
         }
     }
 }
@@ -247,8 +257,7 @@ static inline void list(fxs_lister *l, fxs_key *keys, uint32_t first, uint32_t c
     for (uint32_t slot = first; slot < end; slot += SOME) {
         const uint32_t some = end - slot < SOME ? end - slot : SOME;
         const uint32_t noted = l->note(l->view, l->boxes, slot, some, macros, listed);
-        for (uint32_t i = 0; i < noted; i++)
-            put(l, keys, macros[i], listed[i]);
+        put(l, keys, macros, listed, noted);
         for (uint32_t i = slot; i < slot + some; i++)
             if (l->boxes[i].bits == FXS_LARGE.bits)
                 list_large(l, keys, i, across);
@@ -271,8 +280,17 @@ void fxs_bin_fill(fxs_lister *l, uint32_t first, uint32_t count, fxs_key *keys)
 
 void fxs_bin_fill_noted(fxs_lister *l, fxs_key *keys)
 {
-    for (uint32_t i = 0; i < l->noted; i++)
-        put(l, keys, (uint32_t)(l->notes[i] >> 32), (uint32_t)l->notes[i]);
+    const uint32_t first = l->first_macro, more = l->last_macro - first, noted = l->noted, *depths = l->depths;
+    const uint64_t *notes = l->notes;
+    uint32_t *next = l->next;
+    for (uint32_t i = 0; i < noted; i++) {
+        const uint32_t macro = (uint32_t)(notes[i] >> 32), listed = (uint32_t)notes[i];
+        if (macro - first > more)
+            continue;
+        const uint32_t at = next[macro]++;
+        FXS_PREFETCH(&keys[at + 16]);
+        keys[at] = FXS_KEY(depths[FXS_LISTED_SLOT(listed)], listed);
+    }
 }
 
 static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bounds *bounds, uint32_t tile)

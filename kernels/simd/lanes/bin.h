@@ -66,7 +66,7 @@ static inline void set_radius(ellipse *e, const fxs_view *view, vi offset_q11)
 {
     const vi limit_q11 = least(offset_q11 + view->cut_q11, all(FXS_FAINT_Q11));
     e->margin_q8 = (e->reach_q8 >> 8) + 32;
-    e->r_q12 = (vi)root((vu)(limit_q11 - offset_q11 + 1) << 13) + 1;
+    e->r_q12 = radius_q12(limit_q11 - offset_q11);
     const vi widest = e->shear_q8 * e->r_q12;    /* over 4096, towards 0 */
     e->tangent = ((widest + (widest >> 31 & 4095)) >> 12) * e->r_q12;
 }

@@ -8,7 +8,7 @@
 #define GROUP (2 * LANES)
 #define ROWS (LANES / 4)
 #define PATCHES (FXS_TILE_PIXELS / GROUP)      /* in the order of their rows, two to a row */
-#define AHEAD 32                   /* entries: a splat is fetched that much before it is set out */
+#define AHEAD 64                   /* entries: a splat is fetched that much before it is set out */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
 #if LANES == 4                     /* a patch is half a row; longer lanes have these of their own */
@@ -28,9 +28,20 @@ static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
     return all_h(((const int16_t *)levels_q11)[entry]);
 }
+
+static inline vh rows_of(vh columns)
+{
+    return columns;
+}
+
+static inline vh columns_of(vh rows)
+{
+    return rows;
+}
 #endif
 
-/* The pixels of a patch, row by row. */
+/* The pixels of a patch, column by column: so the levels of its rows, which stand together in memory, are spread over a
+   vector by loading them. */
 typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;
 } pixels;
@@ -47,9 +58,9 @@ typedef struct kept {
    vector faster. */
 typedef struct group {
     vu u_q24[PATCHES][2];          /* at a patch's first pixel */
-    vu ux_q24[2], uy_q24[2], four_q24[2];      /* four: 4 ux */
+    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the other half, less that of the pattern's */
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
-    vu pattern_q24[GROUP];         /* by entry: u at a patch's first four columns, less that at its first pixel */
+    vu pattern_q24[GROUP];         /* by place: u at half a patch's pixels, of 8 the first 4, less that at the first */
     vh levels_q11[FXS_TILE];       /* v^2 + offset of the rows, where spread_levels finds them */
     uint32_t reached[PATCHES];     /* which entries may have a pixel within their limit there */
 } group;
@@ -116,7 +127,7 @@ static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, 
     o->u_high_q24[j] = (vu)(most(across, all(0)) + most(down, all(0)));
     g->ux_q24[j] = ux;
     g->uy_q24[j] = uy;
-    g->four_q24[j] = 4 * ux;
+    g->right_q24[j] = (4 / ROWS) * ux;
     g->limit_q11[j] = twice(least((vi)offset_q11 + view->cut_q11, all(FXS_FAINT_Q11)));
     g->red_q13[j] = twice((vi)((vu)more[1] >> 16));
     g->green_q13[j] = twice(more[2]);
@@ -130,12 +141,8 @@ static inline vh nearest(vh low, vh high)
     return most_h(most_h(low, ~high), all_h(0));
 }
 
-/* The least level of a row or more: v is largest or least at the first or the last. */
-static inline vh level_of_rows(const outline *o, uint32_t rows)
+static inline vh level_at(const outline *o, vh v_q13)
 {
-    const vh first = pack_q13(o->v_q24[0], o->v_q24[1]);
-    const vh last = pack_q13(o->v_q24[0] + (rows - 1) * o->vy_q24[0], o->v_q24[1] + (rows - 1) * o->vy_q24[1]);
-    const vh v_q13 = rows == 1 ? first : nearest(least_h(first, last), most_h(first, last));
     return add_level(mul_h(v_q13, v_q13), o->offset_q11);
 }
 
@@ -148,10 +155,18 @@ static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
     return bits_h(within(add_level(mul_h(u_q13, u_q13), level_q11), o->limit_q11));
 }
 
-/* The two patches of the next rows, and the levels of these. */
+/* The two patches of the next rows, and the levels of these. v is largest or least in the first row or the last. */
 static inline void set_out_rows(group *g, outline *o, int patch)
 {
-    const vh least_q11 = level_of_rows(o, ROWS);
+    vh v_q13[ROWS];
+    for (int row = 0; row < ROWS; row++) {
+        v_q13[row] = pack_q13(o->v_q24[0], o->v_q24[1]);
+        g->levels_q11[patch / 2 * ROWS + row] = level_at(o, v_q13[row]);
+        for (int j = 0; j < 2; j++)
+            o->v_q24[j] += o->vy_q24[j];
+    }
+    const vh first = v_q13[0], last = v_q13[ROWS - 1];
+    const vh least_q11 = level_at(o, nearest(least_h(first, last), most_h(first, last)));
     for (int j = 0; j < 2; j++) {
         g->u_q24[patch][j] = o->u_q24[j];
         g->u_q24[patch + 1][j] = o->u_q24[j] + 8 * g->ux_q24[j];
@@ -159,11 +174,6 @@ static inline void set_out_rows(group *g, outline *o, int patch)
     }
     g->reached[patch] = reach(o, g->u_q24[patch], least_q11);
     g->reached[patch + 1] = reach(o, g->u_q24[patch + 1], least_q11);
-    for (int row = 0; row < ROWS; row++) {
-        g->levels_q11[patch / 2 * ROWS + row] = level_of_rows(o, 1);
-        for (int j = 0; j < 2; j++)
-            o->v_q24[j] += o->vy_q24[j];
-    }
 }
 
 static inline void set_out(group *g, const fxs_view *view, const fxs_splat *splats, const uint32_t *entries,
@@ -171,21 +181,19 @@ static inline void set_out(group *g, const fxs_view *view, const fxs_splat *spla
 {
     outline o;
     int32_t at[GROUP];
-    uint32_t which = take_entries(at, entries, left, view->cutoff == FXS_CUTOFF_SQUARE), some = 0;
+    const uint32_t which = take_entries(at, entries, left, view->cutoff == FXS_CUTOFF_SQUARE);
     const vu first = load_places(g, &o, 0, view, splats, at, x, y);
     const vu second = load_places(g, &o, 1, view, splats, at + LANES, x, y);
     o.offset_q11 = pack_q13(first << 11, second << 11);
     o.limit_q11 = pack_q13(g->limit_q11[0] << 16 >> 5, g->limit_q11[1] << 16 >> 5);
     for (int patch = 0; patch < PATCHES; patch += 2) {
         set_out_rows(g, &o, patch);
-        some |= g->reached[patch] &= which;
-        some |= g->reached[patch + 1] &= which;
+        g->reached[patch] &= which;
+        g->reached[patch + 1] &= which;
     }
     order_levels(g->levels_q11);
-    for (; some; some &= some - 1) {
-        const uint32_t entry = (uint32_t)__builtin_ctz(some), place = place_of(entry);
-        g->pattern_q24[entry] = pattern_of(word_of(g->ux_q24, place), word_of(g->uy_q24, place));
-    }
+    for (uint32_t place = 0; place < GROUP; place++)
+        g->pattern_q24[place] = pattern_of(word_of(g->ux_q24, place), word_of(g->uy_q24, place));
 }
 
 /* ---- Blending a patch -------------------------------------------------------------------------------------------- */
@@ -219,22 +227,23 @@ static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15
     }
 }
 
-/* Blends an entry into a patch. k, here and below: its auxiliary outputs, null for blend. */
-ALWAYS_INLINE void blend_entry(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t entry,
-                               int number, int depth_q15)
+/* Blends an entry into a patch. open: which pixels are; k, here and below: its auxiliary outputs, null for blend. */
+ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which, const group *g, int patch,
+                               uint32_t entry, int number, int depth_q15)
 {
     const uint32_t place = place_of(entry);
-    const vu left = g->pattern_q24[entry] + spread(g->u_q24[patch], place), right = left + spread(g->four_q24, place);
+    const vu left = g->pattern_q24[place] + spread(g->u_q24[patch], place), right = left + spread(g->right_q24, place);
     const vh u_q13 = pack_q13(left, right), t = at->transmittance_q15;
     const vh level = add_level(mul_h(u_q13, u_q13), spread_levels(g->levels_q11 + patch / 2 * ROWS, entry));
-    const mask_h counted = within(level, (vh)spread(g->limit_q11, place)) & open_of(t);
-    vh weight = where(counted, mul_h(alpha_of(level), t));
+    const vh alpha_q15 = where(within(level, (vh)spread(g->limit_q11, place)), alpha_of(level));
+    vh weight = where(*open, mul_h(alpha_q15, t));
     if (k) {
         if (which & FXS_TRACE_END)
             weight = where(greater_h(k->end, all_h(number)), weight);
         trace_entry(k, which, number, depth_q15, weight, t);
     }
     at->transmittance_q15 = t - weight;
+    *open = open_of(at->transmittance_q15);
     at->red_q13 = mul_add_cut_h(weight, (vh)spread(g->red_q13, place), at->red_q13);
     at->green_q13 = mul_add_cut_h(weight, (vh)spread(g->green_q13, place), at->green_q13);
     at->blue_q13 = mul_add_cut_h(weight, (vh)spread(g->blue_q13, place), at->blue_q13);
@@ -246,21 +255,23 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
                               const int16_t *depths_q15)
 {
     pixels p = *at;                /* in registers */
+    mask_h open = open_of(p.transmittance_q15);
     kept own;
     if (k)
         own = *k;
     uint32_t reached = g->reached[patch];
     do {
+#pragma GCC unroll 2
         for (int i = 0; i < 2 && reached; i++, reached &= reached - 1) {
             const uint32_t entry = (uint32_t)__builtin_ctz(reached);
-            blend_entry(&p, k ? &own : 0, which, g, patch, entry, (int)(number + entry),
+            blend_entry(&p, &open, k ? &own : 0, which, g, patch, entry, (int)(number + entry),
                         k && which & FXS_TRACE_MEAN ? depths_q15[entry] : 0);
         }
-    } while (reached && any_h(open_of(p.transmittance_q15)));
+    } while (reached && any_h(open));
     *at = p;
     if (k)
         *k = own;
-    return any_h(open_of(p.transmittance_q15));
+    return any_h(open);
 }
 
 /* Blends a list from entry `first` to before `end`; depths_q15: null for blend. */
@@ -269,13 +280,13 @@ ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *
                               unsigned which, uint32_t first, uint32_t end)
 {
     group g;
-    uint32_t open = 0;
+    uint32_t open = 0, fetched = first + GROUP;
     for (int patch = 0; patch < PATCHES; patch++)
         open |= (uint32_t)any_h(open_of(patches[patch].transmittance_q15)) << patch;
     for (uint32_t i = first; i < end && open; i += GROUP) {
         set_out(&g, view, splats, entries + i, end - i, x, y);
-        for (uint32_t j = i + AHEAD; j < end && j < i + AHEAD + GROUP; j++)
-            __builtin_prefetch(&splats[entries[j] & ~FXS_ENTRY_CUT_OFF]);
+        for (const uint32_t last = end - i < AHEAD + GROUP ? end : i + AHEAD + GROUP; fetched < last; fetched++)
+            __builtin_prefetch(&splats[entries[fetched] & ~FXS_ENTRY_CUT_OFF]);
         for (uint32_t rest = open; rest; rest &= rest - 1) {
             const int patch = __builtin_ctz(rest);
             if (g.reached[patch] && !blend_patch(patches + patch, k ? k + patch : 0, which, &g, patch, i,
@@ -298,13 +309,13 @@ static inline vh load_rows(const int16_t *from)
     int16_t rows[ROWS][8];
     for (int i = 0; i < ROWS; i++)
         memcpy(rows[i], from + i * FXS_TILE, sizeof rows[i]);
-    return load_h(rows[0]);
+    return columns_of(load_h(rows[0]));
 }
 
 static inline void store_rows(int16_t *to, vh x)
 {
     int16_t rows[ROWS][8];
-    store_h(rows[0], x);
+    store_h(rows[0], rows_of(x));
     for (int i = 0; i < ROWS; i++)
         memcpy(to + i * FXS_TILE, rows[i], sizeof rows[i]);
 }

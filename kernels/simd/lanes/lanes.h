@@ -32,6 +32,14 @@ static inline vu root(vu x)
     return shift_right(mulhi(m, rsqrt(m)), 14 + (shift >> 1));
 }
 
+/* sqrt(r2), Q12, rounded up: how far a splat is drawn. Of all that are not faint it is the same. */
+static inline vi radius_q12(vi r2_q11)
+{
+    if (!any(greater(all(FXS_CUT_Q11), r2_q11)))
+        return all((int32_t)fxs_sqrt((FXS_CUT_Q11 + 1) << 13) + 1);
+    return (vi)root((vu)(r2_q11 + 1) << 13) + 1;
+}
+
 static inline vi exp2_q15(vi f_q15)
 {
     vi p = round_shift(256 * f_q15, 15);

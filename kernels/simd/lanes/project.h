@@ -351,7 +351,7 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
         alive &= compensate(&offset_q11, &cov);
     alive &= greater(all(FXS_FAINT_Q11 + 1), offset_q11);
     vi r2_q11 = least(all(FXS_CUT_Q11), FXS_FAINT_Q11 - offset_q11);
-    vu r_q12 = root((vu)(r2_q11 + 1) << 13) + 1;
+    const vu r_q12 = (vu)radius_q12(r2_q11);
     const mantissa a = mantissa_of(cov.a_q30), c = mantissa_of(cov.c_q30);
     bounds[CX] = load(&s->rows[POSITION_X][at]);
     bounds[CY] = load(&s->rows[POSITION_Y][at]);

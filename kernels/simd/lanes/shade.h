@@ -3,6 +3,7 @@
 #include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)
+#define SOME (LANES > 4 ? 4u : 1u) /* groups whose directions are found in a row: long chains, which then overlap */
 
 /* A constant of the basis, Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
@@ -68,17 +69,43 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
     b[14] = -2 * mul_q15(scale_q15(Q15(590044), x), divide(xx - 3 * yy, 1));
 }
 
-/* The basis towards the Gaussians first to first + LANES - 1. */
-static inline void basis_at(vi b_q15[16], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
-                            const unsigned char *rows, uint32_t first)
+/* Neighbours that are shaded together. */
+typedef struct neighbours {
+    uint32_t start, end;           /* of those that are visible, among the visible ones of the chunk */
+    uint32_t first, wanted;        /* the first neighbour; a bit for each that is visible */
+    vi d_q15[PARTS][3];            /* directions, where those of several groups are found together */
+} neighbours;
+
+/* Towards the neighbours first to first + LANES - 1. */
+static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
+                                  const unsigned char *rows, uint32_t first)
 {
-    vi position[3], d_q15[3];
+    vi position[3];
     wide offset[3];
     load_positions(position, scene, rows, first);
     for (int k = 0; k < 3; k++)
         offset[k] = offset_q32(view, chunk, k, position[k]);
     direction(d_q15, offset);
-    basis(b_q15, d_q15, view->sh_degree);
+}
+
+/* Not inlined, as colours below. */
+static __attribute__((noinline)) void find_directions(neighbours *some, uint32_t count, const fxs_view *view,
+                                                      const fxs_scene *scene, const fxs_chunk *chunk,
+                                                      const unsigned char *rows)
+{
+    for (neighbours *n = some; n < some + count; n++)
+        for (uint32_t part = 0; part < PARTS; part++)
+            find_direction(n->d_q15[part], view, scene, chunk, rows, n->first + part * LANES);
+}
+
+/* The basis towards a part of the neighbours. */
+static inline void basis_at(vi b_q15[16], const neighbours *n, uint32_t part, const fxs_view *view,
+                            const fxs_scene *scene, const fxs_chunk *chunk, const unsigned char *rows)
+{
+    vi d_q15[3];
+    if (SOME == 1)
+        find_direction(d_q15, view, scene, chunk, rows, n->first + part * LANES);
+    basis(b_q15, SOME == 1 ? d_q15 : n->d_q15[part], view->sh_degree);
 }
 
 static inline void add_band(vi sum_q16[PARTS], const vi band_q15[PARTS], int32_t step_q19)
@@ -151,12 +178,12 @@ static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, con
             sum_q16[c][part] += load(more_q16[c] + part * LANES);
 }
 
-/* The Gaussians first to first + GROUP - 1; those of a bit in `wanted` at least. Not inlined: its constants would be
-   saved and loaded around each call of C. */
-static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const fxs_view *view,
-                                              const fxs_scene *scene, const fxs_chunk *header,
-                                              const unsigned char *rows, uint32_t first, uint32_t wanted)
+/* Those of a bit in `wanted` at least. Not inlined: its constants would be saved and loaded around each call of C. */
+static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const neighbours *n,
+                                              const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header,
+                                              const unsigned char *rows)
 {
+    const uint32_t first = n->first;
     vi sum_q16[3][PARTS], b_q15[PARTS][16];
     for (uint32_t part = 0; part < PARTS; part++) {
         const vi colour = load_colours(scene, rows, first + part * LANES);
@@ -165,10 +192,10 @@ static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t 
             sum_q16[c][part] = header->colour_q16[c] + round_shift(step, 4);
         }
         if (view->sh_degree > 0)
-            basis_at(b_q15[part], view, scene, header, rows, first + part * LANES);
+            basis_at(b_q15[part], n, part, view, scene, header, rows);
     }
     if (view->sh_degree > 0 && scene->palette)
-        add_palette(sum_q16, scene, header, rows, first, b_q15, view->sh_degree, wanted);
+        add_palette(sum_q16, scene, header, rows, first, b_q15, view->sh_degree, n->wanted);
     else if (view->sh_degree > 0)
         add_bands(sum_q16, (const int8_t *)rows + FXS_ROW_SH + first, b_q15, header->sh_step_q19, view->sh_degree);
     for (int part = 0; part < PARTS; part++) {
@@ -180,6 +207,38 @@ static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t 
     }
 }
 
+/* Neighbours of the visible Gaussian i. Returns the next one that is none of them. */
+static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, uint32_t i, uint32_t count)
+{
+    const uint32_t first = indices[i] & ~(GROUP - 1u);
+    uint32_t wanted = 0, end = i;
+    for (; end < count && indices[end] - first < GROUP; end++)
+        wanted |= 1u << (indices[end] - first);
+    n->start = i;
+    n->end = end;
+    n->first = first % FXS_CHUNK;
+    n->wanted = wanted;
+    return end;
+}
+
+/* Gives the visible ones their colours. */
+static inline void shade_neighbours(const neighbours *n, const fxs_view *view, const fxs_scene *scene,
+                                    const fxs_chunk *header, const unsigned char *rows, const uint32_t *indices,
+                                    fxs_splat *splats)
+{
+    int32_t red_green[GROUP], blue[GROUP];
+    if (n->end - n->start == 1 && !scene->palette) {       /* a vector costs as much as one or two Gaussians in C */
+        fxs_shade_list(view, scene, header, rows, indices + n->start, 1, splats + n->start);
+        return;
+    }
+    colours(red_green, blue, n, view, scene, header, rows);
+    for (uint32_t i = n->start; i < n->end; i++) {
+        const uint32_t g = indices[i] % GROUP;
+        memcpy(splats[i].colour_q13, &red_green[g], sizeof red_green[g]);
+        splats[i].colour_q13[2] = (int16_t)blue[g];
+    }
+}
+
 FXS_SHADE(ISA)
 {
     const unsigned char *rows = fxs_rows(scene, chunk);
@@ -187,22 +246,15 @@ FXS_SHADE(ISA)
     const int error = fxs_chunk_read(&header, scene, chunk);
     if (error)
         return error;
-    for (uint32_t i = 0, end; i < count; i = end) {
-        const uint32_t first = indices[i] & ~(GROUP - 1u);
-        int32_t red_green[GROUP], blue[GROUP];
-        uint32_t wanted = 0;
-        for (end = i; end < count && indices[end] - first < GROUP; end++)
-            wanted |= 1u << (indices[end] - first);
-        if (end - i == 1 && !scene->palette) {   /* a vector costs as much as one or two Gaussians in C */
-            fxs_shade_list(view, scene, &header, rows, indices + i, 1, splats + i);
-            continue;
-        }
-        colours(red_green, blue, view, scene, &header, rows, first % FXS_CHUNK, wanted);
-        for (; i < end; i++) {
-            const uint32_t g = indices[i] % GROUP;
-            memcpy(splats[i].colour_q13, &red_green[g], sizeof red_green[g]);
-            splats[i].colour_q13[2] = (int16_t)blue[g];
-        }
+    for (uint32_t i = 0; i < count;) {
+        neighbours some[SOME];
+        uint32_t filled = 0;
+        for (; filled < SOME && i < count; filled++)
+            i = take_neighbours(&some[filled], indices, i, count);
+        if (SOME > 1 && view->sh_degree > 0)
+            find_directions(some, filled, view, scene, &header, rows);
+        for (uint32_t k = 0; k < filled; k++)
+            shade_neighbours(&some[k], view, scene, &header, rows, indices, splats);
     }
     return 0;
 }

@@ -31,21 +31,6 @@ static inline void store_6(void *to, octet x)
     _mm_storel_epi64((__m128i *)to + 1, _mm256_extracti128_si256(x, 1));
 }
 
-/* What 8 rows have in lanes first to first + 3. */
-static inline void transpose(octet out[4], const vi rows[8], int first)
-{
-    const __m128i *four = (const __m128i *)(const void *)rows + first / 4;
-    __m256i in[4];
-    for (int i = 0; i < 4; i++)
-        in[i] = _mm256_loadu2_m128i(four + (i + 4) * (LANES / 4), four + i * (LANES / 4));
-    __m256i a = _mm256_unpacklo_epi32(in[0], in[1]), b = _mm256_unpacklo_epi32(in[2], in[3]);
-    __m256i c = _mm256_unpackhi_epi32(in[0], in[1]), d = _mm256_unpackhi_epi32(in[2], in[3]);
-    out[0] = _mm256_unpacklo_epi64(a, b);
-    out[1] = _mm256_unpackhi_epi64(a, b);
-    out[2] = _mm256_unpacklo_epi64(c, d);
-    out[3] = _mm256_unpackhi_epi64(c, d);
-}
-
 static inline octet load_16(const int8_t *from)
 {
     return _mm256_cvtepi8_epi16(_mm_loadu_si128((const __m128i *)(const void *)from));

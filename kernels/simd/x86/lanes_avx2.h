@@ -125,6 +125,21 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
+/* What 8 rows have in lanes first to first + 3. */
+static inline void transpose(octet out[4], const vi rows[8], int first)
+{
+    const __m128i *four = (const __m128i *)(const void *)rows + first / 4;
+    __m256i in[4];
+    for (int i = 0; i < 4; i++)
+        in[i] = _mm256_loadu2_m128i(four + (i + 4) * (LANES / 4), four + i * (LANES / 4));
+    __m256i a = _mm256_unpacklo_epi32(in[0], in[1]), b = _mm256_unpacklo_epi32(in[2], in[3]);
+    __m256i c = _mm256_unpackhi_epi32(in[0], in[1]), d = _mm256_unpackhi_epi32(in[2], in[3]);
+    out[0] = _mm256_unpacklo_epi64(a, b);
+    out[1] = _mm256_unpackhi_epi64(a, b);
+    out[2] = _mm256_unpacklo_epi64(c, d);
+    out[3] = _mm256_unpackhi_epi64(c, d);
+}
+
 /* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
 typedef vh mask_h;                 /* -1 or 0 */
@@ -170,10 +185,10 @@ static inline uint32_t bits_h(mask_h which)
     return (bits & 0xff) | (bits >> 8 & 0xff00);
 }
 
-/* x times 0 to 3, and y more in the last four lanes. */
+/* x times the column and y times the row, of columns 0, 1, 4 and 5. */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
-    return x * (vu)_mm256_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3) + y * (vu)_mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1);
+    return x * (vu)_mm256_setr_epi32(0, 0, 1, 1, 4, 4, 5, 5) + y * (vu)_mm256_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1);
 }
 
 /* Brings two rows of an entry together. */
@@ -186,13 +201,26 @@ static inline void order_levels(vh levels_q11[FXS_TILE])
     }
 }
 
-/* Of ordered levels from a patch's rows on: an entry's first in lanes 0 to 7, the next in lanes 8 to 15. */
+/* Of ordered levels from a patch's rows on: an entry's, column by column. */
 static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
-    const __m256i words = _mm256_setr_epi64x(0x0100010001000100, 0x0100010001000100, 0x0302030203020302,
-                                             0x0302030203020302);
     const int32_t *pairs = (const int32_t *)(levels_q11 + (entry >> 2 & 1)) + (entry >> 3) * 4 + (entry & 3);
-    return (vh)_mm256_shuffle_epi8(_mm256_set1_epi32(*pairs), words);
+    return (vh)_mm256_set1_epi32(*pairs);
+}
+
+/* Columns of two pixels become rows of eight; and the other way round. */
+static inline vh rows_of(vh columns)
+{
+    const __m256i by_row = _mm256_setr_epi64x(0x0d0c090805040100, 0x0f0e0b0a07060302, 0x0d0c090805040100,
+                                              0x0f0e0b0a07060302);
+    return (vh)_mm256_permute4x64_epi64(_mm256_shuffle_epi8((__m256i)columns, by_row), 0xd8);
+}
+
+static inline vh columns_of(vh rows)
+{
+    const __m256i by_column = _mm256_setr_epi64x(0x0b0a030209080100, 0x0f0e07060d0c0504, 0x0b0a030209080100,
+                                                 0x0f0e07060d0c0504);
+    return (vh)_mm256_shuffle_epi8(_mm256_permute4x64_epi64((__m256i)rows, 0xd8), by_column);
 }
 
 /* Each half of x, then of y, first halves first. */

@@ -104,6 +104,27 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
+/* What 8 rows have in lanes first to first + 3, a constant. */
+static inline void transpose(octet out[4], const vi rows[8], int first)
+{
+    const __m512i two = first < 8 ? _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11)
+                                  : _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+    __m512i fours[2][4];           /* of each 128 bits, four words of one lane */
+    for (int i = 0; i < 2; i++) {
+        const __m512i *four = (const __m512i *)(const void *)rows + 4 * i;
+        const __m512i a = _mm512_unpacklo_epi32(four[0], four[1]), b = _mm512_unpacklo_epi32(four[2], four[3]);
+        const __m512i c = _mm512_unpackhi_epi32(four[0], four[1]), d = _mm512_unpackhi_epi32(four[2], four[3]);
+        fours[i][0] = _mm512_unpacklo_epi64(a, b);
+        fours[i][1] = _mm512_unpackhi_epi64(a, b);
+        fours[i][2] = _mm512_unpacklo_epi64(c, d);
+        fours[i][3] = _mm512_unpackhi_epi64(c, d);
+    }
+    for (int i = 0; i < 4; i++) {
+        const __m512i lanes = _mm512_permutex2var_epi64(fours[0][i], two, fours[1][i]);
+        out[i] = first & 4 ? _mm512_extracti64x4_epi64(lanes, 1) : _mm512_castsi512_si256(lanes);
+    }
+}
+
 /* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
 typedef __mmask32 mask_h;
@@ -147,11 +168,11 @@ static inline uint32_t bits_h(mask_h which)
     return which;
 }
 
-/* x times 0 to 3, and one y more every four lanes. */
+/* x times the column and y times the row, of columns 0, 2, 4 and 6. */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
-    return x * (vu)_mm512_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3) +
-           y * (vu)_mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+    return x * (vu)_mm512_setr_epi32(0, 0, 0, 0, 2, 2, 2, 2, 4, 4, 4, 4, 6, 6, 6, 6) +
+           y * (vu)_mm512_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
 }
 
 /* Brings four rows of an entry together. */
@@ -168,14 +189,28 @@ static inline void order_levels(vh levels_q11[FXS_TILE])
     }
 }
 
-/* Of ordered levels from a patch's rows on: an entry's first in lanes 0 to 7, the next in lanes 8 to 15, ... */
+/* Of ordered levels from a patch's rows on: an entry's, column by column. */
 static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
-    const __m512i words = _mm512_setr_epi64(0x0100010001000100, 0x0100010001000100, 0x0302030203020302,
-                                            0x0302030203020302, 0x0504050405040504, 0x0504050405040504,
-                                            0x0706070607060706, 0x0706070607060706);
     const int64_t *fours = (const int64_t *)(levels_q11 + (entry >> 1 & 3)) + (entry >> 3) * 2 + (entry & 1);
-    return (vh)_mm512_shuffle_epi8(_mm512_set1_epi64(*fours), words);
+    return (vh)_mm512_set1_epi64(*fours);
+}
+
+/* Columns of four pixels become rows of eight; and the other way round. */
+static inline vh rows_of(vh columns)
+{
+    const __m512i from = _mm512_setr_epi64(0x000c000800040000, 0x001c001800140010, 0x000d000900050001,
+                                           0x001d001900150011, 0x000e000a00060002, 0x001e001a00160012,
+                                           0x000f000b00070003, 0x001f001b00170013);
+    return (vh)_mm512_permutexvar_epi16(from, (__m512i)columns);
+}
+
+static inline vh columns_of(vh rows)
+{
+    const __m512i from = _mm512_setr_epi64(0x0018001000080000, 0x0019001100090001, 0x001a0012000a0002,
+                                           0x001b0013000b0003, 0x001c0014000c0004, 0x001d0015000d0005,
+                                           0x001e0016000e0006, 0x001f0017000f0007);
+    return (vh)_mm512_permutexvar_epi16(from, (__m512i)rows);
 }
 
 #endif

@@ -90,12 +90,14 @@ static void sort_few(const fxs_key *keys, fxs_key *to, uint32_t count)
         _mm512_mask_storeu_epi64(to + i * KEYS, (__mmask8)(there >> i * KEYS), x[i]);
 }
 
-/* The least key and the largest, of more than FEW; the last vector overlaps. */
-static inline void range_of(const fxs_key *keys, uint32_t count, fxs_key *least, fxs_key *most)
+/* The least key and the largest, of more than FEW; the last vector overlaps. Begins to fetch `spare`, which is written
+   to next. */
+static inline void range_of(const fxs_key *keys, const fxs_key *spare, uint32_t count, fxs_key *least, fxs_key *most)
 {
     __m512i low = _mm512_loadu_si512(keys + count - KEYS), high = low;
     for (uint32_t i = 0; i + KEYS <= count; i += KEYS) {
         const __m512i x = _mm512_loadu_si512(keys + i);
+        __builtin_prefetch(spare + i, 1);
         low = _mm512_min_epu64(low, x);
         high = _mm512_max_epu64(high, x);
     }
@@ -129,7 +131,7 @@ FXS_SORT(avx512)
             sort_few(keys, keys, count);
         return;
     }
-    range_of(keys, count, &least, &most);
+    range_of(keys, spare, count, &least, &most);
     const int range = 64 - fxs_clz64((most - least) | 1), bits = fxs_min(31 - fxs_clz32(count), MOST_BITS);
     const int shift = range > bits ? range - bits : 0;
     move_to_buckets(keys, spare, count, least, shift, 1u << bits, ends);
