@@ -79,15 +79,16 @@ tarball() {
 
 # window RUN...: of the tarball's window, with the libraries that it is linked with, on a screen of its own.
 window() {
+    rm -f display
     Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>display >server 2>&1 &
     screen=$!
     for second in 1 2 3 4 5; do [ -s display ] || sleep 1; done
     DISPLAY=:$(cat display)
     export DISPLAY
-    SDL_VIDEODRIVER=x11 "$@" "$folder/bin/fixsplat-view" knot.ply >log 2>&1 &
+    SDL_VIDEODRIVER=x11 timeout 60 "$@" "$folder/bin/fixsplat-view" knot.ply >log 2>&1 &
     viewer=$!
-    found=$(timeout 60 xdotool search --sync --onlyvisible --class fixsplat) && xdotool windowfocus --sync "$found" key q
-    { timeout 30 tail --pid=$viewer -f /dev/null || kill $viewer; } 2>&1
+    found=$(timeout 50 xdotool search --sync --onlyvisible --name '^knot.ply - ') &&
+        xdotool windowfocus --sync "$found" key Escape
     wait $viewer
     ended=$?
     kill $screen
@@ -109,7 +110,7 @@ if [ "$here" != aarch64 ] && have qemu-aarch64; then
     tarball aarch64 qemu-aarch64 -L /usr/aarch64-linux-gnu
     if have Xvfb && have xdotool && have mmdebstrap && mmdebstrap --quiet --arch=arm64 --variant=extract \
         --include=libsdl2-2.0-0,libsdl2-ttf-2.0-0 bookworm arm64 >log 2>&1; then
-        check "aarch64: a window, and q ends it" window qemu-aarch64 -L arm64
+        check "aarch64: a window with the scene, which Escape closes" window qemu-aarch64 -L arm64
     else
         skip "aarch64: a window" "no Xvfb, xdotool or mmdebstrap here, or no packages of Debian's"
     fi
