@@ -66,8 +66,9 @@ tarball() {
     done
     check "$arch: render" equal "$(bare "$@" "$folder/bin/fixsplat" render knot.ply --size 320x180 --hash 2>&1)" "$hash"
     check "$arch: doctor" bare "$@" "$folder/bin/fixsplat" doctor
-    for file in share/man/man1/fixsplat-render.1 share/fixsplat/web/viewer/index.html share/doc/fixsplat/LICENSE \
-        share/doc/fixsplat/licences/zlib share/doc/fixsplat/install.md; do
+    for file in bin/fixsplat-view share/man/man1/fixsplat-render.1 share/fixsplat/web/viewer/index.html \
+        share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/zlib share/doc/fixsplat/licences/qrencode \
+        share/doc/fixsplat/install.md; do
         check "$arch: $file" test -s "$folder/$file"
     done
     check "$arch: no word of where it was built" equal "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
