@@ -37,17 +37,17 @@ static const struct {
 
 /* Programs and libraries that are looked for when they are needed. Windows has its own way to open a browser. */
 static const struct {
-    const char *name, *library;        /* library: null: a program */
-    int is_built;                      /* of a library: 1 where this build looks for it */
-    const char *gives, *package;       /* Debian's */
+    const char *name, *library, *package;      /* library: null: a program; package: Debian's */
+    int is_built;                              /* of a library: 1 where this build looks for it */
+    const char *gives;
 } helpers[] = {
-    {"ffmpeg", 0, 1, "fit takes films", "ffmpeg"},
-    {"colmap", 0, 1, "fit finds the cameras of photographs that come without", "colmap"},
+    {"ffmpeg", 0, "ffmpeg", 1, "fit takes films"},
+    {"colmap", 0, "colmap", 1, "fit finds the cameras of photographs that come without"},
 #ifndef _WIN32
-    {"xdg-open", 0, 1, "view --web opens the browser", "xdg-utils"},
+    {"xdg-open", 0, "xdg-utils", 1, "view --web opens the browser"},
 #endif
-    {"libheif", "libheif.so.1", IS_BUILT(FXS_WITH_HEIF), "fit takes photographs of .heic", "libheif1"},
-    {"libcurl", "libcurl.so.4", IS_BUILT(FXS_WITH_CURL), "view and render take the address of a scene", "libcurl4"},
+    {"libheif", "libheif.so.1", "libheif1", IS_BUILT(FXS_WITH_HEIF), "fit takes photographs of .heic"},
+    {"libcurl", "libcurl.so.4", "libcurl4", IS_BUILT(FXS_WITH_CURL), "view and render take the address of a scene"},
 };
 
 static void line(const char *name, int is_here, const char *what, const char *words)
