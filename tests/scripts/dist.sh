@@ -166,6 +166,7 @@ else
     check "Windows: its picture and scene" test -s windows.png -a -s windows.ply
     w fixsplat.exe doctor >doctor
     check "Windows: doctor finds the page" grep -q "page.*$(basename "$folder")" doctor
+    check "Windows: doctor, without what is for Linux" equal "$(grep -E 'apt |xdg' doctor)" ""
     check "Windows: publish" w fixsplat.exe publish knot.ply site.html --single
     for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
         share/doc/fixsplat/windows.md share/fixsplat/web/viewer/index.html; do
