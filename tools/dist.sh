@@ -76,9 +76,16 @@ linux() {
     [ ! -e "$cxx" ] || ln -sf "$cxx" "$libraries/lib/"
     folder=$build/tarball/$name-linux-$arch
     rm -rf "$folder"
-    [ $arch = "$here" ] && nvcc=$NVCC || nvcc=none
-    make -s install B=build-$arch CC=$machine-gcc NVCC="$nvcc" CFLAGS=-O2 DESTDIR="$folder" \
-        CPPFLAGS="-isystem $libraries/include" LDFLAGS="-s -static-libgcc -L$libraries/lib"
+    nvcc=$NVCC headers="-isystem $libraries/include" linked="-L$libraries/lib"
+    # The window is linked with Debian's shared libraries: those of another processor, without what they need in turn.
+    [ $arch = "$here" ] || {
+        nvcc=none window=$libraries/window/usr
+        sh tools/arm_libraries.sh "$libraries/window" libsdl2-dev libsdl2-2.0-0 libsdl2-ttf-dev libsdl2-ttf-2.0-0
+        headers="$headers -isystem $window/include -isystem $window/include/$machine"
+        linked="$linked -L$window/lib/$machine -Wl,--allow-shlib-undefined"
+    }
+    make -s install B=build-$arch CC=$machine-gcc NVCC="$nvcc" CFLAGS=-O2 DESTDIR="$folder" CPPFLAGS="$headers" \
+        LDFLAGS="-s -static-libgcc $linked"
     mv "$folder"/usr/local/* "$folder"
     rmdir "$folder/usr/local" "$folder/usr"
     # Of programs for another processor nothing can be asked here.
