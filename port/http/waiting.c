@@ -1,13 +1,14 @@
 #include "waiting.h"
 
 #include <stdlib.h>
-#include <sys/socket.h>
+
+#include "sockets.h"
 
 enum { WAITING_MOST = 64 };
 
 typedef struct fxs_http_guest {
     struct fxs_http_guest *older, *newer;
-    int socket;
+    MHD_socket socket;
     int waits;
 } guest;
 
@@ -31,7 +32,7 @@ static void add_guest(fxs_http_waiting *w, guest *g)
     g->waits = 1;
     if (++w->count <= WAITING_MOST)
         return;
-    shutdown(w->oldest->socket, SHUT_RDWR);   /* the server finds it closed */
+    shutdown(w->oldest->socket, FXS_HTTP_BOTH_WAYS);   /* the server finds it closed */
     remove_guest(w, w->oldest);
 }
 
