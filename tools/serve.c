@@ -223,8 +223,8 @@ static void tell_all(const fxs_http_server *server, const view_options *o)
     told t = {"", ""};
     fxs_http_each_address(server, tell, &t);
     if (*t.far && !o->key)
-        puts("Browsers of other machines have no threads and no headset over http: --cert and --key, or for a headset "
-             "on a cable adb reverse (docs/web.md)");
+        printf("Browsers of other machines have no threads and no headset over http: %sfor a headset on a cable adb "
+               "reverse (docs/web.md)\n", fxs_http_has_tls() ? "--cert and --key, or " : "");
     tell_people(&t, o);
 }
 

@@ -381,9 +381,14 @@ static int read_text(char **out, const char *path, fxs_message *message)
     return bytes && bytes < PEM_BYTES_MOST ? 0 : fxs_fail(message, "%s: this is no .pem file", path);
 }
 
+int fxs_http_has_tls(void)
+{
+    return MHD_is_feature_supported(MHD_FEATURE_TLS) == MHD_YES;
+}
+
 static int read_pem(fxs_http_server *server, const fxs_http_options *o, fxs_message *message)
 {
-    if (MHD_is_feature_supported(MHD_FEATURE_TLS) != MHD_YES)
+    if (!fxs_http_has_tls())
         return fxs_fail(message, "%s: this libmicrohttpd was built without TLS", o->certificate);
     const int result = read_text(&server->certificate, o->certificate, message);
     return result ? result : read_text(&server->key, o->key, message);

@@ -37,6 +37,9 @@ typedef struct fxs_http_options {
 
 typedef struct fxs_http_server fxs_http_server;
 
+/* Whether there can be a certificate: 1 where libmicrohttpd has TLS, else 0. */
+int fxs_http_has_tls(void);
+
 /* Serves from a thread of its own, which gets no signals. Returns 0, or an error and a message. */
 int fxs_http_open(fxs_http_server **server, const fxs_http_site *site, const fxs_http_options *options,
                   fxs_message *message);
