@@ -296,6 +296,17 @@ else
         check "fit --preview: Ctrl-C saves it" equal "$(ls long.fxs*; grep -c 'stopped after' logs/printed)" \
             "$(printf 'long.fxs.fit\n1')"
         check "fit --preview: Ctrl-C: nobody answers" gone
+        mkdir bin
+        printf '#!/bin/sh\necho "$*" >"$OPENED"\n' >bin/xdg-open
+        chmod +x bin/xdg-open
+        env PATH="$work/bin:$PATH" OPENED="$work/opened" timeout 30 script -qec \
+            "'$wine' '$program' view --web --port 0 knot.ply" /dev/null >logs/out 2>&1 </dev/null &
+        tries=0
+        until [ -s opened ] || [ $((tries += 1)) = 100 ]; do sleep 0.2; done
+        check "view --web at a console: a browser is opened" equal \
+            "$(code "$(cat opened)viewer/") $(cksum <logs/body)" "200 $(cksum <page/viewer/index.html)"
+        kill $!
+        wait $! 2>/dev/null
     else
         skip "the server: Ctrl-C" "no script here"
     fi
