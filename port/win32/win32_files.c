@@ -324,15 +324,26 @@ FILE *fxs_stream_open(const char *path, const char *mode)
     return file;
 }
 
-/* tmpfile of Windows wants to write to the root of the drive. */
+/* tmpfile of Windows wants to write to the root of the drive. It is deleted by Windows when it is closed, however that
+   comes. */
 FILE *fxs_stream_temporary(void)
 {
-    wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 1];
-    if (!GetTempPathW(MAX_PATH, folder) || !GetTempFileNameW(folder, L"fxs", 0, name)) {
-        win32_failed();
-        return NULL;
-    }
-    return _wfopen(name, L"w+bTD");        /* short-lived, and deleted when it is closed */
+    static volatile LONG count;
+    const DWORD access = GENERIC_READ | GENERIC_WRITE | DELETE;
+    const DWORD shared = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
+    wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 64];
+    HANDLE handle = INVALID_HANDLE_VALUE;
+    if (GetTempPathW(MAX_PATH, folder))
+        do {
+            _snwprintf(name, sizeof name / sizeof *name, L"%lsfixsplat-%lx-%lx.tmp", folder, GetCurrentProcessId(),
+                       InterlockedIncrement(&count));
+            handle = CreateFileW(name, access, shared, NULL, CREATE_NEW,
+                                 FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
+        } while (handle == INVALID_HANDLE_VALUE && GetLastError() == ERROR_FILE_EXISTS);
+    if (handle != INVALID_HANDLE_VALUE)
+        return win32_stream(handle, "w+b");
+    win32_failed();
+    return NULL;
 }
 
 int fxs_stream_empty(FILE *file)

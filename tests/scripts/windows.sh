@@ -254,6 +254,18 @@ else
         grep ^http logs/served | sed 's/:[0-9]*\/$//' | sort)" "$(grep -c ^http linux.addresses; grep ^http linux.addresses)"
     stop
     gone
+    serves "$fixsplat" view --web --port 0 --qr knot.ply
+    stop
+    cp logs/served linux.code
+    gone
+    serves "$wine" "$program" view --web --port "${at##*:}" --qr knot.ply
+    stop
+    if [ "$(cat linux.code logs/served | wc -l)" -gt 30 ]; then
+        check "view --web --qr: the same code" cmp linux.code logs/served
+    else
+        skip "view --web --qr" "built without libqrencode"
+    fi
+    gone
 
     # What looks on changes no byte; and at a console of wine, Ctrl-C.
     serves env -u FIXSPLAT_QUIET "$wine" "$program" fit set --steps 200 --preview --port 0 -o preview.fxs
