@@ -367,7 +367,8 @@ int fxs_terminal_takes_codes(FILE *file)
 {
     DWORD mode;
     const HANDLE console = (HANDLE)_get_osfhandle(_fileno(file));
-    return !GetConsoleMode(console, &mode) || SetConsoleMode(console, mode | 0x4);  /* ..._VIRTUAL_TERMINAL_PROCESSING */
+    const DWORD processing = 0x4;          /* ENABLE_VIRTUAL_TERMINAL_PROCESSING, which no header has before Windows 10's */
+    return !GetConsoleMode(console, &mode) || SetConsoleMode(console, mode | processing);
 }
 
 /* ---- Descriptors ------------------------------------------------------------------------------------------------- */
@@ -390,8 +391,9 @@ int fxs_descriptor_open(const char *path)
 int fxs_descriptor_again(int descriptor)
 {
     const HANDLE process = GetCurrentProcess();
+    const HANDLE first = (HANDLE)_get_osfhandle(descriptor);
     HANDLE handle;
-    if (!DuplicateHandle(process, (HANDLE)_get_osfhandle(descriptor), process, &handle, 0, FALSE, DUPLICATE_SAME_ACCESS))
+    if (!DuplicateHandle(process, first, process, &handle, 0, FALSE, DUPLICATE_SAME_ACCESS))
         return win32_failed();
     return descriptor_of(handle);
 }

@@ -110,8 +110,8 @@ int fxs_terminal_takes_codes(FILE *file);
 
 /* ---- Descriptors ------------------------------------------------------------------------------------------------- */
 
-/* Of files that are read at any place by any thread, as libmicrohttpd takes them. Programs that are run from here do not
-   have them. Those that return a descriptor return -1, and errno, where there is none. */
+/* Of files that are read at any place by any thread, as libmicrohttpd takes them. Programs that are run from here do
+   not have them. Those that return a descriptor return -1, and errno, where there is none. */
 
 /* 1 where a file that is open can be replaced by another, else 0. */
 #ifdef _WIN32
@@ -163,8 +163,8 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
 /* Runs a program in place of this one. Returns where that fails, with errno. */
 void fxs_program_become(const char *path, char **argv);
 
-/* Opens an address in the browser of a desktop, where there is one, and does not wait for it. Returns 0, or -1 and errno
-   where it cannot. */
+/* Opens an address in the browser of a desktop, where there is one, and does not wait for it. Returns 0, or -1 and
+   errno where it cannot. */
 int fxs_browse(const char *address);
 
 /* ---- Being asked to end ------------------------------------------------------------------------------------------ */

@@ -139,7 +139,8 @@ serves() {
     until [ -s logs/served ] || grep -q '^fixsplat: preview: ' logs/errors || ! kill -0 $server 2>/dev/null; do
         sleep 0.1
     done
-    at=$(cat logs/served logs/errors | tr -d '\r' | sed -n 's|^\(fixsplat: preview: \)*\(http://[^/]*\)/$|\2|p' | head -n 1)
+    at=$(cat logs/served logs/errors | tr -d '\r' | sed -n 's|^\(fixsplat: preview: \)*\(http://[^/]*\)/$|\2|p' |
+        head -n 1)
     [ "$at" ] || fail "serves" "$(cat logs/errors)"
 }
 stop() { kill $server; wait $server; } 2>/dev/null
@@ -231,7 +232,8 @@ else
         '/long.js:x' '/LONG~1.JS' /.x /../beside.txt '/..\beside.txt' '/..%5cbeside.txt' '/viewer\..\..\beside.txt' \
         '/viewer%5c..%5c..%5cbeside.txt' /%2e%2e/beside.txt '/%5c%5c.%5cnul' "/$work/beside.txt" "/Z:$work/beside.txt" \
         "/viewer/Z%3a$work/beside.txt" '/C:/windows/win.ini' '/C%3a%5cwindows%5cwin.ini'; do
-        check "view --web: not $(printf %s "$path" | tr '\\' '|')" equal "$(code "$at$path") $(grep -c secret logs/body)" "404 0"
+        check "view --web: not $(printf %s "$path" | tr '\\' '|')" equal \
+            "$(code "$at$path") $(grep -c secret logs/body)" "404 0"
     done
     check "view --web: beside 300 requests that never end" $helper hang "${at##*:}" 300 \
         sh -c 'sleep 2; exec curl -s -m 5 -o logs/body "$1"' - "$at/long.js"
@@ -247,11 +249,11 @@ else
     wait $server 2>/dev/null
     check "view --web: ended at once, it is no longer there" gone
     serves "$fixsplat" view --web --port 0 --bind 0.0.0.0 knot.ply
-    sed 's/:[0-9]*\/$//' logs/served | sort >linux.addresses
+    addresses() { grep ^http logs/served | sed 's/:[0-9]*\/$//' | sort; }
+    addresses >linux.addresses
     stop
     serves "$wine" "$program" view --web --port 0 --bind 0.0.0.0 knot.ply
-    check "view --web --bind 0.0.0.0: the same addresses" equal "$(sed 's/:[0-9]*\/$//' logs/served | grep -c ^http; \
-        grep ^http logs/served | sed 's/:[0-9]*\/$//' | sort)" "$(grep -c ^http linux.addresses; grep ^http linux.addresses)"
+    check "view --web --bind 0.0.0.0: the same addresses" equal "$(addresses)" "$(cat linux.addresses)"
     stop
     gone
     serves "$fixsplat" view --web --port 0 --qr knot.ply
@@ -278,8 +280,8 @@ else
         at_console() {
             rm -f logs/status logs/printed
             mkfifo keys
-            timeout 300 env -u FIXSPLAT_QUIET script -qec "'$wine' '$program' $* >logs/printed 2>&1; echo \$? >logs/status" /dev/null \
-                <keys >logs/out 2>&1 &
+            timeout 300 env -u FIXSPLAT_QUIET script -qec \
+                "'$wine' '$program' $* >logs/printed 2>&1; echo \$? >logs/status" /dev/null <keys >logs/out 2>&1 &
             exec 3>keys
             rm keys
             until at=$(cat logs/printed 2>/dev/null | grep -o 'http://[0-9.]*:[0-9]*'); [ "$at" ]; do sleep 0.2; done
@@ -303,7 +305,8 @@ else
         until get "$at/fit.json" | grep -q '"version": [2-9]' || [ $((tries += 1)) = 300 ]; do sleep 0.2; done
         get -o now.fxs "$at/scene.fxs"
         check "fit --preview: a scene" "$fixsplat" info now.fxs
-        check "fit --preview: the page" equal "$(code -w '%{http_code} %{redirect_url}' "$at/")" "302 $at/viewer/fit.html"
+        check "fit --preview: the page" equal "$(code -w '%{http_code} %{redirect_url}' "$at/")" \
+            "302 $at/viewer/fit.html"
         by_ctrl_c
         check "fit --preview: Ctrl-C saves it" equal "$(ls long.fxs*; grep -c 'stopped after' logs/printed)" \
             "$(printf 'long.fxs.fit\n1')"
