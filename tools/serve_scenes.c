@@ -23,8 +23,8 @@ enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
    reading it. */
 enum { VERSIONS = 2, FILES = SCENE_FILES };
 
-/* In the place of a descriptor. AS_IT_LIES: what has the name of the scene when it is sent, on a system where a file that
-   is kept open could not be replaced. */
+/* In the place of a descriptor. AS_IT_LIES: what has the name of the scene when it is sent, on a system where a file
+   that is kept open could not be replaced. */
 enum { NONE = -1, AS_IT_LIES = -2 };
 
 enum scene_state { WAITS, PACKS, READY, FAILED, GONE };

@@ -367,8 +367,7 @@ int fxs_terminal_takes_codes(FILE *file)
 {
     DWORD mode;
     const HANDLE console = (HANDLE)_get_osfhandle(_fileno(file));
-    const DWORD processing = 0x4;          /* ENABLE_VIRTUAL_TERMINAL_PROCESSING, which no header has before Windows 10's */
-    return !GetConsoleMode(console, &mode) || SetConsoleMode(console, mode | processing);
+    return !GetConsoleMode(console, &mode) || SetConsoleMode(console, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING);
 }
 
 /* ---- Descriptors ------------------------------------------------------------------------------------------------- */
