@@ -34,7 +34,7 @@ cat >logs/windows <<END
 exec "$wine" "$program" "\$@"
 END
 chmod +x logs/windows
-refused() { fixsplat=$work/logs/windows; fails "$@"; fixsplat=$fixsplat_linux; }
+refused() { kept=$wanted fixsplat=$work/logs/windows; fails "$@"; wanted=$kept fixsplat=$fixsplat_linux; }
 
 w --version >logs/out 2>/dev/null        # makes wine's folder
 check "runs, and says which version it is" equal "$(w --version)" "$("$fixsplat" --version)"
