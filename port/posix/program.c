@@ -1,4 +1,3 @@
-#define _XOPEN_SOURCE 700   /* sigtimedwait */
 #include "src/base/system.h"
 
 #include <dlfcn.h>
