@@ -206,7 +206,7 @@ void fxs_end_hold(void)
 
 int fxs_end_wait(unsigned milliseconds)
 {
-    const struct timespec most = {milliseconds / 1000, (long)(milliseconds % 1000) * 1000000};
+    const struct timespec most = {(time_t)(milliseconds / 1000), (long)(milliseconds % 1000) * 1000000};
     return sigtimedwait(&held, 0, &most) > 0;
 }
 
