@@ -8,13 +8,13 @@
 # packages say of rights. Of each library that cannot be had a line is printed; without qrencode, whose header says so
 # too, the rest is still of use.
 folder=${1:?folder} machine=${2:?machine}
-names='libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip'
+names='libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libmicrohttpd qrencode'
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev zlib1g-dev
           libdeflate-dev libzstd-dev libmicrohttpd-dev libqrencode-dev'
 case $machine in
     *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb ;;
     *)         system=Linux flags='-fPIC -fvisibility=hidden' libdeflate=libdeflate.a
-               names="zlib $names libmicrohttpd qrencode"
+               names="zlib $names"
                own=$(cc -print-multiarch)
                headers="EGL GLES2 GLES3 KHR GL stb $own/libheif $own/curl" ;;
 esac

@@ -36,6 +36,7 @@ enum fxs_file_kind { FXS_FILE_NONE, FXS_FILE_REGULAR, FXS_FILE_FOLDER, FXS_FILE_
 
 typedef struct fxs_file_facts {
     uint64_t size, device, inode;
+    uint64_t modified;         /* when it was, in nanoseconds modulo 2^64: to tell one time from another */
 } fxs_file_facts;
 
 /* The kind of a file, after its symbolic links are followed. */
@@ -43,6 +44,9 @@ enum fxs_file_kind fxs_file_kind(const char *path);
 
 /* The same, and what is known of the file or folder. */
 enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts);
+
+/* The same of the name itself: a symbolic link is FXS_FILE_OTHER. */
+enum fxs_file_kind fxs_file_look_at_name(const char *path, fxs_file_facts *facts);
 
 /* Of an open file. */
 enum fxs_file_kind fxs_stream_look(FILE *file, fxs_file_facts *facts);
@@ -101,6 +105,35 @@ int fxs_is_terminal(FILE *file);
 /* Makes the line of a terminal an empty one. */
 extern const char fxs_erase_line[];
 
+/* Whether a terminal takes the codes of ECMA-48, which tell it of colours. On Windows it is told to take them. */
+int fxs_terminal_takes_codes(FILE *file);
+
+/* ---- Descriptors ------------------------------------------------------------------------------------------------- */
+
+/* Of files that are read at any place by any thread, as libmicrohttpd takes them. Programs that are run from here do
+   not have them. Those that return a descriptor return -1, and errno, where there is none. */
+
+/* 1 where a file that is open can be replaced by another, else 0. */
+#ifdef _WIN32
+enum { FXS_OPEN_MAY_BE_REPLACED = 0 };
+#else
+enum { FXS_OPEN_MAY_BE_REPLACED = 1 };
+#endif
+
+/* Of a file to be read. It is no symbolic link, and waits for nobody who writes to a FIFO. */
+int fxs_descriptor_open(const char *path);
+
+/* Another of the same file, also after the first is closed. */
+int fxs_descriptor_again(int descriptor);
+int fxs_descriptor_of(FILE *file);
+
+enum fxs_file_kind fxs_descriptor_look(int descriptor, fxs_file_facts *facts);
+
+/* Reads that many bytes from the beginning. Returns 0, or -1 where not all could be read. */
+int fxs_descriptor_read(int descriptor, void *out, size_t size);
+
+void fxs_descriptor_close(int descriptor);
+
 /* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
 /* Called first of all by main: a standard file that is closed becomes one that every use of fails, bytes go through
@@ -130,6 +163,10 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
 /* Runs a program in place of this one. Returns where that fails, with errno. */
 void fxs_program_become(const char *path, char **argv);
 
+/* Opens an address in the browser of a desktop, where there is one, and does not wait for it. Returns 0, or -1 and
+   errno where it cannot. */
+int fxs_browse(const char *address);
+
 /* ---- Being asked to end ------------------------------------------------------------------------------------------ */
 
 /* From here on the first request to end this process (Ctrl-C; SIGHUP, SIGINT, SIGTERM) is only noted. The next one does
@@ -144,5 +181,15 @@ void fxs_end_listen_no_more(void);
 
 /* Ends this process as the request would have done; only after one. */
 void fxs_end_as_asked(void);
+
+/* In the place of the others, for a program that waits for a request: from here on each waits for fxs_end_wait, of this
+   thread and of those that it starts. What is ignored stays so. Nor is it ended by writing what nobody reads. */
+void fxs_end_hold(void);
+
+/* Waits for so many milliseconds, or for a request after fxs_end_hold. Returns 1 where there is one, else 0. */
+int fxs_end_wait(unsigned milliseconds);
+
+/* Calls a function whose threads get no signals. */
+void fxs_without_signals(void (*call)(void *argument), void *argument);
 
 #endif

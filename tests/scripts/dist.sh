@@ -168,6 +168,14 @@ else
     check "Windows: doctor finds the page" grep -q "page.*$(basename "$folder")" doctor
     check "Windows: doctor, without what is for Linux" equal "$(grep -E 'apt |xdg' doctor)" ""
     check "Windows: publish" w fixsplat.exe publish knot.ply site.html --single
+    w fixsplat.exe view --web --port 0 knot.ply >served 2>log &          # ends with wine
+    server=$!
+    until [ -s served ] || ! kill -0 $server 2>/dev/null; do sleep 0.1; done
+    at=$(tr -d '\r' <served | sed -n 's|/$||p')
+    check "Windows: view --web: the page" sh -c 'curl -sL "$0/" | cmp - "$1"' "$at" \
+        "$folder/share/fixsplat/web/viewer/served.html"
+    check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/element.js" | cmp - "$1"' "$at" \
+        "$folder/share/fixsplat/web/viewer/element.js"
     for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
         share/doc/fixsplat/windows.md share/fixsplat/web/viewer/index.html; do
         check "Windows: $file" test -s "$folder/$file"

@@ -34,7 +34,7 @@ cat >logs/windows <<END
 exec "$wine" "$program" "\$@"
 END
 chmod +x logs/windows
-refused() { fixsplat=$work/logs/windows; fails "$@"; fixsplat=$fixsplat_linux; }
+refused() { kept=$wanted fixsplat=$work/logs/windows; fails "$@"; wanted=$kept fixsplat=$fixsplat_linux; }
 
 w --version >logs/out 2>/dev/null        # makes wine's folder
 check "runs, and says which version it is" equal "$(w --version)" "$("$fixsplat" --version)"
@@ -126,6 +126,205 @@ if have script; then
     check "fit: Ctrl-C saves it" [ -e stop.fxs.fit ]
 else
     skip "fit: Ctrl-C" "no script here"
+fi
+
+# ---- The server ------------------------------------------------------------------------------------------------------
+
+server=
+# serves PROGRAM ARGUMENT...: in the background, $server, at $at.
+serves() {
+    rm -f logs/served
+    "$@" >logs/served 2>logs/errors &
+    server=$!
+    until [ -s logs/served ] || grep -q '^fixsplat: preview: ' logs/errors || ! kill -0 $server 2>/dev/null; do
+        sleep 0.1
+    done
+    at=$(cat logs/served logs/errors | tr -d '\r' | sed -n 's|^\(fixsplat: preview: \)*\(http://[^/]*\)/$|\2|p' |
+        head -n 1)
+    [ "$at" ] || fail "serves" "$(cat logs/errors)"
+}
+stop() { kill $server; wait $server; } 2>/dev/null
+get() { curl -s --path-as-is -m 20 "$@"; }
+code() { get -o logs/body -w '%{http_code}' "$@"; }
+# ready NUMBER VERSION: waits until a scene is, 30 seconds at most.
+ready() {
+    tries=0
+    until get "$at/scenes/$1.json" | grep -q "\"ready\", \"version\": $2,"; do
+        [ $((tries += 1)) -lt 300 ] || { get "$at/scenes/$1.json"; return 1; }
+        sleep 0.1
+    done
+}
+gone() {
+    tries=0
+    while get -o logs/body "$at/"; do [ $((tries += 1)) -lt 50 ] || return 1; sleep 0.1; done
+}
+# answers: to each request of `requests`, the address and options of curl, with all headers but for the times. What is
+# compressed tells the system in a byte.
+answers() {
+    while read -r path options; do
+        get $options -D logs/head -o logs/body "$at$path"
+        echo "$path $options"
+        tr -d '\r' <logs/head | grep -Evi '^(Date|ETag):'
+        case $options in
+        -I) ;;
+        *) { gzip -dc <logs/body 2>/dev/null || cat logs/body; } | cksum ;;
+        esac
+    done <requests
+}
+
+if [ ! -e "$built/fixsplat-web.exe" ]; then
+    skip "the server" "built without libmicrohttpd (make setup windows)"
+elif ! have curl; then
+    skip "the server" "no curl here"
+else
+    cp "$built/fixsplat-web.exe" 'only this/'
+    echo '<!doctype html>' >page/viewer/fit.html
+    seq 2000 >page/long.js
+    echo secret | tee beside.txt page/.x page/con.js page/viewer/aux >page/com1.txt
+    mkdir -p 'ä ö/😀' && cp knot.ply 'ä ö/😀/k not.ply' && cp linux.spz served.spz
+    cat >requests <<-'END'
+	/
+	/1
+	/4
+	/5
+	/list.html
+	/viewer/
+	/viewer/ -I
+	/fixsplat.js
+	/long.js -HAccept-Encoding:gzip
+	/long.js -HAccept-Encoding:gzip -r 0-9
+	/long.js -r 100-199
+	/long.js -r 8000-
+	/long.js -r -77
+	/long.js -r 99999-
+	/long.js -X POST -d 123
+	/long.js -HHost:evil.example
+	/long.js -HHost:localhost
+	/none.js
+	/viewer
+	/scenes.json
+	/scenes/0/knot.ply.fxs
+	/scenes/0/knot.ply.fxs -I
+	/scenes/0/next/knot.ply.fxs
+	/scenes/0.jpg
+	/scenes/1/served.spz
+	/scenes/1/served.spz -r 1000-1999
+	/scenes/2/linux.levels.fxs -r 0-4095
+	/scenes/2/linux.levels.fxs -r 4096-100000
+	/scenes/2/linux.levels.fxs -r -4096
+	/scenes/2/linux.levels.fxs
+	/scenes/3/k%20not.ply.fxs
+	/scenes/3/k%20not.ply.fxs -r 5-5000
+	/scenes/3/k%20not.ply
+	END
+    set -- view --web --port 0 knot.ply served.spz linux.levels.fxs 'ä ö/😀/k not.ply'
+    serves "$fixsplat" "$@"
+    for i in 0 1 2 3; do ready $i 1; done
+    answers >linux.answers
+    stop
+    serves "$wine" "$program" "$@"
+    for i in 0 1 2 3; do check "view --web: scene $i is there" ready $i 1; done
+    answers >windows.answers
+    check "view --web: the same answers to $(wc -l <requests) requests" diff linux.answers windows.answers
+    tag=$(get -I "$at/long.js" | tr -d '\r' | sed -n 's/^ETag: //p')
+    check "view --web: 304" equal "$(code -H "If-None-Match: $tag" "$at/long.js")" 304
+    for path in /con.js /CON.js /con /viewer/aux /com1.txt /nul /lpt1.js '/long.js.' '/long.js%20' '/long.js::$DATA' \
+        '/long.js:x' '/LONG~1.JS' /.x /../beside.txt '/..\beside.txt' '/..%5cbeside.txt' '/viewer\..\..\beside.txt' \
+        '/viewer%5c..%5c..%5cbeside.txt' /%2e%2e/beside.txt '/%5c%5c.%5cnul' "/$work/beside.txt" "/Z:$work/beside.txt" \
+        "/viewer/Z%3a$work/beside.txt" '/C:/windows/win.ini' '/C%3a%5cwindows%5cwin.ini'; do
+        check "view --web: not $(printf %s "$path" | tr '\\' '|')" equal \
+            "$(code "$at$path") $(grep -c secret logs/body)" "404 0"
+    done
+    check "view --web: beside 300 requests that never end" $helper hang "${at##*:}" 300 \
+        sh -c 'sleep 2; exec curl -s -m 5 -o logs/body "$1"' - "$at/long.js"
+    check "convert: a scene that is served" w convert knot.ply served.spz --spz-fine
+    check "view --web: it is shown anew" ready 1 2
+    check "view --web: that one" equal "$(code "$at/scenes/1/next/served.spz") $(cksum <logs/body)" \
+        "200 $(cksum <served.spz)"
+    refused "view --web: a port in use" 1 "port ${at##*:}: Address already in use; port 0 is any" \
+        view --web knot.ply --port "${at##*:}"
+    refused "view --web: no TLS" 1 'this libmicrohttpd was built without TLS' \
+        view --web knot.ply --cert knot.ply --key knot.ply
+    kill -9 $server
+    wait $server 2>/dev/null
+    check "view --web: ended at once, it is no longer there" gone
+    serves "$fixsplat" view --web --port 0 --bind 0.0.0.0 knot.ply
+    addresses() { grep ^http logs/served | sed 's/:[0-9]*\/$//' | sort; }
+    addresses >linux.addresses
+    stop
+    serves "$wine" "$program" view --web --port 0 --bind 0.0.0.0 knot.ply
+    check "view --web --bind 0.0.0.0: the same addresses" equal "$(addresses)" "$(cat linux.addresses)"
+    stop
+    gone
+    serves "$fixsplat" view --web --port 0 --qr knot.ply
+    stop
+    cp logs/served linux.code
+    gone
+    serves "$wine" "$program" view --web --port "${at##*:}" --qr knot.ply
+    stop
+    if [ "$(cat linux.code logs/served | wc -l)" -gt 30 ]; then
+        check "view --web --qr: the same code" cmp linux.code logs/served
+    else
+        skip "view --web --qr" "built without libqrencode"
+    fi
+    gone
+
+    # What looks on changes no byte; and at a console of wine, Ctrl-C.
+    serves env -u FIXSPLAT_QUIET "$wine" "$program" fit set --steps 200 --preview --port 0 -o preview.fxs
+    get -o fit.json "$at/fit.json"
+    check "fit --preview: answers while it fits" grep -q '"scene": "preview.fxs", "state": "' fit.json
+    wait $server
+    check "fit --preview: the same file" cmp preview.fxs linux-fit.fxs
+    if have script; then
+        # at_console PROGRAM'S ARGUMENTS: its address is $at; `logs/status` when it has ended.
+        at_console() {
+            rm -f logs/status logs/printed
+            mkfifo keys
+            timeout 300 env -u FIXSPLAT_QUIET script -qec \
+                "'$wine' '$program' $* >logs/printed 2>&1; echo \$? >logs/status" /dev/null <keys >logs/out 2>&1 &
+            exec 3>keys
+            rm keys
+            until at=$(cat logs/printed 2>/dev/null | grep -o 'http://[0-9.]*:[0-9]*'); [ "$at" ]; do sleep 0.2; done
+        }
+        # by_ctrl_c: ends it, 30 seconds at most.
+        by_ctrl_c() {
+            printf '\003' >&3
+            tries=0
+            until [ -s logs/status ] || [ $((tries += 1)) = 150 ]; do sleep 0.2; done
+            exec 3>&-
+        }
+        at_console view --web --port 0 knot.ply
+        ready 0 1
+        check "view --web at a console: a file for what was packed" [ "$(ls "$WINEPREFIX"/drive_c/users/*/Temp)" ]
+        by_ctrl_c
+        check "view --web: Ctrl-C: status 0" equal "$(cat logs/status)" 0
+        check "view --web: Ctrl-C: nobody answers" gone
+        check "view --web: Ctrl-C: no file stays" equal "$(ls "$WINEPREFIX"/drive_c/users/*/Temp)" ""
+        at_console fit set --steps 1000000 --preview --port 0 -o long.fxs
+        tries=0
+        until get "$at/fit.json" | grep -q '"version": [2-9]' || [ $((tries += 1)) = 300 ]; do sleep 0.2; done
+        get -o now.fxs "$at/scene.fxs"
+        check "fit --preview: a scene" "$fixsplat" info now.fxs
+        check "fit --preview: the page" equal "$(code -w '%{http_code} %{redirect_url}' "$at/")" \
+            "302 $at/viewer/fit.html"
+        by_ctrl_c
+        check "fit --preview: Ctrl-C saves it" equal "$(ls long.fxs*; grep -c 'stopped after' logs/printed)" \
+            "$(printf 'long.fxs.fit\n1')"
+        check "fit --preview: Ctrl-C: nobody answers" gone
+        mkdir bin
+        printf '#!/bin/sh\necho "$*" >"$OPENED"\n' >bin/xdg-open
+        chmod +x bin/xdg-open
+        env PATH="$work/bin:$PATH" OPENED="$work/opened" timeout 30 script -qec \
+            "'$wine' '$program' view --web --port 0 knot.ply" /dev/null >logs/out 2>&1 </dev/null &
+        tries=0
+        until [ -s opened ] || [ $((tries += 1)) = 100 ]; do sleep 0.2; done
+        check "view --web at a console: a browser is opened" equal \
+            "$(code "$(cat opened)viewer/") $(cksum <logs/body)" "200 $(cksum <page/viewer/index.html)"
+        kill $!
+        wait $! 2>/dev/null
+    else
+        skip "the server: Ctrl-C" "no script here"
+    fi
 fi
 
 # ---- Names -----------------------------------------------------------------------------------------------------------
