@@ -3,9 +3,12 @@
 WINDOWS_CC ?= x86_64-w64-mingw32-gcc
 WINDOWS_GOALS ?= all
 WINDOWS := $(B)/windows
+# SDL2 is to leave main as it is, and stays a program of the console; with it go the libraries of Windows that it names.
+WINDOWS_SDL = $(filter-out -L% -lmingw32 -mwindows,$(shell sed -n 's/^Libs: *//p' $(WINDOWS_LIBRARIES)/lib/pkgconfig/sdl2.pc 2>/dev/null))
 
 windows: ## the command and the libraries for Windows, x86-64, in build/windows (after make setup windows)
 	@command -v $(WINDOWS_CC) >/dev/null || { echo "windows: no $(WINDOWS_CC): make setup windows" >&2; exit 1; }
 	@$(MAKE) --no-print-directory $(WINDOWS_GOALS) B=$(WINDOWS) CC='$(WINDOWS_CC)' NVCC=none \
-	    CPPFLAGS='-I$(WINDOWS_LIBRARIES)/include -DXML_STATIC $(CPPFLAGS)' \
+	    CPPFLAGS='-I$(WINDOWS_LIBRARIES)/include -DXML_STATIC -DSDL_MAIN_HANDLED $(CPPFLAGS)' \
+	    LIBS_SDL='$(WINDOWS_SDL)' LIBS_TTF='-lSDL2_ttf -lfreetype' \
 	    LDFLAGS='-L$(WINDOWS_LIBRARIES)/lib -static -s $(LDFLAGS)'

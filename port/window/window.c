@@ -6,6 +6,8 @@
 
 #include <SDL2/SDL.h>
 
+#include "src/base/system.h"
+
 #ifndef SDL_HINT_VIDEODRIVER        /* before SDL 2.0.22 */
 #define SDL_HINT_VIDEODRIVER "SDL_VIDEODRIVER"
 #endif
@@ -46,6 +48,9 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     /* Pictures are copied to the window without OpenGL, as a back end may need the context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+#ifdef SDL_HINT_WINDOWS_DPI_SCALING     /* points and pixels as elsewhere, not pixels that Windows enlarges */
+    SDL_SetHint(SDL_HINT_WINDOWS_DPI_SCALING, "1");
+#endif
     *window = calloc(1, sizeof **window);
     if (!*window)
         return fxs_fail(message, "no window: out of memory");
@@ -174,6 +179,7 @@ static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *
         SDL_free(window->dropped);
         out->type = FXS_EVENT_DROP;
         out->path = window->dropped = in->drop.file;
+        fxs_path_take(window->dropped);
         break;
     case SDL_USEREVENT:
         out->type = FXS_EVENT_WOKEN;
