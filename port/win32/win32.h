@@ -22,7 +22,6 @@ wchar_t *win32_whole_path(const char *path);
 
 /* A text in UTF-16 as UTF-8, for free(), and the other way round. Null, and errno. */
 char *win32_narrow(const wchar_t *text);
-char *win32_narrow_path(const wchar_t *path);      /* and with / between folders */
 wchar_t *win32_wide(const char *text);
 
 /* Sets errno to what the last error of Windows means. Returns -1. */

@@ -72,16 +72,6 @@ int fxs_file_is_named(const char *path)
     return attributes_of(path) != INVALID_FILE_ATTRIBUTES;
 }
 
-/* A whole path as people write it: \\?\C:\ is C:\, and \\?\UNC\ is \\, of another machine. */
-static wchar_t *without_prefix(wchar_t *wide)
-{
-    if (!wcsncmp(wide, L"\\\\?\\UNC\\", 8)) {
-        wide[6] = L'\\';
-        return wide + 6;
-    }
-    return wide + (wcsncmp(wide, L"\\\\?\\", 4) ? 0 : 4);
-}
-
 char *fxs_path_whole(const char *path)
 {
     const HANDLE handle = win32_open(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS);
@@ -91,11 +81,13 @@ char *fxs_path_whole(const char *path)
     wchar_t *wide = malloc(room * sizeof *wide);
     char *whole = NULL;
     if (wide && GetFinalPathNameByHandleW(handle, wide, room, 0))
-        whole = win32_narrow_path(without_prefix(wide));
+        whole = win32_narrow(wide + (wcsncmp(wide, L"\\\\?\\", 4) ? 0 : 4));
     else
         win32_failed();
     free(wide);
     CloseHandle(handle);
+    for (char *c = whole; c && *c; c++)
+        *c = *c == '\\' ? '/' : *c;
     return whole;
 }
 

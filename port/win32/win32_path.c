@@ -18,14 +18,6 @@ char *win32_narrow(const wchar_t *text)
     return narrow;
 }
 
-char *win32_narrow_path(const wchar_t *path)
-{
-    char *narrow = win32_narrow(path);
-    if (narrow)
-        fxs_path_take(narrow);
-    return narrow;
-}
-
 wchar_t *win32_wide(const char *text)
 {
     const int size = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, text, -1, NULL, 0);

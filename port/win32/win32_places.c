@@ -7,27 +7,35 @@
 
 enum { PATH_MOST = 4096 };
 
+/* For free(); null where `size` says that there is none, or that it is longer. */
+static char *folder_of(const wchar_t *wide, DWORD size)
+{
+    char *folder = size && size < PATH_MOST ? win32_narrow(wide) : NULL;
+    if (folder)
+        fxs_path_take(folder);
+    return folder;
+}
+
 int fxs_state_path(const char *name, int is_written, char *path, size_t room)
 {
     wchar_t wide[PATH_MOST];
     fxs_message unused;                    /* what cannot be written there says so */
-    const DWORD size = GetEnvironmentVariableW(L"APPDATA", wide, PATH_MOST);
-    char *folder = size && size < PATH_MOST ? win32_narrow_path(wide) : NULL;
-    const int length = folder ? snprintf(path, room, "%s/fixsplat/%s", folder, name) : -1;
-    if (is_written && length >= 0 && snprintf(path, room, "%s/fixsplat", folder) < (int)room) {
-        fxs_folder_make(path, &unused);
-        snprintf(path, room, "%s/fixsplat/%s", folder, name);
+    char *folder = folder_of(wide, GetEnvironmentVariableW(L"APPDATA", wide, PATH_MOST));
+    int length = folder ? snprintf(path, room, "%s/fixsplat", folder) : -1;
+    if (length >= 0 && (size_t)length < room) {
+        if (is_written)
+            fxs_folder_make(path, &unused);
+        length += snprintf(path + length, room - (size_t)length, "/%s", name);
     }
     free(folder);
-    return length < 0 || (size_t)length >= room ? -1 : 0;
+    return length >= 0 && (size_t)length < room ? 0 : -1;
 }
 
 int fxs_font_find(char *path, size_t room, fxs_message *message)
 {
     static const char *const fonts[] = {"segoeui.ttf", "tahoma.ttf", "arial.ttf", "verdana.ttf"};
     wchar_t wide[PATH_MOST];
-    const UINT size = GetSystemWindowsDirectoryW(wide, PATH_MOST);
-    char *folder = size && size < PATH_MOST ? win32_narrow_path(wide) : NULL;
+    char *folder = folder_of(wide, GetSystemWindowsDirectoryW(wide, PATH_MOST));
     int result = -1;
     for (size_t i = 0; folder && result && i < sizeof fonts / sizeof *fonts; i++)
         if (snprintf(path, room, "%s/Fonts/%s", folder, fonts[i]) < (int)room &&

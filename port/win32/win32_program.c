@@ -18,13 +18,22 @@ static void restore_console(void)
     SetConsoleOutputCP(code_page);
 }
 
+/* \ is no part of a name: as in all paths here, / stands between folders. */
+static char *argument_of(const wchar_t *wide)
+{
+    char *text = win32_narrow(wide);
+    for (char *c = text; c && *c; c++)
+        *c = *c == '\\' ? '/' : *c;
+    return text;
+}
+
 static void take_arguments(int *argc, char ***argv)
 {
     int count;
     wchar_t **wide = CommandLineToArgvW(GetCommandLineW(), &count);
     char **texts = wide ? calloc((size_t)count + 1, sizeof *texts) : NULL;
     for (int i = 0; texts && i < count; i++)
-        if (!(texts[i] = win32_narrow_path(wide[i])))
+        if (!(texts[i] = argument_of(wide[i])))
             return;
     LocalFree(wide);
     if (texts) {
@@ -49,7 +58,7 @@ void fxs_program_path(char *path, size_t room)
 {
     wchar_t wide[4096];
     const DWORD length = GetModuleFileNameW(NULL, wide, sizeof wide / sizeof *wide);
-    char *text = length && length < sizeof wide / sizeof *wide ? win32_narrow_path(wide) : NULL;
+    char *text = length && length < sizeof wide / sizeof *wide ? argument_of(wide) : NULL;
     if (text && strlen(text) > 4 && !_stricmp(text + strlen(text) - 4, ".exe"))
         text[strlen(text) - 4] = 0;
     snprintf(path, room, "%s", text ? text : "");
