@@ -10,5 +10,13 @@ windows: ## the command and the libraries for Windows, x86-64, in build/windows 
 	@command -v $(WINDOWS_CC) >/dev/null || { echo "windows: no $(WINDOWS_CC): make setup windows" >&2; exit 1; }
 	@$(MAKE) --no-print-directory $(WINDOWS_GOALS) B=$(WINDOWS) CC='$(WINDOWS_CC)' NVCC=none \
 	    CPPFLAGS='-I$(WINDOWS_LIBRARIES)/include -DXML_STATIC -DSDL_MAIN_HANDLED $(CPPFLAGS)' \
+	    WINDRES='$(patsubst %-gcc,%-windres,$(lastword $(WINDOWS_CC)))' \
 	    LIBS_SDL='$(WINDOWS_SDL)' LIBS_TTF='-lSDL2_ttf -lfreetype' \
 	    LDFLAGS='-L$(WINDOWS_LIBRARIES)/lib -static -s $(LDFLAGS)'
+
+# The icon of the window and of its program.
+ifneq ($(and $(filter win32,$(SYSTEM)),$(shell command -v rsvg-convert)),)
+$(B)/fixsplat-view$(EXE): $(B)/icon.o
+endif
+$(B)/icon.o: tools/package/fixsplat.svg tools/icon.sh
+	$(call say,ICON,$<)sh tools/icon.sh $< $(@:.o=.ico) && echo '1 ICON "$(@:.o=.ico)"' | $(WINDRES) -O coff -o $@
