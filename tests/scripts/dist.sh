@@ -131,7 +131,8 @@ else
     check "Windows: doctor finds the page" grep -q "page.*$(basename "$folder")" doctor
     check "Windows: publish" w fixsplat.exe publish knot.ply site.html --single
     for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
-        share/doc/fixsplat/windows.md share/fixsplat/web/viewer/index.html; do
+        share/doc/fixsplat/licences/libsdl2 bin/fixsplat-view.exe share/doc/fixsplat/windows.md \
+        share/fixsplat/web/viewer/index.html; do
         check "Windows: $file" test -s "$folder/$file"
     done
     check "Windows: no word of where it was built" equal \
