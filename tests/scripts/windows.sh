@@ -246,6 +246,16 @@ knot.ply"
         check "a recent scene" until_ titled '^knot.ply - '
         close "$words"
     fi
+    if have script; then
+        {
+            until_ titled '^knot.ply - '
+            printf '\003'
+            sleep 5
+        } | timeout 60 script -qec "'$wine' '$program' view knot.ply" /dev/null >logs/out 2>&1
+        check "the window: Ctrl-C at the console ends it, status 0" equal $? 0
+    else
+        skip "the window: Ctrl-C" "no script here"
+    fi
     unset DISPLAY
     end_wine
 fi
