@@ -48,7 +48,7 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     /* Pictures are copied to the window without OpenGL, as a back end may need the context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
-#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS    /* or Windows would enlarge the pixels, from SDL 2.24 on */
+#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* since SDL 2.24; without it Windows would enlarge the pixels */
     SDL_SetHint(SDL_HINT_WINDOWS_DPI_AWARENESS, "permonitorv2");
 #endif
     *window = calloc(1, sizeof **window);
