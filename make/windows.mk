@@ -3,8 +3,9 @@
 WINDOWS_CC ?= x86_64-w64-mingw32-gcc
 WINDOWS_GOALS ?= all
 WINDOWS := $(B)/windows
-# SDL2 is to leave main as it is, and stays a program of the console; with it go the libraries of Windows that it names.
-WINDOWS_SDL = $(filter-out -L% -lmingw32 -mwindows,$(shell sed -n 's/^Libs: *//p' $(WINDOWS_LIBRARIES)/lib/pkgconfig/sdl2.pc 2>/dev/null))
+# SDL2 and the libraries of Windows that it names. It is to leave main as it is, and the program one of the console.
+SDL_PC = $(wildcard $(WINDOWS_LIBRARIES)/lib/pkgconfig/sdl2.pc)
+WINDOWS_SDL = $(filter-out -L% -lmingw32 -mwindows,$(if $(SDL_PC),$(shell sed -n 's/^Libs: *//p' $(SDL_PC))))
 
 windows: ## the command and the libraries for Windows, x86-64, in build/windows (after make setup windows)
 	@command -v $(WINDOWS_CC) >/dev/null || { echo "windows: no $(WINDOWS_CC): make setup windows" >&2; exit 1; }
