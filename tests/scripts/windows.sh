@@ -78,8 +78,8 @@ done
 "$fixsplat" convert knot.ply linux.levels.fxs --levels && w convert knot.ply windows.levels.fxs --levels
 check "convert --levels: the same file" cmp windows.levels.fxs linux.levels.fxs
 check "render --budget: of a file that is read in part" equal \
-    "$(w render windows.levels.fxs --budget 1000 --pool 256KiB --hash)" \
-    "$("$fixsplat" render linux.levels.fxs --budget 1000 --pool 256KiB --hash)"
+    "$(w render windows.levels.fxs --budget 1000 --pool 256K --hash)" \
+    "$("$fixsplat" render linux.levels.fxs --budget 1000 --pool 256K --hash)"
 mkdir linux windows && "$fixsplat" convert knot.ply linux/lod-meta.json && w convert knot.ply windows/lod-meta.json
 check "convert lod-meta.json: the same folder" diff -r windows linux
 
@@ -207,7 +207,7 @@ else
         "$built/fixsplat-view.exe" "${compiler##* }"
     Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>logs/display 2>logs/server &
     server=$!
-    trap 'end_wine; kill $server; rm -rf "$work"' EXIT
+    trap 'end_wine; kill $server 2>/dev/null; rm -rf "$work"' EXIT
     until_ lines logs/display 1 || fail "virtual screen" "$(cat logs/server)"
     DISPLAY=:$(cat logs/display)
     export DISPLAY
@@ -258,6 +258,8 @@ knot.ply"
     fi
     unset DISPLAY
     end_wine
+    kill $server
+    wait $server
 fi
 
 # ---- What goes wrong -------------------------------------------------------------------------------------------------
