@@ -1369,7 +1369,7 @@ static void test_recent_list(void)
 {
     fxs_message message;
     fxs_recent recent;
-    char path[80], home[80];
+    char path[112], home[80];
     snprintf(home, sizeof home, "%s/home", folder);
     keep_below(home);
     CHECK(!mkdir(home, 0700));
