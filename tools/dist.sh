@@ -136,13 +136,15 @@ windows() {
     make -s windows B=build CFLAGS=-O2 WINDOWS_LIBRARIES="$libraries"
     rm -rf "$folder"
     mkdir -p "$folder/bin" "$folder/lib" "$folder/include/fixsplat" "$folder/share/fixsplat"
-    cp build/windows/fixsplat.exe build/windows/fixsplat-web.exe build/windows/libfixsplat-*.dll "$folder/bin"
+    cp build/windows/fixsplat.exe build/windows/fixsplat-view.exe build/windows/fixsplat-web.exe \
+        build/windows/libfixsplat-*.dll "$folder/bin"
     cp build/windows/libfixsplat*.a "$folder/lib"
     cp $(make -s headers) "$folder/include/fixsplat"
     cp -r build/web/package "$folder/share/fixsplat/web"
     set -- /usr/$machine/lib/libz.a
     for library in "$libraries"/lib/*.a; do
-        case $library in */libpng.a | */libwebpde*.a | */libmicrohttpd.a | */libqrencode.a) ;;
+        case $library in */libpng.a | */libwebpde*.a | */libSDL2*.a | */libfreetype.a) ;;
+        */libmicrohttpd.a | */libqrencode.a) ;;
         *) set -- "$@" "$library" ;; esac
     done
     complete "$folder/lib/libfixsplat.a" "$@"

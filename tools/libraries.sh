@@ -18,6 +18,10 @@ case $machine in
                own=$(cc -print-multiarch)
                headers="EGL GLES2 GLES3 KHR GL stb $own/libheif $own/curl" ;;
 esac
+# The window: for Linux it takes Debian's shared libraries.
+case $machine in *-mingw32)
+    names="$names freetype libsdl2 libsdl2-ttf" packages="$packages libfreetype-dev libsdl2-dev libsdl2-ttf-dev" ;;
+esac
 
 wanted=$(dpkg-query -W -f='${Package} ${source:Version}\n' $packages 2>/dev/null; cksum <"$0")
 printf '%s\n' "$wanted" | cmp -s - "$folder/versions" ||
@@ -113,6 +117,20 @@ build_libmicrohttpd() {
     made_by_configure "$1" --disable-doc --disable-examples --disable-tools --disable-https --disable-curl
 }
 build_qrencode() { made_by_cmake "$1" -DWITH_TOOLS=NO -DWITHOUT_PNG=ON; }
+
+build_freetype() {
+    made_by_cmake "$1" -DFT_REQUIRE_ZLIB=ON $(printf -- '-DFT_DISABLE_%s=ON ' BZIP2 PNG HARFBUZZ BROTLI)
+}
+# A window, its events and its pixels, and nothing that draws in another way or makes sound. Nothing of it is C++.
+build_libsdl2() {
+    sed -i 's/^project(SDL2 C CXX)/project(SDL2 C)/' "$1/CMakeLists.txt" &&
+        made_by_cmake "$1" -DSDL_SHARED=OFF -DSDL_STATIC=ON -DSDL_TEST=OFF -DSDL2_DISABLE_SDL2MAIN=ON \
+            $(printf -- '-DSDL_%s=OFF ' AUDIO RENDER JOYSTICK HAPTIC HIDAPI SENSOR POWER DIRECTX OPENGL OPENGLES VULKAN)
+}
+build_libsdl2_ttf() {
+    (cd "$1" && $machine-gcc -O2 $flags -DTTF_USE_HARFBUZZ=0 -I"$there/include/SDL2" -I"$there/include/freetype2" \
+        -c SDL_ttf.c && $machine-ar rcs "$there/lib/libSDL2_ttf.a" SDL_ttf.o && cp SDL_ttf.h "$there/include/SDL2/")
+}
 
 # Headers of Debian's that are the same for every processor, of libraries that are opened at run time, and of stb.
 link_headers() {

@@ -64,6 +64,17 @@ static inline int fxs_path_is_whole(const char *path)
     return *path == '/';
 }
 
+/* A path that the system gives becomes as paths are here: \ of Windows, which no name has, becomes /. */
+static inline void fxs_path_take(char *path)
+{
+#ifdef _WIN32
+    for (; *path; path++)
+        *path = *path == '\\' ? '/' : *path;
+#else
+    (void)path;
+#endif
+}
+
 /* The following return 0, or -1 and errno. */
 int fxs_file_remove(const char *path);
 int fxs_file_rename(const char *from, const char *to);
@@ -87,6 +98,16 @@ int fxs_folder_make(const char *path, fxs_message *message);
 /* Calls a function with the name of each file in a folder, in no order; of a folder that cannot be read, with none.
    Returns 0, or -1 and errno where it cannot. */
 int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument);
+
+/* ---- Places ------------------------------------------------------------------------------------------------------ */
+
+/* The path of a file that the programs keep for their user: in $XDG_STATE_HOME/fixsplat or ~/.local/state/fixsplat, of
+   Windows in %APPDATA%\fixsplat. Where it is to be written, the folders above it are made. Returns 0, or -1 where there
+   is no folder for it. */
+int fxs_state_path(const char *name, int is_written, char *path, size_t room);
+
+/* The path of a font of the system that is made for screens. Returns 0, or -1 and a message. */
+int fxs_font_find(char *path, size_t room, fxs_message *message);
 
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 

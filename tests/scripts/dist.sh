@@ -177,7 +177,8 @@ else
     check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/element.js" | cmp - "$1"' "$at" \
         "$folder/share/fixsplat/web/viewer/element.js"
     for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
-        share/doc/fixsplat/windows.md share/fixsplat/web/viewer/index.html; do
+        share/doc/fixsplat/licences/libsdl2 bin/fixsplat-view.exe share/doc/fixsplat/windows.md \
+        share/fixsplat/web/viewer/index.html; do
         check "Windows: $file" test -s "$folder/$file"
     done
     check "Windows: no word of where it was built" equal \

@@ -1,7 +1,7 @@
 #!/bin/sh
 # The programs of `make windows`, from their folder alone, under wine: the same pictures, files and fits as those for
-# Linux; names, and what goes wrong, as Windows has them; and the test programs that can be built for it. Only with
-# FXS_PROCESSORS=all (make test-all).
+# Linux, the window on a virtual screen; names, and what goes wrong, as Windows has them; and the test programs that can
+# be built for it. Only with FXS_PROCESSORS=all (make test-all).
 . tests/scripts/lib/check.sh
 wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)
 compiler=${WINDOWS_CC:-x86_64-w64-mingw32-gcc}
@@ -78,8 +78,8 @@ done
 "$fixsplat" convert knot.ply linux.levels.fxs --levels && w convert knot.ply windows.levels.fxs --levels
 check "convert --levels: the same file" cmp windows.levels.fxs linux.levels.fxs
 check "render --budget: of a file that is read in part" equal \
-    "$(w render windows.levels.fxs --budget 1000 --pool 256KiB --hash)" \
-    "$("$fixsplat" render linux.levels.fxs --budget 1000 --pool 256KiB --hash)"
+    "$(w render windows.levels.fxs --budget 1000 --pool 256K --hash)" \
+    "$("$fixsplat" render linux.levels.fxs --budget 1000 --pool 256K --hash)"
 mkdir linux windows && "$fixsplat" convert knot.ply linux/lod-meta.json && w convert knot.ply windows/lod-meta.json
 check "convert lod-meta.json: the same folder" diff -r windows linux
 
@@ -350,10 +350,119 @@ refused "a folder that ends in a dot" 1 'x\./y.fxs: cannot be written: it ends i
 refused "a colon" 1 'a colon' convert knot.ply 'linux/a:b.fxs'
 check "none of them is there" equal "$(ls | grep -i -e con -e '^x')" ""
 
+# ---- The window ------------------------------------------------------------------------------------------------------
+
+# until_ COMMAND...: tries the command for half a minute.
+until_() {
+    tries=300
+    until "$@" >/dev/null 2>&1; do
+        tries=$((tries - 1))
+        [ $tries -gt 0 ] || return 1
+        sleep 0.1
+    done
+}
+titled() { window=$(xdotool search --onlyvisible --name "$1") && [ "$window" ]; }
+lines() { [ "$(wc -l <"$1")" -ge "$2" ]; }
+
+# open TITLE ARGUMENT...: the window, in the background, until it has this title; it has the focus.
+open() {
+    title=$1
+    shift
+    { w view "$@" >logs/out 2>logs/err; echo $? >logs/status; } &
+    shots=0
+    until_ titled "$title" || { fail "a window" "$(cat logs/err)"; return 1; }
+    xdotool windowfocus --sync "$window"
+}
+
+# shot NAME: the screenshot of key p is the picture that the printed command makes, on Linux.
+shot() {
+    shots=$((shots + 1))
+    xdotool key p
+    until_ lines logs/out $shots
+    mv shot.png "$1.png"
+    command=$(tail -n 1 logs/out)
+    "$fixsplat" ${command#fixsplat }
+    check "the window: $1" cmp "$1.png" shot.png
+}
+
+# close WORDS: the window ends by Escape, with status 0, and these are on stderr.
+close() {
+    rm -f logs/status
+    xdotool key Escape
+    until_ test -s logs/status || { fail "the window ends" ""; end_wine; }
+    wait $!
+    check "the window ends: status 0, and words on stderr" equal "$(cat logs/status) $(tr -d '\r' <logs/err)" "0 $1"
+}
+
+if [ ! -e "$built/fixsplat-view.exe" ]; then
+    skip "the window" "this program was built without SDL2"
+elif ! have Xvfb || ! have xdotool; then
+    skip "the window" "no Xvfb and xdotool here"
+else
+    refused "view without its other program" 1 \
+        '^fixsplat: knot.ply: cannot be shown: .*/only this/fixsplat-view: No such file or directory$' view knot.ply
+    cp "$built/fixsplat-view.exe" 'only this/'
+    check "the window's program has an icon" sh -c '${2%gcc}objdump -h "$1" | grep -q .rsrc' - \
+        "$built/fixsplat-view.exe" "${compiler##* }"
+    Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>logs/display 2>logs/server &
+    server=$!
+    trap 'end_wine; kill $server 2>/dev/null; rm -rf "$work"' EXIT
+    until_ lines logs/display 1 || fail "virtual screen" "$(cat logs/server)"
+    DISPLAY=:$(cat logs/display)
+    export DISPLAY
+    unset SDL_VIDEODRIVER
+    end_wine                                # and it begins again, with the screen
+    fonts=$WINEPREFIX/drive_c/windows/Fonts
+    rm -f "$fonts"/segoeui.ttf "$fonts"/tahoma.ttf "$fonts"/arial.ttf "$fonts"/verdana.ttf
+    if open 'knot.ply - ' knot.ply --size 320x200 --screenshot shot.png; then
+        shot whole
+        xdotool key x 1
+        shot square
+        check "the keys show" sh -c '! cmp -s whole.png square.png'
+        xdotool mousemove --window "$window" 100 90 mousedown 1 mousemove_relative 30 20 mouseup 1
+        shot turned
+        xdotool click 4
+        shot near
+        check "the pointer shows" sh -c '! cmp -s square.png turned.png && ! cmp -s turned.png near.png'
+        close "fixsplat: no words in the window: no font Segoe UI, Tahoma, Arial or Verdana in C:/windows/Fonts"
+    fi
+    font=/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
+    [ ! -e $font ] || cp $font "$fonts/arial.ttf"
+    words=$([ -e $font ] || cat logs/err)
+    if open 'k not.ply - ' 'ä ö\😀\k not.ply' --size 320x200 --screenshot 'ä ö\shot.png'; then
+        xdotool key p
+        check "the window: names with umlauts" until_ lines logs/out 1
+        "$fixsplat" render 'ä ö/😀/k not.ply' --size 320x200 -o logs/linux.png
+        check "the same picture" cmp 'ä ö/shot.png' logs/linux.png
+        close "$words"
+    fi
+    check "recent scenes are in %APPDATA%" equal \
+        "$(cat "$WINEPREFIX"/drive_c/users/*/AppData/Roaming/fixsplat/recent | sed "s|Z:$(pwd -P)/||")" \
+        "ä ö/😀/k not.ply
+knot.ply"
+    if open '^fixsplat$'; then
+        xdotool key 2
+        check "a recent scene" until_ titled '^knot.ply - '
+        close "$words"
+    fi
+    if have script; then
+        {
+            until_ titled '^knot.ply - '
+            printf '\003'
+            sleep 5
+        } | timeout 60 script -qec "'$wine' '$program' view knot.ply" /dev/null >logs/out 2>&1
+        check "the window: Ctrl-C at the console ends it, status 0" equal $? 0
+    else
+        skip "the window: Ctrl-C" "no script here"
+    fi
+    unset DISPLAY
+    end_wine
+    kill $server
+    wait $server
+fi
+
 # ---- What goes wrong -------------------------------------------------------------------------------------------------
 
-refused "view: what this build has not" 1 '^fixsplat: knot.ply: cannot be shown: this program was built without SDL2$' \
-    view knot.ply
 refused "no such file" 1 '^fixsplat: nothing.ply: No such file or directory$' render nothing.ply --hash
 refused "a folder" 1 'not-there/x.fxs: cannot be written: No such file' convert knot.ply not-there/x.fxs
 refused "the input" 2 'is read and cannot be written too' convert knot.ply KNOT.ply
