@@ -98,7 +98,9 @@ static void print_page(void)
 {
     char folder[PAGE_PATH];
     const int is_here = page_folder_look(folder);
-    line("page", is_here, "view --web and publish show scenes in a browser: share/fixsplat/web beside bin, or make setup web", is_here ? folder : "");
+    line("page", is_here,
+         "view --web and publish show scenes in a browser: share/fixsplat/web beside bin, or make setup web",
+         is_here ? folder : "");
 }
 
 static void print_helpers(void)

@@ -42,11 +42,22 @@ npm_package() {
 # needs FILE: the shared libraries that it is linked with, but for those of glibc.
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$' || :; }
 
-# complete ARCHIVE LIBRARIES...: what these hold is added.
+# complete ARCHIVE LIBRARIES...: what these hold is added, but for the C++ library, what only the window and the server
+# are linked with, and what another of them holds.
 complete() {
     archive=$1
-    shift
-    { echo "create $archive.new"; printf 'addlib %s\n' "$archive" "$@"; echo save; echo end; } | "$machine-ar" -M
+    {
+        echo "create $archive.new"
+        for library; do
+            case $library in
+            */libSDL2*.a | */libfreetype.a | */libmicrohttpd.a | */libqrencode.a) ;;
+            */libstdc++.a | */libpng.a | */libwebpde*.a) ;;
+            *) echo "addlib $library" ;;
+            esac
+        done
+        echo save
+        echo end
+    } | "$machine-ar" -M
     "$machine-strip" --strip-unneeded "$archive.new"
     mv "$archive.new" "$archive"
 }
@@ -95,14 +106,9 @@ linux() {
     done
     cp -r build/web/package "$folder/share/fixsplat/web"
     private='-lm -lpthread -ldl'
-    set --
-    for library in "$libraries"/lib/*.a; do
-        case $library in */libstdc++.a | */libmicrohttpd.a | */libqrencode.a | */libpng.a | */libwebpde*.a) ;;
-        *) set -- "$@" "$library" ;; esac
-    done
     cudart=$(sed -n 's/^LIBS_CUDA := .*-L\([^ ]*\) -lcudart_static.*/\1/p' "build-$arch/probe.mk")
-    [ -z "$cudart" ] || { set -- "$@" "$cudart/libcudart_static.a"; private="-lstdc++ $private -lrt"; }
-    complete "$folder/lib/libfixsplat.a" "$@"
+    [ -z "$cudart" ] || private="-lstdc++ $private -lrt"
+    complete "$folder/lib/libfixsplat.a" "$libraries"/lib/*.a ${cudart:+"$cudart/libcudart_static.a"}
     relocate "$folder" "$private"
     documents
     [ -z "$cudart" ] || cat /usr/share/doc/libstdc++-*-dev/copyright >"$documents/licences/libstdc++"
@@ -141,13 +147,7 @@ windows() {
     cp build/windows/libfixsplat*.a "$folder/lib"
     cp $(make -s headers) "$folder/include/fixsplat"
     cp -r build/web/package "$folder/share/fixsplat/web"
-    set -- /usr/$machine/lib/libz.a
-    for library in "$libraries"/lib/*.a; do
-        case $library in */libpng.a | */libwebpde*.a | */libSDL2*.a | */libfreetype.a) ;;
-        */libmicrohttpd.a | */libqrencode.a) ;;
-        *) set -- "$@" "$library" ;; esac
-    done
-    complete "$folder/lib/libfixsplat.a" "$@"
+    complete "$folder/lib/libfixsplat.a" /usr/$machine/lib/libz.a "$libraries"/lib/*.a
     documents
     cp docs/windows.md "$documents"
     # What Debian's compiler brings: zlib, the beginning of each program and the threads, libgcc.

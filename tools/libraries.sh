@@ -8,19 +8,19 @@
 # packages say of rights. Of each library that cannot be had a line is printed; without qrencode, whose header says so
 # too, the rest is still of use.
 folder=${1:?folder} machine=${2:?machine}
+unset MAKEFLAGS MAKELEVEL MFLAGS CC CXX AR CFLAGS CPPFLAGS LDFLAGS LIBS    # a caller's, for other machines
 names='libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libmicrohttpd qrencode'
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev zlib1g-dev
           libdeflate-dev libzstd-dev libmicrohttpd-dev libqrencode-dev'
 case $machine in
-    *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb ;;
+    *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb
+               # The window's, which for Linux are Debian's shared libraries.
+               names="$names freetype libsdl2 libsdl2-ttf"
+               packages="$packages libfreetype-dev libsdl2-dev libsdl2-ttf-dev" ;;
     *)         system=Linux flags='-fPIC -fvisibility=hidden' libdeflate=libdeflate.a
                names="zlib $names"
                own=$(cc -print-multiarch)
                headers="EGL GLES2 GLES3 KHR GL stb $own/libheif $own/curl" ;;
-esac
-# The window: for Linux it takes Debian's shared libraries.
-case $machine in *-mingw32)
-    names="$names freetype libsdl2 libsdl2-ttf" packages="$packages libfreetype-dev libsdl2-dev libsdl2-ttf-dev" ;;
 esac
 
 wanted=$(dpkg-query -W -f='${Package} ${source:Version}\n' $packages 2>/dev/null; cksum <"$0")
@@ -155,7 +155,7 @@ said=$(list_sources 2>&1) || { printf '%s\n' "no libraries for $machine: $said" 
 for name in $missing; do
     log=$there/$name.log
     build "$name" >"$log" 2>&1 && rm "$log" && continue
-    echo "no $name for $machine ($log): $(grep -m 1 -i error "$log" || tail -n 1 "$log")" >&2
+    echo "no $name for $machine ($log): $(grep -m 1 -iE 'error(:| at )' "$log" || tail -n 1 "$log")" >&2
     [ "$name" = qrencode ] && echo '#error its source could not be had' >"$there/include/qrencode.h" || status=1
 done
 exit $status

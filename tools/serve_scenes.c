@@ -36,7 +36,7 @@ typedef struct served_scene {
     char *path;                             /* and with links followed */
     char *names[FILES];                     /* versions, facts, picture */
     int number, is_twice;                   /* another scene has the same name */
-    fxs_file_facts taken, seen;                 /* of the file: as it is served, and as it was last looked at */
+    fxs_file_facts taken, seen;             /* of the file: as it is served, and as it was last looked at */
     uint64_t seen_at;
 
     /* Under the lock: */

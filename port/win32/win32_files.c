@@ -333,7 +333,8 @@ FILE *fxs_stream_temporary(void)
     const DWORD shared = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
     wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 64];
     HANDLE handle = INVALID_HANDLE_VALUE;
-    if (GetTempPathW(MAX_PATH, folder))
+    const DWORD length = GetTempPathW(MAX_PATH + 1, folder);       /* more: what a longer one takes */
+    if (length && length <= MAX_PATH)
         do {
             _snwprintf(name, sizeof name / sizeof *name, L"%lsfixsplat-%lx-%lx.tmp", folder, GetCurrentProcessId(),
                        InterlockedIncrement(&count));

@@ -246,6 +246,7 @@ int fxs_browse(const char *address)
 /* ---- Being asked to end ------------------------------------------------------------------------------------------ */
 
 static volatile LONG asked;
+static int is_held;
 
 /* On a thread of its own. The process ends when this returns, but for Ctrl-C and Ctrl-Break. */
 static BOOL WINAPI note_request(DWORD kind)
@@ -279,14 +280,15 @@ void fxs_end_as_asked(void)
 
 void fxs_end_hold(void)
 {
+    is_held = 1;
     fxs_end_listen();
 }
 
 int fxs_end_wait(unsigned milliseconds)
 {
-    if (!asked)
+    if (!is_held || !asked)
         Sleep(milliseconds);
-    return fxs_end_asked();
+    return is_held && asked;
 }
 
 void fxs_without_signals(void (*call)(void *argument), void *argument)

@@ -1,7 +1,7 @@
 #!/bin/sh
 # The programs of `make windows`, from their folder alone, under wine: the same pictures, files and fits as those for
-# Linux, the window on a virtual screen; names, and what goes wrong, as Windows has them; and the test programs that can
-# be built for it. Only with FXS_PROCESSORS=all (make test-all).
+# Linux; the answers of the server; the window on a virtual screen; names, and what goes wrong, as Windows has them; and
+# the test programs that can be built for it. Only with FXS_PROCESSORS=all (make test-all).
 . tests/scripts/lib/check.sh
 wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)
 compiler=${WINDOWS_CC:-x86_64-w64-mingw32-gcc}
@@ -130,6 +130,7 @@ fi
 
 # ---- The server ------------------------------------------------------------------------------------------------------
 
+mkdir -p 'ä ö/😀' && cp knot.ply 'ä ö/😀/k not.ply' || exit 1
 server=
 # serves PROGRAM ARGUMENT...: in the background, $server, at $at.
 serves() {
@@ -181,7 +182,7 @@ else
     echo '<!doctype html>' >page/viewer/fit.html
     seq 2000 >page/long.js
     echo secret | tee beside.txt page/.x page/con.js page/viewer/aux >page/com1.txt
-    mkdir -p 'ä ö/😀' && cp knot.ply 'ä ö/😀/k not.ply' && cp linux.spz served.spz
+    cp linux.spz served.spz
     cat >requests <<-'END'
 	/
 	/1
@@ -329,7 +330,6 @@ fi
 
 # ---- Names -----------------------------------------------------------------------------------------------------------
 
-mkdir -p 'ä ö/😀' && cp knot.ply 'ä ö/😀/k not.ply'
 check "a name with spaces, umlauts and an emoji" equal "$(w render 'ä ö/😀/k not.ply' --hash)" "$wanted"
 check "and with backslashes" equal "$(w render 'ä ö\😀\k not.ply' --hash)" "$wanted"
 check "with a drive" equal "$(w render "Z:$(pwd | tr / '\\')\\knot.ply" --hash)" "$wanted"
