@@ -78,7 +78,7 @@ tarball() {
         small "tarball, $arch" "$folder/bin/fixsplat" "$folder/lib/libfixsplat.so.$version"
 }
 
-# window RUN...: of the tarball's window, with the libraries that it is linked with, on a screen of its own.
+# window COMMAND...: shows knot.ply in a window, on a screen of its own, and Escape closes it.
 window() {
     rm -f display
     Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>display >server 2>&1 &
@@ -86,7 +86,7 @@ window() {
     for second in 1 2 3 4 5; do [ -s display ] || sleep 1; done
     DISPLAY=:$(cat display)
     export DISPLAY
-    SDL_VIDEODRIVER=x11 timeout 60 "$@" "$folder/bin/fixsplat-view" knot.ply >log 2>&1 &
+    timeout 60 "$@" >log 2>&1 &
     viewer=$!
     found=$(timeout 50 xdotool search --sync --onlyvisible --name '^knot.ply - ') &&
         xdotool windowfocus --sync "$found" key Escape
@@ -111,7 +111,9 @@ if [ "$here" != aarch64 ] && have qemu-aarch64; then
     tarball aarch64 qemu-aarch64 -L /usr/aarch64-linux-gnu
     if have Xvfb && have xdotool && have mmdebstrap && mmdebstrap --quiet --arch=arm64 --variant=extract \
         --include=libsdl2-2.0-0,libsdl2-ttf-2.0-0 bookworm arm64 >log 2>&1; then
-        check "aarch64: a window with the scene, which Escape closes" window qemu-aarch64 -L arm64
+        # With the libraries that it is linked with.
+        check "aarch64: a window with the scene, which Escape closes" window env SDL_VIDEODRIVER=x11 \
+            qemu-aarch64 -L arm64 "$folder/bin/fixsplat-view" knot.ply
     else
         skip "aarch64: a window" "no Xvfb, xdotool or mmdebstrap here, or no packages of Debian's"
     fi
@@ -176,9 +178,16 @@ else
         "$folder/share/fixsplat/web/viewer/served.html"
     check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/element.js" | cmp - "$1"' "$at" \
         "$folder/share/fixsplat/web/viewer/element.js"
+    end_wine                                                             # and it begins again, with a screen
+    if have Xvfb && have xdotool; then
+        check "Windows: a window with a scene dropped on its program, which Escape closes" window \
+            env -u SDL_VIDEODRIVER WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" "$folder/bin/fixsplat-view.exe" \
+            "Z:$(pwd -P | tr / '\\')\\knot.ply"
+    else
+        skip "Windows: a window" "no Xvfb and xdotool here"
+    fi
     for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
-        share/doc/fixsplat/licences/libsdl2 bin/fixsplat-view.exe share/doc/fixsplat/windows.md \
-        share/fixsplat/web/viewer/index.html; do
+        share/doc/fixsplat/licences/libsdl2 share/doc/fixsplat/windows.md share/fixsplat/web/viewer/index.html; do
         check "Windows: $file" test -s "$folder/$file"
     done
     check "Windows: no word of where it was built" equal \
