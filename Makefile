@@ -34,7 +34,7 @@ TEST_ALL_PACKAGES := musl-tools $(CROSS:%=gcc-%) libc6-dev-mips-cross libc6-dev-
 DIST_PACKAGES := debhelper dh-python lintian fakeroot mmdebstrap cmake nasm g++ gcc-aarch64-linux-gnu \
                  libc6-dev-arm64-cross python3-numpy python3-cffi python3-pip python3-setuptools python3-wheel python3-venv \
                  zip
-WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev
+WINDOWS_PACKAGES := gcc-mingw-w64-x86-64 libz-mingw-w64-dev cmake nasm dpkg-dev librsvg2-bin
 WEB_PACKAGES := clang lld wasi-libc libclang-rt-14-dev-wasm32 binaryen nodejs dpkg-dev esbuild
 # Where "make setup web" puts the sources of libraries (tools/web_sources.sh), for every clone; WEB_SOURCES= : none.
 WEB_SOURCES ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/fixsplat

@@ -62,7 +62,8 @@ LIBRARY += $(if $(filter GLES,$(FOUND)),$(call with,EGL,port/gl/egl.c) $(call wi
 LIBRARY += $(B)/declarations.c
 WINDOW := $(if $(call with,SDL,port/window/*.c),$(wildcard port/window/*.c) \
                                              $(filter-out tools/viewer_main.c,$(wildcard tools/viewer*.c)))
-SERVER := $(call with,MICROHTTPD,port/http/*.c)
+LIBS_SOCKETS_win32 := -lws2_32 -liphlpapi
+SERVER := $(call with,MICROHTTPD,port/http/*.c port/$(SYSTEM)/http/*.c)
 TOOL := $(filter-out tools/viewer% tools/serve%,$(wildcard tools/*.c)) src/scene/make/procedural.c
 TOOL_SHARED := tools/metrics.c src/scene/make/procedural.c
 objects = $(patsubst %.cu,$(B)/%.o,$(patsubst %.c,$(B)/%.o,$(1)))
@@ -107,7 +108,7 @@ $(B)/fixsplat-view$(EXE): $(call objects,tools/viewer_main.c $(WINDOW) $(filter-
 
 $(B)/fixsplat-web$(EXE): $(call objects,$(wildcard tools/serve*.c) $(SERVER) $(filter-out tools/main.c,$(TOOL))) $(B)/libfixsplat.a \
                    $(B)/commands/link
-	$(call link,$(LIBS_MICROHTTPD) $(LIBS_QRENCODE))
+	$(call link,$(LIBS_MICROHTTPD) $(LIBS_QRENCODE) $(LIBS_SOCKETS_$(SYSTEM)))
 
 # What commands are made of: what was built by another is built again.
 $(B)/commands/compile: COMMAND := $(CC) $(CC_VERSION) $(filter-out -DFXS_WITH_%,$(FLAGS)) $(PIC)
@@ -136,7 +137,7 @@ $(B)/%.o: %.cu $(B)/commands/nvcc
 
 # These are there only with their library, and do not ask.
 $(call objects,$(wildcard port/window/*.c)): $(B)/with/SDL
-$(call objects,$(wildcard port/http/*.c)): $(B)/with/MICROHTTPD
+$(call objects,$(wildcard port/http/*.c port/*/http/*.c)): $(B)/with/MICROHTTPD
 $(call objects,$(wildcard kernels/gl/*.c kernels/gles/*.c kernels/compute/*.c)): $(B)/with/GLES
 $(call objects,$(wildcard port/gl/egl.c)): $(B)/with/EGL
 $(call objects,$(wildcard port/gl/osmesa.c)): $(B)/with/OSMESA

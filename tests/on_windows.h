@@ -53,8 +53,11 @@ static inline void free_block(void *memory)
 }
 #define free free_block
 
+/* `to` may be another writing of `from`, with capital letters. */
 static inline int rename_over(const char *from, const char *to)
 {
+    if (!rename(from, to))
+        return 0;
     _unlink(to);
     return rename(from, to);
 }

@@ -2,6 +2,7 @@
 #include <fixsplat/camera.h>
 #include "port/window/motion.h"
 #include "port/window/words.h"
+#include "src/base/system.h"
 #include "check.h"
 
 #include <libgen.h>
@@ -333,7 +334,14 @@ void SDL_GetWindowSizeInPixels(SDL_Window *window, int *width, int *height)
     *height *= pixels_a_point;
 }
 
-static char folder[] = "/tmp/fixsplat-window-XXXXXX", state[64];
+/* Where lists of recent scenes are kept: below the folder of this variable. */
+#ifdef _WIN32
+#define KEPT_BELOW "APPDATA"
+#else
+#define KEPT_BELOW "XDG_STATE_HOME"
+#endif
+
+static char folder[40] = "/tmp/fixsplat-window-XXXXXX", state[80];
 static char knot[64], cubes[64], junk[64], cameras[64], shot[64], other[64];
 
 static void make_scene(char *path, const char *file, const char *name, char *count)
@@ -627,6 +635,15 @@ static void test_dropped_files(void)
     CHECK(strstr(v.note, missing) && !strcmp(v.path, knot) && shows(&v, v.views[0], 64, 48));
     drop(&v, cubes);
     CHECK(!strcmp(v.path, cubes) && v.world.gaussians == 300 && shows(&v, v.views[0], 64, 48));
+    make_scene(other, "\xc3\xa4 \xf0\x9f\x98\x80", "cubes", "20");
+    char given[sizeof other];
+    snprintf(given, sizeof given, "%s", other);
+#ifdef _WIN32
+    for (char *c = given; *c; c++)                               /* as Windows gives them */
+        *c = *c == '/' ? '\\' : *c;
+#endif
+    drop(&v, given);
+    CHECK(!strcmp(v.path, other) && v.world.gaussians == 20 && !fxs_file_remove(other));
     viewer_close(&v);
 }
 
@@ -1306,11 +1323,11 @@ static void test_recent(void)
     key(&v, '2');
     CHECK(v.path && !strcmp(v.path, cubes) && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);
-    setenv("XDG_STATE_HOME", "/proc/none", 1);                   /* where nothing can be written */
+    setenv(KEPT_BELOW, "/proc/none", 1);                   /* where nothing can be written */
     if (!start(&v, &options))
         CHECK(v.path && !v.quit && v.loading.unkept == 1);
     viewer_close(&v);
-    setenv("XDG_STATE_HOME", state, 1);
+    setenv(KEPT_BELOW, state, 1);
 }
 
 static void test_recent_by_click(void)
@@ -1333,15 +1350,28 @@ static void test_recent_by_click(void)
     viewer_close(&v);
 }
 
-/* Ten, each once; by HOME where XDG_STATE_HOME is no whole path; nowhere without both. */
+/* Below another folder: on POSIX by HOME, where XDG_STATE_HOME is no whole path. Null: there is none. */
+static void keep_below(const char *home)
+{
+#ifdef _WIN32
+    setenv("APPDATA", home ? home : "", 1);
+#else
+    setenv("XDG_STATE_HOME", "relative", 1);
+    if (home)
+        setenv("HOME", home, 1);
+    else
+        unsetenv("HOME");
+#endif
+}
+
+/* Ten, each once; nowhere where there is no folder. */
 static void test_recent_list(void)
 {
     fxs_message message;
     fxs_recent recent;
-    char path[80], home[80];
+    char path[112], home[80];
     snprintf(home, sizeof home, "%s/home", folder);
-    setenv("XDG_STATE_HOME", "relative", 1);
-    setenv("HOME", home, 1);
+    keep_below(home);
     CHECK(!mkdir(home, 0700));
     for (int i = 0; i < 13; i++) {
         snprintf(path, sizeof path, "%s/%02d.ply", folder, i % 12);
@@ -1352,7 +1382,7 @@ static void test_recent_list(void)
     CHECK(recent.count == FXS_RECENT_MOST && strstr(recent.paths[0], "/00.ply") && strstr(recent.paths[1], "/11.ply") &&
           strstr(recent.paths[9], "/03.ply"));
     fxs_recent_free(&recent);
-    unsetenv("HOME");
+    keep_below(0);
     CHECK(!fxs_recent_add(knot, &message));
     fxs_recent_read(&recent);
     CHECK(!recent.count);
@@ -1360,13 +1390,17 @@ static void test_recent_list(void)
         snprintf(path, sizeof path, "%s/%02d.ply", folder, i);
         CHECK(!remove(path));
     }
+#ifdef _WIN32
+    static const char *const made[] = {"/fixsplat/recent", "/fixsplat", ""};
+#else
     static const char *const made[] = {"/.local/state/fixsplat/recent", "/.local/state/fixsplat", "/.local/state",
                                        "/.local", ""};
-    for (int i = 0; i < 5; i++) {
+#endif
+    for (size_t i = 0; i < sizeof made / sizeof *made; i++) {
         snprintf(path, sizeof path, "%s%s", home, made[i]);
-        CHECK(!remove(path));
+        CHECK(!(i ? fxs_folder_remove : fxs_file_remove)(path));
     }
-    setenv("XDG_STATE_HOME", state, 1);
+    setenv(KEPT_BELOW, state, 1);
 }
 
 /* ---- Others ------------------------------------------------------------------------------------------------------ */
@@ -1541,10 +1575,16 @@ int main(void)
     RUN(test_graph_shows_the_times);
 #ifdef FXS_WITH_SDL
     setenv("SDL_VIDEODRIVER", "dummy", 1);
-    if (!mkdtemp(folder))
+    char *whole = mkdtemp(folder) ? fxs_path_whole(folder) : 0;      /* as the list of recent scenes has it */
+    if (!whole)
         return 1;
+    snprintf(folder, sizeof folder, "%s", whole);
+    free(whole);
     snprintf(state, sizeof state, "%s/state", folder);
-    setenv("XDG_STATE_HOME", state, 1);
+#ifdef _WIN32
+    mkdir(state, 0700);                                          /* which Windows has made */
+#endif
+    setenv(KEPT_BELOW, state, 1);
     RUN(test_files_are_made);
     RUN(test_keys);
     RUN(test_motion_is_coarse_then_full);
@@ -1579,7 +1619,7 @@ int main(void)
     RUN(test_failures_to_open);
     remove(shot), remove(knot), remove(cubes), remove(junk), remove(cameras);
     snprintf(cubes, sizeof cubes, "%s/state/fixsplat/recent", folder);
-    remove(cubes), remove(dirname(cubes)), remove(state), remove(folder);
+    remove(cubes), fxs_folder_remove(dirname(cubes)), fxs_folder_remove(state), fxs_folder_remove(folder);
 #else
     printf("  the viewer's tests are left out: built without SDL2\n");
     check_skipped++;

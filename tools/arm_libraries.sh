@@ -1,10 +1,11 @@
 #!/bin/sh
-# tools/arm_libraries.sh FOLDER: Debian's libpng, zlib and libjpeg-turbo for AArch64, the newest of this release, as
-# FOLDER/usr: for the pictures of tests/scripts/processors.sh. They are fetched again when this machine's own change. By
-# apt, which checks signatures, with lists of its own that know of no other processor; the system's own state stays as
-# it is. Where that fails, the tests are skipped.
+# tools/arm_libraries.sh FOLDER [PACKAGE...]: Debian's packages for AArch64, the newest of this release, as FOLDER/usr:
+# libpng, zlib and libjpeg-turbo, for the pictures of tests/scripts/processors.sh, or others, and nothing that they need.
+# They are fetched again when this machine's own change. By apt, which checks signatures, with lists of its own that know
+# of no other processor; the system's own state stays as it is. Where that fails, the tests are skipped.
 folder=${1:?folder}
-packages='libpng-dev zlib1g-dev libjpeg62-turbo-dev'
+shift
+packages=${*:-libpng-dev zlib1g-dev libjpeg62-turbo-dev}
 here=$(dpkg-query -W -f='${Package} ${Version}\n' $packages 2>/dev/null)
 echo "$here" | cmp -s - "$folder/here" && exit
 
@@ -23,7 +24,7 @@ fetch() {
         for package in ./*.deb; do dpkg -x "$package" .. || return; done && echo "$here" >../here
 }
 
-echo "setup: fetching libpng, zlib and libjpeg-turbo for AArch64"
+echo "setup: fetching for AArch64: $packages"
 mkdir -p "$folder" && work=$(mktemp -d "$folder/fetch.XXXXXX") && cd "$work" && work=$PWD || exit
 trap 'rm -rf "$work"' EXIT
 said=$(fetch 2>&1) || printf '%s\n' "setup: no libraries for AArch64: $said" >&2

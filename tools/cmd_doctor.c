@@ -35,15 +35,19 @@ static const struct {
     {"expat", IS_BUILT(FXS_WITH_EXPAT), "reads cameras of Metashape, .xml"},
 };
 
-/* Programs and libraries that are looked for when they are needed. */
+/* Programs and libraries that are looked for when they are needed. Windows has its own way to open a browser. */
 static const struct {
-    const char *name, *library, *gives;         /* library: null: a program */
+    const char *name, *library, *package;      /* library: null: a program; package: Debian's */
+    int is_built;                              /* of a library: 1 where this build looks for it */
+    const char *gives;
 } helpers[] = {
-    {"ffmpeg", 0, "fit takes films: apt install ffmpeg"},
-    {"colmap", 0, "fit finds the cameras of photographs that come without: apt install colmap"},
-    {"xdg-open", 0, "view --web opens the browser: apt install xdg-utils"},
-    {"libheif", "libheif.so.1", "fit takes photographs of .heic: apt install libheif1"},
-    {"libcurl", "libcurl.so.4", "view and render take the address of a scene: apt install libcurl4"},
+    {"ffmpeg", 0, "ffmpeg", 1, "fit takes films"},
+    {"colmap", 0, "colmap", 1, "fit finds the cameras of photographs that come without"},
+#ifndef _WIN32
+    {"xdg-open", 0, "xdg-utils", 1, "view --web opens the browser"},
+#endif
+    {"libheif", "libheif.so.1", "libheif1", IS_BUILT(FXS_WITH_HEIF), "fit takes photographs of .heic"},
+    {"libcurl", "libcurl.so.4", "libcurl4", IS_BUILT(FXS_WITH_CURL), "view and render take the address of a scene"},
 };
 
 static void line(const char *name, int is_here, const char *what, const char *words)
@@ -94,7 +98,23 @@ static void print_page(void)
 {
     char folder[PAGE_PATH];
     const int is_here = page_folder_look(folder);
-    line("page", is_here, "view --web and publish show scenes in a browser: make setup web", is_here ? folder : "");
+    line("page", is_here,
+         "view --web and publish show scenes in a browser: share/fixsplat/web beside bin, or make setup web",
+         is_here ? folder : "");
+}
+
+static void print_helpers(void)
+{
+    const int has_apt = fxs_program_is_here("apt");
+    for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++) {
+        const char *const name = helpers[i].name, *const library = helpers[i].library;
+        const int is_built = helpers[i].is_built;
+        char what[160];
+        snprintf(what, sizeof what, "%s: %s%s", helpers[i].gives,
+                 !is_built ? "built with " : has_apt ? "apt install " : "install it",
+                 !is_built ? name : has_apt ? helpers[i].package : library ? "" : ", in a folder of PATH");
+        line(name, is_built && (library ? fxs_library_is_here(library) : fxs_program_is_here(name)), what, "");
+    }
 }
 
 static int run(int argc, char **argv)
@@ -113,10 +133,7 @@ static int run(int argc, char **argv)
     line("window", *window_program.ending != 0, "view has a window: built with SDL2", "");
     line("server", *server_program.ending != 0, "view --web has a server: built with libmicrohttpd", "");
     print_page();
-    for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++)
-        line(helpers[i].name, helpers[i].library ? fxs_library_is_here(helpers[i].library)
-                                                 : fxs_program_is_here(helpers[i].name),
-             helpers[i].gives, "");
+    print_helpers();
     return EXIT_OK;
 }
 

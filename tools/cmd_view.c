@@ -155,8 +155,9 @@ const command command_view = {
     "Usage: fixsplat view [SCENE...] [OPTION...]\n\n"
     "Shows scenes of any format (fixsplat help formats lists them) in a window; opens files\n"
     "dropped on it. Without a scene the window waits for one, and lists the last ten that were open; they are kept\n"
-    "in $XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent). Key enter writes what the crop box of key c\n"
-    "leaves beside the scene, in its format or else as .ply; the convert command that does the same is printed.\n"
+    "in $XDG_STATE_HOME/fixsplat/recent (~/.local/state/fixsplat/recent; in Windows %APPDATA%\\fixsplat\\recent).\n"
+    "Key enter writes what the crop box of key c leaves beside the scene, in its format or else as .ply; the convert\n"
+    "command that does the same is printed.\n"
     "With --cameras, up is the mean of the views' up, unless --up says otherwise.\n",
     list_keys,
     "  $ fixsplat view scene.ply\n"

@@ -42,11 +42,22 @@ npm_package() {
 # needs FILE: the shared libraries that it is linked with, but for those of glibc.
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$' || :; }
 
-# complete ARCHIVE LIBRARIES...: what these hold is added.
+# complete ARCHIVE LIBRARIES...: what these hold is added, but for the C++ library, what only the window and the server
+# are linked with, and what another of them holds.
 complete() {
     archive=$1
-    shift
-    { echo "create $archive.new"; printf 'addlib %s\n' "$archive" "$@"; echo save; echo end; } | "$machine-ar" -M
+    {
+        echo "create $archive.new"
+        for library; do
+            case $library in
+            */libSDL2*.a | */libfreetype.a | */libmicrohttpd.a | */libqrencode.a) ;;
+            */libstdc++.a | */libpng.a | */libwebpde*.a) ;;
+            *) echo "addlib $library" ;;
+            esac
+        done
+        echo save
+        echo end
+    } | "$machine-ar" -M
     "$machine-strip" --strip-unneeded "$archive.new"
     mv "$archive.new" "$archive"
 }
@@ -76,9 +87,16 @@ linux() {
     [ ! -e "$cxx" ] || ln -sf "$cxx" "$libraries/lib/"
     folder=$build/tarball/$name-linux-$arch
     rm -rf "$folder"
-    [ $arch = "$here" ] && nvcc=$NVCC || nvcc=none
-    make -s install B=build-$arch CC=$machine-gcc NVCC="$nvcc" CFLAGS=-O2 DESTDIR="$folder" \
-        CPPFLAGS="-isystem $libraries/include" LDFLAGS="-s -static-libgcc -L$libraries/lib"
+    nvcc=$NVCC headers="-isystem $libraries/include" linked="-L$libraries/lib"
+    # The window is linked with Debian's shared libraries: those of another processor, without what they need in turn.
+    [ $arch = "$here" ] || {
+        nvcc=none window=$libraries/window/usr
+        sh tools/arm_libraries.sh "$libraries/window" libsdl2-dev libsdl2-2.0-0 libsdl2-ttf-dev libsdl2-ttf-2.0-0
+        headers="$headers -isystem $window/include -isystem $window/include/$machine"
+        linked="$linked -L$window/lib/$machine -Wl,--allow-shlib-undefined"
+    }
+    make -s install B=build-$arch CC=$machine-gcc NVCC="$nvcc" CFLAGS=-O2 DESTDIR="$folder" CPPFLAGS="$headers" \
+        LDFLAGS="-s -static-libgcc $linked"
     mv "$folder"/usr/local/* "$folder"
     rmdir "$folder/usr/local" "$folder/usr"
     # Of programs for another processor nothing can be asked here.
@@ -88,14 +106,9 @@ linux() {
     done
     cp -r build/web/package "$folder/share/fixsplat/web"
     private='-lm -lpthread -ldl'
-    set --
-    for library in "$libraries"/lib/*.a; do
-        case $library in */libstdc++.a | */libmicrohttpd.a | */libqrencode.a | */libpng.a | */libwebpde*.a) ;;
-        *) set -- "$@" "$library" ;; esac
-    done
     cudart=$(sed -n 's/^LIBS_CUDA := .*-L\([^ ]*\) -lcudart_static.*/\1/p' "build-$arch/probe.mk")
-    [ -z "$cudart" ] || { set -- "$@" "$cudart/libcudart_static.a"; private="-lstdc++ $private -lrt"; }
-    complete "$folder/lib/libfixsplat.a" "$@"
+    [ -z "$cudart" ] || private="-lstdc++ $private -lrt"
+    complete "$folder/lib/libfixsplat.a" "$libraries"/lib/*.a ${cudart:+"$cudart/libcudart_static.a"}
     relocate "$folder" "$private"
     documents
     [ -z "$cudart" ] || cat /usr/share/doc/libstdc++-*-dev/copyright >"$documents/licences/libstdc++"
@@ -129,15 +142,12 @@ windows() {
     make -s windows B=build CFLAGS=-O2 WINDOWS_LIBRARIES="$libraries"
     rm -rf "$folder"
     mkdir -p "$folder/bin" "$folder/lib" "$folder/include/fixsplat" "$folder/share/fixsplat"
-    cp build/windows/fixsplat.exe build/windows/libfixsplat-*.dll "$folder/bin"
+    cp build/windows/fixsplat.exe build/windows/fixsplat-view.exe build/windows/fixsplat-web.exe \
+        build/windows/libfixsplat-*.dll "$folder/bin"
     cp build/windows/libfixsplat*.a "$folder/lib"
     cp $(make -s headers) "$folder/include/fixsplat"
     cp -r build/web/package "$folder/share/fixsplat/web"
-    set -- /usr/$machine/lib/libz.a
-    for library in "$libraries"/lib/*.a; do
-        case $library in */libpng.a | */libwebpde*.a) ;; *) set -- "$@" "$library" ;; esac
-    done
-    complete "$folder/lib/libfixsplat.a" "$@"
+    complete "$folder/lib/libfixsplat.a" /usr/$machine/lib/libz.a "$libraries"/lib/*.a
     documents
     cp docs/windows.md "$documents"
     # What Debian's compiler brings: zlib, the beginning of each program and the threads, libgcc.

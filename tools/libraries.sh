@@ -8,13 +8,17 @@
 # packages say of rights. Of each library that cannot be had a line is printed; without qrencode, whose header says so
 # too, the rest is still of use.
 folder=${1:?folder} machine=${2:?machine}
-names='libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip'
+unset MAKEFLAGS MAKELEVEL MFLAGS CC CXX AR CFLAGS CPPFLAGS LDFLAGS LIBS    # a caller's, for other machines
+names='libdeflate libzstd cjson expat libpng1.6 libjpeg-turbo libwebp libexif libzip libmicrohttpd qrencode'
 packages='libcjson-dev libexpat1-dev libpng-dev libjpeg62-turbo-dev libwebp-dev libexif-dev libzip-dev zlib1g-dev
           libdeflate-dev libzstd-dev libmicrohttpd-dev libqrencode-dev'
 case $machine in
-    *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb ;;
+    *-mingw32) system=Windows flags='' libdeflate=libdeflatestatic.lib headers=stb
+               # The window's, which for Linux are Debian's shared libraries.
+               names="$names freetype libsdl2 libsdl2-ttf"
+               packages="$packages libfreetype-dev libsdl2-dev libsdl2-ttf-dev" ;;
     *)         system=Linux flags='-fPIC -fvisibility=hidden' libdeflate=libdeflate.a
-               names="zlib $names libmicrohttpd qrencode"
+               names="zlib $names"
                own=$(cc -print-multiarch)
                headers="EGL GLES2 GLES3 KHR GL stb $own/libheif $own/curl" ;;
 esac
@@ -41,12 +45,15 @@ list_sources() {
             'Created-By: Packages' | sort -ru >"$work/sources.list" && apt apt-get update
 }
 
-# The newest version that the repositories still have all files of.
+# The newest version that the repositories still have all files of. Of qrencode Debian changes nothing in the library,
+# and one of its mirrors lacks those changes: then what was published is enough.
 fetch() {
     for version in $(apt apt-cache showsrc --only-source "$1" | sed -n 's/^Version: //p' | sort -ruV); do
         apt apt-get source --only-source "$1=$version" && return
     done
-    return 1
+    [ "$1" = qrencode ] && apt apt-get source --tar-only --only-source qrencode && tar -xf qrencode_*.orig.tar.* &&
+        original=$(echo qrencode-[0-9]*) && mkdir -p "$original/debian" &&
+        cp /usr/share/doc/libqrencode-dev/copyright "$original/debian/"
 }
 
 # made_by_cmake SOURCE OPTION..., made_by_configure SOURCE OPTION...: build and install.
@@ -111,6 +118,20 @@ build_libmicrohttpd() {
 }
 build_qrencode() { made_by_cmake "$1" -DWITH_TOOLS=NO -DWITHOUT_PNG=ON; }
 
+build_freetype() {
+    made_by_cmake "$1" -DFT_REQUIRE_ZLIB=ON $(printf -- '-DFT_DISABLE_%s=ON ' BZIP2 PNG HARFBUZZ BROTLI)
+}
+# A window, its events and its pixels, and nothing that draws in another way or makes sound. Nothing of it is C++.
+build_libsdl2() {
+    sed -i 's/^project(SDL2 C CXX)/project(SDL2 C)/' "$1/CMakeLists.txt" &&
+        made_by_cmake "$1" -DSDL_SHARED=OFF -DSDL_STATIC=ON -DSDL_TEST=OFF -DSDL2_DISABLE_SDL2MAIN=ON \
+            $(printf -- '-DSDL_%s=OFF ' AUDIO RENDER JOYSTICK HAPTIC HIDAPI SENSOR POWER DIRECTX OPENGL OPENGLES VULKAN)
+}
+build_libsdl2_ttf() {
+    (cd "$1" && $machine-gcc -O2 $flags -DTTF_USE_HARFBUZZ=0 -I"$there/include/SDL2" -I"$there/include/freetype2" \
+        -c SDL_ttf.c && $machine-ar rcs "$there/lib/libSDL2_ttf.a" SDL_ttf.o && cp SDL_ttf.h "$there/include/SDL2/")
+}
+
 # Headers of Debian's that are the same for every processor, of libraries that are opened at run time, and of stb.
 link_headers() {
     for header in $headers; do
@@ -134,7 +155,7 @@ said=$(list_sources 2>&1) || { printf '%s\n' "no libraries for $machine: $said" 
 for name in $missing; do
     log=$there/$name.log
     build "$name" >"$log" 2>&1 && rm "$log" && continue
-    echo "no $name for $machine ($log): $(grep -m 1 -i error "$log" || tail -n 1 "$log")" >&2
+    echo "no $name for $machine ($log): $(grep -m 1 -iE 'error(:| at )' "$log" || tail -n 1 "$log")" >&2
     [ "$name" = qrencode ] && echo '#error its source could not be had' >"$there/include/qrencode.h" || status=1
 done
 exit $status

@@ -1,15 +1,12 @@
 /* fixsplat-web: what `fixsplat view --web` and `fixsplat fit --preview` run, with the same arguments. */
 #include <errno.h>
-#include <fcntl.h>
-#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 #include <fixsplat/camera_file.h>
 #include "port/http/server.h"
+#include "src/base/system.h"
 #include "src/camera/view_print.h"
 #include "cmd_view.h"
 #include "page_folder.h"
@@ -50,7 +47,7 @@ char *text_of(const char *format, ...)
 int keep_written(FILE *file)
 {
     const int written = file && !fflush(file) && !ferror(file);
-    const int descriptor = written ? fcntl(fileno(file), F_DUPFD_CLOEXEC, 0) : -1;
+    const int descriptor = written ? fxs_descriptor_of(file) : -1;
     const int why = errno;
     if (file)
         fclose(file);
@@ -60,7 +57,7 @@ int keep_written(FILE *file)
 
 int keep(const void *data, size_t bytes)
 {
-    FILE *file = tmpfile();
+    FILE *file = fxs_stream_temporary();
     if (file)
         fwrite(data, 1, bytes, file);
     return keep_written(file);
@@ -81,7 +78,7 @@ static int add_views(site *s, const frame_options *o)
     if (count < 0)
         return fail_for(&message);
     const long first = find_view(o, views, count);
-    FILE *file = first < 0 ? 0 : tmpfile();
+    FILE *file = first < 0 ? 0 : fxs_stream_temporary();
     for (long i = 0; file && i < count; i++) {
         fputs(i ? ",\n" : "[", file);
         fxs_view_print(file, &views[(first + i) % count]);
@@ -127,7 +124,7 @@ static int add_start(site *s, const char *start)
 
 static int add_list(site *s, int scenes)
 {
-    FILE *file = tmpfile();
+    FILE *file = fxs_stream_temporary();
     if (file)
         print_list_head(file, "Scenes", "/viewer");
     for (int i = 0; file && i < scenes; i++) {
@@ -213,12 +210,12 @@ static void tell(void *self, const char *address, int is_local)
 /* What only people want, and no script: a browser, and a code for a phone's camera. */
 static void tell_people(const told *t, const view_options *o)
 {
-    const int is_terminal = isatty(STDOUT_FILENO);
+    const int is_terminal = fxs_is_terminal(stdout);
     if ((o->qr || (is_terminal && *t->far)) && print_qr_code(*t->far ? t->far : t->near) && o->qr)
         note("--qr: this program was built without libqrencode");
     fflush(stdout);
-    if (is_terminal && !o->no_open && !getenv("FIXSPLAT_NO_OPEN"))
-        open_browser(*t->near ? t->near : t->far);
+    if (is_terminal && !o->no_open && !getenv("FIXSPLAT_NO_OPEN") && fxs_browse(*t->near ? t->near : t->far))
+        note("no browser is opened: %s", strerror(errno));
 }
 
 static void tell_all(const fxs_http_server *server, const view_options *o)
@@ -226,42 +223,27 @@ static void tell_all(const fxs_http_server *server, const view_options *o)
     told t = {"", ""};
     fxs_http_each_address(server, tell, &t);
     if (*t.far && !o->key)
-        puts("Browsers of other machines have no threads and no headset over http: --cert and --key, or for a headset "
-             "on a cable adb reverse (docs/web.md)");
+        printf("Browsers of other machines have no threads and no headset over http: %sfor a headset on a cable adb "
+               "reverse (docs/web.md)\n", fxs_http_has_tls() ? "--cert and --key, or " : "");
     tell_people(&t, o);
 }
 
-/* The signals that end it, but for those that are ignored. */
-static sigset_t ending_signals(void)
-{
-    static const int ending[] = {SIGINT, SIGTERM, SIGHUP};
-    sigset_t set;
-    struct sigaction now;
-    sigemptyset(&set);
-    for (size_t i = 0; i < sizeof ending / sizeof *ending; i++)
-        if (!sigaction(ending[i], 0, &now) && now.sa_handler != SIG_IGN)
-            sigaddset(&set, ending[i]);
-    return set;
-}
-
-/* Until a signal, or until the only scene turns out to be none. */
+/* Until it is asked to end, or until the only scene turns out to be none. */
 static int work(site *s)
 {
-    static const struct timespec none = {0, 0}, pause = {0, 250000000};
     int did;
     do
         did = scenes_work(s->scenes);
-    while (did >= 0 && sigtimedwait(s->how.ending, 0, did ? &none : &pause) < 0);
+    while (did >= 0 && !fxs_end_wait(did ? 0 : 250));
     return did < 0 ? EXIT_FAILED : EXIT_OK;
 }
 
-static int serve(site *s, const view_options *o, const sigset_t *ending)
+static int serve(site *s, const view_options *o)
 {
     const fxs_http_options options = {o->bind, (uint16_t)o->port, o->certificate, o->key, o->host};
     fxs_http_server *server;
     fxs_message message;
-    signal(SIGPIPE, SIG_IGN);
-    sigprocmask(SIG_BLOCK, ending, 0);
+    fxs_end_hold();
     if (fxs_http_open(&server, &s->served, &options, &message))
         return fail_for(&message);
     tell_all(server, o);
@@ -285,16 +267,15 @@ int main(int argc, char **argv)
 {
     view_options o;
     static site s;
+    fxs_program_begin(&argc, &argv);
     check_printed_at_exit();
     if (is_fit(argc, argv))
         return serve_fit(argc, argv);
-    const sigset_t ending = ending_signals();
     int status = view_options_take(&o, argc, argv);
-    s.how.ending = &ending;
     if (!status)
         status = fill_site(&s, &o.frame);
     if (!status)
-        status = serve(&s, &o, &ending);
+        status = serve(&s, &o);
     scenes_free(s.scenes);
     return status;
 }

@@ -7,8 +7,8 @@
 
 #include <fixsplat/message.h>
 
-/* The descriptor, that no program run from here has, of what was written to a file of tmpfile, which it closes. Returns
-   -1, with errno, where that or the file (null) failed. */
+/* The descriptor (src/base/system.h) of what was written to a temporary file, which it closes. Returns -1, with errno,
+   where that or the file (null) failed. */
 int keep_written(FILE *file);
 
 /* The same of bytes. */
@@ -16,9 +16,6 @@ int keep(const void *data, size_t bytes);
 
 /* A text of a format, for free; null: out of memory. */
 char *text_of(const char *format, ...) FXS_PRINTF(1, 2);
-
-/* Opens an address in the browser of a desktop, where there is one. */
-void open_browser(const char *address);
 
 /* Prints the QR code of an address, for terminals of either brightness. Returns 0, or -1 where this was built without
    libqrencode. */

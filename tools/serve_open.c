@@ -1,42 +1,10 @@
-/* What `fixsplat view --web` does for people at a terminal: a browser, and a QR code. */
+/* What `fixsplat view --web` prints for people at a terminal: a QR code. */
 #include <errno.h>
-#include <signal.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include "src/base/system.h"
 #include "command.h"
 #include "serve.h"
-
-/* In a process group of its own, which Ctrl-C here does not end, and without words in the terminal. */
-static void run_browser(const char *address)
-{
-    sigset_t none;
-    sigemptyset(&none);
-    sigprocmask(SIG_SETMASK, &none, 0);
-    signal(SIGPIPE, SIG_DFL);
-    setsid();
-    if (freopen("/dev/null", "r", stdin) && freopen("/dev/null", "w", stdout) && freopen("/dev/null", "w", stderr))
-        execlp("xdg-open", "xdg-open", address, (char *)0);
-    _exit(127);
-}
-
-/* Of two children the first ends at once, so that nobody has to wait for the second. */
-void open_browser(const char *address)
-{
-    if (!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY"))
-        return;
-    const pid_t child = fork();
-    if (child < 0)
-        note("no browser is opened: %s", strerror(errno));
-    else if (child)
-        waitpid(child, 0, 0);
-    else if (fork())
-        _exit(0);
-    else
-        run_browser(address);
-}
 
 #ifdef FXS_WITH_QRENCODE
 #include <qrencode.h>
@@ -51,12 +19,13 @@ static int is_dark(const QRcode *code, int x, int y)
 /* Two rows of modules a line: white blocks on black, whatever the colours of the terminal are. */
 static void print_code(const QRcode *code)
 {
+    const int is_coloured = fxs_terminal_takes_codes(stdout);
     static const char *const blocks[] = {"\u2588", "\u2580", "\u2584", " "};   /* light: both, the upper, the lower */
     for (int y = -MARGIN; y < code->width + MARGIN; y += 2) {
-        fputs("\033[40;97m", stdout);
+        fputs(is_coloured ? "\033[40;97m" : "", stdout);
         for (int x = -MARGIN; x < code->width + MARGIN; x++)
             fputs(blocks[2 * is_dark(code, x, y) + is_dark(code, x, y + 1)], stdout);
-        puts("\033[0m");
+        puts(is_coloured ? "\033[0m" : "");
     }
 }
 

@@ -1,14 +1,9 @@
 /* What `fixsplat fit --preview` runs: the fit, and a server of the page that shows it. */
-#define _XOPEN_SOURCE 700   /* nanosleep */
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 #include <fixsplat/camera.h>
 #include <fixsplat/clock.h>
@@ -16,6 +11,7 @@
 #include <fixsplat/output.h>
 #include <fixsplat/start.h>
 #include "port/http/server.h"
+#include "src/base/system.h"
 #include "src/camera/view_print.h"
 #include "file_guard.h"
 #include "fit_result.h"
@@ -80,7 +76,7 @@ static int open_live(void *file)
     struct preview *p = &preview;
     live_file *live = file;
     pthread_mutex_lock(&p->lock);
-    const int descriptor = live->descriptor < 0 ? -1 : fcntl(live->descriptor, F_DUPFD_CLOEXEC, 0);
+    const int descriptor = live->descriptor < 0 ? -1 : fxs_descriptor_again(live->descriptor);
     live->asked++;
     live->asked_at = fxs_clock(0);
     pthread_mutex_unlock(&p->lock);
@@ -103,7 +99,7 @@ static void give(struct preview *p, int which, int descriptor)
     live->asked = 0;
     pthread_mutex_unlock(&p->lock);
     if (before >= 0)
-        close(before);
+        fxs_descriptor_close(before);
 }
 
 static uint32_t asked_for_numbers(struct preview *p, uint64_t *at)
@@ -136,7 +132,7 @@ static void write_points(FILE *file, const struct preview *p)
 /* /fit.json, as docs/web.md has it. */
 static void tell(struct preview *p)
 {
-    FILE *file = tmpfile();
+    FILE *file = fxs_stream_temporary();
     const uint8_t *bg = p->frame.render.background;
     p->told = fxs_clock(0);
     if (file) {
@@ -165,7 +161,7 @@ static void tell(struct preview *p)
 /* Those that the scene is measured by, for the page to look from. */
 static void tell_views(struct preview *p)
 {
-    FILE *file = tmpfile();
+    FILE *file = fxs_stream_temporary();
     const fxs_photos *all = p->photos;
     const fxs_fit_photo *photos = all->held_out_count ? all->held_out : all->fit;
     const size_t count = all->held_out_count ? all->held_out_count : all->fit_count;
@@ -297,29 +293,19 @@ static void say_address(void *self, const char *address, int is_local)
     note("preview: %s/", address);
 }
 
-/* No signal is the server's. */
-static int open_server(struct preview *p, const fxs_http_options *options)
-{
-    fxs_message message;
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
-    const int error = fxs_http_open(&p->server, &p->site, options, &message);
-    pthread_sigmask(SIG_SETMASK, &before, 0);
-    return error ? fail(EXIT_FAILED, "--preview: %s", message.text) : 0;
-}
-
 static int open_preview(const char *out, uint64_t port)
 {
     static const char *const start = "/viewer/fit.html", *const names[FILES] = {"/scene.fxs", "/fit.json",
                                                                                  "/cameras.json"};
     const fxs_http_options options = {.address = "127.0.0.1", .port = (uint16_t)port};
     struct preview *p = &preview;
+    fxs_message message;
     char page[PAGE_PATH + 32];
     const int status = page_folder_find(p->folder);
     if (status)
         return status;
-    if (snprintf(page, sizeof page, "%s%s", p->folder, start) >= (int)sizeof page || access(page, R_OK))
+    if (snprintf(page, sizeof page, "%s%s", p->folder, start) >= (int)sizeof page ||
+        fxs_file_kind(page) != FXS_FILE_REGULAR)
         return fail(EXIT_FAILED, "%s: the page of --preview is not there: no viewer/fit.html", p->folder);
     for (int i = 0; i < FILES; i++)
         p->files[i] = (fxs_http_file){.name = names[i], .open = open_live, .self = &p->live[i]};
@@ -327,8 +313,8 @@ static int open_preview(const char *out, uint64_t port)
                               .start_count = 1};
     p->out = out;
     tell(p);
-    if (open_server(p, &options))
-        return EXIT_FAILED;
+    if (fxs_http_open(&p->server, &p->site, &options, &message))
+        return fail(EXIT_FAILED, "--preview: %s", message.text);
     fxs_http_each_address(p->server, say_address, p);
     return 0;
 }
@@ -386,15 +372,14 @@ static void tell_stopped(void)
 /* Until a page that is there has the last scene: it asks once more after it has loaded what it was told of. */
 static void wait_for_page(struct preview *p)
 {
-    const struct timespec pause = {0, 50000000};
     const uint64_t end = fxs_clock(0) + GOODBYE_SECONDS * SECOND;
     uint64_t asked_at;
     asked_for_numbers(p, &asked_at);
     if (!asked_at || fxs_clock(0) - asked_at > PAGE_SECONDS * SECOND)
         return;
     tell(p);
-    while (asked_for_numbers(p, &asked_at) < 2 && fxs_clock(0) < end)
-        nanosleep(&pause, 0);
+    while (asked_for_numbers(p, &asked_at) < 2 && fxs_clock(0) < end && !fxs_end_wait(50))
+        ;
 }
 
 static void close_preview(int status)

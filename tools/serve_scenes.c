@@ -1,18 +1,14 @@
-#define _XOPEN_SOURCE 700   /* realpath, strdup */
 #include "serve_scenes.h"
 
 #include <ctype.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <time.h>
-#include <unistd.h>
 
 #include <fixsplat/clock.h>
 #include <fixsplat/fxs_file.h>
+#include "src/base/system.h"
 #include "scene_picture.h"
 #include "serve.h"
 
@@ -27,16 +23,12 @@ enum { LISTED_WIDTH = 640, LISTED_HEIGHT = 360 };
    reading it. */
 enum { VERSIONS = 2, FILES = SCENE_FILES };
 
+/* In the place of a descriptor. AS_IT_LIES: what has the name of the scene when it is sent, on a system where a file
+   that is kept open could not be replaced. */
+enum { NONE = -1, AS_IT_LIES = -2 };
+
 enum scene_state { WAITS, PACKS, READY, FAILED, GONE };
 static const char *const state_names[] = {"waits", "packs", "ready", "failed", "gone"};
-
-/* What tells one state of a file from another. */
-typedef struct file_state {
-    dev_t device;
-    ino_t inode;
-    off_t size;
-    struct timespec modified;
-} file_state;
 
 typedef struct served_scene {
     served_scenes *all;
@@ -44,12 +36,13 @@ typedef struct served_scene {
     char *path;                             /* and with links followed */
     char *names[FILES];                     /* versions, facts, picture */
     int number, is_twice;                   /* another scene has the same name */
-    file_state taken, seen;                 /* of the file: as it is served, and as it was last looked at */
+    fxs_file_facts taken, seen;             /* of the file: as it is served, and as it was last looked at */
     uint64_t seen_at;
 
     /* Under the lock: */
     enum scene_state state;
-    int descriptors[VERSIONS], picture;     /* or -1: none */
+    int descriptors[VERSIONS];              /* or NONE, or AS_IT_LIES */
+    int picture;                            /* or NONE */
     uint64_t kept;                          /* bytes that were packed, and are no file's */
     uint32_t version;                       /* from 1 on; 0: there was none yet */
     double done;                            /* of packing */
@@ -85,7 +78,7 @@ static int base_of(const char **base, const char *path)
 
 static void write_facts(FILE *file, const served_scene *s)
 {
-    const int has = s->version && s->descriptors[slot_of(s)] >= 0;
+    const int has = s->version && s->descriptors[slot_of(s)] != NONE;
     fputs("{\"name\": ", file);
     write_json_string(file, scenes_title(s->all, s->number));
     fprintf(file, ", \"state\": \"%s\", \"version\": %u, \"done\": %.3f, \"picture\": %s, \"address\": ",
@@ -99,7 +92,7 @@ static void write_facts(FILE *file, const served_scene *s)
 static int open_facts(void *self)
 {
     served_scene *s = self;
-    FILE *file = tmpfile();
+    FILE *file = fxs_stream_temporary();
     pthread_mutex_lock(&s->all->lock);
     s->asked_at = fxs_clock(0);
     if (file)
@@ -111,7 +104,7 @@ static int open_facts(void *self)
 static int open_all_facts(void *self)
 {
     served_scenes *all = self;
-    FILE *file = tmpfile();
+    FILE *file = fxs_stream_temporary();
     pthread_mutex_lock(&all->lock);
     all->listed_at = fxs_clock(0);
     for (int i = 0; file && i < all->count; i++) {
@@ -124,17 +117,18 @@ static int open_all_facts(void *self)
     return keep_written(file);
 }
 
-static int open_again(int descriptor)
+static int open_again(const served_scene *s, int descriptor)
 {
-    return descriptor < 0 ? -1 : fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+    return descriptor == NONE ? -1
+         : descriptor == AS_IT_LIES ? fxs_descriptor_open(s->path) : fxs_descriptor_again(descriptor);
 }
 
 /* A version, or where it is not there the one that is; a scene that is not there at all is wanted from now on. */
 static int open_version(served_scene *s, int slot)
 {
     pthread_mutex_lock(&s->all->lock);
-    const int has = s->descriptors[slot] >= 0;
-    const int descriptor = open_again(s->descriptors[has ? slot : slot_of(s)]);
+    const int has = s->descriptors[slot] != NONE;
+    const int descriptor = open_again(s, s->descriptors[has ? slot : slot_of(s)]);
     if (descriptor < 0)
         s->asked_at = fxs_clock(0);
     pthread_mutex_unlock(&s->all->lock);
@@ -155,7 +149,7 @@ static int open_picture(void *self)
 {
     served_scene *s = self;
     pthread_mutex_lock(&s->all->lock);
-    const int descriptor = open_again(s->picture);
+    const int descriptor = open_again(s, s->picture);
     pthread_mutex_unlock(&s->all->lock);
     return descriptor;
 }
@@ -177,32 +171,26 @@ void scenes_files(served_scenes *all, fxs_http_file *files)
 /* ---- Taking a scene ---------------------------------------------------------------------------------------------- */
 
 /* Returns 0, or -1 where there is nothing that could be a scene: no file, a link, a FIFO. */
-static int look_at_file(const char *path, file_state *state)
+static int look_at_file(const char *path, fxs_file_facts *facts)
 {
-    struct stat information;
-    memset(state, 0, sizeof *state);
-    if (lstat(path, &information) || !(S_ISREG(information.st_mode) || S_ISDIR(information.st_mode)))
-        return -1;
-    state->device = information.st_dev;
-    state->inode = information.st_ino;
-    state->size = information.st_size;
-    state->modified = information.st_mtim;
-    return 0;
+    const enum fxs_file_kind kind = fxs_file_look_at_name(path, facts);
+    if (kind == FXS_FILE_REGULAR || kind == FXS_FILE_FOLDER)
+        return 0;
+    memset(facts, 0, sizeof *facts);
+    return -1;
 }
 
-static int is_same(const file_state *a, const file_state *b)
+static int is_same(const fxs_file_facts *a, const fxs_file_facts *b)
 {
-    return a->device == b->device && a->inode == b->inode && a->size == b->size &&
-           a->modified.tv_sec == b->modified.tv_sec && a->modified.tv_nsec == b->modified.tv_nsec;
+    return a->device == b->device && a->inode == b->inode && a->size == b->size && a->modified == b->modified;
 }
 
 /* Whether it is one file, and none in JSON, which names others. */
 static int is_one_file(const char *path)
 {
-    struct stat information;
-    if (stat(path, &information) || !S_ISREG(information.st_mode))
+    if (fxs_file_kind(path) != FXS_FILE_REGULAR)
         return 0;
-    FILE *file = fopen(path, "rb");
+    FILE *file = fxs_stream_open(path, "r");
     int c = ' ';
     while (file && isspace(c))
         c = getc(file);
@@ -220,22 +208,21 @@ static int look_first(const char *path, const load_options *o, first_look *look)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
-    file_state state;
+    fxs_file_facts state;
     if (open_scene(path, o, &file, &info))
         return EXIT_FAILED;
     fxs_scene_file_close(file);
     look->is_fxs = !strcmp(info.format, "fxs");
     const int is_asked = o->lod || o->axes || o->profile || o->tree || o->max_gaussians || o->import_memory;
     look->is_sent = look->is_fxs || (!is_asked && is_one_file(path) && !look_at_file(path, &state) &&
-                                     (uint64_t)state.size / SMALL <= info.count);
+                                     state.size / SMALL <= info.count);
     return 0;
 }
 
-/* Shows it here and to pages; a signal ends the program. */
+/* Shows it here and to pages; a request to end ends the program. */
 static int tell_progress(void *scene, double done)
 {
     served_scene *s = scene;
-    const struct timespec now = {0, 0};
     char label[64];
     const char *base;
     const int length = base_of(&base, s->given);
@@ -244,7 +231,7 @@ static int tell_progress(void *scene, double done)
     pthread_mutex_unlock(&s->all->lock);
     snprintf(label, sizeof label, "packing %.*s", length < 40 ? length : 40, base);
     progress_bar(label, done);
-    if (sigtimedwait(s->all->options->ending, 0, &now) > 0) {
+    if (fxs_end_wait(0)) {
         progress_end();
         exit(EXIT_OK);
     }
@@ -263,8 +250,16 @@ static int picture_of(const served_scene *s, const loaded_scene *scene)
     return descriptor;
 }
 
+/* Of a scene under the lock. */
+static void replace(int *descriptor, int by)
+{
+    if (*descriptor >= 0)
+        fxs_descriptor_close(*descriptor);
+    *descriptor = by;
+}
+
 typedef struct taken {
-    int descriptor, picture;                /* or -1 */
+    int descriptor, picture;                /* as those of a scene */
     uint64_t kept;
 } taken;
 
@@ -289,8 +284,10 @@ static int take_file(served_scene *s, taken *t)
     o.progress = tell_progress;
     o.progress_argument = s;
     int status = look_first(s->path, &o, &look);
-    if (!status && look.is_sent && (t->descriptor = open(s->path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) < 0)
+    if (!status && look.is_sent && (t->descriptor = fxs_descriptor_open(s->path)) < 0)
         status = fail(EXIT_FAILED, "%s: %s", s->given, strerror(errno));
+    if (!status && look.is_sent && !FXS_OPEN_MAY_BE_REPLACED)
+        replace(&t->descriptor, AS_IT_LIES);
     if (status || (look.is_sent && !look.is_fxs && !s->all->options->has_list))
         return status;
     status = load_scene(&scene, s->path, &o);
@@ -299,14 +296,6 @@ static int take_file(served_scene *s, taken *t)
     status = take_loaded(s, &look, &scene, t);
     free_scene(&scene);
     return status;
-}
-
-/* Under the lock. */
-static void replace(int *descriptor, int by)
-{
-    if (*descriptor >= 0)
-        close(*descriptor);
-    *descriptor = by;
 }
 
 static void set_state(served_scene *s, enum scene_state state, const char *words)
@@ -322,7 +311,7 @@ static void set_state(served_scene *s, enum scene_state state, const char *words
 static void drop(served_scene *s)
 {
     for (int i = 0; i < VERSIONS; i++)
-        replace(&s->descriptors[i], -1);
+        replace(&s->descriptors[i], NONE);
     s->kept = 0;
     s->state = WAITS;
 }
@@ -357,19 +346,17 @@ static const char *without_path(const served_scene *s, const char *words)
     return strncmp(words, s->path, length) || strncmp(words + length, ": ", 2) ? words : words + length + 2;
 }
 
-static int take(served_scene *s, const file_state *now)
+static int take(served_scene *s, const fxs_file_facts *now)
 {
-    taken t = {-1, -1, 0};
+    taken t = {NONE, NONE, 0};
     make_room(s->all);
     set_state(s, PACKS, "");
     s->taken = s->seen = *now;
     const int status = take_file(s, &t);
     progress_end();
     if (status) {
-        if (t.descriptor >= 0)
-            close(t.descriptor);
-        if (t.picture >= 0)
-            close(t.picture);
+        replace(&t.descriptor, NONE);
+        replace(&t.picture, NONE);
         set_state(s, FAILED, without_path(s, last_failure()));
         return status;
     }
@@ -389,7 +376,7 @@ static int take(served_scene *s, const file_state *now)
 static void follow(served_scene *s)
 {
     const uint64_t time = fxs_clock(0);
-    file_state now;
+    fxs_file_facts now;
     if (look_at_file(s->path, &now)) {
         set_state(s, GONE, "the file is not there any more");
         s->taken = s->seen = now;   /* all 0 */
@@ -405,7 +392,7 @@ static void follow(served_scene *s)
 
 static int take_first(served_scene *s)
 {
-    file_state now;
+    fxs_file_facts now;
     if (!look_at_file(s->path, &now))
         return take(s, &now);
     set_state(s, GONE, "there is no such file");
@@ -493,10 +480,10 @@ int scenes_add(served_scenes *all, const char *path, int is_sure)
     s->all = all;
     s->number = all->count++;
     s->given = path;
-    s->picture = s->descriptors[0] = s->descriptors[1] = -1;
+    s->picture = s->descriptors[0] = s->descriptors[1] = NONE;
     if (is_sure && look_first(path, &all->options->load, &look))
         return EXIT_FAILED;
-    s->path = realpath(path, 0);   /* links are followed now, not later */
+    s->path = fxs_path_whole(path);   /* links are followed now, not later */
     if (!s->path && !(is_sure ? 0 : (s->path = strdup(path))))
         return fail(EXIT_FAILED, "%s: %s", path, strerror(errno));
     find_twins(all, s);
@@ -525,8 +512,8 @@ void scenes_free(served_scenes *all)
         for (int j = 0; j < FILES; j++)
             free(s->names[j]);
         for (int j = 0; j < VERSIONS; j++)
-            replace(&s->descriptors[j], -1);
-        replace(&s->picture, -1);
+            replace(&s->descriptors[j], NONE);
+        replace(&s->picture, NONE);
         free(s->path);
     }
     if (all)

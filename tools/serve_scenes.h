@@ -4,8 +4,6 @@
 #ifndef SERVE_SCENES_H
 #define SERVE_SCENES_H
 
-#include <signal.h>
-
 #include "load_scene.h"
 #include "port/http/server.h"
 
@@ -17,7 +15,6 @@ typedef struct served_options {
     uint8_t background[3];                  /* of pictures */
     int has_list;                           /* a picture of each, and each is taken when somebody looks; else there is
                                                one scene, which is taken at once, or the program ends */
-    const sigset_t *ending;                 /* signals that end the program while a scene is taken; blocked */
 } served_options;
 
 /* Null: out of memory. For scenes_free. */

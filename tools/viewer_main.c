@@ -1,5 +1,6 @@
 /* fixsplat-view: what `fixsplat view` runs, with the same arguments. */
 #include <fixsplat/output.h>
+#include "src/base/system.h"
 #include "viewer.h"
 #include "cmd_view.h"
 
@@ -7,6 +8,7 @@ int main(int argc, char **argv)
 {
     view_options o;
     viewer v;
+    fxs_program_begin(&argc, &argv);
     check_printed_at_exit();
     int status = view_options_take(&o, argc, argv);
     if (!status)

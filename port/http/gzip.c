@@ -1,9 +1,9 @@
-#define _DEFAULT_SOURCE   /* pread, strdup */
 #include "gzip.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+
+#include "src/base/system.h"
 
 struct fxs_http_gzipped {
     fxs_http_gzipped *next;
@@ -37,7 +37,7 @@ static struct MHD_Response *compress_file(int descriptor, size_t size)
     unsigned char *in = malloc(size), *out = malloc(room);
     size_t bytes = 0;
     struct MHD_Response *response = NULL;
-    if (in && out && pread(descriptor, in, size, 0) == (ssize_t)size)
+    if (in && out && !fxs_descriptor_read(descriptor, in, size))
         bytes = compress_all(out, room, in, size);
     free(in);
     if (bytes)

@@ -1,40 +1,28 @@
-#define _DEFAULT_SOURCE   /* IFF_UP and the like */
 #include "server.h"
 
 #include "gzip.h"
+#include "sockets.h"
 #include "waiting.h"
 
-#include <arpa/inet.h>
 #include <errno.h>
-#include <fcntl.h>
-#include <ifaddrs.h>
 #include <inttypes.h>
-#include <microhttpd.h>
-#include <net/if.h>
-#include <netinet/in.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <unistd.h>
+
+#include "src/base/system.h"
 
 /* Of a connection that waits for a request, and of one that is sent to. */
 enum { WAITING_SECONDS = 10, SENDING_SECONDS = 60 };
 enum { CONNECTIONS_MOST = 480, OF_AN_ADDRESS_MOST = 120 };   /* a connection and its file are two descriptors of 1024 */
 enum { GZIP_LEAST = 1 << 10, GZIP_MOST = 1 << 23, PEM_BYTES_MOST = 1 << 20 };
 
-typedef union any_address {
-    struct sockaddr any;
-    struct sockaddr_in v4;
-    struct sockaddr_in6 v6;
-} any_address;
-
 struct fxs_http_server {
     const fxs_http_site *site;
     struct MHD_Daemon *daemon;
-    any_address bound;
+    fxs_http_address bound;
     char *certificate, *key;                /* texts, or null */
     const char *host;                       /* a name of this machine beside its own, or null */
     char own_name[256];
@@ -60,12 +48,6 @@ static int is_inside(const char *name)
     }
 }
 
-/* O_NONBLOCK: does not wait for the writer of a FIFO. */
-static int open_path(const char *path)
-{
-    return open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
-}
-
 static int open_of_folder(const char *folder, const char *name)
 {
     char path[4096];
@@ -74,17 +56,17 @@ static int open_of_folder(const char *folder, const char *name)
     if (snprintf(whole, sizeof whole, "%s%s", name, index) >= (int)sizeof whole || !is_inside(whole) ||
         snprintf(path, sizeof path, "%s%s", folder, whole) >= (int)sizeof path)
         return -1;
-    return open_path(path);
+    return fxs_descriptor_open(path);
 }
 
 static int open_file(const fxs_http_file *file)
 {
     return file->open ? file->open(file->self)
-         : file->path ? open_path(file->path) : fcntl(file->descriptor, F_DUPFD_CLOEXEC, 0);
+         : file->path ? fxs_descriptor_open(file->path) : fxs_descriptor_again(file->descriptor);
 }
 
 /* Opens the regular file of that name; the caller closes the descriptor. Returns -1 where there is none. */
-static int open_named(const fxs_http_site *site, const char *name, struct stat *information)
+static int open_named(const fxs_http_site *site, const char *name, fxs_file_facts *facts)
 {
     int descriptor = -2;
     for (int i = 0; i < site->file_count && descriptor == -2; i++)
@@ -92,8 +74,8 @@ static int open_named(const fxs_http_site *site, const char *name, struct stat *
             descriptor = open_file(&site->files[i]);
     if (descriptor == -2)
         descriptor = *name == '/' ? open_of_folder(site->folder, name) : -1;
-    if (descriptor >= 0 && (fstat(descriptor, information) || !S_ISREG(information->st_mode))) {
-        close(descriptor);
+    if (descriptor >= 0 && fxs_descriptor_look(descriptor, facts) != FXS_FILE_REGULAR) {
+        fxs_descriptor_close(descriptor);
         return -1;
     }
     return descriptor;
@@ -231,7 +213,7 @@ static enum MHD_Result send_gzipped(fxs_http_server *server, struct MHD_Connecti
 {
     int is_new;
     struct MHD_Response *response = fxs_http_gzip(&server->gzipped, name, tag, descriptor, size, &is_new);
-    close(descriptor);
+    fxs_descriptor_close(descriptor);
     if (!response)
         return MHD_NO;
     if (is_new) {
@@ -245,31 +227,30 @@ static enum MHD_Result send_gzipped(fxs_http_server *server, struct MHD_Connecti
 
 /* Answers with a file; the answer then owns the descriptor. */
 static enum MHD_Result send_file(fxs_http_server *server, struct MHD_Connection *connection, const char *name,
-                                 int descriptor, const struct stat *information)
+                                 int descriptor, const fxs_file_facts *facts)
 {
-    const uint64_t size = (uint64_t)information->st_size;
+    const uint64_t size = facts->size;
     const int gzipped = FXS_HTTP_HAS_GZIP && kind_of(name)->shrinks && size >= GZIP_LEAST && size <= GZIP_MOST &&
                         takes_gzip(connection) && !header_of(connection, "Range");
     uint64_t first = 0, length = size;
     char tag[FXS_HTTP_TAG], text[96];
-    snprintf(tag, sizeof tag, "\"%" PRIx64 "-%lx-%" PRIx64 "%s\"", (uint64_t)information->st_mtim.tv_sec,
-             information->st_mtim.tv_nsec, size, gzipped ? "-gzip" : "");
+    snprintf(tag, sizeof tag, "\"%" PRIx64 "-%" PRIx64 "%s\"", facts->modified, size, gzipped ? "-gzip" : "");
     const char *known = header_of(connection, "If-None-Match"), *same = header_of(connection, "If-Range");
     if (known && strstr(known, tag)) {
-        close(descriptor);
+        fxs_descriptor_close(descriptor);
         return send_words(connection, MHD_HTTP_NOT_MODIFIED, "", "ETag", tag);
     }
     if (gzipped)
         return send_gzipped(server, connection, name, tag, descriptor, (size_t)size);
     const int part = same && strcmp(same, tag) ? 0 : take_range(header_of(connection, "Range"), size, &first, &length);
     if (part < 0) {
-        close(descriptor);
+        fxs_descriptor_close(descriptor);
         snprintf(text, sizeof text, "bytes */%" PRIu64, size);
         return send_words(connection, MHD_HTTP_RANGE_NOT_SATISFIABLE, "no such bytes\n", "Content-Range", text);
     }
     struct MHD_Response *response = MHD_create_response_from_fd_at_offset64(length, descriptor, first);
     if (!response) {
-        close(descriptor);
+        fxs_descriptor_close(descriptor);
         return MHD_NO;
     }
     MHD_add_response_header(response, "Content-Type", kind_of(name)->type);
@@ -282,7 +263,7 @@ static enum MHD_Result send_file(fxs_http_server *server, struct MHD_Connection 
     return send_answer(connection, part ? MHD_HTTP_PARTIAL_CONTENT : MHD_HTTP_OK, response);
 }
 
-static int is_local(const any_address *a)
+static int is_local(const fxs_http_address *a)
 {
     return a->any.sa_family == AF_INET6 ? IN6_IS_ADDR_LOOPBACK(&a->v6.sin6_addr)
                                         : ntohl(a->v4.sin_addr.s_addr) >> 24 == 127;
@@ -312,7 +293,7 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
 {
     fxs_http_server *server = self;
     const fxs_http_site *site = server->site;
-    struct stat information;
+    fxs_file_facts facts;
     (void)version;
     (void)body;
     if (strcmp(method, "GET") && strcmp(method, "HEAD"))
@@ -332,15 +313,15 @@ static enum MHD_Result answer(void *self, struct MHD_Connection *connection, con
     const char *start = start_of(site, name);
     if (start)
         return send_words(connection, MHD_HTTP_FOUND, "", "Location", start);
-    const int descriptor = open_named(site, name, &information);
+    const int descriptor = open_named(site, name, &facts);
     if (descriptor < 0)
         return send_words(connection, MHD_HTTP_NOT_FOUND, "there is no such file here\n", 0, 0);
-    return send_file(server, connection, name, descriptor, &information);
+    return send_file(server, connection, name, descriptor, &facts);
 }
 
 /* ---- Opening ----------------------------------------------------------------------------------------------------- */
 
-static int parse_address(any_address *out, const fxs_http_options *o, fxs_message *message)
+static int parse_address(fxs_http_address *out, const fxs_http_options *o, fxs_message *message)
 {
     memset(out, 0, sizeof *out);
     if (inet_pton(AF_INET, o->address, &out->v4.sin_addr) == 1) {
@@ -356,37 +337,37 @@ static int parse_address(any_address *out, const fxs_http_options *o, fxs_messag
     return fxs_fail(message, "%s: expected an address in digits, as 127.0.0.1, 0.0.0.0 or ::1", o->address);
 }
 
-static socklen_t size_of(const any_address *a)
+static socklen_t size_of(const fxs_http_address *a)
 {
     return a->any.sa_family == AF_INET6 ? sizeof a->v6 : sizeof a->v4;
 }
 
 /* Makes a listening socket, and writes its port to `address`. */
-static int listen_at(any_address *address, const fxs_http_options *o, fxs_message *message)
+static MHD_socket listen_at(fxs_http_address *address, const fxs_http_options *o, fxs_message *message)
 {
-    const int on = 1, off = 0;
+    const int off = 0;
     socklen_t size = size_of(address);
-    const int s = socket(address->any.sa_family, SOCK_STREAM, 0);
-    if (s >= 0) {
-        fcntl(s, F_SETFD, FD_CLOEXEC);
-        setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    fxs_http_fault fault;
+    const MHD_socket s = socket(address->any.sa_family, SOCK_STREAM, 0);
+    if (s != MHD_INVALID_SOCKET) {
+        fxs_http_socket_claim(s);
         if (address->any.sa_family == AF_INET6)
-            setsockopt(s, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+            setsockopt(s, IPPROTO_IPV6, IPV6_V6ONLY, (const void *)&off, sizeof off);
         if (!bind(s, &address->any, size) && !listen(s, SOMAXCONN) && !getsockname(s, &address->any, &size))
             return s;
     }
-    const int why = errno;
-    if (s >= 0)
-        close(s);
-    fxs_fail(message, "%s, port %u: %s%s", o->address, o->port, strerror(why),
-             why == EADDRINUSE ? "; port 0 is any that is free" : "");
-    return -1;
+    fxs_http_socket_fault(&fault);
+    if (s != MHD_INVALID_SOCKET)
+        fxs_http_socket_close(s);
+    fxs_fail(message, "%s, port %u: %s%s", o->address, o->port, fault.words,
+             fault.is_in_use ? "; port 0 is any that is free" : "");
+    return MHD_INVALID_SOCKET;
 }
 
 /* Reads a small text file, with a final 0. */
 static int read_text(char **out, const char *path, fxs_message *message)
 {
-    FILE *file = fopen(path, "rb");
+    FILE *file = fxs_stream_open(path, "r");
     if (!file)
         return fxs_fail_errno(message, path, errno);
     *out = calloc(1, PEM_BYTES_MOST);
@@ -400,9 +381,14 @@ static int read_text(char **out, const char *path, fxs_message *message)
     return bytes && bytes < PEM_BYTES_MOST ? 0 : fxs_fail(message, "%s: this is no .pem file", path);
 }
 
+int fxs_http_has_tls(void)
+{
+    return MHD_is_feature_supported(MHD_FEATURE_TLS) == MHD_YES;
+}
+
 static int read_pem(fxs_http_server *server, const fxs_http_options *o, fxs_message *message)
 {
-    if (MHD_is_feature_supported(MHD_FEATURE_TLS) != MHD_YES)
+    if (!fxs_http_has_tls())
         return fxs_fail(message, "%s: this libmicrohttpd was built without TLS", o->certificate);
     const int result = read_text(&server->certificate, o->certificate, message);
     return result ? result : read_text(&server->key, o->key, message);
@@ -422,8 +408,8 @@ static int start(fxs_http_server *server, const fxs_http_options *o, fxs_message
                                          {MHD_OPTION_END, 0, 0}};
     const unsigned flags = MHD_USE_AUTO_INTERNAL_THREAD | MHD_USE_ERROR_LOG | (server->key ? MHD_USE_TLS : 0) |
                            (server->bound.any.sa_family == AF_INET6 ? MHD_USE_IPv6 : 0);
-    const int s = listen_at(&server->bound, o, message);
-    if (s < 0)
+    const MHD_socket s = listen_at(&server->bound, o, message);
+    if (s == MHD_INVALID_SOCKET)
         return FXS_ERR_FILE;
     server->daemon = MHD_start_daemon(flags, 0, 0, 0, answer, server, MHD_OPTION_EXTERNAL_LOGGER, note, server,
                                       MHD_OPTION_LISTEN_SOCKET, s, MHD_OPTION_CONNECTION_TIMEOUT,
@@ -435,15 +421,31 @@ static int start(fxs_http_server *server, const fxs_http_options *o, fxs_message
                                       MHD_OPTION_ARRAY, server->key ? tls : tls + 2, MHD_OPTION_END);
     if (server->daemon)
         return 0;
-    close(s);
+    fxs_http_socket_close(s);
     return server->key ? fxs_fail(message, "%s, %s: not a certificate and its key as .pem", o->certificate, o->key)
                        : fxs_fail(message, "the server does not start: %s", server->said);
+}
+
+typedef struct starting {
+    fxs_http_server *server;
+    const fxs_http_options *options;
+    fxs_message *message;
+    int result;
+} starting;
+
+static void start_server(void *argument)
+{
+    starting *s = argument;
+    s->result = start(s->server, s->options, s->message);
 }
 
 int fxs_http_open(fxs_http_server **out, const fxs_http_site *site, const fxs_http_options *options,
                   fxs_message *message)
 {
+    if (fxs_http_sockets_begin())
+        return fxs_fail(message, "the server does not start: there is no network here");
     fxs_http_server *server = calloc(1, sizeof *server);
+    starting s = {server, options, message, 0};
     if (!server)
         return fxs_fail_memory(message, 0, 0);
     server->site = site;
@@ -453,7 +455,8 @@ int fxs_http_open(fxs_http_server **out, const fxs_http_site *site, const fxs_ht
     if (!result && options->certificate)
         result = read_pem(server, options, message);
     if (!result)
-        result = start(server, options, message);
+        fxs_without_signals(start_server, &s);
+    result = result ? result : s.result;
     if (result)
         fxs_http_close(server);
     else
@@ -473,13 +476,13 @@ void fxs_http_close(fxs_http_server *server)
 
 /* ---- Addresses --------------------------------------------------------------------------------------------------- */
 
-static int is_any(const any_address *a)
+static int is_any(const fxs_http_address *a)
 {
     return a->any.sa_family == AF_INET6 ? IN6_IS_ADDR_UNSPECIFIED(&a->v6.sin6_addr)
                                         : a->v4.sin_addr.s_addr == htonl(INADDR_ANY);
 }
 
-static void tell(const fxs_http_server *server, const any_address *a,
+static void tell(const fxs_http_server *server, const fxs_http_address *a,
                  void (*each)(void *self, const char *address, int is_local), void *self)
 {
     const int is_v6 = a->any.sa_family == AF_INET6;
@@ -492,29 +495,27 @@ static void tell(const fxs_http_server *server, const any_address *a,
     each(self, text, is_local(a));
 }
 
-/* The address of an interface, if a URL can name it: no link-local IPv6 address. */
-static int take_interface(any_address *a, const struct ifaddrs *i, int with_v6)
+typedef struct telling {
+    const fxs_http_server *server;
+    void (*each)(void *self, const char *address, int is_local);
+    void *self;
+} telling;
+
+/* The address of an interface, if the server has it and a URL can name it: no link-local IPv6 address. */
+static void tell_interface(void *self, const fxs_http_address *a)
 {
-    if (!i->ifa_addr || !(i->ifa_flags & IFF_UP))
-        return 0;
-    memcpy(a, i->ifa_addr, i->ifa_addr->sa_family == AF_INET6 ? sizeof a->v6 : sizeof a->v4);
-    return a->any.sa_family == AF_INET ||
-           (a->any.sa_family == AF_INET6 && with_v6 && !IN6_IS_ADDR_LINKLOCAL(&a->v6.sin6_addr));
+    const telling *t = self;
+    if (a->any.sa_family == AF_INET ||
+        (t->server->bound.any.sa_family == AF_INET6 && !IN6_IS_ADDR_LINKLOCAL(&a->v6.sin6_addr)))
+        tell(t->server, a, t->each, t->self);
 }
 
 void fxs_http_each_address(const fxs_http_server *server, void (*each)(void *self, const char *address, int is_local),
                            void *self)
 {
-    struct ifaddrs *all;
-    any_address a;
-    if (!is_any(&server->bound)) {
+    telling t = {server, each, self};
+    if (is_any(&server->bound))
+        fxs_http_each_interface(tell_interface, &t);
+    else
         tell(server, &server->bound, each, self);
-        return;
-    }
-    if (getifaddrs(&all))
-        return;
-    for (const struct ifaddrs *i = all; i; i = i->ifa_next)
-        if (take_interface(&a, i, server->bound.any.sa_family == AF_INET6))
-            tell(server, &a, each, self);
-    freeifaddrs(all);
 }

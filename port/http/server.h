@@ -37,7 +37,10 @@ typedef struct fxs_http_options {
 
 typedef struct fxs_http_server fxs_http_server;
 
-/* Serves from a thread of its own, which has the caller's signal mask. Returns 0, or an error and a message. */
+/* Whether there can be a certificate: 1 where libmicrohttpd has TLS, else 0. */
+int fxs_http_has_tls(void);
+
+/* Serves from a thread of its own, which gets no signals. Returns 0, or an error and a message. */
 int fxs_http_open(fxs_http_server **server, const fxs_http_site *site, const fxs_http_options *options,
                   fxs_message *message);
 

@@ -1,13 +1,14 @@
 #include "waiting.h"
 
 #include <stdlib.h>
-#include <sys/socket.h>
+
+#include "sockets.h"
 
 enum { WAITING_MOST = 64 };
 
 typedef struct fxs_http_guest {
     struct fxs_http_guest *older, *newer;
-    int socket;
+    struct MHD_Connection *connection;
     int waits;
 } guest;
 
@@ -21,6 +22,13 @@ static void remove_guest(fxs_http_waiting *w, guest *g)
     w->count--;
 }
 
+/* The server finds the connection closed; on Windows it does not, and waits until it has been still for a second. */
+static void end_guest(const guest *g)
+{
+    shutdown(MHD_get_connection_info(g->connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd, FXS_HTTP_BOTH_WAYS);
+    MHD_set_connection_option(g->connection, MHD_CONNECTION_OPTION_TIMEOUT, 1u);
+}
+
 static void add_guest(fxs_http_waiting *w, guest *g)
 {
     remove_guest(w, g);
@@ -31,7 +39,7 @@ static void add_guest(fxs_http_waiting *w, guest *g)
     g->waits = 1;
     if (++w->count <= WAITING_MOST)
         return;
-    shutdown(w->oldest->socket, SHUT_RDWR);   /* the server finds it closed */
+    end_guest(w->oldest);
     remove_guest(w, w->oldest);
 }
 
@@ -45,7 +53,7 @@ static guest *guest_new(struct MHD_Connection *connection)
 {
     guest *g = calloc(1, sizeof *g);
     if (g)
-        g->socket = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
+        g->connection = connection;
     return g;
 }
 

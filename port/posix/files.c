@@ -16,7 +16,8 @@
 
 static enum fxs_file_kind kind_of(const struct stat *status, fxs_file_facts *facts)
 {
-    *facts = (fxs_file_facts){(uint64_t)status->st_size, (uint64_t)status->st_dev, (uint64_t)status->st_ino};
+    *facts = (fxs_file_facts){(uint64_t)status->st_size, (uint64_t)status->st_dev, (uint64_t)status->st_ino,
+                              (uint64_t)status->st_mtim.tv_sec * 1000000000 + (uint64_t)status->st_mtim.tv_nsec};
     return S_ISREG(status->st_mode) ? FXS_FILE_REGULAR : S_ISDIR(status->st_mode) ? FXS_FILE_FOLDER : FXS_FILE_OTHER;
 }
 
@@ -24,6 +25,12 @@ enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts)
 {
     struct stat status;
     return stat(path, &status) ? FXS_FILE_NONE : kind_of(&status, facts);
+}
+
+enum fxs_file_kind fxs_file_look_at_name(const char *path, fxs_file_facts *facts)
+{
+    struct stat status;
+    return lstat(path, &status) ? FXS_FILE_NONE : kind_of(&status, facts);
 }
 
 enum fxs_file_kind fxs_stream_look(FILE *file, fxs_file_facts *facts)
@@ -117,6 +124,43 @@ int fxs_is_terminal(FILE *file)
     return isatty(fileno(file));
 }
 
+int fxs_terminal_takes_codes(FILE *file)
+{
+    (void)file;
+    return 1;
+}
+
+int fxs_descriptor_open(const char *path)
+{
+    return open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+}
+
+int fxs_descriptor_again(int descriptor)
+{
+    return fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+}
+
+int fxs_descriptor_of(FILE *file)
+{
+    return fxs_descriptor_again(fileno(file));
+}
+
+enum fxs_file_kind fxs_descriptor_look(int descriptor, fxs_file_facts *facts)
+{
+    struct stat status;
+    return fstat(descriptor, &status) ? FXS_FILE_NONE : kind_of(&status, facts);
+}
+
+int fxs_descriptor_read(int descriptor, void *out, size_t size)
+{
+    return pread(descriptor, out, size, 0) == (ssize_t)size ? 0 : -1;
+}
+
+void fxs_descriptor_close(int descriptor)
+{
+    close(descriptor);
+}
+
 /* `path` is for messages. */
 static int open_name(const char *name, int flags, const char *path, FILE **file, fxs_file_facts *facts,
                      fxs_message *message)
@@ -140,7 +184,7 @@ static int open_name(const char *name, int flags, const char *path, FILE **file,
         return fxs_fail(message, "%s: not a regular file", path);
     }
     if (facts)
-        *facts = (fxs_file_facts){(uint64_t)status.st_size, (uint64_t)status.st_dev, (uint64_t)status.st_ino};
+        kind_of(&status, facts);
     *file = stream;
     return 0;
 }

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 extern char **environ;
@@ -117,6 +118,36 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     return error == ENOENT ? FXS_PROGRAM_MISSING : status;
 }
 
+/* In a session of its own, which Ctrl-C here does not end, and without words in the terminal. */
+static void run_browser(const char *address)
+{
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, 0);
+    signal(SIGPIPE, SIG_DFL);
+    setsid();
+    if (freopen("/dev/null", "r", stdin) && freopen("/dev/null", "w", stdout) && freopen("/dev/null", "w", stderr))
+        execlp("xdg-open", "xdg-open", address, (char *)0);
+    _exit(127);
+}
+
+/* Of two children the first ends at once, so that nobody has to wait for the second. */
+int fxs_browse(const char *address)
+{
+    if (!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY"))
+        return 0;
+    const pid_t child = fork();
+    if (child < 0)
+        return -1;
+    if (child)
+        waitpid(child, 0, 0);
+    else if (fork())
+        _exit(0);
+    else
+        run_browser(address);
+    return 0;
+}
+
 /* ---- Being asked to end ------------------------------------------------------------------------------------------ */
 
 static const int signals[] = {SIGHUP, SIGINT, SIGTERM};
@@ -158,4 +189,32 @@ int fxs_end_asked(void)
 void fxs_end_as_asked(void)
 {
     raise(asked);
+}
+
+static sigset_t held;
+
+void fxs_end_hold(void)
+{
+    struct sigaction now;
+    signal(SIGPIPE, SIG_IGN);
+    sigemptyset(&held);
+    for (int i = 0; i < SIGNALS; i++)
+        if (!sigaction(signals[i], 0, &now) && now.sa_handler != SIG_IGN)
+            sigaddset(&held, signals[i]);
+    pthread_sigmask(SIG_BLOCK, &held, 0);
+}
+
+int fxs_end_wait(unsigned milliseconds)
+{
+    const struct timespec most = {(time_t)(milliseconds / 1000), (long)(milliseconds % 1000) * 1000000};
+    return sigtimedwait(&held, 0, &most) > 0;
+}
+
+void fxs_without_signals(void (*call)(void *argument), void *argument)
+{
+    sigset_t all, mask;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &mask);
+    call(argument);
+    pthread_sigmask(SIG_SETMASK, &mask, 0);
 }

@@ -34,7 +34,7 @@ enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts);
 HANDLE win32_open(const char *path, DWORD access, DWORD flags);
 
 /* A stream of a handle, which is closed with it, or at once where there is no memory: null and errno. `mode` is "rb",
-   "wb" or "ab". */
+   "wb", "w+b" or "ab". */
 FILE *win32_stream(HANDLE handle, const char *mode);
 
 #endif

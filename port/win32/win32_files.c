@@ -32,19 +32,49 @@ enum fxs_file_kind win32_look(HANDLE handle, fxs_file_facts *facts)
     *facts = (fxs_file_facts){0};
     if (GetFileType(handle) != FILE_TYPE_DISK || !GetFileInformationByHandle(handle, &about))
         return GetFileType(handle) == FILE_TYPE_UNKNOWN ? FXS_FILE_NONE : FXS_FILE_OTHER;
+    const FILETIME modified = about.ftLastWriteTime;       /* in units of 100 nanoseconds */
     *facts = (fxs_file_facts){(uint64_t)about.nFileSizeHigh << 32 | about.nFileSizeLow, about.dwVolumeSerialNumber,
-                              (uint64_t)about.nFileIndexHigh << 32 | about.nFileIndexLow};
+                              (uint64_t)about.nFileIndexHigh << 32 | about.nFileIndexLow,
+                              100 * ((uint64_t)modified.dwHighDateTime << 32 | modified.dwLowDateTime)};
     return about.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY ? FXS_FILE_FOLDER : FXS_FILE_REGULAR;
 }
 
-enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts)
+/* Closes the handle. */
+static enum fxs_file_kind look_at(HANDLE handle, fxs_file_facts *facts)
 {
-    const HANDLE handle = win32_open(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS);
     if (handle == INVALID_HANDLE_VALUE)
         return FXS_FILE_NONE;
     const enum fxs_file_kind kind = win32_look(handle, facts);
     CloseHandle(handle);
     return kind;
+}
+
+enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts)
+{
+    return look_at(win32_open(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS), facts);
+}
+
+/* Opens no link; but of a file that lies elsewhere, as in a cloud, what reading it fetches. */
+static HANDLE open_itself(const char *path, DWORD access, DWORD flags)
+{
+    FILE_ATTRIBUTE_TAG_INFO about = {0};
+    const HANDLE handle = win32_open(path, access, flags | FILE_FLAG_OPEN_REPARSE_POINT);
+    if (handle == INVALID_HANDLE_VALUE ||
+        !GetFileInformationByHandleEx(handle, FileAttributeTagInfo, &about, sizeof about) ||
+        !(about.FileAttributes & FILE_ATTRIBUTE_REPARSE_POINT))
+        return handle;
+    CloseHandle(handle);
+    if (!IsReparseTagNameSurrogate(about.ReparseTag))
+        return win32_open(path, access, flags);
+    errno = ELOOP;
+    return INVALID_HANDLE_VALUE;
+}
+
+enum fxs_file_kind fxs_file_look_at_name(const char *path, fxs_file_facts *facts)
+{
+    errno = 0;
+    const HANDLE handle = open_itself(path, FILE_READ_ATTRIBUTES, FILE_FLAG_BACKUP_SEMANTICS);
+    return handle == INVALID_HANDLE_VALUE && errno == ELOOP ? FXS_FILE_OTHER : look_at(handle, facts);
 }
 
 enum fxs_file_kind fxs_stream_look(FILE *file, fxs_file_facts *facts)
@@ -80,9 +110,12 @@ char *fxs_path_whole(const char *path)
     const DWORD room = GetFinalPathNameByHandleW(handle, NULL, 0, 0) + 1;
     wchar_t *wide = malloc(room * sizeof *wide);
     char *whole = NULL;
-    if (wide && GetFinalPathNameByHandleW(handle, wide, room, 0))
-        whole = win32_narrow(wide + (wcsncmp(wide, L"\\\\?\\", 4) ? 0 : 4));
-    else
+    if (wide && GetFinalPathNameByHandleW(handle, wide, room, 0)) {
+        const int is_shared = !wcsncmp(wide, L"\\\\?\\UNC\\", 8);        /* \\?\UNC\computer\... is \\computer\... */
+        if (is_shared)
+            wide[6] = L'\\';
+        whole = win32_narrow(wide + (is_shared ? 6 : wcsncmp(wide, L"\\\\?\\", 4) ? 0 : 4));
+    } else
         win32_failed();
     free(wide);
     CloseHandle(handle);
@@ -291,15 +324,27 @@ FILE *fxs_stream_open(const char *path, const char *mode)
     return file;
 }
 
-/* tmpfile of Windows wants to write to the root of the drive. */
+/* tmpfile of Windows wants to write to the root of the drive. It is deleted by Windows when it is closed, however that
+   comes. */
 FILE *fxs_stream_temporary(void)
 {
-    wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 1];
-    if (!GetTempPathW(MAX_PATH, folder) || !GetTempFileNameW(folder, L"fxs", 0, name)) {
-        win32_failed();
-        return NULL;
-    }
-    return _wfopen(name, L"w+bTD");        /* short-lived, and deleted when it is closed */
+    static volatile LONG count;
+    const DWORD access = GENERIC_READ | GENERIC_WRITE | DELETE;
+    const DWORD shared = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
+    wchar_t folder[MAX_PATH + 1], name[MAX_PATH + 64];
+    HANDLE handle = INVALID_HANDLE_VALUE;
+    const DWORD length = GetTempPathW(MAX_PATH + 1, folder);       /* more: what a longer one takes */
+    if (length && length <= MAX_PATH)
+        do {
+            _snwprintf(name, sizeof name / sizeof *name, L"%lsfixsplat-%lx-%lx.tmp", folder, GetCurrentProcessId(),
+                       InterlockedIncrement(&count));
+            handle = CreateFileW(name, access, shared, NULL, CREATE_NEW,
+                                 FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
+        } while (handle == INVALID_HANDLE_VALUE && GetLastError() == ERROR_FILE_EXISTS);
+    if (handle != INVALID_HANDLE_VALUE)
+        return win32_stream(handle, "w+b");
+    win32_failed();
+    return NULL;
 }
 
 int fxs_stream_empty(FILE *file)
@@ -317,4 +362,61 @@ int fxs_is_terminal(FILE *file)
 {
     DWORD mode;
     return GetConsoleMode((HANDLE)_get_osfhandle(_fileno(file)), &mode) != 0;
+}
+
+int fxs_terminal_takes_codes(FILE *file)
+{
+    DWORD mode;
+    const HANDLE console = (HANDLE)_get_osfhandle(_fileno(file));
+    return !GetConsoleMode(console, &mode) || SetConsoleMode(console, mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING);
+}
+
+/* ---- Descriptors ------------------------------------------------------------------------------------------------- */
+
+/* The handle is the descriptor's from now on, or closed. */
+static int descriptor_of(HANDLE handle)
+{
+    const int descriptor = _open_osfhandle((intptr_t)handle, _O_RDONLY);
+    if (descriptor < 0)
+        CloseHandle(handle);
+    return descriptor;
+}
+
+int fxs_descriptor_open(const char *path)
+{
+    const HANDLE handle = open_itself(path, GENERIC_READ, 0);
+    return handle == INVALID_HANDLE_VALUE ? -1 : descriptor_of(handle);
+}
+
+int fxs_descriptor_again(int descriptor)
+{
+    const HANDLE process = GetCurrentProcess();
+    const HANDLE first = (HANDLE)_get_osfhandle(descriptor);
+    HANDLE handle;
+    if (!DuplicateHandle(process, first, process, &handle, 0, FALSE, DUPLICATE_SAME_ACCESS))
+        return win32_failed();
+    return descriptor_of(handle);
+}
+
+int fxs_descriptor_of(FILE *file)
+{
+    return fxs_descriptor_again(_fileno(file));
+}
+
+enum fxs_file_kind fxs_descriptor_look(int descriptor, fxs_file_facts *facts)
+{
+    return win32_look((HANDLE)_get_osfhandle(descriptor), facts);
+}
+
+int fxs_descriptor_read(int descriptor, void *out, size_t size)
+{
+    OVERLAPPED from = {0};
+    DWORD got;
+    return size <= MAXDWORD && ReadFile((HANDLE)_get_osfhandle(descriptor), out, (DWORD)size, &got, &from) &&
+           got == size ? 0 : -1;
+}
+
+void fxs_descriptor_close(int descriptor)
+{
+    _close(descriptor);
 }

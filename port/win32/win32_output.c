@@ -132,6 +132,8 @@ int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_me
 
 /* ---- Write and close --------------------------------------------------------------------------------------------- */
 
+enum { TRIES_MOST = 40, PAUSE_MILLISECONDS = 50 };
+
 /* Puts the file on the disk and gives it its name, as one that stays. Returns 0, or an errno. */
 static int put_in_place(fxs_output *output)
 {
@@ -157,17 +159,27 @@ static int put_in_place(fxs_output *output)
     return error;
 }
 
-/* A file that another program has open is not to be replaced, and Windows calls that forbidden. */
+/* A file that another program has open is not to be replaced, and Windows calls that forbidden: EBUSY, also where it is
+   no longer open. */
 static int why_not_replaced(const fxs_output *output, int error)
 {
     const DWORD access = GENERIC_WRITE | DELETE;
     wchar_t *wide = error == EACCES ? win32_path(output->target) : NULL;
     const HANDLE handle = wide ? CreateFileW(wide, access, 0, NULL, OPEN_EXISTING, 0, NULL) : INVALID_HANDLE_VALUE;
-    if (wide && handle == INVALID_HANDLE_VALUE && GetLastError() == ERROR_SHARING_VIOLATION)
+    if (wide && (handle != INVALID_HANDLE_VALUE || GetLastError() == ERROR_SHARING_VIOLATION))
         error = EBUSY;
     if (handle != INVALID_HANDLE_VALUE)
         CloseHandle(handle);
     free(wide);
+    return error;
+}
+
+/* Some look at a file for a moment only: a server, what searches for viruses. Returns 0, or an errno. */
+static int put_when_free(fxs_output *output)
+{
+    int error, tries = 0;
+    while ((error = why_not_replaced(output, put_in_place(output))) == EBUSY && ++tries < TRIES_MOST)
+        Sleep(PAUSE_MILLISECONDS);
     return error;
 }
 
@@ -178,7 +190,7 @@ int fxs_output_close(fxs_output *output, fxs_message *message)
     if ((fflush(output->file) || ferror(output->file)) && !output->error)
         output->error = errno ? errno : EIO;
     if (!output->error && !output->left && output->temporary)
-        output->error = why_not_replaced(output, put_in_place(output));
+        output->error = put_when_free(output);
     errno = 0;
     if (fclose(output->file) && !output->error)
         output->error = errno ? errno : EIO;

@@ -143,13 +143,18 @@ static int start(const char *const *arguments, HANDLE input, HANDLE output, HAND
     return result;
 }
 
-/* As a signal's number is told: a program that crashed has the code of its exception. */
-static int wait_for(HANDLE process)
+static DWORD wait_for(HANDLE process)
 {
     DWORD code = 0;
     WaitForSingleObject(process, INFINITE);
     GetExitCodeProcess(process, &code);
     CloseHandle(process);
+    return code;
+}
+
+/* As a signal's number is told: a program that crashed has the code of its exception. */
+static int status_of(DWORD code)
+{
     return code < 126 ? (int)code : 128 + SIGSEGV;
 }
 
@@ -177,13 +182,30 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     CloseHandle(to);
     if (!status) {
         hear_all(from, said, argument);
-        status = wait_for(process);
+        status = status_of(wait_for(process));
     } else if (error == ENOENT)
         status = FXS_PROGRAM_MISSING;
     CloseHandle(from);
     CloseHandle(input);
     errno = error;
     return status;
+}
+
+static BOOL WINAPI leave_it(DWORD kind)
+{
+    if (kind != CTRL_C_EVENT && kind != CTRL_BREAK_EVENT)
+        Sleep(INFINITE);                   /* until the other program has ended, and this one with it */
+    return TRUE;
+}
+
+/* The program ends where this one is ended; those that it starts, as a browser, do not. */
+static void bind_to_this(HANDLE process)
+{
+    JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits = {0};
+    const HANDLE job = CreateJobObjectW(NULL, NULL);       /* closed by the end of this process */
+    limits.BasicLimitInformation.LimitFlags = JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE | JOB_OBJECT_LIMIT_SILENT_BREAKAWAY_OK;
+    if (job && SetInformationJobObject(job, JobObjectExtendedLimitInformation, &limits, sizeof limits))
+        AssignProcessToJobObject(job, process);
 }
 
 /* Windows starts programs beside this one only: this one waits, and ends as the other does. */
@@ -202,18 +224,29 @@ void fxs_program_become(const char *path, char **argv)
     arguments[0] = program;
     for (size_t i = 1; i < count; i++)
         arguments[i] = argv[i];
-    SetConsoleCtrlHandler(NULL, TRUE);     /* Ctrl-C is for the other one */
+    SetConsoleCtrlHandler(leave_it, TRUE); /* Ctrl-C is for the other one, which would inherit that it is ignored */
     const int error = start((const char *const *)arguments, GetStdHandle(STD_INPUT_HANDLE),
                             GetStdHandle(STD_OUTPUT_HANDLE), GetStdHandle(STD_ERROR_HANDLE), &process);
     free(arguments);
     free(program);
-    if (!error)
-        exit(wait_for(process));
+    if (!error) {
+        bind_to_this(process);
+        exit((int)wait_for(process));
+    }
+}
+
+int fxs_browse(const char *address)
+{
+    wchar_t *wide = win32_wide(address);
+    const int is_opened = wide && (intptr_t)ShellExecuteW(NULL, NULL, wide, NULL, NULL, SW_SHOWNORMAL) > 32;
+    free(wide);
+    return is_opened ? 0 : win32_failed();
 }
 
 /* ---- Being asked to end ------------------------------------------------------------------------------------------ */
 
 static volatile LONG asked;
+static int is_held;
 
 /* On a thread of its own. The process ends when this returns, but for Ctrl-C and Ctrl-Break. */
 static BOOL WINAPI note_request(DWORD kind)
@@ -243,4 +276,22 @@ void fxs_end_listen_no_more(void)
 void fxs_end_as_asked(void)
 {
     exit((int)STATUS_CONTROL_C_EXIT);
+}
+
+void fxs_end_hold(void)
+{
+    is_held = 1;
+    fxs_end_listen();
+}
+
+int fxs_end_wait(unsigned milliseconds)
+{
+    if (!is_held || !asked)
+        Sleep(milliseconds);
+    return is_held && asked;
+}
+
+void fxs_without_signals(void (*call)(void *argument), void *argument)
+{
+    call(argument);
 }

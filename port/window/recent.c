@@ -1,36 +1,23 @@
-#define _XOPEN_SOURCE 700   /* realpath */
-
 #include "recent.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "src/base/output_internal.h"
+#include "src/base/system.h"
 
-/* Relative paths are ignored, as https://specifications.freedesktop.org/basedir-spec says. Returns 0 where there is no
-   folder for the list. */
-static int find_list(char path[PATH_MAX])
-{
-    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
-    const int has_state = state && *state == '/';
-    if (!has_state && !(home && *home == '/'))
-        return 0;
-    return snprintf(path, PATH_MAX, "%s%s/fixsplat/recent", has_state ? state : home,
-                    has_state ? "" : "/.local/state") < PATH_MAX;
-}
+enum { PATH_MOST = 4096 };
 
 void fxs_recent_read(fxs_recent *recent)
 {
-    char list[PATH_MAX], line[PATH_MAX + 1];
+    char list[PATH_MOST], line[PATH_MOST + 1];
     memset(recent, 0, sizeof *recent);
-    FILE *file = find_list(list) ? fopen(list, "r") : 0;
+    FILE *file = fxs_state_path("recent", 0, list, sizeof list) ? 0 : fxs_stream_open(list, "r");
     while (file && recent->count < FXS_RECENT_MOST && fgets(line, sizeof line, file)) {
         line[strcspn(line, "\n")] = 0;
-        if (*line == '/' && !access(line, F_OK) && (recent->paths[recent->count] = strdup(line)) != 0)
+        if (fxs_path_is_whole(line) && fxs_file_kind(line) != FXS_FILE_NONE &&
+            (recent->paths[recent->count] = strdup(line)) != 0)
             recent->count++;
     }
     if (file)
@@ -42,16 +29,6 @@ void fxs_recent_free(fxs_recent *recent)
     for (int i = 0; i < recent->count; i++)
         free(recent->paths[i]);
     recent->count = 0;
-}
-
-/* Makes the folders of a file that will be written. */
-static void make_folders(char *path)
-{
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = 0;
-        mkdir(path, 0700);
-        *slash = '/';
-    }
 }
 
 static int write_list(const char *list, const char *first, const fxs_recent *others, fxs_message *message)
@@ -72,12 +49,11 @@ static int write_list(const char *list, const char *first, const fxs_recent *oth
 
 int fxs_recent_add(const char *path, fxs_message *message)
 {
-    char list[PATH_MAX];
+    char list[PATH_MOST];
     fxs_recent others;
     int error = 0;
-    char *whole = realpath(path, 0);
-    if (whole && !strchr(whole, '\n') && find_list(list)) {
-        make_folders(list);
+    char *whole = fxs_path_whole(path);
+    if (whole && !strchr(whole, '\n') && !fxs_state_path("recent", 1, list, sizeof list)) {
         fxs_recent_read(&others);
         error = write_list(list, whole, &others, message);
         fxs_recent_free(&others);

@@ -1,5 +1,5 @@
-/* The list of recently opened scenes, kept in $XDG_STATE_HOME/fixsplat/recent or ~/.local/state/fixsplat/recent, a path
-   a line. Without both folders, no list is kept. */
+/* The list of recently opened scenes, kept in the user's file `recent` (fxs_state_path), a path a line. Where there is
+   no folder for it, no list is kept. */
 #ifndef FXS_RECENT_H
 #define FXS_RECENT_H
 

@@ -6,6 +6,8 @@
 
 #include <SDL2/SDL.h>
 
+#include "src/base/system.h"
+
 #ifndef SDL_HINT_VIDEODRIVER        /* before SDL 2.0.22 */
 #define SDL_HINT_VIDEODRIVER "SDL_VIDEODRIVER"
 #endif
@@ -46,6 +48,9 @@ int fxs_window_open(fxs_window **window, fxs_message *message)
     /* Pictures are copied to the window without OpenGL, as a back end may need the context. */
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
+#ifdef SDL_HINT_WINDOWS_DPI_AWARENESS   /* since SDL 2.24; without it Windows would enlarge the pixels */
+    SDL_SetHint(SDL_HINT_WINDOWS_DPI_AWARENESS, "permonitorv2");
+#endif
     *window = calloc(1, sizeof **window);
     if (!*window)
         return fxs_fail(message, "no window: out of memory");
@@ -94,7 +99,8 @@ void fxs_window_size(const fxs_window *window, int *width, int *height)
 #endif
 }
 
-double fxs_window_scale(const fxs_window *window)
+/* Pixels in a point of positions and sizes of SDL's, 1 or more. */
+static double pixels_in_point(const fxs_window *window)
 {
     int width, height, points;
     fxs_window_size(window, &width, &height);
@@ -102,10 +108,20 @@ double fxs_window_scale(const fxs_window *window)
     return points > 0 ? fmax(1, (double)width / points) : 1;
 }
 
+/* On Windows SDL's positions are pixels, however fine; 96 of them an inch have the size of points elsewhere. */
+double fxs_window_scale(const fxs_window *window)
+{
+    float across;
+    if (!strcmp(SDL_GetCurrentVideoDriver(), "windows") &&
+        !SDL_GetDisplayDPI(SDL_GetWindowDisplayIndex(window->window), 0, &across, 0))
+        return fmax(1, (double)across / 96);
+    return pixels_in_point(window);
+}
+
 void fxs_window_resize(fxs_window *window, int width, int height)
 {
     SDL_Rect room;
-    double scale = 1 / fxs_window_scale(window);
+    double scale = 1 / pixels_in_point(window);
     if (!SDL_GetDisplayUsableBounds(SDL_GetWindowDisplayIndex(window->window), &room))
         scale = fmin(scale, fmin((double)room.w / width, (double)room.h / height));
     SDL_SetWindowSize(window->window, (int)fmax(1, width * scale), (int)fmax(1, height * scale));
@@ -121,7 +137,7 @@ void fxs_window_title(fxs_window *window, const char *title)
 /* Up to three points of motion count as a click, as hands shake. */
 static void translate_button(fxs_window *window, const SDL_MouseButtonEvent *in, fxs_window_event *out)
 {
-    const double scale = fxs_window_scale(window);
+    const double scale = pixels_in_point(window);
     if (in->button != SDL_BUTTON_LEFT)
         return;
     if (in->type == SDL_MOUSEBUTTONDOWN)
@@ -136,7 +152,7 @@ static void translate_button(fxs_window *window, const SDL_MouseButtonEvent *in,
 
 static void translate_motion(fxs_window *window, const SDL_MouseMotionEvent *in, fxs_window_event *out)
 {
-    const double scale = fxs_window_scale(window);
+    const double scale = pixels_in_point(window);
     out->type = FXS_EVENT_POINTER;
     out->left = (in->state & SDL_BUTTON_LMASK) != 0;
     out->other = (in->state & (SDL_BUTTON_MMASK | SDL_BUTTON_RMASK)) != 0;
@@ -174,6 +190,7 @@ static int translate(fxs_window *window, const SDL_Event *in, fxs_window_event *
         SDL_free(window->dropped);
         out->type = FXS_EVENT_DROP;
         out->path = window->dropped = in->drop.file;
+        fxs_path_take(window->dropped);
         break;
     case SDL_USEREVENT:
         out->type = FXS_EVENT_WOKEN;

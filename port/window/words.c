@@ -4,40 +4,22 @@
 #include <string.h>
 
 #ifdef FXS_WITH_TTF
-#include <unistd.h>
-
 #include <SDL2/SDL_ttf.h>
+
+#include "src/base/system.h"
 
 struct fxs_words {
     TTF_Font *font;
     int pixels;
 };
 
-/* Paths of a font for screens in Debian, Fedora, Arch, openSUSE, Alpine and macOS. */
-static const char *const fonts[] = {
-    "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
-    "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/truetype/DejaVuSans.ttf",
-    "/usr/share/fonts/dejavu/DejaVuSans.ttf", "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
-    "/usr/share/fonts/noto/NotoSans-Regular.ttf", "/usr/share/fonts/google-noto/NotoSans-Regular.ttf",
-    "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
-    "/usr/share/fonts/liberation-sans/LiberationSans-Regular.ttf",
-    "/usr/share/fonts/liberation/LiberationSans-Regular.ttf", "/System/Library/Fonts/Supplemental/Arial.ttf"
-};
-
-static const char *find_font(void)
-{
-    for (size_t i = 0; i < sizeof fonts / sizeof *fonts; i++)
-        if (!access(fonts[i], R_OK))
-            return fonts[i];
-    return 0;
-}
-
 int fxs_words_open(fxs_words **words, fxs_message *message)
 {
-    const char *font = find_font();
+    char font[4096];
+    fxs_message why;
     *words = 0;
-    if (!font)
-        return fxs_fail(message, "no words in the window: no font of DejaVu, Noto or Liberation found");
+    if (fxs_font_find(font, sizeof font, &why))
+        return fxs_fail(message, "no words in the window: %s", why.text);
     fxs_words *w = calloc(1, sizeof *w);
     if (!w)
         return fxs_fail(message, "no words in the window: out of memory");

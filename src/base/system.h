@@ -36,6 +36,7 @@ enum fxs_file_kind { FXS_FILE_NONE, FXS_FILE_REGULAR, FXS_FILE_FOLDER, FXS_FILE_
 
 typedef struct fxs_file_facts {
     uint64_t size, device, inode;
+    uint64_t modified;         /* when it was, in nanoseconds modulo 2^64: to tell one time from another */
 } fxs_file_facts;
 
 /* The kind of a file, after its symbolic links are followed. */
@@ -43,6 +44,9 @@ enum fxs_file_kind fxs_file_kind(const char *path);
 
 /* The same, and what is known of the file or folder. */
 enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts);
+
+/* The same of the name itself: a symbolic link is FXS_FILE_OTHER. */
+enum fxs_file_kind fxs_file_look_at_name(const char *path, fxs_file_facts *facts);
 
 /* Of an open file. */
 enum fxs_file_kind fxs_stream_look(FILE *file, fxs_file_facts *facts);
@@ -58,6 +62,17 @@ static inline int fxs_path_is_whole(const char *path)
         return 1;
 #endif
     return *path == '/';
+}
+
+/* A path that the system gives becomes as paths are here: \ of Windows, which no name has, becomes /. */
+static inline void fxs_path_take(char *path)
+{
+#ifdef _WIN32
+    for (; *path; path++)
+        *path = *path == '\\' ? '/' : *path;
+#else
+    (void)path;
+#endif
 }
 
 /* The following return 0, or -1 and errno. */
@@ -84,6 +99,16 @@ int fxs_folder_make(const char *path, fxs_message *message);
    Returns 0, or -1 and errno where it cannot. */
 int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument);
 
+/* ---- Places ------------------------------------------------------------------------------------------------------ */
+
+/* The path of a file that the programs keep for their user: in $XDG_STATE_HOME/fixsplat or ~/.local/state/fixsplat, of
+   Windows in %APPDATA%\fixsplat. Where it is to be written, the folders above it are made. Returns 0, or -1 where there
+   is no folder for it. */
+int fxs_state_path(const char *name, int is_written, char *path, size_t room);
+
+/* The path of a font of the system that is made for screens. Returns 0, or -1 and a message. */
+int fxs_font_find(char *path, size_t room, fxs_message *message);
+
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
 /* fopen: of its modes r, w and a, with b where no line is to end in another way than in the file. Null, and errno. */
@@ -100,6 +125,35 @@ int fxs_is_terminal(FILE *file);
 
 /* Makes the line of a terminal an empty one. */
 extern const char fxs_erase_line[];
+
+/* Whether a terminal takes the codes of ECMA-48, which tell it of colours. On Windows it is told to take them. */
+int fxs_terminal_takes_codes(FILE *file);
+
+/* ---- Descriptors ------------------------------------------------------------------------------------------------- */
+
+/* Of files that are read at any place by any thread, as libmicrohttpd takes them. Programs that are run from here do
+   not have them. Those that return a descriptor return -1, and errno, where there is none. */
+
+/* 1 where a file that is open can be replaced by another, else 0. */
+#ifdef _WIN32
+enum { FXS_OPEN_MAY_BE_REPLACED = 0 };
+#else
+enum { FXS_OPEN_MAY_BE_REPLACED = 1 };
+#endif
+
+/* Of a file to be read. It is no symbolic link, and waits for nobody who writes to a FIFO. */
+int fxs_descriptor_open(const char *path);
+
+/* Another of the same file, also after the first is closed. */
+int fxs_descriptor_again(int descriptor);
+int fxs_descriptor_of(FILE *file);
+
+enum fxs_file_kind fxs_descriptor_look(int descriptor, fxs_file_facts *facts);
+
+/* Reads that many bytes from the beginning. Returns 0, or -1 where not all could be read. */
+int fxs_descriptor_read(int descriptor, void *out, size_t size);
+
+void fxs_descriptor_close(int descriptor);
 
 /* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
@@ -130,6 +184,10 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
 /* Runs a program in place of this one. Returns where that fails, with errno. */
 void fxs_program_become(const char *path, char **argv);
 
+/* Opens an address in the browser of a desktop, where there is one, and does not wait for it. Returns 0, or -1 and
+   errno where it cannot. */
+int fxs_browse(const char *address);
+
 /* ---- Being asked to end ------------------------------------------------------------------------------------------ */
 
 /* From here on the first request to end this process (Ctrl-C; SIGHUP, SIGINT, SIGTERM) is only noted. The next one does
@@ -144,5 +202,15 @@ void fxs_end_listen_no_more(void);
 
 /* Ends this process as the request would have done; only after one. */
 void fxs_end_as_asked(void);
+
+/* In the place of the others, for a program that waits for a request: from here on each waits for fxs_end_wait, of this
+   thread and of those that it starts. What is ignored stays so. Nor is it ended by writing what nobody reads. */
+void fxs_end_hold(void);
+
+/* Waits for so many milliseconds, or for a request after fxs_end_hold. Returns 1 where there is one, else 0. */
+int fxs_end_wait(unsigned milliseconds);
+
+/* Calls a function whose threads get no signals. */
+void fxs_without_signals(void (*call)(void *argument), void *argument);
 
 #endif

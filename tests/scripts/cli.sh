@@ -813,8 +813,11 @@ check "doctor: what is not built is not here" sh -c 'for part in CJSON:cJSON ZIP
     built=$(grep -c "^FOUND += ${part%:*}\$" "$0/probe.mk")
     [ "$(grep -c "^${part#*:} *here" logs/out)" = "$built" ] || exit; done' "${fixsplat%/*}"
 run doctor
-check "doctor without programs" sh -c 'PATH= "$0" doctor | grep -A 1 "^ffmpeg *not here" | grep -q "apt install ffmpeg"' \
-    "$fixsplat"
+# with_it: what ffmpeg would give, on a path with the programs of a folder alone.
+mkdir apt_here && printf '#!/bin/sh\n' >apt_here/apt && chmod +x apt_here/apt
+with_it() { PATH=$1 "$fixsplat" doctor | sed -n '/^ffmpeg *not here/{n;s/^ *with it: //p}'; }
+check "doctor without programs, but apt" equal "$(with_it "$PWD/apt_here")" "fit takes films: apt install ffmpeg"
+check "doctor without apt" equal "$(with_it)" "fit takes films: install it, in a folder of PATH"
 fails "doctor takes nothing" 2 "doctor takes no 'x'" doctor x
 fails "make-scene of no such name" 2 "'castle'" make-scene castle -o a.ply
 for name in a.spz a.compressed.ply a.fxs; do

@@ -32,15 +32,20 @@ hash=$("$B/fixsplat" render "$work/knot.ply" --size 320x180 --hash)
 cp -r tests/outside "$work"
 cd "$work" || exit 1
 
-# report NAME FOLDER...: how long it took since the last, and what is installed.
+# report NAME FOLDER...: how long it took since `begin`, and what is installed.
 now() { date +%s.%N; }
-begun=$(now)
+begin() { begun=$(now); }
 report() {
     name=$1
     shift
     size=$(du -csk --apparent-size "$@" | tail -n 1 | cut -f 1)
     echo "$name: $size KB installed, $(awk "BEGIN { printf \"%.1f\", $(now) - $begun }") seconds"
-    begun=$(now)
+}
+
+# small NAME COMMAND LIBRARY: neither has more than 12 MB, without CUDA.
+small() {
+    check "$1: the command and the library are small" equal "$(find "$2" "$3" -size +12000000c)" ""
+    wc -c "$2" "$3" | sed -n '$d; s|^\( *[0-9]*\) .*/|    \1 bytes: |p'
 }
 
 # bare COMMAND...: as on a machine without a driver, and with nothing of this one in the environment.
@@ -52,6 +57,7 @@ needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^
 
 # tarball ARCHITECTURE RUN...: the command's hash by RUN.
 tarball() {
+    begin
     arch=$1 folder=$work/fixsplat-$version-linux-$1
     shift
     tar -xzf "$dist/fixsplat-$version-linux-$arch.tar.gz" || { fail "tarball, $arch" "tar"; return; }
@@ -60,13 +66,36 @@ tarball() {
     done
     check "$arch: render" equal "$(bare "$@" "$folder/bin/fixsplat" render knot.ply --size 320x180 --hash 2>&1)" "$hash"
     check "$arch: doctor" bare "$@" "$folder/bin/fixsplat" doctor
-    for file in share/man/man1/fixsplat-render.1 share/fixsplat/web/viewer/index.html share/doc/fixsplat/LICENSE \
-        share/doc/fixsplat/licences/zlib share/doc/fixsplat/install.md; do
+    for file in bin/fixsplat-view share/man/man1/fixsplat-render.1 share/fixsplat/web/viewer/index.html \
+        share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/zlib share/doc/fixsplat/licences/qrencode \
+        share/doc/fixsplat/install.md; do
         check "$arch: $file" test -s "$folder/$file"
     done
     check "$arch: no word of where it was built" equal "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
     report "tarball, $arch" "$folder"
-    du -k --apparent-size "$folder/bin/fixsplat" "$folder/lib/libfixsplat.so.$version" | sed "s|$folder/|    |"
+    # With CUDA in them there is the C++ library.
+    [ -e "$folder/share/doc/fixsplat/licences/libstdc++" ] ||
+        small "tarball, $arch" "$folder/bin/fixsplat" "$folder/lib/libfixsplat.so.$version"
+}
+
+# window COMMAND...: shows knot.ply in a window, on a screen of its own, and Escape closes it.
+window() {
+    rm -f display
+    Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp -noreset 3>display >server 2>&1 &
+    screen=$!
+    for second in 1 2 3 4 5; do [ -s display ] || sleep 1; done
+    DISPLAY=:$(cat display)
+    export DISPLAY
+    timeout 60 "$@" >log 2>&1 &
+    viewer=$!
+    found=$(timeout 50 xdotool search --sync --onlyvisible --name '^knot.ply - ') &&
+        xdotool windowfocus --sync "$found" key Escape
+    wait $viewer
+    ended=$?
+    kill $screen
+    wait $screen 2>/dev/null
+    unset DISPLAY
+    [ "$found" ] && [ $ended = 0 ] || { cat log; return 1; }
 }
 here=$(uname -m)
 tarball "$here"
@@ -78,9 +107,17 @@ mkdir static && cp "$library"/*.a static
 check "$here: a program, static" sh -c '${CC:-cc} -x c -std=c99 outside/all.c -x none -o static/program \
     $(pkg-config --cflags --libs --static --define-variable=libdir=static fixsplat) &&
     ./static/program knot.ply a.packed'
-[ "$here" = aarch64 ] || if have qemu-aarch64; then
+if [ "$here" != aarch64 ] && have qemu-aarch64; then
     tarball aarch64 qemu-aarch64 -L /usr/aarch64-linux-gnu
-else
+    if have Xvfb && have xdotool && have mmdebstrap && mmdebstrap --quiet --arch=arm64 --variant=extract \
+        --include=libsdl2-2.0-0,libsdl2-ttf-2.0-0 bookworm arm64 >log 2>&1; then
+        # With the libraries that it is linked with.
+        check "aarch64: a window with the scene, which Escape closes" window env SDL_VIDEODRIVER=x11 \
+            qemu-aarch64 -L arm64 "$folder/bin/fixsplat-view" knot.ply
+    else
+        skip "aarch64: a window" "no Xvfb, xdotool or mmdebstrap here, or no packages of Debian's"
+    fi
+elif [ "$here" != aarch64 ]; then
     skip "tarball, aarch64" "no qemu-aarch64 here"
 fi
 
@@ -89,6 +126,7 @@ fi
 # From PyPI comes what it needs; without a network, from this system.
 python=${PYTHON:-python3}
 "$python" -c 'import numpy, cffi' 2>/dev/null || python=/usr/bin/python3
+begin
 if "$python" -m venv venv 2>/dev/null; then
     wheel=$(ls "$dist"/*_"$here".whl)
     venv/bin/pip install -q --disable-pip-version-check --retries 0 --timeout 5 "$wheel" >log 2>&1 ||
@@ -111,6 +149,7 @@ done
 
 # ---- The zip for Windows ---------------------------------------------------------------------------------------------
 
+begin
 zip=$dist/fixsplat-$version-windows-x86_64.zip
 folder=$work/$(basename "$zip" .zip)
 wine=$(command -v wine64 || ls /usr/lib/wine/wine64 2>/dev/null)
@@ -129,14 +168,32 @@ else
     check "Windows: its picture and scene" test -s windows.png -a -s windows.ply
     w fixsplat.exe doctor >doctor
     check "Windows: doctor finds the page" grep -q "page.*$(basename "$folder")" doctor
+    check "Windows: doctor, without what is for Linux" equal "$(grep -E 'apt |xdg' doctor)" ""
     check "Windows: publish" w fixsplat.exe publish knot.ply site.html --single
+    w fixsplat.exe view --web --port 0 knot.ply >served 2>log &          # ends with wine
+    server=$!
+    until [ -s served ] || ! kill -0 $server 2>/dev/null; do sleep 0.1; done
+    at=$(tr -d '\r' <served | sed -n 's|/$||p')
+    check "Windows: view --web: the page" sh -c 'curl -sL "$0/" | cmp - "$1"' "$at" \
+        "$folder/share/fixsplat/web/viewer/served.html"
+    check "Windows: view --web: the element" sh -c 'curl -s "$0/viewer/element.js" | cmp - "$1"' "$at" \
+        "$folder/share/fixsplat/web/viewer/element.js"
+    end_wine                                                             # and it begins again, with a screen
+    if have Xvfb && have xdotool; then
+        check "Windows: a window with a scene dropped on its program, which Escape closes" window \
+            env -u SDL_VIDEODRIVER WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" "$folder/bin/fixsplat-view.exe" \
+            "Z:$(pwd -P | tr / '\\')\\knot.ply"
+    else
+        skip "Windows: a window" "no Xvfb and xdotool here"
+    fi
     for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
-        share/doc/fixsplat/windows.md share/fixsplat/web/viewer/index.html; do
+        share/doc/fixsplat/licences/libsdl2 share/doc/fixsplat/windows.md share/fixsplat/web/viewer/index.html; do
         check "Windows: $file" test -s "$folder/$file"
     done
     check "Windows: no word of where it was built" equal \
         "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
     report "zip for Windows" "$folder"
+    small "zip for Windows" "$folder/bin/fixsplat.exe" "$folder/bin/libfixsplat-${version%%.*}.dll"
     # By the DLL, and by the static library.
     for kind in shared static; do
         have x86_64-w64-mingw32-gcc || { skip "Windows: a program, $kind" "no x86_64-w64-mingw32-gcc here"; continue; }
@@ -150,6 +207,7 @@ fi
 # ---- npm -------------------------------------------------------------------------------------------------------------
 
 if have npm; then
+    begin
     mkdir npm
     (cd npm && npm install --silent --offline --no-audit --no-fund "$dist/fixsplat-$version-npm.tgz") >log 2>&1
     cat >npm/program.mjs <<'END'
@@ -174,8 +232,10 @@ else
     skip lintian "no lintian here"
 fi
 root=$work/root
+begin
 if [ "$(id -u)" = 0 ] && have mmdebstrap && mmdebstrap --quiet --variant=apt bookworm "$root" >log 2>&1; then
     report "a clean Debian 12" "$root"
+    begin
     before=$(du -sk --apparent-size "$root" | cut -f 1)
     cp "$dist"/*.deb knot.ply "$root/tmp"
     # Without what is only recommended, as COLMAP is large.
@@ -195,6 +255,7 @@ s.render(s.frame(320, 180)).save("/tmp/python.png")'
     echo "Debian packages with what they need: $(($(du -sk --apparent-size "$root" | cut -f 1) - before)) KB"
     report "Debian packages" "$root/usr/include/fixsplat" "$root"/usr/lib/*/libfixsplat* "$root"/usr/bin/fixsplat* \
         "$root/usr/share/fixsplat"
+    small "Debian packages" "$root/usr/bin/fixsplat" "$(ls "$root"/usr/lib/*/libfixsplat.so."$version")"
     check "Debian: removed" chroot "$root" apt-get -qq purge -y fixsplat libfixsplat1 libfixsplat-dev python3-fixsplat
     check "Debian: nothing is left" equal "$(find "$root/usr" -name '*fixsplat*' | head -n 3)" ""
 else
@@ -202,5 +263,6 @@ else
     check "Debian: render" equal "$(LD_LIBRARY_PATH=$(echo "$root"/usr/lib/*-linux-gnu) \
         "$root/usr/bin/fixsplat" render knot.ply --size 320x180 --hash 2>&1)" "$hash"
     report "Debian packages, unpacked" "$root"
+    small "Debian packages" "$root/usr/bin/fixsplat" "$(ls "$root"/usr/lib/*/libfixsplat.so."$version")"
 fi
 finish

@@ -1,0 +1,53 @@
+/* Where a user's files and the fonts of the system lie. */
+#include "src/base/system.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fixsplat/message.h>
+
+/* Makes the folders of a file that will be written. */
+static void make_folders(char *path)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = 0;
+        mkdir(path, 0700);
+        *slash = '/';
+    }
+}
+
+/* Relative paths are ignored, as https://specifications.freedesktop.org/basedir-spec says. */
+int fxs_state_path(const char *name, int is_written, char *path, size_t room)
+{
+    const char *state = getenv("XDG_STATE_HOME"), *home = getenv("HOME");
+    const int has_state = state && *state == '/';
+    if (!has_state && !(home && *home == '/'))
+        return -1;
+    const int length = snprintf(path, room, "%s%s/fixsplat/%s", has_state ? state : home,
+                                has_state ? "" : "/.local/state", name);
+    if (length < 0 || (size_t)length >= room)
+        return -1;
+    if (is_written)
+        make_folders(path);
+    return 0;
+}
+
+int fxs_font_find(char *path, size_t room, fxs_message *message)
+{
+    /* In Debian, Fedora, Arch, openSUSE, Alpine and macOS. */
+    static const char *const fonts[] = {
+        "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+        "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/truetype/DejaVuSans.ttf",
+        "/usr/share/fonts/dejavu/DejaVuSans.ttf", "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
+        "/usr/share/fonts/noto/NotoSans-Regular.ttf", "/usr/share/fonts/google-noto/NotoSans-Regular.ttf",
+        "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+        "/usr/share/fonts/liberation-sans/LiberationSans-Regular.ttf",
+        "/usr/share/fonts/liberation/LiberationSans-Regular.ttf", "/System/Library/Fonts/Supplemental/Arial.ttf"
+    };
+    for (size_t i = 0; i < sizeof fonts / sizeof *fonts; i++)
+        if (!access(fonts[i], R_OK))
+            return snprintf(path, room, "%s", fonts[i]), 0;
+    return fxs_fail(message, "no font of DejaVu, Noto or Liberation found");
+}
