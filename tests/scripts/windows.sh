@@ -478,7 +478,7 @@ until grep -q held logs/held; do sleep 0.1; done
 refused "a file that another program has open" 1 'held.fxs: cannot be written: another program has it open' \
     convert knot.ply held.fxs
 check "it is as it was" cmp held.fxs linux.spz
-w convert knot.ply held.fxs 3>&- &
+{ exec 3>&-; w convert knot.ply held.fxs; } &
 until ls -A | grep -q 'fixsplat-.*tmp' || ! kill -0 $!; do sleep 0.1; done
 sleep 0.3
 exec 3>&-
