@@ -23,6 +23,9 @@ int result_check(const char *out)
 int result_check_place(const char *out)
 {
     const enum fxs_file_kind kind = fxs_file_kind(out);
+    const char *fault = fxs_path_fault(out);
+    if (fault)
+        return fail(EXIT_FAILED, "%s: cannot be written: it %s", out, fault);
     if (kind == FXS_FILE_FOLDER)
         return fail(EXIT_FAILED, "%s: cannot be written: %s", out, strerror(EISDIR));
     if (kind == FXS_FILE_OTHER)

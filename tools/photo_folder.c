@@ -145,7 +145,7 @@ static int make_mixed(task *t, const photographs *p, const char *from, const cha
 
 int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad)
 {
-    int is_mixed = 0, status;
+    int is_mixed = !fxs_links_folders(), status;
     char *whole = fxs_path_whole(from);
     for (size_t i = 0; i < p->count; i++)
         is_mixed |= fxs_photograph_kind_of(p->names[i]) == FXS_PHOTOGRAPH_HEIF;

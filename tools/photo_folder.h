@@ -16,9 +16,9 @@ typedef struct photographs {
 int photographs_list(photographs *p, const char *folder);
 void photographs_free(photographs *p);
 
-/* Makes `to` a link to the folder `from`; or where it has photographs of HEIF, a folder with links to the others and
-   each of these as a .jpg, NAME.heic.jpg, which is made once. One that cannot be converted is an error, or with skip_bad
-   named. Returns 0, or prints what is wrong and returns the exit status. */
+/* Makes `to` a link to the folder `from`; or where it has photographs of HEIF, or the system has no links to folders, a
+   folder with links to the others and each of these as a .jpg, NAME.heic.jpg, which is made once. One that cannot be
+   converted is an error, or with skip_bad named. Returns 0, or prints what is wrong and returns the exit status. */
 int photo_folder_make(task *t, const photographs *p, const char *from, const char *to, uint32_t threads, int skip_bad);
 
 /* Finds the mask of a photograph of such a folder, as fxs_photo_mask_in; that of NAME.heic may have been made for

@@ -66,6 +66,12 @@ int fxs_folder_remove(const char *path)
     return rmdir(path);
 }
 
+const char *fxs_path_fault(const char *path)
+{
+    (void)path;
+    return NULL;
+}
+
 int fxs_file_may_be_written(const char *path)
 {
     return access(path, fxs_file_kind(path) == FXS_FILE_FOLDER ? W_OK | X_OK : W_OK);
@@ -74,6 +80,11 @@ int fxs_file_may_be_written(const char *path)
 int fxs_file_link(const char *target, const char *name)
 {
     return symlink(target, name);
+}
+
+int fxs_links_folders(void)
+{
+    return 1;
 }
 
 void fxs_file_unlink(const char *name)

@@ -9,10 +9,6 @@
 
 #include "src/base/system.h"
 
-/* What is wrong with the last name of a path, as a text for a message: names of devices, and those that end in a dot or
-   a space, which Windows takes as other names. Null: nothing. */
-const char *win32_fault(const char *path);
-
 /* A path in UTF-8 as the functions of Windows take it, with the prefix that longer ones than 260 characters need; for
    free(). Null, and errno. */
 wchar_t *win32_path(const char *path);

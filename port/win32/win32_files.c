@@ -153,14 +153,35 @@ int fxs_file_rename(const char *from, const char *to)
     return result;
 }
 
-/* What is read-only says so; whether files can be made in a folder only shows when one is. */
+/* Whether files can be made in a folder only shows when one is: it is deleted as it is closed. */
+static int may_have_files(const char *folder)
+{
+    char name[64];
+    const size_t length = strlen(folder);
+    char *path = malloc(length + sizeof name);
+    snprintf(name, sizeof name, "/fixsplat-%lx.tmp", GetCurrentProcessId());
+    if (path)
+        sprintf(path, "%s%s", folder, name + (length && folder[length - 1] == '/'));
+    wchar_t *wide = path ? win32_path(path) : NULL;
+    const HANDLE file = !wide ? INVALID_HANDLE_VALUE
+                              : CreateFileW(wide, GENERIC_WRITE | DELETE, FILE_SHARE_DELETE, NULL, CREATE_ALWAYS,
+                                            FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
+    const int result = file != INVALID_HANDLE_VALUE ? 0 : wide ? win32_failed() : -1;
+    if (file != INVALID_HANDLE_VALUE)
+        CloseHandle(file);
+    free(wide);
+    free(path);
+    return result;
+}
+
 int fxs_file_may_be_written(const char *path)
 {
     const DWORD attributes = attributes_of(path);
-    const int is_there = attributes != INVALID_FILE_ATTRIBUTES;
-    if (is_there && (attributes & (FILE_ATTRIBUTE_READONLY | FILE_ATTRIBUTE_DIRECTORY)) != FILE_ATTRIBUTE_READONLY)
+    if (attributes != INVALID_FILE_ATTRIBUTES && attributes & FILE_ATTRIBUTE_DIRECTORY)
+        return may_have_files(path);
+    if (attributes != INVALID_FILE_ATTRIBUTES && !(attributes & FILE_ATTRIBUTE_READONLY))
         return 0;
-    errno = is_there ? EACCES : ENOENT;
+    errno = attributes != INVALID_FILE_ATTRIBUTES ? EACCES : ENOENT;
     return -1;
 }
 
@@ -170,11 +191,15 @@ int fxs_file_link(const char *target, const char *name)
     wchar_t *old = win32_path(target), *wide = win32_path(name);
     int result = -1;
     if (old && wide)
-        result = CreateSymbolicLinkW(wide, old, fxs_file_kind(target) == FXS_FILE_FOLDER ? 1 : 0) ||
-                 CreateHardLinkW(wide, old, NULL) || CopyFileW(old, wide, TRUE) ? 0 : win32_failed();
+        result = CreateHardLinkW(wide, old, NULL) || CopyFileW(old, wide, TRUE) ? 0 : win32_failed();
     free(old);
     free(wide);
     return result;
+}
+
+int fxs_links_folders(void)
+{
+    return 0;
 }
 
 void fxs_file_unlink(const char *name)
@@ -193,7 +218,7 @@ static BOOL WINAPI create_folder(const wchar_t *wide)
 
 int fxs_folder_make(const char *path, fxs_message *message)
 {
-    const char *fault = win32_fault(path);
+    const char *fault = fxs_path_fault(path);
     if (fault)
         return fxs_fail(message, "%s: %s", path, fault);
     if (!call(path, create_folder))
@@ -262,7 +287,7 @@ static int open_checked(HANDLE handle, const char *path, FILE **file, fxs_file_f
 /* A folder is opened too, so that the message says what it is. */
 int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
 {
-    const char *fault = win32_fault(path);
+    const char *fault = fxs_path_fault(path);
     *file = NULL;
     if (fault)
         return fxs_fail(message, "%s: %s", path, fault);

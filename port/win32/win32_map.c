@@ -49,7 +49,7 @@ static int map_opened(fxs_mapping *mapping, HANDLE handle, const char *path, fxs
 
 int fxs_map(fxs_mapping *mapping, const char *path, fxs_message *message)
 {
-    const char *fault = win32_fault(path);
+    const char *fault = fxs_path_fault(path);
     memset(mapping, 0, sizeof *mapping);
     if (fault)
         return fxs_fail(message, "%s: %s", path, fault);

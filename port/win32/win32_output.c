@@ -115,7 +115,7 @@ static FILE *open_file(fxs_output *output)
 
 int fxs_output_open(fxs_output *output, const char *path, uint64_t count, fxs_message *message)
 {
-    const char *fault = strcmp(path, "-") ? win32_fault(path) : NULL;
+    const char *fault = strcmp(path, "-") ? fxs_path_fault(path) : NULL;
     FXS_TRY(fxs_may_write(path, message));
     if (fault)
         return fxs_fail(message, "%s: cannot be written: it %s", path, fault);

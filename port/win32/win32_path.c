@@ -49,7 +49,7 @@ static int is_nul(const char *path)
     return !_stricmp(path, "nul");
 }
 
-const char *win32_fault(const char *path)
+const char *fxs_path_fault(const char *path)
 {
     const size_t root = path[0] && path[1] == ':' ? 2 : 0;
     for (const char *name = path + root; *name;) {
@@ -90,7 +90,7 @@ static wchar_t *prefixed(const wchar_t *wide)
 
 static wchar_t *convert(const char *path, DWORD longest)
 {
-    if (!*path || win32_fault(path)) {
+    if (!*path || fxs_path_fault(path)) {
         errno = *path ? EINVAL : ENOENT;
         return NULL;
     }

@@ -75,6 +75,9 @@ static inline void fxs_path_take(char *path)
 #endif
 }
 
+/* What makes a path none of the system, as "is the name of a device in Windows", or null. */
+const char *fxs_path_fault(const char *path);
+
 /* The following return 0, or -1 and errno. */
 int fxs_file_remove(const char *path);
 int fxs_file_rename(const char *from, const char *to);
@@ -83,8 +86,10 @@ int fxs_folder_remove(const char *path);
 /* Whether a file, or files in a folder, can be written. */
 int fxs_file_may_be_written(const char *path);
 
-/* A symbolic link, or, where the system makes none for everybody, another name of the file or of the folder. */
+/* A symbolic link to a file, or to a folder where fxs_links_folders; or, where not everybody may make those, another
+   name of the file, or a copy. */
 int fxs_file_link(const char *target, const char *name);
+int fxs_links_folders(void);
 
 /* Removes what fxs_file_link made; nothing else. */
 void fxs_file_unlink(const char *name);
