@@ -17,6 +17,12 @@ const beside_program server_program = {"-web", "libmicrohttpd"};
 const beside_program server_program = {"", "libmicrohttpd"};
 #endif
 
+#ifdef _WIN32
+#define EXE ".exe"                     /* which fxs_program_become adds */
+#else
+#define EXE ""
+#endif
+
 int run_beside(const beside_program *program, const char *shown, char **argv)
 {
     char path[4096];
@@ -27,5 +33,5 @@ int run_beside(const beside_program *program, const char *shown, char **argv)
         strcpy(path, "fixsplat");
     strcat(path, program->ending);
     fxs_program_become(path, argv);
-    return fail(EXIT_FAILED, "%s: cannot be shown: %s: %s", shown, path, strerror(errno));
+    return fail(EXIT_FAILED, "%s: cannot be shown: %s" EXE ": %s", shown, path, strerror(errno));
 }

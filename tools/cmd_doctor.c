@@ -9,6 +9,7 @@
 #include "beside.h"
 #include "drawing.h"
 #include "page_folder.h"
+#include "task.h"
 
 /* 1 where a macro is defined as 1, as those of libraries are, else 0. */
 #define IS_BUILT(macro) IS_BUILT_OF(macro)
@@ -105,14 +106,12 @@ static void print_page(void)
 
 static void print_helpers(void)
 {
-    const int has_apt = fxs_program_is_here("apt");
     for (size_t i = 0; i < sizeof helpers / sizeof *helpers; i++) {
         const char *const name = helpers[i].name, *const library = helpers[i].library;
         const int is_built = helpers[i].is_built;
-        char what[160];
-        snprintf(what, sizeof what, "%s: %s%s", helpers[i].gives,
-                 !is_built ? "built with " : has_apt ? "apt install " : "install it",
-                 !is_built ? name : has_apt ? helpers[i].package : library ? "" : ", in a folder of PATH");
+        char words[TO_INSTALL], what[160];
+        snprintf(what, sizeof what, "%s: %s%s", helpers[i].gives, is_built ? "" : "built with ",
+                 is_built ? to_install(words, helpers[i].package, library ? "" : TO_PATH) : name);
         line(name, is_built && (library ? fxs_library_is_here(library) : fxs_program_is_here(name)), what, "");
     }
 }

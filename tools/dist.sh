@@ -74,7 +74,12 @@ relocate() {
 documents() {
     documents=$folder/share/doc/fixsplat
     mkdir -p "$documents/licences"
-    cp LICENSE NEWS.md README.md docs/install.md "$documents"
+    cp -r LICENSE NEWS.md README.md CONTRIBUTING.md SECURITY.md docs "$documents"
+    # Links to headers and to the page lead to where these are here; what the sources alone have keeps its words.
+    find "$documents" -name '*.md' -exec sed -i -E \
+        -e 's#\]\(((\.\./)*)src/include/#](\1../../../include/#g' \
+        -e 's#\]\(((\.\./)*)port/web/#](\1../../fixsplat/web/#g' \
+        -e 's#\[([^]]*)\]\((\.\./)*(src|port)(/[^)]*)?\)#\1#g' {} +
     cp "$libraries"/licences/* "$documents/licences"
     cp tools/package/licences.md "$documents/licences/README.md"
 }
@@ -149,7 +154,6 @@ windows() {
     cp -r build/web/package "$folder/share/fixsplat/web"
     complete "$folder/lib/libfixsplat.a" /usr/$machine/lib/libz.a "$libraries"/lib/*.a
     documents
-    cp docs/windows.md "$documents"
     # What Debian's compiler brings: zlib, the beginning of each program and the threads, libgcc.
     for package in libz-mingw-w64 mingw-w64-common gcc-mingw-w64-base; do
         cp /usr/share/doc/$package/copyright "$documents/licences/$package"

@@ -63,11 +63,19 @@ int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, v
     return status;
 }
 
+const char *to_install(char words[TO_INSTALL], const char *package, const char *otherwise)
+{
+    const int has_apt = fxs_program_is_here("apt");
+    snprintf(words, TO_INSTALL, "%s%s", has_apt ? "apt install " : "install it", has_apt ? package : otherwise);
+    return words;
+}
+
 int task_failed(const task *t, const char *program, int status)
 {
+    char words[TO_INSTALL];
     return status == FXS_PROGRAM_MISSING
-               ? fail(EXIT_FAILED, "%s: to find its cameras takes %s, which is not here: apt install %s", t->of, program,
-                      program)
+               ? fail(EXIT_FAILED, "%s: to find its cameras takes %s, which is not here: %s", t->of, program,
+                      to_install(words, program, TO_PATH))
            : status < 0 ? fail(EXIT_FAILED, "%s: %s", program, strerror(errno))
            : status > 128 ? fail(EXIT_FAILED, "%s: ended by signal %d while %s; the same command goes on", program,
                                  status - 128, t->doing)

@@ -8,7 +8,9 @@
 
 #include "src/base/system.h"
 
-enum { TASK_LINE = 512 };
+enum { TASK_LINE = 512, TO_INSTALL = 64 };
+
+#define TO_PATH ", in a folder of PATH"      /* what to do with a program */
 
 typedef struct task task;
 struct task {
@@ -33,6 +35,9 @@ void task_show(task *t, uint64_t done, uint64_t all);
    the log, its output to `take`, piece by piece, or where that is null to the log and to look. Returns its exit status,
    128 and the signal's number where one ended it, FXS_PROGRAM_MISSING, or -1 with errno where it could not be run. */
 int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument);
+
+/* "apt install " and the package where there is apt, else "install it" and what is given. Returns `words`. */
+const char *to_install(char words[TO_INSTALL], const char *package, const char *otherwise);
 
 /* Prints why a program failed, by what task_run returned. Returns the exit status of the command. */
 int task_failed(const task *t, const char *program, int status);

@@ -228,7 +228,8 @@ static uint64_t nanoseconds(const void *self)
 
 #else
 
-#define ABSENT "built without the headers in libegl-dev, libgles-dev"
+#include "without.h"
+#define ABSENT FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev")
 #include "absent.h"
 
 #endif

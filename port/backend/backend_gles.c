@@ -8,6 +8,7 @@
 #include <fixsplat/pack.h>
 #include <fixsplat/backends.h>
 #include "processor_internal.h"
+#include "without.h"
 
 #ifdef FXS_WITH_GLES
 #include <fixsplat/gles.h>
@@ -32,7 +33,7 @@ enum way { LISTS, FETCH, QUADS, FASTER };
 
 /* The source of the context, and the way of drawing in it. */
 typedef struct kind {
-    const char *name, *packages;
+    const char *name, *without;                /* without: the message of a build that cannot open it */
     enum way way;
     int (*open)(void **port, fxs_message *why);
     fxs_gl_load_fn *load;
@@ -40,10 +41,10 @@ typedef struct kind {
     void (*close)(void *port);
 } kind;
 
-static const kind exact = {"gles", "libegl-dev, libgles-dev", FASTER, EGL};
-static const kind fetch = {"gles-fetch", "libegl-dev, libgles-dev", FETCH, EGL};
-static const kind quads = {"gles-quads", "libegl-dev, libgles-dev", QUADS, EGL};
-static const kind osmesa = {"osmesa", "libosmesa6-dev, libgles-dev", FASTER, OSMESA};
+static const kind exact = {"gles", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FASTER, EGL};
+static const kind fetch = {"gles-fetch", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), FETCH, EGL};
+static const kind quads = {"gles-quads", FXS_WITHOUT_HEADERS("libegl-dev, libgles-dev"), QUADS, EGL};
+static const kind osmesa = {"osmesa", FXS_WITHOUT_HEADERS("libosmesa6-dev, libgles-dev"), FASTER, OSMESA};
 
 /* Frames by which FASTER chooses: by lists and by fetch, to warm up, and then once more, measured. */
 enum { MEASURED = 4 };
@@ -104,7 +105,7 @@ static const char *renderer(const gl_backend *b)
 #else
 static int open_gles(gl_backend *b, fxs_message *why)
 {
-    return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "built without the headers in %s", b->kind->packages);
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s", b->kind->without);
 }
 
 static void close_gles(gl_backend *b)
@@ -148,7 +149,7 @@ static int open_context(gl_backend **out, const kind *k, int device, fxs_message
 {
     *out = 0;
     if (!k->open)
-        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "built without the headers in %s", k->packages);
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "%s", k->without);
     if (device != 0)
         return fxs_fail_as(FXS_ERR_DEVICE, why, "there is no device %d: the first that can be had is 0", device);
     gl_backend *b = calloc(1, sizeof *b);

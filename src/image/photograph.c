@@ -13,11 +13,15 @@
 #endif
 
 const char fxs_no_memory[] = "out of memory";
+#ifdef _WIN32
+const char fxs_no_heif[] = "a .heic, which the build for Windows does not read";
+#else
 const char fxs_no_heif[] = "a .heic, which needs libheif: apt install libheif1"
 #ifndef FXS_WITH_HEIF
                            " libheif-dev, and build fixsplat again"
 #endif
     ;
+#endif
 
 enum fxs_photograph_kind fxs_photograph_kind_of(const char *name)
 {

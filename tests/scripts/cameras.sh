@@ -213,9 +213,12 @@ mkdir empty
 fails "--frames of photographs" 2 "^fixsplat: --frames: plain is not a film" fit plain -o i.fxs --frames 10
 fails "an empty folder" 1 "^fixsplat: empty: no photographs here, nor in a folder images here$" fit empty -o i.fxs
 check "an empty folder: nothing is made" [ ! -e i.fxs.cameras ]
+missing='1 fixsplat: plain: to find its cameras takes colmap, which is not here'
 (PATH=$work/empty exec "$fixsplat" fit plain -o i.fxs --quiet) 2>logs/err
-check "COLMAP missing" equal "$? $(cat logs/err)" \
-    "1 fixsplat: plain: to find its cameras takes colmap, which is not here: apt install colmap"
+check "COLMAP missing" equal "$? $(cat logs/err)" "$missing: install it, in a folder of PATH"
+mkdir apt_here && printf '#!/bin/sh\n' >apt_here/apt && chmod +x apt_here/apt
+(PATH=$work/apt_here exec "$fixsplat" fit plain -o i.fxs --quiet) 2>logs/err
+check "COLMAP missing, but apt" equal "$? $(cat logs/err)" "$missing: apt install colmap"
 
 # ---- Films -----------------------------------------------------------------------------------------------------------
 

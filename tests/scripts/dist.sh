@@ -55,6 +55,15 @@ bare() { env -i PATH=/usr/bin:/bin HOME="$work" LANG=C.UTF-8 "$@"; }
 
 needs() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p' | grep -Ev '^(lib(c|m)\.so\.6|ld-linux-.*)$'; }
 
+# dead FOLDER: links of its pages that lead to no file.
+dead() {
+    find "$1/share/doc" -name '*.md' | while read -r page; do
+        sed '/^ *```/,/^ *```/d' "$page" | grep -o '\]([^) ]*)' | sed 's/^](//; s/[#)].*//' | while read -r to; do
+            case $to in '' | *:*) ;; *) [ -e "${page%/*}/$to" ] || echo "${page#"$1/"}: $to" ;; esac
+        done
+    done
+}
+
 # tarball ARCHITECTURE RUN...: the command's hash by RUN.
 tarball() {
     begin
@@ -68,10 +77,11 @@ tarball() {
     check "$arch: doctor" bare "$@" "$folder/bin/fixsplat" doctor
     for file in bin/fixsplat-view share/man/man1/fixsplat-render.1 share/fixsplat/web/viewer/index.html \
         share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/zlib share/doc/fixsplat/licences/qrencode \
-        share/doc/fixsplat/install.md; do
+        share/doc/fixsplat/docs/install.md; do
         check "$arch: $file" test -s "$folder/$file"
     done
     check "$arch: no word of where it was built" equal "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
+    check "$arch: no dead link in its pages" equal "$(dead "$folder")" ""
     report "tarball, $arch" "$folder"
     # With CUDA in them there is the C++ library.
     [ -e "$folder/share/doc/fixsplat/licences/libstdc++" ] ||
@@ -168,7 +178,7 @@ else
     check "Windows: its picture and scene" test -s windows.png -a -s windows.ply
     w fixsplat.exe doctor >doctor
     check "Windows: doctor finds the page" grep -q "page.*$(basename "$folder")" doctor
-    check "Windows: doctor, without what is for Linux" equal "$(grep -E 'apt |xdg' doctor)" ""
+    check "Windows: doctor, without what is for Linux" equal "$(grep -E 'apt |xdg|libegl|nvcc' doctor)" ""
     check "Windows: publish" w fixsplat.exe publish knot.ply site.html --single
     w fixsplat.exe view --web --port 0 knot.ply >served 2>log &          # ends with wine
     server=$!
@@ -187,11 +197,12 @@ else
         skip "Windows: a window" "no Xvfb and xdotool here"
     fi
     for file in lib/libfixsplat-core.a share/doc/fixsplat/LICENSE share/doc/fixsplat/licences/libexif \
-        share/doc/fixsplat/licences/libsdl2 share/doc/fixsplat/windows.md share/fixsplat/web/viewer/index.html; do
+        share/doc/fixsplat/licences/libsdl2 share/doc/fixsplat/docs/windows.md share/fixsplat/web/viewer/index.html; do
         check "Windows: $file" test -s "$folder/$file"
     done
     check "Windows: no word of where it was built" equal \
         "$(grep -rlE "$PWD|/tmp/|/build/dist" "$folder" | head -n 3)" ""
+    check "Windows: no dead link in its pages" equal "$(dead "$folder")" ""
     report "zip for Windows" "$folder"
     small "zip for Windows" "$folder/bin/fixsplat.exe" "$folder/bin/libfixsplat-${version%%.*}.dll"
     # By the DLL, and by the static library.

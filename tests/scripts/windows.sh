@@ -400,7 +400,7 @@ elif ! have Xvfb || ! have xdotool; then
     skip "the window" "no Xvfb and xdotool here"
 else
     refused "view without its other program" 1 \
-        '^fixsplat: knot.ply: cannot be shown: .*/only this/fixsplat-view: No such file or directory$' view knot.ply
+        '^fixsplat: knot.ply: cannot be shown: .*/only this/fixsplat-view.exe: No such file or directory$' view knot.ply
     cp "$built/fixsplat-view.exe" 'only this/'
     check "the window's program has an icon" sh -c '${2%gcc}objdump -h "$1" | grep -q .rsrc' - \
         "$built/fixsplat-view.exe" "${compiler##* }"

@@ -11,7 +11,11 @@
 #include "backend.h"
 
 /* The message of the back end "cuda" in a build without nvcc. */
+#ifdef _WIN32
+#define FXS_WITHOUT_CUDA "not in the build for Windows"
+#else
 #define FXS_WITHOUT_CUDA "this build is without nvcc, the compiler of the CUDA toolkit"
+#endif
 
 #ifdef __cplusplus
 extern "C" {

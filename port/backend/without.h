@@ -1,0 +1,11 @@
+/* What a back end says that was built without the headers of these packages of Debian's. */
+#ifndef FXS_WITHOUT_H
+#define FXS_WITHOUT_H
+
+#ifdef _WIN32
+#define FXS_WITHOUT_HEADERS(packages) "not in the build for Windows"
+#else
+#define FXS_WITHOUT_HEADERS(packages) "built without the headers in " packages
+#endif
+
+#endif
