@@ -7,6 +7,7 @@
 #include <fixsplat/formats.h>
 #include <fixsplat/fxs_file.h>
 #include <fixsplat/map.h>
+#include "src/base/system.h"
 #include "cmd_render.h"
 #include "file_guard.h"
 #include "page_folder.h"
@@ -275,9 +276,12 @@ static void report(const publish_options *o)
     if (o->single)
         printf("%s: %.1f MB, all in one file: any browser opens it, without a server or a network\n", o->site,
                megabytes);
-    else
-        printf("%s: %zu scene%s, %.1f MB with the page; any web server shows it: python3 -m http.server -d %s\n",
-               o->site, o->list.count, o->list.count == 1 ? "" : "s", megabytes, o->site);
+    else {
+        printf("%s: %zu scene%s, %.1f MB with the page; any web server shows it: " FXS_PYTHON " -m http.server -d",
+               o->site, o->list.count, o->list.count == 1 ? "" : "s", megabytes);
+        write_shell_word(stdout, o->site);
+        puts("");
+    }
 }
 
 static int run(int argc, char **argv)

@@ -137,10 +137,13 @@ void write_shell_word(FILE *file, const char *word)
         fprintf(file, " %s", word);
         return;
     }
-    fputs(" '", file);
+    fprintf(file, " %c", FXS_SHELL_QUOTE);
     for (; *word; word++)
-        fprintf(file, *word == '\'' ? "'\\''" : "%c", *word);
-    fputc('\'', file);
+        if (*word == FXS_SHELL_QUOTE)
+            fputs(FXS_SHELL_QUOTED_QUOTE, file);
+        else
+            fputc(*word, file);
+    fputc(FXS_SHELL_QUOTE, file);
 }
 
 /* What was printed has to have arrived, wherever the program ends. */

@@ -188,22 +188,23 @@ static const command *command_with(const char *name, size_t length)
 static int say_wrong_option(char **argv, const char *letters)
 {
     const char *word = argv[wrong_word(argv)], *name = word + strspn(word, "-");
+    const char *own = parsed->name;          /* argv[0] may be the path of a program */
     const size_t length = strcspn(name, "=");
     const int is_letter = optopt > 0 && optopt < LONG_OPTION && strchr(letters, optopt);
     suggestion s = {0, 0};
     if (is_letter || optopt >= LONG_OPTION)
-        return fail(EXIT_USAGE, "%s: %s: %s; see: fixsplat %s --help", argv[0], word,
-                    strchr(word, '=') ? "it takes no value" : "its value is missing", argv[0]);
+        return fail(EXIT_USAGE, "%s: %s: %s; see: fixsplat %s --help", own, word,
+                    strchr(word, '=') ? "it takes no value" : "its value is missing", own);
     const command *other = name == word + 2 ? command_with(name, length) : 0;
     if (other)
-        return fail(EXIT_USAGE, "%s: unknown option: %s, which fixsplat %s has; see: fixsplat %s --help", argv[0], word,
-                    other->name, argv[0]);
+        return fail(EXIT_USAGE, "%s: unknown option: %s, which fixsplat %s has; see: fixsplat %s --help", own, word,
+                    other->name, own);
     for (const struct row_taken *t = taken; t->row; t++)
         suggest(&s, name, length, t->row->name);
     if (s.name)
-        return fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", argv[0], word,
-                    s.name, argv[0]);
-    return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", argv[0], word, argv[0]);
+        return fail(EXIT_USAGE, "%s: unknown option: %s; did you mean --%s? See: fixsplat %s --help", own, word,
+                    s.name, own);
+    return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", own, word, own);
 }
 
 int take_options(const command *c, void *options, int argc, char **argv)

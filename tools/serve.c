@@ -272,6 +272,8 @@ int main(int argc, char **argv)
     if (is_fit(argc, argv))
         return serve_fit(argc, argv);
     int status = view_options_take(&o, argc, argv);
+    if (!status && !o.frame.world.scene_count)
+        status = fail(EXIT_USAGE, "view --web takes a scene file, or several; see: fixsplat view --help");
     if (!status)
         status = fill_site(&s, &o.frame);
     if (!status)

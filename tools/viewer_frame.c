@@ -257,14 +257,20 @@ static void write_picture(viewer *v, request *r)
         r->unwritten = fxs_image_file_write(r->path, v->drawn.pixels, v->drawn.width, v->drawn.height, &r->message);
 }
 
+static void print_named(const char *option, const char *name)
+{
+    printf("%s", option);
+    write_shell_word(stdout, name);
+}
+
 static void print_scenes(const world_options *o)
 {
     if (o->file)
-        printf(" --scene %s", o->file);
+        print_named(" --scene", o->file);
     for (int i = 0; i < o->scene_count; i++)
-        printf(" %s", o->scenes[i]);
+        print_named("", o->scenes[i]);
     for (int i = 0; i < o->place_count; i++)
-        printf(" --place %s", o->places[i]);
+        print_named(" --place", o->places[i]);
 }
 
 static void print_eyes(const viewer *v)
@@ -312,9 +318,10 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
     printf(" --cutoff %s --sh-degree %d --bg %02x%02x%02x", cutoff_names[render_options->cutoff],
            render_options->sh_degree, render_options->background[0], render_options->background[1],
            render_options->background[2]);
-    if (of_file)
-        printf(" --cameras %s --view %ld", v->options.cameras, v->index);
-    else
+    if (of_file) {
+        print_named(" --cameras", v->options.cameras);
+        printf(" --view %ld", v->index);
+    } else
         print_camera(v, view);
     if (view->projection == FXS_ORTHOGRAPHIC)
         printf(" --ortho %.17g", view->height / view->fy);
@@ -325,8 +332,10 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
         printf(" --budget %" PRIu32, render_options->budget);
     if (render_options->detail_q8)
         printf(" --detail %.9g", render_options->detail_q8 / 256.0);
-    printf(" --near %.17g --lod %d --profile %s -o %s\n", view->near, v->options.load.lod,
-           profile_names[v->options.load.profile], path);
+    printf(" --near %.17g --lod %d --profile %s", view->near, v->options.load.lod,
+           profile_names[v->options.load.profile]);
+    print_named(" -o", path);
+    puts("");
     fflush(stdout);
 }
 
@@ -459,7 +468,8 @@ static void print_conversion(const viewer *v, const request *r)
     const load_options *o = &v->options.load;
     printf("fixsplat convert");
     print_scenes(&v->options.world);
-    printf(" %s --crop ", r->path);
+    print_named("", r->path);
+    printf(" --crop ");
     for (int i = 0; i < 6; i++)
         printf("%s%.9g", i ? "," : "", (double)(i < 3 ? r->crop.low[i] : r->crop.high[i - 3]));
     if (o->lod)

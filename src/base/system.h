@@ -114,6 +114,19 @@ int fxs_state_path(const char *name, int is_written, char *path, size_t room);
 /* The path of a font of the system that is made for screens. Returns 0, or -1 and a message. */
 int fxs_font_find(char *path, size_t room, fxs_message *message);
 
+/* ---- Commands for people to type --------------------------------------------------------------------------------- */
+
+/* What a shell takes a word in, the same within such a word, and the name of Python. */
+#ifdef _WIN32
+#define FXS_SHELL_QUOTE '"'
+#define FXS_SHELL_QUOTED_QUOTE "\\\""
+#define FXS_PYTHON "py"
+#else
+#define FXS_SHELL_QUOTE '\''
+#define FXS_SHELL_QUOTED_QUOTE "'\\''"
+#define FXS_PYTHON "python3"
+#endif
+
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
 /* fopen: of its modes r, w and a, with b where no line is to end in another way than in the file. Null, and errno. */

@@ -76,7 +76,7 @@ fails "a port in use" 1 "preview: 127.0.0.1, port ${at##*:}: Address already in 
     fit set -o x.fxs --preview --port "${at##*:}"
 kill -TERM $fit
 ends 2>logs/shell
-check "a signal: saved" equal "$status $(grep -c 'stopped after .* --resume long.fxs.fit$' logs/errors)" "143 1"
+check "a signal: saved" equal "$status $(grep -c 'stopped after .*; to go on: fixsplat fit .* --resume long.fxs.fit$' logs/errors)" "143 1"
 check "a signal: no scene, and nobody answers" equal "$(ls long.fxs 2>/dev/null) $(code -m 5 "$at/fit.json")" " 000"
 
 # ---- Its end -----------------------------------------------------------------------------------------------------------

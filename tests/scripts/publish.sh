@@ -23,6 +23,7 @@ check "an .fxs as it is" "$fixsplat" publish small.fxs site --size 64x36 --quiet
 check "it is that file" cmp site/small.fxs small.fxs
 "$fixsplat" convert knot.ply 'as it is.fxs' --up 0.2,-0.5,0.1 --start-view 3,-2,-5,0,0,0
 "$fixsplat" publish 'as it is.fxs' a/b/site --size 64x36 >logs/out 2>logs/err
+check "what shows it" grep -q ': python3 -m http.server -d a/b/site$' logs/out
 check "a large .fxs as it is, in folders that were not there" cmp a/b/site/as-it-is.fxs 'as it is.fxs'
 check "what would be gained" grep -Eqx "fixsplat: as it is.fxs: taken as it is, 0\.1 MB in profile default; [23]\.[0-9] times \
 smaller, with less detail, by: fixsplat publish --size 64x36 'as it is.fxs' a/b/site --profile small" logs/err
@@ -37,6 +38,8 @@ check "a folder of something else" equal "$? $(grep -c 'not empty' logs/err)" "1
 "$fixsplat" convert 'as it is.fxs' levels-anew.fxs --levels
 check "--levels too, in its own profile" cmp a/b/site/as-it-is.fxs levels-anew.fxs
 check "what was there stays" [ -f site/knot.fxs ]
+run publish knot.ply "it's a site" --size 64x36
+check "what shows a folder of another name" grep -Fq ": python3 -m http.server -d 'it'\\''s a site'" logs/out
 check "--profile" "$fixsplat" publish knot.ply whole --size 64x36 --profile default --quiet
 "$fixsplat" convert knot.ply default.fxs
 check "--profile: that one" cmp whole/knot.fxs default.fxs

@@ -62,6 +62,9 @@ ready() {
 }
 gets() { get -o logs/body "$1" && cmp logs/body "$2"; }
 
+said=$("$fixsplat-web" 2>&1)
+check "fixsplat-web without a scene: status 2, one line" equal "$? $said" \
+    "2 fixsplat: view --web takes a scene file, or several; see: fixsplat view --help"
 serve 'a knot+50%.ply' knot.ply knot.spz --bg 102030
 for i in 0 1 2; do check "scene $i is there" ready $i; done
 

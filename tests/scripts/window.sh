@@ -98,7 +98,7 @@ same() {
 # same_again NAME: that which the printed command makes.
 same_again() {
     command=$(tail -n 1 "$work/out")
-    "$B/fixsplat" ${command#fixsplat }
+    eval "\"\$B/fixsplat\" ${command#fixsplat }"
     check "$1, by its command" cmp "$work/$1.png" "$work/shot.png"
 }
 
@@ -157,8 +157,8 @@ if open "$B/fixsplat"; then
     check "escape: status 0" [ $status = 0 ]
     check "not a word on stderr" equal "$(grep -v 'no words in the window' "$work/errors")" ""
 fi
-"$B/fixsplat" make-scene cubes --count 300 -o "$work/cubes.ply"
-others="$work/cubes.ply --place 1:3,0,-2,1,1,0,0,0.5 --place 1:-3,0,0 --ortho 12"
+"$B/fixsplat" make-scene cubes --count 300 -o "$work/cube's.ply"      # a name that the printed command has to quote
+others="$work/cube's.ply --place 1:3,0,-2,1,1,0,0,0.5 --place 1:-3,0,0 --ortho 12"
 if open "$B/fixsplat"; then
     shot objects
     same objects $others $cameras
@@ -192,7 +192,7 @@ if open "$B/fixsplat"; then
     crops 1
     right=$(printf '%s\n' "$command" | sed 's/.*--crop //; s/ .*//' | cut -d , -f 4)
     check "the side went with the pointer: $right" awk "BEGIN { exit !($right > 2.3 && $right < 2.9) }"
-    "$B/fixsplat" $(printf '%s\n' "${command#fixsplat }" | sed 's/knot-cropped-001/again/') 2>"$work/notes"
+    eval "\"\$B/fixsplat\" $(printf '%s\n' "${command#fixsplat }" | sed 's/knot-cropped-001/again/')" 2>"$work/notes"
     check "as the printed command writes it" cmp "$work/knot-cropped-001.ply" "$work/again.ply"
     kept=$(sed -n 's/.*kept \([0-9]*\) of 2000 .*/\1/p' "$work/notes")
     check "a part of the scene: $kept" [ "$kept" -gt 500 ] && check "not all of it" [ "$kept" -lt 1900 ]

@@ -95,7 +95,10 @@ check "the .dll: the same picture" cmp dll/windows.png dll/linux.png
 
 mkdir -p page/viewer && echo page >page/viewer/index.html && echo module >page/fixsplat.js
 export FIXSPLAT_WEB=page
-"$fixsplat" publish knot.ply site --size 64x36 && w publish knot.ply site-windows --size 64x36
+"$fixsplat" publish knot.ply site --size 64x36 && w publish knot.ply site-windows --size 64x36 >logs/out
+check "publish: what shows it" grep -q ': py -m http.server -d site-windows$' logs/out
+w publish knot.ply "it's a site" --size 64x36 >logs/out
+check "publish: what shows it, quoted as cmd does" grep -Fq ": py -m http.server -d \"it's a site\"" logs/out
 check "publish: the same folder" diff -r site-windows site
 
 # ---- Fits ------------------------------------------------------------------------------------------------------------
@@ -179,6 +182,9 @@ elif ! have curl; then
     skip "the server" "no curl here"
 else
     cp "$built/fixsplat-web.exe" 'only this/'
+    said=$("$wine" 'only this/fixsplat-web.exe' 2>&1)
+    check "fixsplat-web without a scene: status 2, one line" equal "$? $(printf %s "$said" | tr -d '\r')" \
+        "2 fixsplat: view --web takes a scene file, or several; see: fixsplat view --help"
     echo '<!doctype html>' >page/viewer/fit.html
     seq 2000 >page/long.js
     echo secret | tee beside.txt page/.x page/con.js page/viewer/aux >page/com1.txt
@@ -301,7 +307,7 @@ else
         check "view --web: Ctrl-C: status 0" equal "$(cat logs/status)" 0
         check "view --web: Ctrl-C: nobody answers" gone
         check "view --web: Ctrl-C: no file stays" equal "$(ls "$WINEPREFIX"/drive_c/users/*/Temp)" ""
-        at_console fit set --steps 1000000 --preview --port 0 -o long.fxs
+        at_console fit set --steps 1000000 --preview --port 0 -o long.fxs --log '"a log"'
         tries=0
         until get "$at/fit.json" | grep -q '"version": [2-9]' || [ $((tries += 1)) = 300 ]; do sleep 0.2; done
         get -o now.fxs "$at/scene.fxs"
@@ -311,6 +317,8 @@ else
         by_ctrl_c
         check "fit --preview: Ctrl-C saves it" equal "$(ls long.fxs*; grep -c 'stopped after' logs/printed)" \
             "$(printf 'long.fxs.fit\n1')"
+        check "fit --preview: what goes on" grep -q \
+            '; to go on: fixsplat fit --steps 1000000 .* --log "a log" .*set --resume long.fxs.fit' logs/printed
         check "fit --preview: Ctrl-C: nobody answers" gone
         mkdir bin
         printf '#!/bin/sh\necho "$*" >"$OPENED"\n' >bin/xdg-open
