@@ -2,6 +2,7 @@
 # `fixsplat view --web`: what it serves and what not, with which headers; lists, files that change, ranges, large files,
 # TLS, misuse, its end.
 . tests/scripts/lib/check.sh
+. tests/scripts/lib/served.sh
 . tests/scripts/lib/command.sh
 server=
 trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
@@ -51,14 +52,6 @@ header() {
     name=$1
     shift
     get -o logs/body -D - "$@" | tr -d '\r' | sed -n "s/^$name: //Ip"
-}
-# ready NUMBER [STATE [VERSION]]: waits until a scene is, 30 seconds at most.
-ready() {
-    tries=0
-    until get "$at/scenes/$1.json" | grep -q "\"state\": \"${2:-ready}\", \"version\": ${3:-}"; do
-        [ $((tries += 1)) -lt 300 ] || { get "$at/scenes/$1.json"; return 1; }
-        sleep 0.1
-    done
 }
 gets() { get -o logs/body "$1" && cmp logs/body "$2"; }
 

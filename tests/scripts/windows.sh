@@ -118,6 +118,9 @@ for f in set/sparse/0/*.txt; do
 done
 w fit set --steps 200 -o crlf.fxs >logs/out
 check "fit: cameras whose lines end as in Windows" cmp crlf.fxs linux-fit.fxs
+cp -r set/images plain
+refused "fit of photographs without cameras" 1 'takes colmap, which is not here' fit plain -o plain.fxs
+check "they are there for COLMAP" diff -r plain plain.fxs.cameras/images
 # At a console of wine: Ctrl-C saves what is fitted.
 if have script; then
     {
@@ -150,14 +153,7 @@ serves() {
 stop() { kill $server; wait $server; } 2>/dev/null
 get() { curl -s --path-as-is -m 20 "$@"; }
 code() { get -o logs/body -w '%{http_code}' "$@"; }
-# ready NUMBER VERSION: waits until a scene is, 30 seconds at most.
-ready() {
-    tries=0
-    until get "$at/scenes/$1.json" | grep -q "\"ready\", \"version\": $2,"; do
-        [ $((tries += 1)) -lt 300 ] || { get "$at/scenes/$1.json"; return 1; }
-        sleep 0.1
-    done
-}
+. "$root/tests/scripts/lib/served.sh"
 gone() {
     tries=0
     while get -o logs/body "$at/"; do [ $((tries += 1)) -lt 50 ] || return 1; sleep 0.1; done
@@ -245,7 +241,7 @@ else
     check "view --web: beside 300 requests that never end" $helper hang "${at##*:}" 300 \
         sh -c 'sleep 2; exec curl -s -m 5 -o logs/body "$1"' - "$at/long.js"
     check "convert: a scene that is served" w convert knot.ply served.spz --spz-fine
-    check "view --web: it is shown anew" ready 1 2
+    check "view --web: it is shown anew" ready 1 ready 2
     check "view --web: that one" equal "$(code "$at/scenes/1/next/served.spz") $(cksum <logs/body)" \
         "200 $(cksum <served.spz)"
     refused "view --web: a port in use" 1 "port ${at##*:}: Address already in use; port 0 is any" \
@@ -301,7 +297,7 @@ else
             exec 3>&-
         }
         at_console view --web --port 0 knot.ply
-        ready 0 1
+        ready 0 ready 1
         check "view --web at a console: a file for what was packed" [ "$(ls "$WINEPREFIX"/drive_c/users/*/Temp)" ]
         by_ctrl_c
         check "view --web: Ctrl-C: status 0" equal "$(cat logs/status)" 0
@@ -352,6 +348,8 @@ check "read there" equal "$(w render "${long}x.fxs" --hash)" "$("$fixsplat" rend
 refused "a device's name" 1 '^fixsplat: con.fxs: cannot be written: it is the name of a device in Windows$' \
     convert knot.ply con.fxs
 refused "a device's name, in a folder" 1 'the name of a device' convert knot.ply 'linux\LPT1.fxs'
+refused "a device's name, of a fit, at once" 1 \
+    '^fixsplat: con.fxs: cannot be written: it is the name of a device in Windows$' fit set --steps 20000 -o con.fxs
 refused "a device's name, read" 1 '^fixsplat: aux.ply: is the name of a device in Windows$' info aux.ply
 refused "a folder that ends in a dot" 1 'x\./y.fxs: cannot be written: it ends in a dot or a space' \
     convert knot.ply 'x.\y.fxs'

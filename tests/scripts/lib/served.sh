@@ -1,0 +1,10 @@
+# For tests of the server: `get` is curl, `at` the address.
+
+# ready NUMBER [STATE [VERSION]]: waits until a scene is, 30 seconds at most.
+ready() {
+    tries=0
+    until get "$at/scenes/$1.json" | grep -q "\"state\": \"${2:-ready}\", \"version\": ${3:+$3,}"; do
+        [ $((tries += 1)) -lt 300 ] || { get "$at/scenes/$1.json"; return 1; }
+        sleep 0.1
+    done
+}
