@@ -31,7 +31,11 @@ struct slot_sizes {
 
 enum { PLANES = 7 };               /* the images of targets */
 
+/* A frame by itself, or an eye of two that share colours and order: what is found for both is the left one's. */
+enum frame_kind { ALONE, LEFT, RIGHT };
+
 struct frame {
+    frame_kind kind;
     fxs_view view;                 /* of the world; plain: of the object */
     fxs_scene scene;               /* plain: with the device's pointers */
     fxs_targets targets;
@@ -43,12 +47,15 @@ struct frame {
     uint64_t staged;               /* where its objects wait for the copy to the slot */
     bool plain;                    /* one object, which changes nothing of its Gaussians */
     bool pooled;                   /* of one of its scenes not all rows are on the device */
+    bool own_order;                /* of a right eye: its lists are not in the order of the left one's depths */
 };
 
 }
 
 struct fxs_cuda {                  /* in pinned host memory, for the sake of `needs` */
     int device, timed;
+    int eyes_share;                /* frames 2 i and 2 i + 1 are two eyes that share colours and order */
+    float milliseconds;            /* fxs_cuda_milliseconds */
     int dense;                     /* blend_dense is used */
     uint32_t processors, slot_count;
     uint32_t groups, traced_groups;         /* of a block of blend_tiles */
@@ -59,7 +66,8 @@ struct fxs_cuda {                  /* in pinned host memory, for the sake of `ne
     host_block cut;                /* memory to find a cut in, on the host */
     block pixels;
     slot slots[SLOTS];
-    cudaEvent_t ready;
+    cudaEvent_t ready, began;
+    bool early;                    /* kernels may be launched before the last one has ended */
     uint64_t capacity, large_capacity;      /* of a slot's entries and large splats, from its next frame on */
 
     fxs_options options;           /* of the frames under way */
@@ -78,12 +86,30 @@ uint64_t larger_of(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* The slots that so many frames take. Frames of scenes with a pool come one after the other, as each may take places
-   from the one before. */
+/* Frames that are projected at once, each in a slot of its own. */
+uint32_t frames_at_once(const fxs_cuda *cuda)
+{
+    return cuda->eyes_share ? 2 : 1;
+}
+
+/* The slots that so many frames take. Frames, or pairs, of scenes with a pool come one after the other, as each may
+   take places from the one before. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
-    const uint32_t slots = cuda->scenes.pools ? 1 : cuda->slot_count;
+    const uint32_t least = frames_at_once(cuda), slots = cuda->scenes.pools ? least : cuda->slot_count / least * least;
     return frames < slots ? frames : slots;
+}
+
+/* Whether a frame's cut is found for it. */
+bool has_cut(const frame *of)
+{
+    return of->cut_room && of->kind != RIGHT;
+}
+
+/* The eyes that a frame's cut is found for. */
+uint32_t cut_eyes(const frame *of)
+{
+    return !has_cut(of) ? 0 : of->kind == LEFT ? 2 : 1;
 }
 
 struct plane {
@@ -125,7 +151,7 @@ uint64_t cut_views_at(const frame *of)
 
 uint64_t drawn_at(const frame *of)
 {
-    return cut_views_at(of) + (of->cut_room ? of->object_count * sizeof(fxs_view) : 0);
+    return cut_views_at(of) + cut_eyes(of) * of->object_count * sizeof(fxs_view);
 }
 
 /* Cuts up a slot's memory for a frame; *sizes is what it takes of the first three blocks. Blocks may be null. */
@@ -137,7 +163,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     const uint64_t gaussians = (uint64_t)of->chunks * FXS_CHUNK;
     f.objects = (const fxs_object_view *)objects;
     f.object_count = of->object_count;
-    f.drawn = of->cut_room ? (const fxs_drawn *)(objects + drawn_at(of)) : nullptr;
+    f.drawn = has_cut(of) ? (const fxs_drawn *)(objects + drawn_at(of)) : nullptr;
     f.drawn_count = nullptr;
     f.chunk_views = cut<fxs_chunk_view>(&splats, of->chunks);
     f.chunk_objects = cut<uint32_t>(&splats, of->chunks);
@@ -153,7 +179,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     f.capacity = s->entries.bytes / sizeof *f.entries;
     f.larges = (large_splat *)s->larges.data;
     f.large_capacity = (uint32_t)(s->larges.bytes / sizeof *f.larges);
-    sizes->objects = drawn_at(of) + of->cut_room * sizeof(fxs_drawn);
+    sizes->objects = drawn_at(of) + (has_cut(of) ? of->cut_room * sizeof(fxs_drawn) : 0);
     sizes->splats = (uint64_t)(splats - (unsigned char *)s->splats.data);
     sizes->tiles = (uint64_t)(of_tiles - (unsigned char *)s->tiles.data);
     return f;
@@ -229,7 +255,7 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
         uint64_t cleared, cut_bytes = 0;
         fxs_targets targets = f->targets;
         slot_buffers(&none, f, &of_frame);
-        if (f->cut_room)
+        if (has_cut(f))
             slot_cut(&none, f, &cuda->options, &cleared, &cut_bytes);
         s->cut = larger_of(s->cut, cut_bytes);
         s->pixels = larger_of(s->pixels, place_hosted(&targets, f, nullptr));
@@ -385,6 +411,27 @@ int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options,
     return error ? failed(why, error, fxs_strerror(error)) : 0;
 }
 
+/* Whether two frames may be the eyes of a viewer. */
+int check_eyes(const fxs_cuda_frame *left, const fxs_cuda_frame *right, fxs_message *why)
+{
+    const fxs_camera *a = &left->camera, *b = &right->camera;
+    if (left->objects != right->objects || left->count != right->count)
+        return failed(why, FXS_ERR_ARGUMENT, "the eyes of a viewer have other objects");
+    if (a->width != b->width || a->height != b->height || a->projection != b->projection)
+        return failed(why, FXS_ERR_SIZE, "the pictures of two eyes differ in size or projection");
+    return fxs_targets_collide(&left->targets, &right->targets, a->width, a->height)
+               ? failed(why, FXS_ERR_TARGET, fxs_strerror(FXS_ERR_TARGET)) : 0;
+}
+
+/* Checks what frames share, once each is checked by itself. */
+int check_pairs(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
+{
+    int error = 0;
+    for (uint32_t i = 0; i < count && cuda->eyes_share && !error; i += 2)
+        error = check_eyes(&frames[i], &frames[i + 1], why);
+    return error;
+}
+
 /* Takes all frames; finds their scenes, and room for their objects, one's behind the other's. */
 int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
 {
@@ -395,6 +442,7 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         slot_sizes sizes;
         const slot none = {};
         error = take_frame(f, &frames[i], &cuda->options, why);
+        f->kind = !cuda->eyes_share ? ALONE : i % 2 ? RIGHT : LEFT;
         if (!error && !are_aligned(f->targets))
             error = failed(why, FXS_ERR_TARGET, "a target is not aligned to its pixels");
         for (uint32_t k = 0; k < f->object_count && !error; k++)
@@ -406,6 +454,7 @@ int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fx
         f->staged = staged;
         staged += sizes.objects;
     }
+    error = error ? error : check_pairs(cuda, frames, count, why);
     return error ? error : reserve_host(&cuda->staged, staged, why);
 }
 
@@ -416,35 +465,18 @@ bool is_plain(const fxs_object_view *object)
            tint_q13[2] == one_q13;
 }
 
-/* Finds the chunks that are drawn, on the host, and puts them where they wait for the copy. */
-int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, const fxs_object_view *views, fxs_message *why)
+/* The objects of a frame, where they wait for the copy. */
+fxs_object_view *staged_objects(const fxs_cuda *cuda, const frame *f)
 {
-    fxs_cut cut = {};
-    int error = reserve_host(&cuda->cut, fxs_cut_bytes(f->cut_room), why);
-    if (error)
-        return error;
-    cut.objects = from->objects;
-    cut.object_count = f->object_count;
-    cut.options = &cuda->options;
-    cut.eye_count = 1;
-    cut.cameras[0] = &from->camera;
-    cut.views[0] = views;
-    cut.room = f->cut_room;
-    cut.memory = cuda->cut.data;
-    error = fxs_cut_find(&cut);
-    if (error)
-        return failed(why, error, fxs_strerror(error));
-    memcpy((unsigned char *)views + drawn_at(f), cut.drawn, cut.count * sizeof *cut.drawn);
-    f->chunks = cut.count;
-    return 0;
+    return (fxs_object_view *)((unsigned char *)cuda->staged.data + f->staged);
 }
 
-/* The objects of frame i as the kernels see them, where they wait for the copy. */
+/* The objects of frame i as the kernels see them. */
 int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
 {
     frame *f = &cuda->frames[i];
     const slot *s = &cuda->slots[i % slots_of(cuda, SLOTS)];
-    fxs_object_view *views = (fxs_object_view *)((unsigned char *)cuda->staged.data + f->staged);
+    fxs_object_view *views = staged_objects(cuda, f);
     fxs_crop *crops = (fxs_crop *)(views + f->object_count);
     const fxs_crop *crops_there = (const fxs_crop *)((const fxs_object_view *)s->objects.data + f->object_count);
     uint32_t chunks = 0;
@@ -467,18 +499,74 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
             *crops++ = object->crops[n];
         crops_there += object->crop_count;
     }
-    if (f->cut_room && f->cut_here)
-        return find_cut(cuda, f, from, views, why);
-    for (uint32_t k = 0; k < f->object_count && f->cut_room; k++) {
-        fxs_view *view = (fxs_view *)((unsigned char *)views + cut_views_at(f)) + k;
-        *view = views[k].view;
-        if (!cuda->options.budget_of_window)
-            fxs_view_of_whole(view, &from->camera);
+    return 0;
+}
+
+/* Finds the chunks that are drawn, on the host, and puts them where they wait for the copy: of one frame, or of two
+   eyes, the first of `f` and of `from`. */
+int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *why)
+{
+    fxs_cut cut = {};
+    int error = reserve_host(&cuda->cut, fxs_cut_bytes(f->cut_room), why);
+    if (error)
+        return error;
+    cut.objects = from->objects;
+    cut.object_count = f->object_count;
+    cut.options = &cuda->options;
+    cut.eye_count = cut_eyes(f);
+    for (uint32_t eye = 0; eye < cut.eye_count; eye++) {
+        cut.cameras[eye] = &from[eye].camera;
+        cut.views[eye] = staged_objects(cuda, &f[eye]);
     }
-    f->plain = !f->cut_room && !f->pooled && f->object_count == 1 && is_plain(views);
-    if (f->plain) {
-        f->view = views->view;
-        f->scene = views->scene;
+    cut.room = f->cut_room;
+    cut.memory = cuda->cut.data;
+    error = fxs_cut_find(&cut);
+    if (error)
+        return failed(why, error, fxs_strerror(error));
+    memcpy((unsigned char *)cuda->staged.data + f->staged + drawn_at(f), cut.drawn, cut.count * sizeof *cut.drawn);
+    for (uint32_t eye = 0; eye < cut.eye_count; eye++)
+        f[eye].chunks = cut.count;
+    return 0;
+}
+
+/* The views by which the device finds a cut. */
+void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
+{
+    const uint32_t eyes = cut_eyes(f);
+    fxs_view *view = (fxs_view *)((unsigned char *)cuda->staged.data + f->staged + cut_views_at(f));
+    for (uint32_t k = 0; k < f->object_count; k++)
+        for (uint32_t eye = 0; eye < eyes; eye++, view++) {
+            *view = staged_objects(cuda, &f[eye])[k].view;
+            if (!cuda->options.budget_of_window)
+                fxs_view_of_whole(view, &from[eye].camera);
+        }
+}
+
+/* Frame i, or two eyes from frame i on, as the kernels see them. */
+int stage_frames(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
+{
+    frame *f = &cuda->frames[i];
+    const uint32_t eyes = frames_at_once(cuda);
+    int error = 0;
+    for (uint32_t eye = 0; eye < eyes && !error; eye++)
+        error = stage_objects(cuda, i + eye, &from[eye], why);
+    if (!error && has_cut(f) && f->cut_here)
+        error = find_cut(cuda, f, from, why);
+    else if (!error)
+        stage_cut_views(cuda, f, from);
+    if (error)
+        return error;
+    if (f->kind == LEFT) {
+        share_eye(staged_objects(cuda, f), staged_objects(cuda, &f[1]), f->object_count);
+        f[1].own_order = has_own_order(&f->view, &f[1].view, &f[1].targets);
+    }
+    for (uint32_t eye = 0; eye < eyes; eye++) {
+        const fxs_object_view *views = staged_objects(cuda, &f[eye]);
+        f[eye].plain = !f->cut_room && !f->pooled && f->object_count == 1 && is_plain(views);
+        if (f[eye].plain) {
+            f[eye].view = views->view;
+            f[eye].scene = views->scene;
+        }
     }
     return 0;
 }
@@ -499,20 +587,13 @@ void mark(const fxs_cuda *cuda, const slot *s, int stage)
         cudaEventRecord(s->stages[stage], s->on);
 }
 
-/* Whether a frame's kernels may be launched before the last one has ended: not beside other frames, whose blocks have
-   use for what the waiting ones take. */
-bool launches_early(const fxs_cuda *cuda)
-{
-    return cuda->frame_count == 1;
-}
-
 template <class... Parameters>
 void launch(const fxs_cuda *cuda, void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, size_t shared,
             cudaStream_t stream, const Parameters &...parameters)
 {
     cudaLaunchAttribute early = {};
     early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
-    early.val.programmaticStreamSerializationAllowed = launches_early(cuda);
+    early.val.programmaticStreamSerializationAllowed = cuda->early;
     cudaLaunchConfig_t how = {};
     how.gridDim = dim3(blocks);
     how.blockDim = dim3(threads);
@@ -523,28 +604,33 @@ void launch(const fxs_cuda *cuda, void (*kernel)(Parameters...), uint32_t blocks
     cudaLaunchKernelEx(&how, kernel, parameters...);
 }
 
-/* The kernels that find a frame's cut. */
+/* The kernels that find the cut of a frame or of two eyes. */
+template <uint32_t Eyes>
 void start_cut(const fxs_cuda *cuda, const frame *of, const slot *s, frame_buffers *f)
 {
     uint64_t cleared, bytes;
     const cut_buffers c = slot_cut(s, of, &cuda->options, &cleared, &bytes);
     const uint32_t chunks = c.chunks;
     cudaMemsetAsync(c.status, 0, cleared, s->on);
-    see_chunks<<<chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on>>>(*f, c);
+    see_chunks<Eyes><<<chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on>>>(*f, c);
     launch(cuda, rank_nodes, chunks / STOP_THREADS + 1, STOP_THREADS, 0, s->on, *f, c);
     launch(cuda, find_stop, chunks / STOP_THREADS + 1, STOP_THREADS, 0, s->on, *f, c);
     launch(cuda, share_chunks, chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on, *f, c);
-    launch(cuda, list_drawn_chunks, chunks / LIST_CHUNKS + 1, CUT_THREADS, 0, s->on, *f, c);
+    launch(cuda, list_drawn_chunks<Eyes>, chunks / LIST_CHUNKS + 1, CUT_THREADS, 0, s->on, *f, c);
     f->drawn_count = &c.status->drawn;
 }
 
-template <bool Many>
-void project(const fxs_cuda *cuda, const frame *of, const frame_buffers &f, cudaStream_t stream)
+template <bool Many, uint32_t Eyes>
+void project(const fxs_cuda *cuda, const frame *of, const eyes_buffers<Eyes> &f, uint32_t own_depths,
+             cudaStream_t stream)
 {
-    locate_chunks<Many><<<(of->chunks + 63) / 64, 64, 0, stream>>>(of->view, of->scene, f, of->chunks);
+    eyes_views<Eyes> views;
+    for (uint32_t eye = 0; eye < Eyes; eye++)
+        views.of[eye] = of[eye].view;
+    locate_chunks<Many, Eyes><<<(of->chunks + 63) / 64, 64, 0, stream>>>(views, of->scene, f, of->chunks);
     if (of->pooled)
-        fetch_chunks<<<of->chunks, FETCH_THREADS, 0, stream>>>(f);
-    launch(cuda, project_chunk<Many>, of->chunks, FXS_CHUNK, 0, stream, of->view, of->scene, f);
+        fetch_chunks<<<of->chunks, FETCH_THREADS, 0, stream>>>(f.of[0]);
+    launch(cuda, project_chunk<Many, Eyes>, of->chunks, FXS_CHUNK, 0, stream, views, of->scene, f, own_depths);
 }
 
 /* blend and resolve, of sorted lists and of long ones. */
@@ -595,46 +681,137 @@ cudaError_t copy_hosted(const slot *s, const frame *of, fxs_targets from)
     return error;
 }
 
-/* The kernels of frame i, in its slot. */
-int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
+slot *slot_of_frame(fxs_cuda *cuda, uint32_t i)
 {
-    const slot *s = &cuda->slots[i % slots_of(cuda, SLOTS)];
+    return &cuda->slots[i % slots_of(cuda, SLOTS)];
+}
+
+/* The buffers of frame i, which are cleared behind the work of a stream. */
+frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
+{
+    const slot *s = slot_of_frame(cuda, i);
     const frame *of = &cuda->frames[i];
-    const fxs_view &view = of->view;
     slot_sizes sizes;
-    if (cuda->options.stop && cuda->options.stop(cuda->options.stop_argument))
-        return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
     frame_buffers f = slot_buffers(s, of, &sizes);
     f.needs = &cuda->needs[i];
-    f.number = ++cuda->frame_number;
-    const bool traced = fxs_targets_traced(&of->targets);
-    fxs_targets targets = of->targets;
-    place_hosted(&targets, of, s->pixels.data);
-    if (traced)                    /* depths are read to the end */
+    f.number = cuda->frame_number;
+    if (fxs_targets_traced(&of->targets))                    /* depths are read to the end */
         f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
     const uint64_t cleared = (uint64_t)((unsigned char *)(f.counts + of->tiles) - (unsigned char *)f.status);
-    cudaMemsetAsync(f.status, 0, cleared, s->on);
-    mark(cuda, s, 0);
-    if (sizes.objects && (!of->plain || traced))
-        cudaMemcpyAsync(s->objects.data, (unsigned char *)cuda->staged.data + of->staged,
-                        of->cut_here ? sizes.objects : drawn_at(of), cudaMemcpyHostToDevice, s->on);
-    if (of->cut_room && !of->cut_here)
-        start_cut(cuda, of, s, &f);
+    cudaMemsetAsync(f.status, 0, cleared, stream);
+    return f;
+}
+
+/* Copies the objects of frame i, where a kernel reads them. */
+void copy_objects(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
+{
+    const frame *of = &cuda->frames[i];
+    const slot none = {};
+    slot_sizes sizes;
+    slot_buffers(&none, of, &sizes);
+    if (sizes.objects && (!of->plain || fxs_targets_traced(&of->targets)))
+        cudaMemcpyAsync(slot_of_frame(cuda, i)->objects.data, (unsigned char *)cuda->staged.data + of->staged,
+                        of->cut_here ? sizes.objects : drawn_at(of), cudaMemcpyHostToDevice, stream);
+}
+
+/* project, of a frame or of two eyes. */
+template <uint32_t Eyes>
+void project_frames(const fxs_cuda *cuda, const frame *of, const slot *s, eyes_buffers<Eyes> *f, uint32_t own_depths)
+{
+    if (has_cut(of) && !of->cut_here)
+        start_cut<Eyes>(cuda, of, s, &f->of[0]);
     if (of->chunks && of->plain)
-        project<false>(cuda, of, f, s->on);
+        project<false, Eyes>(cuda, of, *f, own_depths, s->on);
     else if (of->chunks)
-        project<true>(cuda, of, f, s->on);
+        project<true, Eyes>(cuda, of, *f, own_depths, s->on);
+}
+
+/* What comes after project, in a frame's slot. Lists are made with `depths`. */
+int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, uint32_t *depths, fxs_message *why)
+{
+    const slot *s = slot_of_frame(cuda, i);
+    const frame *of = &cuda->frames[i];
+    const fxs_view &view = of->view;
+    fxs_targets targets = of->targets;
+    frame_buffers listed = f;
+    listed.depths = depths;
+    place_hosted(&targets, of, s->pixels.data);
     mark(cuda, s, 1);
     launch(cuda, start_lists, ((uint32_t)view.tiles_y + START_ROWS - 1) / START_ROWS, START_ROWS * WARP, 0, s->on, f,
            (uint32_t)view.tiles_x, (uint32_t)view.tiles_y);
     if (of->chunks)
-        launch(cuda, fill_lists, LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on, view, f);
+        launch(cuda, fill_lists, LARGE_BLOCKS + of->chunks, FXS_CHUNK, 0, s->on, view, listed);
     mark(cuda, s, 2);
     blend(cuda, s, view, f, target_of(&targets, &cuda->options));
     mark(cuda, s, 4);
     cuda->buffers[i] = f;
     const cudaError_t error = copy_hosted(s, of, targets), launched = cudaGetLastError();
     return check(why, error ? error : launched, cudaEventRecord(s->done, s->on));
+}
+
+/* The kernels of frame i, in its slot. */
+int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
+{
+    const slot *s = slot_of_frame(cuda, i);
+    eyes_buffers<1> f;
+    /* Not beside other frames, whose blocks have use for what the waiting ones take. */
+    cuda->early = cuda->frame_count == 1;
+    f.of[0] = begin_frame(cuda, i, s->on);
+    mark(cuda, s, 0);
+    copy_objects(cuda, i, s->on);
+    project_frames(cuda, &cuda->frames[i], s, &f, 0);
+    return draw_frame(cuda, i, f.of[0], f.of[0].depths, why);
+}
+
+/* The kernels of two eyes, frames i and i + 1: project in the stream of the left one's slot, then those of each that is
+   drawn in its own. The right eye reads what the left one's slot has of both, until it is done. */
+int start_eyes(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why)
+{
+    const slot *left = slot_of_frame(cuda, i), *right = slot_of_frame(cuda, i + 1);
+    const frame *of = &cuda->frames[i];
+    const bool own_order = of[1].own_order, traced = fxs_targets_traced(&of[1].targets);
+    eyes_buffers<2> f;
+    cuda->early = cuda->frame_count == 2;
+    cudaStreamWaitEvent(left->on, right->done, 0);
+    for (uint32_t eye = 0; eye < 2; eye++)
+        f.of[eye] = begin_frame(cuda, i + eye, left->on);
+    mark(cuda, left, 0);
+    for (uint32_t eye = 0; eye < 2; eye++)
+        copy_objects(cuda, i + eye, left->on);
+    /* Traced, it needs its own depths beside those that its lists are made with. */
+    uint32_t *depths = f.of[1].depths;
+    if (traced && !own_order) {
+        depths = f.of[0].depths;
+        f.of[0].split_capacity = (uint64_t)((uint64_t *)depths - f.of[0].boxes);
+    }
+    project_frames(cuda, of, left, &f, own_order || traced);
+    f.of[1].drawn = f.of[0].drawn;
+    cuda->early = false;
+    cudaEventRecord(left->listed, left->on);
+    cudaStreamWaitEvent(right->on, left->listed, 0);
+    mark(cuda, right, 0);
+    int error = drawn[0] ? draw_frame(cuda, i, f.of[0], f.of[0].depths, why) : 0;
+    return error || !drawn[1] ? error : draw_frame(cuda, i + 1, f.of[1], depths, why);
+}
+
+/* Starts frame i, or with it the other eye. */
+int start_frames(fxs_cuda *cuda, uint32_t i, fxs_message *why)
+{
+    const bool both[2] = {true, true};
+    if (cuda->options.stop && cuda->options.stop(cuda->options.stop_argument))
+        return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
+    cuda->frame_number++;
+    return cuda->eyes_share ? start_eyes(cuda, i, both, why) : start_frame(cuda, i, why);
+}
+
+/* Starts frame i again, and of another eye no more than that takes. */
+int start_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
+{
+    const bool one[2] = {i % 2 == 0, i % 2 == 1};
+    if (!cuda->eyes_share)
+        return start_frames(cuda, i, why);
+    cuda->frame_number++;
+    return start_eyes(cuda, i - i % 2, one, why);
 }
 
 int wait(fxs_cuda *cuda, fxs_message *why)
@@ -678,9 +855,9 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
         cuda->large_capacity = larger_of(large_capacity, larges + (spare ? larges / 8 : 0));
         const slot_sizes sizes = {0, 0, 0, cuda->large_capacity * sizeof(large_splat),
                                   cuda->capacity * sizeof(uint64_t), 0, 0};
-        error = reserve_slot(cuda, &cuda->slots[i % slots_of(cuda, SLOTS)], &sizes, why);
+        error = reserve_slot(cuda, slot_of_frame(cuda, i), &sizes, why);
     }
-    error = error ? error : start_frame(cuda, i, why);
+    error = error ? error : start_again(cuda, i, why);
     error = error ? error : wait(cuda, why);
     if (!error && !frame_fitted(cuda, i))
         error = failed(why, FXS_ERR_MEMORY, "a frame does not fit in 32-bit counts");
@@ -765,7 +942,8 @@ int renderer_init(fxs_cuda *cuda, fxs_message *why)
     int error = check(why, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, cuda->device),
                       cudaDeviceGetAttribute(&shared_most, cudaDevAttrMaxSharedMemoryPerBlockOptin, cuda->device));
     error = error ? error : fit_blocks(cuda, (size_t)shared_most, why);
-    error = error ? error : check(why, cudaEventCreateWithFlags(&cuda->ready, cudaEventDisableTiming));
+    error = error ? error : check(why, cudaEventCreateWithFlags(&cuda->ready, cudaEventDisableTiming),
+                                  cudaEventCreate(&cuda->began));
     for (uint32_t i = 0; i < cuda->slot_count && !error; i++)
         error = slot_init(&cuda->slots[i], why);
     cuda->processors = (uint32_t)processors;
@@ -785,6 +963,18 @@ fxs_cuda_memory memory_of(const fxs_cuda *cuda)
         m.entries += s->entries.bytes;
     }
     return m;
+}
+
+/* From where the first frame began to the end of the last one's blend. */
+float milliseconds_of(const fxs_cuda *cuda)
+{
+    float most = 0;
+    for (uint32_t i = 0; i < slots_of(cuda, cuda->frame_count) && cuda->timed; i++) {
+        float milliseconds = 0;
+        cudaEventElapsedTime(&milliseconds, cuda->began, cuda->slots[i].stages[FXS_CUDA_STAGES]);
+        most = milliseconds > most ? milliseconds : most;
+    }
+    return most;
 }
 
 void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
@@ -856,9 +1046,12 @@ int copy_targets(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, b
     return error;
 }
 
-bool arguments_valid(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options)
+int check_arguments(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
+                    fxs_message *why)
 {
-    return cuda && frames && options && count >= 1 && count <= FXS_CUDA_BATCH && options_valid(options);
+    if (!cuda || !frames || !options || count < 1 || count > FXS_CUDA_BATCH || !options_valid(options))
+        return failed(why, FXS_ERR_ARGUMENT, "an argument is null or out of range");
+    return count % frames_at_once(cuda) ? failed(why, FXS_ERR_ARGUMENT, "an eye without another one") : 0;
 }
 
 }
@@ -923,8 +1116,9 @@ void fxs_cuda_destroy(fxs_cuda *cuda)
     cudaFreeHost(cuda->scenes.memory.data);
     cudaFreeHost(cuda->staged.data);
     cudaFreeHost(cuda->cut.data);
-    if (cuda->ready)
-        cudaEventDestroy(cuda->ready);
+    for (cudaEvent_t event : {cuda->ready, cuda->began})
+        if (event)
+            cudaEventDestroy(event);
     cudaFreeHost(cuda);
 }
 
@@ -952,18 +1146,32 @@ void fxs_cuda_time(fxs_cuda *cuda, int on)
     cuda->timed = on;
 }
 
+float fxs_cuda_milliseconds(const fxs_cuda *cuda)
+{
+    return cuda->milliseconds;
+}
+
+int fxs_cuda_share_eyes(fxs_cuda *cuda, int on, fxs_message *why)
+{
+    if (!cuda || (on && cuda->slot_count < 2))
+        return failed(why, FXS_ERR_ARGUMENT, cuda ? "two eyes take two slots" : "an argument is null");
+    cuda->eyes_share = on != 0;
+    return 0;
+}
+
 int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                     void *stream, fxs_message *why)
 {
-    if (!arguments_valid(cuda, frames, count, options))
-        return failed(why, FXS_ERR_ARGUMENT, "an argument is null or out of range");
+    int error = check_arguments(cuda, frames, count, options, why);
+    if (error)
+        return error;
     on_device scope(cuda->device);
     cudaGetLastError();            /* not ours */
     cuda->options = *options;
-    int error = take_frames(cuda, frames, count, why);
+    error = take_frames(cuda, frames, count, why);
     error = make_room(cuda, count, error, why);
-    for (uint32_t i = 0; i < count && !error; i++)
-        error = stage_objects(cuda, i, &frames[i], why);
+    for (uint32_t i = 0; i < count && !error; i += frames_at_once(cuda))
+        error = stage_frames(cuda, i, &frames[i], why);
     if (error)
         return error;
     cuda->frame_count = count;
@@ -976,8 +1184,10 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
         if (count > 1 && !error)
             error = check(why, cudaStreamWaitEvent(s->on, cuda->ready, 0));
     }
-    for (uint32_t i = 0; i < count && !error; i++)
-        error = start_frame(cuda, i, why);
+    if (cuda->timed)
+        cudaEventRecord(cuda->began, cuda->slots[0].on);
+    for (uint32_t i = 0; i < count && !error; i += frames_at_once(cuda))
+        error = start_frames(cuda, i, why);
     for (uint32_t i = 0; i < used && count > 1 && !error; i++)
         error = check(why, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
     return error ? end_frames(cuda, error) : 0;
@@ -995,6 +1205,7 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why)
             error = failed(why, FXS_ERR_SCENE, fxs_strerror(FXS_ERR_SCENE));
         else if (!frame_fitted(cuda, i))
             error = render_again(cuda, i, why);
+    cuda->milliseconds = error ? 0 : milliseconds_of(cuda);
     if (!error && stats)
         stats_of(cuda, stats);
     return end_frames(cuda, error);
@@ -1003,16 +1214,17 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why)
 int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, const fxs_options *options,
                          fxs_cuda_stats *stats, fxs_message *why)
 {
-    if (!arguments_valid(cuda, frames, count, options))
-        return failed(why, FXS_ERR_ARGUMENT, "an argument is null or out of range");
+    int error = check_arguments(cuda, frames, count, options, why);
+    if (error)
+        return error;
     on_device scope(cuda->device);
     cudaGetLastError();            /* not ours */
-    int error = 0;
     for (uint32_t i = 0; i < count && !error; i++) {
         frame checked;
         error = take_frame(&checked, &frames[i], options, why);
         cuda->device_frames[i] = frames[i];
     }
+    error = error ? error : check_pairs(cuda, frames, count, why);
     if (error)
         return error;
     error = reserve(&cuda->memory, &cuda->pixels, place_targets(cuda->device_frames, count, nullptr), why);

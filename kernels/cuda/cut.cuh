@@ -62,7 +62,7 @@ struct cut_buffers {
     node_sight *sights;            /* by chunk of all objects */
     uint64_t *candidates;
     fxs_drawn *drawn;
-    const fxs_view *views;         /* as fxs_see takes them, of each object */
+    const fxs_view *views;         /* as fxs_see takes them, of each object: one, or two of eyes that share */
     uint32_t chunks;               /* of all objects, with their trees */
     uint32_t whole_chunks;         /* of objects without a tree */
     uint32_t room, detail_q8;
@@ -145,7 +145,8 @@ __device__ inline uint64_t order_of(int32_t key_q8, uint32_t chunk)
     return (uint64_t)place_of_key(key_q8) << 32 | chunk;
 }
 
-/* A thread a chunk of all objects: how the camera sees it. */
+/* A thread a chunk of all objects: how the camera, or the nearest of two eyes, sees it. */
+template <uint32_t Eyes>
 __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant__ frame_buffers f,
                                                           const __grid_constant__ cut_buffers c)
 {
@@ -158,7 +159,7 @@ __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant_
     if (!o->visible || !o->scene.nodes)
         return;
     fxs_sight sight;
-    const int seen = fxs_see(&sight, &c.views[object], 1, &o->scene, chunk - o->first_chunk, c.detail_q8);
+    const int seen = fxs_see(&sight, &c.views[object * Eyes], Eyes, &o->scene, chunk - o->first_chunk, c.detail_q8);
     store(&c.sights[chunk], stored(&sight, seen > 0, 0));
     if (seen > 0 && chunk - o->first_chunk == o->scene.chunk_count)
         atomicAdd(&c.status->roots, 1);
@@ -508,6 +509,7 @@ __global__ void __launch_bounds__(CUT_THREADS) share_chunks(const __grid_constan
 }
 
 /* A block LIST_CHUNKS chunks: lists those that are drawn, in their order. */
+template <uint32_t Eyes>
 __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_constant__ frame_buffers f,
                                                                  const __grid_constant__ cut_buffers c)
 {
@@ -535,7 +537,7 @@ __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_co
         const fxs_object_view *o = &f.objects[object];
         fxs_sight sight = {0, 0, 0};
         if (o->scene.nodes && chunk - o->first_chunk >= o->scene.chunk_count)
-            fxs_see(&sight, &c.views[object], 1, &o->scene, chunk - o->first_chunk, c.detail_q8);
+            fxs_see(&sight, &c.views[object * Eyes], Eyes, &o->scene, chunk - o->first_chunk, c.detail_q8);
         if (place < c.room)
             c.drawn[place] = fxs_drawn_of(chunk, c.shares_q8[chunk], sight.swell_q8);
     }

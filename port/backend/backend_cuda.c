@@ -11,7 +11,7 @@
 
 #ifdef FXS_WITH_CUDA
 
-#define EYES 2u                    /* slots, so that the stages of both are timed */
+#define EYES 2u                    /* slots: both eyes are under way at once */
 
 typedef struct cuda_backend {
     fxs_cuda *cuda;
@@ -39,27 +39,31 @@ static int open_device(void **self, const fxs_backend_options *options, fxs_mess
     return 0;
 }
 
-static uint64_t nanoseconds_of(const fxs_cuda_stats *stats, enum fxs_cuda_stage stage)
+/* Shares out the device's time by the times of the stages: those of two eyes are under way at once. shade is part of
+   project, resolve is part of blend. */
+static void fill_times(fxs_stats *out, const fxs_cuda_stats *stats, uint64_t nanoseconds)
 {
-    return (uint64_t)(stats->milliseconds[stage] * 1e6f);
+    static const enum fxs_stage stages[FXS_CUDA_STAGES] = {FXS_PROJECT, FXS_BIN, FXS_SORT, FXS_BLEND};
+    double sum = 0;
+    for (int i = 0; i < FXS_CUDA_STAGES; i++)
+        sum += (double)stats->milliseconds[i];
+    for (int i = 0; i < FXS_CUDA_STAGES && sum > 0; i++)
+        out->nanoseconds[stages[i]] = (uint64_t)((double)nanoseconds * (double)stats->milliseconds[i] / sum);
 }
 
-/* shade is part of project, resolve is part of blend. */
-static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, uint32_t eyes, uint64_t nanoseconds)
+static void fill_stats(fxs_stats *out, const fxs_cuda_stats *stats, const fxs_request *request, uint64_t device,
+                       uint64_t nanoseconds)
 {
     memset(out, 0, sizeof *out);
-    out->gaussians = stats->gaussians / eyes;
+    out->gaussians = stats->gaussians / request->eyes;
     out->visible = stats->visible;
     out->entries = stats->entries;
-    out->bands = out->runs = eyes;
+    out->bands = out->runs = request->exact ? request->eyes : 1;
     out->memory.splats = (size_t)stats->memory.splats;
     out->memory.tiles = (size_t)stats->memory.tiles;
     out->memory.entries = (size_t)stats->memory.entries;
     out->memory.total = (size_t)(stats->memory.total - stats->memory.scenes);
-    out->nanoseconds[FXS_PROJECT] = nanoseconds_of(stats, FXS_CUDA_PROJECT);
-    out->nanoseconds[FXS_BIN] = nanoseconds_of(stats, FXS_CUDA_BIN);
-    out->nanoseconds[FXS_SORT] = nanoseconds_of(stats, FXS_CUDA_SORT);
-    out->nanoseconds[FXS_BLEND] = nanoseconds_of(stats, FXS_CUDA_BLEND);
+    fill_times(out, stats, device);
     out->frame_nanoseconds = nanoseconds;
 }
 
@@ -67,12 +71,8 @@ static int check_request(const fxs_request *r, fxs_message *why)
 {
     if (r->eyes < 1 || r->eyes > EYES)
         return fxs_fail_as(FXS_ERR_ARGUMENT, why, "one or two eyes");
-    if (r->eyes == 1)
-        return 0;
-    if (!r->exact)
-        return fxs_fail_as(FXS_ERR_UNSUPPORTED, why, "the CUDA back end renders each eye by itself: exact only");
-    if (r->cameras[0].width != r->cameras[1].width || r->cameras[0].height != r->cameras[1].height ||
-        r->cameras[0].projection != r->cameras[1].projection)
+    if (r->eyes == 2 && (r->cameras[0].width != r->cameras[1].width || r->cameras[0].height != r->cameras[1].height ||
+                         r->cameras[0].projection != r->cameras[1].projection))
         return fxs_fail_as(FXS_ERR_SIZE, why, "the pictures of two eyes differ in size or projection");
     return 0;
 }
@@ -86,15 +86,13 @@ static int render(void *self, const fxs_request *request, fxs_stats *stats, fxs_
     int error = check_request(request, why);
     for (uint32_t i = 0; i < request->eyes && !error; i++)
         frames[i] = (fxs_cuda_frame){request->cameras[i], request->objects, request->count, request->targets[i]};
-    if (!error)
-        error = fxs_cuda_render_host(b->cuda, frames, request->eyes, &request->options, &cuda_stats, why);
+    error = error ? error : fxs_cuda_share_eyes(b->cuda, request->eyes == 2 && !request->exact, why);
+    error = error ? error : fxs_cuda_render_host(b->cuda, frames, request->eyes, &request->options, &cuda_stats, why);
     if (error)
         return error;
-    b->nanoseconds = 0;
-    for (int stage = 0; stage < FXS_CUDA_STAGES; stage++)
-        b->nanoseconds += nanoseconds_of(&cuda_stats, (enum fxs_cuda_stage)stage);
+    b->nanoseconds = (uint64_t)(fxs_cuda_milliseconds(b->cuda) * 1e6f);
     if (stats)
-        fill_stats(stats, &cuda_stats, request->eyes, fxs_clock(0) - start);
+        fill_stats(stats, &cuda_stats, request, b->nanoseconds, fxs_clock(0) - start);
     return 0;
 }
 
@@ -131,7 +129,7 @@ static const char *version(const void *self, enum fxs_stage stage)
 
 const fxs_backend fxs_backend_cuda = {
     .name = "cuda", .does = "whole frames on a GPU, the same bytes",
-    .can = FXS_CAN_EXACT | FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_DEVICES,
+    .can = FXS_CAN_EXACT | FXS_CAN_TRACE | FXS_CAN_COMPOSE | FXS_CAN_SHARE_EYES | FXS_CAN_DEVICES,
     .device = device_name, .open = open_device, .render = render, .forget = forget, .version = version,
     .nanoseconds = nanoseconds, .close = close_device
 };

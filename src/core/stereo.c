@@ -23,22 +23,30 @@ static int same_depth(const fxs_view *a, const fxs_view *b)
     return -limit_q30 <= ahead && ahead <= limit_q30;
 }
 
-/* Colours are seen from between the eyes. */
-static void share_eye(fxs_frame *f)
+/* Colours are seen from between the eyes: `left` then has what is seen from there. */
+static void share_eye(fxs_object_view *left, const fxs_object_view *right, uint32_t objects)
 {
-    for (uint32_t object = 0; object < f->object_count; object++)
+    for (uint32_t object = 0; object < objects; object++)
         for (int i = 0; i < 3; i++) {
-            int64_t *left_q32 = f->eyes[0].objects[object].view.eye_q32;
-            left_q32[i] = (left_q32[i] + f->eyes[1].objects[object].view.eye_q32[i]) / 2;
+            int64_t *left_q32 = left[object].view.eye_q32;
+            left_q32[i] = (left_q32[i] + right[object].view.eye_q32[i]) / 2;
         }
 }
+
+/* Whether the right eye's lists have an order of their own. An occluder cuts them at a depth. */
+static int has_own_order(const fxs_view *left, const fxs_view *right, const fxs_targets *of_right)
+{
+    return !same_depth(left, right) || of_right->occluder.pixels;
+}
+
+#ifndef __CUDACC__                 /* which has its own way through a frame */
 
 static int render_shared(fxs_frame *f)
 {
     int error = fxs_frame_begin(f);
     if (error)
         return error;
-    share_eye(f);
+    share_eye(f->eyes[0].objects, f->eyes[1].objects, f->object_count);
     fxs_band_next(f);
     error = fxs_prepare_band(f);
     if (!error)
@@ -46,7 +54,7 @@ static int render_shared(fxs_frame *f)
     if (error)
         return error;
     f->eye = &f->eyes[1];
-    if (!same_depth(&f->eyes[0].view, &f->eyes[1].view) || f->eye->targets->occluder.pixels)   /* cuts at a depth */
+    if (has_own_order(&f->eyes[0].view, &f->eyes[1].view, f->eye->targets))
         f->depths = f->eye->depths;
     return fxs_frame_draw(f);
 }
@@ -78,3 +86,4 @@ int fxs_stereo_render(fxs_frame *f, const fxs_request *request)
     f->stats.frame_nanoseconds = fxs_now(f) - start;
     return error;
 }
+#endif

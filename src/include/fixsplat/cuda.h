@@ -21,14 +21,16 @@ typedef struct fxs_cuda fxs_cuda;
 typedef struct fxs_cuda_memory {
     uint64_t scenes;               /* the packed scenes; of those that do not fit what is on the device */
     uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 100 a chunk, 456 an object; with a budget or a
-                                      detail 6.3 MB, 18 bytes for each chunk and node there is, 312 an object */
+                                      detail 6.3 MB, 18 bytes for each chunk and node there is, 312 an object,
+                                      and as much for a second eye that shares; of that, its slot has none */
     uint64_t tiles;                /* for each slot: 136 bytes a tile */
     uint64_t entries;              /* for each slot: 8 bytes a tile list entry there is room for */
     uint64_t pixels;               /* of fxs_cuda_render_host; for each slot: of targets in pinned host memory */
     uint64_t total;                /* the five above */
 } fxs_cuda_memory;
 
-/* The stages whose times are taken. Long lists are sorted and blended by kernels of their own, beside the last two. */
+/* The stages whose times are taken. Long lists are sorted and blended by kernels of their own, beside the last two. Those
+   of frames in several slots are under way at the same time, so that their times add up to more than passes. */
 enum fxs_cuda_stage {
     FXS_CUDA_PROJECT,              /* project, shade and the lengths of the tiles' lists */
     FXS_CUDA_BIN,                  /* the lists */
@@ -39,7 +41,7 @@ enum fxs_cuda_stage {
 
 typedef struct fxs_cuda_stats {
     uint32_t gaussians;            /* in all objects, of all frames together; so too the next two */
-    uint32_t visible;
+    uint32_t visible;              /* of two eyes that share, those that either sees */
     uint64_t entries;
     float milliseconds[FXS_CUDA_STAGES];   /* after fxs_cuda_time, of the last frame in each slot, together; else 0 */
     fxs_cuda_memory memory;
@@ -82,6 +84,20 @@ FXS_API void fxs_cuda_forget(fxs_cuda *cuda, const fxs_scene *scene);
 
 /* Sets whether the times of stages are taken, which costs an event between any two. */
 FXS_API void fxs_cuda_time(fxs_cuda *cuda, int on);
+
+/* The device's time for the frames of the last fxs_cuda_finish, in milliseconds: from the start of the first one to the
+   end of the last one's blend; 0 without fxs_cuda_time or after an error. With a frame that was rendered again it has
+   the host's time between. */
+FXS_API float fxs_cuda_milliseconds(const fxs_cuda *cuda);
+
+/* Sets whether frames 0 and 1 of the calls that follow, 2 and 3, and so on, are the left and the right eye of a viewer
+   and share colours and order: as fxs_render renders two eyes that are not exact, with the same bytes. Gaussians are
+   then projected for both at once. `count` is even, and the frames of two eyes have the same objects (the same pointer
+   and count), pictures of one size and projection, and targets that do not overlap where one is written; otherwise
+   fxs_cuda_render and fxs_cuda_render_host return FXS_ERR_ARGUMENT, FXS_ERR_SIZE or FXS_ERR_TARGET, and no frame is
+   under way. Two eyes are in two slots; options.stop is asked once for both; while a scene is there in part, one pair is
+   under way at a time. Errors: FXS_ERR_ARGUMENT, also of a renderer of one slot. */
+FXS_API int fxs_cuda_share_eyes(fxs_cuda *cuda, int on, fxs_message *why);
 
 /* Starts 1 to FXS_CUDA_BATCH frames, whose targets must not overlap, behind the work of `stream` (a cudaStream_t; null:
    the default one), and lets the stream wait for them. The pixels are there once fxs_cuda_finish has returned 0, which
