@@ -1235,8 +1235,8 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
     place_targets(cuda->device_frames, count, cuda->pixels.data);
     error = copy_targets(cuda, frames, count, true, why);
     /* Not on the default stream, which other renderers would have to wait for; but behind the copies there. */
-    error = error ? error : check(why, cudaEventRecord(cuda->ready, nullptr),
-                                  cudaStreamWaitEvent(cuda->slots[0].stream, cuda->ready, 0));
+    error = error ? error : check(why, cudaEventRecord(cuda->ready, nullptr));
+    error = error ? error : check(why, cudaStreamWaitEvent(cuda->slots[0].stream, cuda->ready, 0));
     error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, cuda->slots[0].stream, why);
     error = error ? error : fxs_cuda_finish(cuda, stats, why);
     return error ? error : copy_targets(cuda, frames, count, false, why);

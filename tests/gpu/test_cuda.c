@@ -1289,7 +1289,7 @@ static void check_eyes_of_trees(void)
 static void check_eyes_of_long_lists(void)
 {
     for (int i = 0; i < cases(8); i++) {
-        const unsigned more = i % 2 ? MEAN | MEDIAN | ID : 0, which[2] = {COLOUR | (i % 4 ? more : 0), COLOUR | more};
+        const unsigned more = i % 2 ? MEAN | MEDIAN | ID : 0, which[2] = {COLOUR | (i % 4 == 1 ? more : 0), COLOUR | more};
         fxs_camera cameras[2];
         fxs_options options;
         fxs_scene scene;
@@ -1301,7 +1301,7 @@ static void check_eyes_of_long_lists(void)
         cameras[0].fx_q12 = cameras[0].fy_q12 = between(4 << 12, 20 << 12);
         cameras[0].cx_q12 = cameras[0].width * 2048;
         cameras[0].cy_q12 = cameras[0].height * 2048;
-        second_eye(cameras, i / 2 % 2 ? TOED_IN : BESIDE);
+        second_eye(cameras, i / 4 % 2 ? TOED_IN : BESIDE);
         fxs_options_init(&options);
         fxs_scene_open(&scene, packed.data, packed.bytes);
         const fxs_object object = one_object(&scene);
