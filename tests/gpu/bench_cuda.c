@@ -2,7 +2,8 @@
  * batch, into device memory and into pinned host memory. Each argument: FILE.fxs, for an overview of the scene;
  * FILE.fxs:CAMERAS:N,N,... for views of a camera file; FILE.fxs@N for N objects of it on a square; or FILE.fxs%N for
  * a budget of N Gaussians. Medians, milliseconds; one row of every scene is for the square cut-off, one for a smaller
- * picture, one with median depth and id, one with mean depth too. */
+ * picture, one with median depth and id, one with mean depth too, and three are for an eye of 2064x2208, for two that
+ * share nothing and for two that share: their stages are under way at once, so the frame is less than their sum. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 #include <fixsplat/packed.h>
 #include "peek.h"
 
+enum { EYE_WIDTH = 2064, EYE_HEIGHT = 2208 };
 enum { WARM_UP = 5, REPEATS = 31, BATCH = 16, SLOTS = 4, OBJECTS = 400, TRACE = 16 };   /* bytes a pixel */
 
 static fxs_message failure;
@@ -24,6 +26,7 @@ static uint32_t object_count, budget;
 typedef struct kind {
     enum fxs_cutoff cutoff;
     int ids, means;                /* median depth and id; and mean depth */
+    int eyes;                      /* two: the frames of a pair; else 0 */
 } kind;
 
 static int compare_floats(const void *a, const void *b)
@@ -51,6 +54,8 @@ static fxs_options options_of(const kind *k)
 static fxs_cuda_frame frame_of(const fxs_camera *camera, const kind *k, unsigned char *const into[], uint32_t i)
 {
     fxs_cuda_frame frame = {*camera, objects, object_count, {.colour = {into[i], (ptrdiff_t)camera->width * 4}}};
+    for (int a = 0; a < 3 && k->eyes; a++)     /* 0.0625 apart */
+        frame.camera.position_q32[a] += (int64_t)camera->rotation_q30[a] * (i ? 1 : -1) >> 3;
     const size_t plane = (size_t)camera->width * (size_t)camera->height * 4;
     if (k->ids) {
         frame.targets.id = (fxs_image){traces[i], (ptrdiff_t)camera->width * 8};
@@ -75,7 +80,7 @@ static float time_frames(fxs_cuda *cuda, const fxs_camera *camera, const kind *k
             return -1;
         times[i < 0 ? 0 : i] = t;
     }
-    return median(times, REPEATS) / (float)count;
+    return median(times, REPEATS) / (float)(k->eyes ? 1 : count);
 }
 
 /* Medians of the stages, with events between them. */
@@ -84,11 +89,11 @@ static fxs_cuda_stats time_stages(fxs_cuda *cuda, const fxs_camera *camera, cons
     const fxs_options options = options_of(k);
     float times[FXS_CUDA_STAGES][REPEATS];
     fxs_cuda_stats stats;
-    const fxs_cuda_frame frame = frame_of(camera, k, pixels, 0);
+    const fxs_cuda_frame frames[2] = {frame_of(camera, k, pixels, 0), frame_of(camera, k, pixels, 1)};
     memset(&stats, 0, sizeof stats);
     fxs_cuda_time(cuda, 1);
     for (int i = 0; i < REPEATS; i++) {
-        if (fxs_cuda_render(cuda, &frame, 1, &options, 0, &failure) || fxs_cuda_finish(cuda, &stats, &failure))
+        if (fxs_cuda_render(cuda, frames, k->eyes ? 2 : 1, &options, 0, &failure) || fxs_cuda_finish(cuda, &stats, &failure))
             break;
         for (int s = 0; s < FXS_CUDA_STAGES; s++)
             times[s][i] = stats.milliseconds[s];
@@ -101,7 +106,7 @@ static fxs_cuda_stats time_stages(fxs_cuda *cuda, const fxs_camera *camera, cons
 
 static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_camera *camera, const kind *k)
 {
-    const float frame = time_frames(single, camera, k, pixels, 1);
+    const float frame = time_frames(single, camera, k, pixels, k->eyes ? 2 : 1);
     const fxs_cuda_stats s = time_stages(single, camera, k);
     const float of_batch = batch ? time_frames(batch, camera, k, pixels, BATCH) : -1;
     const float to_host = batch ? time_frames(batch, camera, k, pinned, BATCH) : -1;
@@ -109,7 +114,7 @@ static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_c
         printf("| %s | %s |\n", name, failure.text);
         return;
     }
-    printf("| %s, %dx%d%s%s%s | %" PRIu32 " | %" PRIu64, name, camera->width, camera->height,
+    printf("| %s, %s%dx%d%s%s%s | %" PRIu32 " | %" PRIu64, name, k->eyes ? "two eyes, " : "", camera->width, camera->height,
            k->cutoff == FXS_CUTOFF_SQUARE ? ", square" : "", k->ids ? ", median depth, id" : "",
            k->means ? ", mean depth" : "", s.visible, s.entries);
     for (int i = 0; i < FXS_CUDA_STAGES; i++)
@@ -123,10 +128,26 @@ static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_c
     fflush(stdout);
 }
 
+static void rows_of_eyes(fxs_cuda *single, fxs_cuda *batch, const char *name, fxs_file_view view)
+{
+    static const kind colour = {FXS_CUTOFF_MAHALANOBIS, 0, 0, 0}, eyes = {FXS_CUTOFF_MAHALANOBIS, 0, 0, 1};
+    fxs_message message;
+    fxs_camera camera;
+    char label[240];
+    fxs_view_resize(&view, EYE_WIDTH, EYE_HEIGHT);
+    fxs_camera_from_view(&camera, &view, &message);
+    row(single, 0, name, &camera, &colour);
+    snprintf(label, sizeof label, "%s, exact", name);
+    row(batch, 0, label, &camera, &eyes);
+    if (!fxs_cuda_share_eyes(batch, 1, &failure))
+        row(batch, 0, name, &camera, &eyes);
+    fxs_cuda_share_eyes(batch, 0, &failure);
+}
+
 static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fxs_file_view view, int more)
 {
-    static const kind colour = {FXS_CUTOFF_MAHALANOBIS, 0, 0}, square = {FXS_CUTOFF_SQUARE, 0, 0};
-    static const kind ids = {FXS_CUTOFF_MAHALANOBIS, 1, 0}, means = {FXS_CUTOFF_MAHALANOBIS, 1, 1};
+    static const kind colour = {FXS_CUTOFF_MAHALANOBIS, 0, 0, 0}, square = {FXS_CUTOFF_SQUARE, 0, 0, 0};
+    static const kind ids = {FXS_CUTOFF_MAHALANOBIS, 1, 0, 0}, means = {FXS_CUTOFF_MAHALANOBIS, 1, 1, 0};
     fxs_message message;
     fxs_camera camera;
     fxs_view_resize(&view, 1920, 1080);
@@ -140,6 +161,7 @@ static void rows_of_view(fxs_cuda *single, fxs_cuda *batch, const char *name, fx
     fxs_view_resize(&view, 640, 360);
     fxs_camera_from_view(&camera, &view, &message);
     row(single, batch, name, &camera, &colour);
+    rows_of_eyes(single, batch, name, view);
 }
 
 /* The scene's box; with `aside`, of as many side by side along x and z. */
@@ -220,7 +242,7 @@ static void rows_of_scene(char *argument)
 
 int main(int argc, char **argv)
 {
-    const size_t area = 1920 * 1080;
+    const size_t area = EYE_WIDTH * EYE_HEIGHT;
     for (int i = 0; i < BATCH; i++)
         if (!(pixels[i] = peek_device_memory(area * 4)) || !(pinned[i] = peek_pinned_memory(area * 4)) ||
             !(traces[i] = peek_device_memory(area * TRACE)))

@@ -72,6 +72,22 @@ for options in "--budget 1" "--budget 30000" "--budget 400000" "--detail 3" "--b
     [ -n "$cpu" ] && [ "$cpu" = "$cuda" ] || failed="$failed levels"
 done
 
+say "two eyes: hashes, processor and CUDA, and what a frame takes"
+for options in "--stereo 0.063" "--stereo 0.063 --stereo-exact" "--stereo 0.063 --foveate" "--foveate" \
+               "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2" "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --foveate" \
+               "--stereo 0.063 --budget 30000" "--stereo 0.063 --cutoff square" "--stereo 0.063 $work/knot-10k.fxs"; do
+    options="$options --size 960x1024 --hash"
+    cpu=$("$B/fixsplat" render "$work/tree.fxs" $options)
+    for limit in "" "--max-memory 200M"; do                # with a limit, of a scene that is not all on the device
+        cuda=$("$B/fixsplat" render "$work/tree.fxs" $options --backend cuda $limit 2>&1)
+        echo "$options $limit: $cpu $cuda"
+        [ -n "$cpu" ] && [ "$cpu" = "$cuda" ] || failed="$failed eyes"
+    done
+done
+for options in "" "--stereo 0.063 --stereo-exact" "--stereo 0.063"; do
+    "$B/fixsplat" bench "$work/knot-1M.fxs" --size 2064x2208 $options --backend cuda || failed="$failed bench"
+done
+
 say "every view of a camera file, on every device"
 for view in "$@"; do
     case $view in *:*)
