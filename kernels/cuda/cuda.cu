@@ -67,6 +67,7 @@ struct fxs_cuda {                  /* in pinned host memory, for the sake of `ne
     block pixels;
     slot slots[SLOTS];
     cudaEvent_t ready, began;
+    bool began_marked;             /* by the first frame under way */
     bool early;                    /* kernels may be launched before the last one has ended */
     uint64_t capacity, large_capacity;      /* of a slot's entries and large splats, from its next frame on */
 
@@ -587,6 +588,15 @@ void mark(const fxs_cuda *cuda, const slot *s, int stage)
         cudaEventRecord(s->stages[stage], s->on);
 }
 
+/* Where a frame's first kernel begins. */
+void mark_start(fxs_cuda *cuda, const slot *s)
+{
+    if (cuda->timed && !cuda->began_marked)
+        cudaEventRecord(cuda->began, s->on);
+    cuda->began_marked = true;
+    mark(cuda, s, 0);
+}
+
 template <class... Parameters>
 void launch(const fxs_cuda *cuda, void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, size_t shared,
             cudaStream_t stream, const Parameters &...parameters)
@@ -757,7 +767,7 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     /* Not beside other frames, whose blocks have use for what the waiting ones take. */
     cuda->early = cuda->frame_count == 1;
     f.of[0] = begin_frame(cuda, i, s->on);
-    mark(cuda, s, 0);
+    mark_start(cuda, s);
     copy_objects(cuda, i, s->on);
     project_frames(cuda, &cuda->frames[i], s, &f, 0);
     return draw_frame(cuda, i, f.of[0], f.of[0].depths, why);
@@ -775,7 +785,7 @@ int start_eyes(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why
     cudaStreamWaitEvent(left->on, right->done, 0);
     for (uint32_t eye = 0; eye < 2; eye++)
         f.of[eye] = begin_frame(cuda, i + eye, left->on);
-    mark(cuda, left, 0);
+    mark_start(cuda, left);
     for (uint32_t eye = 0; eye < 2; eye++)
         copy_objects(cuda, i + eye, left->on);
     /* Traced, it needs its own depths beside those that its lists are made with. */
@@ -794,24 +804,13 @@ int start_eyes(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why
     return error || !drawn[1] ? error : draw_frame(cuda, i + 1, f.of[1], depths, why);
 }
 
-/* Starts frame i, or with it the other eye. */
-int start_frames(fxs_cuda *cuda, uint32_t i, fxs_message *why)
+/* Starts frame i, or two eyes from frame i on, of which those `drawn` are drawn. */
+int start_frames(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why)
 {
-    const bool both[2] = {true, true};
     if (cuda->options.stop && cuda->options.stop(cuda->options.stop_argument))
         return failed(why, FXS_ERR_STOPPED, fxs_strerror(FXS_ERR_STOPPED));
     cuda->frame_number++;
-    return cuda->eyes_share ? start_eyes(cuda, i, both, why) : start_frame(cuda, i, why);
-}
-
-/* Starts frame i again, and of another eye no more than that takes. */
-int start_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
-{
-    const bool one[2] = {i % 2 == 0, i % 2 == 1};
-    if (!cuda->eyes_share)
-        return start_frames(cuda, i, why);
-    cuda->frame_number++;
-    return start_eyes(cuda, i - i % 2, one, why);
+    return cuda->eyes_share ? start_eyes(cuda, i, drawn, why) : start_frame(cuda, i, why);
 }
 
 int wait(fxs_cuda *cuda, fxs_message *why)
@@ -848,6 +847,7 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     if (entries > ENTRIES_MAX)
         return failed(why, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
                       entries * sizeof(uint64_t));
+    const bool one[2] = {i % 2 == 0, i % 2 == 1};      /* the other eye is drawn already, maybe over its backdrop */
     int error = FXS_ERR_MEMORY;
     for (int spare = 1; spare >= 0 && error == FXS_ERR_MEMORY; spare--) {
         cuda->capacity = larger_of(capacity, entries + (spare ? entries / 8 : 0));
@@ -857,7 +857,7 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
                                   cuda->capacity * sizeof(uint64_t), 0, 0};
         error = reserve_slot(cuda, slot_of_frame(cuda, i), &sizes, why);
     }
-    error = error ? error : start_again(cuda, i, why);
+    error = error ? error : start_frames(cuda, i - i % frames_at_once(cuda), one, why);
     error = error ? error : wait(cuda, why);
     if (!error && !frame_fitted(cuda, i))
         error = failed(why, FXS_ERR_MEMORY, "a frame does not fit in 32-bit counts");
@@ -965,7 +965,7 @@ fxs_cuda_memory memory_of(const fxs_cuda *cuda)
     return m;
 }
 
-/* From where the first frame began to the end of the last one's blend. */
+/* From the start of the first frame to the end of the last one's blend. */
 float milliseconds_of(const fxs_cuda *cuda)
 {
     float most = 0;
@@ -1175,6 +1175,7 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
     if (error)
         return error;
     cuda->frame_count = count;
+    const bool both[2] = {true, true};
     const uint32_t used = slots_of(cuda, count);
     if (count > 1)
         error = check(why, cudaEventRecord(cuda->ready, (cudaStream_t)stream));
@@ -1184,10 +1185,9 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
         if (count > 1 && !error)
             error = check(why, cudaStreamWaitEvent(s->on, cuda->ready, 0));
     }
-    if (cuda->timed)
-        cudaEventRecord(cuda->began, cuda->slots[0].on);
+    cuda->began_marked = false;
     for (uint32_t i = 0; i < count && !error; i += frames_at_once(cuda))
-        error = start_frames(cuda, i, why);
+        error = start_frames(cuda, i, both, why);
     for (uint32_t i = 0; i < used && count > 1 && !error; i++)
         error = check(why, cudaStreamWaitEvent((cudaStream_t)stream, cuda->slots[i].done, 0));
     return error ? end_frames(cuda, error) : 0;

@@ -93,7 +93,8 @@ static fxs_cuda_stats time_stages(fxs_cuda *cuda, const fxs_camera *camera, cons
     memset(&stats, 0, sizeof stats);
     fxs_cuda_time(cuda, 1);
     for (int i = 0; i < REPEATS; i++) {
-        if (fxs_cuda_render(cuda, frames, k->eyes ? 2 : 1, &options, 0, &failure) || fxs_cuda_finish(cuda, &stats, &failure))
+        if (fxs_cuda_render(cuda, frames, k->eyes ? 2 : 1, &options, 0, &failure) ||
+            fxs_cuda_finish(cuda, &stats, &failure))
             break;
         for (int s = 0; s < FXS_CUDA_STAGES; s++)
             times[s][i] = stats.milliseconds[s];
@@ -114,8 +115,8 @@ static void row(fxs_cuda *single, fxs_cuda *batch, const char *name, const fxs_c
         printf("| %s | %s |\n", name, failure.text);
         return;
     }
-    printf("| %s, %s%dx%d%s%s%s | %" PRIu32 " | %" PRIu64, name, k->eyes ? "two eyes, " : "", camera->width, camera->height,
-           k->cutoff == FXS_CUTOFF_SQUARE ? ", square" : "", k->ids ? ", median depth, id" : "",
+    printf("| %s, %s%dx%d%s%s%s | %" PRIu32 " | %" PRIu64, name, k->eyes ? "two eyes, " : "", camera->width,
+           camera->height, k->cutoff == FXS_CUTOFF_SQUARE ? ", square" : "", k->ids ? ", median depth, id" : "",
            k->means ? ", mean depth" : "", s.visible, s.entries);
     for (int i = 0; i < FXS_CUDA_STAGES; i++)
         printf(" | %.3f", (double)s.milliseconds[i]);

@@ -74,11 +74,12 @@ done
 
 say "two eyes: hashes, processor and CUDA, and what a frame takes"
 for options in "--stereo 0.063" "--stereo 0.063 --stereo-exact" "--stereo 0.063 --foveate" "--foveate" \
-               "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2" "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --foveate" \
+               "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2" \
+               "--stereo 0.063 --tangents -1.38,1.19,1.0,-1.2 --foveate" \
                "--stereo 0.063 --budget 30000" "--stereo 0.063 --cutoff square" "--stereo 0.063 $work/knot-10k.fxs"; do
     options="$options --size 960x1024 --hash"
     cpu=$("$B/fixsplat" render "$work/tree.fxs" $options)
-    for limit in "" "--max-memory 200M"; do                # with a limit, of a scene that is not all on the device
+    for limit in "" "--max-memory 200M"; do    # with the limit, not all of the scene is on the device
         cuda=$("$B/fixsplat" render "$work/tree.fxs" $options --backend cuda $limit 2>&1)
         echo "$options $limit: $cpu $cuda"
         [ -n "$cpu" ] && [ "$cpu" = "$cuda" ] || failed="$failed eyes"

@@ -21,16 +21,17 @@ typedef struct fxs_cuda fxs_cuda;
 typedef struct fxs_cuda_memory {
     uint64_t scenes;               /* the packed scenes; of those that do not fit what is on the device */
     uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 100 a chunk, 456 an object; with a budget or a
-                                      detail 6.3 MB, 18 bytes for each chunk and node there is, 312 an object,
-                                      and as much for a second eye that shares; of that, its slot has none */
+                                      detail 6.3 MB, 18 bytes for each chunk and node there is, 312 an object
+                                      and eye; of two eyes that share, the right one's slot has none of that */
     uint64_t tiles;                /* for each slot: 136 bytes a tile */
     uint64_t entries;              /* for each slot: 8 bytes a tile list entry there is room for */
     uint64_t pixels;               /* of fxs_cuda_render_host; for each slot: of targets in pinned host memory */
     uint64_t total;                /* the five above */
 } fxs_cuda_memory;
 
-/* The stages whose times are taken. Long lists are sorted and blended by kernels of their own, beside the last two. Those
-   of frames in several slots are under way at the same time, so that their times add up to more than passes. */
+/* The stages whose times are taken. Long lists are sorted and blended by kernels of their own, beside the last two.
+   Frames in several slots are under way at the same time, so that the times of their stages add up to more than
+   passes. */
 enum fxs_cuda_stage {
     FXS_CUDA_PROJECT,              /* project, shade and the lengths of the tiles' lists */
     FXS_CUDA_BIN,                  /* the lists */
@@ -95,8 +96,8 @@ FXS_API float fxs_cuda_milliseconds(const fxs_cuda *cuda);
    then projected for both at once. `count` is even, and the frames of two eyes have the same objects (the same pointer
    and count), pictures of one size and projection, and targets that do not overlap where one is written; otherwise
    fxs_cuda_render and fxs_cuda_render_host return FXS_ERR_ARGUMENT, FXS_ERR_SIZE or FXS_ERR_TARGET, and no frame is
-   under way. Two eyes are in two slots; options.stop is asked once for both; while a scene is there in part, one pair is
-   under way at a time. Errors: FXS_ERR_ARGUMENT, also of a renderer of one slot. */
+   under way. Two eyes are in two slots; options.stop is asked once for both. While a scene is there in part, one pair
+   is under way at a time. Errors: FXS_ERR_ARGUMENT, also of a renderer of one slot. */
 FXS_API int fxs_cuda_share_eyes(fxs_cuda *cuda, int on, fxs_message *why);
 
 /* Starts 1 to FXS_CUDA_BATCH frames, whose targets must not overlap, behind the work of `stream` (a cudaStream_t; null:
