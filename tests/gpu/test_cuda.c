@@ -1285,7 +1285,20 @@ static void check_eyes_of_trees(void)
     }
 }
 
-/* Lists so long that several blocks share one, of untraced eyes and of traced ones. */
+/* Entries of the lists of two eyes. */
+static uint64_t entries_of(const fxs_object *object, const fxs_camera cameras[2], const fxs_options *options)
+{
+    static uint32_t pixels[2][48 * 48];
+    const fxs_cuda_frame frames[2] = {{cameras[0], object, 1, {0}}, {cameras[1], object, 1, {0}}};
+    const fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 48 * 4),
+                                    one_target(FXS_FORMAT_RGBA8, pixels[1], 48 * 4)};
+    fxs_stats stats = {0};
+    CHECK(!render_eyes_c(frames, options, targets, 0, &stats));
+    return stats.entries;
+}
+
+/* Lists so long that several blocks share one, of untraced eyes and of traced ones. Those of the left one are put into
+   bins over the depths that the right one's are made with, if these are not kept. */
 static void check_eyes_of_long_lists(void)
 {
     for (int i = 0; i < cases(8); i++) {
@@ -1294,18 +1307,32 @@ static void check_eyes_of_long_lists(void)
         fxs_camera cameras[2];
         fxs_options options;
         fxs_scene scene;
+        const int32_t most = quick ? 20000 : 60000;
+        packed_scene packed;
         state = (uint64_t)i + 171;
-        packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, quick ? 20000 : 120000);
-        random_camera(&cameras[0]);
-        cameras[0].width = i % 4 == 3 ? 48 : between(9, 40);      /* 3: the left eye takes room of the splats */
-        cameras[0].height = i % 4 == 3 ? 48 : between(9, 40);
-        cameras[0].fx_q12 = cameras[0].fy_q12 = between(4 << 12, 20 << 12);
-        cameras[0].cx_q12 = cameras[0].width * 2048;
-        cameras[0].cy_q12 = cameras[0].height * 2048;
-        second_eye(cameras, i / 4 % 2 ? TOED_IN : ALMOST);
+        for (packed.data = 0;; free(packed.data)) {
+            packed = random_scene(FXS_PROFILE_DEFAULT, most);
+            if (packed.header->chunk_count * FXS_CHUNK > (uint32_t)most / 2)
+                break;
+        }
+        for (uint32_t c = 0; c < packed.header->chunk_count; c++) {
+            packed.chunks[c].scale_q16 = 0;        /* about a unit: on most of the tiles */
+            packed.chunks[c].scale_step_q24 = 20;
+        }
         fxs_options_init(&options);
         fxs_scene_open(&scene, packed.data, packed.bytes);
         const fxs_object object = one_object(&scene);
+        uint64_t entries = 0;
+        for (int tries = 0; tries < 100 && entries < 3 * (uint64_t)scene.count; tries++) {
+            random_camera(&cameras[0]);
+            move_along(&cameras[0], 2, -between(0, 12 << 16));
+            cameras[0].width = cameras[0].height = 48;
+            cameras[0].fx_q12 = cameras[0].fy_q12 = between(4 << 12, 40 << 12);
+            cameras[0].cx_q12 = cameras[0].cy_q12 = 24 << 12;
+            second_eye(cameras, i / 4 % 2 ? TOED_IN : ALMOST);
+            entries = entries_of(&object, cameras, &options);
+        }
+        CHECK(entries >= 3 * (uint64_t)scene.count);
         CHECK(pair_equal(&object, 1, cameras, &options, which, FXS_FORMAT_RGBA8, 0));
         fxs_cuda_forget(eyes, &scene);
         free(packed.data);
