@@ -1289,9 +1289,9 @@ static void check_eyes_of_trees(void)
 static uint64_t entries_of(const fxs_object *object, const fxs_camera cameras[2], const fxs_options *options)
 {
     static uint32_t pixels[2][48 * 48];
-    const fxs_cuda_frame frames[2] = {{cameras[0], object, 1, {0}}, {cameras[1], object, 1, {0}}};
     const fxs_targets targets[2] = {one_target(FXS_FORMAT_RGBA8, pixels[0], 48 * 4),
                                     one_target(FXS_FORMAT_RGBA8, pixels[1], 48 * 4)};
+    const fxs_cuda_frame frames[2] = {{cameras[0], object, 1, targets[0]}, {cameras[1], object, 1, targets[1]}};
     fxs_stats stats = {0};
     CHECK(!render_eyes_c(frames, options, targets, 0, &stats));
     return stats.entries;
