@@ -126,7 +126,7 @@ const option_row camera_rows[] = {
      "two pictures side by side, of eyes so far apart (scene units, above 0) about the camera; order and colours are "
      "found once for both"},
     {"stereo-exact", 0, FLAG(stereo_exact), .help =
-     "each eye as its camera alone would be rendered; with --backend cuda always"},
+     "each eye as its camera alone would be rendered; with --backend gles-compute always"},
     {"foveate", "[=X,Y[,R1,R2[,BAND]]]", take_foveate, FIELD(foveate_options, foveate), .expected =
      "X,Y or X,Y,R1,R2 or X,Y,R1,R2,BAND, pixels: R1 from 1, R2 larger, BAND at most R1", .help =
      "full rate R1 pixels about the gaze X,Y (of two eyes in the left picture; the other looks the same way), half "
