@@ -122,9 +122,9 @@ __device__ inline float row_level(uint32_t v_q24, int offset_q11)
     return __int_as_float(twice) + (float)(2 * offset_q11 + 1);
 }
 
-__device__ inline int limit_bits(const fxs_splat *s, const fxs_view *view)
+__device__ inline int limit_bits(const fxs_splat *s, int cut_q11)
 {
-    return LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, view->cut_q11) + 1;
+    return LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, cut_q11) + 1;
 }
 
 /* `column`: from the row's first pixel. */
@@ -183,7 +183,7 @@ __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, const fxs_v
     uint32_t v = s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24;
     bool touched = false;
     q->ux_q24 = (uint32_t)s->ux_q24;
-    q->limit = limit_bits(s, view);
+    q->limit = limit_bits(s, view->cut_q11);
 #pragma unroll
     for (int row = 0; row < REGION; row++) {
         const float left = coordinate_q6(u), right = coordinate_q6(u + (REGION - 1) * (uint32_t)s->ux_q24);
@@ -382,19 +382,20 @@ __device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, 
 }
 
 /* The order in which tiles are taken, long lists first. Each tile has `each` turns. A lane of a warp has the tiles
-   whose lists are of magnitude 31 - lane, with the turns from start to end. */
+   whose lists are of magnitude 31 - lane, with the turns from start to end; tiles: those of the lanes before. */
 struct turns {
-    uint32_t start, end, each, all;
+    uint32_t start, end, each, all, tiles;
 };
 
 __device__ inline turns turns_of(const frame_buffers *f, uint32_t each)
 {
-    const uint32_t count = each * f->status->classes[WARP - 1 - lane_index()], end = warp_sum(count);
-    return {end - count, end, each, __shfl_sync(ALL_LANES, end, WARP - 1)};
+    const uint32_t tiles = f->status->classes[WARP - 1 - lane_index()], end = warp_sum(each * tiles);
+    return {end - each * tiles, end, each, __shfl_sync(ALL_LANES, end, WARP - 1), warp_sum(tiles) - tiles};
 }
 
 struct turn_of_tile {
-    uint32_t tile, number, turns;          /* which of its turns this is */
+    uint32_t tile, place;                  /* among all, those with long lists first */
+    uint32_t number, turns;                /* which of its turns this is */
 };
 
 __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns *order, uint32_t tiles, uint32_t turn)
@@ -402,7 +403,8 @@ __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns 
     const int lane = __ffs((int)__ballot_sync(ALL_LANES, turn < order->end)) - 1;
     const uint32_t i = turn - __shfl_sync(ALL_LANES, order->start, lane);
     const uint32_t each = __shfl_sync(ALL_LANES, order->each, lane);
-    return {f->classes[(WARP - 1 - (uint32_t)lane) * tiles + i / each], i % each, each};
+    const uint32_t place = __shfl_sync(ALL_LANES, order->tiles, lane) + i / each;
+    return {f->classes[(WARP - 1 - (uint32_t)lane) * tiles + i / each], place, i % each, each};
 }
 
 /* Puts a list into bins. Returns it, and in *ends where each bin ends; null where there is no room. */
@@ -419,9 +421,9 @@ __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_
         return nullptr;
     uint32_t *kept = (uint32_t *)own->room;
     uint64_t *sorted = own->room + words;
-    const key_range r = range_of_list(&own->keys, list, count, g);
-    move_to_bins(sorted, &own->keys, own->bins, r, g,
-                 [&](auto visit) { visit_keys(list, count, g, visit); });
+    auto visit_all = [&](auto visit) { visit_keys(list, count, g, visit); };
+    move_to_bins(sorted, &own->keys, own->bins, range_of_list(&own->keys, g, visit_all), g,
+                 [&](auto visit) { visit_all([&](uint64_t key) { visit(key, key); }); });
     for (uint32_t i = g->thread; i < tile_keys::bins; i += GROUP_THREADS)
         kept[i] = own->bins[slot_of<tile_keys, tile_group>(i)];
     g->sync();
@@ -441,13 +443,14 @@ __device__ void blend_list(Pixel p[2], group_shared<Pixel> *own, const uint16_t 
     bool open = true;
     /* `count` keys, as many as there is room for or in rounds. */
     auto blend_part = [&](const uint64_t *keys, uint32_t count) {
+        auto visit_all = [&](auto visit) { visit_keys(keys, count, g, visit); };
         key_range r = {0, 0};
         if (count > tile_keys::room)
-            r = range_of_list(&own->keys, keys, count, g);
+            r = range_of_list(&own->keys, g, visit_all);
         for (uint32_t done = 0, some; done < count && open; done += some) {
             some = count;
             if (count > tile_keys::room)
-                some = next_round(&r, &own->keys, own->bins, keys, count, g);
+                some = next_round(&r, &own->keys, own->bins, g, visit_all);
             else
                 for (uint32_t i = g->thread; i < count; i += GROUP_THREADS)
                     own->keys.keys[i] = keys[i];

@@ -14,7 +14,7 @@ const uint64_t ENTRIES_MAX = 0xffffffffu;  /* `next` counts in 32 bits */
 
 /* The streams, events and memory of a frame that is under way. */
 struct slot {
-    cudaStream_t stream, side;     /* side: of blend_dense */
+    cudaStream_t stream, side;     /* side: of long lists, whose kernels come before waiting ones of others */
     cudaStream_t on;               /* its own stream; the caller's for a frame by itself */
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
     block objects;                 /* fxs_object_view[], then the crop boxes that they point to, the views and the list
@@ -654,19 +654,27 @@ void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint
                                                                                                             t);
 }
 
+/* Those of long lists, beside the sort of the others. */
+void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
+{
+    const uint32_t blocks = cuda->processors * DENSE_BLOCKS;
+    cudaStreamWaitEvent(s->side, s->listed, 0);
+    share_lists<<<cuda->processors * SHARE_BLOCKS, DENSE_THREADS, 0, s->side>>>(view, f, blocks);
+    launch(cuda, blend_dense, blocks, DENSE_THREADS, sizeof(dense_shared), s->side, view, f, t);
+    cudaEventRecord(s->dense_done, s->side);
+}
+
 /* sort, blend and resolve. */
 void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
 {
     const bool traced = fxs_targets_traced(&t.images), dense = cuda->dense && !traced;
-    if (dense) {
+    if (dense)
         cudaEventRecord(s->listed, s->on);
-        cudaStreamWaitEvent(s->side, s->listed, 0);
-        blend_dense<<<cuda->processors * DENSE_BLOCKS, DENSE_THREADS, sizeof(dense_shared), s->side>>>(view, f, t);
-        cudaEventRecord(s->dense_done, s->side);
-    }
     sort_lists<<<cuda->processors * SORT_BLOCKS, SORT_THREADS, sizeof(sort_shared), s->on>>>(
         f, (uint32_t)(view.tiles_x * view.tiles_y));
     mark(cuda, s, 3);
+    if (dense)
+        blend_long(cuda, s, view, f, t);
     if (traced)
         blend_lists<traced_pixel>(cuda, s->on, cuda->traced_warps, cuda->traced_groups, view, f, t);
     else
@@ -872,8 +880,10 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 
 int slot_init(slot *s, fxs_message *why)
 {
-    cudaError_t error = cudaStreamCreateWithFlags(&s->stream, cudaStreamNonBlocking);
-    error = error ? error : cudaStreamCreateWithFlags(&s->side, cudaStreamNonBlocking);
+    int least, first;
+    cudaError_t error = cudaDeviceGetStreamPriorityRange(&least, &first);
+    error = error ? error : cudaStreamCreateWithFlags(&s->stream, cudaStreamNonBlocking);
+    error = error ? error : cudaStreamCreateWithPriority(&s->side, cudaStreamNonBlocking, first);
     cudaEvent_t *const events[] = {&s->done, &s->listed, &s->dense_done};
     for (int i = 0; i < 3 && !error; i++)
         error = cudaEventCreateWithFlags(events[i], cudaEventDisableTiming);

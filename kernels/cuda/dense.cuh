@@ -1,23 +1,22 @@
-/* blend_dense: blends long lists, whose splats are mostly small. A block has a tile. It puts the list into bins by
- * depth. Then, bin after bin, it collects the splats that can touch an open pixel. Once there are enough of them, they
- * are sorted; each thread marks the pixels that its splat can touch; and each pixel takes the splats that are marked
- * for it, in order. A pixel is the work of a quad of lanes; where few pixels are open, of a warp. They
- * compute for 4 or 32 splats at once everything that does not depend on the order. */
+/* blend_dense: blends long lists, whose splats are mostly small. A block has a tile, or a part of one that several
+ * share (share.cuh). It puts the list into bins by depth. Then, bin after bin, it collects the splats that can touch an
+ * open pixel. Once there are enough of them, they are sorted; each thread marks the pixels that its splat can touch;
+ * and each pixel takes the splats that are marked for it, in order. A pixel is the work of a quad of lanes. Where few
+ * are open, a warp finds for each what does not depend on the order, and a lane what does. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
-#include "blend.cuh"
+#include "share.cuh"
 
 namespace {
 
-const uint32_t DENSE_THREADS = 1024, DENSE_BLOCKS = 1;  /* of a multiprocessor */
 const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* of a tile: 32 pixels */
-typedef group<DENSE_THREADS> dense_group;
 typedef group_keys<960> dense_keys;
 const uint32_t FULL = 512;                 /* collected: no more are looked for */
 const uint32_t REACH_MOST = 8192;          /* looked at at a time, where few are kept */
-const uint32_t WORDS = dense_keys::room / WARP, BLOCKS_MOST = 16, SHARE_MAGNITUDE = 11;
-const uint32_t QUAD = 4, CROWD = 96;   /* lanes; more open pixels than that take a quad each */
+const uint32_t WORDS = dense_keys::room / WARP;
+const uint32_t QUAD = 4, FEW = 32;         /* lanes of a pixel, where more are open than that */
+const uint32_t STEPS_MOST = 15360;
 
 struct dense_shared {
     dense_keys keys;
@@ -25,7 +24,13 @@ struct dense_shared {
     uint32_t ends[dense_keys::bins];       /* of the bins, in the list */
     uint4 shapes[dense_keys::room];        /* dense_splat, of the keys sorted, near to far */
     uint4 shades[dense_keys::room];
-    uint32_t masks[ROW_PAIRS][dense_keys::room];    /* of the pixels that each can touch */
+    union {
+        uint32_t masks[ROW_PAIRS][dense_keys::room];    /* of the pixels that each can touch */
+        uint16_t steps[STEPS_MOST];        /* of few open pixels, those of one as many places apart as there are */
+    };
+    struct {
+        uint32_t n, count;                 /* its place in the tile; its steps */
+    } few[FEW];
     union {
         uint32_t bins[dense_keys::bins];
         uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* of those splats, a bit each; + 1: in different banks */
@@ -39,28 +44,6 @@ struct dense_shared {
 
 static_assert(!has_gaps<dense_keys, DENSE_THREADS>, "ends have gaps");
 static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
-
-/* How many blocks share the columns of a tile whose list is of magnitude 31 - lane, so that none is late: as many as
-   make its share about half of what a multiprocessor has of all lists, but for 2^SHARE_MAGNITUDE entries or more each.
-   A splat is often in the columns of one or two blocks, each of which puts it into bins of its own: where there is not
-   room for that, shares are twice as large, and so on. */
-__device__ inline uint32_t blocks_a_tile(const frame_buffers *f)
-{
-    const uint32_t magnitude = WARP - 1 - lane_index();
-    const uint64_t entries = magnitude >= LONG_MAGNITUDE ? f->status->class_entries[magnitude] : 0;
-    const uint64_t all = __shfl_sync(ALL_LANES, warp_sum(entries), WARP - 1), shares = 2 * gridDim.x / DENSE_BLOCKS;
-    const uint64_t room = f->split_capacity + spare_entries(f);
-    uint32_t wanted = 1;
-    uint64_t needed = UINT64_MAX;
-    for (uint64_t share = all; needed > room && share <= shares * all; share *= 2) {
-        wanted = 1;
-        while (wanted < BLOCKS_MOST && wanted << SHARE_MAGNITUDE < 1u << magnitude &&
-               ((uint64_t)2 << magnitude) * shares > wanted * share)
-            wanted *= 2;
-        needed = __shfl_sync(ALL_LANES, warp_sum(wanted > 1 ? entries * (wanted + 4) / 4 : entries), WARP - 1);
-    }
-    return magnitude < LONG_MAGNITUDE ? 0 : needed <= room ? wanted : 1;
-}
 
 /* A splat as a pixel takes it, by two reads of 16 bytes: splats side by side lie in different banks. */
 struct dense_splat {
@@ -90,91 +73,54 @@ struct dense_splat {
     }
 };
 
-/* A tile being blended; (x, y): its first pixel. */
-struct dense_tile {
-    const fxs_view *view;
-    const fxs_splat *splats;
-    int32_t x, y;
-};
+/* Keys, or those at some places among them. */
+struct dense_list {
+    uint64_t *keys;
+    uint32_t *places;                      /* null: none */
+    uint32_t count;
 
-/* Calls visit(key) for the keys of a list that can touch a pixel of the tile; of those with `marks` for those that are
-   marked, a bit each. */
-template <class Visit>
-__device__ void visit_near(const uint64_t *list, const uint32_t *marks, uint32_t count, const dense_group *g,
-                           Visit visit)
-{
-    enum { FETCHES = 8 };
-    for (uint32_t first = g->thread; first < count; first += FETCHES * DENSE_THREADS) {
-        uint64_t k[FETCHES];
-        uint32_t marked[FETCHES];
+    __device__ dense_list from(uint32_t first, uint32_t some) const
+    {
+        return {places ? keys : keys + first, places ? places + first : nullptr, some};
+    }
+
+    __device__ uint32_t place_at(uint32_t i) const
+    {
+        __builtin_assume(__isGlobal(places));
+        return places ? __ldcg(&places[i]) : i;
+    }
+
+    __device__ uint64_t key_at(uint32_t place) const
+    {
+        __builtin_assume(__isGlobal(keys));
+        return __ldcg(&keys[place]);
+    }
+
+    /* For sort.cuh: calls visit(key) for the same as visit. */
+    __device__ auto all(const dense_group *g) const
+    {
+        return [this, g](auto visit_key) { visit(g, [&](uint64_t key, uint32_t) { visit_key(key); }); };
+    }
+
+    /* Calls visit(key, its place) for those that are not cut off. */
+    template <class Visit>
+    __device__ void visit(const dense_group *g, Visit visit) const
+    {
+        enum { FETCHES = 8 };
+        for (uint32_t first = g->thread; first < count; first += FETCHES * DENSE_THREADS) {
+            uint32_t place[FETCHES];
+            uint64_t key[FETCHES];
 #pragma unroll
-        for (uint32_t i = 0; i < FETCHES; i++) {
-            const uint32_t place = first + i * DENSE_THREADS;
-            k[i] = place < count ? __ldcg(&list[place]) : FXS_ENTRY_CUT_OFF;
-            marked[i] = marks && place < count ? __ldcg(&marks[place / WARP]) : ALL_LANES;
+            for (uint32_t i = 0; i < FETCHES; i++)
+                place[i] = place_at(min(first + i * DENSE_THREADS, count - 1));
+#pragma unroll
+            for (uint32_t i = 0; i < FETCHES; i++)
+                key[i] = first + i * DENSE_THREADS < count ? key_at(place[i]) : FXS_ENTRY_CUT_OFF;
+#pragma unroll
+            for (uint32_t i = 0; i < FETCHES; i++)
+                if (!(key[i] & FXS_ENTRY_CUT_OFF))
+                    visit(key[i], place[i]);
         }
-#pragma unroll
-        for (uint32_t i = 0; i < FETCHES; i++)
-            if (!(k[i] & FXS_ENTRY_CUT_OFF) && marked[i] >> lane_index() & 1)
-                visit(k[i]);
-    }
-}
-
-/* Moves keys of a list, as visit_near has them, to `sorted`, bin after bin; shared->ends has where they end. Returns
-   how many. */
-__device__ uint32_t split_list(uint64_t *sorted, dense_shared *shared, const uint64_t *list, const uint32_t *marks,
-                               uint32_t count, key_range r, const dense_group *g)
-{
-    move_to_bins(sorted, &shared->keys, shared->ends, r, g,
-                 [&](auto visit) { visit_near(list, marks, count, g, visit); });
-    return shared->ends[dense_keys::bins - 1];
-}
-
-/* sqrt(x), to within 1 part in 2^22; x at least 1. */
-__device__ inline float root_of_level(float x)
-{
-    float root;
-    asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(x));
-    return root;
-}
-
-/* x rounded down, 0 to 31. */
-__device__ inline uint32_t whole(float x)
-{
-    return (uint32_t)__float_as_int(__fadd_rd(fminf(fmaxf(x, 0), 31), 8388608.0f)) % 32;
-}
-
-/* The pixels of a row, a bit each, that a splat can touch: |u| at most the root of what the row leaves of the level,
-   widened by more than the rounding of u. */
-__device__ inline uint32_t pixels_of_row(uint32_t u_q24, float inverse, float left)
-{
-    const float u = coordinate_q6(u_q24), reach = root_of_level(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
-    const uint32_t first = whole((-reach - u) * inverse + 0.95f);
-    const uint32_t end = whole(fminf((reach - u) * inverse + 1.05f, FXS_TILE));
-    return left >= 0 && first < end ? (1u << end) - (1u << first) : 0;
-}
-
-/* A splat on its way down the rows of a tile. */
-struct row_walk {
-    uint32_t u_q24, v_q24;                 /* at the row's first pixel */
-    float inverse, limit;
-
-    __device__ row_walk(const dense_tile *t, const fxs_splat *s, int32_t row)
-    {
-        const uint32_t y = (uint32_t)(t->y + row);
-        u_q24 = s->u0_q24 + (uint32_t)t->x * (uint32_t)s->ux_q24 + y * (uint32_t)s->uy_q24;
-        v_q24 = s->v0_q24 + y * (uint32_t)s->vy_q24;
-        inverse = __fdividef(262144, (float)max(s->ux_q24, 1));
-        limit = __int_as_float(limit_bits(s, t->view));
-    }
-
-    /* The pixels that it can touch of this row; goes on to the next one. */
-    __device__ uint32_t next(const fxs_splat *s)
-    {
-        const uint32_t pixels = pixels_of_row(u_q24, inverse, limit - row_level(v_q24, s->offset_q11));
-        u_q24 += (uint32_t)s->uy_q24;
-        v_q24 += (uint32_t)s->vy_q24;
-        return pixels;
     }
 };
 
@@ -187,7 +133,7 @@ __device__ span open_rows(const uint32_t open[ROW_PAIRS])
 }
 
 /* Whether a splat can touch an open pixel; rows: those with one. */
-__device__ bool touches_open(const dense_tile *t, const fxs_splat *s, const uint32_t open[ROW_PAIRS], span rows)
+__device__ bool touches_open(const tile_splats *t, const fxs_splat *s, const uint32_t open[ROW_PAIRS], span rows)
 {
     const int32_t first = max((int32_t)s->first_row - t->y, rows.first);
     const int32_t last = min((int32_t)s->last_row - t->y, rows.last);
@@ -212,7 +158,7 @@ __device__ inline uint32_t transpose(uint32_t x)
 }
 
 /* Marks the pixels that each thread's splat, the one in place i, can touch, in pairs of rows with an open one. */
-__device__ void mark_pixels(dense_shared *shared, const dense_tile *t, const fxs_splat *s, uint32_t i, bool listed)
+__device__ void mark_pixels(dense_shared *shared, const tile_splats *t, const fxs_splat *s, uint32_t i, bool listed)
 {
     const span rows = open_rows(shared->open);
     const int32_t first = max((int32_t)s->first_row - t->y, rows.first);
@@ -228,13 +174,13 @@ __device__ void mark_pixels(dense_shared *shared, const dense_tile *t, const fxs
 }
 
 /* Keeps a splat for blending, in place i. */
-__device__ void place_splat(dense_shared *shared, const dense_tile *t, const fxs_splat *s, uint32_t i)
+__device__ void place_splat(dense_shared *shared, const tile_splats *t, const fxs_splat *s, uint32_t i)
 {
     const row_walk at(t, s, 0);
     shared->shapes[i] = make_uint4(at.u_q24, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, at.v_q24);
     shared->shades[i] = make_uint4((uint32_t)s->vy_q24, (uint32_t)s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
                                    (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16,
-                                   (uint32_t)limit_bits(s, t->view));
+                                   (uint32_t)limit_bits(s, t->cut_q11));
 }
 
 __device__ inline dense_splat splat_in(const dense_shared *shared, uint32_t i)
@@ -242,53 +188,11 @@ __device__ inline dense_splat splat_in(const dense_shared *shared, uint32_t i)
     return dense_splat(shared->shapes[i], shared->shades[i]);
 }
 
-/* T - fxs_weight_q15(alpha, T) = (T (1 - alpha) + 1/2) rounded down, but for a half. In two steps, as each splat of a
-   pixel waits for the one before it. T of a closed pixel stays. */
-__device__ inline int left_q15(int transmittance_q15, int alpha_q15)
+/* T - fxs_weight_q15(alpha, T), with 1 - alpha: T (1 - alpha) + 1/2 rounded down, but for a half. In two steps, as each
+   splat of a pixel waits for the one before it. */
+__device__ inline int left_q15(int transmittance_q15, int rest_q15)
 {
-    const int left = (transmittance_q15 * (32768 - alpha_q15) + 16383) >> 15;
-    return transmittance_q15 >= FXS_CLOSED_Q15 ? left : transmittance_q15;
-}
-
-/* Blends the lanes' splats in order over one pixel, the same for all lanes: their weights one after the other, then the
-   colours at once. */
-__device__ inline void blend_lanes(pixel *p, int alpha, const dense_splat &s)
-{
-    enum { AT_ONCE = 4 };                      /* alphas fetched */
-    pixel own = {0, {0, 0, 0}};
-    int weight = 0;
-    for (unsigned lanes = __ballot_sync(ALL_LANES, alpha > 0); lanes && p->transmittance >= FXS_CLOSED_Q15;) {
-        int lane[AT_ONCE], alphas[AT_ONCE];
-#pragma unroll
-        for (int i = 0; i < AT_ONCE; i++) {
-            lane[i] = __ffs((int)lanes) - 1;   /* -1: none is left */
-            const int of_lane = __shfl_sync(ALL_LANES, alpha, lane[i] & 31);
-            alphas[i] = lanes ? of_lane : 0;
-            lanes &= lanes - 1;
-        }
-#pragma unroll
-        for (int i = 0; i < AT_ONCE; i++) {
-            const int left = left_q15(p->transmittance, alphas[i]);
-            weight = (int)lane_index() == lane[i] ? p->transmittance - left : weight;
-            p->transmittance = left;
-        }
-    }
-    s.add_to(&own, weight);
-    for (int c = 0; c < 3; c++)
-        p->sum[c] += __reduce_add_sync(ALL_LANES, own.sum[c]);
-}
-
-/* Blends the splats that are marked at pixel n of the tile, by a warp. */
-__device__ pixel blend_warp(const dense_shared *shared, uint32_t n)
-{
-    const uint32_t marks = lane_index() < WORDS ? shared->touching[lane_index()][n] : 0;
-    pixel p = shared->pixels[n];
-    share_out((uint32_t)__popc(marks), [&](int lane, uint32_t item, bool active) {
-        const uint32_t place = (uint32_t)lane * WARP + bit_of(__shfl_sync(ALL_LANES, marks, lane), item);
-        const dense_splat s = splat_in(shared, active ? place : 0);
-        blend_lanes(&p, active ? s.alpha_at(shared->alpha_q15, n % FXS_TILE, n / FXS_TILE) : 0, s);
-    });
-    return p;
+    return (transmittance_q15 * rest_q15 + 16383) >> 15;
 }
 
 /* The marks of a pixel, four at a time, of one word. */
@@ -334,8 +238,8 @@ struct mark_walk {
     }
 };
 
-/* The same by a quad of lanes, each of a warp for its own pixel: four splats at a time, an alpha a lane, then their
-   weights one after the other. Quads that are not active have none. */
+/* Blends the splats that are marked at pixel n of the tile, by a quad of lanes, each of a warp for its own pixel: four
+   splats at a time, an alpha a lane, then their weights one after the other. Quads that are not active have none. */
 __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
 {
     const uint32_t lane = lane_index() % QUAD;
@@ -350,9 +254,10 @@ __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
         int weight = 0;
 #pragma unroll
         for (uint32_t i = 0; i < QUAD; i++) {
-            const int left = left_q15(p.transmittance, __shfl_sync(ALL_LANES, alpha, (int)i, QUAD));
-            weight = i == lane ? p.transmittance - left : weight;
-            p.transmittance = left;
+            const int left = left_q15(p.transmittance, 32768 - __shfl_sync(ALL_LANES, alpha, (int)i, QUAD));
+            const bool open = p.transmittance >= FXS_CLOSED_Q15;
+            weight = open && i == lane ? p.transmittance - left : weight;
+            p.transmittance = open ? left : p.transmittance;
         }
         s.add_to(&p, weight);
         active = active && p.transmittance >= FXS_CLOSED_Q15;
@@ -364,42 +269,142 @@ __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
     return p;
 }
 
-/* Blends the open pixels: by a quad each where there are many, else by a warp each. */
-__device__ void blend_pixels(dense_shared *shared, const dense_group *g)
-{
-    const uint32_t warp = g->thread / WARP;
-    const uint32_t open = lane_index() < ROW_PAIRS ? shared->open[lane_index()] : 0, own = (uint32_t)__popc(open);
-    const uint32_t end = warp_sum(own), all = __shfl_sync(ALL_LANES, end, WARP - 1);
-    const bool crowd = all > CROWD;
-    const uint32_t each = crowd ? QUAD : WARP;             /* lanes of a pixel */
-    g->sync();                                 /* all have read what is open */
-    for (uint32_t i = g->thread / each; i - lane_index() / each < all; i += DENSE_THREADS / each) {
-        uint32_t pair = 0;                     /* of rows, that has the i-th open pixel */
+/* The open pixels of a tile, as the lanes of a warp see them. */
+struct open_pixels {
+    uint32_t open, start, end, all;        /* of a pair of rows, a bit each; how many before it, and with it; of all */
+
+    __device__ explicit open_pixels(const dense_shared *shared)
+    {
+        open = lane_index() < ROW_PAIRS ? shared->open[lane_index()] : 0;
+        end = warp_sum((uint32_t)__popc(open));
+        start = end - (uint32_t)__popc(open);
+        all = __shfl_sync(ALL_LANES, end, WARP - 1);
+    }
+
+    /* The place in the tile of the i-th; of some pixel where there are not as many. */
+    __device__ uint32_t place(uint32_t i) const
+    {
+        uint32_t pair = 0;
         for (uint32_t step = ROW_PAIRS / 2; step > 0; step /= 2)
             pair += __shfl_sync(ALL_LANES, end, (int)(pair + step - 1)) <= i ? step : 0;
-        const uint32_t before = __shfl_sync(ALL_LANES, end - own, (int)pair);
+        const uint32_t before = __shfl_sync(ALL_LANES, start, (int)pair);
         const uint32_t bits = __shfl_sync(ALL_LANES, open, (int)pair);
-        const uint32_t n = pair * WARP + (i < all ? bit_of(bits, i - before) : 0);
-        const pixel p = crowd ? blend_quad(shared, n, i < all) : blend_warp(shared, n);
+        return pair * WARP + (i < all ? bit_of(bits, i - before) : 0);
+    }
+};
+
+/* Keeps a pixel after a round. */
+__device__ inline void keep_pixel(dense_shared *shared, uint32_t n, const pixel &p)
+{
+    shared->pixels[n] = p;
+    if (p.transmittance < FXS_CLOSED_Q15)
+        atomicAnd(&shared->open[n / WARP], ~(1u << n % WARP));
+}
+
+/* Blends the open pixels, by a quad each. */
+__device__ void blend_quads(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
+{
+    for (uint32_t i = g->thread / QUAD; i - lane_index() / QUAD < pixels.all; i += DENSE_THREADS / QUAD) {
+        const uint32_t n = pixels.place(i);
+        const pixel p = blend_quad(shared, n, i < pixels.all);
         __syncwarp();
-        if (i < all && lane_index() % each == 0) {
-            shared->pixels[n] = p;
-            if (p.transmittance < FXS_CLOSED_Q15)
-                atomicAnd(&shared->open[pair], ~(1u << n % WARP));
-        }
+        if (i < pixels.all && lane_index() % QUAD == 0)
+            keep_pixel(shared, n, p);
     }
 }
 
-/* Blends shared->keys, `count` of them. Returns whether any pixel is open. */
-__device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint32_t count, const dense_group *g)
+/* Calls visit(step, place of the splat) for what is marked at pixel n in `words` words from `first` on, by a warp, a
+   lane a word. Returns how many steps there are. */
+template <class Visit>
+__device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t first, uint32_t words, Visit visit)
 {
+    const uint32_t word = first + lane_index();
+    uint32_t marks = lane_index() < words && word < WORDS ? shared->touching[word][n] : 0;
+    const uint32_t end = warp_sum((uint32_t)__popc(marks));
+    for (uint32_t step = end - (uint32_t)__popc(marks); marks; marks &= marks - 1)
+        visit(step++, word * WARP + (uint32_t)__ffs((int)marks) - 1);
+    return __shfl_sync(ALL_LANES, end, WARP - 1);
+}
+
+/* Puts the weights of a pixel's steps in place of their 1 - alpha, by one lane: some at once, as long as it stays open.
+   Returns how many steps it takes. */
+__device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, int *transmittance)
+{
+    enum { AT_ONCE = 16 };
+    uint32_t i = 0;
+    for (; i + AT_ONCE <= count && *transmittance >= FXS_CLOSED_Q15; i += AT_ONCE) {
+        int left[AT_ONCE + 1] = {*transmittance};
+#pragma unroll
+        for (uint32_t k = 0; k < AT_ONCE; k++)
+            left[k + 1] = left_q15(left[k], steps[(i + k) * each]);
+        if (left[AT_ONCE] < FXS_CLOSED_Q15)
+            break;
+#pragma unroll
+        for (uint32_t k = 0; k < AT_ONCE; k++)
+            steps[(i + k) * each] = (uint16_t)(left[k] - left[k + 1]);
+        *transmittance = left[AT_ONCE];
+    }
+    for (; i < count && *transmittance >= FXS_CLOSED_Q15; i++) {
+        const int left = left_q15(*transmittance, steps[i * each]);
+        steps[i * each] = (uint16_t)(*transmittance - left);
+        *transmittance = left;
+    }
+    return i;
+}
+
+/* Blends few open pixels, for as many words of marks at a time as there is room for: a warp finds 1 - alpha of a
+   pixel's splats, a lane their weights one after the other, and the warp adds up their colours. */
+__device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
+{
+    const uint32_t warp = g->thread / WARP, all = pixels.all, words = min(STEPS_MOST / (all * WARP), WARP);
+    uint16_t *steps = shared->steps;
+    for (uint32_t first = 0; first < WORDS; first += words) {
+        for (uint32_t i = warp; i < all; i += DENSE_THREADS / WARP) {
+            const uint32_t n = pixels.place(i);
+            const uint32_t count = visit_steps(shared, n, first, words, [&](uint32_t step, uint32_t place) {
+                const int alpha = splat_in(shared, place).alpha_at(shared->alpha_q15, n % FXS_TILE, n / FXS_TILE);
+                steps[step * all + i] = (uint16_t)(32768 - alpha);
+            });
+            if (lane_index() == 0)
+                shared->few[i] = {n, count};
+        }
+        g->sync();
+        if (g->thread < all) {
+            auto *own = &shared->few[g->thread];
+            own->count = weigh_steps(steps + g->thread, all, own->count, &shared->pixels[own->n].transmittance);
+        }
+        g->sync();
+        for (uint32_t i = warp; i < all; i += DENSE_THREADS / WARP) {
+            const uint32_t n = shared->few[i].n, count = shared->few[i].count;
+            pixel p = {shared->pixels[n].transmittance, {0, 0, 0}};
+            visit_steps(shared, n, first, words, [&](uint32_t step, uint32_t place) {
+                if (step < count)
+                    splat_in(shared, place).add_to(&p, steps[step * all + i]);
+            });
+            for (int c = 0; c < 3; c++)
+                p.sum[c] = __reduce_add_sync(ALL_LANES, p.sum[c]) + shared->pixels[n].sum[c];
+            __syncwarp();
+            if (lane_index() == 0)
+                keep_pixel(shared, n, p);
+        }
+        g->sync();
+    }
+}
+
+/* Blends shared->keys, `count` of them. Returns whether any pixel is open. Inlined it leaves too few registers to the
+   loops over lists; by itself it must be told that the memory is shared, and which barrier is the group's. */
+__device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats tile, uint32_t count)
+{
+    const tile_splats *t = &tile;
+    const dense_group own = {0, threadIdx.x}, *g = &own;
+    __builtin_assume(__isShared(shared));
     sort_keys(shared->entries, &shared->keys, shared->bins, count, g);
     for (uint32_t i = g->thread; i < dense_keys::room; i += DENSE_THREADS) {
         const uint32_t entry = i < count ? shared->entries[i] : FXS_ENTRY_CUT_OFF;
         const bool listed = !(entry & FXS_ENTRY_CUT_OFF);
         fxs_splat s = {};
         if (listed) {
-            s = t->splats[entry];
+            s = t->splat_of(entry);
             place_splat(shared, t, &s, i);
         }
         mark_pixels(shared, t, &s, i, listed);
@@ -407,30 +412,39 @@ __device__ bool blend_collected(dense_shared *shared, const dense_tile *t, uint3
     if (g->thread == 0)
         shared->collected = 0;
     g->sync();
-    blend_pixels(shared, g);
+    const open_pixels pixels(shared);
+    g->sync();                                 /* all have read what is open */
+    if (pixels.all > FEW)
+        blend_quads(shared, pixels, g);
+    else if (pixels.all)
+        blend_few(shared, pixels, g);
     g->sync();
     return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
 }
 
-/* Calls keep(i, key, whether its splat can touch an open pixel) for the keys of a list, with all threads. */
+/* Calls keep(key, its place, whether its splat can touch an open pixel) for the keys of a list, with all threads. */
 template <class Keep>
-__device__ void visit_open(const dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
+__device__ void visit_open(const dense_shared *shared, const tile_splats *t, const dense_list &list,
                            const dense_group *g, Keep keep)
 {
     enum { FETCHES = 2 };
     const span rows = open_rows(shared->open);
-    for (uint32_t first = g->thread; first - g->thread < count; first += FETCHES * DENSE_THREADS) {
+    for (uint32_t first = g->thread; first - g->thread < list.count; first += FETCHES * DENSE_THREADS) {
         uint64_t keys[FETCHES];
+        uint32_t places[FETCHES];
         fxs_splat splats[FETCHES];
 #pragma unroll
         for (uint32_t k = 0; k < FETCHES; k++)
-            keys[k] = first + k * DENSE_THREADS < count ? __ldcg(&list[first + k * DENSE_THREADS]) : FXS_ENTRY_CUT_OFF;
+            places[k] = list.place_at(min(first + k * DENSE_THREADS, list.count - 1));
 #pragma unroll
         for (uint32_t k = 0; k < FETCHES; k++)
-            splats[k] = t->splats[keys[k] & FXS_ENTRY_CUT_OFF ? 0 : (uint32_t)keys[k]];
+            keys[k] = first + k * DENSE_THREADS < list.count ? list.key_at(places[k]) : FXS_ENTRY_CUT_OFF;
 #pragma unroll
         for (uint32_t k = 0; k < FETCHES; k++)
-            keep(first + k * DENSE_THREADS, keys[k],
+            splats[k] = t->splat_of(keys[k]);
+#pragma unroll
+        for (uint32_t k = 0; k < FETCHES; k++)
+            keep(keys[k], places[k],
                  !(keys[k] & FXS_ENTRY_CUT_OFF) && touches_open(t, &splats[k], shared->open, rows));
     }
     g->sync();
@@ -445,10 +459,12 @@ __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
 }
 
 /* Adds a list to shared->keys; there is room for all of it. Returns how many there are. */
-__device__ uint32_t collect(dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
-                            const dense_group *g)
+__device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile, dense_list list)
 {
-    visit_open(shared, t, list, count, g, [&](uint32_t, uint64_t key, bool kept) {
+    const tile_splats *t = &tile;
+    const dense_group own = {0, threadIdx.x}, *g = &own;
+    __builtin_assume(__isShared(shared));
+    visit_open(shared, t, list, g, [&](uint64_t key, uint32_t, bool kept) {
         const uint32_t place = take_number(&shared->collected, 0, kept);
         if (kept && place < dense_keys::room)
             shared->keys.keys[place] = key;
@@ -456,15 +472,17 @@ __device__ uint32_t collect(dense_shared *shared, const dense_tile *t, const uin
     return collected(shared, g);
 }
 
-/* Moves the keys of a list whose splats can touch an open pixel to its start; none are collected. Returns how many. */
-__device__ uint32_t drop_closed(dense_shared *shared, const dense_tile *t, uint64_t *list, uint32_t count,
+/* Moves those of a list whose splats can touch an open pixel to its start; none are collected. Returns how many. */
+__device__ uint32_t drop_closed(dense_shared *shared, const tile_splats *t, const dense_list &list,
                                 const dense_group *g)
 {
-    visit_open(shared, t, list, count, g, [&](uint32_t, uint64_t key, bool kept) {
-        const uint32_t place = take_number(&shared->collected, 0, kept);
+    visit_open(shared, t, list, g, [&](uint64_t key, uint32_t place, bool kept) {
+        const uint32_t to = take_number(&shared->collected, 0, kept);
         g->sync();                         /* what is written over has been read */
-        if (kept)
-            list[place] = key;
+        if (kept && list.places)
+            list.places[to] = place;
+        else if (kept)
+            list.keys[to] = key;
     });
     const uint32_t left = collected(shared, g);
     if (g->thread == 0)
@@ -473,15 +491,32 @@ __device__ uint32_t drop_closed(dense_shared *shared, const dense_tile *t, uint6
     return left;
 }
 
-/* Blends a list in rounds. Returns whether any pixel is open. */
-__device__ bool blend_rounds(dense_shared *shared, const dense_tile *t, const uint64_t *list, uint32_t count,
-                             const dense_group *g)
+/* Adds up what each thread has; none are collected. */
+__device__ uint32_t sum_of(dense_shared *shared, uint32_t own, const dense_group *g)
 {
-    key_range r = range_of_list(&shared->keys, list, count, g);
+    own = __reduce_add_sync(ALL_LANES, own);
+    if (lane_index() == 0)
+        atomicAdd(&shared->collected, own);
+    g->sync();
+    const uint32_t sum = collected(shared, g);
+    if (g->thread == 0)
+        shared->collected = 0;
+    g->sync();
+    return sum;
+}
+
+/* Blends a list in rounds; none are collected. Returns whether any pixel is open. */
+__device__ bool blend_rounds(dense_shared *shared, const tile_splats *t, const dense_list &list, const dense_group *g)
+{
+    const auto visit_all = list.all(g);
+    uint32_t own = 0;
+    visit_all([&](uint64_t) { own++; });
+    const uint32_t count = sum_of(shared, own, g);
+    key_range r = range_of_list(&shared->keys, g, visit_all);
     bool open = true;
     for (uint32_t done = 0; done < count && open;) {
-        const uint32_t keys = next_round(&r, &shared->keys, shared->bins, list, count, g);
-        open = blend_collected(shared, t, keys, g);
+        const uint32_t keys = next_round(&r, &shared->keys, shared->bins, g, visit_all);
+        open = blend_collected(shared, *t, keys);
         done += keys;
     }
     return open;
@@ -496,22 +531,62 @@ __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uin
     return shared->room;
 }
 
-/* Blends a list that split_list has put into bins. */
-__device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t *list, uint32_t count,
+/* Puts the keys of a list or of a part into bins, or their places where 32 bits are moved; ends has where the bins end.
+   Returns how many there are. */
+template <class List, class Moved>
+__device__ uint32_t split_list(Moved *room, uint32_t *ends, dense_shared *shared, const List &list, key_range r,
+                               const dense_group *g)
+{
+    move_to_bins(room, &shared->keys, ends, r, g, [&](auto visit) {
+        list.visit(g, [&](uint64_t key, uint32_t place) {
+            visit(key, sizeof(Moved) == sizeof key ? (Moved)key : (Moved)place);
+        });
+    });
+    return ends[dense_keys::bins - 1];
+}
+
+template <bool Finer>
+__device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
+                            const uint32_t *ends, const dense_group *g);
+
+/* Puts what is left of a bin into finer ones and blends it. Returns whether any pixel is open. */
+__device__ bool blend_finer(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
                             const dense_group *g)
 {
+    const uint32_t words = dense_keys::bins / 2;           /* of the ends */
+    uint64_t *room = take_room(shared, f, words + (list.places ? (list.count + 1) / 2 : list.count), g);
+    if (!room)
+        return blend_rounds(shared, t, list, g);
+    const key_range r = range_of_list(&shared->keys, g, list.all(g));
+    dense_list finer = list;
+    if (list.places)
+        split_list(finer.places = (uint32_t *)(room + words), shared->bins, shared, list, r, g);
+    else
+        split_list(finer.keys = room + words, shared->bins, shared, list, r, g);
+    for (uint32_t i = g->thread; i < dense_keys::bins; i += DENSE_THREADS)
+        ((uint32_t *)room)[i] = shared->bins[i];
+    g->sync();
+    return blend_split<true>(shared, f, t, finer, (const uint32_t *)room, g);
+}
+
+/* Blends a list in bins; `ends` has where they end. A bin that is too large is put into finer ones. Returns whether any
+   pixel is open. */
+template <bool Finer>
+__device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
+                            const uint32_t *ends, const dense_group *g)
+{
     uint32_t have = 0, reach = 0;              /* collected; how far to look where few are kept */
-    for (uint32_t first = 0, end; first < count; first = end) {
+    for (uint32_t first = 0, end; first < list.count; first = end) {
         const uint32_t room = dense_keys::room - have;
-        end = have > FULL ? first : bins_end<dense_keys>(shared->ends, first, max(room, reach));
+        end = have > FULL ? first : bins_end<dense_keys>(ends, first, max(room, reach));
         if (end == first && have) {
-            if (!blend_collected(shared, t, have, g))
-                return;
+            if (!blend_collected(shared, *t, have))
+                return false;
             have = 0;
-            end = bins_end<dense_keys>(shared->ends, first, dense_keys::room);
+            end = bins_end<dense_keys>(ends, first, dense_keys::room);
         }
         if (end > first) {
-            const uint32_t all = collect(shared, t, list + first, end - first, g), kept = all - have;
+            const uint32_t all = collect(shared, *t, list.from(first, end - first)), kept = all - have;
             if (all <= dense_keys::room) {
                 const uint32_t hoped = (dense_keys::room - all) * (end - first) / (kept + kept / 2 + 8);
                 reach = min(min(hoped, 2 * (end - first)), REACH_MOST);
@@ -525,61 +600,51 @@ __device__ void blend_split(dense_shared *shared, const dense_tile *t, uint64_t 
             end = first;
             continue;
         }
-        end = bin_end<dense_keys>(shared->ends, first);    /* a bin too large */
-        const uint32_t left = drop_closed(shared, t, list + first, end - first, g);
-        if (left <= dense_keys::room)
-            have = collect(shared, t, list + first, left, g);
-        else if (!blend_rounds(shared, t, list + first, left, g))
-            return;
+        end = bin_end<dense_keys>(ends, first);    /* a bin too large */
+        const dense_list left = list.from(first, drop_closed(shared, t, list.from(first, end - first), g));
+        if (left.count <= dense_keys::room)
+            have = collect(shared, *t, left);
+        else if (!(Finer ? blend_rounds(shared, t, left, g) : blend_finer(shared, f, t, left, g)))
+            return false;
     }
-    if (have)
-        blend_collected(shared, t, have, g);
+    return !have || blend_collected(shared, *t, have);
 }
 
-/* Marks the keys of a list that can touch an open pixel; *range: of their depths. Returns how many. */
-__device__ uint32_t mark_keys(uint32_t *marks, key_range *range, dense_shared *shared, const dense_tile *t,
-                              const uint64_t *list, uint32_t count, const dense_group *g)
+/* Puts a list, or the places of a part, into bins. Returns it; with no keys where there was no room. */
+__device__ dense_list split_tile(dense_shared *shared, const frame_buffers *f, const dense_list &all,
+                                 const dense_group *g)
 {
-    uint32_t least = UINT32_MAX, most = 0, own = 0;
-    visit_open(shared, t, list, count, g, [&](uint32_t i, uint64_t key, bool kept) {
-        const uint32_t lanes = __ballot_sync(ALL_LANES, kept);
-        if (lane_index() == 0 && i < count)
-            marks[i / WARP] = lanes;
-        least = kept ? min(least, depth_of(key)) : least;
-        most = kept ? max(most, depth_of(key)) : most;
-        own += kept ? 1 : 0;
-    });
-    *range = range_of(&shared->keys, least, most, g);
-    own = __reduce_add_sync(ALL_LANES, own);
-    if (lane_index() == 0)
-        atomicAdd(&shared->collected, own);
-    g->sync();
-    const uint32_t all = collected(shared, g);
-    if (g->thread == 0)
-        shared->collected = 0;
-    g->sync();
-    return all;
+    uint64_t *room = take_room(shared, f, all.count, g);
+    if (!room)
+        return {nullptr, nullptr, 0};
+    return {room, nullptr, split_list(room, shared->ends, shared, all, range_of_list(&shared->keys, g, all.all(g)), g)};
 }
 
-/* Blends a list over the open pixels: all of the tile's, or, where it is shared with other blocks, some. */
-__device__ void blend_dense_list(dense_shared *shared, const frame_buffers *f, const dense_tile *t,
-                                 const uint64_t *list, uint32_t count, bool is_shared, const dense_group *g)
+__device__ dense_list split_part(dense_shared *shared, const frame_buffers *f, const part_list &part, key_range r,
+                                 const dense_group *g)
 {
-    uint32_t *marks = nullptr, wanted = count;
-    key_range range;
-    if (is_shared) {
-        marks = (uint32_t *)take_room(shared, f, (count + 63) / 64, g);
-        wanted = marks ? mark_keys(marks, &range, shared, t, list, count, g) : 0;
-        if (marks && !wanted)
-            return;
-    } else {
-        range = range_of_list(&shared->keys, list, count, g);
-    }
-    uint64_t *room = wanted ? take_room(shared, f, wanted, g) : nullptr;
-    if (room)
-        blend_split(shared, t, room, split_list(room, shared, list, marks, count, range, g), g);
+    bool missing;
+    const uint32_t count = sum_of(shared, part.count_own(&missing, g), g);
+    uint32_t *room = g->any(missing) ? nullptr : (uint32_t *)take_room(shared, f, (count + 1) / 2, g);
+    if (!room)
+        return {nullptr, nullptr, 0};
+    split_list(room, shared->ends, shared, part, r, g);
+    return {part.keys, room, count};
+}
+
+/* Blends a tile's list over the open pixels: all of them, or those of a part. `parts` by parts_of_tiles. */
+__device__ void blend_dense_list(dense_shared *shared, const frame_buffers *f, const tile_splats *t,
+                                 const turn_of_tile &turn, uint32_t parts, const dense_group *g)
+{
+    const uint32_t count = f->counts[turn.tile];
+    const dense_list all = {f->entries + (f->next[turn.tile] - count), nullptr, count};
+    const dense_list split = turn.turns == 1
+                                 ? split_tile(shared, f, all, g)
+                                 : split_part(shared, f, part_list(f, turn, parts), range_of_shared(f, turn), g);
+    if (split.keys)
+        blend_split<false>(shared, f, t, split, shared->ends, g);
     else
-        blend_rounds(shared, t, list, count, g);
+        blend_rounds(shared, t, all, g);
 }
 
 __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const __grid_constant__ fxs_view view,
@@ -590,9 +655,11 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
     dense_shared *shared = (dense_shared *)memory;
     const dense_group g = {0, threadIdx.x};
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
+    wait_for_last_kernel();
     if (!fits(&f))
         return;
-    const turns order = turns_of(&f, blocks_a_tile(&f));
+    const uint32_t parts = parts_of_tiles(&f, gridDim.x);
+    const turns order = turns_of(&f, parts);
     if (blockIdx.x >= order.all)
         return;
     for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += DENSE_THREADS)
@@ -607,8 +674,7 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
             return;
         const turn_of_tile turn = tile_of_turn(&f, &order, tiles, shared->turn);
         const uint32_t tile = turn.tile;
-        const dense_tile at = {&view, f.splats, (int32_t)(tile % (uint32_t)view.tiles_x) * FXS_TILE,
-                               (int32_t)(tile / (uint32_t)view.tiles_x) * FXS_TILE};
+        const tile_splats at(&view, &f, tile);
         const int32_t px = at.x + (int32_t)(g.thread % FXS_TILE), py = at.y + (int32_t)(g.thread / FXS_TILE);
         const bool inside = g.thread < FXS_TILE_PIXELS && px < view.width && py < view.height &&
                             g.thread % FXS_TILE / (FXS_TILE / turn.turns) == turn.number;
@@ -618,8 +684,7 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
         if (g.thread < FXS_TILE_PIXELS && lane_index() == 0)
             shared->open[g.thread / WARP] = open;
         g.sync();
-        const uint32_t count = f.counts[tile];
-        blend_dense_list(shared, &f, &at, f.entries + (f.next[tile] - count), count, turn.turns > 1, &g);
+        blend_dense_list(shared, &f, &at, turn, parts, &g);
         if (inside)
             store_pixel(&t, &f, &shared->pixels[g.thread], px, py);
         g.sync();

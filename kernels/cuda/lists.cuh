@@ -392,11 +392,6 @@ __device__ inline void visit_row(const uint32_t *of, uint32_t row, uint32_t tile
     }
 }
 
-__device__ inline uint32_t list_magnitude(uint32_t count)
-{
-    return count ? 31 - (uint32_t)__clz((int)count) : 0;
-}
-
 /* The lengths of the lists, where they start, and their places among those of their magnitude. */
 __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_constant__ frame_buffers f,
                                                                 uint32_t tiles_x, uint32_t tiles_y)

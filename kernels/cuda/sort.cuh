@@ -111,11 +111,11 @@ __device__ inline uint32_t depth_of(uint64_t key)
     return (uint32_t)(key >> 32);
 }
 
-template <class K, class G>
-__device__ key_range range_of_list(K *shared, const uint64_t *list, uint32_t count, const G *g)
+template <class K, class G, class VisitAll>
+__device__ key_range range_of_list(K *shared, const G *g, VisitAll visit_all)
 {
     uint32_t least = UINT32_MAX, most = 0;
-    visit_keys(list, count, g, [&](uint64_t key) {
+    visit_all([&](uint64_t key) {
         least = min(least, depth_of(key));
         most = max(most, depth_of(key));
     });
@@ -187,9 +187,8 @@ __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 
 /* Puts the least keys from r->low on into shared->keys, at most K::room, and moves r->low. Returns how many. There must
    be some left. */
-template <class K, class G>
-__device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const uint64_t *list, uint32_t count,
-                               const G *g)
+template <class K, class G, class VisitAll>
+__device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G *g, VisitAll visit_all)
 {
     uint64_t first = r->low, last = r->high;
     uint32_t found = 0;
@@ -197,7 +196,7 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const ui
         const int shift = bin_shift<K>(first, last);
         clear_bins<K>(bins, g);
         g->sync();
-        visit_keys(list, count, g, [&](uint64_t key) {
+        visit_all([&](uint64_t key) {
             if (key >= first && key <= last)
                 atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - first) >> shift))], 1u);
         });
@@ -216,7 +215,7 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const ui
     if (g->thread == 0)
         shared->count = 0;
     g->sync();
-    visit_keys(list, count, g, [&](uint64_t key) {
+    visit_all([&](uint64_t key) {
         if (key >= first && key <= last)
             shared->keys[atomicAdd(&shared->count, 1u)] = key;
     });
@@ -257,19 +256,21 @@ struct segmented {
     }
 };
 
-/* Moves keys from r.low to r.high to `sorted`, bin after bin: those that visit_all(visit) calls visit for. Bins are
-   ends then. */
-template <class K, class G, class VisitAll>
-__device__ void move_to_bins(uint64_t *sorted, K *shared, uint32_t *bins, key_range r, const G *g, VisitAll visit_all)
+/* Moves keys from r.low to r.high, or what stands for them, to `sorted`, bin after bin: those that visit_all(visit)
+   calls visit for, with a key and what is moved. Bins are ends then. */
+template <class Moved, class K, class G, class VisitAll>
+__device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range r, const G *g, VisitAll visit_all)
 {
     const int shift = bin_shift<K>(r.low, r.high);
     clear_bins<K>(bins, g);
     g->sync();
-    visit_all([&](uint64_t key) { atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - r.low) >> shift))], 1u); });
+    visit_all([&](uint64_t key, Moved) {
+        atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - r.low) >> shift))], 1u);
+    });
     g->sync();
     place_bins(shared, bins, g);
-    visit_all([&](uint64_t key) {
-        sorted[atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - r.low) >> shift))], 1u)] = key;
+    visit_all([&](uint64_t key, Moved moved) {
+        sorted[atomicAdd(&bins[slot_of<K, G>((uint32_t)((key - r.low) >> shift))], 1u)] = moved;
     });
     g->sync();
 }

@@ -45,11 +45,25 @@ struct large_splat {
     int32_t first;                 /* of LARGE_ROWS tile rows; the others have records of their own */
 };
 
+const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;    /* of a tile; tiles */
+
 /* How much a frame needed. Where that is more than the capacity of its buffers, it is not blended. */
 struct frame_needs {
     uint64_t entries;
     uint32_t larges, visible;
     uint32_t damaged;              /* 1: a chunk's header is out of range */
+};
+
+/* The depths of a list whose tile several blocks of blend_dense share: the least with each bit turned, so that both
+   begin at 0. */
+struct shared_range {
+    uint32_t not_least, most;
+};
+
+/* Some entries of such a list, as share_lists finds them for the parts of its tile. */
+struct list_segment {
+    uint16_t *places;              /* in the segment, of each part's entries, part by part; null: there was no room */
+    uint16_t ends[PARTS_MOST];     /* of each part, in those */
 };
 
 struct frame_status : frame_needs {
@@ -58,6 +72,7 @@ struct frame_status : frame_needs {
     uint32_t class_entries[32];    /* and their entries */
     uint32_t next_sort[2], next_turn, next_long, next_dense;   /* of sort_lists, and of each kernel that blends */
     uint64_t split_taken[2];       /* of split_entries, and behind the entries */
+    shared_range shared[SHARED_MOST];          /* of the longest lists, in the order in which tiles are taken */
 };
 
 /* The memory of a frame on the device. */
@@ -74,7 +89,10 @@ struct frame_buffers {
     fxs_splat *splats;             /* by index in what is drawn, like the next two; written where visible */
     uint64_t *boxes;               /* the tiles it is listed in: see box_of; of chunks that can be seen */
     uint32_t *depths;
-    large_splat *larges;           /* boxes 0 */
+    union {
+        large_splat *larges;       /* boxes 0 */
+        list_segment *segments;    /* when lists are filled */
+    };
     uint32_t *counts;              /* length of each tile's list */
     uint32_t *next;                /* where its next entry goes: after the fill, its end */
     uint32_t *classes;             /* tiles by the magnitude of their lists: a row of all tiles for each class */
@@ -112,6 +130,11 @@ __device__ inline uint64_t *take_entries(const frame_buffers *f, uint64_t count)
         return f->split_entries + place;
     const uint64_t behind = atomicAdd(&taken[1], (unsigned long long)count);
     return behind + count <= spare_entries(f) ? f->entries + f->status->entries + behind : nullptr;
+}
+
+__device__ inline uint32_t list_magnitude(uint32_t count)
+{
+    return count ? 31 - (uint32_t)__clz((int)count) : 0;
 }
 
 const uint32_t WARP = 32;

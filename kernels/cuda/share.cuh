@@ -1,0 +1,235 @@
+/* Tiles that several blocks of blend_dense share, so that none is late: each has a part, of columns. share_lists finds
+ * which splats of a tile's list can touch which part: its blocks take segments of the lists. */
+#ifndef FXS_CUDA_SHARE_CUH
+#define FXS_CUDA_SHARE_CUH
+
+#include "tile_walk.cuh"
+
+namespace {
+
+const uint32_t DENSE_THREADS = 1024;
+const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 2;     /* of a multiprocessor */
+const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* entries, at least of a part, at most of a segment */
+typedef group<DENSE_THREADS> dense_group;
+
+/* Into how many segments lists of a magnitude are cut: each has 2^SEGMENT_MAGNITUDE entries or fewer. */
+__device__ inline uint32_t segments_of(uint32_t magnitude)
+{
+    return magnitude < SEGMENT_MAGNITUDE ? 1 : 2u << (magnitude - SEGMENT_MAGNITUDE);
+}
+
+/* Into how many parts, of columns, tiles are cut whose lists are of magnitude 31 - lane: blend_dense takes a part a
+   block. So that none is late, a part has at most half of what a block has of all lists; down to an eighth where the
+   parts together have few entries more than the tile; but 2^PART_MAGNITUDE or more. Twice as many parts take room for
+   `more` entries or fewer: where there is too little, the largest parts are cut first. */
+__device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t blocks)
+{
+    const uint32_t magnitude = WARP - 1 - lane_index(), tiles = f->status->classes[magnitude];
+    const uint32_t entries = magnitude >= LONG_MAGNITUDE ? f->status->class_entries[magnitude] : 0;
+    const uint32_t mean = entries / max(tiles, 1), places = warp_sum(entries ? tiles : 0);
+    const uint64_t segments = warp_sum(entries ? (uint64_t)tiles * segments_of(magnitude) : 0);
+    const uint64_t all = __shfl_sync(ALL_LANES, warp_sum((uint64_t)entries), WARP - 1), load = all / blocks;
+    const uint64_t there = f->split_capacity + spare_entries(f);
+    const bool fit = places <= SHARED_MOST &&
+                     segments * sizeof(list_segment) <= f->large_capacity * sizeof(large_splat);
+    const uint32_t most = fit ? min(PARTS_MOST, mean >> PART_MAGNITUDE) : 1;
+    uint64_t room = there > all ? there - all : 0;
+    for (uint32_t parts = 1;;) {
+        const uint32_t share = mean / parts;
+        const uint64_t more = (uint64_t)entries * parts / 12;
+        const bool late = share > load / 2 || (share > load / 8 && more <= all / 24);
+        const bool cut = parts < most && more <= room && late;
+        const uint32_t largest = __reduce_max_sync(ALL_LANES, cut ? share : 0);
+        if (!largest)
+            return magnitude < LONG_MAGNITUDE ? 0 : parts;
+        const int lane = __ffs((int)__ballot_sync(ALL_LANES, cut && share == largest)) - 1;
+        room -= __shfl_sync(ALL_LANES, more, lane);
+        parts *= (int)lane_index() == lane ? 2 : 1;
+    }
+}
+
+/* The turns of the segments of shared lists; `parts` by parts_of_tiles. */
+__device__ inline turns segment_turns(const frame_buffers *f, uint32_t parts)
+{
+    return turns_of(f, parts > 1 ? segments_of(WARP - 1 - lane_index()) : 0);
+}
+
+/* Where the n-th of `all` segments of a list of `count` entries begins. */
+__device__ inline uint32_t segment_start(uint32_t count, uint32_t n, uint32_t all)
+{
+    return (uint32_t)((uint64_t)count * n / all);
+}
+
+/* What the segments of a tile's list have for one of its parts. */
+struct part_list {
+    uint64_t *keys;                        /* of the tile, `count` of them */
+    uint32_t count, part;
+    const list_segment *segments;
+    uint32_t segment_count;
+
+    /* parts: by parts_of_tiles. */
+    __device__ part_list(const frame_buffers *f, const turn_of_tile &turn, uint32_t parts)
+        : count(f->counts[turn.tile]), part(turn.number), segment_count(segments_of(list_magnitude(count)))
+    {
+        const turns order = segment_turns(f, parts);
+        const int lane = (int)(WARP - 1 - list_magnitude(count));
+        const uint32_t before = turn.place - __shfl_sync(ALL_LANES, order.tiles, lane);
+        keys = f->entries + (f->next[turn.tile] - count);
+        segments = f->segments + __shfl_sync(ALL_LANES, order.start, lane) + before * segment_count;
+    }
+
+    __device__ uint32_t start_in(uint32_t segment) const
+    {
+        return part ? __ldcg(&segments[segment].ends[part - 1]) : 0;
+    }
+
+    __device__ uint32_t end_in(uint32_t segment) const
+    {
+        return __ldcg(&segments[segment].ends[part]);
+    }
+
+    /* How many keys it has in the segments that a thread takes; *missing: for one of them there was no room. */
+    __device__ uint32_t count_own(bool *missing, const dense_group *g) const
+    {
+        uint32_t own = 0;
+        *missing = false;
+        for (uint32_t i = g->thread; i < segment_count; i += DENSE_THREADS) {
+            own += end_in(i) - start_in(i);
+            *missing |= !__ldcg((const uint64_t *)&segments[i].places);
+        }
+        return own;
+    }
+
+    /* Calls visit(key, its place), by a warp a segment. */
+    template <class Visit>
+    __device__ void visit(const dense_group *g, Visit visit) const
+    {
+        enum { FETCHES = 4 };
+        for (uint32_t n = g->thread / WARP; n < segment_count; n += DENSE_THREADS / WARP) {
+            const uint16_t *in_segment = (const uint16_t *)__ldcg((const uint64_t *)&segments[n].places);
+            const uint32_t start = segment_start(count, n, segment_count), end = end_in(n);
+            for (uint32_t first = start_in(n) + lane_index(); first < end; first += FETCHES * WARP) {
+                uint32_t place[FETCHES];
+                uint64_t key[FETCHES];
+#pragma unroll
+                for (uint32_t i = 0; i < FETCHES; i++)
+                    place[i] = start + (first + i * WARP < end ? __ldcg(&in_segment[first + i * WARP]) : 0);
+#pragma unroll
+                for (uint32_t i = 0; i < FETCHES; i++)
+                    key[i] = __ldcg(&keys[place[i]]);
+#pragma unroll
+                for (uint32_t i = 0; i < FETCHES; i++)
+                    if (first + i * WARP < end)
+                        visit(key[i], place[i]);
+            }
+        }
+    }
+};
+
+/* The range of the keys of a shared list. */
+__device__ inline key_range range_of_shared(const frame_buffers *f, const turn_of_tile &turn)
+{
+    const shared_range *range = &f->status->shared[turn.place];
+    return {(uint64_t)~__ldcg(&range->not_least) << 32, (uint64_t)__ldcg(&range->most) << 32 | UINT32_MAX};
+}
+
+/* A segment of a shared list. */
+struct segment_of_list {
+    const uint64_t *keys;
+    uint32_t count;                        /* 2^SEGMENT_MAGNITUDE or fewer */
+    uint32_t columns;                      /* of a part */
+};
+
+struct share_shared {
+    uint32_t parts[PARTS_MOST];            /* entries of each; then where they begin */
+    uint16_t *places;
+};
+
+/* Finds the entries of each part, and widens the range of the list. */
+__device__ void share_segment(list_segment *out, shared_range *range, share_shared *shared, const frame_buffers *f,
+                              const tile_splats *t, const segment_of_list &s, const dense_group *g)
+{
+    enum { EACH = (1 << SEGMENT_MAGNITUDE) / DENSE_THREADS };
+    const uint32_t lane = lane_index(), parts = FXS_TILE / s.columns, of_part = (1u << s.columns) - 1;
+    uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;     /* before: of the part of that lane */
+    if (g->thread < PARTS_MOST)
+        shared->parts[g->thread] = 0;
+#pragma unroll
+    for (uint32_t k = 0; k < EACH; k++) {
+        const uint32_t i = g->thread + k * DENSE_THREADS;
+        const uint64_t key = i < s.count ? __ldcg(&s.keys[i]) : FXS_ENTRY_CUT_OFF;
+        const bool listed = !(key & FXS_ENTRY_CUT_OFF);
+        const fxs_splat splat = t->splat_of(key);
+        touched[k] = listed ? columns_of(t, &splat) : 0;
+        not_least = listed ? max(not_least, ~depth_of(key)) : not_least;
+        most = listed ? max(most, depth_of(key)) : most;
+    }
+    g->sync();
+#pragma unroll
+    for (uint32_t k = 0; k < EACH; k++) {
+        uint32_t own = 0;
+        for (uint32_t part = 0; part < parts; part++) {
+            const unsigned lanes = __ballot_sync(ALL_LANES, touched[k] >> part * s.columns & of_part);
+            own = part == lane ? (uint32_t)__popc(lanes) : own;
+        }
+        before[k] = lane < parts ? atomicAdd(&shared->parts[lane], own) : 0;
+    }
+    not_least = __reduce_max_sync(ALL_LANES, not_least);
+    most = __reduce_max_sync(ALL_LANES, most);
+    if (lane == 0) {
+        atomicMax(&range->not_least, not_least);
+        atomicMax(&range->most, most);
+    }
+    g->sync();
+    if (g->thread < WARP) {
+        const uint32_t own = lane < parts ? shared->parts[lane] : 0, end = warp_sum(own);
+        if (lane == WARP - 1)
+            out->places = shared->places = (uint16_t *)take_entries(f, (end + 3) / 4);
+        if (lane < PARTS_MOST) {
+            out->ends[lane] = (uint16_t)end;
+            shared->parts[lane] = end - own;
+        }
+    }
+    g->sync();
+    uint16_t *places = shared->places;
+#pragma unroll
+    for (uint32_t k = 0; k < EACH; k++) {
+        const uint32_t start = before[k] + shared->parts[lane % PARTS_MOST];
+        for (uint32_t part = 0; part < parts && places; part++) {
+            const bool touches = touched[k] >> part * s.columns & of_part;
+            const unsigned lanes = __ballot_sync(ALL_LANES, touches);
+            const uint32_t first = __shfl_sync(ALL_LANES, start, (int)part);
+            if (touches)
+                places[first + (uint32_t)__popc(lanes & ((1u << lane) - 1))] =
+                    (uint16_t)(g->thread + k * DENSE_THREADS);
+        }
+    }
+    g->sync();
+}
+
+/* dense_blocks: those of blend_dense. */
+__global__ void __launch_bounds__(DENSE_THREADS, SHARE_BLOCKS)
+share_lists(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f, uint32_t dense_blocks)
+{
+    __shared__ share_shared shared;
+    const dense_group g = {0, threadIdx.x};
+    const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
+    if (!fits(&f))
+        return;
+    const uint32_t parts = parts_of_tiles(&f, dense_blocks);
+    const turns order = segment_turns(&f, parts);
+    for (uint32_t i = blockIdx.x; i < order.all; i += gridDim.x) {
+        const turn_of_tile turn = tile_of_turn(&f, &order, tiles, i);
+        const uint32_t count = f.counts[turn.tile];
+        const uint32_t first = segment_start(count, turn.number, turn.turns);
+        const tile_splats t(&view, &f, turn.tile);
+        const uint32_t of_tile = __shfl_sync(ALL_LANES, parts, (int)(WARP - 1 - list_magnitude(count)));
+        share_segment(&f.segments[i], &f.status->shared[turn.place], &shared, &f, &t,
+                      {f.entries + (f.next[turn.tile] - count) + first,
+                       segment_start(count, turn.number + 1, turn.turns) - first, FXS_TILE / of_tile}, &g);
+    }
+}
+
+}
+
+#endif

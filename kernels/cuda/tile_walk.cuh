@@ -1,0 +1,91 @@
+/* Which pixels of a tile a splat can touch. */
+#ifndef FXS_CUDA_TILE_WALK_CUH
+#define FXS_CUDA_TILE_WALK_CUH
+
+#include "blend.cuh"
+
+namespace {
+
+/* The splats of a frame as a tile has them; (x, y): its first pixel. */
+struct tile_splats {
+    const fxs_splat *splats;
+    int cut_q11;                           /* of the view */
+    int32_t x, y;
+
+    __device__ tile_splats(const fxs_view *view, const frame_buffers *f, uint32_t tile)
+        : splats(f->splats), cut_q11(view->cut_q11), x((int32_t)(tile % (uint32_t)view->tiles_x) * FXS_TILE),
+          y((int32_t)(tile / (uint32_t)view->tiles_x) * FXS_TILE)
+    {
+    }
+
+    /* The splat of a key; of any where that is cut off. */
+    __device__ fxs_splat splat_of(uint64_t key) const
+    {
+        __builtin_assume(__isGlobal(splats));
+        return splats[key & FXS_ENTRY_CUT_OFF ? 0 : (uint32_t)key];
+    }
+};
+
+/* sqrt(x), to within 1 part in 2^22; x at least 1. */
+__device__ inline float root_of_level(float x)
+{
+    float root;
+    asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(x));
+    return root;
+}
+
+/* x rounded down, 0 to 31. */
+__device__ inline uint32_t whole(float x)
+{
+    return (uint32_t)__float_as_int(__fadd_rd(fminf(fmaxf(x, 0), 31), 8388608.0f)) % 32;
+}
+
+/* The pixels of a row, a bit each, that a splat can touch: |u| at most the root of what the row leaves of the level,
+   widened by more than the rounding of u. */
+__device__ inline uint32_t pixels_of_row(uint32_t u_q24, float inverse, float left)
+{
+    const float u = coordinate_q6(u_q24), reach = root_of_level(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
+    const uint32_t first = whole((-reach - u) * inverse + 0.95f);
+    const uint32_t end = whole(fminf((reach - u) * inverse + 1.05f, FXS_TILE));
+    return left >= 0 && first < end ? (1u << end) - (1u << first) : 0;
+}
+
+/* A splat on its way down the rows of a tile. */
+struct row_walk {
+    uint32_t u_q24, v_q24;                 /* at the row's first pixel */
+    float inverse, limit;
+
+    __device__ row_walk(const tile_splats *t, const fxs_splat *s, int32_t row)
+    {
+        const uint32_t y = (uint32_t)(t->y + row);
+        u_q24 = s->u0_q24 + (uint32_t)t->x * (uint32_t)s->ux_q24 + y * (uint32_t)s->uy_q24;
+        v_q24 = s->v0_q24 + y * (uint32_t)s->vy_q24;
+        inverse = __fdividef(262144, (float)max(s->ux_q24, 1));
+        limit = __int_as_float(limit_bits(s, t->cut_q11));
+    }
+
+    /* The pixels that it can touch of this row; goes on to the next one. */
+    __device__ uint32_t next(const fxs_splat *s)
+    {
+        const uint32_t pixels = pixels_of_row(u_q24, inverse, limit - row_level(v_q24, s->offset_q11));
+        u_q24 += (uint32_t)s->uy_q24;
+        v_q24 += (uint32_t)s->vy_q24;
+        return pixels;
+    }
+};
+
+/* The columns of a tile that a splat can touch, a bit each. */
+__device__ uint32_t columns_of(const tile_splats *t, const fxs_splat *s)
+{
+    const int32_t first = max((int32_t)s->first_row - t->y, 0);
+    const int32_t last = min((int32_t)s->last_row - t->y, FXS_TILE - 1);
+    row_walk down(t, s, first);
+    uint32_t columns = 0;
+    for (int32_t row = first; row <= last; row++)
+        columns |= down.next(s);
+    return columns;
+}
+
+}
+
+#endif
