@@ -247,10 +247,13 @@ else
     bare venv/bin/python python/calls.py knot.ply camera.json >linux.calls
     check "wheel for Windows: a program that calls as the package does" x86_64-w64-mingw32-gcc -std=c99 \
         windows/wheel.c -o wheel.exe -I"$folder/include"
-    bare WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" wheel.exe "wheel/fixsplat/$dll" knot.ply camera.json |
+    bare WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" wheel.exe "wheel/fixsplat/$dll" knot.ply camera.json declared |
         tr -d '\r' >windows.calls
     check "wheel for Windows: its library draws what the package draws here, by the same calls" \
         cmp windows.calls linux.calls
+    layout() { venv/bin/python outside/layout.py "$installed/libfixsplat.so.${version%%.*}" "$@"; }
+    check "wheel for Windows: cffi reads of it the structs, constants and functions that it reads here" \
+        equal "$(layout declared)" "$(layout)"
     check "wheel for Windows: a picture" grep -Eqx '[0-9a-f]{16}' linux.calls
     report "wheel for Windows" wheel/fixsplat
     end_wine

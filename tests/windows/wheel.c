@@ -1,5 +1,6 @@
-/* wheel DLL SCENE CAMERAS: loads the library as the Python package does, and draws a scene by the first camera of a file
-   with the calls of the package, in its order: prints their names and the picture's hash, as tests/python/calls.py. */
+/* wheel DLL SCENE CAMERAS DECLARATIONS: loads the library as the Python package does, and draws a scene by the first
+   camera of a file with the calls of the package, in its order: prints their names and the picture's hash, as
+   tests/python/calls.py. What the library declares is written to the last file. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,6 +50,13 @@ static uint64_t fnv1a64(const uint8_t *bytes, size_t count)
     return hash;
 }
 
+static int write_text(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "wb");
+    const int result = file && fputs(text, file) >= 0 ? 0 : -1;
+    return file && !fclose(file) ? result : -1;
+}
+
 /* As Renderer.draw, without a byte that says when to stop. */
 static void draw(const fxs_object *object, const fxs_camera *camera, fxs_targets *targets)
 {
@@ -73,10 +81,10 @@ int main(int argc, char **argv)
     fxs_object object;
     fxs_crop crops[FXS_MAX_CROPS];
     fxs_camera camera;
-    if (argc != 4 || !(library = LoadLibraryA(argv[1])))
+    if (argc != 5 || !(library = LoadLibraryA(argv[1])))
         return 1;
     must(CALL(fxs_version)() == FXS_VERSION_NUMBER ? 0 : -1, &message);
-    must(strstr(CALL(fxs_declarations)(), "fxs_backend_find(") ? 0 : -1, &message);
+    must(write_text(argv[4], CALL(fxs_declarations)()), &message);
     CALL(fxs_map_guard)();
     must(CALL(fxs_open)(argv[2], &options, &opened, &message), &message);
     void (*const close)(fxs_opened *) = CALL(fxs_close);
