@@ -64,12 +64,14 @@ static inline int fxs_path_is_whole(const char *path)
     return *path == '/';
 }
 
-/* A path that the system gives becomes as paths are here: \ of Windows, which no name has, becomes /. */
+/* A path that the system gives becomes as paths are here: \ of Windows, which no name has, becomes /. One without it may
+   be a constant. */
 static inline void fxs_path_take(char *path)
 {
 #ifdef _WIN32
     for (; *path; path++)
-        *path = *path == '\\' ? '/' : *path;
+        if (*path == '\\')
+            *path = '/';
 #else
     (void)path;
 #endif
