@@ -10,9 +10,9 @@ GATES := $(notdir $(wildcard tests/gates/*.sh))
 
 # These take long, and start first, the longest before the others; `make check` leaves them and the other scripts to
 # `make test`.
-LONG := dist.sh web.sh python.sh test_quality page.sh fit_same.sh fuzz.sh boards.sh processors.sh webgl.sh webgpu.sh \
-        convert.sh threads_and_cpus.sh cli.sh build.sh bundlers.sh test_gles test_pack bench.sh xr.sh test_fit_steps matrix.sh \
-        instructions.sh test_bands
+LONG := dist.sh windows.sh web.sh python.sh test_quality page.sh fit_same.sh fuzz.sh boards.sh processors.sh webgl.sh \
+        webgpu.sh convert.sh threads_and_cpus.sh cli.sh build.sh bundlers.sh test_gles test_pack bench.sh xr.sh \
+        test_fit_steps matrix.sh instructions.sh test_bands
 # These wait for a window, or measure: one at a time, at the end.
 ALONE := window.sh web_speed.sh
 CHECKED := $(filter-out $(LONG),$(TESTS) $(GATES))

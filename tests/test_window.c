@@ -620,6 +620,14 @@ static void test_frame_is_stopped(void)
     viewer_close(&v);
 }
 
+/* By the file's own name. */
+static int says_why(const viewer *v, const char *path)
+{
+    const char *name = viewer_file_name(path);
+    const size_t length = strlen(name);
+    return !strncmp(v->note, name, length) && !strncmp(v->note + length, ": ", 2) && v->note[length + 2];
+}
+
 static void test_dropped_files(void)
 {
     viewer v;
@@ -630,9 +638,10 @@ static void test_dropped_files(void)
         return;
     uint32_t count = v.world.gaussians;
     drop(&v, junk);
-    CHECK(strstr(v.note, junk) && !strcmp(v.path, knot) && v.world.gaussians == count);
+    CHECK(says_why(&v, junk) && !strcmp(v.path, knot) && v.world.gaussians == count);
     drop(&v, missing);
-    CHECK(strstr(v.note, missing) && !strcmp(v.path, knot) && shows(&v, v.views[0], 64, 48));
+    CHECK(!strcmp(v.note, "none.ply: No such file or directory"));
+    CHECK(!strcmp(v.path, knot) && shows(&v, v.views[0], 64, 48));
     drop(&v, cubes);
     CHECK(!strcmp(v.path, cubes) && v.world.gaussians == 300 && shows(&v, v.views[0], 64, 48));
     make_scene(other, "\xc3\xa4 \xf0\x9f\x98\x80", "cubes", "20");
@@ -833,7 +842,7 @@ static void test_empty_window(void)
     key(&v, 'h');
     CHECK(v.help && help_fits(&v));
     drop(&v, junk);
-    CHECK(!v.quit && !v.path && strstr(v.note, junk));
+    CHECK(!v.quit && !v.path && says_why(&v, junk));
     drop(&v, cubes);
     CHECK(v.path && !strcmp(v.path, cubes) && shows(&v, v.views[0], 64, 48));
     viewer_close(&v);

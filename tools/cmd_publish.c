@@ -10,6 +10,7 @@
 #include "src/base/system.h"
 #include "cmd_render.h"
 #include "file_guard.h"
+#include "made_list.h"
 #include "page_folder.h"
 #include "publish_scene.h"
 #include "publish_single.h"
@@ -24,6 +25,7 @@ typedef struct publish_options {
     int single;                    /* one .html file, and no folder */
     scene_list list;
     size_t bytes;                  /* of all that was written */
+    made_list made;                /* what was not there before: removed where publish fails */
 } publish_options;
 
 #define OPTIONS publish_options
@@ -58,13 +60,14 @@ static int write_scene(publish_options *o, listed_scene *s)
     if (!is_given("profile"))
         publish_say_gain(&scene, o->words);
     o->bytes += scene.opened->bytes;
+    made_list_add(&o->made, path);
     const int error = fxs_file_write(path, scene.opened->data, scene.opened->bytes, &why);
     free_scene(&scene);
     return error ? fail_for(&why) : 0;
 }
 
 /* From where the page begins. */
-static int write_poster(const publish_options *o, const listed_scene *s)
+static int write_poster(publish_options *o, const listed_scene *s)
 {
     render_options *r = calloc(1, sizeof *r);
     char name[LISTED_NAME + 8], scene[TASK_PATH], poster[TASK_PATH], *scenes[] = {scene};
@@ -74,6 +77,7 @@ static int write_poster(const publish_options *o, const listed_scene *s)
     join_path(scene, o->site, name);
     snprintf(name, sizeof name, "%s.jpg", s->name);
     join_path(poster, o->site, name);
+    made_list_add(&o->made, poster);
     r->frame = o->frame;
     r->frame.world = (world_options){.scenes = scenes, .scene_count = 1};
     r->output = poster;
@@ -93,6 +97,7 @@ static int write_bytes(publish_options *o, const char *folder, const char *name,
     fxs_message why;
     const fxs_encoded file = {.bytes = bytes, .size = size};
     join_path(path, folder, name);
+    made_list_add(&o->made, path);
     o->bytes += size;
     return fxs_encoded_write(path, &file, &why) ? fail_for(&why) : 0;
 }
@@ -121,6 +126,7 @@ static void copy_file(void *argument, const char *name)
 
 static int copy_files(publish_options *o, const char *from, const char *to)
 {
+    made_list_add(&o->made, to);
     copying c = {o, from, to, make_folder(to)};
     return fxs_folder_each(from, copy_file, &c) ? fail(EXIT_FAILED, "%s: %s", from, strerror(errno)) : c.status;
 }
@@ -214,7 +220,7 @@ static void count_file(void *files, const char *name)
 }
 
 /* A folder that is not there, is empty, or is of an earlier call. */
-static int take_site(const publish_options *o)
+static int take_site(publish_options *o)
 {
     char path[TASK_PATH];
     int files = 0;
@@ -222,6 +228,7 @@ static int take_site(const publish_options *o)
     join_path(path, o->site, "fixsplat/viewer");
     if (files && !is_folder(path))
         return fail(EXIT_FAILED, "%s: not empty, and not a folder that publish made: give a new one", o->site);
+    made_list_add_folders(&o->made, o->site);
     return make_folders(o->site);
 }
 
@@ -295,6 +302,9 @@ static int run(int argc, char **argv)
     status = status ? status : o.single ? publish_file(&o, package) : publish_folder(&o, package);
     if (!status)
         report(&o);
+    else
+        made_list_remove(&o.made);
+    made_list_free(&o.made);
     scene_list_free(&o.list);
     return status;
 }

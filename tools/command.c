@@ -138,11 +138,16 @@ void write_shell_word(FILE *file, const char *word)
         return;
     }
     fprintf(file, " %c", FXS_SHELL_QUOTE);
-    for (; *word; word++)
+    for (size_t doubled = 0; *word; word++) {
+        const int is_end = !word[1] || word[1] == FXS_SHELL_QUOTE;
         if (*word == FXS_SHELL_QUOTE)
             fputs(FXS_SHELL_QUOTED_QUOTE, file);
         else
             fputc(*word, file);
+        doubled = *word == FXS_SHELL_DOUBLED ? doubled + 1 : 0;
+        for (; doubled && is_end; doubled--)
+            fputc(FXS_SHELL_DOUBLED, file);
+    }
     fputc(FXS_SHELL_QUOTE, file);
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/system.h"
 #include "command.h"
 
 /* ---- What every command takes ---------------------------------------------------------------------------------- */
@@ -207,6 +208,13 @@ static int say_wrong_option(char **argv, const char *letters)
     return fail(EXIT_USAGE, "%s: unknown option: %s; see: fixsplat %s --help", own, word, own);
 }
 
+/* Paths are made ours (system.h): in the values of options but those of free text, and in all other words. */
+static void take_path(const option_row *r, char *value)
+{
+    if (value && strcmp(r->value, "TEXT"))
+        fxs_path_take(value);
+}
+
 int take_options(const command *c, void *options, int argc, char **argv)
 {
     struct option table[ROWS_MOST];
@@ -219,9 +227,12 @@ int take_options(const command *c, void *options, int argc, char **argv)
             return say_wrong_option(argv, letters);
         struct row_taken *t = find_row(option);
         t->given = 1;
+        take_path(t->row, optarg);
         if (t->row->take(t->row, t->options + t->row->offset, optarg))
             return EXIT_USAGE;
     }
+    for (char **word = argv + optind; word < argv + argc; word++)
+        fxs_path_take(*word);
     return 0;
 }
 

@@ -1,8 +1,8 @@
 #!/bin/sh
 # tools/dist.sh OUT BUILD: what people install, of the last commit, in the folder OUT: sources, a tarball and a wheel
-# for each processor, a zip for Windows, Debian packages for this processor, the npm package, SHA256SUMS. The same bytes
-# for the same commit, tools and libraries, in whichever folder BUILD. From the environment: NVCC PYTHON WEB_SOURCES.
-# OUT appears when all is made.
+# for each processor, a zip and a wheel for Windows, Debian packages for this processor, the npm package, SHA256SUMS. The
+# same bytes for the same commit, tools and libraries, in whichever folder BUILD. From the environment: NVCC PYTHON
+# WEB_SOURCES. OUT appears when all is made.
 set -e
 final=${1:?folder} build=${2:?build folder}
 unset MAKEFLAGS MAKELEVEL MFLAGS
@@ -121,17 +121,17 @@ linux() {
         [ -z "$(needs "$file")" ] || { echo "dist: $file is linked with $(needs "$file")" >&2; exit 1; }
     done
     pack "$folder" "$out/$name-linux-$arch.tar.gz"
-    wheel $arch
+    wheel "$folder/lib/libfixsplat.so.$version" manylinux_2_36_$arch        # for glibc of Debian 12 or later
 }
 
-# wheel ARCHITECTURE: with the library of its tarball, for glibc of Debian 12 or later.
+# wheel LIBRARY PLATFORM: with the library of its tarball or zip, whose licences $documents has.
 wheel() {
     rm -rf "$build/wheel"
     mkdir "$build/wheel"
     cp -r port/python/pyproject.toml port/python/setup.py port/python/fixsplat LICENSE "$build/wheel"
     cat "$documents"/licences/* >"$build/wheel/LICENSE.libraries"
     find "$build/wheel" -name __pycache__ -prune -exec rm -r {} +
-    FIXSPLAT_LIBRARY=$folder/lib/libfixsplat.so.$version FIXSPLAT_PLATFORM=manylinux_2_36_$1 \
+    FIXSPLAT_LIBRARY=$1 FIXSPLAT_PLATFORM=$2 \
         "$PYTHON" -m pip wheel --quiet --no-deps --no-build-isolation --disable-pip-version-check \
         --wheel-dir "$out" "$build/wheel"
 }
@@ -164,6 +164,7 @@ windows() {
     done
     find "$folder" -exec touch -d @"$SOURCE_DATE_EPOCH" {} +
     (cd "${folder%/*}" && find "${folder##*/}" -type f | sort | zip -qX9@ "$out/${folder##*/}.zip")
+    wheel "$folder/bin/libfixsplat-${version%%.*}.dll" win_amd64
 }
 
 # With Debian's shared libraries, so without the CUDA runtime. Of 1.0.0-rc1 the version is 1.0.0~rc1: before 1.0.0.

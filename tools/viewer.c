@@ -7,6 +7,7 @@
 #include <fixsplat/clock.h>
 #include "port/window/motion.h"
 #include "port/window/words.h"
+#include "src/base/system.h"
 #include "views.h"
 #include <fixsplat/packed.h>
 
@@ -111,6 +112,16 @@ static void note_arrived(void *viewer_)
         fxs_window_wake();
 }
 
+/* The message of what failed, with the path's last name alone. */
+static void note_why(loading *l)
+{
+    const world_options *given = &l->options.world;
+    const char *why = last_failure(), *path = l->path ? l->path : given->file ? given->file : given->scenes[0];
+    if (!strncmp(why, path, strlen(path)))
+        why += viewer_file_name(path) - path;
+    snprintf(l->why, sizeof l->why, "%.255s", why);
+}
+
 /* On the loader's thread: the scenes and their views, as v->loading says. */
 static void load(void *argument)
 {
@@ -125,8 +136,10 @@ static void load(void *argument)
     all.view = "all";
     l->views = 0;
     l->status = l->path ? world_open_file(&l->world, l->path, &how) : world_open(&l->world, &l->options.world, &how);
-    if (l->status)
+    if (l->status) {
+        note_why(l);
         return;
+    }
     l->count = choose_views(&all, &l->world, &l->views, 0);
     l->options.up = all.up;
     l->index = l->count < 0 ? -1 : find_view(&l->options, l->views, l->count);
@@ -137,6 +150,7 @@ static void load(void *argument)
     world_close(&l->world);
     free(l->views);
     l->status = EXIT_FAILED;
+    note_why(l);
 }
 
 static void start_loading(viewer *v)
@@ -171,7 +185,8 @@ static void end_loading(viewer *v)
     free(next);
 }
 
-/* What failed leaves the scenes that there are; without any, of those given, there is nothing to show. */
+/* What failed leaves the scenes that there are. Without any, of those given, there is nothing to show: the program ends,
+   unless its words end with it. */
 static void collect_loaded(viewer *v)
 {
     if (!v->loading.on || v->installing || fxs_worker_busy(v->loader))
@@ -180,8 +195,8 @@ static void collect_loaded(viewer *v)
         v->installing = ask_install(v);
         return;
     }
-    if (v->loading.path)
-        snprintf(v->note, sizeof v->note, "cannot open %.128s: see the terminal", v->loading.path);
+    if (v->loading.path || fxs_terminal_ends_with_this())
+        memcpy(v->note, v->loading.why, sizeof v->note);
     else {
         v->quit = 1;
         v->status = v->loading.status;

@@ -44,6 +44,7 @@ enum { REQUESTS_MOST = 8, NEAR_POINTS = 1024, BUDGET_LEAST = 4096 };
 typedef struct loading {
     int on;
     char *path, *next;                      /* dropped, or null; the one after it */
+    char why[256];                          /* what failed */
     frame_options options;
     world world;
     fxs_file_view *views;
@@ -186,6 +187,9 @@ void viewer_follow_rate(viewer *v, uint64_t nanoseconds, uint32_t drawn);
 
 /* Where the view that is shown has a point: pixels of the window. Returns 0 for what is behind the camera. */
 int viewer_project(const viewer *v, const double point[3], double pixel[2]);
+
+/* The last name of a path. */
+const char *viewer_file_name(const char *path);
 
 /* Which of the recent scenes is listed at a place of the window, or -1. */
 int viewer_recent_at(const viewer *v, double x, double y);

@@ -118,7 +118,7 @@ static void add_help(panels *p)
     add_list(p, lines, count, -1);
 }
 
-static const char *file_name(const char *path)
+const char *viewer_file_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash && slash[1] ? slash + 1 : path;
@@ -132,7 +132,7 @@ static int list_recent(const viewer *v, key_line lines[FXS_RECENT_MOST + 1])
     enum { FOLDER = 40 };
     lines[0] = (key_line){"", "Drop a scene here, or open one again:"};
     for (int i = 0; i < v->recent.count; i++) {
-        const char *path = v->recent.paths[i], *name = file_name(path);
+        const char *path = v->recent.paths[i], *name = viewer_file_name(path);
         const int folder = (int)(name - path), cut = folder > FOLDER;
         snprintf(lines[i + 1].key, sizeof lines->key, "%d", (i + 1) % 10);
         snprintf(lines[i + 1].does, sizeof lines->does, "%.40s   %s%.*s", name, cut ? "..." : "",
@@ -188,7 +188,7 @@ static void add_loading(panels *p, const viewer *v)
     const world_options *o = &v->loading.options.world;
     const char *path = !v->loading.on ? v->path : v->loading.path ? v->loading.path : o->file ? o->file : o->scenes[0];
     char text[256];
-    snprintf(text, sizeof text, "Opening %.200s", file_name(path));
+    snprintf(text, sizeof text, "Opening %.200s", viewer_file_name(path));
     add_words(p, MIDDLE, text);
     add_bar(p, v->loading.on ? fxs_worker_progress(v->loader) : 1);
 }
@@ -402,7 +402,7 @@ static void show_title(viewer *v)
         snprintf(title, sizeof title, "fixsplat%s%s", *v->note ? " - " : "", v->note);
     else
         snprintf(title, sizeof title, "%.200s - %s (%ld of %ld) - %s, SH %d, %s, 1/%d - %.1f ms%s%s",
-                 file_name(v->path), v->view.name, v->index + 1, v->view_count,
+                 viewer_file_name(v->path), v->view.name, v->index + 1, v->view_count,
                  cutoff_names[v->options.render.cutoff], v->options.render.sh_degree, v->options.backend,
                  v->coarse ? v->divisor : 1, v->times.frame, *v->note ? " - " : "", v->note);
     fxs_window_title(v->window, title);

@@ -123,9 +123,20 @@ FILE *fxs_stream_temporary(void)
     return tmpfile();
 }
 
+int fxs_stream_fault(FILE *file)
+{
+    (void)file;
+    return errno ? errno : EIO;
+}
+
 int fxs_stream_empty(FILE *file)
 {
     return ftruncate(fileno(file), 0);
+}
+
+int fxs_terminal_ends_with_this(void)
+{
+    return 0;
 }
 
 const char fxs_erase_line[] = "\r\033[K";

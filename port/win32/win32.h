@@ -20,6 +20,9 @@ wchar_t *win32_whole_path(const char *path);
 char *win32_narrow(const wchar_t *text);
 wchar_t *win32_wide(const char *text);
 
+/* The arguments of the command line in UTF-8, as the command takes them. Where there is no memory they stay. */
+void win32_arguments(int *argc, char ***argv);
+
 /* Sets errno to what the last error of Windows means. Returns -1. */
 int win32_failed(void);
 

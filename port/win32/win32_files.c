@@ -227,14 +227,27 @@ int fxs_folder_make(const char *path, fxs_message *message)
     return error == EEXIST && fxs_file_kind(path) == FXS_FILE_FOLDER ? 0 : fxs_fail_errno(message, path, error);
 }
 
-static int each_of(const char *pattern, void (*each)(void *argument, const char *name), void *argument)
+/* The pattern of all names in a folder, for free(). Null, and errno. */
+static wchar_t *all_in(const char *folder)
+{
+    wchar_t *wide = win32_path(folder);
+    const size_t length = wide ? wcslen(wide) : 0;
+    wchar_t *pattern = wide ? malloc((length + 3) * sizeof *pattern) : NULL;
+    if (pattern)
+        wcscat(wcscpy(pattern, wide), length && wide[length - 1] == L'\\' ? L"*" : L"\\*");
+    free(wide);
+    return pattern;
+}
+
+int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument)
 {
     WIN32_FIND_DATAW entry;
-    wchar_t *wide = win32_path(pattern);
-    const HANDLE found = wide ? FindFirstFileW(wide, &entry) : INVALID_HANDLE_VALUE;
-    free(wide);
-    if (found == INVALID_HANDLE_VALUE)
-        return wide ? win32_failed() : -1;
+    wchar_t *pattern = all_in(path);
+    const HANDLE found = pattern ? FindFirstFileW(pattern, &entry) : INVALID_HANDLE_VALUE;
+    const int result = found != INVALID_HANDLE_VALUE ? 0 : pattern ? win32_failed() : -1;
+    free(pattern);
+    if (result)
+        return result;
     do {
         char *name = win32_narrow(entry.cFileName);
         if (name)
@@ -243,19 +256,6 @@ static int each_of(const char *pattern, void (*each)(void *argument, const char 
     } while (FindNextFileW(found, &entry));
     FindClose(found);
     return 0;
-}
-
-int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument)
-{
-    const size_t length = strlen(path);
-    char *pattern = malloc(length + 3);
-    if (!pattern)
-        return -1;
-    memcpy(pattern, path, length);
-    strcpy(pattern + length, "/*");
-    const int result = each_of(pattern, each, argument);
-    free(pattern);
-    return result;
 }
 
 /* ---- Reading ----------------------------------------------------------------------------------------------------- */
@@ -372,6 +372,18 @@ FILE *fxs_stream_temporary(void)
     return NULL;
 }
 
+/* Where only a part had room, the C library does not know why, or calls it EINVAL. One byte more tells. */
+int fxs_stream_fault(FILE *file)
+{
+    const int number = errno && errno != EINVAL ? errno : EIO;
+    const HANDLE handle = (HANDLE)_get_osfhandle(_fileno(file));
+    DWORD written;
+    if (number != EIO || GetFileType(handle) != FILE_TYPE_DISK || WriteFile(handle, "", 1, &written, NULL))
+        return number;
+    win32_failed();
+    return errno;
+}
+
 int fxs_stream_empty(FILE *file)
 {
     fflush(file);
@@ -387,6 +399,12 @@ int fxs_is_terminal(FILE *file)
 {
     DWORD mode;
     return GetConsoleMode((HANDLE)_get_osfhandle(_fileno(file)), &mode) != 0;
+}
+
+int fxs_terminal_ends_with_this(void)
+{
+    DWORD others[2];
+    return GetConsoleProcessList(others, 2) == 1;
 }
 
 int fxs_terminal_takes_codes(FILE *file)

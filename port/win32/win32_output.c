@@ -188,7 +188,7 @@ int fxs_output_close(fxs_output *output, fxs_message *message)
     int result = 0;
     errno = 0;
     if ((fflush(output->file) || ferror(output->file)) && !output->error)
-        output->error = errno ? errno : EIO;
+        output->error = fxs_stream_fault(output->file);
     if (!output->error && !output->left && output->temporary)
         output->error = put_when_free(output);
     errno = 0;

@@ -49,10 +49,19 @@ static int is_nul(const char *path)
     return !_stricmp(path, "nul");
 }
 
+/* The characters of \\?\ or \\.\ before a path, as with both kinds of strokes, and of the drive. */
+static size_t root_of(const char *path)
+{
+    static const char strokes[] = "/\\";
+    const int is_prefixed = strspn(path, strokes) == 2 && path[2] && strchr("?.", path[2]) && path[3] &&
+                            strchr(strokes, path[3]);
+    const size_t prefix = is_prefixed ? 4 : 0;
+    return prefix + (path[prefix] && path[prefix + 1] == ':' ? 2 : 0);
+}
+
 const char *fxs_path_fault(const char *path)
 {
-    const size_t root = path[0] && path[1] == ':' ? 2 : 0;
-    for (const char *name = path + root; *name;) {
+    for (const char *name = path + root_of(path); *name;) {
         const size_t length = strcspn(name, "/\\");
         if (length && strspn(name, ".") != length) {
             if (is_device(name, length) && !is_nul(path))
@@ -61,6 +70,10 @@ const char *fxs_path_fault(const char *path)
                 return "ends in a dot or a space, which Windows leaves out of names";
             if (memchr(name, ':', length))
                 return "has a colon, which is no part of names in Windows";
+            if (memchr(name, '"', length))
+                return "has a quote, which is no part of names in Windows: leave out the \\ before a quote";
+            if (strcspn(name, "*?<>|") < length)
+                return "has one of * ? < > |, which are no part of names in Windows";
         }
         name += length + (name[length] != 0);
     }

@@ -18,30 +18,6 @@ static void restore_console(void)
     SetConsoleOutputCP(code_page);
 }
 
-/* \ is no part of a name: as in all paths here, / stands between folders. */
-static char *argument_of(const wchar_t *wide)
-{
-    char *text = win32_narrow(wide);
-    for (char *c = text; c && *c; c++)
-        *c = *c == '\\' ? '/' : *c;
-    return text;
-}
-
-static void take_arguments(int *argc, char ***argv)
-{
-    int count;
-    wchar_t **wide = CommandLineToArgvW(GetCommandLineW(), &count);
-    char **texts = wide ? calloc((size_t)count + 1, sizeof *texts) : NULL;
-    for (int i = 0; texts && i < count; i++)
-        if (!(texts[i] = argument_of(wide[i])))
-            return;
-    LocalFree(wide);
-    if (texts) {
-        *argc = count;
-        *argv = texts;
-    }
-}
-
 void fxs_program_begin(int *argc, char ***argv)
 {
     FILE *const standard[] = {stdin, stdout, stderr};
@@ -51,14 +27,16 @@ void fxs_program_begin(int *argc, char ***argv)
     code_page = GetConsoleOutputCP();
     if (code_page && code_page != CP_UTF8 && SetConsoleOutputCP(CP_UTF8))
         atexit(restore_console);
-    take_arguments(argc, argv);
+    win32_arguments(argc, argv);
 }
 
 void fxs_program_path(char *path, size_t room)
 {
     wchar_t wide[4096];
     const DWORD length = GetModuleFileNameW(NULL, wide, sizeof wide / sizeof *wide);
-    char *text = length && length < sizeof wide / sizeof *wide ? argument_of(wide) : NULL;
+    char *text = length && length < sizeof wide / sizeof *wide ? win32_narrow(wide) : NULL;
+    if (text)
+        fxs_path_take(text);
     if (text && strlen(text) > 4 && !_stricmp(text + strlen(text) - 4, ".exe"))
         text[strlen(text) - 4] = 0;
     snprintf(path, room, "%s", text ? text : "");

@@ -6,6 +6,8 @@
 
 #include <fixsplat/message.h>
 
+#include "system.h"
+
 int fxs_output_fail(const char *path, int error, fxs_message *message)
 {
     if (error == ECANCELED)
@@ -30,6 +32,6 @@ int fxs_output_write(fxs_output *output, const void *bytes, size_t size, fxs_mes
     if (fwrite(bytes, 1, size, output->file) == size)
         return 0;
     if (!output->error)
-        output->error = errno ? errno : EIO;
+        output->error = fxs_stream_fault(output->file);
     return fxs_output_fail(output->path, output->error, message);
 }

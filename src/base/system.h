@@ -64,12 +64,14 @@ static inline int fxs_path_is_whole(const char *path)
     return *path == '/';
 }
 
-/* A path that the system gives becomes as paths are here: \ of Windows, which no name has, becomes /. */
+/* A path that the system gives becomes as paths are here: \ of Windows, which no name has, becomes /. One without it may
+   be a constant. */
 static inline void fxs_path_take(char *path)
 {
 #ifdef _WIN32
     for (; *path; path++)
-        *path = *path == '\\' ? '/' : *path;
+        if (*path == '\\')
+            *path = '/';
 #else
     (void)path;
 #endif
@@ -116,14 +118,16 @@ int fxs_font_find(char *path, size_t room, fxs_message *message);
 
 /* ---- Commands for people to type --------------------------------------------------------------------------------- */
 
-/* What a shell takes a word in, the same within such a word, and the name of Python. */
+/* What a shell takes a word in, the same within such a word, what is doubled before both, and the name of Python. */
 #ifdef _WIN32
 #define FXS_SHELL_QUOTE '"'
 #define FXS_SHELL_QUOTED_QUOTE "\\\""
+#define FXS_SHELL_DOUBLED '\\'
 #define FXS_PYTHON "py"
 #else
 #define FXS_SHELL_QUOTE '\''
 #define FXS_SHELL_QUOTED_QUOTE "'\\''"
+#define FXS_SHELL_DOUBLED '\0'         /* nothing */
 #define FXS_PYTHON "python3"
 #endif
 
@@ -139,7 +143,14 @@ FILE *fxs_stream_temporary(void);
    length. */
 int fxs_stream_empty(FILE *file);
 
+/* Why not all that was written to a stream has arrived: an errno, never 0. Before the call that failed, errno was 0. */
+int fxs_stream_fault(FILE *file);
+
 int fxs_is_terminal(FILE *file);
+
+/* Whether the terminal was made for this program alone and ends with it, as by a double click in Windows: what is printed
+   last is read by nobody. */
+int fxs_terminal_ends_with_this(void);
 
 /* Makes the line of a terminal an empty one. */
 extern const char fxs_erase_line[];

@@ -1,5 +1,6 @@
-"""layout.py LIBRARY: what programs have of the headers in them, as the shared library declares it, a line each: how many
-bytes a struct has; where in it a member is, and its type; the value of a constant; what a function takes and returns."""
+"""layout.py LIBRARY [DECLARATIONS]: what programs have of the headers in them, as the shared library declares it, or as a
+file does, a line each: how many bytes a struct has; where in it a member is, and its type; the value of a constant; what
+a function takes and returns."""
 import sys
 
 from cffi import FFI
@@ -7,7 +8,12 @@ from cffi import FFI
 ffi = FFI()
 ffi.cdef("const char *fxs_declarations(void);")
 library = ffi.dlopen(sys.argv[1])
-ffi.cdef(ffi.string(library.fxs_declarations()).decode(), override=True)
+if len(sys.argv) > 2:
+    with open(sys.argv[2]) as file:
+        text = file.read()
+else:
+    text = ffi.string(library.fxs_declarations()).decode()
+ffi.cdef(text, override=True)
 
 
 def lines():

@@ -341,6 +341,14 @@ if os.path.exists("/proc/self/statm"):
 else:
     print("skip memory that is left: no /proc here")
 
+# ---- As on Windows ---------------------------------------------------------------------------------------------------
+
+ok("Windows: the library's name", fixsplat._library._names("win32") == ("libfixsplat-1.dll",))
+stroke, os.sep = os.sep, "\\"
+ok("Windows: paths for C have / between folders", fixsplat._library.file_name("C:\\a\\b/c.ply") == b"C:/a/b/c.ply")
+os.sep = stroke
+ok("but here \\ is a character of names", fixsplat._library.file_name("a\\b/c.ply") == b"a\\b/c.ply")
+
 # ---- What is wrong ---------------------------------------------------------------------------------------------------
 
 K, pose = camera.K, camera.world_to_camera

@@ -29,7 +29,7 @@ check "SHA256SUMS has every file" equal "$(cut -c 67- "$dist/SHA256SUMS" | sort)
 check "and their sums" sh -c 'cd "$0" && sha256sum --quiet -c SHA256SUMS' "$dist"
 [ -e "$B/fixsplat" ] && "$B/fixsplat" make-scene knot --count 5000 -o "$work/knot.ply" || { finish; exit 1; }
 hash=$("$B/fixsplat" render "$work/knot.ply" --size 320x180 --hash)
-cp -r tests/outside "$work"
+cp -r tests/outside tests/python tests/windows "$work"
 cd "$work" || exit 1
 
 # report NAME FOLDER...: how long it took since `begin`, and what is installed.
@@ -152,7 +152,7 @@ s.render(s.frame(320, 180)).save("wheel.png")'
 else
     skip wheel "no venv here"
 fi
-for file in "$dist"/*.whl; do
+for file in "$dist"/*linux*.whl; do
     check "${file##*/}: for glibc of Debian 12" sh -c 'case $0 in *-py3-none-manylinux_2_36_*) ;; *) false ;; esac' \
         "$file"
 done
@@ -213,6 +213,50 @@ else
         check "Windows: it runs, $kind" w $kind.exe knot.ply $kind.packed
         check "Windows: it packs the same, $kind" cmp $kind.packed a.packed
     done
+fi
+
+# The wheel for Windows: no Python for it is to be had from Debian, so a program makes the calls that the package makes
+# here, of the library that is in it.
+installed=$(ls -d venv/lib/python3*/site-packages/fixsplat 2>/dev/null)
+wheel=$(ls "$dist"/*-py3-none-win_amd64.whl 2>/dev/null)
+if [ ! -e "$zip" ]; then
+    skip "wheel for Windows" "no zip for Windows"
+elif [ -z "$installed" ] || [ -z "$wine" ] || ! have x86_64-w64-mingw32-gcc; then
+    skip "wheel for Windows" "no venv, wine64 or x86_64-w64-mingw32-gcc here"
+else
+    begin
+    dll=libfixsplat-${version%%.*}.dll
+    check "wheel for Windows: unpacked" "$python" -m zipfile -e "$wheel" wheel
+    files() { (cd "$1" && find . -type f ! -path '*/__pycache__/*' | LC_ALL=C sort | grep -v libfixsplat); }
+    check "wheel for Windows: the files of the one for Linux" equal "$(files wheel/fixsplat)" "$(files "$installed")"
+    check "wheel for Windows: its library is that of the zip" cmp "wheel/fixsplat/$dll" "$folder/bin/$dll"
+    check "wheel for Windows: its tag" grep -qx 'Tag: py3-none-win_amd64' wheel/fixsplat-*.dist-info/WHEEL
+    check "wheel for Windows: the package looks for that name" equal "$(bare venv/bin/python -c \
+        'from fixsplat._library import _names; print(*_names("win32"))')" "$dll"
+    check "wheel for Windows: licences of what is linked in" sh -c 'grep -q "libjpeg-turbo" "$0" && grep -qi mingw "$0"' \
+        "$(find wheel -name LICENSE.libraries)"
+    nm -D --defined-only "$installed/libfixsplat.so.${version%%.*}" | sed 's/.* //; s/@.*//' | sort >functions
+    grep -ohE '(lib\.|")fxs_[a-z0-9_]+' wheel/fixsplat/*.py | sed 's/.*fxs_/fxs_/' | sort -u | comm -12 - functions >called
+    x86_64-w64-mingw32-objdump -p "wheel/fixsplat/$dll" | awk '$1 ~ /^\[/ { print $NF }' | sort >exported
+    check "wheel for Windows: its library has the $(wc -l <called) functions that the package calls" \
+        equal "$(comm -23 called exported) $(awk 'END { print (NR > 60) }' called)" " 1"
+    cat >camera.json <<-'END'
+	{"fl_x": 300, "fl_y": 300, "cx": 160, "cy": 90, "w": 320, "h": 180, "frames": [{"file_path": "a.png",
+	    "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 12], [0, 0, 0, 1]]}]}
+	END
+    bare venv/bin/python python/calls.py knot.ply camera.json >linux.calls
+    check "wheel for Windows: a program that calls as the package does" x86_64-w64-mingw32-gcc -std=c99 \
+        windows/wheel.c -o wheel.exe -I"$folder/include"
+    bare WINEPREFIX="$work/wine" WINEDEBUG=-all "$wine" wheel.exe "wheel/fixsplat/$dll" knot.ply camera.json declared |
+        tr -d '\r' >windows.calls
+    check "wheel for Windows: its library draws what the package draws here, by the same calls" \
+        cmp windows.calls linux.calls
+    layout() { venv/bin/python outside/layout.py "$installed/libfixsplat.so.${version%%.*}" "$@"; }
+    check "wheel for Windows: cffi reads of it the structs, constants and functions that it reads here" \
+        equal "$(layout declared)" "$(layout)"
+    check "wheel for Windows: a picture" grep -Eqx '[0-9a-f]{16}' linux.calls
+    report "wheel for Windows" wheel/fixsplat
+    end_wine
 fi
 
 # ---- npm -------------------------------------------------------------------------------------------------------------

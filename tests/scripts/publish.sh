@@ -77,8 +77,14 @@ fails "settings of several" 2 "publish: --settings is of one scene, and there ar
 check "nothing is made then" [ ! -e new4 ]
 fails "no scene" 1 "nothing.ply" publish nothing.ply new --quiet
 head -c 200 knot.ply >short.ply
-fails "a damaged scene" 1 "short.ply" publish short.ply new2 --quiet
 mkdir nothing
+fails "a damaged scene" 1 "short.ply" publish short.ply new2 --quiet
+check "nothing is left of it" [ ! -e new2 ]
+mkdir -p kept && (cd site && find . | sort) >logs/site && cp site/knot.fxs kept
+fails "a damaged scene behind another, in a folder of before" 1 "short.ply" publish 'as it is.fxs' short.ply site --quiet
+check "what was there stays, and no more" sh -c '(cd site && find . | sort) | cmp - logs/site && cmp site/knot.fxs kept/knot.fxs'
+fails "a damaged scene, in a folder of something else that is empty" 1 "short.ply" publish short.ply nothing/new --quiet
+check "the folder stays" equal "$(ls -a nothing | tr '\n' ' ')" ". .. "
 fails "a folder without scenes" 1 "nothing: no scene in this folder" publish nothing new3
 mkdir -p 'of photos/images' && cp poster.jpg 'of photos/images'
 fails "a folder of photographs" 1 \

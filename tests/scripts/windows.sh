@@ -39,6 +39,7 @@ refused() { kept=$wanted fixsplat=$work/logs/windows; fails "$@"; wanted=$kept f
 w --version >logs/out 2>/dev/null        # makes wine's folder
 check "runs, and says which version it is" equal "$(w --version)" "$("$fixsplat" --version)"
 check "ends no line but by a line feed" equal "$(w help formats | tr -d '\r' | cksum)" "$(w help formats | cksum)"
+check "/?: help" equal "$(w /?) $(w render /?)" "$("$fixsplat" --help) $("$fixsplat" render --help)"
 check "the same formats" equal "$(w help formats)" "$("$fixsplat" help formats)"
 
 # ---- Pictures --------------------------------------------------------------------------------------------------------
@@ -83,6 +84,16 @@ check "render --budget: of a file that is read in part" equal \
 mkdir linux windows && "$fixsplat" convert knot.ply linux/lod-meta.json && w convert knot.ply windows/lod-meta.json
 check "convert lod-meta.json: the same folder" diff -r windows linux
 
+# As a program for Windows has them, behind windows.h.
+{
+    echo '#include <windows.h>'
+    ls "$root/src/include/fixsplat" | sed 's|.*|#include <fixsplat/&>|'
+    sed -n -e 's/^\(fxs_[a-z0-9_]*\) \([0-9]*\) bytes$/_Static_assert(sizeof(\1) == \2, "\1");/p' \
+        -e 's/^\(fxs_[a-z0-9_]*\)\.\([a-zA-Z0-9_]*\) \([0-9]*\) .*/_Static_assert(offsetof(\1, \2) == \3, "\1.\2");/p' \
+        "$root/tests/outside/layout-1.0"
+} >layout.c
+check "all structs are as on Linux" $compiler -std=c11 -Wall -Werror -I"$root/src/include" -c layout.c -o layout.o
+
 # README's program, which has the .dll beside it.
 sed -n '/^```c$/,/^```$/p' "$root/README.md" | sed '/^```/d' >program.c
 mkdir dll && cp "$built"/libfixsplat-*.dll dll &&
@@ -100,6 +111,15 @@ check "publish: what shows it" grep -q ': py -m http.server -d site-windows$' lo
 w publish knot.ply "it's a site" --size 64x36 >logs/out
 check "publish: what shows it, quoted as cmd does" grep -Fq ": py -m http.server -d \"it's a site\"" logs/out
 check "publish: the same folder" diff -r site-windows site
+w publish knot.ply titled --size 64x36 --title 'a\b' >logs/out
+check "publish --title: with its \\" grep -Fq '<title>a\b</title>' titled/index.html
+head -c 200 knot.ply >short.ply
+refused "publish: a damaged scene" 1 'short.ply: ' publish knot.ply short.ply half-made --size 64x36
+check "publish: nothing is left of it" [ ! -e half-made ]
+"$fixsplat" make-scene knot --count 30000 -o large.ply && "$fixsplat" convert large.ply large.fxs
+env -u FIXSPLAT_QUIET "$wine" "$program" publish large.fxs again --size 64x36 --title 'a "b\' >logs/out 2>logs/err
+check "publish: a command to go on with, whose words cmd reads as they were" \
+    grep -Fq -- ' --title "a \"b\\" large.fxs again --profile small' logs/err
 
 # ---- Fits ------------------------------------------------------------------------------------------------------------
 
@@ -222,11 +242,11 @@ else
 	END
     set -- view --web --port 0 knot.ply served.spz linux.levels.fxs 'ä ö/😀/k not.ply'
     serves "$fixsplat" "$@"
-    for i in 0 1 2 3; do ready $i 1; done
+    for i in 0 1 2 3; do ready $i ready 1; done
     answers >linux.answers
     stop
     serves "$wine" "$program" "$@"
-    for i in 0 1 2 3; do check "view --web: scene $i is there" ready $i 1; done
+    for i in 0 1 2 3; do check "view --web: scene $i is there" ready $i ready 1; done
     answers >windows.answers
     check "view --web: the same answers to $(wc -l <requests) requests" diff linux.answers windows.answers
     tag=$(get -I "$at/long.js" | tr -d '\r' | sed -n 's/^ETag: //p')
@@ -354,7 +374,44 @@ refused "a device's name, read" 1 '^fixsplat: aux.ply: is the name of a device i
 refused "a folder that ends in a dot" 1 'x\./y.fxs: cannot be written: it ends in a dot or a space' \
     convert knot.ply 'x.\y.fxs'
 refused "a colon" 1 'a colon' convert knot.ply 'linux/a:b.fxs'
+refused "a quote" 1 'it has a quote, which is no part of names in Windows: leave out the \\ before a quote$' \
+    convert knot.ply 'linux/a".fxs'
+refused "a wildcard that no file matches" 1 '^fixsplat: \*.none: has one of ' info '*.none'
+refused "a wildcard in an output" 1 'y\?b.fxs: cannot be written: it has one of ' convert knot.ply 'y?b.fxs'
 check "none of them is there" equal "$(ls | grep -i -e con -e '^x')" ""
+
+whole='\\?\Z:'$(pwd | tr / '\\')
+check "a whole path with the prefix" equal "$(w render "$whole\\knot.ply" --hash)" "$wanted"
+w convert knot.ply "$whole\\whole.fxs"
+check "written there too" cmp whole.fxs linux.fxs
+
+# ---- Lines as they are typed in cmd ----------------------------------------------------------------------------------
+
+$compiler -O1 -o line.exe "$root/tests/windows/line.c" && mkdir 'a folder' many || exit 1
+for name in b.ply A.ply C.PLY 'x[1].ply'; do cp knot.ply "many/$name"; done
+cp linux.fxs many/ && cp knot.ply 'a folder/'
+mkdir -p plain-page/viewer && cp page/fixsplat.js plain-page && cp page/viewer/index.html plain-page/viewer
+# typed ARGUMENTS: as they are written.
+typed() {
+    printf '"Z:%s" %s\n' "$(printf %s "$program" | tr / '\\')" "$1" >logs/line
+    FIXSPLAT_WEB=plain-page "$wine" line.exe logs/line 2>logs/err
+}
+listed() { "$fixsplat" info "$@" --json; }
+check "*: the files, sorted" equal "$(typed 'info many\*.ply --json')" \
+    "$(listed many/A.ply many/b.ply many/C.PLY 'many/x[1].ply')"
+check "?: one character" equal "$(typed 'info many\?.ply --json')" "$(listed many/A.ply many/b.ply many/C.PLY)"
+check "[ and ] stand for themselves" equal "$(typed 'info many\x[1].ply --json')" "$(listed 'many/x[1].ply')"
+check "* in a whole path with the prefix" equal "$(typed "info $whole\\many\\*.fxs --json")" "$(listed many/linux.fxs)"
+typed 'info "many\*.ply"'
+check "* in quotes is no wildcard" grep -q '^fixsplat: many/\*.ply: has one of ' logs/err
+typed 'publish --title "what?" many\A.ply asked --size 64x36' >logs/out
+check "? in the quotes of a text" grep -q '<title>what?</title>' asked/index.html
+typed 'publish --size 64x36 --title "a \"b\"" knot.ply said' >logs/out
+check "\\ before a quote: a part of a text" grep -q '<title>a &#34;b&#34;</title>' said/index.html
+typed 'publish knot.ply "as cmd completes\" --size 64x36 --title "as cmd"' >logs/out
+check "but where a quote is left open: the end of a folder's name" grep -q '<title>as cmd</title>' \
+    'as cmd completes/index.html'
+check "and behind that a name" equal "$(typed 'info "a folder\"knot.ply --json')" "$(listed 'a folder/knot.ply')"
 
 # ---- The window ------------------------------------------------------------------------------------------------------
 
@@ -461,6 +518,15 @@ knot.ply"
     else
         skip "the window: Ctrl-C" "no script here"
     fi
+    # Of a console that ends with it, as where a scene is dropped on the program, nobody reads why.
+    (cd 'only this' && exec "$wine" start /wait fixsplat-view.exe "$whole\\short.ply") >logs/out 2>&1 &
+    says_why() { titled '^fixsplat - short.ply: '; }
+    check "a damaged scene that is dropped on the program: the window says why" until_ says_why
+    # The console, which opens later, takes the keys to itself.
+    ends() { ! says_why || { timeout 5 xdotool windowfocus --sync "$window" key Escape; false; }; }
+    check "and Escape closes it" until_ ends
+    end_wine
+    wait $!
     unset DISPLAY
     end_wine
     kill $server
@@ -498,6 +564,17 @@ wait $!
 check "two writers of one file: both end well" equal $? 0
 "$fixsplat" make-scene knot --count 30000 -o one.ply
 check "two writers of one file: it is whole" cmp both.ply one.ply
+mkdir full
+if mount -t tmpfs -o size=200k none full 2>/dev/null; then
+    refused "a full disk" 1 'full/x.ply: cannot be written: No space left on device' \
+        make-scene knot --count 30000 -o full/x.ply
+    refused "a full disk, once more" 1 'full/x.ppm: cannot be written: No space left on device' \
+        render knot.ply -o full/x.ppm
+    check "nothing is left of them" equal "$(ls -A full)" ""
+    umount full
+else
+    skip "a full disk" "no file system can be mounted here"
+fi
 mkdir closed && chmod a-w closed
 if [ "$(id -u)" = 0 ]; then
     skip "a folder that is read-only" "root may write there"

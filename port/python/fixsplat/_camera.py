@@ -6,7 +6,7 @@ from typing import Any, Optional, Sequence, Tuple
 import numpy as np
 import numpy.typing as npt
 
-from ._library import PathLike, Struct, call, copy, file_name, lib, new, string, whole
+from ._library import PathLike, Struct, call, copy, file_name, lib, new, release, string, whole
 
 Floats = npt.NDArray[np.float64]
 
@@ -173,7 +173,7 @@ def load_cameras(path: PathLike) -> "list[Camera]":
     try:
         return [Camera._of(copy(views[0] + i)) for i in range(count)]
     finally:
-        lib.free(views[0])
+        release(views[0])
 
 
 def from_nerfstudio(camera_to_world: Any) -> Floats:

@@ -13,7 +13,7 @@ import numpy as np
 from ._camera import Camera, numbers
 from ._gaussians import floats
 from ._library import (CUTOFFS, NULL, PROFILES, Calls, Error, PathLike, Struct, call, choose, colour, ffi, file_name, lib,
-                       new, pool, whole)
+                       new, pool, release, whole)
 from ._scene import Memory, Scene
 
 EXPOSURES = {"none": lib.FXS_FIT_EXPOSURE_NONE, "gain": lib.FXS_FIT_EXPOSURE_GAIN,
@@ -227,7 +227,7 @@ def _take(pictures: "list[Any]", cameras: "list[Camera]", points: Any, colours: 
             photos.points = made
         yield photos
     finally:
-        lib.free(found)
+        release(found)
 
 
 def _fit(name: str, photos: Struct, options: Struct, progress: "Optional[Callable[[FitProgress], object]]") -> Scene:

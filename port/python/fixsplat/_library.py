@@ -5,6 +5,7 @@ import mmap
 import operator
 import os
 import signal
+import sys
 import threading
 from contextlib import contextmanager
 from pathlib import Path
@@ -34,26 +35,33 @@ class Error(Exception):
 
 # ---- Finding ---------------------------------------------------------------------------------------------------------
 
+def _names(platform: str) -> "tuple[str, ...]":
+    """Returns the names of the library's file on a platform (sys.platform), the one that programs look for first."""
+    major = VERSION.partition(".")[0]
+    if platform == "win32":
+        return (f"libfixsplat-{major}.dll",)
+    return f"libfixsplat.so.{major}", f"libfixsplat.so.{VERSION}", "libfixsplat.so"
+
+
 def _found() -> Iterator[str]:
     """Yields the places where the library may be: beside this package, in the build folder of the checkout, and in the
     folders of the system."""
     package = Path(__file__).resolve().parent
-    soname = "libfixsplat.so." + VERSION.partition(".")[0]
-    names = (soname, f"libfixsplat.so.{VERSION}", "libfixsplat.so")
+    names = _names(sys.platform)
     folders = [package]
     if (package.parents[2] / "src" / "include" / "fixsplat" / "fixsplat.h").exists():
-        folders.append(package.parents[2] / "build")
+        folders += [package.parents[2] / "build", package.parents[2] / "build" / "windows"]
     for folder in folders:
         for name in names:
             if (folder / name).exists():
                 yield str(folder / name)
-    yield soname
+    yield names[0]
 
 
 def _load(path: str) -> Any:
     """Loads the library. It states the functions, structs and constants of the headers from which it was built. Raises
     an ImportError where there is no library at this path or its version does not fit."""
-    ffi.cdef("int fxs_version(void); const char *fxs_declarations(void); void free(void *block);")
+    ffi.cdef("int fxs_version(void); const char *fxs_declarations(void);")
     try:
         library: Any = ffi.dlopen(path)
     except OSError as error:
@@ -62,7 +70,7 @@ def _load(path: str) -> Any:
     try:
         number = library.fxs_version()
     except AttributeError:
-        raise ImportError(f"fixsplat: {path} is not libfixsplat.so") from None
+        raise ImportError(f"fixsplat: {path} is not {_names(sys.platform)[-1]}") from None
     version = f"{number // 10000}.{number // 100 % 100}.{number % 100}"
     major, minor = (int(part) for part in VERSION.split(".")[:2])
     if number // 10000 != major or number // 100 % 100 < minor:
@@ -97,6 +105,11 @@ def copy(struct: Struct) -> Struct:
     return ffi.new(ffi.typeof(struct), struct[0])
 
 
+def release(block: Any) -> None:
+    """Frees what a function of the library has allocated by malloc, which on Windows is not that of Python."""
+    lib.fxs_release(NULL, block)
+
+
 def check(result: int, message: Struct, prefix: str = "") -> int:
     """Returns the result of a function of C, or raises an Error with the message if the result is negative."""
     if result >= 0:
@@ -114,8 +127,9 @@ def call(name: str, *arguments: Any) -> int:
 
 
 def file_name(path: PathLike) -> bytes:
-    """Returns a path as the bytes that C expects. Raises a ValueError for a path with a 0 byte."""
-    name = os.fsencode(os.fspath(path))
+    """Returns a path as the bytes that C expects, with / between folders. Raises a ValueError for a path with a 0
+    byte."""
+    name = os.fsencode(os.fspath(path)).replace(os.sep.encode(), b"/")
     if b"\0" in name:
         raise ValueError(f"{name!r}: a path without 0 bytes is expected")
     return name

@@ -6,6 +6,13 @@
 
 #include "fixsplat.h"
 
+/* windows.h makes nothing of this word, which is a member below. */
+#ifdef near
+#undef near
+#undef NEAR
+#define NEAR
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
