@@ -23,7 +23,7 @@ typedef struct fxs_cuda_memory {
     uint64_t splats;               /* for each slot: 46 bytes a Gaussian, 100 a chunk, 456 an object; with a budget or a
                                       detail 6.3 MB, 18 bytes for each chunk and node there is, 312 an object
                                       and eye; of two eyes that share, the right one's slot has none of that */
-    uint64_t tiles;                /* for each slot: 136 bytes a tile */
+    uint64_t tiles;                /* for each slot: 136 bytes a tile, 8.5 KB */
     uint64_t entries;              /* for each slot: 8 bytes a tile list entry there is room for */
     uint64_t pixels;               /* of fxs_cuda_render_host; for each slot: of targets in pinned host memory */
     uint64_t total;                /* the five above */
