@@ -96,16 +96,19 @@ typedef struct search {
     word_list found;
 } search;
 
+/* The name of a file must not be taken for an option, whatever it begins with. */
 static void take_name(void *search_, const char *text)
 {
     search *s = search_;
     const wchar_t *pattern = name_of(s->path);
-    const size_t folder = (size_t)(pattern - s->path);
     wchar_t *name = win32_wide(text);
     if (name && wcscmp(name, L".") && wcscmp(name, L"..") && matches(name, pattern)) {
+        const int is_bare = pattern == s->path && *name == L'-';
+        const wchar_t *before = is_bare ? L"./" : s->path;
+        const size_t folder = is_bare ? wcslen(before) : (size_t)(pattern - s->path);
         wchar_t *whole = malloc((folder + wcslen(name) + 1) * sizeof *whole);
         if (whole) {
-            memcpy(whole, s->path, folder * sizeof *whole);
+            memcpy(whole, before, folder * sizeof *whole);
             wcscpy(whole + folder, name);
         }
         add_word(&s->found, whole);

@@ -402,6 +402,9 @@ check "*: the files, sorted" equal "$(typed 'info many\*.ply --json')" \
 check "?: one character" equal "$(typed 'info many\?.ply --json')" "$(listed many/A.ply many/b.ply many/C.PLY)"
 check "[ and ] stand for themselves" equal "$(typed 'info many\x[1].ply --json')" "$(listed 'many/x[1].ply')"
 check "* in a whole path with the prefix" equal "$(typed "info $whole\\many\\*.fxs --json")" "$(listed many/linux.fxs)"
+cp knot.ply ./-dash.ply
+check "a file's name that begins with - is no option" equal "$(typed 'info *dash.ply --json')" "$(listed ./-dash.ply)"
+rm ./-dash.ply
 typed 'info "many\*.ply"'
 check "* in quotes is no wildcard" grep -q '^fixsplat: many/\*.ply: has one of ' logs/err
 typed 'publish --title "what?" many\A.ply asked --size 64x36' >logs/out
