@@ -1,8 +1,8 @@
 /* sort, blend and resolve. A list is sorted by a warp or a block; then each of 4 warps blends it over 8x8 pixels, two a
- * lane, until all are closed. A warp tests 32 splats at a time against its 8 rows, a splat a lane; the splats that can
- * touch a pixel are queued in shared memory, then all lanes take them one by one. Lists of 2^LONG_MAGNITUDE entries or
- * more are left to blend_dense (dense.cuh); where that is not used, groups of 4 warps sort and blend as many of their
- * keys at a time as there is room for, as long as there are open pixels.
+ * lane, or each of 8 over 8x4, until all are closed. A warp tests 32 splats at a time against its rows, one a lane; the
+ * splats that can touch a pixel are queued in shared memory, then all lanes take them one by one. Lists of
+ * 2^LONG_MAGNITUDE entries or more are left to blend_dense (dense.cuh); where that is not used, groups of 4 warps sort
+ * and blend as many of their keys at a time as there is room for, as long as there are open pixels.
  *
  * Levels are integers in float registers, twice the level of pixel.h plus the bit that its rounding drops: with c =
  * coordinate_q13 2^-7,
@@ -25,8 +25,13 @@ const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;    /* of a multiprocessor */
 const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;   /* of a block of blend_sorted */
 typedef group<GROUP_THREADS> tile_group;
 typedef group_keys<1024> tile_keys;
-const int REGION = 8;                      /* pixels of a warp, across and down */
-const uint32_t LANES = REGION / 2;         /* of a row; each has two pixels of it, LANES apart */
+const int REGION = 8;                      /* pixels of a warp across */
+template <int Each>
+constexpr uint32_t LANES = REGION / Each;  /* of a row; each has 1 or 2 pixels of it, LANES apart */
+template <int Each>
+constexpr int ROWS = WARP / LANES<Each>;   /* 4 or 8 */
+const uint32_t STEPS = 4;                  /* splats between looks at whether pixels are open */
+const uint32_t QUEUE = WARP + STEPS;       /* splats, at most */
 const int LEVEL_ONE = 0x4b000000;          /* 2^23 as a float, in bits */
 
 /* A splat on a row of a region. */
@@ -37,10 +42,10 @@ struct queued_row {
 
 /* A splat at a region. Its 80 bytes put 8 lanes' 16 bytes in different banks. */
 struct alignas(16) queued_splat {
-    queued_row rows[REGION];
+    queued_row rows[ROWS<2>];
     uint32_t ux_q24;
     int limit;                             /* of the level's bits */
-    uint32_t red_green, blue;
+    uint32_t red_green, blue;              /* Q14, two in a word */
 };
 
 /* The same splat, for the auxiliary outputs of a traced_pixel. */
@@ -48,8 +53,10 @@ struct queued_trace {
     uint32_t key, index;                   /* of its depth; in all objects */
 };
 
+/* Sums of weight times colour, each at most 2^15, as no product is more than its weight: two in a word. */
 struct pixel {
-    int transmittance, sum[3];
+    int transmittance;
+    uint32_t red_green, blue;
 };
 
 struct traced_pixel : pixel {
@@ -76,7 +83,7 @@ struct trace_queues {
 
 template <uint32_t Warps>
 struct trace_queues<traced_pixel, Warps> {
-    queued_trace traces[Warps][WARP];
+    queued_trace traces[Warps][QUEUE];
 
     __device__ queued_trace *trace_queue(uint32_t warp)
     {
@@ -89,7 +96,7 @@ struct group_shared : trace_queues<Pixel, GROUP_THREADS / WARP> {
     tile_keys keys;
     uint32_t entries[tile_keys::room];     /* sorted */
     union {
-        queued_splat queues[GROUP_THREADS / WARP][WARP];
+        queued_splat queues[GROUP_THREADS / WARP][QUEUE];
         uint32_t bins[bins_of<tile_keys, GROUP_THREADS>];
     };
     uint64_t *room;
@@ -136,20 +143,38 @@ __device__ inline int level_bits(queued_row row, uint32_t column, uint32_t ux_q2
     return __float_as_int(__fmaf_rd(u, u, row.level));
 }
 
+/* Adds fxs_mul_q15(weight, colour) to each sum, with colours of one bit more: the upper half of a product plus 2^15. */
+__device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32_t green_q14, uint32_t blue_q14)
+{
+    const uint32_t red = (uint32_t)weight * red_q14 + 32768, green = (uint32_t)weight * green_q14 + 32768;
+    p->red_green += __byte_perm(red, green, 0x7632);
+    p->blue += ((uint32_t)weight * blue_q14 + 32768) >> 16;
+}
+
+/* fxs_weight_q15(alpha, T), 0 where the level is over `limit` or the pixel is closed. The table, of two bytes for each
+   level, is in shared memory. By instructions that nvcc would not choose: what is fetched does not wait for T, and takes
+   the register of its address. */
+__device__ inline int weight_of(const uint16_t *alpha_q15, int level, int limit, int transmittance)
+{
+    int product;
+    asm("{ .reg .pred touched, open; .reg .u32 alpha;\n"
+        "setp.le.s32 touched, %1, %2; and.b32 alpha, %1, 0xfffe; add.u32 alpha, alpha, %4;\n"
+        "@touched ld.shared.u16 alpha, [alpha];\n"
+        "setp.ge.and.s32 open, %3, %5, touched; mov.u32 %0, 0;\n"
+        "@open mad.lo.s32 %0, alpha, %3, 16384; }"
+        : "=&r"(product)
+        : "r"(level), "r"(limit), "r"(transmittance), "r"((uint32_t)__cvta_generic_to_shared(alpha_q15)),
+          "n"(FXS_CLOSED_Q15));
+    return product >> 15;
+}
+
 /* Blends a splat whose level may be up to `limit`. Returns its weight. */
 __device__ inline int blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                   const queued_splat *s, int limit)
 {
-    const int level = level_bits(row, column, s->ux_q24);
-    int alpha = 0;
-    if (level <= limit && p->transmittance >= FXS_CLOSED_Q15)
-        alpha = alpha_q15[(level & 0xffff) >> 1];
-    const int weight = fxs_weight_q15(alpha, p->transmittance);
+    const int weight = weight_of(alpha_q15, level_bits(row, column, s->ux_q24), limit, p->transmittance);
     p->transmittance -= weight;
-    /* Sums only grow: cut to 32767 once, by resolve. */
-    p->sum[0] += fxs_mul_q15(weight, (int)(s->red_green & 0xffff));
-    p->sum[1] += fxs_mul_q15(weight, (int)(s->red_green >> 16));
-    p->sum[2] += fxs_mul_q15(weight, (int)s->blue);
+    add_colour(p, weight, s->red_green & 0xffff, s->red_green >> 16, s->blue);
     return weight;
 }
 
@@ -175,19 +200,21 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
     p->weight = weight > p->weight ? weight : p->weight;
 }
 
-/* Puts a splat at the region at (x, y), but for its colour. Returns whether it can touch a pixel there. u grows along a
-   row, so the least |u| is at an end, or 0 between them. */
-__device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, const fxs_view *view, int32_t x, int32_t y)
+/* Puts a splat at `Rows` rows of a region at (x, y), but for its colour. Returns whether it can touch a pixel there. u
+   grows along a row, so the least |u| is at an end, or 0 between them; `across`: from the first pixel to the last, and
+   more than what rounding each by 2^-7 can add. */
+template <int Rows>
+__device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, int cut_q11, int32_t x, int32_t y)
 {
     uint32_t u = s->u0_q24 + (uint32_t)x * (uint32_t)s->ux_q24 + (uint32_t)y * (uint32_t)s->uy_q24;
     uint32_t v = s->v0_q24 + (uint32_t)y * (uint32_t)s->vy_q24;
+    const float across = (float)((REGION - 1) * s->ux_q24) * 0x1p-18f + 0x1p-6f;
     bool touched = false;
     q->ux_q24 = (uint32_t)s->ux_q24;
-    q->limit = limit_bits(s, view->cut_q11);
+    q->limit = limit_bits(s, cut_q11);
 #pragma unroll
-    for (int row = 0; row < REGION; row++) {
-        const float left = coordinate_q6(u), right = coordinate_q6(u + (REGION - 1) * (uint32_t)s->ux_q24);
-        const float least = fmaxf(fmaxf(left, -right), 0.0f);
+    for (int row = 0; row < Rows; row++) {
+        const float left = coordinate_q6(u), least = fmaxf(fmaxf(left, -(left + across)), 0.0f);
         const queued_row placed = {u, row_level(v, s->offset_q11)};
         q->rows[row] = placed;
         touched |= __float_as_int(__fmaf_rd(least, least, placed.level)) <= q->limit;
@@ -195,30 +222,6 @@ __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, const fxs_v
         v += (uint32_t)s->vy_q24;
     }
     return touched;
-}
-
-/* Tests one splat a lane, and queues the splats that can touch the region. Returns how many there are. traces: null
-   where pixels have no auxiliary outputs. */
-__device__ inline uint32_t queue_splats(queued_splat queue[WARP], queued_trace *traces, const fxs_splat *splats,
-                                        const fxs_view *view, uint32_t entry, uint32_t key, bool listed, int32_t x,
-                                        int32_t y)
-{
-    queued_splat q;
-    bool touched = false;
-    if (listed && !(entry & FXS_ENTRY_CUT_OFF)) {
-        const fxs_splat s = splats[entry];
-        touched = splat_at(&q, &s, view, x, y);
-        q.red_green = (uint32_t)s.colour_q13[0] | (uint32_t)s.colour_q13[1] << 16;
-        q.blue = (uint32_t)s.colour_q13[2];
-    }
-    const unsigned lanes = __ballot_sync(ALL_LANES, touched);
-    const uint32_t place = (uint32_t)__popc(lanes & ((1u << lane_index()) - 1));
-    if (touched)
-        queue[place] = q;
-    if (traces && touched)
-        traces[place] = {key, entry};
-    __syncwarp();
-    return (uint32_t)__popc(lanes);
 }
 
 __device__ inline bool takes_more(const pixel *p)
@@ -231,56 +234,153 @@ __device__ inline bool takes_more(const traced_pixel *p)
     return p->transmittance >= FXS_CLOSED_Q15 && !p->hidden;
 }
 
-template <class Pixel>
-__device__ inline bool is_open(const Pixel p[2])
+template <class Pixel, int Each>
+__device__ inline bool is_open(const Pixel (&p)[Each])
 {
-    return takes_more(&p[0]) || takes_more(&p[1]);
+    return takes_more(&p[0]) || takes_more(&p[Each - 1]);
 }
 
-/* The depth of a lane's entry. What follows the first lane's is as far, or farther. */
-__device__ inline uint32_t key_of(pixel *, const uint32_t *, uint32_t, bool)
+/* What follows a splat is as far, or farther. */
+__device__ inline void see_next(pixel *, const queued_trace *)
+{
+}
+
+__device__ inline void see_next(traced_pixel *p, const queued_trace *next)
+{
+    p->hidden = next->key > p->limit;
+}
+
+__device__ inline uint32_t key_of(const pixel *, const uint32_t *, uint32_t)
 {
     return 0;
 }
 
-__device__ inline uint32_t key_of(traced_pixel p[2], const uint32_t *depths, uint32_t entry, bool listed)
+__device__ inline uint32_t key_of(const traced_pixel *, const uint32_t *depths, uint32_t entry)
 {
-    const uint32_t key = listed ? depths[entry & ~FXS_ENTRY_CUT_OFF] : 0, first = __shfl_sync(ALL_LANES, key, 0);
-    for (int i = 0; i < 2; i++)
-        p[i].hidden = first > p[i].limit;
-    return key;
+    return depths[entry];
 }
 
-/* Blends sorted entries over the region at (x, y). */
-template <class Pixel>
-__device__ inline void blend_entries(Pixel p[2], const uint32_t *entries, uint32_t count, queued_splat queue[WARP],
-                                     queued_trace *traces, const uint16_t *alpha_q15, const frame_buffers *f,
-                                     const fxs_view *view, int depth_bits, int32_t x, int32_t y)
+/* The same, in a register: nvcc would find it anew in each turn of a loop. */
+__device__ inline uint32_t kept(uint32_t x)
 {
-    enum { STEPS = 4 };                    /* between looks at whether pixels are open */
-    const uint32_t lane = lane_index(), row = lane / LANES, column = lane % LANES;
-    uint32_t next = lane < count ? entries[lane] : 0;
-    auto step = [&](uint32_t i) {
-        const queued_splat *s = &queue[i];
-        const queued_row placed = s->rows[row];
-        blend_queued(&p[0], alpha_q15, placed, column, s, traces + i, depth_bits);
-        blend_queued(&p[1], alpha_q15, placed, column + LANES, s, traces + i, depth_bits);
-    };
-    for (uint32_t first = 0; first < count && __any_sync(ALL_LANES, is_open(p)); first += WARP) {
-        const bool listed = first + lane < count;
-        const uint32_t entry = next, key = key_of(p, f->depths, entry, listed);
-        next = first + WARP + lane < count ? entries[first + WARP + lane] : 0;
-        const uint32_t queued = queue_splats(queue, traces, f->splats, view, entry, key, listed, x, y);
-        uint32_t i = 0;
-        for (; i + STEPS <= queued && __any_sync(ALL_LANES, is_open(p)); i += STEPS)
+    asm volatile("" : "+r"(x));
+    return x;
+}
+
+template <class T>
+__device__ inline T *kept_shared(T *x)
+{
+    x = (T *)__cvta_shared_to_generic(kept((uint32_t)__cvta_generic_to_shared(x)));
+    __builtin_assume(__isShared(x));
+    return x;
+}
+
+/* A splat of a queue. */
+struct queue_place {
+    const queued_splat *splat;
+    const queued_row *rows;                /* from the lane's on */
+    const queued_trace *trace;
+
+    __device__ queue_place after(uint32_t count) const
+    {
+        return {splat + count, rows + count * (sizeof *splat / sizeof *rows), trace + count};
+    }
+};
+
+/* A warp that blends sorted entries over its region, at (x, y), with `Each` pixels a lane. */
+template <class Pixel, int Each>
+struct region_blender {
+    queued_splat *queue;
+    queued_trace *traces;                  /* null where pixels have no auxiliary outputs */
+    const uint16_t *alpha_q15;
+    const frame_buffers *f;
+    int cut_q11, depth_bits;
+    int32_t x, y;
+    const queued_row *own_rows;            /* of the first splat, from the lane's on */
+    uint32_t column;                       /* of the lane's first pixel */
+
+    __device__ region_blender(queued_splat *queue, queued_trace *traces, const uint16_t *alpha_q15,
+                              const frame_buffers *f, const fxs_view *view, int depth_bits, int32_t x, int32_t y)
+        : queue(kept_shared(queue)), traces(traces), alpha_q15(kept_shared(alpha_q15)), f(f), cut_q11(view->cut_q11),
+          depth_bits(depth_bits), x(x), y(y), own_rows(kept_shared(queue->rows + lane_index() / LANES<Each>)),
+          column(kept(lane_index() % LANES<Each>))
+    {
+    }
+
+    /* Tests one splat a lane, and queues those that can touch the region behind `queued` others. Returns how many there
+       are now. */
+    __device__ uint32_t queue_splats(const Pixel *p, uint32_t entry, bool listed, uint32_t queued) const
+    {
+        queued_splat q;
+        bool touched = false;
+        if (listed && !(entry & FXS_ENTRY_CUT_OFF)) {
+            const fxs_splat s = load_splat(&f->splats[entry]);
+            touched = splat_at<ROWS<Each>>(&q, &s, cut_q11, x, y);
+            q.red_green = (uint32_t)s.colour_q13[0] << 1 | (uint32_t)s.colour_q13[1] << 17;
+            q.blue = (uint32_t)s.colour_q13[2] << 1;
+        }
+        const unsigned lanes = __ballot_sync(ALL_LANES, touched);
+        const uint32_t place = queued + (uint32_t)__popc(lanes & ((1u << lane_index()) - 1));
+        if (touched)
+            queue[place] = q;
+        if (traces && touched)
+            traces[place] = {key_of(p, f->depths, entry), entry};
+        __syncwarp();
+        return queued + (uint32_t)__popc(lanes);
+    }
+
+    __device__ void step(Pixel *p, const queue_place &place) const
+    {
+        const queued_row row = place.rows[0];
+        for (uint32_t i = 0; i < Each; i++)
+            blend_queued(&p[i], alpha_q15, row, column + i * LANES<Each>, place.splat, place.trace, depth_bits);
+    }
+
+    /* Moves what is queued from a place on, fewer than STEPS splats, to the start. Returns how many. */
+    __device__ uint32_t keep_rest(uint32_t first, uint32_t queued) const
+    {
+        const uint32_t words = sizeof(queued_splat) / sizeof(uint4), lane = lane_index(), rest = queued - first;
+        const bool moves = lane < rest * words;
+        const uint4 word = moves ? ((const uint4 *)&queue[first])[lane] : uint4{};
+        const queued_trace trace = traces && lane < rest ? traces[first + lane] : queued_trace{};
+        __syncwarp();
+        if (moves)
+            ((uint4 *)queue)[lane] = word;
+        if (traces && lane < rest)
+            traces[lane] = trace;
+        return rest;
+    }
+
+    /* STEPS splats at a time, as long as the queue has as many and pixels are open; the rest at last. */
+    __device__ void blend(Pixel (&p)[Each], const uint32_t *entries, uint32_t count) const
+    {
+        const queue_place start = {queue, own_rows, traces};
+        const uint32_t lane = lane_index();
+        uint32_t next = lane < count ? entries[lane] : 0, queued = 0;
+        for (uint32_t first = 0; first < count && __any_sync(ALL_LANES, is_open(p)); first += WARP) {
+            const uint32_t entry = next;
+            next = first + WARP + lane < count ? entries[first + WARP + lane] : 0;
+            queued = queue_splats(p, entry, first + lane < count, queued);
+            queue_place at = start;
+            for (uint32_t left = queued / STEPS; left > 0; left--, at = at.after(STEPS)) {
+                for (Pixel &own : p)
+                    see_next(&own, at.trace);
+                if (!__any_sync(ALL_LANES, is_open(p)))
+                    break;                 /* what is left weighs nothing */
 #pragma unroll
-            for (uint32_t k = 0; k < STEPS; k++)
-                step(i + k);
-        for (; i < queued && queued - i < STEPS; i++)
-            step(i);
+                for (uint32_t i = 0; i < STEPS; i++)
+                    step(p, at.after(i));
+            }
+            __syncwarp();
+            queued = keep_rest(queued / STEPS * STEPS, queued);
+        }
+        __syncwarp();
+#pragma unroll 1
+        for (uint32_t i = 0; i < queued; i++)
+            step(p, start.after(i));
         __syncwarp();
     }
-}
+};
 
 /* The targets of a frame. */
 struct target {
@@ -289,13 +389,19 @@ struct target {
     int plain;                             /* the colour is for store_bytes */
 };
 
+/* Sums only grow, so they are cut once. */
+__device__ inline int sum_of_colour(const pixel *p, int c)
+{
+    return fxs_min((int)((c < 2 ? p->red_green >> 16 * c : p->blue) & 0xffff), 32767);
+}
+
 /* Writes a pixel's colour as RGBA8 or RGBA8_COVERAGE over one background. */
 __device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, int32_t y)
 {
     uint32_t word = t->images.format == FXS_FORMAT_RGBA8 ? 255u << 24
                                                          : (uint32_t)fxs_coverage_8bit(p->transmittance) << 24;
     for (int c = 0; c < 3; c++)
-        word |= (uint32_t)fxs_resolve_8bit(fxs_min(p->sum[c], 32767), p->transmittance, t->background_q13[c]) << 8 * c;
+        word |= (uint32_t)fxs_resolve_8bit(sum_of_colour(p, c), p->transmittance, t->background_q13[c]) << 8 * c;
     *(uint32_t *)fxs_image_at(&t->images.colour, x, y, 4) = word;
 }
 
@@ -310,7 +416,7 @@ __device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, i
     const fxs_targets *images = &t->images;
     int sum[3], background_q13[3];
     for (int c = 0; c < 3; c++) {
-        sum[c] = fxs_min(p.sum[c], 32767);
+        sum[c] = sum_of_colour(&p, c);
         background_q13[c] = t->background_q13[c];
     }
     if (images->backdrop.pixels) {
@@ -365,7 +471,7 @@ __device__ inline void store_pixel(const target *t, const frame_buffers *f, cons
 
 __device__ inline void clear_pixel(pixel *p, const target *, int32_t, int32_t, bool inside)
 {
-    *p = {inside ? FXS_CLEAR_Q15 : 0, {0, 0, 0}};
+    *p = {inside ? FXS_CLEAR_Q15 : 0, 0, 0};
 }
 
 __device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, int32_t y, bool inside)
@@ -381,8 +487,9 @@ __device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, 
     p->depths = 0;
 }
 
-/* The order in which tiles are taken, long lists first. Each tile has `each` turns. A lane of a warp has the tiles
-   whose lists are of magnitude 31 - lane, with the turns from start to end; tiles: those of the lanes before. */
+/* The order in which tiles are taken, long lists first. Each tile has `each` turns, a power of 2 or none. A lane of a
+   warp has the tiles whose lists are of magnitude 31 - lane, with the turns from start to end; tiles: those of the
+   lanes before. */
 struct turns {
     uint32_t start, end, each, all, tiles;
 };
@@ -402,9 +509,9 @@ __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns 
 {
     const int lane = __ffs((int)__ballot_sync(ALL_LANES, turn < order->end)) - 1;
     const uint32_t i = turn - __shfl_sync(ALL_LANES, order->start, lane);
-    const uint32_t each = __shfl_sync(ALL_LANES, order->each, lane);
-    const uint32_t place = __shfl_sync(ALL_LANES, order->tiles, lane) + i / each;
-    return {f->classes[(WARP - 1 - (uint32_t)lane) * tiles + i / each], place, i % each, each};
+    const uint32_t each = __shfl_sync(ALL_LANES, order->each, lane), before = i >> (__ffs((int)each) - 1);
+    return {f->classes[(WARP - 1 - (uint32_t)lane) * tiles + before],
+            __shfl_sync(ALL_LANES, order->tiles, lane) + before, i & (each - 1), each};
 }
 
 /* Puts a list into bins. Returns it, and in *ends where each bin ends; null where there is no room. */
@@ -433,13 +540,15 @@ __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_
 
 /* Sorts and blends a tile's list, over the region at (x, y) of each warp. */
 template <class Pixel>
-__device__ void blend_list(Pixel p[2], group_shared<Pixel> *own, const uint16_t *alpha_q15, const frame_buffers *f,
+__device__ void blend_list(Pixel (&p)[2], group_shared<Pixel> *own, const uint16_t *alpha_q15, const frame_buffers *f,
                            const fxs_view *view, int depth_bits, const tile_group *g, uint32_t tile, int32_t x,
                            int32_t y)
 {
     const uint32_t all = f->counts[tile], warp = g->thread / WARP;
     const uint64_t *list = f->entries + (f->next[tile] - all), *split = nullptr;
     const uint32_t *ends = nullptr;
+    const region_blender<Pixel, 2> blender(own->queues[warp], own->trace_queue(warp), alpha_q15, f, view, depth_bits, x,
+                                           y);
     bool open = true;
     /* `count` keys, as many as there is room for or in rounds. */
     auto blend_part = [&](const uint64_t *keys, uint32_t count) {
@@ -456,8 +565,7 @@ __device__ void blend_list(Pixel p[2], group_shared<Pixel> *own, const uint16_t 
                     own->keys.keys[i] = keys[i];
             g->sync();
             sort_keys(own->entries, &own->keys, own->bins, some, g);
-            blend_entries(p, own->entries, some, own->queues[warp], own->trace_queue(warp), alpha_q15, f, view,
-                          depth_bits, x, y);
+            blender.blend(p, own->entries, some);
             open = g->any(is_open(p));
         }
     };
@@ -480,36 +588,46 @@ __device__ inline void make_table(uint16_t *alpha_q15)
     __syncthreads();
 }
 
-/* A warp's pixels, a quarter of a tile. */
+/* A warp's pixels of a tile, `Each` a lane. */
+template <int Each>
 struct region {
-    int32_t x, y, px, py;                  /* its first pixel; the lane's */
+    int32_t x, y;                          /* the first */
 
     __device__ region(const fxs_view *view, uint32_t tile, uint32_t part)
+        : x((int32_t)(tile % (uint32_t)view->tiles_x * FXS_TILE + part % 2 * REGION)),
+          y((int32_t)(tile / (uint32_t)view->tiles_x * FXS_TILE + part / 2 * ROWS<Each>))
     {
-        x = (int32_t)(tile % (uint32_t)view->tiles_x * FXS_TILE + part % 2 * REGION);
-        y = (int32_t)(tile / (uint32_t)view->tiles_x * FXS_TILE + part / 2 * REGION);
-        px = x + (int32_t)(lane_index() % LANES);
-        py = y + (int32_t)(lane_index() / LANES);
+    }
+
+    /* Those of a lane. */
+    __device__ int32_t row() const
+    {
+        return y + (int32_t)(lane_index() / LANES<Each>);
+    }
+
+    __device__ int32_t column(int i) const
+    {
+        return x + (int32_t)(lane_index() % LANES<Each>) + i * (int32_t)LANES<Each>;
     }
 
     __device__ bool inside(const fxs_view *view, int i) const
     {
-        return px + i * (int32_t)LANES < view->width && py < view->height;
+        return column(i) < view->width && row() < view->height;
     }
 
     template <class Pixel>
-    __device__ void clear(Pixel p[2], const fxs_view *view, const target *t) const
+    __device__ void clear(Pixel (&p)[Each], const fxs_view *view, const target *t) const
     {
-        for (int i = 0; i < 2; i++)
-            clear_pixel(&p[i], t, px + i * (int32_t)LANES, py, inside(view, i));
+        for (int i = 0; i < Each; i++)
+            clear_pixel(&p[i], t, column(i), row(), inside(view, i));
     }
 
     template <class Pixel>
-    __device__ void store(const Pixel p[2], const fxs_view *view, const frame_buffers *f, const target *t) const
+    __device__ void store(const Pixel (&p)[Each], const fxs_view *view, const frame_buffers *f, const target *t) const
     {
-        for (int i = 0; i < 2; i++)
+        for (int i = 0; i < Each; i++)
             if (inside(view, i))
-                store_pixel(t, f, &p[i], px + i * (int32_t)LANES, py);
+                store_pixel(t, f, &p[i], column(i), row());
     }
 };
 
@@ -580,12 +698,13 @@ __global__ void __launch_bounds__(SORT_THREADS, SORT_BLOCKS) sort_lists(const __
 
 template <class Pixel>
 struct warp_shared : trace_queues<Pixel, 1> {
-    queued_splat queue[WARP];
+    queued_splat queue[QUEUE];
 };
 
 template <class Pixel>
 struct sorted_shared {
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
+    turns order[WARP];                     /* of each lane: in registers they would be in the way of pixels */
     warp_shared<Pixel> warps[1];           /* as many as the block has */
 };
 
@@ -595,36 +714,63 @@ size_t sorted_bytes(uint32_t warps)
     return sizeof(sorted_shared<Pixel>) - sizeof(warp_shared<Pixel>) + warps * sizeof(warp_shared<Pixel>);
 }
 
-/* Warps take the quarters of the tiles whose lists are sorted as they come. */
+/* Into how many regions the tiles are cut whose lists are of magnitude 31 - lane: a warp takes one. Of a frame by
+   itself, those with more than half of the entries that a warp has of all lists have smaller ones: none is late. */
+__device__ inline uint32_t regions_of_tiles(const frame_buffers *f, bool alone)
+{
+    const uint32_t magnitude = WARP - 1 - lane_index(), warps = gridDim.x * (blockDim.x / WARP);
+    const uint32_t tiles = f->status->classes[magnitude];
+    const uint32_t entries = magnitude < LONG_MAGNITUDE ? f->status->class_entries[magnitude] : 0;
+    const uint32_t load = __reduce_add_sync(ALL_LANES, entries) * 4 / warps;
+    const bool late = alone && entries / max(tiles, 1) > load / 2;
+    return magnitude >= LONG_MAGNITUDE ? 0 : late ? 8 : 4;
+}
+
+/* Blends a sorted list over a region of its tile. */
+template <int Each, class Pixel>
+__device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_view *view, const frame_buffers *f,
+                                    const target *t, const turn_of_tile &turn)
+{
+    warp_shared<Pixel> *own = &shared->warps[threadIdx.x / WARP];
+    const region<Each> r(view, turn.tile, turn.number);
+    const uint32_t count = f->counts[turn.tile];
+    const region_blender<Pixel, Each> blender(own->queue, own->trace_queue(0), shared->alpha_q15, f, view,
+                                              t->depth_bits, r.x, r.y);
+    Pixel p[Each];
+    r.clear(p, view, t);
+    blender.blend(p, (const uint32_t *)(f->entries + (f->next[turn.tile] - count)), count);
+    r.store(p, view, f, t);
+}
+
+/* Warps take the regions of the tiles whose lists are sorted as they come; alone: no other frame is rendered beside
+   it. */
 template <class Pixel>
 __global__ void __launch_bounds__(WARPS_MOST * WARP, 1)
 blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
-             const __grid_constant__ target t)
+             const __grid_constant__ target t, bool alone)
 {
     extern __shared__ __align__(16) unsigned char memory[];
     sorted_shared<Pixel> *shared = (sorted_shared<Pixel> *)memory;
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
-    warp_shared<Pixel> *own = &shared->warps[threadIdx.x / WARP];
     make_table(shared->alpha_q15);
     wait_for_last_kernel();
     if (!fits(&f))
         return;
-    const turns order = turns_of(&f, WARP - 1 - lane_index() < LONG_MAGNITUDE ? 4 : 0);
+    if (threadIdx.x < WARP)
+        shared->order[threadIdx.x] = turns_of(&f, regions_of_tiles(&f, alone));
+    __syncthreads();
     uint32_t next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;
     for (;;) {
-        const uint32_t turn = __shfl_sync(ALL_LANES, next, 0);
-        if (turn >= order.all)
+        const uint32_t i = __shfl_sync(ALL_LANES, next, 0);
+        if (i >= shared->order[0].all)
             return;
         next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;    /* fetched meanwhile */
-        const turn_of_tile quarter = tile_of_turn(&f, &order, tiles, turn);
-        const region r(&view, quarter.tile, quarter.number);
-        const uint32_t count = f.counts[quarter.tile];
-        const uint32_t *entries = (const uint32_t *)(f.entries + (f.next[quarter.tile] - count));
-        Pixel p[2];
-        r.clear(p, &view, &t);
-        blend_entries(p, entries, count, own->queue, own->trace_queue(0), shared->alpha_q15, &f, &view, t.depth_bits,
-                      r.x, r.y);
-        r.store(p, &view, &f, &t);
+        const turns order = shared->order[lane_index()];
+        const turn_of_tile turn = tile_of_turn(&f, &order, tiles, i);
+        if (turn.turns == 4)
+            blend_region<2>(shared, &view, &f, &t, turn);
+        else
+            blend_region<1>(shared, &view, &f, &t, turn);
     }
 }
 
@@ -653,7 +799,7 @@ blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame
         if (own->turn >= order.all)
             return;
         const uint32_t tile = tile_of_turn(&f, &order, tiles, own->turn).tile;
-        const region r(&view, tile, part);
+        const region<2> r(&view, tile, part);
         Pixel p[2];
         r.clear(p, &view, &t);
         blend_list(p, own, shared->alpha_q15, &f, &view, t.depth_bits, &g, tile, r.x, r.y);

@@ -648,7 +648,8 @@ template <class Pixel>
 void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_view &view,
                  const frame_buffers &f, const target &t)
 {
-    launch(cuda, blend_sorted<Pixel>, cuda->processors, warps * WARP, sorted_bytes<Pixel>(warps), stream, view, f, t);
+    launch(cuda, blend_sorted<Pixel>, cuda->processors, warps * WARP, sorted_bytes<Pixel>(warps), stream, view, f, t,
+           cuda->early);
     if (groups)
         blend_tiles<Pixel><<<cuda->processors, groups * GROUP_THREADS, blend_bytes<Pixel>(groups), stream>>>(view, f,
                                                                                                             t);

@@ -67,9 +67,7 @@ struct dense_splat {
 
     __device__ void add_to(pixel *p, int weight) const
     {
-        p->sum[0] += fxs_mul_q15(weight, (int)(offset_red >> 16));
-        p->sum[1] += fxs_mul_q15(weight, (int)(green_blue & 0xffff));
-        p->sum[2] += fxs_mul_q15(weight, (int)(green_blue >> 16));
+        add_colour(p, weight, offset_red >> 16, green_blue & 0xffff, green_blue >> 16);
     }
 };
 
@@ -178,8 +176,8 @@ __device__ void place_splat(dense_shared *shared, const tile_splats *t, const fx
 {
     const row_walk at(t, s, 0);
     shared->shapes[i] = make_uint4(at.u_q24, (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, at.v_q24);
-    shared->shades[i] = make_uint4((uint32_t)s->vy_q24, (uint32_t)s->offset_q11 | (uint32_t)s->colour_q13[0] << 16,
-                                   (uint32_t)s->colour_q13[1] | (uint32_t)s->colour_q13[2] << 16,
+    shared->shades[i] = make_uint4((uint32_t)s->vy_q24, (uint32_t)s->offset_q11 | (uint32_t)s->colour_q13[0] << 17,
+                                   (uint32_t)s->colour_q13[1] << 1 | (uint32_t)s->colour_q13[2] << 17,
                                    (uint32_t)limit_bits(s, t->cut_q11));
 }
 
@@ -244,7 +242,7 @@ __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
 {
     const uint32_t lane = lane_index() % QUAD;
     const pixel before = active ? shared->pixels[n] : pixel{};
-    pixel p = {before.transmittance, {0, 0, 0}};           /* each lane adds up its own */
+    pixel p = {before.transmittance, 0, 0};                /* each lane adds up its own */
     mark_walk walk(shared, n, lane);
     while (__any_sync(ALL_LANES, active && walk.marks)) {
         const uint32_t place = walk.next(lane);
@@ -262,11 +260,11 @@ __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
         s.add_to(&p, weight);
         active = active && p.transmittance >= FXS_CLOSED_Q15;
     }
-    for (int c = 0; c < 3; c++) {
-        p.sum[c] += __shfl_xor_sync(ALL_LANES, p.sum[c], 1);
-        p.sum[c] += __shfl_xor_sync(ALL_LANES, p.sum[c], 2) + before.sum[c];
+    for (int step = 1; step < (int)QUAD; step *= 2) {
+        p.red_green += __shfl_xor_sync(ALL_LANES, p.red_green, step);
+        p.blue += __shfl_xor_sync(ALL_LANES, p.blue, step);
     }
-    return p;
+    return {p.transmittance, before.red_green + p.red_green, before.blue + p.blue};
 }
 
 /* The open pixels of a tile, as the lanes of a warp see them. */
@@ -376,13 +374,14 @@ __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const
         g->sync();
         for (uint32_t i = warp; i < all; i += DENSE_THREADS / WARP) {
             const uint32_t n = shared->few[i].n, count = shared->few[i].count;
-            pixel p = {shared->pixels[n].transmittance, {0, 0, 0}};
+            const pixel before = shared->pixels[n];
+            pixel p = {before.transmittance, 0, 0};
             visit_steps(shared, n, first, words, [&](uint32_t step, uint32_t place) {
                 if (step < count)
                     splat_in(shared, place).add_to(&p, steps[step * all + i]);
             });
-            for (int c = 0; c < 3; c++)
-                p.sum[c] = __reduce_add_sync(ALL_LANES, p.sum[c]) + shared->pixels[n].sum[c];
+            p.red_green = __reduce_add_sync(ALL_LANES, p.red_green) + before.red_green;
+            p.blue = __reduce_add_sync(ALL_LANES, p.blue) + before.blue;
             __syncwarp();
             if (lane_index() == 0)
                 keep_pixel(shared, n, p);
@@ -680,7 +679,7 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
                             g.thread % FXS_TILE / (FXS_TILE / turn.turns) == turn.number;
         const uint32_t open = __ballot_sync(ALL_LANES, inside);
         if (g.thread < FXS_TILE_PIXELS)
-            shared->pixels[g.thread] = {FXS_CLEAR_Q15, {0, 0, 0}};
+            shared->pixels[g.thread] = {FXS_CLEAR_Q15, 0, 0};
         if (g.thread < FXS_TILE_PIXELS && lane_index() == 0)
             shared->open[g.thread / WARP] = open;
         g.sync();

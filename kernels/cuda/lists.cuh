@@ -291,16 +291,6 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
     store_large(f, e->bounds, index, large ? rows : none);
 }
 
-/* By 16 bytes: nvcc would store four at a time, as a splat's words allow. */
-__device__ inline void store_splat(fxs_splat *to, const fxs_splat &splat)
-{
-    static_assert(sizeof splat == 2 * sizeof(uint4), "two words of 16 bytes");
-    uint4 halves[2];
-    memcpy(halves, &splat, sizeof halves);
-    ((uint4 *)to)[0] = halves[0];
-    ((uint4 *)to)[1] = halves[1];
-}
-
 /* A block a chunk that can be seen: its splats and colours, and list_splats. Of two eyes the left one's view has the
    colours; the right one's depths are the left one's of what that sees, unless it has its own. */
 template <bool Many, uint32_t Eyes>

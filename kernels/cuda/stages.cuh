@@ -104,6 +104,24 @@ struct frame_buffers {
     uint32_t large_capacity;
 };
 
+/* A splat of frame_buffers by two words of 16 bytes: nvcc would take eight of four, as a splat's words allow. */
+__device__ inline fxs_splat load_splat(const fxs_splat *from)
+{
+    const uint4 halves[2] = {((const uint4 *)from)[0], ((const uint4 *)from)[1]};
+    fxs_splat splat;
+    static_assert(sizeof splat == sizeof halves, "two words of 16 bytes");
+    memcpy(&splat, halves, sizeof splat);
+    return splat;
+}
+
+__device__ inline void store_splat(fxs_splat *to, const fxs_splat &splat)
+{
+    uint4 halves[2];
+    memcpy(halves, &splat, sizeof halves);
+    ((uint4 *)to)[0] = halves[0];
+    ((uint4 *)to)[1] = halves[1];
+}
+
 /* The chunk, of all objects, at a place among those that are drawn. */
 __device__ inline uint32_t chunk_at(const frame_buffers *f, uint32_t place)
 {

@@ -22,7 +22,7 @@ struct tile_splats {
     __device__ fxs_splat splat_of(uint64_t key) const
     {
         __builtin_assume(__isGlobal(splats));
-        return splats[key & FXS_ENTRY_CUT_OFF ? 0 : (uint32_t)key];
+        return load_splat(&splats[key & FXS_ENTRY_CUT_OFF ? 0 : (uint32_t)key]);
     }
 };
 
