@@ -660,7 +660,7 @@ void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const
 {
     const uint32_t blocks = cuda->processors * DENSE_BLOCKS;
     cudaStreamWaitEvent(s->side, s->listed, 0);
-    share_lists<<<cuda->processors * SHARE_BLOCKS, DENSE_THREADS, 0, s->side>>>(view, f, blocks);
+    share_lists<<<cuda->processors * SHARE_BLOCKS, SHARE_THREADS, 0, s->side>>>(view, f, blocks);
     launch(cuda, blend_dense, blocks, DENSE_THREADS, sizeof(dense_shared), s->side, view, f, t);
     cudaEventRecord(s->dense_done, s->side);
 }

@@ -8,9 +8,11 @@
 namespace {
 
 const uint32_t DENSE_THREADS = 1024;
-const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 2;     /* of a multiprocessor */
+const uint32_t SHARE_THREADS = 512;                    /* so that most blocks have work while others wait for memory */
+const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 4;     /* of a multiprocessor */
 const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* entries, at least of a part, at most of a segment */
 typedef group<DENSE_THREADS> dense_group;
+typedef group<SHARE_THREADS> share_group;
 
 /* Into how many segments lists of a magnitude are cut: each has 2^SEGMENT_MAGNITUDE entries or fewer. */
 __device__ inline uint32_t segments_of(uint32_t magnitude)
@@ -19,7 +21,7 @@ __device__ inline uint32_t segments_of(uint32_t magnitude)
 }
 
 /* Into how many parts, of columns, tiles are cut whose lists are of magnitude 31 - lane: blend_dense takes a part a
-   block. So that none is late, a part has at most half of what a block has of all lists; down to an eighth where the
+   block. So that none is late, a part has at most half of what a block has of all lists; down to a quarter where the
    parts together have few entries more than the tile; but 2^PART_MAGNITUDE or more. Twice as many parts take room for
    `more` entries or fewer: where there is too little, the largest parts are cut first. */
 __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t blocks)
@@ -37,7 +39,7 @@ __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t block
     for (uint32_t parts = 1;;) {
         const uint32_t share = mean / parts;
         const uint64_t more = (uint64_t)entries * parts / 12;
-        const bool late = share > load / 2 || (share > load / 8 && more <= all / 24);
+        const bool late = share > load / 2 || (share > load / 4 && more <= all / 24);
         const bool cut = parts < most && more <= room && late;
         const uint32_t largest = __reduce_max_sync(ALL_LANES, cut ? share : 0);
         if (!largest)
@@ -100,15 +102,17 @@ struct part_list {
         return own;
     }
 
-    /* Calls visit(key, its place), by a warp a segment. */
+    /* Calls visit(key, its place): a segment is the work of a warp, or of several where there are more warps. */
     template <class Visit>
     __device__ void visit(const dense_group *g, Visit visit) const
     {
         enum { FETCHES = 4 };
-        for (uint32_t n = g->thread / WARP; n < segment_count; n += DENSE_THREADS / WARP) {
+        const uint32_t warps = DENSE_THREADS / WARP, warp = g->thread / WARP, each = max(warps / segment_count, 1);
+        for (uint32_t n = warp / each; n < segment_count; n += warps / each) {
             const uint16_t *in_segment = (const uint16_t *)__ldcg((const uint64_t *)&segments[n].places);
             const uint32_t start = segment_start(count, n, segment_count), end = end_in(n);
-            for (uint32_t first = start_in(n) + lane_index(); first < end; first += FETCHES * WARP) {
+            const uint32_t own = start_in(n) + warp % each * FETCHES * WARP + lane_index();
+            for (uint32_t first = own; first < end; first += each * FETCHES * WARP) {
                 uint32_t place[FETCHES];
                 uint64_t key[FETCHES];
 #pragma unroll
@@ -147,16 +151,16 @@ struct share_shared {
 
 /* Finds the entries of each part, and widens the range of the list. */
 __device__ void share_segment(list_segment *out, shared_range *range, share_shared *shared, const frame_buffers *f,
-                              const tile_splats *t, const segment_of_list &s, const dense_group *g)
+                              const tile_splats *t, const segment_of_list &s, const share_group *g)
 {
-    enum { EACH = (1 << SEGMENT_MAGNITUDE) / DENSE_THREADS };
+    enum { EACH = (1 << SEGMENT_MAGNITUDE) / SHARE_THREADS };
     const uint32_t lane = lane_index(), parts = FXS_TILE / s.columns, of_part = (1u << s.columns) - 1;
     uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;     /* before: of the part of that lane */
     if (g->thread < PARTS_MOST)
         shared->parts[g->thread] = 0;
 #pragma unroll
     for (uint32_t k = 0; k < EACH; k++) {
-        const uint32_t i = g->thread + k * DENSE_THREADS;
+        const uint32_t i = g->thread + k * SHARE_THREADS;
         const uint64_t key = i < s.count ? __ldcg(&s.keys[i]) : FXS_ENTRY_CUT_OFF;
         const bool listed = !(key & FXS_ENTRY_CUT_OFF);
         const fxs_splat splat = t->splat_of(key);
@@ -201,18 +205,18 @@ __device__ void share_segment(list_segment *out, shared_range *range, share_shar
             const uint32_t first = __shfl_sync(ALL_LANES, start, (int)part);
             if (touches)
                 places[first + (uint32_t)__popc(lanes & ((1u << lane) - 1))] =
-                    (uint16_t)(g->thread + k * DENSE_THREADS);
+                    (uint16_t)(g->thread + k * SHARE_THREADS);
         }
     }
     g->sync();
 }
 
 /* dense_blocks: those of blend_dense. */
-__global__ void __launch_bounds__(DENSE_THREADS, SHARE_BLOCKS)
+__global__ void __launch_bounds__(SHARE_THREADS, SHARE_BLOCKS)
 share_lists(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f, uint32_t dense_blocks)
 {
     __shared__ share_shared shared;
-    const dense_group g = {0, threadIdx.x};
+    const share_group g = {0, threadIdx.x};
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
     if (!fits(&f))
         return;

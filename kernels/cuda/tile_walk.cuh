@@ -40,11 +40,16 @@ __device__ inline uint32_t whole(float x)
     return (uint32_t)__float_as_int(__fadd_rd(fminf(fmaxf(x, 0), 31), 8388608.0f)) % 32;
 }
 
-/* The pixels of a row, a bit each, that a splat can touch: |u| at most the root of what the row leaves of the level,
-   widened by more than the rounding of u. */
+/* How large |u| can be where a row leaves so much of the level, widened by more than the rounding of u. */
+__device__ inline float reach_of(float left)
+{
+    return root_of_level(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
+}
+
+/* The pixels of a row, a bit each, that a splat can touch. */
 __device__ inline uint32_t pixels_of_row(uint32_t u_q24, float inverse, float left)
 {
-    const float u = coordinate_q6(u_q24), reach = root_of_level(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
+    const float u = coordinate_q6(u_q24), reach = reach_of(left);
     const uint32_t first = whole((-reach - u) * inverse + 0.95f);
     const uint32_t end = whole(fminf((reach - u) * inverse + 1.05f, FXS_TILE));
     return left >= 0 && first < end ? (1u << end) - (1u << first) : 0;
@@ -74,16 +79,23 @@ struct row_walk {
     }
 };
 
-/* The columns of a tile that a splat can touch, a bit each. */
-__device__ uint32_t columns_of(const tile_splats *t, const fxs_splat *s)
+/* The columns of a tile that a splat can touch, a bit each, and perhaps some beside: those of a box around it, of the
+   rows that it can touch. u and v grow evenly, so the box ends where u is least or most at its first or last row, plus
+   the reach at the row with the least |v|: 5 is more than what rounding can add to its level. */
+__device__ inline uint32_t columns_of(const tile_splats *t, const fxs_splat *s)
 {
-    const int32_t first = max((int32_t)s->first_row - t->y, 0);
-    const int32_t last = min((int32_t)s->last_row - t->y, FXS_TILE - 1);
-    row_walk down(t, s, first);
-    uint32_t columns = 0;
-    for (int32_t row = first; row <= last; row++)
-        columns |= down.next(s);
-    return columns;
+    const int32_t first_row = max((int32_t)s->first_row - t->y, 0);
+    const int32_t last_row = min((int32_t)s->last_row - t->y, FXS_TILE - 1);
+    const row_walk at(t, s, first_row);
+    const uint32_t rows = (uint32_t)(last_row - first_row);
+    const float u[2] = {coordinate_q6(at.u_q24), coordinate_q6(at.u_q24 + rows * (uint32_t)s->uy_q24)};
+    const float v[2] = {coordinate_q6(at.v_q24), coordinate_q6(at.v_q24 + rows * (uint32_t)s->vy_q24)};
+    const float least_v = fmaxf(fmaxf(fminf(v[0], v[1]), -fmaxf(v[0], v[1])), 0);
+    const float left = at.limit - 8388608.0f - (float)(2 * s->offset_q11) - least_v * least_v + 5;
+    const float reach = reach_of(left);
+    const uint32_t first = whole((-reach - fmaxf(u[0], u[1])) * at.inverse + 0.95f);
+    const uint32_t end = whole(fminf((reach - fminf(u[0], u[1])) * at.inverse + 1.05f, FXS_TILE));
+    return first_row <= last_row && left >= 0 && first < end ? (1u << end) - (1u << first) : 0;
 }
 
 }
