@@ -26,7 +26,7 @@ RUN := $(if $(T),$(sort $(foreach name,$(T),$(call called,$(name)))),$(EVERY))
 AT_ONCE = $(shell expr $(PROCESSORS) + 1)
 run = @FXS_SCENES=$(SCENES) B=$(B) JOBS=$(or $(FXS_JOBS),$(JOBS),$(AT_ONCE)) ALONE='$(ALONE)' \
     LONG='$(LONG)' sh tests/run.sh $(strip $(foreach name,$(LONG),$(filter $(name),$(1))) $(filter-out $(LONG),$(1)))
-NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter boards.sh,$(RUN)),test_strip test_ili9341) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input)
+NEEDED := $(filter $(TESTS),$(RUN)) $(if $(filter bombs.sh web.sh,$(RUN)),test_bombs) $(if $(filter boards.sh,$(RUN)),test_strip test_ili9341) $(if $(filter convert.sh,$(RUN)),test_lcc) $(if $(filter web.sh,$(RUN)),test_scene_input) $(if $(and $(filter cuda_emulated.sh,$(RUN)),$(shell command -v $(CXX))),gpu/emulated_cuda)
 
 $(B)/tests/test_%$(EXE): $(B)/tests/test_%.o $(B)/tests/reference.o $(call objects,$(TOOL_SHARED)) $(B)/libfixsplat.a \
                    $(B)/commands/link
@@ -55,6 +55,21 @@ $(B)/tests/gpu/test_cuda $(B)/tests/gpu/bench_cuda: $(B)/tests/gpu/peek.o
 $(B)/tests/gpu/test_fit: $(B)/tests/gpu/peek_fit.o
 $(B)/tests/gpu/%: $(B)/tests/gpu/%.o $(B)/libfixsplat.a $(B)/commands/link
 	$(call link)
+
+# Needs none: the kernels are compiled as C++, with tests/gpu/emulated in the place of CUDA.
+EMULATED := tests/gpu/emulated
+$(B)/tests/gpu/emulated_cuda: $(B)/tests/gpu/test_cuda.o $(B)/tests/gpu/emulated_peek.o $(B)/tests/gpu/emulated_runtime.o \
+                              $(B)/libfixsplat.a $(B)/commands/link
+	$(call link,-lstdc++)
+$(B)/tests/gpu/emulated_peek.o: tests/gpu/peek.cu
+	$(emulate)
+$(B)/tests/gpu/emulated_runtime.o: $(EMULATED)/runtime.cu
+	$(emulate)
+define emulate
+	@mkdir -p $(@D)
+	$(call say,CXX,$<)$(CXX) -std=c++17 -O2 -w -I$(EMULATED) -include $(EMULATED)/ptx.h -D__CUDACC__ -Isrc/include -I. \
+	    -MMD -MP -x c++ -c -o $@ $<
+endef
 
 cuda-tests: $(addprefix $(B)/tests/gpu/,test_cuda bench_cuda test_fit) $(B)/tests/test_fit_steps ## build what tests/gpu/*.sh run on a GPU
 

@@ -137,9 +137,7 @@ __device__ inline int limit_bits(const fxs_splat *s, int cut_q11)
 /* `column`: from the row's first pixel. */
 __device__ inline int level_bits(queued_row row, uint32_t column, uint32_t ux_q24)
 {
-    uint32_t u_q24;                        /* by one instruction, which the compiler would not choose */
-    asm("mad.lo.u32 %0, %1, %2, %3;" : "=r"(u_q24) : "r"(column), "r"(ux_q24), "r"(row.u_q24));
-    const float u = coordinate_q6(u_q24);
+    const float u = coordinate_q6(multiply_add(column, ux_q24, row.u_q24));
     return __float_as_int(__fmaf_rd(u, u, row.level));
 }
 
@@ -151,28 +149,12 @@ __device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32
     p->blue += ((uint32_t)weight * blue_q14 + 32768) >> 16;
 }
 
-/* fxs_weight_q15(alpha, T), 0 where the level is over `limit` or the pixel is closed. The table, of two bytes for each
-   level, is in shared memory. By instructions that nvcc would not choose: what is fetched does not wait for T, and takes
-   the register of its address. */
-__device__ inline int weight_of(const uint16_t *alpha_q15, int level, int limit, int transmittance)
-{
-    int product;
-    asm("{ .reg .pred touched, open; .reg .u32 alpha;\n"
-        "setp.le.s32 touched, %1, %2; and.b32 alpha, %1, 0xfffe; add.u32 alpha, alpha, %4;\n"
-        "@touched ld.shared.u16 alpha, [alpha];\n"
-        "setp.ge.and.s32 open, %3, %5, touched; mov.u32 %0, 0;\n"
-        "@open mad.lo.s32 %0, alpha, %3, 16384; }"
-        : "=&r"(product)
-        : "r"(level), "r"(limit), "r"(transmittance), "r"((uint32_t)__cvta_generic_to_shared(alpha_q15)),
-          "n"(FXS_CLOSED_Q15));
-    return product >> 15;
-}
-
 /* Blends a splat whose level may be up to `limit`. Returns its weight. */
 __device__ inline int blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                   const queued_splat *s, int limit)
 {
-    const int weight = weight_of(alpha_q15, level_bits(row, column, s->ux_q24), limit, p->transmittance);
+    const int level = level_bits(row, column, s->ux_q24);
+    const int weight = weight_product<FXS_CLOSED_Q15>(alpha_q15, level, limit, p->transmittance) >> 15;
     p->transmittance -= weight;
     add_colour(p, weight, s->red_green & 0xffff, s->red_green >> 16, s->blue);
     return weight;
@@ -258,21 +240,6 @@ __device__ inline uint32_t key_of(const pixel *, const uint32_t *, uint32_t)
 __device__ inline uint32_t key_of(const traced_pixel *, const uint32_t *depths, uint32_t entry)
 {
     return depths[entry];
-}
-
-/* The same, in a register: nvcc would find it anew in each turn of a loop. */
-__device__ inline uint32_t kept(uint32_t x)
-{
-    asm volatile("" : "+r"(x));
-    return x;
-}
-
-template <class T>
-__device__ inline T *kept_shared(T *x)
-{
-    x = (T *)__cvta_shared_to_generic(kept((uint32_t)__cvta_generic_to_shared(x)));
-    __builtin_assume(__isShared(x));
-    return x;
 }
 
 /* A splat of a queue. */
@@ -681,8 +648,7 @@ union sort_shared {
 __global__ void __launch_bounds__(SORT_THREADS, SORT_BLOCKS) sort_lists(const __grid_constant__ frame_buffers f,
                                                                         uint32_t tiles)
 {
-    extern __shared__ __align__(16) unsigned char memory[];
-    sort_shared *shared = (sort_shared *)memory;
+    sort_shared *shared = (sort_shared *)shared_memory();
     wait_for_last_kernel();
     const uint32_t magnitude = WARP - 1 - lane_index();
     if (blockIdx.x == 0 && threadIdx.x == 0)
@@ -749,8 +715,7 @@ __global__ void __launch_bounds__(WARPS_MOST * WARP, 1)
 blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
              const __grid_constant__ target t, bool alone)
 {
-    extern __shared__ __align__(16) unsigned char memory[];
-    sorted_shared<Pixel> *shared = (sorted_shared<Pixel> *)memory;
+    sorted_shared<Pixel> *shared = (sorted_shared<Pixel> *)shared_memory();
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
     make_table(shared->alpha_q15);
     wait_for_last_kernel();
@@ -780,8 +745,7 @@ __global__ void __launch_bounds__(groups_most<Pixel> * GROUP_THREADS, 1)
 blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
             const __grid_constant__ target t)
 {
-    extern __shared__ __align__(16) unsigned char memory[];
-    blend_shared<Pixel> *shared = (blend_shared<Pixel> *)memory;
+    blend_shared<Pixel> *shared = (blend_shared<Pixel> *)shared_memory();
     const tile_group g = {threadIdx.x / GROUP_THREADS, threadIdx.x % GROUP_THREADS};
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y), part = g.thread / WARP;
     group_shared<Pixel> *own = &shared->groups[g.number];

@@ -622,7 +622,7 @@ void start_cut(const fxs_cuda *cuda, const frame *of, const slot *s, frame_buffe
     const cut_buffers c = slot_cut(s, of, &cuda->options, &cleared, &bytes);
     const uint32_t chunks = c.chunks;
     cudaMemsetAsync(c.status, 0, cleared, s->on);
-    see_chunks<Eyes><<<chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on>>>(*f, c);
+    start(see_chunks<Eyes>, chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on, *f, c);
     launch(cuda, rank_nodes, chunks / STOP_THREADS + 1, STOP_THREADS, 0, s->on, *f, c);
     launch(cuda, find_stop, chunks / STOP_THREADS + 1, STOP_THREADS, 0, s->on, *f, c);
     launch(cuda, share_chunks, chunks / CUT_THREADS + 1, CUT_THREADS, 0, s->on, *f, c);
@@ -637,9 +637,9 @@ void project(const fxs_cuda *cuda, const frame *of, const eyes_buffers<Eyes> &f,
     eyes_views<Eyes> views;
     for (uint32_t eye = 0; eye < Eyes; eye++)
         views.of[eye] = of[eye].view;
-    locate_chunks<Many, Eyes><<<(of->chunks + 63) / 64, 64, 0, stream>>>(views, of->scene, f, of->chunks);
+    start(locate_chunks<Many, Eyes>, (of->chunks + 63) / 64, 64, 0, stream, views, of->scene, f, of->chunks);
     if (of->pooled)
-        fetch_chunks<<<of->chunks, FETCH_THREADS, 0, stream>>>(f.of[0]);
+        start(fetch_chunks, of->chunks, FETCH_THREADS, 0, stream, f.of[0]);
     launch(cuda, project_chunk<Many, Eyes>, of->chunks, FXS_CHUNK, 0, stream, views, of->scene, f, own_depths);
 }
 
@@ -651,8 +651,8 @@ void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint
     launch(cuda, blend_sorted<Pixel>, cuda->processors, warps * WARP, sorted_bytes<Pixel>(warps), stream, view, f, t,
            cuda->early);
     if (groups)
-        blend_tiles<Pixel><<<cuda->processors, groups * GROUP_THREADS, blend_bytes<Pixel>(groups), stream>>>(view, f,
-                                                                                                            t);
+        start(blend_tiles<Pixel>, cuda->processors, groups * GROUP_THREADS, blend_bytes<Pixel>(groups), stream, view, f,
+              t);
 }
 
 /* Those of long lists, beside the sort of the others. */
@@ -660,7 +660,7 @@ void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const
 {
     const uint32_t blocks = cuda->processors * DENSE_BLOCKS;
     cudaStreamWaitEvent(s->side, s->listed, 0);
-    share_lists<<<cuda->processors * SHARE_BLOCKS, SHARE_THREADS, 0, s->side>>>(view, f, blocks);
+    start(share_lists, cuda->processors * SHARE_BLOCKS, SHARE_THREADS, 0, s->side, view, f, blocks);
     launch(cuda, blend_dense, blocks, DENSE_THREADS, sizeof(dense_shared), s->side, view, f, t);
     cudaEventRecord(s->dense_done, s->side);
 }
@@ -671,8 +671,8 @@ void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const fram
     const bool traced = fxs_targets_traced(&t.images), dense = cuda->dense && !traced;
     if (dense)
         cudaEventRecord(s->listed, s->on);
-    sort_lists<<<cuda->processors * SORT_BLOCKS, SORT_THREADS, sizeof(sort_shared), s->on>>>(
-        f, (uint32_t)(view.tiles_x * view.tiles_y));
+    start(sort_lists, cuda->processors * SORT_BLOCKS, SORT_THREADS, sizeof(sort_shared), s->on, f,
+          (uint32_t)(view.tiles_x * view.tiles_y));
     mark(cuda, s, 3);
     if (dense)
         blend_long(cuda, s, view, f, t);

@@ -650,8 +650,7 @@ __global__ void __launch_bounds__(DENSE_THREADS, DENSE_BLOCKS) blend_dense(const
                                                                            const __grid_constant__ frame_buffers f,
                                                                            const __grid_constant__ target t)
 {
-    extern __shared__ __align__(16) unsigned char memory[];
-    dense_shared *shared = (dense_shared *)memory;
+    dense_shared *shared = (dense_shared *)shared_memory();
     const dense_group g = {0, threadIdx.x};
     const uint32_t tiles = (uint32_t)(view.tiles_x * view.tiles_y);
     wait_for_last_kernel();

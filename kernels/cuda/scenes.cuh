@@ -150,8 +150,8 @@ int check_tree(scene_copy *copy, cudaStream_t stream, fxs_message *why)
     const uint32_t blocks = fxs_scene_chunks(&copy->there) / CUT_THREADS + 1;
     uint32_t wrong = 0;
     cudaMemsetAsync(parents_of(&copy->there), 0xff, parents_bytes(&copy->there), stream);
-    find_parents<<<blocks, CUT_THREADS, 0, stream>>>(copy->there);
-    measure_depths<<<blocks, CUT_THREADS, 0, stream>>>(copy->there);
+    start(find_parents, blocks, CUT_THREADS, 0, stream, copy->there);
+    start(measure_depths, blocks, CUT_THREADS, 0, stream, copy->there);
     cudaMemcpyAsync(&wrong, &head_of(&copy->there)->wrong_tree, sizeof wrong, cudaMemcpyDeviceToHost, stream);
     const int error = check(why, cudaGetLastError(), cudaStreamSynchronize(stream));
     copy->wrong_tree = wrong != 0;

@@ -44,17 +44,13 @@ struct group {
 
     __device__ void sync() const
     {
-        asm volatile("barrier.sync %0, %1;" ::"r"(number + 1), "r"(T) : "memory");
+        wait_at(number + 1, T);
     }
 
     /* Whether `x` holds in any thread; synchronises too. */
     __device__ bool any(bool x) const
     {
-        uint32_t result;
-        asm volatile("{ .reg .pred p, q; setp.ne.u32 p, %1, 0; barrier.red.or.pred q, %2, %3, p; "
-                     "selp.u32 %0, 1, 0, q; }"
-                     : "=r"(result) : "r"((uint32_t)x), "r"(number + 1), "r"(T) : "memory");
-        return result != 0;
+        return any_at(number + 1, T, x);
     }
 };
 

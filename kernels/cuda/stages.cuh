@@ -9,6 +9,8 @@
 
 #include <fixsplat/fixsplat.h>
 
+#include "ptx.cuh"
+
 #define FXS_STAGE __host__ __device__
 #define static static __host__ __device__
 #include <fixsplat/packed.h>

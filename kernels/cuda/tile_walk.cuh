@@ -26,14 +26,6 @@ struct tile_splats {
     }
 };
 
-/* sqrt(x), to within 1 part in 2^22; x at least 1. */
-__device__ inline float root_of_level(float x)
-{
-    float root;
-    asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(x));
-    return root;
-}
-
 /* x rounded down, 0 to 31. */
 __device__ inline uint32_t whole(float x)
 {
@@ -43,7 +35,7 @@ __device__ inline uint32_t whole(float x)
 /* How large |u| can be where a row leaves so much of the level, widened by more than the rounding of u. */
 __device__ inline float reach_of(float left)
 {
-    return root_of_level(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
+    return approximate_root(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
 }
 
 /* The pixels of a row, a bit each, that a splat can touch. */

@@ -51,12 +51,15 @@ void peek_free(peeked *p)
 
 namespace {
 
+const uint32_t STEPS_OF_COORDINATES = 80001;
+
 /* Counts the levels and alphas that are not those of pixel.h: every coordinate with every row level. */
 __global__ void compare_levels(unsigned long long *wrong)
 {
     /* +-33000 one by one, then wider to +-128, where coordinates wrap. */
-    const int step = (int)blockIdx.x - 40000, beyond = max(abs(step) - 33000, 0);
-    const int u = step + (step < 0 ? -beyond : beyond) * 144, offset = (int)(threadIdx.x + blockIdx.y * blockDim.x);
+    const int step = (int)(blockIdx.x % STEPS_OF_COORDINATES) - 40000, beyond = max(abs(step) - 33000, 0);
+    const int u = step + (step < 0 ? -beyond : beyond) * 144;
+    const int offset = (int)(threadIdx.x + blockIdx.x / STEPS_OF_COORDINATES * blockDim.x);
     if (offset > FXS_FAINT_Q11)
         return;
     const uint32_t u_q24 = (uint32_t)u << 11 | (uint32_t)(offset * 37 & 2047);
@@ -80,7 +83,7 @@ long peek_levels(void)
     unsigned long long *wrong, count = 1;
     if (cudaMalloc(&wrong, sizeof *wrong) || cudaMemset(wrong, 0, sizeof *wrong))
         return -1;
-    compare_levels<<<dim3(80001, (FXS_FAINT_Q11 + 256) / 256), 256>>>(wrong);
+    start(compare_levels, STEPS_OF_COORDINATES * ((FXS_FAINT_Q11 + 256) / 256), 256, 0, nullptr, wrong);
     const cudaError_t error = cudaMemcpy(&count, wrong, sizeof count, cudaMemcpyDeviceToHost);
     cudaFree(wrong);
     return error ? -1 : (long)count;

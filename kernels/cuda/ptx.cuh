@@ -1,0 +1,93 @@
+/* What CUDA C++ has no words for: instructions of PTX, the shared memory of a block, the start of a kernel. Nothing else
+ * in these files is beyond C++ with a header, so tests/gpu/emulate.h, which takes the place of this file, lets them run
+ * on a processor. */
+#ifndef FXS_CUDA_PTX_CUH
+#define FXS_CUDA_PTX_CUH
+
+#include <stdint.h>
+
+#include <cuda_runtime.h>
+
+namespace {
+
+/* Starts a kernel behind the work of a stream. */
+template <class... Parameters>
+void start(void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, size_t shared, cudaStream_t stream,
+           const Parameters &...parameters)
+{
+    kernel<<<blocks, threads, shared, stream>>>(parameters...);
+}
+
+/* The shared memory that a block was started with. */
+__device__ inline unsigned char *shared_memory()
+{
+    extern __shared__ __align__(16) unsigned char memory[];
+    return memory;
+}
+
+/* a b + c by one instruction, which the compiler would not choose. */
+__device__ inline uint32_t multiply_add(uint32_t a, uint32_t b, uint32_t c)
+{
+    uint32_t sum;
+    asm("mad.lo.u32 %0, %1, %2, %3;" : "=r"(sum) : "r"(a), "r"(b), "r"(c));
+    return sum;
+}
+
+/* sqrt(x), to within 1 part in 2^22; x at least 1. */
+__device__ inline float approximate_root(float x)
+{
+    float root;
+    asm("sqrt.approx.f32 %0, %1;" : "=f"(root) : "f"(x));
+    return root;
+}
+
+/* alpha T + 1/2, Q30, or 0 where the level is over `limit` or T below `closed`. The table, of two bytes for each level,
+   is in shared memory. By instructions that nvcc would not choose: what is fetched does not wait for T, and takes the
+   register of its address. */
+template <int Closed>
+__device__ inline int weight_product(const uint16_t *alpha_q15, int level, int limit, int transmittance)
+{
+    int product;
+    asm("{ .reg .pred touched, open; .reg .u32 alpha;\n"
+        "setp.le.s32 touched, %1, %2; and.b32 alpha, %1, 0xfffe; add.u32 alpha, alpha, %4;\n"
+        "@touched ld.shared.u16 alpha, [alpha];\n"
+        "setp.ge.and.s32 open, %3, %5, touched; mov.u32 %0, 0;\n"
+        "@open mad.lo.s32 %0, alpha, %3, 16384; }"
+        : "=&r"(product)
+        : "r"(level), "r"(limit), "r"(transmittance), "r"((uint32_t)__cvta_generic_to_shared(alpha_q15)), "n"(Closed));
+    return product;
+}
+
+/* The same, in a register: nvcc would find it anew in each turn of a loop. */
+__device__ inline uint32_t kept(uint32_t x)
+{
+    asm volatile("" : "+r"(x));
+    return x;
+}
+
+template <class T>
+__device__ inline T *kept_shared(T *x)
+{
+    x = (T *)__cvta_shared_to_generic(kept((uint32_t)__cvta_generic_to_shared(x)));
+    __builtin_assume(__isShared(x));
+    return x;
+}
+
+/* Some threads of a block wait for each other, at a barrier of their own. */
+__device__ inline void wait_at(uint32_t barrier, uint32_t threads)
+{
+    asm volatile("barrier.sync %0, %1;" ::"r"(barrier), "r"(threads) : "memory");
+}
+
+/* The same, and whether `x` holds in any of them. */
+__device__ inline bool any_at(uint32_t barrier, uint32_t threads, bool x)
+{
+    uint32_t result;
+    asm volatile("{ .reg .pred p, q; setp.ne.u32 p, %1, 0; barrier.red.or.pred q, %2, %3, p; selp.u32 %0, 1, 0, q; }"
+                 : "=r"(result) : "r"((uint32_t)x), "r"(barrier), "r"(threads) : "memory");
+    return result != 0;
+}
+
+}
+
+#endif

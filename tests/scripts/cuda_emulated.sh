@@ -1,0 +1,15 @@
+#!/bin/sh
+# The CUDA back end without a GPU: its kernels as C++, thread by thread, against the processor.
+. tests/scripts/lib/check.sh
+program=${B:-build}/tests/gpu/emulated_cuda
+if [ -x "$program" ]; then
+    log=$(mktemp) || exit 1
+    trap 'rm -f "$log"' EXIT
+    "$program" --quick >"$log" 2>&1 || fail "$program" "status $?"
+    grep -v '^  skipped\|^skip test_files\|passed, ' "$log"
+    passed=$(grep -c '^ok ' "$log") failed=$((failed + $(grep -c '^FAIL ' "$log")))
+    check "all tests ran" [ "$passed" -ge 20 ]
+else
+    skip "emulated" "no ${CXX:-c++} here"
+fi
+finish
