@@ -58,7 +58,7 @@ __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int l
     return product;
 }
 
-/* The same, in a register: nvcc would find it anew in each turn of a loop. */
+/* x, in a register: nvcc would find it anew in each turn of a loop. */
 __device__ inline uint32_t kept(uint32_t x)
 {
     asm volatile("" : "+r"(x));
@@ -79,7 +79,7 @@ __device__ inline void wait_at(uint32_t barrier, uint32_t threads)
     asm volatile("barrier.sync %0, %1;" ::"r"(barrier), "r"(threads) : "memory");
 }
 
-/* The same, and whether `x` holds in any of them. */
+/* The same; whether `x` holds in any of them. */
 __device__ inline bool any_at(uint32_t barrier, uint32_t threads, bool x)
 {
     uint32_t result;
