@@ -70,6 +70,7 @@ struct fxs_cuda {                  /* in pinned host memory, for the sake of `ne
     bool began_marked;             /* by the first frame under way */
     bool early;                    /* kernels may be launched before the last one has ended */
     uint64_t capacity, large_capacity;      /* of a slot's entries and large splats, from its next frame on */
+    uint64_t entries_most, split_most;      /* as if there were room for no more; 0: for all. For tests */
 
     fxs_options options;           /* of the frames under way */
     frame frames[FXS_CUDA_BATCH];
@@ -716,6 +717,10 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
     f.number = cuda->frame_number;
     if (fxs_targets_traced(&of->targets))                    /* depths are read to the end */
         f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
+    if (cuda->entries_most) {
+        f.capacity = cuda->entries_most;
+        f.split_capacity = cuda->split_most;
+    }
     const uint64_t cleared = (uint64_t)((unsigned char *)(f.counts + of->tiles) - (unsigned char *)f.status);
     cudaMemsetAsync(f.status, 0, cleared, stream);
     return f;

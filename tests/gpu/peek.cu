@@ -94,6 +94,12 @@ int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
     return fit_blocks(cuda, shared_most, why);
 }
 
+void peek_limit_room(fxs_cuda *cuda, uint64_t entries, uint64_t split)
+{
+    cuda->entries_most = entries;
+    cuda->split_most = split;
+}
+
 void *peek_device_memory(size_t bytes)
 {
     void *memory;

@@ -31,6 +31,9 @@ long peek_levels(void);
 /* As if a block could have only so much shared memory. Returns 0 where that is enough. */
 int peek_fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why);
 
+/* As if there were room for so many entries, no more than there is, and for `split` in bins; entries 0: all again. */
+void peek_limit_room(fxs_cuda *cuda, uint64_t entries, uint64_t split);
+
 void *peek_device_memory(size_t bytes);
 void peek_device_free(void *memory);
 void *peek_pinned_memory(size_t bytes);

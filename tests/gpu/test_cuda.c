@@ -843,6 +843,13 @@ static void check_long_lists(int count)
         CHECK(scene_equal(&scene, &camera, &options) && !draw(cuda, &scene, &camera, &stats));
         CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | MEAN | MEDIAN | ID | (i % 2 ? OCCLUDER : 0),
                           FXS_FORMAT_RGBA8, 0));
+        /* With little room or none for bins they are in fewer parts, and blended in rounds. */
+        for (uint64_t split = 0; split < stats.entries; split = 3 * split + stats.entries / 20) {
+            peek_limit_room(cuda, stats.entries, split);
+            CHECK(frame_equal(&object, 1, &camera, &options, COLOUR, FXS_FORMAT_RGBA8, 0));
+            CHECK(frame_equal(&object, 1, &camera, &options, COLOUR | ID, FXS_FORMAT_RGBA8, 0));
+        }
+        peek_limit_room(cuda, 0, 0);
         const uint64_t each = stats.entries / (uint64_t)((camera.width + 15) / 16 * ((camera.height + 15) / 16));
         most = each > most ? each : most;
         fxs_cuda_forget(cuda, &scene);
