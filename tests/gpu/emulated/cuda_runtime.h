@@ -25,9 +25,9 @@
 #define __builtin_assume(x)
 
 struct dim3 {
-    uint32_t x, y, z;
+    uint32_t x;
 
-    dim3(uint32_t across = 1) : x(across), y(1), z(1)
+    dim3(uint32_t across = 1) : x(across)
     {
     }
 };

@@ -11,8 +11,8 @@ void start(void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, siz
            const typename emulated::given<Parameters>::type &...parameters)
 {
     cudaLaunchConfig_t how = {};
-    how.gridDim = dim3(blocks);
-    how.blockDim = dim3(threads);
+    how.gridDim.x = blocks;
+    how.blockDim.x = threads;
     how.stream = stream;
     cudaLaunchKernelEx(&how, kernel, parameters...);
 }

@@ -173,11 +173,10 @@ void run_grid(uint32_t blocks, uint32_t count, const std::function<void()> &thre
     if (count > THREADS_MOST)
         give_up("a block with too many threads");
     body = &thread;
-    gridDim = dim3(blocks);
-    blockDim = dim3(count);
+    gridDim.x = blocks;
+    blockDim.x = count;
     for (uint32_t i = 0; i < blocks; i++) {
-        blockIdx = dim3(i);
-        blockIdx.y = blockIdx.z = 0;
+        blockIdx.x = i;
         run_block(count);
     }
 }
