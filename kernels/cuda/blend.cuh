@@ -16,6 +16,7 @@
 #define FXS_CUDA_BLEND_CUH
 
 #include "sort.cuh"
+#include "stages.cuh"
 
 namespace {
 
@@ -511,40 +512,19 @@ __device__ void blend_list(Pixel (&p)[2], group_shared<Pixel> *own, const uint16
                            const fxs_view *view, int depth_bits, const tile_group *g, uint32_t tile, int32_t x,
                            int32_t y)
 {
-    const uint32_t all = f->counts[tile], warp = g->thread / WARP;
-    const uint64_t *list = f->entries + (f->next[tile] - all), *split = nullptr;
+    const tile_entries list = entries_of(f, tile);
+    const uint32_t warp = g->thread / WARP;
+    const uint64_t *split = nullptr;
     const uint32_t *ends = nullptr;
     const region_blender<Pixel, 2> blender(own->queues[warp], own->trace_queue(warp), alpha_q15, f, view, depth_bits, x,
                                            y);
-    bool open = true;
-    /* `count` keys, as many as there is room for or in rounds. */
-    auto blend_part = [&](const uint64_t *keys, uint32_t count) {
-        auto visit_all = [&](auto visit) { visit_keys(keys, count, g, visit); };
-        key_range r = {0, 0};
-        if (count > tile_keys::room)
-            r = range_of_list(&own->keys, g, visit_all);
-        for (uint32_t done = 0, some; done < count && open; done += some) {
-            some = count;
-            if (count > tile_keys::room)
-                some = next_round(&r, &own->keys, own->bins, g, visit_all);
-            else
-                for (uint32_t i = g->thread; i < count; i += GROUP_THREADS)
-                    own->keys.keys[i] = keys[i];
-            g->sync();
-            sort_keys(own->entries, &own->keys, own->bins, some, g);
-            blender.blend(p, own->entries, some);
-            open = g->any(is_open(p));
-        }
-    };
-    if (all >> SPLIT_MAGNITUDE)
-        split = split_long(&ends, own, f, list, all, g);
-    for (uint32_t first = 0, end = all; first < all && open; first = end, end = all) {
-        if (split)
-            end = bins_end<tile_keys>(ends, first, tile_keys::room);
-        if (end == first)                  /* a bin too large */
-            end = bin_end<tile_keys>(ends, first);
-        blend_part((split ? split : list) + first, end - first);
-    }
+    if (list.count >> SPLIT_MAGNITUDE)
+        split = split_long(&ends, own, f, list.first, list.count, g);
+    take_keys(&own->keys, own->bins, split ? split : list.first, list.count, ends, g, [&](uint32_t count) {
+        sort_keys(own->entries, &own->keys, own->bins, count, g);
+        blender.blend(p, own->entries, count);
+        return g->any(is_open(p));
+    });
 }
 
 /* Fills in the table of alpha, by all threads of a block. */
@@ -618,15 +598,15 @@ struct list_sorter {
             g.sync();
             if (turn >= order.all)
                 return;
-            const uint32_t tile = tile_of_turn(f, &order, tiles, turn).tile, count = f->counts[tile];
-            uint64_t *list = f->entries + (f->next[tile] - count);
-            for (uint32_t i = g.thread; i < count; i += T)
-                keys.keys[i] = list[i];
+            const uint32_t tile = tile_of_turn(f, &order, tiles, turn).tile;
+            const tile_entries list = entries_of(f, tile);
+            for (uint32_t i = g.thread; i < list.count; i += T)
+                keys.keys[i] = list.first[i];
             g.sync();
-            if (count > (1u << Magnitude) / 4)
-                sort_by<Bits>((uint32_t *)list, count, &g);
-            else if (count)
-                sort_by<Bits - 2>((uint32_t *)list, count, &g);
+            if (list.count > (1u << Magnitude) / 4)
+                sort_by<Bits>((uint32_t *)list.first, list.count, &g);
+            else if (list.count)
+                sort_by<Bits - 2>((uint32_t *)list.first, list.count, &g);
         }
     }
 
@@ -699,12 +679,12 @@ __device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_view
 {
     warp_shared<Pixel> *own = &shared->warps[threadIdx.x / WARP];
     const region<Each> r(view, turn.tile, turn.number);
-    const uint32_t count = f->counts[turn.tile];
+    const tile_entries list = entries_of(f, turn.tile);
     const region_blender<Pixel, Each> blender(own->queue, own->trace_queue(0), shared->alpha_q15, f, view,
                                               t->depth_bits, r.x, r.y);
     Pixel p[Each];
     r.clear(p, view, t);
-    blender.blend(p, (const uint32_t *)(f->entries + (f->next[turn.tile] - count)), count);
+    blender.blend(p, (const uint32_t *)list.first, list.count);
     r.store(p, view, f, t);
 }
 

@@ -10,7 +10,7 @@
 namespace {
 
 const uint32_t SLOTS = 16;
-const uint64_t ENTRIES_MAX = 0xffffffffu;  /* `next` counts in 32 bits */
+const uint64_t ENTRIES_MAX = 0xffffffffu;  /* tile_list counts in 32 bits */
 
 /* The streams, events and memory of a frame that is under way. */
 struct slot {
@@ -174,8 +174,8 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     f.depths = cut<uint32_t>(&splats, gaussians);
     f.split_capacity = (uint64_t)(splats - (unsigned char *)f.boxes) / sizeof *f.split_entries;
     f.status = cut<frame_status>(&of_tiles, 1);
-    f.counts = cut<uint32_t>(&of_tiles, of->tiles);
-    f.next = cut<uint32_t>(&of_tiles, of->tiles);
+    f.list_step = gaussians < MANY_GAUSSIANS * (uint64_t)of->tiles ? 1 : LISTS_APART;
+    f.lists = cut<tile_list>(&of_tiles, f.list_step * (uint64_t)of->tiles);
     f.classes = cut<uint32_t>(&of_tiles, 32 * (uint64_t)of->tiles);
     f.entries = (uint64_t *)s->entries.data;
     f.capacity = s->entries.bytes / sizeof *f.entries;
@@ -721,7 +721,7 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
         f.capacity = cuda->entries_most;
         f.split_capacity = cuda->split_most;
     }
-    const uint64_t cleared = (uint64_t)((unsigned char *)(f.counts + of->tiles) - (unsigned char *)f.status);
+    const uint64_t cleared = (uint64_t)((unsigned char *)list_of(&f, of->tiles) - (unsigned char *)f.status);
     cudaMemsetAsync(f.status, 0, cleared, stream);
     return f;
 }

@@ -635,8 +635,8 @@ __device__ dense_list split_part(dense_shared *shared, const frame_buffers *f, c
 __device__ void blend_dense_list(dense_shared *shared, const frame_buffers *f, const tile_splats *t,
                                  const turn_of_tile &turn, uint32_t parts, const dense_group *g)
 {
-    const uint32_t count = f->counts[turn.tile];
-    const dense_list all = {f->entries + (f->next[turn.tile] - count), nullptr, count};
+    const tile_entries list = entries_of(f, turn.tile);
+    const dense_list all = {list.first, nullptr, list.count};
     const dense_list split = turn.turns == 1
                                  ? split_tile(shared, f, all, g)
                                  : split_part(shared, f, part_list(f, turn, parts), range_of_shared(f, turn), g);

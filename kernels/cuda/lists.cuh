@@ -218,12 +218,14 @@ __device__ bool is_whole(const ellipse *e, const fxs_view *view)
            e->splat->last_row < view->height - 1 && e->columns.last - e->columns.first < 4;
 }
 
-/* Adds 1 to counts where a splat's tiles begin on a tile row, takes it where they have ended; start_lists sums up. */
+/* Adds 1 to the counts of lists where a splat's tiles begin on a tile row, and takes it where they have ended;
+   start_lists sums up. */
 __device__ void count_tiles(const frame_buffers *f, const fxs_view *view, int32_t row, span s)
 {
     const bool listed = s.first <= s.last;
-    add_at(f->counts, (uint32_t)(row * view->tiles_x + s.first), 1, listed);
-    add_at(f->counts, (uint32_t)(row * view->tiles_x + s.last + 1), ~0u, listed && s.last < view->tiles_x - 1);
+    const uint32_t first = (uint32_t)(row * view->tiles_x + s.first), end = first + (uint32_t)(s.last + 1 - s.first);
+    add_at(&f->lists->count, number_of(f, first), 1, listed);
+    add_at(&f->lists->count, number_of(f, end), ~0u, listed && s.last < view->tiles_x - 1);
 }
 
 __device__ uint32_t mask_of_span(span s, int32_t first_column)
@@ -369,16 +371,16 @@ struct started {
     uint64_t sums[START_ROWS];             /* of entries; then where the rows' begin */
 };
 
-/* Calls visit(tile, its entry of `of`, inside) along a tile row, by a warp. */
+/* Calls visit(tile, the count of its list, inside) along a tile row, by a warp. */
 template <class Visit>
-__device__ inline void visit_row(const uint32_t *of, uint32_t row, uint32_t tiles_x, Visit visit)
+__device__ inline void visit_row(const frame_buffers *f, uint32_t row, uint32_t tiles_x, Visit visit)
 {
-    const uint32_t *first = of + row * tiles_x;
-    uint32_t next = lane_index() < tiles_x ? first[lane_index()] : 0;
+    const uint32_t first = row * tiles_x;
+    uint32_t next = lane_index() < tiles_x ? list_of(f, first + lane_index())->count : 0;
     for (uint32_t column = lane_index(); column - lane_index() < tiles_x; column += WARP) {
         const uint32_t x = next;
-        next = column + WARP < tiles_x ? first[column + WARP] : 0;     /* fetched meanwhile */
-        visit(row * tiles_x + column, x, column < tiles_x);
+        next = column + WARP < tiles_x ? list_of(f, first + column + WARP)->count : 0;   /* fetched meanwhile */
+        visit(first + column, x, column < tiles_x);
     }
 }
 
@@ -395,15 +397,14 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
     uint32_t carry = 0;
     uint64_t sum = 0;
     if (row < tiles_y)
-        visit_row(f.counts, row, tiles_x, [&](uint32_t tile, uint32_t difference, bool inside) {
+        visit_row(&f, row, tiles_x, [&](uint32_t tile, uint32_t difference, bool inside) {
             const uint32_t along = carry + warp_sum(difference), magnitude = list_magnitude(along);
             const uint32_t place = take_number(s.classes, magnitude, inside);
             carry = __shfl_sync(ALL_LANES, along, WARP - 1);
             if (!inside)
                 return;
             atomicAdd(&s.class_entries[magnitude], along);
-            f.counts[tile] = along;
-            f.next[tile] = place;              /* in its class, of the block's */
+            *list_of(&f, tile) = {along, place};   /* in its class, of the block's */
             sum += along;
         });
     sum = __shfl_sync(ALL_LANES, warp_sum(sum), WARP - 1);
@@ -425,14 +426,14 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
     __syncthreads();
     uint64_t start = s.sums[warp];
     if (row < tiles_y)
-        visit_row(f.counts, row, tiles_x, [&](uint32_t tile, uint32_t count, bool inside) {
+        visit_row(&f, row, tiles_x, [&](uint32_t tile, uint32_t count, bool inside) {
             const uint64_t end = start + warp_sum((uint64_t)count);
             const uint32_t magnitude = list_magnitude(count);
             start = __shfl_sync(ALL_LANES, end, WARP - 1);
             if (!inside)
                 return;
-            f.classes[magnitude * tiles_x * tiles_y + s.first[magnitude] + f.next[tile]] = tile;
-            f.next[tile] = (uint32_t)(end - count);
+            f.classes[magnitude * tiles_x * tiles_y + s.first[magnitude] + list_of(&f, tile)->next] = tile;
+            list_of(&f, tile)->next = (uint32_t)(end - count);
         });
 }
 
@@ -454,7 +455,7 @@ __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const l
         const int32_t touched_last = __shfl_sync(ALL_LANES, touched.last, lane);
         const bool cut_off = column < touched_first || column > touched_last;
         if (active)
-            f->entries[atomicAdd(&f->next[(large->first + lane) * view->tiles_x + column], 1u)] =
+            f->entries[atomicAdd(&list_of(f, (uint32_t)((large->first + lane) * view->tiles_x + column))->next, 1u)] =
                 FXS_KEY(depth, large->index | (cut_off ? FXS_ENTRY_CUT_OFF : 0));
     });
 }
@@ -482,7 +483,7 @@ __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ 
                               bit % BOX_COLUMNS;
         const uint32_t key_depth = __shfl_sync(ALL_LANES, depth, lane);
         const uint32_t key_index = index - lane_index() + (uint32_t)lane;
-        const uint32_t place = take_number(f.next, tile, active);
+        const uint32_t place = take_number(&f.lists->next, number_of(&f, tile), active);
         if (active)
             f.entries[place] = FXS_KEY(key_depth, key_index);
     });

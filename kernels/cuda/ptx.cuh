@@ -1,6 +1,6 @@
-/* What CUDA C++ has no words for: instructions of PTX, the shared memory of a block, the start of a kernel. Nothing
- * else in these files is beyond C++ with a header, so tests/gpu/emulated/ptx.h, which takes the place of this file, lets
- * them run on a processor. */
+/* What CUDA C++ has no words for: instructions of PTX, the shared memory of a block, the start of a kernel. Nothing else
+ * in these files is beyond C++ with a header, so tests/gpu/emulated/ptx.h, which takes the place of this file, lets them
+ * run on a processor. */
 #ifndef FXS_CUDA_PTX_CUH
 #define FXS_CUDA_PTX_CUH
 

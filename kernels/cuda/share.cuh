@@ -71,12 +71,15 @@ struct part_list {
 
     /* parts: by parts_of_tiles. */
     __device__ part_list(const frame_buffers *f, const turn_of_tile &turn, uint32_t parts)
-        : count(f->counts[turn.tile]), part(turn.number), segment_count(segments_of(list_magnitude(count)))
+        : part(turn.number)
     {
+        const tile_entries list = entries_of(f, turn.tile);
+        keys = list.first;
+        count = list.count;
+        segment_count = segments_of(list_magnitude(count));
         const turns order = segment_turns(f, parts);
         const int lane = (int)(WARP - 1 - list_magnitude(count));
         const uint32_t before = turn.place - __shfl_sync(ALL_LANES, order.tiles, lane);
-        keys = f->entries + (f->next[turn.tile] - count);
         segments = f->segments + __shfl_sync(ALL_LANES, order.start, lane) + before * segment_count;
     }
 
@@ -224,13 +227,13 @@ share_lists(const __grid_constant__ fxs_view view, const __grid_constant__ frame
     const turns order = segment_turns(&f, parts);
     for (uint32_t i = blockIdx.x; i < order.all; i += gridDim.x) {
         const turn_of_tile turn = tile_of_turn(&f, &order, tiles, i);
-        const uint32_t count = f.counts[turn.tile];
-        const uint32_t first = segment_start(count, turn.number, turn.turns);
+        const tile_entries list = entries_of(&f, turn.tile);
+        const uint32_t first = segment_start(list.count, turn.number, turn.turns);
         const tile_splats t(&view, &f, turn.tile);
-        const uint32_t of_tile = __shfl_sync(ALL_LANES, parts, (int)(WARP - 1 - list_magnitude(count)));
+        const uint32_t of_tile = __shfl_sync(ALL_LANES, parts, (int)(WARP - 1 - list_magnitude(list.count)));
         share_segment(&f.segments[i], &f.status->shared[turn.place], &shared, &f, &t,
-                      {f.entries + (f.next[turn.tile] - count) + first,
-                       segment_start(count, turn.number + 1, turn.turns) - first, FXS_TILE / of_tile}, &g);
+                      {list.first + first, segment_start(list.count, turn.number + 1, turn.turns) - first,
+                       FXS_TILE / of_tile}, &g);
     }
 }
 

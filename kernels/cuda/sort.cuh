@@ -3,7 +3,7 @@
 #ifndef FXS_CUDA_SORT_CUH
 #define FXS_CUDA_SORT_CUH
 
-#include "stages.cuh"
+#include "warp.cuh"
 
 namespace {
 
@@ -329,6 +329,37 @@ __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t
         entries[place] = (uint32_t)key;
     }
     g->sync();
+}
+
+/* Calls take(count) for the keys of a list, near to far, as many at a time as there is room for: they are in
+   shared->keys then, in no order. As long as it returns true, in all threads. ends: where the bins end that the list is
+   in; null: it is in none. */
+template <class K, class G, class Take>
+__device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint32_t count, const uint32_t *ends,
+                          const G *g, Take take)
+{
+    bool more = true;
+    for (uint32_t first = 0, end = count; first < count && more; first = end, end = count) {
+        if (ends)
+            end = bins_end<K>(ends, first, K::room);
+        if (end == first)                  /* a bin too large */
+            end = bin_end<K>(ends, first);
+        const uint32_t own = end - first;
+        auto visit_all = [&](auto visit) { visit_keys(list + first, own, g, visit); };
+        key_range r = {0, 0};
+        if (own > K::room)
+            r = range_of_list(shared, g, visit_all);
+        for (uint32_t done = 0, some; done < own && more; done += some) {
+            some = own;
+            if (own > K::room)
+                some = next_round(&r, shared, bins, g, visit_all);
+            else
+                for (uint32_t i = g->thread; i < own; i += G::threads)
+                    shared->keys[i] = list[first + i];
+            g->sync();
+            more = take(some);
+        }
+    }
 }
 
 }

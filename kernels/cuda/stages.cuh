@@ -9,7 +9,7 @@
 
 #include <fixsplat/fixsplat.h>
 
-#include "ptx.cuh"
+#include "warp.cuh"
 
 #define FXS_STAGE __host__ __device__
 #define static static __host__ __device__
@@ -47,6 +47,7 @@ struct large_splat {
     int32_t first;                 /* of LARGE_ROWS tile rows; the others have records of their own */
 };
 
+const uint32_t LISTS_APART = 4, MANY_GAUSSIANS = 256;      /* see list_step; of a tile, as a mean */
 const uint32_t PARTS_MOST = 16, SHARED_MOST = 1024;    /* of a tile; tiles */
 
 /* How much a frame needed. Where that is more than the capacity of its buffers, it is not blended. */
@@ -77,6 +78,13 @@ struct frame_status : frame_needs {
     shared_range shared[SHARED_MOST];          /* of the longest lists, in the order in which tiles are taken */
 };
 
+/* A tile's list. */
+struct tile_list {
+    uint32_t count;                /* of its entries; until they are added up along a tile row, by how many more than
+                                      those of the tile before */
+    uint32_t next;                 /* where its next entry goes: after the fill, its end */
+};
+
 /* The memory of a frame on the device. */
 struct frame_buffers {
     frame_status *status;
@@ -95,8 +103,10 @@ struct frame_buffers {
         large_splat *larges;       /* boxes 0 */
         list_segment *segments;    /* when lists are filled */
     };
-    uint32_t *counts;              /* length of each tile's list */
-    uint32_t *next;                /* where its next entry goes: after the fill, its end */
+    tile_list *lists;              /* of each tile, list_step further. Many threads add to their numbers, and additions
+                                      to one sector of memory wait for each other: where tiles have many Gaussians, each
+                                      list has a sector of its own */
+    uint32_t list_step;            /* 1 or LISTS_APART */
     uint32_t *classes;             /* tiles by the magnitude of their lists: a row of all tiles for each class */
     uint64_t *entries;             /* the lists: depth above, index and FXS_ENTRY_CUT_OFF below, in no order; then,
                                       but for long ones, the lower halves alone, near to far */
@@ -122,6 +132,29 @@ __device__ inline void store_splat(fxs_splat *to, const fxs_splat &splat)
     memcpy(halves, &splat, sizeof halves);
     ((uint4 *)to)[0] = halves[0];
     ((uint4 *)to)[1] = halves[1];
+}
+
+__host__ __device__ inline tile_list *list_of(const frame_buffers *f, uint32_t tile)
+{
+    return f->lists + f->list_step * tile;
+}
+
+/* The place of a tile among numbers of lists, for add_at and take_number. */
+__device__ inline uint32_t number_of(const frame_buffers *f, uint32_t tile)
+{
+    return sizeof(tile_list) / sizeof(uint32_t) * f->list_step * tile;
+}
+
+/* The entries of a tile. */
+struct tile_entries {
+    uint64_t *first;
+    uint32_t count;
+};
+
+__device__ inline tile_entries entries_of(const frame_buffers *f, uint32_t tile)
+{
+    const uint2 own = *(const uint2 *)list_of(f, tile);    /* count, next */
+    return {f->entries + (own.y - own.x), own.x};
 }
 
 /* The chunk, of all objects, at a place among those that are drawn. */
@@ -157,9 +190,6 @@ __device__ inline uint32_t list_magnitude(uint32_t count)
     return count ? 31 - (uint32_t)__clz((int)count) : 0;
 }
 
-const uint32_t WARP = 32;
-const unsigned ALL_LANES = 0xffffffffu;
-
 /* A kernel that may be launched before the one before it has ended lets the next one come, then waits for that end. */
 __device__ inline void wait_for_last_kernel()
 {
@@ -167,83 +197,6 @@ __device__ inline void wait_for_last_kernel()
     cudaTriggerProgrammaticLaunchCompletion();
     cudaGridDependencySynchronize();
 #endif
-}
-
-__device__ inline uint32_t lane_index()
-{
-    return threadIdx.x % WARP;
-}
-
-/* Instructions from compute capability 8.0 on; before it, by a butterfly of five exchanges. */
-#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ < 800
-#define REDUCE(name, reduced)                                            \
-    template <typename T> __device__ inline T name(unsigned lanes, T own) \
-    {                                                                    \
-        for (int step = WARP / 2; step; step /= 2) {                     \
-            const T other = __shfl_xor_sync(lanes, own, step);           \
-            own = reduced;                                               \
-        }                                                                \
-        return own;                                                      \
-    }
-REDUCE(__reduce_add_sync, own + other)
-REDUCE(__reduce_or_sync, own | other)
-REDUCE(__reduce_min_sync, own < other ? own : other)
-REDUCE(__reduce_max_sync, own > other ? own : other)
-#undef REDUCE
-#endif
-
-/* The sum over the lanes up to this one. */
-template <class T>
-__device__ inline T warp_sum(T x)
-{
-    for (uint32_t d = 1; d < WARP; d *= 2) {
-        const T below = __shfl_up_sync(ALL_LANES, x, d);
-        x += lane_index() >= d ? below : 0;
-    }
-    return x;
-}
-
-/* Takes a place at counters[i] for each lane with `active`; lanes that share a counter share one atomic. */
-__device__ inline uint32_t take_number(uint32_t *counters, uint32_t i, bool active)
-{
-    const unsigned lanes = __ballot_sync(ALL_LANES, active), lane = lane_index();
-    uint32_t place = 0;
-    if (active) {
-        const unsigned same = __match_any_sync(lanes, i), leader = (unsigned)__ffs((int)same) - 1;
-        if (lane == leader)
-            place = atomicAdd(&counters[i], (uint32_t)__popc(same));
-        place = __shfl_sync(same, place, (int)leader) + (uint32_t)__popc(same & ((1u << lane) - 1));
-    }
-    return place;
-}
-
-/* Shares out `own` items of each lane: calls visit(lane, item of it, active) with all lanes, until all were visited. */
-template <class Visit>
-__device__ inline void share_out(uint32_t own, Visit visit)
-{
-    const uint32_t end = warp_sum(own), start = end - own, all = __shfl_sync(ALL_LANES, end, WARP - 1);
-    for (uint32_t first = 0; first < all; first += WARP) {
-        const uint32_t item = first + lane_index();
-        uint32_t lane = 0;
-        for (uint32_t step = WARP / 2; step > 0; step /= 2)
-            lane += __shfl_sync(ALL_LANES, end, (int)(lane + step - 1)) <= item ? step : 0;
-        visit((int)lane, item - __shfl_sync(ALL_LANES, start, (int)lane), item < all);
-    }
-}
-
-/* The place of the n-th bit, from 0 on. */
-__device__ inline uint32_t bit_of(uint64_t mask, uint32_t n)
-{
-    const uint32_t low_bits = (uint32_t)__popc((uint32_t)mask), high = n >= low_bits ? 32 : 0;
-    uint32_t bits = (uint32_t)(mask >> high), place = 0;
-    n -= high ? low_bits : 0;
-    for (uint32_t step = 16; step > 0; step /= 2) {
-        const uint32_t below = (uint32_t)__popc(bits & ((1u << step) - 1)), skip = below <= n ? step : 0;
-        bits >>= skip;
-        place += skip;
-        n -= skip ? below : 0;
-    }
-    return high + place;
 }
 
 }

@@ -20,9 +20,19 @@ int peek(fxs_cuda *cuda, peeked *out)
 {
     const frame_buffers *f = &cuda->buffers[0];
     const frame *of = &cuda->frames[0];
-    return download(&out->splats, f->splats, (uint64_t)of->chunks * FXS_CHUNK) ||
-           download(&out->counts, f->counts, of->tiles) || download(&out->ends, f->next, of->tiles) ||
-           download(&out->entries, f->entries, cuda->needs[0].entries);
+    tile_list *lists = nullptr;
+    int error = download(&out->splats, f->splats, (uint64_t)of->chunks * FXS_CHUNK) ||
+                download(&lists, f->lists, (uint64_t)f->list_step * of->tiles) ||
+                download(&out->entries, f->entries, cuda->needs[0].entries);
+    out->counts = (uint32_t *)malloc(of->tiles * sizeof *out->counts);
+    out->ends = (uint32_t *)malloc(of->tiles * sizeof *out->ends);
+    error = error || !out->counts || !out->ends;
+    for (uint32_t tile = 0; tile < of->tiles && !error; tile++) {
+        out->counts[tile] = lists[f->list_step * tile].count;
+        out->ends[tile] = lists[f->list_step * tile].next;
+    }
+    free(lists);
+    return error;
 }
 
 int peek_cut(fxs_cuda *cuda, void **drawn, uint32_t *count, int *by_device)
