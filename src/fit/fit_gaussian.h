@@ -155,11 +155,12 @@ typedef struct look {
     real inverse_length, direction[3], basis[15], colour[3];   /* colour: before it is clamped at 0 */
 } look;
 
-static inline void find_look(look *l, const shape *s, int degree, const float *at, size_t stride)
+/* offset: of the Gaussians, as in `shape`. */
+static inline void find_look(look *l, const real offset[3], int degree, const float *at, size_t stride)
 {
-    l->inverse_length = 1.0f / root(dot3(s->offset, s->offset));
+    l->inverse_length = 1.0f / root(dot3(offset, offset));
     for (int i = 0; i < 3; i++)
-        l->direction[i] = s->offset[i] * l->inverse_length;
+        l->direction[i] = offset[i] * l->inverse_length;
     for (int c = 0; c < 3; c++)
         l->colour[c] = load(at + (FXS_FIT_COLOUR + c) * (ptrdiff_t)stride) * 0.282094792f + 0.5f;
     if (degree < 1)
@@ -296,7 +297,7 @@ static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree
     if (camera->is_antialiased)
         add_share_gradient(&s, sums, by_t);
     shape_gradient(&s, camera, (const real(*)[3])by_t, by_centre, gradient, by_position);
-    find_look(l, &s, degree, at, stride);
+    find_look(l, s.offset, degree, at, stride);
     colour_gradient(l, degree, at, stride, sums, g, along);
     for (int i = 0; i < 3; i++) {
         gradient[FXS_FIT_POSITION + i] = by_position[i] + along[i];

@@ -5,7 +5,8 @@
 #include "fit_gaussian.h"
 #include "span.h"
 
-enum { SPLAT_NUMBERS = 15 };       /* floats of fxs_fit_splat, up to `tiles` */
+/* Floats of fxs_fit_splat, up to `tiles`. */
+enum { SPLAT_LIMIT = 6, SPLAT_COLOUR = 7, SPLAT_DEPTH = 10, SPLAT_TILES = 14, SPLAT_NUMBERS };
 
 /* 3 sigma_max. The larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
 static inline real square_of(const shape *s)
@@ -14,12 +15,11 @@ static inline real square_of(const shape *s)
     return 3.0f * root(middle + root(half * half + s->b * s->b));
 }
 
-/* Returns the lanes that are in the picture; where there are none, nothing is written. */
-static inline mask find_splat(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
+/* Returns the lanes that are in the picture; where there are none, nothing is written. Colours are 0 so far. */
+static inline mask find_splat(const fxs_fit_camera *camera, const float *at, size_t stride,
                               real numbers[SPLAT_NUMBERS])
 {
     shape s;
-    look l;
     find_shape(&s, camera, at, stride);
     /* -log2 o = log2(1 + e^-x) */
     real offset = 1.44269504f * ln(1.0f + exp_of_minus(load(at + FXS_FIT_OPACITY * (ptrdiff_t)stride)));
@@ -36,11 +36,7 @@ static inline mask find_splat(const fxs_fit_camera *camera, int degree, const fl
     seen = both(seen, both(below(all(0), y + half_y), below(y - half_y, all((float)camera->height))));
     if (!any(seen))
         return seen;
-    find_look(&l, &s, degree, at, stride);
-    /* NaN or too large: treated as not in the picture */
-    seen = both(seen, below(s.ux, all(1e6f)));
-    for (int c = 0; c < 3; c++)
-        seen = both(seen, below(l.colour[c], all(1e6f)));
+    seen = both(seen, below(s.ux, all(1e6f)));     /* else NaN or too large */
     ellipses e;
     e.x = x;
     e.y = y;
@@ -51,12 +47,28 @@ static inline mask find_splat(const fxs_fit_camera *camera, int degree, const fl
     e.half_y = half_y;
     e.tip = -(radius * s.uy) / (s.vy * root(s.uy * s.uy + s.vy * s.vy));
     find_rows(camera, seen, &e);
-    const real found[SPLAT_NUMBERS] = {x, y, e.ux, e.uy, e.vy, offset, limit, most(l.colour[0], all(0)),
-                                       most(l.colour[1], all(0)), most(l.colour[2], all(0)),
+    const real found[SPLAT_NUMBERS] = {x, y, e.ux, e.uy, e.vy, offset, limit, all(0), all(0), all(0),
                                        keep(seen, s.in_camera[2]), e.radius2, half_y, e.tip,
                                        count_tiles(camera, &e)};
     memcpy(numbers, found, sizeof found);
     return seen;
+}
+
+/* The colours of splats. Where one is NaN or too large, they are 0, and the limit is one that no level is within. */
+static inline void find_colours(const fxs_fit_camera *camera, int degree, const float *at, size_t stride, real *limit,
+                                real colour[3])
+{
+    look l;
+    real offset[3];
+    for (int i = 0; i < 3; i++)
+        offset[i] = camera->is_parallel ? all(camera->rotation[6 + i])
+                                        : load(at + (FXS_FIT_POSITION + i) * (ptrdiff_t)stride) - camera->eye[i];
+    find_look(&l, offset, degree, at, stride);
+    const mask is_colour = both(both(below(l.colour[0], all(1e6f)), below(l.colour[1], all(1e6f))),
+                                below(l.colour[2], all(1e6f)));
+    for (int c = 0; c < 3; c++)
+        colour[c] = keep(is_colour, most(l.colour[c], all(0)));
+    *limit = choose(is_colour, *limit, all(-1));
 }
 
 #endif

@@ -31,7 +31,8 @@ static void project_lanes(const fxs_fit_camera *camera, int degree, const float 
                           fxs_fit_splat *splats)
 {
     real numbers[SPLAT_NUMBERS];
-    if (any(find_splat(camera, degree, at, stride, numbers))) {
+    if (any(find_splat(camera, at, stride, numbers))) {
+        find_colours(camera, degree, at, stride, &numbers[SPLAT_LIMIT], &numbers[SPLAT_COLOUR]);
         put_splats(numbers, SPLAT_NUMBERS, splats);
         return;
     }

@@ -25,7 +25,8 @@ int peek_fit(void *self, const fxs_fit_camera *c, peeked_fit *out)
         return 1;
     out->entries = out->starts[tiles];
     return download(&out->splats, b->splats, e->devices[0].model.count) ||
-           download(&out->slots, b->slots[1], out->entries) || download(&out->splat_of, b->splat_of, out->entries) ||
+           download(&out->slots, b->slots, out->entries) || download(&out->splat_of, b->splat_of, out->entries) ||
+           download(&out->gaussians, b->gaussians, out->entries) ||
            download(&out->needed, b->needed, tiles) || download(&out->blocks, b->blocks, out->entries) ||
            download(&out->sums, (const float(*)[FXS_FIT_SUMS])b->sums, out->entries) ||
            download(&out->picture, b->picture, 3 * pixels) ||
@@ -35,7 +36,7 @@ int peek_fit(void *self, const fxs_fit_camera *c, peeked_fit *out)
 
 void peek_fit_free(peeked_fit *p)
 {
-    void *const all_of_it[] = {p->splats, p->starts, p->slots, p->splat_of, p->needed, p->blocks, p->sums, p->picture,
+    void *const all_of_it[] = {p->splats, p->starts, p->slots, p->splat_of, p->gaussians, p->needed, p->blocks, p->sums, p->picture,
                                p->derivatives, p->gradient};
     for (void *memory : all_of_it)
         free(memory);

@@ -11,7 +11,7 @@ extern "C" {
 /* The buffers of the last photograph of the first device, on the host, for free. */
 typedef struct peeked_fit {
     fxs_fit_splat *splats;         /* by Gaussian */
-    uint32_t *starts, *slots, *splat_of, *needed, entries;
+    uint32_t *starts, *slots, *splat_of, *gaussians, *needed, entries;
     uint16_t *blocks;
     float (*sums)[FXS_FIT_SUMS];
     float *picture, *derivatives, *gradient;   /* 3, 9 and 3 planes */

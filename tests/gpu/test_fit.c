@@ -20,6 +20,7 @@ typedef struct what {
     int is_affine;                 /* the exposures */
     int is_antialiased;            /* and the cameras of the batch bound scales, as divisors of 1, 2, none */
     int has_far;                   /* sizes of about half of them are as they look */
+    int is_in_one_place;           /* so all depths are alike */
     int has_masks;                 /* all photographs but the second, which are at most MASK_PIXELS large */
 } what;
 
@@ -32,7 +33,7 @@ static void fill_model(fxs_fit_model *m, const what *w)
         for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
             p[k * m->stride] = (float)fit_uniform(-0.3, 0.3);
         for (size_t k = 0; k < 3; k++) {
-            p[(FXS_FIT_POSITION + k) * m->stride] = (float)fit_uniform(-4, 4);
+            p[(FXS_FIT_POSITION + k) * m->stride] = w->is_in_one_place ? 0.5f : (float)fit_uniform(-4, 4);
             p[(FXS_FIT_SCALE + k) * m->stride] = w->near_size + (float)fit_uniform(-2, 1);
         }
         for (size_t k = 0; k < 4; k++)
@@ -189,9 +190,10 @@ static int lists_same(const fxs_fit_stepper *s, const peeked_fit *p)
         !CHECK(!memcmp(starts, p->starts, (s->tile_count + 1) * sizeof *starts)))
         return 0;
     for (size_t e = 0; e < s->entry_count; e++)
-        if (!CHECK(p->slots[e] < p->entries) || !CHECK(entries[e].splat == p->splat_of[p->slots[e]])) {
-            printf("  entry %zu of %zu: splat %u, not %u\n", e, s->entry_count,
-                   (unsigned)p->splat_of[p->slots[e] % p->entries], (unsigned)entries[e].splat);
+        if (!CHECK(p->slots[e] < p->entries) || !CHECK(entries[e].splat == p->gaussians[e]) ||
+            !CHECK(entries[e].splat == p->splat_of[p->slots[e]])) {
+            printf("  entry %zu of %zu: splat %u, not %u\n", e, s->entry_count, (unsigned)p->gaussians[e],
+                   (unsigned)entries[e].splat);
             return 0;
         }
     return 1;
@@ -311,6 +313,14 @@ static void test_steps(void)
                         .has_far = i % 8 < 4};
         compare(&w, i % 4 == 3, 0, MOST_STEPS);
     }
+}
+
+/* More of one depth in a list than are sorted at once: they stay in their order. */
+static void test_one_depth(void)
+{
+    const what w = {.width = 37, .height = 27, .count = quick ? 2500 : 20000, .degree = 1, .batch = 1,
+                    .near_size = -1.5f, .is_in_one_place = 1};
+    compare(&w, 0, 0, 1);
 }
 
 /* As many tiles and Gaussians as a fit has; some of them as large as the picture. */
@@ -499,6 +509,7 @@ int main(int argc, char **argv)
     pool = fxs_pool_create(8);
     RUN(test_odds);
     RUN(test_steps);
+    RUN(test_one_depth);
     RUN(test_large);
     RUN(test_batches);
     RUN(test_exposures);

@@ -4,17 +4,49 @@
 
 #include <type_traits>
 
-#include <cub/device/device_radix_sort.cuh>
+#include <cub/block/block_scan.cuh>
 #include <cub/device/device_scan.cuh>
 
+#include "kernels/cuda/sort.cuh"
 #include "step.cuh"
 
 namespace {
 
 const uint32_t BIN_THREADS = 256;
 
-/* Splats that touch more tiles are listed by a whole warp each. */
-const uint32_t LARGE_TILES = 16;
+/* Splats that touch more than FEW_TILES tiles are the work of a whole warp each, those of more than MANY_TILES of a
+   block: the first blocks of a kernel take them, so that none is late. */
+const uint32_t FEW_TILES = 16, MANY_TILES = 256, LARGE_BLOCKS = 264;
+
+/* Notes the Gaussians of a warp that touch so many. */
+__device__ inline void note_large(const step_buffers &b, uint32_t gaussian, uint32_t tiles)
+{
+    const bool is_huge = tiles > MANY_TILES, is_large = !is_huge && tiles > FEW_TILES;
+    const uint32_t huge = take_number(b.status->huge_count, b.turn, is_huge);
+    const uint32_t large = take_number(b.status->large_count, b.turn, is_large);
+    if (is_huge)
+        b.huge[huge] = gaussian;
+    if (is_large)
+        b.large[large] = gaussian;
+}
+
+/* By blocks below LARGE_BLOCKS: calls by_block(Gaussian) for the block's, with all threads, by_warp for the warp's. */
+template <class ByBlock, class ByWarp>
+__device__ inline void visit_large(const step_buffers &b, ByBlock by_block, ByWarp by_warp)
+{
+    const uint32_t huge = b.status->huge_count[b.turn], large = b.status->large_count[b.turn];
+    for (uint32_t i = blockIdx.x; i < huge; i += LARGE_BLOCKS)
+        by_block(b.huge[i]);
+    for (uint32_t i = threadIdx.x / WARP * LARGE_BLOCKS + blockIdx.x; i < large; i += blockDim.x / WARP * LARGE_BLOCKS)
+        by_warp(b.large[i]);
+}
+
+/* The Gaussian of a block's thread, of blocks from LARGE_BLOCKS on. Neighbours are often alike in size, so they go to
+   different blocks, four by four. */
+__device__ inline uint32_t spread_over_blocks(uint32_t thread)
+{
+    return (thread / 4 * (gridDim.x - LARGE_BLOCKS) + (blockIdx.x - LARGE_BLOCKS)) * 4 + thread % 4;
+}
 
 inline uint32_t bin_grid(uint64_t threads)
 {
@@ -37,7 +69,7 @@ void by_degree(int degree, Launch launch)
     }
 }
 
-/* ---- project ----------------------------------------------------------------------------------------------------- */
+/* ---- project and shade ------------------------------------------------------------------------------------------- */
 
 /* Writes a splat; of one that is not in the picture only the number that says so. */
 __device__ inline void put_splat(const real numbers[SPLAT_NUMBERS], fxs_fit_splat *splat)
@@ -49,8 +81,8 @@ __device__ inline void put_splat(const real numbers[SPLAT_NUMBERS], fxs_fit_spla
     to[3] = make_float4(numbers[12], numbers[13], numbers[14], 0);
 }
 
-/* `posed`: of the camera, where IsPosed. */
-template <int Degree, bool IsPosed>
+/* All but the colours. `posed`: of the camera, where IsPosed. */
+template <bool IsPosed>
 __global__ void __launch_bounds__(BIN_THREADS)
     project_splats(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
                    const posed_camera *posed)
@@ -60,45 +92,70 @@ __global__ void __launch_bounds__(BIN_THREADS)
     bool is_seen = false;
     if (is_stopped(b.status))
         return;
+    for (uint32_t tile = i; tile < (uint32_t)(camera.tiles_x * camera.tiles_y); tile += gridDim.x * BIN_THREADS)
+        b.starts[tile] = 0;
     if constexpr (IsPosed) {
         const fxs_fit_camera own = with_pose(camera, posed);
-        is_seen = i < m.count && find_splat(&own, Degree, m.parameters + i, m.stride, numbers);
+        is_seen = i < m.count && find_splat(&own, m.parameters + i, m.stride, numbers);
     } else
-        is_seen = i < m.count && find_splat(&camera, Degree, m.parameters + i, m.stride, numbers);
+        is_seen = i < m.count && find_splat(&camera, m.parameters + i, m.stride, numbers);
+    if (i == 0)
+        b.status->large_count[1 - b.turn] = b.status->huge_count[1 - b.turn] = 0;
     const int seen = __syncthreads_count(is_seen);
     if (!threadIdx.x && seen)
         atomicAdd(&b.status->seen.visible, (uint32_t)seen);
+    const uint32_t tiles = is_seen ? (uint32_t)numbers[SPLAT_TILES] : 0;
+    note_large(b, i, tiles);
+    if (i <= m.count)
+        b.bases[i] = tiles;
     if (i >= m.count)
         return;
     if (is_seen)
         put_splat(numbers, &b.splats[i]);
     else
         b.splats[i].depth = 0;
-    b.depths[0][i] = is_seen ? (uint32_t)bits_of(numbers[10]) : UINT32_MAX;
-    b.gaussians[0][i] = i;
+}
+
+/* The colours of the splats in the picture. */
+template <int Degree, bool IsPosed>
+__global__ void __launch_bounds__(BIN_THREADS)
+    shade_splats(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
+                 const posed_camera *posed)
+{
+    const uint32_t i = blockIdx.x * BIN_THREADS + threadIdx.x;
+    if (i >= m.count || is_stopped(b.status) || !(b.splats[i].depth > 0))
+        return;
+    fxs_fit_splat *splat = &b.splats[i];
+    if constexpr (IsPosed) {
+        const fxs_fit_camera own = with_pose(camera, posed);
+        find_colours(&own, Degree, m.parameters + i, m.stride, &splat->limit, splat->colour);
+    } else
+        find_colours(&camera, Degree, m.parameters + i, m.stride, &splat->limit, splat->colour);
 }
 
 /* `posed`: null, or the camera's pose, which is read on the device. */
 cudaError_t launch_project(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
-                           const posed_camera *posed, int degree, cudaStream_t stream)
+                           const posed_camera *posed, cudaStream_t stream)
 {
-    by_degree(degree, [&](auto d) {
-        constexpr int Degree = d.value;
-        const auto kernel = posed ? project_splats<Degree, true> : project_splats<Degree, false>;
-        kernel<<<bin_grid(m->count), BIN_THREADS, 0, stream>>>(*b, *m, *camera, posed);
-    });
+    const auto kernel = posed ? project_splats<true> : project_splats<false>;
+    kernel<<<bin_grid((uint64_t)m->count + 1), BIN_THREADS, 0, stream>>>(*b, *m, *camera, posed);
     return cudaGetLastError();
 }
 
-/* ---- Slots ------------------------------------------------------------------------------------------------------- */
-
-/* bases[i] becomes how many tiles the i-th splat in the order of depth touches. */
-__global__ void __launch_bounds__(BIN_THREADS) count_tiles(step_buffers b, uint32_t count)
+/* Beside bin, which needs no colours. */
+cudaError_t launch_shade(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
+                         const posed_camera *posed, int degree, cudaStream_t stream, const side_stream *beside)
 {
-    const uint32_t i = blockIdx.x * BIN_THREADS + threadIdx.x;
-    if (i <= count)
-        b.bases[i] = i < count && b.depths[1][i] != UINT32_MAX ? (uint32_t)b.splats[b.gaussians[1][i]].tiles : 0;
+    const cudaError_t failure = beside->start(stream);
+    by_degree(degree, [&](auto d) {
+        constexpr int Degree = d.value;
+        const auto kernel = posed ? shade_splats<Degree, true> : shade_splats<Degree, false>;
+        kernel<<<bin_grid(m->count), BIN_THREADS, 0, beside->stream>>>(*b, *m, *camera, posed);
+    });
+    return first_of(first_of(failure, cudaGetLastError()), cudaEventRecord(beside->end, beside->stream));
 }
+
+/* ---- Slots ------------------------------------------------------------------------------------------------------- */
 
 /* A sum that stays at the largest number, so that a count that is too large does not look small. */
 struct add_saturated {
@@ -139,26 +196,16 @@ __device__ inline ellipses ellipse_of(const fxs_fit_camera *camera, const fxs_fi
 
 __device__ inline void put_slot(const step_buffers &b, uint32_t slot, uint32_t tile, uint32_t gaussian)
 {
-    b.tiles[0][slot] = tile;
+    b.tiles[slot] = tile;
     b.splat_of[slot] = gaussian;
+    atomicAdd(&b.starts[tile], 1u);
 }
 
 /* Slots of a warp's splats of few tiles: they are written one after the other. */
 struct staged_slots {
-    uint32_t tiles[BIN_THREADS / WARP][WARP * LARGE_TILES];
-    uint8_t lanes[BIN_THREADS / WARP][WARP * LARGE_TILES];
+    uint32_t tiles[BIN_THREADS / WARP][WARP * FEW_TILES];
+    uint8_t lanes[BIN_THREADS / WARP][WARP * FEW_TILES];
 };
-
-__device__ inline uint32_t sum_before(uint32_t own)
-{
-    const uint32_t lane = threadIdx.x % WARP;
-    uint32_t sum = own;
-    for (uint32_t d = 1; d < WARP; d *= 2) {
-        const uint32_t other = __shfl_up_sync(ALL_LANES, sum, d);
-        sum += lane >= d ? other : 0;
-    }
-    return sum - own;
-}
 
 __device__ inline void stage_small(const fxs_fit_camera *camera, const ellipses &e, uint32_t *tiles, uint8_t *lanes)
 {
@@ -173,11 +220,11 @@ __device__ inline void stage_small(const fxs_fit_camera *camera, const ellipses 
     }
 }
 
-/* By a warp: each thread's splat, where it has `tiles` of them, LARGE_TILES at most. */
+/* By a warp: each thread's splat, where it has `tiles` of them, FEW_TILES at most. */
 __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *camera, const ellipses &e, uint32_t slot,
                                  uint32_t tiles, uint32_t gaussian, staged_slots *staged)
 {
-    const uint32_t lane = threadIdx.x % WARP, before = sum_before(tiles);
+    const uint32_t lane = lane_index(), before = warp_sum(tiles) - tiles;
     const uint32_t total = __shfl_sync(ALL_LANES, before + tiles, WARP - 1);
     uint32_t *const staged_tiles = staged->tiles[threadIdx.x / WARP];
     uint8_t *const lanes = staged->lanes[threadIdx.x / WARP];
@@ -193,27 +240,14 @@ __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
-__device__ inline ellipses shuffled(const ellipses &e, uint32_t from)
+/* By a warp, the n-th of `warps`: its threads find the columns of a row each, and then fill the warp's rows
+   together. */
+__device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *camera, uint32_t gaussian, uint32_t n,
+                                 uint32_t warps)
 {
-    ellipses out;
-    out.x = __shfl_sync(ALL_LANES, e.x, from);
-    out.y = __shfl_sync(ALL_LANES, e.y, from);
-    out.ux = __shfl_sync(ALL_LANES, e.ux, from);
-    out.uy = __shfl_sync(ALL_LANES, e.uy, from);
-    out.vy = __shfl_sync(ALL_LANES, e.vy, from);
-    out.radius2 = __shfl_sync(ALL_LANES, e.radius2, from);
-    out.half_y = __shfl_sync(ALL_LANES, e.half_y, from);
-    out.tip = __shfl_sync(ALL_LANES, e.tip, from);
-    out.first = __shfl_sync(ALL_LANES, e.first, from);
-    out.end = __shfl_sync(ALL_LANES, e.end, from);
-    return out;
-}
-
-/* By a warp: its threads find the columns of a row each, and then fill the rows together. */
-__device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *camera, const ellipses &e, uint32_t slot,
-                                 uint32_t gaussian)
-{
-    const uint32_t lane = threadIdx.x % WARP;
+    const uint32_t lane = lane_index();
+    const ellipses e = ellipse_of(camera, &b.splats[gaussian]);
+    uint32_t slot = b.bases[gaussian];
     for (real rows = e.first; rows < e.end; rows = rows + (float)WARP) {
         real first, end;
         const uint32_t left = (uint32_t)(e.end - rows), count = min(left, WARP);
@@ -222,83 +256,168 @@ __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *ca
             const uint32_t from = __shfl_sync(ALL_LANES, (uint32_t)first, i);
             const uint32_t to = __shfl_sync(ALL_LANES, (uint32_t)end, i);
             const uint32_t tile = ((uint32_t)rows + i) * (uint32_t)camera->tiles_x;
-            for (uint32_t x = from + lane; x < to; x += WARP)
+            for (uint32_t x = from + lane; x < to && i % warps == n; x += WARP)
                 put_slot(b, slot + (x - from), tile + x, gaussian);
             slot += to > from ? to - from : 0;
         }
     }
 }
 
-/* The place in the order of depth that a thread has the splat of. Neighbours are often large alike, and go to different
-   blocks, four by four. */
-__device__ inline uint32_t place_in_order(uint32_t count)
-{
-    const uint32_t blocks = (count + BIN_THREADS - 1) / BIN_THREADS;
-    return blockIdx.x < blocks ? (threadIdx.x / 4 * blocks + blockIdx.x) * 4 + threadIdx.x % 4 : count;
-}
-
-/* A thread for each splat in the order of depth, and for each slot. */
+/* A warp for each splat of many tiles, a thread for each other Gaussian. */
 __global__ void __launch_bounds__(BIN_THREADS)
     put_slots(step_buffers b, uint32_t count, const __grid_constant__ fxs_fit_camera camera)
 {
     __shared__ staged_slots staged;
-    const uint32_t i = blockIdx.x * BIN_THREADS + threadIdx.x;
-    if (is_stopped(b.status))
+    if (is_stopped(b.status) || !has_room(b, b.bases[count]))
         return;
-    const uint32_t total = b.bases[count];
-    if (!has_room(b, total))
-        return;
-    if (i < b.capacity)
-        b.slots[0][i] = i;
-    if (i >= total && i < b.capacity)
-        b.tiles[0][i] = UINT32_MAX;
-    const uint32_t place = place_in_order(count);
-    const uint32_t slot = place < count ? b.bases[place] : 0, tiles = place < count ? b.bases[place + 1] - slot : 0;
-    uint32_t gaussian = 0;
+    if (blockIdx.x < LARGE_BLOCKS)
+        return visit_large(
+            b, [&](uint32_t gaussian) { put_large(b, &camera, gaussian, threadIdx.x / WARP, BIN_THREADS / WARP); },
+            [&](uint32_t gaussian) { put_large(b, &camera, gaussian, 0, 1); });
+    const uint32_t gaussian = spread_over_blocks(threadIdx.x);
+    const uint32_t slot = gaussian < count ? b.bases[gaussian] : 0;
+    const uint32_t tiles = gaussian < count ? b.bases[gaussian + 1] - slot : 0;
     ellipses e;
     memset(&e, 0, sizeof e);
-    if (tiles) {
-        gaussian = b.gaussians[1][place];
-        b.splats[gaussian].slot = slot;
+    if (tiles)
         e = ellipse_of(&camera, &b.splats[gaussian]);
-    }
-    put_small(b, &camera, e, slot, tiles <= LARGE_TILES ? tiles : 0, gaussian, &staged);
-    for (uint32_t large = __ballot_sync(ALL_LANES, tiles > LARGE_TILES); large; large &= large - 1) {
-        const uint32_t from = (uint32_t)__ffs((int)large) - 1;
-        put_large(b, &camera, shuffled(e, from), __shfl_sync(ALL_LANES, slot, from),
-                  __shfl_sync(ALL_LANES, gaussian, from));
-    }
+    put_small(b, &camera, e, slot, tiles <= FEW_TILES ? tiles : 0, gaussian, &staged);
 }
 
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
-/* A thread for each place in the lists, and one more: where lists begin between it and the place before. */
-__global__ void __launch_bounds__(BIN_THREADS) find_starts(step_buffers b, uint32_t tile_count)
+const uint32_t START_THREADS = 1024, START_TILES = 4;      /* of a block; of a thread, at a time */
+const uint32_t CLASSES = 64;       /* of lists by their lengths, two for each power of 2, long ones first */
+
+__device__ inline uint32_t class_of(uint32_t count)
 {
-    const uint32_t i = blockIdx.x * BIN_THREADS + threadIdx.x;
-    if (is_stopped(b.status) || i > b.capacity)
+    const uint32_t bits = 32 - (uint32_t)__clz((int)count);
+    return CLASSES - 1 - (bits < 2 ? bits : 2 * bits - 2 + (count >> (bits - 2) & 1));
+}
+
+/* From the lengths of lists to where they begin and to their order, by one block. */
+__global__ void __launch_bounds__(START_THREADS) start_lists(step_buffers b, uint32_t tile_count)
+{
+    typedef cub::BlockScan<uint32_t, START_THREADS> scan;
+    __shared__ scan::TempStorage memory;
+    __shared__ uint32_t places[CLASSES];
+    uint32_t before = 0, all;
+    if (is_stopped(b.status))
         return;
-    const uint32_t end = i < b.capacity ? min(b.tiles[1][i], tile_count) : tile_count;
-    for (uint32_t tile = i ? min(b.tiles[1][i - 1], tile_count) + 1 : 0; tile <= end; tile++)
-        b.starts[tile] = i;
+    if (threadIdx.x < CLASSES)
+        places[threadIdx.x] = 0;
+    for (uint32_t first = 0; first <= tile_count; first += START_THREADS * START_TILES, before += all) {
+        const uint32_t own = first + threadIdx.x * START_TILES;
+        uint32_t counts[START_TILES], starts[START_TILES];
+        for (uint32_t i = 0; i < START_TILES; i++)
+            counts[i] = own + i < tile_count ? b.starts[own + i] : 0;
+        scan(memory).ExclusiveSum(counts, starts, all);
+        __syncthreads();
+        for (uint32_t i = 0; i < START_TILES; i++) {
+            if (own + i <= tile_count)
+                b.starts[own + i] = before + starts[i];
+            if (own + i < tile_count) {
+                b.next[own + i] = before + starts[i];
+                atomicAdd(&places[class_of(counts[i])], 1u);
+            }
+        }
+    }
+    __syncthreads();
+    if (threadIdx.x < WARP) {
+        const uint32_t two[] = {places[2 * threadIdx.x], places[2 * threadIdx.x + 1]};
+        const uint32_t end = warp_sum(two[0] + two[1]);
+        places[2 * threadIdx.x] = end - two[0] - two[1];
+        places[2 * threadIdx.x + 1] = end - two[1];
+    }
+    __syncthreads();
+    for (uint32_t own = threadIdx.x * START_TILES; own < tile_count; own += START_THREADS * START_TILES) {
+        uint32_t starts[START_TILES + 1];
+        for (uint32_t i = 0; i <= START_TILES; i++)
+            starts[i] = b.starts[min(own + i, tile_count)];
+        for (uint32_t i = 0; i < START_TILES && own + i < tile_count; i++)
+            b.order[atomicAdd(&places[class_of(starts[i + 1] - starts[i])], 1u)] = own + i;
+    }
 }
 
-/* Bits of depths, which are above 0; all of them set come last. */
-const int DEPTH_BITS = 31;
-
-/* Bits of a tile's number, such that a number with all bits set comes after all tiles. */
-inline int tile_bits(uint32_t tile_count)
+/* A thread for each slot. */
+__global__ void __launch_bounds__(BIN_THREADS) fill_lists(step_buffers b, uint32_t count)
 {
-    int bits = 1;
-    while (bits < 32 && (1ull << bits) - 1 < tile_count)
-        bits++;
-    return bits;
+    const uint32_t slot = blockIdx.x * BIN_THREADS + threadIdx.x;
+    if (is_stopped(b.status) || slot >= b.bases[count])
+        return;
+    const uint64_t depth = (uint32_t)bits_of(b.splats[b.splat_of[slot]].depth);
+    b.keys[atomicAdd(&b.next[b.tiles[slot]], 1u)] = depth << 32 | slot;
 }
 
-cudaError_t sort_depths(void *scratch, size_t *bytes, const step_buffers *b, uint32_t count, cudaStream_t stream)
+const uint32_t SORT_THREADS = 256, SHORT_LIST = 256;       /* entries of a list that a warp sorts */
+
+/* Where T threads sort lists, by 2^Bits bins. */
+template <uint32_t T, uint32_t Room, int Bits>
+struct list_sorter {
+    typedef group_keys<Room, Bits> keys_type;
+    keys_type keys;
+    uint32_t bins[bins_of<keys_type, T>];
+
+    /* Sorts the keys that are there, with fewer bins for fewer keys. */
+    __device__ void sort_some(uint32_t *slots, uint32_t count, const group<T> *g)
+    {
+        if (count > Room / 4)
+            sort_keys(slots, &keys, bins, count, g);
+        else
+            sort_keys(slots, (group_keys<Room, Bits - 2> *)&keys, bins, count, g);
+    }
+
+    /* A list of more keys than there is room for goes to bins first. */
+    __device__ void sort(const step_buffers &b, uint32_t start, uint32_t count, group<T> g)
+    {
+        const uint64_t *list = b.keys + start;
+        uint32_t *ends = nullptr, *slots = b.slots + start;
+        if (count > Room) {                /* its sums have 36 bytes an entry: for a key each, and 2^Bits ends */
+            uint64_t *moved = (uint64_t *)(((uintptr_t)(b.sums + (size_t)start * FXS_FIT_SUMS) + 7) / 8 * 8);
+            auto visit_all = [&](auto visit) { visit_keys(list, count, &g, visit); };
+            const key_range r = range_of_list(&keys, &g, visit_all);
+            move_to_bins(moved, &keys, bins, r, &g,
+                         [&](auto visit) { visit_all([&](uint64_t key) { visit(key, key); }); });
+            ends = (uint32_t *)(moved + count);
+            for (uint32_t i = g.thread; i < keys_type::bins; i += T)
+                ends[i] = bins[slot_of<keys_type, group<T>>(i)];
+            g.sync();
+            list = moved;
+        }
+        uint32_t *to = slots;
+        take_keys(&keys, bins, list, count, ends, &g, [&](uint32_t some) {
+            sort_some(to, some, &g);
+            to += some;
+            return true;
+        });
+        for (uint32_t i = g.thread; i < count; i += T)
+            b.gaussians[start + i] = b.splat_of[slots[i]];
+    }
+};
+
+union sort_shared {
+    list_sorter<SORT_THREADS, 2048, 11> block;
+    list_sorter<WARP, SHORT_LIST, 8> warps[SORT_THREADS / WARP];
+};
+
+/* A warp for each tile; then, where its list is not short, its block. The longest lists go to different blocks. */
+__global__ void __launch_bounds__(SORT_THREADS) sort_lists(step_buffers b, uint32_t tile_count)
 {
-    return cub::DeviceRadixSort::SortPairs(scratch, *bytes, b->depths[0], b->depths[1], b->gaussians[0],
-                                           b->gaussians[1], count, 0, DEPTH_BITS, stream);
+    __shared__ sort_shared shared;
+    __shared__ uint32_t starts[SORT_THREADS / WARP], counts[SORT_THREADS / WARP];
+    if (is_stopped(b.status))
+        return;
+    const uint32_t warp = threadIdx.x / WARP, place = warp * gridDim.x + blockIdx.x;
+    const uint32_t tile = place < tile_count ? b.order[place] : 0, start = b.starts[tile];
+    const uint32_t count = place < tile_count ? b.starts[tile + 1] - start : 0;
+    starts[warp] = start;
+    counts[warp] = count;
+    if (count && count <= SHORT_LIST)
+        shared.warps[warp].sort(b, start, count, {0, lane_index()});
+    __syncthreads();
+    for (uint32_t i = 0; i < SORT_THREADS / WARP; i++)
+        if (counts[i] > SHORT_LIST)
+            shared.block.sort(b, starts[i], counts[i], {0, threadIdx.x});
 }
 
 /* Replaces the numbers in `bases` by the sums of the numbers before them. */
@@ -307,44 +426,27 @@ cudaError_t add_tiles(void *scratch, size_t *bytes, const step_buffers *b, uint3
     return cub::DeviceScan::ExclusiveScan(scratch, *bytes, b->bases, b->bases, add_saturated(), 0u, count + 1, stream);
 }
 
-cudaError_t sort_tiles(void *scratch, size_t *bytes, const step_buffers *b, int bits, cudaStream_t stream)
+/* Bytes that the sums need. */
+size_t bin_scratch(uint32_t gaussians)
 {
-    return cub::DeviceRadixSort::SortPairs(scratch, *bytes, b->tiles[0], b->tiles[1], b->slots[0], b->slots[1],
-                                           b->capacity, 0, bits, stream);
-}
-
-/* Bytes that the sorts and the sum need. */
-size_t bin_scratch(uint32_t gaussians, uint32_t capacity)
-{
-    size_t bytes[3] = {0, 0, 0}, most = 0;
+    size_t bytes = 0;
     step_buffers b;
     memset(&b, 0, sizeof b);
-    b.capacity = capacity;
-    sort_depths(nullptr, &bytes[0], &b, gaussians, nullptr);
-    add_tiles(nullptr, &bytes[1], &b, gaussians, nullptr);
-    sort_tiles(nullptr, &bytes[2], &b, 32, nullptr);
-    for (size_t own : bytes)
-        most = own > most ? own : most;
-    return most;
+    add_tiles(nullptr, &bytes, &b, gaussians, nullptr);
+    return bytes;
 }
 
 cudaError_t launch_bin(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera, cudaStream_t stream)
 {
     const uint32_t tile_count = (uint32_t)(camera->tiles_x * camera->tiles_y), count = m->count;
-    const uint32_t slots_grid = bin_grid(count > b->capacity ? count : b->capacity);
     size_t bytes = b->scratch_bytes;
-    cudaError_t failure = sort_depths(b->scratch, &bytes, b, count, stream);
-    count_tiles<<<bin_grid((uint64_t)count + 1), BIN_THREADS, 0, stream>>>(*b, count);
-    if (!failure)
-        failure = add_tiles(b->scratch, &bytes, b, count, stream);
-    if (failure)
-        return failure;
-    put_slots<<<slots_grid, BIN_THREADS, 0, stream>>>(*b, count, *camera);
-    failure = sort_tiles(b->scratch, &bytes, b, tile_bits(tile_count), stream);
-    if (failure)
-        return failure;
-    find_starts<<<bin_grid((uint64_t)b->capacity + 1), BIN_THREADS, 0, stream>>>(*b, tile_count);
-    return cudaGetLastError();
+    const cudaError_t failure = add_tiles(b->scratch, &bytes, b, count, stream);
+    put_slots<<<LARGE_BLOCKS + bin_grid(count), BIN_THREADS, 0, stream>>>(*b, count, *camera);
+    start_lists<<<1, START_THREADS, 0, stream>>>(*b, tile_count);
+    fill_lists<<<bin_grid(b->capacity), BIN_THREADS, 0, stream>>>(*b, count);
+    sort_lists<<<(tile_count + SORT_THREADS / WARP - 1) / (SORT_THREADS / WARP), SORT_THREADS, 0, stream>>>(
+        *b, tile_count);
+    return first_of(failure, cudaGetLastError());
 }
 
 }

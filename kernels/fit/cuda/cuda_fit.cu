@@ -28,6 +28,7 @@ struct photograph_slot {
 struct device {
     int number;
     cudaStream_t stream, copies;   /* of the kernels; of the photographs */
+    side_stream beside;            /* of what needs SH, or changes them, while lists are made */
     budget memory;
     device_model model;
     step_buffers buffers;
@@ -70,24 +71,22 @@ uint64_t cut_gaussians(step_buffers *b, unsigned char *memory, uint64_t stride)
 {
     unsigned char *at = memory;
     b->splats = cut<fxs_fit_splat>(&at, stride);
-    for (int i = 0; i < 2; i++) {
-        b->depths[i] = cut<uint32_t>(&at, stride);
-        b->gaussians[i] = cut<uint32_t>(&at, stride);
-    }
     b->bases = cut<uint32_t>(&at, stride + 1);
+    b->large = cut<uint32_t>(&at, stride);
+    b->huge = cut<uint32_t>(&at, stride);
     return (uint64_t)(at - memory);
 }
 
 uint64_t cut_slots(step_buffers *b, unsigned char *memory, uint64_t capacity)
 {
     unsigned char *at = memory;
-    for (int i = 0; i < 2; i++) {
-        b->tiles[i] = cut<uint32_t>(&at, capacity);
-        b->slots[i] = cut<uint32_t>(&at, capacity);
-    }
+    b->keys = cut<uint64_t>(&at, capacity);
     b->splat_of = cut<uint32_t>(&at, capacity);
+    b->slots = cut<uint32_t>(&at, capacity);
+    b->gaussians = cut<uint32_t>(&at, capacity);
     b->blocks = cut<uint16_t>(&at, capacity);
     b->sums = cut<float>(&at, capacity * FXS_FIT_SUMS);
+    b->tiles = (uint32_t *)b->sums;
     return (uint64_t)(at - memory);
 }
 
@@ -102,6 +101,8 @@ uint64_t cut_pixels(step_buffers *b, unsigned char *memory, uint64_t width, uint
     b->rows = cut<float>(&at, 6 * height);
     b->gain_rows = cut<float>(&at, FXS_FIT_GAIN * height);
     b->starts = cut<uint32_t>(&at, tiles + 1);
+    b->next = cut<uint32_t>(&at, tiles);
+    b->order = cut<uint32_t>(&at, tiles);
     b->needed = cut<uint32_t>(&at, tiles);
     return (uint64_t)(at - memory);
 }
@@ -109,7 +110,7 @@ uint64_t cut_pixels(step_buffers *b, unsigned char *memory, uint64_t width, uint
 int reserve_scratch(device *d, fxs_message *why)
 {
     step_buffers *b = &d->buffers;
-    const int error = reserve(&d->memory, &d->scratch, bin_scratch(d->model.stride, b->capacity), why);
+    const int error = reserve(&d->memory, &d->scratch, bin_scratch(d->model.stride), why);
     b->scratch = d->scratch.data;
     b->scratch_bytes = d->scratch.bytes;
     return error;
@@ -125,7 +126,7 @@ int reserve_slots(device *d, uint64_t capacity, fxs_message *why)
     const int error = reserve(&d->memory, &d->slots, cut_slots(b, nullptr, capacity), why);
     b->capacity = error ? 0 : (uint32_t)capacity;
     cut_slots(b, (unsigned char *)d->slots.data, b->capacity);
-    return error ? error : reserve_scratch(d, why);
+    return error;
 }
 
 /* For the model as it is. */
@@ -306,10 +307,14 @@ int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *
     int error = reserve_pixels(d, c, why);
     if (error)
         return error;
+    b->turn = 1 - b->turn;
     mark(d, s, PROJECT);
-    cudaError_t failure = launch_project(b, &d->model, c, posed_of(d, view), s->options.sh_degree, d->stream);
+    cudaError_t failure = launch_project(b, &d->model, c, posed_of(d, view), d->stream);
+    failure = first_of(failure, launch_shade(b, &d->model, c, posed_of(d, view), s->options.sh_degree, d->stream,
+                                             &d->beside));
     mark(d, s, BIN);
     failure = first_of(failure, launch_bin(b, &d->model, c, d->stream));
+    failure = first_of(failure, cudaStreamWaitEvent(d->stream, d->beside.end));
     mark(d, s, BLEND);
     if (d->gains.count)
         failure = first_of(failure, launch_factors(b, &d->gains, s->photographs[view].number, d->stream));
@@ -323,12 +328,6 @@ int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *
     error = error ? error : check(why, launch_back(b, c, d->stream));
     mark(d, s, UPDATE);
     return error;
-}
-
-__global__ void end_step(step_status *status)
-{
-    if (!is_stopped(status))
-        status->done++;
 }
 
 __global__ void say_full(const step_status *status, float *flag)
@@ -403,6 +402,7 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
 {
     const fxs_fit_adam adam = adam_of(e, s);
     const fxs_fit_step_options *o = &s->options;
+    const fxs_fit_grid *grid = d->model.masters ? e->model->grid : nullptr;
     step_buffers *b = &d->buffers;
     fxs_fit_camera cameras[FXS_FIT_BATCH];
     flags f;
@@ -414,20 +414,21 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     if (e->device_count > 1)
         hear_full<<<1, 1, 0, d->stream>>>(b->status, f, s->count);
     cudaError_t failure = launch_update(b, &d->model, d->views, cameras, d->posed, s->count, o->sh_degree, &adam,
-                                        d->stream);
+                                        grid, d->stream, &d->beside);
     if (o->noise.amount > 0)
         failure = first_of(failure, launch_noise(b, &d->model, &o->noise, d->stream));
     if (o->smooths && d->cameras.count)
         failure = first_of(failure, launch_smooth(b, &d->model, &d->cameras, o->smooths, d->stream));
-    if (d->model.masters)
-        failure = first_of(failure, launch_quantise(b, &d->model, e->model->grid, d->stream));
+    if (grid)
+        failure = first_of(failure, launch_quantise_shapes(&d->model, grid, d->stream));
     if (moves_gains(d, s))
         failure = first_of(failure, step_gains(d, s));
     if (moves_poses(d, s)) {
         const pose_batch batch = poses_of(d, s);
         failure = first_of(failure, launch_update_poses(b, &d->poses, &batch, o->pose_rate, d->stream));
     }
-    end_step<<<1, 1, 0, d->stream>>>(b->status);
+    if (s->has_report)
+        failure = first_of(failure, cudaStreamWaitEvent(d->stream, d->beside.end));
     mark(d, s, STAGES);
     return check(why, failure, cudaGetLastError());
 }
@@ -490,9 +491,10 @@ int wait(engine *e, fxs_message *why)
     for (uint32_t i = 0; i < e->device_count; i++) {
         device *d = &e->devices[i];
         const on_device here(d->number);
-        const cudaError_t copied = cudaMemcpyAsync(&e->statuses[i], d->buffers.status, sizeof e->statuses[i],
-                                                   cudaMemcpyDeviceToHost, d->stream);
-        const int error = check(why, copied, cudaStreamSynchronize(d->stream));
+        cudaError_t failure = cudaStreamWaitEvent(d->stream, d->beside.end);
+        failure = first_of(failure, cudaMemcpyAsync(&e->statuses[i], d->buffers.status, sizeof e->statuses[i],
+                                                    cudaMemcpyDeviceToHost, d->stream));
+        const int error = check(why, failure, cudaStreamSynchronize(d->stream));
         if (error)
             return error;
     }
@@ -727,7 +729,9 @@ int quantise(void *self, fxs_message *why)
         device *d = &e->devices[i];
         const on_device here(d->number);
         const cudaError_t sent = upload_chunks(&d->model, e->model, d->stream);
-        error = check(why, sent, launch_quantise(&d->buffers, &d->model, e->model->grid, d->stream));
+        const cudaError_t launched = first_of(launch_quantise_shapes(&d->model, e->model->grid, d->stream),
+                                              launch_quantise_sh(&d->model, e->model->grid, d->stream));
+        error = check(why, sent, launched);
     }
     return error;
 }
@@ -741,6 +745,8 @@ void close(device *d)
         cudaStreamSynchronize(d->stream);
     if (d->copies)
         cudaStreamSynchronize(d->copies);
+    if (d->beside.stream)
+        cudaStreamSynchronize(d->beside.stream);
     model_free(&d->model, &d->memory);
     block *const blocks[] = {&d->splats,  &d->slots,  &d->pixels, &d->sums_of_views,
                              &d->scratch, &d->status, &d->reduced, &d->exposures,
@@ -759,6 +765,9 @@ void close(device *d)
     cudaEventDestroy(d->received);
     cudaStreamDestroy(d->stream);
     cudaStreamDestroy(d->copies);
+    cudaEventDestroy(d->beside.begin);
+    cudaEventDestroy(d->beside.end);
+    cudaStreamDestroy(d->beside.stream);
     cudaGetLastError();
 }
 
@@ -784,6 +793,9 @@ int open(device *d, int number, uint64_t max_memory, fxs_message *why)
         return error;
     cudaError_t failure = cudaStreamCreateWithFlags(&d->stream, cudaStreamNonBlocking);
     failure = first_of(failure, cudaStreamCreateWithFlags(&d->copies, cudaStreamNonBlocking));
+    failure = first_of(failure, cudaStreamCreateWithFlags(&d->beside.stream, cudaStreamNonBlocking));
+    failure = first_of(failure, cudaEventCreateWithFlags(&d->beside.begin, cudaEventDisableTiming));
+    failure = first_of(failure, cudaEventCreateWithFlags(&d->beside.end, cudaEventDisableTiming));
     for (photograph_slot &slot : d->photographs) {
         failure = first_of(failure, cudaEventCreateWithFlags(&slot.ready, cudaEventDisableTiming));
         failure = first_of(failure, cudaEventCreateWithFlags(&slot.is_free, cudaEventDisableTiming));

@@ -9,6 +9,7 @@
 
 #include <cuda_runtime.h>
 
+#include "kernels/cuda/warp.cuh"
 #include "src/fit/fit_stage.h"
 
 /* The text of src/fit for one lane: `real` is float, so the operations are the same, one by one. It is compiled without
@@ -45,9 +46,6 @@ static inline float odds_of(float alpha)
 #include "src/fit/smooth.h"
 #undef static
 
-const uint32_t WARP = 32;
-const unsigned ALL_LANES = 0xffffffffu;
-
 /* Counts of what was in the pictures, since they were last cleared. */
 struct step_seen {
     uint64_t entries;
@@ -59,24 +57,31 @@ struct step_status {
     uint32_t done;                 /* steps that were completed */
     uint32_t is_full;              /* 1: a step had more entries than there is room for; it and those after it change
                                       nothing */
+    uint32_t updates_sh;           /* whether the last update was of a step that had room: the next step may be full
+                                      by the time that SH are updated */
     uint32_t entries_most;         /* of a step */
+    uint32_t large_count[2], huge_count[2];    /* of step_buffers, by turns */
     step_seen seen;
 };
 
-/* Device memory of a step; of one view. Slots are numbers of pairs of a splat and a tile, splat by splat in the order
-   of depth, each splat's tiles row by row. */
+/* Device memory of a step; of one view. Slots are numbers of pairs of a splat and a tile, Gaussian by Gaussian, each
+   one's tiles row by row. */
 struct step_buffers {
     step_status *status;
-    fxs_fit_splat *splats;         /* by Gaussian; depth 0: not in the picture. slot: of its first tile */
-    uint32_t *depths[2];           /* bits of depth, by Gaussian; UINT32_MAX: not in the picture. Then sorted */
-    uint32_t *gaussians[2];        /* 0, 1, ...; then in the order of depth */
-    uint32_t *bases;               /* of each in the order of depth, and one more: slots of those before it */
-    uint32_t *tiles[2];            /* by slot: the tile; UINT32_MAX beyond the last. Then sorted */
-    uint32_t *slots[2];            /* by slot: itself; then those of the first tile's list, near to far, of the
-                                      next... */
+    fxs_fit_splat *splats;         /* by Gaussian; depth 0: not in the picture. slot: not set */
+    uint32_t *bases;               /* by Gaussian, and one more: its tiles; then the slots of those before it */
+    uint32_t *large, *huge;        /* Gaussians of more than FEW_TILES tiles, and of more than MANY_TILES, in any
+                                      order */
+    uint32_t turn;                 /* of their counters */
     uint32_t *splat_of;            /* by slot: the Gaussian */
+    uint32_t *tiles;               /* by slot: the tile; in the memory of sums, like long lists in bins later on */
+    uint64_t *keys;                /* the lists, of the first tile, of the next...: depth above, slot below, in no
+                                      order */
+    uint32_t *slots, *gaussians;   /* by place in the lists, near to far: the slot, the Gaussian */
     uint32_t capacity;             /* slots */
-    uint32_t *starts;              /* by tile, and one more: where its list begins in slots[1] */
+    uint32_t *starts;              /* by tile, and one more: how long its list is; then where it begins */
+    uint32_t *next;                /* by tile: where the next entry of its list goes */
+    uint32_t *order;               /* the tiles, those with long lists first: so none is late */
     uint16_t *blocks;              /* by place in the lists: the blocks of 4x4 that take of it (stage.h) */
     uint32_t *needed;              /* by tile: entries up to the last one that a pixel took of */
     float *sums;                   /* by slot: FXS_FIT_SUMS; 0 of entries beyond `needed` */
@@ -89,7 +94,7 @@ struct step_buffers {
     float *factors;                /* FXS_FIT_GAIN: of the photograph's exposure; null: photographs have none */
     float *gain_rows;              /* with exposures: for each sum of gain_gradient, those of the rows */
     uint8_t *photograph;           /* red, green, blue, of the camera's size; then its mask, if any */
-    void *scratch;                 /* for sorts and sums */
+    void *scratch;                 /* for sums */
     size_t scratch_bytes;
 };
 
@@ -114,6 +119,19 @@ __device__ inline fxs_fit_camera with_pose(const fxs_fit_camera &given, const po
     memcpy(camera.eye, posed->eye, sizeof camera.eye);
     return camera;
 }
+
+/* A stream beside the one of a step: from its event `begin` on, until its event `end`. */
+struct side_stream {
+    cudaStream_t stream;
+    cudaEvent_t begin, end;
+
+    /* Waits for what the step's stream has so far. */
+    cudaError_t start(cudaStream_t of_step) const
+    {
+        const cudaError_t failure = cudaEventRecord(begin, of_step);
+        return failure ? failure : cudaStreamWaitEvent(stream, begin);
+    }
+};
 
 /* Kernels begin with this: whether a step before it, or this one, had no room. */
 __device__ inline bool is_stopped(const step_status *status)

@@ -1,5 +1,5 @@
-/* blend, and backward, which takes gradients from the pixels back to the splats. A block of threads has a tile, half a warp
- * a block of 4x4 pixels, a thread a pixel. */
+/* blend, and backward, which takes gradients from the pixels back to the splats. A block of threads has a tile, half a
+ * warp a block of 4x4 pixels, a thread a pixel. */
 #ifndef FXS_CUDA_FIT_TILE_CUH
 #define FXS_CUDA_FIT_TILE_CUH
 
@@ -10,7 +10,7 @@ namespace {
 const uint32_t HALF = WARP / 2;    /* a half-warp has the 16 places of a block */
 const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;  /* of a list at a time */
 const uint32_t GROUP = HALF / 2;   /* splats of a block that a half-warp takes from pixels to sums at once */
-const uint32_t BACKWARD_PAIRS = 512;   /* a splat and a block that takes of it, at a time: no fewer than of 32 splats */
+const uint32_t BACKWARD_PAIRS = 448;   /* a splat and a block that takes of it, at a time: no fewer than of 32 splats */
 
 /* Splats of a list in the form in which pixels need them. */
 template <uint32_t Splats>
@@ -205,7 +205,7 @@ blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float
     blend_shared *s = (blend_shared *)memory;
     if (is_stopped(b.status))
         return;
-    const uint32_t tile = blockIdx.x, start = b.starts[tile], count = b.starts[tile + 1] - start;
+    const uint32_t tile = b.order[blockIdx.x], start = b.starts[tile], count = b.starts[tile + 1] - start;
     const tile_place p = place_of_thread(camera, tile);
     blend_pixel pixel = {1, 0, 0, 0};
     clear_lists<BLEND_SPLATS>(s->lists);
@@ -217,7 +217,7 @@ blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float
         uint32_t blocks = 0;
         s->taken[threadIdx.x] = 0;
         if (entry < count) {
-            const fxs_fit_splat splat = b.splats[b.splat_of[b.slots[1][start + entry]]];
+            const fxs_fit_splat splat = b.splats[b.gaussians[start + entry]];
             keep_splat(s, splat, p);
             blocks = find_blocks(s, splat);
         }
@@ -269,8 +269,8 @@ struct backward_shared : tile_splats<BACKWARD_SPLATS> {
     uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* of each; its first pair */
     uint32_t warp_pairs[BACKWARD_SPLATS / WARP], splats;
     float4 gradient[FXS_FIT_PIXELS];                  /* red, green, blue; by thread */
-    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF];       /* h and weight: of splat j and place p at p ^ j, so that neither
-                                                         the places of a splat nor the splats at a place share a bank */
+    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* h and weight; + 2: neither the places of a splat nor the splats
+                                                         at a place share a bank */
     float sums[BACKWARD_PAIRS][FXS_FIT_SUMS];
 };
 
@@ -297,7 +297,7 @@ __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, co
 struct backward_lane {
     const float2 *staged;          /* its splat's */
     const float4 *gradient;        /* of the block's pixels */
-    uint32_t splat, parity;        /* of the group; of the places */
+    uint32_t parity;               /* of the places */
     float along[2], down[4], v[4]; /* ux x, uy y, and v of its columns and rows */
     float corner_u;
 };
@@ -307,9 +307,8 @@ __device__ inline backward_lane begin_lane(const backward_shared *s, const tile_
     const float4 shape = s->shape[splat];
     const float corner_v = s->corner_v[p.block / 4][splat];
     backward_lane l;
-    l.splat = p.lane / 2;
     l.parity = p.lane % 2;
-    l.staged = s->staged[p.block][l.splat];
+    l.staged = s->staged[p.block][p.lane / 2];
     l.gradient = s->gradient + p.block * HALF;
     l.corner_u = s->corner_u[p.block][splat];
     l.along[0] = (float)l.parity * shape.x;
@@ -326,7 +325,7 @@ __device__ inline backward_lane begin_lane(const backward_shared *s, const tile_
 __device__ inline void find_sums(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
     const uint32_t place = 2 * (uint32_t)n + l.parity;
-    const float2 passed = l.staged[place ^ l.splat];
+    const float2 passed = l.staged[place];
     const float4 g = l.gradient[place];
     const float u = (l.along[n % 2] + l.down[n / 2]) + l.corner_u, v = l.v[n / 2];
     sums_of(passed.x, passed.y, u, v, g.x, g.y, g.z, sums);
@@ -373,7 +372,7 @@ __device__ inline void backward_batch(backward_shared *s, const tile_place &p, b
         for (uint32_t j = 0; j < GROUP; j++) {
             if (j % 2 == 0 && first + j >= end)
                 break;
-            s->staged[p.block][j][p.lane ^ j] = pass_pixel(s, list[first + j], p, first + j < count, pixel);
+            s->staged[p.block][j][p.lane] = pass_pixel(s, list[first + j], p, first + j < count, pixel);
         }
         __syncwarp();
         add_group(s, p, first, count);
@@ -442,7 +441,7 @@ backward_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
     backward_shared *s = (backward_shared *)memory;
     if (is_stopped(b.status))
         return;
-    const uint32_t tile = blockIdx.x, start = b.starts[tile], count = b.starts[tile + 1] - start;
+    const uint32_t tile = b.order[blockIdx.x], start = b.starts[tile], count = b.starts[tile + 1] - start;
     const uint32_t needed = b.needed[tile];
     const tile_place p = place_of_thread(camera, tile);
     backward_pixel pixel = begin_pixel(b, camera, p);
@@ -452,10 +451,9 @@ backward_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
         const uint32_t entry = first + threadIdx.x;
         uint32_t blocks = 0;
         if (threadIdx.x < BACKWARD_SPLATS && entry < needed) {
-            const uint32_t slot = b.slots[1][start + entry];
             blocks = b.blocks[start + entry];
-            keep_splat(s, b.splats[b.splat_of[slot]], p);
-            s->slots[threadIdx.x] = slot;
+            keep_splat(s, b.splats[b.gaussians[start + entry]], p);
+            s->slots[threadIdx.x] = b.slots[start + entry];
             s->blocks[threadIdx.x] = (uint16_t)blocks;
         }
         place_pairs(s, blocks);
@@ -468,7 +466,7 @@ backward_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
     }
     /* what no pixel takes of */
     for (uint32_t i = needed * FXS_FIT_SUMS + threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS)
-        b.sums[(size_t)b.slots[1][start + i / FXS_FIT_SUMS] * FXS_FIT_SUMS + i % FXS_FIT_SUMS] = 0;
+        b.sums[(size_t)b.slots[start + i / FXS_FIT_SUMS] * FXS_FIT_SUMS + i % FXS_FIT_SUMS] = 0;
 }
 
 cudaError_t launch_back(const step_buffers *b, const fxs_fit_camera *camera, cudaStream_t stream)

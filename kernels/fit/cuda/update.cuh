@@ -16,8 +16,8 @@ inline uint32_t part_count(const device_model *m)
 
 const uint32_t GATHERED = WARP;    /* Gaussians of a block of threads, which are each one's of a sum */
 const uint32_t GATHER_THREADS = GATHERED * FXS_FIT_SUMS;
-const uint32_t FEW_TILES = 16;     /* of a Gaussian whose sums its own threads add up */
-const uint32_t TILES_AT_ONCE = 64; /* of one with more, whose sums a warp fetches */
+const uint32_t GATHER_WARPS = GATHER_THREADS / WARP;
+const uint32_t TILES_AT_ONCE = 64; /* of those with many tiles, for a warp */
 
 /* A sum over FEW_TILES tiles at most. Behind the last one 0 is added, which changes no sum that begins with 0. */
 __device__ inline float sum_few(const float *sums, uint32_t tiles)
@@ -32,70 +32,78 @@ __device__ inline float sum_few(const float *sums, uint32_t tiles)
     return total;
 }
 
-/* Sums by a warp, whose first FXS_FIT_SUMS lanes have a sum each. */
-__device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[TILES_AT_ONCE * FXS_FIT_SUMS])
+/* Sums by the threads of a warp or of a block, the first FXS_FIT_SUMS of which have a sum each. The numbers of so many
+   tiles are fetched at once. */
+template <uint32_t Threads, uint32_t Tiles, class Sync>
+__device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[Tiles * FXS_FIT_SUMS], Sync sync)
 {
-    const uint32_t lane = threadIdx.x % WARP;
+    const uint32_t own = threadIdx.x % Threads, all = tiles * FXS_FIT_SUMS;
     float total = 0;
-    for (uint32_t first = 0; first < tiles; first += TILES_AT_ONCE) {
-        const uint32_t count = min(tiles - first, TILES_AT_ONCE);
-        __syncwarp();
+    for (uint32_t first = 0; first < all; first += Tiles * FXS_FIT_SUMS) {
+        sync();
 #pragma unroll
-        for (uint32_t i = lane; i < TILES_AT_ONCE * FXS_FIT_SUMS; i += WARP)
-            if (i < count * FXS_FIT_SUMS)
-                staged[i] = sums[(size_t)first * FXS_FIT_SUMS + i];
-        __syncwarp();
-        if (lane < FXS_FIT_SUMS)
+        for (uint32_t i = own; i < Tiles * FXS_FIT_SUMS; i += Threads)
+            staged[i] = first + i < all ? sums[first + i] : 0;
+        sync();
+        if (own < FXS_FIT_SUMS)
 #pragma unroll 16
-            for (uint32_t t = 0; t < count; t++)
-                total += staged[t * FXS_FIT_SUMS + lane];
+            for (uint32_t t = 0; t < Tiles; t++)
+                total += staged[t * FXS_FIT_SUMS + own];
     }
     return total;
 }
 
-/* The Gaussian of a thread. Neighbours are often alike in size, so they go to different blocks, four by four. */
-__device__ inline uint32_t gathered_by(uint32_t own)
+/* The sums of Gaussians over their tiles, in their order, to planes: by FXS_FIT_SUMS threads each, or those of
+   visit_large. */
+__global__ void __launch_bounds__(GATHER_THREADS, 4) gather_view(step_buffers b, device_model m, float *planes)
 {
-    return (own / 4 * gridDim.x + blockIdx.x) * 4 + own % 4;
-}
-
-/* The sums of Gaussians over their tiles, in their order, to planes. */
-__global__ void __launch_bounds__(GATHER_THREADS) gather_view(step_buffers b, device_model m, float *planes)
-{
-    __shared__ float totals[FXS_FIT_SUMS][GATHERED + 1], staged[FXS_FIT_SUMS][TILES_AT_ONCE * FXS_FIT_SUMS];
-    __shared__ uint32_t tiles[GATHERED], slots[GATHERED];
+    __shared__ union {
+        float by_warps[GATHER_WARPS][TILES_AT_ONCE * FXS_FIT_SUMS];
+        float by_block[GATHER_WARPS * TILES_AT_ONCE * FXS_FIT_SUMS];
+        float totals[FXS_FIT_SUMS][GATHERED + 1];
+    } shared;
+    __shared__ uint32_t tiles[GATHERED];
+    const uint32_t column = threadIdx.x % GATHERED, row = threadIdx.x / GATHERED;
+    auto tiles_of = [&](uint32_t gaussian) { return b.bases[gaussian + 1] - b.bases[gaussian]; };
+    auto sums_from = [&](uint32_t gaussian) { return b.sums + (size_t)b.bases[gaussian] * FXS_FIT_SUMS; };
     if (is_stopped(b.status))
         return;
-    const uint32_t column = threadIdx.x % GATHERED, row = threadIdx.x / GATHERED, gaussian = gathered_by(column);
+    if (blockIdx.x < LARGE_BLOCKS)
+        return visit_large(
+            b,
+            [&](uint32_t gaussian) {
+                const float total = sum_many<GATHER_THREADS, GATHER_WARPS * TILES_AT_ONCE>(
+                    sums_from(gaussian), tiles_of(gaussian), shared.by_block, [] { __syncthreads(); });
+                if (threadIdx.x < FXS_FIT_SUMS)
+                    planes[(size_t)threadIdx.x * m.stride + gaussian] = total;
+                __syncthreads();
+            },
+            [&](uint32_t gaussian) {
+                const float total = sum_many<WARP, TILES_AT_ONCE>(sums_from(gaussian), tiles_of(gaussian),
+                                                                  shared.by_warps[row], [] { __syncwarp(); });
+                if (column < FXS_FIT_SUMS)
+                    planes[(size_t)column * m.stride + gaussian] = total;
+            });
+    const uint32_t gaussian = spread_over_blocks(column);
     if (row == 0) {
-        const fxs_fit_splat *splat = &b.splats[gaussian];
-        const bool is_seen = gaussian < m.count && splat->depth > 0;
-        tiles[column] = is_seen ? (uint32_t)splat->tiles : 0;
-        slots[column] = is_seen ? splat->slot : 0;
+        tiles[column] = gaussian < m.count ? tiles_of(gaussian) : 0;
         if (gaussian < m.count)
-            planes[(size_t)FXS_FIT_SUMS * m.stride + gaussian] = is_seen;
+            planes[(size_t)FXS_FIT_SUMS * m.stride + gaussian] = b.splats[gaussian].depth > 0;
     }
     __syncthreads();
     const uint32_t own = threadIdx.x / FXS_FIT_SUMS, k = threadIdx.x % FXS_FIT_SUMS;
     if (tiles[own] <= FEW_TILES)
-        totals[k][own] = sum_few(b.sums + (size_t)slots[own] * FXS_FIT_SUMS + k, tiles[own]);
-    for (uint32_t i = row; i < GATHERED; i += FXS_FIT_SUMS) {
-        if (tiles[i] <= FEW_TILES)
-            continue;
-        const float total = sum_many(b.sums + (size_t)slots[i] * FXS_FIT_SUMS, tiles[i], staged[row]);
-        if (column < FXS_FIT_SUMS)
-            totals[column][i] = total;
-    }
+        shared.totals[k][own] = tiles[own] ? sum_few(sums_from(spread_over_blocks(own)) + k, tiles[own]) : 0;
     __syncthreads();
-    if (gaussian < m.count)
-        planes[(size_t)row * m.stride + gaussian] = totals[row][column];
+    if (gaussian < m.count && tiles[column] <= FEW_TILES)
+        planes[(size_t)row * m.stride + gaussian] = shared.totals[row][column];
 }
 
 /* The sums of a view to FXS_FIT_SUMS planes, m->stride numbers each, and one more: 1 where a Gaussian is in the
    picture, or 0. */
 cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *planes, cudaStream_t stream)
 {
-    gather_view<<<(m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream>>>(*b, *m, planes);
+    gather_view<<<LARGE_BLOCKS + (m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream>>>(*b, *m, planes);
     return cudaGetLastError();
 }
 
@@ -149,8 +157,6 @@ __device__ inline void add_regularisers(const fxs_fit_adam *adam, const float *a
         gradient[k] = scale_regularised(adam, gradient[k], at[k * stride], unit);
 }
 
-const int AT_ONCE = 7;             /* parameters */
-
 __device__ inline bool has_limits(int k)
 {
     return (k >= FXS_FIT_SCALE && k < FXS_FIT_ROTATION) || k == FXS_FIT_OPACITY;
@@ -188,16 +194,6 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
         __stcs(number_of(m.squares, m, first + k, i), square[k]);
         *number_of(to, m, first + k, i) = has_limits(first + k) ? within_limits(number[k]) : number[k];
     }
-}
-
-template <int Count, class Gradient>
-__device__ inline void move_parameters(const fxs_fit_adam *adam, int first, const device_model &m, float *to,
-                                       uint32_t i, Gradient gradient_of)
-{
-    const int own = Count < AT_ONCE ? Count : AT_ONCE;
-    move_some<own>(adam, first, m, to, i, gradient_of);
-    if constexpr (Count > own)
-        move_parameters<Count - own>(adam, first + own, m, to, i, gradient_of);
 }
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
@@ -248,14 +244,18 @@ __global__ void __launch_bounds__(SHAPE_THREADS, 3)
     const uint32_t i = blockIdx.x * SHAPE_THREADS + threadIdx.x;
     float *const to = m.masters ? m.masters : m.parameters;
     real gradient[FXS_FIT_SH] = {0};
+    if (i == 0)
+        b.status->updates_sh = !is_stopped(b.status);
     if (i >= m.count || is_stopped(b.status))
         return;
+    if (i == 0)
+        b.status->done++;
 #pragma unroll 1
     for (uint32_t v = 0; v < views.count; v++)
         add_view<Degree, IsPosed>(views, v, m, i, gradient);
     if (adam.by_opacity > 0)
         add_regularisers(&adam, m.parameters + i, m.stride, gradient);
-    move_parameters<FXS_FIT_SH>(&adam, 0, m, to, i, [&](int k) { return gradient[k]; });
+    move_some<FXS_FIT_SH>(&adam, 0, m, to, i, [&](int k) { return gradient[k]; });
 }
 
 const int SH_AT_ONCE = 2;          /* coefficients, of three colours each */
@@ -300,14 +300,71 @@ __global__ void __launch_bounds__(FXS_FIT_PART, 3)
               const __grid_constant__ fxs_fit_adam adam)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
-    if (i < m.count && !is_stopped(b.status))
+    if (i < m.count && b.status->updates_sh)
         update_part_of_sh<Degree, 0>(&adam, views, m, i, blockIdx.y);
 }
 
-/* By the planes of `count` views, in their order. `posed`: null, or the poses of their cameras, on the device. */
+/* ---- Quantised parameters ---------------------------------------------------------------------------------------- */
+
+/* grid.chunks: the device's. */
+__global__ void __launch_bounds__(FXS_FIT_PART) quantise_shapes(device_model m, fxs_fit_grid grid)
+{
+    const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
+    real from[FXS_FIT_SH], to[FXS_FIT_SH];
+    whole codes[FXS_FIT_SH];
+    if (i >= m.count)
+        return;
+    for (int k = 0; k < FXS_FIT_SH; k++)
+        from[k] = *number_of(m.masters, m, k, i);
+    quantise_shape(&grid, &grid.chunks[i / FXS_FIT_CHUNK], from, to, 1, codes);
+    for (int k = 0; k < FXS_FIT_SH; k++)
+        *number_of(m.parameters, m, k, i) = to[k];
+}
+
+/* The SH of a block's degree. */
+__global__ void __launch_bounds__(FXS_FIT_PART) quantise_sh(device_model m, fxs_fit_grid grid)
+{
+    const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
+    const int degree = (int)blockIdx.y + 1, first = FXS_FIT_SH + 3 * SH_COUNT(degree - 1);
+    whole code;
+    if (i >= m.count)
+        return;
+#pragma unroll 8
+    for (int k = first; k < first + 6 * degree + 3; k++)
+        *number_of(m.parameters, m, k, i) =
+            quantise_band(&grid.chunks[i / FXS_FIT_CHUNK], degree, *number_of(m.masters, m, k, i), &code);
+}
+
+fxs_fit_grid grid_on_device(const device_model *m, const fxs_fit_grid *grid)
+{
+    fxs_fit_grid there = *grid;
+    there.chunks = m->chunks;
+    return there;
+}
+
+/* The parameters become what the grid makes of the masters: all but SH above degree 0, and these. */
+cudaError_t launch_quantise_shapes(const device_model *m, const fxs_fit_grid *grid, cudaStream_t stream)
+{
+    quantise_shapes<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*m, grid_on_device(m, grid));
+    return cudaGetLastError();
+}
+
+cudaError_t launch_quantise_sh(const device_model *m, const fxs_fit_grid *grid, cudaStream_t stream)
+{
+    const dim3 blocks(part_count(m), (uint32_t)grid->sh_degree);
+    if (grid->sh_degree > 0)
+        quantise_sh<<<blocks, FXS_FIT_PART, 0, stream>>>(*m, grid_on_device(m, grid));
+    return cudaGetLastError();
+}
+
+/* ---- The whole update -------------------------------------------------------------------------------------------- */
+
+/* By the planes of `count` views, in their order. `posed`: null, or the poses of their cameras, on the device; grid: of
+   masters, or null. SH above degree 0 beside what follows. */
 cudaError_t launch_update(const step_buffers *b, const device_model *m, float *const *planes,
                           const fxs_fit_camera *cameras, const posed_camera *posed, uint32_t count, int degree,
-                          const fxs_fit_adam *adam, cudaStream_t stream)
+                          const fxs_fit_adam *adam, const fxs_fit_grid *grid, cudaStream_t stream,
+                          const side_stream *beside)
 {
     batch_views views;
     memset(&views, 0, sizeof views);
@@ -321,11 +378,14 @@ cudaError_t launch_update(const step_buffers *b, const device_model *m, float *c
         constexpr int Degree = d.value;
         const auto shapes = posed ? update_shapes<Degree, true> : update_shapes<Degree, false>;
         shapes<<<(m->count + SHAPE_THREADS - 1) / SHAPE_THREADS, SHAPE_THREADS, 0, stream>>>(*b, *m, views, *adam);
+        beside->start(stream);
         if constexpr (Degree > 0)
             update_sh<Degree><<<dim3(part_count(m), (SH_COUNT(Degree) + SH_AT_ONCE - 1) / SH_AT_ONCE), FXS_FIT_PART, 0,
-                                stream>>>(*b, *m, views, *adam);
+                                beside->stream>>>(*b, *m, views, *adam);
     });
-    return cudaGetLastError();
+    if (grid)
+        launch_quantise_sh(m, grid, beside->stream);
+    return first_of(cudaGetLastError(), cudaEventRecord(beside->end, beside->stream));
 }
 
 /* ---- After the update -------------------------------------------------------------------------------------------- */
@@ -356,52 +416,6 @@ cudaError_t launch_smooth(const step_buffers *b, const device_model *m, const fx
                           cudaStream_t stream)
 {
     smooth_model<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, *cameras, divisor);
-    return cudaGetLastError();
-}
-
-/* Those of a degree; all is read before the first is written. */
-template <int Degree>
-__device__ inline void quantise_sh(const fxs_fit_chunk *chunk, const device_model &m, uint32_t i)
-{
-    const int first = FXS_FIT_SH + 3 * SH_COUNT(Degree - 1), count = 6 * Degree + 3;
-    real numbers[count];
-    whole code;
-#pragma unroll
-    for (int k = 0; k < count; k++)
-        numbers[k] = *number_of(m.masters, m, first + k, i);
-#pragma unroll
-    for (int k = 0; k < count; k++)
-        *number_of(m.parameters, m, first + k, i) = quantise_band(chunk, Degree, numbers[k], &code);
-}
-
-/* grid.chunks: the device's. */
-__global__ void __launch_bounds__(FXS_FIT_PART) quantise_model(step_buffers b, device_model m, fxs_fit_grid grid)
-{
-    const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
-    const fxs_fit_chunk *chunk = &grid.chunks[i / FXS_FIT_CHUNK];
-    real from[FXS_FIT_SH], to[FXS_FIT_SH];
-    whole codes[FXS_FIT_SH];
-    if (i >= m.count || is_stopped(b.status))
-        return;
-    for (int k = 0; k < FXS_FIT_SH; k++)
-        from[k] = *number_of(m.masters, m, k, i);
-    quantise_shape(&grid, chunk, from, to, 1, codes);
-    for (int k = 0; k < FXS_FIT_SH; k++)
-        *number_of(m.parameters, m, k, i) = to[k];
-    if (grid.sh_degree >= 1)
-        quantise_sh<1>(chunk, m, i);
-    if (grid.sh_degree >= 2)
-        quantise_sh<2>(chunk, m, i);
-    if (grid.sh_degree >= 3)
-        quantise_sh<3>(chunk, m, i);
-}
-
-/* The parameters become what the grid makes of the masters. */
-cudaError_t launch_quantise(const step_buffers *b, const device_model *m, const fxs_fit_grid *grid, cudaStream_t stream)
-{
-    fxs_fit_grid there = *grid;
-    there.chunks = m->chunks;
-    quantise_model<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*b, *m, there);
     return cudaGetLastError();
 }
 
