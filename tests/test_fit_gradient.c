@@ -692,8 +692,8 @@ static void test_alpha_of_99(void)
     }
 }
 
-/* A Gaussian in the middle of the picture by project. */
-static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, float depth)
+/* A Gaussian in the middle of the picture by project; red: its parameter of SH degree 0. */
+static fxs_fit_splat project_red(const fxs_fit_stages *stages, double logit, float depth, float red)
 {
     static float parameters[FXS_FIT_PARAMETERS][FXS_FIT_GROUP];
     const fxs_fit_camera camera = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .focal = {20, 20}, .middle = {8, 8},
@@ -704,9 +704,15 @@ static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, flo
         parameters[2][i] = depth;
         parameters[FXS_FIT_ROTATION][i] = 1;
         parameters[FXS_FIT_OPACITY][i] = (float)logit;
+        parameters[FXS_FIT_COLOUR][i] = i == 5 ? red : 0;
     }
     stages->project(&camera, 0, parameters[0], FXS_FIT_GROUP, 0, FXS_FIT_GROUP, splats);
     return splats[5];
+}
+
+static fxs_fit_splat project_one(const fxs_fit_stages *stages, double logit, float depth)
+{
+    return project_red(stages, logit, depth, 0);
 }
 
 /* Levels: Mahalanobis 3, or an alpha of 1/255 where that comes first; no Gaussian fainter, or nearer than the plane. */
@@ -729,6 +735,25 @@ static void test_project_cuts(void)
         CHECK(project_one(versions[n], -log(254.0) + 1e-5, 2).depth > 0);
         CHECK(project_one(versions[n], 0, 0.25f).depth == 0 && project_one(versions[n], 0, -2).depth == 0);
         CHECK(project_one(versions[n], 0, nextafterf(0.25f, 1)).depth > 0);
+    }
+}
+
+/* A splat with a colour that is none is in the lists, and no pixel takes of it. */
+static void test_no_colour(void)
+{
+    static const float bad[] = {NAN, INFINITY, 1e30f};
+    const fxs_fit_stages *versions[FIT_VERSIONS];
+    const int count = fit_versions(versions);
+    for (int n = 0; n < count; n++) {
+        const fxs_fit_splat good = project_red(versions[n], 2, 2, 1), dark = project_red(versions[n], 2, 2, -1e30f);
+        CHECK(good.colour[0] > 0.7f && good.colour[1] == 0.5f && dark.colour[0] == 0 && dark.limit == good.limit);
+        for (int i = 0; i < 3; i++) {
+            pixel_case c = {versions[n], 8, 8, 1, {project_red(versions[n], 2, 2, bad[i])}, .sums = {{0}}};
+            const fxs_fit_splat *s = &c.splats[0];
+            CHECK(s->depth == good.depth && s->tiles == good.tiles && s->limit < 0 && s->colour[0] == 0);
+            run_pixel(&c);
+            CHECK(left_of(&c) == 1 && is_zero(c.sums[0]) && c.tile.colour[1][FXS_FIT_AT(8, 8)] == 0);
+        }
     }
 }
 
@@ -777,6 +802,7 @@ int main(void)
     RUN(test_closed_pixel);
     RUN(test_alpha_of_99);
     RUN(test_project_cuts);
+    RUN(test_no_colour);
     RUN(test_bounds_of_scales);
     return check_report();
 }
