@@ -1,4 +1,4 @@
-/* project and bin: the splats of a view, and the lists of its tiles. */
+/* project, shade and bin: the splats of a view, their colours, and the lists of its tiles. */
 #ifndef FXS_CUDA_FIT_BIN_CUH
 #define FXS_CUDA_FIT_BIN_CUH
 

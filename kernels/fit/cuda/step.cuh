@@ -82,7 +82,7 @@ struct step_buffers {
     uint32_t *starts;              /* by tile, and one more: how long its list is; then where it begins */
     uint32_t *next;                /* by tile: where the next entry of its list goes */
     uint32_t *order;               /* the tiles, those with long lists first: so none is late */
-    uint16_t *blocks;              /* by place in the lists: the blocks of 4x4 that take of it (stage.h) */
+    uint16_t *blocks;              /* by place in the lists: the blocks of 4x4 that take of it (fit_stage.h) */
     uint32_t *needed;              /* by tile: entries up to the last one that a pixel took of */
     float *sums;                   /* by slot: FXS_FIT_SUMS; 0 of entries beyond `needed` */
     /* Planes of pixels, of picture_stride = width by height numbers, without margins: red, green, blue. */
