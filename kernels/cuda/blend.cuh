@@ -603,18 +603,8 @@ struct list_sorter {
             for (uint32_t i = g.thread; i < list.count; i += T)
                 keys.keys[i] = list.first[i];
             g.sync();
-            if (list.count > (1u << Magnitude) / 4)
-                sort_by<Bits>((uint32_t *)list.first, list.count, &g);
-            else if (list.count)
-                sort_by<Bits - 2>((uint32_t *)list.first, list.count, &g);
+            sort_keys_by_count((uint32_t *)list.first, &keys, bins, list.count, &g);
         }
-    }
-
-    /* With fewer bins for fewer keys. */
-    template <int B>
-    __device__ void sort_by(uint32_t *entries, uint32_t count, const group<T> *g)
-    {
-        sort_keys(entries, (group_keys<1u << Magnitude, B> *)&keys, bins, count, g);
     }
 };
 

@@ -331,6 +331,17 @@ __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t
     g->sync();
 }
 
+/* The same, with fewer bins for fewer keys. */
+template <uint32_t Room, int Bits, class G>
+__device__ void sort_keys_by_count(uint32_t *entries, group_keys<Room, Bits> *shared, uint32_t *bins, uint32_t count,
+                                   const G *g)
+{
+    if (count > Room / 4)
+        sort_keys(entries, shared, bins, count, g);
+    else if (count)
+        sort_keys(entries, (group_keys<Room, Bits - 2> *)shared, bins, count, g);
+}
+
 /* Calls take(count) for the keys of a list, near to far, as many at a time as there is room for: they are in
    shared->keys then, in no order. As long as it returns true, in all threads. ends: where the bins end that the list is
    in; null: it is in none. */

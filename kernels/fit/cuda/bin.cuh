@@ -358,15 +358,6 @@ struct list_sorter {
     keys_type keys;
     uint32_t bins[bins_of<keys_type, T>];
 
-    /* Sorts the keys that are there, with fewer bins for fewer keys. */
-    __device__ void sort_some(uint32_t *slots, uint32_t count, const group<T> *g)
-    {
-        if (count > Room / 4)
-            sort_keys(slots, &keys, bins, count, g);
-        else
-            sort_keys(slots, (group_keys<Room, Bits - 2> *)&keys, bins, count, g);
-    }
-
     /* A list of more keys than there is room for goes to bins first. */
     __device__ void sort(const step_buffers &b, uint32_t start, uint32_t count, group<T> g)
     {
@@ -386,7 +377,8 @@ struct list_sorter {
         }
         uint32_t *to = slots;
         take_keys(&keys, bins, list, count, ends, &g, [&](uint32_t some) {
-            sort_some(to, some, &g);
+            __builtin_assume(some > 0);    /* one at least */
+            sort_keys_by_count(to, &keys, bins, some, &g);
             to += some;
             return true;
         });
