@@ -6,7 +6,7 @@
 #include "span.h"
 
 /* Floats of fxs_fit_splat, up to `tiles`. */
-enum { SPLAT_LIMIT = 6, SPLAT_COLOUR = 7, SPLAT_DEPTH = 10, SPLAT_TILES = 14, SPLAT_NUMBERS };
+enum { SPLAT_LIMIT = 6, SPLAT_COLOUR = 7, SPLAT_TILES = 14, SPLAT_NUMBERS };
 
 /* 3 sigma_max. The larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
 static inline real square_of(const shape *s)
