@@ -19,17 +19,6 @@ const int LARGE_ROWS = 8;
 const int BOX_COLUMNS = 6, BOX_ROWS = 7, BOX_TILES = BOX_COLUMNS * BOX_ROWS;
 const uint32_t CHUNK_BYTES_MOST = FXS_ROW_SH + 3 * FXS_SH_COUNT(3) * FXS_CHUNK;
 
-/* Adds `by` to counters[i] for each lane with `active`. */
-__device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool active)
-{
-    const unsigned lanes = __ballot_sync(ALL_LANES, active);
-    if (active) {
-        const unsigned same = __match_any_sync(lanes, i);
-        if (lane_index() == (uint32_t)__ffs((int)same) - 1)
-            atomicAdd(&counters[i], by * (uint32_t)__popc(same));
-    }
-}
-
 /* fxs_chunk_view_init with sigmas that grow, and whether crop boxes leave anything of the chunk. */
 __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view *object, uint32_t chunk,
                                       uint32_t grow_q8)

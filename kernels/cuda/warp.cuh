@@ -57,6 +57,17 @@ __device__ inline uint32_t take_number(uint32_t *counters, uint32_t i, bool acti
     return place;
 }
 
+/* Adds `by` to counters[i] for each lane with `active`. */
+__device__ inline void add_at(uint32_t *counters, uint32_t i, uint32_t by, bool active)
+{
+    const unsigned lanes = __ballot_sync(ALL_LANES, active);
+    if (active) {
+        const unsigned same = __match_any_sync(lanes, i);
+        if (lane_index() == (uint32_t)__ffs((int)same) - 1)
+            atomicAdd(&counters[i], by * (uint32_t)__popc(same));
+    }
+}
+
 /* Shares out `own` items of each lane: calls visit(lane, item of it, active) with all lanes, until all were visited. */
 template <class Visit>
 __device__ inline void share_out(uint32_t own, Visit visit)

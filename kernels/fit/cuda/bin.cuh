@@ -198,7 +198,6 @@ __device__ inline void put_slot(const step_buffers &b, uint32_t slot, uint32_t t
 {
     b.tiles[slot] = tile;
     b.splat_of[slot] = gaussian;
-    atomicAdd(&b.starts[tile], 1u);
 }
 
 /* Slots of a warp's splats of few tiles: they are written one after the other. */
@@ -235,8 +234,10 @@ __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *ca
         const uint32_t i = first + lane, from = i < total ? lanes[i] : 0;
         const uint32_t origin = __shfl_sync(ALL_LANES, slot - before, from);
         const uint32_t own = __shfl_sync(ALL_LANES, gaussian, from);
+        const uint32_t tile = i < total ? staged_tiles[i] : 0;
         if (i < total)
-            put_slot(b, origin + i, staged_tiles[i], own);
+            put_slot(b, origin + i, tile, own);
+        add_at(b.starts, tile, 1, i < total);
     }
 }
 
@@ -256,8 +257,10 @@ __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *ca
             const uint32_t from = __shfl_sync(ALL_LANES, (uint32_t)first, i);
             const uint32_t to = __shfl_sync(ALL_LANES, (uint32_t)end, i);
             const uint32_t tile = ((uint32_t)rows + i) * (uint32_t)camera->tiles_x;
-            for (uint32_t x = from + lane; x < to && i % warps == n; x += WARP)
+            for (uint32_t x = from + lane; x < to && i % warps == n; x += WARP) {
                 put_slot(b, slot + (x - from), tile + x, gaussian);
+                atomicAdd(&b.starts[tile + x], 1u);
+            }
             slot += to > from ? to - from : 0;
         }
     }
@@ -288,6 +291,7 @@ __global__ void __launch_bounds__(BIN_THREADS)
 
 const uint32_t START_THREADS = 1024, START_TILES = 4;      /* of a block; of a thread, at a time */
 const uint32_t CLASSES = 64;       /* of lists by their lengths, two for each power of 2, long ones first */
+const uint32_t LONG_LIST = 256;    /* entries: a list of so many is a block's to sort, a shorter one a warp's */
 
 __device__ inline uint32_t class_of(uint32_t count)
 {
@@ -330,6 +334,9 @@ __global__ void __launch_bounds__(START_THREADS) start_lists(step_buffers b, uin
         places[2 * threadIdx.x + 1] = end - two[1];
     }
     __syncthreads();
+    if (threadIdx.x == 0)
+        b.status->long_lists = places[class_of(LONG_LIST - 1)];
+    __syncthreads();
     for (uint32_t own = threadIdx.x * START_TILES; own < tile_count; own += START_THREADS * START_TILES) {
         uint32_t starts[START_TILES + 1];
         for (uint32_t i = 0; i <= START_TILES; i++)
@@ -342,14 +349,16 @@ __global__ void __launch_bounds__(START_THREADS) start_lists(step_buffers b, uin
 /* A thread for each slot. */
 __global__ void __launch_bounds__(BIN_THREADS) fill_lists(step_buffers b, uint32_t count)
 {
-    const uint32_t slot = blockIdx.x * BIN_THREADS + threadIdx.x;
-    if (is_stopped(b.status) || slot >= b.bases[count])
+    const uint32_t slot = blockIdx.x * BIN_THREADS + threadIdx.x, total = b.bases[count];
+    if (is_stopped(b.status) || slot - lane_index() >= total)
         return;
-    const uint64_t depth = (uint32_t)bits_of(b.splats[b.splat_of[slot]].depth);
-    b.keys[atomicAdd(&b.next[b.tiles[slot]], 1u)] = depth << 32 | slot;
+    const bool is_slot = slot < total;
+    const uint32_t place = take_number(b.next, is_slot ? b.tiles[slot] : 0, is_slot);
+    if (is_slot)
+        b.keys[place] = (uint64_t)(uint32_t)bits_of(b.splats[b.splat_of[slot]].depth) << 32 | slot;
 }
 
-const uint32_t SORT_THREADS = 256, SHORT_LIST = 256;       /* entries of a list that a warp sorts */
+const uint32_t SORT_THREADS = 256;
 
 /* Where T threads sort lists, by 2^Bits bins. */
 template <uint32_t T, uint32_t Room, int Bits>
@@ -389,27 +398,26 @@ struct list_sorter {
 
 union sort_shared {
     list_sorter<SORT_THREADS, 2048, 11> block;
-    list_sorter<WARP, SHORT_LIST, 8> warps[SORT_THREADS / WARP];
+    list_sorter<WARP, LONG_LIST, 8> warps[SORT_THREADS / WARP];
 };
 
-/* A warp for each tile; then, where its list is not short, its block. The longest lists go to different blocks. */
+/* A block for each long list, the longest first, then a warp for each of the others. */
 __global__ void __launch_bounds__(SORT_THREADS) sort_lists(step_buffers b, uint32_t tile_count)
 {
     __shared__ sort_shared shared;
-    __shared__ uint32_t starts[SORT_THREADS / WARP], counts[SORT_THREADS / WARP];
     if (is_stopped(b.status))
         return;
-    const uint32_t warp = threadIdx.x / WARP, place = warp * gridDim.x + blockIdx.x;
-    const uint32_t tile = place < tile_count ? b.order[place] : 0, start = b.starts[tile];
-    const uint32_t count = place < tile_count ? b.starts[tile + 1] - start : 0;
-    starts[warp] = start;
-    counts[warp] = count;
-    if (count && count <= SHORT_LIST)
+    const uint32_t long_lists = b.status->long_lists, warp = threadIdx.x / WARP;
+    const bool is_long = blockIdx.x < long_lists;
+    const uint32_t of_others = (blockIdx.x - long_lists) * (SORT_THREADS / WARP) + warp;
+    const uint32_t place = is_long ? blockIdx.x : long_lists + of_others;
+    if (place >= tile_count)
+        return;
+    const uint32_t tile = b.order[place], start = b.starts[tile], count = b.starts[tile + 1] - start;
+    if (is_long)
+        shared.block.sort(b, start, count, {0, threadIdx.x});
+    else if (count)
         shared.warps[warp].sort(b, start, count, {0, lane_index()});
-    __syncthreads();
-    for (uint32_t i = 0; i < SORT_THREADS / WARP; i++)
-        if (counts[i] > SHORT_LIST)
-            shared.block.sort(b, starts[i], counts[i], {0, threadIdx.x});
 }
 
 /* Replaces the numbers in `bases` by the sums of the numbers before them. */
@@ -436,8 +444,7 @@ cudaError_t launch_bin(const step_buffers *b, const device_model *m, const fxs_f
     put_slots<<<LARGE_BLOCKS + bin_grid(count), BIN_THREADS, 0, stream>>>(*b, count, *camera);
     start_lists<<<1, START_THREADS, 0, stream>>>(*b, tile_count);
     fill_lists<<<bin_grid(b->capacity), BIN_THREADS, 0, stream>>>(*b, count);
-    sort_lists<<<(tile_count + SORT_THREADS / WARP - 1) / (SORT_THREADS / WARP), SORT_THREADS, 0, stream>>>(
-        *b, tile_count);
+    sort_lists<<<tile_count, SORT_THREADS, 0, stream>>>(*b, tile_count);
     return first_of(failure, cudaGetLastError());
 }
 

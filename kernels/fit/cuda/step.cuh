@@ -61,6 +61,7 @@ struct step_status {
                                       by the time that SH are updated */
     uint32_t entries_most;         /* of a step */
     uint32_t large_count[2], huge_count[2];    /* of step_buffers, by turns */
+    uint32_t long_lists;           /* the first so many in `order` are long */
     step_seen seen;
 };
 

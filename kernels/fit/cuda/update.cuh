@@ -2,6 +2,8 @@
 #ifndef FXS_CUDA_FIT_UPDATE_CUH
 #define FXS_CUDA_FIT_UPDATE_CUH
 
+#include <cuda_pipeline_primitives.h>
+
 #include "bin.cuh"
 
 namespace {
@@ -173,9 +175,19 @@ __device__ inline float *number_of(float *planes, const device_model &m, int pla
     return planes + (size_t)plane * m.stride + i;
 }
 
-/* Adam's step for `Count` parameters from `first` on, whose gradients are gradient_of(k). All numbers are read before
-   the first is written, so that many reads are under way at once; moments, which are not read again soon, are not kept
-   in the cache. */
+/* Adam's step for a parameter: writes it to `to`, and its moments, which are not read again soon and not kept in the
+   cache. */
+__device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, real number, real mean, real square,
+                                const device_model &m, float *to, uint32_t i)
+{
+    adam_step(adam, adam->rate[k], gradient, &number, &mean, &square);
+    __stcs(number_of(m.means, m, k, i), mean);
+    __stcs(number_of(m.squares, m, k, i), square);
+    *number_of(to, m, k, i) = has_limits(k) ? within_limits(number) : number;
+}
+
+/* The same for `Count` parameters from `first` on, whose gradients are gradient_of(k). All numbers are read before the
+   first is written, so that many reads are under way at once. */
 template <int Count, class Gradient>
 __device__ inline void move_some(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
                                  Gradient gradient_of)
@@ -188,12 +200,8 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
         square[k] = __ldcs(number_of(m.squares, m, first + k, i));
     }
 #pragma unroll
-    for (int k = 0; k < Count; k++) {
-        adam_step(adam, adam->rate[first + k], gradient_of(first + k), &number[k], &mean[k], &square[k]);
-        __stcs(number_of(m.means, m, first + k, i), mean[k]);
-        __stcs(number_of(m.squares, m, first + k, i), square[k]);
-        *number_of(to, m, first + k, i) = has_limits(first + k) ? within_limits(number[k]) : number[k];
-    }
+    for (int k = 0; k < Count; k++)
+        move_one(adam, first + k, gradient_of(first + k), number[k], mean[k], square[k], m, to, i);
 }
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
@@ -208,11 +216,55 @@ struct batch_views {
     const posed_camera *posed;     /* of each, where IsPosed */
 };
 
+const uint32_t SHAPE_THREADS = 128, SHAPE_BLOCKS = 4;      /* of a multiprocessor, for all that a thread has to be in
+                                                              registers */
+
+/* A block's Gaussians, as they lie in the model: a thread each in a row for each number. They are copied there while
+   nothing waits for them, as a thread has no registers for so many. */
+template <int Degree>
+struct shape_rows {
+    float parameters[FXS_FIT_SH + 3 * SH_COUNT(Degree)][SHAPE_THREADS];
+    float means[FXS_FIT_SH][SHAPE_THREADS], squares[FXS_FIT_SH][SHAPE_THREADS];
+};
+
+/* Starts to copy the block's part of some planes, by all threads. */
+__device__ inline void fetch_rows(float (*rows)[SHAPE_THREADS], const float *planes, uint32_t stride, uint32_t count)
+{
+    for (uint32_t row = threadIdx.x / WARP; row < count; row += SHAPE_THREADS / WARP)
+        __pipeline_memcpy_async(&rows[row][4 * lane_index()],
+                                planes + (size_t)row * stride + blockIdx.x * SHAPE_THREADS + 4 * lane_index(), 16);
+}
+
+__device__ inline bool is_seen(const batch_views &views, const device_model &m, uint32_t i)
+{
+    bool found = false;
+    for (uint32_t v = 0; v < views.count; v++)
+        found = found || views.planes[v][(size_t)FXS_FIT_SUMS * m.stride + i] > 0;
+    return found;
+}
+
+/* Copies the block's rows; SH only where a view has some of its Gaussians. */
+template <int Degree>
+__device__ inline void fetch_shapes(shape_rows<Degree> *rows, const batch_views &views, const device_model &m,
+                                    uint32_t i)
+{
+    fetch_rows(rows->parameters, m.parameters, m.stride, FXS_FIT_SH);
+    fetch_rows(rows->means, m.means, m.stride, FXS_FIT_SH);
+    fetch_rows(rows->squares, m.squares, m.stride, FXS_FIT_SH);
+    if (__syncthreads_or(i < m.count && is_seen(views, m, i)))
+        fetch_rows(rows->parameters + FXS_FIT_SH, m.parameters + (size_t)FXS_FIT_SH * m.stride, m.stride,
+                   3 * SH_COUNT(Degree));
+    __pipeline_commit();
+    __pipeline_wait_prior(0);
+    __syncthreads();
+}
+
 /* Adds the gradient by a view. */
 template <int Degree, bool IsPosed>
 __device__ inline void add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
-                                real total[FXS_FIT_SH])
+                                const shape_rows<Degree> &rows, real total[FXS_FIT_SH])
 {
+    const float *const own_rows = rows.parameters[0] + threadIdx.x;
     float sums[FXS_FIT_SUMS], *const planes = views.planes[v] + i;
     view_gradient own;
 #pragma unroll
@@ -222,9 +274,9 @@ __device__ inline void add_view(const batch_views &views, uint32_t v, const devi
         m.views[i] += 1;
     if constexpr (IsPosed) {
         const fxs_fit_camera camera = with_pose(views.cameras[v], views.posed + v);
-        find_view_gradient<Degree>(&camera, m.parameters + i, m.stride, sums, &own, m.by_centre + i);
+        find_view_gradient<Degree>(&camera, own_rows, SHAPE_THREADS, sums, &own, m.by_centre + i);
     } else
-        find_view_gradient<Degree>(&views.cameras[v], m.parameters + i, m.stride, sums, &own, m.by_centre + i);
+        find_view_gradient<Degree>(&views.cameras[v], own_rows, SHAPE_THREADS, sums, &own, m.by_centre + i);
     for (int k = 0; k < FXS_FIT_SH; k++)
         total[k] += own.shape[k];
     for (int k = 0; k < 3 && Degree > 0; k++) {
@@ -233,29 +285,33 @@ __device__ inline void add_view(const batch_views &views, uint32_t v, const devi
     }
 }
 
-const uint32_t SHAPE_THREADS = 128;    /* few enough for all that a thread has to be in registers */
-
 /* All but SH above degree 0. */
 template <int Degree, bool IsPosed>
-__global__ void __launch_bounds__(SHAPE_THREADS, 3)
+__global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
     update_shapes(step_buffers b, device_model m, const __grid_constant__ batch_views views,
                   const __grid_constant__ fxs_fit_adam adam)
 {
+    __shared__ __align__(16) shape_rows<Degree> rows;
     const uint32_t i = blockIdx.x * SHAPE_THREADS + threadIdx.x;
-    float *const to = m.masters ? m.masters : m.parameters;
     real gradient[FXS_FIT_SH] = {0};
     if (i == 0)
         b.status->updates_sh = !is_stopped(b.status);
-    if (i >= m.count || is_stopped(b.status))
+    if (is_stopped(b.status))
         return;
     if (i == 0)
         b.status->done++;
+    fetch_shapes(&rows, views, m, i);
+    if (i >= m.count)
+        return;
 #pragma unroll 1
     for (uint32_t v = 0; v < views.count; v++)
-        add_view<Degree, IsPosed>(views, v, m, i, gradient);
+        add_view<Degree, IsPosed>(views, v, m, i, rows, gradient);
     if (adam.by_opacity > 0)
-        add_regularisers(&adam, m.parameters + i, m.stride, gradient);
-    move_some<FXS_FIT_SH>(&adam, 0, m, to, i, [&](int k) { return gradient[k]; });
+        add_regularisers(&adam, rows.parameters[0] + threadIdx.x, SHAPE_THREADS, gradient);
+#pragma unroll
+    for (int k = 0; k < FXS_FIT_SH; k++)
+        move_one(&adam, k, gradient[k], m.masters ? *number_of(m.masters, m, k, i) : rows.parameters[k][threadIdx.x],
+                 rows.means[k][threadIdx.x], rows.squares[k][threadIdx.x], m, m.masters ? m.masters : m.parameters, i);
 }
 
 const int SH_AT_ONCE = 2;          /* coefficients, of three colours each */
