@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/run.h"
 #include "fates.h"
 
 typedef struct wanted {
@@ -59,7 +60,7 @@ static int carry_out(fxs_fit_model *m, const uint8_t *fates, size_t most)
         return FXS_ERR_MEMORY;
     size_t kept;
     const size_t count = set_origins(fates, m->count, origins, &kept);
-    const int error = count ? fxs_fit_model_rebuild(m, origins, count) : 0;
+    const int error = count ? fxs_fit_model_rebuild(m, origins, count, fxs_run_here, NULL) : 0;
     for (size_t i = kept; !error && i < count; i++)
         if (origins[i].kind != FXS_FIT_CLONE)
             set_child(m, i, origins[i].kind == FXS_FIT_FIRST_CHILD ? 1.0f : -1.0f);

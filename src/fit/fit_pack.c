@@ -66,7 +66,7 @@ int fxs_fit_keep(fxs_fit *f, const fxs_fit_origin *origins, size_t count, fxs_me
     const int is_coded = f->profile.chunks != NULL;
     const fxs_pack_options options = pack_options(f);
     FXS_TRY(is_coded ? end(f, message) : f->engine->fetch(f->self, message));
-    if (fxs_fit_model_rebuild(&f->model, origins, count))
+    if (fxs_fit_model_rebuild(&f->model, origins, count, options.run, options.pool))
         return fxs_fail_memory(message, "a fit", count * 4 * FXS_FIT_PARAMETERS * sizeof(float));
     FXS_TRY(f->engine->give(f->self, message));
     if (!is_coded)

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/run.h"
 #include "src/base/system.h"
 #include "curve.h"
 #include "nearest.h"
@@ -140,7 +141,7 @@ void fxs_fit_model_give(const fxs_fit_model *m, size_t i, fxs_gaussian *out)
 static int set_stride(float **planes, size_t old, size_t stride)
 {
     if (stride <= old) {
-        for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
+        for (size_t k = 0; k < FXS_FIT_PARAMETERS && stride < old; k++)
             memmove(*planes + k * stride, *planes + k * old, stride * sizeof **planes);
         return 0;
     }
@@ -176,29 +177,48 @@ static void narrow(fxs_fit_model *m, size_t stride)
     m->stride = stride;
 }
 
-/* Rearranges plane by plane through `spare`; `moments`: new Gaussians get 0. */
-static void gather(float *planes, size_t stride, const fxs_fit_origin *origins, size_t count, int moments, float *spare)
+/* Rearranges plane by plane, each job through a spare plane of its own. */
+enum { GATHER_JOBS = 4 };
+typedef struct gathering {
+    const fxs_fit_model *model;
+    const fxs_fit_origin *origins;
+    size_t count;
+    float *spare;
+} gathering;
+
+/* New Gaussians have moments of 0. */
+static void gather(const gathering *g, float *planes, int moments, float *spare, uint32_t job)
 {
-    for (float *p = planes; p < planes + FXS_FIT_PARAMETERS * stride; p += stride) {
-        for (size_t i = 0; i < count; i++)
+    const fxs_fit_origin *const origins = g->origins;
+    const size_t stride = g->model->stride;
+    for (float *p = planes + job * stride; p < planes + FXS_FIT_PARAMETERS * stride; p += GATHER_JOBS * stride) {
+        for (size_t i = 0; i < g->count; i++)
             spare[i] = moments && origins[i].kind != FXS_FIT_KEPT ? 0 : p[origins[i].source];
         memcpy(p, spare, stride * sizeof *p);
     }
 }
 
-int fxs_fit_model_rebuild(fxs_fit_model *m, const fxs_fit_origin *origins, size_t count)
+static void gather_job(void *argument, uint32_t job)
+{
+    const gathering *g = argument;
+    float *const spare = g->spare + job * g->model->stride;
+    gather(g, g->model->parameters, 0, spare, job);
+    gather(g, g->model->means, 1, spare, job);
+    gather(g, g->model->squares, 1, spare, job);
+}
+
+int fxs_fit_model_rebuild(fxs_fit_model *m, const fxs_fit_origin *origins, size_t count, fxs_run_fn *run, void *pool)
 {
     const size_t stride = stride_of(count), widest = stride > m->stride ? stride : m->stride;
-    float *by_centre = planes_of(stride, 1), *views = planes_of(stride, 1), *spare = planes_of(widest, 1);
+    float *by_centre = planes_of(stride, 1), *views = planes_of(stride, 1), *spare = planes_of(widest, GATHER_JOBS);
     if (!by_centre || !views || !spare || make_room(m, widest)) {
         fxs_aligned_free(by_centre);
         fxs_aligned_free(views);
         fxs_aligned_free(spare);
         return FXS_ERR_MEMORY;
     }
-    gather(m->parameters, widest, origins, count, 0, spare);
-    gather(m->means, widest, origins, count, 1, spare);
-    gather(m->squares, widest, origins, count, 1, spare);
+    gathering g = {m, origins, count, spare};
+    run(pool, gather_job, &g, GATHER_JOBS);
     narrow(m, stride);
     fxs_aligned_free(spare);
     fxs_aligned_free(m->by_centre);
@@ -251,7 +271,7 @@ int fxs_fit_model_order(fxs_fit_model *m)
         qsort(places, m->count, sizeof *places, by_code);
         for (size_t i = 0; i < m->count; i++)
             origins[i] = (fxs_fit_origin){places[i].index, FXS_FIT_KEPT};
-        error = fxs_fit_model_rebuild(m, origins, m->count);
+        error = fxs_fit_model_rebuild(m, origins, m->count, fxs_run_here, NULL);
     }
     free(places);
     free(origins);

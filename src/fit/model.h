@@ -36,9 +36,10 @@ typedef struct fxs_fit_origin {
     uint32_t kind;                 /* KEPT: Adam's moments stay; in the others they become 0 */
 } fxs_fit_origin;
 
-/* Rebuilds the model from these origins; sums of densification become 0. Returns 0, or FXS_ERR_MEMORY and an unchanged
-   model. */
-int fxs_fit_model_rebuild(fxs_fit_model *model, const fxs_fit_origin *origins, size_t count);
+/* Rebuilds the model from these origins, by `run` with `pool`; sums of densification become 0. Returns 0, or
+   FXS_ERR_MEMORY and an unchanged model. */
+int fxs_fit_model_rebuild(fxs_fit_model *model, const fxs_fit_origin *origins, size_t count, fxs_run_fn *run,
+                          void *pool);
 
 typedef struct fxs_fit_densify {
     float gradient;                /* the least mean length of dL/dcentre (by_centre) for a clone or split */

@@ -80,7 +80,7 @@ static int order(fxs_fit_model *m, int sh_degree, const fxs_pack_options *option
         origins[i] = (fxs_fit_origin){entries[i].index, FXS_FIT_KEPT};
     free(entries);
     if (!error)
-        error = fxs_fit_model_rebuild(m, origins, count);
+        error = fxs_fit_model_rebuild(m, origins, count, options->run, options->pool);
     free(origins);
     return error;
 }
@@ -303,7 +303,7 @@ int fxs_fit_profile_allocate(fxs_fit_profile *p, fxs_fit_model *m, enum fxs_prof
     p->steps = calloc(chunks_of(p), sizeof *p->steps);
     p->palette = has_palette ? calloc(1, sizeof *p->palette) : NULL;
     p->records = has_palette ? calloc(p->count, record_bytes(p)) : NULL;
-    m->masters = aligned(bytes);
+    m->masters = fxs_aligned_allocate(bytes);
     if (!m->masters || !p->chunks || !p->steps || (has_palette && (!p->palette || !p->records))) {
         fxs_aligned_free(m->masters);
         m->masters = NULL;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/run.h"
 #include "sharing.h"
 
 /* The data of draws: cumulative sums of opacities (up to 2^24 each), and how often each Gaussian was drawn. */
@@ -83,7 +84,7 @@ static int add(fxs_fit_model *m, const fxs_fit_relocate *r, draws *d)
     for (size_t i = 0; i < next; i++)
         origins[i] = i < count ? (fxs_fit_origin){(uint32_t)i, FXS_FIT_KEPT}
                                : (fxs_fit_origin){d->sources[i - count], FXS_FIT_CLONE};
-    const int error = fxs_fit_model_rebuild(m, origins, next);
+    const int error = fxs_fit_model_rebuild(m, origins, next, fxs_run_here, NULL);
     if (!error)
         set_added(m, d, count);
     free(origins);

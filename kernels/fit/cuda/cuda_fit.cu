@@ -2,6 +2,7 @@
 #include "cuda_fit.h"
 
 #include "kernels/cuda/device.cuh"
+#include "src/base/run.h"
 #include "bin.cuh"
 #include "exposure.cuh"
 #include "model.cuh"
@@ -54,6 +55,8 @@ struct step_order {
 
 struct engine {                    /* in page-locked host memory, for the sake of `statuses` */
     fxs_fit_model *model;
+    fxs_run_fn *run;
+    void *pool;                    /* of run */
     uint32_t device_count;
     device devices[FXS_FIT_BATCH];
     step_order pending[PENDING];   /* since the host last looked */
@@ -184,9 +187,32 @@ int reserve_views(device *d, uint32_t count, fxs_message *why)
 
 /* ---- Photographs ------------------------------------------------------------------------------------------------- */
 
+const size_t COPIED = 1 << 18;     /* bytes, by a thread at a time */
+
+struct copying {
+    uint8_t *to;
+    const uint8_t *from;
+    size_t bytes;
+};
+
+void copy_part(void *argument, uint32_t job)
+{
+    const copying *c = (const copying *)argument;
+    const size_t first = job * COPIED, left = c->bytes - first;
+    memcpy(c->to + first, c->from + first, left < COPIED ? left : COPIED);
+}
+
+/* Copies by all threads: a photograph that was not used for a while is in no cache, and a thread alone would take
+   longer for it than for all else of a step. */
+void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
+{
+    copying c = {(uint8_t *)to, from, bytes};
+    e->run(e->pool, copy_part, &c, (uint32_t)((bytes + COPIED - 1) / COPIED));
+}
+
 /* Starts the copy of a photograph, beside the kernels of the steps before; those of this step wait for it. It goes by
    page-locked memory of the engine's own: the caller's may share pages with other things. */
-int send_photograph(device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
+int send_photograph(const engine *e, device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
 {
     photograph_slot *slot = &d->photographs[d->next_photograph++ % PHOTOGRAPHS];
     const size_t size = (size_t)p->width * (size_t)p->height, bytes = (p->mask ? 4 : 3) * size;
@@ -195,9 +221,9 @@ int send_photograph(device *d, const fxs_fit_photograph *p, photograph_slot **ou
     error = error ? error : reserve_host(&slot->sent, bytes, why);
     if (error)
         return error;
-    memcpy(slot->sent.data, p->pixels, 3 * size);
+    copy_bytes(e, slot->sent.data, p->pixels, 3 * size);
     if (p->mask)
-        memcpy((uint8_t *)slot->sent.data + 3 * size, p->mask, size);
+        copy_bytes(e, (uint8_t *)slot->sent.data + 3 * size, p->mask, size);
     cudaStreamWaitEvent(d->copies, slot->is_free, 0);
     cudaMemcpyAsync(slot->pixels.data, slot->sent.data, bytes, cudaMemcpyHostToDevice, d->copies);
     cudaEventRecord(slot->ready, d->copies);
@@ -227,7 +253,7 @@ int find_loss(engine *e, device *d, const step_order *s, uint32_t view, fxs_mess
     const fxs_fit_photograph *p = &s->photographs[view];
     step_buffers *b = &d->buffers;
     photograph_slot *slot;
-    int error = send_photograph(d, p, &slot, why);
+    int error = send_photograph(e, d, p, &slot, why);
     if (error)
         return error;
     const uint8_t *pixels = (const uint8_t *)slot->pixels.data;
@@ -842,6 +868,8 @@ int fxs_cuda_fit_engine(const fxs_fit_engine **out, void **self, fxs_fit_model *
         return error;
     memset(e, 0, sizeof *e);
     e->model = model;
+    e->run = options->run ? options->run : fxs_run_here;
+    e->pool = options->pool;
     for (uint32_t i = 0; i < options->device_count && !error; i++) {
         e->device_count++;
         error = open(&e->devices[i], options->devices[i], options->max_memory, why);

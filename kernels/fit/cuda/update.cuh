@@ -57,7 +57,7 @@ __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged
 
 /* The sums of Gaussians over their tiles, in their order, to planes: by FXS_FIT_SUMS threads each, or those of
    visit_large. */
-__global__ void __launch_bounds__(GATHER_THREADS, 4) gather_view(step_buffers b, device_model m, float *planes)
+__global__ void __launch_bounds__(GATHER_THREADS, 7) gather_view(step_buffers b, device_model m, float *planes)
 {
     __shared__ union {
         float by_warps[GATHER_WARPS][TILES_AT_ONCE * FXS_FIT_SUMS];
