@@ -190,15 +190,6 @@ __device__ inline uint32_t list_magnitude(uint32_t count)
     return count ? 31 - (uint32_t)__clz((int)count) : 0;
 }
 
-/* A kernel that may be launched before the one before it has ended lets the next one come, then waits for that end. */
-__device__ inline void wait_for_last_kernel()
-{
-#if __CUDA_ARCH__ >= 900
-    cudaTriggerProgrammaticLaunchCompletion();
-    cudaGridDependencySynchronize();
-#endif
-}
-
 }
 
 #endif

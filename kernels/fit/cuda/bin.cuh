@@ -349,10 +349,12 @@ __global__ void __launch_bounds__(START_THREADS) start_lists(step_buffers b, uin
 /* A thread for each slot. */
 __global__ void __launch_bounds__(BIN_THREADS) fill_lists(step_buffers b, uint32_t count)
 {
-    const uint32_t slot = blockIdx.x * BIN_THREADS + threadIdx.x, total = b.bases[count];
-    if (is_stopped(b.status) || slot - lane_index() >= total)
+    if (is_stopped(b.status))
         return;
+    const uint32_t slot = blockIdx.x * BIN_THREADS + threadIdx.x, total = b.bases[count];
     const bool is_slot = slot < total;
+    if (slot - lane_index() >= total)
+        return;
     const uint32_t place = take_number(b.next, is_slot ? b.tiles[slot] : 0, is_slot);
     if (is_slot)
         b.keys[place] = (uint64_t)(uint32_t)bits_of(b.splats[b.splat_of[slot]].depth) << 32 | slot;
@@ -442,9 +444,9 @@ cudaError_t launch_bin(const step_buffers *b, const device_model *m, const fxs_f
     size_t bytes = b->scratch_bytes;
     const cudaError_t failure = add_tiles(b->scratch, &bytes, b, count, stream);
     put_slots<<<LARGE_BLOCKS + bin_grid(count), BIN_THREADS, 0, stream>>>(*b, count, *camera);
-    start_lists<<<1, START_THREADS, 0, stream>>>(*b, tile_count);
-    fill_lists<<<bin_grid(b->capacity), BIN_THREADS, 0, stream>>>(*b, count);
-    sort_lists<<<tile_count, SORT_THREADS, 0, stream>>>(*b, tile_count);
+    launch_early(start_lists, 1, START_THREADS, 0, stream, *b, tile_count);
+    launch_early(fill_lists, bin_grid(b->capacity), BIN_THREADS, 0, stream, *b, count);
+    launch_early(sort_lists, tile_count, SORT_THREADS, 0, stream, *b, tile_count);
     return first_of(failure, cudaGetLastError());
 }
 

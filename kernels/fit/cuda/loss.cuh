@@ -240,7 +240,7 @@ cudaError_t launch_loss_of(const step_buffers *b, loss_photograph photograph, co
     const uint32_t rows = (uint32_t)(camera->height + SQUARE - 1) / SQUARE;
     const dim3 squares(columns, rows, 3);
     find_derivatives<HAS_MASK><<<squares, LOSS_THREADS, 0, stream>>>(*b, photograph, *camera, has_report != 0);
-    find_gradient_of_pixels<HAS_MASK><<<squares, LOSS_THREADS, 0, stream>>>(*b, photograph, *camera);
+    launch_early(find_gradient_of_pixels<HAS_MASK>, squares, LOSS_THREADS, 0, stream, *b, photograph, *camera);
     if (has_report)
         report_rows<HAS_MASK><<<(3 * (uint32_t)camera->height + 15) / 16, 256, 0, stream>>>(*b, photograph, *camera);
     return cudaGetLastError();

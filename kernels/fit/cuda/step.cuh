@@ -134,9 +134,28 @@ struct side_stream {
     }
 };
 
-/* Kernels begin with this: whether a step before it, or this one, had no room. */
+/* Starts a kernel that begins with is_stopped: it is launched while the one before it still runs. */
+template <class... Parameters>
+cudaError_t launch_early(void (*kernel)(Parameters...), dim3 blocks, uint32_t threads, size_t shared,
+                         cudaStream_t stream, const Parameters &...parameters)
+{
+    cudaLaunchAttribute early = {};
+    early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    early.val.programmaticStreamSerializationAllowed = 1;
+    cudaLaunchConfig_t how = {};
+    how.gridDim = blocks;
+    how.blockDim = dim3(threads);
+    how.dynamicSmemBytes = shared;
+    how.stream = stream;
+    how.attrs = &early;
+    how.numAttrs = 1;
+    return cudaLaunchKernelEx(&how, kernel, parameters...);
+}
+
+/* Kernels begin with this: whether a step before it, or this one, had no room. Waits for the kernel before it. */
 __device__ inline bool is_stopped(const step_status *status)
 {
+    wait_for_last_kernel();
     return *(volatile const uint32_t *)&status->is_full != 0;
 }
 

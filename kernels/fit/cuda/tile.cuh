@@ -473,7 +473,7 @@ cudaError_t launch_back(const step_buffers *b, const fxs_fit_camera *camera, cud
 {
     const uint32_t tiles = (uint32_t)(camera->tiles_x * camera->tiles_y);
     const cudaError_t error = allow_shared(backward_tiles, sizeof(backward_shared));
-    backward_tiles<<<tiles, FXS_FIT_PIXELS, sizeof(backward_shared), stream>>>(*b, *camera);
+    launch_early(backward_tiles, tiles, FXS_FIT_PIXELS, sizeof(backward_shared), stream, *b, *camera);
     return error ? error : cudaGetLastError();
 }
 

@@ -105,8 +105,8 @@ __global__ void __launch_bounds__(GATHER_THREADS, 7) gather_view(step_buffers b,
    picture, or 0. */
 cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *planes, cudaStream_t stream)
 {
-    gather_view<<<LARGE_BLOCKS + (m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream>>>(*b, *m, planes);
-    return cudaGetLastError();
+    return launch_early(gather_view, LARGE_BLOCKS + (m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream, *b,
+                        *m, planes);
 }
 
 /* ---- Gradients --------------------------------------------------------------------------------------------------- */
@@ -308,10 +308,14 @@ __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
         add_view<Degree, IsPosed>(views, v, m, i, rows, gradient);
     if (adam.by_opacity > 0)
         add_regularisers(&adam, rows.parameters[0] + threadIdx.x, SHAPE_THREADS, gradient);
+    real number[FXS_FIT_SH];
 #pragma unroll
     for (int k = 0; k < FXS_FIT_SH; k++)
-        move_one(&adam, k, gradient[k], m.masters ? *number_of(m.masters, m, k, i) : rows.parameters[k][threadIdx.x],
-                 rows.means[k][threadIdx.x], rows.squares[k][threadIdx.x], m, m.masters ? m.masters : m.parameters, i);
+        number[k] = m.masters ? *number_of(m.masters, m, k, i) : rows.parameters[k][threadIdx.x];
+#pragma unroll
+    for (int k = 0; k < FXS_FIT_SH; k++)
+        move_one(&adam, k, gradient[k], number[k], rows.means[k][threadIdx.x], rows.squares[k][threadIdx.x], m,
+                 m.masters ? m.masters : m.parameters, i);
 }
 
 const int SH_AT_ONCE = 2;          /* coefficients, of three colours each */
@@ -433,7 +437,8 @@ cudaError_t launch_update(const step_buffers *b, const device_model *m, float *c
     by_degree(degree, [&](auto d) {
         constexpr int Degree = d.value;
         const auto shapes = posed ? update_shapes<Degree, true> : update_shapes<Degree, false>;
-        shapes<<<(m->count + SHAPE_THREADS - 1) / SHAPE_THREADS, SHAPE_THREADS, 0, stream>>>(*b, *m, views, *adam);
+        launch_early(shapes, (m->count + SHAPE_THREADS - 1) / SHAPE_THREADS, SHAPE_THREADS, 0, stream, *b, *m, views,
+                     *adam);
         beside->start(stream);
         if constexpr (Degree > 0)
             update_sh<Degree><<<dim3(part_count(m), (SH_COUNT(Degree) + SH_AT_ONCE - 1) / SH_AT_ONCE), FXS_FIT_PART, 0,
