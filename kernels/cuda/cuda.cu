@@ -244,6 +244,13 @@ uint64_t missing(const block *b, uint64_t bytes)
     return bytes > b->bytes ? bytes - b->bytes : 0;
 }
 
+/* Records of large splats that there is room for at first: with the square cut-off all splats are large. */
+uint64_t likely_larges(const frame *f)
+{
+    const uint64_t drawn = (uint64_t)f->chunks * FXS_CHUNK, most = drawn < f->gaussians ? drawn : f->gaussians;
+    return (f->view.cutoff == FXS_CUTOFF_SQUARE ? most : 0) + f->gaussians / 16 + 4096;
+}
+
 /* Finds how much memory of each slot the frames take. Returns the device memory with that and the scenes that are
    wanted. */
 uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
@@ -265,7 +272,7 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
         s->splats = larger_of(s->splats, of_frame.splats);
         s->tiles = larger_of(s->tiles, of_frame.tiles);
         cuda->capacity = larger_of(cuda->capacity, 2 * (uint64_t)f->gaussians + 65536);
-        cuda->large_capacity = larger_of(cuda->large_capacity, f->gaussians / 16 + 4096);
+        cuda->large_capacity = larger_of(cuda->large_capacity, likely_larges(f));
     }
     for (uint32_t i = 0; i < slots_of(cuda, count); i++) {
         const slot *s = &cuda->slots[i];

@@ -88,15 +88,6 @@ __device__ inline bool any_at(uint32_t barrier, uint32_t threads, bool x)
     return result != 0;
 }
 
-/* A kernel that may be launched before the one before it has ended lets the next one come, then waits for that end. */
-__device__ inline void wait_for_last_kernel()
-{
-#if __CUDA_ARCH__ >= 900
-    cudaTriggerProgrammaticLaunchCompletion();
-    cudaGridDependencySynchronize();
-#endif
-}
-
 }
 
 #endif

@@ -1,4 +1,4 @@
-/* What the lanes of a warp find together. */
+/* What the lanes of a warp find together, and how kernels follow one another. */
 #ifndef FXS_CUDA_WARP_CUH
 #define FXS_CUDA_WARP_CUH
 
@@ -95,6 +95,15 @@ __device__ inline uint32_t bit_of(uint64_t mask, uint32_t n)
         n -= skip ? below : 0;
     }
     return high + place;
+}
+
+/* A kernel that may be launched before the one before it has ended lets the next one come, then waits for that end. */
+__device__ inline void wait_for_last_kernel()
+{
+#if __CUDA_ARCH__ >= 900
+    cudaTriggerProgrammaticLaunchCompletion();
+    cudaGridDependencySynchronize();
+#endif
 }
 
 }
