@@ -140,8 +140,10 @@ void fxs_fit_model_give(const fxs_fit_model *m, size_t i, fxs_gaussian *out)
 /* Changes the stride of the planes. Only a larger stride needs new memory. */
 static int set_stride(float **planes, size_t old, size_t stride)
 {
-    if (stride <= old) {
-        for (size_t k = 0; k < FXS_FIT_PARAMETERS && stride < old; k++)
+    if (stride == old)
+        return 0;
+    if (stride < old) {
+        for (size_t k = 0; k < FXS_FIT_PARAMETERS; k++)
             memmove(*planes + k * stride, *planes + k * old, stride * sizeof **planes);
         return 0;
     }

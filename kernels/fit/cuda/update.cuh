@@ -170,7 +170,7 @@ __device__ inline real within_limits(real x)
 }
 
 /* A Gaussian's number in a plane. */
-__device__ inline float *number_of(float *planes, const device_model &m, int plane, uint32_t i)
+__device__ inline float *number_at(float *planes, const device_model &m, int plane, uint32_t i)
 {
     return planes + (size_t)plane * m.stride + i;
 }
@@ -181,9 +181,9 @@ __device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, 
                                 const device_model &m, float *to, uint32_t i)
 {
     adam_step(adam, adam->rate[k], gradient, &number, &mean, &square);
-    __stcs(number_of(m.means, m, k, i), mean);
-    __stcs(number_of(m.squares, m, k, i), square);
-    *number_of(to, m, k, i) = has_limits(k) ? within_limits(number) : number;
+    __stcs(number_at(m.means, m, k, i), mean);
+    __stcs(number_at(m.squares, m, k, i), square);
+    *number_at(to, m, k, i) = has_limits(k) ? within_limits(number) : number;
 }
 
 /* The same for `Count` parameters from `first` on, whose gradients are gradient_of(k). All numbers are read before the
@@ -195,9 +195,9 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
     real number[Count], mean[Count], square[Count];
 #pragma unroll
     for (int k = 0; k < Count; k++) {
-        number[k] = *number_of(to, m, first + k, i);
-        mean[k] = __ldcs(number_of(m.means, m, first + k, i));
-        square[k] = __ldcs(number_of(m.squares, m, first + k, i));
+        number[k] = *number_at(to, m, first + k, i);
+        mean[k] = __ldcs(number_at(m.means, m, first + k, i));
+        square[k] = __ldcs(number_at(m.squares, m, first + k, i));
     }
 #pragma unroll
     for (int k = 0; k < Count; k++)
@@ -311,7 +311,7 @@ __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
     real number[FXS_FIT_SH];
 #pragma unroll
     for (int k = 0; k < FXS_FIT_SH; k++)
-        number[k] = m.masters ? *number_of(m.masters, m, k, i) : rows.parameters[k][threadIdx.x];
+        number[k] = m.masters ? *number_at(m.masters, m, k, i) : rows.parameters[k][threadIdx.x];
 #pragma unroll
     for (int k = 0; k < FXS_FIT_SH; k++)
         move_one(&adam, k, gradient[k], number[k], rows.means[k][threadIdx.x], rows.squares[k][threadIdx.x], m,
@@ -375,10 +375,10 @@ __global__ void __launch_bounds__(FXS_FIT_PART) quantise_shapes(device_model m, 
     if (i >= m.count)
         return;
     for (int k = 0; k < FXS_FIT_SH; k++)
-        from[k] = *number_of(m.masters, m, k, i);
+        from[k] = *number_at(m.masters, m, k, i);
     quantise_shape(&grid, &grid.chunks[i / FXS_FIT_CHUNK], from, to, 1, codes);
     for (int k = 0; k < FXS_FIT_SH; k++)
-        *number_of(m.parameters, m, k, i) = to[k];
+        *number_at(m.parameters, m, k, i) = to[k];
 }
 
 /* The SH of a block's degree. */
@@ -391,8 +391,8 @@ __global__ void __launch_bounds__(FXS_FIT_PART) quantise_sh(device_model m, fxs_
         return;
 #pragma unroll 8
     for (int k = first; k < first + 6 * degree + 3; k++)
-        *number_of(m.parameters, m, k, i) =
-            quantise_band(&grid.chunks[i / FXS_FIT_CHUNK], degree, *number_of(m.masters, m, k, i), &code);
+        *number_at(m.parameters, m, k, i) =
+            quantise_band(&grid.chunks[i / FXS_FIT_CHUNK], degree, *number_at(m.masters, m, k, i), &code);
 }
 
 fxs_fit_grid grid_on_device(const device_model *m, const fxs_fit_grid *grid)
