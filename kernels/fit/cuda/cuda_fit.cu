@@ -2,7 +2,6 @@
 #include "cuda_fit.h"
 
 #include "kernels/cuda/device.cuh"
-#include "src/base/run.h"
 #include "bin.cuh"
 #include "exposure.cuh"
 #include "model.cuh"
@@ -55,7 +54,7 @@ struct step_order {
 
 struct engine {                    /* in page-locked host memory, for the sake of `statuses` */
     fxs_fit_model *model;
-    fxs_run_fn *run;
+    fxs_run_fn *run;               /* null: one thread */
     void *pool;                    /* of run */
     uint32_t device_count;
     device devices[FXS_FIT_BATCH];
@@ -207,7 +206,10 @@ void copy_part(void *argument, uint32_t job)
 void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
 {
     copying c = {(uint8_t *)to, from, bytes};
-    e->run(e->pool, copy_part, &c, (uint32_t)((bytes + COPIED - 1) / COPIED));
+    if (e->run)
+        e->run(e->pool, copy_part, &c, (uint32_t)((bytes + COPIED - 1) / COPIED));
+    else
+        memcpy(to, from, bytes);
 }
 
 /* Starts the copy of a photograph, beside the kernels of the steps before; those of this step wait for it. It goes by
@@ -868,7 +870,7 @@ int fxs_cuda_fit_engine(const fxs_fit_engine **out, void **self, fxs_fit_model *
         return error;
     memset(e, 0, sizeof *e);
     e->model = model;
-    e->run = options->run ? options->run : fxs_run_here;
+    e->run = options->run;
     e->pool = options->pool;
     for (uint32_t i = 0; i < options->device_count && !error; i++) {
         e->device_count++;
