@@ -83,7 +83,7 @@ const tests = {
 
   async 'pictures draw nearer as parts come; what has come is told'() {
     let told = 0
-    await served({ rate: 2e6 }, async (scene, server) => {
+    await served({ rate: 3e5 }, async (scene, server) => {
       const missing = []
       while (!missing.length || missing.at(-1)) {
         missing.push(draw(scene).missing)
