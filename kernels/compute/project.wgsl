@@ -115,47 +115,47 @@ fn jacobian_row(i: u32, slope_q23: i32) -> vec3<i32>
     return object.row_q15[i].xyz - ((slope_q15 * forward + vec3<i32>(16384)) >> vec3<u32>(15u));
 }
 
-fn rotation_code_q15(word: u32, i: u32) -> i32
-{
-    let code = i32((word >> (20u - 10u * i)) & 1023u);
-    return ((2 * code - 1023) * 23194 + 512) >> 10u;
+// The first axis of a Gaussian, two directions at right angles to it, and the roll about it; see src/core/project.c.
+struct Axes {
+    axis_q15: vec3<i32>,
+    side_x_q15: vec3<i32>,
+    side_y_q15: vec3<i32>,
+    cos_q15: i32,
+    sin_q15: i32,
 }
 
-// Whether the three components are no longer than 1.
-fn quaternion(q: ptr<function, vec4<i32>>, word: u32) -> bool
+// fxs_axis_bits
+fn axis_bits(falls_q16: vec3<i32>) -> u32
 {
-    let largest = word >> 30u;
-    let a = rotation_code_q15(word, 0u);
-    let b = rotation_code_q15(word, 1u);
-    let c = rotation_code_q15(word, 2u);
-    let square_q30 = a * a + b * b + c * c;
-    if (square_q30 > 0x40000000) {
+    let small = object.profile == SMALL;
+    let gap = min(abs(falls_q16.y - falls_q16.x), abs(falls_q16.z - falls_q16.x)) >> 4u;
+    return u32(min((select(698880, 507904, small) + 5 * gap) >> 16u, select(14, 10, small)));
+}
+
+// Whether X and Y are no longer than 1.
+fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
+{
+    let x = bitcast<i32>(word) >> 16u;
+    let y = bitcast<i32>(word << bits) >> 16u;
+    let u = bitcast<i32>(word << (2u * bits)) >> 16u;
+    let square_q30 = u32(x * x) + u32(y * y);
+    if (square_q30 > 0x40000000u) {
         return false;
     }
-    let most = i32(sqrt_of(0x40000000u - u32(square_q30)));
-    *q = vec4<i32>(select(a, most, largest == 0u), select(select(a, b, largest > 1u), most, largest == 1u),
-                   select(select(b, c, largest > 2u), most, largest == 2u), select(c, most, largest == 3u));
+    let m = 0x80000000u - square_q30;
+    let s_q15 = i32(mul_high(m, rsqrt(m)) >> 14u);
+    let xx_q15 = (x * x + 16384) >> 15u;
+    let yy_q15 = (y * y + 16384) >> 15u;
+    let xy_q15 = (x * y + 16384) >> 15u;
+    let xs_q15 = (x * s_q15 + 16384) >> 15u;
+    let ys_q15 = (y * s_q15 + 16384) >> 15u;
+    let uu_q15 = (u * u + 16384) >> 15u;
+    (*axes).axis_q15 = vec3<i32>(xs_q15, ys_q15, 32768 - xx_q15 - yy_q15);
+    (*axes).side_x_q15 = vec3<i32>(32768 - xx_q15, -xy_q15, -xs_q15);
+    (*axes).side_y_q15 = vec3<i32>(-xy_q15, 32768 - yy_q15, -ys_q15);
+    (*axes).cos_q15 = 32768 - fxs_mul_q15(uu_q15, 40141 - fxs_mul_q15(uu_q15, 7373));
+    (*axes).sin_q15 = fxs_mul_q15(u, 51317 - fxs_mul_q15(uu_q15, 20619 - fxs_mul_q15(uu_q15, 2066)));
     return true;
-}
-
-// Column i of the rotation matrix of a quaternion w, x, y, z.
-fn rotation_column(q: vec4<i32>, i: u32) -> vec3<i32>
-{
-    let w = q.x;
-    let x = q.y;
-    let y = q.z;
-    let z = q.w;
-    let half = 8192;
-    if (i == 0u) {
-        return vec3<i32>(32768 - ((y * y + z * z + half) >> 14u), (x * y + w * z + half) >> 14u,
-                         (x * z - w * y + half) >> 14u);
-    }
-    if (i == 1u) {
-        return vec3<i32>((x * y - w * z + half) >> 14u, 32768 - ((x * x + z * z + half) >> 14u),
-                         (y * z + w * x + half) >> 14u);
-    }
-    return vec3<i32>((x * z + w * y + half) >> 14u, (y * z - w * x + half) >> 14u,
-                     32768 - ((x * x + y * y + half) >> 14u));
 }
 
 // f sigma_max / z 2^jacobian_exponent = mantissa 2^exponent, in [0.5, 1)
@@ -400,19 +400,29 @@ fn axis_size_q15(below_q16: i32, size_q32: u32, shift: i32) -> i32
     return i32(scale_down(product_shifted(ratio_q15, size_q32, 31u), shift + (below_q16 >> 16u)));
 }
 
-fn turn_q15(row: vec3<i32>, column: vec3<i32>, size_q15: i32) -> i32
+fn dot_q15(a: vec3<i32>, b: vec3<i32>) -> i32
 {
-    return fxs_mul_q15((dot_i(row, column) + 16384) >> 15u, size_q15);
+    return (dot_i(a, b) + 16384) >> 15u;
+}
+
+// A row of T = J W R S.
+fn screen_axes(row: vec3<i32>, axes: Axes, sizes_q15: vec3<i32>) -> vec3<i32>
+{
+    let p = dot_q15(row, axes.side_x_q15);
+    let q = dot_q15(row, axes.side_y_q15);
+    return vec3<i32>(fxs_mul_q15(dot_q15(row, axes.axis_q15), sizes_q15.x),
+                     fxs_mul_q15((p * axes.cos_q15 + q * axes.sin_q15 + 16384) >> 15u, sizes_q15.y),
+                     fxs_mul_q15((q * axes.cos_q15 - p * axes.sin_q15 + 16384) >> 15u, sizes_q15.z));
 }
 
 fn project_shape(out: ptr<function, Placed>, centre: ptr<function, Projected>, scale_word: u32,
                  rotation_word: u32) -> bool
 {
     let code = (vec3<u32>(scale_word) >> vec3<u32>(0u, 10u, 20u)) & vec3<u32>(1023u);
-    let sizes_q16 = vec3<i32>(number_at(15u)) - vec3<i32>((code * code * record[16] + 128u) >> vec3<u32>(8u));
-    let most = max(max(sizes_q16.x, sizes_q16.y), sizes_q16.z);
+    let falls_q16 = vec3<i32>((code * code * record[16] + 128u) >> vec3<u32>(8u));
+    let least_q16 = min(min(falls_q16.x, falls_q16.y), falls_q16.z);
     var size_exponent: i32;
-    let size_q32 = screen_size(centre, most, &size_exponent);
+    let size_q32 = screen_size(centre, number_at(15u) - least_q16, &size_exponent);
     let is_veil = size_exponent > 16 || (*centre).out_of_range;
     if (is_veil) {
         if (size_exponent < object.veil_exponent) {
@@ -422,21 +432,18 @@ fn project_shape(out: ptr<function, Placed>, centre: ptr<function, Projected>, s
         return false;
     }
     let exponent = max(size_exponent, 0);
-    var q: vec4<i32>;
-    if (!quaternion(&q, rotation_word)) {
+    var axes: Axes;
+    if (!read_axes(&axes, rotation_word, axis_bits(falls_q16))) {
         return false;
     }
     let row_x = jacobian_row(0u, (*centre).slope_q23.x);
     let row_y = jacobian_row(1u, (*centre).slope_q23.y);
     let shift = 1 + exponent - size_exponent;
-    let a = axis_size_q15(most - sizes_q16.x, size_q32, shift);
-    let b = axis_size_q15(most - sizes_q16.y, size_q32, shift);
-    let c = axis_size_q15(most - sizes_q16.z, size_q32, shift);
-    let column_x = rotation_column(q, 0u);
-    let column_y = rotation_column(q, 1u);
-    let column_z = rotation_column(q, 2u);
-    let t_x = vec3<i32>(turn_q15(row_x, column_x, a), turn_q15(row_x, column_y, b), turn_q15(row_x, column_z, c));
-    let t_y = vec3<i32>(turn_q15(row_y, column_x, a), turn_q15(row_y, column_y, b), turn_q15(row_y, column_z, c));
+    let sizes_q15 = vec3<i32>(axis_size_q15(falls_q16.x - least_q16, size_q32, shift),
+                              axis_size_q15(falls_q16.y - least_q16, size_q32, shift),
+                              axis_size_q15(falls_q16.z - least_q16, size_q32, shift));
+    let t_x = screen_axes(row_x, axes, sizes_q15);
+    let t_y = screen_axes(row_y, axes, sizes_q15);
     var least = 64u;
     if (is_veil) {
         least = veil_dilation_q30(exponent);

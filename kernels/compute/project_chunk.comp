@@ -135,6 +135,13 @@ struct Axis {
     int position_q14_;
     bool out_of_range;
 };
+struct Axes {
+    ivec3 axis_q15_;
+    ivec3 side_x_q15_;
+    ivec3 side_y_q15_;
+    int cos_q15_;
+    int sin_q15_;
+};
 struct Codes {
     uvec3 position;
     uint rotation;
@@ -182,8 +189,8 @@ const uint TILES = 64u;
 const int EVERYWHERE_Q8_ = 1073741824;
 const int CENTRE_LIMIT_Q14_ = 1073741824;
 const int SIDE_Q23_ = 536870912;
-const uint COMPACT = 1u;
 const uint SMALL = 2u;
+const uint COMPACT = 1u;
 layout(std140, binding = 1) uniform Object_block_0Compute { Object _group_0_binding_1_cs; };
 layout(std140, binding = 0) uniform Frame_block_1Compute { Frame _group_0_binding_0_cs; };
 shared uint record[64];
@@ -382,9 +389,9 @@ uint half_of(uint word, uint i) {
     return ((word >> (16u * (i % 2u))) & 65535u);
 }
 uvec2 crop_bound(uint crop, uint i_1, bool high) {
-    uint word_4 = ((2u * i_1) + (high ? 6u : 0u));
-    uvec4 four = _group_0_binding_1_cs.crops[((4u * crop) + (word_4 / 4u))];
-    return (((word_4 % 4u) == 2u) ? four.zw : four.xy);
+    uint word_3 = ((2u * i_1) + (high ? 6u : 0u));
+    uvec4 four = _group_0_binding_1_cs.crops[((4u * crop) + (word_3 / 4u))];
+    return (((word_3 % 4u) == 2u) ? four.zw : four.xy);
 }
 bool lies_in(inout uvec2 low[3], inout uvec2 high_1[3], uint crop_1, bool any_) {
     bool inside = true;
@@ -596,43 +603,48 @@ ivec3 jacobian_row(uint i_4, int slope_q23_) {
     ivec4 _e30 = _group_0_binding_1_cs.row_q15_[i_4];
     return (_e30.xyz - (((slope_q15_ * forward) + ivec3(16384)) >> uvec3(15u)));
 }
-int rotation_code_q15_(uint word_1, uint i_5) {
-    int code_4 = int(((word_1 >> (20u - (10u * i_5))) & 1023u));
-    return (((((2 * code_4) - 1023) * 23194) + 512) >> 10u);
+uint axis_bits(ivec3 falls_q16_) {
+    uint _e3 = _group_0_binding_1_cs.profile;
+    bool small = (_e3 == SMALL);
+    int gap = (min(abs((falls_q16_.y - falls_q16_.x)), abs((falls_q16_.z - falls_q16_.x))) >> 4u);
+    return uint(min((((small ? 507904 : 698880) + (5 * gap)) >> 16u), (small ? 10 : 14)));
 }
-bool quaternion(inout ivec4 q_1, uint word_2) {
-    uint largest = (word_2 >> 30u);
-    int _e5 = rotation_code_q15_(word_2, 0u);
-    int _e7 = rotation_code_q15_(word_2, 1u);
-    int _e9 = rotation_code_q15_(word_2, 2u);
-    int square_q30_ = (((_e5 * _e5) + (_e7 * _e7)) + (_e9 * _e9));
-    if ((square_q30_ > 1073741824)) {
+bool read_axes(inout Axes axes, uint word_1, uint bits) {
+    int x_16 = (int(word_1) >> 16u);
+    int y_1 = (int((word_1 << bits)) >> 16u);
+    int u = (int((word_1 << (2u * bits))) >> 16u);
+    uint square_q30_ = (uint((x_16 * x_16)) + uint((y_1 * y_1)));
+    if ((square_q30_ > 1073741824u)) {
         return false;
     }
-    uint _e21 = sqrt_of((1073741824u - uint(square_q30_)));
-    int most = int(_e21);
-    q_1 = ivec4(((largest == 0u) ? most : _e5), ((largest == 1u) ? most : ((largest > 1u) ? _e7 : _e5)), ((largest == 2u) ? most : ((largest > 2u) ? _e9 : _e7)), ((largest == 3u) ? most : _e9));
+    uint m_4 = (2147483648u - square_q30_);
+    uint _e26 = rsqrt(m_4);
+    uint _e27 = mul_high(m_4, _e26);
+    int s_q15_ = int((_e27 >> 14u));
+    int xx_q15_ = (((x_16 * x_16) + 16384) >> 15u);
+    int yy_q15_ = (((y_1 * y_1) + 16384) >> 15u);
+    int xy_q15_ = (((x_16 * y_1) + 16384) >> 15u);
+    int xs_q15_ = (((x_16 * s_q15_) + 16384) >> 15u);
+    int ys_q15_ = (((y_1 * s_q15_) + 16384) >> 15u);
+    int uu_q15_ = (((u * u) + 16384) >> 15u);
+    axes.axis_q15_ = ivec3(xs_q15_, ys_q15_, ((32768 - xx_q15_) - yy_q15_));
+    axes.side_x_q15_ = ivec3((32768 - xx_q15_), -(xy_q15_), -(xs_q15_));
+    axes.side_y_q15_ = ivec3(-(xy_q15_), (32768 - yy_q15_), -(ys_q15_));
+    int _e80 = fxs_mul_q15_(uu_q15_, 7373);
+    int _e83 = fxs_mul_q15_(uu_q15_, (40141 - _e80));
+    axes.cos_q15_ = (32768 - _e83);
+    int _e88 = fxs_mul_q15_(uu_q15_, 2066);
+    int _e91 = fxs_mul_q15_(uu_q15_, (20619 - _e88));
+    int _e94 = fxs_mul_q15_(u, (51317 - _e91));
+    axes.sin_q15_ = _e94;
     return true;
-}
-ivec3 rotation_column(ivec4 q_2, uint i_6) {
-    int w = q_2.x;
-    int x_16 = q_2.y;
-    int y_1 = q_2.z;
-    int z_2 = q_2.w;
-    if ((i_6 == 0u)) {
-        return ivec3((32768 - ((((y_1 * y_1) + (z_2 * z_2)) + 8192) >> 14u)), ((((x_16 * y_1) + (w * z_2)) + 8192) >> 14u), ((((x_16 * z_2) - (w * y_1)) + 8192) >> 14u));
-    }
-    if ((i_6 == 1u)) {
-        return ivec3(((((x_16 * y_1) - (w * z_2)) + 8192) >> 14u), (32768 - ((((x_16 * x_16) + (z_2 * z_2)) + 8192) >> 14u)), ((((y_1 * z_2) + (w * x_16)) + 8192) >> 14u));
-    }
-    return ivec3(((((x_16 * z_2) + (w * y_1)) + 8192) >> 14u), ((((y_1 * z_2) - (w * x_16)) + 8192) >> 14u), (32768 - ((((x_16 * x_16) + (y_1 * y_1)) + 8192) >> 14u)));
 }
 uint screen_size(inout Projected centre_1, int size_q16_, inout int exponent) {
     int whole = -((-(size_q16_) >> 16u));
     int _e12 = exp2_q15_(((-(size_q16_) & 65535) >> 1u));
-    uint size_q15_1 = uint(_e12);
+    uint size_q15_ = uint(_e12);
     uint _e15 = centre_1.inverse_q30_;
-    uvec2 _e16 = mul_wide(size_q15_1, _e15);
+    uvec2 _e16 = mul_wide(size_q15_, _e15);
     uvec2 _e18 = shift_right(_e16, 15u);
     uint over_z_q30_ = _e18.x;
     uint _e22 = _group_0_binding_1_cs.focal_q32_;
@@ -667,27 +679,27 @@ uvec2 square_wide(int x_8) {
     uvec2 _e3 = mul_wide(size, size);
     return _e3;
 }
-Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilation_q30_) {
+Covariance covariance_of(ivec3 p_2, ivec3 q_1, int exponent_2, uint least_dilation_q30_) {
     Covariance out_ = Covariance(0u, 0u, 0, uvec2(0u), uvec2(0u), 0);
     uint dilation = 0u;
     int _e5 = dot_i(p_2, p_2);
-    uint a_22 = uint(_e5);
-    int _e7 = dot_i(q_3, q_3);
+    uint a_23 = uint(_e5);
+    int _e7 = dot_i(q_1, q_1);
     uint c_4 = uint(_e7);
-    uvec2 _e16 = square_wide(((p_2.y * q_3.z) - (p_2.z * q_3.y)));
-    uvec2 _e24 = square_wide(((p_2.z * q_3.x) - (p_2.x * q_3.z)));
+    uvec2 _e16 = square_wide(((p_2.y * q_1.z) - (p_2.z * q_1.y)));
+    uvec2 _e24 = square_wide(((p_2.z * q_1.x) - (p_2.x * q_1.z)));
     uvec2 _e25 = add_wide(_e16, _e24);
-    uvec2 _e33 = square_wide(((p_2.x * q_3.y) - (p_2.y * q_3.x)));
+    uvec2 _e33 = square_wide(((p_2.x * q_1.y) - (p_2.y * q_1.x)));
     uvec2 _e34 = add_wide(_e25, _e33);
     dilation = least_dilation_q30_;
     if ((exponent_2 < 15)) {
         uint _e38 = dilation;
         dilation = max(_e38, (322122547u >> uint((2 * exponent_2))));
     }
-    uvec2 _e49 = add_wide(uvec2(a_22, 0u), uvec2(c_4, 0u));
+    uvec2 _e49 = add_wide(uvec2(a_23, 0u), uvec2(c_4, 0u));
     uint _e50 = dilation;
     uvec2 _e53 = add_wide(_e49, uvec2(_e50, 0u));
-    int _e55 = dot_i(p_2, q_3);
+    int _e55 = dot_i(p_2, q_1);
     out_.b_q30_ = _e55;
     out_.det_undilated_q60_ = _e34;
     uint _e58 = dilation;
@@ -695,7 +707,7 @@ Covariance covariance_of(ivec3 p_2, ivec3 q_3, int exponent_2, uint least_dilati
     uvec2 _e60 = add_wide(_e34, _e59);
     out_.det_q60_ = _e60;
     uint _e62 = dilation;
-    out_.a_q30_ = (a_22 + _e62);
+    out_.a_q30_ = (a_23 + _e62);
     uint _e65 = dilation;
     out_.c_q30_ = (c_4 + _e65);
     out_.exponent = exponent_2;
@@ -706,16 +718,16 @@ Root root_of_q60_(uvec2 x_9) {
     int _e1 = zeros_of_wide(x_9);
     int zeros_3 = (_e1 & -2);
     uvec2 _e5 = shift_left(x_9, uint(zeros_3));
-    uint m_4 = _e5.y;
-    uint _e7 = rsqrt(m_4);
-    return Root(m_4, _e7, (2 - (zeros_3 / 2)));
+    uint m_5 = _e5.y;
+    uint _e7 = rsqrt(m_5);
+    return Root(m_5, _e7, (2 - (zeros_3 / 2)));
 }
 Root root_of_q30_(uint x_10) {
     int _e1 = zeros_of(x_10);
     int zeros_4 = (_e1 & -2);
-    uint m_5 = (x_10 << uint(zeros_4));
-    uint _e6 = rsqrt(m_5);
-    return Root(m_5, _e6, (1 - (zeros_4 / 2)));
+    uint m_6 = (x_10 << uint(zeros_4));
+    uint _e6 = rsqrt(m_6);
+    return Root(m_6, _e6, (1 - (zeros_4 / 2)));
 }
 uint scale_down(uint x_11, int shift) {
     if ((shift > 32)) {
@@ -909,9 +921,9 @@ uint veil_dilation_q30_(int exponent_4) {
     return ((_e14.y != 0u) ? 4294967295u : max(_e14.x, 64u));
 }
 int cut_to_16_q26_(uvec2 x_12) {
-    uvec2 most_1 = uvec2(1073741824u, 0u);
+    uvec2 most = uvec2(1073741824u, 0u);
     uvec2 _e4 = magnitude(x_12);
-    bool _e5 = less(most_1, _e4);
+    bool _e5 = less(most, _e4);
     if (_e5) {
         bool _e6 = is_negative(x_12);
         return (_e6 ? -1073741824 : 1073741824);
@@ -931,18 +943,18 @@ int shift_and_cut(uvec2 x_13, int shift_1) {
     int _e14 = cut_to_16_q26_(_e13);
     return _e14;
 }
-int from_middle_q26_(inout Projected centre_4, uint i_7, int exponent_5) {
-    int _e5 = centre_4.camera[i_7];
+int from_middle_q26_(inout Projected centre_4, uint i_5, int exponent_5) {
+    int _e5 = centre_4.camera[i_5];
     uint _e7 = centre_4.inverse_q30_;
     uvec2 _e8 = mul_mixed(_e5, _e7);
     uvec2 _e10 = shift_signed(_e8, 34u);
     int _e11 = low_of(_e10);
-    int _e15 = _group_0_binding_1_cs.c_q12_[i_7];
+    int _e15 = _group_0_binding_1_cs.c_q12_[i_5];
     uvec2 _e16 = wide_of(_e15);
     ivec2 _e17 = whole_tiles();
-    uvec2 _e23 = wide_of(((_e17[i_7] << 15u) + 2048));
+    uvec2 _e23 = wide_of(((_e17[i_5] << 15u) + 2048));
     uvec2 _e24 = sub_wide(_e16, _e23);
-    int _e28 = _group_0_binding_1_cs.f_q12_[i_7];
+    int _e28 = _group_0_binding_1_cs.f_q12_[i_5];
     uvec2 _e29 = mul_signed(_e28, _e11);
     int _e33 = centre_4.zeros;
     int _e35 = shift_and_cut(_e29, ((14 + exponent_5) - _e33));
@@ -1030,49 +1042,58 @@ int axis_size_q15_(int below_q16_, uint size_q32_, int shift_2) {
     uint _e14 = scale_down(_e10, (shift_2 + (below_q16_ >> 16u)));
     return int(_e14);
 }
-int turn_q15_(ivec3 row, ivec3 column, int size_q15_) {
-    int _e3 = dot_i(row, column);
-    int _e8 = fxs_mul_q15_(((_e3 + 16384) >> 15u), size_q15_);
-    return _e8;
+int dot_q15_(ivec3 a_21, ivec3 b_13) {
+    int _e2 = dot_i(a_21, b_13);
+    return ((_e2 + 16384) >> 15u);
+}
+ivec3 screen_axes(ivec3 row, Axes axes_1, ivec3 sizes_q15_) {
+    int _e4 = dot_q15_(row, axes_1.side_x_q15_);
+    int _e6 = dot_q15_(row, axes_1.side_y_q15_);
+    int _e8 = dot_q15_(row, axes_1.axis_q15_);
+    int _e10 = fxs_mul_q15_(_e8, sizes_q15_.x);
+    int _e21 = fxs_mul_q15_(((((_e4 * axes_1.cos_q15_) + (_e6 * axes_1.sin_q15_)) + 16384) >> 15u), sizes_q15_.y);
+    int _e32 = fxs_mul_q15_(((((_e6 * axes_1.cos_q15_) - (_e4 * axes_1.sin_q15_)) + 16384) >> 15u), sizes_q15_.z);
+    return ivec3(_e10, _e21, _e32);
 }
 bool project_shape(inout Placed out_5, inout Projected centre_6, uint scale_word, uint rotation_word) {
     int size_exponent = 0;
     bool local_18 = false;
-    ivec4 q_4 = ivec4(0);
+    Axes axes_2 = Axes(ivec3(0), ivec3(0), ivec3(0), 0, 0);
     uint least = 64u;
     Covariance s_3 = Covariance(0u, 0u, 0, uvec2(0u), uvec2(0u), 0);
     int offset_q11_2 = 0;
     uint r2_q11_ = 0u;
-    uvec3 code_5 = ((uvec3(scale_word) >> uvec3(0u, 10u, 20u)) & uvec3(1023u));
-    int _e14 = number_at(15u);
-    uint _e19 = record[16];
-    ivec3 sizes_q16_ = (ivec3(_e14) - ivec3(((((code_5 * code_5) * _e19) + uvec3(128u)) >> uvec3(8u))));
-    int most_2 = max(max(sizes_q16_.x, sizes_q16_.y), sizes_q16_.z);
-    uint _e35 = screen_size(centre_6, most_2, size_exponent);
-    int _e36 = size_exponent;
-    if (!((_e36 > 16))) {
-        bool _e43 = centre_6.out_of_range;
-        local_18 = _e43;
+    uvec3 code_4 = ((uvec3(scale_word) >> uvec3(0u, 10u, 20u)) & uvec3(1023u));
+    uint _e16 = record[16];
+    ivec3 falls_q16_1 = ivec3(((((code_4 * code_4) * _e16) + uvec3(128u)) >> uvec3(8u)));
+    int least_q16_ = min(min(falls_q16_1.x, falls_q16_1.y), falls_q16_1.z);
+    int _e32 = number_at(15u);
+    uint _e34 = screen_size(centre_6, (_e32 - least_q16_), size_exponent);
+    int _e35 = size_exponent;
+    if (!((_e35 > 16))) {
+        bool _e42 = centre_6.out_of_range;
+        local_18 = _e42;
     } else {
         local_18 = true;
     }
     bool is_veil = local_18;
     if (is_veil) {
-        int _e46 = size_exponent;
-        int _e49 = _group_0_binding_1_cs.veil_exponent;
-        if ((_e46 < _e49)) {
+        int _e45 = size_exponent;
+        int _e48 = _group_0_binding_1_cs.veil_exponent;
+        if ((_e45 < _e48)) {
             return false;
         }
     } else {
-        int _e52 = size_exponent;
-        bool _e53 = off_picture(centre_6, _e52);
-        if (_e53) {
+        int _e51 = size_exponent;
+        bool _e52 = off_picture(centre_6, _e51);
+        if (_e52) {
             return false;
         }
     }
-    int _e55 = size_exponent;
-    int exponent_6 = max(_e55, 0);
-    bool _e59 = quaternion(q_4, rotation_word);
+    int _e54 = size_exponent;
+    int exponent_6 = max(_e54, 0);
+    uint _e58 = axis_bits(falls_q16_1);
+    bool _e59 = read_axes(axes_2, rotation_word, _e58);
     if (!(_e59)) {
         return false;
     }
@@ -1082,84 +1103,75 @@ bool project_shape(inout Placed out_5, inout Projected centre_6, uint scale_word
     ivec3 _e71 = jacobian_row(1u, _e70);
     int _e74 = size_exponent;
     int shift_5 = ((1 + exponent_6) - _e74);
-    int _e78 = axis_size_q15_((most_2 - sizes_q16_.x), _e35, shift_5);
-    int _e81 = axis_size_q15_((most_2 - sizes_q16_.y), _e35, shift_5);
-    int _e84 = axis_size_q15_((most_2 - sizes_q16_.z), _e35, shift_5);
-    ivec4 _e85 = q_4;
-    ivec3 _e87 = rotation_column(_e85, 0u);
-    ivec4 _e88 = q_4;
-    ivec3 _e90 = rotation_column(_e88, 1u);
-    ivec4 _e91 = q_4;
-    ivec3 _e93 = rotation_column(_e91, 2u);
-    int _e94 = turn_q15_(_e66, _e87, _e78);
-    int _e95 = turn_q15_(_e66, _e90, _e81);
-    int _e96 = turn_q15_(_e66, _e93, _e84);
-    ivec3 t_x = ivec3(_e94, _e95, _e96);
-    int _e98 = turn_q15_(_e71, _e87, _e78);
-    int _e99 = turn_q15_(_e71, _e90, _e81);
-    int _e100 = turn_q15_(_e71, _e93, _e84);
-    ivec3 t_y = ivec3(_e98, _e99, _e100);
+    int _e78 = axis_size_q15_((falls_q16_1.x - least_q16_), _e34, shift_5);
+    int _e81 = axis_size_q15_((falls_q16_1.y - least_q16_), _e34, shift_5);
+    int _e84 = axis_size_q15_((falls_q16_1.z - least_q16_), _e34, shift_5);
+    ivec3 sizes_q15_1 = ivec3(_e78, _e81, _e84);
+    Axes _e86 = axes_2;
+    ivec3 _e87 = screen_axes(_e66, _e86, sizes_q15_1);
+    Axes _e88 = axes_2;
+    ivec3 _e89 = screen_axes(_e71, _e88, sizes_q15_1);
     if (is_veil) {
-        uint _e104 = veil_dilation_q30_(exponent_6);
-        least = _e104;
+        uint _e92 = veil_dilation_q30_(exponent_6);
+        least = _e92;
     }
-    uint _e105 = least;
-    Covariance _e106 = covariance_of(t_x, t_y, exponent_6, _e105);
-    s_3 = _e106;
-    int _e110 = out_5.splat.offset_q11_;
-    offset_q11_2 = _e110;
-    int _e114 = _group_0_binding_1_cs.antialiased;
-    if ((_e114 != 0)) {
-        uint _e119 = s_3.det_undilated_q60_.x;
-        uint _e122 = s_3.det_undilated_q60_.y;
-        if (((_e119 | _e122) == 0u)) {
+    uint _e93 = least;
+    Covariance _e94 = covariance_of(_e87, _e89, exponent_6, _e93);
+    s_3 = _e94;
+    int _e98 = out_5.splat.offset_q11_;
+    offset_q11_2 = _e98;
+    int _e102 = _group_0_binding_1_cs.antialiased;
+    if ((_e102 != 0)) {
+        uint _e107 = s_3.det_undilated_q60_.x;
+        uint _e110 = s_3.det_undilated_q60_.y;
+        if (((_e107 | _e110) == 0u)) {
             return false;
         }
-        uvec2 _e128 = s_3.det_q60_;
-        int _e129 = log2_q16_(_e128);
-        uvec2 _e131 = s_3.det_undilated_q60_;
-        int _e132 = log2_q16_(_e131);
-        int log2_ = (_e129 - _e132);
-        int _e134 = offset_q11_2;
-        uvec2 _e136 = mul_signed(log2_, 45426);
-        uvec2 _e140 = add_wide(_e136, uvec2(1048576u, 0u));
-        uvec2 _e142 = shift_signed(_e140, 21u);
-        int _e143 = low_of(_e142);
-        offset_q11_2 = (_e134 + _e143);
+        uvec2 _e116 = s_3.det_q60_;
+        int _e117 = log2_q16_(_e116);
+        uvec2 _e119 = s_3.det_undilated_q60_;
+        int _e120 = log2_q16_(_e119);
+        int log2_ = (_e117 - _e120);
+        int _e122 = offset_q11_2;
+        uvec2 _e124 = mul_signed(log2_, 45426);
+        uvec2 _e128 = add_wide(_e124, uvec2(1048576u, 0u));
+        uvec2 _e130 = shift_signed(_e128, 21u);
+        int _e131 = low_of(_e130);
+        offset_q11_2 = (_e122 + _e131);
     }
-    int _e145 = offset_q11_2;
-    if ((_e145 > FXS_FAINT_Q11_)) {
+    int _e133 = offset_q11_2;
+    if ((_e133 > FXS_FAINT_Q11_)) {
         return false;
     }
-    int _e151 = offset_q11_2;
-    out_5.splat.offset_q11_ = _e151;
-    int _e152 = offset_q11_2;
-    int _e154 = fxs_limit_q11_(_e152, FXS_CUT_Q11_);
-    int _e155 = offset_q11_2;
-    r2_q11_ = uint((_e154 - _e155));
-    int _e161 = _group_0_binding_0_cs.cutoff;
-    if ((_e161 == 1)) {
-        int _e165 = offset_q11_2;
-        r2_q11_ = uint((FXS_FAINT_Q11_ - _e165));
+    int _e139 = offset_q11_2;
+    out_5.splat.offset_q11_ = _e139;
+    int _e140 = offset_q11_2;
+    int _e142 = fxs_limit_q11_(_e140, FXS_CUT_Q11_);
+    int _e143 = offset_q11_2;
+    r2_q11_ = uint((_e142 - _e143));
+    int _e149 = _group_0_binding_0_cs.cutoff;
+    if ((_e149 == 1)) {
+        int _e153 = offset_q11_2;
+        r2_q11_ = uint((FXS_FAINT_Q11_ - _e153));
     }
-    uint _e168 = r2_q11_;
-    uint _e173 = sqrt_of(((_e168 + 1u) << 13u));
-    uint r_q12_5 = (_e173 + 1u);
+    uint _e156 = r2_q11_;
+    uint _e161 = sqrt_of(((_e156 + 1u) << 13u));
+    uint r_q12_5 = (_e161 + 1u);
     if (is_veil) {
-        bool _e176 = veil(out_5, s_3, centre_6, r_q12_5);
-        return _e176;
+        bool _e164 = veil(out_5, s_3, centre_6, r_q12_5);
+        return _e164;
     }
-    uint _e178 = s_3.c_q30_;
-    Root _e179 = root_of_q30_(_e178);
-    whiten(out_5, s_3, _e179, centre_6, r_q12_5);
-    int _e182 = _group_0_binding_0_cs.cutoff;
-    if ((_e182 == 1)) {
-        bool _e185 = square(out_5, s_3);
-        return _e185;
+    uint _e166 = s_3.c_q30_;
+    Root _e167 = root_of_q30_(_e166);
+    whiten(out_5, s_3, _e167, centre_6, r_q12_5);
+    int _e170 = _group_0_binding_0_cs.cutoff;
+    if ((_e170 == 1)) {
+        bool _e173 = square(out_5, s_3);
+        return _e173;
     }
-    uint _e186 = sqrt_q8_(_e179, exponent_6);
-    bool _e187 = clip(out_5, _e186, r_q12_5);
-    return _e187;
+    uint _e174 = sqrt_q8_(_e167, exponent_6);
+    bool _e175 = clip(out_5, _e174, r_q12_5);
+    return _e175;
 }
 uint depth_key(int z) {
     int _e2 = zeros_of(uint(z));
@@ -1204,24 +1216,22 @@ uint byte_at(uint byte) {
 uint spread_11_(uint code_2) {
     return ((code_2 << 5u) | (code_2 >> 6u));
 }
-uint spread_scale(uint x_14, uint y, uint z_1, uint bits) {
-    return ((((x_14 << 3u) | (x_14 >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u)) | (((z_1 << (10u - bits)) | (z_1 >> ((2u * bits) - 10u))) << 20u));
+uint spread_scale(uint x_14, uint y, uint z_1) {
+    return ((((x_14 << 3u) | (x_14 >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u)) | (((z_1 << 4u) | (z_1 >> 2u)) << 20u));
 }
 Codes small_codes(uint rows, uint g) {
-    uint a_23 = _group_1_binding_0_cs[(rows + g)];
-    uint b_31 = _group_1_binding_0_cs[((rows + CHUNK) + g)];
+    uint a_24 = _group_1_binding_0_cs[(rows + g)];
+    uint b_32 = _group_1_binding_0_cs[((rows + CHUNK) + g)];
     uint c_5 = _group_1_binding_0_cs[((rows + 512u) + g)];
     uint _e23 = byte_at((((4u * rows) + 3072u) + g));
-    uint q1_ = (((c_5 >> 27u) | ((b_31 >> 31u) << 5u)) | ((_e23 >> 7u) << 6u));
-    uint red = ((b_31 >> 11u) & 127u);
-    uint green = ((b_31 >> 18u) & 127u);
-    uint blue = ((b_31 >> 25u) & 63u);
-    uint _e50 = spread_11_((a_23 & 2047u));
-    uint _e55 = spread_11_(((a_23 >> 11u) & 2047u));
-    uint _e58 = spread_11_((b_31 & 2047u));
-    uint _e67 = spread_scale((_e23 & 127u), q1_, ((c_5 >> 20u) & 127u), 7u);
-    uint _e86 = spread_scale((c_5 & 127u), ((c_5 >> 7u) & 127u), ((c_5 >> 14u) & 63u), 6u);
-    return Codes(uvec3(_e50, _e55, _e58), (_e67 | (((a_23 >> 22u) & 3u) << 30u)), _e86, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_23 & 4278190080u)));
+    uint red = ((b_32 >> 11u) & 127u);
+    uint green = ((b_32 >> 18u) & 127u);
+    uint blue = ((b_32 >> 25u) & 63u);
+    uint _e38 = spread_11_((a_24 & 2047u));
+    uint _e43 = spread_11_(((a_24 >> 11u) & 2047u));
+    uint _e46 = spread_11_((b_32 & 2047u));
+    uint _e75 = spread_scale((c_5 & 127u), ((c_5 >> 7u) & 127u), ((c_5 >> 14u) & 63u));
+    return Codes(uvec3(_e38, _e43, _e46), ((((c_5 & 4293918720u) | (_e23 << 12u)) | (((a_24 >> 22u) & 3u) << 10u)) | ((b_32 >> 31u) << 9u)), _e75, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_24 & 4278190080u)));
 }
 Codes codes_of(uint rows_1, uint g_1) {
     uint _e4 = _group_0_binding_1_cs.profile;
@@ -1241,9 +1251,9 @@ Codes codes_of(uint rows_1, uint g_1) {
     uint _e45 = _group_1_binding_0_cs[((rows_1 + 896u) + g_1)];
     return Codes(uvec3(_e14, _e20, _e26), _e33, _e39, _e45);
 }
-uvec2 from_eye(uint i_8, uint position) {
-    uvec2 _e6 = wide_at((22u + (2u * i_8)));
-    uint _e11 = record[(34u + i_8)];
+uvec2 from_eye(uint i_6, uint position) {
+    uvec2 _e6 = wide_at((22u + (2u * i_6)));
+    uint _e11 = record[(34u + i_6)];
     uvec2 _e12 = mul_wide(_e11, position);
     uint _e15 = record[37];
     uvec2 _e16 = shift_left(_e12, _e15);
@@ -1263,8 +1273,8 @@ ivec3 direction_q15_(uvec3 position_1) {
     uvec2 _e10 = magnitude(_e3);
     uvec2 _e11 = magnitude(_e6);
     uvec2 _e13 = magnitude(_e9);
-    uvec2 most_3 = (((_e10 | _e11) | _e13) | uvec2(1u, 0u));
-    int _e19 = zeros_of_wide(most_3);
+    uvec2 most_1 = (((_e10 | _e11) | _e13) | uvec2(1u, 0u));
+    int _e19 = zeros_of_wide(most_1);
     uint shift_6 = uint(max((49 - _e19), 0));
     uvec2 _e25 = shift_signed(_e3, shift_6);
     int _e26 = low_of(_e25);
@@ -1283,79 +1293,79 @@ ivec3 direction_q15_(uvec3 position_1) {
     return ivec3(_e55, _e57, _e59);
 }
 Basis basis_of(ivec3 d, int degree) {
-    Basis b_13 = Basis(ivec4(0), ivec4(0), ivec4(0), ivec4(0));
+    Basis b_14 = Basis(ivec4(0), ivec4(0), ivec4(0), ivec4(0));
     int x_17 = d.x;
     int y_2 = d.y;
-    int z_3 = d.z;
+    int z_2 = d.z;
     int _e8 = fxs_mul_q15_(-16011, y_2);
-    int _e10 = fxs_mul_q15_(16011, z_3);
+    int _e10 = fxs_mul_q15_(16011, z_2);
     int _e12 = fxs_mul_q15_(-16011, x_17);
-    b_13.a = ivec4(_e8, _e10, _e12, 0);
+    b_14.a = ivec4(_e8, _e10, _e12, 0);
     if ((degree < 2)) {
-        Basis _e17 = b_13;
+        Basis _e17 = b_14;
         return _e17;
     }
     int _e18 = fxs_mul_q15_(x_17, x_17);
     int _e19 = fxs_mul_q15_(y_2, y_2);
-    int _e20 = fxs_mul_q15_(z_3, z_3);
+    int _e20 = fxs_mul_q15_(z_2, z_2);
     int _e21 = fxs_mul_q15_(x_17, y_2);
-    int _e22 = fxs_mul_q15_(y_2, z_3);
-    int _e23 = fxs_mul_q15_(x_17, z_3);
+    int _e22 = fxs_mul_q15_(y_2, z_2);
+    int _e23 = fxs_mul_q15_(x_17, z_2);
     int _e27 = fxs_mul_q15_(17900, _e21);
-    b_13.a.w = (2 * _e27);
+    b_14.a.w = (2 * _e27);
     int _e32 = fxs_mul_q15_(17900, _e22);
     int _e40 = fxs_mul_q15_(10335, (((2 * _e20) - _e18) - _e19));
     int _e42 = fxs_mul_q15_(17900, _e23);
     int _e47 = fxs_mul_q15_(17900, (_e18 - _e19));
-    b_13.b = ivec4((-2 * _e32), _e40, (-2 * _e42), _e47);
+    b_14.b = ivec4((-2 * _e32), _e40, (-2 * _e42), _e47);
     if ((degree < 3)) {
-        Basis _e51 = b_13;
+        Basis _e51 = b_14;
         return _e51;
     }
     int _e54 = fxs_mul_q15_(19335, y_2);
     int _e59 = divide_by(((3 * _e18) - _e19), 1u);
     int _e60 = fxs_mul_q15_(_e54, _e59);
     int _e64 = fxs_mul_q15_(23680, _e21);
-    int _e65 = fxs_mul_q15_(_e64, z_3);
+    int _e65 = fxs_mul_q15_(_e64, z_2);
     int _e69 = fxs_mul_q15_(14976, y_2);
     int _e75 = divide_by((((4 * _e20) - _e18) - _e19), 2u);
     int _e76 = fxs_mul_q15_(_e69, _e75);
-    int _e80 = fxs_mul_q15_(12228, z_3);
+    int _e80 = fxs_mul_q15_(12228, z_2);
     int _e90 = divide_by((((2 * _e20) - (3 * _e18)) - (3 * _e19)), 2u);
     int _e91 = fxs_mul_q15_(_e80, _e90);
-    b_13.c = ivec4((-2 * _e60), (4 * _e65), (-4 * _e76), (4 * _e91));
+    b_14.c = ivec4((-2 * _e60), (4 * _e65), (-4 * _e76), (4 * _e91));
     int _e97 = fxs_mul_q15_(14976, x_17);
     int _e103 = divide_by((((4 * _e20) - _e18) - _e19), 2u);
     int _e104 = fxs_mul_q15_(_e97, _e103);
-    int _e108 = fxs_mul_q15_(23680, z_3);
+    int _e108 = fxs_mul_q15_(23680, z_2);
     int _e110 = fxs_mul_q15_(_e108, (_e18 - _e19));
     int _e114 = fxs_mul_q15_(19335, x_17);
     int _e119 = divide_by((_e18 - (3 * _e19)), 1u);
     int _e120 = fxs_mul_q15_(_e114, _e119);
-    b_13.d = ivec4((-4 * _e104), (2 * _e110), (-2 * _e120), 0);
-    Basis _e125 = b_13;
+    b_14.d = ivec4((-4 * _e104), (2 * _e110), (-2 * _e120), 0);
+    Basis _e125 = b_14;
     return _e125;
 }
 ivec3 sh_of(uint at_2, uint k) {
-    uint word_5 = ((at_2 + ((3u * k) * CHUNK)) / 4u);
+    uint word_4 = ((at_2 + ((3u * k) * CHUNK)) / 4u);
     uvec3 up = uvec3((24u - (8u * (at_2 % 4u))));
-    uint _e18 = _group_1_binding_0_cs[word_5];
-    uint _e23 = _group_1_binding_0_cs[(word_5 + 64u)];
-    uint _e28 = _group_1_binding_0_cs[(word_5 + 128u)];
+    uint _e18 = _group_1_binding_0_cs[word_4];
+    uint _e23 = _group_1_binding_0_cs[(word_4 + 64u)];
+    uint _e28 = _group_1_binding_0_cs[(word_4 + 128u)];
     uvec3 words = uvec3(_e18, _e23, _e28);
     return (ivec3((words << up)) >> uvec3(24u));
 }
 ivec3 band_sum_q16_(ivec3 band_q15_, int step_q19_) {
     return (((((band_q15_ + ivec3(512)) >> uvec3(10u)) * step_q19_) + ivec3(128)) >> uvec3(8u));
 }
-ivec3 bands_q16_(Basis b_14, uint rows_2, uint g_2) {
+ivec3 bands_q16_(Basis b_15, uint rows_2, uint g_2) {
     ivec3 sum = ivec3(0);
     uint at_5 = (((4u * rows_2) + 4608u) + g_2);
     ivec3 _e11 = sh_of(at_5, 0u);
     ivec3 _e16 = sh_of(at_5, 1u);
     ivec3 _e22 = sh_of(at_5, 2u);
     int _e26 = number_at(44u);
-    ivec3 _e27 = band_sum_q16_((((b_14.a.x * _e11) + (b_14.a.y * _e16)) + (b_14.a.z * _e22)), _e26);
+    ivec3 _e27 = band_sum_q16_((((b_15.a.x * _e11) + (b_15.a.y * _e16)) + (b_15.a.z * _e22)), _e26);
     sum = _e27;
     int _e31 = _group_0_binding_1_cs.degree;
     if ((_e31 > 1)) {
@@ -1366,7 +1376,7 @@ ivec3 bands_q16_(Basis b_14, uint rows_2, uint g_2) {
         ivec3 _e55 = sh_of(at_5, 6u);
         ivec3 _e61 = sh_of(at_5, 7u);
         int _e65 = number_at(45u);
-        ivec3 _e66 = band_sum_q16_((((((b_14.a.w * _e38) + (b_14.b.x * _e43)) + (b_14.b.y * _e49)) + (b_14.b.z * _e55)) + (b_14.b.w * _e61)), _e65);
+        ivec3 _e66 = band_sum_q16_((((((b_15.a.w * _e38) + (b_15.b.x * _e43)) + (b_15.b.y * _e49)) + (b_15.b.z * _e55)) + (b_15.b.w * _e61)), _e65);
         sum = (_e34 + _e66);
     }
     int _e70 = _group_0_binding_1_cs.degree;
@@ -1380,48 +1390,48 @@ ivec3 bands_q16_(Basis b_14, uint rows_2, uint g_2) {
         ivec3 _e106 = sh_of(at_5, 13u);
         ivec3 _e112 = sh_of(at_5, 14u);
         int _e116 = number_at(46u);
-        ivec3 _e117 = band_sum_q16_((((((((b_14.c.x * _e77) + (b_14.c.y * _e82)) + (b_14.c.z * _e88)) + (b_14.c.w * _e94)) + (b_14.d.x * _e100)) + (b_14.d.y * _e106)) + (b_14.d.z * _e112)), _e116);
+        ivec3 _e117 = band_sum_q16_((((((((b_15.c.x * _e77) + (b_15.c.y * _e82)) + (b_15.c.z * _e88)) + (b_15.c.w * _e94)) + (b_15.d.x * _e100)) + (b_15.d.y * _e106)) + (b_15.d.z * _e112)), _e116);
         sum = (_e73 + _e117);
     }
     ivec3 _e119 = sum;
     return _e119;
 }
-int dot_of(ivec4 b_15, uint word_3) {
-    ivec4 bytes_1 = (ivec4((uvec4(word_3) << uvec4(24u, 16u, 8u, 0u))) >> uvec4(24u));
-    return ((((b_15.x * bytes_1.x) + (b_15.y * bytes_1.y)) + (b_15.z * bytes_1.z)) + (b_15.w * bytes_1.w));
+int dot_of(ivec4 b_16, uint word_2) {
+    ivec4 bytes_1 = (ivec4((uvec4(word_2) << uvec4(24u, 16u, 8u, 0u))) >> uvec4(24u));
+    return ((((b_16.x * bytes_1.x) + (b_16.y * bytes_1.y)) + (b_16.z * bytes_1.z)) + (b_16.w * bytes_1.w));
 }
-int dot_16_(Basis b_16, uint a_21, uint c_3, uint d_1, uint e) {
-    int _e6 = dot_of(b_16.a, a_21);
-    int _e8 = dot_of(b_16.b, c_3);
-    int _e11 = dot_of(b_16.c, d_1);
-    int _e14 = dot_of(b_16.d, e);
+int dot_16_(Basis b_17, uint a_22, uint c_3, uint d_1, uint e) {
+    int _e6 = dot_of(b_17.a, a_22);
+    int _e8 = dot_of(b_17.b, c_3);
+    int _e11 = dot_of(b_17.c, d_1);
+    int _e14 = dot_of(b_17.d, e);
     return (((_e6 + _e8) + _e11) + _e14);
 }
-int mean_dot(Basis b_17, uint channel) {
+int mean_dot(Basis b_18, uint channel) {
     uint at_6 = (48u + (4u * channel));
     uint _e8 = record[at_6];
     uint _e13 = record[(at_6 + 1u)];
     uint _e18 = record[(at_6 + 2u)];
     uint _e23 = record[(at_6 + 3u)];
-    int _e24 = dot_16_(b_17, _e8, _e13, _e18, _e23);
+    int _e24 = dot_16_(b_18, _e8, _e13, _e18, _e23);
     return _e24;
 }
-int entry_dot(Basis b_18, uint at_3) {
+int entry_dot(Basis b_19, uint at_3) {
     uint _e4 = _group_1_binding_0_cs[at_3];
     uint _e9 = _group_1_binding_0_cs[(at_3 + 1u)];
     uint _e14 = _group_1_binding_0_cs[(at_3 + 2u)];
     uint _e19 = _group_1_binding_0_cs[(at_3 + 3u)];
-    int _e20 = dot_16_(b_18, _e4, _e9, _e14, _e19);
+    int _e20 = dot_16_(b_19, _e4, _e9, _e14, _e19);
     return _e20;
 }
-ivec3 entry_sum(Basis b_19, uint stage, uint code_3) {
+ivec3 entry_sum(Basis b_20, uint stage, uint code_3) {
     uint _e7 = _group_0_binding_1_cs.palette_entries;
     uint index = min((code_3 & 127u), (_e7 - 1u));
     uint _e14 = _group_0_binding_1_cs.palette_entries;
     uint at_7 = (12u * ((stage * _e14) + index));
-    int _e25 = entry_dot(b_19, at_7);
-    int _e28 = entry_dot(b_19, (at_7 + 4u));
-    int _e31 = entry_dot(b_19, (at_7 + 8u));
+    int _e25 = entry_dot(b_20, at_7);
+    int _e28 = entry_dot(b_20, (at_7 + 4u));
+    int _e31 = entry_dot(b_20, (at_7 + 8u));
     return ((((code_3 & 128u) != 0u) ? -1 : 1) * ivec3(_e25, _e28, _e31));
 }
 uint bits_at(uint byte_1, uint bit) {
@@ -1435,24 +1445,24 @@ uint bits_at(uint byte_1, uint bit) {
     uint _e26 = _group_1_binding_0_cs[((at_8 / 4u) + 1u)];
     return (low_5 | (_e26 << (32u - shift_7)));
 }
-int odd_dot(ivec4 b_20, uint bits_1) {
-    ivec4 code_6 = ivec4((((uvec4(bits_1) >> uvec4(0u, 3u, 6u, 9u)) & uvec4(7u)) ^ uvec4(4u)));
-    ivec4 odd = ((2 * code_6) - ivec4(7));
-    return ((((b_20.x * odd.x) + (b_20.y * odd.y)) + (b_20.z * odd.z)) + (b_20.w * odd.w));
+int odd_dot(ivec4 b_21, uint bits_1) {
+    ivec4 code_5 = ivec4((((uvec4(bits_1) >> uvec4(0u, 3u, 6u, 9u)) & uvec4(7u)) ^ uvec4(4u)));
+    ivec4 odd = ((2 * code_5) - ivec4(7));
+    return ((((b_21.x * odd.x) + (b_21.y * odd.y)) + (b_21.z * odd.z)) + (b_21.w * odd.w));
 }
 uint sh_count(int degree_1) {
     return uint((((degree_1 + 1) * (degree_1 + 1)) - 1));
 }
-int residual_q16_(Basis b_21, uint record_at, uint channel_1, uint gain) {
+int residual_q16_(Basis b_22, uint record_at, uint channel_1, uint gain) {
     int _e9 = _group_0_binding_1_cs.scene_degree;
     uint _e10 = sh_count(_e9);
     uint first_2 = (32u + ((3u * channel_1) * _e10));
     uint _e13 = bits_at(record_at, first_2);
     uint _e16 = bits_at(record_at, (first_2 + 24u));
-    int _e18 = odd_dot(b_21.a, _e13);
-    int _e22 = odd_dot(b_21.b, (_e13 >> 12u));
-    int _e25 = odd_dot(b_21.c, _e16);
-    int _e30 = odd_dot(b_21.d, (_e16 >> 12u));
+    int _e18 = odd_dot(b_22.a, _e13);
+    int _e22 = odd_dot(b_22.b, (_e13 >> 12u));
+    int _e25 = odd_dot(b_22.c, _e16);
+    int _e30 = odd_dot(b_22.d, (_e16 >> 12u));
     int odd_1 = (((_e18 + _e22) + _e25) + _e30);
     return ((odd_1 * int((8u + (gain & 7u)))) >> (31u - (gain >> 3u)));
 }
@@ -1463,7 +1473,7 @@ int scaled_q16_(int sum_1) {
     int _e7 = low_of(_e6);
     return _e7;
 }
-ivec3 palette_q16_(Basis b_22, uint rows_3, uint g_3) {
+ivec3 palette_q16_(Basis b_23, uint rows_3, uint g_3) {
     uint stages = 0u;
     uint bytes = 0u;
     uint at_4 = 0u;
@@ -1485,9 +1495,9 @@ ivec3 palette_q16_(Basis b_22, uint rows_3, uint g_3) {
     uint _e38 = at_4;
     uint _e39 = bytes;
     at_4 = (_e38 + (g_3 * _e39));
-    int _e43 = mean_dot(b_22, 0u);
-    int _e45 = mean_dot(b_22, 1u);
-    int _e47 = mean_dot(b_22, 2u);
+    int _e43 = mean_dot(b_23, 0u);
+    int _e45 = mean_dot(b_23, 1u);
+    int _e47 = mean_dot(b_23, 2u);
     sum_2 = ivec3(_e43, _e45, _e47);
     for (; (stage_1 < stages); stage_1 = (stage_1 + 1u)) {
         {
@@ -1496,7 +1506,7 @@ ivec3 palette_q16_(Basis b_22, uint rows_3, uint g_3) {
             uint _e57 = at_4;
             uint _e58 = stage_1;
             uint _e60 = byte_at((_e57 + _e58));
-            ivec3 _e61 = entry_sum(b_22, _e56, _e60);
+            ivec3 _e61 = entry_sum(b_23, _e56, _e60);
             sum_2 = (_e55 + _e61);
         }
     }
@@ -1512,11 +1522,11 @@ ivec3 palette_q16_(Basis b_22, uint rows_3, uint g_3) {
         uint _e80 = byte_at((_e77 + 3u));
         ivec3 _e81 = out_6;
         uint _e82 = at_4;
-        int _e84 = residual_q16_(b_22, _e82, 0u, _e80);
+        int _e84 = residual_q16_(b_23, _e82, 0u, _e80);
         uint _e85 = at_4;
-        int _e87 = residual_q16_(b_22, _e85, 1u, _e80);
+        int _e87 = residual_q16_(b_23, _e85, 1u, _e80);
         uint _e88 = at_4;
-        int _e90 = residual_q16_(b_22, _e88, 2u, _e80);
+        int _e90 = residual_q16_(b_23, _e88, 2u, _e80);
         out_6 = (_e81 + ivec3(_e84, _e87, _e90));
     }
     ivec3 _e93 = out_6;
@@ -1524,11 +1534,11 @@ ivec3 palette_q16_(Basis b_22, uint rows_3, uint g_3) {
 }
 ivec3 shade(uint rows_4, uint g_4, Codes codes) {
     ivec3 sum_q16_ = ivec3(0);
-    uvec3 code_7 = ((uvec3(codes.colour) >> uvec3(0u, 8u, 16u)) & uvec3(255u));
+    uvec3 code_6 = ((uvec3(codes.colour) >> uvec3(0u, 8u, 16u)) & uvec3(255u));
     uint _e15 = record[41];
     uint _e18 = record[42];
     uint _e21 = record[43];
-    uvec3 step_ = (uvec3(_e15, _e18, _e21) * code_7);
+    uvec3 step_ = (uvec3(_e15, _e18, _e21) * code_6);
     int _e25 = number_at(38u);
     int _e27 = number_at(39u);
     int _e29 = number_at(40u);
@@ -1579,11 +1589,11 @@ Span columns_between(int left_q8_, int right_q8_) {
     int _e48 = _group_0_binding_0_cs.size.x;
     return Span((max(first_3, 0) >> _e33), ((last_2 >= _e48) ? (_e42 - 1) : (last_2 >> _e37)));
 }
-Span columns_of(inout Bounds b_23) {
-    int _e3 = b_23.c_q14_.x;
+Span columns_of(inout Bounds b_24) {
+    int _e3 = b_24.c_q14_.x;
     int c_q8_1 = (_e3 >> 6u);
-    int _e7 = b_23.half_width_q8_;
-    int _e10 = b_23.half_width_q8_;
+    int _e7 = b_24.half_width_q8_;
+    int _e10 = b_24.half_width_q8_;
     Span _e12 = columns_between((c_q8_1 - _e7), (c_q8_1 + _e10));
     return _e12;
 }
@@ -1593,23 +1603,23 @@ int radius_q12_(int offset_q11_4) {
     uint _e11 = sqrt_of((uint(((_e4 - offset_q11_4) + 1)) << 13u));
     return (int(_e11) + 1);
 }
-int v_at_row(inout Splat s_4, inout Bounds b_24, int row_1) {
-    int _e7 = b_24.c_q14_.y;
+int v_at_row(inout Splat s_4, inout Bounds b_25, int row_1) {
+    int _e7 = b_25.c_q14_.y;
     int _e10 = s_4.vy_q24_;
     uvec2 _e11 = mul_signed(((row_1 << 14u) - _e7), _e10);
     uvec2 _e13 = shift_signed(_e11, 26u);
     int _e14 = low_of(_e13);
     return _e14;
 }
-int half_at(inout Bounds b_25, int r_q12_3, int v_q12_) {
+int half_at(inout Bounds b_26, int r_q12_3, int v_q12_) {
     uint _e7 = sqrt_of(uint(((r_q12_3 * r_q12_3) - (v_q12_ * v_q12_))));
     uint root = (_e7 + 1u);
-    uint _e11 = b_25.breadth_q8_;
+    uint _e11 = b_26.breadth_q8_;
     uvec2 _e12 = mul_wide(_e11, root);
     uvec2 _e14 = shift_right(_e12, 12u);
     return int(_e14.x);
 }
-Span ellipse_span(inout Splat s_5, inout Bounds b_26, int r_1, int row_2) {
+Span ellipse_span(inout Splat s_5, inout Bounds b_27, int r_1, int row_2) {
     bool local_21 = false;
     bool local_22 = false;
     int left = 0;
@@ -1618,10 +1628,10 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_26, int r_1, int row_2) {
     bool local_23 = false;
     bool local_24 = false;
     uint _e6 = _group_0_binding_0_cs.tile_bits;
-    int _e8 = v_at_row(s_5, b_26, (row_2 << _e6));
+    int _e8 = v_at_row(s_5, b_27, (row_2 << _e6));
     uint _e13 = _group_0_binding_0_cs.tile_bits;
-    int _e17 = v_at_row(s_5, b_26, (((row_2 + 1) << _e13) - 1));
-    int reach = b_26.half_width_q8_;
+    int _e17 = v_at_row(s_5, b_27, (((row_2 + 1) << _e13) - 1));
+    int reach = b_27.half_width_q8_;
     if (!((_e8 > (r_1 + 2)))) {
         local_21 = (_e17 < (-(r_1) - 2));
     } else {
@@ -1639,24 +1649,24 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_26, int r_1, int row_2) {
     }
     int top = min(max(_e8, -(r_1)), r_1);
     int bottom = min(max((_e17 + 1), -(r_1)), r_1);
-    int _e48 = b_26.shear_q8_;
+    int _e48 = b_27.shear_q8_;
     uvec2 _e49 = mul_signed(_e48, top);
     uvec2 _e51 = shift_signed(_e49, 12u);
     int _e52 = low_of(_e51);
-    int _e54 = b_26.shear_q8_;
+    int _e54 = b_27.shear_q8_;
     uvec2 _e55 = mul_signed(_e54, bottom);
     uvec2 _e57 = shift_signed(_e55, 12u);
     int _e58 = low_of(_e57);
-    int _e59 = half_at(b_26, r_1, top);
-    int _e60 = half_at(b_26, r_1, bottom);
+    int _e59 = half_at(b_27, r_1, top);
+    int _e60 = half_at(b_27, r_1, bottom);
     left = -(max((_e59 - _e52), (_e60 - _e58)));
     right = max((_e59 + _e52), (_e60 + _e58));
-    int _e71 = b_26.shear_q8_;
+    int _e71 = b_27.shear_q8_;
     uvec2 _e75 = mul_wide(uint(abs(_e71)), uint(r_1));
     uvec2 _e77 = shift_right(_e75, 12u);
     uvec2 _e80 = mul_wide(_e77.x, uint(r_1));
     tangent = _e80;
-    int _e83 = b_26.shear_q8_;
+    int _e83 = b_27.shear_q8_;
     if ((_e83 < 0)) {
         uvec2 _e86 = tangent;
         uvec2 _e87 = negate(_e86);
@@ -1690,7 +1700,7 @@ Span ellipse_span(inout Splat s_5, inout Bounds b_26, int r_1, int row_2) {
     if (_e109) {
         left = -(reach);
     }
-    int _e113 = b_26.c_q14_.x;
+    int _e113 = b_27.c_q14_.x;
     int c_q8_2 = (_e113 >> 6u);
     int margin = ((reach >> 8u) + 32);
     int _e120 = left;
@@ -1704,11 +1714,11 @@ Span square_span(int centre_q14_, uint radius, int tiles) {
     int last_3 = ((((pixel_1 + int(radius)) + 15) >> 4u) - 1);
     return Span(min(max(first_4, 0), tiles), min(max(last_3, -1), (tiles - 1)));
 }
-Span rows_of(inout Splat s_6, inout Bounds b_27) {
+Span rows_of(inout Splat s_6, inout Bounds b_28) {
     int _e4 = _group_0_binding_0_cs.cutoff;
     if ((_e4 == 1)) {
-        int _e9 = b_27.c_q14_.y;
-        uint _e11 = b_27.square_radius;
+        int _e9 = b_28.c_q14_.y;
+        uint _e11 = b_28.square_radius;
         int _e15 = _group_0_binding_0_cs.tiles.y;
         Span _e16 = square_span(_e9, _e11, _e15);
         return _e16;
@@ -1719,16 +1729,16 @@ Span rows_of(inout Splat s_6, inout Bounds b_27) {
     uint _e29 = _group_0_binding_0_cs.tile_bits;
     return Span((_e19 >> _e22), (_e26 >> _e29));
 }
-Span span_of(inout Splat s_7, inout Bounds b_28, int r_q12_4, int row_3) {
+Span span_of(inout Splat s_7, inout Bounds b_29, int r_q12_4, int row_3) {
     int _e6 = _group_0_binding_0_cs.cutoff;
     if ((_e6 == 1)) {
-        int _e11 = b_28.c_q14_.x;
-        uint _e13 = b_28.square_radius;
+        int _e11 = b_29.c_q14_.x;
+        uint _e13 = b_29.square_radius;
         int _e17 = _group_0_binding_0_cs.tiles.x;
         Span _e18 = square_span(_e11, _e13, _e17);
         return _e18;
     }
-    Span _e19 = ellipse_span(s_7, b_28, r_q12_4, row_3);
+    Span _e19 = ellipse_span(s_7, b_29, r_q12_4, row_3);
     return _e19;
 }
 uint scale_depth(uint key) {
@@ -1747,17 +1757,17 @@ uint scale_depth(uint key) {
 }
 bool is_kept(uvec3 position_2) {
     uvec2 centre_7[3] = uvec2[3](uvec2(0u), uvec2(0u), uvec2(0u));
-    uint i_9 = 0u;
-    for (; (i_9 < 3u); i_9 = (i_9 + 1u)) {
+    uint i_7 = 0u;
+    for (; (i_7 < 3u); i_7 = (i_7 + 1u)) {
         {
-            uint _e9 = i_9;
+            uint _e9 = i_7;
             uint _e12 = record[(34u + _e9)];
-            uint _e13 = i_9;
+            uint _e13 = i_7;
             uvec2 _e15 = mul_wide(_e12, position_2[_e13]);
             uint _e18 = record[37];
             uvec2 _e19 = shift_left(_e15, _e18);
-            uint _e20 = i_9;
-            uint _e24 = i_9;
+            uint _e20 = i_7;
+            uint _e24 = i_7;
             uvec2 _e27 = wide_at((28u + (2u * _e24)));
             uvec2 _e28 = add_wide(_e27, _e19);
             centre_7[_e20] = _e28;
@@ -1769,9 +1779,9 @@ bool is_kept(uvec3 position_2) {
 int offset_of(uint opacity, uint share_q8_1) {
     uint offset_q11_5 = 0u;
     uint _e5 = record[17];
-    uint code_8 = ((CHUNK * _e5) + opacity);
-    uint _e12 = _group_1_binding_1_cs[(code_8 / 2u)];
-    uint _e13 = half_of(_e12, code_8);
+    uint code_7 = ((CHUNK * _e5) + opacity);
+    uint _e12 = _group_1_binding_1_cs[(code_7 / 2u)];
+    uint _e13 = half_of(_e12, code_7);
     offset_q11_5 = _e13;
     if ((share_q8_1 != 256u)) {
         uint _e17 = offset_q11_5;
@@ -1797,24 +1807,24 @@ void count_tiles(int row_4, Span s_8) {
         return;
     }
 }
-void put_large(uint slot, inout Bounds b_29, int first_row) {
+void put_large(uint slot, inout Bounds b_30, int first_row) {
     uint _e6 = atomicAdd(_group_1_binding_2_cs[1], 1u);
     uint _e9 = _group_0_binding_0_cs.large_room;
     if ((_e6 < _e9)) {
         uint _e13 = _group_0_binding_0_cs.larges;
         uint at_9 = (_e13 + (LARGE * _e6));
         _group_1_binding_1_cs[at_9] = slot;
-        int _e25 = b_29.c_q14_.x;
+        int _e25 = b_30.c_q14_.x;
         _group_1_binding_1_cs[(at_9 + 1u)] = uint(_e25);
-        int _e33 = b_29.c_q14_.y;
+        int _e33 = b_30.c_q14_.y;
         _group_1_binding_1_cs[(at_9 + 2u)] = uint(_e33);
-        uint _e40 = b_29.breadth_q8_;
+        uint _e40 = b_30.breadth_q8_;
         _group_1_binding_1_cs[(at_9 + 3u)] = _e40;
-        int _e46 = b_29.shear_q8_;
+        int _e46 = b_30.shear_q8_;
         _group_1_binding_1_cs[(at_9 + 4u)] = uint(_e46);
-        int _e53 = b_29.half_width_q8_;
+        int _e53 = b_30.half_width_q8_;
         _group_1_binding_1_cs[(at_9 + 5u)] = uint(_e53);
-        uint _e60 = b_29.square_radius;
+        uint _e60 = b_30.square_radius;
         _group_1_binding_1_cs[(at_9 + 6u)] = _e60;
         _group_1_binding_1_cs[(at_9 + 7u)] = uint(first_row);
         return;
@@ -1824,7 +1834,7 @@ void put_large(uint slot, inout Bounds b_29, int first_row) {
 }
 uvec2 list_splat(uint slot_1, inout Placed out_7) {
     Splat s_9 = Splat(0u, 0u, 0, 0, 0, 0, ivec2(0));
-    Bounds b_30 = Bounds(ivec2(0), 0u, 0, 0, 0u);
+    Bounds b_31 = Bounds(ivec2(0), 0u, 0, 0, 0u);
     bool local_25 = false;
     bool local_26 = false;
     bool local_27 = false;
@@ -1840,9 +1850,9 @@ uvec2 list_splat(uint slot_1, inout Placed out_7) {
     Splat _e3 = out_7.splat;
     s_9 = _e3;
     Bounds _e6 = out_7.bounds;
-    b_30 = _e6;
-    Span _e8 = rows_of(s_9, b_30);
-    Span _e9 = columns_of(b_30);
+    b_31 = _e6;
+    Span _e8 = rows_of(s_9, b_31);
+    Span _e9 = columns_of(b_31);
     int _e12 = _group_0_binding_0_cs.cutoff;
     bool is_square = (_e12 == 1);
     if (!(is_square)) {
@@ -1905,7 +1915,7 @@ uvec2 list_splat(uint slot_1, inout Placed out_7) {
     for (; (row_5 <= _e8.last); row_5 = (row_5 + 1)) {
         {
             int _e119 = row_5;
-            Span _e120 = span_of(s_9, b_30, _e109, _e119);
+            Span _e120 = span_of(s_9, b_31, _e109, _e119);
             int _e121 = row_5;
             count_tiles(_e121, _e120);
             if (!(large)) {
@@ -1938,7 +1948,7 @@ uvec2 list_splat(uint slot_1, inout Placed out_7) {
         }
         {
             int _e166 = row_6;
-            put_large(slot_1, b_30, _e166);
+            put_large(slot_1, b_31, _e166);
         }
     }
     uint _e171 = box.x;

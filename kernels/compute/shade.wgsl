@@ -20,10 +20,9 @@ fn spread_11(code: u32) -> u32
     return (code << 5u) | (code >> 6u);
 }
 
-fn spread_scale(x: u32, y: u32, z: u32, bits: u32) -> u32
+fn spread_scale(x: u32, y: u32, z: u32) -> u32
 {
-    return ((x << 3u) | (x >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u) |
-           (((z << (10u - bits)) | (z >> (2u * bits - 10u))) << 20u);
+    return ((x << 3u) | (x >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u) | (((z << 4u) | (z >> 2u)) << 20u);
 }
 
 fn small_codes(rows: u32, g: u32) -> Codes
@@ -32,13 +31,12 @@ fn small_codes(rows: u32, g: u32) -> Codes
     let b = scene[rows + CHUNK + g];
     let c = scene[rows + 2u * CHUNK + g];
     let d = byte_at(4u * rows + 12u * CHUNK + g);
-    let q1 = (c >> 27u) | ((b >> 31u) << 5u) | ((d >> 7u) << 6u);
     let red = (b >> 11u) & 127u;
     let green = (b >> 18u) & 127u;
     let blue = (b >> 25u) & 63u;
     return Codes(vec3<u32>(spread_11(a & 2047u), spread_11((a >> 11u) & 2047u), spread_11(b & 2047u)),
-                 spread_scale(d & 127u, q1, (c >> 20u) & 127u, 7u) | (((a >> 22u) & 3u) << 30u),
-                 spread_scale(c & 127u, (c >> 7u) & 127u, (c >> 14u) & 63u, 6u),
+                 (c & 0xfff00000u) | (d << 12u) | (((a >> 22u) & 3u) << 10u) | ((b >> 31u) << 9u),
+                 spread_scale(c & 127u, (c >> 7u) & 127u, (c >> 14u) & 63u),
                  ((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u) |
                  (((blue << 2u) | (blue >> 4u)) << 16u) | (a & 0xff000000u));
 }

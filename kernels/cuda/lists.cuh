@@ -323,7 +323,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
         const uint32_t offset_q11 = offset_of_code_q11[cv->opacity_law][codes.colour >> 24];
         fxs_bounds bounds;
         uint32_t own_depth;
-        bool visible = project_one(&splat, &bounds, &own_depth, camera, cv, &codes,
+        bool visible = project_one(&splat, &bounds, &own_depth, camera, cv, scene->profile, &codes,
                                    fxs_share_of_q11(offset_q11, share_q8));
         if (Many && visible && !object->plain)
             visible = fxs_object_change(object, &b.header, codes.position, &own_depth);

@@ -5,6 +5,7 @@
 
 #include <fixsplat/allocator.h>
 #include <fixsplat/fixed.h>
+#include "src/base/tilt.h"
 #include "src/core/codes.h"
 
 /* A Gaussian between two packed scenes, in the numbers that codes stand for. */
@@ -12,7 +13,8 @@ typedef struct loose {
     int64_t position_q32[3];
     int32_t scale_q16[3];            /* log2(sigma) */
     int32_t colour_q16[3];
-    uint32_t rotation;               /* its code */
+    uint32_t rotation;               /* its word, */
+    int32_t axis_bits;               /* by which it is read */
     uint32_t opacity;                /* of 255 */
 } loose;
 
@@ -27,9 +29,18 @@ static uint32_t opacity_of(uint32_t code, uint32_t law)
     return 1 + (reach_q4[law] * (code - 1) * (code - 1) + 254 * 254 * 8) / (254 * 254 * 16);
 }
 
-static loose loosen(const fxs_chunk *chunk, const fxs_codes *codes)
+static int32_t axis_bits_of(enum fxs_profile profile, uint32_t scale_word, uint32_t scale_step_q24)
 {
-    loose l = {.rotation = codes->rotation, .opacity = opacity_of(codes->colour >> 24, chunk->opacity_law)};
+    int32_t fall_q16[3];
+    for (int i = 0; i < 3; i++)
+        fall_q16[i] = fxs_fall_q16(scale_word >> 10 * i & 1023, scale_step_q24);
+    return fxs_axis_bits(profile, fall_q16);
+}
+
+static loose loosen(enum fxs_profile profile, const fxs_chunk *chunk, const fxs_codes *codes)
+{
+    loose l = {.rotation = codes->rotation, .opacity = opacity_of(codes->colour >> 24, chunk->opacity_law),
+               .axis_bits = axis_bits_of(profile, codes->scale, chunk->scale_step_q24)};
     for (int i = 0; i < 3; i++) {
         const uint32_t scale = codes->scale >> (10 * i) & 1023, colour = codes->colour >> (8 * i) & 255;
         l.position_q32[i] = chunk->origin_q32[i] +
@@ -38,26 +49,6 @@ static loose loosen(const fxs_chunk *chunk, const fxs_codes *codes)
         l.colour_q16[i] = chunk->colour_q16[i] + (int32_t)((uint64_t)colour * chunk->colour_step_q20[i] >> 4);
     }
     return l;
-}
-
-/* The quaternion's components but the largest are (2 code - 1023) / (1023 sqrt(2)). Row i, column k of the rotation. */
-static void rotation_of(uint32_t code, double r[3][3])
-{
-    const int largest = (int)(code >> 30);
-    double q[4], rest = 1;
-    for (int i = 0, shift = 20; i < 4; i++) {
-        if (i == largest)
-            continue;
-        q[i] = (2 * (double)(code >> shift & 1023) - 1023) / (1023 * 1.4142135623730951);
-        rest -= q[i] * q[i];
-        shift -= 10;
-    }
-    q[largest] = rest > 0 ? sqrt(rest) : 0;
-    const double w = q[0], x = q[1], y = q[2], z = q[3];
-    const double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-                               {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-                               {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
-    memcpy(r, rows, sizeof rows);
 }
 
 /* 2^(x / 65536) */
@@ -82,12 +73,13 @@ static fxs_sample_point point_of(const fxs_object *o, const loose *l)
     const int32_t *s = l->scale_q16;
     const int thin = s[0] <= s[1] && s[0] <= s[2] ? 0 : s[1] <= s[2] ? 1 : 2;
     const int a = (thin + 1) % 3, b = (thin + 2) % 3, middle = s[a] < s[b] ? a : b;
-    double r[3][3], place[3], normal[3];
+    const fxs_tilt axes = fxs_tilt_of_word(l->rotation, l->axis_bits);
+    double axis[3][3], place[3], normal[3];
     fxs_sample_point p;
-    rotation_of(l->rotation, r);
+    fxs_tilt_directions(&axes, axis);
     for (int i = 0; i < 3; i++) {
         place[i] = ldexp((double)l->position_q32[i], -32);
-        normal[i] = r[i][thin];
+        normal[i] = axis[thin][i];
     }
     turn(o, place, p.place);
     turn(o, normal, p.normal);
@@ -143,6 +135,14 @@ static void pack_positions(fxs_chunk *chunk, const loose *l, uint32_t count, uns
     }
 }
 
+/* The word of these axes with `to` bits for each coordinate of the first, where it had `from`. */
+static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
+{
+    const uint32_t half = 1u << (31 - to), roll = ((word << 2 * from) + (1u << (2 * to - 1))) >> 2 * to;
+    const uint32_t y = ((word << from) - (roll << to) + half) >> (32 - to) << (32 - 2 * to) | roll;
+    return (word - y + half) >> (32 - to) << (32 - to) | y;
+}
+
 /* All log2(sigma) grow by larger_q16; a code is sqrt((scale - x) / step). */
 static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_t larger_q16, unsigned char *rows)
 {
@@ -159,6 +159,9 @@ static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_
         for (int i = 0; i < 3; i++)
             word |= fxs_sqrt(((uint32_t)(high - l[g].scale_q16[i]) << 8) / chunk->scale_step_q24) << (10 * i);
         put_word(rows + FXS_ROW_SCALE, g, word);
+        put_word(rows + FXS_ROW_ROTATION, g,
+                 recoded(l[g].rotation, l[g].axis_bits,
+                         axis_bits_of(FXS_PROFILE_DEFAULT, word, chunk->scale_step_q24)));
     }
 }
 
@@ -190,8 +193,6 @@ static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *
     pack_positions(&chunk, l, count, rows);
     pack_scales(&chunk, l, count, larger_q16, rows);
     pack_colours(&chunk, l, count, rows);
-    for (uint32_t g = 0; g < count; g++)
-        put_word(rows + FXS_ROW_ROTATION, g, l[g].rotation);
     fxs_chunk_turn(&chunk);
     memcpy(header, &chunk, sizeof chunk);
 }
@@ -257,7 +258,7 @@ static int take_object(taking *t, const fxs_object *o)
         if (o->scene->places && o->scene->places[chunk] == FXS_NOTHING)
             continue;
         const fxs_codes codes = fxs_codes_of(o->scene, fxs_rows(o->scene, chunk), g % FXS_CHUNK);
-        l[count] = loosen(&header, &codes);
+        l[count] = loosen(o->scene->profile, &header, &codes);
         if (l[count].opacity == 0 || !is_kept(o, l[count].position_q32))
             continue;
         s->points[s->point_count++] = point_of(o, &l[count]);

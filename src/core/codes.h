@@ -5,7 +5,7 @@
 #include "chunk.h"
 #include "memory.h"
 
-/* As in the rows of the default profile. */
+/* As in the rows of the default profile. The bits of a shorter rotation are the upper ones. */
 typedef struct fxs_codes {
     uint16_t position[3];
     uint32_t rotation, scale, colour;
@@ -31,10 +31,10 @@ static inline uint16_t fxs_spread_11(uint32_t code)
     return (uint16_t)(code << 5 | code >> 6);
 }
 
-/* Codes of 7, 7 and `bits` bits to three of 10. */
-static inline uint32_t fxs_spread_scale(uint32_t x, uint32_t y, uint32_t z, int bits)
+/* Codes of 7, 7 and 6 bits to three of 10. */
+static inline uint32_t fxs_spread_scale(uint32_t x, uint32_t y, uint32_t z)
 {
-    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << (10 - bits) | z >> (2 * bits - 10)) << 20;
+    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << 4 | z >> 2) << 20;
 }
 
 /* Codes of 7, 7 and 6 bits to three of 8. */
@@ -48,9 +48,8 @@ static inline fxs_codes fxs_small_codes(const unsigned char *rows, uint32_t g)
     const uint32_t a = fxs_word_at(rows + FXS_SMALL_A, g), b = fxs_word_at(rows + FXS_SMALL_B, g);
     const uint32_t c = fxs_word_at(rows + FXS_SMALL_C, g), d = rows[FXS_SMALL_D + g];
     fxs_codes codes = {{fxs_spread_11(a & 2047), fxs_spread_11(a >> 11 & 2047), fxs_spread_11(b & 2047)}, 0, 0, 0};
-    const uint32_t q1 = c >> 27 | (b >> 31) << 5 | (d >> 7) << 6;
-    codes.rotation = fxs_spread_scale(d & 127, q1, c >> 20 & 127, 7) | (a >> 22 & 3) << 30;
-    codes.scale = fxs_spread_scale(c & 127, c >> 7 & 127, c >> 14 & 63, 6);
+    codes.rotation = (c & 0xfff00000u) | d << 12 | (a >> 22 & 3) << 10 | (b >> 31) << 9;
+    codes.scale = fxs_spread_scale(c & 127, c >> 7 & 127, c >> 14 & 63);
     codes.colour = fxs_spread_colour(b >> 11 & 127, b >> 18 & 127, b >> 25 & 63) | (a & 0xff000000u);
     return codes;
 }

@@ -65,40 +65,37 @@ static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected 
     }
 }
 
-/* Smallest three: code c of 10 bits is (2 c - 1023) / 1023 / sqrt(2); the largest component is what is left of 1.
-   Returns 0 where the three are longer than that already. */
-static int quaternion(int32_t q_q15[4], uint32_t word)
-{
-    const uint32_t largest = word >> 30;
-    int32_t three_q15[3], square_q30 = 0;
-    for (int i = 0; i < 3; i++) {
-        int32_t code = (int32_t)(word >> (20 - 10 * i) & 1023);
-        three_q15[i] = ((2 * code - 1023) * 23194 + 512) >> 10;
-        square_q30 += three_q15[i] * three_q15[i];
-    }
-    if (square_q30 > 1 << 30)
-        return 0;
-    const int32_t most_q15 = (int32_t)fxs_sqrt((1u << 30) - (uint32_t)square_q30);
-    q_q15[0] = largest == 0 ? most_q15 : three_q15[0];
-    q_q15[1] = largest == 1 ? most_q15 : largest > 1 ? three_q15[1] : three_q15[0];
-    q_q15[2] = largest == 2 ? most_q15 : largest > 2 ? three_q15[2] : three_q15[1];
-    q_q15[3] = largest == 3 ? most_q15 : three_q15[2];
-    return 1;
-}
+/* The first axis of a Gaussian, two directions at right angles to it, and the roll about it. */
+typedef struct axes {
+    int32_t axis_q15[3], side_q15[2][3];
+    int32_t cos_q15, sin_q15;      /* of the roll: the second axis is cos side[0] + sin side[1] */
+} axes;
 
-/* Rotation matrix of a unit quaternion w, x, y, z. */
-static void rotation(int32_t r_q15[3][3], const int32_t q[4])
+/* A rotation word holds three numbers in -1..1, of n, n and the other bits, two's complement: X, Y and the roll U. The
+   bits below a number's own count too, as its fraction. (X, Y) is the axis by Lambert's equal-area projection of the
+   half of the sphere around +z: with s = sqrt(2 - X^2 - Y^2), the axis is (X s, Y s, 1 - X^2 - Y^2), and the turn from
+   +z to it takes x and y to the sides (1 - X^2, -X Y, -X s) and (-X Y, 1 - Y^2, -Y s). The roll is about pi/2 U:
+   cos = 1 - U^2 (1.225 - 0.225 U^2), sin = U (1.56607 - U^2 (0.62924 - 0.06305 U^2)), off 1 by at most 0.00013.
+   Returns 0 where (X, Y) is longer than 1. */
+static int read_axes(axes *out, uint32_t word, int32_t bits)
 {
-    const int32_t w = q[0], x = q[1], y = q[2], z = q[3], half = 1 << 13;
-    r_q15[0][0] = 32768 - ((y * y + z * z + half) >> 14);
-    r_q15[0][1] = (x * y - w * z + half) >> 14;
-    r_q15[0][2] = (x * z + w * y + half) >> 14;
-    r_q15[1][0] = (x * y + w * z + half) >> 14;
-    r_q15[1][1] = 32768 - ((x * x + z * z + half) >> 14);
-    r_q15[1][2] = (y * z - w * x + half) >> 14;
-    r_q15[2][0] = (x * z - w * y + half) >> 14;
-    r_q15[2][1] = (y * z + w * x + half) >> 14;
-    r_q15[2][2] = 32768 - ((x * x + y * y + half) >> 14);
+    const int32_t x_q15 = (int32_t)word >> 16, y_q15 = (int32_t)(word << bits) >> 16;
+    const int32_t u_q15 = (int32_t)(word << 2 * bits) >> 16;
+    const int32_t xx_q15 = (x_q15 * x_q15 + 16384) >> 15, yy_q15 = (y_q15 * y_q15 + 16384) >> 15;
+    const int32_t xy_q15 = (x_q15 * y_q15 + 16384) >> 15;
+    const uint32_t square_q30 = (uint32_t)(x_q15 * x_q15) + (uint32_t)(y_q15 * y_q15);
+    if (square_q30 > 1u << 30)
+        return 0;
+    /* (2 - X^2 - Y^2) / 4, in [1/4, 1/2] */
+    const uint32_t m = (1u << 31) - square_q30;
+    const int32_t s_q15 = (int32_t)(fxs_mulhi(m, fxs_rsqrt(m)) >> 14);
+    const int32_t xs_q15 = (x_q15 * s_q15 + 16384) >> 15, ys_q15 = (y_q15 * s_q15 + 16384) >> 15;
+    *out = (axes){{xs_q15, ys_q15, 32768 - xx_q15 - yy_q15},
+                  {{32768 - xx_q15, -xy_q15, -xs_q15}, {-xy_q15, 32768 - yy_q15, -ys_q15}}, 0, 0};
+    const int32_t uu_q15 = (u_q15 * u_q15 + 16384) >> 15;
+    out->cos_q15 = 32768 - fxs_mul_q15(uu_q15, 40141 - fxs_mul_q15(uu_q15, 7373));
+    out->sin_q15 = fxs_mul_q15(u_q15, 51317 - fxs_mul_q15(uu_q15, 20619 - fxs_mul_q15(uu_q15, 2066)));
+    return 1;
 }
 
 /* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). sigma_max = 2^log2. */
@@ -317,32 +314,34 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
 
 /* Size, shape and opacity, once the centre is known. Returns 0 for a Gaussian that touches no pixel. */
 static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const fxs_chunk_view *cv,
-                         const projected *centre, uint32_t scale_word, uint32_t rotation_word)
+                         const projected *centre, enum fxs_profile profile, const fxs_codes *codes)
 {
-    int32_t log2_q16[3], q_q15[4], r_q15[3][3], j_q15[2][3], t_q15[2][3], most = INT32_MIN;
+    int32_t fall_q16[3], k_q15[3], j_q15[2][3], t_q15[2][3], least = INT32_MAX;
+    axes a;
     for (int i = 0; i < 3; i++) {
-        uint32_t code = scale_word >> 10 * i & 1023;
-        log2_q16[i] = cv->scale_q16 - (int32_t)((code * code * cv->scale_step_q24 + 128) >> 8);
-        most = log2_q16[i] > most ? log2_q16[i] : most;
+        fall_q16[i] = fxs_fall_q16(codes->scale >> 10 * i & 1023, cv->scale_step_q24);
+        least = fall_q16[i] < least ? fall_q16[i] : least;
     }
     int size_exponent;
-    uint32_t size_q32 = screen_size(view, cv, centre, most, &size_exponent);
+    uint32_t size_q32 = screen_size(view, cv, centre, cv->scale_q16 - least, &size_exponent);
     const int is_veil = size_exponent > FXS_EXPONENT_MAX || centre->out_of_range;
     if (is_veil ? size_exponent < view->veil_exponent : off_picture(view, centre, size_exponent))
         return 0;
     int exponent = size_exponent > 0 ? size_exponent : 0;
     jacobian(j_q15, view, centre);
-    if (!quaternion(q_q15, rotation_word))
+    if (!read_axes(&a, codes->rotation, fxs_axis_bits(profile, fall_q16)))
         return 0;
-    rotation(r_q15, q_q15);
     for (int i = 0; i < 3; i++) {
-        const int32_t column[3] = {r_q15[0][i], r_q15[1][i], r_q15[2][i]};
-        int32_t below_q16 = most - log2_q16[i];
+        int32_t below_q16 = fall_q16[i] - least;
         uint32_t ratio_q15 = (uint32_t)fxs_exp2_q15((below_q16 & 65535) >> 1);
-        int32_t k_q15 = (int32_t)scale_down((uint32_t)((uint64_t)ratio_q15 * size_q32 >> 31),
-                                            1 + exponent - size_exponent + (below_q16 >> 16));
-        t_q15[0][i] = fxs_mul_q15(dot_q15(j_q15[0], column), k_q15);
-        t_q15[1][i] = fxs_mul_q15(dot_q15(j_q15[1], column), k_q15);
+        k_q15[i] = (int32_t)scale_down((uint32_t)((uint64_t)ratio_q15 * size_q32 >> 31),
+                                       1 + exponent - size_exponent + (below_q16 >> 16));
+    }
+    for (int i = 0; i < 2; i++) {
+        const int32_t p_q15 = dot_q15(j_q15[i], a.side_q15[0]), q_q15 = dot_q15(j_q15[i], a.side_q15[1]);
+        t_q15[i][0] = fxs_mul_q15(dot_q15(j_q15[i], a.axis_q15), k_q15[0]);
+        t_q15[i][1] = fxs_mul_q15((p_q15 * a.cos_q15 + q_q15 * a.sin_q15 + 16384) >> 15, k_q15[1]);
+        t_q15[i][2] = fxs_mul_q15((q_q15 * a.cos_q15 - p_q15 * a.sin_q15 + 16384) >> 15, k_q15[2]);
     }
     covariance s;
     covariance_of(&s, t_q15, exponent, is_veil ? veil_dilation_q30(view, exponent) : FXS_DILATION_LEAST_Q30);
@@ -380,14 +379,14 @@ static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 
 /* Returns 0 for a Gaussian that touches no pixel. offset_q11: of its opacity. */
 static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, const fxs_view *view,
-                       const fxs_chunk_view *cv, const fxs_codes *codes, uint32_t offset_q11)
+                       const fxs_chunk_view *cv, enum fxs_profile profile, const fxs_codes *codes, uint32_t offset_q11)
 {
     projected centre;
     if (!(codes->colour >> 24) || !project_centre(&centre, view, cv, codes->position))
         return 0;
     splat->offset_q11 = (uint16_t)(offset_q11 + (uint32_t)view->offset_q11);
     *depth = depth_key(cv, &centre);
-    return project_shape(splat, bounds, view, cv, &centre, codes->scale, codes->rotation);
+    return project_shape(splat, bounds, view, cv, &centre, profile, codes);
 }
 
 int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chunk, fxs_splat *splats,
@@ -402,7 +401,7 @@ int32_t fxs_project_c(const fxs_view *view, const fxs_scene *scene, uint32_t chu
     for (uint32_t g = 0; g < FXS_CHUNK; g++) {
         const fxs_codes codes = fxs_codes_of(scene, rows, g);
         const uint32_t offset_q11 = fxs_offset_of_code_q11[cv.opacity_law][codes.colour >> 24];
-        if (project_one(&splats[count], &bounds[count], &depths[count], view, &cv, &codes,
+        if (project_one(&splats[count], &bounds[count], &depths[count], view, &cv, scene->profile, &codes,
                         fxs_share_of_q11(offset_q11, view->share_q8)))
             indices[count++] = chunk * FXS_CHUNK + g;
     }

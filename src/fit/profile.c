@@ -6,6 +6,7 @@
 
 #include <fixsplat/packed.h>
 #include <fixsplat/message.h>
+#include "src/base/tilt.h"
 #include "src/base/system.h"
 #include "src/base/try_internal.h"
 #include "src/pack/order.h"
@@ -131,29 +132,35 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
     to->opacity_inverse = c->opacity_law ? (float)(1 / top) : 0;
 }
 
-/* Turns the axes of a Gaussian so that the thinnest is last: a quarter turn about the axis that stays, q (1 + i) or
-   q (1 + j) over its length. Adam's moments turn too, the second as if components were independent. */
-static void put_thinnest_last(const fxs_fit_model *m, size_t i)
+/* Swaps axis k, 0 or 1, with the next: a quarter turn about the axis that stays, q (1 + k) or q (1 + i) over its
+   length. Adam's moments turn too, the second as if components were independent. */
+static void swap_axes(const fxs_fit_model *m, size_t i, int k)
 {
     float *planes[] = {m->masters, m->means, m->squares};
-    const float *s = m->masters + FXS_FIT_SCALE * m->stride + i;
-    const int thinnest = s[0] < s[m->stride] ? 0 : 1;
-    if (!(s[(size_t)thinnest * m->stride] < s[2 * m->stride]))
-        return;
-    for (int k = 0; k < 3; k++) {
-        float *a = plane(planes[k], m, FXS_FIT_SCALE + thinnest) + i, *b = plane(planes[k], m, FXS_FIT_SCALE + 2) + i;
+    for (int n = 0; n < 3; n++) {
+        float *a = plane(planes[n], m, FXS_FIT_SCALE + k) + i, *b = plane(planes[n], m, FXS_FIT_SCALE + k + 1) + i;
         float *q[4];
-        const float swap = *a;
+        const float scale = *a, by = n < 2 ? 0.707106781f : 0.5f, minus = n < 2 ? -1 : 1;
         *a = *b;
-        *b = swap;
-        for (int n = 0; n < 4; n++)
-            q[n] = plane(planes[k], m, FXS_FIT_ROTATION + n) + i;
+        *b = scale;
+        for (int part = 0; part < 4; part++)
+            q[part] = plane(planes[n], m, FXS_FIT_ROTATION + part) + i;
         const float w = *q[0], x = *q[1], y = *q[2], z = *q[3];
-        const float by = k < 2 ? 0.707106781f : 0.5f, minus = k < 2 ? -1 : 1;
-        *q[0] = by * (w + minus * (thinnest ? x : y));
-        *q[1] = by * (thinnest ? x + w : x + minus * z);
-        *q[2] = by * (thinnest ? y + z : y + w);
-        *q[3] = by * (thinnest ? z + minus * y : z + x);
+        *q[0] = by * (w + minus * (k ? x : z));
+        *q[1] = by * (x + (k ? w : y));
+        *q[2] = by * (k ? y + z : y + minus * x);
+        *q[3] = by * (k ? z + minus * y : z + w);
+    }
+}
+
+/* Puts the axes of a Gaussian in the order of their lengths, the longest first, as packing does. */
+static void order_axes(const fxs_fit_model *m, size_t i)
+{
+    const float *s = m->masters + FXS_FIT_SCALE * m->stride + i;
+    for (int pass = 0; pass < 3; pass++) {
+        const size_t k = pass == 1;
+        if (s[k * m->stride] < s[(k + 1) * m->stride])
+            swap_axes(m, i, (int)k);
     }
 }
 
@@ -172,8 +179,7 @@ static void code_header(const coding *c, size_t chunk)
     fxs_ranges_clear(&ranges);
     for (size_t i = chunk * FXS_CHUNK; i < (chunk + 1) * FXS_CHUNK && i < p->count; i++) {
         fxs_gaussian g;
-        if (p->profile == FXS_PROFILE_SMALL)
-            put_thinnest_last(c->model, i);
+        order_axes(c->model, i);
         take(c->model, c->model->masters, i, &g);
         const double opacity = opacity_at(g.opacity);
         fxs_hold_scales(&g);
@@ -262,7 +268,8 @@ int fxs_fit_profile_code(fxs_fit_profile *p, fxs_fit_model *m, const fxs_pack_op
 static void set_grid(fxs_fit_profile *p)
 {
     const int small = p->profile == FXS_PROFILE_SMALL;
-    p->grid = (fxs_fit_grid){small ? 11 : 16, {small ? 7 : 10, small ? 7 : 10, small ? 6 : 10}, small ? 7 : 10,
+    p->grid = (fxs_fit_grid){small ? 11 : 16, {small ? 7 : 10, small ? 7 : 10, small ? 6 : 10},
+                             FXS_ROTATION_BITS(p->profile), FXS_AXIS_Q16(p->profile), FXS_AXIS_BITS_MOST(p->profile),
                              {small ? 7 : 8, small ? 7 : 8, small ? 6 : 8},
                              p->profile == FXS_PROFILE_DEFAULT ? p->sh_degree : 0, p->steps};
 }
@@ -363,8 +370,10 @@ static void put_record(const void *argument, uint32_t i, unsigned char record[FX
     quantise_shape(&p->grid, chunk, values, rounded, 1, found);
     for (int k = 0; k < FXS_FIT_SH; k++)
         codes[k] = (uint32_t)found[k];
-    const fxs_codes all = {{codes[0], codes[1], codes[2]}, {codes[3], codes[4], codes[5]}, codes[6],
-                           {codes[7], codes[8], codes[9]}, {codes[11], codes[12], codes[13]}, codes[10]};
+    const uint32_t rotation = fxs_tilt_word(codes[7], codes[8], codes[9], (int32_t)codes[6], p->grid.rotation_bits);
+    const fxs_codes all = {{codes[0], codes[1], codes[2]}, {codes[3], codes[4], codes[5]},
+                           rotation ? rotation : codes[10] ? 0 : FXS_NOT_EMPTY, {codes[11], codes[12], codes[13]},
+                           codes[10]};
     unsigned char *sh = fxs_put_codes(&encoder, &all, record);
     if (p->palette)
         memcpy(sh, p->records + (size_t)i * record_bytes(p), record_bytes(p));

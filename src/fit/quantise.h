@@ -66,36 +66,134 @@ static inline real quantise_opacity(const fxs_fit_chunk *c, real logit, whole *c
     return choose(below(all(0), said), ln(most(said, all(0.001f)) / most(1.0f - said, all(0.001f))), all(-80));
 }
 
-/* Codes a quaternion by its smallest three components. Its sign stays, so that the gradient fits the master. Codes: the
-   index of the largest component, then the others in order, signed so that the largest is positive. */
-static inline void quantise_rotation(const real from[4], int width, real to[4], whole codes[4])
+static inline whole magnitude(whole x)
 {
-    const float half = (float)((1 << width) - 1) * 0.5f;
-    real largest = from[0], place = all(0), rest = all(0);
-    for (int i = 1; i < 4; i++) {
-        const mask is_larger = below(absolute(largest), absolute(from[i]));
-        largest = choose(is_larger, from[i], largest);
-        place = choose(is_larger, all((float)i), place);
-    }
-    const real length = root((from[0] * from[0] + from[1] * from[1]) + (from[2] * from[2] + from[3] * from[3]));
-    const real sign = choose(below(largest, all(0)), all(-1), all(1)), scale = 1.41421356f * sign / length;
-    real others[3];
+    return (x ^ (x >> 31)) - (x >> 31);
+}
+
+static inline whole smaller(whole a, whole b)
+{
+    return b + ((a - b) & ((a - b) >> 31));
+}
+
+/* fxs_axis_bits, from scale codes of scale_bits */
+static inline whole axis_bits(const fxs_fit_grid *g, const fxs_fit_chunk *c, const whole codes[3])
+{
+    const int step = (int)(c->scale_step * 16777216.0f);
+    whole fall[3];
     for (int i = 0; i < 3; i++) {
-        const real q = choose(below(all((float)i), place), from[i], from[i + 1]);
-        codes[1 + i] = code_of((q * scale + 1.0f) * half, (1 << width) - 1);
-        others[i] = (spread_code(codes[1 + i], width, 10) * (1.0f / 511.5f) - 1.0f) * 0.707106781f;
-        rest += others[i] * others[i];
+        const whole code = shifted_left(codes[i], 10 - g->scale_bits[i]) | (codes[i] >> (2 * g->scale_bits[i] - 10));
+        fall[i] = (code * code * step + 128) >> 8;
     }
-    codes[0] = code_of(place, 3);
-    rest = root(most(1.0f - rest, all(0)));
-    for (int i = 0; i < 4; i++) {
-        const real after = i > 0 ? others[i - 1] : rest, before = i < 3 ? others[i] : rest;
-        to[i] = sign * choose(below(all((float)i), place), before, choose(below(place, all((float)i)), after, rest));
+    const whole gap = smaller(magnitude(fall[1] - fall[0]), magnitude(fall[2] - fall[0]));
+    return smaller((((gap >> 4) * 5) + g->axis_q16) >> 16, gap * 0 + g->axis_bits_most);
+}
+
+/* x rounded to the nearest integer; x within +-2^21 */
+static inline real nearest(real x)
+{
+    return whole_to_real(bits_of(x + 12582912.0f) - 0x4b400000);
+}
+
+/* What a code of a word adds to the number above it, as a part of that one's step: code / 2^bits, of `count` = 2^bits
+   codes in two's complement. */
+static inline real part_above(real code, real count)
+{
+    return choose(below(code, all(0)), code + count, code) / count;
+}
+
+/* cos and sin of pi/2 roll, as fxs_tilt_roll */
+static inline void roll_of(real roll, real *cosine, real *sine)
+{
+    const real square = roll * roll;
+    *cosine = 1.0f - square * (1.225f - 0.225f * square);
+    *sine = roll * (1.56607f - square * (0.62924f - 0.06305f * square));
+}
+
+/* The roll of the second axis, b, about the first, which X and Y say. */
+static inline real find_roll(const real b[3], real x, real y)
+{
+    const real s = root(most(2.0f - x * x - y * y, all(0)));
+    const real along = b[0] * (1.0f - x * x) - b[1] * (x * y) - b[2] * (x * s);
+    const real across = b[1] * (1.0f - y * y) - b[0] * (x * y) - b[2] * (y * s);
+    const real length = root(along * along + across * across), sign = choose(below(along, all(0)), all(-1), all(1));
+    const real u = sign * along / length, v = sign * across / length;
+    real roll = v / (u + absolute(v));
+    for (int i = 0; i < 3; i++) {
+        real cosine, sine;
+        roll_of(roll, &cosine, &sine);
+        roll += (v * cosine - u * sine) * 0.636619772f;
+    }
+    return roll;
+}
+
+/* The quaternion of the axes that X, Y and the roll say, of those that differ from it by the signs of axes the nearest
+   to `from`: so the gradient fits the master. */
+static inline void quaternion_near(const real from[4], real x, real y, real roll, real to[4])
+{
+    real cosine, sine;
+    roll_of(roll, &cosine, &sine);
+    const real half = all(0.707106781f), w = root(most(2.0f - x * x - y * y, all(0))) * half;
+    const real c = root(most(1.0f + cosine, all(0)) * 0.5f), d = sine / (c * 2.0f), i = -y * half, j = x * half;
+    const real p[4] = {w * c, i * c + j * d, j * c - i * d, w * d};
+    const real q[4] = {(p[0] + p[1] + (p[2] + p[3])) * 0.5f, (p[1] - p[0] + (p[3] - p[2])) * 0.5f,
+                       (p[2] - p[0] + (p[1] - p[3])) * 0.5f, (p[3] - p[0] + (p[2] - p[1])) * 0.5f};
+    const real turned[4][4] = {{q[0], q[1], q[2], q[3]}, {-q[1], q[0], q[3], -q[2]},
+                               {-q[2], -q[3], q[0], q[1]}, {-q[3], q[2], -q[1], q[0]}};
+    real largest = all(0);
+    for (int n = 0; n < 4; n++)
+        to[n] = q[n];
+    for (int k = 0; k < 4; k++) {
+        const real dot = (turned[k][0] * from[0] + turned[k][1] * from[1]) +
+                         (turned[k][2] * from[2] + turned[k][3] * from[3]);
+        const mask is_nearer = below(largest, absolute(dot));
+        const real sign = choose(below(dot, all(0)), all(-1), all(1));
+        largest = choose(is_nearer, absolute(dot), largest);
+        for (int n = 0; n < 4; n++)
+            to[n] = choose(is_nearer, sign * turned[k][n], to[n]);
     }
 }
 
+/* Codes a quaternion as encode_axes does. Codes: n, X, Y, the roll, the latter three in two's complement. `n`: the bits
+   of X and Y; `all_bits`: of the word. */
+static inline void quantise_rotation(const real from[4], whole n, int all_bits, real to[4], whole codes[4])
+{
+    const real w = from[0], i = from[1], j = from[2], k = from[3];
+    const real twice = 2.0f / ((w * w + i * i) + (j * j + k * k));
+    const real a[3] = {1.0f - (j * j + k * k) * twice, (i * j + w * k) * twice, (i * k - w * j) * twice};
+    const real b[3] = {(i * j - w * k) * twice, 1.0f - (i * i + k * k) * twice, (j * k + w * i) * twice};
+    const real sign = choose(below(a[2], all(0)), all(-1), all(1)), length = root(1.0f + absolute(a[2]));
+    const real x = sign * a[0] / length, y = sign * a[1] / length;
+    const real count = real_of(shifted_left(n + 127, 23)), half = count * 0.5f;
+    const real rolls = real_of(shifted_left(all_bits - (n + n) + 127, 23));
+    real said_x = x, said_y = y, roll = all(0), x_code = all(0), y_code = all(0), roll_code = all(0);
+    for (int round = 0; round < 2; round++) {
+        roll_code = nearest(find_roll(b, said_x, said_y) * (rolls * 0.5f));
+        roll_code = choose(below(roll_code, rolls * 0.5f), roll_code, -rolls * 0.5f);
+        const real below_y = part_above(roll_code, rolls);
+        y_code = most(least(nearest(y * half - below_y), half - 1.0f), -half);
+        x_code = most(least(nearest(x * half - part_above(y_code + below_y, count)), half - 1.0f), -half);
+        for (int again = 0; again < 4; again++) {
+            said_y = (y_code + below_y) / half;
+            said_x = (x_code + part_above(y_code + below_y, count)) / half;
+            const mask is_long = below(all(0.9998f), said_x * said_x + said_y * said_y);
+            const mask is_wide = below(absolute(y), absolute(x));
+            x_code += keep(both(is_long, is_wide), choose(below(x, all(0)), all(1), all(-1)));
+            y_code += choose(is_wide, all(0), keep(is_long, choose(below(y, all(0)), all(1), all(-1))));
+        }
+        said_y = (y_code + below_y) / half;
+        said_x = (x_code + part_above(y_code + below_y, count)) / half;
+        roll = roll_code / (rolls * 0.5f);
+    }
+    quaternion_near(from, said_x, said_y, roll, to);
+    codes[0] = n;
+    codes[1] = real_to_whole(x_code);
+    codes[2] = real_to_whole(y_code);
+    codes[3] = real_to_whole(roll_code);
+}
+
 /* `from` and `to`: the Gaussians' first parameter; planes are `stride` apart. Codes: a number for each parameter up to
-   the colours; those of the rotation are the index of the largest component, then the others. SH are not coded here. */
+   the colours; those of the rotation as in quantise_rotation. SH are not coded here. */
 static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c, const float *from, float *to,
                                   ptrdiff_t stride, whole codes[FXS_FIT_SH])
 {
@@ -111,7 +209,7 @@ static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c,
     }
     for (int i = 0; i < 4; i++)
         q[i] = load(from + (FXS_FIT_ROTATION + i) * stride);
-    quantise_rotation(q, g->rotation_bits, rounded, &codes[FXS_FIT_ROTATION]);
+    quantise_rotation(q, axis_bits(g, c, &codes[FXS_FIT_SCALE]), g->rotation_bits, rounded, &codes[FXS_FIT_ROTATION]);
     for (int i = 0; i < 4; i++)
         store(to + (FXS_FIT_ROTATION + i) * stride, rounded[i]);
     const ptrdiff_t at = FXS_FIT_OPACITY * stride;

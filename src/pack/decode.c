@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "src/base/tilt.h"
 #include "src/core/codes.h"
 #include "src/gaussian/attributes.h"
 
@@ -16,17 +17,23 @@ static double opacity_of(uint32_t code, uint32_t law)
     return law == 0 ? code / 255.0 : code == 0 ? 0 : 1 / 255.0 + (top - 1 / 255.0) * part * part;
 }
 
-/* Three components are (2 c - 1023) / (1023 sqrt(2)); the largest follows from the length of 1. */
-static void take_rotation(uint32_t code, float rotation[4])
+/* The quaternion w, x, y, z of the turn that takes +z to the first axis, times that of the roll about z, times that of
+   the turn that takes x, y, z to z, x, y. */
+static void take_rotation(const fxs_scene *s, const fxs_chunk *chunk, const fxs_codes *codes, float rotation[4])
 {
-    const uint32_t largest = code >> 30;
-    double rest = 1;
-    for (uint32_t i = 0; i < 3; i++) {
-        const double q = (2.0 * (code >> (20 - 10 * i) & 1023) - 1023) / 1023 / 1.4142135623730951;
-        rotation[i < largest ? i : i + 1] = (float)q;
-        rest -= q * q;
-    }
-    rotation[largest] = (float)sqrt(rest > 0 ? rest : 0);
+    int32_t fall_q16[3];
+    double cosine, sine;
+    for (int i = 0; i < 3; i++)
+        fall_q16[i] = fxs_fall_q16(codes->scale >> 10 * i & 1023, chunk->scale_step_q24);
+    const fxs_tilt a = fxs_tilt_of_word(codes->rotation, fxs_axis_bits(s->profile, fall_q16));
+    const double rest = 2 - a.x * a.x - a.y * a.y, half = sqrt(0.5), w = sqrt(rest > 0 ? rest : 0) * half;
+    fxs_tilt_roll(a.roll, &cosine, &sine);
+    const double c = sqrt((1 + cosine) / 2), d = sine / (2 * c), x = -a.y * half, y = a.x * half;
+    const double q[4] = {w * c, x * c + y * d, y * c - x * d, w * d};
+    rotation[0] = (float)((q[0] + q[1] + q[2] + q[3]) / 2);
+    rotation[1] = (float)((q[1] - q[0] - q[2] + q[3]) / 2);
+    rotation[2] = (float)((q[2] - q[0] - q[3] + q[1]) / 2);
+    rotation[3] = (float)((q[3] - q[0] - q[1] + q[2]) / 2);
 }
 
 /* Profile default: a coefficient of degree d is code * sh_step[d - 1]. */
@@ -62,7 +69,8 @@ static void take_palette(const fxs_scene *s, const fxs_chunk *chunk, const unsig
 
 int fxs_slot_is_empty(const fxs_scene *s, const unsigned char *rows, uint32_t g)
 {
-    return fxs_codes_of(s, rows, g).rotation == 0;
+    const fxs_codes codes = fxs_codes_of(s, rows, g);
+    return !codes.rotation && !(codes.colour >> 24);
 }
 
 void fxs_decode(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g, fxs_gaussian *out)
@@ -78,7 +86,7 @@ void fxs_decode(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char 
         out->dc[i] = fxs_dc_of_colour(chunk->colour_q16[i] * 0x1p-16 +
                                       (double)colour * chunk->colour_step_q20[i] * 0x1p-20);
     }
-    take_rotation(codes.rotation, out->rotation);
+    take_rotation(s, chunk, &codes, out->rotation);
     out->opacity = fxs_logit_of_opacity(opacity_of(codes.colour >> 24, chunk->opacity_law));
     if (s->profile == FXS_PROFILE_DEFAULT)
         take_bands(s, chunk, rows, g, out->sh);

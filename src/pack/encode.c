@@ -145,16 +145,16 @@ static unsigned char *put(unsigned char *to, uint32_t value, int bytes)
 
 unsigned char *fxs_put_codes(const fxs_encoder *e, const fxs_codes *codes, unsigned char *record)
 {
-    const uint32_t *p = codes->position, *s = codes->scale, *q = codes->rotation, *c = codes->colour;
+    const uint32_t *p = codes->position, *s = codes->scale, *c = codes->colour, rotation = codes->rotation;
     if (e->profile == FXS_PROFILE_SMALL) {
-        record = put(record, p[0] | p[1] << 11 | codes->largest << 22 | codes->opacity << 24, 4);
-        record = put(record, p[2] | c[0] << 11 | c[1] << 18 | c[2] << 25 | (q[1] >> 5 & 1) << 31, 4);
-        record = put(record, s[0] | s[1] << 7 | s[2] << 14 | q[0] << 20 | (q[1] & 31) << 27, 4);
-        return put(record, q[2] | (q[1] >> 6) << 7, 1);
+        record = put(record, p[0] | p[1] << 11 | (rotation >> 10 & 3) << 22 | codes->opacity << 24, 4);
+        record = put(record, p[2] | c[0] << 11 | c[1] << 18 | c[2] << 25 | (rotation >> 9) << 31, 4);
+        record = put(record, s[0] | s[1] << 7 | s[2] << 14 | (rotation & 0xfff00000u), 4);
+        return put(record, rotation >> 12 & 255, 1);
     }
     for (int i = 0; i < 3; i++)
         record = put(record, p[i], 2);
-    record = put(record, codes->largest << 30 | q[0] << 20 | q[1] << 10 | q[2], 4);
+    record = put(record, rotation, 4);
     record = put(record, s[0] | s[1] << 10 | s[2] << 20, 4);
     return put(record, c[0] | c[1] << 8 | c[2] << 16 | codes->opacity << 24, 4);
 }

@@ -99,7 +99,7 @@ enum { FXS_RECORD_BYTES = 63 };      /* the most bytes of the codes of a Gaussia
 /* The codes of a Gaussian, as they are in the rows. */
 typedef struct fxs_codes {
     uint32_t position[3], scale[3];
-    uint32_t largest, rotation[3];       /* index of the component w, x, y, z that is left out; the others */
+    uint32_t rotation;                   /* the word; in small its upper 23 bits */
     uint32_t colour[3], opacity;
 } fxs_codes;
 

@@ -1,5 +1,6 @@
 /* The stages take_ranges and encode of pack_stage.h: small loops that become vectors. */
 #include "encode.h"
+#include "src/base/tilt.h"
 
 #define DEGREES 57.29577951308232   /* in a radian */
 
@@ -185,52 +186,116 @@ static inline void note_angle(fxs_loss *loss, double dot)
         *largest = larger_of(*largest, 2 * acos(dot) * DEGREES);
 }
 
-/* Smallest three: the largest component is left out, the others are in +-1/sqrt(2), 10 bits each, 7 in small. Returns
-   the index of the largest. */
-static inline uint32_t encode_rotation(const fxs_encoder *e, const double rotation[4], uint32_t codes[3],
-                                       fxs_loss *loss)
+/* The roll, -1 to 1, whose second axis is cosine side[0] + sine side[1], up to a factor. */
+static inline double roll_of(double cosine, double sine)
 {
-    double q[4], decoded[4], norm = 0, rest = 0, dot = 0;
-    int32_t found[4];
-    const int32_t bits = e->profile == FXS_PROFILE_SMALL ? 7 : 10, most = (1 << bits) - 1;
-    uint32_t largest = 0;
-    for (uint32_t i = 0; i < 4; i++) {
-        norm += rotation[i] * rotation[i];
-        largest = fabs(rotation[i]) > fabs(rotation[largest]) ? i : largest;
+    const double sign = cosine < 0 ? -1 : 1, length = sqrt(cosine * cosine + sine * sine);
+    const double c = sign * cosine / length, s = sign * sine / length;
+    double roll = s / (c + fabs(s));
+    for (int i = 0; i < 3; i++) {
+        double said_c, said_s;
+        fxs_tilt_roll(roll, &said_c, &said_s);
+        roll += (s * said_c - c * said_s) * 0.6366197723675814;   /* 2 / pi */
     }
-    norm = copysign(sqrt(norm), rotation[largest]);
-    for (int i = 0; i < 4; i++) {
-        q[i] = rotation[i] / norm;
-        found[i] = cut_within((q[i] * 1.4142135623730951 + 1) * (most / 2.0) + 0.5, 0, most);
-        decoded[i] = (spread(found[i], bits, 10) - 511.5) * (1 / (511.5 * 1.4142135623730951));
-    }
-    decoded[largest] = 0;
-    for (int i = 0; i < 4; i++)
-        rest += decoded[i] * decoded[i];
-    decoded[largest] = sqrt(larger_of(0, 1 - rest));
-    for (int i = 0; i < 4; i++)
-        dot += q[i] * decoded[i];
-    for (uint32_t i = 0; i < 3; i++)
-        codes[i] = (uint32_t)found[i < largest ? i : i + 1];
-    note_angle(loss, dot);
-    return largest;
+    return roll;
 }
 
-/* Turns the axes of a Gaussian so that the thinnest is last: a quarter turn about the axis that stays, q (1 + i) or
-   q (1 + j), up to a factor. The changed sign of an axis makes no difference. */
-static inline void put_thinnest_last(float scale[3], double rotation[4])
+/* The nearest of 2^bits numbers to x, -1 to 1, less what the bits below add: a code in two's complement. */
+static inline int32_t code_around(double x, int32_t bits, double below)
 {
-    const int thinnest = scale[0] < scale[1] ? 0 : 1;
-    const double w = rotation[0], x = rotation[1], y = rotation[2], z = rotation[3];
-    if (!(scale[thinnest] < scale[2]))
-        return;
-    const float last = scale[2];
-    scale[2] = scale[thinnest];
-    scale[thinnest] = last;
-    rotation[0] = thinnest ? w - x : w - y;
-    rotation[1] = thinnest ? x + w : x - z;
-    rotation[2] = thinnest ? y + z : y + w;
-    rotation[3] = thinnest ? z - y : z + x;
+    const int32_t half = 1 << (bits - 1);
+    const int32_t code = cut_within(x * half - below + half + 0.5, 0, 2 * half - 1);
+    return code - half;
+}
+
+/* The bits below a number's own, as a part of its step. */
+static inline double part_of(int32_t code, int32_t bits, double below)
+{
+    const int32_t number = 1 << bits;
+    return ((double)(code & (number - 1)) + below) / number;
+}
+
+static inline int is_too_long(uint32_t word, int32_t bits)
+{
+    const int32_t x_q15 = (int32_t)word >> 16, y_q15 = (int32_t)(word << bits) >> 16;
+    return x_q15 * x_q15 + y_q15 * y_q15 > 1 << 30;
+}
+
+/* The rotation word of axes with these directions: the roll by the sides of the first axis as the word says it, so the
+   second round begins with the result of the first. `all`: bits of the word. */
+static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
+{
+    const double sign = axis[0][2] < 0 ? -1 : 1, length = sqrt(1 + fabs(axis[0][2]));
+    const double x = sign * axis[0][0] / length, y = sign * axis[0][1] / length;
+    const int32_t roll_bits = all - 2 * bits;
+    fxs_tilt said = {x, y, 0};
+    uint32_t word = 0;
+    for (int round = 0; round < 2; round++) {
+        double first[3], side[2][3], along[2];
+        fxs_tilt_sides(&said, first, side);
+        for (int i = 0; i < 2; i++)
+            along[i] = axis[1][0] * side[i][0] + axis[1][1] * side[i][1] + axis[1][2] * side[i][2];
+        const double roll = roll_of(along[0], along[1]), half = (double)(1 << (roll_bits - 1));
+        const int32_t roll_code = cut_within((roll + 1) * half + 0.5, 0, 1 << roll_bits) - (1 << (roll_bits - 1));
+        const double below_y = part_of(roll_code, roll_bits, 0);
+        int32_t y_code = code_around(y, bits, below_y);
+        int32_t x_code = code_around(x, bits, part_of(y_code, bits, below_y));
+        for (int again = 0; again < 4; again++) {
+            word = fxs_tilt_word((uint32_t)x_code, (uint32_t)y_code, (uint32_t)roll_code, bits, all);
+            if (!is_too_long(word, bits))
+                break;
+            if (fabs(x) > fabs(y))
+                x_code += x > 0 ? -1 : 1;
+            else
+                y_code += y > 0 ? -1 : 1;
+        }
+        said = fxs_tilt_of_word(word, bits);
+    }
+    return word;
+}
+
+/* Puts the axes of a Gaussian in the order of their lengths, the longest first. */
+static inline void order_axes(float scale[3], double axis[3][3])
+{
+    for (int i = 0; i < 3; i++) {
+        const int k = i == 2 ? 0 : i;             /* 0 and 1, 1 and 2, 0 and 1 again */
+        if (!(scale[k] < scale[k + 1]))
+            continue;
+        const float length = scale[k];
+        scale[k] = scale[k + 1];
+        scale[k + 1] = length;
+        for (int d = 0; d < 3; d++) {
+            const double direction = axis[k][d];
+            axis[k][d] = axis[k + 1][d];
+            axis[k + 1][d] = direction;
+        }
+    }
+}
+
+/* cos of half the angle between the axes and those of the word, where an axis may point either way. */
+static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t bits)
+{
+    const fxs_tilt a = fxs_tilt_of_word(word, bits);
+    double said[3][3], trace = 0;
+    fxs_tilt_directions(&a, said);
+    for (int i = 0; i < 3; i++)
+        trace += fabs(axis[i][0] * said[i][0] + axis[i][1] * said[i][1] + axis[i][2] * said[i][2]);
+    return sqrt(1 + trace) / 2;
+}
+
+/* `scale`: the codes of the axes' lengths. */
+static inline uint32_t encode_rotation(const fxs_encoder *e, const fxs_chunk *chunk, double axis[3][3],
+                                       const uint32_t scale[3], fxs_loss *loss)
+{
+    const int small = e->profile == FXS_PROFILE_SMALL;
+    const int32_t own[3] = {small ? 7 : 10, small ? 7 : 10, small ? 6 : 10};
+    int32_t fall_q16[3];
+    for (int i = 0; i < 3; i++)
+        fall_q16[i] = fxs_fall_q16((uint32_t)spread((int32_t)scale[i], own[i], 10), chunk->scale_step_q24);
+    const int32_t bits = fxs_axis_bits(e->profile, fall_q16);
+    const uint32_t word = encode_axes(axis, bits, FXS_ROTATION_BITS(e->profile));
+    note_angle(loss, half_angle_cosine(axis, word, bits));
+    return word;
 }
 
 /* ---- SH -------------------------------------------------------------------------------------------------------- */
@@ -297,13 +362,16 @@ static void NAMED(fxs_pack_encode_, ISA)(const fxs_encoder *e, const fxs_chunk *
 {
     fxs_codes codes;
     float scale[3] = {g->scale[0], g->scale[1], g->scale[2]};
-    double rotation[4] = {g->rotation[0], g->rotation[1], g->rotation[2], g->rotation[3]}, error;
-    if (e->profile == FXS_PROFILE_SMALL)
-        put_thinnest_last(scale, rotation);
+    double rows[3][3], axis[3][3], error;
+    fxs_rotation_matrix(rows, g->rotation[0], g->rotation[1], g->rotation[2], g->rotation[3]);
+    for (int i = 0; i < 9; i++)
+        axis[i % 3][i / 3] = rows[i / 3][i % 3];
+    order_axes(scale, axis);
     encode_even(e, chunk, g, &codes, loss);
     encode_scales(e, chunk, scale, codes.scale, loss);
-    codes.largest = encode_rotation(e, rotation, codes.rotation, loss);
     codes.opacity = (uint32_t)encode_opacity(opacity, chunk->opacity_law, &error);
+    codes.rotation = encode_rotation(e, chunk, axis, codes.scale, loss);
+    codes.rotation |= !codes.rotation && !codes.opacity ? FXS_NOT_EMPTY : 0;
     loss->largest[FXS_LOSS_OPACITY] = larger_of(fabs(error), loss->largest[FXS_LOSS_OPACITY]);
     loss->squares[FXS_LOSS_OPACITY] += error * error;
     record = fxs_put_codes(e, &codes, record);

@@ -9,10 +9,10 @@ static inline vi spread_11(vi code)
     return code << 5 | code >> 6;
 }
 
-/* fxs_spread_scale; constant bits */
-static inline vi spread_scale(vi x, vi y, vi z, int bits)
+/* fxs_spread_scale */
+static inline vi spread_scale(vi x, vi y, vi z)
 {
-    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << (10 - bits) | z >> (2 * bits - 10)) << 20;
+    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << 4 | z >> 2) << 20;
 }
 
 static inline void load_positions(vi code[3], const fxs_scene *scene, const unsigned char *rows, uint32_t i)
@@ -34,7 +34,7 @@ static inline vi load_scales(const fxs_scene *scene, const unsigned char *rows, 
     if (scene->profile != FXS_PROFILE_SMALL)
         return load(rows + FXS_ROW_SCALE + 4 * i);
     vi c = load(rows + FXS_SMALL_C + 4 * i);
-    return spread_scale(c & 127, c >> 7 & 127, c >> 14 & 63, 6);
+    return spread_scale(c & 127, c >> 7 & 127, c >> 14 & 63);
 }
 
 static inline vi load_rotations(const fxs_scene *scene, const unsigned char *rows, uint32_t i)
@@ -43,8 +43,7 @@ static inline vi load_rotations(const fxs_scene *scene, const unsigned char *row
         return load(rows + FXS_ROW_ROTATION + 4 * i);
     vi a = load(rows + FXS_SMALL_A + 4 * i), b = load(rows + FXS_SMALL_B + 4 * i), c = load(rows + FXS_SMALL_C + 4 * i);
     vi d = load_i8((const int8_t *)rows + FXS_SMALL_D + i) & 255;
-    vi q1 = (vi)((vu)c >> 27) | (vi)((vu)b >> 31) << 5 | (d >> 7) << 6;
-    return spread_scale(d & 127, q1, c >> 20 & 127, 7) | (a >> 22) << 30;
+    return (c & (int32_t)0xfff00000) | d << 12 | (a >> 22 & 3) << 10 | (vi)((vu)b >> 31) << 9;
 }
 
 static inline vi load_colours(const fxs_scene *scene, const unsigned char *rows, uint32_t i)

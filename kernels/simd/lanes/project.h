@@ -61,9 +61,10 @@ static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
            equal((vi)(high_half(raised_q35) >> 21 | raised_q14 >> 31), all(0));
 }
 
-static inline vi log2_sigma_q16(const fxs_chunk_view *cv, vi code)
+/* fxs_fall_q16 */
+static inline vi fall_of(const fxs_chunk_view *cv, vi code)
 {
-    return cv->scale_q16 - (vi)(((vu)(code * code * (int32_t)cv->scale_step_q24) + 128) >> 8);
+    return (vi)(((vu)(code * code * (int32_t)cv->scale_step_q24) + 128) >> 8);
 }
 
 /* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest code is the largest
@@ -72,7 +73,7 @@ static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, con
                              vi *exponent)
 {
     vi code = least(least(scale_word & 1023, scale_word >> 10 & 1023), scale_word >> 20 & 1023);
-    vi minus_log2_q16 = -log2_sigma_q16(cv, code);
+    vi minus_log2_q16 = fall_of(cv, code) - cv->scale_q16;
     vu size_q15 = (vu)exp2_q15((minus_log2_q16 & 65535) >> 1);
     vu over_z_q30 = narrow(mul_wide_u(size_q15, (vu)c->inverse_q30), 15);
     vu mantissa = mulhi(over_z_q30, (vu)all((int32_t)view->focal_q32));
@@ -152,37 +153,39 @@ static inline void jacobian(vi j_q15[3], const fxs_view *view, int i, vi slope_q
         j_q15[k] = view->row_q15[i][k] - mul_q15(slope_q15, all(view->forward_q15[i][k]));
 }
 
-static inline vi component(vi word, int shift)
+typedef struct axes {
+    vi axis_q15[3], side_q15[2][3], cos_q15, sin_q15;
+} axes;
+
+/* fxs_axis_bits */
+static inline vi axis_bits(enum fxs_profile profile, const vi fall_q16[3])
 {
-    vi code = (vi)((vu)word >> shift) & 1023;
-    return round_shift((2 * code - 1023) * 23194, 10);
+    const vi y = fall_q16[1] - fall_q16[0], z = fall_q16[2] - fall_q16[0];
+    const vi gap = least(most(y, -y), most(z, -z)) >> 4;
+    return least((FXS_AXIS_Q16(profile) + 5 * gap) >> 16, all(FXS_AXIS_BITS_MOST(profile)));
 }
 
-/* w, x, y, z from the smallest three a, b, c, where those are not longer than 1. */
-static inline mask quaternion(vi q_q15[4], vi word)
+/* Returns where X and Y are no longer than 1. */
+static inline mask read_axes(axes *out, vi word, vi bits)
 {
-    vi a = component(word, 20), b = component(word, 10), c = component(word, 0), which = (vi)((vu)word >> 30);
-    vi rest_q30 = (1 << 30) - (a * a + b * b + c * c), largest = (vi)root((vu)rest_q30);
-    q_q15[0] = choose(equal(which, all(0)), largest, a);
-    q_q15[1] = choose(equal(which, all(1)), largest, choose(equal(which, all(0)), a, b));
-    q_q15[2] = choose(equal(which, all(2)), largest, choose(greater(which, all(2)), c, b));
-    q_q15[3] = choose(equal(which, all(3)), largest, c);
-    return greater(rest_q30, all(-1));
-}
-
-/* Columns of the rotation matrix. */
-static inline void rotation(vi r_q15[3][3], const vi q[4])
-{
-    const vi w = q[0], x = q[1], y = q[2], z = q[3];
-    r_q15[0][0] = 32768 - round_shift(y * y + z * z, 14);
-    r_q15[1][0] = round_shift(x * y - w * z, 14);
-    r_q15[2][0] = round_shift(x * z + w * y, 14);
-    r_q15[0][1] = round_shift(x * y + w * z, 14);
-    r_q15[1][1] = 32768 - round_shift(x * x + z * z, 14);
-    r_q15[2][1] = round_shift(y * z - w * x, 14);
-    r_q15[0][2] = round_shift(x * z - w * y, 14);
-    r_q15[1][2] = round_shift(y * z + w * x, 14);
-    r_q15[2][2] = 32768 - round_shift(x * x + y * y, 14);
+    const vu y_word = shift_left((vu)word, bits), roll_word = shift_left(y_word, bits);
+    const vi x = word >> 16, y = (vi)y_word >> 16, u = (vi)roll_word >> 16;
+    const vi xx = x * x, yy = y * y, xx_q15 = round_shift(xx, 15), yy_q15 = round_shift(yy, 15);
+    const vi xy_q15 = round_shift(x * y, 15), uu_q15 = round_shift(u * u, 15);
+    const vu square_q30 = (vu)(xx + yy), m = 0x80000000u - square_q30;
+    const vi s_q15 = (vi)(mulhi(m, rsqrt(m)) >> 14);
+    const vi xs_q15 = mul_q15(x, s_q15), ys_q15 = mul_q15(y, s_q15);
+    out->axis_q15[0] = xs_q15;
+    out->axis_q15[1] = ys_q15;
+    out->axis_q15[2] = 32768 - xx_q15 - yy_q15;
+    out->side_q15[0][0] = 32768 - xx_q15;
+    out->side_q15[0][1] = out->side_q15[1][0] = -xy_q15;
+    out->side_q15[0][2] = -xs_q15;
+    out->side_q15[1][1] = 32768 - yy_q15;
+    out->side_q15[1][2] = -ys_q15;
+    out->cos_q15 = 32768 - mul_q15(uu_q15, 40141 - mul_q15(uu_q15, all(7373)));
+    out->sin_q15 = mul_q15(u, 51317 - mul_q15(uu_q15, 20619 - mul_q15(uu_q15, all(2066))));
+    return greater((vi)((1 << 30) - square_q30), all(-1));
 }
 
 static inline vi dot_q15(const vi a_q15[3], const vi b_q15[3])
@@ -197,23 +200,26 @@ static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
     return (vi)((shift_right(narrow(mul_wide_u(ratio_q15, size_q32), 31), reduce + (below_q16 >> 16)) + 1) >> 1);
 }
 
-/* T = J W R S, column by column, where the rotation is one. */
-static inline mask screen_axes(vi t_q15[2][3], const fxs_view *view, const fxs_chunk_view *cv, const survivors *s,
-                               uint32_t at)
+/* T = J W R S, where X and Y of the rotation are no longer than 1. */
+static inline mask screen_axes(vi t_q15[2][3], const fxs_view *view, const fxs_chunk_view *cv, enum fxs_profile profile,
+                               const survivors *s, uint32_t at)
 {
-    vi j_q15[2][3], q_q15[4], r_q15[3][3], log2_q16[3], exponent = load(&s->rows[EXPONENT][at]);
+    vi j_q15[2][3], fall_q16[3], k_q15[3], exponent = load(&s->rows[EXPONENT][at]);
     vi scale_word = load(&s->rows[SCALE][at]), reduce = most(exponent, all(0)) - exponent;
+    axes a;
     jacobian(j_q15[0], view, 0, load(&s->rows[SLOPE_X][at]));
     jacobian(j_q15[1], view, 1, load(&s->rows[SLOPE_Y][at]));
-    const mask valid = quaternion(q_q15, load(&s->rows[ROTATION][at]));
-    rotation(r_q15, q_q15);
     for (int i = 0; i < 3; i++)
-        log2_q16[i] = log2_sigma_q16(cv, scale_word >> 10 * i & 1023);
-    vi longest = most(most(log2_q16[0], log2_q16[1]), log2_q16[2]);
-    for (int i = 0; i < 3; i++) {
-        vi k_q15 = axis_length(longest - log2_q16[i], (vu)load(&s->rows[SIZE][at]), reduce);
-        t_q15[0][i] = mul_q15(dot_q15(j_q15[0], r_q15[i]), k_q15);
-        t_q15[1][i] = mul_q15(dot_q15(j_q15[1], r_q15[i]), k_q15);
+        fall_q16[i] = fall_of(cv, scale_word >> 10 * i & 1023);
+    const mask valid = read_axes(&a, load(&s->rows[ROTATION][at]), axis_bits(profile, fall_q16));
+    vi shortest = least(least(fall_q16[0], fall_q16[1]), fall_q16[2]);
+    for (int i = 0; i < 3; i++)
+        k_q15[i] = axis_length(fall_q16[i] - shortest, (vu)load(&s->rows[SIZE][at]), reduce);
+    for (int i = 0; i < 2; i++) {
+        const vi p = dot_q15(j_q15[i], a.side_q15[0]), q = dot_q15(j_q15[i], a.side_q15[1]);
+        t_q15[i][0] = mul_q15(dot_q15(j_q15[i], a.axis_q15), k_q15[0]);
+        t_q15[i][1] = mul_q15(round_shift(p * a.cos_q15 + q * a.sin_q15, 15), k_q15[1]);
+        t_q15[i][2] = mul_q15(round_shift(q * a.cos_q15 - p * a.sin_q15, 15), k_q15[2]);
     }
     return valid;
 }
@@ -337,7 +343,7 @@ static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view,
 
 /* The survivors `at` to at + LANES - 1. */
 static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, const fxs_chunk_view *cv,
-                         const survivors *s, uint32_t at)
+                         enum fxs_profile profile, const survivors *s, uint32_t at)
 {
     vi t_q15[2][3], offset_q11 = load(&s->rows[OPACITY][at]);
     if (view->share_q8 != 256)
@@ -345,7 +351,7 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
     offset_q11 += view->offset_q11;
     covariance cov;
     mask alive = greater((int32_t)(s->count - at) - load(lane_numbers), all(0));
-    alive &= screen_axes(t_q15, view, cv, s, at);
+    alive &= screen_axes(t_q15, view, cv, profile, s, at);
     covariance_of(&cov, t_q15, most(load(&s->rows[EXPONENT][at]), all(0)));
     if (view->antialiased)
         alive &= compensate(&offset_q11, &cov);
@@ -388,8 +394,8 @@ typedef struct outputs {
 } outputs;
 
 /* The second pass. */
-static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs_chunk_view *cv, survivors *s,
-                                   uint32_t chunk)
+static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs_chunk_view *cv,
+                                   enum fxs_profile profile, survivors *s, uint32_t chunk)
 {
     const uint16_t *offsets_q11 = fxs_offset_of_code_q11[cv->opacity_law];
     for (uint32_t i = 0; i < s->count; i++)
@@ -398,7 +404,7 @@ static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs
         store(&s->rows[row][s->count], all(0));
     for (uint32_t at = 0; at < s->count; at += LANES) {
         vi splat[WORDS], bound[WORDS] = {{0}};
-        const mask visible = shape(splat, bound, view, cv, s, at);
+        const mask visible = shape(splat, bound, view, cv, profile, s, at);
         append(out->splats + out->count, out->bounds + out->count, splat, bound, bits(visible));
         store_compressed(out->indices + out->count, load(&s->rows[INDEX][at]) + (int32_t)(chunk * FXS_CHUNK), visible);
         store_compressed(out->depths + out->count, load(&s->rows[DEPTH][at]), visible);
@@ -422,7 +428,7 @@ static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, con
         for (uint32_t i = first; i < first + AT_ONCE; i += LANES)
             if (!find_centres(&s, view, &cv, scene, fxs_rows(scene, chunk), i))
                 return LEFT_TO_C;
-        shape_survivors(&out, view, &cv, &s, chunk);
+        shape_survivors(&out, view, &cv, scene->profile, &s, chunk);
     }
     return (int32_t)out.count;
 }

@@ -1,0 +1,60 @@
+/* The axes of a Gaussian as its rotation word says them (docs/format.md), in doubles. */
+#ifndef FXS_TILT_H
+#define FXS_TILT_H
+
+#include <math.h>
+#include <stdint.h>
+
+/* The three numbers of a rotation word, each in -1..1. */
+typedef struct fxs_tilt {
+    double x, y, roll;
+} fxs_tilt;
+
+/* cos and sin of pi/2 times the roll, as the renderer has them. */
+static inline void fxs_tilt_roll(double roll, double *cosine, double *sine)
+{
+    const double square = roll * roll;
+    *cosine = 1 - square * (1.225 - 0.225 * square);
+    *sine = roll * (1.56607 - square * (0.62924 - 0.06305 * square));
+}
+
+/* The first axis, and two directions at right angles to it. */
+static inline void fxs_tilt_sides(const fxs_tilt *a, double axis[3], double side[2][3])
+{
+    const double x = a->x, y = a->y, s = sqrt(2 - x * x - y * y);
+    axis[0] = x * s, axis[1] = y * s, axis[2] = 1 - x * x - y * y;
+    side[0][0] = 1 - x * x, side[0][1] = -x * y, side[0][2] = -x * s;
+    side[1][0] = -x * y, side[1][1] = 1 - y * y, side[1][2] = -y * s;
+}
+
+/* The three axes, axis[i] as x, y, z. */
+static inline void fxs_tilt_directions(const fxs_tilt *a, double axis[3][3])
+{
+    double side[2][3], cosine, sine;
+    fxs_tilt_sides(a, axis[0], side);
+    fxs_tilt_roll(a->roll, &cosine, &sine);
+    for (int i = 0; i < 3; i++) {
+        axis[1][i] = cosine * side[0][i] + sine * side[1][i];
+        axis[2][i] = cosine * side[1][i] - sine * side[0][i];
+    }
+}
+
+/* The word of these codes, in two's complement: of x and y with `bits` bits each, and of the roll. `all`: bits of the
+   word, which are the upper ones. */
+static inline uint32_t fxs_tilt_word(uint32_t x, uint32_t y, uint32_t roll, int32_t bits, int32_t all)
+{
+    const int32_t roll_bits = all - 2 * bits;
+    return x << (32 - bits) | (y & ((1u << bits) - 1)) << (32 - 2 * bits) |
+           (roll & ((1u << roll_bits) - 1)) << (32 - all);
+}
+
+/* In place of a word of 0 where the opacity has code 0, as such a slot would count as empty. */
+#define FXS_NOT_EMPTY (1u << 9)
+
+/* `bits`: of x and of y, as fxs_axis_bits gives them. */
+static inline fxs_tilt fxs_tilt_of_word(uint32_t word, int32_t bits)
+{
+    return (fxs_tilt){(int32_t)word * 0x1p-31, (int32_t)(word << bits) * 0x1p-31, (int32_t)(word << 2 * bits) * 0x1p-31};
+}
+
+#endif
