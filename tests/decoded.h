@@ -8,6 +8,7 @@
 #include "src/core/chunk.h"
 #include <fixsplat/packed.h>
 #include "check.h"
+#include "rotation_word.h"
 
 static inline const fxs_chunk *chunk_of(const fxs_scene *scene, uint32_t i)
 {
@@ -39,27 +40,30 @@ static inline uint32_t widen(uint32_t code, int bits, int wide)
 }
 
 typedef struct decoded {
-    double position[3], scale[3], rotation[4], opacity, dc[3], sh[45];
+    double position[3], scale[3], opacity, dc[3], sh[45];
+    uint32_t rotation;
+    int axis_bits;
 } decoded;
 
+enum { FIELDS = 11 };                  /* positions, scales, the rotation word, colours, opacity */
+
 /* Codes of a Gaussian of the profile small, widened to those of default. */
-static inline void small_codes(uint32_t codes[14], const unsigned char *rows, uint32_t at)
+static inline void small_codes(uint32_t codes[FIELDS], const unsigned char *rows, uint32_t at)
 {
     uint32_t a, b, c, d = rows[3072 + at];
     memcpy(&a, rows + 4 * at, 4);
     memcpy(&b, rows + 1024 + 4 * at, 4);
     memcpy(&c, rows + 2048 + 4 * at, 4);
-    const uint32_t second = c >> 27 | (b >> 31) << 5 | (d >> 7) << 6;
-    const uint32_t all[14] = {
+    const uint32_t all[FIELDS] = {
         widen(a & 2047, 11, 16), widen(a >> 11 & 2047, 11, 16), widen(b & 2047, 11, 16),
         widen(c & 127, 7, 10), widen(c >> 7 & 127, 7, 10), widen(c >> 14 & 63, 6, 10),
-        a >> 22 & 3, widen(c >> 20 & 127, 7, 10), widen(second, 7, 10), widen(d & 127, 7, 10),
+        (c >> 20) << 20 | d << 12 | (a >> 22 & 3) << 10 | (b >> 31) << 9,
         widen(b >> 11 & 127, 7, 8), widen(b >> 18 & 127, 7, 8), widen(b >> 25 & 63, 6, 8), a >> 24
     };
     memcpy(codes, all, sizeof all);
 }
 
-static inline void other_codes(uint32_t codes[14], const unsigned char *rows, uint32_t at)
+static inline void other_codes(uint32_t codes[FIELDS], const unsigned char *rows, uint32_t at)
 {
     uint32_t words[3];
     for (uint32_t i = 0; i < 3; i++) {
@@ -70,11 +74,10 @@ static inline void other_codes(uint32_t codes[14], const unsigned char *rows, ui
     }
     for (int i = 0; i < 3; i++) {
         codes[3 + i] = words[1] >> 10 * i & 1023;
-        codes[7 + i] = words[0] >> (20 - 10 * i) & 1023;
-        codes[10 + i] = words[2] >> 8 * i & 255;
+        codes[7 + i] = words[2] >> 8 * i & 255;
     }
-    codes[6] = words[0] >> 30;
-    codes[13] = words[2] >> 24;
+    codes[6] = words[0];
+    codes[10] = words[2] >> 24;
 }
 
 static inline void decode_palette(double sh[45], const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *record)
@@ -101,24 +104,21 @@ static inline void decode_palette(double sh[45], const fxs_scene *s, const fxs_c
 static inline decoded decode(const fxs_scene *s, uint32_t i)
 {
     decoded d;
-    uint32_t codes[14], at = i % FXS_CHUNK;
+    uint32_t codes[FIELDS], at = i % FXS_CHUNK;
     const fxs_chunk *chunk = chunk_of(s, i);
     const unsigned char *rows = rows_of(s, i);
-    double rest = 1;
     memset(&d, 0, sizeof d);
     (s->profile == FXS_PROFILE_SMALL ? small_codes : other_codes)(codes, rows, at);
     for (uint32_t k = 0; k < 3; k++) {
         double scale = codes[3 + k];
         d.position[k] = ldexp((double)chunk->origin_q32[k], -32) + codes[k] * position_step(chunk, k);
         d.scale[k] = log(2) * (ldexp(chunk->scale_q16, -16) - scale * scale * ldexp(chunk->scale_step_q24, -24));
-        d.dc[k] = (ldexp(chunk->colour_q16[k], -16) + codes[10 + k] * ldexp(chunk->colour_step_q20[k], -20) - 0.5) /
+        d.dc[k] = (ldexp(chunk->colour_q16[k], -16) + codes[7 + k] * ldexp(chunk->colour_step_q20[k], -20) - 0.5) /
                   0.28209479177387814;
-        double q = (2.0 * codes[7 + k] - 1023) / 1023 / sqrt(2);
-        d.rotation[k < codes[6] ? k : k + 1] = q;
-        rest -= q * q;
     }
-    d.rotation[codes[6]] = sqrt(fmax(0, rest));
-    d.opacity = opacity_of(codes[13], chunk->opacity_law);
+    d.axis_bits = axis_bits(s->profile == FXS_PROFILE_SMALL, codes + 3, chunk->scale_step_q24);
+    d.rotation = codes[6];
+    d.opacity = opacity_of(codes[10], chunk->opacity_law);
     if (s->profile != FXS_PROFILE_DEFAULT && s->sh_degree) {
         const int small = s->profile == FXS_PROFILE_SMALL;
         const uint32_t bytes = (const uint32_t[2][4]){{0, 8, 13, 21}, {0, 4, 6, 6}}[small][s->sh_degree];

@@ -7,6 +7,7 @@
 #include "src/core/chunk.h"
 #include "check.h"
 #include "reference.h"
+#include "rotation_word.h"
 
 static inline fxs_file_view view_of(const fxs_camera *camera)
 {
@@ -33,21 +34,6 @@ static inline struct reference_object object_in_doubles(const fxs_object *object
     return o;
 }
 
-static inline void decode_rotation(float rotation[4], uint32_t word)
-{
-    int largest = (int)(word >> 30);
-    double rest = 1;
-    for (int i = 0, shift = 20; i < 4; i++) {
-        if (i == largest)
-            continue;
-        double q = (2.0 * (word >> shift & 1023) - 1023) / 1023 / sqrt(2);
-        rotation[i] = (float)q;
-        rest -= q * q;
-        shift -= 10;
-    }
-    rotation[largest] = (float)sqrt(fmax(0, rest));
-}
-
 /* What src/include/fixsplat/packed.h says that Gaussian `index` is, in the default profile. */
 static inline fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
 {
@@ -71,7 +57,10 @@ static inline fxs_gaussian decode(const fxs_scene *scene, uint32_t index)
         g.dc[i] = (float)((ldexp(chunk->colour_q16[i], -16) - 0.5 +
                            (colour >> 8 * i & 255) * ldexp(chunk->colour_step_q20[i], -20)) / 0.28209479177387814);
     }
-    decode_rotation(g.rotation, rotation);
+    double q[4];
+    word_quaternion(q, rotation, axis_bits_of_word(0, scale, chunk->scale_step_q24));
+    for (int i = 0; i < 4; i++)
+        g.rotation[i] = (float)q[i];
     const double part = ((colour >> 24) - 1.0) / 254, top = ldexp(1, 2 - 2 * header.opacity_law);
     double opacity = header.opacity_law && colour >> 24 ? 1 / 255.0 + (top - 1 / 255.0) * part * part
                                                         : (colour >> 24) / 255.0;

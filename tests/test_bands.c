@@ -226,8 +226,7 @@ static packed_scene place_in_rows(uint32_t chunks, const int counts[][ROWS], int
                 codes[FXS_CHUNK + at] = (uint16_t)(16 * row + 8);
                 colours[at] = ((uint32_t)next() & 0xffffff) | 60u << 24;
             }
-        for (uint32_t i = 0; i < FXS_CHUNK; i++)                       /* no turn */
-            memcpy(packed_scene_rows(&s, c) + FXS_ROW_ROTATION + 4 * i, &(uint32_t){512u << 20 | 512u << 10 | 512u}, 4);
+        memset(packed_scene_rows(&s, c) + FXS_ROW_ROTATION, 0, 4 * FXS_CHUNK);   /* no turn */
     }
     CHECK(!fxs_scene_open(&drawn.scene, s.data, s.bytes));
     drawn.object = one_object(&drawn.scene);

@@ -154,39 +154,38 @@ static void note(double difference, double step)
     worst_step = fmax(worst_step, fabs(difference) / step);
 }
 
-static void compare_rotation(uint32_t word, const float rotation[4])
+/* The axes are packed in the order of their lengths. */
+static void find_order(int order[3], const float scale[3])
 {
-    double q[4], rest = 0, dot = 0, norm = 0;
-    int largest = (int)(word >> 30);
-    for (int i = 0, shift = 20; i < 4; i++) {
-        norm += (double)rotation[i] * rotation[i];
-        if (i == largest)
-            continue;
-        q[i] = (2.0 * (word >> shift & 1023) - 1023) / 1023 / sqrt(2);
-        rest += q[i] * q[i];
-        shift -= 10;
-    }
-    q[largest] = sqrt(1 - rest);
-    for (int i = 0; i < 4; i++)
-        dot += q[i] * rotation[i] / sqrt(norm);
-    worst_rotation = fmax(worst_rotation, 2 * acos(fmin(1, fabs(dot))) * 57.29577951308232);
+    for (int i = 0; i < 3; i++)
+        order[i] = i;
+    for (int pass = 0; pass < 3; pass++)
+        for (int i = 0; i < 2; i++)
+            if (scale[order[i]] < scale[order[i + 1]]) {
+                const int longer = order[i + 1];
+                order[i + 1] = order[i];
+                order[i] = longer;
+            }
 }
 
 static void compare_gaussian(const fxs_scene *scene, uint32_t i, const fxs_gaussian *g)
 {
     const fxs_chunk *chunk = chunk_of(scene, i);
     const uint32_t scale = word_at(scene, i, FXS_ROW_SCALE), colour = word_at(scene, i, FXS_ROW_COLOUR);
+    const int bits = axis_bits_of_word(0, scale, chunk->scale_step_q24);
+    int order[3];
+    find_order(order, g->scale);
     for (uint32_t k = 0; k < 3; k++) {
         double code = scale >> 10 * k & 1023, step = ldexp(chunk->scale_step_q24, -24);
         double dc_step = ldexp(chunk->colour_step_q20[k], -20), base = 0.5 + 0.28209479177387814 * g->dc[k];
         note(position_of(scene, i, k) - g->position[k], position_step(chunk, k));
-        note(ldexp(chunk->scale_q16, -16) - code * code * step - g->scale[k] / log(2), step * (2 * code + 1));
+        note(ldexp(chunk->scale_q16, -16) - code * code * step - g->scale[order[k]] / log(2), step * (2 * code + 1));
         note(ldexp(chunk->colour_q16[k], -16) + (colour >> 8 * k & 255) * dc_step - base, dc_step);
     }
     const uint32_t code = colour >> 24, law = chunk->opacity_law;
     const double opacity = 1 / (1 + exp(-g->opacity)), next = opacity_of(code < 255 ? code + 1 : 254, law);
     note(opacity_of(code, law) - opacity, code == 0 ? 2 / 255.0 : fabs(next - opacity_of(code, law)));
-    compare_rotation(word_at(scene, i, FXS_ROW_ROTATION), g->rotation);
+    worst_rotation = fmax(worst_rotation, angle_of_word(word_at(scene, i, FXS_ROW_ROTATION), bits, g->rotation, order));
     const int8_t *sh = (const int8_t *)rows_of(scene, i) + FXS_ROW_SH;
     for (int k = 0; k < 3 * FXS_SH_COUNT(scene->sh_degree); k++) {
         double step = ldexp(chunk->sh_step_q19[k < 9 ? 0 : k < 24 ? 1 : 2], -19);
@@ -653,35 +652,16 @@ static void note_loss(int which, double error)
     squares[which] += error * error;
 }
 
-/* In small the thinnest axis is the last: a quarter turn about x or y puts it there. */
-static fxs_gaussian with_thinnest_last(const fxs_gaussian *from)
+static void compare_decoded(const decoded *d, const fxs_gaussian *g, int sh_degree)
 {
-    fxs_gaussian g = *from;
-    const int thinnest = g.scale[0] < g.scale[1] ? 0 : 1;
-    if (profile != FXS_PROFILE_SMALL || g.scale[thinnest] >= g.scale[2])
-        return g;
-    const float *q = from->rotation, by[2][4] = {{q[0] - q[2], q[1] - q[3], q[2] + q[0], q[3] + q[1]},
-                                                 {q[0] - q[1], q[1] + q[0], q[2] + q[3], q[3] - q[2]}};
-    g.scale[2] = from->scale[thinnest];
-    g.scale[thinnest] = from->scale[2];
-    memcpy(g.rotation, by[thinnest], sizeof g.rotation);
-    return g;
-}
-
-static void compare_decoded(const decoded *d, const fxs_gaussian *source, int sh_degree)
-{
-    const fxs_gaussian turned = with_thinnest_last(source), *g = &turned;
-    double dot = 0, norm = 0;
+    int order[3];
+    find_order(order, g->scale);
     for (int k = 0; k < 3; k++) {
         note_loss(0, d->position[k] - (double)g->position[k]);
-        note_loss(1, d->scale[k] - (double)g->scale[k]);
+        note_loss(1, d->scale[k] - (double)g->scale[order[k]]);
         note_loss(4, d->dc[k] - (double)g->dc[k]);
     }
-    for (int k = 0; k < 4; k++) {
-        dot += d->rotation[k] * g->rotation[k];
-        norm += (double)g->rotation[k] * g->rotation[k];
-    }
-    note_loss(2, 2 * acos(fmin(1, fabs(dot) / sqrt(norm))) * 57.29577951308232);
+    note_loss(2, angle_of_word(d->rotation, d->axis_bits, g->rotation, order));
     note_loss(3, d->opacity - 1 / (1 + exp(-(double)g->opacity)));
     for (int k = 0; k < 3 * FXS_SH_COUNT(sh_degree); k++)
         note_loss(5, d->sh[k] - (double)g->sh[k]);
@@ -758,8 +738,7 @@ static void check_read_back(size_t count, int sh_degree, enum fxs_profile which)
         for (int k = 0; k < 3; k++)
             wrong += !is_near(read[i].position[k], d.position[k]) || !is_near(read[i].scale[k], d.scale[k]) ||
                      !is_near(read[i].dc[k], d.dc[k]);
-        for (int k = 0; k < 4; k++)
-            wrong += !is_near(read[i].rotation[k], d.rotation[k]);
+        wrong += !(angle_of_word(d.rotation, d.axis_bits, read[i].rotation, (const int[3]){0, 1, 2}) < 0.02);
         for (int k = 0; k < 45; k++)
             wrong += !is_near(read[i].sh[k], d.sh[k]);
         wrong += !(fabs(opacity - d.opacity) < 1e-6);

@@ -277,11 +277,13 @@ static void random_chunk(fxs_chunk *chunk)
     } while (open_scene() != 0);
 }
 
-/* Rotations and scales of the first and last codes only: three components of a quaternion can be 0.707 each. */
+/* Scales of the first and last codes only, and rotations whose numbers are each the first, the last or 0. */
 static void extreme_codes(unsigned char *rows)
 {
     uint32_t *words = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);
-    for (int i = 0; i < 2 * FXS_CHUNK; i++)
+    for (int i = 0; i < FXS_CHUNK; i++)
+        words[i] = (bits() & 1 ? UINT32_MAX : 0) ^ (bits() & 1 ? UINT32_MAX >> (1 + bits() % 31) : 0);
+    for (int i = FXS_CHUNK; i < 2 * FXS_CHUNK; i++)
         for (int shift = 0; shift < 30; shift += 10)
             words[i] = bits() & 1 ? words[i] | 1023u << shift : words[i] & ~(1023u << shift);
 }

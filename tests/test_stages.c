@@ -66,21 +66,15 @@ static void random_quaternion(double q[4])
         q[i] /= sqrt(norm);
 }
 
-static uint32_t rotation_word(void)
+/* Any whose X and Y are not longer than 1. */
+static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 {
-    double q[4];
-    int largest = 0;
-    random_quaternion(q);
-    for (int i = 1; i < 4; i++)
-        largest = fabs(q[i]) > fabs(q[largest]) ? i : largest;
-    uint32_t word = (uint32_t)largest << 30;
-    for (int i = 0, shift = 20; i < 4; i++) {
-        if (i == largest)
-            continue;
-        double code = floor((q[i] / copysign(sqrt(0.5), q[largest]) + 1) * 511.5 + 0.5);
-        word |= (uint32_t)fmin(code, 1023) << shift;
-        shift -= 10;
-    }
+    const int n = axis_bits_of_word(0, scale_word, scale_step_q24);
+    uint32_t word;
+    double axis[3][3];
+    do
+        word = bits();
+    while (word_axes(axis, word, n) > 0.9999);
     return word;
 }
 
@@ -109,7 +103,8 @@ static void fill_header(fxs_chunk *chunk, const recipe *r)
     chunk->scale_step_q24 = (uint16_t)ldexp((r->sigma_high - r->sigma_low) / (1023 * 1023), 24);
 }
 
-static void fill_rows(unsigned char *rows, const recipe *r, uint32_t chunk_bytes, uint32_t used)
+static void fill_rows(unsigned char *rows, const fxs_chunk *header, const recipe *r, uint32_t chunk_bytes,
+                      uint32_t used)
 {
     uint16_t *position = (uint16_t *)(void *)(rows + FXS_ROW_POSITION);
     uint32_t *rotation = (uint32_t *)(void *)(rows + FXS_ROW_ROTATION);
@@ -118,8 +113,8 @@ static void fill_rows(unsigned char *rows, const recipe *r, uint32_t chunk_bytes
     for (uint32_t i = 0; i < used; i++) {
         for (uint32_t axis = 0; axis < 3; axis++)
             position[axis * FXS_CHUNK + i] = (uint16_t)bits();
-        rotation[i] = rotation_word();
         scale[i] = scale_word(r);
+        rotation[i] = rotation_word(scale[i], header->scale_step_q24);
         uint32_t opacity = (uint32_t)(r->opacity_low + below(r->opacity_high - r->opacity_low + 1));
         colour[i] = (bits() & 0xffffff) | opacity << 24;
     }
@@ -141,7 +136,7 @@ static packed_scene make_scene(const recipe *r, uint32_t count, uint32_t degree,
     for (uint32_t i = 0; i < s.header->chunk_count; i++) {
         uint32_t left = count - i * FXS_CHUNK;
         fill_header(&s.chunks[i], r);
-        fill_rows(packed_scene_rows(&s, i), r, s.header->chunk_bytes, left < FXS_CHUNK ? left : FXS_CHUNK);
+        fill_rows(packed_scene_rows(&s, i), &s.chunks[i], r, s.header->chunk_bytes, left < FXS_CHUNK ? left : FXS_CHUNK);
     }
     CHECK(packed_scene_finish(&s) == 0);
     return s;
@@ -1057,7 +1052,7 @@ static void place_sphere(packed_scene *s, const fxs_camera *camera, const beside
                                (int64_t)codes[i * FXS_CHUNK] * ((int64_t)step << chunk->step_shift);
         chunk->colour_q16[i] = 4 << 16;
     }
-    *(uint32_t *)(void *)(s->rows + FXS_ROW_ROTATION) = 512u << 20 | 512u << 10 | 512u;
+    *(uint32_t *)(void *)(s->rows + FXS_ROW_ROTATION) = 0;
     *(uint32_t *)(void *)(s->rows + FXS_ROW_COLOUR) = 255u << 24;
     CHECK(fxs_scene_open(&s->scene, s->data, s->bytes) == 0);
 }

@@ -54,7 +54,8 @@ static inline uint32_t fxs_tilt_word(uint32_t x, uint32_t y, uint32_t roll, int3
 /* `bits`: of x and of y, as fxs_axis_bits gives them. */
 static inline fxs_tilt fxs_tilt_of_word(uint32_t word, int32_t bits)
 {
-    return (fxs_tilt){(int32_t)word * 0x1p-31, (int32_t)(word << bits) * 0x1p-31, (int32_t)(word << 2 * bits) * 0x1p-31};
+    return (fxs_tilt){((int32_t)word >> 16) * 0x1p-15, ((int32_t)(word << bits) >> 16) * 0x1p-15,
+                      ((int32_t)(word << 2 * bits) >> 16) * 0x1p-15};
 }
 
 #endif

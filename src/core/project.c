@@ -71,8 +71,8 @@ typedef struct axes {
     int32_t cos_q15, sin_q15;      /* of the roll: the second axis is cos side[0] + sin side[1] */
 } axes;
 
-/* A rotation word holds three numbers in -1..1, of n, n and the other bits, two's complement: X, Y and the roll U. The
-   bits below a number's own count too, as its fraction. (X, Y) is the axis by Lambert's equal-area projection of the
+/* A rotation word holds three numbers: X and Y, of n bits each, and the roll U. Each is read as the 16 bits from its
+   first on, two's complement, over 2^15, so the bits of the next number are its fraction. (X, Y) is the axis by Lambert's equal-area projection of the
    half of the sphere around +z: with s = sqrt(2 - X^2 - Y^2), the axis is (X s, Y s, 1 - X^2 - Y^2), and the turn from
    +z to it takes x and y to the sides (1 - X^2, -X Y, -X s) and (-X Y, 1 - Y^2, -Y s). The roll is about pi/2 U:
    cos = 1 - U^2 (1.225 - 0.225 U^2), sin = U (1.56607 - U^2 (0.62924 - 0.06305 U^2)), off 1 by at most 0.00013.

@@ -95,6 +95,12 @@ static inline real nearest(real x)
     return whole_to_real(bits_of(x + 12582912.0f) - 0x4b400000);
 }
 
+/* x rounded down to a multiple of 2^-15 */
+static inline real upper_bits(real x)
+{
+    return nearest(x * 32768.0f - 0.499f) * (1.0f / 32768.0f);
+}
+
 /* What a code of a word adds to the number above it, as a part of that one's step: code / 2^bits, of `count` = 2^bits
    codes in two's complement. */
 static inline real part_above(real code, real count)
@@ -181,8 +187,8 @@ static inline void quantise_rotation(const real from[4], whole n, int all_bits, 
             x_code += keep(both(is_long, is_wide), choose(below(x, all(0)), all(1), all(-1)));
             y_code += choose(is_wide, all(0), keep(is_long, choose(below(y, all(0)), all(1), all(-1))));
         }
-        said_y = (y_code + below_y) / half;
-        said_x = (x_code + part_above(y_code + below_y, count)) / half;
+        said_y = upper_bits((y_code + below_y) / half);
+        said_x = upper_bits((x_code + part_above(y_code + below_y, count)) / half);
         roll = roll_code / (rolls * 0.5f);
     }
     quaternion_near(from, said_x, said_y, roll, to);

@@ -278,8 +278,10 @@ static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t
     const fxs_tilt a = fxs_tilt_of_word(word, bits);
     double said[3][3], trace = 0;
     fxs_tilt_directions(&a, said);
-    for (int i = 0; i < 3; i++)
-        trace += fabs(axis[i][0] * said[i][0] + axis[i][1] * said[i][1] + axis[i][2] * said[i][2]);
+    for (int i = 0; i < 3; i++) {
+        const double *s = said[i], length = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+        trace += fabs(axis[i][0] * s[0] + axis[i][1] * s[1] + axis[i][2] * s[2]) / length;
+    }
     return sqrt(1 + trace) / 2;
 }
 
