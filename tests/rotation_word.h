@@ -13,7 +13,7 @@ static inline int axis_bits(int is_small, const uint32_t scale[3], uint32_t scal
     for (int i = 0; i < 3; i++)
         fall[i] = (int32_t)((scale[i] * scale[i] * scale_step_q24 + 128) / 256);
     const int32_t y = abs(fall[1] - fall[0]), z = abs(fall[2] - fall[0]), gap = (y < z ? y : z) / 16;
-    const int bits = ((is_small ? 507904 : 698880) + 5 * gap) / 65536, most = is_small ? 10 : 14;
+    const int bits = (is_small ? 8 : 11) + 5 * gap / 65536, most = is_small ? 10 : 14;
     return bits < most ? bits : most;
 }
 

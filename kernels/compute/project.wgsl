@@ -129,7 +129,7 @@ fn axis_bits(falls_q16: vec3<i32>) -> u32
 {
     let small = object.profile == SMALL;
     let gap = min(abs(falls_q16.y - falls_q16.x), abs(falls_q16.z - falls_q16.x)) >> 4u;
-    return u32(min((select(698880, 507904, small) + 5 * gap) >> 16u, select(14, 10, small)));
+    return u32(min(select(11, 8, small) + ((5 * gap) >> 16u), select(14, 10, small)));
 }
 
 // Whether X and Y are no longer than 1.

@@ -607,7 +607,7 @@ uint axis_bits(ivec3 falls_q16_) {
     uint _e3 = _group_0_binding_1_cs.profile;
     bool small = (_e3 == SMALL);
     int gap = (min(abs((falls_q16_.y - falls_q16_.x)), abs((falls_q16_.z - falls_q16_.x))) >> 4u);
-    return uint(min((((small ? 507904 : 698880) + (5 * gap)) >> 16u), (small ? 10 : 14)));
+    return uint(min(((small ? 8 : 11) + ((5 * gap) >> 16u)), (small ? 10 : 14)));
 }
 bool read_axes(inout Axes axes, uint word_1, uint bits) {
     int x_16 = (int(word_1) >> 16u);

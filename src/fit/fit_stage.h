@@ -163,7 +163,7 @@ typedef struct fxs_fit_chunk {
 } fxs_fit_chunk;
 
 typedef struct fxs_fit_grid {
-    int position_bits, scale_bits[3], rotation_bits, axis_q16, axis_bits_most, colour_bits[3];   /* fxs_axis_bits */
+    int position_bits, scale_bits[3], rotation_bits, axis_bits_least, axis_bits_most, colour_bits[3];   /* fxs_axis_bits */
     int sh_degree;                 /* SH are quantised by sh_step up to this degree; 0 with a palette */
     const fxs_fit_chunk *chunks;
 } fxs_fit_grid;

@@ -86,7 +86,7 @@ static inline whole axis_bits(const fxs_fit_grid *g, const fxs_fit_chunk *c, con
         fall[i] = (code * code * step + 128) >> 8;
     }
     const whole gap = smaller(magnitude(fall[1] - fall[0]), magnitude(fall[2] - fall[0]));
-    return smaller((((gap >> 4) * 5) + g->axis_q16) >> 16, gap * 0 + g->axis_bits_most);
+    return smaller((((gap >> 4) * 5) >> 16) + g->axis_bits_least, gap * 0 + g->axis_bits_most);
 }
 
 /* x rounded to the nearest integer; x within +-2^21 */

@@ -162,7 +162,7 @@ static inline vi axis_bits(enum fxs_profile profile, const vi fall_q16[3])
 {
     const vi y = fall_q16[1] - fall_q16[0], z = fall_q16[2] - fall_q16[0];
     const vi gap = least(most(y, -y), most(z, -z)) >> 4;
-    return least((FXS_AXIS_Q16(profile) + 5 * gap) >> 16, all(FXS_AXIS_BITS_MOST(profile)));
+    return least(FXS_AXIS_BITS_LEAST(profile) + (5 * gap >> 16), all(FXS_AXIS_BITS_MOST(profile)));
 }
 
 /* Returns where X and Y are no longer than 1. */

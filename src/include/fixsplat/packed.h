@@ -250,7 +250,7 @@ static inline uint32_t fxs_chunks_of(uint64_t slots)
 #define FXS_SMALL_SH (13u * FXS_CHUNK)
 
 #define FXS_ROTATION_BITS(profile) ((profile) == FXS_PROFILE_SMALL ? 23 : 32)
-#define FXS_AXIS_Q16(profile) ((profile) == FXS_PROFILE_SMALL ? 507904 : 698880)  /* n * 2^16 for axes of one length */
+#define FXS_AXIS_BITS_LEAST(profile) ((profile) == FXS_PROFILE_SMALL ? 8 : 11)
 #define FXS_AXIS_BITS_MOST(profile) ((profile) == FXS_PROFILE_SMALL ? 10 : 14)
 
 /* How far log2(sigma) lies below the chunk's scale, of a scale code of 10 bits; below 2^22. */
@@ -260,14 +260,14 @@ static inline int32_t fxs_fall_q16(uint32_t code, uint32_t scale_step_q24)
 }
 
 /* A rotation word has 32 bits, in small 23: X and Y, which say where the first axis points, with n bits each, and the
-   roll of the second axis about it. The more the first axis differs in length from the others, the larger n is. This
-   gives n, 10 to 14, in small 7 to 10, from the falls of the three scales. */
+   roll of the second axis about it. n grows by 5/16 of the octaves by which the first axis differs in length from the
+   nearer of the others. This gives n from the falls of the three scales. */
 static inline int32_t fxs_axis_bits(enum fxs_profile profile, const int32_t fall_q16[3])
 {
     const int32_t most = FXS_AXIS_BITS_MOST(profile);
     const int32_t y_q16 = fall_q16[1] - fall_q16[0], z_q16 = fall_q16[2] - fall_q16[0];
     const int32_t y = y_q16 < 0 ? -y_q16 : y_q16, z = z_q16 < 0 ? -z_q16 : z_q16;
-    const int32_t bits = (FXS_AXIS_Q16(profile) + 5 * ((y < z ? y : z) >> 4)) >> 16;
+    const int32_t bits = FXS_AXIS_BITS_LEAST(profile) + (5 * ((y < z ? y : z) >> 4) >> 16);
     return bits < most ? bits : most;
 }
 
