@@ -180,6 +180,43 @@ static void what_is_left_out(void)
     fxs_scene_file_close(file);
 }
 
+/* PSNR of a scene with its Gaussians moved by a millionth from the scene as it is. */
+static double psnr_of_nudge(const char *name)
+{
+    const fxs_procedural_scene *made = fxs_procedural_find(name);
+    const fxs_gaussian_source source = {COUNT, made->sh_degree, 0, read_gaussians, gaussians};
+    const double low[3] = {-2, -2, -2}, high[3] = {2, 2, 2}, up[3] = {0, -1, 0};
+    fxs_file_view view;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_float_scene *scene;
+    fxs_message m;
+    double difference = 0;
+    for (int i = 0; i < COUNT; i++)
+        made->gaussian((uint64_t)i, COUNT, 1, &gaussians[i]);
+    CHECK(!fxs_view_frame_box(&view, low, high, up, 50, WIDTH, HEIGHT, &m));
+    if (!CHECK(!fxs_scene_file_open_gaussians(name, &source, 0, &file, &info, &m)))
+        return 0;
+    if (CHECK(!fxs_float_scene_read(&scene, file, &info, 0, 0, 1, &m))) {
+        CHECK(!fxs_float_scene_draw(scene, &view, FXS_CUTOFF_MAHALANOBIS, exact, &m));
+        fxs_float_scene_nudge(scene, 1e-6);
+        CHECK(!fxs_float_scene_draw(scene, &view, FXS_CUTOFF_MAHALANOBIS, floats, &m));
+        difference = psnr(exact, floats);
+        fxs_float_scene_nudge(scene, 0);
+        CHECK(!fxs_float_scene_draw(scene, &view, FXS_CUTOFF_MAHALANOBIS, floats, &m));
+        CHECK(!memcmp(exact, floats, sizeof floats));
+    }
+    fxs_float_scene_free(scene);
+    fxs_scene_file_close(file);
+    return difference;
+}
+
+static void nudges_change_coincident_gaussians_alone(void)
+{
+    CHECK(psnr_of_nudge("layers") < 40);
+    CHECK(psnr_of_nudge("knot") > 70);
+}
+
 int main(void)
 {
     RUN(a_closed_scene);
@@ -187,5 +224,6 @@ int main(void)
     RUN(a_landscape);
     RUN(far_from_the_origin);
     RUN(what_is_left_out);
+    RUN(nudges_change_coincident_gaussians_alone);
     return check_report();
 }

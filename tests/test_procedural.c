@@ -48,6 +48,7 @@ static void test_hashes(void)
         { "layers", UINT64_C(0x91AF63BD405D9470) },
         { "cubes", UINT64_C(0xC3033D8233AE36B4) },
         { "meadow", UINT64_C(0x2330866780B750AC) },
+        { "fence", UINT64_C(0x1B7F53AB07F0E69D) },
         { "mirrors", UINT64_C(0x05D7957C7C753470) },
         { "discs", UINT64_C(0xAE4FF844F675597C) },
         { "haze", UINT64_C(0xCE0BEB6AEE71F848) },
@@ -131,6 +132,22 @@ static void test_meadow_has_strays_and_discs(void)
             faint += r > 79 && g.opacity < logf(0.14f / 0.86f);
         }
         CHECK(strays == 256 && far == 8 && thin > count / 20 && faint > 90 && faint < 180);
+    }
+}
+
+/* Whatever the count, nearly all Gaussians of the fence are 5 to 40 times as long as wide. */
+static void test_fence_has_needles(void)
+{
+    const fxs_procedural_scene *scene = fxs_procedural_find("fence");
+    for (uint64_t count = 2000; count < 1000000; count *= 20) {
+        size_t needles = 0;
+        for (uint64_t i = 0; i < count; i++) {
+            fxs_gaussian g;
+            scene->gaussian(i, count, 1, &g);
+            const float ratio = expf(g.scale[0] - g.scale[1]);
+            needles += ratio > 4.99f && ratio < 40.01f && g.scale[2] < g.scale[1];
+        }
+        CHECK(needles == count * 9 / 10);
     }
 }
 
@@ -284,6 +301,7 @@ int main(void)
     RUN(test_values);
     RUN(test_layers_have_ties);
     RUN(test_meadow_has_strays_and_discs);
+    RUN(test_fence_has_needles);
     if (!mkdtemp(folder))
         return 1;
     RUN(test_ply_body);

@@ -15,6 +15,8 @@
 #include <fixsplat/camera.h>
 #include <fixsplat/pack.h>
 #include <fixsplat/pool.h>
+#include <fixsplat/world.h>
+#include "src/gaussian/transform_internal.h"
 #include "src/core/frame.h"
 #include "tools/metrics.h"
 #include "src/scene/make/procedural.h"
@@ -29,15 +31,18 @@ enum { PROFILES = 3, SPZ = 3, FORMS = 4, LARGE = 10000 };   /* from so many Gaus
 typedef struct grade {
     double psnr, ssim;
 } grade;
+enum { MATT, GLOSSY, KINDS };              /* as most captures are, or of metal and varnish: SH far above a capture's */
 static const struct {
     const char *name;
-    grade mean, worst;                  /* at least */
+    struct {
+        grade mean, worst;              /* at least */
+    } least[KINDS];
     double bytes;                       /* a Gaussian at SH degree 3, at most */
 } floors[FORMS] = {
-    {"default", {54, 0.998}, {50, 0.996}, 64},
-    {"compact", {50, 0.99}, {46, 0}, 40},
-    {"small", {40, 0.97}, {36, 0}, 20},
-    {".spz 4", {0, 0}, {0, 0}, 64},
+    {"default", {{{56, 0.998}, {52, 0.996}}, {{54, 0.998}, {50, 0.996}}}, 64.1},
+    {"compact", {{{53, 0.99}, {48, 0}}, {{50, 0.99}, {46, 0}}}, 40},
+    {"small", {{{43, 0.97}, {38, 0}}, {{40, 0.97}, {36, 0}}}, 20},
+    {".spz 4", {{{0, 0}, {0, 0}}}, 64},
 };
 
 enum { MOST_PIXELS = 960 * 640, VIEWS = 4 };
@@ -221,7 +226,11 @@ typedef struct aspect {
     double up[3];
     double front;                          /* the way it faces: degrees about up from where fxs_view_frame_box stands */
     double close;                          /* as the distances below; no nearer than that, the camera is inside */
+    double tilt;                           /* scene and cameras are turned so far, degrees about tilt_axis */
+    int kind;                              /* of its floors */
 } aspect;
+
+static const double tilt_axis[3] = {0.48, -0.36, 0.8};
 
 /* At these parts of the distance from which the sphere around the inner bounds fills the picture, turned so far. */
 static int views_around(subject *s, const aspect *a)
@@ -338,7 +347,7 @@ static void print_row(const char *name, const char *form, const summary *sum, co
     printf(bytes > 0 ? "%.2f |\n" : "|\n", seconds);
 }
 
-static void check_floors(const char *name, subject *s)
+static void check_floors(const char *name, subject *s, int kind)
 {
     summary forms[FORMS] = {{{0, 0}, {0, 0}, 0}}, pixel = {{0, 0}, {0, 0}, 0};
     for (int v = 0; v < VIEWS; v++) {
@@ -354,8 +363,8 @@ static void check_floors(const char *name, subject *s)
     for (int i = 0; i < FORMS && s->packed[i].data; i++) {
         double bytes = s->bytes[i] / (double)s->report.packed;
         print_row(name, floors[i].name, &forms[i], s, bytes, s->seconds[i]);
-        CHECK(reaches(&forms[i].mean, &floors[i].mean));
-        CHECK(reaches(&forms[i].worst, &floors[i].worst));
+        CHECK(reaches(&forms[i].mean, &floors[i].least[kind].mean));
+        CHECK(reaches(&forms[i].worst, &floors[i].least[kind].worst));
         CHECK(s->report.packed < LARGE || bytes <= floors[i].bytes);
     }
     print_row(name, "pixel stage alone", &pixel, s, 0, 0);
@@ -370,13 +379,15 @@ static void check_scene(const char *name, const char *path, const char *cameras,
     if (CHECK(!load(&s, path)) &&
         CHECK(!(cameras ? views_of_file(&s, cameras) : stands ? views_from(&s, stands, a) : views_around(&s, a)))) {
         int rendered = 1;
+        for (int v = 0; v < VIEWS; v++)
+            fxs_view_orbit(&s.views[v], (double[3]){0}, tilt_axis, a->tilt * acos(-1) / 180);
         s.reference = (struct reference_options){.cutoff = REFERENCE_MAHALANOBIS, .sh_degree = 3,
                                                  .antialiased = s.info.antialiased};
         fxs_pool_run(pool, render_reference, &s, VIEWS);
         for (int v = 0; v < VIEWS; v++)
             rendered = rendered && s.rendered[v];
         if (CHECK(rendered))
-            check_floors(name, &s);
+            check_floors(name, &s, a->kind);
     }
     for (int v = 0; v < VIEWS; v++)
         free(s.linear[v]);
@@ -390,16 +401,16 @@ static const struct {
     int cameras;                        /* cameras.json lies beside it */
     aspect aspect;
 } shared[] = {
-    {"snowmiku", "snowmiku.ply", 1, {{0, -1, 0}, 0, 0}},
-    {"train-1000", "train-1000.ply", 1, {{0, -1, 0}, 0, 0}},
-    {"guitar", "guitar.ply", 0, {{0, -1, 0}, 90, 0.22}},
-    {"luma-seal", "luma-seal.ply", 0, {{0, -1, 0}, 0, 0.28}},
-    {"boatyard-tile3", "boatyard-tile3.ply", 0, {{0, 0, 1}, 0, 0.28}},
-    {"kitchen-marble", "kitchen-marble.ply", 0, {{0, -1, 0}, 180, 0.28}},
-    {"statue-st-peter", "st-peter.ply", 0, {{0, -1, 0}, 180, 0.28}},
-    {"donut", "donut.ply", 0, {{0, 0, 1}, 0, 0.35}},
-    {"fruit-drops", "fruit_drops_minimal.ply", 0, {{0, -1, 0}, 180, 0.35}},
-    {"skull", "skull.sog", 0, {{0, -1, 0}, 180, 0.45}},
+    {"snowmiku", "snowmiku.ply", 1, {{0, -1, 0}, 0, 0, 0, MATT}},
+    {"train-1000", "train-1000.ply", 1, {{0, -1, 0}, 0, 0, 0, MATT}},
+    {"guitar", "guitar.ply", 0, {{0, -1, 0}, 90, 0.22, 0, MATT}},
+    {"luma-seal", "luma-seal.ply", 0, {{0, -1, 0}, 0, 0.28, 0, MATT}},
+    {"boatyard-tile3", "boatyard-tile3.ply", 0, {{0, 0, 1}, 0, 0.28, 0, MATT}},
+    {"kitchen-marble", "kitchen-marble.ply", 0, {{0, -1, 0}, 180, 0.28, 0, MATT}},
+    {"statue-st-peter", "st-peter.ply", 0, {{0, -1, 0}, 180, 0.28, 0, MATT}},
+    {"donut", "donut.ply", 0, {{0, 0, 1}, 0, 0.35, 0, MATT}},
+    {"fruit-drops", "fruit_drops_minimal.ply", 0, {{0, -1, 0}, 180, 0.35, 0, MATT}},
+    {"skull", "skull.sog", 0, {{0, -1, 0}, 180, 0.45, 0, MATT}},
 };
 
 static size_t which;
@@ -416,50 +427,88 @@ static void quality_of_shared_scene(void)
     check_scene(name, scene, shared[which].cameras ? cameras : 0, 0, &shared[which].aspect);
 }
 
+/* Sizes and tilts of scenes of needles, on which the coded rotations show. The others have the first only. */
+static const struct {
+    uint64_t count;                     /* 0: the scene's own */
+    double tilt;
+    const char *size;
+} variants[] = {{0, 0, ""}, {8192, 0, " 8192"}, {8192, 37.3, " 8192"}, {50000, 71.9, " 50000"},
+                {200000, 203.1, " 200000"}};
+enum { VARIANTS = sizeof variants / sizeof *variants };
+
 /* Stands where the inner bounds are no help: they hold the ground and the sky too. The others are seen from around. */
 static const struct {
     const char *name;
-    int has_stands;
+    size_t variants;
+    int kind, has_stands;
     stand stands[VIEWS];
 } made[] = {
-    {"knot", 0, {{{0}, {0}}}},
-    {"meadow", 1, {{{0.5, -0.9, -1.5}, {0, -1.3, 0}}, {{1.5, -1.1, -5}, {0, -1.1, 0}}, {{4, -3, -14}, {0, -1, 0}},
-                   {{5, -0.8, 1.5}, {0, -3.4, 0}}}},
-    {"mirrors", 1, {{{0.4, -0.7, -2.4}, {0, -0.1, 0}}, {{-1.5, -1.8, -5}, {0, 0.2, 0}}, {{1.5, -3.2, -9}, {0, 0.2, 0}},
-                    {{5, -1.5, 1}, {0, 0.2, 0}}}},
-    {"discs", 1, {{{0.5, -0.4, -3.6}, {0, 0.1, 0}}, {{0.9, -2.6, -12.8}, {0, 0.4, 0}}, {{6, -6, -28}, {0, 0, 0}},
-                  {{11, -1.5, 4}, {0, 0.4, 0}}}},
-    {"haze", 1, {{{0.6, -1.6, -2.2}, {0, -2.2, 0}}, {{1.5, 0, -6.5}, {0, -1.2, 0}}, {{2, -1.5, -14}, {0, -0.8, 0}},
-                 {{8, -0.5, 2}, {0, -1, 0}}}},
-    {"site", 1, {{{10, -22, -60}, {30, 0, -25}}, {{60, -70, -120}, {40, 0, -20}}, {{0, -220, -290}, {0, 0, -10}},
-                 {{230, -60, 40}, {60, 0, 0}}}},
+    {"knot", 1, GLOSSY, 0, {{{0}, {0}}}},
+    {"meadow", VARIANTS, MATT, 1,
+     {{{0.5, -0.9, -1.5}, {0, -1.3, 0}}, {{1.5, -1.1, -5}, {0, -1.1, 0}},
+      {{4, -3, -14}, {0, -1, 0}}, {{5, -0.8, 1.5}, {0, -3.4, 0}}}},
+    {"fence", VARIANTS, MATT, 1,
+     {{{0.3, -0.8, -1.2}, {0, -0.5, 0}}, {{1.2, -1.1, -3}, {0, -0.4, 0}},
+      {{3, -2.2, -6}, {0, -0.3, 0}}, {{4.2, -0.9, -1.2}, {0, -0.4, -0.3}}}},
+    {"mirrors", 1, GLOSSY, 1,
+     {{{0.4, -0.7, -2.4}, {0, -0.1, 0}}, {{-1.5, -1.8, -5}, {0, 0.2, 0}},
+      {{1.5, -3.2, -9}, {0, 0.2, 0}}, {{5, -1.5, 1}, {0, 0.2, 0}}}},
+    {"discs", 1, GLOSSY, 1,
+     {{{0.5, -0.4, -3.6}, {0, 0.1, 0}}, {{0.9, -2.6, -12.8}, {0, 0.4, 0}},
+      {{6, -6, -28}, {0, 0, 0}}, {{11, -1.5, 4}, {0, 0.4, 0}}}},
+    {"haze", 1, MATT, 1,
+     {{{0.6, -1.6, -2.2}, {0, -2.2, 0}}, {{1.5, 0, -6.5}, {0, -1.2, 0}},
+      {{2, -1.5, -14}, {0, -0.8, 0}}, {{8, -0.5, 2}, {0, -1, 0}}}},
+    {"site", 1, MATT, 1,
+     {{{10, -22, -60}, {30, 0, -25}}, {{60, -70, -120}, {40, 0, -20}},
+      {{0, -220, -290}, {0, 0, -10}}, {{230, -60, 40}, {60, 0, 0}}}},
 };
 
-static int write_made(const char *path, const fxs_procedural_scene *scene)
+static int init_tilt(fxs_transform *turn, double tilt)
+{
+    const double half = tilt * acos(-1) / 360;
+    double rows[3][4];
+    fxs_placement placement;
+    fxs_placement_init(&placement, 0, 0);
+    placement.rotation[0] = cos(half);
+    for (int i = 0; i < 3; i++)
+        placement.rotation[i + 1] = sin(half) * tilt_axis[i];
+    fxs_placement_matrix(&placement, rows);
+    return fxs_transform_init(turn, rows);
+}
+
+static int write_made(const char *path, const fxs_procedural_scene *scene, uint64_t count, double tilt)
 {
     fxs_message m;
+    fxs_transform turn;
     fxs_scene_writer *writer;
-    if (open_writer("ply", path, scene->count, scene->sh_degree, 0, &writer, &m))
+    if (init_tilt(&turn, tilt) || open_writer("ply", path, count, scene->sh_degree, 0, &writer, &m))
         return -1;
-    for (uint64_t i = 0; i < scene->count; i++) {
+    for (uint64_t i = 0; i < count; i++) {
         fxs_gaussian g;
-        scene->gaussian(i, scene->count, 1, &g);
+        scene->gaussian(i, count, 1, &g);
+        if (tilt != 0)
+            fxs_transform_apply(&turn, &g, scene->sh_degree);
         fxs_scene_writer_put(writer, &g, 1, &m);
     }
     return close_writer(writer, &m);
 }
 
+static size_t variant;
+
 static void quality_of_made_scene(void)
 {
-    static const aspect upright = {{0, -1, 0}, 0, 0.28};
-    char path[] = "/tmp/fixsplat-quality-XXXXXX";
+    const aspect upright = {{0, -1, 0}, 0, 0.28, variants[variant].tilt, made[which].kind};
+    char path[] = "/tmp/fixsplat-quality-XXXXXX", name[80];
     const fxs_procedural_scene *scene = fxs_procedural_find(made[which].name);
     int fd = mkstemp(path);
-    if (!CHECK(fd >= 0))
+    if (!CHECK(fd >= 0 && scene))
         return;
+    const uint64_t count = variants[variant].count ? variants[variant].count : scene->count;
+    snprintf(name, sizeof name, "%s%s%s", scene->name, variants[variant].size, upright.tilt != 0 ? ", tilted" : "");
     close(fd);
-    if (CHECK(scene && !write_made(path, scene)))
-        check_scene(scene->name, path, 0, made[which].has_stands ? made[which].stands : 0, &upright);
+    if (CHECK(!write_made(path, scene, count, upright.tilt)))
+        check_scene(name, path, 0, made[which].has_stands ? made[which].stands : 0, &upright);
     unlink(path);
 }
 
@@ -481,7 +530,7 @@ int main(int argc, char **argv)
         width = 960, height = 640;
     puts("| scene | form | bytes a Gaussian | PSNR, dB | SSIM | import, s |\n|---|---|---|---|---|---|");
     for (which = 0; which < sizeof made / sizeof *made; which++)
-        if (is_asked_for(made[which].name, argc, argv))
+        for (variant = 0; variant < made[which].variants && is_asked_for(made[which].name, argc, argv); variant++)
             RUN(quality_of_made_scene);
     for (which = 0; which < sizeof shared / sizeof *shared; which++)
         if (is_asked_for(shared[which].name, argc, argv))

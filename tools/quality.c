@@ -16,7 +16,8 @@ typedef struct pair {
     fxs_pool *pool;
     fxs_float_scene *floats[2];             /* of the scene null where it is rendered as it is packed */
     enum fxs_cutoff original_cutoff;
-    picture pictures[2];
+    double nudge_below;
+    picture pictures[3];                    /* the last one of the nudged original */
 } pair;
 
 static int read_floats(fxs_float_scene **floats, const pair *p, const float_files *files, uint32_t threads)
@@ -42,11 +43,17 @@ static int open_pair(pair *p, const float_files *files, const float_files *origi
 
 static void close_pair(pair *p)
 {
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         fxs_float_scene_free(p->floats[i]);
+    for (int i = 0; i < 3; i++)
         picture_free(&p->pictures[i]);
-    }
     fxs_pool_destroy(p->pool);
+}
+
+static void find_middle(double middle[3], const world *scene)
+{
+    for (int k = 0; k < 3; k++)
+        middle[k] = (scene->inner_low[k] + scene->inner_high[k]) / 2;
 }
 
 static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, enum fxs_cutoff cutoff, picture *out)
@@ -59,15 +66,41 @@ static int draw_floats(fxs_float_scene *floats, const fxs_file_view *view, enum 
     return fxs_float_scene_draw(floats, view, cutoff, out->pixels, &message) ? fail_for(&message) : 0;
 }
 
+/* Compares picture i with the one of the original. */
+static int compare_pictures(struct fxs_metrics *out, const pair *p, int i, const fxs_file_view *view)
+{
+    return fxs_metrics_compare(p->pictures[i].pixels, p->pictures[1].pixels, view->width, view->height, out)
+        ? fail(EXIT_FAILED, "out of memory") : 0;
+}
+
+static int measure_nudged(quality_view *out, pair *p, const fxs_file_view *view)
+{
+    struct fxs_metrics nudged;
+    double middle[3], distance = 0;
+    find_middle(middle, p->scene);
+    for (int k = 0; k < 3; k++)
+        distance = hypot(distance, view->position[k] - middle[k]);
+    fxs_float_scene_nudge(p->floats[1], 1e-6 * distance);
+    int status = draw_floats(p->floats[1], view, p->original_cutoff, &p->pictures[2]);
+    fxs_float_scene_nudge(p->floats[1], 0);
+    if (!status)
+        status = compare_pictures(&nudged, p, 2, view);
+    if (!status)
+        out->nudged_psnr = nudged.psnr;
+    return status;
+}
+
 static int measure_view(quality_view *out, renderer *r, pair *p, const fxs_file_view *view, const fxs_options *options)
 {
     int status = p->floats[0] ? draw_floats(p->floats[0], view, options->cutoff, &p->pictures[0])
                               : renderer_render(r, p->scene, view, options, &p->pictures[0], 0);
     if (!status)
         status = draw_floats(p->floats[1], view, p->original_cutoff, &p->pictures[1]);
-    if (!status && fxs_metrics_compare(p->pictures[0].pixels, p->pictures[1].pixels, view->width, view->height,
-                                       &out->metrics))
-        status = fail(EXIT_FAILED, "out of memory");
+    if (!status)
+        status = compare_pictures(&out->metrics, p, 0, view);
+    out->nudged_psnr = INFINITY;
+    if (!status && out->metrics.psnr < p->nudge_below)
+        status = measure_nudged(out, p, view);
     memcpy(out->name, view->name, sizeof out->name);
     out->width = view->width;
     out->height = view->height;
@@ -88,10 +121,9 @@ static fxs_file_view choose(quality *q, long i, const fxs_file_view *views, long
     if (options->cameras)
         return views[q->views[i].index];
     fxs_file_view turned = views[0];
-    for (int k = 0; k < 3; k++) {
-        middle[k] = (scene->inner_low[k] + scene->inner_high[k]) / 2;
+    find_middle(middle, scene);
+    for (int k = 0; k < 3; k++)
         turned.position[k] = middle[k] + distances[i % 3].factor * (turned.position[k] - middle[k]);
-    }
     fxs_view_orbit(&turned, middle, options->up.at, 6.283185307179586 * (double)i / (double)q->count);
     for (int k = 0; k < 3; k++)
         turned.position[k] = fmin(fmax(turned.position[k], -FARTHEST), FARTHEST);
@@ -113,6 +145,18 @@ static double mean_psnr(const quality *q, int is_affine)
     return different ? sum / (double)different : INFINITY;
 }
 
+/* nudged_psnr above psnr, dB; infinity where the original was not nudged. */
+static double headroom(const quality_view *v)
+{
+    return isinf(v->nudged_psnr) ? INFINITY : v->nudged_psnr - v->metrics.psnr;
+}
+
+const quality_view *quality_nudged(const quality *q)
+{
+    const quality_view *v = &q->views[q->nudged_view];
+    return q->has_nudged && headroom(v) < 6.02 ? v : 0;
+}
+
 void quality_sum_up(quality *q)
 {
     long with_ssim = 0;
@@ -127,6 +171,8 @@ void quality_sum_up(quality *q)
         }
         if (m->ssim < q->worst_ssim)
             q->worst_ssim = m->ssim;
+        if (q->has_nudged && headroom(&q->views[i]) < headroom(&q->views[q->nudged_view]))
+            q->nudged_view = i;
         if (q->has_affine)
             q->worst_affine_psnr = fmin(q->worst_affine_psnr, q->views[i].affine_psnr);
         with_ssim += !isnan(m->ssim);
@@ -154,9 +200,9 @@ static int measure(quality *q, pair *p, const fxs_file_view *views, long given, 
 }
 
 int quality_measure(quality *q, const world *scene, const float_files *files, const float_files *original,
-                    enum fxs_cutoff original_cutoff, const frame_options *options, long wanted)
+                    enum fxs_cutoff original_cutoff, const frame_options *options, long wanted, double nudge_below)
 {
-    pair p = {.scene = scene, .original_cutoff = original_cutoff};
+    pair p = {.scene = scene, .original_cutoff = original_cutoff, .nudge_below = nudge_below};
     frame_options all = *options;
     fxs_file_view *views = 0;
     all.view = "all";
@@ -165,6 +211,7 @@ int quality_measure(quality *q, const world *scene, const float_files *files, co
     long given = choose_views(&all, scene, &views, 0);
     if (given < 0)
         return EXIT_FAILED;
+    q->has_nudged = 1;
     q->count = options->cameras && given < wanted ? given : wanted;
     q->views = calloc((size_t)q->count, sizeof *q->views);
     int status = q->views ? open_pair(&p, files, original, options->threads) : fail(EXIT_FAILED, "out of memory");
@@ -204,6 +251,10 @@ void quality_print_text(const quality *q)
            fxs_metrics_ssim(ssim, q->ssim, "none"));
     printf("worst %37s %s  %8s   view %ld\n", "", print_psnr(psnr, q, q->worst_psnr, q->worst_affine_psnr),
            fxs_metrics_ssim(ssim, q->worst_ssim, "none"), q->views[q->worst_view].index);
+    const quality_view *nudged = quality_nudged(q);
+    if (nudged)
+        printf("nudged %36s %s             view %ld of the original, each Gaussian moved by 1e-6 of the distance\n", "",
+               print_psnr(psnr, q, nudged->nudged_psnr, 0), nudged->index);
 }
 
 static void end_json(const quality *q, double affine_psnr)
@@ -225,6 +276,8 @@ void quality_print_json(const quality *q)
         print_json_string(v->name);
         printf(", \"psnr\": %s, \"ssim\": %s, \"largest\": %d", fxs_metrics_psnr(psnr, v->metrics.psnr, "null"),
                fxs_metrics_ssim(ssim, v->metrics.ssim, "null"), v->metrics.largest);
+        if (q->has_nudged)
+            printf(", \"nudged_psnr\": %s", fxs_metrics_psnr(psnr, v->nudged_psnr, "null"));
         end_json(q, v->affine_psnr);
     }
     printf("], \"psnr\": %s, \"ssim\": %s, ", fxs_metrics_psnr(psnr, q->psnr, "null"),

@@ -11,11 +11,13 @@
 #include "src/base/system.h"
 #include "fit_internal.h"
 #include "planes.h"
+#include "random.h"
 
 struct fxs_float_scene {
     fxs_fit_model model;           /* its parameters alone, up to the SH of `sh_degree`; positions are from the eye */
     float *places;                 /* 3 planes of positions, scene units */
     fxs_fit_stepper *stepper;
+    double nudge;                  /* see fxs_float_scene_nudge */
     int sh_degree, antialiased;
 };
 
@@ -118,6 +120,17 @@ void fxs_float_scene_free(fxs_float_scene *s)
 
 /* ---- Drawing ----------------------------------------------------------------------------------------------------- */
 
+void fxs_float_scene_nudge(fxs_float_scene *s, double distance)
+{
+    s->nudge = distance;
+}
+
+/* A random number from -1 to 1 for Gaussian i on an axis. */
+static double by_chance(uint64_t axis, uint64_t i)
+{
+    return 2 * (double)fxs_fit_uniform(fxs_fit_random(1, axis, i)) - 1;
+}
+
 /* Subtracts the eye in double precision. */
 static void place_from(const fxs_float_scene *s, const double eye[3])
 {
@@ -125,7 +138,7 @@ static void place_from(const fxs_float_scene *s, const double eye[3])
         const float *from = s->places + (size_t)k * s->model.stride;
         float *to = plane(&s->model, FXS_FIT_POSITION + k);
         for (size_t i = 0; i < s->model.stride; i++)
-            to[i] = (float)((double)from[i] - eye[k]);
+            to[i] = (float)((double)from[i] - eye[k] + (s->nudge > 0 ? s->nudge * by_chance((uint64_t)k, i) : 0));
     }
 }
 

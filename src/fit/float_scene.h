@@ -19,6 +19,9 @@ int fxs_float_scene_read(fxs_float_scene **scene, fxs_scene_file *file, const fx
                          fxs_run_fn *run, void *pool, uint32_t threads, fxs_message *message);
 void fxs_float_scene_free(fxs_float_scene *scene);   /* null is allowed */
 
+/* Moves each Gaussian at random, by up to `distance` on each axis, in the pictures drawn from here on. 0: none. */
+void fxs_float_scene_nudge(fxs_float_scene *scene, double distance);
+
 /* Draws a view over black to width * height RGBA pixels of 8 bits, rows from the top. Errors: FXS_ERR_ARGUMENT for a
    camera that cannot be used, FXS_ERR_MEMORY. */
 int fxs_float_scene_draw(fxs_float_scene *scene, const fxs_file_view *view, enum fxs_cutoff cutoff, uint8_t *rgba,

@@ -944,6 +944,103 @@ static void meadow(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
     finish(&s, out);
 }
 
+/* ---- fence: pickets and grass of needles, as captures have them outdoors ----------------------------------------- */
+
+#define FENCE_REACH 4.0     /* to both sides */
+#define FENCE_DEPTH 2.8     /* of the grass before it, and behind it */
+
+/* Makes a flat Gaussian of equal sides 5 to 40 times as long as wide; its area stays. */
+static void stretch(splat *s, uint64_t key)
+{
+    double longer = blend(5, 40, draw(key, 20)), width = s->sigma[0] / sqrt(longer);
+    s->sigma[0] = longer * width;
+    s->sigma[1] = width;
+    s->sigma[2] = width * (0.1 + 0.5 * draw(key, 21));
+}
+
+/* A direction near this one, off by some degrees, as fits leave them. */
+static vec waver(vec d, uint64_t key)
+{
+    vec off = v3(draw(key, 22) - 0.5, draw(key, 23) - 0.5, draw(key, 24) - 0.5);
+    return normalise(add(d, times(off, 0.08)));
+}
+
+static void add_day_light(splat *s, vec colour, uint64_t key)
+{
+    double light = 0.45 + 0.6 * clamp(fabs(dot(s->axis[2], noon)), 0, 1);
+    add_constant(s, times(colour, light));
+    add_zonal(s, times(noon, -1), highlight, times(colour, 0.3 * light));
+    add_zonal(s, s->axis[1], rim, times(colour, 0.12));
+    add_error(s, key, 0.03);
+}
+
+/* The fibres of a board from `foot` along its first axis: both sides, `up` of the way, `across` from -1 to 1. */
+static void lay_board(const place *p, vec foot, vec along, vec across, double area, splat *s)
+{
+    vec face = normalise(cross(along, across));
+    vec at = add(add(foot, times(along, p->u)), times(across, 2 * p->v - 1));
+    double side = draw(p->key, 0) < 0.5 ? -0.012 : 0.012, sigma = 0.6 * sqrt(area / (double)p->count);
+    lay_flat(s, add(at, times(face, side)), face, waver(normalise(along), p->key), sigma, 0.98 - 0.4 * draw(p->key, 1));
+    stretch(s, p->key);
+    add_day_light(s, times(v3(1.0, 0.96, 0.88), 0.25 + 0.95 * draw(p->key, 2)), p->key);
+}
+
+enum { PICKETS = 60, RAILS = 2 };
+
+static void fence_picket(place *p, splat *s)
+{
+    uint64_t picket = p->index % PICKETS, key = key_of(p->seed, ~picket << 14);
+    double x = FENCE_REACH * (2 * ((double)picket + 0.5) / PICKETS - 1), height = 0.95 + 0.1 * draw(key, 0);
+    vec along = times(v3(0.08 * (draw(key, 1) - 0.5), -1, 0.06 * (draw(key, 2) - 0.5)), height);
+    spread_evenly(p, p->index / PICKETS, p->count / PICKETS + 1);
+    vec across = v3(0.04 * smoothstep(1.02, 0.86, p->u), 0, 0.012 * (draw(key, 3) - 0.5));
+    lay_board(p, v3(x, 0, 0), along, across, 2 * PICKETS * 0.08, s);
+}
+
+static void fence_rail(place *p, splat *s)
+{
+    double y = p->index % RAILS ? -0.26 : -0.72;
+    spread_evenly(p, p->index / RAILS, p->count / RAILS + 1);
+    lay_board(p, v3(-FENCE_REACH, y, 0.03), v3(2 * FENCE_REACH, 0.05, 0), v3(0, 0.045, 0),
+              2 * RAILS * 2 * FENCE_REACH * 0.09, s);
+}
+
+/* A piece of a blade that grows at `root` and bends over. */
+static void fence_grass(place *p, splat *s)
+{
+    double up = draw(p->key, 0), height = 0.22 + 0.5 * draw(p->key, 1), bend = 0.8 * up * draw(p->key, 2);
+    double turns = draw(p->key, 3), x = FENCE_REACH * (2 * p->u - 1), z = FENCE_DEPTH * (2 * p->v - 1);
+    height *= z > 0.3 ? 2.5 : 1;
+    vec out = v3(cosine(turns), 0, sine(turns)), root = v3(x, 0, z);
+    vec at = add(root, times(add(v3(0, -up, 0), times(out, 0.5 * bend * up)), height));
+    vec along = waver(normalise(add(v3(0, -1, 0), times(out, bend + 0.2 * (draw(p->key, 4) - 0.5)))), p->key);
+    vec face = normalise(cross(along, v3(-out.z, 0.1, out.x)));
+    double sigma = 0.8 * sqrt(2 * FENCE_REACH * FENCE_DEPTH / (double)p->count);
+    lay_flat(s, at, face, along, sigma, 0.98 - 0.4 * draw(p->key, 5));
+    stretch(s, p->key);
+    vec green = blend3(v3(0.05, 0.13, 0.03), v3(1.0, 0.98, 0.50), draw(p->key, 6));
+    add_day_light(s, green, p->key);
+}
+
+static void fence_ground(place *p, splat *s)
+{
+    double x = 1.1 * FENCE_REACH * (2 * p->u - 1), z = 1.2 * FENCE_DEPTH * (2 * p->v - 1);
+    double sigma = 0.9 * sqrt(5 * FENCE_REACH * FENCE_DEPTH / (double)p->count), patch = plain_noise(x, z, 76);
+    lay_flat(s, v3(x, 0.02, z), v3(0, -1, 0), v3(draw(p->key, 0) - 0.5, 0, 1), sigma, 0.95);
+    add_constant(s, blend3(v3(0.20, 0.17, 0.10), v3(0.25, 0.32, 0.12), 0.5 + 0.5 * patch));
+    add_error(s, p->key, 0.03);
+}
+
+static void fence(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
+{
+    static const unsigned ends[] = { 350, 400, 900, 1000 };
+    static void (*const lay[])(place *, splat *) = { fence_picket, fence_rail, fence_grass, fence_ground };
+    place p;
+    splat s;
+    lay[part_of(i, count, seed, ends, &p)](&p, &s);
+    finish(&s, out);
+}
+
 /* ---- mirrors: hammered gold, chrome and copper under three lamps ------------------------------------------------- */
 
 #define BENCH_Y 1.2
@@ -1490,6 +1587,7 @@ static const fxs_procedural_scene scenes[] = {
     { "mirrors", "gold, chrome and copper: colours that turn with the view", 3, 100000, mirrors },
     { "discs", "the knot under a sky and on a ground of discs without thickness", 3, 100000, discs },
     { "haze", "a lighthouse behind thousands of Gaussians of opacity 0.004 to 0.05", 3, 60000, lighthouse_haze },
+    { "fence", "pickets and grass of needles, 5 to 40 times as long as wide", 3, 50000, fence },
     { "site", "a town from the air, 400 x 300 units and 8 high", 3, 150000, site },
 };
 
