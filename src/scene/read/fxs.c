@@ -1,10 +1,12 @@
 /* Reads .fxs: the Gaussians of a packed scene, without the coarse ones of its tree. */
+#include <math.h>
 #include <string.h>
 
 #include <fixsplat/message.h>
 
 #include "src/base/crc32.h"
 #include "src/pack/decode.h"
+#include "src/pack/move.h"
 #include "src/scene/formats_internal.h"
 
 enum { MOST_PALETTE = FXS_PALETTE_STAGES * FXS_PALETTE_ENTRIES * FXS_PALETTE_STRIDE, MOST_ROWS = 63 * FXS_CHUNK };
@@ -82,8 +84,10 @@ static int fxs_open_file(void *data, const fxs_scene_source *source, fxs_scene_f
     r->source = source;
     fxs_crc32_fill(&r->crc);
     FXS_TRY(take_header(r, &header, message));
+    source->import->moves = 1;
     fxs_packed_header_turn(&header);
     fxs_start_of(&info->start, &header);
+    fxs_packed_origin(&header, source->import->origin);
     fxs_packed_header_turn(&header);
     const uint64_t palette_at = sizeof header + (uint64_t)r->scene.chunk_count * sizeof(fxs_chunk);
     const size_t palette_bytes = (size_t)(r->rows_at - palette_at);
@@ -107,7 +111,11 @@ static int take_chunk(fxs_file_reader *r, uint32_t number, fxs_message *message)
     if (!is_whole(r, &r->chunk.checksum, &r->chunk, sizeof r->chunk, r->rows, s->chunk_bytes))
         return damaged(r, "a chunk", message);
     fxs_chunk_turn(&r->chunk);
-    return fxs_chunk_valid(&r->chunk) ? 0 : damaged(r, "a chunk's header", message);
+    if (!fxs_chunk_valid(&r->chunk))
+        return damaged(r, "a chunk's header", message);
+    for (int i = 0; i < 3; i++)
+        r->chunk.origin_q32[i] -= (int64_t)floor(ldexp(r->source->import->origin[i], 32) + 0.5);
+    return 0;
 }
 
 static long fxs_read_gaussians(void *data, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)

@@ -1,6 +1,7 @@
 /* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians get
    the axes of a .ply, y down: x and y of glTF change their signs. Colours of linear light are turned into sRGB. Drafts
    of the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+#include <math.h>
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
@@ -17,6 +18,7 @@
 #include "src/gaussian/attributes.h"
 #include "spz_internal.h"
 #include "src/base/text_internal.h"
+#include "src/gaussian/origin_internal.h"
 #include "src/gaussian/transform_internal.h"
 
 enum {
@@ -723,6 +725,8 @@ static int enter(gltf *g, int index)
     splats *s = &g->splats[p->splats];
     if (fxs_transform_init(&g->transform, p->rows))
         return fail(g, "a node's transform has no inverse");
+    for (int i = 0; i < 3; i++)
+        g->transform.shift[i] -= g->source->import->origin[i];
     if (s->spz.buffer) {
         if (!s->opened)
             FXS_TRY(open_spz(g, p->splats));
@@ -755,6 +759,26 @@ static int find_log_scales(gltf *g)
     return 0;
 }
 
+/* The origin is at the node with most Gaussians; the contents of a tileset have that of the first. */
+static void choose_origin(const gltf *g, fxs_scene_file_info *info)
+{
+    fxs_import *import = g->source->import;
+    uint32_t most = 0;
+    for (int i = 0; i < g->parts_count; i++) {
+        const part *p = &g->parts[i];
+        const double place[3] = {p->rows[0][3], p->rows[1][3], p->rows[2][3]};
+        const uint32_t count = g->splats[p->splats].count;
+        if (!import->moves && count > most)
+            fxs_origin_near(import->origin, place);
+        most = count > most ? count : most;
+    }
+    import->moves |= most > 0;
+    for (int i = 0; i < g->parts_count; i++) {
+        const double place[3] = {g->parts[i].rows[0][3], g->parts[i].rows[1][3], g->parts[i].rows[2][3]};
+        info->coarse = fmax(info->coarse, fxs_spacing_at(place, import->origin));
+    }
+}
+
 static int describe(gltf *g, fxs_scene_file_info *info)
 {
     info->count = 0;
@@ -775,6 +799,8 @@ static int describe(gltf *g, fxs_scene_file_info *info)
     FXS_TRY(find_log_scales(g));
     for (int i = 0; i < g->parts_count; i++)
         info->log_scales |= g->splats[g->parts[i].splats].has_log_scales;
+    info->coarse = 0;
+    choose_origin(g, info);
     return enter(g, 0);
 }
 
