@@ -146,7 +146,8 @@ static void same_codes_far_out(void)
             CHECK(!fxs_scene_open(&opened[far], scenes[far].data, scenes[far].bytes));
             fxs_scene_file_close(file);
         }
-        CHECK(report.low[1] < -4500000 && report.low[1] > -4500002 && report.high[2] > 0.5 && report.inner_low[0] > 499990);
+        CHECK(report.low[1] < -4500000 && report.low[1] > -4500002 && report.high[2] > 0.5 &&
+              report.inner_low[0] > 499990);
         for (uint32_t i = 0; i < 2 * opened[0].chunk_count - 1; i++) {
             fxs_chunk chunks[2];
             const uint32_t leaves = opened[0].chunk_count;

@@ -356,6 +356,15 @@ static int refine_all(refiner *r, void *data)
     return error ? error : write_gains(r);
 }
 
+/* By the leaves. */
+static void find_origin(const fxs_scene *scene, double origin[3])
+{
+    double places[FXS_ORIGIN_SAMPLE][3];
+    for (uint64_t i = 0; i < FXS_ORIGIN_SAMPLE; i++)
+        fxs_packed_place(fxs_header(scene, (uint32_t)(scene->chunk_count * i / FXS_ORIGIN_SAMPLE)), places[i]);
+    fxs_origin_of(origin, places, FXS_ORIGIN_SAMPLE);
+}
+
 /* Refines a scene far out near 0, as its steps are in floats; the views move with it. */
 static int refine_far(void *data, size_t bytes, const fxs_refine_options *options, const double origin[3],
                       fxs_message *message)
@@ -393,7 +402,7 @@ int fxs_refine(void *data, size_t bytes, const fxs_refine_options *options, fxs_
     if (!r.scene.nodes)
         return 0;
     double origin[3];
-    fxs_packed_origin(data, origin);
+    find_origin(&r.scene, origin);
     if (fxs_is_far(origin))
         return refine_far(data, bytes, options, origin, message);
     error = refine_all(&r, data);

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include <fixsplat/packed.h>
-#include "src/gaussian/origin_internal.h"
 
 static void move_chunks(unsigned char *headers, uint32_t count, const int64_t by_q32[3])
 {
@@ -42,13 +41,11 @@ void fxs_packed_move(void *data, const double by[3])
     memcpy(data, &h, sizeof h);
 }
 
-void fxs_packed_origin(const void *header, double origin[3])
+void fxs_packed_place(const void *header, double place[3])
 {
-    fxs_packed_header h;
-    double middle[3];
-    memcpy(&h, header, sizeof h);
-    fxs_packed_header_turn(&h);
+    fxs_chunk chunk;
+    memcpy(&chunk, header, sizeof chunk);
+    fxs_chunk_turn(&chunk);
     for (int k = 0; k < 3; k++)
-        middle[k] = ((double)h.inner_low_q32[k] + (double)h.inner_high_q32[k]) * 0x1p-33;
-    fxs_origin_near(origin, middle);
+        place[k] = (double)chunk.origin_q32[k] * 0x1p-32;
 }

@@ -6,7 +6,7 @@
    start view stays. All must stay within 2^28 units. Checksums must be set again. */
 void fxs_packed_move(void *data, const double by[3]);
 
-/* The origin, as src/gaussian has it, about the middle of the visible part of the scene with this header. */
-void fxs_packed_origin(const void *header, double origin[3]);
+/* The place of a chunk, by its header. */
+void fxs_packed_place(const void *header, double place[3]);
 
 #endif

@@ -7,9 +7,8 @@ at=500000,4500000,0
 back=--translate=-500000,-4500000,0
 near_view='--size 200x150 --eye 1,-2,-7 --look 0.5,0.25,0'
 far_view='--size 200x150 --eye 500001,4499998,-7 --look 500000.5,4500000.25,0'
-far_eye='--size 200x150 --cameras far.json'
 
-# rows FILE TYPE X Y: 1200 Gaussians in 4 units about X, Y, 0, at multiples of 2^-12; text with 12 digits behind the point
+# rows FILE TYPE X Y: 1200 Gaussians in 4 units about X, Y, 0, at multiples of 2^-12, as text that has them exactly
 rows() {
     awk -v type="$2" -v x="$3" -v y="$4" '
         function random() { seed = (seed * 16807) % 2147483647; return seed / 2147483647 }
@@ -51,7 +50,8 @@ END
 sed 's/500001, 4499998/1, -2/' far.json >near.json
 picture=plain.png
 check "the plain scene" picture plain.ply $near_view
-check "a plain scene has floats" sh -c '"$0" convert plain.ply again.ply && grep -aq "property float x" again.ply' "$fixsplat"
+succeeds "the plain scene again" convert plain.ply again.ply
+check "the plain scene has floats" grep -aq "property float x" again.ply
 
 # ---- Reading and writing ---------------------------------------------------------------------------------------------
 
@@ -70,20 +70,26 @@ for ending in fxs glb; do
 done
 succeeds ".csv" convert far.ply far.csv
 succeeds ".csv of the plain scene" convert plain.ply plain.csv
-check ".csv: 1200 places" equal "$(awk -F, 'NR > 1 { printf "%.6f %.6f %.6f\n", $1 - 500000, $2 - 4500000, $3 }' far.csv)" \
-    "$(awk -F, 'NR > 1 { printf "%.6f %.6f %.6f\n", $1, $2, $3 }' plain.csv)"
+less() { awk -F, -v x="$2" -v y="$3" 'NR > 1 { printf "%.6f %.6f %.6f\n", $1 - x, $2 - y, $3 }' "$1"; }
+check ".csv: 1200 places" equal "$(less far.csv 500000 4500000)" "$(less plain.csv 0 0)"
 check ".glb: a node" grep -aq '"translation":\[-500000,-4500000,0\]' far.glb
 for ending in splat spz sog compressed.ply rad; do
     run convert far.ply far.$ending
-    check ".$ending: a line" says "far.$ending: single precision moves positions so far out by up to 0.25 units; nothing is \
-lost with --translate -500000,-4500000,0"
+    check ".$ending: a line" says "far.$ending: single precision moves positions so far out by up to 0.25 units; \
+nothing is lost with --translate -500000,-4500000,0"
 done
-check "info: true coordinates" sh -c '"$0" info far.fxs | grep -q "^bounds  *499998 4499998.002 .* 4500001.993 "' \
-    "$fixsplat"
-check "info --json" sh -c '"$0" info far.glb --json | grep -q "\"bounds\": \[\[499998, 4499998.002, .*, 4500001.993, "' "$fixsplat"
-check "info --stats" sh -c '"$0" info far.ply --stats | grep -q "^y  *4499998[0-9.]* "' "$fixsplat"
+# prints WORDS ARGUMENT...: of the command
+prints() {
+    words=$1
+    shift
+    "$fixsplat" "$@" | grep -q "$words"
+}
+check "info: true coordinates" prints "^bounds  *499998 4499998.002 .* 4500001.993 " info far.fxs
+check "info --json" prints '"bounds": \[\[499998, 4499998.002, .*, 4500001.993, ' info far.glb --json
+check "info --stats" prints "^y  *4499998[0-9.]* " info far.ply --stats
 check "info --compare" looks_as far.fxs far.glb 50
-check "--pick" sh -c '"$0" render far.fxs --cameras far.json --pick 100,110 --json | grep -q "\"position\": \[50000.\.[0-9]*, 4[45]"' "$fixsplat"
+check "--pick" prints '"position": \[50000[0-9.]*, 4[45][0-9]*\.[0-9]*,' render far.fxs --cameras far.json --pick 100,110 \
+    --json
 
 # ---- Placing ---------------------------------------------------------------------------------------------------------
 
@@ -94,8 +100,11 @@ for scene in text.ply far.ply far.glb; do
 done
 succeeds "--translate back: .fxs" convert far.fxs back.fxs $back
 succeeds "the plain .fxs again" convert plain.fxs again.fxs
-same_as_again() { picture=back.png; picture back.fxs $near_view && picture=again.png && picture again.fxs $near_view && cmp back.png again.png; }
-check "--translate back: .fxs: the same picture" same_as_again
+picture=back.png
+picture back.fxs $near_view
+picture=again.png
+picture again.fxs $near_view
+check "--translate back: .fxs: the same picture" cmp back.png again.png
 same "--place" plain.ply --place plain.ply:$at $far_view
 same "--place back" far.ply --place far.ply:-500000,-4500000,0 $near_view
 for ending in fxs ply glb; do
@@ -110,8 +119,29 @@ check "and back: as before" looks_as back.ply far.ply 50
 run convert plain.ply far.ply both.fxs
 check "one far from the other: a line" says "plain.ply: parts are so far from the others that single precision places \
 them in steps of up to 0.5 units; objects of a world (--scene, --place of render) keep their places"
-check "two far out" sh -c '"$0" convert far.ply plain.ply both.ply --place plain.ply:500010,4500000,0 && [ "$("$0" convert both.ply \
-both.csv && sort -u both.csv | wc -l)" = 2401 ]' "$fixsplat"
+awk 'NR <= 18 || NR % 6 { print; next } { $1 -= 500000; $2 -= 4500000; print }' text.ply >mixed.ply
+run convert mixed.ply mixed.csv
+check "of one file: a line" says "mixed.ply: parts are so far from the others that single precision places them in \
+steps of up to 0.5 units; objects of a world (--scene, --place of render) keep their places"
+succeeds "two far out" convert far.ply plain.ply both.csv --place plain.ply:500010,4500000,0
+check "two far out: all places" equal "$(sort -u both.csv | wc -l)" 2401
+
+# Where most Gaussians lie is what counts: here a third is a sky, 200000 units away on one side.
+awk 'NR > 18 && NR % 3 == 0 { $1 = -200000 - NR; $8 = $9 = $10 = 8 } { print }' plain.ply >sky.ply
+nearby() {
+    "$fixsplat" convert "$1" nearby.csv --quiet "$2"
+    awk -F, 'NR > 1 && $1 > -9 { printf "%.4f %.4f %.4f\n", $1, $2, $3 }' nearby.csv | sort >"$3"
+}
+nearby sky.ply --translate=0,0,0 sky.places
+"$fixsplat" convert sky.ply sky.fxs && "$fixsplat" convert sky.fxs sky-again.ply
+check "a sky beside a scene: floats" grep -aq "property float x" sky-again.ply
+"$fixsplat" convert sky.ply moved.ply --translate 5000,0,0
+nearby moved.ply --translate=-5000,0,0 moved.places
+check "a sky beside a scene: places" cmp sky.places moved.places
+"$fixsplat" convert float.ply floats.ply
+nearby floats.ply $back floats.places
+nearby plain.ply --translate=0,0,0 plain.places
+check "text of floats: places" cmp plain.places floats.places
 
 # ---- Leaving out, levels, parts --------------------------------------------------------------------------------------
 
@@ -126,7 +156,8 @@ picture tree.fxs $near_view --detail 6
 picture=far-tree.png
 picture far-tree.fxs $far_view --detail 6
 check "levels: the plain scene's picture" cmp tree.png far-tree.png
-check "--decimate" sh -c '"$0" convert far.ply few.fxs --decimate 600 && "$0" info few.fxs | grep -q "^bounds  *49999[789]"' "$fixsplat"
+succeeds "--decimate" convert far.ply few.fxs --decimate 600
+check "--decimate: bounds" prints "^bounds  *49999[789]" info few.fxs
 fails "--block" 1 "a scene so far out is not packed in blocks; .*--translate -500000,-4500000,0" \
     convert far.ply part.fxs --block 1/2
 check "--block: nothing is written" [ ! -e part.fxs ]

@@ -17,7 +17,9 @@ typedef struct part {
     double rows[3][4];
     fxs_transform turn;            /* for rotating SH */
     double log_scale;
-    double inner[3];               /* origin of the file's stream while this part is read */
+    double inner[3];               /* origin of the file's stream while this part is read, */
+    int moves;                     /* which can be another one */
+    double middle[3];              /* about where it lies in the world */
     double shift[3];               /* position = rows * that of the file + shift */
     int is_moved, is_turned, is_tinted;
 } part;
@@ -294,69 +296,86 @@ static void place_of(const part *p, const double from[3], double place[3])
         place[i] = p->rows[i][0] * from[0] + p->rows[i][1] * from[1] + p->rows[i][2] * from[2] + p->rows[i][3];
 }
 
-/* Finds where a part lies, by its first Gaussians. Where they cannot be read, it is the origin: reading says why. */
-static void find_place(merge_reader *r, uint32_t at, double place[3])
+/* The number of Gaussian `i` of a sample from all over a file. */
+static uint64_t number_of(const fxs_scene_file_info *info, int i)
 {
-    fxs_gaussian batch[FXS_ORIGIN_SAMPLE];
+    const uint64_t most = FXS_ORIGIN_SAMPLE, k = (uint64_t)i;
+    return info->count / most * k + info->count % most * k / most;
+}
+
+/* Finds where a part lies: at the origin of its file, or where that has floats alone by a sample. */
+static int find_middle(merge_reader *r, part *p, const fxs_scene_file_info *info, fxs_message *message)
+{
+    enum { BATCH = 256 };
+    fxs_gaussian batch[BATCH];
     double places[FXS_ORIGIN_SAMPLE][3], from[3];
-    fxs_message unread;
-    const part *p = &r->parts[at];
-    r->at = at;
-    const long n = enter(r, &unread) ? 0 : read_file(r, p->placement.file, batch, FXS_ORIGIN_SAMPLE, &unread);
-    for (long i = 0; i < n; i++) {
-        for (int k = 0; k < 3; k++)
-            from[k] = p->inner[k] + (double)batch[i].position[k];
-        place_of(p, from, places[i]);
+    uint64_t read = 0;
+    int found = 0;
+    place_of(p, p->inner, p->middle);
+    if (p->moves)
+        return 0;
+    r->at = (uint32_t)(p - r->parts);
+    FXS_TRY(enter(r, message));
+    for (long n; (n = read_file(r, p->placement.file, batch, BATCH, message)) != 0; read += (uint64_t)n) {
+        if (n < 0)
+            return (int)n;
+        for (; found < FXS_ORIGIN_SAMPLE && number_of(info, found) < read + (uint64_t)n; found++) {
+            for (int k = 0; k < 3; k++)
+                from[k] = p->inner[k] + (double)batch[number_of(info, found) - read].position[k];
+            place_of(p, from, places[found]);
+        }
     }
-    fxs_origin_of(place, places, n > 0 ? (int)n : 0);
+    fxs_origin_of(p->middle, places, found);
+    return 0;
 }
 
 /* Has a file read about the place that comes to the origin, if it can and that is far, so that only the sum of both is
    rounded. */
-static void set_inner(const merge_reader *r, part *p, const fxs_import *import)
+static void set_inner(const merge_reader *r, part *p)
 {
     const double square = p->placement.scale * p->placement.scale;
-    double inner[3] = {0}, far[3];
+    double inner[3] = {0}, place[3];
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             inner[i] += p->rows[k][i] / square * (r->origin[k] - p->rows[k][3]);
-    if (import->moves && fxs_is_far(inner) && fabs(inner[0]) < FARTHEST && fabs(inner[1]) < FARTHEST &&
+    if (p->moves && fxs_is_far(inner) && fabs(inner[0]) < FARTHEST && fabs(inner[1]) < FARTHEST &&
         fabs(inner[2]) < FARTHEST)
         memcpy(p->inner, inner, sizeof p->inner);
-    place_of(p, p->inner, far);
+    place_of(p, p->inner, place);
     for (int i = 0; i < 3; i++) {
-        p->shift[i] = far[i] - r->origin[i];
+        p->shift[i] = place[i] - r->origin[i];
         p->is_moved |= p->shift[i] != 0;
     }
 }
 
-/* Where a part is placed far out, the origin is near the part with most Gaussians. `moves` is of file 0. */
-static void choose_origin(merge_reader *r, const fxs_scene_file_info *infos, int moves, fxs_scene_file_info *info)
+/* Where a part is far out, the origin is near the part with most Gaussians. `moves`: of file 0. */
+static int choose_origin(merge_reader *r, const fxs_scene_file_info *infos, int moves, fxs_scene_file_info *info,
+                         fxs_message *message)
 {
-    const fxs_import own = {.moves = moves};
     uint64_t most = 0;
     int is_far = 0;
-    for (uint32_t i = 0; i < r->count; i++) {
-        part *p = &r->parts[i];
-        memcpy(p->inner, infos[p->placement.file].origin, sizeof p->inner);
-        info->coarse = fmax(info->coarse, infos[p->placement.file].coarse * p->placement.scale);
+    for (part *p = r->parts; p < r->parts + r->count; p++) {
+        const fxs_scene_file_info *own = &infos[p->placement.file];
+        memcpy(p->inner, own->origin, sizeof p->inner);
+        p->moves = p->placement.file ? r->files[p->placement.file]->import.moves : moves;
+        info->coarse = fmax(info->coarse, own->coarse * p->placement.scale);
         is_far |= fxs_is_far(p->inner) || fxs_is_far(p->placement.translation);
     }
-    for (uint32_t i = 0; i < r->count && is_far; i++)
-        if (infos[r->parts[i].placement.file].count > most) {
-            most = infos[r->parts[i].placement.file].count;
-            find_place(r, i, r->origin);
-        }
-    for (uint32_t i = 0; i < r->count && is_far; i++) {
-        double place[3];
-        find_place(r, i, place);
-        info->coarse = fmax(info->coarse, fxs_spacing_at(place, r->origin));
+    if (!is_far)
+        return 0;
+    for (part *p = r->parts; p < r->parts + r->count; p++) {
+        const uint64_t count = infos[p->placement.file].count;
+        FXS_TRY(find_middle(r, p, &infos[p->placement.file], message));
+        if (count > most)
+            fxs_origin_near(r->origin, p->middle);
+        most = count > most ? count : most;
     }
-    for (uint32_t i = 0; i < r->count && is_far; i++) {
-        part *p = &r->parts[i];
-        set_inner(r, p, p->placement.file ? &r->files[p->placement.file]->import : &own);
+    for (part *p = r->parts; p < r->parts + r->count; p++) {
+        info->coarse = fmax(info->coarse, fxs_spacing_at(p->middle, r->origin));
+        set_inner(r, p);
     }
     memcpy(info->origin, r->origin, sizeof info->origin);
+    return 0;
 }
 
 /* Counts the Gaussians that the crops keep. */
@@ -432,7 +451,7 @@ int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_sc
     else
         fxs_fail(message, "out of memory");
     if (!error)
-        choose_origin(r, infos, moves, info);
+        error = choose_origin(r, infos, moves, info, message);
     if (!error)
         error = count_kept(files[0], r, info, message);
     info->stored_sh_degree = info->sh_degree;

@@ -5,6 +5,7 @@
 #include <fixsplat/message.h>
 
 #include "src/base/crc32.h"
+#include "src/gaussian/origin_internal.h"
 #include "src/pack/decode.h"
 #include "src/pack/move.h"
 #include "src/scene/formats_internal.h"
@@ -77,6 +78,22 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     return 0;
 }
 
+/* By chunks from all over the file, which hold Gaussians in about equal numbers. */
+static int choose_origin(const fxs_file_reader *r, fxs_message *message)
+{
+    double places[FXS_ORIGIN_SAMPLE][3];
+    fxs_chunk chunk;
+    for (uint64_t i = 0; i < FXS_ORIGIN_SAMPLE; i++) {
+        const uint64_t number = r->scene.chunk_count * i / FXS_ORIGIN_SAMPLE;
+        FXS_TRY(fxs_scene_source_read(r->source, sizeof(fxs_packed_header) + number * sizeof chunk, &chunk,
+                                      sizeof chunk, message));
+        fxs_packed_place(&chunk, places[i]);
+    }
+    fxs_origin_of(r->source->import->origin, places, FXS_ORIGIN_SAMPLE);
+    r->source->import->moves = 1;
+    return 0;
+}
+
 static int fxs_open_file(void *data, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
     fxs_file_reader *r = data;
@@ -84,10 +101,8 @@ static int fxs_open_file(void *data, const fxs_scene_source *source, fxs_scene_f
     r->source = source;
     fxs_crc32_fill(&r->crc);
     FXS_TRY(take_header(r, &header, message));
-    source->import->moves = 1;
     fxs_packed_header_turn(&header);
     fxs_start_of(&info->start, &header);
-    fxs_packed_origin(&header, source->import->origin);
     fxs_packed_header_turn(&header);
     const uint64_t palette_at = sizeof header + (uint64_t)r->scene.chunk_count * sizeof(fxs_chunk);
     const size_t palette_bytes = (size_t)(r->rows_at - palette_at);
@@ -95,6 +110,7 @@ static int fxs_open_file(void *data, const fxs_scene_source *source, fxs_scene_f
     if (palette_bytes && fxs_crc32(&r->crc, 0, r->palette, palette_bytes) != header.palette_checksum)
         return damaged(r, "the palette", message);
     r->scene.palette = r->palette;
+    FXS_TRY(choose_origin(r, message));
     info->count = r->scene.count;
     info->sh_degree = r->scene.sh_degree;
     info->antialiased = r->scene.antialiased;

@@ -79,6 +79,7 @@ typedef struct splats {
     uint32_t count;
     int sh_degree, stored_sh_degree, antialiased;
     int scales_known, has_log_scales, is_linear;
+    double middle[3];            /* of its positions where they are far from 0 beside their extent; else 0 */
 } splats;
 
 /* The primitives of a mesh that have Gaussians, once it was read. */
@@ -568,6 +569,19 @@ static int check_splatting(const gltf *g, const cJSON *splatting, int *is_linear
     return 0;
 }
 
+static void find_middle(const gltf *g, const cJSON *attributes, splats *s)
+{
+    const int index = index_of(g, member(attributes, "POSITION"), ACCESSORS);
+    const cJSON *item = index < 0 ? NULL : g->lists[ACCESSORS].items[index];
+    double low[3], high[3];
+    if (!fxs_json_numbers(member(item, "min"), low, 3) || !fxs_json_numbers(member(item, "max"), high, 3))
+        return;
+    for (int k = 0; k < 3; k++) {
+        const double middle = (low[k] + high[k]) / 2;
+        s->middle[k] = fabs(middle) > high[k] - low[k] ? middle : 0;
+    }
+}
+
 static int read_primitive(gltf *g, const cJSON *primitive)
 {
     const cJSON *extensions = member(primitive, "extensions"), *spz = find_spz(extensions);
@@ -586,6 +600,7 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     memset(added, 0, sizeof *added);
     added->first = g->splats_count - 1;
     added->is_linear = is_linear;
+    find_middle(g, member(primitive, "attributes"), added);
     if (!spz)
         return read_accessors(g, member(primitive, "attributes"), added);
     int view_index = index_of(g, member(spz, "bufferView"), VIEWS);
@@ -759,22 +774,30 @@ static int find_log_scales(gltf *g)
     return 0;
 }
 
-/* The origin is at the node with most Gaussians; the contents of a tileset have that of the first. */
+static void place_of(const gltf *g, const part *p, double place[3])
+{
+    const double *m = g->splats[p->splats].middle;
+    for (int k = 0; k < 3; k++)
+        place[k] = p->rows[k][0] * m[0] + p->rows[k][1] * m[1] + p->rows[k][2] * m[2] + p->rows[k][3];
+}
+
+/* The origin is at the part with most Gaussians; the contents of a tileset have that of the first. */
 static void choose_origin(const gltf *g, fxs_scene_file_info *info)
 {
     fxs_import *import = g->source->import;
+    double place[3];
     uint32_t most = 0;
-    for (int i = 0; i < g->parts_count; i++) {
-        const part *p = &g->parts[i];
-        const double place[3] = {p->rows[0][3], p->rows[1][3], p->rows[2][3]};
+    for (const part *p = g->parts; p < g->parts + g->parts_count && !import->moves; p++) {
         const uint32_t count = g->splats[p->splats].count;
-        if (!import->moves && count > most)
-            fxs_origin_near(import->origin, place);
-        most = count > most ? count : most;
+        if (count <= most)
+            continue;
+        most = count;
+        place_of(g, p, place);
+        fxs_origin_near(import->origin, place);
     }
     import->moves |= most > 0;
-    for (int i = 0; i < g->parts_count; i++) {
-        const double place[3] = {g->parts[i].rows[0][3], g->parts[i].rows[1][3], g->parts[i].rows[2][3]};
+    for (const part *p = g->parts; p < g->parts + g->parts_count; p++) {
+        place_of(g, p, place);
         info->coarse = fmax(info->coarse, fxs_spacing_at(place, import->origin));
     }
 }

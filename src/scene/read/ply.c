@@ -215,12 +215,12 @@ static int is_fine(const ply_reader *reader)
 }
 
 /* Chooses the origin by rows from all over the file, or where rows have no fixed size by the first ones. A row that
-   cannot be read ends the sample. */
-static int choose_origin(ply_reader *reader, fxs_message *message)
+   cannot be read ends the sample. Parts with Gaussians smaller than the spacing of floats there are too far from it. */
+static int choose_origin(ply_reader *reader, fxs_scene_file_info *info, fxs_message *message)
 {
     const fxs_ply_element *vertex = reader->vertex;
     fxs_import *import = reader->bytes.source->import;
-    double places[FXS_ORIGIN_SAMPLE][3];
+    double places[FXS_ORIGIN_SAMPLE][3], sizes[FXS_ORIGIN_SAMPLE];
     int n = 0, failed = 0;
     for (; n < FXS_ORIGIN_SAMPLE && (uint64_t)n < vertex->count && !failed; n += !failed) {
         fxs_gaussian g = {.opacity = 0};
@@ -232,9 +232,15 @@ static int choose_origin(ply_reader *reader, fxs_message *message)
                      : read_row(reader, vertex, (float *)&g);
         for (int i = 0; i < 3; i++)
             places[n][i] = (double)g.position[i];
+        sizes[n] = fxs_exp((double)fmaxf(g.scale[0], g.scale[1]));
     }
     import->moves = 1;
     fxs_origin_of(import->origin, places, n);
+    while (n-- > 0) {
+        const double spacing = fxs_spacing_at(places[n], import->origin);
+        if (spacing > sizes[n] && spacing > info->coarse)
+            info->coarse = spacing;
+    }
     return ply_rewind(reader, message);
 }
 
@@ -254,7 +260,7 @@ static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_messag
     info->sh_degree = reader->sh_degree;
     info->stored_sh_degree = reader->stored_sh_degree;
     info->antialiased = reader->header.antialiased;
-    return is_fine(reader) ? choose_origin(reader, message) : 0;
+    return is_fine(reader) ? choose_origin(reader, info, message) : 0;
 }
 
 static int ply_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
