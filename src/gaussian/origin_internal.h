@@ -7,6 +7,11 @@ enum { FXS_ORIGIN_SAMPLE = 33 };    /* places by which an origin is chosen, at m
 /* Of an origin, on each axis: with the positions that fxs_pack takes relative to it, places stay within 2^28 units. */
 #define FXS_ORIGIN_FARTHEST 0x1p26
 
+static inline int fxs_has_origin(const double origin[3])
+{
+    return origin[0] != 0 || origin[1] != 0 || origin[2] != 0;
+}
+
 /* 1 where floats are too coarse for a place. */
 int fxs_is_far(const double place[3]);
 

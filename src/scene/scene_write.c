@@ -7,6 +7,7 @@
 #include <fixsplat/message.h>
 
 #include "formats_internal.h"
+#include "src/gaussian/origin_internal.h"
 
 struct fxs_scene_writer {
     const fxs_writer *writer;
@@ -56,7 +57,7 @@ int fxs_scene_writer_put(fxs_scene_writer *w, const fxs_gaussian *gaussians, siz
 {
     enum { BATCH = 64 };
     fxs_gaussian batch[BATCH];
-    if (w->origin[0] == 0 && w->origin[1] == 0 && w->origin[2] == 0)
+    if (!fxs_has_origin(w->origin))
         return w->writer->put(w->data, gaussians, n, message);
     for (size_t at = 0, count; at < n; at += count) {
         count = n - at < BATCH ? n - at : BATCH;

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "scene_write_internal.h"
+#include "src/gaussian/origin_internal.h"
 
 #include "src/base/number.h"
 
@@ -18,7 +19,7 @@ static int csv_open(void *writer, const char *path, const fxs_scene_write_option
     FXS_TRY(fxs_output_open(&w->output, path, o->count, message));
     w->coefficients = o->sh_degree * (o->sh_degree + 2);
     memcpy(w->origin, o->origin, sizeof w->origin);
-    w->digits = o->origin[0] != 0 || o->origin[1] != 0 || o->origin[2] != 0 ? 17 : 9;
+    w->digits = fxs_has_origin(o->origin) ? 17 : 9;
     fputs("x,y,z,f_dc_0,f_dc_1,f_dc_2", w->output.file);
     for (int k = 0; k < 3 * w->coefficients; k++)
         fprintf(w->output.file, ",f_rest_%d", k);

@@ -9,6 +9,7 @@
 #include "src/base/system.h"
 #include "src/gaussian/attributes.h"
 #include "scene_write_internal.h"
+#include "src/gaussian/origin_internal.h"
 #include "src/scene/read/spz_internal.h"
 
 /* Bytes of a row: position, scale, rotation, opacity, then SH from degree 0 on. glTF allows at most 252. */
@@ -53,7 +54,7 @@ static void print_corner(FILE *json, const char *name, float x, float y, float z
 static void add_node(FILE *json, const double origin[3])
 {
     fprintf(json, "\"nodes\":[{\"mesh\":0");
-    if (origin[0] != 0 || origin[1] != 0 || origin[2] != 0)
+    if (fxs_has_origin(origin))
         print_vector(json, "translation", 17, 0 - origin[0], 0 - origin[1], origin[2]);
     fprintf(json, "}]");
 }

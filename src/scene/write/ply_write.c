@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "scene_write_internal.h"
+#include "src/gaussian/origin_internal.h"
 
 #define MAX_PROPERTIES 62   /* position, normal, degree 0, degrees 1 to 3, opacity, scale, rotation */
 
@@ -34,7 +35,7 @@ static int ply_open(void *writer, const char *path, const fxs_scene_write_option
     FXS_TRY(fxs_output_open(&w->output, path, o->count, message));
     w->coefficients = (size_t)((o->sh_degree + 1) * (o->sh_degree + 1) - 1);
     memcpy(w->origin, o->origin, sizeof w->origin);
-    w->is_far = o->origin[0] != 0 || o->origin[1] != 0 || o->origin[2] != 0;
+    w->is_far = fxs_has_origin(o->origin);
     write_header(w->output.file, o->count, w, o->antialiased);
     return 0;
 }
