@@ -19,7 +19,7 @@ int fxs_is_far(const double place[3]);
    for floats, or too far out to be packed. */
 void fxs_origin_near(double origin[3], const double place[3]);
 
-/* The same for the median of some places, at most FXS_ORIGIN_SAMPLE, of which some may not be finite. */
+/* The same for the median of some places, at most FXS_ORIGIN_SAMPLE. Coordinates that are not finite do not count. */
 void fxs_origin_of(double origin[3], double (*places)[3], int count);
 
 /* 0, or the spacing of floats at a place that is far from the origin. */

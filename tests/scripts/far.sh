@@ -1,5 +1,5 @@
 #!/bin/sh
-# Scenes far from 0, as in UTM coordinates: what is read, placed, edited, packed and written keeps its places.
+# Scenes far from 0, as in UTM coordinates, keep their places when they are read, placed, edited, packed and written.
 . tests/scripts/lib/check.sh
 . tests/scripts/lib/command.sh
 
