@@ -93,7 +93,7 @@ static void check_view(fxs_float_scene *scene, const fxs_packed_scene profiles[3
 static void check_scene(const char *name, int antialiased, float away)
 {
     const fxs_procedural_scene *made = fxs_procedural_find(name);
-    const fxs_gaussian_source source = {COUNT, made->sh_degree, antialiased, read_gaussians, gaussians};
+    const fxs_gaussian_source source = {COUNT, made->sh_degree, antialiased, read_gaussians, gaussians, {0}};
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_packed_scene profiles[3] = {{0}};
@@ -145,7 +145,7 @@ static void far_from_the_origin(void)
 /* What packing leaves out is left out; other pictures of one scene; a file that has fewer Gaussians than it said. */
 static void what_is_left_out(void)
 {
-    const fxs_gaussian_source source = {3, 0, 0, read_gaussians, gaussians};
+    const fxs_gaussian_source source = {3, 0, 0, read_gaussians, gaussians, {0}};
     fxs_gaussian *const g = gaussians;
     fxs_file_view view = {.width = 40, .height = 20, .fx = 50, .fy = 50, .cx = 20, .cy = 10,
                           .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};

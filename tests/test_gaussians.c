@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include <fixsplat/pack.h>
+#include <fixsplat/packed.h>
 #include <fixsplat/scene_filter.h>
 #include "scene_writer.h"
 #include "folder.h"
@@ -70,7 +71,7 @@ static void make_gaussians(void)
 
 static int open_degree(int degree, const fxs_scene_file_options *options)
 {
-    const fxs_gaussian_source from = {COUNT, degree, 1, give, made};
+    const fxs_gaussian_source from = {COUNT, degree, 1, give, made, {0}};
     return fxs_scene_file_open_gaussians("made", &from, options, &file, &info, &message);
 }
 
@@ -125,6 +126,45 @@ static void same_bytes_as_ply(void)
         fxs_packed_scene_free(&packed);
         packed = wanted;
         fxs_packed_scene_free(&packed);
+    }
+}
+
+/* With an origin, the headers of chunks and the bounds are moved by it, and nothing else is. */
+static void same_codes_far_out(void)
+{
+    static const double origin[3] = {500000, -4500000, 0.5};
+    for (int profile = 0; profile < 3; profile++) {
+        fxs_gaussian_source from = {COUNT, 3, 1, give, made, {0}};
+        const fxs_pack_options options = {.profile = (enum fxs_profile)profile, .tree = 1};
+        fxs_packed_scene scenes[2];
+        fxs_scene opened[2];
+        for (int far = 0; far < 2; far++) {
+            forget();
+            memcpy(from.origin, far ? origin : (const double[3]){0}, sizeof origin);
+            CHECK(!fxs_scene_file_open_gaussians("made", &from, NULL, &file, &info, &message));
+            CHECK(!fxs_pack(file, &info, &scenes[far], &report, &options, &message));
+            CHECK(!fxs_scene_open(&opened[far], scenes[far].data, scenes[far].bytes));
+            fxs_scene_file_close(file);
+        }
+        CHECK(report.low[1] < -4500000 && report.low[1] > -4500002 && report.high[2] > 0.5 &&
+              report.inner_low[0] > 499990);
+        for (uint32_t i = 0; i < 2 * opened[0].chunk_count - 1; i++) {
+            fxs_chunk chunks[2];
+            const uint32_t leaves = opened[0].chunk_count;
+            for (int far = 0; far < 2; far++) {
+                const unsigned char *header = i < leaves ? opened[far].chunks + i * sizeof(fxs_chunk)
+                                                         : opened[far].node_chunks + (i - leaves) * sizeof(fxs_chunk);
+                memcpy(&chunks[far], header, sizeof(fxs_chunk));
+                fxs_chunk_turn(&chunks[far]);
+            }
+            for (int k = 0; k < 3; k++)
+                chunks[1].origin_q32[k] -= (int64_t)ldexp(origin[k], 32);
+            CHECK(!memcmp(&chunks[0], &chunks[1], sizeof *chunks));
+        }
+        CHECK(scenes[0].bytes == scenes[1].bytes &&
+              !memcmp(opened[0].rows, opened[1].rows, opened[0].chunk_count * (size_t)opened[0].chunk_bytes));
+        fxs_packed_scene_free(&scenes[0]);
+        fxs_packed_scene_free(&scenes[1]);
     }
 }
 
@@ -194,12 +234,14 @@ static void nothing_finite(void)
 
 static void wrong_arguments(void)
 {
-    fxs_gaussian_source from = {COUNT, 3, 0, NULL, made};
+    fxs_gaussian_source from = {COUNT, 3, 0, NULL, made, {0}};
     CHECK(fxs_scene_file_open_gaussians("made", &from, NULL, &file, &info, &message) == FXS_ERR_ARGUMENT && !file);
     CHECK(open_degree(4, NULL) == FXS_ERR_ARGUMENT && open_degree(-1, NULL) == FXS_ERR_ARGUMENT && !file);
     CHECK(open_degree(3, &(fxs_scene_file_options){.level = 1}) == FXS_ERR_ARGUMENT && !file);
     CHECK(open_degree(3, &(fxs_scene_file_options){.max_gaussians = COUNT - 1}) == FXS_ERR_FILE && !file);
-    from = (fxs_gaussian_source){(uint64_t)FXS_MAX_COUNT + 1, 3, 0, give, made};
+    from = (fxs_gaussian_source){COUNT, 3, 0, give, made, {0, 1e8, 0}};
+    CHECK(fxs_scene_file_open_gaussians("made", &from, NULL, &file, &info, &message) == FXS_ERR_ARGUMENT && !file);
+    from = (fxs_gaussian_source){(uint64_t)FXS_MAX_COUNT + 1, 3, 0, give, made, {0}};
     CHECK(fxs_scene_file_open_gaussians("made", &from, NULL, &file, &info, &message) == FXS_ERR_FILE && !file);
     from.count = 0;
     CHECK(fxs_scene_file_open_gaussians("made", &from, NULL, &file, &info, &message) == 0);
@@ -252,6 +294,7 @@ static void run_tests(void)
 {
     make_gaussians();
     RUN(same_bytes_as_ply);
+    RUN(same_codes_far_out);
     RUN(wrong_numbers);
     RUN(changed_between_passes);
     RUN(nothing_finite);

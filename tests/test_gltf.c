@@ -579,6 +579,55 @@ static void several_parts(void)
     check_gaussians(out + COUNT, identity, shift, identity, 2e-6);
 }
 
+/* Gaussian i of those read, in the axes of the file, is `position` moved so far. */
+static void check_moved(int i, const double by[3])
+{
+    static const double signs[3] = {-1, -1, 1};
+    for (int k = 0; k < 3; k++) {
+        const double place = signs[k] * (info.origin[k] + (double)out[i].position[k]);
+        CHECK(fabs(place - (double)(float)position[3 * (i % COUNT) + k] - by[k]) < 1e-6);
+    }
+}
+
+/* Nodes far out keep their places by an origin. */
+static void far_nodes(void)
+{
+    static const double far[3] = {-500000.25, 4500000, 3}, also[3] = {-500000.25, 4500002, 3}, still[3] = {0};
+    add_all(0);
+    write_json("{\"children\":[1,2],\"translation\":[-500000.25,4500000,3]},{\"mesh\":0},{\"mesh\":0,"
+               "\"translation\":[0,2,0]}", extension, "");
+    expect_read(read_glb(), 2 * COUNT);
+    CHECK(info.origin[0] == 500000 && info.origin[1] == -4500000 && info.origin[2] == 0 && info.coarse == 0);
+    for (int i = 0; i < COUNT; i++) {
+        check_moved(i, far);
+        check_moved(COUNT + i, also);
+    }
+    write_json("{\"children\":[1,2]},{\"mesh\":0},{\"mesh\":0,\"translation\":[-500000,0,0]}", extension, "");
+    expect_read(read_glb(), 2 * COUNT);
+    CHECK(info.origin[0] == 0 && info.coarse == 0x1p-5);
+    check_moved(0, still);
+}
+
+/* A node that brings far positions back is near: the bounds of its accessor say so. */
+static void far_accessor(void)
+{
+    char rest[2048];
+    add_all(0);
+    for (int i = 0; i < COUNT; i++) {
+        const float moved = (float)(position[3 * i] += 100000);
+        memcpy(bin + 8 + 12 * i, &moved, sizeof moved);
+        position[3 * i] = (double)moved;
+    }
+    char *end = strchr(accessors, '}');
+    snprintf(rest, sizeof rest, "%s", end);
+    snprintf(end, sizeof accessors - (size_t)(end - accessors), ",\"min\":[99996,-4,-4],\"max\":[100004,4,4]%s", rest);
+    write_json("{\"mesh\":0,\"translation\":[-100000.1,0,0]}", extension, "");
+    expect_read(read_glb(), COUNT);
+    CHECK(info.origin[0] == 0 && info.coarse == 0);
+    for (int i = 0; i < COUNT; i++)
+        check_moved(i, (const double[3]){-100000.1, 0, 0});
+}
+
 static void put_base64(char *text, const uint8_t *bytes, size_t size)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -875,6 +924,8 @@ int main(void)
     RUN(nested_nodes);
     RUN(mirrored);
     RUN(several_parts);
+    RUN(far_nodes);
+    RUN(far_accessor);
     RUN(separate_buffers);
     RUN(faulty_buffers);
     RUN(compressed);

@@ -60,7 +60,7 @@ static void make(void)
 
 static int pack(fxs_packed_scene *packed, uint64_t count, const fxs_pack_options *options, int antialiased)
 {
-    const fxs_gaussian_source source = {count, 1, antialiased, read_made, &count};
+    const fxs_gaussian_source source = {count, 1, antialiased, read_made, &count, {0}};
     fxs_scene_file *file;
     fxs_pack_report report;
     if (!CHECK(!fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &message)))

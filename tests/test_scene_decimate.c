@@ -34,7 +34,7 @@ static void make(void)
 
 static int open_made(uint64_t count)
 {
-    const fxs_gaussian_source source = {count, 3, 0, read_made, NULL};
+    const fxs_gaussian_source source = {count, 3, 0, read_made, NULL, {0}};
     return CHECK(fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &message) == 0);
 }
 

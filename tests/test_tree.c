@@ -45,7 +45,7 @@ static void make(void)
 
 static int pack(fxs_packed_scene *packed, fxs_scene *scene, uint64_t count, const fxs_pack_options *options)
 {
-    const fxs_gaussian_source source = {count, 3, 0, read_made, NULL};
+    const fxs_gaussian_source source = {count, 3, 0, read_made, NULL, {0}};
     fxs_pack_report report;
     if (!CHECK(!fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &message)))
         return 0;
@@ -262,7 +262,7 @@ static void count_release(void *argument, void *block)
 
 static int try_pack(const fxs_pack_options *options)
 {
-    const fxs_gaussian_source source = {COUNT, 3, 0, read_made, NULL};
+    const fxs_gaussian_source source = {COUNT, 3, 0, read_made, NULL, {0}};
     fxs_packed_scene packed;
     fxs_pack_report report;
     if (!CHECK(!fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &message)))

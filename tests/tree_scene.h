@@ -27,7 +27,8 @@ static inline int pack_tree(const char *name, enum fxs_profile profile, fxs_pack
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pack_report report;
-    const fxs_gaussian_source source = {TREE_COUNT, made_scene->sh_degree, 0, read_made, (void *)(uintptr_t)made_scene};
+    const fxs_gaussian_source source = {TREE_COUNT, made_scene->sh_degree, 0, read_made, (void *)(uintptr_t)made_scene,
+                                        {0}};
     if (fxs_scene_file_open_gaussians("made", &source, NULL, &file, &info, &m))
         return 0;
     const int error = fxs_pack(file, &info, to, &report, &options, &m);

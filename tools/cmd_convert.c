@@ -578,7 +578,7 @@ static void note_clamped(const char *out, uint32_t count, const char *what)
 }
 
 /* What the format of OUT cannot say. */
-static void note_losses(const char *out, const fxs_scene_write_report *report)
+static void note_losses(const char *out, const double origin[3], const fxs_scene_write_report *report)
 {
     const fxs_spz_clamped *clamped = &report->clamped;
     if (report->lost_sh || report->lost_antialiased)
@@ -588,6 +588,9 @@ static void note_losses(const char *out, const fxs_scene_write_report *report)
     if (clamped->position)
         note("%s: brought in %" PRIu32 " Gaussians from beyond %g units: an .spz has 24 bits for a position", out,
              clamped->position, clamped->reach);
+    if (report->moved > 0)
+        note("%s: single precision moves positions so far out by up to %.2g units; nothing is lost with --translate "
+             "%.0f,%.0f,%.0f", out, report->moved, 0 - origin[0], 0 - origin[1], 0 - origin[2]);
     note_clamped(out, clamped->dc, "dc beyond +-3.33");
     note_clamped(out, clamped->sh, "SH beyond +-1");
     note_clamped(out, clamped->scale, "ln(sigma) outside -10 to 5.94");
@@ -602,6 +605,7 @@ static int write_file(const char *out, int spz_version, int spz_fine, const load
     fxs_scene_write_options options = {.count = info->count, .sh_degree = info->sh_degree,
                                        .antialiased = info->antialiased, .spz_version = spz_version,
                                        .spz_fine = spz_fine};
+    memcpy(options.origin, info->origin, sizeof options.origin);
     char label[] = "compressing";
     void *argument;
     fxs_progress_fn *progress = progress_of(load, label, &argument);
@@ -617,7 +621,7 @@ static int write_file(const char *out, int spz_version, int spz_fine, const load
     progress_end();
     if (result)
         return fail_for(&message);
-    note_losses(out, &report);
+    note_losses(out, info->origin, &report);
     return EXIT_OK;
 }
 
@@ -658,7 +662,7 @@ static int find_up(convert_options *o)
         for (long k = 0; k < n; k++) {
             double height = 0;
             for (int i = 0; i < 3; i++)
-                height += o->up[i] * (batch[k].position[i] - o->level[i]);
+                height += o->up[i] * (info.origin[i] + (double)batch[k].position[i] - o->level[i]);
             above += (height > 0) - (height < 0);
         }
     fxs_scene_file_close(file);

@@ -57,7 +57,9 @@ static int is_one(const world *w)
 
 static void print_vector_json(const double v[3])
 {
-    printf("[%.9g, %.9g, %.9g]", v[0], v[1], v[2]);
+    for (int i = 0; i < 3; i++)
+        printf("%s%.*g", i ? ", " : "[", place_digits(v[i], 9), v[i]);
+    printf("]");
 }
 
 static void print_box_json(const double low[3], const double high[3])
@@ -229,13 +231,29 @@ static void print_limit(const fxs_frame_memory *m, size_t limit)
                "%zu Gaussians\n", limit, row_of_limit(m, limit));
 }
 
+static void print_place(const double v[3])
+{
+    for (int i = 0; i < 3; i++)
+        printf(" %.*g", place_digits(v[i], 6), v[i]);
+}
+
+static void print_box(const double low[3], const double high[3])
+{
+    print_place(low);
+    printf(" to");
+    print_place(high);
+    putchar('\n');
+}
+
 static void print_start_text(const fxs_start *s)
 {
     if (is_direction(s->up))
         printf("up            %.4f %.4f %.4f\n", s->up[0], s->up[1], s->up[2]);
-    if (s->tangent > 0)
-        printf("start view    from %.6g %.6g %.6g, %.1f degrees\n", s->position[0], s->position[1], s->position[2],
-               fov_of(s));
+    if (s->tangent > 0) {
+        printf("start view    from");
+        print_place(s->position);
+        printf(", %.1f degrees\n", fov_of(s));
+    }
 }
 
 static void print_scene_text(const loaded_scene *s, const scene_levels *levels)
@@ -245,10 +263,10 @@ static void print_scene_text(const loaded_scene *s, const scene_levels *levels)
     printf("Gaussians     %" PRIu64 ", %" PRIu64 " of them drawable\n", r->read, r->packed);
     printf("SH degree     %d\n", s->opened->info->sh_degree);
     printf("profile       %s\n", profile_names[s->opened->scene->profile]);
-    printf("bounds        %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->low[0], r->low[1], r->low[2], r->high[0], r->high[1],
-           r->high[2]);
-    printf("seen          %.6g %.6g %.6g to %.6g %.6g %.6g\n", r->inner_low[0], r->inner_low[1], r->inner_low[2],
-           r->inner_high[0], r->inner_high[1], r->inner_high[2]);
+    printf("bounds       ");
+    print_box(r->low, r->high);
+    printf("seen         ");
+    print_box(r->inner_low, r->inner_high);
     print_start_text(&s->opened->info->start);
     printf("packed        %zu bytes, %.2f a Gaussian\n", s->opened->bytes,
            (double)s->opened->bytes / (double)r->packed);
@@ -266,10 +284,12 @@ static void print_object_text(const world *w, uint32_t i)
     double l[3], h[3];
     printf("object %-6" PRIu32 " %s, id %" PRIu32 "%s", i, w->placed.files[p->file], p->id,
            p->visible ? "" : ", not visible");
-    if (world_box(w, i, l, h))
-        printf(": %.6g %.6g %.6g to %.6g %.6g %.6g\n", l[0], l[1], l[2], h[0], h[1], h[2]);
-    else
+    if (world_box(w, i, l, h)) {
+        putchar(':');
+        print_box(l, h);
+    } else {
         printf(": cropped away\n");
+    }
 }
 
 static void print_board_text(const board *b, size_t scene_bytes)

@@ -1,6 +1,7 @@
 #include "command.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,6 +75,14 @@ void note(const char *format, ...)
     fxs_fail_list(0, &message, format, arguments);
     va_end(arguments);
     say(&message);
+}
+
+int place_digits(double x, int digits)
+{
+    int whole = 1;
+    for (double rest = fabs(x); rest >= 10 && whole < 12; rest /= 10)
+        whole++;
+    return fabs(x) >= 4096 && whole + 3 > digits ? whole + 3 : digits;
 }
 
 void print_version(void)

@@ -25,6 +25,9 @@ void note(const char *format, ...) FXS_PRINTF(1, 2);
 void be_quiet(void);
 int is_quiet(void);
 
+/* The digits for %.*g by which a coordinate is printed: `digits`, or far out more, up to the third behind the point. */
+int place_digits(double x, int digits);
+
 void print_version(void);
 
 /* The name that a word was probably meant to be, of all that were tried; null where none is near. */

@@ -104,6 +104,13 @@ static int apply_filter(const preparation *p, fxs_scene_file *file, fxs_scene_fi
     return error || !(o->decimate_count || o->decimate_share > 0) ? error : decimate(file, o, info, message);
 }
 
+void note_coarse(const char *path, const fxs_scene_file_info *info)
+{
+    if (info->coarse > 0)
+        note("%s: parts are so far from the others that single precision places them in steps of up to %.2g units; "
+             "objects of a world (--scene, --place of render) keep their places", path, info->coarse);
+}
+
 static void look_at(const char *path, const load_options *o, const fxs_scene_file_info *info)
 {
     if (o->again)
@@ -115,6 +122,7 @@ static void look_at(const char *path, const load_options *o, const fxs_scene_fil
         note("%s: its colours of linear light are turned into sRGB, in which Gaussians are blended", path);
     if (info->log_scales)
         note("%s: scales below 0: all are read as logarithms, as splat-transform wrote them until June 2026", path);
+    note_coarse(path, info);
 }
 
 static int prepare(void *argument, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message)

@@ -49,6 +49,9 @@ int load_scene(loaded_scene *loaded, const char *path, const load_options *optio
 int load_stream(loaded_scene *loaded, const char *path, const load_options *options, fxs_scene_file *file,
                 const fxs_scene_file_info *info);
 
+/* Says that parts of a scene are too far from the others for floats, if they are. */
+void note_coarse(const char *path, const fxs_scene_file_info *info);
+
 /* Says what packing left out or moved. */
 void note_packed(const char *path, const fxs_pack_report *report);
 

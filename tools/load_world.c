@@ -252,6 +252,8 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
     }
     if (fxs_world_merge(placed, files, infos, file, info, &message))
         return fail_for(&message);
+    if (!load->again)
+        note_coarse(name, info);
     return filter_scene(name, load, *file, info);
 }
 

@@ -82,14 +82,18 @@ int print_pick(renderer *r, const render_options *o, const world *w, const fxs_f
     const char *file = w->scenes[w->placed.objects[p.object].file].path;
     const double depth = units(p.depth_q32), position[3] = {units(p.position_q32[0]), units(p.position_q32[1]),
                                                             units(p.position_q32[2])};
+    int digits[3];
+    for (int i = 0; i < 3; i++)
+        digits[i] = place_digits(position[i], o->json ? 9 : 6);
     if (o->json) {
         printf("{\"x\": %d, \"y\": %d, \"object\": %" PRIu32 ", \"file\": ", x, y, p.object);
         print_json_string(file);
-        printf(", \"gaussian\": %" PRIu32 ", \"id\": %" PRIu32 ", \"depth\": %.9g, \"position\": [%.9g, %.9g, %.9g]}\n",
-               p.gaussian, p.id, depth, position[0], position[1], position[2]);
+        printf(", \"gaussian\": %" PRIu32 ", \"id\": %" PRIu32 ", \"depth\": %.9g, \"position\": [%.*g, %.*g, %.*g]}\n",
+               p.gaussian, p.id, depth, digits[0], position[0], digits[1], position[1], digits[2], position[2]);
     } else {
-        printf("%d,%d: object %" PRIu32 ", %s, Gaussian %" PRIu32 ", id %" PRIu32 ", depth %.6g, position %.6g %.6g "
-               "%.6g\n", x, y, p.object, file, p.gaussian, p.id, depth, position[0], position[1], position[2]);
+        printf("%d,%d: object %" PRIu32 ", %s, Gaussian %" PRIu32 ", id %" PRIu32 ", depth %.6g, position %.*g %.*g "
+               "%.*g\n", x, y, p.object, file, p.gaussian, p.id, depth, digits[0], position[0], digits[1], position[1],
+               digits[2], position[2]);
     }
     return 0;
 }

@@ -66,6 +66,14 @@ static void measure(attribute_stats *a, float *values, uint64_t count)
     }
 }
 
+static void add_to(attribute_stats *a, double origin)
+{
+    a->least += origin;
+    a->median += origin;
+    a->mean += origin;
+    a->most += origin;
+}
+
 static int read_columns(float *const *columns, fxs_scene_file *file, const fxs_scene_file_info *info,
                         fxs_message *message)
 {
@@ -99,6 +107,8 @@ int stats_measure(scene_stats *s, fxs_scene_file *file, const fxs_scene_file_inf
     for (int i = 0; i < s->count && !error; i++) {
         s->attributes[i].name = names[i];
         measure(&s->attributes[i], columns[i], info->count);
+        if (i < 3)
+            add_to(&s->attributes[i], info->origin[i]);
     }
     free(values);
     return error;
@@ -124,7 +134,9 @@ void stats_print_text(const scene_stats *s)
     printf("%-9s %12s %12s %12s %12s  from min to max\n", "", "min", "median", "mean", "max");
     for (int i = 0; i < s->count; i++) {
         const attribute_stats *a = &s->attributes[i];
-        printf("%-9s %12.6g %12.6g %12.6g %12.6g  ", a->name, a->least, a->median, a->mean, a->most);
+        const int digits = i < 3 ? place_digits(a->most, 6) : 6;
+        printf("%-9s %12.*g %12.*g %12.*g %12.*g  ", a->name, digits, a->least, digits, a->median, digits, a->mean,
+               digits, a->most);
         print_bins(a);
         if (a->not_finite)
             printf(" and %" PRIu64 " not finite", a->not_finite);
@@ -136,9 +148,10 @@ void stats_print_json(const scene_stats *s)
 {
     for (int i = 0; i < s->count; i++) {
         const attribute_stats *a = &s->attributes[i];
-        printf("%s{\"name\": \"%s\", \"min\": %.9g, \"median\": %.9g, \"mean\": %.9g, \"max\": %.9g, "
-               "\"not_finite\": %" PRIu64 ", \"histogram\": [", i ? ", " : "[", a->name, a->least, a->median, a->mean,
-               a->most, a->not_finite);
+        const int digits = i < 3 ? place_digits(a->most, 9) : 9;
+        printf("%s{\"name\": \"%s\", \"min\": %.*g, \"median\": %.*g, \"mean\": %.*g, \"max\": %.*g, "
+               "\"not_finite\": %" PRIu64 ", \"histogram\": [", i ? ", " : "[", a->name, digits, a->least, digits,
+               a->median, digits, a->mean, digits, a->most, a->not_finite);
         for (int k = 0; k < STATS_BINS; k++)
             printf("%s%" PRIu64, k ? ", " : "", a->bins[k]);
         printf("]}");

@@ -15,7 +15,7 @@ enum { FILM_RATE = 30, FILM_MOST = FILM_RATE * 600 };       /* frames a second, 
 /* What is drawn where it is on: Gaussians with their centres within it. The world's units. */
 typedef struct crop_box {
     int on;
-    float low[3], high[3];
+    double low[3], high[3];
 } crop_box;
 
 typedef struct viewer viewer;

@@ -6,11 +6,17 @@
 
 /* ---- The box ----------------------------------------------------------------------------------------------------- */
 
+/* Rounded so that few digits name it exactly. */
+static double crop_side(double x)
+{
+    return fabs(x) < 4096 ? (double)(float)x : floor(x * 1024 + 0.5) / 1024;
+}
+
 void crop_begin(viewer *v)
 {
     for (int i = 0; i < 3; i++) {
-        v->crop.low[i] = (float)v->world.inner_low[i];
-        v->crop.high[i] = (float)v->world.inner_high[i];
+        v->crop.low[i] = crop_side(v->world.inner_low[i]);
+        v->crop.high[i] = crop_side(v->world.inner_high[i]);
     }
     v->crop.on = v->dragged = 0;
     v->face = CROP_NONE;
@@ -69,8 +75,8 @@ static fxs_world_crop box_in(const fxs_placement *p, const crop_box *crop)
     fxs_placement_matrix(p, rows);
     for (int i = 0; i < 3; i++) {
         const int k = axis_along(rows[i], p->scale);
-        const double a = ((double)crop->low[i] - rows[i][3]) / rows[i][k];
-        const double b = ((double)crop->high[i] - rows[i][3]) / rows[i][k];
+        const double a = (crop->low[i] - rows[i][3]) / rows[i][k];
+        const double b = (crop->high[i] - rows[i][3]) / rows[i][k];
         box.low[k] = fmin(a, b);
         box.high[k] = fmax(a, b);
     }
@@ -126,8 +132,8 @@ void crop_world(world *w, const crop_box *crop)
 void crop_handle(const crop_box *crop, int face, double point[3])
 {
     for (int i = 0; i < 3; i++)
-        point[i] = ((double)crop->low[i] + (double)crop->high[i]) / 2;
-    point[face / 2] = (double)(face % 2 ? crop->high[face / 2] : crop->low[face / 2]);
+        point[i] = (crop->low[i] + crop->high[i]) / 2;
+    point[face / 2] = face % 2 ? crop->high[face / 2] : crop->low[face / 2];
 }
 
 int crop_face_at(const viewer *v, double x, double y)
@@ -184,14 +190,14 @@ void crop_drag(viewer *v, double x, double y)
     find_ray(v, x, y, from, along);
     if (!nearest_on_axis(point, axis, from, along, &step))
         return;
-    float *side = is_high ? &v->crop.high[axis] : &v->crop.low[axis];
-    const double least = is_high ? (double)v->crop.low[axis] + thin
+    double *side = is_high ? &v->crop.high[axis] : &v->crop.low[axis];
+    const double least = is_high ? v->crop.low[axis] + thin
                                  : fmin(v->world.low[axis], v->world.inner_low[axis]) - room;
     const double most = is_high ? fmax(v->world.high[axis], v->world.inner_high[axis]) + room
-                                : (double)v->crop.high[axis] - thin;
-    point[axis] = fmin(fmax((double)*side + step, least), most);
+                                : v->crop.high[axis] - thin;
+    point[axis] = fmin(fmax(*side + step, least), most);
     if (!viewer_project(v, point, pixel))
         return;
-    *side = (float)point[axis];
+    *side = crop_side(point[axis]);
     v->changed = v->moving = 1;
 }

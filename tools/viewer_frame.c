@@ -450,8 +450,8 @@ static void write_cropped(viewer *v, request *r)
     load_options load = v->options.load;
     fxs_scene_filter_default(&filter);
     for (int i = 0; i < 3; i++) {
-        filter.low[i] = (double)r->crop.low[i];
-        filter.high[i] = (double)r->crop.high[i];
+        filter.low[i] = r->crop.low[i];
+        filter.high[i] = r->crop.high[i];
     }
     load.filter = &filter;
     load.again = 1;
@@ -470,8 +470,10 @@ static void print_conversion(const viewer *v, const request *r)
     print_scenes(&v->options.world);
     print_named("", r->path);
     printf(" --crop ");
-    for (int i = 0; i < 6; i++)
-        printf("%s%.9g", i ? "," : "", (double)(i < 3 ? r->crop.low[i] : r->crop.high[i - 3]));
+    for (int i = 0; i < 6; i++) {
+        const double side = i < 3 ? r->crop.low[i] : r->crop.high[i - 3];
+        printf("%s%.*g", i ? "," : "", fabs(side) < 4096 ? 9 : 17, side);
+    }
     if (o->lod)
         printf(" --lod %d", o->lod);
     if (o->axes)

@@ -294,7 +294,7 @@ static void draw_edge(const fxs_picture *out, const viewer *v, int corner, int a
     double ends[2][3], seen[2][3], pixel[2][2];
     for (int k = 0; k < 2; k++) {
         for (int i = 0; i < 3; i++)
-            ends[k][i] = (double)((corner | k << axis) & 1 << i ? v->crop.high[i] : v->crop.low[i]);
+            ends[k][i] = (corner | k << axis) & 1 << i ? v->crop.high[i] : v->crop.low[i];
         see(&v->seen, ends[k], seen[k]);
     }
     if (!clip(&v->seen, 1e-3 * v->radius, seen[0], seen[1]))

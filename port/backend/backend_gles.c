@@ -250,7 +250,7 @@ static long read_trial(void *argument, uint64_t first, fxs_gaussian *out, size_t
 
 static int pack_trial(fxs_packed_scene *packed, fxs_message *why)
 {
-    const fxs_gaussian_source source = {TRIAL, 0, 0, read_trial, 0};
+    const fxs_gaussian_source source = {TRIAL, 0, 0, read_trial, 0, {0}};
     fxs_scene_file *file;
     fxs_scene_file_info info;
     fxs_pack_report report;

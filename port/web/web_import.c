@@ -136,7 +136,8 @@ static int pack_sample(fxs_scene_file *file, const fxs_scene_file_info *info, si
     if (s.count == 0)
         return 0;
     enlarge(&s, (double)info->count);
-    const fxs_gaussian_source source = {s.count, 0, info->antialiased, read_sample, &s};
+    const fxs_gaussian_source source = {s.count, 0, info->antialiased, read_sample, &s,
+                                        {info->origin[0], info->origin[1], info->origin[2]}};
     int error = fxs_scene_file_open_gaussians("sample", &source, NULL, &opened, &own, &message);
     return error ? error : pack(opened, &own, FXS_PROFILE_DEFAULT);
 }

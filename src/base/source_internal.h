@@ -13,6 +13,8 @@ typedef struct fxs_import {
     uint64_t held;                    /* bytes that fxs_hold has allocated */
     int (*drop)(void *reader);        /* frees data that can be read again: returns 1, or 0 where there are none */
     void *reader;
+    double origin[3];                 /* positions are read relative to it */
+    int moves;                        /* 1: the reader subtracts `origin` in doubles, whatever it is set to */
 } fxs_import;
 
 typedef struct fxs_scene_source fxs_scene_source;

@@ -15,7 +15,8 @@
 
 struct fxs_float_scene {
     fxs_fit_model model;           /* its parameters alone, up to the SH of `sh_degree`; positions are from the eye */
-    float *places;                 /* 3 planes of positions, scene units */
+    float *places;                 /* 3 planes of positions, scene units, from `origin` */
+    double origin[3];
     fxs_fit_stepper *stepper;
     double nudge;                  /* see fxs_float_scene_nudge */
     int sh_degree, antialiased;
@@ -96,6 +97,7 @@ int fxs_float_scene_read(fxs_float_scene **scene, fxs_scene_file *file, const fx
     if (!error) {
         s->sh_degree = info->sh_degree;
         s->antialiased = info->antialiased;
+        memcpy(s->origin, info->origin, sizeof s->origin);
         error = make_room(s, info, message);
     }
     if (!error)
@@ -138,7 +140,8 @@ static void place_from(const fxs_float_scene *s, const double eye[3])
         const float *from = s->places + (size_t)k * s->model.stride;
         float *to = plane(&s->model, FXS_FIT_POSITION + k);
         for (size_t i = 0; i < s->model.stride; i++)
-            to[i] = (float)((double)from[i] - eye[k] + (s->nudge > 0 ? s->nudge * by_chance((uint64_t)k, i) : 0));
+            to[i] = (float)((double)from[i] - (eye[k] - s->origin[k]) +
+                            (s->nudge > 0 ? s->nudge * by_chance((uint64_t)k, i) : 0));
     }
 }
 

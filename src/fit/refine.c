@@ -17,7 +17,9 @@
 #include <fixsplat/packed.h>
 #include "src/base/exponential.h"
 #include "src/core/chunk.h"
+#include "src/gaussian/origin_internal.h"
 #include "src/pack/decode.h"
+#include "src/pack/move.h"
 #include "src/pack/tree.h"
 #include "fit_internal.h"
 #include "planes.h"
@@ -354,6 +356,39 @@ static int refine_all(refiner *r, void *data)
     return error ? error : write_gains(r);
 }
 
+/* By the leaves. */
+static void find_origin(const fxs_scene *scene, double origin[3])
+{
+    double places[FXS_ORIGIN_SAMPLE][3];
+    for (uint64_t i = 0; i < FXS_ORIGIN_SAMPLE; i++)
+        fxs_packed_place(fxs_header(scene, (uint32_t)(scene->chunk_count * i / FXS_ORIGIN_SAMPLE)), places[i]);
+    fxs_origin_of(origin, places, FXS_ORIGIN_SAMPLE);
+}
+
+/* Refines a scene far out near 0, as its steps are in floats; the views move with it. */
+static int refine_far(void *data, size_t bytes, const fxs_refine_options *options, const double origin[3],
+                      fxs_message *message)
+{
+    fxs_refine_options near = *options;
+    fxs_file_view *views = malloc((options->view_count + 1) * sizeof *views);
+    double back[3];
+    if (!views)
+        return fxs_fail_memory(message, "levels of detail", options->view_count * sizeof *views);
+    for (size_t i = 0; i < options->view_count; i++) {
+        views[i] = options->views[i];
+        for (int k = 0; k < 3; k++)
+            views[i].position[k] -= origin[k];
+    }
+    for (int k = 0; k < 3; k++)
+        back[k] = -origin[k];
+    near.views = options->views ? views : NULL;
+    fxs_packed_move(data, back);
+    const int error = fxs_refine(data, bytes, &near, message);
+    fxs_packed_move(data, origin);
+    free(views);
+    return error;
+}
+
 int fxs_refine(void *data, size_t bytes, const fxs_refine_options *options, fxs_message *message)
 {
     refiner r = {.options = options, .message = message};
@@ -366,6 +401,10 @@ int fxs_refine(void *data, size_t bytes, const fxs_refine_options *options, fxs_
         return fxs_fail_as(error, message, "%s", fxs_strerror(error));
     if (!r.scene.nodes)
         return 0;
+    double origin[3];
+    find_origin(&r.scene, origin);
+    if (fxs_is_far(origin))
+        return refine_far(data, bytes, options, origin, message);
     error = refine_all(&r, data);
     fxs_refine_views_free(&r.views);
     fxs_fit_stepper_free(r.stepper);

@@ -1,6 +1,8 @@
 /* Reads Gaussians of the program like those of a file, and trusts them no more than a file. */
+#include <math.h>
 #include <string.h>
 
+#include "origin_internal.h"
 #include "stream_internal.h"
 
 typedef struct gaussians_reader {
@@ -18,6 +20,10 @@ static int gaussians_open(void *handle, const fxs_scene_source *source, fxs_scen
     if (!r->from.read || r->from.sh_degree < 0 || r->from.sh_degree > 3)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: no function that reads, or SH degree %d, not 0 to 3", r->name,
                            r->from.sh_degree);
+    for (int i = 0; i < 3; i++)
+        if (!(fabs(r->from.origin[i]) <= FXS_ORIGIN_FARTHEST))
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: an origin beyond 2^26 units", r->name);
+    memcpy(source->import->origin, r->from.origin, sizeof r->from.origin);
     info->count = r->from.count;
     info->sh_degree = r->from.sh_degree;
     info->antialiased = r->from.antialiased != 0;

@@ -1,5 +1,7 @@
 #include "stream_internal.h"
 
+#include <string.h>
+
 #include <fixsplat/message.h>
 
 fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options *options, fxs_message *message)
@@ -30,7 +32,9 @@ int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader 
     info->colour = info->sh = (fxs_grid){0, 0};
     info->linear_light = info->log_scales = 0;
     info->start = (fxs_start){.tangent = 0};
+    info->coarse = 0;
     FXS_TRY(reader->open(file->data, source, info, message));
+    memcpy(info->origin, file->import.origin, sizeof info->origin);
     if (info->stored_sh_degree < info->sh_degree)
         info->stored_sh_degree = info->sh_degree;
     if (level < 0 || level >= info->levels)
@@ -60,6 +64,7 @@ void fxs_stream_swap(fxs_scene_file *file, const fxs_reader **reader, void **dat
     void *old_data = file->data;
     file->reader = *reader;
     file->data = *data;
+    file->import.moves = 0;
     *reader = old_reader;
     *data = old_data;
 }

@@ -43,7 +43,8 @@ fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options
 int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader *reader, fxs_scene_file_info *info,
                      fxs_message *message);
 
-/* Exchanges the reader and the reader's data of an open stream for others, which may read from the old ones. */
+/* Exchanges the reader and the reader's data of an open stream for others, which may read from the old ones. The
+   stream's origin is fixed from then on. */
 void fxs_stream_swap(fxs_scene_file *file, const fxs_reader **reader, void **data);
 
 /* The allocator of the stream's reader. */

@@ -12,8 +12,10 @@
 #include "src/base/run.h"
 #include "src/base/try_internal.h"
 #include "src/gaussian/attributes.h"
+#include "src/gaussian/origin_internal.h"
 #include "coded.h"
 #include "framing.h"
+#include "move.h"
 #include "order.h"
 #include "pack_stage.h"
 #include "part.h"
@@ -954,6 +956,18 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
     return fxs_pack_held(file, info, coded, HELD, scene, report, options, message);
 }
 
+/* Adds the origin of the stream, about which all was packed. */
+static void move_to_origin(fxs_packed_scene *scene, const fxs_scene_file_info *info, fxs_pack_report *report)
+{
+    fxs_packed_move(scene->data, info->origin);
+    for (int i = 0; i < 3; i++) {
+        report->low[i] += info->origin[i];
+        report->high[i] += info->origin[i];
+        report->inner_low[i] += info->origin[i];
+        report->inner_high[i] += info->origin[i];
+    }
+}
+
 /* As `how` says, beside the arguments. */
 static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene,
                    fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message)
@@ -975,6 +989,8 @@ static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file
     p.options.threads += p.options.threads == 0;
     p.options.tree &= FXS_BUILDS_TREES;
     const int result = pack(&p, scene);
+    if (!result && fxs_has_origin(info->origin))
+        move_to_origin(scene, info, report);
     fxs_release(p.options.allocator, p.entries);
     fxs_release(p.options.allocator, p.batches);
     fxs_release(p.options.allocator, p.findings);
@@ -1008,6 +1024,10 @@ int fxs_pack_part(fxs_scene_file *file, const fxs_scene_file_info *info, uint32_
     if (count > FXS_PARTS_MOST || number < 1 || number > count)
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "block %u of %u: expected 1 to %d", (unsigned)number,
                            (unsigned)count, FXS_PARTS_MOST);
+    if (fxs_has_origin(info->origin))
+        return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "a scene so far out is not packed in blocks; move it near 0 "
+                           "with convert --translate %.0f,%.0f,%.0f", 0 - info->origin[0], 0 - info->origin[1],
+                           0 - info->origin[2]);
     return pack_as(&how, file, info, part, report, options, message);
 }
 

@@ -1,15 +1,18 @@
 #include <fixsplat/scene_write.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <fixsplat/message.h>
 
 #include "formats_internal.h"
+#include "src/gaussian/origin_internal.h"
 
 struct fxs_scene_writer {
     const fxs_writer *writer;
     void *data;
+    double origin[3];            /* to be added before the format's writer; 0 where that adds it */
     fxs_scene_write_report report;
 };
 
@@ -30,6 +33,8 @@ int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *o, fx
     made->data = made + 1;
     made->report.lost_sh = format->about.sh_degree < o->sh_degree ? o->sh_degree : 0;
     made->report.lost_antialiased = o->antialiased && !format->about.antialiased;
+    if (!format->about.far)
+        memcpy(made->origin, o->origin, sizeof made->origin);
     const int error = made->writer->open(made->data, path, o, message);
     if (error)
         free(made);
@@ -38,9 +43,30 @@ int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *o, fx
     return error;
 }
 
+/* Adds the origin to a position, which becomes the nearest float. */
+static void add_origin(fxs_scene_writer *w, fxs_gaussian *g)
+{
+    for (int i = 0; i < 3; i++) {
+        const double place = w->origin[i] + (double)g->position[i];
+        g->position[i] = (float)place;
+        w->report.moved = fmax(w->report.moved, fabs(place - (double)g->position[i]));
+    }
+}
+
 int fxs_scene_writer_put(fxs_scene_writer *w, const fxs_gaussian *gaussians, size_t n, fxs_message *message)
 {
-    return w->writer->put(w->data, gaussians, n, message);
+    enum { BATCH = 64 };
+    fxs_gaussian batch[BATCH];
+    if (!fxs_has_origin(w->origin))
+        return w->writer->put(w->data, gaussians, n, message);
+    for (size_t at = 0, count; at < n; at += count) {
+        count = n - at < BATCH ? n - at : BATCH;
+        memcpy(batch, gaussians + at, count * sizeof *batch);
+        for (size_t i = 0; i < count; i++)
+            add_origin(w, &batch[i]);
+        FXS_TRY(w->writer->put(w->data, batch, count, message));
+    }
+    return 0;
 }
 
 int fxs_scene_writer_close(fxs_scene_writer *w, fxs_scene_write_report *report, fxs_progress_fn *progress,

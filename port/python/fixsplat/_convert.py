@@ -187,7 +187,7 @@ def _find_bounds(stream: Stream, options: Struct) -> None:
 def _write_into(stream: Stream, out: str, spz_version: int, spz_fine: bool, progress: Progress) -> Struct:
     info, writer, report, done = stream.info, new("fxs_scene_writer *"), new("fxs_scene_write_report"), 0
     options = new("fxs_scene_write_options", count=info.count, sh_degree=info.sh_degree, antialiased=info.antialiased,
-                  spz_version=spz_version, spz_fine=bool(spz_fine))
+                  spz_version=spz_version, spz_fine=bool(spz_fine), origin=list(info.origin))
     if out.endswith(".glb"):
         _find_bounds(stream, options)
     call("fxs_scene_writer_open", file_name(out), options, writer)

@@ -53,6 +53,8 @@ class Gaussians:
     sh: of shape (N, K, 3), with K of 1, 4, 9 or 16 for SH degree 0 to 3: the coefficients of red, green and blue. The
     colour is 0.5 + 0.28209479177387814 * sh[:, 0] + higher degrees.
     antialiased: True where the opacities were fitted with compensation for the dilation of splats.
+    origin: X, Y, Z, to be added to the positions. It is not 0 for a scene so far out that its coordinates are finer
+    than float32 there.
 
     Arrays of float32 are kept as they are, with any strides, and not copied; other real numbers are converted. The
     arrays of `load_gaussians` and `Scene.arrays` are views of one block of memory.
@@ -63,6 +65,7 @@ class Gaussians:
     opacities: Floats
     sh: Floats
     antialiased: bool = False
+    origin: "Tuple[float, float, float]" = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         count = len(floats("positions", self.positions, None, 3))
@@ -89,7 +92,7 @@ class Gaussians:
             raise ValueError(f"mask: expected {len(self)} bools, or numbers of Gaussians, not {chosen.dtype} of shape "
                              f"{chosen.shape}")
         return Gaussians(self.positions[chosen], self.scales[chosen], self.rotations[chosen], self.opacities[chosen],
-                         self.sh[chosen], self.antialiased)
+                         self.sh[chosen], self.antialiased, self.origin)
 
     def pack(self, *, profile: str = "default", threads: int = 0, progress: Progress = None) -> "Scene":
         """Packs the Gaussians, and returns the scene. It has the same bytes as a scene that is loaded from a .ply with
@@ -170,7 +173,7 @@ class Stream:
     def of_arrays(cls, gaussians: Gaussians, calls: Calls) -> "Stream":
         read = calls.source(_filler(gaussians))
         source = new("fxs_gaussian_source", count=len(gaussians), sh_degree=gaussians.sh_degree,
-                     antialiased=bool(gaussians.antialiased), read=read)
+                     antialiased=bool(gaussians.antialiased), read=read, origin=list(gaussians.origin))
         return cls("arrays", calls, "fxs_scene_file_open_gaussians", source, NULL, kept=(source, read))
 
     def place(self, whole_scene: Struct, up: "Optional[list[float]]" = None) -> None:
@@ -238,7 +241,7 @@ class Stream:
         return Gaussians(rows[:done, POSITION:POSITION + 3], rows[:done, SCALE:SCALE + 3],
                          rows[:done, ROTATION:ROTATION + 4], rows[:done, OPACITY],
                          rows[:done, SH:SH + 3 * coefficients].reshape(done, coefficients, 3),
-                         bool(self.info.antialiased))
+                         bool(self.info.antialiased), tuple(self.info.origin))
 
     def __enter__(self) -> "Stream":
         return self

@@ -20,6 +20,7 @@ typedef struct fxs_scene_format {
     int sh_degree;         /* the highest SH degree that is written */
     int antialiased;       /* 1: a file says whether opacities were fitted with the dilation compensated */
     const char *loses;     /* the precision or data that writing loses, in a few words; null: none beyond floats */
+    int far;               /* 1: positions are written beyond the precision of floats: fxs_scene_write_options.origin */
 } fxs_scene_format;
 
 /* The format of that number, from 0 on; null beyond the last. */

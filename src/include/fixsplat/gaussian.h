@@ -21,7 +21,7 @@ extern "C" {
 
 /* One Gaussian, with the numbers of an Inria .ply, before any quantisation. */
 typedef struct fxs_gaussian {
-    float position[3];   /* scene units */
+    float position[3];   /* scene units, from the origin of the stream: fxs_scene_file_info */
     float scale[3];      /* natural logarithm of the standard deviation, scene units */
     float rotation[4];   /* quaternion w, x, y, z, not normalised: as it is in the file */
     float opacity;       /* logit: the opacity is 1 / (1 + exp(-opacity)) */
@@ -50,6 +50,9 @@ typedef struct fxs_scene_file_info {
                              where different colours blend, that is not the picture of linear light */
     int log_scales;       /* 1: a glTF has logarithms for scales, as in a draft, and is read so */
     fxs_start start;      /* of an .fxs: what is up, and its start view, which fxs_pack keeps */
+    double origin[3];     /* scene units: add it to a position. 0, unless the scene is far out and has coordinates that
+                             are finer than floats there: doubles of a .ply, a far node of a glTF, a far placement */
+    double coarse;        /* 0, or the spacing of floats, scene units, at parts that are too far from the origin */
 } fxs_scene_file_info;
 
 /* Reads the next Gaussians, at most `capacity`; some formats return fewer also before the end. Returns their number, 0
@@ -74,6 +77,7 @@ typedef struct fxs_gaussian_source {
        any thread of its pool. */
     long (*read)(void *argument, uint64_t first, fxs_gaussian *out, size_t capacity);
     void *argument;       /* first argument of read; must stay valid until the handle is closed */
+    double origin[3];     /* of their positions, as in fxs_scene_file_info: within 2^26 units, 0 where they are near 0 */
 } fxs_gaussian_source;
 
 /* Opens the program's Gaussians as a stream, which can be filtered, packed and written like a file; *gaussians is
@@ -85,7 +89,7 @@ typedef struct fxs_gaussian_source {
            return (long)capacity;
        }
 
-       const fxs_gaussian_source source = {count, 3, 0, read_array, array};
+       const fxs_gaussian_source source = {count, 3, 0, read_array, array, {0}};
        if (fxs_scene_file_open_gaussians("knot", &source, NULL, &file, &info, &message) ||
            fxs_pack(file, &info, &packed, &report, NULL, &message))
            ...
@@ -93,7 +97,7 @@ typedef struct fxs_gaussian_source {
    Gaussians from `read` are checked like those of a file: fxs_pack leaves out and counts one with a NaN. Where `read`
    returns a number outside its range, or in fxs_pack other positions than in an earlier pass, the error is
    FXS_ERR_FILE; an FXS_ERR_* of `read` is returned as it is. Where options->max_gaussians is 0, FXS_MAX_COUNT is the
-   limit. Errors: FXS_ERR_ARGUMENT (no `read`, the degree), FXS_ERR_FILE, FXS_ERR_MEMORY. */
+   limit. Errors: FXS_ERR_ARGUMENT (no `read`, the degree, the origin), FXS_ERR_FILE, FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_file_open_gaussians(const char *name, const fxs_gaussian_source *gaussians,
                                           const fxs_scene_file_options *options, fxs_scene_file **file,
                                           fxs_scene_file_info *info, fxs_message *message);

@@ -5,9 +5,9 @@
  *   fxs_chunk[chunk_count]                 128 bytes each: how the codes of 256 Gaussians are read, and where they lie
  *   int8_t palette[stages][entries][48]    SH, 0 to 6 stages: red, green, blue of 16 (the last of them 0); then zeros
  *                                          up to a multiple of 64
- *   rows[chunk_count]                      chunk_bytes each, as below; in version 3, nothing behind the last
+ *   rows[chunk_count]                      chunk_bytes each, as below; in version 5, nothing behind the last
  *
- * and in version 4 a tree over these chunks, its leaves (chunk_count is 2 or more):
+ * and in version 6 a tree over these chunks, its leaves (chunk_count is 2 or more):
  *
  *   fxs_tree_header                        64 bytes
  *   fxs_node[chunk_count - 1]              16 bytes each; the root first; then zeros up to a multiple of 64
@@ -18,9 +18,9 @@
  *
  *   default
  *       uint16_t x[256], y[256], z[256]    position codes
- *       uint32_t rotation[256]             bits 31..30: which of w, x, y, z is the largest; then the others, in
- *                                          that order, 10 bits each, from bit 20 down
- *       uint32_t scale[256]                three codes of 10 bits: x in bits 9..0, y, z; bits 31..30 are 0
+ *       uint32_t rotation[256]             the rotation word: X and Y of the first axis, then the roll about it
+ *       uint32_t scale[256]                three codes of 10 bits: the first axis in bits 9..0, the second, the third;
+ *                                          bits 31..30 are 0
  *       uint32_t colour[256]               r in bits 7..0, g, b, opacity in bits 31..24
  *       int8_t   sh[3 * K][256]            K = 0, 3, 8, 15 for degree 0..3; row 3 * k + channel
  *
@@ -29,18 +29,19 @@
  *                                          of 3 bits, two's complement, red first, from the low bits of each byte up
  *
  *   small: codes of fewer bits, spread to those of default by repeating their high bits below
- *       uint32_t a[256]                    x in bits 10..0, y in 21..11, largest component in 23..22, opacity in 31..24
- *       uint32_t b[256]                    z in bits 10..0, r in 17..11, g in 24..18, b in 30..25; bit 5 of q1
- *       uint32_t c[256]                    scale codes: x in bits 6..0, y in 13..7, the least, z, in 19..14; q0,
- *                                          the first component of the rotation, in 26..20; bits 4..0 of q1
- *       uint8_t  d[256]                    q2 in bits 6..0; bit 6 of q1
+ *       uint32_t a[256]                    x in bits 10..0, y in 21..11, opacity in 31..24
+ *       uint32_t b[256]                    z in bits 10..0, r in 17..11, g in 24..18, b in 30..25
+ *       uint32_t c[256]                    scale codes of the first axis in bits 6..0, the second in 13..7, the third in
+ *                                          19..14; bits 31..20 of the rotation word in the same bits
+ *       uint8_t  d[256]                    bits 19..12 of the rotation word; bits 11..10 are in 23..22 of a, bit 9 in
+ *                                          bit 31 of b, the rest is 0
  *       uint8_t  sh[256][4 or 6]           degree 1, and 2 to 3: signed index in each of as many palettes
  *
  *   A signed index: the entry in bits 6..0; bit 7: its coefficients change sign.
  *
  * Rows are whole, so that 16, 32 or 64 neighbours load at once. Chunks are the leaves of a k-d tree, in its order, and
- * small in space where they are seen from near. In a slot that holds no Gaussian all codes but those of SH are 0: its
- * opacity is 0, and no rotation has these codes. Such slots lie behind the last Gaussian; those before it are holes, as
+ * small in space where they are seen from near. In a slot that holds no Gaussian all codes but those of SH are 0. A
+ * Gaussian whose opacity has code 0 has another rotation word. Such slots lie behind the last Gaussian; those before it are holes, as
  * the chunks of few Gaussians that lie far out are not full. */
 #ifndef FXS_PACKED_H
 #define FXS_PACKED_H
@@ -55,8 +56,8 @@ extern "C" {
 
 #define FXS_CHUNK 256
 #define FXS_PACKED_MAGIC 0x31535846u      /* "FXS1" */
-#define FXS_PACKED_VERSION 3u             /* without a tree, */
-#define FXS_PACKED_VERSION_TREE 4u        /* with one */
+#define FXS_PACKED_VERSION 5u             /* without a tree */
+#define FXS_PACKED_VERSION_TREE 6u        /* with one */
 #define FXS_PACKED_ANTIALIASED 1u
 #define FXS_PACKED_UP 0x80000000u       /* the bits below say what is up: docs/format.md, fxs_start_of */
 

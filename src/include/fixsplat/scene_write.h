@@ -23,6 +23,7 @@ typedef struct fxs_scene_write_options {
     int spz_version;             /* version of an .spz: 3 (gzip) or 4 (zstd); 0: 4 */
     const char *format;          /* a name of formats.h, such as "ply"; null: by the ending of the path */
     int spz_fine;                /* 1: an .spz has SH in 8 bits, not in 5 and 4, and positions in all 24 bits */
+    double origin[3];            /* of the stream, fxs_scene_file_info: added to each position, and to the bounds */
 } fxs_scene_write_options;
 
 /* The numbers of Gaussians in an .spz with a value that was clamped by a step of the format or more. An axis that is
@@ -38,16 +39,19 @@ typedef struct fxs_scene_write_report {
     int lost_sh;                 /* the highest SH degree that was left out, or 0 */
     int lost_antialiased;        /* 1: the scene is anti-aliased, but the format cannot say so */
     fxs_spz_clamped clamped;     /* all 0 for formats other than .spz */
+    double moved;                /* scene units: by so much at most, positions were moved to the nearest floats, as they
+                                    are so far from 0; 0 where `origin` is, and for formats that can hold them */
 } fxs_scene_write_report;
 
 /* Begins a file. A .ply is binary, with Inria's properties as floats and normals of 0; a comment marks an anti-aliased
-   scene. A .glb has KHR_gaussian_splatting with floats. Until it is complete, the file has a temporary name
-   beside `path` (output.h). fxs_scene_writer_close frees *writer, which is null after an error. Until then, a writer
-   holds for a .ply, .splat, .glb or .csv no Gaussians; for an .spz 44 bytes a Gaussian and 1 byte for each SH
-   coefficient; for a .compressed.ply or .sog 56 bytes a Gaussian and 2 bytes for each SH coefficient, and while it is
-   closed up to as much again; for a .rad or lod-meta.json the same, and while it is closed up to four times as much. A
-   lod-meta.json has folders beside it, 0_0 and so on, which are made; after an error, what was written there is
-   removed. Errors: FXS_ERR_ARGUMENT (ending, degree, count, version), FXS_ERR_UNSUPPORTED where
+   scene. A .glb has KHR_gaussian_splatting with floats. Where options->origin is not 0, a .ply has x, y and z as
+   doubles, a .glb has a translated node, and a .csv has more digits; other formats get the nearest floats. Until it is
+   complete, the file has a temporary name beside `path` (output.h). fxs_scene_writer_close frees *writer, which is null
+   after an error. Until then, a writer holds for a .ply, .splat, .glb or .csv no Gaussians; for an .spz 44 bytes a
+   Gaussian and 1 byte for each SH coefficient; for a .compressed.ply or .sog 56 bytes a Gaussian and 2 bytes for each SH
+   coefficient, and while it is closed up to as much again; for a .rad or lod-meta.json the same, and while it is closed
+   up to four times as much. A lod-meta.json has folders beside it, 0_0 and so on, which are made; after an error, what
+   was written there is removed. Errors: FXS_ERR_ARGUMENT (ending, degree, count, version), FXS_ERR_UNSUPPORTED where
    fixsplat was built without a library that the format needs, FXS_ERR_FILE, FXS_ERR_MEMORY. */
 FXS_API int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *options, fxs_scene_writer **writer,
                                   fxs_message *message);

@@ -6,6 +6,7 @@
 
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
+#include "src/gaussian/origin_internal.h"
 #include "src/gaussian/transform_internal.h"
 
 #define FARTHEST 0x1p28             /* of the centre of a start view, scene units */
@@ -16,6 +17,10 @@ typedef struct part {
     double rows[3][4];
     fxs_transform turn;            /* for rotating SH */
     double log_scale;
+    double inner[3];               /* origin of the file's stream while this part is read, */
+    int moves;                     /* which can be another one */
+    double middle[3];              /* about where it lies in the world */
+    double shift[3];               /* position = rows * that of the file + shift */
     int is_moved, is_turned, is_tinted;
 } part;
 
@@ -26,25 +31,31 @@ typedef struct merge_reader {
     fxs_scene_file **files;           /* the files; null: file 0, or not needed */
     uint32_t file_count;
     part *parts;
+    fxs_import *import;               /* of file 0 */
     uint32_t count, at;               /* number of parts, and the part being read */
     int sh_degree;
+    double origin[3];
 } merge_reader;
 
 /* ---- Gaussians --------------------------------------------------------------------------------------------------- */
 
-static int is_in(const fxs_world_crop *crop, const float position[3])
+static int is_in(const fxs_world_crop *crop, const double place[3])
 {
     for (int i = 0; i < 3; i++)
-        if (!(position[i] >= crop->low[i] && position[i] <= crop->high[i]))
+        if (!(place[i] >= crop->low[i] && place[i] <= crop->high[i]))
             return 0;
     return 1;
 }
 
-static int is_kept(const fxs_placement *p, const float position[3])
+static int is_kept(const part *whole, const float position[3])
 {
+    const fxs_placement *p = &whole->placement;
+    double place[3];
     int keeping = 0, kept = 0;
+    for (int i = 0; i < 3; i++)
+        place[i] = whole->inner[i] + (double)position[i];
     for (uint32_t c = 0; c < p->crop_count; c++) {
-        const int inside = is_in(&p->crops[c], position);
+        const int inside = is_in(&p->crops[c], place);
         if (p->crops[c].outside && inside)
             return 0;
         keeping |= !p->crops[c].outside;
@@ -88,7 +99,7 @@ static void move(const part *p, fxs_gaussian *g)
 {
     const double x = g->position[0], y = g->position[1], z = g->position[2];
     for (int i = 0; i < 3; i++) {
-        g->position[i] = (float)(p->rows[i][0] * x + p->rows[i][1] * y + p->rows[i][2] * z + p->rows[i][3]);
+        g->position[i] = (float)(p->rows[i][0] * x + p->rows[i][1] * y + p->rows[i][2] * z + p->shift[i]);
         g->scale[i] = (float)(g->scale[i] + p->log_scale);
     }
 }
@@ -125,8 +136,12 @@ static long read_file(merge_reader *r, uint32_t file, fxs_gaussian *gaussians, s
                 : r->reader->read(r->data, gaussians, capacity, message);
 }
 
-static int rewind_file(merge_reader *r, uint32_t file, fxs_message *message)
+/* Goes to the first Gaussian of a part. */
+static int enter(merge_reader *r, fxs_message *message)
 {
+    const part *p = &r->parts[r->at];
+    const uint32_t file = p->placement.file;
+    memcpy(file ? r->files[file]->import.origin : r->import->origin, p->inner, sizeof p->inner);
     return file ? fxs_scene_file_rewind(r->files[file], message) : r->reader->rewind(r->data, message);
 }
 
@@ -141,11 +156,11 @@ static long merge_read(void *handle, fxs_gaussian *gaussians, size_t capacity, f
         if (n < 0)
             return n;
         for (long i = 0; i < n; i++)
-            if (is_kept(&p->placement, next[i].position)) {
+            if (is_kept(p, next[i].position)) {
                 gaussians[kept] = next[i];
                 change(p, &gaussians[kept++], r->sh_degree);
             }
-        if (n == 0 && ++r->at < r->count && rewind_file(r, r->parts[r->at].placement.file, message))
+        if (n == 0 && ++r->at < r->count && enter(r, message))
             return -1;
     }
     return (long)kept;
@@ -155,7 +170,7 @@ static int merge_rewind(void *handle, fxs_message *message)
 {
     merge_reader *r = handle;
     r->at = 0;
-    return rewind_file(r, r->parts[0].placement.file, message);
+    return enter(r, message);
 }
 
 static void merge_close(void *handle)
@@ -203,6 +218,7 @@ static void part_init(part *p, const fxs_placement *placement)
     p->log_scale = placement->scale == 1 ? 0 : fxs_log(placement->scale);
     normalise(p->placement.rotation, q);
     p->is_turned = q[1] != 0 || q[2] != 0 || q[3] != 0;
+    memcpy(p->shift, t, sizeof p->shift);
     p->is_moved = p->is_turned || placement->scale != 1 || t[0] != 0 || t[1] != 0 || t[2] != 0;
     p->is_tinted = tints[0] != 1 || tints[1] != 1 || tints[2] != 1;
 }
@@ -271,6 +287,97 @@ static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_f
     return FXS_ERR_OBJECT;
 }
 
+/* ---- Origins ----------------------------------------------------------------------------------------------------- */
+
+/* The place in the world of one in the axes of a part's file. */
+static void place_of(const part *p, const double from[3], double place[3])
+{
+    for (int i = 0; i < 3; i++)
+        place[i] = p->rows[i][0] * from[0] + p->rows[i][1] * from[1] + p->rows[i][2] * from[2] + p->rows[i][3];
+}
+
+/* The number of Gaussian `i` of a sample from all over a file. */
+static uint64_t number_of(const fxs_scene_file_info *info, int i)
+{
+    const uint64_t most = FXS_ORIGIN_SAMPLE, k = (uint64_t)i;
+    return info->count / most * k + info->count % most * k / most;
+}
+
+/* Finds where a part lies: at the origin of its file, or where that has floats alone by a sample. */
+static int find_middle(merge_reader *r, part *p, const fxs_scene_file_info *info, fxs_message *message)
+{
+    enum { BATCH = 256 };
+    fxs_gaussian batch[BATCH];
+    double places[FXS_ORIGIN_SAMPLE][3], from[3];
+    uint64_t read = 0;
+    int found = 0;
+    place_of(p, p->inner, p->middle);
+    if (p->moves)
+        return 0;
+    r->at = (uint32_t)(p - r->parts);
+    FXS_TRY(enter(r, message));
+    for (long n; (n = read_file(r, p->placement.file, batch, BATCH, message)) != 0; read += (uint64_t)n) {
+        if (n < 0)
+            return (int)n;
+        for (; found < FXS_ORIGIN_SAMPLE && number_of(info, found) < read + (uint64_t)n; found++) {
+            for (int k = 0; k < 3; k++)
+                from[k] = p->inner[k] + (double)batch[number_of(info, found) - read].position[k];
+            place_of(p, from, places[found]);
+        }
+    }
+    fxs_origin_of(p->middle, places, found);
+    return 0;
+}
+
+/* Has a file read about the place that comes to the origin, if it can and that is far, so that only the sum of both is
+   rounded. */
+static void set_inner(const merge_reader *r, part *p)
+{
+    const double square = p->placement.scale * p->placement.scale;
+    double inner[3] = {0}, place[3];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            inner[i] += p->rows[k][i] / square * (r->origin[k] - p->rows[k][3]);
+    if (p->moves && fxs_is_far(inner) && fabs(inner[0]) < FARTHEST && fabs(inner[1]) < FARTHEST &&
+        fabs(inner[2]) < FARTHEST)
+        memcpy(p->inner, inner, sizeof p->inner);
+    place_of(p, p->inner, place);
+    for (int i = 0; i < 3; i++) {
+        p->shift[i] = place[i] - r->origin[i];
+        p->is_moved |= p->shift[i] != 0;
+    }
+}
+
+/* Where a part is far out, the origin is near the part with most Gaussians. `moves`: of file 0. */
+static int choose_origin(merge_reader *r, const fxs_scene_file_info *infos, int moves, fxs_scene_file_info *info,
+                         fxs_message *message)
+{
+    uint64_t most = 0;
+    int is_far = 0;
+    for (part *p = r->parts; p < r->parts + r->count; p++) {
+        const fxs_scene_file_info *own = &infos[p->placement.file];
+        memcpy(p->inner, own->origin, sizeof p->inner);
+        p->moves = p->placement.file ? r->files[p->placement.file]->import.moves : moves;
+        info->coarse = fmax(info->coarse, own->coarse * p->placement.scale);
+        is_far |= fxs_is_far(p->inner) || fxs_is_far(p->placement.translation);
+    }
+    if (!is_far)
+        return 0;
+    for (part *p = r->parts; p < r->parts + r->count; p++) {
+        const uint64_t count = infos[p->placement.file].count;
+        FXS_TRY(find_middle(r, p, &infos[p->placement.file], message));
+        if (count > most)
+            fxs_origin_near(r->origin, p->middle);
+        most = count > most ? count : most;
+    }
+    for (part *p = r->parts; p < r->parts + r->count; p++) {
+        info->coarse = fmax(info->coarse, fxs_spacing_at(p->middle, r->origin));
+        set_inner(r, p);
+    }
+    memcpy(info->origin, r->origin, sizeof info->origin);
+    return 0;
+}
+
 /* Counts the Gaussians that the crops keep. */
 static int count_kept(fxs_scene_file *file, const merge_reader *r, fxs_scene_file_info *info, fxs_message *message)
 {
@@ -324,7 +431,9 @@ int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_sc
         fxs_fail(message, "out of memory");
         return FXS_ERR_MEMORY;
     }
+    const int moves = files[0]->import.moves;
     r->allocator = allocator;
+    r->import = &files[0]->import;
     r->reader = &merged_format;
     r->data = r;
     fxs_stream_swap(files[0], &r->reader, &r->data);
@@ -341,6 +450,8 @@ int fxs_world_merge(const fxs_world *world, fxs_scene_file **files, const fxs_sc
         error = list_parts(r, world, infos, info, message);
     else
         fxs_fail(message, "out of memory");
+    if (!error)
+        error = choose_origin(r, infos, moves, info, message);
     if (!error)
         error = count_kept(files[0], r, info, message);
     info->stored_sh_degree = info->sh_degree;

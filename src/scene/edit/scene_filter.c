@@ -12,6 +12,7 @@ typedef struct filter_reader {
     const fxs_reader *reader;   /* the file's own reader */
     void *data;
     const fxs_allocator *allocator;   /* for both readers */
+    double origin[3];                 /* of the stream */
     fxs_scene_filter filter;
     fxs_scene_filter_report report;   /* since the first Gaussian */
     fxs_floaters floaters;            /* among the Gaussians that the rest of the filter keeps */
@@ -25,7 +26,7 @@ void fxs_scene_filter_default(fxs_scene_filter *filter)
 
 /* The distances are from a + t u, 0 <= t <= 1; of a sphere u is 0. With w = p - a: |w - t u|^2 <= r^2 becomes
    |w|^2 |u|^2 - (w u)^2 <= r^2 |u|^2. */
-static int is_outside(const fxs_filter_shape *s, const float p[3])
+static int is_outside(const fxs_filter_shape *s, const double p[3])
 {
     const double *n = s->numbers;
     double w[3], ww = 0, uu = 0, wu = 0;
@@ -44,7 +45,7 @@ static int is_outside(const fxs_filter_shape *s, const float p[3])
 }
 
 /* Of each kind that is there, one must have it. */
-static int is_in_shapes(const fxs_scene_filter *filter, const float position[3])
+static int is_in_shapes(const fxs_scene_filter *filter, const double position[3])
 {
     unsigned asked = 0, found = 0;
     for (uint32_t i = 0; i < filter->shape_count; i++) {
@@ -56,7 +57,7 @@ static int is_in_shapes(const fxs_scene_filter *filter, const float position[3])
 }
 
 /* NaN passes here and below; the last test is for it. */
-static int is_inside(const fxs_scene_filter *filter, const float position[3])
+static int is_inside(const fxs_scene_filter *filter, const double position[3])
 {
     for (int i = 0; i < 3; i++)
         if (position[i] < filter->low[i] || position[i] > filter->high[i])
@@ -69,8 +70,10 @@ static int is_inside(const fxs_scene_filter *filter, const float position[3])
 static int passes(filter_reader *r, fxs_gaussian *g)
 {
     const int coefficients = 3 * r->filter.sh_degree * (r->filter.sh_degree + 2);
+    const double place[3] = {r->origin[0] + (double)g->position[0], r->origin[1] + (double)g->position[1],
+                             r->origin[2] + (double)g->position[2]};
     r->report.read++;
-    if (!is_inside(&r->filter, g->position) || !is_in_shapes(&r->filter, g->position))
+    if (!is_inside(&r->filter, place) || !is_in_shapes(&r->filter, place))
         return r->report.outside++, 0;
     if (fxs_opacity_of_logit(g->opacity) < r->filter.opacity)
         return r->report.faint++, 0;
@@ -165,6 +168,7 @@ int fxs_scene_file_filter(fxs_scene_file *file, const fxs_scene_filter *filter, 
         return fxs_fail_memory(message, NULL, sizeof *r);
     r->allocator = allocator;
     r->filter = *filter;
+    memcpy(r->origin, info->origin, sizeof r->origin);
     r->reader = &filtered;
     r->data = r;
     fxs_stream_swap(file, &r->reader, &r->data);

@@ -1,10 +1,13 @@
 /* Reads .fxs: the Gaussians of a packed scene, without the coarse ones of its tree. */
+#include <math.h>
 #include <string.h>
 
 #include <fixsplat/message.h>
 
 #include "src/base/crc32.h"
+#include "src/gaussian/origin_internal.h"
 #include "src/pack/decode.h"
+#include "src/pack/move.h"
 #include "src/scene/formats_internal.h"
 
 enum { MOST_PALETTE = FXS_PALETTE_STAGES * FXS_PALETTE_ENTRIES * FXS_PALETTE_STRIDE, MOST_ROWS = 63 * FXS_CHUNK };
@@ -75,6 +78,22 @@ static int take_header(fxs_file_reader *r, fxs_packed_header *h, fxs_message *me
     return 0;
 }
 
+/* By chunks from all over the file, which hold Gaussians in about equal numbers. */
+static int choose_origin(const fxs_file_reader *r, fxs_message *message)
+{
+    double places[FXS_ORIGIN_SAMPLE][3];
+    fxs_chunk chunk;
+    for (uint64_t i = 0; i < FXS_ORIGIN_SAMPLE; i++) {
+        const uint64_t number = r->scene.chunk_count * i / FXS_ORIGIN_SAMPLE;
+        FXS_TRY(fxs_scene_source_read(r->source, sizeof(fxs_packed_header) + number * sizeof chunk, &chunk,
+                                      sizeof chunk, message));
+        fxs_packed_place(&chunk, places[i]);
+    }
+    fxs_origin_of(r->source->import->origin, places, FXS_ORIGIN_SAMPLE);
+    r->source->import->moves = 1;
+    return 0;
+}
+
 static int fxs_open_file(void *data, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
     fxs_file_reader *r = data;
@@ -91,6 +110,7 @@ static int fxs_open_file(void *data, const fxs_scene_source *source, fxs_scene_f
     if (palette_bytes && fxs_crc32(&r->crc, 0, r->palette, palette_bytes) != header.palette_checksum)
         return damaged(r, "the palette", message);
     r->scene.palette = r->palette;
+    FXS_TRY(choose_origin(r, message));
     info->count = r->scene.count;
     info->sh_degree = r->scene.sh_degree;
     info->antialiased = r->scene.antialiased;
@@ -107,7 +127,11 @@ static int take_chunk(fxs_file_reader *r, uint32_t number, fxs_message *message)
     if (!is_whole(r, &r->chunk.checksum, &r->chunk, sizeof r->chunk, r->rows, s->chunk_bytes))
         return damaged(r, "a chunk", message);
     fxs_chunk_turn(&r->chunk);
-    return fxs_chunk_valid(&r->chunk) ? 0 : damaged(r, "a chunk's header", message);
+    if (!fxs_chunk_valid(&r->chunk))
+        return damaged(r, "a chunk's header", message);
+    for (int i = 0; i < 3; i++)
+        r->chunk.origin_q32[i] -= (int64_t)floor(ldexp(r->source->import->origin[i], 32) + 0.5);
+    return 0;
 }
 
 static long fxs_read_gaussians(void *data, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)

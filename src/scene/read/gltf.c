@@ -1,6 +1,7 @@
 /* Reads .glb and .gltf with KHR_gaussian_splatting (Khronos), plain or with an .spz in a bufferView. The Gaussians get
    the axes of a .ply, y down: x and y of glTF change their signs. Colours of linear light are turned into sRGB. Drafts
    of the extension are read too: SCALE as logarithms (February 2026), _ROTATION, _SCALE and COLOR_0 (Cesium, 2024). */
+#include <math.h>
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
@@ -17,6 +18,7 @@
 #include "src/gaussian/attributes.h"
 #include "spz_internal.h"
 #include "src/base/text_internal.h"
+#include "src/gaussian/origin_internal.h"
 #include "src/gaussian/transform_internal.h"
 
 enum {
@@ -77,6 +79,7 @@ typedef struct splats {
     uint32_t count;
     int sh_degree, stored_sh_degree, antialiased;
     int scales_known, has_log_scales, is_linear;
+    double middle[3];            /* of its positions where they are far from 0 beside their extent; else 0 */
 } splats;
 
 /* The primitives of a mesh that have Gaussians, once it was read. */
@@ -566,6 +569,19 @@ static int check_splatting(const gltf *g, const cJSON *splatting, int *is_linear
     return 0;
 }
 
+static void find_middle(const gltf *g, const cJSON *attributes, splats *s)
+{
+    const int index = index_of(g, member(attributes, "POSITION"), ACCESSORS);
+    const cJSON *item = index < 0 ? NULL : g->lists[ACCESSORS].items[index];
+    double low[3], high[3];
+    if (!fxs_json_numbers(member(item, "min"), low, 3) || !fxs_json_numbers(member(item, "max"), high, 3))
+        return;
+    for (int k = 0; k < 3; k++) {
+        const double middle = (low[k] + high[k]) / 2;
+        s->middle[k] = fabs(middle) > high[k] - low[k] ? middle : 0;
+    }
+}
+
 static int read_primitive(gltf *g, const cJSON *primitive)
 {
     const cJSON *extensions = member(primitive, "extensions"), *spz = find_spz(extensions);
@@ -584,6 +600,7 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     memset(added, 0, sizeof *added);
     added->first = g->splats_count - 1;
     added->is_linear = is_linear;
+    find_middle(g, member(primitive, "attributes"), added);
     if (!spz)
         return read_accessors(g, member(primitive, "attributes"), added);
     int view_index = index_of(g, member(spz, "bufferView"), VIEWS);
@@ -723,6 +740,8 @@ static int enter(gltf *g, int index)
     splats *s = &g->splats[p->splats];
     if (fxs_transform_init(&g->transform, p->rows))
         return fail(g, "a node's transform has no inverse");
+    for (int i = 0; i < 3; i++)
+        g->transform.shift[i] -= g->source->import->origin[i];
     if (s->spz.buffer) {
         if (!s->opened)
             FXS_TRY(open_spz(g, p->splats));
@@ -755,6 +774,34 @@ static int find_log_scales(gltf *g)
     return 0;
 }
 
+static void place_of(const gltf *g, const part *p, double place[3])
+{
+    const double *m = g->splats[p->splats].middle;
+    for (int k = 0; k < 3; k++)
+        place[k] = p->rows[k][0] * m[0] + p->rows[k][1] * m[1] + p->rows[k][2] * m[2] + p->rows[k][3];
+}
+
+/* The origin is at the part with most Gaussians; the contents of a tileset have that of the first. */
+static void choose_origin(const gltf *g, fxs_scene_file_info *info)
+{
+    fxs_import *import = g->source->import;
+    double place[3];
+    uint32_t most = 0;
+    for (const part *p = g->parts; p < g->parts + g->parts_count && !import->moves; p++) {
+        const uint32_t count = g->splats[p->splats].count;
+        if (count <= most)
+            continue;
+        most = count;
+        place_of(g, p, place);
+        fxs_origin_near(import->origin, place);
+    }
+    import->moves |= most > 0;
+    for (const part *p = g->parts; p < g->parts + g->parts_count; p++) {
+        place_of(g, p, place);
+        info->coarse = fmax(info->coarse, fxs_spacing_at(place, import->origin));
+    }
+}
+
 static int describe(gltf *g, fxs_scene_file_info *info)
 {
     info->count = 0;
@@ -775,6 +822,8 @@ static int describe(gltf *g, fxs_scene_file_info *info)
     FXS_TRY(find_log_scales(g));
     for (int i = 0; i < g->parts_count; i++)
         info->log_scales |= g->splats[g->parts[i].splats].has_log_scales;
+    info->coarse = 0;
+    choose_origin(g, info);
     return enter(g, 0);
 }
 

@@ -3,6 +3,7 @@
 
 #include "ply_header.h"
 #include "src/gaussian/attributes.h"
+#include "src/gaussian/origin_internal.h"
 #include "src/scene/formats_internal.h"
 
 /* A field is an index into the floats of fxs_gaussian. */
@@ -57,14 +58,16 @@ static int skip_list(ply_reader *reader, const fxs_ply_property *list)
 /* Reads a row of any encoding and any properties; the fields of a Gaussian go to `fields`. */
 static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fields)
 {
+    const double *origin = reader->bytes.source->import->origin;
     fxs_ply_begin_row(&reader->bytes, reader->header.encoding);
     for (int i = rows->first; i < rows->end; i++) {
         const fxs_ply_property *p = &reader->header.property_table[i];
         double value;
         FXS_TRY(p->is_list ? skip_list(reader, p) : fxs_ply_read_number(&reader->bytes, reader->header.encoding, p->type,
                                                                     &value));
-        if (reader->field_table[i] != NO_FIELD)
-            fields[reader->field_table[i]] = (float)value;
+        const int field = reader->field_table[i];
+        if (field != NO_FIELD)
+            fields[field] = (float)(field < 3 ? value - origin[field] : value);
     }
     return fxs_ply_end_row(&reader->bytes, reader->header.encoding);
 }
@@ -91,8 +94,11 @@ static int read_fixed_row(ply_reader *reader, const fxs_ply_element *rows, float
         for (; left > 0; left--, from += 4, to += stride)
             *to = fxs_load_float(from);
     }
-    for (const column *c = columns; c < end && !reader->all_float; c++)
-        fields[c->field] = (float)fxs_ply_load_number(row + c->offset, c->type, reader->header.encoding);
+    const double *origin = reader->bytes.source->import->origin;
+    for (const column *c = columns; c < end && !reader->all_float; c++) {
+        const double value = fxs_ply_load_number(row + c->offset, c->type, reader->header.encoding);
+        fields[c->field] = (float)(c->field < 3 ? value - origin[c->field] : value);
+    }
     return 0;
 }
 
@@ -190,6 +196,54 @@ static void list_runs(ply_reader *reader)
     }
 }
 
+static int ply_rewind(void *handle, fxs_message *message)
+{
+    ply_reader *reader = handle;
+    if (fxs_bytes_seek(&reader->bytes, reader->vertex_offset) != 0)
+        return fxs_fail(message, "%s: %s", reader->bytes.source->path, reader->bytes.fault);
+    reader->vertices_read = 0;
+    return 0;
+}
+
+/* Whether coordinates may be finer than floats: doubles, whole numbers and text. */
+static int is_fine(const ply_reader *reader)
+{
+    for (const column *c = reader->column_table; c < reader->column_table + reader->columns; c++)
+        if (c->field < 3 && fxs_ply_types[c->type].size >= 4 && c->type != FXS_PLY_FLOAT)
+            return 1;
+    return reader->header.encoding == FXS_PLY_ASCII;
+}
+
+/* Chooses the origin by rows from all over the file, or where rows have no fixed size by the first ones. A row that
+   cannot be read ends the sample. Parts with Gaussians smaller than the spacing of floats there are too far from it. */
+static int choose_origin(ply_reader *reader, fxs_scene_file_info *info, fxs_message *message)
+{
+    const fxs_ply_element *vertex = reader->vertex;
+    fxs_import *import = reader->bytes.source->import;
+    double places[FXS_ORIGIN_SAMPLE][3], sizes[FXS_ORIGIN_SAMPLE];
+    int n = 0, failed = 0;
+    for (; n < FXS_ORIGIN_SAMPLE && (uint64_t)n < vertex->count && !failed; n += !failed) {
+        fxs_gaussian g = {.opacity = 0};
+        const uint64_t s = FXS_ORIGIN_SAMPLE, k = (uint64_t)n;
+        const uint64_t row = vertex->count / s * k + vertex->count % s * k / s;
+        failed = is_fixed(reader, vertex)
+                     ? fxs_bytes_seek(&reader->bytes, reader->vertex_offset + row * vertex->row_size) ||
+                           read_fixed_row(reader, vertex, (float *)&g)
+                     : read_row(reader, vertex, (float *)&g);
+        for (int i = 0; i < 3; i++)
+            places[n][i] = (double)g.position[i];
+        sizes[n] = fxs_exp((double)fmaxf(g.scale[0], g.scale[1]));
+    }
+    import->moves = 1;
+    fxs_origin_of(import->origin, places, n);
+    while (n-- > 0) {
+        const double spacing = fxs_spacing_at(places[n], import->origin);
+        if (spacing > sizes[n] && spacing > info->coarse)
+            info->coarse = spacing;
+    }
+    return ply_rewind(reader, message);
+}
+
 static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_message *message)
 {
     FXS_TRY(fxs_ply_read_header(&reader->header, &reader->bytes, message));
@@ -206,7 +260,7 @@ static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_messag
     info->sh_degree = reader->sh_degree;
     info->stored_sh_degree = reader->stored_sh_degree;
     info->antialiased = reader->header.antialiased;
-    return 0;
+    return is_fine(reader) ? choose_origin(reader, info, message) : 0;
 }
 
 static int ply_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
@@ -233,15 +287,6 @@ static long ply_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs
         reader->vertices_read++;
     }
     return count;
-}
-
-static int ply_rewind(void *handle, fxs_message *message)
-{
-    ply_reader *reader = handle;
-    if (fxs_bytes_seek(&reader->bytes, reader->vertex_offset) != 0)
-        return fxs_fail(message, "%s: %s", reader->bytes.source->path, reader->bytes.fault);
-    reader->vertices_read = 0;
-    return 0;
 }
 
 static int is_ply(const fxs_head *head, fxs_message *message)

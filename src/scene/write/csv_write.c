@@ -1,12 +1,16 @@
 /* Writes text: a line with the names of Inria's .ply without normals, and a line of values for each Gaussian. */
+#include <string.h>
 
 #include "scene_write_internal.h"
+#include "src/gaussian/origin_internal.h"
 
 #include "src/base/number.h"
 
 typedef struct csv_writer {
     fxs_output output;
     int coefficients;              /* SH coefficients of a channel above degree 0 */
+    double origin[3];
+    int digits;                    /* of a position */
 } csv_writer;
 
 static int csv_open(void *writer, const char *path, const fxs_scene_write_options *o, fxs_message *message)
@@ -14,6 +18,8 @@ static int csv_open(void *writer, const char *path, const fxs_scene_write_option
     csv_writer *w = writer;
     FXS_TRY(fxs_output_open(&w->output, path, o->count, message));
     w->coefficients = o->sh_degree * (o->sh_degree + 2);
+    memcpy(w->origin, o->origin, sizeof w->origin);
+    w->digits = fxs_has_origin(o->origin) ? 17 : 9;
     fputs("x,y,z,f_dc_0,f_dc_1,f_dc_2", w->output.file);
     for (int k = 0; k < 3 * w->coefficients; k++)
         fprintf(w->output.file, ",f_rest_%d", k);
@@ -34,7 +40,10 @@ static int csv_put(void *writer, const fxs_gaussian *gaussians, size_t n, fxs_me
     csv_writer *w = writer;
     FXS_TRY(fxs_output_expect(&w->output, n, message));
     for (const fxs_gaussian *g = gaussians; g < gaussians + n; g++) {
-        print(w->output.file, g->position, 3, "");
+        for (int i = 0; i < 3; i++) {
+            fputs(i ? "," : "", w->output.file);
+            fxs_print_number(w->output.file, w->digits, w->origin[i] + (double)g->position[i]);
+        }
         print(w->output.file, g->dc, 3, ",");
         for (int channel = 0; channel < 3; channel++)
             for (int k = 0; k < w->coefficients; k++)

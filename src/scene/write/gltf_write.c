@@ -9,6 +9,7 @@
 #include "src/base/system.h"
 #include "src/gaussian/attributes.h"
 #include "scene_write_internal.h"
+#include "src/gaussian/origin_internal.h"
 #include "src/scene/read/spz_internal.h"
 
 /* Bytes of a row: position, scale, rotation, opacity, then SH from degree 0 on. glTF allows at most 252. */
@@ -34,15 +35,28 @@ static void add_attributes(FILE *json, int sh_degree)
             fprintf(json, ",\"KHR_gaussian_splatting:SH_DEGREE_%d_COEF_%d\":%d", degree, k, accessor++);
 }
 
-static void print_corner(FILE *json, const char *name, float x, float y, float z)
+static void print_vector(FILE *json, const char *name, int digits, double x, double y, double z)
 {
-    const float corner[3] = {x, y, z};
+    const double vector[3] = {x, y, z};
     fprintf(json, ",\"%s\":", name);
     for (int i = 0; i < 3; i++) {
         fputc(i ? ',' : '[', json);
-        fxs_print_number(json, 9, (double)corner[i]);
+        fxs_print_number(json, digits, vector[i]);
     }
     fputc(']', json);
+}
+
+static void print_corner(FILE *json, const char *name, float x, float y, float z)
+{
+    print_vector(json, name, 9, (double)x, (double)y, (double)z);
+}
+
+static void add_node(FILE *json, const double origin[3])
+{
+    fprintf(json, "\"nodes\":[{\"mesh\":0");
+    if (fxs_has_origin(origin))
+        print_vector(json, "translation", 17, 0 - origin[0], 0 - origin[1], origin[2]);
+    fprintf(json, "}]");
 }
 
 static void add_accessors(FILE *json, const fxs_scene_write_options *o)
@@ -64,8 +78,9 @@ static void add_accessors(FILE *json, const fxs_scene_write_options *o)
 static void make_json(FILE *json, const fxs_scene_write_options *o, uint32_t row)
 {
     fprintf(json, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"fixsplat " FXS_VERSION "\"},"
-            "\"extensionsUsed\":[\"KHR_gaussian_splatting\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
-            "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"mode\":0,\"attributes\":{");
+            "\"extensionsUsed\":[\"KHR_gaussian_splatting\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],");
+    add_node(json, o->origin);
+    fprintf(json, ",\"meshes\":[{\"primitives\":[{\"mode\":0,\"attributes\":{");
     add_attributes(json, o->sh_degree);
     fprintf(json, "},\"extensions\":{\"KHR_gaussian_splatting\":{\"kernel\":\"ellipse\",\"colorSpace\":"
             "\"srgb_rec709_display\",\"projection\":\"perspective\",\"sortingMethod\":\"cameraDistance\"}}}]}],"

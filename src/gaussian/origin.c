@@ -1,0 +1,50 @@
+#include "origin_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FAR 4096.0                  /* floats are 2^-11 units apart there */
+#define GRID 10.0                   /* of origins, so that they are short to write */
+
+int fxs_is_far(const double place[3])
+{
+    return fabs(place[0]) >= FAR || fabs(place[1]) >= FAR || fabs(place[2]) >= FAR;
+}
+
+void fxs_origin_near(double origin[3], const double place[3])
+{
+    for (int i = 0; i < 3; i++)
+        origin[i] = fabs(place[i]) >= FAR && fabs(place[i]) <= FXS_ORIGIN_FARTHEST - GRID
+                        ? GRID * floor(place[i] / GRID + 0.5) : 0;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+void fxs_origin_of(double origin[3], double (*places)[3], int count)
+{
+    double middle[3] = {0}, axis[FXS_ORIGIN_SAMPLE];
+    for (int k = 0; k < 3; k++) {
+        int n = 0;
+        for (int i = 0; i < count; i++)
+            if (isfinite(places[i][k]))
+                axis[n++] = places[i][k];
+        qsort(axis, (size_t)n, sizeof *axis, compare);
+        middle[k] = n ? axis[n / 2] : 0;
+    }
+    fxs_origin_near(origin, middle);
+}
+
+double fxs_spacing_at(const double place[3], const double origin[3])
+{
+    int exponent;
+    double most = 0;
+    for (int i = 0; i < 3; i++)
+        most = fmax(most, fabs(place[i] - origin[i]));
+    frexp(most, &exponent);
+    return most >= 0x1p16 ? ldexp(1, exponent - 24) : 0;
+}
