@@ -143,14 +143,14 @@ fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
         return false;
     }
     let m = 0x80000000u - square_q30;
-    let s_q15 = i32(mul_high(m, rsqrt(m)) >> 14u);
+    let s_q15 = i32((mul_high(m, rsqrt(m)) + 8192u) >> 14u);
     let xx_q15 = (x * x + 16384) >> 15u;
     let yy_q15 = (y * y + 16384) >> 15u;
     let xy_q15 = (x * y + 16384) >> 15u;
     let xs_q15 = (x * s_q15 + 16384) >> 15u;
     let ys_q15 = (y * s_q15 + 16384) >> 15u;
     let uu_q15 = (u * u + 16384) >> 15u;
-    (*axes).axis_q15 = vec3<i32>(xs_q15, ys_q15, 32768 - xx_q15 - yy_q15);
+    (*axes).axis_q15 = vec3<i32>(xs_q15, ys_q15, i32((m + 16384u) >> 15u) - 32768);
     (*axes).side_x_q15 = vec3<i32>(32768 - xx_q15, -xy_q15, -xs_q15);
     (*axes).side_y_q15 = vec3<i32>(-xy_q15, 32768 - yy_q15, -ys_q15);
     (*axes).cos_q15 = 32768 - fxs_mul_q15(uu_q15, 40141 - fxs_mul_q15(uu_q15, 7373));

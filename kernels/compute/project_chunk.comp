@@ -620,23 +620,23 @@ bool read_axes(inout Axes axes, uint word_1, uint bits) {
     uint m_4 = (2147483648u - square_q30_);
     uint _e26 = rsqrt(m_4);
     uint _e27 = mul_high(m_4, _e26);
-    int s_q15_ = int((_e27 >> 14u));
+    int s_q15_ = int(((_e27 + 8192u) >> 14u));
     int xx_q15_ = (((x_16 * x_16) + 16384) >> 15u);
     int yy_q15_ = (((y_1 * y_1) + 16384) >> 15u);
     int xy_q15_ = (((x_16 * y_1) + 16384) >> 15u);
     int xs_q15_ = (((x_16 * s_q15_) + 16384) >> 15u);
     int ys_q15_ = (((y_1 * s_q15_) + 16384) >> 15u);
     int uu_q15_ = (((u * u) + 16384) >> 15u);
-    axes.axis_q15_ = ivec3(xs_q15_, ys_q15_, ((32768 - xx_q15_) - yy_q15_));
+    axes.axis_q15_ = ivec3(xs_q15_, ys_q15_, (int(((m_4 + 16384u) >> 15u)) - 32768));
     axes.side_x_q15_ = ivec3((32768 - xx_q15_), -(xy_q15_), -(xs_q15_));
     axes.side_y_q15_ = ivec3(-(xy_q15_), (32768 - yy_q15_), -(ys_q15_));
-    int _e80 = fxs_mul_q15_(uu_q15_, 7373);
-    int _e83 = fxs_mul_q15_(uu_q15_, (40141 - _e80));
-    axes.cos_q15_ = (32768 - _e83);
-    int _e88 = fxs_mul_q15_(uu_q15_, 2066);
-    int _e91 = fxs_mul_q15_(uu_q15_, (20619 - _e88));
-    int _e94 = fxs_mul_q15_(u, (51317 - _e91));
-    axes.sin_q15_ = _e94;
+    int _e86 = fxs_mul_q15_(uu_q15_, 7373);
+    int _e89 = fxs_mul_q15_(uu_q15_, (40141 - _e86));
+    axes.cos_q15_ = (32768 - _e89);
+    int _e94 = fxs_mul_q15_(uu_q15_, 2066);
+    int _e97 = fxs_mul_q15_(uu_q15_, (20619 - _e94));
+    int _e100 = fxs_mul_q15_(u, (51317 - _e97));
+    axes.sin_q15_ = _e100;
     return true;
 }
 uint screen_size(inout Projected centre_1, int size_q16_, inout int exponent) {

@@ -88,9 +88,9 @@ static int read_axes(axes *out, uint32_t word, int32_t bits)
         return 0;
     /* (2 - X^2 - Y^2) / 4, in [1/4, 1/2] */
     const uint32_t m = (1u << 31) - square_q30;
-    const int32_t s_q15 = (int32_t)(fxs_mulhi(m, fxs_rsqrt(m)) >> 14);
+    const int32_t s_q15 = (int32_t)((fxs_mulhi(m, fxs_rsqrt(m)) + 8192) >> 14);
     const int32_t xs_q15 = (x_q15 * s_q15 + 16384) >> 15, ys_q15 = (y_q15 * s_q15 + 16384) >> 15;
-    *out = (axes){{xs_q15, ys_q15, 32768 - xx_q15 - yy_q15},
+    *out = (axes){{xs_q15, ys_q15, (int32_t)((m + 16384) >> 15) - 32768},
                   {{32768 - xx_q15, -xy_q15, -xs_q15}, {-xy_q15, 32768 - yy_q15, -ys_q15}}, 0, 0};
     const int32_t uu_q15 = (u_q15 * u_q15 + 16384) >> 15;
     out->cos_q15 = 32768 - fxs_mul_q15(uu_q15, 40141 - fxs_mul_q15(uu_q15, 7373));

@@ -173,11 +173,11 @@ static inline mask read_axes(axes *out, vi word, vi bits)
     const vi xx = x * x, yy = y * y, xx_q15 = round_shift(xx, 15), yy_q15 = round_shift(yy, 15);
     const vi xy_q15 = round_shift(x * y, 15), uu_q15 = round_shift(u * u, 15);
     const vu square_q30 = (vu)(xx + yy), m = 0x80000000u - square_q30;
-    const vi s_q15 = (vi)(mulhi(m, rsqrt(m)) >> 14);
+    const vi s_q15 = (vi)((mulhi(m, rsqrt(m)) + 8192) >> 14);
     const vi xs_q15 = mul_q15(x, s_q15), ys_q15 = mul_q15(y, s_q15);
     out->axis_q15[0] = xs_q15;
     out->axis_q15[1] = ys_q15;
-    out->axis_q15[2] = 32768 - xx_q15 - yy_q15;
+    out->axis_q15[2] = (vi)((m + 16384) >> 15) - 32768;
     out->side_q15[0][0] = 32768 - xx_q15;
     out->side_q15[0][1] = out->side_q15[1][0] = -xy_q15;
     out->side_q15[0][2] = -xs_q15;
