@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 #include <fixsplat/fixsplat.h>
 
@@ -75,6 +76,13 @@ static inline void fxs_path_take(char *path)
 #else
     (void)path;
 #endif
+}
+
+/* A path with a name from a data file: where nothing has that very name, each \ of it is a /. */
+static inline void fxs_path_settle(char *path)
+{
+    for (char *c = fxs_file_is_named(path) ? NULL : strchr(path, '\\'); c; c = strchr(c, '\\'))
+        *c = '/';
 }
 
 /* What makes a path none of the system, as "is the name of a device in Windows", or null. */

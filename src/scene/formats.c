@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include <fixsplat/message.h>
 #include "src/base/foreign.h"
@@ -86,11 +87,12 @@ static const char *ending_of(const fxs_scene_format *format, int i, size_t *leng
     return at;
 }
 
-/* 1 where a path ends so: with other letters before a dot, with nothing or a folder before a whole name. */
+/* 1 where a path ends so: with other letters before a dot, with nothing or a folder before a whole name. Capitals are
+   small letters. */
 static int ends_so(const char *path, const char *ending, size_t length)
 {
     const size_t size = strlen(path);
-    if (size < length || memcmp(path + size - length, ending, length))
+    if (size < length || strncasecmp(path + size - length, ending, length))
         return 0;
     return *ending == '.' ? size > length : size == length || path[size - length - 1] == '/';
 }
@@ -153,10 +155,11 @@ const char *fxs_format_index_name(int number)
 
 /* ---- By content -------------------------------------------------------------------------------------------------- */
 
-/* The first name in a JSON object, or NULL. */
+/* The first name in a JSON object, also behind the mark of UTF-8, or NULL. */
 static const char *first_name(const char *bytes)
 {
     static const char blanks[] = " \t\r\n";
+    bytes += strncmp(bytes, FXS_UTF8_MARK, strlen(FXS_UTF8_MARK)) ? 0 : strlen(FXS_UTF8_MARK);
     bytes += strspn(bytes, blanks);
     if (*bytes != '{')
         return NULL;
