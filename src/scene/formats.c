@@ -155,11 +155,10 @@ const char *fxs_format_index_name(int number)
 
 /* ---- By content -------------------------------------------------------------------------------------------------- */
 
-/* The first name in a JSON object, also behind the mark of UTF-8, or NULL. */
+/* The first name in a JSON object, or NULL. */
 static const char *first_name(const char *bytes)
 {
     static const char blanks[] = " \t\r\n";
-    bytes += strncmp(bytes, FXS_UTF8_MARK, strlen(FXS_UTF8_MARK)) ? 0 : strlen(FXS_UTF8_MARK);
     bytes += strspn(bytes, blanks);
     if (*bytes != '{')
         return NULL;
@@ -167,12 +166,21 @@ static const char *first_name(const char *bytes)
     return *bytes == '"' ? bytes + 1 : NULL;
 }
 
+/* Bytes of the mark of UTF-8 before a JSON object or a .ply, else 0. */
+static size_t mark_of(const char *bytes)
+{
+    const size_t length = strlen(FXS_UTF8_MARK);
+    return !strncmp(bytes, FXS_UTF8_MARK, length) && (first_name(bytes + length) || !strncmp(bytes + length, "ply", 3))
+               ? length : 0;
+}
+
 int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row **format, fxs_message *message)
 {
     char bytes[4096] = "", endings[256];
     const size_t size = source->input.size < sizeof bytes - 1 ? (size_t)source->input.size : sizeof bytes - 1;
     FXS_TRY(fxs_scene_source_read(source, 0, bytes, size, message));
-    const fxs_head head = {source, bytes, size, first_name(bytes)};
+    const size_t mark = mark_of(bytes);
+    const fxs_head head = {source, bytes + mark, size - mark, first_name(bytes + mark)};
     const char *foreign = fxs_foreign(bytes, size);
     for (*format = formats; *format < formats + FORMATS; ++*format) {
         if (foreign && (*format)->reader == &fxs_read_splat)
