@@ -66,7 +66,7 @@ typedef struct made_scene {
     unsigned seed;
 } made_scene;
 
-static struct { char name[32]; void *data; size_t size; } files[IMAGES + 1];   /* meta.json comes last */
+static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];   /* meta.json comes last */
 static int file_count;
 
 static void forget_files(void)
@@ -226,18 +226,26 @@ static void put_folder(const char *name)
     }
 }
 
-static void put_zip(const char *name, int method)
+/* In this folder of the zip, with its separator. */
+static void put_zip_in(const char *name, const char *folder_of_zip, int method)
 {
     int error;
+    char path[64];
     zip_t *zip = zip_open(in_folder(name), ZIP_CREATE | ZIP_TRUNCATE, &error);
     if (!CHECK(zip != NULL))
         return;
     for (int i = 0; i < file_count; i++) {
         zip_source_t *source = zip_source_buffer(zip, files[i].data, files[i].size, 0);
-        zip_int64_t index = zip_file_add(zip, files[i].name, source, 0);
+        snprintf(path, sizeof path, "%s%s", folder_of_zip, files[i].name);
+        zip_int64_t index = zip_file_add(zip, path, source, 0);
         CHECK(index >= 0 && zip_set_file_compression(zip, (zip_uint64_t)index, method, 0) == 0);
     }
     CHECK(zip_close(zip) == 0);
+}
+
+static void put_zip(const char *name, int method)
+{
+    put_zip_in(name, "", method);
 }
 
 static size_t get(const char *name, uint8_t *bytes, size_t capacity)
@@ -432,6 +440,25 @@ static void tags(void)
     }
 }
 
+/* A folder that was zipped; beside it the folder that the Finder of macOS adds. */
+static void zip_of_a_folder(void)
+{
+    static const char *const folders[] = {"scene/", "a b/scene/", "scene\\"};
+    fxs_gaussian gaussians[COUNT + 1];
+    for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
+        make(&plain);
+        add_file("x/__MACOSX/scene/meta.json", "{}", 2);
+        add_file("._meta.json", "{}", 2);
+        put_zip_in("a.sog", folders[i], ZIP_CM_STORE);
+        if (!CHECK(read_level("a.sog", 0, gaussians, COUNT + 1) == COUNT && all_same(&plain, gaussians, 0, COUNT)))
+            printf("  %s\n", message.text);
+    }
+    make(&plain);
+    edit("\"labels.webp\"", "\"other.webp\"");
+    put_zip_in("a.sog", "scene/", ZIP_CM_STORE);
+    check_fails("a.sog", "a.sog: a .zip archive without other.webp");
+}
+
 static void empty_scene(void)
 {
     fxs_gaussian none;
@@ -448,7 +475,9 @@ static void faulty_meta(void)
     static const struct { const char *old, *new, *words; } cases[] = {
         {"{", "x{", "not a scene file of a known format"},
         {"}}", "}", "meta.json: bad JSON at byte"},
-        {"\"version\":2", "\"version\":3", "a version that is not known: not 1 or 2"},
+        {"\"version\":2", "\"version\":3", "meta.json: SOG of version 3, which is not read: 1 and 2 are"},
+        {"\"version\":2", "\"version\":4,\"profile\":\"a\"", "TSOG, a moving scene (SOG of version 4 with a profile)"},
+        {"\"version\":2", "\"version\":4", "SOG of a version that is not known: not 1 or 2"},
         {"\"version\":2", "\"version\":\"2\"", "a version that is not known"},
         {"\"version\":2,", "", "no valid \"shape\" of \"means\""},
         {"\"means\"", "\"mean\"", "not a SOG scene: no \"means\""},
@@ -638,6 +667,14 @@ static void streamed(void)
     CHECK(read_level("", 1, g, 4 * COUNT) == 12 + 37 + COUNT);
     put_index("\"offset\":12,\"count\":25", "\"offset\":5,\"count\":0");
     CHECK(read_level("", 0, g, 4 * COUNT) == 32 + 12 + COUNT);
+    put_index("{", "{\"model\":\"default\",");
+    CHECK(read_level("", 0, g, 4 * COUNT) == 69 + COUNT && !info.antialiased);
+    put_index("{", "\xef\xbb\xbf{\"model\":\"antialiased\",");
+    CHECK(read_level("", 0, g, 4 * COUNT) == 69 + COUNT && info.antialiased && g[3].scale[2] > -20);
+    put_index("{", "{\"model\":\"2dgs\",");
+    CHECK(read_level("", 0, g, 4 * COUNT) == 69 + COUNT && !info.antialiased);
+    for (int i = 0; i < 69 + COUNT; i++)
+        CHECK(g[i].scale[2] <= -20);
 }
 
 /* The levels of one leaf, and what is drawn of it at each level. */
@@ -830,6 +867,7 @@ static void run_tests(void)
     RUN(zip_with_data_descriptors);
     RUN(null_in_codebook);
     RUN(tags);
+    RUN(zip_of_a_folder);
     RUN(empty_scene);
     RUN(faulty_meta);
     RUN(faulty_images);

@@ -71,6 +71,7 @@ typedef struct file_name {
 typedef struct sog_reader {
     const fxs_scene_source *source;
     cJSON *files;         /* names of the scenes of streamed SOG */
+    cJSON *model;         /* of all of these, or NULL */
     file_name *names;     /* for each file its name, and the first file with that name */
     size_t file_count;    /* 1 for SOG that is not streamed */
     range *ranges;        /* in the order of files */
@@ -156,26 +157,45 @@ static int read_bounds(const cJSON *property, table *tables, int count)
     return 1;
 }
 
+/* Returns NULL, or a fault: the file is of another kind or version. */
+static const char *check_version(const cJSON *root)
+{
+    const cJSON *version = member(root, "version");
+    const double number = !version ? 1 : cJSON_IsNumber(version) ? version->valuedouble : 0;
+    if (number == 3)
+        return "SOG of version 3, which is not read: 1 and 2 are";
+    if (number == 4 && member(root, "profile"))
+        return "TSOG, a moving scene (SOG of version 4 with a profile), which is not read: SOG of versions 1 and 2 is";
+    if (!member(root, "means"))
+        return "not a SOG scene: no \"means\"";
+    return version && number != 2 ? "SOG of a version that is not known: not 1 or 2" : NULL;
+}
+
+/* The model of a scene or of an index: "default" or null changes nothing. */
+static void take_model(sog_scene *s, const char *model)
+{
+    s->antialiased |= model && strcmp(model, "antialiased") == 0;
+    for (int code = 0; code < 256 && model && strcmp(model, "2dgs") == 0; code++)
+        s->scale[2][code] = FXS_FLAT_SCALE;
+}
+
 /* Returns NULL or the fault. */
 static const char *read_meta(sog_scene *s, const cJSON *root)
 {
     const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");
-    const char *model = fxs_json_string(root, "model");
     int (*read)(const cJSON *, table *, int) = version ? read_codebook : read_bounds;
+    const char *fault = check_version(root);
     size_t degree = 0;
-    if (!means)
-        return "not a SOG scene: no \"means\"";
-    if (version && !(cJSON_IsNumber(version) && version->valuedouble == 2))
-        return "a version that is not known: not 1 or 2";
-    s->antialiased = cJSON_IsTrue(member(root, "antialias")) || (model && strcmp(model, "antialiased") == 0);
+    if (fault)
+        return fault;
+    s->antialiased = cJSON_IsTrue(member(root, "antialias"));
     if (!fxs_json_whole(version ? member(root, "count") : cJSON_GetArrayItem(member(means, "shape"), 0), INT32_MAX, &s->count))
         return version ? "no valid \"count\"" : "no valid \"shape\" of \"means\"";
     if (!fxs_json_numbers(member(means, "mins"), s->mins, 3) || !fxs_json_numbers(member(means, "maxs"), s->maxs, 3))
         return "no valid \"mins\" and \"maxs\" of \"means\"";
     if (!read(member(root, "scales"), s->scale, 3))
         return "no valid values of \"scales\"";
-    for (int code = 0; code < 256 && model && strcmp(model, "2dgs") == 0; code++)
-        s->scale[2][code] = FXS_FLAT_SCALE;
+    take_model(s, fxs_json_string(root, "model"));
     for (int code = 0; code < 256; code++)   /* version 1 has ranges of its own */
         s->colour[3][code] = fxs_logit_of_code(code);
     if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
@@ -509,6 +529,7 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     if (!cJSON_IsArray(r->files) || cJSON_GetArraySize(r->files) > MAX_FILES)
         return fxs_fail(message, "%s: \"filenames\" is not an array of up to %d", r->source->path, MAX_FILES);
     r->file_count = (size_t)cJSON_GetArraySize(r->files);
+    r->model = cJSON_DetachItemFromObjectCaseSensitive(root, "model");
     if (environment && !cJSON_IsString(environment) && !cJSON_IsNull(environment))
         return fxs_fail(message, "%s: an \"environment\" that is not a file name", r->source->path);
     FXS_TRY(add_leaves(r, member(root, "tree"), r->source->options.level, message));
@@ -593,8 +614,11 @@ static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     FXS_TRY(bundled);
     if (bundled)
         FXS_TRY(fxs_zip_open(s->source, &c.zip, message));
-    int status = load_meta(s, &c);
+    int status = bundled ? fxs_zip_enter(c.zip, "meta.json", message) : 0;
+    if (status == 0)
+        status = load_meta(s, &c);
     fxs_zip_close(c.zip);
+    take_model(s, cJSON_GetStringValue(r->model));
     if (r->files)
         fxs_scene_source_shut(&s->own);
     return status;
@@ -718,6 +742,7 @@ static void sog_close(void *handle)
     while (r->held_count > 0)
         drop_scene(r, r->held_count - 1);
     cJSON_Delete(r->files);
+    cJSON_Delete(r->model);
     fxs_release(allocator, r->names);
     fxs_release(allocator, r->scenes);
     fxs_release(allocator, r->held);
