@@ -30,7 +30,8 @@ static long read_level(const char *name, int level, fxs_gaussian *gaussians, lon
     fxs_scene_file_close(file);
     if (count < 0)
         return count;
-    CHECK(total[0] == total[1] && total[0] == (long)info.count && strcmp(info.format, "sog") == 0);
+    CHECK(total[0] == total[1] && total[0] == (long)info.count &&
+          strcmp(info.format, strstr(name, ".lcc2") ? "lcc2" : "sog") == 0);
     return total[0];
 }
 
@@ -753,6 +754,70 @@ static void environment(void)
     remove(in_folder("lod-meta.json"));
 }
 
+static const char lcc2_text[] =
+    "{\"totalSplats\":111,\"lodSplats\":[74,37],\"totalLevels\":2,\"splatType\":\".sog\",\"root\":{\"splatFiles\":"
+    "[\"l/0.sog\",\"l\\\\1.sog\",\"l/2.sog\",\"l/sky.sog\"],\"data\":{\"env\":{\"name\":3}},\"child\":[{\"data\":{\"3dgs\":"
+    "{\"name\":2}},\"child\":{\"0\":{\"data\":{\"3dgs\":{\"name\":1,\"start\":0,\"count\":9}}},\"12\":{\"data\":{\"3dgs\":"
+    "{\"name\":0,\"count\":37}}},\"x\":{\"data\":{\"3dgs\":{\"name\":1,\"start\":9,\"count\":28}}},\"y\":{}}}]}}";
+static const char old_lcc2_text[] =
+    "{\"root\":{\"files\":[\"/l/0\",\"/l/1\",\"/l/2.sog\"],\"child_num\":1,\"child\":{\"0\":{\"data\":{\"3dgs\":{\"name\":2}},"
+    "\"child\":[{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
+    "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
+
+/* Of the axes of .lcc2, z up. */
+static int is_turned(const made_scene *m, const fxs_gaussian *g)
+{
+    for (int i = 0; i < COUNT; i++) {
+        fxs_gaussian made;
+        expect(m, i, &made);
+        if (fabsf(g[i].position[0] - made.position[0]) > 1e-5f || fabsf(g[i].position[1] + made.position[2]) > 1e-4f ||
+            fabsf(g[i].position[2] - made.position[1]) > 1e-4f || fabsf(g[i].dc[1] - made.dc[1]) > 1e-5f)
+            return 0;
+    }
+    return 1;
+}
+
+/* A tree of any number of children, as arrays and by name; the sky at each level; older names. */
+static void lcc2(void)
+{
+    static const char *const names[] = {"l/0.sog", "l/1.sog", "l/2.sog", "l/sky.sog"};
+    static const struct { const char *old, *new, *words; } faults[] = {
+        {"\"totalLevels\":2", "\"totalLevels\":0", "scene.lcc2: no valid \"totalLevels\""},
+        {"\".sog\"", "\".spz\"", "scene.lcc2: a .lcc2 with files of the kind \".spz\", which is not read"},
+        {"\"splatFiles\"", "\"files\"", "\"splatFiles\" is not an array of up to 65536"},
+        {"\"name\":1,", "\"name\":4,", "a node of a file that is not in \"splatFiles\""},
+        {"l/0.sog", "../0.sog", "leaves the folder"}, {"l/sky.sog", "../../etc/passwd", "leaves the folder"},
+        {"l/0.sog", "l/9.sog", "l/9.sog: No such file"},
+    };
+    fxs_gaussian g[4 * COUNT];
+    mkdir(in_folder("l"), 0700);
+    for (int i = 0; i < 4; i++) {
+        make(&chunks[i]);
+        put_zip(names[i], ZIP_CM_STORE);
+    }
+    put_file("scene.lcc2", lcc2_text, sizeof lcc2_text - 1);
+    if (!CHECK(read_level("scene.lcc2", 0, g, 4 * COUNT) == 3 * COUNT && info.levels == 2 && info.sh_degree == 3))
+        printf("  %s\n", message.text);
+    CHECK(is_turned(&chunks[0], g) && is_turned(&chunks[1], g + COUNT) && is_turned(&chunks[3], g + 2 * COUNT));
+    CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == 2 * COUNT);
+    CHECK(is_turned(&chunks[2], g) && is_turned(&chunks[3], g + COUNT));
+    check_level_fails("scene.lcc2", 2, "no level 2: levels of detail in this scene: 2");
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+        const char *found = strstr(lcc2_text, faults[i].old);
+        length = 0;
+        if (CHECK(found != NULL))
+            say("%.*s%s%s", (int)(found - lcc2_text), lcc2_text, faults[i].new, found + strlen(faults[i].old));
+        put_file("scene.lcc2", text, length);
+        check_fails("scene.lcc2", faults[i].words);
+    }
+    remove(in_folder("l/sky.sog"));    /* may be missing */
+    put_file("scene.lcc2", lcc2_text, sizeof lcc2_text - 1);
+    CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == COUNT);
+    put_file("scene.lcc2", old_lcc2_text, sizeof old_lcc2_text - 1);
+    CHECK(read_level("scene.lcc2", 0, g, 4 * COUNT) == 2 * COUNT && is_turned(&chunks[0], g));
+    CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == COUNT && is_turned(&chunks[2], g));
+}
+
 static void faulty_index(void)
 {
     static const struct { const char *old, *new, *words; } cases[] = {
@@ -877,6 +942,7 @@ static void run_tests(void)
     RUN(streamed);
     RUN(nearest_level);
     RUN(environment);
+    RUN(lcc2);
     RUN(faulty_index);
     RUN(changed_while_open);
     RUN(real_scene);

@@ -186,14 +186,12 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
     return set_path(source, name, 0, name, message);
 }
 
-/* Where no file has that very name, each \ of it is a /. */
+/* Where no file has that very name, each \ of it is a /; names for functions have none, as they may be part of a URL. */
 static int settle_name(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                        fxs_message *message)
 {
     char *own = opened->path + folder_length(source->path);
-    const int is_there = strchr(name, '\\') ? fxs_scene_source_is_beside(source, name, message) : 1;
-    FXS_TRY(is_there);
-    if (is_there)
+    if (!strchr(name, '\\') || (opened->first->input.read == read_file && fxs_file_is_named(opened->path)))
         return 0;
     for (char *c = own; (c = strchr(c, '\\'));)
         *c = '/';

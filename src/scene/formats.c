@@ -44,6 +44,9 @@ static const fxs_format_row formats[] = {
     {{"rad", ".rad", SAYS("Spark's, its tree of levels too"),
       1, 1, 3, 0, SAYS("SH have 8 bits, colours, opacities and scales 16")},
      &fxs_read_rad, WRITE(rad)},
+    {{"lcc2", ".lcc2", SAYS("of XGRIDS, with the .sog files of its tree beside it"),
+      1, 0, 0, 0, NULL},
+     &fxs_read_lcc2, NULL},
     {{"tileset", "tileset.json", SAYS("3D Tiles of .gltf and .glb, nested ones too: the finest tiles"),
       1, 0, 0, 0, NULL},
      &fxs_read_tileset, NULL},
@@ -57,6 +60,9 @@ static const fxs_format_row formats[] = {
       SAYS("PlayCanvas's, 1 and 2, also streamed: a file, its folder or its index; 2 is written"),
       1, 1, 3, 1, SAYS("positions have 16 bits, the rest 8, SH are of a palette")},
      &fxs_read_sog, WRITE(sog)},
+    {{"gsplat", "meta.json", SAYS("of gsplat's PngCompression: its folder of .png and shN.npz"),
+      1, 0, 0, 0, NULL},
+     &fxs_read_gsplat, NULL},
     {{"streamed sog", "lod-meta.json", SAYS("streamed .sog with its levels of detail, in folders beside it"),
       0, 1, 3, 1, SAYS("as in a .sog")},
      NULL, WRITE(streamed_sog)},
@@ -112,6 +118,14 @@ const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write)
     return NULL;
 }
 
+/* Whether an earlier format has this name too. */
+static int is_listed(const fxs_scene_format *format, const char *name, size_t length, int to_write)
+{
+    char path[32];
+    snprintf(path, sizeof path, "%.*s", (int)length, name);
+    return *name != '.' && fxs_scene_format_of(path, to_write) != format;
+}
+
 size_t fxs_scene_format_endings(char *text, size_t size, int to_write)
 {
     size_t all = 0, length;
@@ -124,6 +138,8 @@ size_t fxs_scene_format_endings(char *text, size_t size, int to_write)
             continue;
         for (int i = 0; (ending = ending_of(format, i, &length)) != NULL && (i == 0 || !to_write); i++) {
             const char *comma = all ? ", " : "";
+            if (is_listed(format, ending, length, to_write))
+                continue;
             if (all < size)
                 snprintf(text + all, size - all, "%s%.*s", comma, (int)length, ending);
             all += strlen(comma) + length;
