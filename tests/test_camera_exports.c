@@ -214,7 +214,8 @@ static void csv(void)
         CHECK(v->fx == 800 && v->cx == 400 && v->position[0] == 1 && v->position[2] == 3 && !v->bends);
     }
     fxs_view_list_free(&list);
-    say("\xef\xbb\xbf#name;x;y;alt;heading;pitch;roll;f\n\"a,b;c.jpg\";1;2.5;-3,5;0;0;0;36\nsub\\d.jpg;1;2;3;0;0;0;36\n");
+    say("\xef\xbb\xbf#name;x;y;alt;heading;pitch;roll;f\n\"a,b;c.jpg\";1;2.5;-3,5;0;0;0;36\n"
+        "sub\\d.jpg;1;2;3;0;0;0;36\n");
     put_text("e/cameras.csv");
     list = read_list("e/cameras.csv");
     if (CHECK(list.count == 2)) {

@@ -207,7 +207,8 @@ static void colmap_txt(void)
     put_colmap_txt("7 FULL_OPENCV 640 480 500.5 499.25 320 240 0 0 0 0 0 0 0 0", "");
     check_camera("cameras.txt", "b.jpg", 320, 240);
     put_text("cameras.txt", BYTE_ORDER_MARK "7 PINHOLE 640 480 500.5 499.25 320 240\n");
-    put_text("images.txt", BYTE_ORDER_MARK "3 %.17g %.17g %.17g %.17g %.17g %.17g %.17g 7  my photo (03).jpg \r\n1 2 -1\n",
+    put_text("images.txt", BYTE_ORDER_MARK "3 %.17g %.17g %.17g %.17g %.17g %.17g %.17g 7  my photo (03).jpg \r\n"
+             "1 2 -1\n",
              quaternion[0], quaternion[1], quaternion[2], quaternion[3], translation[0], translation[1],
              translation[2]);
     check_camera("", "my photo (03).jpg", 320, 240);
@@ -379,7 +380,8 @@ static void put_transforms(const char *top, const char *own)
     for (int i = 0; i < 9; i++)
         r[i] = stretch[i / 3] * rotation[i];
     put_text("transforms.json",
-             BYTE_ORDER_MARK "{%s \"frames\":[{\"file_path\":\"b.jpg\",%s \"transform_matrix\":[[%.17g,%.17g,%.17g,%.17g],"
+             BYTE_ORDER_MARK "{%s \"frames\":[{\"file_path\":\"b.jpg\",%s "
+             "\"transform_matrix\":[[%.17g,%.17g,%.17g,%.17g],"
              "[%.17g,%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g,%.17g],[0,0,0,1]]}]}", top, own,
              r[0], -r[3], -r[6], centre[0], r[1], -r[4], -r[7], centre[1], r[2], -r[5], -r[8], centre[2]);
 }

@@ -70,7 +70,8 @@ static void faults(void)
         {"[3,3]", "[9,3]", "means_l.png: fewer pixels than Gaussians"},
         {"[3,3]", "[-1,3]", "meta.json: no valid \"shape\" of \"means\""},
         {"\"quats\"", "\"quaTs\"", "no valid \"mins\" and \"maxs\" of \"quats\""},
-        {"\"opacities\":{\"shape\":[3,1],\"dtype\":\"float32\",\"mins\":[", "\"opacities\":{\"dtype\":\"float32\",\"mins\":[0,",
+        {"\"opacities\":{\"shape\":[3,1],\"dtype\":\"float32\",\"mins\":[",
+         "\"opacities\":{\"dtype\":\"float32\",\"mins\":[0,",
          "no valid \"mins\" and \"maxs\" of \"opacities\""},
         {"\"dtype\"", "\"dtype\"x", "meta.json: bad JSON"},
         {"\"quantization\":6", "\"quantization\":9", "no valid \"quantization\" of \"shN\""},
@@ -88,7 +89,8 @@ static void faults(void)
             continue;
         if (!CHECK(found != NULL))
             continue;
-        put("%.*s%s%s", (int)(found - (char *)meta->data), (char *)meta->data, cases[i].new, found + strlen(cases[i].old));
+        put("%.*s%s%s", (int)(found - (char *)meta->data), (char *)meta->data, cases[i].new,
+            found + strlen(cases[i].old));
         memcpy(meta->data, bytes, meta->size = size);
         size = 0;
         if (!CHECK(read_folder() == FXS_ERR_FILE && strstr(message.text, cases[i].words)))

@@ -741,8 +741,8 @@ static void say_windows(const char *slash, const char *ending)
     put_text("w/transforms.json");
 }
 
-/* Names with \ for /, and with an ending in other letters than that of the file, are those of the same set: in the
-   same order, as "a0/1" comes behind "a/0", though "a0\1" comes before "a\0". A file with a \ in its name goes first. */
+/* Names with \ for /, and with an ending in other letters than that of the file, are those of the same set. They are in
+   the same order: "a0/1" comes behind "a/0", though "a0\1" comes before "a\0". A file with a \ in its name is found. */
 static void names_of_windows(void)
 {
     const fxs_photos_options options = {0};
@@ -756,7 +756,8 @@ static void names_of_windows(void)
     put_ppm("w/a0/1.ppm", 24, 20, NULL);
     put_ppm("w/a/2.ppm", 24, 20, NULL);
     put_ppm("w/a/m.ppm", 24, 20, mask);
-    say("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n");
+    say("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+        "end_header\n1 2 3\n");
     put_text("w/a/p.ply");
     say_windows("/", ".ppm");
     if (!CHECK(!read_photos("w", &options) && photos.fit_count == 3 && photos.point_count == 1 && photos.fit[0].mask))

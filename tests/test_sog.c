@@ -231,7 +231,7 @@ static void put_folder(const char *name)
 static void put_zip_in(const char *name, const char *folder_of_zip, int method)
 {
     int error;
-    char path[64];
+    char path[640];
     zip_t *zip = zip_open(in_folder(name), ZIP_CREATE | ZIP_TRUNCATE, &error);
     if (!CHECK(zip != NULL))
         return;
@@ -756,12 +756,15 @@ static void environment(void)
 
 static const char lcc2_text[] =
     "{\"totalSplats\":111,\"lodSplats\":[74,37],\"totalLevels\":2,\"splatType\":\".sog\",\"root\":{\"splatFiles\":"
-    "[\"l/0.sog\",\"l\\\\1.sog\",\"l/2.sog\",\"l/sky.sog\"],\"data\":{\"env\":{\"name\":3}},\"child\":[{\"data\":{\"3dgs\":"
-    "{\"name\":2}},\"child\":{\"0\":{\"data\":{\"3dgs\":{\"name\":1,\"start\":0,\"count\":9}}},\"12\":{\"data\":{\"3dgs\":"
-    "{\"name\":0,\"count\":37}}},\"x\":{\"data\":{\"3dgs\":{\"name\":1,\"start\":9,\"count\":28}}},\"y\":{}}}]}}";
+    "[\"l/0.sog\",\"l\\\\1.sog\",\"l/2.sog\",\"l/sky.sog\"],\"data\":{\"env\":{\"name\":3}},\"child\":["
+    "{\"data\":{\"3dgs\":{\"name\":2}},\"child\":{"
+    "\"0\":{\"data\":{\"3dgs\":{\"name\":1,\"start\":0,\"count\":9}}},"
+    "\"12\":{\"data\":{\"3dgs\":{\"name\":0,\"count\":37}}},"
+    "\"x\":{\"data\":{\"3dgs\":{\"name\":1,\"start\":9,\"count\":28}}},\"y\":{}}}]}}";
 static const char old_lcc2_text[] =
-    "{\"root\":{\"files\":[\"/l/0\",\"/l/1\",\"/l/2.sog\"],\"child_num\":1,\"child\":{\"0\":{\"data\":{\"3dgs\":{\"name\":2}},"
-    "\"child\":[{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
+    "{\"root\":{\"files\":[\"/l/0\",\"/l/1\",\"/l/2.sog\"],\"child_num\":1,\"child\":{"
+    "\"0\":{\"data\":{\"3dgs\":{\"name\":2}},\"child\":["
+    "{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
     "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
 
 /* Of the axes of .lcc2, z up. */

@@ -211,8 +211,8 @@ const option_row world_rows[] = {
 const option_row load_rows[] = {
     {.help = "Reading scenes:"},
     {"lod", "LEVEL", take_lod, 0, .expected = "whole numbers from 0 to 1000 as 2 or 2,0", .help =
-     "level of detail of an .lcc, .lcc2, .rad or streamed .sog, 0 the finest (default 0); of several files of all that have "
-     "levels, or as 2,0 one for each"},
+     "level of detail of an .lcc, .lcc2, .rad or streamed .sog, 0 the finest (default 0); with several files for all "
+     "that have levels, or as 2,0 one for each"},
     {"axes", "AXES", CHOICE_FROM(FXS_AXES_RUB, axes, WORDS("rub", "rdf")), .help =
      "of an .spz: rub (right, up, back) or rdf (right, down, front: files of splat-transform 3); default: as the "
      "file says, without a word rub"},

@@ -186,7 +186,7 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
     return set_path(source, name, 0, name, message);
 }
 
-/* Where no file has that very name, each \ of it is a /; names for functions have none, as they may be part of a URL. */
+/* Where no file has that name, each \ of it is a /. Names for functions have none, as they may be part of a URL. */
 static int settle_name(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                        fxs_message *message)
 {

@@ -32,7 +32,8 @@ static int parse(fxs_view_list *list, fxs_text *text)
         list->format = FXS_CAMERAS_OF_CSV;
         return fxs_camera_csv_parse(list, text);
     }
-    if (!strncmp(begin, "<?xml", 5) || !strncmp(begin, "<document", 9) || (text->size && fxs_ends_in(list->path, ".xml"))) {
+    if (!strncmp(begin, "<?xml", 5) || !strncmp(begin, "<document", 9) ||
+        (text->size && fxs_ends_in(list->path, ".xml"))) {
         list->format = FXS_CAMERAS_OF_METASHAPE;
         return fxs_camera_metashape_parse(list, text);
     }

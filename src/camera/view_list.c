@@ -105,7 +105,7 @@ static int size_valid(double size)
     return size >= 1 && size <= MAX_SIZE && size == floor(size);
 }
 
-/* A matrix that scales by the same in all directions as well is a rotation of that scale. */
+/* Also of a matrix that scales too, by the same in all directions. */
 static int make_rotation(double r[9])
 {
     double squares = 0, divided[9];
@@ -135,6 +135,6 @@ int fxs_view_list_finish(fxs_view_list *list, double width, double height)
     if (!isfinite(view->position[0]) || !isfinite(view->position[1]) || !isfinite(view->position[2]))
         return fxs_view_list_fault(list, "position not finite");
     return make_rotation(view->rotation)
-               ? 0 : fxs_view_list_fault(list, "rotation not orthonormal within 1e-3 with determinant 1, nor so times a "
-                                               "scale: mirrored, sheared or stretched");
+               ? 0 : fxs_view_list_fault(list, "rotation not orthonormal within 1e-3 with determinant 1, nor so times "
+                                               "a scale: mirrored, sheared or stretched");
 }

@@ -186,7 +186,7 @@ static void limit_scans(j_common_ptr jpeg)
         refuse(jpeg->client_data, "more scans than a picture needs");
 }
 
-/* Cyan, magenta, yellow and black without a profile: a colour is (1 - ink) (1 - black). Adobe's programs store 1 - ink. */
+/* Cyan, magenta, yellow and black, without their profile: a colour is (1 - ink) (1 - black). Adobe stores 1 - ink. */
 static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
 {
     const int flip = is_inverted ? 0 : 255;

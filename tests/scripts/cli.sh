@@ -277,6 +277,10 @@ done
 fails "--view beyond the last" 1 "three.json: no view '3'" render knot.ply --cameras three.json --view 3 --hash
 fails "--view of no name" 1 "three.json: no view 'top'" render knot.ply --cameras three.json --view top --hash
 
+sed 's,"side","a\\\\b c.jpg",' three.json >windows.json
+check "--view of a name with backslashes, by slashes" equal "$(view windows.json --view 'a/b c.jpg')" \
+    "$(view three.json --view side)"
+
 cameras zero-focal.json "$(inria_camera zero 0 64 48 0)"
 cameras skewed.json "$(inria_camera skewed 0 64 48 60 '[[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]')"
 cameras mirrored.json "$(inria_camera mirrored 0 64 48 60 '[[-1, 0, 0], [0, 1, 0], [0, 0, 1]]')"
@@ -890,6 +894,8 @@ else
         {"file": "inner.ply", "translation": [3, 0.5, -1], "rotation": [6, 0, 8, 0], "scale": 1.5, "id": 7,
         "visible": true, "opacity": 1, "tint": [1, 1, 1], "crops": []}, {"file": "inner.ply", "visible": false}'
     check "--scene: paths beside it" equal "$(hash_of --scene folder/world.json $front)" "$both"
+    sed -e 's,\.\./knot,..\\\\knot,' -e 's,"inner,".\\\\inner,' folder/world.json >folder/windows.json
+    check "--scene: paths with backslashes" equal "$(hash_of --scene folder/windows.json $front)" "$both"
     check "--scene: from within its folder" equal "$(cd folder && hash_of --scene world.json $front)" "$both"
     for change in '"opacity": 0.5' '"tint": [2, 0.5, 1]' '"visible": false' \
         '"crops": [{"low": [-9, -9, -9], "high": [0, 9, 9], "keep": "inside"}]' \

@@ -29,9 +29,10 @@ extern "C" {
    An .spz: from the first read on 65 bytes a Gaussian of SH degree 3 (92 of degree 4), and during that read the longest
    stream of version 4. A .rad: its JSON, a byte and a bit for each node of a tree, and the attributes of a chunk: at most
    240 bytes for each of its 65,536 Gaussians. A .sog: its compressed images; from the first read on, 4 bytes a pixel
-   instead. A folder of gsplat: 24 bytes a pixel, and its palette and labels. A .glb or .gltf: 3 MiB, its JSON and base64, and the memory of its .spz. A tileset: 1200 bytes and the name of
-   each content, and the memory of 33 contents. cJSON, libzip, libwebp and zstd take their own memory from malloc; the
-   part of cJSON counts towards max_memory too.
+   instead. A folder of gsplat: 24 bytes a pixel, and its palette and labels. A .glb or .gltf: 3 MiB, its JSON and
+   base64, and the memory of its .spz. A tileset: 1200 bytes and the name of each content, and the memory of 33
+   contents. cJSON, libzip, libwebp and zstd take their own memory from malloc; the part of cJSON counts towards
+   max_memory too.
 
    Decompressed data are kept until the file is closed, so that later passes need not decompress them again; an .spz
    that several nodes of a glTF use is kept once. Where the .spz of a glTF or the files of a streamed SOG exceed

@@ -1,6 +1,6 @@
-/* Reads the folder that gsplat's PngCompression writes: meta.json with the bounds of each attribute, a .png for each byte
-   of it, a pixel a Gaussian, and shN.npz with a palette of SH. Values lie evenly between their bounds. Axes and meaning
-   are those of a .ply, but for positions, which are sign(x) ln(1 + |x|). */
+/* Reads the folder that gsplat's PngCompression writes: meta.json with the bounds of each attribute, a .png for each
+   byte of it, a pixel a Gaussian, and shN.npz with a palette of SH. Values lie evenly between their bounds. Axes and
+   meaning are those of a .ply, except that positions are stored as sign(x) ln(1 + |x|). */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
@@ -67,7 +67,7 @@ static int fail(const gsplat *g, const char *fault, fxs_message *message)
     return fxs_fail(message, "%s: %s", g->source->path, fault);
 }
 
-/* ---- meta.json ----------------------------------------------------------------------------------------------------- */
+/* ---- meta.json --------------------------------------------------------------------------------------------------- */
 
 /* Returns NULL or the fault. */
 static const char *read_sh(gsplat *g, const cJSON *shn)
@@ -120,7 +120,7 @@ static int load_meta(gsplat *g, fxs_message *message)
     return result;
 }
 
-/* ---- Images -------------------------------------------------------------------------------------------------------- */
+/* ---- Images ------------------------------------------------------------------------------------------------------ */
 
 static int decode(gsplat *g, int image, const fxs_text *file, fxs_message *message)
 {
@@ -156,7 +156,7 @@ static int load_image(gsplat *g, int image, fxs_message *message)
     return result;
 }
 
-/* ---- SH ------------------------------------------------------------------------------------------------------------ */
+/* ---- SH ---------------------------------------------------------------------------------------------------------- */
 
 /* The array in a .npy (numpy.lib.format): a header of text with the type, the order and the shape. Returns its first
    byte, or NULL where it is not of this type, or not of `columns` columns (0: none) and whole. */
@@ -218,7 +218,7 @@ static int load_sh(gsplat *g, fxs_message *message)
     return result;
 }
 
-/* ---- Gaussians ----------------------------------------------------------------------------------------------------- */
+/* ---- Gaussians --------------------------------------------------------------------------------------------------- */
 
 static double value(const gsplat *g, int image, int channel, size_t i)
 {
@@ -245,7 +245,7 @@ static void read_gaussian(const gsplat *g, size_t i, fxs_gaussian *out)
                                  g->palette[entry * g->entry_step + k * g->value_step] / (double)g->sh_most);
 }
 
-/* ---- The format ---------------------------------------------------------------------------------------------------- */
+/* ---- The format -------------------------------------------------------------------------------------------------- */
 
 static int gsplat_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
@@ -295,7 +295,7 @@ const fxs_reader fxs_read_gsplat = {is_gsplat, sizeof(gsplat), gsplat_open, gspl
 static int gsplat_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message)
 {
     (void)handle, (void)info;
-    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read a folder of gsplat: built without libpng or cJSON",
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read gsplat's folder: built without libpng or cJSON",
                        source->path);
 }
 

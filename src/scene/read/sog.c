@@ -1,7 +1,7 @@
 /* Reads .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and
    "The Streamed SOG Format". Where PlayCanvas's code differs from these (order of a quaternion, logarithms of scales,
-   width of a palette of degree 1), the code is followed. Also reads .lcc2 of XGRIDS, a tree of .sog files, as PlayCanvas's
-   splat-transform does. */
+   width of a palette of degree 1), the code is followed. Also reads .lcc2 of XGRIDS, a tree of .sog files, as
+   PlayCanvas's splat-transform does. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"

@@ -303,7 +303,8 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
     if (c->nesting > MAX_NESTING)
         return fail(t, source->path, "tilesets nested too deep");
     const char *slash = strrchr(c->name, '/');
-    index_file from = {source->path, slash ? (size_t)(slash + 1 - c->name) : 0, c->name, c->nesting, index + 1, identity};
+    index_file from = {source->path, slash ? (size_t)(slash + 1 - c->name) : 0, c->name, c->nesting, index + 1,
+                       identity};
     const matrix above = c->tile;
     c->is_tileset = 1;
     return list_tiles(t, &from, source, &above);
