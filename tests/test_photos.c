@@ -773,6 +773,11 @@ static void names_of_windows(void)
     CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
     say_windows("/", ".PPM");
     CHECK(!read_photos("w", &options) && photos.fit_count == 3);
+    put_ppm("w/z.ppm", 24, 20, NULL);  /* of a path on another machine the last part is taken */
+    say_frames("\"w\":24,\"h\":20,\"fl_x\":20,", "C:\\\\set\\\\z.PPM", 1);
+    put_text("w/transforms.json");
+    said[0] = 0;
+    CHECK(!read_photos("w", &saying) && photos.fit_count == 1 && !*said);
     say_windows("\\\\", ".png");
     check_refused("w", &options, FXS_ERR_FILE, "w/a/0.png: No such file");
 #ifndef _WIN32

@@ -28,7 +28,7 @@ static int parse(fxs_view_list *list, fxs_text *text)
         return fxs_camera_bundler_read(list, text);
     }
     if (!strncmp(begin, "#name,", 6) || !strncmp(begin, "#name;", 6) ||
-         (text->size && fxs_ends_in(list->path, ".csv"))) {
+        (text->size && fxs_ends_in(list->path, ".csv"))) {
         list->format = FXS_CAMERAS_OF_CSV;
         return fxs_camera_csv_parse(list, text);
     }

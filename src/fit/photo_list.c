@@ -260,25 +260,28 @@ static void set_slashes(char *name)
         *c = '/';
 }
 
-/* Changes the name of a photograph to the name of its file: where none has that very name, \ stands for /, and an
-   ending in capitals for one in small letters or the other way round. */
+/* Changes the name of a photograph to the name of its file. Where none has that very name, \ stands for /, and an ending
+   in capitals for one in small letters or the other way round; a path of Windows, for its last part. */
 static void settle_name(const fxs_photo_list *list, fxs_listed_view *view)
 {
-    char path[FXS_PHOTO_PATH];
-    char *ending = strrchr(view->image, '.'), own[8];
-    if (find_image(list, view->image, path))
-        return;
-    set_slashes(view->image);
-    set_slashes(view->view.name);
-    if (!ending || strlen(ending) >= sizeof own)
-        return;
-    strcpy(own, ending);
+    char path[FXS_PHOTO_PATH], own[8] = "";
+    char *ending = strrchr(view->image, '.');
     int is_found = find_image(list, view->image, path);
-    for (int k = 0; k < 2 && !is_found; k++) {
+    if (!is_found) {
+        set_slashes(view->image);
+        set_slashes(view->view.name);
+        is_found = find_image(list, view->image, path);
+    }
+    if (ending && strlen(ending) < sizeof own)
+        strcpy(own, ending);
+    for (int k = 0; k < 2 && *own && !is_found; k++) {
         set_ending(view->image, !k);
         is_found = find_image(list, view->image, path);
     }
-    if (!is_found)
+    const char *last = fxs_without_drive(view->image);
+    if (is_found && !strstr(path, view->image))
+        memmove(view->image, last, strlen(last) + 1);
+    else if (!is_found && *own)
         strcpy(ending, own);
 }
 
@@ -286,7 +289,8 @@ static void settle_names(const fxs_photo_list *list, fxs_view_list *views)
 {
     for (size_t i = 0; i < views->count; i++)
         settle_name(list, &views->views[i]);
-    qsort(views->views, views->count, sizeof *views->views, compare_images);
+    if (views->count)
+        qsort(views->views, views->count, sizeof *views->views, compare_images);
 }
 
 /* Beside the folder images, or in the folder of the file that names the photographs. */
