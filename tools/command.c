@@ -7,7 +7,6 @@
 
 #include "src/base/fail_list.h"
 #include "src/base/system.h"
-#include "src/base/text_internal.h"
 
 /* ---- Errors and notes -------------------------------------------------------------------------------------------- */
 

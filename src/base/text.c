@@ -1,7 +1,6 @@
 #include "text_internal.h"
 
 #include <string.h>
-#include <strings.h>
 
 #include "source_internal.h"
 
@@ -20,12 +19,6 @@ int fxs_text_load(const char *path, fxs_text *text, fxs_message *message)
 char *fxs_text_begin(const fxs_text *text)
 {
     return text->data + (strncmp(text->data, FXS_UTF8_MARK, strlen(FXS_UTF8_MARK)) ? 0 : strlen(FXS_UTF8_MARK));
-}
-
-int fxs_ends_in(const char *path, const char *ending)
-{
-    const size_t length = strlen(path), size = strlen(ending);
-    return length > size && !strncasecmp(path + length - size, ending, size);
 }
 
 #ifdef FXS_WITH_CJSON

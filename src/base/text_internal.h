@@ -23,9 +23,6 @@ int fxs_text_load(const char *path, fxs_text *text, fxs_message *message);
 /* The text behind the mark of UTF-8 that it may begin with. */
 char *fxs_text_begin(const fxs_text *text);
 
-/* 1 where more than nothing comes before this ending of a path; capitals are small letters. */
-int fxs_ends_in(const char *path, const char *ending);
-
 /* ---- With cJSON (FXS_WITH_CJSON) ---- */
 
 struct cJSON;

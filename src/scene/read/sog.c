@@ -30,6 +30,7 @@ static int is_lcc2(const fxs_head *head, fxs_message *message)
 #include <webp/decode.h>
 
 #include "src/base/exponential.h"
+#include "src/base/system.h"
 #include "src/gaussian/attributes.h"
 #include "src/gaussian/transform_internal.h"
 #include "src/base/zip_internal.h"
