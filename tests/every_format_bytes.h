@@ -14,6 +14,10 @@
 #ifdef FXS_WITH_ZIP
 #include <zip.h>
 #endif
+#if defined(FXS_WITH_PNG) && defined(FXS_WITH_CJSON)
+#define WITH_GSPLAT
+#include <png.h>
+#endif
 
 enum { GAUSSIANS = 3, MAX_FILES = 24 };
 
@@ -347,6 +351,26 @@ static inline void make_lcc(void)
 
 #endif
 
+#ifdef FXS_WITH_ZIP
+/* Takes the files from the first on away, and puts them into `bytes` as a zip. */
+static inline void zip_files(int first)
+{
+    char name[] = "/tmp/test_zip_XXXXXX";
+    int descriptor = mkstemp(name), code;
+    CHECK(descriptor >= 0 && !close(descriptor));
+    zip_t *zip = zip_open(name, ZIP_TRUNCATE, &code);
+    for (int i = first; i < file_count && zip; i++)
+        zip_file_add(zip, files[i].name, zip_source_buffer(zip, files[i].data, files[i].size, 0), 0);
+    CHECK(zip && zip_close(zip) == 0);
+    FILE *stream = fopen(name, "rb");
+    size = stream ? fread(bytes, 1, MAX_FILE, stream) : 0;
+    if (stream)
+        fclose(stream);
+    unlink(name);
+    file_count = first;
+}
+#endif
+
 /* ---- SOG ------------------------------------------------------------------------------------------------------- */
 
 #ifdef WITH_SOG
@@ -397,23 +421,110 @@ static inline void make_streamed_sog(void)
 /* The files of add_sog, in one. */
 static inline void make_sog_zip(void)
 {
-    char name[] = "/tmp/test_zip_XXXXXX";
-    int descriptor = mkstemp(name), code;
-    CHECK(descriptor >= 0 && !close(descriptor));
     add_sog("");
-    zip_t *zip = zip_open(name, ZIP_TRUNCATE, &code);
-    for (int i = 0; i < file_count && zip; i++)
-        zip_file_add(zip, files[i].name, zip_source_buffer(zip, files[i].data, files[i].size, 0), 0);
-    CHECK(zip && zip_close(zip) == 0);
-    FILE *stream = fopen(name, "rb");
-    size = stream ? fread(bytes, 1, MAX_FILE, stream) : 0;
-    if (stream)
-        fclose(stream);
-    unlink(name);
-    file_count = 0;
+    zip_files(0);
     add_file("a.sog");
 }
 #endif
+
+#endif
+
+/* ---- gsplat ---------------------------------------------------------------------------------------------------- */
+
+#ifdef WITH_GSPLAT
+
+enum { GSPLAT_IMAGES = 6, GSPLAT_ENTRIES = 2 };
+
+static const struct { const char *attribute, *file; int channels; } gsplat_images[GSPLAT_IMAGES] = {
+    {"means", "means_l.png", 3}, {"means", "means_u.png", 3}, {"scales", "scales.png", 3}, {"quats", "quats.png", 4},
+    {"opacities", "opacities.png", 1}, {"sh0", "sh0.png", 3}
+};
+
+static inline uint8_t gsplat_byte(int image, int pixel, int channel)
+{
+    return (uint8_t)(91 * pixel + 53 * image + 40 * channel + 7);
+}
+
+static inline double gsplat_bound(int image, int channel, int high)
+{
+    return high ? 1 + channel / 2.0 + image / 4.0 : -1 - channel / 8.0 - image / 4.0;
+}
+
+static inline void put_gsplat_meta(int has_sh)
+{
+    for (int i = 0; i < GSPLAT_IMAGES; i++) {
+        if (i == 1)
+            continue;
+        put("%s\"%s\":{\"shape\":[%d,%d],\"dtype\":\"float32\"", i ? "," : "{", gsplat_images[i].attribute, GAUSSIANS,
+            gsplat_images[i].channels);
+        for (int high = 0; high < 2; high++)
+            for (int c = 0; c < gsplat_images[i].channels; c++)
+                put("%s%.17g%s", c ? "," : high ? ",\"maxs\":[" : ",\"mins\":[", gsplat_bound(i, c, high),
+                    c + 1 < gsplat_images[i].channels ? "" : "]");
+        put("}");
+    }
+    put(has_sh ? ",\"shN\":{\"shape\":[%d,3,3],\"dtype\":\"float32\",\"mins\":-2,\"maxs\":3,\"quantization\":6}}" : "}",
+        GAUSSIANS);
+    add_file("meta.json");
+}
+
+/* The header of an array, to a multiple of 64 bytes. */
+static inline void put_npy(const char *type, const char *order, const char *shape)
+{
+    put("%cNUMPY", 0x93);
+    put_u16(1);
+    put_u16(118);
+    put("{'descr': '%s', 'fortran_order': %s, 'shape': (%s), }", type, order, shape);
+    put("%*s\n", (int)(127 - size), "");
+}
+
+/* The palette is by column, as numpy writes what was transposed. */
+static inline void add_gsplat_sh(int is_by_column)
+{
+    const int first = file_count;
+    put_npy("|u1", is_by_column ? "True" : "False", "2, 9");
+    for (int i = 0; i < 9 * GSPLAT_ENTRIES; i++)
+        put_u8(is_by_column ? i % GSPLAT_ENTRIES * 9 + i / GSPLAT_ENTRIES : i);
+    add_file("centroids.npy");
+    put_npy("<u2", "False", "3,");
+    for (int i = 0; i < GAUSSIANS; i++)
+        put_u16(i % GSPLAT_ENTRIES);
+    add_file("labels.npy");
+#ifdef FXS_WITH_ZIP
+    zip_files(first);
+    add_file("shN.npz");
+#else
+    file_count = first;
+#endif
+}
+
+static inline void add_gsplat(int has_sh, int is_by_column)
+{
+    put_gsplat_meta(has_sh);
+    for (int i = 0; i < GSPLAT_IMAGES; i++) {
+        uint8_t pixels[4 * 4];
+        const int channels = gsplat_images[i].channels;
+        png_image png = {.version = PNG_IMAGE_VERSION, .width = 2, .height = 2, .format =
+                         channels == 1 ? PNG_FORMAT_GRAY : channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA};
+        for (int k = 0; k < 4 * channels; k++)
+            pixels[k] = gsplat_byte(i, k / channels, k % channels);
+        png_alloc_size_t room = MAX_FILE;
+        CHECK(png_image_write_to_memory(&png, bytes, &room, 0, pixels, 0, NULL));
+        size = room;
+        add_file(gsplat_images[i].file);
+    }
+    if (has_sh)
+        add_gsplat_sh(is_by_column);
+}
+
+static inline void make_gsplat(void)
+{
+#ifdef FXS_WITH_ZIP
+    add_gsplat(1, 1);
+#else
+    add_gsplat(0, 0);
+#endif
+}
 
 #endif
 
@@ -440,6 +551,9 @@ static const struct made_format { const char *name; void (*make)(void); int is_s
 #ifdef FXS_WITH_ZIP
     {"sog", make_sog_zip, 0},
 #endif
+#endif
+#ifdef WITH_GSPLAT
+    {"gsplat", make_gsplat, 1},
 #endif
 };
 

@@ -214,6 +214,16 @@ static void csv(void)
         CHECK(v->fx == 800 && v->cx == 400 && v->position[0] == 1 && v->position[2] == 3 && !v->bends);
     }
     fxs_view_list_free(&list);
+    say("\xef\xbb\xbf#name;x;y;alt;heading;pitch;roll;f\n\"a,b;c.jpg\";1;2.5;-3,5;0;0;0;36\n"
+        "sub\\d.jpg;1;2;3;0;0;0;36\n");
+    put_text("e/cameras.csv");
+    list = read_list("e/cameras.csv");
+    if (CHECK(list.count == 2)) {
+        const double *at = list.views[0].view.position;
+        CHECK(!strcmp(list.views[0].image, "a,b;c.jpg") && !strcmp(list.views[1].image, "sub\\d.jpg"));
+        CHECK(at[0] == 1 && at[1] == 2.5 && at[2] == -3.5);
+    }
+    fxs_view_list_free(&list);
 }
 
 static void bundler(void)

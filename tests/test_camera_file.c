@@ -171,6 +171,8 @@ static void put_colmap_bin(void)
     put("images.bin", bytes, size);
 }
 
+#define BYTE_ORDER_MARK "\xef\xbb\xbf"
+
 static void put_colmap_txt(const char *camera, const char *points)
 {
     put_text("cameras.txt", "# a comment\n\n%s\n", camera);
@@ -204,6 +206,14 @@ static void colmap_txt(void)
     check_camera("images.txt", "b.jpg", 320, 240);
     put_colmap_txt("7 FULL_OPENCV 640 480 500.5 499.25 320 240 0 0 0 0 0 0 0 0", "");
     check_camera("cameras.txt", "b.jpg", 320, 240);
+    put_text("cameras.txt", BYTE_ORDER_MARK "7 PINHOLE 640 480 500.5 499.25 320 240\n");
+    put_text("images.txt", BYTE_ORDER_MARK "3 %.17g %.17g %.17g %.17g %.17g %.17g %.17g 7  my photo (03).jpg \r\n"
+             "1 2 -1\n",
+             quaternion[0], quaternion[1], quaternion[2], quaternion[3], translation[0], translation[1],
+             translation[2]);
+    check_camera("", "my photo (03).jpg", 320, 240);
+    put_text("images.txt", BYTE_ORDER_MARK "3 1 0 0 0 0 0 0 7 \n\n");
+    check_fault("", "image 0: not nine numbers and a name");
 }
 
 /* Whether the first view is said to have a lens that bends; it is a pinhole's all the same. */
@@ -362,11 +372,16 @@ static void put_inria(void)
 }
 
 /* A frame with the camera's matrix; `own` are further members of the frame. */
+static double stretch[3] = {1, 1, 1};    /* of the columns */
+
 static void put_transforms(const char *top, const char *own)
 {
-    const double *r = rotation;
+    double r[9];
+    for (int i = 0; i < 9; i++)
+        r[i] = stretch[i / 3] * rotation[i];
     put_text("transforms.json",
-             "{%s \"frames\":[{\"file_path\":\"b.jpg\",%s \"transform_matrix\":[[%.17g,%.17g,%.17g,%.17g],"
+             BYTE_ORDER_MARK "{%s \"frames\":[{\"file_path\":\"b.jpg\",%s "
+             "\"transform_matrix\":[[%.17g,%.17g,%.17g,%.17g],"
              "[%.17g,%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g,%.17g],[0,0,0,1]]}]}", top, own,
              r[0], -r[3], -r[6], centre[0], r[1], -r[4], -r[7], centre[1], r[2], -r[5], -r[8], centre[2]);
 }
@@ -509,6 +524,17 @@ static void transforms(void)
     check_camera("transforms.json", "b.jpg", 320, 240);
     put_transforms("\"w\":640,\"h\":480,\"fl_x\":1,\"fl_y\":2,\"camera_angle_x\":1,", top);
     check_camera("transforms.json", "b.jpg", 320, 240);
+    for (int i = 0; i < 3; i++)
+        stretch[i] = 0.037;            /* one scale in all directions is no fault */
+    put_transforms(top, "");
+    check_camera("transforms.json", "b.jpg", 320, 240);
+    stretch[1] = 0.04;
+    put_transforms(top, "");
+    check_fault("transforms.json", "view b.jpg: rotation not orthonormal within 1e-3 with determinant 1, nor so times");
+    stretch[0] = stretch[1] = stretch[2] = -1;
+    put_transforms(top, "");
+    check_fault("transforms.json", "mirrored, sheared or stretched");
+    stretch[0] = stretch[1] = stretch[2] = 1;
 }
 
 /* An untouched camera of Blender looks along -z with y up. */

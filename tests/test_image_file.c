@@ -10,6 +10,9 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#ifdef FXS_WITH_JPEG
+#include <jpeglib.h>
+#endif
 #ifdef FXS_WITH_WEBP
 #include <webp/decode.h>
 #endif
@@ -384,6 +387,57 @@ static void jpeg(void)
         free(rgba);
     }
     remove(in_folder("a.png"));
+}
+
+/* A .jpg of 16 x 16 pixels of these four values. */
+static void put_cmyk(J_COLOR_SPACE space, int is_adobe, const uint8_t values[4])
+{
+    enum { SIDE = 16 };
+    struct jpeg_compress_struct jpeg;
+    struct jpeg_error_mgr errors;
+    uint8_t row[4 * SIDE], *bytes = NULL;
+    unsigned long size = 0;
+    for (int i = 0; i < 4 * SIDE; i++)
+        row[i] = values[i % 4];
+    jpeg.err = jpeg_std_error(&errors);
+    jpeg_create_compress(&jpeg);
+    jpeg_mem_dest(&jpeg, &bytes, &size);
+    jpeg.image_width = jpeg.image_height = SIDE;
+    jpeg.input_components = 4;
+    jpeg.in_color_space = JCS_CMYK;
+    jpeg_set_defaults(&jpeg);
+    jpeg_set_colorspace(&jpeg, space);
+    jpeg_set_quality(&jpeg, 100, TRUE);
+    jpeg.write_Adobe_marker = (boolean)is_adobe;
+    jpeg_start_compress(&jpeg, TRUE);
+    for (int y = 0; y < SIDE; y++)
+        jpeg_write_scanlines(&jpeg, &(JSAMPROW){row}, 1);
+    jpeg_finish_compress(&jpeg);
+    jpeg_destroy_compress(&jpeg);
+    put("cmyk.jpg", bytes, size);
+    free(bytes);
+}
+
+/* Inks of printing: as Adobe's programs store them, inverted, in both of its ways, and as they are. */
+static void cmyk(void)
+{
+    static const uint8_t stored[4] = {200, 100, 50, 180}, inks[4] = {55, 155, 205, 75};
+    static const struct { J_COLOR_SPACE space; int is_adobe; const uint8_t *values; } ways[] = {
+        {JCS_CMYK, 1, stored}, {JCS_YCCK, 1, stored}, {JCS_CMYK, 0, inks}
+    };
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        uint8_t *rgba;
+        int width, height;
+        put_cmyk(ways[i].space, ways[i].is_adobe, ways[i].values);
+        if (!CHECK(!fxs_image_file_read(in_folder("cmyk.jpg"), &rgba, &width, &height, &message)))
+            continue;
+        CHECK(width == 16 && height == 16);
+        for (int k = 0; k < 16 * 16; k++)
+            for (int c = 0; c < 3; c++)
+                CHECK(abs(rgba[4 * k + c] - stored[c] * stored[3] / 255) <= 2 && rgba[4 * k + 3] == 255);
+        free(rgba);
+    }
+    remove(in_folder("cmyk.jpg"));
 }
 
 /* The first .jpg with other bytes at `offset` behind its first marker of that kind. */
@@ -773,6 +827,7 @@ int main(void)
     RUN(ppm_comment);
 #ifdef FXS_WITH_JPEG
     RUN(jpeg);
+    RUN(cmyk);
     RUN(bad_jpeg);
     RUN(damaged_jpeg);
     RUN(scans);

@@ -510,6 +510,10 @@ static void test_share_of_what_is_dropped(void)
     CHECK(report.packed == 97 && report.dropped.not_finite == 3);
     CHECK(fabs(fxs_dropped_share(&report.dropped) - 122 / 219.0) < 1e-5);
     fxs_packed_scene_free(&packed);
+    gaussians[10].scale[0] = INFINITY;                                  /* not known: by the others, 11 */
+    pack(100, 0);
+    CHECK(report.packed == 97 && fabs(fxs_dropped_share(&report.dropped) - 12 / 109.0) < 1e-5);
+    fxs_packed_scene_free(&packed);
     gaussians[30] = gaussians[31];
     gaussians[10] = gaussians[31];
     pack(100, 0);

@@ -718,6 +718,76 @@ static void blender(void)
     CHECK(!read_photos("b", &options) && photos.fit_count == 1 && photos.held_out_count == 2);
 }
 
+/* Names, pixels and masks, and the points. */
+static uint32_t hash_of_all(void)
+{
+    uint32_t hash = hash_of_pixels();
+    for (size_t i = 0; i < photos.fit_count; i++) {
+        const fxs_fit_photo *p = &photos.fit[i];
+        hash = hash_on(hash, p->view.name, strlen(p->view.name) + 1);
+        if (p->mask)
+            hash = hash_on(hash, p->mask, (size_t)p->view.width * (size_t)p->view.height);
+    }
+    return hash_on(hash, photos.points, photos.point_count * sizeof *photos.points);
+}
+
+static void say_windows(const char *slash, const char *ending)
+{
+    say("{\"w\":24,\"h\":20,\"fl_x\":20,\"ply_file_path\":\".%sa%sp.ply\",\"frames\":[", slash, slash);
+    for (int i = 0; i < 3; i++)
+        say("%s{\"file_path\":\"%s%s%d%s\",\"mask_path\":\"a%sm.ppm\"," MATRIX "}", i ? "," : "",
+            i == 1 ? "a0" : "a", slash, i, ending, slash, i);
+    say("]}");
+    put_text("w/transforms.json");
+}
+
+/* Names with \ for /, and with an ending in other letters than that of the file, are those of the same set. They are in
+   the same order: "a0/1" comes behind "a/0", though "a0\1" comes before "a\0". A file with a \ in its name is found. */
+static void names_of_windows(void)
+{
+    const fxs_photos_options options = {0};
+    uint8_t mask[3 * 24 * 20];
+    for (int i = 0; i < 3 * 24 * 20; i++)
+        mask[i] = i / 3 % 24 < 9 ? 255 : 0;
+    make_folder("w");
+    make_folder("w/a");
+    make_folder("w/a0");
+    put_ppm("w/a/0.ppm", 24, 20, NULL);
+    put_ppm("w/a0/1.ppm", 24, 20, NULL);
+    put_ppm("w/a/2.ppm", 24, 20, NULL);
+    put_ppm("w/a/m.ppm", 24, 20, mask);
+    say("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+        "end_header\n1 2 3\n");
+    put_text("w/a/p.ply");
+    say_windows("/", ".ppm");
+    if (!CHECK(!read_photos("w", &options) && photos.fit_count == 3 && photos.point_count == 1 && photos.fit[0].mask))
+        printf("  %s\n", message.text);
+    const uint32_t hash = hash_of_all();
+    say_windows("\\\\", ".ppm");
+    CHECK(!read_photos("w", &options) && photos.fit_count == 3 && hash_of_all() == hash);
+    CHECK(!strcmp(photos.fit[2].view.name, "a0/1.ppm"));
+    CHECK(!rename(in_folder("w/a/2.ppm"), in_folder("w/a/2.PPM")));
+    CHECK(!read_photos("w", &options) && photos.fit_count == 3 && hash_of_all() == hash);
+    char said[256] = "";
+    const fxs_photos_options saying = {.left_out = left_out, .argument = said};
+    CHECK(!read_photos("w", &saying) && !strcmp(said, "/a: 1 photograph has no camera: m.ppm; "));
+    say_windows("/", ".PPM");
+    CHECK(!read_photos("w", &options) && photos.fit_count == 3);
+    put_ppm("w/z.ppm", 24, 20, NULL);  /* of a path on another machine the last part is taken */
+    say_frames("\"w\":24,\"h\":20,\"fl_x\":20,", "C:\\\\set\\\\z.PPM", 1);
+    put_text("w/transforms.json");
+    said[0] = 0;
+    CHECK(!read_photos("w", &saying) && photos.fit_count == 1 && !*said);
+    say_windows("\\\\", ".png");
+    check_refused("w", &options, FXS_ERR_FILE, "w/a/0.png: No such file");
+#ifndef _WIN32
+    put_ppm("w/a\\0.ppm", 24, 20, NULL);
+    say_windows("\\\\", ".ppm");
+    CHECK(!read_photos("w", &options) && photos.fit_count == 3 && hash_of_all() != hash &&
+          !strcmp(photos.fit[0].view.name, "a/2.ppm") && !strcmp(photos.fit[2].view.name, "a\\0.ppm"));
+#endif
+}
+
 #define OPENCV_TOP "\"camera_model\":\"OPENCV\",\"w\":160,\"h\":120,\"fl_x\":140,\"fl_y\":150,\"cx\":80,\"cy\":60," \
                    "\"k1\":-0.2,\"k2\":0.05,\"p1\":0.01,\"p2\":-0.02,"
 
@@ -1058,6 +1128,7 @@ static void tests(void)
     RUN(lens_faults);
 #ifdef FXS_WITH_CJSON
     RUN(blender);
+    RUN(names_of_windows);
     RUN(nerfstudio);
     RUN(nerfstudio_fisheye);
     RUN(nerfstudio_cameras);

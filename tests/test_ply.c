@@ -452,6 +452,22 @@ static void not_finite_values_pass(void)
     CHECK(gaussians[ROWS - 1].rotation[3] == -INFINITY);
 }
 
+/* The mark of UTF-8 before the header moves its rows by three bytes. */
+static void utf8_mark(void)
+{
+    static fxs_gaussian plain[ROWS], marked[ROWS];
+    for (int encoding = ASCII; encoding <= BIG; encoding++) {
+        make_file(encoding, fill_properties(9), 0);
+        put_file(size);
+        CHECK(read_file(plain, ROWS) == 0);
+        memmove(bytes + 3, bytes, size);
+        memcpy(bytes, "\xef\xbb\xbf", 3);
+        size += 3;
+        put_file(size);
+        CHECK(read_file(marked, ROWS) == 0 && !memcmp(plain, marked, sizeof plain));
+    }
+}
+
 static void list_lengths(void)
 {
     static const char *const lengths[] = {"-1", "nan", "1e30"};
@@ -509,6 +525,21 @@ static void faulty_headers(void)
         put("%s", cases[i][0]);
         check_fails(cases[i][1]);
     }
+}
+
+/* What is no scene of Gaussians is called so, with its use. */
+static void points_and_meshes(void)
+{
+    size = 0;
+    put(VERTEX "property float x\nproperty float y\nproperty float z\nproperty uchar red\nend_header\n");
+    check_fails("a point cloud, not Gaussians: a .ply of points is what fit begins with");
+    size = 0;
+    put(VERTEX "property float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int v\n"
+        "end_header\n");
+    check_fails("a mesh, not Gaussians");
+    size = 0;
+    put(VERTEX "property float x\nproperty float y\nproperty float z\nproperty float opacity\nend_header\n");
+    check_fails("element vertex has no property scale_0");
 }
 
 static void header_limits(void)
@@ -649,6 +680,8 @@ int main(void)
     RUN(ascii_numbers);
     RUN(ascii_round_trip);
     RUN(not_finite_values_pass);
+    RUN(utf8_mark);
+    RUN(points_and_meshes);
     RUN(list_lengths);
     RUN(faulty_headers);
     RUN(header_limits);

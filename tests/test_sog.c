@@ -30,7 +30,8 @@ static long read_level(const char *name, int level, fxs_gaussian *gaussians, lon
     fxs_scene_file_close(file);
     if (count < 0)
         return count;
-    CHECK(total[0] == total[1] && total[0] == (long)info.count && strcmp(info.format, "sog") == 0);
+    CHECK(total[0] == total[1] && total[0] == (long)info.count &&
+          strcmp(info.format, strstr(name, ".lcc2") ? "lcc2" : "sog") == 0);
     return total[0];
 }
 
@@ -66,7 +67,7 @@ typedef struct made_scene {
     unsigned seed;
 } made_scene;
 
-static struct { char name[32]; void *data; size_t size; } files[IMAGES + 1];   /* meta.json comes last */
+static struct { char name[32]; void *data; size_t size; } files[IMAGES + 3];   /* meta.json comes last */
 static int file_count;
 
 static void forget_files(void)
@@ -226,18 +227,26 @@ static void put_folder(const char *name)
     }
 }
 
-static void put_zip(const char *name, int method)
+/* In this folder of the zip, with its separator. */
+static void put_zip_in(const char *name, const char *folder_of_zip, int method)
 {
     int error;
+    char path[640];
     zip_t *zip = zip_open(in_folder(name), ZIP_CREATE | ZIP_TRUNCATE, &error);
     if (!CHECK(zip != NULL))
         return;
     for (int i = 0; i < file_count; i++) {
         zip_source_t *source = zip_source_buffer(zip, files[i].data, files[i].size, 0);
-        zip_int64_t index = zip_file_add(zip, files[i].name, source, 0);
+        snprintf(path, sizeof path, "%s%s", folder_of_zip, files[i].name);
+        zip_int64_t index = zip_file_add(zip, path, source, 0);
         CHECK(index >= 0 && zip_set_file_compression(zip, (zip_uint64_t)index, method, 0) == 0);
     }
     CHECK(zip_close(zip) == 0);
+}
+
+static void put_zip(const char *name, int method)
+{
+    put_zip_in(name, "", method);
 }
 
 static size_t get(const char *name, uint8_t *bytes, size_t capacity)
@@ -432,6 +441,25 @@ static void tags(void)
     }
 }
 
+/* A folder that was zipped; beside it the folder that the Finder of macOS adds. */
+static void zip_of_a_folder(void)
+{
+    static const char *const folders[] = {"scene/", "a b/scene/", "scene\\"};
+    fxs_gaussian gaussians[COUNT + 1];
+    for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
+        make(&plain);
+        add_file("x/__MACOSX/scene/meta.json", "{}", 2);
+        add_file("._meta.json", "{}", 2);
+        put_zip_in("a.sog", folders[i], ZIP_CM_STORE);
+        if (!CHECK(read_level("a.sog", 0, gaussians, COUNT + 1) == COUNT && all_same(&plain, gaussians, 0, COUNT)))
+            printf("  %s\n", message.text);
+    }
+    make(&plain);
+    edit("\"labels.webp\"", "\"other.webp\"");
+    put_zip_in("a.sog", "scene/", ZIP_CM_STORE);
+    check_fails("a.sog", "a.sog: a .zip archive without other.webp");
+}
+
 static void empty_scene(void)
 {
     fxs_gaussian none;
@@ -448,7 +476,9 @@ static void faulty_meta(void)
     static const struct { const char *old, *new, *words; } cases[] = {
         {"{", "x{", "not a scene file of a known format"},
         {"}}", "}", "meta.json: bad JSON at byte"},
-        {"\"version\":2", "\"version\":3", "a version that is not known: not 1 or 2"},
+        {"\"version\":2", "\"version\":3", "meta.json: SOG of version 3, which is not read: 1 and 2 are"},
+        {"\"version\":2", "\"version\":4,\"profile\":\"a\"", "TSOG, a moving scene (SOG of version 4 with a profile)"},
+        {"\"version\":2", "\"version\":4", "SOG of a version that is not known: not 1 or 2"},
         {"\"version\":2", "\"version\":\"2\"", "a version that is not known"},
         {"\"version\":2,", "", "no valid \"shape\" of \"means\""},
         {"\"means\"", "\"mean\"", "not a SOG scene: no \"means\""},
@@ -638,6 +668,14 @@ static void streamed(void)
     CHECK(read_level("", 1, g, 4 * COUNT) == 12 + 37 + COUNT);
     put_index("\"offset\":12,\"count\":25", "\"offset\":5,\"count\":0");
     CHECK(read_level("", 0, g, 4 * COUNT) == 32 + 12 + COUNT);
+    put_index("{", "{\"model\":\"default\",");
+    CHECK(read_level("", 0, g, 4 * COUNT) == 69 + COUNT && !info.antialiased);
+    put_index("{", "\xef\xbb\xbf{\"model\":\"antialiased\",");
+    CHECK(read_level("", 0, g, 4 * COUNT) == 69 + COUNT && info.antialiased && g[3].scale[2] > -20);
+    put_index("{", "{\"model\":\"2dgs\",");
+    CHECK(read_level("", 0, g, 4 * COUNT) == 69 + COUNT && !info.antialiased);
+    for (int i = 0; i < 69 + COUNT; i++)
+        CHECK(g[i].scale[2] <= -20);
 }
 
 /* The levels of one leaf, and what is drawn of it at each level. */
@@ -714,6 +752,73 @@ static void environment(void)
     check_fails("", "environment.sog: leaves the folder");
     remove(in_folder("environment.sog"));
     remove(in_folder("lod-meta.json"));
+}
+
+static const char lcc2_text[] =
+    "{\"totalSplats\":111,\"lodSplats\":[74,37],\"totalLevels\":2,\"splatType\":\".sog\",\"root\":{\"splatFiles\":"
+    "[\"l/0.sog\",\"l\\\\1.sog\",\"l/2.sog\",\"l/sky.sog\"],\"data\":{\"env\":{\"name\":3}},\"child\":["
+    "{\"data\":{\"3dgs\":{\"name\":2}},\"child\":{"
+    "\"0\":{\"data\":{\"3dgs\":{\"name\":1,\"start\":0,\"count\":9}}},"
+    "\"12\":{\"data\":{\"3dgs\":{\"name\":0,\"count\":37}}},"
+    "\"x\":{\"data\":{\"3dgs\":{\"name\":1,\"start\":9,\"count\":28}}},\"y\":{}}}]}}";
+static const char old_lcc2_text[] =
+    "{\"root\":{\"files\":[\"/l/0\",\"/l/1\",\"/l/2.sog\"],\"child_num\":1,\"child\":{"
+    "\"0\":{\"data\":{\"3dgs\":{\"name\":2}},\"child\":["
+    "{\"data\":{\"3dgs\":{\"name\":0}}},{\"data\":{\"3dgs\":{\"name\":1}}}]}}},\"total_splats\":111,"
+    "\"lod_3dgs_info\":[37,74],\"lod_level\":2}";
+
+/* Of the axes of .lcc2, z up. */
+static int is_turned(const made_scene *m, const fxs_gaussian *g)
+{
+    for (int i = 0; i < COUNT; i++) {
+        fxs_gaussian made;
+        expect(m, i, &made);
+        if (fabsf(g[i].position[0] - made.position[0]) > 1e-5f || fabsf(g[i].position[1] + made.position[2]) > 1e-4f ||
+            fabsf(g[i].position[2] - made.position[1]) > 1e-4f || fabsf(g[i].dc[1] - made.dc[1]) > 1e-5f)
+            return 0;
+    }
+    return 1;
+}
+
+/* A tree of any number of children, as arrays and by name; the sky at each level; older names. */
+static void lcc2(void)
+{
+    static const char *const names[] = {"l/0.sog", "l/1.sog", "l/2.sog", "l/sky.sog"};
+    static const struct { const char *old, *new, *words; } faults[] = {
+        {"\"totalLevels\":2", "\"totalLevels\":0", "scene.lcc2: no valid \"totalLevels\""},
+        {"\".sog\"", "\".spz\"", "scene.lcc2: a .lcc2 with files of the kind \".spz\", which is not read"},
+        {"\"splatFiles\"", "\"files\"", "\"splatFiles\" is not an array of up to 65536"},
+        {"\"name\":1,", "\"name\":4,", "a node of a file that is not in \"splatFiles\""},
+        {"l/0.sog", "../0.sog", "leaves the folder"}, {"l/sky.sog", "../../etc/passwd", "leaves the folder"},
+        {"l/0.sog", "l/9.sog", "l/9.sog: No such file"},
+    };
+    fxs_gaussian g[4 * COUNT];
+    mkdir(in_folder("l"), 0700);
+    for (int i = 0; i < 4; i++) {
+        make(&chunks[i]);
+        put_zip(names[i], ZIP_CM_STORE);
+    }
+    put_file("scene.lcc2", lcc2_text, sizeof lcc2_text - 1);
+    if (!CHECK(read_level("scene.lcc2", 0, g, 4 * COUNT) == 3 * COUNT && info.levels == 2 && info.sh_degree == 3))
+        printf("  %s\n", message.text);
+    CHECK(is_turned(&chunks[0], g) && is_turned(&chunks[1], g + COUNT) && is_turned(&chunks[3], g + 2 * COUNT));
+    CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == 2 * COUNT);
+    CHECK(is_turned(&chunks[2], g) && is_turned(&chunks[3], g + COUNT));
+    check_level_fails("scene.lcc2", 2, "no level 2: levels of detail in this scene: 2");
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+        const char *found = strstr(lcc2_text, faults[i].old);
+        length = 0;
+        if (CHECK(found != NULL))
+            say("%.*s%s%s", (int)(found - lcc2_text), lcc2_text, faults[i].new, found + strlen(faults[i].old));
+        put_file("scene.lcc2", text, length);
+        check_fails("scene.lcc2", faults[i].words);
+    }
+    remove(in_folder("l/sky.sog"));    /* may be missing */
+    put_file("scene.lcc2", lcc2_text, sizeof lcc2_text - 1);
+    CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == COUNT);
+    put_file("scene.lcc2", old_lcc2_text, sizeof old_lcc2_text - 1);
+    CHECK(read_level("scene.lcc2", 0, g, 4 * COUNT) == 2 * COUNT && is_turned(&chunks[0], g));
+    CHECK(read_level("scene.lcc2", 1, g, 4 * COUNT) == COUNT && is_turned(&chunks[2], g));
 }
 
 static void faulty_index(void)
@@ -830,6 +935,7 @@ static void run_tests(void)
     RUN(zip_with_data_descriptors);
     RUN(null_in_codebook);
     RUN(tags);
+    RUN(zip_of_a_folder);
     RUN(empty_scene);
     RUN(faulty_meta);
     RUN(faulty_images);
@@ -839,6 +945,7 @@ static void run_tests(void)
     RUN(streamed);
     RUN(nearest_level);
     RUN(environment);
+    RUN(lcc2);
     RUN(faulty_index);
     RUN(changed_while_open);
     RUN(real_scene);

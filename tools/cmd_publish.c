@@ -55,7 +55,8 @@ static int write_scene(publish_options *o, listed_scene *s)
     fxs_message why;
     snprintf(name, sizeof name, "%s.fxs", s->name);
     join_path(path, o->site, name);
-    if (publish_load(&scene, s->path, &o->frame.load, is_given("profile")))
+    load_options own;
+    if (options_of_file(&own, &o->frame.load, 0, 1) || publish_load(&scene, s->path, &own, is_given("profile")))
         return EXIT_FAILED;
     if (!is_given("profile"))
         publish_say_gain(&scene, o->words);

@@ -174,8 +174,7 @@ void check_printed_at_exit(void)
 
 int ends_with(const char *name, const char *ending)
 {
-    size_t length = strlen(name), tail = strlen(ending);
-    return length > tail && !strcmp(name + length - tail, ending);
+    return fxs_ends_in(name, ending);
 }
 
 static int percent_shown = -1;   /* -1: no bar */

@@ -50,7 +50,7 @@ void print_json_string(const char *text);
 /* Writes a space, and a word as a shell takes it. */
 void write_shell_word(FILE *file, const char *word);
 
-/* Whether a name has this ending, and something before it. */
+/* Whether a name has this ending, also in capitals, and something before it. */
 int ends_with(const char *name, const char *ending);
 
 /* A bar on stderr where that is a terminal, after a word on what is being done: an fxs_progress_fn. progress_end takes

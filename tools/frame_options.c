@@ -12,6 +12,24 @@
 
 /* ---- Taking ------------------------------------------------------------------------------------------------------ */
 
+/* One number, or one for each file. */
+static int take_lod(const option_row *row, void *field, const char *value)
+{
+    load_options *o = field;
+    char *end;
+    for (const char *c = value;; c = end + 1) {
+        const long level = *c >= '0' && *c <= '9' ? strtol(c, &end, 10) : -1;
+        if (level < 0 || level > 1000 || (*end && *end != ','))
+            return wrong_value(row, value);
+        if (c == value)
+            o->lod = (int)level;
+        if (!*end)
+            break;
+    }
+    o->lods = strchr(value, ',') ? value : NULL;
+    return 0;
+}
+
 int take_frame_size(const option_row *row, void *field, const char *value)
 {
     frame_options *options = field;
@@ -192,8 +210,9 @@ const option_row world_rows[] = {
 
 const option_row load_rows[] = {
     {.help = "Reading scenes:"},
-    {"lod", "LEVEL", INT(lod, 0, 1000), .help =
-     "level of detail of an .lcc, .rad or streamed .sog, 0 the finest (default 0)"},
+    {"lod", "LEVEL", take_lod, 0, .expected = "whole numbers from 0 to 1000 as 2 or 2,0", .help =
+     "level of detail of an .lcc, .lcc2, .rad or streamed .sog, 0 the finest (default 0); with several files for all "
+     "that have levels, or as 2,0 one for each"},
     {"axes", "AXES", CHOICE_FROM(FXS_AXES_RUB, axes, WORDS("rub", "rdf")), .help =
      "of an .spz: rub (right, up, back) or rdf (right, down, front: files of splat-transform 3); default: as the "
      "file says, without a word rub"},

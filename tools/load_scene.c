@@ -185,25 +185,65 @@ static int read_standard_input(void)
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-static fxs_scene_file_options file_options(const load_options *o)
+int options_of_file(load_options *own, const load_options *o, uint32_t i, uint32_t count)
 {
-    return (fxs_scene_file_options){
-        .level = o->lod, .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory,
+    uint32_t levels = 1;
+    const char *level = o->lods;
+    *own = *o;
+    own->is_one_of_several = count > 1 && !o->lods;
+    for (const char *c = o->lods; c && (c = strchr(c, ',')); levels++)
+        if (levels <= i)
+            level = ++c;
+        else
+            c++;
+    if (!o->lods)
+        return 0;
+    if (levels != count)
+        return fail(EXIT_USAGE, "--lod %s: %u levels for %u files", o->lods, (unsigned)levels, (unsigned)count);
+    own->lod = atoi(level);
+    return 0;
+}
+
+static int open_file(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
+                     fxs_scene_file_info *info, fxs_message *message)
+{
+    return is_standard_input(path)
+               ? fxs_scene_file_open_memory(shown(path), standard_input.bytes, standard_input.size, options, file,
+                                            info, message)
+               : fxs_scene_file_open(path, options, file, info, message);
+}
+
+/* The level at which a file is read: one of several that has one level only is read at that. */
+static int level_of(const char *path, const load_options *o, const fxs_scene_file_options *options)
+{
+    fxs_scene_file_options finest = *options;
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    fxs_message message;
+    finest.level = 0;
+    if (!o->lod || !o->is_one_of_several || open_file(path, &finest, &file, &info, &message))
+        return o->lod;
+    fxs_scene_file_close(file);
+    return info.levels > 1 ? o->lod : 0;
+}
+
+static fxs_scene_file_options file_options(const char *path, const load_options *o)
+{
+    fxs_scene_file_options options = {
+        .axes = o->axes, .max_gaussians = o->max_gaussians, .max_memory = o->import_memory,
         .progress = o->progress, .progress_argument = o->progress_argument
     };
+    options.level = level_of(path, o, &options);
+    return options;
 }
 
 int open_unfiltered(const char *path, const load_options *o, fxs_scene_file **file, fxs_scene_file_info *info)
 {
-    const fxs_scene_file_options options = file_options(o);
     fxs_message message;
     if (is_standard_input(path) && read_standard_input())
         return EXIT_FAILED;
-    const int error = is_standard_input(path)
-                    ? fxs_scene_file_open_memory(shown(path), standard_input.bytes, standard_input.size, &options, file,
-                                                 info, &message)
-                    : fxs_scene_file_open(path, &options, file, info, &message);
-    if (error)
+    const fxs_scene_file_options options = file_options(path, o);
+    if (open_file(path, &options, file, info, &message))
         return fail_for(&message);
     look_at(path, o, info);
     return 0;
@@ -243,7 +283,7 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
     char label[] = "packing";
     fxs_message message;
     preparation p = {path, o};
-    fxs_open_options options = {.file = file_options(o), .profile = o->profile, .threads = o->threads,
+    fxs_open_options options = {.file = file_options(path, o), .profile = o->profile, .threads = o->threads,
                                 .tree = o->tree};
     const fxs_pager_options paging = {o->pool, o->arrived, o->arrived_argument};
     options.progress = progress_of(o, label, &options.progress_argument);

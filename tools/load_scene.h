@@ -18,6 +18,8 @@ int is_packed(const loaded_scene *loaded);
 /* All 0 is a default. */
 typedef struct load_options {
     int lod;                                /* level of detail, 0 the finest, of a file that has several */
+    const char *lods;                       /* a level for each file, L,M,...; null: lod for all that have levels */
+    int is_one_of_several;                  /* 1: without levels of its own, the file is read all the same */
     enum fxs_axes axes;                     /* of an .spz */
     uint32_t threads;                       /* of the import; 0: one a processor */
     enum fxs_profile profile;               /* of what is not packed yet */
@@ -40,6 +42,9 @@ typedef struct load_options {
 
 /* Where progress goes, and with which argument: by default a bar behind its label. */
 fxs_progress_fn *progress_of(const load_options *options, char *label, void **argument);
+
+/* The options for file i of `count`. Returns 0, or prints that there is not a level for each and returns EXIT_USAGE. */
+int options_of_file(load_options *own, const load_options *options, uint32_t i, uint32_t count);
 
 /* Opens a scene to be rendered, and says on stderr what is left out of it. Returns 0, or prints why not and returns
    EXIT_FAILED, with nothing to free. */

@@ -213,7 +213,10 @@ static int load_scenes(world *w, const load_options *load)
 {
     int status = make_room(w);
     for (uint32_t i = 0; i < w->placed.file_count && !status; i++) {
-        status = load_scene(&w->scenes[i], w->placed.files[i], load);
+        load_options own;
+        status = options_of_file(&own, load, i, w->placed.file_count);
+        if (!status)
+            status = load_scene(&w->scenes[i], w->placed.files[i], &own);
         w->load_nanoseconds += w->scenes[i].load_nanoseconds;
     }
     return status ? status : place_objects(w);
@@ -244,11 +247,14 @@ static int merge(const fxs_world *placed, const char *name, const load_options *
 {
     fxs_message message;
     for (uint32_t i = 0; i < placed->file_count; i++) {
-        if (!open_unfiltered(placed->files[i], load, &files[i], &infos[i]))
-            continue;
-        while (i > 0)
+        load_options own;
+        int status = options_of_file(&own, load, i, placed->file_count);
+        if (!status)
+            status = open_unfiltered(placed->files[i], &own, &files[i], &infos[i]);
+        while (status && i > 0)
             fxs_scene_file_close(files[--i]);
-        return EXIT_FAILED;
+        if (status)
+            return status;
     }
     if (fxs_world_merge(placed, files, infos, file, info, &message))
         return fail_for(&message);
@@ -268,7 +274,10 @@ int open_merged(const fxs_world *placed, const char *name, const load_options *l
                 fxs_scene_file_info *info)
 {
     if (is_plain(placed)) {
-        const int status = open_scene(placed->files[0], load, file, info);
+        load_options own;
+        int status = options_of_file(&own, load, 0, 1);
+        if (!status)
+            status = open_scene(placed->files[0], &own, file, info);
         if (!status && is_direction(placed->up))
             memcpy(info->start.up, placed->up, sizeof placed->up);
         return status;

@@ -213,7 +213,7 @@ static int look_first(const char *path, const load_options *o, first_look *look)
         return EXIT_FAILED;
     fxs_scene_file_close(file);
     look->is_fxs = !strcmp(info.format, "fxs");
-    const int is_asked = o->lod || o->axes || o->profile || o->tree || o->max_gaussians || o->import_memory;
+    const int is_asked = o->lod || o->lods || o->axes || o->profile || o->tree || o->max_gaussians || o->import_memory;
     look->is_sent = look->is_fxs || (!is_asked && is_one_file(path) && !look_at_file(path, &state) &&
                                      state.size / SMALL <= info.count);
     return 0;
@@ -278,12 +278,14 @@ static int take_loaded(served_scene *s, const first_look *look, loaded_scene *sc
 /* What is sent, and a picture. That it can be read is found out here and not first by the page. */
 static int take_file(served_scene *s, taken *t)
 {
-    load_options o = s->all->options->load;
+    load_options o;
     first_look look;
     loaded_scene scene;
+    int status = options_of_file(&o, &s->all->options->load, 0, 1);
     o.progress = tell_progress;
     o.progress_argument = s;
-    int status = look_first(s->path, &o, &look);
+    if (!status)
+        status = look_first(s->path, &o, &look);
     if (!status && look.is_sent && (t->descriptor = fxs_descriptor_open(s->path)) < 0)
         status = fail(EXIT_FAILED, "%s: %s", s->given, strerror(errno));
     if (!status && look.is_sent && !FXS_OPEN_MAY_BE_REPLACED)

@@ -263,6 +263,14 @@ static void print_named(const char *option, const char *name)
     write_shell_word(stdout, name);
 }
 
+static void print_level(const load_options *o)
+{
+    if (o->lods)
+        printf(" --lod %s", o->lods);
+    else
+        printf(" --lod %d", o->lod);
+}
+
 static void print_scenes(const world_options *o)
 {
     if (o->file)
@@ -332,8 +340,9 @@ static void print_command(const viewer *v, const fxs_file_view *view, const fxs_
         printf(" --budget %" PRIu32, render_options->budget);
     if (render_options->detail_q8)
         printf(" --detail %.9g", render_options->detail_q8 / 256.0);
-    printf(" --near %.17g --lod %d --profile %s", view->near, v->options.load.lod,
-           profile_names[v->options.load.profile]);
+    printf(" --near %.17g", view->near);
+    print_level(&v->options.load);
+    printf(" --profile %s", profile_names[v->options.load.profile]);
     print_named(" -o", path);
     puts("");
     fflush(stdout);
@@ -474,8 +483,8 @@ static void print_conversion(const viewer *v, const request *r)
         const double side = i < 3 ? r->crop.low[i] : r->crop.high[i - 3];
         printf("%s%.*g", i ? "," : "", fabs(side) < 4096 ? 9 : 17, side);
     }
-    if (o->lod)
-        printf(" --lod %d", o->lod);
+    if (o->lod || o->lods)
+        print_level(o);
     if (o->axes)
         printf(" --axes %s", o->axes == FXS_AXES_RUB ? "rub" : "rdf");
     printf("\n");

@@ -56,13 +56,24 @@ int names_several(const char *view)
                                              !view[strspn(view, "0123456789,.")]));
 }
 
+/* Whether a view's name has / where `name` has, or a \ there. */
+static int has_slashes_as(const char *view, const char *name)
+{
+    while (*view && (*view == *name || (*view == '\\' && *name == '/'))) {
+        view++;
+        name++;
+    }
+    return !*view && !*name;
+}
+
 long find_view(const frame_options *options, const fxs_file_view *views, long count)
 {
     const char *wanted = options->view ? options->view : "0";
     uint64_t number;
-    for (long i = 0; i < count; i++)
-        if (!strcmp(views[i].name, wanted))
-            return i;
+    for (int with_slashes = 0; with_slashes < 2; with_slashes++)
+        for (long i = 0; i < count; i++)
+            if (with_slashes ? has_slashes_as(views[i].name, wanted) : !strcmp(views[i].name, wanted))
+                return i;
     if (parse_count(wanted, 0, (uint64_t)count - 1, &number))
         return (long)number;
     return fail(-1, "%s: no view '%s' (there are %ld, from 0 on)", options->cameras, wanted, count);

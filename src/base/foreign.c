@@ -30,10 +30,42 @@ static const struct {
     {0, 4, "NGSP", "an .spz"},
     {0, 4, "FXS1", "an .fxs"},
     {0, 5, "%PDF-", "a .pdf"},
+    {0, 4, "LASF", "a .las, " FXS_POINT_CLOUD},
+    {0, 8, "ASTM-E57", "an .e57, " FXS_POINT_CLOUD},
+    {0, 7, "# .PCD ", "a .pcd, " FXS_POINT_CLOUD},
+    {0, 18, "Kaydara FBX Binary", "an .fbx, " FXS_MESH},
+    {0, 6, "solid ", "an .stl, " FXS_MESH},
+    {0, 8, "PXR-USDC", "a .usdc of OpenUSD"},
 };
+
+/* Beginnings of lines of an .obj. */
+static const char *const lines[] = {"mtllib ", "usemtl ", "o ", "g ", "v ", "vn ", "vt "};
 
 /* Beginnings of pages, in letters of either case. */
 static const char *const pages[] = {"<!doctype html", "<html", "<head"};
+
+/* Whether a line of a text begins so; in capitals too. */
+static int begins(const char *line, const char *end, const char *words)
+{
+    return (size_t)(end - line) >= strlen(words) && !strncasecmp(line, words, strlen(words));
+}
+
+/* By the first line that is not empty or a comment. As few letters may begin numbers too, all must be a text. */
+static int is_obj(const char *text, const char *end)
+{
+    enum { LOOKED_AT = 256 };
+    for (const char *c = text; c < end && c < text + LOOKED_AT; c++)
+        if ((unsigned char)*c < ' ' && !strchr("\t\r\n", *c))
+            return 0;
+    while (text < end && (*text == '#' || *text == '\n' || *text == '\r')) {
+        const char *next = memchr(text, '\n', (size_t)(end - text));
+        text = next ? next + 1 : end;
+    }
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        if (begins(text, end, lines[i]))
+            return 1;
+    return 0;
+}
 
 const char *fxs_foreign(const void *bytes, size_t size)
 {
@@ -44,7 +76,7 @@ const char *fxs_foreign(const void *bytes, size_t size)
     while (text < end && *text && strchr(" \t\r\n\xef\xbb\xbf", *text))   /* also the mark of UTF-8 */
         text++;
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++)
-        if ((size_t)(end - text) >= strlen(pages[i]) && !strncasecmp(text, pages[i], strlen(pages[i])))
+        if (begins(text, end, pages[i]))
             return "an HTML page";
-    return NULL;
+    return is_obj(text, end) ? "an .obj, " FXS_MESH : NULL;
 }

@@ -186,11 +186,24 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
     return set_path(source, name, 0, name, message);
 }
 
+/* Where no file has that name, each \ of it is a /. Names for functions have none, as they may be part of a URL. */
+static int settle_name(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
+                       fxs_message *message)
+{
+    char *own = opened->path + folder_length(source->path);
+    if (!strchr(name, '\\') || (opened->first->input.read == read_file && fxs_file_is_named(opened->path)))
+        return 0;
+    for (char *c = own; (c = strchr(c, '\\'));)
+        *c = '/';
+    return fxs_check_name(source, own, message);
+}
+
 static int open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                        fxs_message *message)
 {
     const fxs_scene_source *first = opened->first;
     FXS_TRY(set_path(opened, source->path, folder_length(source->path), name, message));
+    FXS_TRY(settle_name(opened, source, name, message));
     if (first->input.read == read_file)
         return open_file(opened, first->path, message);
     if (!first->input.beside)

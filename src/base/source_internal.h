@@ -33,8 +33,9 @@ int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_messag
 int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, const fxs_scene_input *input,
                                 fxs_message *message);
 
-/* Opens, with the options and limits of `source`, a file whose name is relative to its folder. Its path, followed
-   through symbolic links, must stay in the folder of the first file. */
+/* Opens, with the options and limits of `source`, a file whose name is relative to its folder; \ separates folders
+   where no file has that very name. Its path, followed through symbolic links, must stay in the folder of the first
+   file. */
 int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                                  fxs_message *message);
 

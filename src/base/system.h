@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
+#include <strings.h>
 
 #include <fixsplat/fixsplat.h>
 
@@ -75,6 +77,20 @@ static inline void fxs_path_take(char *path)
 #else
     (void)path;
 #endif
+}
+
+/* A path with a name from a data file: where nothing has that very name, each \ of it is a /. */
+static inline void fxs_path_settle(char *path)
+{
+    for (char *c = fxs_file_is_named(path) ? NULL : strchr(path, '\\'); c; c = strchr(c, '\\'))
+        *c = '/';
+}
+
+/* 1 where a path ends so behind at least one character; capitals are small letters. */
+static inline int fxs_ends_in(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), size = strlen(ending);
+    return length > size && !strncasecmp(path + length - size, ending, size);
 }
 
 /* What makes a path none of the system, as "is the name of a device in Windows", or null. */

@@ -16,6 +16,11 @@ int fxs_text_load(const char *path, fxs_text *text, fxs_message *message)
     return result;
 }
 
+char *fxs_text_begin(const fxs_text *text)
+{
+    return text->data + (strncmp(text->data, FXS_UTF8_MARK, strlen(FXS_UTF8_MARK)) ? 0 : strlen(FXS_UTF8_MARK));
+}
+
 #ifdef FXS_WITH_CJSON
 
 #include <math.h>

@@ -8,6 +8,7 @@
 #include "try_internal.h"
 
 #define FXS_TEXT_MAX ((size_t)1 << 30)
+#define FXS_UTF8_MARK "\xef\xbb\xbf"   /* a text may begin with it */
 
 /* The bytes of a file, followed by a zero byte. */
 typedef struct fxs_text {
@@ -18,6 +19,9 @@ typedef struct fxs_text {
 
 /* Loads a regular file; the caller frees text->data. Returns 0, or an error and a message. */
 int fxs_text_load(const char *path, fxs_text *text, fxs_message *message);
+
+/* The text behind the mark of UTF-8 that it may begin with. */
+char *fxs_text_begin(const fxs_text *text);
 
 /* ---- With cJSON (FXS_WITH_CJSON) ---- */
 

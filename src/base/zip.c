@@ -2,6 +2,8 @@
 
 #ifdef FXS_WITH_ZIP
 
+#include <string.h>
+
 #include <zip.h>
 
 enum { MAX_INFLATION = 1032 };   /* the most bytes that a byte of deflate stands for */
@@ -11,6 +13,7 @@ struct fxs_zip {
     uint64_t offset;           /* of the next byte that libzip reads */
     zip_error_t error;         /* of the last call by libzip */
     zip_t *archive;
+    char *folder;              /* in which the names are, with its separator; NULL: in none */
 };
 
 /* ---- The source, as libzip calls it ---------------------------------------------------------------------------- */
@@ -109,6 +112,51 @@ static int check_entry(const fxs_zip *zip, const char *name, const zip_stat_t *e
     return 0;
 }
 
+/* The length of the folder before a name at the end of an entry's; 0: the entry is another. */
+static size_t folder_before(const char *entry, const char *name)
+{
+    const size_t length = strlen(entry), size = strlen(name);
+    const size_t folder = length > size ? length - size : 0;
+    return folder && strchr("/\\", entry[folder - 1]) && !strcmp(entry + folder, name) ? folder : 0;
+}
+
+int fxs_zip_enter(fxs_zip *zip, const char *name, fxs_message *message)
+{
+    const char *first = NULL;
+    size_t shortest = 0;
+    for (zip_int64_t i = zip_get_num_entries(zip->archive, 0); i-- > 0;) {
+        const char *entry = zip_get_name(zip->archive, (zip_uint64_t)i, 0);
+        const size_t folder = entry ? folder_before(entry, name) : 0;
+        if (entry && !strcmp(entry, name))
+            return 0;
+        if (folder && (!shortest || folder <= shortest)) {
+            first = entry;
+            shortest = folder;
+        }
+    }
+    if (!first)
+        return 0;
+    zip->folder = fxs_allocate_zeroed(zip->source->options.allocator, shortest + 1, 1);
+    if (!zip->folder)
+        return fxs_fail_memory(message, zip->source->path, shortest + 1);
+    memcpy(zip->folder, first, shortest);
+    return 0;
+}
+
+/* Finds an entry by its name in the folder. Returns 0, or -1. */
+static int find_entry(const fxs_zip *zip, const char *name, zip_stat_t *entry)
+{
+    const size_t folder = zip->folder ? strlen(zip->folder) : 0;
+    if (!folder)
+        return zip_stat(zip->archive, name, 0, entry);
+    for (zip_int64_t i = zip_get_num_entries(zip->archive, 0); i-- > 0;) {
+        const char *own = zip_get_name(zip->archive, (zip_uint64_t)i, 0);
+        if (own && !strncmp(own, zip->folder, folder) && !strcmp(own + folder, name))
+            return zip_stat_index(zip->archive, (zip_uint64_t)i, 0, entry);
+    }
+    return -1;
+}
+
 /* The read past the last byte is what makes libzip compare the checksum. */
 static int read_entry(zip_file_t *file, char *data, size_t size)
 {
@@ -119,7 +167,7 @@ int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *me
 {
     const char *path = zip->source->path;
     zip_stat_t entry;
-    if (zip_stat(zip->archive, name, 0, &entry) != 0)
+    if (find_entry(zip, name, &entry) != 0)
         return fxs_fail(message, "%s: a .zip archive without %s, so no .sog; if a scene is in it, unpack it", path,
                         name);
     FXS_TRY(check_entry(zip, name, &entry, message));
@@ -145,6 +193,7 @@ void fxs_zip_close(fxs_zip *zip)
     if (zip->archive)
         zip_discard(zip->archive);
     zip_error_fini(&zip->error);
+    fxs_release(zip->source->options.allocator, zip->folder);
     fxs_release(zip->source->options.allocator, zip);
 }
 
@@ -154,6 +203,12 @@ int fxs_zip_open(const fxs_scene_source *source, fxs_zip **opened, fxs_message *
 {
     *opened = NULL;
     return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: cannot read a zip: built without libzip", source->path);
+}
+
+int fxs_zip_enter(fxs_zip *zip, const char *name, fxs_message *message)
+{
+    (void)zip;
+    return fxs_fail_as(FXS_ERR_UNSUPPORTED, message, "%s: built without libzip", name);
 }
 
 int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message)

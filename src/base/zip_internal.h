@@ -12,6 +12,10 @@ typedef struct fxs_zip fxs_zip;
    null. */
 int fxs_zip_open(const fxs_scene_source *source, fxs_zip **zip, fxs_message *message);
 
+/* Where there is no entry of that name but one in a folder, names for fxs_zip_load are in that folder: of several, in
+   the one with the shortest path. Returns 0, or an error and a message. */
+int fxs_zip_enter(fxs_zip *zip, const char *name, fxs_message *message);
+
 /* Loads the entry of that name, stored or deflated, for fxs_text_let_go; text->path is the archive's. Returns 0, or an
    error and a message. */
 int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message);

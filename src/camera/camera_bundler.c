@@ -88,7 +88,7 @@ static int read_numbers(char **rest, double *out, int lines, int a_line)
 /* A camera with a focal length of 0 has no place. */
 int fxs_camera_bundler_parse(fxs_view_list *list, const fxs_text *model, const fxs_text *photographs)
 {
-    char *rest = model->data, *names = photographs->data;
+    char *rest = fxs_text_begin(model), *names = fxs_text_begin(photographs);
     double counts[2];
     if (strlen(model->data) < model->size || strlen(photographs->data) < photographs->size)
         return fxs_fail(list->message, "%s: zero bytes in this text or in its list of photographs", list->path);

@@ -180,7 +180,7 @@ static int read_images_bin(fxs_view_list *list, const camera_list *cameras, cons
 
 static int read_cameras_txt(camera_list *list, const fxs_text *text)
 {
-    char *rest = text->data, *line;
+    char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
         double id, size[2], params[MAX_PARAMS];
         size_t model = 0;
@@ -200,15 +200,15 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text)
     return 0;
 }
 
-/* Two lines an image; the second, its 2D points, may be empty. */
+/* Two lines an image: numbers, and the name up to the line's end; then its 2D points, of which there may be none. */
 static int read_images_txt(fxs_view_list *list, const camera_list *cameras, const fxs_text *text)
 {
-    char *rest = text->data, *line;
+    char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
         double values[9];   /* image id, quaternion, translation, camera id */
         char *name = NULL;
         if (fxs_colmap_numbers(&line, values, 9))
-            name = fxs_colmap_word(&line);
+            name = fxs_colmap_rest(line);
         if (!name || !*name)
             return fxs_fail(list->message, "%s: image %zu: not nine numbers and a name", list->path, list->count);
         FXS_TRY(add_image(list, cameras, name, values + 1, values[8]));

@@ -16,34 +16,43 @@ static const char *const headings[VALUES] = {"#name", "x", "y", "alt", "heading"
 #define FILM 36.0                  /* mm: f is for a picture whose longer side is so long */
 #define RADIANS 0.017453292519943295
 
-/* Cuts the next field off a line; NULL behind the last. A field in quotes may have commas. */
-static char *next_field(char **rest)
+/* The columns of the lines below. */
+typedef struct table {
+    int columns[COLUMNS_MOST];     /* which value each has; -1: none */
+    int count;
+    char separator;                /* a comma; or a semicolon, and numbers may have a comma for their point */
+} table;
+
+/* Cuts the next field off a line; NULL behind the last. A field in quotes may have separators. */
+static char *next_field(char **rest, char separator)
 {
+    const char separators[2] = {separator, 0};
     char *field = *rest;
     if (!field)
         return NULL;
     const int quoted = *field == '"';
     field += quoted;
-    char *end = field + strcspn(field, quoted ? "\"" : ",");
-    char *comma = strchr(end, ',');
-    *rest = comma ? comma + 1 : NULL;
+    char *end = field + strcspn(field, quoted ? "\"" : separators);
+    char *next = strchr(end, separator);
+    *rest = next ? next + 1 : NULL;
     *end = 0;
     for (; end > field && strchr(" \t\r", end[-1]); end--)
         end[-1] = 0;
     return field + strspn(field, " \t");
 }
 
-/* Which value each column has, -1 for none. Returns how many columns, or an error and a message. */
-static int read_headings(const fxs_view_list *list, char *line, int columns[COLUMNS_MOST])
+/* The separator is the one behind the first name. */
+static int read_headings(const fxs_view_list *list, char *line, table *t)
 {
-    int count = 0, seen[VALUES] = {0};
-    for (char *field; (field = next_field(&line)); count++) {
-        if (count == COLUMNS_MOST)
+    int seen[VALUES] = {0};
+    t->separator = line[strcspn(line, ",;")] == ';' ? ';' : ',';
+    for (char *field; (field = next_field(&line, t->separator)); t->count++) {
+        if (t->count == COLUMNS_MOST)
             return fxs_fail(list->message, "%s: more than %d columns", list->path, COLUMNS_MOST);
-        columns[count] = -1;
+        t->columns[t->count] = -1;
         for (int i = 0; i < VALUES; i++)
             if (!strcmp(field, headings[i])) {
-                columns[count] = i;
+                t->columns[t->count] = i;
                 seen[i] = 1;
             }
     }
@@ -51,7 +60,7 @@ static int read_headings(const fxs_view_list *list, char *line, int columns[COLU
         if (!seen[i])
             return fxs_fail(list->message, "%s: no column %s; expected #name,x,y,alt,heading,pitch,roll,f and more",
                             list->path, headings[i]);
-    return count;
+    return 0;
 }
 
 /* Sine and cosine of any angle in degrees, by the tangent t of half of it: 2 t / (1 + t^2), (1 - t^2) / (1 + t^2). */
@@ -102,19 +111,22 @@ static int add_view(fxs_view_list *list, const char *name, const double v[VALUES
     return fxs_view_list_finish(list, SIZE, SIZE);
 }
 
-static int read_line(fxs_view_list *list, char *line, const int *columns, int count)
+static int read_line(fxs_view_list *list, char *line, const table *t)
 {
     const char *name = "";
     double values[VALUES] = {0};
-    for (int i = 0; i < count; i++) {
-        const char *field = next_field(&line);
+    for (int i = 0; i < t->count; i++) {
+        const int column = t->columns[i];
+        char *field = next_field(&line, t->separator), *comma;
         if (!field)
-            return fxs_fail(list->message, "%s: camera %zu: %d values of %d", list->path, list->count, i, count);
-        if (columns[i] == NAME)
+            return fxs_fail(list->message, "%s: camera %zu: %d values of %d", list->path, list->count, i, t->count);
+        if (column > NAME && t->separator == ';' && (comma = strchr(field, ',')))
+            *comma = '.';
+        if (column == NAME)
             name = field;
-        else if (columns[i] > NAME && !fxs_read_number(field, &values[columns[i]]))
+        else if (column > NAME && !fxs_read_number(field, &values[column]))
             return fxs_fail(list->message, "%s: camera %zu: %s is not a finite number", list->path, list->count,
-                            headings[columns[i]]);
+                            headings[column]);
     }
     if (!*name)
         return fxs_fail(list->message, "%s: camera %zu: no name", list->path, list->count);
@@ -123,18 +135,16 @@ static int read_line(fxs_view_list *list, char *line, const int *columns, int co
 
 int fxs_camera_csv_parse(fxs_view_list *list, const fxs_text *csv)
 {
-    char *rest = csv->data, *line;
-    int columns[COLUMNS_MOST], count = 0;
+    char *rest = fxs_text_begin(csv), *line;
+    table t = {.count = 0};
     if (strlen(csv->data) < csv->size)
         return fxs_fail(list->message, "%s: zero bytes in this text", list->path);
-    if (!strncmp(rest, "\xef\xbb\xbf", 3))
-        rest += 3;
-    while (!count && (line = fxs_colmap_line(&rest)))
+    while (!t.count && (line = fxs_colmap_line(&rest)))
         if (!strncmp(line, headings[NAME], strlen(headings[NAME])))
-            FXS_TRY((count = read_headings(list, line, columns)) < 0 ? count : 0);
-    if (!count)
+            FXS_TRY(read_headings(list, line, &t));
+    if (!t.count)
         return fxs_fail(list->message, "%s: no line begins with #name", list->path);
     while ((line = fxs_colmap_entry(&rest)))
-        FXS_TRY(read_line(list, line, columns, count));
+        FXS_TRY(read_line(list, line, &t));
     return 0;
 }

@@ -17,12 +17,6 @@ static int fail_foreign(const fxs_view_list *list, const fxs_text *text)
                     "them), but this is %s", list->path, kind ? kind : text->size ? "another file" : "empty");
 }
 
-static int ends_in(const char *path, const char *ending)
-{
-    const size_t length = strlen(path), size = strlen(ending);
-    return length > size && !strcmp(path + length - size, ending);
-}
-
 /* By what the text begins with, after the mark of UTF-8; of a .csv and an .xml by the name. */
 static int parse(fxs_view_list *list, fxs_text *text)
 {
@@ -33,11 +27,13 @@ static int parse(fxs_view_list *list, fxs_text *text)
         list->format = FXS_CAMERAS_OF_BUNDLER;
         return fxs_camera_bundler_read(list, text);
     }
-    if (!strncmp(begin, "#name,", 6) || (text->size && ends_in(list->path, ".csv"))) {
+    if (!strncmp(begin, "#name,", 6) || !strncmp(begin, "#name;", 6) ||
+        (text->size && fxs_ends_in(list->path, ".csv"))) {
         list->format = FXS_CAMERAS_OF_CSV;
         return fxs_camera_csv_parse(list, text);
     }
-    if (!strncmp(begin, "<?xml", 5) || !strncmp(begin, "<document", 9) || (text->size && ends_in(list->path, ".xml"))) {
+    if (!strncmp(begin, "<?xml", 5) || !strncmp(begin, "<document", 9) ||
+        (text->size && fxs_ends_in(list->path, ".xml"))) {
         list->format = FXS_CAMERAS_OF_METASHAPE;
         return fxs_camera_metashape_parse(list, text);
     }

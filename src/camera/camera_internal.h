@@ -60,7 +60,8 @@ void fxs_listed_view_free(fxs_listed_view *view);
 /* Writes a message about the last added view and returns FXS_ERR_FILE. */
 int fxs_view_list_fault(const fxs_view_list *list, const char *fault);
 
-/* Sets the size of the last added view, checks all of the view, and makes its rotation orthonormal. */
+/* Sets the size of the last added view, checks all of the view, and makes its rotation orthonormal; a scale in its
+   matrix is left out. */
 int fxs_view_list_finish(fxs_view_list *list, double width, double height);
 
 /* As fxs_view_frame_box, from a direction: the camera lies `from` the middle of the box. */

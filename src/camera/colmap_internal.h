@@ -32,6 +32,9 @@ char *fxs_colmap_entry(char **rest);
 /* Cuts the next word off the line; empty at its end. */
 char *fxs_colmap_word(char **line);
 
+/* The rest of a line without blanks around it. */
+char *fxs_colmap_rest(char *line);
+
 /* Reads `count` finite numbers. Returns 0 where the next words are not. */
 int fxs_colmap_numbers(char **line, double *out, int count);
 

@@ -68,6 +68,14 @@ char *fxs_colmap_word(char **line)
     return word;
 }
 
+char *fxs_colmap_rest(char *line)
+{
+    line += strspn(line, " \t\r");
+    for (size_t length = strlen(line); length && strchr(" \t\r", line[length - 1]);)
+        line[--length] = 0;
+    return line;
+}
+
 int fxs_colmap_numbers(char **line, double *out, int count)
 {
     for (int i = 0; i < count; i++)

@@ -79,9 +79,9 @@ void fxs_view_list_free(fxs_view_list *list)
 
 const char *fxs_without_drive(const char *name)
 {
-    const char *last = strrchr(name, '\\'), *slash = strrchr(name, '/');
     const int drive = ((*name | 32) >= 'a' && (*name | 32) <= 'z') && name[1] == ':';
-    if (slash && (drive || last) && (!last || slash > last))
+    const char *last = drive || *name == '\\' ? strrchr(name, '\\') : NULL, *slash = drive ? strrchr(name, '/') : NULL;
+    if (slash && (!last || slash > last))
         last = slash;
     return last ? last + 1 : name;
 }
@@ -105,6 +105,22 @@ static int size_valid(double size)
     return size >= 1 && size <= MAX_SIZE && size == floor(size);
 }
 
+/* Also of a matrix that scales too, by the same in all directions. */
+static int make_rotation(double r[9])
+{
+    double squares = 0, divided[9];
+    if (fxs_to_rotation(r))
+        return 1;
+    for (int i = 0; i < 9; i++)
+        squares += r[i] * r[i] / 3;
+    for (int i = 0; i < 9; i++)
+        divided[i] = r[i] / sqrt(squares);
+    if (!fxs_to_rotation(divided))
+        return 0;
+    memcpy(r, divided, sizeof divided);
+    return 1;
+}
+
 int fxs_view_list_finish(fxs_view_list *list, double width, double height)
 {
     fxs_file_view *view = &list->views[list->count - 1].view;
@@ -118,6 +134,7 @@ int fxs_view_list_finish(fxs_view_list *list, double width, double height)
         return fxs_view_list_fault(list, "principal point not finite");
     if (!isfinite(view->position[0]) || !isfinite(view->position[1]) || !isfinite(view->position[2]))
         return fxs_view_list_fault(list, "position not finite");
-    return fxs_to_rotation(view->rotation)
-               ? 0 : fxs_view_list_fault(list, "rotation not orthonormal within 1e-3 with determinant 1");
+    return make_rotation(view->rotation)
+               ? 0 : fxs_view_list_fault(list, "rotation not orthonormal within 1e-3 with determinant 1, nor so times "
+                                               "a scale: mirrored, sheared or stretched");
 }

@@ -1,5 +1,6 @@
 #include "photo_list.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -128,6 +129,7 @@ static void find_of_transforms(fxs_photo_list *list, const char *folder)
     strcpy(list->images, folder);
     if (list->fit.points)
         join(list->points, folder, list->fit.points);
+    fxs_path_settle(list->points);
     if (strcmp(base_of(list->cameras), "transforms_train.json") || list->fit.has_parts)
         return;
     if ((!join(list->test, folder, "transforms_test.json") || !exists(list->test)) &&
@@ -223,6 +225,74 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
                                list->cameras, count);
 }
 
+/* ---- Names that are written otherwise than their files ----------------------------------------------------------- */
+
+/* Looks for the name, also with the endings that it may lack, in the folder of images; and for the last part of a path
+   from the root there, as that is often a path of another machine. Returns 0 where there is no such file. */
+static int find_image(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH])
+{
+    static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
+    const char *places[] = {name, fxs_path_is_whole(name) ? base_of(name) : fxs_without_drive(name)};
+    for (int k = 0; k < 1 + (places[1] != name); k++) {
+        if (!join(path, list->images, places[k]) || strlen(path) > FXS_PHOTO_PATH - 8)
+            return 0;
+        char *end = path + strlen(path);
+        for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+            strcpy(end, endings[i]);
+            if (exists(path))
+                return 1;
+        }
+    }
+    return 0;
+}
+
+/* Writes the ending of a photograph's name in capitals, or in small letters. */
+static void set_ending(char *name, int in_capitals)
+{
+    char *dot = strrchr(name, '.');
+    for (char *c = fxs_photograph_kind_of(name) ? dot + 1 : NULL; c && *c; c++)
+        *c = (char)(in_capitals ? toupper((unsigned char)*c) : tolower((unsigned char)*c));
+}
+
+static void set_slashes(char *name)
+{
+    for (char *c = name; (c = strchr(c, '\\'));)
+        *c = '/';
+}
+
+/* Changes the name of a photograph to the name of its file. Where none has that very name, \ stands for /, and an ending
+   in capitals for one in small letters or the other way round; a path of Windows, for its last part. */
+static void settle_name(const fxs_photo_list *list, fxs_listed_view *view)
+{
+    char path[FXS_PHOTO_PATH], own[8] = "";
+    char *ending = strrchr(view->image, '.');
+    int is_found = find_image(list, view->image, path);
+    if (!is_found) {
+        set_slashes(view->image);
+        set_slashes(view->view.name);
+        is_found = find_image(list, view->image, path);
+    }
+    if (ending && strlen(ending) < sizeof own)
+        strcpy(own, ending);
+    for (int k = 0; k < 2 && *own && !is_found; k++) {
+        set_ending(view->image, !k);
+        is_found = find_image(list, view->image, path);
+    }
+    const char *last = fxs_without_drive(view->image);
+    if (is_found && !strstr(path, view->image))
+        memmove(view->image, last, strlen(last) + 1);
+    else if (!is_found && *own)
+        strcpy(ending, own);
+}
+
+static void settle_names(const fxs_photo_list *list, fxs_view_list *views)
+{
+    for (size_t i = 0; i < views->count; i++)
+        settle_name(list, &views->views[i]);
+    if (views->count)
+        qsort(views->views, views->count, sizeof *views->views, compare_images);
+}
+
 /* Beside the folder images, or in the folder of the file that names the photographs. */
 static void find_masks(fxs_photo_list *list)
 {
@@ -244,9 +314,13 @@ static int find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message 
     if (!is_colmap)
         FXS_TRY(find_others(list, message));
     find_masks(list);
+    settle_names(list, &list->fit);
     if (!*list->test)
         return hold_out(list, n, message);
-    return n ? read_views(&list->held_out, list->test, message) : 0;
+    if (n)
+        FXS_TRY(read_views(&list->held_out, list->test, message));
+    settle_names(list, &list->held_out);
+    return 0;
 }
 
 int fxs_photo_list_find(fxs_photo_list *list, const char *path, uint32_t n, fxs_message *message)
@@ -279,27 +353,19 @@ void fxs_photo_list_free(fxs_photo_list *list)
 int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view, char path[FXS_PHOTO_PATH],
                          fxs_message *message)
 {
-    static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
     if (!join(path, list->images, view->image) || strlen(path) > FXS_PHOTO_PATH - 8)
         return fxs_fail(message, "%s: view %s: name too long", list->cameras, view->view.name);
-    for (int beside = 0; beside <= fxs_path_is_whole(view->image); beside++) {
-        if (beside && (!join(path, list->images, base_of(view->image)) || strlen(path) > FXS_PHOTO_PATH - 8))
-            break;
-        char *end = path + strlen(path);
-        for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
-            strcpy(end, endings[i]);
-            if (exists(path))
-                return 0;
-        }
-    }
-    join(path, list->images, view->image);   /* opening this path fails with a message */
+    if (!find_image(list, view->image, path))
+        join(path, list->images, view->image);   /* opening this path fails with a message */
     return 0;
 }
 
 int fxs_photo_list_path(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH], fxs_message *message)
 {
-    return join(path, list->images, name) ? 0 : fxs_fail(message, "%s: a name of %zu characters is too long",
-                                                         list->cameras, strlen(name));
+    if (!join(path, list->images, name))
+        return fxs_fail(message, "%s: a name of %zu characters is too long", list->cameras, strlen(name));
+    fxs_path_settle(path);
+    return 0;
 }
 
 /* ---- Photographs without a camera -------------------------------------------------------------------------------- */

@@ -28,8 +28,8 @@ void fxs_photo_list_keep(fxs_view_list *views, const uint8_t *kept);
 /* Says for each folder of the photographs to fit which others lie in it, that have no camera. */
 void fxs_photo_list_others(const fxs_photo_list *list, fxs_left_out_fn *say, void *argument);
 
-/* Finds the path of a view's image, also with the endings that its name may lack; where a name from the root is not
-   there, as one of another machine, in the folder of images. Returns 0, or an error and a message. */
+/* Finds the path of a view's image, also with the endings that its name may lack; a path of another machine in the
+   folder of images. Returns 0, or an error and a message. */
 int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view, char path[FXS_PHOTO_PATH],
                          fxs_message *message);
 

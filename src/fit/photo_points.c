@@ -59,7 +59,7 @@ static int read_binary(fxs_photo_points *p, const fxs_text *text, fxs_message *m
 
 static int read_plain(fxs_photo_points *p, const fxs_text *text, fxs_message *message)
 {
-    char *rest = text->data, *line;
+    char *rest = fxs_text_begin(text), *line;
     while ((line = fxs_colmap_entry(&rest))) {
         double values[7];          /* id, position, colour */
         if (!fxs_colmap_numbers(&line, values, 7))
@@ -87,7 +87,7 @@ enum { LINES_OF_CAMERA = 5 };
 /* Three lines a point: a position, a colour, and where it is seen. */
 static int read_bundler(fxs_photo_points *p, const fxs_text *text, fxs_message *message)
 {
-    char *rest = text->data, *line = fxs_colmap_entry(&rest);
+    char *rest = fxs_text_begin(text), *line = fxs_colmap_entry(&rest);
     double counts[2];
     if (!line || !fxs_colmap_numbers(&line, counts, 2))
         return fxs_fail(message, "%s: does not begin with the numbers of cameras and of points", text->path);

@@ -9,7 +9,7 @@
 /* The beginning of a file. */
 typedef struct fxs_head {
     const fxs_scene_source *source;
-    const char *bytes;    /* the first bytes, up to 4095, followed by a 0 */
+    const char *bytes;    /* the first bytes behind a mark of UTF-8, up to 4095, and a 0 */
     size_t size;
     const char *name;     /* the first name in a JSON object, after its opening quotation mark; or NULL */
 } fxs_head;

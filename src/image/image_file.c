@@ -186,6 +186,17 @@ static void limit_scans(j_common_ptr jpeg)
         refuse(jpeg->client_data, "more scans than a picture needs");
 }
 
+/* Cyan, magenta, yellow and black, without their profile: a colour is (1 - ink) (1 - black). Adobe stores 1 - ink. */
+static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
+{
+    const int flip = is_inverted ? 0 : 255;
+    for (uint8_t *c = pixels; c < pixels + 4 * count; c += 4) {
+        for (int i = 0; i < 3; i++)
+            c[i] = (uint8_t)(((c[i] ^ flip) * (c[3] ^ flip) + 127) / 255);
+        c[3] = 255;
+    }
+}
+
 /* By the inverse cosine transform in integers and smooth chroma: libjpeg-turbo has both alike for every processor. */
 static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, fxs_exif_bytes *exif)
 {
@@ -203,13 +214,16 @@ static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8
         if (app1->data_length > 6 && !memcmp(app1->data, "Exif\0", 6))
             fxs_exif_keep(exif, app1->data, app1->data_length);
     make_room(picture, rgba, (int)jpeg->image_width, (int)jpeg->image_height, bytes);
-    jpeg->out_color_space = JCS_EXT_RGBA;
+    const int is_cmyk = jpeg->jpeg_color_space == JCS_CMYK || jpeg->jpeg_color_space == JCS_YCCK;
+    jpeg->out_color_space = is_cmyk ? JCS_CMYK : JCS_EXT_RGBA;
     jpeg->dct_method = JDCT_ISLOW;
     jpeg->do_fancy_upsampling = TRUE;
     jpeg->do_block_smoothing = FALSE;
     jpeg_start_decompress(jpeg);
     while (jpeg->output_scanline < jpeg->output_height)
         jpeg_read_scanlines(jpeg, &(JSAMPROW){*rgba + 4 * (size_t)jpeg->image_width * jpeg->output_scanline}, 1);
+    if (is_cmyk)
+        to_rgba(*rgba, (size_t)jpeg->image_width * jpeg->image_height, jpeg->saw_Adobe_marker);
     jpeg_finish_decompress(jpeg);
 }
 

@@ -194,10 +194,16 @@ static int all_finite(const float *values, int count)
     return finite;
 }
 
-/* ln of the product of the two largest sigmas; NaN counts as thin. */
+/* NaN and infinity count as thin: a sigma that is not known must not outweigh all others. */
+static float known_scale(float scale)
+{
+    return fxs_held_scale(scale < INFINITY ? scale : -INFINITY);
+}
+
+/* ln of the product of the two largest sigmas. */
 static double log_area(const fxs_gaussian *g)
 {
-    const float a = fxs_held_scale(g->scale[0]), b = fxs_held_scale(g->scale[1]), c = fxs_held_scale(g->scale[2]);
+    const float a = known_scale(g->scale[0]), b = known_scale(g->scale[1]), c = known_scale(g->scale[2]);
     const float less = a < b ? a : b, least = less < c ? less : c;
     return (double)(a + b + c - least);
 }

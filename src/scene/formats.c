@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include <fixsplat/message.h>
 #include "src/base/foreign.h"
@@ -43,6 +44,9 @@ static const fxs_format_row formats[] = {
     {{"rad", ".rad", SAYS("Spark's, its tree of levels too"),
       1, 1, 3, 0, SAYS("SH have 8 bits, colours, opacities and scales 16"), 0},
      &fxs_read_rad, WRITE(rad)},
+    {{"lcc2", ".lcc2", SAYS("of XGRIDS, with the .sog files of its tree beside it"),
+      1, 0, 0, 0, NULL},
+     &fxs_read_lcc2, NULL},
     {{"tileset", "tileset.json", SAYS("3D Tiles of .gltf and .glb, nested ones too: the finest tiles"),
       1, 0, 0, 0, NULL, 0},
      &fxs_read_tileset, NULL},
@@ -56,6 +60,9 @@ static const fxs_format_row formats[] = {
       SAYS("PlayCanvas's, 1 and 2, also streamed: a file, its folder or its index; 2 is written"),
       1, 1, 3, 1, SAYS("positions have 16 bits, the rest 8, SH are of a palette"), 0},
      &fxs_read_sog, WRITE(sog)},
+    {{"gsplat", "meta.json", SAYS("of gsplat's PngCompression: its folder of .png and shN.npz"),
+      1, 0, 0, 0, NULL},
+     &fxs_read_gsplat, NULL},
     {{"streamed sog", "lod-meta.json", SAYS("streamed .sog with its levels of detail, in folders beside it"),
       0, 1, 3, 1, SAYS("as in a .sog"), 0},
      NULL, WRITE(streamed_sog)},
@@ -86,11 +93,12 @@ static const char *ending_of(const fxs_scene_format *format, int i, size_t *leng
     return at;
 }
 
-/* 1 where a path ends so: with other letters before a dot, with nothing or a folder before a whole name. */
+/* 1 where a path ends so: with other letters before a dot, with nothing or a folder before a whole name. Capitals are
+   small letters. */
 static int ends_so(const char *path, const char *ending, size_t length)
 {
     const size_t size = strlen(path);
-    if (size < length || memcmp(path + size - length, ending, length))
+    if (size < length || strncasecmp(path + size - length, ending, length))
         return 0;
     return *ending == '.' ? size > length : size == length || path[size - length - 1] == '/';
 }
@@ -110,6 +118,14 @@ const fxs_scene_format *fxs_scene_format_of(const char *path, int to_write)
     return NULL;
 }
 
+/* Whether an earlier format has this name too. */
+static int is_listed(const fxs_scene_format *format, const char *name, size_t length, int to_write)
+{
+    char path[32];
+    snprintf(path, sizeof path, "%.*s", (int)length, name);
+    return *name != '.' && fxs_scene_format_of(path, to_write) != format;
+}
+
 size_t fxs_scene_format_endings(char *text, size_t size, int to_write)
 {
     size_t all = 0, length;
@@ -122,6 +138,8 @@ size_t fxs_scene_format_endings(char *text, size_t size, int to_write)
             continue;
         for (int i = 0; (ending = ending_of(format, i, &length)) != NULL && (i == 0 || !to_write); i++) {
             const char *comma = all ? ", " : "";
+            if (is_listed(format, ending, length, to_write))
+                continue;
             if (all < size)
                 snprintf(text + all, size - all, "%s%.*s", comma, (int)length, ending);
             all += strlen(comma) + length;
@@ -164,12 +182,21 @@ static const char *first_name(const char *bytes)
     return *bytes == '"' ? bytes + 1 : NULL;
 }
 
+/* Bytes of the mark of UTF-8 before a JSON object or a .ply, else 0. */
+static size_t mark_of(const char *bytes)
+{
+    const size_t length = strlen(FXS_UTF8_MARK);
+    return !strncmp(bytes, FXS_UTF8_MARK, length) && (first_name(bytes + length) || !strncmp(bytes + length, "ply", 3))
+               ? length : 0;
+}
+
 int fxs_format_by_content(const fxs_scene_source *source, const fxs_format_row **format, fxs_message *message)
 {
     char bytes[4096] = "", endings[256];
     const size_t size = source->input.size < sizeof bytes - 1 ? (size_t)source->input.size : sizeof bytes - 1;
     FXS_TRY(fxs_scene_source_read(source, 0, bytes, size, message));
-    const fxs_head head = {source, bytes, size, first_name(bytes)};
+    const size_t mark = mark_of(bytes);
+    const fxs_head head = {source, bytes + mark, size - mark, first_name(bytes + mark)};
     const char *foreign = fxs_foreign(bytes, size);
     for (*format = formats; *format < formats + FORMATS; ++*format) {
         if (foreign && (*format)->reader == &fxs_read_splat)

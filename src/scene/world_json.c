@@ -38,6 +38,7 @@ static int take_file(const reader *r, const cJSON *item, fxs_placement *p)
     }
     memcpy(path, r->path, folder);
     strcpy(path + folder, name);
+    fxs_path_settle(path);
     const int error = fxs_world_add_file(r->world, path, &p->file, r->message);
     free(path);
     return error;

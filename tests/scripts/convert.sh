@@ -317,7 +317,7 @@ for ending in glb csv; do
     run convert smooth.ply smooth2.$ending
     check "anti-aliased, to .$ending: said" says "smooth2.$ending: a .$ending cannot hold that the scene is anti-aliased"
 done
-for name in x x.gltf x.ksplat x.html x.PLY x.ply.gz meta.json .sog .compressed.sog/x; do
+for name in x x.gltf x.ksplat x.html x.ply.gz meta.json .sog .compressed.sog/x; do
     fails "to $name" 2 "$name: expected a name ending in" convert knot.ply $name
 done
 
@@ -403,6 +403,17 @@ succeeds "to lod-meta.json" convert knot.ply streamed/lod-meta.json
 check "to lod-meta.json: all of it" gaussians streamed 3000 3
 check "to lod-meta.json: PSNR" looks_as streamed/lod-meta.json knot.ply 36
 check "to lod-meta.json, level 2: a quarter" sh -c "'$fixsplat' info streamed --lod 2 | grep -q '^Gaussians *768,'"
+succeeds "a sky of one level" convert knot.ply sky.sog
+for levels in 2 2,0; do
+    succeeds "level 2 and a sky: --lod $levels" convert streamed sky.sog both.ply --force --lod $levels
+    check "level 2 and a sky: --lod $levels: all of both" gaussians both.ply 3768 3
+done
+fails "level 2 and level 1 of a sky" 1 "sky.sog: no level 1: levels of detail in this scene: 1" \
+    convert streamed sky.sog x.ply --lod 2,1
+fails "--lod for three files of two" 1 "lod 2,0,0: 3 levels for 2 files" convert streamed sky.sog x.ply --lod 2,0,0
+fails "--lod that is none" 2 "lod 2,x: expected whole numbers from 0 to 1000" convert streamed sky.sog x.ply --lod 2,x
+succeeds "endings in capitals" convert knot.ply CAPITALS.SOG
+check "endings in capitals: a .sog" cmp CAPITALS.SOG sky.sog
 fails "to lod-meta.json in a folder that is not there" 1 "no/such/lod-meta.json: cannot be written: No such file" \
     convert knot.ply no/such/lod-meta.json
 succeeds "to .rad: a coarse level" convert knot2.rad coarse.ply --lod 2

@@ -87,7 +87,8 @@ FXS_API size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile 
 FXS_API int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene,
                      fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message);
 
-/* The weight of a Gaussian: opacity times area, the product of its two largest sigmas, each clamped to e^-20..e^20. */
+/* The weight of a Gaussian: opacity times area, the product of its two largest sigmas, each clamped to e^-20..e^20; NaN
+   and infinity are e^-20. */
 FXS_API double fxs_weight(const fxs_gaussian *gaussian);
 
 /* Returns 1 where fxs_pack packs a Gaussian, with SH up to this degree. Else returns 0, counts the reason in *dropped

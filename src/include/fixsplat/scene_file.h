@@ -29,9 +29,10 @@ extern "C" {
    An .spz: from the first read on 65 bytes a Gaussian of SH degree 3 (92 of degree 4), and during that read the longest
    stream of version 4. A .rad: its JSON, a byte and a bit for each node of a tree, and the attributes of a chunk: at most
    240 bytes for each of its 65,536 Gaussians. A .sog: its compressed images; from the first read on, 4 bytes a pixel
-   instead. A .glb or .gltf: 3 MiB, its JSON and base64, and the memory of its .spz. A tileset: 1200 bytes and the name of
-   each content, and the memory of 33 contents. cJSON, libzip, libwebp and zstd take their own memory from malloc; the
-   part of cJSON counts towards max_memory too.
+   instead. A folder of gsplat: 24 bytes a pixel, and its palette and labels. A .glb or .gltf: 3 MiB, its JSON and
+   base64, and the memory of its .spz. A tileset: 1200 bytes and the name of each content, and the memory of 33
+   contents. cJSON, libzip, libwebp and zstd take their own memory from malloc; the part of cJSON counts towards
+   max_memory too.
 
    Decompressed data are kept until the file is closed, so that later passes need not decompress them again; an .spz
    that several nodes of a glTF use is kept once. Where the .spz of a glTF or the files of a streamed SOG exceed
@@ -39,8 +40,8 @@ extern "C" {
    a tileset, 32 stay open; the others are opened again in each pass.
 
    `path` must name a regular file or a folder as above. A file that another file refers to must lie in the folder of
-   the opened file or below it: neither ".." nor a symbolic link may lead out of that folder. A file may be the content
-   of one tile only. */
+   the opened file or below it: neither ".." nor a symbolic link may lead out of that folder. A \ in its name separates
+   folders where no file has that very name. Several tiles may have one content, but no tileset is within itself. */
 FXS_API int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
                                 fxs_scene_file_info *info, fxs_message *message);
 

@@ -14,6 +14,7 @@
 
 #include "src/base/byte_reader.h"
 #include "src/base/exponential.h"
+#include "src/base/foreign.h"
 #include "gltf_internal.h"
 #include "src/gaussian/attributes.h"
 #include "spz_internal.h"
@@ -106,6 +107,7 @@ typedef struct gltf {
     splats *splats;
     part *parts;
     int splats_count, parts_count;
+    const char *other;           /* words for a primitive without Gaussians, or NULL */
     int part;                    /* the part that is being read */
     uint32_t next;               /* Gaussian of it */
     fxs_transform transform;     /* of it */
@@ -586,8 +588,11 @@ static int read_primitive(gltf *g, const cJSON *primitive)
 {
     const cJSON *extensions = member(primitive, "extensions"), *spz = find_spz(extensions);
     const cJSON *splatting = member(extensions, "KHR_gaussian_splatting");
-    if (!spz && !splatting)
+    if (!spz && !splatting) {
+        const cJSON *mode = member(primitive, "mode");
+        g->other = cJSON_IsNumber(mode) && mode->valuedouble == 0 ? FXS_POINT_CLOUD : FXS_MESH;
         return 0;
+    }
     int is_linear = 0;
     FXS_TRY(check_splatting(g, splatting, &is_linear));
     if (g->splats_count == MAX_PARTS)
@@ -923,7 +928,8 @@ static int gltf_open(void *handle, const fxs_scene_source *source, fxs_scene_fil
     source->import->drop = fxs_gltf_drop;
     source->import->reader = g;
     FXS_TRY(fxs_gltf_open(g, source, frame, info, message));
-    return g->parts_count ? 0 : fail(g, "no primitive with KHR_gaussian_splatting in the scene");
+    return g->parts_count ? 0 : fxs_fail(message, "%s: no primitive with KHR_gaussian_splatting in the scene%s%s",
+                                         source->path, g->other ? ", which is " : "", g->other ? g->other : "");
 }
 
 static long gltf_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)

@@ -2,6 +2,7 @@
 #include <stdio.h>
 
 #include "ply_header.h"
+#include "src/base/foreign.h"
 #include "src/gaussian/attributes.h"
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/formats_internal.h"
@@ -140,6 +141,20 @@ static void find_halves(ply_reader *reader)
             reader->header.property_table[i].type = FXS_PLY_HALF;
 }
 
+/* A file without any property of Gaussians beside the position is of another kind. */
+static int fail_field(const ply_reader *reader, const char *missing, fxs_message *message)
+{
+    enum { FIRST_OF_GAUSSIANS = 3 };
+    const char *path = reader->bytes.source->path;
+    const fxs_ply_element *faces = fxs_ply_find_element(&reader->header, "face");
+    int known = 0;
+    for (int i = 0; i < FIRST_REST; i++)
+        known += (i < FIRST_OF_GAUSSIANS) == (fxs_ply_find(&reader->header, reader->vertex, field_names[i]) >= 0);
+    if (known == FIRST_REST)           /* x, y and z alone */
+        return fxs_fail(message, "%s: %s", path, faces && faces->count ? FXS_MESH : FXS_POINT_CLOUD);
+    return fxs_fail(message, "%s: element vertex has no property %s", path, missing);
+}
+
 static int map_fields(ply_reader *reader, fxs_message *message)
 {
     const fxs_ply_header *header = &reader->header;
@@ -153,7 +168,7 @@ static int map_fields(ply_reader *reader, fxs_message *message)
             continue;
         }
         if (index < 0)
-            return fxs_fail(message, "%s: element vertex has no property %s", path, field_names[i]);
+            return fail_field(reader, field_names[i], message);
         reader->field_table[index] = (int8_t)i;
     }
     int degree = fxs_ply_find_rest(header, reader->vertex, rest, path, message);

@@ -161,7 +161,8 @@ int fxs_ply_read_header(fxs_ply_header *header, fxs_byte_reader *bytes, fxs_mess
     parser p = {header, bytes, bytes->source->path, message, 0};
     char line[MAX_LINE + 1], *words[MAX_WORDS];
     int status = read_line(&p, line);
-    if (status == 0 && (split(line, words) != 1 || !is(words[0], "ply")))
+    const size_t mark = status == 0 && !strncmp(line, FXS_UTF8_MARK, strlen(FXS_UTF8_MARK)) ? strlen(FXS_UTF8_MARK) : 0;
+    if (status == 0 && (split(line + mark, words) != 1 || !is(words[0], "ply")))
         return fail_line(&p, "not \"ply\" alone:", line);
     while (status == 0)
         if ((status = read_line(&p, line)) == 0)

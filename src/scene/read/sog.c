@@ -1,15 +1,23 @@
 /* Reads .sog versions 1 and 2, as a zip or as files in a folder, and streamed SOG: PlayCanvas, "The SOG Format" and
    "The Streamed SOG Format". Where PlayCanvas's code differs from these (order of a quaternion, logarithms of scales,
-   width of a palette of degree 1), the code is followed. */
+   width of a palette of degree 1), the code is followed. Also reads .lcc2 of XGRIDS, a tree of .sog files, as
+   PlayCanvas's splat-transform does. */
 #include <string.h>
 
 #include "src/scene/formats_internal.h"
 
-/* A zip, or a JSON file of no earlier format. */
+/* A zip, or a JSON file of no other format. */
 static int is_sog(const fxs_head *head, fxs_message *message)
 {
+    return !memcmp(head->bytes, "PK\3\4", 4) || (head->name && !fxs_read_gsplat.is(head, message));
+}
+
+/* In either of its two forms. */
+static int is_lcc2(const fxs_head *head, fxs_message *message)
+{
     (void)message;
-    return !memcmp(head->bytes, "PK\3\4", 4) || head->name;
+    return head->name && (strstr(head->bytes, "\"totalLevels\"") || strstr(head->bytes, "\"lod_level\"") ||
+                          strstr(head->bytes, "\"3dgs\""));
 }
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
@@ -22,7 +30,9 @@ static int is_sog(const fxs_head *head, fxs_message *message)
 #include <webp/decode.h>
 
 #include "src/base/exponential.h"
+#include "src/base/system.h"
 #include "src/gaussian/attributes.h"
+#include "src/gaussian/transform_internal.h"
 #include "src/base/zip_internal.h"
 
 enum {
@@ -71,6 +81,9 @@ typedef struct file_name {
 typedef struct sog_reader {
     const fxs_scene_source *source;
     cJSON *files;         /* names of the scenes of streamed SOG */
+    cJSON *model;         /* of all of these, or NULL */
+    int is_turned;        /* 1: the axes are those of .lcc2 */
+    fxs_transform transform;
     file_name *names;     /* for each file its name, and the first file with that name */
     size_t file_count;    /* 1 for SOG that is not streamed */
     range *ranges;        /* in the order of files */
@@ -156,26 +169,45 @@ static int read_bounds(const cJSON *property, table *tables, int count)
     return 1;
 }
 
+/* Returns NULL, or a fault: the file is of another kind or version. */
+static const char *check_version(const cJSON *root)
+{
+    const cJSON *version = member(root, "version");
+    const double number = !version ? 1 : cJSON_IsNumber(version) ? version->valuedouble : 0;
+    if (number == 3)
+        return "SOG of version 3, which is not read: 1 and 2 are";
+    if (number == 4 && member(root, "profile"))
+        return "TSOG, a moving scene (SOG of version 4 with a profile), which is not read: SOG of versions 1 and 2 is";
+    if (!member(root, "means"))
+        return "not a SOG scene: no \"means\"";
+    return version && number != 2 ? "SOG of a version that is not known: not 1 or 2" : NULL;
+}
+
+/* The model of a scene or of an index: "default" or null changes nothing. */
+static void take_model(sog_scene *s, const char *model)
+{
+    s->antialiased |= model && strcmp(model, "antialiased") == 0;
+    for (int code = 0; code < 256 && model && strcmp(model, "2dgs") == 0; code++)
+        s->scale[2][code] = FXS_FLAT_SCALE;
+}
+
 /* Returns NULL or the fault. */
 static const char *read_meta(sog_scene *s, const cJSON *root)
 {
     const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");
-    const char *model = fxs_json_string(root, "model");
     int (*read)(const cJSON *, table *, int) = version ? read_codebook : read_bounds;
+    const char *fault = check_version(root);
     size_t degree = 0;
-    if (!means)
-        return "not a SOG scene: no \"means\"";
-    if (version && !(cJSON_IsNumber(version) && version->valuedouble == 2))
-        return "a version that is not known: not 1 or 2";
-    s->antialiased = cJSON_IsTrue(member(root, "antialias")) || (model && strcmp(model, "antialiased") == 0);
+    if (fault)
+        return fault;
+    s->antialiased = cJSON_IsTrue(member(root, "antialias"));
     if (!fxs_json_whole(version ? member(root, "count") : cJSON_GetArrayItem(member(means, "shape"), 0), INT32_MAX, &s->count))
         return version ? "no valid \"count\"" : "no valid \"shape\" of \"means\"";
     if (!fxs_json_numbers(member(means, "mins"), s->mins, 3) || !fxs_json_numbers(member(means, "maxs"), s->maxs, 3))
         return "no valid \"mins\" and \"maxs\" of \"means\"";
     if (!read(member(root, "scales"), s->scale, 3))
         return "no valid values of \"scales\"";
-    for (int code = 0; code < 256 && model && strcmp(model, "2dgs") == 0; code++)
-        s->scale[2][code] = FXS_FLAT_SCALE;
+    take_model(s, fxs_json_string(root, "model"));
     for (int code = 0; code < 256; code++)   /* version 1 has ranges of its own */
         s->colour[3][code] = fxs_logit_of_code(code);
     if (!read(member(root, "sh0"), s->colour, version ? 3 : 4))
@@ -509,6 +541,7 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     if (!cJSON_IsArray(r->files) || cJSON_GetArraySize(r->files) > MAX_FILES)
         return fxs_fail(message, "%s: \"filenames\" is not an array of up to %d", r->source->path, MAX_FILES);
     r->file_count = (size_t)cJSON_GetArraySize(r->files);
+    r->model = cJSON_DetachItemFromObjectCaseSensitive(root, "model");
     if (environment && !cJSON_IsString(environment) && !cJSON_IsNull(environment))
         return fxs_fail(message, "%s: an \"environment\" that is not a file name", r->source->path);
     FXS_TRY(add_leaves(r, member(root, "tree"), r->source->options.level, message));
@@ -518,6 +551,95 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
     if (r->range_count > 0)
         qsort(r->ranges, r->range_count, sizeof *r->ranges, compare_ranges);
     return has_environment ? add_range(r, (range){r->names[r->file_count - 1].file, 0, TO_THE_LAST}, message) : 0;
+}
+
+/* ---- .lcc2 ----------------------------------------------------------------------------------------------------- */
+
+/* The file of a node, or TO_THE_LAST where it has none. A node has any number of children, as an array or by name. */
+static size_t file_of_node(const cJSON *node, const char *name)
+{
+    size_t file = TO_THE_LAST;
+    fxs_json_whole(member(member(member(node, "data"), name), "name"), MAX_FILES, &file);
+    return file;
+}
+
+/* Adds the files of all nodes that are `depth` below this one, each as a whole; several nodes may share one. */
+static int add_nodes(sog_reader *r, const cJSON *node, size_t depth, size_t sky, fxs_message *message)
+{
+    const cJSON *child, *children = member(node, "child");
+    const size_t file = depth ? TO_THE_LAST : file_of_node(node, "3dgs");
+    if (file != TO_THE_LAST && file >= r->file_count)
+        return fxs_fail(message, "%s: a node of a file that is not in \"splatFiles\"", r->source->path);
+    if (file != TO_THE_LAST && file != sky)
+        FXS_TRY(add_range(r, (range){file, 0, TO_THE_LAST}, message));
+    if (!depth)
+        return 0;
+    cJSON_ArrayForEach(child, children)
+        FXS_TRY(add_nodes(r, child, depth - 1, sky, message));
+    return 0;
+}
+
+/* In older files the names begin with a slash and have no ending. */
+static int add_lcc2_name(sog_reader *r, const char *name, int is_old, fxs_message *message)
+{
+    name = name ? name : "";
+    name += is_old && *name == '/';
+    const char *ending = is_old && !fxs_ends_in(name, ".sog") ? ".sog" : "";
+    const size_t room = strlen(name) + strlen(ending) + 1;
+    char *path = fxs_allocate(r->source->options.allocator, room, 1);
+    if (!path)
+        return fxs_fail_memory(message, r->source->path, room);
+    snprintf(path, room, "%s%s", name, ending);
+    cJSON *added = cJSON_CreateString(path);
+    fxs_release(r->source->options.allocator, path);
+    return added && cJSON_AddItemToArray(r->files, added) ? 0 : fxs_fail_memory(message, r->source->path, room);
+}
+
+static int add_lcc2_names(sog_reader *r, const cJSON *names, int is_old, fxs_message *message)
+{
+    const cJSON *name;
+    if (!cJSON_IsArray(names) || cJSON_GetArraySize(names) > MAX_FILES || !(r->files = cJSON_CreateArray()))
+        return fxs_fail(message, "%s: \"splatFiles\" is not an array of up to %d", r->source->path, MAX_FILES);
+    cJSON_ArrayForEach(name, names)
+        FXS_TRY(add_lcc2_name(r, cJSON_GetStringValue(name), is_old, message));
+    r->file_count = (size_t)cJSON_GetArraySize(r->files);
+    return 0;
+}
+
+/* Level 0 is the deepest: the level of a node and its depth below the root come to "totalLevels". */
+static int read_lcc2(sog_reader *r, const cJSON *root, fxs_scene_file_info *info, fxs_message *message)
+{
+    static double rows[3][4] = {{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}};   /* z up to y down */
+    const cJSON *tree = member(root, "root");
+    const int is_old = !member(root, "totalLevels"), level = r->source->options.level;
+    const char *type = fxs_json_string(root, "splatType");
+    size_t levels;
+    if (!fxs_json_whole(member(root, is_old ? "lod_level" : "totalLevels"), MAX_LEVELS, &levels) || levels == 0)
+        return fxs_fail(message, "%s: no valid \"totalLevels\"", r->source->path);
+    if (type && strcmp(type, ".sog") != 0)
+        return fxs_fail(message, "%s: a .lcc2 with files of the kind \"%.20s\", which is not read: .sog is",
+                        r->source->path, type);
+    info->levels = (int)levels;
+    r->is_turned = 1;
+    fxs_transform_init(&r->transform, rows);
+    FXS_TRY(add_lcc2_names(r, member(tree, is_old ? "files" : "splatFiles"), is_old, message));
+    const size_t sky = file_of_node(tree, "env");
+    if (level >= 0 && (size_t)level < levels)
+        FXS_TRY(add_nodes(r, tree, levels - (size_t)level, sky, message));
+    FXS_TRY(list_names(r, message));
+    if (r->range_count > 0)
+        qsort(r->ranges, r->range_count, sizeof *r->ranges, compare_ranges);
+    size_t kept = 0;                   /* each file once */
+    for (size_t i = 0; i < r->range_count; i++)
+        if (!kept || r->ranges[kept - 1].file != r->ranges[i].file)
+            r->ranges[kept++] = r->ranges[i];
+    r->range_count = kept;
+    if (sky >= r->file_count)
+        return 0;
+    FXS_TRY(fxs_check_name(r->source, r->names[sky].name, message));
+    const int is_there = fxs_scene_source_is_beside(r->source, r->names[sky].name, message);
+    FXS_TRY(is_there);
+    return is_there ? add_range(r, (range){r->names[sky].file, 0, TO_THE_LAST}, message) : 0;
 }
 
 /* ---- Scenes, held as long as there is room ---------------------------------------------------------------------- */
@@ -593,8 +715,11 @@ static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     FXS_TRY(bundled);
     if (bundled)
         FXS_TRY(fxs_zip_open(s->source, &c.zip, message));
-    int status = load_meta(s, &c);
+    int status = bundled ? fxs_zip_enter(c.zip, "meta.json", message) : 0;
+    if (status == 0)
+        status = load_meta(s, &c);
     fxs_zip_close(c.zip);
+    take_model(s, cJSON_GetStringValue(r->model));
     if (r->files)
         fxs_scene_source_shut(&s->own);
     return status;
@@ -662,6 +787,7 @@ static int read_source(sog_reader *r, fxs_scene_file_info *info, fxs_message *me
     fxs_text_let_go(r->source, &json);
     if (status == 0)
         status = member(root, "tree") ? read_index(r, root, info, message)
+                 : member(member(root, "root"), "child") ? read_lcc2(r, root, info, message)
                                       : add_range(r, (range){0, 0, TO_THE_LAST}, message);
     cJSON_Delete(root);
     return status;
@@ -693,8 +819,11 @@ static long sog_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs
         range *of = &r->ranges[r->at];
         FXS_TRY(open_range(r, of, message));
         FXS_TRY(decode_images(r->scene, message));
-        for (; count < capacity && r->done < of->end - of->begin; r->done++)
-            decode_gaussian(r->scene, of->begin + r->done, &gaussians[count++]);
+        for (; count < capacity && r->done < of->end - of->begin; r->done++, count++) {
+            decode_gaussian(r->scene, of->begin + r->done, &gaussians[count]);
+            if (r->is_turned)
+                fxs_transform_apply(&r->transform, &gaussians[count], r->scene->sh_degree);
+        }
         if (r->done == of->end - of->begin) {
             r->at++;
             r->done = 0;
@@ -718,6 +847,7 @@ static void sog_close(void *handle)
     while (r->held_count > 0)
         drop_scene(r, r->held_count - 1);
     cJSON_Delete(r->files);
+    cJSON_Delete(r->model);
     fxs_release(allocator, r->names);
     fxs_release(allocator, r->scenes);
     fxs_release(allocator, r->held);
@@ -725,6 +855,7 @@ static void sog_close(void *handle)
 }
 
 const fxs_reader fxs_read_sog = {is_sog, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close};
+const fxs_reader fxs_read_lcc2 = {is_lcc2, sizeof(sog_reader), sog_open, sog_read, sog_rewind, sog_close};
 
 #else
 
@@ -736,5 +867,6 @@ static int sog_open(void *handle, const fxs_scene_source *source, fxs_scene_file
 }
 
 const fxs_reader fxs_read_sog = {is_sog, 0, sog_open, NULL, NULL, NULL};
+const fxs_reader fxs_read_lcc2 = {is_lcc2, 0, sog_open, NULL, NULL, NULL};
 
 #endif

@@ -32,6 +32,7 @@ typedef struct content {
     char *name;                /* from the folder of the first tileset */
     matrix up, tile;           /* from its axes to the tile's, and from there to the tileset's, z up */
     int nesting, is_tileset;
+    size_t parent;             /* 1 + the content that is the tileset that names it; 0: the first tileset does */
     uint64_t device, inode;    /* of a file that was opened by its path; else 0 */
     uint64_t count;
     fxs_scene_source source;
@@ -43,6 +44,7 @@ typedef struct tileset {
     fxs_message *message;      /* of the call */
     content *contents;
     size_t count, capacity;
+    uint64_t repeated;         /* bytes of contents that were there before */
     int is_on_globe;
     matrix globe;              /* frame of the first tile on the globe */
     matrix frame;              /* from the axes of the tileset to those of the Gaussians */
@@ -57,6 +59,7 @@ typedef struct index_file {
     size_t folder;             /* length of the folder in the name */
     const char *name;
     int nesting;
+    size_t itself;             /* 1 + the content that it is, or 0 */
     matrix up;                 /* from contents to tiles */
 } index_file;
 
@@ -143,6 +146,7 @@ static int add_content(tileset *t, const index_file *from, const cJSON *item, co
     fxs_decode_percent(name + from->folder);
     FXS_TRY(fxs_check_name(t->source, name + from->folder, t->message));
     c->nesting = from->nesting + 1;
+    c->parent = from->itself;
     c->tile = *tile;
     c->up = from->up;
     return 1;
@@ -251,20 +255,32 @@ static int list_tiles(tileset *t, index_file *from, const fxs_scene_source *sour
 
 /* ---- Files ----------------------------------------------------------------------------------------------------- */
 
-/* Each file may be one content only, or a small tileset could ask for much; links can give a file many names. */
-static int check_identity(const tileset *t, size_t index, const fxs_scene_source *source)
+/* Links can give a file many names. */
+static int is_same(const content *a, const content *b)
+{
+    return a->inode ? a->inode == b->inode && a->device == b->device : fxs_compare_names(a->name, b->name) == 0;
+}
+
+/* A file may be the content of several tiles, but of none within itself. A small tileset could ask for much work with
+   that, so the bytes that are read again have a limit. */
+static int check_identity(tileset *t, size_t index, const fxs_scene_source *source)
 {
     content *c = &t->contents[index];
-    int is_first = source->inode && source->inode == t->source->inode && source->device == t->source->device;
+    int is_own = source->inode && source->inode == t->source->inode && source->device == t->source->device;
     c->device = source->device;
     c->inode = source->inode;
-    for (size_t i = 0; i < index && !is_first; i++) {
-        const content *other = &t->contents[i];
-        if (c->inode ? c->inode == other->inode && c->device == other->device
-            : fxs_compare_names(c->name, other->name) == 0)
-            return fxs_fail(t->message, "%s: the same file as the content %s", source->path, other->name);
-    }
-    return is_first ? fail(t, source->path, "a tileset that is its own content") : 0;
+    for (size_t above = c->parent; above && !is_own; above = t->contents[above - 1].parent)
+        is_own = is_same(c, &t->contents[above - 1]);
+    if (is_own)
+        return fail(t, source->path, "a tileset that is its own content");
+    for (size_t i = 0; i < index; i++)
+        if (is_same(c, &t->contents[i])) {
+            t->repeated += source->input.size;
+            break;
+        }
+    return t->repeated <= FXS_TEXT_MAX
+               ? 0 : fxs_fail(t->message, "%s: contents that several tiles have come to more than %zu MiB",
+                              t->source->path, FXS_TEXT_MAX >> 20);
 }
 
 /* Adds the contents of a nested tileset at the end of the list. */
@@ -287,7 +303,8 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
     if (c->nesting > MAX_NESTING)
         return fail(t, source->path, "tilesets nested too deep");
     const char *slash = strrchr(c->name, '/');
-    index_file from = {source->path, slash ? (size_t)(slash + 1 - c->name) : 0, c->name, c->nesting, identity};
+    index_file from = {source->path, slash ? (size_t)(slash + 1 - c->name) : 0, c->name, c->nesting, index + 1,
+                       identity};
     const matrix above = c->tile;
     c->is_tileset = 1;
     return list_tiles(t, &from, source, &above);
@@ -296,13 +313,15 @@ static int list_content(tileset *t, size_t index, const fxs_scene_source *source
 /* Goes through all contents, also those that are added meanwhile. */
 static int list_all(tileset *t)
 {
-    index_file from = {t->source->path, 0, NULL, 0, identity};
+    index_file from = {t->source->path, 0, NULL, 0, 0, identity};
     int result = list_tiles(t, &from, t->source, &identity);
     for (size_t i = 0; i < t->count && result == 0; i++) {
         fxs_scene_source source;
         result = fxs_scene_source_open_beside(&source, t->source, t->contents[i].name, t->message);
-        if (result == 0)
+        if (result == 0) {             /* its name may have changed, but not in length */
+            strcpy(t->contents[i].name, source.path + strlen(source.path) - strlen(t->contents[i].name));
             result = check_identity(t, i, &source);
+        }
         if (result == 0)
             result = list_content(t, i, &source);
         fxs_scene_source_close(&source);
