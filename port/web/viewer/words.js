@@ -21,7 +21,7 @@ const TABLE = [
   ['missing', /no such file/],
   ['network', /cannot be reached/, (say) =>
     navigator.onLine === false ? say('This machine is not connected to the network') : undefined],
-  ['network', /broke off|the server answered|on its server|no address/],
+  ['network', /broke off|: the server |on its server|no address/],
   ['memory', /out of memory|allocation failed|could not allocate|can be read$/i, (say) =>
     say('There is too little memory here for this scene. A smaller copy (fixsplat convert) or fewer pages may help')],
 ]

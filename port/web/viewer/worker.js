@@ -10,6 +10,7 @@ const NO_DEPTH = 0xffffffff
 const UNIT = 65536 // depths of a scene unit
 const screens = {}
 const scenes = new Map() // by the page's keys
+const loads = new Map() // what ends the loading of such a scene
 let placed = [] // what is drawn: { key, place }
 let how
 let drawn = () => {}
@@ -171,7 +172,11 @@ const words = {
     const changed = (error) => postMessage({ stage: 'changed', words: error?.message })
     if (!placed.length) placed = [{ key, place }]
     const shown = previews ? (part) => preview(key, part, share) : undefined
-    const scene = await load(source, { ...how, progress, paging: { changed }, preview: shown })
+    const end = new AbortController()
+    loads.get(key)?.abort()
+    loads.set(key, end)
+    const { signal } = end
+    const scene = await load(source, { ...how, progress, paging: { changed }, preview: shown, signal })
     put(key, scene)
     return factsOf(scene)
   },
@@ -183,6 +188,8 @@ const words = {
   },
 
   free(key) {
+    loads.get(key)?.abort()
+    loads.delete(key)
     scenes.get(key)?.free()
     scenes.delete(key)
   },
