@@ -262,10 +262,10 @@ function readerOf(module, imports, threads) {
   return reader
 }
 
-/** Packs files of which a share has come, or at most `most` of their Gaussians; or with `look` only opens the first one, as
-    if it had so many bytes. The module is dropped with all of its memory. Returns the bytes of an .fxs file or an error,
-    and whether it is one of this module alone, the names of files that were wanted and are not there, and whether bytes
-    were wanted that have not come. */
+/** Packs files of which a share has come, or at most `most` of their Gaussians. With `look`, only opens the first file as
+    if it had so many bytes. The module is dropped with all of its memory. Returns the bytes of an .fxs file, or an error
+    and whether it is one of this module alone; the names of files that were wanted and are missing; and whether bytes
+    were wanted that have not arrived. */
 function runImport(module, files, options, { share = 1, most = 0, look = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
@@ -337,8 +337,8 @@ const HEAD = 4096               // bytes that tell the format: fxs_format_by_con
 const PACKED_HEAD = 192         // bytes of the header of an .fxs
 const MOST_TEXT = 2 ** 30       // bytes of an index: FXS_TEXT_MAX
 
-/** The bytes that the header of a .ply asks for, which the reader says of a file that is too short; 0 if they are not known
-    or have come. */
+/** The bytes that the header of a .ply asks for, which the reader's error states for a file that is too short. 0 if they
+    are not known or have arrived. */
 async function leastOf(file, lookAs) {
   for (let size = 256; size <= file.there && file.starts('ply'); size *= 2) {
     const { error } = await lookAs(size)
@@ -348,8 +348,8 @@ async function leastOf(file, lookAs) {
   return 0
 }
 
-/** Looks at what has come of a file: an Error where that begins no scene, or where the file is to have many more bytes than
-    its header asks for. Returns at how many bytes to look again. */
+/** Checks the first bytes of a download: an Error if they are no scene, or if the file is far longer than its header
+    asks for. Returns the number of bytes at which to check again. */
 async function lookAt(file, files, options) {
   const core = file.isPacked && (await coreFor(options))
   const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })

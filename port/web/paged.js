@@ -17,7 +17,7 @@ const AT_ONCE = 6               // requests
 const MEMORY = 512e6            // bytes of the pool
 const LEAST_PLACES = 256        // of chunks in it
 const BUDGET = 1e6              // Gaussians of a picture where nothing is asked for
-const TRIES = 5                 // of a request, with pauses that grow from
+const TRIES = 5                 // of a request, two where the server is slow, with pauses that grow from
 const PAUSE = 100
 const AGAIN = 5000              // milliseconds after a failure that may pass, until a picture's wants are tried again
 const TELL = 50                 // milliseconds between two words about what has come
@@ -59,7 +59,7 @@ class Remote {
   async begin(length) {
     return this.#guarded(async (watch) => {
       const answer = await this.#fetch(0, length, {}, watch).catch((error) => {
-        if (error.isLasting) throw error
+        if (error?.isLasting) throw error
       })
       if (watch.failure) throw watch.failure
       if (answer?.status !== 206 || answer.headers.get('content-encoding')) {
@@ -82,7 +82,8 @@ class Remote {
       try {
         return await this.#guarded((watch) => this.#ask(first, end, watch, came))
       } catch (error) {
-        if (this.#ended || this.#options.signal?.aborted || error.isLasting || i === TRIES) throw error
+        const isOver = this.#ended || this.#options.signal?.aborted || error.isLasting
+        if (isOver || i === (error.isSlow ? 2 : TRIES)) throw error
         await pause(PAUSE * 2 ** i)
       }
   }
@@ -114,7 +115,7 @@ class Remote {
     const isOwn = !globalThis.location || globalThis.location.origin === this.#url.origin
     const same = isOwn && this.#tag?.startsWith('"') ? { 'if-range': this.#tag } : {}
     const answer = await this.#fetch(first, end, same, watch).catch((cause) => {
-      if (watch.failure || cause.isLasting) throw cause
+      if (watch.failure || cause?.isLasting) throw cause
       throw new Error(`${this.name}: the server cannot be reached any more`, { cause })
     })
     if (answer.status !== 206) {

@@ -15,7 +15,7 @@ const sizeOf = (bytes) => (bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(
 export class SourceFile {
   #blocks = []
   #each = BLOCK
-  #isLimited = false
+  #least = 0
   there = 0
 
   constructor(name, total = 0, most = MOST) {
@@ -33,15 +33,16 @@ export class SourceFile {
   }
 
   tooLarge(bytes, most = this.most) {
-    const by = this.#isLimited ? ' by its header' : ''
-    const words = `${this.name}: ${sizeOf(bytes)}, and${by} no more than ${sizeOf(most)} can be read`
-    return Object.assign(new Error(words), { isLarge: true })
+    const words = this.#least
+      ? `${sizeOf(bytes)} or more, though its header asks for ${sizeOf(this.#least)}`
+      : `${sizeOf(bytes)}, and no more than ${sizeOf(most)} can be read`
+    return Object.assign(new Error(`${this.name}: ${words}`), { isLarge: true })
   }
 
   /** By its header the file has at least so many bytes: many more are refused. */
   limit(least) {
     this.#check(least)
-    this.#isLimited = true
+    this.#least = least
     this.most = Math.min(this.most, 16 * least + BLOCK)
     this.#check(this.total)
   }
@@ -130,8 +131,9 @@ export class Watch {
   async wait(promise) {
     const start = performance.now()
     const timer = later(() => {
-      const words = this.#bytes ? `sent ${this.#bytes} bytes in` : 'was silent for'
-      this.#end(Object.assign(new Error(`${this.#name}: the server ${words} ${this.#silence / 1000} seconds`), { isSlow: true }))
+      const did = this.#bytes ? `sent ${this.#bytes} bytes in` : 'was silent for'
+      const words = `${this.#name}: the server ${did} ${this.#silence / 1000} seconds`
+      this.#end(Object.assign(new Error(words), { isSlow: true }))
     }, this.#left)
     try {
       return await Promise.race([promise, this.#over])
@@ -181,7 +183,7 @@ export function nameOf(url) {
 
 async function answerOf(name, url, watch, begun) {
   const answer = await watch.wait(begun ?? fetched(name, url, { signal: watch.request.signal })).catch((cause) => {
-    if (watch.failure || cause.isLasting) throw cause
+    if (watch.failure || cause?.isLasting) throw cause
     const words = 'cannot be reached. Is the address right, and does its server allow other pages to read it?'
     throw new Error(`${name}: ${words}`, { cause })
   })
@@ -191,7 +193,8 @@ async function answerOf(name, url, watch, begun) {
 }
 
 /** The file at an address. `came` hears of each part, with the share of the whole that has come, where the server says
-    how much that is. `begun`: the answer, where there is one already. `options`: those of a Watch, and the `most` bytes. */
+    how much that is. `begun`: the answer, if it has been requested already. `options`: those of a Watch, and `most`, the
+    largest number of bytes. */
 export async function download(url, options, came = () => {}, begun) {
   const name = nameOf(url)
   const watch = new Watch(name, options)
@@ -249,8 +252,8 @@ const decoded = (name) => name.replace(/%([0-9a-f]{2})/gi, (_, code) => String.f
 export const staysInside = (name) =>
   !/^$|^[\\/]|^[a-z][a-z0-9+.-]*:|(^|[\\/])\.\.([\\/]|$)|[\0-\x1f]/i.test(decoded(name))
 
-/** The files of a scene by their names from the folder of the first, which is the one that is opened. `options`: those of
-    `load`. */
+/** The files of a scene by their names from the folder of the first, which is the one that is opened. `options`: those
+    of `load`. */
 export class Files {
   #files = new Map()
   #asked = new Set()

@@ -9,7 +9,8 @@ export const readFile = read
 
 /** A file that lies in the folder of another or below it, after links are followed. */
 export async function readWithin(first, url) {
-  const [folder, file] = await Promise.all([dirname(fileURLToPath(first)), fileURLToPath(url)].map((path) => realpath(path)))
+  const paths = [dirname(fileURLToPath(first)), fileURLToPath(url)]
+  const [folder, file] = await Promise.all(paths.map((path) => realpath(path)))
   const path = relative(folder, file)
   if (isAbsolute(path) || path.split(sep)[0] === '..') throw new Error(`${file}: leaves the folder ${folder}`)
   if (!(await stat(file)).isFile()) throw new Error(`${file}: not a regular file`)

@@ -149,8 +149,8 @@ static int is_elsewhere(const char *name)
     return !fxs_format_by_content(&source, &format, &(fxs_message){0}) && !format->reader->read;
 }
 
-/* Opens file 0. numbers: limits of Gaussians and of memory, or 0. Returns 0, 1 where another module may read the file, or
-   an error; the words say why. */
+/* Opens file 0. numbers: limits of Gaussians and of memory, or 0. Returns 0, 1 where another module may read the file,
+   or an error; the words say why. */
 static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_scene_file_info *info)
 {
     const fxs_scene_file_options options = {.axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],

@@ -267,6 +267,7 @@ check "damaged and cut: .spz" web damage "$work/700.spz"
 check "misuse" web misuse "$work/700-default.fxs" "$work/700.ply"
 check "no room for a picture" web noRoom "$work/700-default.fxs"
 check "previews" reader preview "$work/20000.ply"
+mkdir -p "$work/streamed/plain"
 check "makes a streamed .sog" "$B/fixsplat" convert "$work/700.ply" "$work/streamed/plain/lod-meta.json"
 check "makes a .sog" "$B/fixsplat" convert "$work/20000.ply" "$work/20000.sog"
 if [ -e "$B/web/libs" ]; then

@@ -18,6 +18,7 @@ const TABLE = [
   ['damaged', /^(.*?): the header asks for at least (\d+) bytes, the file has (\d+)/, (say, name, wanted, there) =>
     say('{0}: the file is cut off: {1} of {2} are there', name, size(there), size(wanted))],
   ['damaged', /^(.*?): (header line .*)/, (say, ...words) => say('{0}: the file is damaged ({1})', ...words)],
+  ['damaged', /though its header asks for/],
   ['missing', /no such file/],
   ['network', /cannot be reached/, (say) =>
     navigator.onLine === false ? say('This machine is not connected to the network') : undefined],

@@ -10,7 +10,6 @@ const NO_DEPTH = 0xffffffff
 const UNIT = 65536 // depths of a scene unit
 const screens = {}
 const scenes = new Map() // by the page's keys
-const loads = new Map() // what ends the loading of such a scene
 let placed = [] // what is drawn: { key, place }
 let how
 let drawn = () => {}
@@ -172,11 +171,7 @@ const words = {
     const changed = (error) => postMessage({ stage: 'changed', words: error?.message })
     if (!placed.length) placed = [{ key, place }]
     const shown = previews ? (part) => preview(key, part, share) : undefined
-    const end = new AbortController()
-    loads.get(key)?.abort()
-    loads.set(key, end)
-    const { signal } = end
-    const scene = await load(source, { ...how, progress, paging: { changed }, preview: shown, signal })
+    const scene = await load(source, { ...how, progress, paging: { changed }, preview: shown })
     put(key, scene)
     return factsOf(scene)
   },
@@ -188,8 +183,6 @@ const words = {
   },
 
   free(key) {
-    loads.get(key)?.abort()
-    loads.delete(key)
     scenes.get(key)?.free()
     scenes.delete(key)
   },
