@@ -201,7 +201,7 @@ const option_row world_rows[] = {
      "the scenes, and how they are placed, from a file: {\"objects\": [{\"file\": \"a.fxs\", \"translation\": [x, y, "
      "z], \"rotation\": [w, x, y, z], \"scale\": s, \"opacity\": o, \"tint\": [r, g, b], \"visible\": true, \"id\": "
      "n, \"crops\": [{\"low\": [x, y, z], \"high\": [x, y, z], \"keep\": \"inside\"}]}]}; all but \"file\" may be "
-     "left out, \"keep\" may be \"outside\" too"},
+     "left out, \"keep\" may be \"outside\" too. The scenes lie in the folder of FILE.json or below it"},
     {0}
 };
 

@@ -238,18 +238,35 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
+/* Sets *real to the realpath of `path`, for free(), where that lies within the folder of `first`. */
+static int follow_within(const char *first, const char *path, char **real, fxs_message *message)
+{
+    char *folder = real_folder(first);
+    int result = 0;
+    *real = folder ? realpath(path, NULL) : NULL;
+    if (!*real)
+        result = fxs_fail_errno(message, path, errno);
+    else if (!is_within(folder, *real))
+        result = fxs_fail(message, "%s: leaves the folder of %s", path, first);
+    free(folder);
+    return result;
+}
+
+int fxs_file_check_within(const char *first, const char *path, fxs_message *message)
+{
+    char *real;
+    const int result = follow_within(first, path, &real, message);
+    free(real);
+    return result;
+}
+
 int fxs_file_open_within(const char *first, const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
 {
-    char *folder = real_folder(first), *real = folder ? realpath(path, NULL) : NULL;
-    int result;
+    char *real;
+    int result = follow_within(first, path, &real, message);
     *file = NULL;
-    if (!real)
-        result = fxs_fail_errno(message, path, errno);
-    else if (!is_within(folder, real))
-        result = fxs_fail(message, "%s: leaves the folder of %s", path, first);
-    else
+    if (!result)
         result = open_name(real, O_NOFOLLOW, path, file, facts, message);
-    free(folder);
     free(real);
     return result;
 }

@@ -41,6 +41,12 @@ export interface LoadOptions {
       function, or the page, must call `free` on the preview. Where the function returns a promise, loading goes on
       after the promise is fulfilled. */
   preview?: (scene: Scene) => void | Promise<void>
+  /** Ends loading: the promise is then rejected with the signal's reason, and its requests end. It does nothing to a scene
+      that is there. */
+  signal?: AbortSignal
+  /** Milliseconds in which a server must send 1000 bytes of a file, so that a request is not given up; 30000 by
+      default. Time in which `preview` keeps the download waiting does not count. */
+  silence?: number
   /** False chooses the WebAssembly module without simd128; the default is `hasSimd`. All scenes of one picture must be
       loaded with the same `simd` and the same `threads`. */
   simd?: boolean
@@ -74,7 +80,7 @@ export interface Paging {
   cache?: number
   /** Requests at a time; 6 by default. */
   requests?: number
-  /** Milliseconds without a byte after which a request is given up; 30000 by default. */
+  /** As `LoadOptions.silence`, also for parts that pictures want later. */
   silence?: number
   /** A function that is called when parts have come, at most every 50 ms; and with an Error, once, when no more can
       come, as the file has changed on the server, is damaged, or the server fails again and again. The scene can still
@@ -88,15 +94,16 @@ export interface Progress {
   stage: 'download' | 'prepare'
   /** The share of the stage that is done, 0 to 1. It is missing where the length of a download is not known. */
   done?: number
-  /** The number of bytes that have been downloaded so far; missing in the stage 'prepare'. */
+  /** The number of bytes that have been downloaded so far, of all files of the scene; missing in the stage 'prepare'. */
   bytes?: number
 }
 
 /** Opens a scene file of one of these formats: @FORMATS@.
     `source` is an address (in Node also a path), the bytes of a file, a Blob, or a list of files. The other files that
-    a scene file names are fetched from the folder of the scene file. In a list of files they are found by their
-    webkitRelativePath or name. The promise is rejected with an Error that states the reason where the scene cannot be
-    opened. */
+    a scene file names are fetched from the folder of the scene file or below it, and no others. In a list of files they
+    are found by their webkitRelativePath or name. A file may have 2 GB, all files of a scene 4 GB. What does not begin as
+    a scene, or is far longer than its header says, is not downloaded to its end. An answer that leads from https to http
+    is refused. The promise is rejected with an Error that states the reason where the scene cannot be opened. */
 export function load(
   source: string | URL | ArrayBuffer | ArrayBufferView | Blob | Iterable<File>,
   options?: LoadOptions

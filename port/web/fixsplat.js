@@ -2,7 +2,7 @@
 // fixsplat.d.ts describes all functions and classes that a program can use.
 
 import { hasModule, inNode, moduleOf, ofSystem, startThread } from './fixsplat_assets.js'
-import { Files, nameOf, urlOf } from './read.js'
+import { Files, nameOf, SourceFile, urlOf } from './read.js'
 
 export { setAssets } from './fixsplat_assets.js'
 
@@ -120,6 +120,18 @@ class Module {
     }
   }
 
+  /** The bytes that an .fxs has by its header. */
+  packedBytes(name, header) {
+    const [text, at] = [this.copyText(name), this.copy(header)]
+    try {
+      this.check(this.c.paged_header(text, at))
+      return this.get(0, 1)[0]
+    } finally {
+      this.c.release(text)
+      this.c.release(at)
+    }
+  }
+
   /** A copy of some bytes, which `release` frees. */
   copy(bytes) {
     const at = this.place(this.c.allocate(bytes.length))
@@ -229,10 +241,12 @@ const MUCH = 8e6                // bytes of a file that is packed by threads: an
 
 /** The modules of readers for a file, by how it begins: the likely one first. What a module reads is decided by the
     library's table of formats; it says where the file is of another. */
-async function readersFor({ name, bytes }, options) {
+async function readersFor(file, options) {
   const { simd = hasSimd } = options
+  const { name } = file
+  const [p, k] = file.first(2)
   if (!simd || !hasSimd) return ['import_core']
-  const isSog = (bytes[0] === 0x50 && bytes[1] === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, a zip
+  const isSog = (p === 0x50 && k === 0x4b) || /(^|\/)(lod-)?meta\.json$/.test(name)   // PK, a zip
   const isShared = hasModule('import_threads') && (await threadsFor(options)) > 1
   const others = isShared ? ['import_threads', 'import'] : ['import']
   return isSog ? ['import_sog', ...others] : [...others, 'import_sog']
@@ -248,20 +262,25 @@ function readerOf(module, imports, threads) {
   return reader
 }
 
-/** Packs files of which a share has come, or at most `most` of their Gaussians. The module is dropped with all of its
-    memory. Returns the bytes of an .fxs file or an error, and whether it is one of this module alone, and the names of
-    files that were wanted and are not there. */
-function runImport(module, files, options, { share = 1, most = 0, threads }) {
+/** Packs files of which a share has come, or at most `most` of their Gaussians. With `look`, only opens the first file as
+    if it had so many bytes. The module is dropped with all of its memory. Returns the bytes of an .fxs file, or an error
+    and whether it is one of this module alone; the names of files that were wanted and are missing; and whether bytes
+    were wanted that have not arrived. */
+function runImport(module, files, options, { share = 1, most = 0, look = 0, threads }) {
   const { profile = 'default', axes = 'file', maxGaussians = 0, maxMemory = 0, progress } = options
   const all = files.all
   const missing = new Set()
   let reader
+  let isShort = false
   const imports = {
     progress: (done) => progress?.({ stage: 'prepare', done }),
-    size: (file) => all[file].bytes.length,
+    size: (file) => look || Math.max(all[file].total, all[file].there),
     read(file, offset, out, size) {
-      if (offset + (size >>> 0) > all[file].there) return -1
-      reader.bytes(out, size).set(all[file].bytes.subarray(offset, offset + size))
+      if (offset + (size >>> 0) > all[file].there) {
+        isShort = true
+        return -1
+      }
+      all[file].copy(offset, reader.bytes(out, size))
       return 0
     },
     beside(at) {
@@ -281,45 +300,87 @@ function runImport(module, files, options, { share = 1, most = 0, threads }) {
   const name = reader.copyText(all[0].name)
   reader.put(maxGaussians, maxMemory, share, threads)
   try {
-    const result = reader.c.import(name, kind, directions, most)
-    if (result) return { missing, error: reader.error(), isElsewhere: result > 0 }
+    const result = look ? reader.c.look(name, directions) : reader.c.import(name, kind, directions, most)
+    if (result) return { missing, isShort, error: reader.error(), isElsewhere: result > 0 }
   } catch (error) {
     if (!(error instanceof WebAssembly.RuntimeError)) throw error
     return { missing, error: new Error(`${all[0].name}: cannot be read: ${error.message}`) }
   } finally {
     reader.c.end?.()
   }
-  return { missing, bytes: reader.bytes(...reader.get(0, 2)) }
+  return { missing, bytes: look ? null : reader.bytes(...reader.get(0, 2)) }
 }
 
-/** The same with every file that is wanted. */
-async function importAll(files, options, share, most) {
-  const threads = most || files.all[0].there < MUCH ? 1 : await threadsFor(options)
+/** The same by the module that reads such a file, and with every file that is wanted. */
+async function importBy(files, options, how) {
+  const isFew = how.most || how.look || files.all[0].there < MUCH
+  const threads = isFew ? 1 : await threadsFor(options)
   let result
   for (const name of await readersFor(files.all[0], options)) {
     const module = await compile(name)
-    do result = runImport(module, files, options, { share, most, threads })
-    while (result.missing.size && (await files.ask(result.missing)))
+    do result = runImport(module, files, options, { ...how, threads })
+    while (!how.look && result.missing.size && (await files.ask(result.missing)))
     if (!result.isElsewhere) break
   }
-  if (result.error) throw result.error
-  return result.bytes
+  return result
 }
 
-/** A function that hands over a scene of what has come so far: the share, and whether it is to be now. */
+async function importAll(files, options, how = {}) {
+  const { error, bytes } = await importBy(files, options, how)
+  if (error) throw error
+  return bytes
+}
+
+// ---- Beginnings -----------------------------------------------------------------------------------------------
+
+const HEAD = 4096               // bytes that tell the format: fxs_format_by_content
+const PACKED_HEAD = 192         // bytes of the header of an .fxs
+const MOST_TEXT = 2 ** 30       // bytes of an index: FXS_TEXT_MAX
+
+/** The bytes that the header of a .ply asks for, which the reader's error states for a file that is too short. 0 if they
+    are not known or have arrived. */
+async function leastOf(file, lookAs) {
+  for (let size = 256; size <= file.there && file.starts('ply'); size *= 2) {
+    const { error } = await lookAs(size)
+    const found = error?.message.match(/asks for at least (\d+) bytes/)
+    if (found) return Number(found[1])
+  }
+  return 0
+}
+
+/** Checks the first bytes of a download: an Error if they are no scene, or if the file is far longer than its header
+    asks for. Returns the number of bytes at which to check again. */
+async function lookAt(file, files, options) {
+  const core = file.isPacked && (await coreFor(options))
+  const lookAs = (look) => importBy(files, { ...options, progress: undefined }, { look })
+  const isIndex = /^\s*\{/.test(String.fromCharCode(...file.first(16)))   // which is read as a whole
+  const least = core ? core.packedBytes(file.name, file.first(PACKED_HEAD)) : await leastOf(file, lookAs)
+  if (least) file.limit(least)
+  if (isIndex) file.most = MOST_TEXT
+  if (core || isIndex) return Infinity
+  const { missing, error, isShort } = await lookAs(file.total || file.most)
+  if (isShort || missing.size) return 16 * file.there
+  if (error) throw error
+  return Infinity
+}
+
+/** A function that hands over a scene of what has come so far: the share, whether it is to be now, and milliseconds in
+    which the download waited. */
 function previewsOf(files, options) {
   const quietly = { ...options, progress: undefined }
-  const began = performance.now()
-  let last = began
+  let began = performance.now()
+  let last                      // before the first, since the first bytes are there
   let took = 0
-  return async (share, isNow) => {
+  return async (share, isNow, waited = 0) => {
     const start = performance.now()
+    began += waited
+    last = last === undefined ? start : last + waited
     const isSoon = (start - began) * (1 - share) < Math.max(SOON, 4 * took) * share
     if (!options.preview || !share || (!isNow && (isSoon || start < last + Math.max(PAUSE, 4 * took)))) return
     let scene
     try {
-      const bytes = await importAll(files, quietly, share, SHOWN)
-      if (bytes.length) scene = sceneOf(await coreFor(options), files.all[0].name, bytes)
+      const bytes = await importAll(files, quietly, { share, most: SHOWN })
+      if (bytes.length) scene = sceneOf(await coreFor(options), SourceFile.of(files.all[0].name, bytes))
     } catch {
       return                    // the scene itself is what counts, and its error
     }
@@ -329,14 +390,16 @@ function previewsOf(files, options) {
   }
 }
 
-/** The same as bytes: an .fxs file. */
-function sceneOf(core, name, bytes) {
+/** The scene of an .fxs file. */
+function sceneOf(core, file) {
+  const { name, there: bytes } = file
   const text = core.copyText(name)
   let data
   try {
-    data = core.copy(bytes)
-    const at = core.place(core.c.open(text, data, bytes.length))
-    return new Scene(core, { name, at, data, bytes: bytes.length, facts: core.get(0, 10) })
+    data = core.place(core.c.allocate(bytes))
+    file.copy(0, core.bytes(data, bytes))
+    const at = core.place(core.c.open(text, data, bytes))
+    return new Scene(core, { name, at, data, bytes, facts: core.get(0, 10) })
   } catch (error) {
     core.c.release(data)
     throw error
@@ -356,20 +419,30 @@ async function paged(source, options) {
 }
 
 export async function load(source, options = {}) {
-  const files = new Files()
+  need(isObject(options), 'options: expected an object')
+  const { signal } = options
+  signal?.throwIfAborted()
+  const files = new Files(options)
   const preview = previewsOf(files, options)
   coreFor(options).catch(() => {})   // begun early; who waits for it hears of it
   const { scene, answer } = await paged(source, options)
   if (scene) return scene
+  let next = HEAD
   const file = await files.open(source, async (file, share) => {
     options.progress?.({ stage: 'download', done: share, bytes: file.there })
+    const start = performance.now()
+    if (file.there >= next) next = await lookAt(file, files, options)
+    const waited = performance.now() - start
     if (file.there < 4 || file.isPacked) return
     readersFor(file, options).then(([name]) => compile(name)).catch(() => {})
-    if (share < 1) await preview(share, false)
+    if (share < 1) await preview(share, false, waited)
   }, answer && Promise.resolve(answer))
   if (!file.isPacked) await preview(1, true)
-  const bytes = file.isPacked ? file.bytes : await importAll(files, options)
-  return sceneOf(await coreFor(options), file.name, bytes)   // anew, where end() was called meanwhile
+  signal?.throwIfAborted()
+  const packed = file.isPacked ? file : SourceFile.of(file.name, await importAll(files, options))
+  const core = await coreFor(options)   // anew, where end() was called meanwhile
+  signal?.throwIfAborted()
+  return sceneOf(core, packed)
 }
 
 export class Scene {
@@ -475,10 +548,24 @@ function all(name, count, numbers) {
   return flat
 }
 
+function need(is, words, Kind = TypeError) {
+  if (!is) throw new Kind(words)
+}
+
+const isObject = (value) => typeof value === 'object' && value !== null
+
+/** The module that an object's scene is in, its place there, and what has it come in parts. */
+function insideOf(object, i) {
+  need(isObject(object), `object ${i}: expected an object with a scene`)
+  need(isObject(object.scene) && 'inside' in object.scene, `object ${i}: scene: expected what \`load\` returns`)
+  return object.scene.inside
+}
+
 function placeObject(core, object, i) {
   const { scene, translation = [0, 0, 0], rotation = [1, 0, 0, 0], scale = 1, opacity = 1 } = object
   const { tint = [1, 1, 1], visible = true, id = i, crops = [] } = object
-  const [own, at] = scene.inside
+  const [own, at] = insideOf(object, i)
+  need(Array.isArray(crops) && crops.every(isObject), `object ${i}: crops: expected a list of boxes`)
   if (own !== core) throw new Error(`${scene.name}: loaded with other \`simd\` or \`threads\` than the first object`)
   const box = ({ low, high, keep }) => [...all('low', 3, low), ...all('high', 3, high), keep === 'outside']
   const where = [...all('translation', 3, translation), ...all('rotation', 4, rotation), scale, opacity]
@@ -488,8 +575,9 @@ function placeObject(core, object, i) {
 }
 
 function placeAll(objects) {
+  need(Array.isArray(objects), 'objects: expected a list')
   if (!objects.length) throw new Error('no objects')
-  const [core] = objects[0].scene.inside
+  const [core] = insideOf(objects[0], 0)
   core.check(core.c.begin(objects.length))
   objects.forEach((object, i) => placeObject(core, object, i))
   core.pagers = [...new Set(objects.map(({ scene }) => scene.inside[2]))].filter(Boolean)
@@ -549,6 +637,8 @@ function sizeOf(camera, options) {
 }
 
 function begin(objects, camera, options) {
+  need(isObject(camera), 'camera: expected an object')
+  need(isObject(options), 'options: expected an object')
   const [width, height] = sizeOf(camera, options)
   const { depthBits = 16, fetch = true } = options
   if (!(depthBits >= 1 && depthBits <= 28)) throw new Error(`depthBits ${depthBits}: expected 1 to 28`)
@@ -559,7 +649,10 @@ function begin(objects, camera, options) {
 }
 
 /** Bytes, or 0; no more than there may be. */
-const limitOf = ({ maxMemory = 0 }) => Math.min(maxMemory, 2 ** 32 - 1)
+function limitOf({ maxMemory = 0 }) {
+  need(maxMemory >= 0, `maxMemory ${maxMemory}: expected a number of bytes`)
+  return Math.min(maxMemory, 2 ** 32 - 1)
+}
 
 /** The budget that is asked for; of scenes that come in parts there is one always, unless they are small. */
 function budgetOf({ pagers }, { budget }) {
@@ -580,12 +673,11 @@ function boundsOf(core, options) {
 }
 
 /** What every frame takes of its options. */
-const valuesOf = (core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) => [
-  background,
-  shDegree,
-  cutoff === 'square' ? 1 : 0,
-  ...boundsOf(core, options),
-]
+function valuesOf(core, { background = 0, shDegree = 3, cutoff = 'mahalanobis', ...options }) {
+  need(Number.isFinite(background), `background ${background}: expected a number`)
+  need(Number.isFinite(shDegree), `shDegree ${shDegree}: expected a number`)
+  return [background, shDegree, cutoff === 'square' ? 1 : 0, ...boundsOf(core, options)]
+}
 
 /** What a module drew last: Gaussians, and parts of scenes that were not there. */
 function drawnBy(core) {
@@ -634,6 +726,7 @@ function layOut(asked, format, pixels, start) {
 /** What a module draws to for each eye; `colour` is the format. */
 function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   const ofEyes = Array.isArray(targets) ? targets : Array(eyes).fill(targets)
+  need(ofEyes.every(isObject), 'targets: expected an object')
   if (ofEyes.length !== eyes) throw new Error(`targets: expected those of ${eyes === 1 ? 'one eye' : 'two eyes'}`)
   const { colour } = ofEyes[0]
   const format = typeof colour === 'string' ? colour : alpha ? 'premultiplied' : 'rgba8'
@@ -647,14 +740,30 @@ function planOf(width, height, eyes, { targets = { colour: true }, alpha }) {
   return { code, bytes, plans }
 }
 
+/** Memory for what a picture gives, had before it is drawn. */
+function memoryFor(plans, width, height) {
+  const given = plans.map((parts) => parts.filter((part) => !part.given))
+  try {
+    return given.map((parts) => parts.map(({ type, count }) => new type(count)))
+  } catch (error) {
+    const bytes = given.flat().reduce((sum, { type, count }) => sum + count * type.BYTES_PER_ELEMENT, 0)
+    const words = `${width} x ${height} pixels: there is no memory for their ${Math.ceil(bytes / 1e6)} MB`
+    throw new RangeError(words, { cause: error })
+  }
+}
+
 /** What the one or two cameras see that a module has taken: pixels, or objects of targets. */
 function draw(core, width, height, eyes, options) {
   const { depthBits = 16, exact = false, targets } = options
   const { code, bytes, plans } = planOf(width, height, eyes, options)
+  const copies = memoryFor(plans, width, height)
   const block = core.place(core.c.allocate(Math.min(bytes, 2 ** 32 - 1)))
   const numbersOf = ({ type, at, count }) => new type(core.c.memory.buffer, block + at, count)
-  const copyOf = (part) => [part.name, new part.type(numbersOf(part))]
-  const taken = (parts) => parts.filter(({ given }) => !given).map(copyOf)
+  const taken = (parts, eye) =>
+    parts.filter(({ given }) => !given).map((part, i) => {
+      copies[eye][i].set(numbersOf(part))
+      return [part.name, copies[eye][i]]
+    })
   try {
     for (const part of plans.flat()) if (part.given) numbersOf(part).set(part.given)
     const places = Array(7 * eyes).fill(0)
@@ -662,7 +771,8 @@ function draw(core, width, height, eyes, options) {
     core.put(...places)
     core.draw('render', code, depthBits, exact ? 1 : 0, ...valuesOf(core, options))
     const facts = { width, height, ...drawnBy(core) }
-    return plans.map((parts) => (targets ? { ...facts, ...Object.fromEntries(taken(parts)) } : taken(parts)[0][1]))
+    const all = plans.map(taken)
+    return all.map((parts) => (targets ? { ...facts, ...Object.fromEntries(parts) } : parts[0][1]))
   } finally {
     core.c.release(block)
   }
@@ -673,6 +783,7 @@ export function render(objects, camera = {}, options = {}) {
 }
 
 export function renderStereo(objects, left, right, options = {}) {
+  need(isObject(right), 'camera: expected an object')
   const [core, width, height] = begin(objects, left, options)
   takeCamera(core, objects, right, width, height)
   return draw(core, width, height, 2, options)
@@ -695,7 +806,11 @@ export function foresee(objects, camera, options) {
 }
 
 export function pick(x, y, objects, camera = {}, options = {}) {
-  const [core] = begin(objects, camera, options)
+  const [core, width, height] = begin(objects, camera, options)
+  need([x, y].every((n) => typeof n === 'number'), `pick: ${x}, ${y}: expected two numbers`)
+  const [column, row] = [x, y].map(Math.trunc)
+  const isIn = column >= 0 && column < width && row >= 0 && row < height
+  need(isIn, `pick: ${x}, ${y}: expected a pixel of a picture of ${width} x ${height}`, RangeError)
   if (!core.draw('pick', x, y, ...boundsOf(core, options))) return null
   const [object, gaussian, depth, ...position] = core.get(0, 6)
   return { object, gaussian, depth, position }
@@ -932,6 +1047,11 @@ function chunkOf(type, data) {
 }
 
 export async function png(pixels, width, height) {
+  need(ArrayBuffer.isView(pixels), 'png: pixels: expected an array of bytes')
+  const isSize = [width, height].every((n) => Number.isInteger(n) && n >= 1)
+  need(isSize, `png: ${width} x ${height} pixels: expected 1 or more each`, RangeError)
+  const bytes = 4 * width * height
+  need(pixels.length === bytes, `png: ${pixels.length} bytes of pixels: ${width} x ${height} have ${bytes}`, RangeError)
   const rows = new Uint8Array((4 * width + 1) * height)
   for (let y = 0; y < height; y++)
     rows.set(pixels.subarray(4 * width * y, 4 * width * (y + 1)), (4 * width + 1) * y + 1)

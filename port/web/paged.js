@@ -1,6 +1,7 @@
 // Scenes with levels of detail that are not downloaded: the tables of the file come first, then the rows of those
 // chunks that pictures want, into a pool of bounded size. web_paged.c has the same from the side of the module.
 
+import { fetched, later, Watch } from './read.js'
 import { Store } from './store.js'
 
 const HEADER = 192              // bytes of the file's header, and of a chunk's
@@ -16,17 +17,11 @@ const AT_ONCE = 6               // requests
 const MEMORY = 512e6            // bytes of the pool
 const LEAST_PLACES = 256        // of chunks in it
 const BUDGET = 1e6              // Gaussians of a picture where nothing is asked for
-const SILENCE = 30000           // milliseconds without a byte, after which a request is given up
-const TRIES = 5                 // of a request, with pauses that grow from
+const TRIES = 5                 // of a request, two where the server is slow, with pauses that grow from
 const PAUSE = 100
 const AGAIN = 5000              // milliseconds after a failure that may pass, until a picture's wants are tried again
 const TELL = 50                 // milliseconds between two words about what has come
 
-const later = (call, milliseconds) => {
-  const timer = setTimeout(call, milliseconds)
-  timer.unref?.()               // nobody stays in Node for it
-  return timer
-}
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds))
 
 /** An Error after which no request makes sense any more. */
@@ -37,16 +32,22 @@ const lasting = (words) => Object.assign(new Error(words), { isLasting: true })
 /** Ranges of a file on a server, which must not change meanwhile. */
 class Remote {
   #url
-  #silence
+  #options
   #tag
   #modified
   #running = new Set()
   #ended = false
 
-  constructor(url, name, { silence = SILENCE }) {
+  /** `options`: those of a Watch. */
+  constructor(url, name, { silence, signal }) {
     Object.assign(this, { name })
     this.#url = url
-    this.#silence = silence
+    this.#options = { silence, signal }
+  }
+
+  /** From now on requests end by `end` alone. */
+  opened() {
+    this.#options.signal = undefined
   }
 
   /** What the file is known by; empty where the server does not say. */
@@ -56,8 +57,11 @@ class Remote {
 
   /** The first bytes, or an answer that is the whole file, or nothing where the server does not answer ranges. */
   async begin(length) {
-    return this.#guarded(async (signal, heard) => {
-      const answer = await this.#fetch(0, length, {}, signal).catch(() => null)
+    return this.#guarded(async (watch) => {
+      const answer = await this.#fetch(0, length, {}, watch).catch((error) => {
+        if (error?.isLasting) throw error
+      })
+      if (watch.failure) throw watch.failure
       if (answer?.status !== 206 || answer.headers.get('content-encoding')) {
         if (answer?.ok && answer.status !== 206) return { answer, whole: true }
         answer?.body?.cancel().catch(() => {})
@@ -65,19 +69,21 @@ class Remote {
       }
       this.#tag = answer.headers.get('etag') ?? undefined
       this.#modified = answer.headers.get('last-modified') ?? undefined
-      const bytes = await this.#bytesOf(answer, 0, length, heard).catch(() => null)
+      const bytes = await this.#bytesOf(answer, 0, length, watch).catch(() => null)
+      if (watch.failure) throw watch.failure
       const total = Number(answer.headers.get('content-range')?.match(/\/(\d+)$/)?.[1] ?? NaN)
       return bytes ? { bytes, total } : {}
     })
   }
 
-  /** Bytes first to end - 1, tried several times. */
-  async read(first, end) {
+  /** Bytes first to end - 1, tried several times. `came` hears how many there are so far. */
+  async read(first, end, came) {
     for (let i = 1; ; i++)
       try {
-        return await this.#guarded((signal, heard) => this.#ask(first, end, signal, heard))
+        return await this.#guarded((watch) => this.#ask(first, end, watch, came))
       } catch (error) {
-        if (this.#ended || error.isLasting || i === TRIES) throw error
+        const isOver = this.#ended || this.#options.signal?.aborted || error.isLasting
+        if (isOver || i === (error.isSlow ? 2 : TRIES)) throw error
         await pause(PAUSE * 2 ** i)
       }
   }
@@ -87,44 +93,29 @@ class Remote {
     for (const abort of this.#running) abort.abort()
   }
 
-  /** Runs a request, which ends where nothing is heard for too long. */
   async #guarded(run) {
     if (this.#ended) throw lasting(`${this.name}: was freed`)
-    const abort = new AbortController()
-    let timer
-    let isSilent = false
-    const heard = () => {
-      clearTimeout(timer)
-      timer = later(() => {
-        isSilent = true
-        abort.abort()
-      }, this.#silence)
-    }
-    this.#running.add(abort)
-    heard()
+    const watch = new Watch(this.name, this.#options)
+    this.#running.add(watch.request)
     try {
-      const result = await run(abort.signal, heard)
-      if (isSilent) throw new Error()
-      if (result?.whole) this.#running.delete(abort)
-      return result
-    } catch (error) {
-      if (isSilent) throw new Error(`${this.name}: the server was silent for ${this.#silence / 1000} seconds`)
-      throw error
+      return await run(watch)
     } finally {
-      clearTimeout(timer)
-      this.#running.delete(abort)
+      watch.end()
+      this.#running.delete(watch.request)
     }
   }
 
-  #fetch(first, end, headers, signal) {
-    return fetch(this.#url, { headers: { range: `bytes=${first}-${end - 1}`, ...headers }, cache: 'no-store', signal })
+  #fetch(first, end, headers, watch) {
+    const options = { headers: { range: `bytes=${first}-${end - 1}`, ...headers }, cache: 'no-store' }
+    return watch.wait(fetched(this.name, this.#url, { ...options, signal: watch.request.signal }))
   }
 
-  async #ask(first, end, signal, heard) {
+  async #ask(first, end, watch, came) {
     // Other servers would have to allow the header, and weak tags are none.
     const isOwn = !globalThis.location || globalThis.location.origin === this.#url.origin
     const same = isOwn && this.#tag?.startsWith('"') ? { 'if-range': this.#tag } : {}
-    const answer = await this.#fetch(first, end, same, signal).catch((cause) => {
+    const answer = await this.#fetch(first, end, same, watch).catch((cause) => {
+      if (watch.failure || cause?.isLasting) throw cause
       throw new Error(`${this.name}: the server cannot be reached any more`, { cause })
     })
     if (answer.status !== 206) {
@@ -136,7 +127,7 @@ class Remote {
       answer.body?.cancel().catch(() => {})
       throw this.#changed()
     }
-    return this.#bytesOf(answer, first, end, heard)
+    return this.#bytesOf(answer, first, end, watch, came)
   }
 
   #changed() {
@@ -149,7 +140,7 @@ class Remote {
     return status === 408 || status === 429 || status >= 500 ? new Error(words) : lasting(words)
   }
 
-  async #bytesOf(answer, first, end, heard) {
+  async #bytesOf(answer, first, end, watch, came) {
     const said = answer.headers.get('content-range')
     if (said && !said.startsWith(`bytes ${first}-${end - 1}/`)) {
       answer.body?.cancel().catch(() => {})
@@ -159,17 +150,18 @@ class Remote {
     const reader = answer.body.getReader()
     let there = 0
     for (;;) {
-      const { done, value } = await reader.read().catch((cause) => {
-        throw new Error(`${this.name}: an answer broke off`, { cause })
+      const { done, value } = await watch.wait(reader.read()).catch((cause) => {
+        throw watch.failure ?? new Error(`${this.name}: an answer broke off`, { cause })
       })
       if (done) break
-      heard()
+      watch.heard(value.length)
       if (there + value.length > bytes.length) {
         reader.cancel().catch(() => {})
         throw lasting(`${this.name}: the server answered with more bytes than it was asked for`)
       }
       bytes.set(value, there)
       there += value.length
+      came?.(there)
     }
     if (there < bytes.length) throw new Error(`${this.name}: an answer broke off`)
     return bytes
@@ -239,9 +231,14 @@ export class Pager {
     const all = parts.reduce((sum, { bytes }) => sum + bytes, 0)
     let there = 0
     const one = async ({ at, from, bytes }) => {
-      if (bytes) this.#put(at, await this.#read(from, from + bytes))
-      there += bytes
-      progress?.({ stage: 'download', done: there / all, bytes: there })
+      let own = 0
+      const came = (now) => {
+        there += now - own
+        own = now
+        progress?.({ stage: 'download', done: there / all, bytes: there })
+      }
+      if (bytes) this.#put(at, await this.#read(from, from + bytes, came))
+      came(bytes)
     }
     await Promise.all(Array.from({ length: this.#most }, async () => {
       for (let part; (part = parts.shift()); ) await one(part)
@@ -471,10 +468,10 @@ export class Pager {
     }
   }
 
-  async #read(first, end) {
+  async #read(first, end, came) {
     const kept = await this.#store?.get(first, end)
     if (kept) return kept
-    const bytes = await this.#remote.read(first, end)
+    const bytes = await this.#remote.read(first, end, came)
     this.#store?.put(first, end, bytes)
     return bytes
   }
@@ -593,8 +590,8 @@ export class Pager {
 
 /** Opens a file for paging: a pager with the place of its scene and facts; or an answer that has the whole file; or
     nothing, where it cannot be read in ranges, or has no levels of detail. */
-export async function openPaged(url, name, coreOf, { paging, progress }) {
-  const options = { ...paging, progress }
+export async function openPaged(url, name, coreOf, { paging, progress, silence, signal }) {
+  const options = { silence, ...paging, progress, signal }
   const remote = new Remote(url, name, options)
   const { bytes, total, answer } = await remote.begin(HEADER)
   if (!bytes) return { answer }
@@ -611,11 +608,11 @@ export async function openPaged(url, name, coreOf, { paging, progress }) {
       throw error
     }
   }
-  try {
-    return await open()
-  } catch (error) {
-    if (!store?.size) throw error
+  const opened = await open().catch(async (error) => {
+    if (!store?.size || signal?.aborted) throw error
     await store.clear()         // which may be what is damaged
     return open()
-  }
+  })
+  remote.opened()
+  return opened
 }

@@ -4,34 +4,165 @@
 import { inNode, ofSystem } from './fixsplat_assets.js'
 
 const MOST = 2e9               // bytes of a file
+const MOST_ALL = 4e9           // of all files of a scene
+const BLOCK = 1 << 20          // bytes that are allocated at a time
 const AT_ONCE = 16             // files beside, asked for before they are wanted
+const SLOWEST = { bytes: 1000, milliseconds: 30000 }   // a server that sends less is given up
 
-/** The bytes of a file, of which `there` have come: `bytes` has room for those that are known to come. */
-class SourceFile {
-  constructor(name, bytes, there = bytes.length) {
-    Object.assign(this, { name, bytes, there })
-    if (bytes.length > MOST) throw this.tooLarge(bytes.length)
+const sizeOf = (bytes) => (bytes < 1e9 ? `${(bytes / 1e6).toFixed(1)} MB` : `${(bytes / 1e9).toFixed(1)} GB`)
+
+/** The bytes of a file that have come; `total` is how many the server has announced, or 0. */
+export class SourceFile {
+  #blocks = []
+  #each = BLOCK
+  #least = 0
+  there = 0
+
+  constructor(name, total = 0, most = MOST) {
+    Object.assign(this, { name, total, most })
+    this.#check(total)
   }
 
-  tooLarge(bytes) {
-    return new Error(`${this.name}: ${(bytes / 1e9).toFixed(1)} GB, and no more than ${MOST / 1e9} GB can be read`)
+  /** A file that is there. */
+  static of(name, bytes) {
+    const file = new SourceFile(name, bytes.length)
+    file.#blocks = [bytes]
+    file.#each = Infinity
+    file.there = bytes.length
+    return file
+  }
+
+  tooLarge(bytes, most = this.most) {
+    const words = this.#least
+      ? `${sizeOf(bytes)} or more, though its header asks for ${sizeOf(this.#least)}`
+      : `${sizeOf(bytes)}, and no more than ${sizeOf(most)} can be read`
+    return Object.assign(new Error(`${this.name}: ${words}`), { isLarge: true })
+  }
+
+  /** By its header the file has at least so many bytes: many more are refused. */
+  limit(least) {
+    this.#check(least)
+    this.#least = least
+    this.most = Math.min(this.most, 16 * least + BLOCK)
+    this.#check(this.total)
+  }
+
+  #check(bytes) {
+    if (bytes > this.most) throw this.tooLarge(bytes)
   }
 
   add(part) {
-    const there = this.there + part.length
-    if (there > MOST) throw this.tooLarge(there)
-    if (there > this.bytes.length) {
-      const larger = new Uint8Array(Math.max(there, Math.min(MOST, 2 * this.bytes.length)))
-      larger.set(this.bytes.subarray(0, this.there))
-      this.bytes = larger
+    this.#check(this.there + part.length)
+    if (this.total && this.there + part.length > this.total)
+      throw new Error(`${this.name}: more than the ${this.total} bytes that the server has announced`)
+    for (let at = 0; at < part.length; ) {
+      const used = this.there % BLOCK
+      if (!used) this.#blocks.push(new Uint8Array(Math.min(BLOCK, Math.max(this.total - this.there, 0) || BLOCK)))
+      const some = part.subarray(at, at + this.#blocks.at(-1).length - used)
+      this.#blocks.at(-1).set(some, used)
+      this.there += some.length
+      at += some.length
     }
-    this.bytes.set(part, this.there)
-    this.there = there
+  }
+
+  /** Fills an array with the bytes from an offset on, which are there. */
+  copy(offset, out) {
+    for (let at = 0; at < out.length; ) {
+      const from = offset + at
+      const block = this.#blocks[Math.floor(from / this.#each)]
+      const some = block.subarray(from % this.#each).subarray(0, out.length - at)
+      out.set(some, at)
+      at += some.length
+    }
+    return out
+  }
+
+  first(count) {
+    return this.copy(0, new Uint8Array(Math.min(count, this.there)))
+  }
+
+  starts(text) {
+    return String.fromCharCode(...this.first(text.length)) === text
   }
 
   get isPacked() {
-    return this.there >= 4 && String.fromCharCode(...this.bytes.subarray(0, 4)) === 'FXS1'
+    return this.starts('FXS1')
   }
+}
+
+// ---- Requests -------------------------------------------------------------------------------------------------
+
+export const later = (call, milliseconds) => {
+  const timer = setTimeout(call, milliseconds)
+  timer.unref?.()               // nobody stays in Node for it
+  return timer
+}
+
+/** Ends a request where its caller aborts it by `signal`, or where it sends fewer than SLOWEST.bytes in `silence`
+    milliseconds of waiting. */
+export class Watch {
+  #name
+  #silence
+  #left                         // of these milliseconds
+  #bytes = 0
+  #signal
+  #over
+  #stop
+  #aborted = () => this.#end(this.#signal.reason)
+  request = new AbortController()
+  failure = null
+
+  constructor(name, { silence = SLOWEST.milliseconds, signal } = {}) {
+    this.#name = name
+    this.#silence = this.#left = silence
+    this.#signal = signal
+    this.#over = new Promise((_, reject) => (this.#stop = reject))
+    this.#over.catch(() => {})
+    if (signal?.aborted) this.#aborted()
+    else signal?.addEventListener('abort', this.#aborted)
+  }
+
+  #end(error) {
+    this.failure ??= error
+    this.#stop(error)
+    this.request.abort(error)
+  }
+
+  async wait(promise) {
+    const start = performance.now()
+    const timer = later(() => {
+      const did = this.#bytes ? `sent ${this.#bytes} bytes in` : 'was silent for'
+      const words = `${this.#name}: the server ${did} ${this.#silence / 1000} seconds`
+      this.#end(Object.assign(new Error(words), { isSlow: true }))
+    }, this.#left)
+    try {
+      return await Promise.race([promise, this.#over])
+    } finally {
+      clearTimeout(timer)
+      this.#left -= performance.now() - start
+    }
+  }
+
+  heard(bytes) {
+    this.#bytes += bytes
+    if (this.#bytes < SLOWEST.bytes) return
+    this.#bytes = 0
+    this.#left = this.#silence
+  }
+
+  end() {
+    this.#signal?.removeEventListener('abort', this.#aborted)
+  }
+}
+
+/** What a server answers, which must not lead from https to http. */
+export async function fetched(name, url, options) {
+  const answer = await fetch(url, options)
+  if (!/^https:/i.test(url) || !/^http:/i.test(answer.url)) return answer
+  answer.body?.cancel().catch(() => {})
+  throw Object.assign(new Error(`${name}: the server leads from https to ${answer.url}, which anybody may change`), {
+    isLasting: true,
+  })
 }
 
 // ---- Addresses ------------------------------------------------------------------------------------------------
@@ -50,8 +181,9 @@ export function nameOf(url) {
   }
 }
 
-async function answerOf(name, url, begun = fetch(url)) {
-  const answer = await begun.catch((cause) => {
+async function answerOf(name, url, watch, begun) {
+  const answer = await watch.wait(begun ?? fetched(name, url, { signal: watch.request.signal })).catch((cause) => {
+    if (watch.failure || cause?.isLasting) throw cause
     const words = 'cannot be reached. Is the address right, and does its server allow other pages to read it?'
     throw new Error(`${name}: ${words}`, { cause })
   })
@@ -60,40 +192,51 @@ async function answerOf(name, url, begun = fetch(url)) {
   return answer
 }
 
-/** `came` hears of each part, with the share of the whole that has come, where the server says how much that is.
-    `begun`: the answer, where there is one already. */
-async function download(name, url, came, begun) {
-  const answer = await answerOf(name, url, begun)
-  const total = answer.headers.get('content-encoding') ? 0 : Number(answer.headers.get('content-length'))
-  if (total > MOST) throw new SourceFile(name, []).tooLarge(total)
-  const file = new SourceFile(name, new Uint8Array(total || 65536), 0)
-  const reader = answer.body.getReader()
+/** The file at an address. `came` hears of each part, with the share of the whole that has come, where the server says
+    how much that is. `begun`: the answer, if it has been requested already. `options`: those of a Watch, and `most`, the
+    largest number of bytes. */
+export async function download(url, options, came = () => {}, begun) {
+  const name = nameOf(url)
+  const watch = new Watch(name, options)
+  try {
+    const answer = await answerOf(name, url, watch, begun)
+    const total = answer.headers.get('content-encoding') ? 0 : Number(answer.headers.get('content-length'))
+    const file = new SourceFile(name, total, options.most)
+    await fill(file, answer.body.getReader(), watch, came)
+    return file
+  } finally {
+    watch.end()
+  }
+}
+
+async function fill(file, reader, watch, came) {
   const next = () =>
-    reader.read().catch((cause) => {
-      throw new Error(`${name}: the download broke off after ${file.there} bytes`, { cause })
+    watch.wait(reader.read()).catch((cause) => {
+      if (watch.failure) throw watch.failure
+      throw new Error(`${file.name}: the download broke off after ${file.there} bytes`, { cause })
     })
   try {
     for (let part = await next(); !part.done; part = await next()) {
       file.add(part.value)
-      await came(file, total ? file.there / total : undefined)
+      watch.heard(part.value.length)
+      await came(file, file.total ? file.there / file.total : undefined)
     }
   } catch (error) {
     reader.cancel().catch(() => {})
     throw error
   }
-  file.bytes = file.bytes.subarray(0, file.there)
-  return file
 }
 
-async function fromUrl(url, came, begun) {
-  if (!inNode || url.protocol !== 'file:') return download(nameOf(url), url, came, begun)
-  return new SourceFile(nameOf(url), await (await ofSystem()).readFile(url))
+/** `first`: the address of the scene's file, in whose folder the other must lie. */
+async function fromUrl(url, options, came, { begun, first } = {}) {
+  if (!inNode || url.protocol !== 'file:') return download(url, options, came, begun)
+  const system = await ofSystem()
+  return SourceFile.of(nameOf(url), await (first ? system.readWithin(first, url) : system.readFile(url)))
 }
 
 async function fromBlob(blob) {
-  const name = blob.name ?? 'scene'
-  if (blob.size > MOST) throw new SourceFile(name, []).tooLarge(blob.size)
-  return new SourceFile(name, new Uint8Array(await blob.arrayBuffer()))
+  const file = new SourceFile(blob.name ?? 'scene', blob.size)
+  return SourceFile.of(file.name, new Uint8Array(await blob.arrayBuffer()))
 }
 
 // ---- A scene's files ------------------------------------------------------------------------------------------
@@ -102,11 +245,25 @@ const INDEX = /(^|\/)(tileset\.json|lod-meta\.json|meta\.json|[^/]*\.(gltf|lcc))
 const isBlob = (source) => typeof Blob === 'function' && source instanceof Blob
 const pathOf = (file) => file.webkitRelativePath || file.name
 
-/** The files of a scene by their names from the folder of the first, which is the one that is opened. */
+const decoded = (name) => name.replace(/%([0-9a-f]{2})/gi, (_, code) => String.fromCharCode(parseInt(code, 16)))
+
+/** Whether a name that a scene gives to another file stays in its folder: a foreign scene must not choose other files.
+    fxs_name_stays in C is the same. */
+export const staysInside = (name) =>
+  !/^$|^[\\/]|^[a-z][a-z0-9+.-]*:|(^|[\\/])\.\.([\\/]|$)|[\0-\x1f]/i.test(decoded(name))
+
+/** The files of a scene by their names from the folder of the first, which is the one that is opened. `options`: those
+    of `load`. */
 export class Files {
   #files = new Map()
   #asked = new Set()
+  #coming = new Map()           // bytes of the files beside that have come, by their names
+  #options
   #beside = async () => undefined
+
+  constructor(options = {}) {
+    this.#options = options
+  }
 
   /** Opens whatever `load` takes. */
   async open(source, came, begun) {
@@ -116,17 +273,22 @@ export class Files {
   }
 
   async #first(source, came, begun) {
-    if (source instanceof ArrayBuffer) return new SourceFile('scene', new Uint8Array(source))
+    if (source instanceof ArrayBuffer) return SourceFile.of('scene', new Uint8Array(source))
     if (ArrayBuffer.isView(source))
-      return new SourceFile('scene', new Uint8Array(source.buffer, source.byteOffset, source.byteLength))
+      return SourceFile.of('scene', new Uint8Array(source.buffer, source.byteOffset, source.byteLength))
     if (isBlob(source)) return fromBlob(source)
     if (typeof source === 'object' && typeof source?.[Symbol.iterator] === 'function') return this.#list([...source])
-    const url = source instanceof URL ? source : await urlOf(String(source))
-    this.#beside = (name) => fromUrl(new URL(name.split('/').map(encodeURIComponent).join('/'), url), () => {})
-    return fromUrl(url, (file, share) => {
+    const address = source?.href ?? source
+    if (typeof address !== 'string') throw new Error('load: expected an address, bytes, a Blob or a list of files')
+    const url = source instanceof URL ? source : await urlOf(address)
+    this.#beside = async (name) => {
+      const beside = new URL(name.split('/').map(encodeURIComponent).join('/'), url)
+      return fromUrl(beside, this.#options, (file) => this.#tell(name, file), { first: url })
+    }
+    return fromUrl(url, this.#options, (file, share) => {
       this.#files.set(file.name, file)
       return came(file, share)
-    }, begun)
+    }, { begun })
   }
 
   /** Of files, that which names the others. */
@@ -139,6 +301,14 @@ export class Files {
     return fromBlob(first)
   }
 
+  /** More of a file beside has come. */
+  #tell(name, file) {
+    this.#coming.set(name, file.there)
+    const bytes = [...this.#coming.values()].reduce((sum, there) => sum + there, this.all[0].there)
+    if (bytes > MOST_ALL) throw this.all[0].tooLarge(bytes, MOST_ALL)
+    this.#options.progress?.({ stage: 'download', bytes })
+  }
+
   get all() {
     return [...this.#files.values()]
   }
@@ -147,12 +317,16 @@ export class Files {
     return [...this.#files.keys()].indexOf(name)
   }
 
-  /** Asks for files beside the first, where that was not done yet. False where there is nothing to ask for. */
+  /** Asks for files beside the first, where that was not done yet. False where there is nothing to ask for. A file that
+      is not there is left out; a server that is too slow is an Error. */
   async ask(names) {
-    const asked = new Set([...names].flatMap((name) => this.#andNext(name)).filter((name) => !this.#asked.has(name)))
+    const isNew = (name) => !this.#asked.has(name) && staysInside(name)
+    const asked = new Set([...names].flatMap((name) => this.#andNext(name)).filter(isNew))
     const one = async (name) => {
       this.#asked.add(name)
-      const file = await this.#beside(name).catch(() => undefined)
+      const file = await this.#beside(name).catch((error) => {
+        if (error?.isSlow || error?.isLarge || error?.isLasting || this.#options.signal?.aborted) throw error
+      })
       if (file) this.#files.set(name, file)
     }
     await Promise.all([...asked].map(one))
@@ -163,10 +337,11 @@ export class Files {
   #andNext(name) {
     const [kind] = name.match(/[^./]*$/)
     for (const [index, file] of this.#files) {
-      if (file.bytes[0] !== 0x7b || file.bytes.length > 1e6) continue   // {
+      if (file.there > 1e6 || file.first(1)[0] !== 0x7b) continue   // {
       const folder = index.replace(/[^/]*$/, '')
-      const texts = new TextDecoder().decode(file.bytes).match(/"[^"\\]*"/g) ?? []
-      const names = texts.map((text) => folder + text.slice(1, -1)).filter((text) => text.endsWith(`.${kind}`))
+      const texts = new TextDecoder().decode(file.first(file.there)).match(/"[^"\\]*"/g) ?? []
+      const isOfKind = (text) => text.endsWith(`.${kind}`) && staysInside(text)
+      const names = texts.map((text) => text.slice(1, -1)).filter(isOfKind).map((text) => folder + text)
       if (names.includes(name)) return names.slice(names.indexOf(name)).slice(0, AT_ONCE)
     }
     return [name]

@@ -1,10 +1,22 @@
 // What only Node has: files, processors, and threads of its own kind.
-import { readFile as read } from 'node:fs/promises'
+import { readFile as read, realpath, stat } from 'node:fs/promises'
 import os from 'node:os'
-import { pathToFileURL } from 'node:url'
+import { dirname, isAbsolute, relative, sep } from 'node:path'
+import { fileURLToPath, pathToFileURL } from 'node:url'
 import { Worker } from 'node:worker_threads'
 
 export const readFile = read
+
+/** A file that lies in the folder of another or below it, after links are followed. */
+export async function readWithin(first, url) {
+  const paths = [dirname(fileURLToPath(first)), fileURLToPath(url)]
+  const [folder, file] = await Promise.all(paths.map((path) => realpath(path)))
+  const path = relative(folder, file)
+  if (isAbsolute(path) || path.split(sep)[0] === '..') throw new Error(`${file}: leaves the folder ${folder}`)
+  if (!(await stat(file)).isFile()) throw new Error(`${file}: not a regular file`)
+  return read(file)
+}
+
 export const urlOfPath = pathToFileURL
 export const processors = () => os.availableParallelism?.() ?? os.cpus().length
 

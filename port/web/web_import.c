@@ -150,21 +150,40 @@ static int is_elsewhere(const char *name)
     return !fxs_format_by_content(&source, &format, &(fxs_message){0}) && !format->reader->read;
 }
 
-/* Packs file 0, or only a sample where `most` is not 0. In: limits of Gaussians and of memory, or 0; the part of the
-   file that has come; threads. Out: address and size of the .fxs file; size 0 where a sample is not worth its time.
-   Returns 0, 1 where another module may read the file, or an error; the words say why. */
+/* Opens file 0. numbers: limits of Gaussians and of memory, or 0. Returns 0, 1 where another module may read the file,
+   or an error; the words say why. */
+static int open_first(const char *name, int axes, fxs_scene_file **file, fxs_scene_file_info *info)
+{
+    const fxs_scene_file_options options = {.axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],
+                                            .max_memory = (uint64_t)numbers[1]};
+    const fxs_scene_input input = input_of(0);
+    const int error = fxs_scene_file_open_input(name, &input, &options, file, info, &message);
+    return error && is_elsewhere(name) ? 1 : error;
+}
+
+/* Opens file 0 and closes it again: whether it begins as a scene. As open_first. */
+EXPORT(look) int fxs_web_look(const char *name, int axes)
+{
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    const int error = open_first(name, axes, &file, &info);
+    if (!error)
+        fxs_scene_file_close(file);
+    return error;
+}
+
+/* Packs file 0, or only a sample where `most` is not 0. In, beside what open_first takes: the part of the file that has
+   come; threads. Out: address and size of the .fxs file; size 0 where a sample is not worth its time. Returns what
+   open_first does. */
 EXPORT(import) int fxs_web_import(const char *name, int profile, int axes, size_t most)
 {
     fxs_scene_file *file;
     fxs_scene_file_info info;
-    const fxs_scene_file_options options = {.axes = (enum fxs_axes)axes, .max_gaussians = (uint64_t)numbers[0],
-                                            .max_memory = (uint64_t)numbers[1]};
-    const fxs_scene_input input = input_of(0);
     const double there = numbers[2];
     threads = (uint32_t)numbers[3];
-    int error = fxs_scene_file_open_input(name, &input, &options, &file, &info, &message);
+    int error = open_first(name, axes, &file, &info);
     if (error)
-        return is_elsewhere(name) ? 1 : error;
+        return error;
     error = most ? pack_sample(file, &info, most, there) : pack(file, &info, profile);
     fxs_scene_file_close(file);
     numbers[0] = (double)(uintptr_t)packed.data;

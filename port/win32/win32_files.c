@@ -318,18 +318,35 @@ static int is_within(const char *folder, const char *path)
            (path[length] == '/' || path[length] == '\0' || folder[length - 1] == '/');
 }
 
+/* Sets *whole to the whole path, for free(), where that lies within the folder of `first`. */
+static int follow_within(const char *first, const char *path, char **whole, fxs_message *message)
+{
+    char *folder = whole_folder(first);
+    int result = 0;
+    *whole = folder ? fxs_path_whole(path) : NULL;
+    if (!*whole)
+        result = fxs_fail_errno(message, path, errno);
+    else if (!is_within(folder, *whole))
+        result = fxs_fail(message, "%s: leaves the folder of %s", path, first);
+    free(folder);
+    return result;
+}
+
+int fxs_file_check_within(const char *first, const char *path, fxs_message *message)
+{
+    char *whole;
+    const int result = follow_within(first, path, &whole, message);
+    free(whole);
+    return result;
+}
+
 int fxs_file_open_within(const char *first, const char *path, FILE **file, fxs_file_facts *facts, fxs_message *message)
 {
-    char *folder = whole_folder(first), *whole = folder ? fxs_path_whole(path) : NULL;
-    int result;
+    char *whole;
+    int result = follow_within(first, path, &whole, message);
     *file = NULL;
-    if (!whole)
-        result = fxs_fail_errno(message, path, errno);
-    else if (!is_within(folder, whole))
-        result = fxs_fail(message, "%s: leaves the folder of %s", path, first);
-    else
+    if (!result)
         result = fxs_file_open(whole, file, facts, message);
-    free(folder);
     free(whole);
     return result;
 }

@@ -17,6 +17,9 @@ int fxs_file_open(const char *path, FILE **file, fxs_file_facts *facts, fxs_mess
 int fxs_file_open_within(const char *first, const char *path, FILE **file, fxs_file_facts *facts,
                          fxs_message *message);
 
+/* Checks that of a file or folder, without opening it. Returns 0, or an error and a message. */
+int fxs_file_check_within(const char *first, const char *path, fxs_message *message);
+
 /* Reads `size` bytes at an offset. Returns 0, or -1 where not all could be read. */
 int fxs_file_read_at(FILE *file, uint64_t offset, void *out, size_t size);
 

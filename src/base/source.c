@@ -48,18 +48,60 @@ fxs_scene_input fxs_memory_input(const void *data, size_t size)
 
 /* ---- Names of files beside -------------------------------------------------------------------------------------- */
 
-/* 1 where a name stays in the folder and can be shown in one line. */
-static int name_valid(const char *name)
+static int hex_digit(int c)
 {
-    for (const char *c = name; *c; c++)
-        if ((unsigned char)*c < ' ')
+    static const char digits[] = "0123456789abcdef0123456789ABCDEF";
+    const char *at = c ? strchr(digits, c) : NULL;
+    return at ? (int)(at - digits) % 16 : -1;
+}
+
+/* Takes a character of a URI: a byte, or the one that %XX stands for. */
+static int take_letter(const char **text)
+{
+    const char *at = *text;
+    const int high = *at == '%' ? hex_digit(at[1]) : -1, low = high < 0 ? -1 : hex_digit(at[2]);
+    *text += low < 0 ? 1 : 3;
+    return low < 0 ? (unsigned char)*at : high << 4 | low;
+}
+
+/* 1 for a drive or the scheme of an address at the beginning of a name: a letter, then a colon before other marks. */
+static int begins_elsewhere(const char *name)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-.";
+    const char *at = name;
+    int letter = take_letter(&at);
+    if (!letter || !memchr(letters, letter, 52))
+        return 0;
+    while (letter && memchr(letters, letter, sizeof letters - 1))
+        letter = take_letter(&at);
+    return letter == ':';
+}
+
+static int is_separator(int letter)
+{
+    return letter == '/' || letter == '\\';
+}
+
+int fxs_name_stays(const char *name)
+{
+    const char *at = name;
+    size_t length = 0, dots = 0;   /* of a part of the name */
+    int letter = take_letter(&at);
+    if (is_separator(letter) || begins_elsewhere(name))
+        return 0;
+    for (at = name; *at && (letter = take_letter(&at)) >= ' ';) {
+        const int is_end = is_separator(letter);
+        if (is_end && length == 2 && dots == 2)
             return 0;
-    return *name && *name != '/' && strncmp(name, "../", 3) != 0 && !strstr(name, "/../");
+        dots = is_end ? 0 : dots + (letter == '.');
+        length = is_end ? 0 : length + 1;
+    }
+    return letter >= ' ' && !(length == 2 && dots == 2);
 }
 
 int fxs_check_name(const fxs_scene_source *source, const char *name, fxs_message *message)
 {
-    if (name && name_valid(name))
+    if (name && fxs_name_stays(name))
         return 0;
     return fxs_fail(message, "%s: a file name that is missing, leaves the folder or has control characters",
                     source->path);
@@ -79,22 +121,12 @@ int fxs_compare_names(const char *a, const char *b)
     }
 }
 
-static int hex_digit(int c)
-{
-    static const char digits[] = "0123456789abcdef0123456789ABCDEF";
-    const char *at = c ? strchr(digits, c) : NULL;
-    return at ? (int)(at - digits) % 16 : -1;
-}
-
 void fxs_decode_percent(char *text)
 {
-    char *out = text;
-    for (; *text; text++) {
-        int high = *text == '%' ? hex_digit(text[1]) : -1, low = high < 0 ? -1 : hex_digit(text[2]);
-        *out++ = low < 0 ? *text : (char)(high << 4 | low);
-        text += low < 0 ? 0 : 2;
-    }
-    *out = '\0';
+    const char *from = text;
+    while (*from)
+        *text++ = (char)take_letter(&from);
+    *text = '\0';
 }
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
@@ -202,6 +234,7 @@ static int open_beside(fxs_scene_source *opened, const fxs_scene_source *source,
                        fxs_message *message)
 {
     const fxs_scene_source *first = opened->first;
+    FXS_TRY(fxs_check_name(source, name, message));
     FXS_TRY(set_path(opened, source->path, folder_length(source->path), name, message));
     FXS_TRY(settle_name(opened, source, name, message));
     if (first->input.read == read_file)

@@ -33,9 +33,9 @@ int fxs_scene_source_open(fxs_scene_source *source, const char *path, fxs_messag
 int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, const fxs_scene_input *input,
                                 fxs_message *message);
 
-/* Opens, with the options and limits of `source`, a file whose name is relative to its folder; \ separates folders
-   where no file has that very name. Its path, followed through symbolic links, must stay in the folder of the first
-   file. */
+/* Opens, with the options and limits of `source`, a file whose name is relative to its folder: a foreign scene must not
+   choose other files. The name must pass fxs_check_name, and its path, followed through symbolic links, must stay in
+   the folder of the first file. A backslash separates folders where no file has that very name. */
 int fxs_scene_source_open_beside(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                                  fxs_message *message);
 
@@ -45,8 +45,12 @@ int fxs_import_count(const fxs_scene_source *source, fxs_message *message);
 
 /* ---- Names of files beside ---- */
 
-/* Checks that a name stays in the folder and can be shown in one line. Returns 0, or an error and a message, also for
-   NULL. */
+/* 1 where a name stays in the folder and can be shown in one line: no "..", no / at the beginning, no drive of Windows
+   and no scheme of an address (C:, https:), no control characters, not empty. A \ counts as a /, and %XX as its
+   character, as other systems and servers take them. The function staysInside of read.js is the same. */
+int fxs_name_stays(const char *name);
+
+/* Checks that. Returns 0, or an error and a message, also for NULL. */
 int fxs_check_name(const fxs_scene_source *source, const char *name, fxs_message *message);
 
 /* Compares names as strcmp does, but "a/b", "a//b" and "./a/b" are equal. */

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "src/base/system.h"
-#include "src/base/text_internal.h"
+#include "src/base/files_internal.h"
+#include "src/base/source_internal.h"
 
 #ifdef FXS_WITH_CJSON
 
@@ -24,13 +24,15 @@ static int wrong(const reader *r, const char *what)
     return FXS_ERR_FILE;
 }
 
-/* Adds a scene file, whose path is relative to the folder of the JSON file. */
+/* Adds a scene file, whose path is relative to the folder of the JSON file and stays in it. */
 static int take_file(const reader *r, const cJSON *item, fxs_placement *p)
 {
     const char *name = cJSON_GetStringValue(item), *slash = strrchr(r->path, '/');
     if (!name || !*name)
         return wrong(r, "\"file\" is not a path");
-    const size_t folder = fxs_path_is_whole(name) || !slash ? 0 : (size_t)(slash - r->path) + 1;
+    if (!fxs_name_stays(name))
+        return wrong(r, "\"file\" leaves the folder of this file; --place takes scenes of any folder");
+    const size_t folder = slash ? (size_t)(slash - r->path) + 1 : 0;
     char *path = malloc(folder + strlen(name) + 1);
     if (!path) {
         fxs_fail(r->message, "%s: out of memory", r->path);
@@ -39,7 +41,9 @@ static int take_file(const reader *r, const cJSON *item, fxs_placement *p)
     memcpy(path, r->path, folder);
     strcpy(path + folder, name);
     fxs_path_settle(path);
-    const int error = fxs_world_add_file(r->world, path, &p->file, r->message);
+    int error = fxs_file_check_within(r->path, path, r->message);
+    if (!error)
+        error = fxs_world_add_file(r->world, path, &p->file, r->message);
     free(path);
     return error;
 }

@@ -907,7 +907,9 @@ else
     json world.json '{"file": "knot.ply"},
         {"file": "cubes.ply", "translation": [3, 0.5, -1], "rotation": [0.6, 0, 0.8, 0], "scale": 1.5}'
     check "--scene" equal "$(hash_of --scene world.json $front)" "$both"
-    json folder/world.json '{"file": "../knot.ply"},
+    mkdir -p folder/below
+    cp knot.ply folder/below
+    json folder/world.json '{"file": "below/knot.ply"},
         {"file": "inner.ply", "translation": [3, 0.5, -1], "rotation": [6, 0, 8, 0], "scale": 1.5, "id": 7,
         "visible": true, "opacity": 1, "tint": [1, 1, 1], "crops": []}, {"file": "inner.ply", "visible": false}'
     check "--scene: paths beside it" equal "$(hash_of --scene folder/world.json $front)" "$both"
@@ -973,6 +975,16 @@ END
         echo "$text" >bad.json
         fails "--scene: $text" 1 "^fixsplat: bad.json: " render --scene bad.json --hash
     done
+    ln -sf ../knot.ply folder/out.ply
+    for name in ../knot.ply below/../../knot.ply "$PWD/knot.ply" '..\\\\knot.ply' '\\\\\\\\host\\\\knot.ply' C:/knot.ply \
+        https://host/knot.ply %2e%2e/knot.ply; do
+        json folder/bad.json "{\"file\": \"$name\"}"
+        fails "--scene: $name" 1 '^fixsplat: folder/bad.json: object 0: "file" leaves the folder' \
+            render --scene folder/bad.json --hash
+    done
+    json folder/bad.json '{"file": "out.ply"}'
+    fails "--scene: a link that leads out" 1 "^fixsplat: folder/out.ply: leaves the folder of folder/bad.json" \
+        render --scene folder/bad.json --hash
     json bad.json '{"file": "none.ply"}'
     fails "--scene: a file that is missing" 1 "none.ply: No such file" render --scene bad.json --hash
     fails "--scene that is missing" 1 "none.json: No such file" render --scene none.json --hash

@@ -2,13 +2,15 @@
 import assert from 'node:assert/strict'
 import { File } from 'node:buffer'
 import { once } from 'node:events'
-import { existsSync, readFileSync, readdirSync } from 'node:fs'
+import * as fs from 'node:fs'
 import { createServer } from 'node:http'
 import { basename, dirname, join, resolve } from 'node:path'
 import { pathToFileURL } from 'node:url'
 
+const { existsSync, readFileSync, readdirSync, writeFileSync } = fs
 const [folder, word, ...args] = process.argv.slice(2)
-const { load } = await import(pathToFileURL(resolve(folder, 'fixsplat.js')))
+const part = (name) => import(pathToFileURL(resolve(folder, name)))
+const { load } = await part('fixsplat.js')
 
 /** Fails with words, and not by a fault of JavaScript or the module. */
 async function refused(source, words, options) {
@@ -25,6 +27,22 @@ async function serverOf(serve) {
   const server = createServer(serve).listen(0, '127.0.0.1')
   await once(server, 'listening')
   return [server, `http://127.0.0.1:${server.address().port}`]
+}
+
+/** Sends an endless body, or `drip` bytes at a time, until nobody listens. */
+async function sendOn(answer, drip = 0) {
+  const bytes = Buffer.alloc(drip || 1 << 16)
+  while (!answer.destroyed) {
+    if (drip) await pause(10)
+    if (!answer.write(bytes)) await new Promise((done) => answer.once('drain', done).once('close', done))
+  }
+}
+
+/** Milliseconds until a promise is settled, and what it was rejected with. */
+async function timed(promise) {
+  const start = performance.now()
+  const error = await promise.then(() => null, (error) => error)
+  return [performance.now() - start, error]
 }
 
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds))
@@ -81,6 +99,154 @@ const words = {
     await refused(join(root, 'json.sog'), /bytes of memory or more, beyond the limit/)
     await refused(join(root, 'inflating.spz'), beyond)
     await refused(join(root, 'instances.glb'), beyond)
+  },
+
+  // ROOT, with a streamed SOG in ROOT/plain: names in its indexes that lead out of its folder are not fetched, and the
+  // scene is loaded.
+  async names(root) {
+    const asked = []
+    const serve = (request, answer) => {
+      asked.push(request.url)
+      const file = join(root, decodeURIComponent(request.url))
+      const isThere = request.url.startsWith('/foreign/') && existsSync(file)
+      answer.writeHead(isThere ? 200 : 404)
+      answer.end(isThere ? readFileSync(file) : '')
+    }
+    const [server, base] = await serverOf(serve)
+    const [other, elsewhere] = await serverOf(serve)
+    const names = ['../secret', '/secret', `${elsewhere.slice(5)}/x`, `${elsewhere}/x`, '//host:1/x', '%2e%2e/secret',
+      '..%2fsecret', '%5c%5chost%5csecret', 'file:///etc/x', 'data:,x', 'blob:x', 'C:/x', 'below/../../secret',
+      'below/..']
+    fs.cpSync(join(root, 'plain'), join(root, 'foreign'), { recursive: true })
+    const indexes = readdirSync(join(root, 'foreign'), { recursive: true }).filter((name) => /meta\.json$/.test(name))
+    assert.ok(indexes.length > 1)
+    for (const name of indexes) {
+      const index = JSON.parse(readFileSync(join(root, 'plain', name)))
+      index.more = ['json', 'webp'].flatMap((kind) => names.map((name) => `${name}.${kind}`))
+      writeFileSync(join(root, 'foreign', name), JSON.stringify(index))
+    }
+    const want = await packedOf(join(root, 'plain', 'lod-meta.json'))
+    assert.deepEqual(await packedOf(`${base}/foreign/lod-meta.json`), want)
+    assert.ok(asked.length > 4)
+    for (const url of asked) assert.match(url, /^\/foreign\/(?!.*(\/\.\.\/|%2e|%2f|%5c|secret|:))/i)
+    const assets = await part('fixsplat_assets.js')
+    const { readFile, readWithin, ...system } = await assets.ofSystem()
+    const read = []
+    assets.setSystem({ ...system,
+      readFile: (url) => (read.push(url.href), readFile(url)),
+      readWithin: (first, url) => (read.push(url.href), readWithin(first, url)) })
+    assert.deepEqual(await packedOf(join(root, 'foreign', 'lod-meta.json')), want)
+    const within = pathToFileURL(join(root, 'foreign')).href
+    for (const url of read.filter((url) => !url.endsWith('.wasm'))) assert.ok(url.startsWith(`${within}/`), url)
+    // A link that leads out is followed by nobody.
+    const [image] = readdirSync(join(root, 'foreign'), { recursive: true }).filter((name) => /\.webp$/.test(name))
+    fs.mkdirSync(join(root, 'out'))
+    fs.renameSync(join(root, 'foreign', image), join(root, 'out', 'image'))
+    fs.symlinkSync(join(root, 'out', 'image'), join(root, 'foreign', image))
+    await refused(join(root, 'foreign', 'lod-meta.json'), /webp: cannot be opened/)
+    server.close()
+    other.close()
+  },
+
+  // SOG: a server that sends 2 bytes at a time is given up, and loading ends when its caller wants that.
+  async slow(sog) {
+    const bytes = readFileSync(sog)
+    const tree = { lods: { 0: { file: 0, offset: 0, count: 9 } } }
+    const index = JSON.stringify({ lodLevels: 1, filenames: ['slow/meta.json'], tree })
+    let [opened, closed] = [0, 0]
+    const [server, base] = await serverOf(async (request, answer) => {
+      opened++
+      answer.on('close', () => closed++)
+      if (request.url === '/silent.ply') return
+      if (request.url.startsWith('/slow')) return sendOn(answer, 2)
+      if (request.url === '/lod-meta.json') return answer.end(index)
+      answer.setHeader('content-length', bytes.length)
+      for (let at = 0; at < bytes.length; at += 2000) {
+        answer.write(bytes.subarray(at, at + 2000))
+        await pause(5)
+      }
+      answer.end()
+    })
+    const told = []
+    const options = { silence: 500, progress: (progress) => told.push(progress) }
+    await refused(`${base}/slow.ply`, /^slow\.ply: the server sent \d+ bytes in 0\.5 seconds$/, options)
+    assert.ok(told.length && told.every(({ stage, bytes }) => stage === 'download' && bytes > 0))
+    await refused(`${base}/slow.fxs`, /^slow\.fxs: the server sent \d+ bytes in 0\.5 seconds$/, options)
+    await refused(`${base}/silent.ply`, /^silent\.ply: the server was silent for 0\.5 seconds$/, options)
+    told.length = 0
+    await refused(`${base}/lod-meta.json`, /^meta\.json: the server sent \d+ bytes in 0\.5 seconds$/, options)
+    assert.ok(told.length > 1)
+    const [took, error] = await timed(load(`${base}/steady.sog`, { silence: 500 }))
+    assert.ok(took > 500 && !error, `${took} ms: ${error}`)
+    await pause(50)
+    assert.ok(opened > 5 && closed === opened, `${closed} of ${opened}`)
+    for (const name of ['slow.ply', 'slow.fxs', 'silent.ply', 'lod-meta.json']) {
+      const end = new AbortController()
+      setTimeout(() => end.abort(new Error('enough')), 100)
+      const [took, error] = await timed(load(`${base}/${name}`, { signal: end.signal }))
+      assert.ok(error?.message === 'enough' && took < 1000, `${name}: ${error?.stack}, ${took} ms`)
+    }
+    await refused(sog, /^before$/, { signal: AbortSignal.abort(new Error('before')) })
+    server.close()
+    server.closeAllConnections()
+  },
+
+  // PLY (of 700 Gaussians) FXS: bodies without an end, or of 2 GB that do not come, are refused by their first bytes.
+  async endless(ply, fxs) {
+    const beginnings = {
+      nothing: '', 'text.sog': 'Not found. '.repeat(1000), 'GIF89a.splat': 'GIF89a', 'more.ply': readFileSync(ply),
+      'more.fxs': readFileSync(fxs),
+      'huge.ply': readFileSync(ply, 'latin1').replace('vertex 700', 'vertex 99999999').slice(0, 4000),
+    }
+    let sent = 0
+    const [server, base] = await serverOf((request, answer) => {
+      const [, kind, name] = request.url.split('/')
+      if (kind === 'announced') answer.setHeader('content-length', 2e9)
+      answer.write(beginnings[name])
+      const { write } = answer
+      answer.write = (bytes) => ((sent += bytes.length), write.call(answer, bytes))
+      if (name !== 'nothing' || kind !== 'announced') sendOn(answer)
+    })
+    const words = {
+      nothing: /not a scene file/, 'text.sog': /not a scene file/, 'GIF89a.splat': /not a scene file/,
+      'more.ply': /[MG]B or more, though its header asks for 0\.\d MB$/,
+      'more.fxs': /[MG]B or more, though its header asks for 0\.\d MB$/,
+      'huge.ply': /24.8 GB, and no more than 2\.0 GB can be read/,
+    }
+    await load(ply)
+    globalThis.gc()
+    const before = process.memoryUsage()
+    let most = 0
+    const progress = () => (most = Math.max(most, process.memoryUsage().arrayBuffers - before.arrayBuffers))
+    for (const kind of ['unknown', 'announced'])
+      for (const [name, said] of Object.entries(words)) {
+        sent = most = 0
+        const isSilent = name === 'nothing' && kind === 'announced'
+        const options = { progress, silence: isSilent ? 200 : undefined }
+        await refused(`${base}/${kind}/${name}`, isSilent ? /silent/ : said, options)
+        assert.ok(sent < 50e6, `${kind}/${name}: ${sent} bytes`)
+        assert.ok(most < 100e6, `${kind}/${name}: ${most} bytes of memory`)
+      }
+    server.close()
+    server.closeAllConnections()
+  },
+
+  // An answer that leads from https to http is refused, whole or in parts.
+  async redirected(fxs) {
+    const { fetch } = globalThis
+    globalThis.fetch = async (url, { headers } = {}) => {
+      const bytes = readFileSync(fxs)
+      const range = headers?.range && { 'content-range': `bytes 0-191/${bytes.length}` }
+      const answer = new Response(range ? bytes.subarray(0, 192) : bytes, { status: range ? 206 : 200, headers: range })
+      return Object.defineProperty(answer, 'url', { value: `${url}`.replace('https://good', 'http://bad') })
+    }
+    try {
+      for (const name of ['scene.fxs', 'scene.ply', 'scene'])
+        await refused(`https://good/${name}`, /leads from https to http:\/\/bad\//)
+      assert.ok((await load('https://other/scene')).count > 0)
+    } finally {
+      globalThis.fetch = fetch
+    }
   },
 
   // An .spz of version 4, where zstd is not built in.

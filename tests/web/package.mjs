@@ -203,6 +203,43 @@ const words = {
     wrong(/depthBits 29: expected 1 to 28/, [{ scene }], {}, { ...wanted({ depth: true }), depthBits: 29 })
     const most = { width: 16384, height: 16384 }
     wrong(/memory/, [{ scene }], {}, { ...most, targets: { colour: 'premultiplied16', depth: true, ids: true } })
+    const kinds = (Kind, words, run) =>
+      assert.throws(run, ({ constructor, message }) => {
+        assert.equal(constructor, Kind, message)
+        assert.match(message, words)
+        return true
+      })
+    for (const crops of [{}, null, 1, 'x', [null], [1]])
+      kinds(TypeError, /^object 0: crops: expected a list of boxes$/, () => render([{ scene, crops }], {}, size))
+    wrong(/low: expected 3 numbers/, [{ scene, crops: [{}] }], {}, size)
+    for (const other of [null, undefined, {}, 5, 'scene.fxs'])
+      kinds(TypeError, /^object 1: scene: expected what/, () => render([{ scene }, { scene: other }], {}, size))
+    for (const object of [null, undefined, 7]) kinds(TypeError, /^object 0: expected/, () => render([object], {}, size))
+    for (const list of [null, undefined, scene, 5]) kinds(TypeError, /^objects: expected/, () => render(list, {}, size))
+    for (const other of [null, 5]) {
+      kinds(TypeError, /^camera: expected an object$/, () => scene.render(other, size))
+      kinds(TypeError, /^camera: expected an object$/, () => scene.renderStereo({}, other, size))
+      kinds(TypeError, /^options: expected an object$/, () => scene.render({}, other))
+      kinds(TypeError, /^targets: expected an object$/, () => scene.render({}, { ...size, targets: other }))
+    }
+    for (const name of ['background', 'shDegree', 'maxMemory'])
+      kinds(TypeError, new RegExp(`^${name} NaN: expected a number`), () => scene.render({}, { ...size, [name]: NaN }))
+    for (const [x, y] of [[NaN, 0], [0, NaN], [-1, 0], [0, 48], [64, 0], [Infinity, 0], [1e99, 0]])
+      kinds(RangeError, /^pick: .*: expected a pixel of a picture of 64 x 48$/, () => scene.pick(x, y, {}, size))
+    for (const x of [undefined, null, '1', {}])
+      kinds(TypeError, /^pick: .*: expected two numbers$/, () => scene.pick(x, 0, {}, size))
+    assert.deepEqual(scene.pick(30.75, 20.25, {}, size), scene.pick(30, 20, {}, size))
+    const rejected = (Kind, words, promise) =>
+      assert.rejects(promise, ({ constructor, message }) => constructor === Kind && words.test(message))
+    const some = new Uint8Array(16)
+    for (const [width, height] of [[NaN, -1], [0, 4], [1.5, 1], [undefined, 2], ['2', 2], [Infinity, 1]])
+      await rejected(RangeError, /^png: .* pixels: expected 1 or more each$/, png(some, width, height))
+    for (const [width, height] of [[1, 1], [20, 20], [1e9, 1e9]])
+      await rejected(RangeError, /^png: 16 bytes of pixels: .* have /, png(some, width, height))
+    for (const pixels of [null, undefined, 'x', [0, 0, 0, 0]])
+      await rejected(TypeError, /^png: pixels: expected/, png(pixels, 1, 1))
+    await rejected(TypeError, /^options: expected an object$/, load(file, null))
+    for (const source of [undefined, 5, {}]) await refused(source, /^load: expected an address/)
     assert.throws(() => scene.renderStereo({}, { fov: 200 }, size), /field of view of 200/)
     assert.throws(() => scene.renderStereo({}, {}, { ...size, maxMemory: 50000 }), /memory/)
     assert.throws(() => scene.renderStereo({}, {}, { ...size, targets: [{ colour: true }] }), /those of two eyes/)
@@ -214,6 +251,30 @@ const words = {
     scene.free()
     scene.free()
     assert.throws(() => scene.render({}, size), /freed/)
+  },
+
+  // FILE: where a picture of 16384 x 16384 has no room, that is said before it is drawn.
+  async noRoom(file) {
+    const size = { width: 16384, height: 16384 }
+    const most = { colour: 'premultiplied16', coverage: true, depth: true, ids: true }
+    const said = async (run, words) => {
+      const start = performance.now()
+      assert.throws(run, ({ message }) => words.test(message) && !message.includes('\n'))
+      assert.ok(performance.now() - start < 2000)
+    }
+    const own = globalThis.Uint8ClampedArray
+    globalThis.Uint8ClampedArray = class extends own {
+      constructor(...given) {
+        if ((given[0].length ?? given[0]) > 1e9) throw new RangeError('Array buffer allocation failed')
+        super(...given)
+      }
+    }
+    const { load } = await import(`${pathToFileURL(resolve(folder, 'fixsplat.js'))}?limited`)
+    globalThis.Uint8ClampedArray = own
+    const scene = await load(file, { threads: 1 })
+    await said(() => scene.render({}, size), /^16384 x 16384 pixels: there is no memory for their 1074 MB$/)
+    await said(() => scene.render({}, { ...size, targets: most }), /memory/)
+    assert.equal(scene.render({}, { width: 64, height: 48 }).length, 4 * 64 * 48)
   },
 
   // FILE: a scene with levels, and how many Gaussians budgets draw of it.

@@ -216,9 +216,29 @@ const tests = {
   },
 
   async 'a silent server: words, at opening and later'() {
-    await fails((server) => (server.faults = () => ({ silent: true })), /silent for 0.05 seconds/, { silence: 50 })
-    await refused({ faults: ({ count }) => ({ silent: count > 1 }) }, /silent for 0.05/, { silence: 50 })
-    await refused({ faults: () => ({ silent: true }) }, /silent for 0.05/, { silence: 50 })
+    await fails((server) => (server.faults = () => ({ silent: true })), /silent for 0.3 seconds/, { silence: 300 })
+    await refused({ faults: ({ count }) => ({ silent: count > 1 }) }, /silent for 0.3/, { silence: 300 })
+    await refused({ faults: () => ({ silent: true }) }, /silent for 0.3/, { silence: 300 })
+  },
+
+  async 'a server that sends two bytes at a time: told, given up, and ended by a signal'() {
+    const slow = { faults: ({ count }) => ({ drip: count > 1 }) }
+    const told = []
+    const options = { silence: 300, progress: ({ bytes }) => told.push(bytes) }
+    const words = /^Error: scene\.fxs: the server (sent \d+ bytes in|was silent for) 0\.3 seconds$/
+    await assert.rejects(served(slow, () => {}, {}, options), words)
+    assert.ok(told.length && told[0] > 0 && told[0] < 1000, `${told}`)
+    await fails((server) => (server.faults = () => ({ drip: true })), /0\.3 seconds/, { silence: 300 })
+    const end = new AbortController()
+    setTimeout(() => end.abort(new Error('enough')), 100)
+    const start = performance.now()
+    await assert.rejects(served(slow, () => {}, {}, { signal: end.signal }), /^Error: enough$/)
+    assert.ok(performance.now() - start < 2000)
+    const later = new AbortController()
+    await served({}, async (scene) => {
+      later.abort()
+      await exact(scene)
+    }, {}, { signal: later.signal })
   },
 
   async 'without ETag and Last-Modified'() {

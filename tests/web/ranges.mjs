@@ -5,7 +5,8 @@ import { createServer } from 'node:http'
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
 
 /** `faults` is called with { first, end, count } and the request: what it returns changes the answer: { status, headers,
-    bytes (a function of the right ones), cut (bytes that are sent), silent, whole, delay (milliseconds) }. */
+    bytes (a function of the right ones), cut (bytes that are sent), drip (two bytes at a time), silent, whole, delay
+    (milliseconds) }. */
 export async function serveRanges(path, { rate = Infinity, faults = () => ({}), more } = {}) {
   const file = openSync(path)
   const { size } = statSync(path)
@@ -44,6 +45,10 @@ export async function serveRanges(path, { rate = Infinity, faults = () => ({}), 
     answer.writeHead(fault.status ?? (isPart ? 206 : 200), headers)
     answer.flushHeaders()
     if (fault.silent) return
+    for (let at = first; fault.drip && at < end && !answer.destroyed; at += 2) {
+      answer.write(Buffer.alloc(2))
+      await pause(10)
+    }
     if (!isPart && !fault.bytes) {
       for await (const part of createReadStream(path)) {
         await send(answer, part)

@@ -473,6 +473,17 @@ const tests = {
     await inside(`v.setAttribute('skybox', '/scenes/sky.png')`)
     await shows(before)
     await picture('sky')
+    const others = ['https://localhost:1/sky.png', '//localhost:1/sky.png', ' //localhost:1/sky.png', '/sky.png',
+      '../sky.png', '%2e%2e/sky.png', 'file:///sky.png', 'blob:sky.png', '\\\\localhost\\sky.png']
+    for (const skybox of others) {
+      put('skybox.json', { fixsplat: 1, skybox })
+      await open(WITH('skybox.json'))
+      assert.equal(await wordsOf(), 'skybox.json: skybox: leaves the folder of this file: left out')
+      assert.equal(await inside(`return v.getAttribute('skybox')`), null)
+    }
+    put('skybox.json', { fixsplat: 1, skybox: 'sky.png?2' })
+    await open(WITH('skybox.json'))
+    assert.match(await inside(`return v.getAttribute('skybox')`), /\/scenes\/sky\.png\?2$/)
   },
 }
 

@@ -1,8 +1,10 @@
 // The picture behind a scene: an equirectangular one, which the worker turns into the backdrop of each frame. Of its
 // columns the middle one is ahead, along the axis z unless that is up; its top row is up. All in sums, products,
 // quotients and roots of doubles, so that browsers agree where they decode a picture alike.
+import { download } from '../read.js'
 import { add, cross, dot, unit } from './motion.js'
 
+const MOST_BYTES = 256e6
 const MOST_WIDTH = 4096
 const SPAN = 8 // pixels
 const TURN = 2 * Math.PI
@@ -10,10 +12,12 @@ const skies = new Map()
 
 /** Pixels of an address: { width, height, pixels }. */
 async function pixelsOf(url) {
-  const answer = await fetch(url).catch(() => null)
-  if (!answer?.ok) throw new Error(`${url}: there is no picture at this address`)
+  const file = await download(new URL(url), { most: MOST_BYTES }).catch((error) => {
+    throw error.isSlow || error.isLarge ? error : new Error(`${url}: there is no picture at this address`)
+  })
+  const blob = new Blob([file.first(file.there)])
   const plain = { colorSpaceConversion: 'none', premultiplyAlpha: 'none' }
-  const whole = await createImageBitmap(await answer.blob(), plain).catch(() => {
+  const whole = await createImageBitmap(blob, plain).catch(() => {
     throw new Error(`${url}: this browser does not read it as a picture`)
   })
   const width = Math.min(whole.width, MOST_WIDTH)

@@ -1,4 +1,5 @@
 // What settings files, annotations and camera tracks need beside a scene: fetched with the first of them.
+import { staysInside } from '../read.js'
 import { Markers } from './markers.js'
 import { Player } from './player.js'
 import { listsOf, settingsOf, textOfSettings } from './settings.js'
@@ -16,6 +17,8 @@ const GIVEN = ['background', 'skybox', 'budget', 'detail', 'turn', 'ar'] // attr
 const OWN = ['mode', 'speed', 'sharpness', 'colours', 'eyeHeight'] // of the element's other settings those that it may have
 
 const pause = (ms) => new Promise((done) => setTimeout(done, ms))
+/** Whether a settings file may name this picture: one beside it, or inside it. */
+const isOwn = (url) => /^data:/i.test(url.trim()) || staysInside(url.trim())
 const reduced = () => matchMedia('(prefers-reduced-motion: reduce)').matches
 
 export class Tour {
@@ -72,6 +75,10 @@ export class Tour {
     })
     if (own !== this.#reading) return []
     const { settings, words } = settingsOf(name, text)
+    if ((isAddress || source.text) && !isOwn(settings.skybox ?? 'none')) {
+      words.push(`${name}: skybox: leaves the folder of this file: left out`)
+      delete settings.skybox
+    }
     this.#take(settings, isAddress ? addressOf(source) : document.baseURI)
     return words
   }

@@ -192,7 +192,7 @@ export interface SettingsFile
   extends Partial<Omit<Settings, 'backend' | 'fov' | 'flat' | 'up' | 'readout'>> {
   fixsplat: 1
   camera?: Pose
-  /** An address, from the file's own on: an equirectangular picture. */
+  /** An equirectangular picture: an address in the folder of the file or below it, or data:. */
   skybox?: string
   /** At most 200. */
   annotations?: readonly Annotation[]

@@ -2,6 +2,7 @@
 // { eye, look, up, fov, flat, shift }. `look` is the point that the camera turns about. With `flat` its rays are
 // parallel. `shift` is the horizontal and vertical distance of the camera's axis from the middle of the picture, divided
 // by the height of the picture.
+import { download } from '../read.js'
 
 export const hasNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite)
 const isView = (v) =>
@@ -43,11 +44,14 @@ export function viewsOf(name, text) {
   return views
 }
 
+const MOST_TEXT = 64e6 // bytes
+
 /** The text at an address, or an Error with the words. */
 export async function textAt(url, words) {
-  const answer = await fetch(addressOf(url)).catch(() => null)
-  if (!answer?.ok) throw new Error(`${nameOf(url)}: ${words}`)
-  return answer.text()
+  const file = await download(new URL(addressOf(url)), { most: MOST_TEXT }).catch((error) => {
+    throw error.isSlow || error.isLarge ? error : new Error(`${nameOf(url)}: ${words}`)
+  })
+  return new TextDecoder().decode(file.first(file.there))
 }
 
 export const fetchViews = async (url) => viewsOf(nameOf(url), await textAt(url, 'there are no views at this address'))

@@ -18,10 +18,11 @@ const TABLE = [
   ['damaged', /^(.*?): the header asks for at least (\d+) bytes, the file has (\d+)/, (say, name, wanted, there) =>
     say('{0}: the file is cut off: {1} of {2} are there', name, size(there), size(wanted))],
   ['damaged', /^(.*?): (header line .*)/, (say, ...words) => say('{0}: the file is damaged ({1})', ...words)],
+  ['damaged', /though its header asks for/],
   ['missing', /no such file/],
   ['network', /cannot be reached/, (say) =>
     navigator.onLine === false ? say('This machine is not connected to the network') : undefined],
-  ['network', /broke off|the server answered|on its server|no address/],
+  ['network', /broke off|: the server |on its server|no address/],
   ['memory', /out of memory|allocation failed|could not allocate|can be read$/i, (say) =>
     say('There is too little memory here for this scene. A smaller copy (fixsplat convert) or fewer pages may help')],
 ]

@@ -61,9 +61,10 @@ FXS_API int fxs_world_add(fxs_world *world, const fxs_placement *placement, fxs_
  *                   "tint": [r, g, b], "visible": true, "id": n,
  *                   "crops": [{"low": [x, y, z], "high": [x, y, z], "keep": "inside"}]}]}
  *
- * Only "file" is required; its path is relative to the folder of the JSON file. "keep" is "inside" or "outside". The
- * default of "id" is the object's place in the list. Returns 0 and a world that fxs_world_free frees, or an FXS_ERR_*
- * and a message with the object: FXS_ERR_FILE, FXS_ERR_OBJECT, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED (without cJSON). */
+ * Only "file" is required; its path is relative to the folder of the JSON file, and stays in it. "keep" is "inside" or
+ * "outside". The default of "id" is the object's place in the list. Returns 0 and a world that fxs_world_free frees, or
+ * an FXS_ERR_* and a message with the object: FXS_ERR_FILE, FXS_ERR_OBJECT, FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED
+ * (without cJSON). */
 FXS_API int fxs_world_read(fxs_world *world, const char *path, fxs_message *message);
 
 FXS_API void fxs_world_free(fxs_world *world);

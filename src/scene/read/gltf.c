@@ -232,7 +232,7 @@ static int open_data(const gltf *g, buffer *b, int index, const char *uri)
     return fxs_scene_source_open_input(&b->own, g->source->path, &input, g->message);
 }
 
-/* Only a file beside this one: a foreign scene must not choose other files to read. */
+/* Only a file in the same folder, not below it. */
 static int open_beside(const gltf *g, buffer *b, int index, const char *uri)
 {
     char *name = allocate(g, strlen(uri) + 1, 1);

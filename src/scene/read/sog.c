@@ -679,7 +679,6 @@ static int open_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_messag
     const char *name = r->names[file].name;
     s->own.options = r->source->options;
     s->own.import = r->source->import;
-    FXS_TRY(fxs_check_name(r->source, name, message));
     return fxs_scene_source_open_beside(&s->own, r->source, name, message);
 }
 
