@@ -74,8 +74,8 @@ static void take_frames(void *argument, const char *data, size_t size)
     }
 }
 
-/* The name of a file whatever characters it has: "file:" keeps ffmpeg from taking a:b as a protocol and -a as an option.
-   In a pattern of names % is doubled. A name that is too long becomes empty. */
+/* The name of a file whatever characters it has: "file:" keeps ffmpeg from taking a:b as a protocol and -a as an
+   option. In a pattern of names % is doubled. A name that is too long becomes empty. */
 static void name_for_ffmpeg(char name[TASK_PATH], const char *path, int is_pattern)
 {
     size_t length = (size_t)sprintf(name, "file:");
@@ -94,8 +94,8 @@ static int look_at_film(frames *f, const char *film)
     char input[TASK_PATH];
     name_for_ffmpeg(input, film, 0);
     const char *const arguments[] = {"ffmpeg", "-nostdin", "-v", "error", "-i", input, "-an", "-vf",
-                                     "scale=256:256,format=gray", "-fps_mode", "passthrough", "-f", "rawvideo", "pipe:1",
-                                     0};
+                                     "scale=256:256,format=gray", "-fps_mode", "passthrough", "-f", "rawvideo",
+                                     "pipe:1", 0};
     task_begin(f->t, "looking for sharp frames", 0);
     const int status = task_run(f->t, arguments, take_frames, f);
     if (task_is_cut(status))
@@ -130,12 +130,12 @@ static char *select_frames(const frames *f, size_t wanted)
 
 static int fail_frames(const task *t, const char *why)
 {
-    return fail(EXIT_FAILED, "%s: ffmpeg did not write all frames whole, perhaps on a full disk: see %s; the same command "
-                "goes on", why, t->log_name);
+    return fail(EXIT_FAILED, "%s: ffmpeg did not write all frames whole, perhaps on a full disk: see %s; the same "
+                "command goes on", why, t->log_name);
 }
 
-/* Whether each frame can be read to its end: on a full disk ffmpeg leaves some empty or cut short, and may still exit with
-   0. Frames that it has left out then are no fault. Changes *count to how many there are. */
+/* Whether each frame can be read to its end: on a full disk ffmpeg leaves some empty or cut short, and may still exit
+   with 0. Frames that it has left out then are no fault. Changes *count to how many there are. */
 static int check_frames(task *t, const char *part, int is_sound, size_t *count)
 {
     char path[TASK_PATH], name[32];
@@ -176,7 +176,7 @@ static int write_frames(const frames *f, const char *film, const char *filter, c
     return check_frames(f->t, part, !status, count);
 }
 
-/* The frames get their folder's name when all of them are whole. Otherwise they are removed: the next call begins anew. */
+/* The frames get their folder's name when all of them are whole. Otherwise they are removed. */
 static int make_frames(const frames *f, const char *film, const char *filter, const char *folder, size_t *count)
 {
     char part[TASK_PATH];

@@ -199,7 +199,8 @@ static int look_at_mask(const photograph_look *how, const char *path, const char
 static int check_name(const char *name, const char *path, fxs_message *why)
 {
     return strchr(" \t\v\f\r", *name) || strchr(name, '\n')
-               ? fxs_fail(why, "%s: COLMAP takes no name that begins with a blank or has a line break: rename it", path) : 0;
+               ? fxs_fail(why, "%s: COLMAP takes no name that begins with a blank or has a line break: rename it", path)
+               : 0;
 }
 
 static int look(task *t, photographs *p, const char *folder, const photograph_look *how, seen *lenses)

@@ -52,8 +52,8 @@ static int write_text(const char *path, fxs_printed *printed)
     return error ? fail_for(&why) : 0;
 }
 
-/* Reads numbers of up to nine digits out of a line of another program, one for each % of the pattern. Returns whether the
-   line begins as the pattern says. */
+/* Reads numbers of up to nine digits out of a line of another program, one for each % of the pattern. Returns whether
+   the line begins as the pattern says. */
 static int take_numbers(const char *line, const char *pattern, uint32_t *numbers)
 {
     for (; *pattern; pattern++) {
@@ -406,8 +406,8 @@ static int report(work *w)
         return fail_for(&why);
     task_begin(&w->t, "measuring", look_at_report);
     if (task_run(&w->t, arguments, 0, 0) == 0 && w->points)
-        note("%s: cameras of %ld of %zu photographs, %" PRIu32 " points, reprojection error %.2f pixels", w->options->in, count,
-             w->photos.count, w->points, w->error);
+        note("%s: cameras of %ld of %zu photographs, %" PRIu32 " points, reprojection error %.2f pixels", w->options->in,
+             count, w->photos.count, w->points, w->error);
     else
         note("%s: cameras of %ld of %zu photographs", w->options->in, count, w->photos.count);
     say_missing(w, views, count);
@@ -494,7 +494,8 @@ static int lock_folder(const work *w)
     char path[TASK_PATH];
     join_path(path, w->folder, "lock");
     const int taken = fxs_file_lock(path);
-    return taken > 0 ? fail(EXIT_FAILED, "%s: another fit is at work there: wait for its end, or give another -o", w->folder)
+    return taken > 0 ? fail(EXIT_FAILED, "%s: another fit is at work there: wait for its end, or give another -o",
+                            w->folder)
            : taken ? fail(EXIT_FAILED, "%s: %s", path, strerror(errno)) : 0;
 }
 

@@ -19,6 +19,7 @@ extern char **environ;
 void fxs_program_begin(int *argc, char ***argv)
 {
     (void)argc, (void)argv;
+    signal(SIGXFSZ, SIG_IGN);          /* beyond the limit of a file's size a write fails, which is told */
     for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
         if (fcntl(i, F_GETFD) < 0)
             open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);

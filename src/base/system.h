@@ -96,8 +96,8 @@ int fxs_links_folders(void);
 /* Removes what fxs_file_link made; nothing else. */
 void fxs_file_unlink(const char *name);
 
-/* Locks a file, which is made where it is not there, until this process ends, however it ends. Returns 0, also on a file
-   system without locks; 1 where another process has it; or -1 and errno. */
+/* Locks a file, which is made where it is not there, until this process ends, however it ends. Returns 0, also on a
+   file system without locks; 1 where another process has it; or -1 and errno. */
 int fxs_file_lock(const char *path);
 
 /* The path from the root, without symbolic links, for free(). Null, and errno. */
@@ -211,9 +211,9 @@ enum { FXS_PROGRAM_MISSING = 127,      /* as a shell says that there is no such 
        FXS_PROGRAM_SIGNAL = 256 };
 
 /* Runs a program of the user's path, the first of the arguments, which end with null; its input is empty, and what it
-   prints on standard error goes to `log`. However this process ends meanwhile, the program and those that it started are
-   ended too. Returns its exit status, FXS_PROGRAM_SIGNAL and the signal's number where one
-   ended it, FXS_PROGRAM_MISSING, or -1 and errno where it could not be run. */
+   prints on standard error goes to `log`. However this process ends meanwhile, the program and those that it started
+   are ended too. Returns its exit status, FXS_PROGRAM_SIGNAL and the signal's number where one ended it,
+   FXS_PROGRAM_MISSING, or -1 and errno where it could not be run. */
 int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument);
 
 /* Runs a program in place of this one. Returns where that fails, with errno. */
