@@ -71,6 +71,17 @@ int fxs_fail_memory(fxs_message *message, const char *path, uint64_t bytes)
     return FXS_ERR_MEMORY;
 }
 
+int fxs_fail_library(fxs_message *message, const char *path, const char *format, ...)
+{
+    va_list arguments;
+    if (errno == ENOMEM)
+        return fxs_fail_memory(message, path, 0);
+    va_start(arguments, format);
+    const int error = fxs_fail_list(FXS_ERR_FILE, message, format, arguments);
+    va_end(arguments);
+    return error;
+}
+
 int fxs_fail_errno(fxs_message *message, const char *path, int number)
 {
     return fxs_fail_as(number == ENOMEM ? FXS_ERR_MEMORY : FXS_ERR_FILE, message, "%s: %s", path, strerror(number));
