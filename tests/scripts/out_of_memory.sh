@@ -84,7 +84,7 @@ survives o.compressed.ply convert knot.ply o.compressed.ply
 survives o.rad convert knot.ply o.rad
 survives o.sog convert knot.ply o.sog
 survives o.glb convert knot.ply o.glb --drop-floaters
-for ending in spz sog glb rad; do "$fixsplat" convert knot.ply read.$ending || exit 1; done
+for ending in spz sog glb rad; do "$fixsplat" convert knot.ply read.$ending --quiet || exit 1; done
 for ending in spz sog glb rad; do survives - info read.$ending; done
 printf '[{"id": 0, "img_name": "a", "width": 64, "height": 48, "position": [0, 0, -6], "fx": 60, "fy": 60, %s}]' \
     '"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]' >cameras.json
