@@ -151,7 +151,7 @@ check "less than all is fetched, with a small budget" awk -v size="$size" '
     /^right/ { split(substr($2, 7), range, "-"); sum += range[2] - range[1] + 1 } END { exit !(sum > 0 && sum < 3 * size) }' requests
 served() { refused "$1" 1 "^fixsplat: .*$at/$1/knot.fxs: $2" render $at/$1/knot.fxs $view --hash; }
 start=$(date +%s)
-"$fixsplat" render $at/slow/knot.fxs $view --hash >/dev/null 2>logs/slow &
+"$fixsplat" render $at/slow/knot.fxs $view --hash >/dev/null 2>slow.err &
 slow=$!
 served missing 'the server answers 404'
 served turning 'the server answers 302'
@@ -196,16 +196,16 @@ struct curl_slist *curl_slist_append(struct curl_slist *list, const char *text) 
 void curl_slist_free_all(struct curl_slist *list) { (void)list; }
 const char *curl_easy_strerror(CURLcode code) { (void)code; return "played"; }
 END
-mkdir played && if ${CC:-cc} -shared -fPIC -o played/libcurl.so.4 curl.c 2>logs/err; then
+mkdir played && if ${CC:-cc} -shared -fPIC -o played/libcurl.so.4 curl.c 2>curl.err; then
     for address in http://a/b.fxs https://a/b.fxs HTTPS://a/b.fxs; do
         check "$address: where it may be redirected to" equal "$(LD_LIBRARY_PATH=$PWD/played "$fixsplat" render $address \
             --hash 2>&1 | sed -n 's/^to //p')" "$(case $address in http:*) echo http,https ;; *) echo https ;; esac)"
     done
 else
-    skip "where an address may be redirected to" "$(head -n 1 logs/err)"
+    skip "where an address may be redirected to" "$(head -n 1 curl.err)"
 fi
 wait $slow
-check "a server of two bytes a second: after some 30 seconds" equal "$? $(cat logs/slow)" \
+check "a server of two bytes a second: after some 30 seconds" equal "$? $(cat slow.err)" \
     "1 fixsplat: $at/slow/knot.fxs: the server is too slow: below 1000 bytes a second for 30 seconds"
 check "a server of two bytes a second: not for ever" [ $(($(date +%s) - start)) -lt 120 ]
 exec 3>&-

@@ -38,6 +38,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.answer(302, {"Location": "/turning/knot.fxs"}, b"")
         if way == "headers":
             self.send_response(206)
+            self.flush_headers()
             while True:
                 self.wfile.write(b"X: " + 1000 * b"x" + b"\r\n")
         if way == "garbled":
