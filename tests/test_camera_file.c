@@ -626,7 +626,8 @@ static void control_characters_in_messages(void)
         {"\xe2\x80\xa7-\xe2\x80\xa8-\xe2\x80\xa9-\xe2\x80\xaa-\xe2\x80\xae-\xe2\x80\xaf",
          "\xe2\x80\xa7-?-?-?-?-\xe2\x80\xaf"},
         {"\xe2\x81\xa5-\xe2\x81\xa6-\xe2\x81\xa9-\xe2\x81\xaa", "\xe2\x81\xa5-?-?-\xe2\x81\xaa"},
-        {"\xc3\x84 \xe4\xb8\x80\xe4\xba\x9b \xf0\x9f\x98\x80 \xd0\x9b", "\xc3\x84 \xe4\xb8\x80\xe4\xba\x9b \xf0\x9f\x98\x80 \xd0\x9b"},
+        {"\xc3\x84 \xe4\xb8\x80\xe4\xba\x9b \xf0\x9f\x98\x80 \xd0\x9b",
+         "\xc3\x84 \xe4\xb8\x80\xe4\xba\x9b \xf0\x9f\x98\x80 \xd0\x9b"},
         {"\x9b" "1m \xc0\x9b \xe2\x80", "?1m \xc0? \xe2\x80"},
         {"\xe2\x80\033\xe2", "\xe2\x80?\xe2"},
     };
@@ -812,8 +813,8 @@ static void view_of_a_box(void)
         ends[i % 6] = wrong[i / 6];
         CHECK(fxs_view_frame_box(&view, ends, ends + 3, up, 50, 640, 360, &message) == FXS_ERR_ARGUMENT);
     }
-    CHECK(fxs_view_frame_box(&view, (double[3]){-1.7e308, 0, 0}, (double[3]){1.7e308, 1, 1}, up, 50, 640, 360, &message) ==
-          FXS_ERR_ARGUMENT);
+    const double far_low[3] = {-1.7e308, 0, 0}, far_high[3] = {1.7e308, 1, 1};
+    CHECK(fxs_view_frame_box(&view, far_low, far_high, up, 50, 640, 360, &message) == FXS_ERR_ARGUMENT);
 }
 
 /* Where the camera is, and which way it looks, how far along it zooms. */

@@ -220,8 +220,8 @@ static void count_file(void *files, const char *name)
     *(int *)files += strcmp(name, ".") && strcmp(name, "..");
 }
 
-/* A folder that is not there, is empty, or is of an earlier call, which may have been killed: until the page's folder is
-   there, an empty file marks it as one of publish. */
+/* A folder that is not there, is empty, or is of an earlier call, which may have been killed: an empty file marks a
+   folder of publish until all is in it. */
 static int take_site(publish_options *o)
 {
     char page[TASK_PATH];

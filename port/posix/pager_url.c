@@ -33,7 +33,8 @@ int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *messag
 #include "src/base/try_internal.h"
 
 /* A request ends where for SLOW_SECONDS the server sends less than SLOW_RATE bytes a second. */
-enum { CONNECT_SECONDS = 15, SLOW_SECONDS = 30, SLOW_RATE = 1000, HEADERS_MOST = 65536, REDIRECTIONS = 5, GAP = 262144, VALIDATOR = 200 };
+enum { CONNECT_SECONDS = 15, SLOW_SECONDS = 30, SLOW_RATE = 1000, HEADERS_MOST = 65536, REDIRECTIONS = 5, GAP = 262144,
+       VALIDATOR = 200 };
 
 /* ---- The library ------------------------------------------------------------------------------------------------- */
 
@@ -198,8 +199,8 @@ static int judge(const paged_url *u, CURLcode code, fxs_message *message)
     if (u->too_long)
         return fxs_fail(message, "%s: the server sends more than it was asked for", u->url);
     if (u->status && code == CURLE_OPERATION_TIMEDOUT)
-        return fxs_fail(message, "%s: the server is too slow: below %d bytes a second for %d seconds", u->url, SLOW_RATE,
-                        SLOW_SECONDS);
+        return fxs_fail(message, "%s: the server is too slow: below %d bytes a second for %d seconds", u->url,
+                        SLOW_RATE, SLOW_SECONDS);
     if (code == CURLE_PARTIAL_FILE || (!code && u->got < u->size))
         return fxs_fail(message, "%s: the server ended early: %zu of %zu bytes", u->url, u->got, u->size);
     return code ? fxs_fail(message, "%s: %s", u->url, lib.error(code)) : 0;

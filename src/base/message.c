@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Bytes of a character that a terminal obeys, or that ends a line or turns the text behind it around: controls (C0, C1),
-   U+2028, U+2029, U+202A to U+202E, U+2066 to U+2069; else 0. */
+/* Bytes of a character that a terminal obeys, or that ends a line or turns the text behind it around: controls (C0,
+   C1), U+2028, U+2029, U+202A to U+202E, U+2066 to U+2069; else 0. */
 static size_t unsafe_bytes(const unsigned char *c)
 {
     if (*c < ' ' || *c == 127)
