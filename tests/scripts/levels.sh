@@ -97,6 +97,13 @@ refused "render --pool: too little for the picture" 1 'the pool has no room for 
     render knot.fxs --pool 600K --hash
 refused "render --pool: no levels" 1 'flat.fxs: has no levels of detail' render flat.fxs --pool 9M --hash
 refused "render --pool: no .fxs" 1 'knot.ply: not an .fxs file' render knot.ply --pool 9M --hash
+if have script; then
+    env -u FIXSPLAT_QUIET script -qc "'$fixsplat' render knot.fxs --pool 9M --budget 12000 $small --hash" /dev/null \
+        </dev/null >tty
+    check "render --pool: a terminal shows that it reads" grep -q 'reading .*%' tty
+else
+    skip "render --pool: a terminal shows that it reads" "no script here"
+fi
 head -c $((size - 1)) knot.fxs >short.fxs
 refused "render --pool: cut short" 1 'short.fxs: damaged or cut short' render short.fxs --pool 9M --hash
 { head -c 300000 knot.fxs; printf damaged; tail -c +300008 knot.fxs; } >damaged.fxs
@@ -135,7 +142,7 @@ refused "nobody answers" 1 "http://127.0.0.1:1/knot.fxs: Couldn't connect" rende
 mkfifo hold
 python3 "$lib/range_server.py" knot.fxs <hold >requests &
 exec 3>hold
-for _ in 1 2 3 4 5 6 7 8 9 10 20 30 40 50; do
+for _ in $(seq 100); do
     [ -s requests ] && break
     sleep 0.2
 done
