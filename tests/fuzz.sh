@@ -259,6 +259,16 @@ seeds_of_fxs() {
 
 seeds_of_scribble() { seeds_of_fxs; }
 
+# A scene that is sound, sealed damage, a source of each kind.
+seeds_of_pager() {
+    for kind in 0 1 2 3 4; do
+        for profile in 0 1 2; do
+            printf "\\$profile\\37\\$kind\\5\\1\\2\\0\\0\\7\\7\\7\\7" >sound-$kind-$profile
+            printf "\\6$profile\\11\\$kind\\3\\0\\0\\0\\0\\1\\2\\3\\4\\3\\1\\0\\0\\377\\0" >edited-$kind-$profile
+        done
+    done
+}
+
 seeds_of_pack() {
     for profile in 0 1 2 11; do
         {
@@ -377,6 +387,7 @@ build() {
     esac
     mkdir "$work/objects"
     for source in src/*/*.c src/*/*/*.c $kernels port/posix/output.c port/posix/files.c port/posix/pages.c port/posix/heif_library.c \
+        port/posix/clock.c port/posix/pager*.c \
         port/backend/fit_engines.c port/backend/pack_stages.c tests/fuzz_*.c; do
         echo "$compile $features -DFXS_WITH_KERNELS $(instructions_of "$source") -c $source -o $work/objects/$(
             )$(basename "$source" .c).o"

@@ -8,7 +8,7 @@
 #
 # The tests of a change are the programs of `make check` that its code is linked into, and those of `make test` whose
 # name shares a word with the file's path: most words first, then the least time. Of tools/, scripts too, cli.sh and
-# films.sh last; of port/http/, serve.sh.
+# films.sh last; of port/http/, serve.sh; of port/posix/, the scripts of files, of other programs and of servers.
 # JOBS: changes at a time, each in a tree of its own (the number of processors). FOLDER: where the trees are, and stay,
 # so that a later run builds less (a new one in /tmp, removed at the end).
 show=
@@ -20,7 +20,7 @@ case $(uname -m) in x86_64) simd=x86 ;; *) simd=arm ;; esac
 # draw: the changes, one a line.
 draw() {
     find src kernels/*.[ch] kernels/gl kernels/gles kernels/fit kernels/simd/lanes kernels/simd/$simd port/backend \
-        port/http port/board/*.[ch] tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
+        port/gl port/http port/posix port/window port/board/*.[ch] tools -name '*.[ch]' -o -name '*.inc' | grep -v cuda | grep -E -- "$pattern" | LC_ALL=C sort |
         xargs awk -v seed="$seed" -v count="$count" -f tests/mutants.awk
 }
 
@@ -81,6 +81,7 @@ candidates() {
     case $1 in
     tools/*) by_words "$1" $scripts | grep -v '^0'; printf '0 %s\n' cli.sh films.sh ;;
     port/http/*) echo 1 serve.sh ;;
+    port/posix/*) printf '0 %s\n' files.sh cli.sh cameras.sh levels.sh ;;
     esac
 }
 

@@ -644,7 +644,21 @@ static void without_cjson(void)
 /* What is in a file cannot steer a terminal: not even from the first character on. */
 static void control_characters_in_messages(void)
 {
-    CHECK(fxs_fail(&message, "%s", "\033[1m\177 a\n") == FXS_ERR_FILE && !strcmp(message.text, "?[1m? a?"));
+    static const struct {
+        const char *text, *safe;
+    } rows[] = {
+        {"\033[1m\177 a\n", "?[1m? a?"},
+        {"a\xc2\x80-\xc2\x9b-\xc2\x9f-\xc2\xa0", "a?-?-?-\xc2\xa0"},
+        {"\xe2\x80\xa7-\xe2\x80\xa8-\xe2\x80\xa9-\xe2\x80\xaa-\xe2\x80\xae-\xe2\x80\xaf",
+         "\xe2\x80\xa7-?-?-?-?-\xe2\x80\xaf"},
+        {"\xe2\x81\xa5-\xe2\x81\xa6-\xe2\x81\xa9-\xe2\x81\xaa", "\xe2\x81\xa5-?-?-\xe2\x81\xaa"},
+        {"\xc3\x84 \xe4\xb8\x80\xe4\xba\x9b \xf0\x9f\x98\x80 \xd0\x9b",
+         "\xc3\x84 \xe4\xb8\x80\xe4\xba\x9b \xf0\x9f\x98\x80 \xd0\x9b"},
+        {"\x9b" "1m \xc0\x9b \xe2\x80", "?1m \xc0? \xe2\x80"},
+        {"\xe2\x80\033\xe2", "\xe2\x80?\xe2"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        CHECK(fxs_fail(&message, "%s", rows[i].text) == FXS_ERR_FILE && !strcmp(message.text, rows[i].safe));
 }
 
 /* Each number of a view goes to its place in the camera. */
@@ -819,6 +833,14 @@ static void view_of_a_box(void)
         CHECK(p[2] > 0.2 && x >= 0 && x <= 640 && y >= 0 && y <= 360);
         CHECK(corner < 8 || (fabs(x - 320) < 1e-6 && fabs(y - 180) < 1e-6));
     }
+    static const double wrong[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 18; i++) {
+        double ends[6] = {1, 20, -300, 5, 24, -290};
+        ends[i % 6] = wrong[i / 6];
+        CHECK(fxs_view_frame_box(&view, ends, ends + 3, up, 50, 640, 360, &message) == FXS_ERR_ARGUMENT);
+    }
+    const double far_low[3] = {-1.7e308, 0, 0}, far_high[3] = {1.7e308, 1, 1};
+    CHECK(fxs_view_frame_box(&view, far_low, far_high, up, 50, 640, 360, &message) == FXS_ERR_ARGUMENT);
 }
 
 /* Where the camera is, and which way it looks, how far along it zooms. */

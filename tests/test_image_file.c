@@ -1,4 +1,5 @@
 /* Image files: round trips, failures that leave the old file whole. Metrics: values worked out by hand. */
+#include <fixsplat/film_file.h>
 #include <fixsplat/image_file.h>
 
 #include <dirent.h>
@@ -173,6 +174,19 @@ static void frames_of_films(void)
     CHECK(encode(FXS_IMAGE_RGBA, 0, &frame) && frame.bytes == image && frame.size == sizeof image);
     CHECK(encode(FXS_IMAGE_Y4M, 0, &frame) && frame.bytes == memory);   /* used again */
     fxs_encoded_free(&frame);
+
+    static const struct {
+        enum fxs_image_format format;
+        int width, height, rate;
+    } wrong[] = {
+        {FXS_IMAGE_Y4M, 8, 6, 0}, {FXS_IMAGE_Y4M, 8, 6, -1}, {FXS_IMAGE_Y4M, 0, 6, 30}, {FXS_IMAGE_RGBA, 8, -6, 30},
+        {FXS_IMAGE_PNG, 8, 6, 30}, {FXS_IMAGE_RAW, 8, 6, 30}, {FXS_IMAGE_UNKNOWN, 8, 6, 30}
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        fxs_film *film = (fxs_film *)&frame;
+        CHECK(fxs_film_open(&film, in_folder("a.y4m"), wrong[i].format, wrong[i].width, wrong[i].height, wrong[i].rate,
+                            &message) == FXS_ERR_ARGUMENT && !film);
+    }
 }
 
 /* What is smooth comes back within a few levels. */

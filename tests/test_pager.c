@@ -430,11 +430,14 @@ static void test_arguments(void)
 {
     bytes_source s = {.reads = 0};
     const fxs_pager_source source = source_of(&s);
+    fxs_pager_source unread = source;
     fxs_pager *pager;
     fxs_message why;
-    CHECK(fxs_pager_open(0, &source, 0, &pager, &why) == FXS_ERR_ARGUMENT && !pager);
+    unread.read = 0;
+    CHECK(fxs_pager_open(0, &source, 0, &pager, &why) == FXS_ERR_ARGUMENT && !pager && s.closed == 1);
     CHECK(fxs_pager_open("x", 0, 0, &pager, &why) == FXS_ERR_ARGUMENT);
-    CHECK(fxs_pager_open("x", &source, 0, 0, &why) == FXS_ERR_ARGUMENT);
+    CHECK(fxs_pager_open("x", &source, 0, 0, &why) == FXS_ERR_ARGUMENT && s.closed == 2);
+    CHECK(fxs_pager_open("x", &unread, 0, &pager, &why) == FXS_ERR_ARGUMENT && s.closed == 3);
     CHECK(fxs_pager_open_file(0, 0, &pager, &why) == FXS_ERR_ARGUMENT);
     CHECK(fxs_pager_is_url("http://a/b.fxs") && fxs_pager_is_url("HTTPS://a") && !fxs_pager_is_url("http.fxs"));
     fxs_pager_close(0);

@@ -365,6 +365,48 @@ static void test_arguments(void)
 }
 
 /* More slots than a band may have: one eye goes without a word, two have no bands. */
+/* A clock that runs on, faster each time, as it is looked at. */
+typedef struct looked {
+    uint64_t calls, first, last;
+} looked;
+
+static uint64_t look_at_clock(void *argument)
+{
+    looked *l = argument;
+    l->calls++;
+    l->last = 5000000000000 + 1000 * l->calls * l->calls;
+    l->first = l->calls == 1 ? l->last : l->first;
+    return l->last;
+}
+
+/* The time of both eyes is that from the first look at the clock to the last one, and has that of all stages in it. */
+static void test_time(void)
+{
+    fxs_scene scene;
+    fxs_camera cameras[2];
+    fxs_options options;
+    fxs_context context;
+    state = 1;
+    const packed_scene packed = random_scene(FXS_PROFILE_DEFAULT, 500);
+    CHECK(!fxs_scene_open(&scene, packed.data, packed.bytes));
+    const enum fxs_format format = random_pair(cameras, &options, ONE_PLACE);
+    pair p = pair_of(&scene, cameras, &options, format);
+    unsigned char *pixels = check_aligned(p.bytes);
+    for (int exact = 0; exact < 2; exact++) {
+        looked l = {0, 0, 0};
+        const fxs_config config = {.clock = look_at_clock, .clock_argument = &l};
+        uint64_t stages = 0;
+        fxs_init(&context, &config);
+        CHECK(!render(&p, &context, exact, bytes_of(&p, &context), pixels));
+        for (int i = 0; i < FXS_STAGES; i++)
+            stages += p.stats.nanoseconds[i];
+        CHECK(l.calls > 2 && p.stats.frame_nanoseconds == l.last - l.first);
+        CHECK(stages > p.stats.frame_nanoseconds / 2 && stages < p.stats.frame_nanoseconds);
+    }
+    free(pixels);
+    free(packed.data);
+}
+
 static void test_too_many_slots(void)
 {
     static fxs_object objects[FXS_MAX_OBJECTS];
@@ -573,6 +615,7 @@ int main(void)
     RUN(test_eyes_with_other_principal_points);
     RUN(test_near_planes);
     RUN(test_arguments);
+    RUN(test_time);
     RUN(test_too_many_slots);
     RUN(test_procedural_scenes);
     RUN(test_captured_scene);

@@ -40,7 +40,7 @@ END
 }
 
 stop() {
-    echo "cluster.sh: $1" >&2
+    printf 'cluster.sh: %s\n' "$1" >&2
     exit "${2:-1}"
 }
 
@@ -96,15 +96,16 @@ if [ -z "${FIXSPLAT:-}" ]; then
     [ -x "$FIXSPLAT" ] || FIXSPLAT=fixsplat
 fi
 command -v "$FIXSPLAT" >/dev/null || stop "$FIXSPLAT: no such command; FIXSPLAT names it"
+case $out in -*) out=./$out ;; esac
 work=${work:-$out.jobs}
-mkdir -p "$work" || exit 1
+mkdir -p -- "$work" || exit 1
 
 # ---- The jobs --------------------------------------------------------------------------------------------------------
 
 # whole NAME: the path from the root on.
 whole() {
-    folder=$(cd "$(dirname "$1")" && pwd) || exit 1
-    echo "$folder/$(basename "$1")"
+    folder=$(cd -- "$(dirname -- "$1")" && pwd) || exit 1
+    printf '%s\n' "$folder/$(basename -- "$1")"
 }
 # words WORD...: as a shell takes them.
 words() {
@@ -113,7 +114,7 @@ words() {
     done
 }
 case $FIXSPLAT in */*) FIXSPLAT=$(whole "$FIXSPLAT") ;; esac
-work=$(cd "$work" && pwd) || exit 1
+work=$(cd -- "$work" && pwd) || exit 1
 # A fit that goes on from another one needs a recipe whose course does not adapt to the number of steps.
 case " $* " in
     *" --recipe"* | *" --quality"*) ;;
@@ -146,12 +147,12 @@ cat >"$work/merge.sh" <<END
 #!/bin/sh
 cd $(words "$work") || exit 1
 for part in $parts; do
-    [ -e \$part ] || { echo "\$part is missing: its job failed, see its log in $work" >&2; exit 1; }
+    [ -e \$part ] || { printf '%s is missing: its job failed, see its log in %s\n' \$part$(words "$work") >&2; exit 1; }
 done
 [ -e all.fxs ] || exec $(words "$FIXSPLAT") convert $parts all.fxs --levels
 END
 chmod +x "$work/coarse.sh" "$work/block.sh" "$work/merge.sh" || exit 1
-[ -z "$dry_run" ] || { echo "$work: coarse.sh, block.sh and merge.sh are written"; exit 0; }
+[ -z "$dry_run" ] || { printf '%s: coarse.sh, block.sh and merge.sh are written\n' "$work"; exit 0; }
 
 # missing: numbers of the blocks that have no result, with commas.
 missing() {
@@ -170,29 +171,30 @@ say_failed() {
 
 by_parallel() {
     (FIXSPLAT_QUIET=1 "$work/coarse.sh" >"$work/coarse.log" 2>&1) || return 1
-    FIXSPLAT_QUIET=1 parallel -j "$jobs" "$(words "$work/block.sh") {} >$(words "$work")/{}.log 2>&1" \
-        ::: $(missing | tr ',' ' ') || return 1
+    (cd "$work" && FIXSPLAT_QUIET=1 parallel -j "$jobs" "./block.sh {} >{}.log 2>&1" ::: $(missing | tr ',' ' ')) ||
+        return 1
     (FIXSPLAT_QUIET=1 "$work/merge.sh" >"$work/merge.log" 2>&1)
 }
 
 # ---- By Slurm --------------------------------------------------------------------------------------------------------
 
-# submit NAME OPTION... SCRIPT: prints the number of the job.
+# submit NAME OPTION... SCRIPT: prints the number of the job. Slurm replaces % and \ in the name of an output, but not in
+# that of a folder.
 submit() {
     name=$1
     shift
-    sbatch --parsable --export=ALL,FIXSPLAT_QUIET=1 --job-name="fixsplat-$name" $sbatch "$@" | sed 's/;.*//'
+    sbatch --parsable --chdir="$work" --export=ALL,FIXSPLAT_QUIET=1 --job-name="fixsplat-$name" $sbatch "$@" | sed 's/;.*//'
 }
 
 submit_all() {
-    coarse=$(submit coarse --output="$work/coarse.log" "$work/coarse.sh") && [ -n "$coarse" ] || return 1
+    coarse=$(submit coarse --output=coarse.log "$work/coarse.sh") && [ -n "$coarse" ] || return 1
     after=$coarse
     left=$(missing)
     if [ -n "$left" ]; then
         after=$(submit blocks --array="$left" --dependency="afterok:$coarse" --kill-on-invalid-dep=yes \
-            --output="$work/%a.log" "$work/block.sh") && [ -n "$after" ] || return 1
+            --output=%a.log "$work/block.sh") && [ -n "$after" ] || return 1
     fi
-    merge=$(submit merge --dependency="afterok:$after" --kill-on-invalid-dep=yes --output="$work/merge.log" \
+    merge=$(submit merge --dependency="afterok:$after" --kill-on-invalid-dep=yes --output=merge.log \
         "$work/merge.sh") && [ -n "$merge" ] || return 1
     echo "$coarse,$after,$merge" >"$work/submitted"
 }
@@ -218,4 +220,4 @@ if [ ! -e "$work/all.fxs" ]; then
     }
 fi
 cp "$work/all.fxs" "$out.new" && mv "$out.new" "$out" || exit 1
-echo "$out: of $blocks blocks, in $work"
+printf '%s: of %s blocks, in %s\n' "$out" "$blocks" "$work"

@@ -119,7 +119,7 @@ static const option_row own_rows[] = {
     {"write-cameras", "FILE", OUTPUT(cameras), .help =
      "at the end write there the cameras of all photographs as the fit has them, a cameras.json"},
     {"save-every", "N", UINT64(save_every, 1, UINT32_MAX), .help =
-     "save the fit after every N steps, in OUT.fit; so does Ctrl-C, and ends"},
+     "save the fit after every N steps, in OUT.fit; so do Ctrl-C and SIGTERM, and end"},
     {"metrics-every", "N", UINT64(metrics_every, 1, UINT32_MAX), .help =
      "measure the scene as it is after every N steps too, by the photographs that are held out, and print a line"},
     {"preview", 0, FLAG(preview), .help =

@@ -23,6 +23,7 @@ typedef struct publish_options {
     const char *title, *site, *settings;
     char *const *words;            /* of the command */
     int single;                    /* one .html file, and no folder */
+    char mark[TASK_PATH];          /* a file in the folder while it is not finished */
     scene_list list;
     size_t bytes;                  /* of all that was written */
     made_list made;                /* what was not there before: removed where publish fails */
@@ -220,17 +221,25 @@ static void count_file(void *files, const char *name)
     *(int *)files += strcmp(name, ".") && strcmp(name, "..");
 }
 
-/* A folder that is not there, is empty, or is of an earlier call. */
+/* A folder that is not there, is empty, or is of an earlier call, which may have been killed: an empty file marks a
+   folder of publish until all is in it. */
 static int take_site(publish_options *o)
 {
-    char path[TASK_PATH];
+    char page[TASK_PATH];
     int files = 0;
     fxs_folder_each(o->site, count_file, &files);
-    join_path(path, o->site, "fixsplat/viewer");
-    if (files && !is_folder(path))
+    join_path(page, o->site, "fixsplat/viewer");
+    join_path(o->mark, o->site, ".fixsplat-publish");
+    const int has_mark = fxs_file_kind(o->mark) == FXS_FILE_REGULAR;
+    if (files && !is_folder(page) && !has_mark)
         return fail(EXIT_FAILED, "%s: not empty, and not a folder that publish made: give a new one", o->site);
     made_list_add_folders(&o->made, o->site);
-    return make_folders(o->site);
+    const int status = make_folders(o->site);
+    if (status || files)
+        return status;
+    made_list_add(&o->made, o->mark);
+    FILE *mark = fxs_stream_open(o->mark, "w");
+    return mark && !fclose(mark) ? 0 : fail(EXIT_FAILED, "%s: %s", o->mark, strerror(errno));
 }
 
 static int read_options(publish_options *o, int argc, char **argv)
@@ -263,7 +272,10 @@ static int publish_folder(publish_options *o, const char *package)
         status = write_scene(o, &o->list.scenes[i]);
         status = status ? status : write_poster(o, &o->list.scenes[i]);
     }
-    return status ? status : write_pages(o);
+    status = status ? status : write_pages(o);
+    if (!status)
+        fxs_file_remove(o->mark);
+    return status;
 }
 
 static int publish_file(publish_options *o, const char *package)

@@ -224,19 +224,30 @@ static int draw(renderer *r, const fxs_request *request, fxs_stats *stats, fxs_m
                          : r->backend->render(r->self, request, stats, why);
 }
 
+static int is_stopped(const fxs_options *options)
+{
+    return options->stop && options->stop(options->stop_argument);
+}
+
 /* Reads all that the last frame wanted; *came: how many chunks there were. */
 static int read_wanted(const world *w, const fxs_options *options, uint32_t *came, fxs_message *why)
 {
+    char label[] = "reading";
     fxs_pager_state state;
     int error;
     *came = 0;
     do {
         error = world_turn(w, &state, why);
-        while (!error && !world_wait(w, WAIT_NS))
-            if (options->stop && options->stop(options->stop_argument))
-                return FXS_ERR_STOPPED;
         *came += state.arrived;
+        while (!error && !world_wait(w, WAIT_NS)) {
+            progress_bar(label, *came / ((double)*came + state.coming + 1));
+            if (is_stopped(options)) {
+                error = FXS_ERR_STOPPED;
+                break;
+            }
+        }
     } while (!error && (state.arrived || (state.coming && !state.no_room)));
+    progress_end();
     return error;
 }
 
@@ -258,7 +269,7 @@ static void want(void *argument, const fxs_scene *scene, uint32_t chunk, int the
 static int stop(void *argument)
 {
     const wanting *g = argument;
-    return FXS_SHARED_READ(g->missing) || (g->options->stop && g->options->stop(g->options->stop_argument));
+    return FXS_SHARED_READ(g->missing) || is_stopped(g->options);
 }
 
 /* Draws what is there; or where that is not enough, once nothing is missing. Gives up where for several times in a row

@@ -5,9 +5,12 @@
 #include <string.h>
 #include <strings.h>
 
+#include <fixsplat/image_file.h>
 #include "command.h"
 
 enum { SIDE = 256, LEAST = 3 };
+
+#define FRAME "frame-%05d.jpg"
 
 typedef struct frames {
     task *t;
@@ -16,6 +19,7 @@ typedef struct frames {
     uint64_t *sharpness;           /* of each frame of the film */
     size_t count, room;
     int no_memory;
+    int is_damaged;                /* the film ends early */
 } frames;
 
 int film_is_named(const char *path)
@@ -70,19 +74,37 @@ static void take_frames(void *argument, const char *data, size_t size)
     }
 }
 
-/* A film that is damaged further on is used up to there. */
+/* The name of a file whatever characters it has: "file:" keeps ffmpeg from taking a:b as a protocol and -a as an
+   option. In a pattern of names % is doubled. A name that is too long becomes empty. */
+static void name_for_ffmpeg(char name[TASK_PATH], const char *path, int is_pattern)
+{
+    size_t length = (size_t)sprintf(name, "file:");
+    for (; *path && length + 2 < TASK_PATH; path++) {
+        name[length++] = *path;
+        if (is_pattern && *path == '%')
+            name[length++] = '%';
+    }
+    name[*path ? 0 : length] = 0;
+}
+
+/* A film that is damaged further on is used up to there. Each frame is counted once, whatever its time: the numbers are
+   those that write_frames selects. */
 static int look_at_film(frames *f, const char *film)
 {
-    const char *const arguments[] = {"ffmpeg", "-nostdin", "-v", "error", "-i", film, "-an", "-vf",
-                                     "scale=256:256,format=gray", "-f", "rawvideo", "pipe:1", 0};
+    char input[TASK_PATH];
+    name_for_ffmpeg(input, film, 0);
+    const char *const arguments[] = {"ffmpeg", "-nostdin", "-v", "error", "-i", input, "-an", "-vf",
+                                     "scale=256:256,format=gray", "-fps_mode", "passthrough", "-f", "rawvideo",
+                                     "pipe:1", 0};
     task_begin(f->t, "looking for sharp frames", 0);
     const int status = task_run(f->t, arguments, take_frames, f);
-    if (status < 0 || status >= FXS_PROGRAM_MISSING)
+    if (task_is_cut(status))
         return task_failed(f->t, "ffmpeg", status);
     if (f->no_memory)
         return fail(EXIT_FAILED, "out of memory");
     if (!f->count)
         return fail(EXIT_FAILED, "%s: ffmpeg finds no picture in it: see %s", film, f->t->log_name);
+    f->is_damaged = status != 0;
     if (status)
         note("%s: damaged: its first %zu frames are used", film, f->count);
     return f->count >= LEAST ? 0 : fail(EXIT_FAILED, "%s: a film of %zu frame%s: %d or more are needed, from places apart",
@@ -106,22 +128,68 @@ static char *select_frames(const frames *f, size_t wanted)
     return text;
 }
 
-static int write_frames(task *t, const char *film, const char *filter, const char *folder)
+static int fail_frames(const task *t, const char *why)
 {
-    char part[TASK_PATH], pattern[TASK_PATH];
+    return fail(EXIT_FAILED, "%s: ffmpeg did not write all frames whole, perhaps on a full disk: see %s; the same "
+                "command goes on", why, t->log_name);
+}
+
+/* Whether each frame can be read to its end: on a full disk ffmpeg leaves some empty or cut short, and may still exit
+   with 0. Frames that it has left out then are no fault. Changes *count to how many there are. */
+static int check_frames(task *t, const char *part, int is_sound, size_t *count)
+{
+    char path[TASK_PATH], name[32];
+    uint8_t *rgba;
+    int width, height;
+    fxs_message why;
+    task_begin(t, "checking frames", 0);
+    for (size_t i = 0; i < *count; i++) {
+        snprintf(name, sizeof name, FRAME, (int)i + 1);
+        join_path(path, part, name);
+        if (is_sound && i >= LEAST && !fxs_file_is_named(path))
+            *count = i;
+        else if (fxs_image_file_read(path, &rgba, &width, &height, &why))
+            return fail_frames(t, why.text);
+        else
+            free(rgba);
+        task_show(t, i + 1, *count);
+    }
+    progress_end();
+    return 0;
+}
+
+/* Of a damaged film ffmpeg fails a second time, after the frames that it has. */
+static int write_frames(const frames *f, const char *film, const char *filter, const char *part, size_t *count)
+{
+    char input[TASK_PATH], pattern[TASK_PATH], folder[TASK_PATH];
+    name_for_ffmpeg(input, film, 0);
+    name_for_ffmpeg(folder, part, 1);
+    join_path(pattern, folder, FRAME);
+    const char *const arguments[] = {"ffmpeg", "-nostdin", "-v", "error", "-y", "-i", input, "-an", "-vf", filter,
+                                     "-fps_mode", "passthrough", "-qmin", "1", "-q:v", "1", pattern, 0};
+    task_begin(f->t, "writing frames", 0);
+    const int status = task_run(f->t, arguments, 0, 0);
+    if (task_is_cut(status))
+        return task_failed(f->t, "ffmpeg", status);
+    if (status && !f->is_damaged)
+        return fail_frames(f->t, film);
+    return check_frames(f->t, part, !status, count);
+}
+
+/* The frames get their folder's name when all of them are whole. Otherwise they are removed. */
+static int make_frames(const frames *f, const char *film, const char *filter, const char *folder, size_t *count)
+{
+    char part[TASK_PATH];
     if (snprintf(part, sizeof part, "%s.part", folder) >= TASK_PATH)
         *part = 0;
-    join_path(pattern, part, "frame-%05d.jpg");
-    const char *const arguments[] = {"ffmpeg", "-nostdin", "-v", "error", "-y", "-i", film, "-an", "-vf", filter,
-                                     "-fps_mode", "passthrough", "-qmin", "1", "-q:v", "1", pattern, 0};
     remove_folder(part);           /* of a command that was stopped */
-    if (make_folder(part))
-        return EXIT_FAILED;
-    task_begin(t, "writing frames", 0);
-    const int status = task_run(t, arguments, 0, 0);
-    if (status < 0 || status >= FXS_PROGRAM_MISSING)
-        return task_failed(t, "ffmpeg", status);
-    return fxs_file_rename(part, folder) ? fail(EXIT_FAILED, "%s: %s", folder, strerror(errno)) : 0;
+    int status = make_folder(part);
+    status = status ? status : write_frames(f, film, filter, part, count);
+    if (!status && fxs_file_rename(part, folder))
+        status = fail(EXIT_FAILED, "%s: %s", folder, strerror(errno));
+    if (status)
+        remove_folder(part);
+    return status;
 }
 
 int film_frames(task *t, const char *film, size_t wanted, const char *folder)
@@ -136,7 +204,7 @@ int film_frames(task *t, const char *film, size_t wanted, const char *folder)
     wanted = wanted < f->count ? wanted : f->count;
     char *filter = status ? 0 : select_frames(f, wanted);
     if (!status)
-        status = filter ? write_frames(t, film, filter, folder) : fail(EXIT_FAILED, "out of memory");
+        status = filter ? make_frames(f, film, filter, folder, &wanted) : fail(EXIT_FAILED, "out of memory");
     if (!status)
         note("%s: %zu of %zu frames, in %s", film, wanted, f->count, folder);
     free(filter);

@@ -280,7 +280,7 @@ static int open_in_part(loaded_scene *loaded, const char *path, fxs_open_options
 static int open_to_render(loaded_scene *loaded, const char *path, const load_options *o, fxs_scene_file *file,
                           const fxs_scene_file_info *info)
 {
-    char label[] = "packing";
+    char label[] = "packing", reading[] = "reading";
     fxs_message message;
     preparation p = {path, o};
     fxs_open_options options = {.file = file_options(path, o), .profile = o->profile, .threads = o->threads,
@@ -289,6 +289,8 @@ static int open_to_render(loaded_scene *loaded, const char *path, const load_opt
     options.progress = progress_of(o, label, &options.progress_argument);
     if (o->pages && (o->pool || fxs_pager_is_url(path)))
         options.pager = &paging;
+    if (options.pager)
+        progress_bar(reading, 0);
     if (!file) {
         options.prepare = prepare;
         options.prepare_argument = &p;

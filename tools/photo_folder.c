@@ -195,6 +195,14 @@ static int look_at_mask(const photograph_look *how, const char *path, const char
     return error;
 }
 
+/* COLMAP reads a list of names: a line each, without the blanks at its ends. */
+static int check_name(const char *name, const char *path, fxs_message *why)
+{
+    return strchr(" \t\v\f\r", *name) || strchr(name, '\n')
+               ? fxs_fail(why, "%s: COLMAP takes no name that begins with a blank or has a line break: rename it", path)
+               : 0;
+}
+
 static int look(task *t, photographs *p, const char *folder, const photograph_look *how, seen *lenses)
 {
     size_t kept = 0;
@@ -205,7 +213,8 @@ static int look(task *t, photographs *p, const char *folder, const photograph_lo
         fxs_message why;
         seen s = {0};
         join_path(path, folder, p->names[i]);
-        int error = fxs_photograph_read(path, &pixels, &s.width, &s.height, &s.exif, &why);
+        int error = check_name(p->names[i], path, &why);
+        error = error ? error : fxs_photograph_read(path, &pixels, &s.width, &s.height, &s.exif, &why);
         error = error ? error : look_at_mask(how, path, p->names[i], &s, &why);
         free(pixels);
         task_show(t, i + 1, count);

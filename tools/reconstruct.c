@@ -10,6 +10,7 @@
 #include <fixsplat/camera_file.h>
 #include <fixsplat/image_file.h>
 #include "src/camera/camera_find.h"
+#include "src/fit/photo_points.h"
 #include "src/fit/photo_masks.h"
 #include "command.h"
 #include "file_guard.h"
@@ -30,13 +31,40 @@ typedef struct work {
     photographs photos;
     char threads[16];
     uint64_t looked_at;            /* photographs, for features */
-    unsigned long points;
-    double error;                  /* pixels */
+    uint32_t points;               /* of the model, and its error in pixels; 0: COLMAP did not say */
+    double error;
 } work;
 
 static int no_memory(void)
 {
     return fail(EXIT_FAILED, "out of memory");
+}
+
+/* A text file is there whole or not at all, also on a full disk. */
+static int write_text(const char *path, fxs_printed *printed)
+{
+    fxs_message why;
+    if (fxs_print_end(printed))
+        return no_memory();
+    const fxs_encoded file = {.bytes = (void *)printed->text, .size = printed->size};
+    const int error = fxs_encoded_write(path, &file, &why);
+    free(printed->text);
+    return error ? fail_for(&why) : 0;
+}
+
+/* Reads numbers of up to nine digits out of a line of another program, one for each % of the pattern. Returns whether
+   the line begins as the pattern says. */
+static int take_numbers(const char *line, const char *pattern, uint32_t *numbers)
+{
+    for (; *pattern; pattern++) {
+        const size_t digits = *pattern == '%' ? strspn(line, "0123456789") : 0;
+        if (*pattern == '%' ? !digits || digits > 9 : *line != *pattern)
+            return 0;
+        if (digits)
+            *numbers++ = (uint32_t)strtoul(line, 0, 10);
+        line += digits ? digits : 1;
+    }
+    return 1;
 }
 
 /* ---- What there is ----------------------------------------------------------------------------------------------- */
@@ -140,11 +168,13 @@ enum { EVERY_LENS = -1 };
 
 static int write_list(const work *w, long lens)
 {
-    FILE *file = fxs_stream_open(w->list, "w");
-    for (size_t i = 0; file && i < w->photos.count; i++)
+    fxs_printed list;
+    if (fxs_print_begin(&list))
+        return no_memory();
+    for (size_t i = 0; i < w->photos.count; i++)
         if (lens == EVERY_LENS || w->photos.lenses[i] == (size_t)lens)
-            fprintf(file, "%s\n", w->photos.names[i]);
-    return file && !fclose(file) ? 0 : fail(EXIT_FAILED, "%s: %s", w->list, strerror(errno));
+            fprintf(list.file, "%s\n", w->photos.names[i]);
+    return write_text(w->list, &list);
 }
 
 static int take_photographs(work *w, int are_placed)
@@ -168,8 +198,8 @@ static int take_photographs(work *w, int are_placed)
 static void look_at_features(task *t, const char *line)
 {
     const work *w = t->argument;
-    uint64_t done;
-    if (sscanf(line, "Processed file [%" SCNu64 "/", &done) == 1)
+    uint32_t done;
+    if (take_numbers(line, "Processed file [%/", &done))
         task_show(t, w->looked_at + done, w->photos.count);
 }
 
@@ -202,14 +232,16 @@ static int find_features(work *w)
 /* All pairs, of which COLMAP says blocks that have nearly as many each; or each photograph with those near it. */
 static void look_at_matches(task *t, const char *line)
 {
+    enum { ROW, ROWS, COLUMN, COLUMNS };
     const work *w = t->argument;
     const uint64_t pairs = (uint64_t)w->photos.count * (w->photos.count - 1) / 2;
-    uint64_t row, rows, column, columns;
-    if (sscanf(line, "Matching block [%" SCNu64 "/%" SCNu64 ", %" SCNu64 "/%" SCNu64 "]", &row, &rows, &column,
-               &columns) == 4)
-        task_show(t, pairs * ((row - 1) * columns + column - 1) / (rows * columns), pairs);
-    else if (sscanf(line, "Matching image [%" SCNu64 "/%" SCNu64 "]", &row, &rows) == 2)
-        task_show(t, row, rows);
+    uint32_t n[4];
+    if (take_numbers(line, "Matching block [%/%, %/%]", n)) {
+        if (n[ROW] && n[ROW] <= n[ROWS] && n[COLUMN] && n[COLUMN] <= n[COLUMNS])
+            task_show(t, (uint64_t)((double)pairs * ((n[ROW] - 1.0) * n[COLUMNS] + n[COLUMN] - 1.0) /
+                                    ((double)n[ROWS] * n[COLUMNS])), pairs);
+    } else if (take_numbers(line, "Matching image [%/%]", n))
+        task_show(t, n[ROW], n[ROWS]);
 }
 
 static int find_matches(work *w)
@@ -228,9 +260,9 @@ static int find_matches(work *w)
 static void look_at_mapper(task *t, const char *line)
 {
     const work *w = t->argument;
-    unsigned number, placed;
-    if (sscanf(line, "Registering image #%u (%u)", &number, &placed) == 2)
-        task_show(t, placed, w->photos.count);
+    uint32_t number_and_placed[2];
+    if (take_numbers(line, "Registering image #% (%)", number_and_placed))
+        task_show(t, number_and_placed[1], w->photos.count);
 }
 
 static void remove_models(const char *models)
@@ -250,7 +282,6 @@ static int map_cameras(work *w, const char *models)
                                     "--Mapper.min_model_size", "3", 0};
     task_begin(&w->t, "placing photographs", look_at_mapper);
     task_show(&w->t, 0, w->photos.count);
-    /* COLMAP's fails too where no pair is good enough to begin with, which the models tell. */
     return task_run(&w->t, global, 0, 0) ? task_run(&w->t, stepwise, 0, 0) : 0;
 }
 
@@ -271,6 +302,21 @@ static uint64_t size_of_model(const char *models, const char *name)
     return read == 8 ? count : 0;
 }
 
+/* On a full disk a mapper leaves files cut short, and may still exit with 0. */
+static int check_model(const work *w, const char *model)
+{
+    char path[TASK_PATH];
+    fxs_file_view *views = 0;
+    fxs_photo_points points = {0};
+    fxs_message why;
+    join_path(path, model, "points3D.bin");
+    const int wrong = fxs_camera_file_read(model, &views, &why) < 0 || fxs_photo_points_colmap(&points, path, &why);
+    free(views);
+    free(points.points);
+    return wrong ? fail(EXIT_FAILED, "%s: the cameras were not written whole, perhaps on a full disk: see %s; the same "
+                        "command goes on", why.text, w->log_name) : 0;
+}
+
 /* The largest model becomes sparse/0. */
 static int keep_largest(work *w, const char *models)
 {
@@ -287,7 +333,8 @@ static int keep_largest(work *w, const char *models)
     join_path(sparse, w->folder, "sparse");
     join_path(from, models, best);
     join_path(to, sparse, "0");
-    const int status = make_folder(sparse);
+    int status = check_model(w, from);
+    status = status ? status : make_folder(sparse);
     return status ? status : fxs_file_rename(from, to) ? fail(EXIT_FAILED, "%s: %s", to, strerror(errno)) : 0;
 }
 
@@ -302,8 +349,9 @@ static int find_cameras(work *w)
     if (status)
         return status;
     status = map_cameras(w, models);
-    status = status < 0 || status >= FXS_PROGRAM_MISSING ? task_failed(&w->t, "colmap", status)
-                                                         : keep_largest(w, models);
+    /* COLMAP's mapper fails too where no pair is good enough to begin with, and then it leaves no model. */
+    status = task_is_cut(status) || (status && size_of_model(models, "0"))
+                 ? task_failed(&w->t, "colmap", status) : keep_largest(w, models);
     remove_models(models);
     return status;
 }
@@ -313,8 +361,10 @@ static int find_cameras(work *w)
 static void look_at_report(task *t, const char *line)
 {
     work *w = t->argument;
-    sscanf(line, "Points: %lu", &w->points);
-    sscanf(line, "Mean reprojection error: %lf", &w->error);
+    double error;
+    take_numbers(line, "Points: %", &w->points);
+    if (sscanf(line, "Mean reprojection error: %lf", &error) == 1 && error >= 0 && error < FXS_MAX_SIZE)
+        w->error = error;
 }
 
 static int has_camera(const char *name, const fxs_file_view *views, long count)
@@ -355,9 +405,9 @@ static int report(work *w)
     if (count < 0)
         return fail_for(&why);
     task_begin(&w->t, "measuring", look_at_report);
-    if (task_run(&w->t, arguments, 0, 0) == 0)
-        note("%s: cameras of %ld of %zu photographs, %lu points, reprojection error %.2f pixels", w->options->in, count,
-             w->photos.count, w->points, w->error);
+    if (task_run(&w->t, arguments, 0, 0) == 0 && w->points)
+        note("%s: cameras of %ld of %zu photographs, %" PRIu32 " points, reprojection error %.2f pixels", w->options->in,
+             count, w->photos.count, w->points, w->error);
     else
         note("%s: cameras of %ld of %zu photographs", w->options->in, count, w->photos.count);
     say_missing(w, views, count);
@@ -431,9 +481,22 @@ static int claim_folder(const work *w)
         fclose(file);
     if (has)
         return check_folder(w, number, of, frames);
-    file = fxs_stream_open(path, "w");
-    const int wrong = !file || fprintf(file, "%016" PRIx64 " %" PRIu32 "\n", number, w->options->frames) < 0;
-    return (file && fclose(file)) || wrong ? fail(EXIT_FAILED, "%s: %s", path, strerror(errno)) : 0;
+    fxs_printed text;
+    if (fxs_print_begin(&text))
+        return no_memory();
+    fprintf(text.file, "%016" PRIx64 " %" PRIu32 "\n", number, w->options->frames);
+    return write_text(path, &text);
+}
+
+/* For as long as this process runs: the fit reads the photographs there. */
+static int lock_folder(const work *w)
+{
+    char path[TASK_PATH];
+    join_path(path, w->folder, "lock");
+    const int taken = fxs_file_lock(path);
+    return taken > 0 ? fail(EXIT_FAILED, "%s: another fit is at work there: wait for its end, or give another -o",
+                            w->folder)
+           : taken ? fail(EXIT_FAILED, "%s: %s", path, strerror(errno)) : 0;
 }
 
 static int open_folder(work *w)
@@ -441,7 +504,8 @@ static int open_folder(work *w)
     const size_t room = TASK_PATH - 64;
     if (strlen(w->options->out) > room || strlen(w->options->in) > room)
         return fail(EXIT_FAILED, "a name of more than %zu characters", room);
-    snprintf(w->folder, TASK_PATH, "%s.cameras", w->options->out);
+    /* COLMAP takes no name that begins as an option. */
+    snprintf(w->folder, TASK_PATH, "%s%s.cameras", *w->options->out == '-' ? "./" : "", w->options->out);
     strcpy(w->source, w->options->in);
     if (!w->is_film && !find_photographs(w->source, w->options->in))
         return fail(EXIT_FAILED, "%s: no photographs here, nor in a folder images here", w->options->in);
@@ -452,6 +516,7 @@ static int open_folder(work *w)
     join_path(w->log_name, w->folder, "log.txt");
     int status = find_masks(w);
     status = status ? status : make_folder(w->folder);
+    status = status ? status : lock_folder(w);
     status = status ? status : claim_folder(w);
     if (status)
         return status;

@@ -27,6 +27,7 @@ void task_show(task *t, uint64_t done, uint64_t all)
     const double seconds = (double)(now - t->start) * 1e-9;
     if (is_quiet() || (t->shown && now - t->shown < (is_line ? 200000000u : 10000000000u)))
         return;
+    done = all && done > all ? all : done;         /* as another program counted */
     if (done && all)
         snprintf(left, sizeof left, ", some %.0f s left", seconds / (double)done * (double)(all - done));
     snprintf(text, sizeof text, all ? "%s: %" PRIu64 " of %" PRIu64 "%s" : "%s: %" PRIu64, t->doing, done, all, left);
@@ -63,6 +64,11 @@ int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, v
     return status;
 }
 
+int task_is_cut(int status)
+{
+    return status < 0 || status == FXS_PROGRAM_MISSING || status >= FXS_PROGRAM_SIGNAL;
+}
+
 const char *to_install(char words[TO_INSTALL], const char *package, const char *otherwise)
 {
     const int has_apt = fxs_program_is_here("apt");
@@ -77,9 +83,10 @@ int task_failed(const task *t, const char *program, int status)
                ? fail(EXIT_FAILED, "%s: to find its cameras takes %s, which is not here: %s", t->of, program,
                       to_install(words, program, TO_PATH))
            : status < 0 ? fail(EXIT_FAILED, "%s: %s", program, strerror(errno))
-           : status > 128 ? fail(EXIT_FAILED, "%s: ended by signal %d while %s; the same command goes on", program,
-                                 status - 128, t->doing)
-                          : fail(EXIT_FAILED, "%s: failed while %s: see %s", program, t->doing, t->log_name);
+           : status > FXS_PROGRAM_SIGNAL
+               ? fail(EXIT_FAILED, "%s: ended by signal %d while %s; the same command goes on", program,
+                      status - FXS_PROGRAM_SIGNAL, t->doing)
+               : fail(EXIT_FAILED, "%s: failed while %s: see %s", program, t->doing, t->log_name);
 }
 
 /* ---- Folders ----------------------------------------------------------------------------------------------------- */

@@ -32,9 +32,12 @@ void task_begin(task *t, const char *doing, void (*look)(task *t, const char *li
 void task_show(task *t, uint64_t done, uint64_t all);
 
 /* Runs a program of PATH with these arguments, the first its name and the last null. It reads nothing; its errors go to
-   the log, its output to `take`, piece by piece, or where that is null to the log and to look. Returns its exit status,
-   128 and the signal's number where one ended it, FXS_PROGRAM_MISSING, or -1 with errno where it could not be run. */
+   the log, its output to `take`, piece by piece, or where that is null to the log and to look. Returns as
+   fxs_program_run. */
 int task_run(task *t, const char *const *arguments, fxs_program_said_fn *take, void *argument);
+
+/* Whether the program did not come to an end of its own: it is missing, could not be run, or a signal ended it. */
+int task_is_cut(int status);
 
 /* "apt install " and the package where there is apt, else "install it" and what is given. Returns `words`. */
 const char *to_install(char words[TO_INSTALL], const char *package, const char *otherwise);

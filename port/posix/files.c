@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -92,6 +93,18 @@ void fxs_file_unlink(const char *name)
     struct stat status;
     if (!lstat(name, &status) && S_ISLNK(status.st_mode))
         unlink(name);
+}
+
+/* Programs that are run do not inherit the descriptor, which stays open. */
+int fxs_file_lock(const char *path)
+{
+    const int descriptor = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (descriptor < 0)
+        return -1;
+    if (!flock(descriptor, LOCK_EX | LOCK_NB) || errno != EWOULDBLOCK)
+        return 0;
+    close(descriptor);
+    return 1;
 }
 
 char *fxs_path_whole(const char *path)

@@ -446,18 +446,25 @@ static fxs_pager *make(const char *name, const fxs_pager_source *source, const f
     return p;
 }
 
+static void close_source(const fxs_pager_source *source)
+{
+    if (source && source->close)
+        source->close(source->argument);
+}
+
 int fxs_pager_open(const char *name, const fxs_pager_source *source, const fxs_pager_options *options,
                    fxs_pager **pager, fxs_message *message)
 {
     if (pager)
         *pager = 0;
-    if (!name || !source || !source->read || !pager)
+    if (!name || !source || !source->read || !pager) {
+        close_source(source);
         return fxs_fail_as(FXS_ERR_ARGUMENT, message, "no %s to open a scene",
                            !name ? "name" : pager ? "source" : "place");
+    }
     fxs_pager *p = make(name, source, options);
     if (!p) {
-        if (source->close)
-            source->close(source->argument);
+        close_source(source);
         return fxs_fail_memory(message, name, sizeof *p);
     }
     int error = read_heads(p, message);

@@ -32,7 +32,9 @@ int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *messag
 
 #include "src/base/try_internal.h"
 
-enum { CONNECT_SECONDS = 15, SILENT_SECONDS = 30, REDIRECTIONS = 5, GAP = 262144, VALIDATOR = 200 };
+/* A request ends where for SLOW_SECONDS the server sends less than SLOW_RATE bytes a second. */
+enum { CONNECT_SECONDS = 15, SLOW_SECONDS = 30, SLOW_RATE = 1000, HEADERS_MOST = 65536, REDIRECTIONS = 5, GAP = 262144,
+       VALIDATOR = 200 };
 
 /* ---- The library ------------------------------------------------------------------------------------------------- */
 
@@ -90,7 +92,7 @@ typedef struct paged_url {
     /* Of the request under way. */
     unsigned char *out;
     uint64_t first;                    /* byte of the file */
-    size_t size, got;
+    size_t size, got, headers;         /* bytes */
     long status;                       /* of the answer whose headers come */
     int has_range, too_long;
     uint64_t from, to;                 /* the range that it has */
@@ -138,6 +140,9 @@ static size_t take_header(char *bytes, size_t size, size_t count, void *argument
     paged_url *u = argument;
     char line[512], range[VALIDATOR] = "";
     const size_t length = size * count;
+    u->headers += length;
+    if (u->headers > HEADERS_MOST)
+        return 0;
     snprintf(line, sizeof line, "%.*s", (int)(length < sizeof line ? length : sizeof line - 1), bytes);
     if (!strncmp(line, "HTTP/", 5)) {
         const char *space = strchr(line, ' ');
@@ -177,6 +182,8 @@ static int judge(const paged_url *u, CURLcode code, fxs_message *message)
     const uint64_t last = u->first + u->size - 1;
     if (__atomic_load_n(&u->cancelled, __ATOMIC_ACQUIRE))
         return fxs_fail_as(FXS_ERR_STOPPED, message, "%s: no longer wanted", u->url);
+    if (u->headers > HEADERS_MOST)
+        return fxs_fail(message, "%s: the server sends more than %d bytes of headers", u->url, HEADERS_MOST);
     if (u->status == 200 || u->status == 416)
         return u->is_open ? fxs_fail(message, "%s: changed while it was read", u->url)
                : u->status == 416
@@ -191,6 +198,9 @@ static int judge(const paged_url *u, CURLcode code, fxs_message *message)
         return fxs_fail(message, "%s: changed while it was read", u->url);
     if (u->too_long)
         return fxs_fail(message, "%s: the server sends more than it was asked for", u->url);
+    if (u->status && code == CURLE_OPERATION_TIMEDOUT)
+        return fxs_fail(message, "%s: the server is too slow: below %d bytes a second for %d seconds", u->url,
+                        SLOW_RATE, SLOW_SECONDS);
     if (code == CURLE_PARTIAL_FILE || (!code && u->got < u->size))
         return fxs_fail(message, "%s: the server ended early: %zu of %zu bytes", u->url, u->got, u->size);
     return code ? fxs_fail(message, "%s: %s", u->url, lib.error(code)) : 0;
@@ -204,7 +214,7 @@ static int fetch(void *argument, uint64_t offset, void *out, size_t size, fxs_me
     u->out = out;
     u->first = offset;
     u->size = size;
-    u->got = 0;
+    u->got = u->headers = 0;
     u->status = u->has_range = u->too_long = 0;
     snprintf(range, sizeof range, "%" PRIu64 "-%" PRIu64, offset, offset + size - 1);
     if (u->is_open && *validator_of(u)) {
@@ -236,14 +246,17 @@ static void close_url(void *argument)
     free(u);
 }
 
+/* An address of https is not redirected to http. */
 static int prepare(paged_url *u)
 {
     CURL *h = u->handle;
+    const char *redirected = strncasecmp(u->url, "https:", 6) ? "http,https" : "https";
     return lib.setopt(h, CURLOPT_URL, u->url) || lib.setopt(h, CURLOPT_PROTOCOLS_STR, "http,https") ||
+           lib.setopt(h, CURLOPT_REDIR_PROTOCOLS_STR, redirected) ||
            lib.setopt(h, CURLOPT_FOLLOWLOCATION, 1L) || lib.setopt(h, CURLOPT_MAXREDIRS, (long)REDIRECTIONS) ||
            lib.setopt(h, CURLOPT_NOSIGNAL, 1L) || lib.setopt(h, CURLOPT_CONNECTTIMEOUT, (long)CONNECT_SECONDS) ||
-           lib.setopt(h, CURLOPT_LOW_SPEED_LIMIT, 1L) ||
-           lib.setopt(h, CURLOPT_LOW_SPEED_TIME, (long)SILENT_SECONDS) ||
+           lib.setopt(h, CURLOPT_LOW_SPEED_LIMIT, (long)SLOW_RATE) ||
+           lib.setopt(h, CURLOPT_LOW_SPEED_TIME, (long)SLOW_SECONDS) ||
            lib.setopt(h, CURLOPT_WRITEFUNCTION, take_bytes) || lib.setopt(h, CURLOPT_WRITEDATA, u) ||
            lib.setopt(h, CURLOPT_HEADERFUNCTION, take_header) || lib.setopt(h, CURLOPT_HEADERDATA, u) ||
            lib.setopt(h, CURLOPT_NOPROGRESS, 0L) || lib.setopt(h, CURLOPT_XFERINFOFUNCTION, is_cancelled) ||

@@ -19,6 +19,7 @@ extern char **environ;
 void fxs_program_begin(int *argc, char ***argv)
 {
     (void)argc, (void)argv;
+    signal(SIGXFSZ, SIG_IGN);          /* beyond the limit of a file's size a write fails, which is told */
     for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
         if (fcntl(i, F_GETFD) < 0)
             open("/dev/null", i == STDIN_FILENO ? O_WRONLY : O_RDONLY);
@@ -61,20 +62,78 @@ void fxs_program_become(const char *path, char **argv)
 
 /* ---- Others ------------------------------------------------------------------------------------------------------ */
 
+/* In a process group of its own. */
 static int start(const char *const *arguments, int output, int log, pid_t *child)
 {
     posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
     int error = posix_spawn_file_actions_init(&actions);
     if (error)
         return error;
+    error = posix_spawnattr_init(&attributes);
+    if (error) {
+        posix_spawn_file_actions_destroy(&actions);
+        return error;
+    }
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
     error = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     error = error ? error : posix_spawn_file_actions_adddup2(&actions, log, STDERR_FILENO);
     /* posix_spawnp does not change the arguments, though its type does not say so */
     if (!error)
-        error = posix_spawnp(child, arguments[0], &actions, 0, (char *const *)(uintptr_t)arguments, environ);
+        error = posix_spawnp(child, arguments[0], &actions, &attributes, (char *const *)(uintptr_t)arguments, environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     return error;
+}
+
+/* A process that ends the group of a program where the other end of `life` is closed without a byte: this process has
+   ended then, by whatever signal. It is in a group of its own, and is ended by no signal but SIGKILL. */
+static pid_t start_guard(const int life[2], pid_t group)
+{
+    sigset_t all, before;
+    char byte;
+    ssize_t size;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const pid_t guard = fork();
+    if (guard) {
+        pthread_sigmask(SIG_SETMASK, &before, 0);
+        return guard;
+    }
+    setpgid(0, 0);
+    close(life[1]);
+    do
+        size = read(life[0], &byte, 1);
+    while (size < 0 && errno == EINTR);
+    if (size < 1)
+        kill(-group, SIGKILL);
+    _exit(0);
+}
+
+static volatile sig_atomic_t running;  /* the group of a program */
+
+/* Ctrl-Z stops this process and its program. */
+static void stop_both(int number)
+{
+    const int error = errno;
+    (void)number;
+    kill(-running, SIGSTOP);
+    raise(SIGSTOP);
+    kill(-running, SIGCONT);
+    errno = error;
+}
+
+static void listen_to_stops(pid_t group, struct sigaction *before)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = stop_both;
+    action.sa_flags = SA_RESTART;
+    running = group;
+    sigaction(SIGTSTP, 0, before);
+    if (before->sa_handler == SIG_DFL)
+        sigaction(SIGTSTP, &action, 0);
 }
 
 static void hear_all(int from, fxs_program_said_fn *said, void *argument)
@@ -95,25 +154,58 @@ static int wait_for(pid_t child)
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR)
             return -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : FXS_PROGRAM_SIGNAL + WTERMSIG(status);
 }
 
-int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument)
+/* A pipe that programs do not inherit. */
+static int make_pipe(int ends[2])
 {
-    int ends[2], status = -1;
-    pid_t child;
-    fflush(log);
     if (pipe(ends))
         return -1;
     fcntl(ends[0], F_SETFD, FD_CLOEXEC);
     fcntl(ends[1], F_SETFD, FD_CLOEXEC);
+    return 0;
+}
+
+static void close_pipe(const int ends[2])
+{
+    close(ends[0]);
+    close(ends[1]);
+}
+
+/* Until the program ends. Returns its status. */
+static int attend(pid_t child, const int life[2], int from, fxs_program_said_fn *said, void *argument)
+{
+    struct sigaction before;
+    const pid_t guard = start_guard(life, child);
+    listen_to_stops(child, &before);
+    hear_all(from, said, argument);
+    const int status = wait_for(child);
+    const int error = errno;
+    sigaction(SIGTSTP, &before, 0);
+    if (guard > 0 && write(life[1], "", 1) == 1)
+        wait_for(guard);
+    errno = error;
+    return status;
+}
+
+int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument)
+{
+    int ends[2], life[2], status = -1;
+    pid_t child;
+    fflush(log);
+    if (make_pipe(ends))
+        return -1;
+    if (make_pipe(life)) {
+        close_pipe(ends);
+        return -1;
+    }
     const int error = start(arguments, ends[1], fileno(log), &child);
     close(ends[1]);
-    if (!error) {
-        hear_all(ends[0], said, argument);
-        status = wait_for(child);
-    }
+    if (!error)
+        status = attend(child, life, ends[0], said, argument);
     close(ends[0]);
+    close_pipe(life);
     errno = error ? error : errno;
     return error == ENOENT ? FXS_PROGRAM_MISSING : status;
 }

@@ -197,6 +197,17 @@ int fxs_file_link(const char *target, const char *name)
     return result;
 }
 
+/* The handle, which nobody shares, stays open. */
+int fxs_file_lock(const char *path)
+{
+    wchar_t *wide = win32_path(path);
+    const HANDLE handle = !wide ? INVALID_HANDLE_VALUE
+                                : CreateFileW(wide, GENERIC_WRITE, 0, NULL, OPEN_ALWAYS, FILE_ATTRIBUTE_NORMAL, NULL);
+    const int result = !wide ? -1 : handle != INVALID_HANDLE_VALUE ? 0 : win32_failed();
+    free(wide);
+    return result && errno == EBUSY ? 1 : result;
+}
+
 int fxs_links_folders(void)
 {
     return 0;

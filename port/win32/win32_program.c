@@ -121,6 +121,17 @@ static int start(const char *const *arguments, HANDLE input, HANDLE output, HAND
     return result;
 }
 
+/* The program ends where this one is ended, and with it those that it starts, unless they `break_away`. */
+static void bind_to_this(HANDLE process, int break_away)
+{
+    JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits = {0};
+    const HANDLE job = CreateJobObjectW(NULL, NULL);       /* closed by the end of this process */
+    limits.BasicLimitInformation.LimitFlags = JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE |
+                                              (break_away ? JOB_OBJECT_LIMIT_SILENT_BREAKAWAY_OK : 0);
+    if (job && SetInformationJobObject(job, JobObjectExtendedLimitInformation, &limits, sizeof limits))
+        AssignProcessToJobObject(job, process);
+}
+
 static DWORD wait_for(HANDLE process)
 {
     DWORD code = 0;
@@ -133,7 +144,7 @@ static DWORD wait_for(HANDLE process)
 /* As a signal's number is told: a program that crashed has the code of its exception. */
 static int status_of(DWORD code)
 {
-    return code < 126 ? (int)code : 128 + SIGSEGV;
+    return code < FXS_PROGRAM_SIGNAL ? (int)code : FXS_PROGRAM_SIGNAL + SIGSEGV;
 }
 
 static void hear_all(HANDLE from, fxs_program_said_fn *said, void *argument)
@@ -159,6 +170,7 @@ int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn
     const int error = errno;
     CloseHandle(to);
     if (!status) {
+        bind_to_this(process, 0);
         hear_all(from, said, argument);
         status = status_of(wait_for(process));
     } else if (error == ENOENT)
@@ -174,16 +186,6 @@ static BOOL WINAPI leave_it(DWORD kind)
     if (kind != CTRL_C_EVENT && kind != CTRL_BREAK_EVENT)
         Sleep(INFINITE);                   /* until the other program has ended, and this one with it */
     return TRUE;
-}
-
-/* The program ends where this one is ended; those that it starts, as a browser, do not. */
-static void bind_to_this(HANDLE process)
-{
-    JOBOBJECT_EXTENDED_LIMIT_INFORMATION limits = {0};
-    const HANDLE job = CreateJobObjectW(NULL, NULL);       /* closed by the end of this process */
-    limits.BasicLimitInformation.LimitFlags = JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE | JOB_OBJECT_LIMIT_SILENT_BREAKAWAY_OK;
-    if (job && SetInformationJobObject(job, JobObjectExtendedLimitInformation, &limits, sizeof limits))
-        AssignProcessToJobObject(job, process);
 }
 
 /* Windows starts programs beside this one only: this one waits, and ends as the other does. */
@@ -208,7 +210,7 @@ void fxs_program_become(const char *path, char **argv)
     free(arguments);
     free(program);
     if (!error) {
-        bind_to_this(process);
+        bind_to_this(process, 1);          /* a browser stays */
         exit((int)wait_for(process));
     }
 }

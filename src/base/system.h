@@ -112,6 +112,10 @@ int fxs_links_folders(void);
 /* Removes what fxs_file_link made; nothing else. */
 void fxs_file_unlink(const char *name);
 
+/* Locks a file, which is made where it is not there, until this process ends, however it ends. Returns 0, also on a
+   file system without locks; 1 where another process has it; or -1 and errno. */
+int fxs_file_lock(const char *path);
+
 /* The path from the root, without symbolic links, for free(). Null, and errno. */
 char *fxs_path_whole(const char *path);
 
@@ -219,10 +223,12 @@ void fxs_program_set(const char *variable, const char *value);
 /* A function that gets what a program prints, piece by piece. */
 typedef void fxs_program_said_fn(void *argument, const char *data, size_t size);
 
-enum { FXS_PROGRAM_MISSING = 127 };    /* as a shell says that there is no such program */
+enum { FXS_PROGRAM_MISSING = 127,      /* as a shell says that there is no such program */
+       FXS_PROGRAM_SIGNAL = 256 };
 
 /* Runs a program of the user's path, the first of the arguments, which end with null; its input is empty, and what it
-   prints on standard error goes to `log`. Returns its exit status, 128 and the signal's number where one ended it,
+   prints on standard error goes to `log`. However this process ends meanwhile, the program and those that it started
+   are ended too. Returns its exit status, FXS_PROGRAM_SIGNAL and the signal's number where one ended it,
    FXS_PROGRAM_MISSING, or -1 and errno where it could not be run. */
 int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument);
 

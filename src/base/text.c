@@ -23,9 +23,12 @@ char *fxs_text_begin(const fxs_text *text)
 
 #ifdef FXS_WITH_CJSON
 
+#include <errno.h>
 #include <math.h>
 
 #include <cjson/cJSON.h>
+
+#include "fail_list.h"
 
 #define MAX_VALUES ((size_t)8 << 20)
 #define VALUE_BYTES 144                /* memory of cJSON for each value, without its strings */
@@ -48,8 +51,9 @@ int fxs_json_parse(const fxs_text *json, const fxs_scene_source *source, cJSON *
         return fxs_fail(message, "%s: more than %zu values", json->path, MAX_VALUES);
     if (source)
         FXS_TRY(fxs_limit_memory(source, (uint64_t)values * VALUE_BYTES + json->size, message));
+    errno = 0;
     *root = cJSON_ParseWithLengthOpts(json->data, json->size + 1, &end, 1);
-    return *root ? 0 : fxs_fail(message, "%s: bad JSON at byte %td", json->path, end - json->data);
+    return *root ? 0 : fxs_fail_library(message, json->path, "%s: bad JSON at byte %td", json->path, end - json->data);
 }
 
 int fxs_json_numbers(const cJSON *array, double *out, int count)

@@ -2,9 +2,12 @@
 
 #ifdef FXS_WITH_ZIP
 
+#include <errno.h>
 #include <string.h>
 
 #include <zip.h>
+
+#include "fail_list.h"
 
 enum { MAX_INFLATION = 1032 };   /* the most bytes that a byte of deflate stands for */
 
@@ -71,14 +74,15 @@ static zip_int64_t call_source(void *argument, void *data, zip_uint64_t size, zi
 
 static int open_archive(fxs_zip *zip, zip_error_t *error, fxs_message *message)
 {
+    errno = 0;
     zip_source_t *source = zip_source_function_create(call_source, zip, error);
     zip->archive = source ? zip_open_from_source(source, ZIP_RDONLY, error) : NULL;
     if (source && !zip->archive)
         zip_source_free(source);
     if (zip->archive)
         return 0;
-    return fxs_fail_as(zip_error_code_zip(error) == ZIP_ER_MEMORY ? FXS_ERR_MEMORY : FXS_ERR_FILE, message,
-                       "%s: cannot be read as a zip: %s", zip->source->path, zip_error_strerror(error));
+    return fxs_fail_library(message, zip->source->path, "%s: cannot be read as a zip: %s", zip->source->path,
+                            zip_error_strerror(error));
 }
 
 int fxs_zip_open(const fxs_scene_source *source, fxs_zip **opened, fxs_message *message)
@@ -176,14 +180,15 @@ int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *me
         return FXS_ERR_MEMORY;
     *text = (fxs_text){path, data, (size_t)entry.size};
     data[entry.size] = 0;
+    errno = 0;
     zip_file_t *file = zip_fopen_index(zip->archive, entry.index, 0);
     int whole = file && read_entry(file, data, (size_t)entry.size) == 1;
+    const int error = whole ? 0 : fxs_fail_library(message, path, "%s: %s: damaged", path, name);
     if (file)
         zip_fclose(file);
-    if (whole)
-        return 0;
-    fxs_text_let_go(zip->source, text);
-    return fxs_fail(message, "%s: %s: damaged", path, name);
+    if (error)
+        fxs_text_let_go(zip->source, text);
+    return error;
 }
 
 void fxs_zip_close(fxs_zip *zip)

@@ -143,8 +143,11 @@ int fxs_view_frame_from(fxs_file_view *view, const double low[3], const double h
 {
     static const double origin[3] = {0, 0, 0};
     double half[3];
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         half[i] = (high[i] - low[i]) / 2;
+        if (!isfinite(low[i]) || !isfinite(half[i]))
+            return fxs_fail_as(FXS_ERR_ARGUMENT, message, "a box from %g to %g is not finite", low[i], high[i]);
+    }
     FXS_TRY(fxs_view_look_at(view, from, origin, up, fov, width, height, message));
     view->near = fxs_near_of_box(low, high);
     const double distance = distance_for(view, half, 2.5 * view->near);

@@ -125,8 +125,11 @@ static int take_views(const fxs_view_list *list, int width, int height, fxs_file
         *lenses = malloc(list->count * sizeof **lenses);
     if (!*views || (lenses && !*lenses)) {
         free(*views);
-        if (lenses)
+        *views = NULL;
+        if (lenses) {
             free(*lenses);
+            *lenses = NULL;
+        }
         return fxs_fail_memory(list->message, list->path, bytes);
     }
     for (size_t i = 0; i < list->count; i++) {

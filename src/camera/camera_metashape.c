@@ -4,6 +4,7 @@
 
 #ifdef FXS_WITH_EXPAT
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,7 @@
 #include <expat.h>
 
 #include "colmap_internal.h"
+#include "src/base/fail_list.h"
 #include "src/base/number.h"
 
 enum { DEPTH_MOST = 64, NAME_ROOM = 24, TEXT_MOST = 2048, ID_ROOM = 24, ITEMS_MOST = 1000000 };
@@ -377,10 +379,11 @@ static int parse(reader *r, const fxs_text *xml)
     XML_SetElementHandler(r->parser, begin, end);
     XML_SetCharacterDataHandler(r->parser, add_text);
     XML_SetStartDoctypeDeclHandler(r->parser, begin_declarations);
+    errno = 0;
     if (XML_Parse(r->parser, xml->data, (int)xml->size, 1) != XML_STATUS_OK && !r->error)
-        return fxs_fail(r->list->message, "%s: line %lu: %s", r->list->path,
-                        (unsigned long)XML_GetCurrentLineNumber(r->parser),
-                        XML_ErrorString(XML_GetErrorCode(r->parser)));
+        return fxs_fail_library(r->list->message, r->list->path, "%s: line %lu: %s", r->list->path,
+                                (unsigned long)XML_GetCurrentLineNumber(r->parser),
+                                XML_ErrorString(XML_GetErrorCode(r->parser)));
     FXS_TRY(r->error);
     if (!r->chunks)
         return fxs_fail(r->list->message, "%s: no cameras of Metashape", r->list->path);

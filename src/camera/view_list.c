@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "src/base/fail_list.h"
 #include "camera_internal.h"
 
 #define MAX_VIEWS 1000000
@@ -42,9 +43,7 @@ int fxs_view_list_add(fxs_view_list *list, const char *name, fxs_listed_view **a
     } else {
         snprintf(view->name, sizeof view->name, "%zu", list->count);
     }
-    for (char *c = view->name; *c; c++)
-        if ((unsigned char)*c < ' ')   /* a message is one line */
-            *c = '?';
+    fxs_text_make_safe(view->name);    /* for messages */
     list->count++;
     return 0;
 }

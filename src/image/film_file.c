@@ -2,17 +2,32 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "src/base/output_internal.h"
+#include "src/base/try_internal.h"
 
 struct fxs_film {
     fxs_output output;
 };
 
+static int check(const char *path, enum fxs_image_format format, int width, int height, int rate, fxs_message *message)
+{
+    const int is_film = format == FXS_IMAGE_Y4M || format == FXS_IMAGE_RGBA;
+    if (!is_film && (strcmp(path, "-") || format == FXS_IMAGE_UNKNOWN))
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: a film is a .y4m or an .rgba", path);
+    if (width < 1 || height < 1 || rate < 1)
+        return fxs_fail_as(FXS_ERR_ARGUMENT, message, "%s: a film of %dx%d and %d frames a second", path, width, height,
+                           rate);
+    return 0;
+}
+
 /* The file has no buffer, as the reader of a pipe waits for whole frames. */
 int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height, int rate,
                   fxs_message *message)
 {
+    *film = NULL;
+    FXS_TRY(check(path, format, width, height, rate, message));
     fxs_film *made = *film = malloc(sizeof *made);
     const int error = made ? fxs_output_open(&made->output, path, 0, message)
                            : fxs_fail_memory(message, path, sizeof *made);

@@ -267,10 +267,11 @@ static const char *read_webp(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
         *width = features.width;
         *height = features.height;
         *rgba = malloc(room);
+        errno = 0;
         if (!*rgba)
             fault = fxs_no_memory;
         else if (!WebPDecodeRGBAInto(all, (size_t)bytes, *rgba, room, 4 * features.width))
-            fault = "a .webp that is damaged or cut short";
+            fault = errno == ENOMEM ? fxs_no_memory : "a .webp that is damaged or cut short";
     }
     free(all);
     return fault;

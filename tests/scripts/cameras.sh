@@ -21,20 +21,30 @@ offscreen\ m* | offscreen\ *.use_gpu\ 0\ *) ;;
 esac
 [ "$1" != "$KILLED" ] || kill -9 $$
 [ "$1" != "$FAILS" ] || { echo "ERROR: played"; exit 1; }
+if [ "$1" = "$WAITS" ]; then               # with a program of its own, and the file that helper signal looks for
+    sleep 60 &
+    echo $$ $! >"$PLAY/waiting"
+    : >"$PLAY/.fixsplat-waiting.tmp"
+    wait
+fi
 case $1 in
 feature_extractor)
     echo "Processed file [1/12]"
     while [ "$1" != --image_list_path ]; do shift; done
     echo $(cat "$2") >>"$PLAY/lists" ;;
-exhaustive_matcher) echo "Matching block [2/2, 1/2]" ;;
+exhaustive_matcher) echo "${MATCHING:-Matching block [2/2, 1/2]}" ;;
 mapper)
     [ -z "$NOTHING" ] || exit 1
     while [ "$1" != --output_path ]; do shift; done
     for model in 0 1; do
         mkdir -p "$2/$model"
         perl "$PLAY/model.pl" "$PLAY/set/sparse/0" "$2/$model" $((model ? 12 : 4))
-    done ;;
-model_analyzer) printf 'Points: 400\nMean reprojection error: 0.511px\n' ;;
+        for file in $CUT; do               # as a full disk leaves it
+            head -c 50 "$2/$model/$file" >"$PLAY/cut" && cp "$PLAY/cut" "$2/$model/$file"
+        done
+    done
+    [ -z "$ENDS" ] || exit "$ENDS" ;;
+model_analyzer) printf 'Points: %s\nMean reprojection error: %s\n' "${POINTS:-400}" "${ERROR:-0.511px}" ;;
 *) exit 1 ;;
 esac
 PLAYED
@@ -72,8 +82,11 @@ case "$*" in
     n=0
     for image in "$PLAY"/set/images/*.png; do
         n=$((n + 1))
-        cp "$image" "$(printf "$last" $n)"
-    done ;;
+        [ "$n" != "$LAST" ] || exit "$ENDS"            # a full disk: no more frames
+        cp "$image" "$(printf "${last#file:}" $n)"
+        [ "$n" != "$CUT" ] || head -c 900 "$image" >"$(printf "${last#file:}" $n)"
+    done
+    [ -z "$DAMAGED$ENDS" ] || exit ${ENDS:-69} ;;
 esac
 PLAYED
 chmod +x bin/*
@@ -178,7 +191,7 @@ fi
 
 # ---- What goes wrong -------------------------------------------------------------------------------------------------
 
-export KILLED FAILS NOTHING FRAMES DAMAGED
+export KILLED FAILS NOTHING FRAMES DAMAGED WAITS MATCHING POINTS ERROR LAST CUT ENDS
 KILLED=exhaustive_matcher
 fails "COLMAP killed" 1 "colmap: ended by signal 9 while matching pairs of photographs; the same command goes on" \
     fit plain $steps -o c.fxs --quiet
@@ -196,6 +209,99 @@ FAILS=
 NOTHING=1
 fails "nothing in common" 1 "plain: no two photographs were found to show the same things" fit plain $steps -o e.fxs --quiet
 NOTHING=
+
+# What COLMAP counts.
+for line in "Matching block [0/0, 0/0]" "Matching block [0/2, 0/2]" "Matching block [3/2, 1/2]" "Matching image [0/0]" \
+    "Matching block [99999999999999999999/2, 1/99999999999999999999]" "Matching block [-1/2, 1/2]"; do
+    MATCHING=$line
+    run fit plain -o counts.fxs --cameras-only
+    check "$line" equal "$status $(sed -n 's/^fixsplat: matching pairs.*: //p' logs/err)" "0 $(
+        [ "$line" != "Matching image [0/0]" ] || echo 0)"
+    rm -r counts.fxs.cameras
+done
+MATCHING="Matching image [7/2]"
+run fit plain -o counts.fxs --cameras-only
+check "$MATCHING: not above the whole" grep -q ': 2 of 2, some 0 s left$' logs/err
+MATCHING=
+for said in "-1 0.511px" "99999999999999999999 0.511px" "400 nan" "400 -1px" "400 1e99px"; do
+    POINTS=${said% *} ERROR=${said#* }
+    run fit plain -o counts.fxs --cameras-only
+    check "Points and error: $said" equal "$status $(cat logs/err)" "0 fixsplat: plain: cameras of 12 of 12 photographs$(
+        [ "$POINTS" != 400 ] || echo ", 400 points, reprojection error 0.00 pixels")"
+done
+POINTS= ERROR=
+
+# On a full disk a mapper leaves less than it should, whatever its exit status says.
+for file in images.bin cameras.bin points3D.bin; do
+    CUT=$file
+    [ $file != cameras.bin ] || CUT="images.bin points3D.bin"
+    fails "a mapper that wrote a part of $CUT" 1 "cut short.*: the cameras were not written whole.*; the same command goes on" \
+        fit plain -o full.fxs --cameras-only --quiet
+    check "nothing is left of it" [ ! -e full.fxs.cameras/sparse -a ! -e full.fxs.cameras/models ]
+done
+CUT= ENDS=1
+fails "a mapper that wrote a model and failed" 1 "colmap: failed while placing photographs" fit plain -o full.fxs \
+    --cameras-only --quiet
+ENDS=
+check "and gone on" "$fixsplat" fit plain -o full.fxs --cameras-only --quiet
+
+# Names.
+cp -r plain "odd" && mv odd/00.png "odd/ 00.png"
+fails "a name that begins with a blank" 1 "odd-.*/images/ 00.png: COLMAP takes no name that begins with a blank" \
+    fit odd -o odd-1.fxs --quiet
+mv "odd/ 00.png" "odd/0
+0.png"
+fails "a name with a line break" 1 "odd-.*/images/0.0.png: COLMAP takes no name" fit odd -o odd-2.fxs --quiet
+run fit odd $steps -o odd-2.fxs --cameras-only --skip-bad
+check "--skip-bad leaves it out" equal "$status $(grep -c 'left out: .*0?0.png' logs/err) $(
+    grep -c . odd-2.fxs.cameras/photographs.txt)" "0 1 11"
+rm calls
+check "OUT begins with -" "$fixsplat" fit plain --cameras-only --quiet --output=-x.fxs
+check "it is no option for COLMAP" equal "$(grep -c ' -x' calls)" 0
+
+# ---- Ends, and a second one ------------------------------------------------------------------------------------------
+
+# over PID...: within five seconds they have ended, though perhaps nobody has waited for them.
+over() {
+    for pid; do
+        for try in $(seq 50); do
+            state=$(sed 's/.*) \(.\).*/\1/' "/proc/$pid/stat" 2>/dev/null)
+            case $state in '' | Z) break ;; esac
+            sleep 0.1
+        done
+        case $state in '' | Z) ;; *) echo "$pid still runs"; return 1 ;; esac
+    done
+}
+WAITS=exhaustive_matcher
+for signal in 15 2 9 1; do
+    rm -f waiting
+    ended=$($helper signal $signal "$fixsplat" fit plain -o waits.fxs --cameras-only --quiet 2>logs/err)
+    rm -f .fixsplat-waiting.tmp
+    check "signal $signal while COLMAP runs" equal "$ended $(cat logs/err)" "signal $signal "
+    check "signal $signal: COLMAP ends, and what it started" over $(cat waiting)
+done
+"$fixsplat" fit plain -o waits.fxs --cameras-only --quiet 2>logs/first &
+first=$!
+until [ -e .fixsplat-waiting.tmp ]; do sleep 0.1; done
+fails "a second fit" 1 "^fixsplat: waits.fxs.cameras: another fit is at work there: wait for its end, or give another -o$" \
+    fit plain -o waits.fxs --cameras-only --quiet
+state=$(sed 's/.*) \(.\).*/\1/' /proc/$first/stat)
+kill -s TSTP $first
+stopped() { for pid; do [ "$(sed 's/.*) \(.\).*/\1/' "/proc/$pid/stat")" = T ] || return 1; done; }
+for try in $(seq 50); do stopped $first $(cat waiting) && break; sleep 0.1; done
+check "Ctrl-Z stops both" stopped $first $(cat waiting)
+kill -s CONT $first
+for try in $(seq 50); do stopped $first || stopped $(cat waiting) || break; sleep 0.1; done
+check "they go on" equal "$(stopped $(cat waiting) && echo stopped)" ""
+kill -s KILL $first
+wait $first 2>/dev/null
+rm -f .fixsplat-waiting.tmp
+WAITS=
+over $(cat waiting)
+check "after a kill: the same command goes on" "$fixsplat" fit plain -o waits.fxs --cameras-only --quiet
+
+# ---- What goes wrong, of one photograph ------------------------------------------------------------------------------
+
 mkdir one && cp plain/00.png one
 fails "one photograph" 1 "one: 1 photograph: 3 or more are needed" fit one -o f.fxs --quiet
 cp -r plain bad && head -c 100 plain/05.png >bad/05.png
@@ -235,6 +341,31 @@ check "of each stretch the sharpest frame" grep -qF "select='eq(n,3)+eq(n,10)+eq
 rm -rf film.fxs.cameras calls
 check "a film, as many frames as seem right" "$fixsplat" fit film.mp4 -o film.fxs --cameras-only --quiet
 check "60 of few" equal "$(grep -o 'eq(n' calls | wc -l | tr -d ' ')" 60
+
+# full NAME WORDS: the disk is full while frames are written, and then it is not.
+full() {
+    rm -rf full.fxs.cameras
+    fails "$1" 1 "$2.*: ffmpeg did not write all frames whole, .*: see full.fxs.cameras/log.txt; the same command goes on" \
+        fit film.mp4 --frames 12 -o full.fxs --cameras-only --quiet --skip-bad
+    check "$1: no frames" equal "$(ls full.fxs.cameras | tr '\n' ' ')" "lock log.txt of "
+    LAST= CUT= ENDS=
+    check "$1: the same command goes on" "$fixsplat" fit film.mp4 --frames 12 -o full.fxs --cameras-only --quiet
+    check "$1: with all frames" equal "$(ls full.fxs.cameras/images | wc -l | tr -d ' ')" 12
+}
+LAST=8 ENDS=1 full "a full disk, 7 of 12 frames" film.mp4
+CUT=5 full "a full disk, a frame cut short, exit status 0" frame-00005.jpg
+CUT=12 ENDS=228 full "a full disk, the last frame cut short" film.mp4
+DAMAGED=1
+LAST=8 ENDS=69 full "a full disk and a damaged film" frame-00008.jpg
+DAMAGED=
+mkdir "100%d:x"
+: >"100%d:x/a%d:b.mp4"
+rm calls
+check "names with colons and %" "$fixsplat" fit "100%d:x/a%d:b.mp4" --frames 12 --cameras-only -o "100%d:x/o.fxs" --quiet
+check "names with colons and %: frames" [ -e "100%d:x/o.fxs.cameras/images/frame-00012.jpg" ]
+check "ffmpeg is told that the film is a file" equal "$(grep -c -- '-i file:100%d:x/a%d:b.mp4 ' calls)" 2
+check "frames have one number for the look and for the selection" equal "$(grep -c -- '-fps_mode passthrough' calls)" 2
+
 DAMAGED=1
 "$fixsplat" fit film.mp4 -o damaged.fxs --cameras-only >logs/out 2>logs/err
 check "a damaged film" grep -q '^fixsplat: film.mp4: damaged: its first 84 frames are used$' logs/err
@@ -247,6 +378,17 @@ fails "a film of one frame" 1 "film.mp4: a film of 1 frame: 3 or more are needed
 # ---- The programs themselves -----------------------------------------------------------------------------------------
 
 rm -r bin
+if have ffmpeg; then
+    "$fixsplat" render knot.ply --size 128x96 --orbit 30 -o - --quiet |
+        ffmpeg -v error -y -i - -pix_fmt yuv420p file:a:b%d.mp4
+    PATH=$work/empty:$(dirname "$(command -v ffmpeg)")
+    mkdir -p "x%05d:y"
+    (PATH=$PATH:/nowhere exec "$fixsplat" fit "a:b%d.mp4" --frames 5 --cameras-only -o "x%05d:y/-z.fxs" --quiet) 2>logs/err
+    check "frames by ffmpeg itself" equal "$(ls "x%05d:y/-z.fxs.cameras/images" | tr '\n' ' ')" \
+        "frame-00001.jpg frame-00002.jpg frame-00003.jpg frame-00004.jpg frame-00005.jpg "
+else
+    skip "frames by ffmpeg itself" "no ffmpeg here"
+fi
 if [ "$FXS_PROCESSORS" != all ]; then
     skip "a film of snowmiku" "only with FXS_PROCESSORS=all"
 elif ! have ffmpeg || ! have colmap || [ ! -d "$scenes/snowmiku" ]; then

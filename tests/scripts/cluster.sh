@@ -120,7 +120,22 @@ refused "steps" "more than the coarse fit's 3000" set -o x.fxs --blocks 2 --step
 refused "an engine" "expected parallel or slurm" set -o x.fxs --blocks 2 --engine lsf
 refused "an option" "no such option" set -o x.fxs --blocks 2 --recipe fast
 
+# Names with what echo, a shell, GNU parallel and Slurm take for their own.
+odd='a\tb\c "$(exit)" %a {} '"'"
+mkdir "$odd"
+cp -r set "$odd/set"
+check "names of all kinds: the jobs are written" sh "$root/tools/cluster.sh" "$odd/set" -o "$odd/x.fxs" --blocks 2 \
+    --coarse-steps 20 --coarse-resolution 32 --steps 40 --engine parallel --dry-run -- --threads 1
+FIXSPLAT_QUIET=1 "$odd/x.fxs.jobs/coarse.sh" >logs/out 2>logs/err
+check "names of all kinds: the coarse fit" equal "$(ls "$odd/x.fxs.jobs/coarse.fit") $(cat logs/err)" "$odd/x.fxs.jobs/coarse.fit "
+"$odd/x.fxs.jobs/merge.sh" >logs/out 2>logs/err
+check "names of all kinds: what is missing" equal "$(cat logs/err)" \
+    "part-0.ply is missing: its job failed, see its log in $PWD/$odd/x.fxs.jobs"
+refused "names of all kinds: a message" 'none\\tat: no such file' 'none\tat' -o x.fxs --blocks 2
 if have parallel; then
+    check "names of all kinds: by GNU parallel" sh "$root/tools/cluster.sh" "$odd/set" -o "$odd/x.fxs" --blocks 2 \
+        --coarse-steps 20 --coarse-resolution 32 --steps 40 -- --threads 1
+    check "names of all kinds: the scene" [ -s "$odd/x.fxs" ]
     check "by GNU parallel" cluster one.fxs --jobs 2
     check "by GNU parallel: the bytes of the jobs by hand" cmp one.fxs all.fxs
     rm one.fxs one.fxs.jobs/all.fxs one.fxs.jobs/part-2.ply

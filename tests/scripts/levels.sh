@@ -97,6 +97,13 @@ refused "render --pool: too little for the picture" 1 'the pool has no room for 
     render knot.fxs --pool 600K --hash
 refused "render --pool: no levels" 1 'flat.fxs: has no levels of detail' render flat.fxs --pool 9M --hash
 refused "render --pool: no .fxs" 1 'knot.ply: not an .fxs file' render knot.ply --pool 9M --hash
+if have script; then
+    env -u FIXSPLAT_QUIET script -qc "'$fixsplat' render knot.fxs --pool 9M --budget 12000 $small --hash" /dev/null \
+        </dev/null >tty
+    check "render --pool: a terminal shows that it reads" grep -q 'reading .*%' tty
+else
+    skip "render --pool: a terminal shows that it reads" "no script here"
+fi
 head -c $((size - 1)) knot.fxs >short.fxs
 refused "render --pool: cut short" 1 'short.fxs: damaged or cut short' render short.fxs --pool 9M --hash
 { head -c 300000 knot.fxs; printf damaged; tail -c +300008 knot.fxs; } >damaged.fxs
@@ -135,7 +142,7 @@ refused "nobody answers" 1 "http://127.0.0.1:1/knot.fxs: Couldn't connect" rende
 mkfifo hold
 python3 "$lib/range_server.py" knot.fxs <hold >requests &
 exec 3>hold
-for _ in 1 2 3 4 5 6 7 8 9 10 20 30 40 50; do
+for _ in $(seq 100); do
     [ -s requests ] && break
     sleep 0.2
 done
@@ -150,10 +157,14 @@ check "not a request for each chunk" test "$(grep -c ^right requests)" -lt 60
 check "less than all is fetched, with a small budget" awk -v size="$size" '
     /^right/ { split(substr($2, 7), range, "-"); sum += range[2] - range[1] + 1 } END { exit !(sum > 0 && sum < 3 * size) }' requests
 served() { refused "$1" 1 "^fixsplat: .*$at/$1/knot.fxs: $2" render $at/$1/knot.fxs $view --hash; }
+start=$(date +%s)
+"$fixsplat" render $at/slow/knot.fxs $view --hash >/dev/null 2>slow.err &
+slow=$!
 served missing 'the server answers 404'
 served turning 'the server answers 302'
 served garbled ''
 served silent ''
+served headers 'the server sends more than 65536 bytes of headers'
 served whole 'the server sends whole files alone'
 served other 'the server does not say that it sends bytes 0 to 191'
 served unsaid 'the server does not say that it sends bytes'
@@ -166,6 +177,44 @@ served damaged 'chunk .* is damaged'
 served early 'the server ended early'
 check "without a start view the scene is framed whole, which is said" equal \
     "$(env -u FIXSPLAT_QUIET "$fixsplat" render $at/right/knot.fxs $small -o x.png 2>&1 | grep -c 'has no start view')" 1
+
+# Where an address of https may be redirected to: a libcurl that says what it is asked for.
+cat >curl.c <<'END'
+#include <curl/curl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#undef curl_easy_setopt
+#undef curl_easy_getinfo
+CURLcode curl_global_init(long flags) { (void)flags; return CURLE_OK; }
+CURL *curl_easy_init(void) { return stderr; }
+CURLcode curl_easy_setopt(CURL *handle, CURLoption option, ...)
+{
+    va_list list;
+    va_start(list, option);
+    if (option == CURLOPT_REDIR_PROTOCOLS_STR)
+        fprintf(handle, "to %s\n", va_arg(list, const char *));
+    va_end(list);
+    return CURLE_OK;
+}
+CURLcode curl_easy_perform(CURL *handle) { (void)handle; return CURLE_COULDNT_CONNECT; }
+CURLcode curl_easy_getinfo(CURL *handle, CURLINFO info, ...) { (void)handle, (void)info; return CURLE_OK; }
+void curl_easy_cleanup(CURL *handle) { (void)handle; }
+struct curl_slist *curl_slist_append(struct curl_slist *list, const char *text) { (void)text; return list; }
+void curl_slist_free_all(struct curl_slist *list) { (void)list; }
+const char *curl_easy_strerror(CURLcode code) { (void)code; return "played"; }
+END
+mkdir played && if ${CC:-cc} -shared -fPIC -o played/libcurl.so.4 curl.c 2>curl.err; then
+    for address in http://a/b.fxs https://a/b.fxs HTTPS://a/b.fxs; do
+        check "$address: where it may be redirected to" equal "$(LD_LIBRARY_PATH=$PWD/played "$fixsplat" render $address \
+            --hash 2>&1 | sed -n 's/^to //p')" "$(case $address in http:*) echo http,https ;; *) echo https ;; esac)"
+    done
+else
+    skip "where an address may be redirected to" "$(head -n 1 curl.err)"
+fi
+wait $slow
+check "a server of two bytes a second: after some 30 seconds" equal "$? $(cat slow.err)" \
+    "1 fixsplat: $at/slow/knot.fxs: the server is too slow: below 1000 bytes a second for 30 seconds"
+check "a server of two bytes a second: not for ever" [ $(($(date +%s) - start)) -lt 120 ]
 exec 3>&-
 wait
 

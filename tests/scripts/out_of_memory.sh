@@ -29,6 +29,7 @@ wrong() {
         if [ "$1" != fit ]; then ls "$written"; elif [ -e "$written" ]; then cmp "$written" logs/right; fi 2>/dev/null ;;
     *) echo "status $status: $(cat logs/err)" ;;
     esac
+    grep -E 'damaged|bad JSON|ot a zip' logs/err           # of whole files
     ls .fixsplat-* 2>/dev/null
 }
 
@@ -83,6 +84,14 @@ survives o.compressed.ply convert knot.ply o.compressed.ply
 survives o.rad convert knot.ply o.rad
 survives o.sog convert knot.ply o.sog
 survives o.glb convert knot.ply o.glb --drop-floaters
+for ending in spz sog glb rad; do "$fixsplat" convert knot.ply read.$ending --quiet || exit 1; done
+for ending in spz sog glb rad; do survives - info read.$ending; done
+printf '[{"id": 0, "img_name": "a", "width": 64, "height": 48, "position": [0, 0, -6], "fx": 60, "fy": 60, %s}]' \
+    '"rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]' >cameras.json
+printf '<document><chunk><sensors><sensor id="0"><resolution width="64" height="48"/><calibration><f>60</f>%s%s' \
+    '</calibration></sensor></sensors><cameras><camera label="a" sensor_id="0"><transform>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1' \
+    '</transform></camera></cameras></chunk></document>' >cameras.xml
+for cameras in json xml; do survives - render packed.fxs --cameras cameras.$cameras --view 0 --hash; done
 survives o.csv convert knot.ply o.csv --decimate 50%
 survives - info knot.ply --stats
 survives - info knot.ply

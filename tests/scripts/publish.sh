@@ -94,6 +94,35 @@ FIXSPLAT_WEB=$work/nowhere fails "no page" 1 "FIXSPLAT_WEB=.*: the page is not t
 check "nothing is made then" [ ! -e new3 ]
 unset FIXSPLAT_WEB
 
+# ---- Killed ----------------------------------------------------------------------------------------------------------
+
+export FIXSPLAT_WEB="$work/page"
+faults=$work/logs/faults.so
+if ${CC:-cc} -O1 -shared -fPIC -o $faults "$root/tests/scripts/lib/faults.c" -ldl 2>logs/err &&
+    FAULT_LOG=logs/calls LD_PRELOAD=$faults "$fixsplat" --version >logs/out 2>&1 && [ -s logs/calls ]; then
+    succeeds "not killed" publish knot.ply killed --size 64x36 --settings tour.json --quiet
+    (cd killed && find . | sort) >logs/wanted
+    for n in $(seq 6); do
+        rm -r killed
+        # What a shell says of a command that a signal ended is its own.
+        { FAULT_KILL=$n LD_PRELOAD=$faults "$fixsplat" publish knot.ply killed --size 64x36 --settings tour.json --quiet
+            echo $? >logs/status; } 2>logs/shell
+        check "killed at file $n" equal "$(cat logs/status)" 137
+        echo mine >killed/mine
+        fails "killed at file $n: a damaged scene" 1 "short.ply" publish short.ply killed --quiet
+        check "killed at file $n: what is not of publish stays" equal "$(cat killed/mine)" mine
+        rm killed/mine
+        succeeds "killed at file $n: the same command goes on" publish knot.ply killed --size 64x36 --settings tour.json --quiet
+        (cd killed && find . | sort) >logs/got
+        check "killed at file $n: the folder is whole" cmp logs/got logs/wanted
+    done
+    rm -r killed && mkdir killed && echo mine >killed/mine
+    fails "a folder of something else, without a mark" 1 "killed: not empty" publish knot.ply killed --quiet
+else
+    skip "killed" "nothing can be preloaded here: $(head -n 1 logs/err)"
+fi
+unset FIXSPLAT_WEB
+
 # ---- One file --------------------------------------------------------------------------------------------------------
 
 echo licence >page/LICENSE

@@ -24,7 +24,8 @@ FXS_API int fxs_view_look_at(fxs_file_view *view, const double eye[3], const dou
 FXS_API double fxs_near_of_box(const double low[3], const double high[3]);
 
 /* Makes a camera that shows the whole box low..high (such as the inner bounds of fxs_pack_report) as large as possible,
-   from the front and slightly above. Its near plane is fxs_near_of_box. Errors are those of fxs_view_look_at. */
+   from the front and slightly above. Its near plane is fxs_near_of_box. Errors are those of fxs_view_look_at, and
+   FXS_ERR_ARGUMENT for a box that is not finite. */
 FXS_API int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3],
                                double fov, int width, int height, fxs_message *message);
 

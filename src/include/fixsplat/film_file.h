@@ -16,8 +16,10 @@ extern "C" {
 
 typedef struct fxs_film fxs_film;
 
-/* Begins a film of `width` x `height` pixels and `rate` frames a second, in a file as output.h says; the path "-" is
-   standard output. Returns 0 and a film for fxs_film_close, or an error and a message, with *film null. */
+/* Begins a film of `width` x `height` pixels and `rate` frames a second (each from 1 on), in a file as output.h says;
+   the path "-" is standard output. The format is FXS_IMAGE_Y4M or FXS_IMAGE_RGBA, and on standard output any: pictures one
+   behind the other. Returns 0 and a film for fxs_film_close, or an error and a message, with *film null:
+   FXS_ERR_ARGUMENT for another format, size or rate, FXS_ERR_FILE or FXS_ERR_MEMORY. */
 FXS_API int fxs_film_open(fxs_film **film, const char *path, enum fxs_image_format format, int width, int height,
                           int rate, fxs_message *message);
 

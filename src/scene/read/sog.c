@@ -22,6 +22,7 @@ static int is_lcc2(const fxs_head *head, fxs_message *message)
 
 #if defined(FXS_WITH_WEBP) && defined(FXS_WITH_CJSON)
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,6 +31,7 @@ static int is_lcc2(const fxs_head *head, fxs_message *message)
 #include <webp/decode.h>
 
 #include "src/base/exponential.h"
+#include "src/base/fail_list.h"
 #include "src/base/system.h"
 #include "src/gaussian/attributes.h"
 #include "src/gaussian/transform_internal.h"
@@ -310,9 +312,12 @@ static int decode_image(sog_scene *s, int image, fxs_message *message)
     uint8_t *pixels = fxs_hold(s->source, bytes, message);
     if (!pixels)
         return FXS_ERR_MEMORY;
+    errno = 0;
     if (!WebPDecodeRGBAInto((const uint8_t *)file->data, file->size, pixels, bytes, 4 * s->widths[image])) {
+        const int error = fxs_fail_library(message, s->source->path, "%s: an image cannot be decoded: damaged",
+                                           s->source->path);
         fxs_let_go(s->source, pixels, bytes);
-        return fxs_fail(message, "%s: an image cannot be decoded: damaged, or out of memory", s->source->path);
+        return error;
     }
     s->pixels[image] = pixels;
     return 0;

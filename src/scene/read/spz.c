@@ -1,9 +1,11 @@
 /* Reads .spz, versions 1 to 4, as described in README and src/cc of nianticlabs/spz. */
 #include "spz_internal.h"
 
+#include <errno.h>
 #include <string.h>
 
 #include "src/base/byte_reader.h"
+#include "src/base/fail_list.h"
 #include "src/base/inflate_internal.h"
 #include "src/gaussian/attributes.h"
 #include "src/scene/formats_internal.h"
@@ -363,8 +365,11 @@ static int load_stream(fxs_spz *spz, int array, uint64_t offset)
     const size_t size = (size_t)array_bytes(spz, array), compressed = (size_t)spz->compressed[array];
     uint8_t *stream = fxs_hold(spz->source, compressed, spz->message);
     int result = stream ? read_at(spz, offset, stream, compressed) : FXS_ERR_MEMORY;
+    errno = 0;
     if (result == 0 && ZSTD_decompress(spz->array[array], size, stream, compressed) != size)
-        result = fail(spz, "a zstd stream is damaged, or of another size than the header asks for");
+        result = fxs_fail_library(spz->message, spz->source->path,
+                                  "%s: a zstd stream is damaged, or of another size than the header asks for",
+                                  spz->source->path);
     fxs_let_go(spz->source, stream, compressed);
     return result;
 }

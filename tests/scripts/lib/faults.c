@@ -1,5 +1,6 @@
 /* To be preloaded. FAULT_AT=N: allocation N from the beginning of main gets no memory, and with FAULT_EVER=1 neither does
-   any after it. FAULT_LOG=FILE: the calls of fsync and rename are noted there, and at the end the allocations counted.
+   any after it. FAULT_KILL=N: the process is killed as it calls rename for the Nth time. FAULT_LOG=FILE: the
+   calls of fsync and rename are noted there, and at the end the allocations counted.
    The encoder of libwebp 1.2.4 writes through an allocation of its own that it does not check, so libwebp's own are left
    alone. */
 #define _GNU_SOURCE
@@ -7,6 +8,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <link.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -127,6 +129,10 @@ int fsync(int descriptor)
 
 int rename(const char *from, const char *to)
 {
+    static int renames;
+    const char *kills = getenv("FAULT_KILL");
     note("rename\n");
+    if (kills && ++renames == atoi(kills))
+        raise(SIGKILL);
     return ((int (*)(const char *, const char *))dlsym(RTLD_NEXT, "rename"))(from, to);
 }

@@ -4,6 +4,7 @@ import http.server
 import socketserver
 import sys
 import threading
+import time
 
 data = open(sys.argv[1], "rb").read()
 counts = {}
@@ -35,6 +36,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.answer(302, {"Location": "/right/knot.fxs"}, b"")
         if way == "turning":
             return self.answer(302, {"Location": "/turning/knot.fxs"}, b"")
+        if way == "headers":
+            self.send_response(206)
+            self.flush_headers()
+            while True:
+                self.wfile.write(b"X: " + 1000 * b"x" + b"\r\n")
         if way == "garbled":
             self.wfile.write(b"\x00\x01 this is no HTTP\r\n\r\n")
             self.close_connection = True
@@ -59,6 +65,15 @@ class Handler(http.server.BaseHTTPRequestHandler):
             del headers["Content-Range"]
         if way == "longer":
             body += b"and more"
+        if way == "slow":                                        # two bytes a second
+            self.send_response(206)
+            for name, value in {**headers, "Content-Length": str(len(body))}.items():
+                self.send_header(name, value)
+            self.end_headers()
+            for at in range(0, len(body), 2):
+                self.wfile.write(body[at:at + 2])
+                time.sleep(1)
+            return None
         if way == "damaged" and number > 6:
             body = bytes(byte ^ 1 for byte in body)
         return self.answer(206, headers, body, len(body) // 2 if way == "early" and number > 6 else 0)
