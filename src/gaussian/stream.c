@@ -2,6 +2,8 @@
 
 #include <fixsplat/message.h>
 
+#include "attributes.h"
+
 fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options *options, fxs_message *message)
 {
     fxs_scene_file *file = fxs_allocate_zeroed(options ? options->allocator : NULL, 1, sizeof *file);
@@ -29,6 +31,7 @@ int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader 
     info->stored_sh_degree = 0;
     info->colour = info->sh = (fxs_grid){0, 0};
     info->linear_light = info->log_scales = 0;
+    info->unused[0] = 0;
     info->start = (fxs_start){.tangent = 0};
     FXS_TRY(reader->open(file->data, source, info, message));
     if (info->stored_sh_degree < info->sh_degree)
@@ -39,9 +42,19 @@ int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader 
     return fxs_limit_gaussians(source, info->count, message);
 }
 
+long fxs_stream_read(const fxs_reader *reader, void *data, fxs_gaussian *gaussians, size_t capacity,
+                     fxs_message *message)
+{
+    const long count = reader->read(data, gaussians, capacity, message);
+    for (long i = 0; i < count; i++)
+        if (gaussians[i].opacity == INFINITY)
+            gaussians[i].opacity = FXS_OPAQUE;
+    return count;
+}
+
 long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
-    return file->reader->read(file->data, gaussians, capacity, message);
+    return fxs_stream_read(file->reader, file->data, gaussians, capacity, message);
 }
 
 int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message)

@@ -360,11 +360,11 @@ ply mixed.ply 'nan 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' "$good" '0 0 0 1 inf .2 2 -
     '0 0 0 1 .5 .2 nan -1 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 -1.5 -2 0 0 0 0' "$other" \
     '0 0 0 1 .5 .2 -inf -1 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 inf -2 1 0 0 0' 'inf 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
 run render mixed.ply $near -o mixed.raw
-check "bad Gaussians are left out and counted" equal "$status $(cat logs/err)" "0 fixsplat: mixed.ply: left out 7 of 9 \
-Gaussians (6 not finite, 1 with a zero quaternion), 100 % of the scene by opacity and area"
+check "bad Gaussians are left out and counted" equal "$status $(cat logs/err)" "0 fixsplat: mixed.ply: left out 6 of 9 \
+Gaussians (5 not finite, 1 with a zero quaternion), 100 % of the scene by opacity and area"
 run info mixed.ply --json
 check "info --json: what is left out" grep -q \
-    '"left_out": {"not_finite": 6, "zero_quaternion": 1, "share": 1}, "brought_in": 0' logs/out
+    '"left_out": {"not_finite": 5, "zero_quaternion": 1, "transparent": 1, "share": 1}, "brought_in": 0' logs/out
 ply outer.ply "$good" '0 0 .1 1 .5 .2 2 -1 -inf -2 1 0 0 0' '3e9 0 0 1 .5 .2 2 25 25 -9 1 0 0 0'
 run render outer.ply $near -o outer.raw
 check "thin, large and far Gaussians are drawn" equal "$status $(cat logs/err)" \
@@ -397,8 +397,20 @@ fails "a scene of no Gaussians" 1 "zero.ply: " render zero.ply --hash
 ply clear.ply "$good" "$other" '0 0 0 1 .5 .2 -inf -1 -1.5 -2 1 0 0 0'
 run render clear.ply $near -o clear.raw
 check "an opacity of sigmoid(-inf) is 0" equal "$($helper hash clear.raw)" "$hash"
-check "an infinite opacity is counted, of no weight" equal "$(cat logs/err)" "fixsplat: clear.ply: left out 1 of 3 \
-Gaussians (1 not finite, 0 with a zero quaternion)"
+check "an opacity of sigmoid(-inf) is left out in silence" equal "$(cat logs/err)" ""
+ply opaque.ply "$good" '0 0 0 1 .5 .2 inf -1 -1.5 -2 1 0 0 0'
+ply full.ply "$good" '0 0 0 1 .5 .2 20 -1 -1.5 -2 1 0 0 0'
+run render opaque.ply $near --hash
+check "an opacity of sigmoid(inf) is 1" equal "$status $(cat logs/out logs/err)" "0 $(hash_of full.ply $near)"
+{
+    ply_header 1 | sed '$d'
+    printf 'property float %s\n' nx label t motion_0 motion_1
+    echo end_header
+    echo "$good 0 3 .5 1 2"
+} >moving.ply
+run render moving.ply $near -o moving.raw
+check "properties that are not used are named" equal "$status $(cat logs/err)" \
+    "0 fixsplat: moving.ply: not used, though the picture may depend on them: t, motion_*"
 ply one.ply "$good"
 check "a scene of one Gaussian is framed" differ "$(hash_of one.ply $small)" "$(hash_of one.ply $small $away)"
 { ply_header 900 && yes "$good" | head -n 899 && echo "x $good"; } >x-row.ply
@@ -692,8 +704,8 @@ for out in ply splat spz fxs; do
     . logs/counts
     check "convert: left.$out is left whole" equal "$(cat left.$out)" precious
     run convert mixed.ply drawn.$out
-    check "convert to .$out: bad Gaussians are left out and counted" says "mixed.ply: left out 7 of 9 \
-Gaussians (6 not finite, 1 with a zero quaternion), 100 % of the scene by opacity and area"
+    check "convert to .$out: bad Gaussians are left out and counted" says "mixed.ply: left out 6 of 9 \
+Gaussians (5 not finite, 1 with a zero quaternion), 100 % of the scene by opacity and area"
     check "convert to .$out: the others are there" gaussians drawn.$out 2 0
 done
 "$fixsplat" convert knot.ply part.ply --crop -9,-9,-9,0,9,9 --prune 0.3 --sh-degree 2 2>logs/err
