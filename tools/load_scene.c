@@ -114,6 +114,8 @@ static void look_at(const char *path, const load_options *o, const fxs_scene_fil
              info->stored_sh_degree, info->sh_degree);
     if (info->linear_light)
         note("%s: its colours of linear light are turned into sRGB, in which Gaussians are blended", path);
+    if (info->clamped_opacity)
+        note("%s: opacities above 1 are drawn as 1", path);
     if (info->unused[0])
         note("%s: not used, though the picture may depend on them: %s", path, info->unused);
     if (info->log_scales)

@@ -30,7 +30,7 @@ int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader 
     info->levels = 1;
     info->stored_sh_degree = 0;
     info->colour = info->sh = (fxs_grid){0, 0};
-    info->linear_light = info->log_scales = 0;
+    info->linear_light = info->log_scales = info->clamped_opacity = 0;
     info->unused[0] = 0;
     info->start = (fxs_start){.tangent = 0};
     FXS_TRY(reader->open(file->data, source, info, message));
