@@ -695,7 +695,7 @@ static void compressed(void)
     }
 }
 
-/* Opacities beside an .spz, of EXT_splat_opacity, in or beside the extension. */
+/* EXT_splat_opacity, inside KHR_gaussian_splatting or next to it. */
 static void opacities_beside_spz(void)
 {
     static const char *const forms[] = {
@@ -749,7 +749,7 @@ static void opacities_out_of_range(void)
 
 /* ---- Accessors without all of their data ---- */
 
-/* Positions 1 and 3 are others, whose numbers are `indices`; the rest are as they were, or 0. */
+/* Replaces two positions; the others stay, or are 0 where the accessor has no base. */
 static void make_sparse(int type, const uint32_t indices[2], int has_base)
 {
     char text[256];

@@ -195,7 +195,7 @@ static void every_type(void)
 }
 
 /* Of each sign and exponent, ends and specials; of half and of ushort, which is the same in a binary file. An infinite
-   logit is read as that of an opaque Gaussian. */
+   logit is read as 20. */
 static void halves(void)
 {
     static const struct { uint16_t bits; double value; } cases[] = {
@@ -224,7 +224,8 @@ static void halves(void)
                 if (!CHECK(read_file(gaussians, CASES + 1) == 0 && info.count == CASES))
                     continue;
                 for (int row = 0; row < CASES; row++) {
-                    float want = cases[row].value == INFINITY ? 20 : (float)cases[row].value, got[2] = {gaussians[row].opacity, gaussians[row].position[1]};
+                    float want = cases[row].value == INFINITY ? 20 : (float)cases[row].value;
+                    const float got[2] = {gaussians[row].opacity, gaussians[row].position[1]};
                     CHECK(isnan(want) ? isnan(got[0]) : want == got[0]);
                     want = wide ? (float)row : (float)cases[row].value;
                     CHECK(isnan(want) ? isnan(got[1]) : want == got[1]);

@@ -122,7 +122,7 @@ typedef struct ply {
     fxs_ply_header header;
 } ply;
 
-/* Finds x, y, z, and the colour; *full is its full brightness, 0 where there is none. */
+/* Finds x, y, z, and the colour; *full is its full brightness, 0 where it is absent. */
 static int find_columns(const ply *p, const fxs_ply_element *vertex, int columns[6], double *full, fxs_message *message)
 {
     static const char *const names[3] = {"x", "y", "z"};

@@ -43,8 +43,8 @@ fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options
 int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader *reader, fxs_scene_file_info *info,
                      fxs_message *message);
 
-/* Reads the next Gaussians of a reader, as fxs_scene_file_read does. An infinite logit becomes that of an opaque
-   Gaussian; minus infinity stays, for fxs_drawable to leave the Gaussian out. */
+/* Reads the next Gaussians of a reader, as fxs_scene_file_read does. An infinite logit becomes FXS_OPAQUE; minus
+   infinity stays, and fxs_drawable leaves the Gaussian out. */
 long fxs_stream_read(const fxs_reader *reader, void *data, fxs_gaussian *gaussians, size_t capacity,
                      fxs_message *message);
 

@@ -52,7 +52,7 @@ typedef struct fxs_scene_file_info {
                              where different colours blend, that is not the picture of linear light */
     int log_scales;       /* 1: a glTF has logarithms for scales, as in a draft, and is read so */
     int clamped_opacity;  /* 1: a glTF has opacities above 1, which are read as 1 */
-    char unused[FXS_UNUSED_TEXT];   /* names of properties of a .ply that other programs draw by, and that are not read */
+    char unused[FXS_UNUSED_TEXT];   /* properties of a .ply by which other programs draw, and which are not read */
     fxs_start start;      /* of an .fxs: what is up, and its start view, which fxs_pack keeps */
 } fxs_scene_file_info;
 

@@ -61,7 +61,7 @@ enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
 
 typedef struct accessor {
     range bytes;                 /* buffer NULL: all elements are 0 */
-    range indices, values;       /* of a sparse accessor: elements that stand in place of others */
+    range indices, values;       /* of a sparse accessor: elements that replace others */
     uint32_t replaced, at;       /* their number, and the one to be read next */
     uint32_t count, stride, size;
     uint8_t type, is_normalized, components, index_size;
@@ -346,7 +346,7 @@ static int find_elements(const gltf *g, int index, const cJSON *item, uint32_t c
     return 0;
 }
 
-/* The elements of a sparse accessor that stand in place of others, tightly packed. */
+/* Finds the elements of a sparse accessor that replace others; they are tightly packed. */
 static int read_sparse(const gltf *g, int index, const cJSON *sparse, accessor *a)
 {
     static const uint8_t sizes[] = {1, 0, 2, 0, 4};            /* UBYTE, USHORT, UINT */
@@ -382,7 +382,7 @@ static int fail_indices(const gltf *g)
     return fail(g, "indices of a sparse accessor that do not ascend, or are beyond its elements");
 }
 
-/* Puts the elements of a sparse accessor that stand in place of `first` to `end` into g->bytes. */
+/* Puts the elements of a sparse accessor that replace `first` to `end` - 1 into g->bytes. */
 static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
 {
     uint8_t indices[4 * BATCH], values[BATCH * 16];
@@ -517,7 +517,7 @@ static void turn_to_srgb(fxs_gaussian *gaussian, int sh_degree)
     }
 }
 
-/* Opacities of EXT_splat_opacity stand in place of those of the .spz, where they are finite and not negative. */
+/* A finite opacity of EXT_splat_opacity that is not negative replaces the one in the .spz. */
 static int replace_opacities(gltf *g, splats *s, fxs_gaussian *gaussians, size_t count)
 {
     accessor *a = &s->attributes[OPACITY];
@@ -614,16 +614,16 @@ static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
             return fail_counts(g);
         has_data |= s->attributes[i].bytes.buffer || s->attributes[i].replaced == s->count;
     }
-    return has_data ? 0 : fail(g, "no accessor of a primitive with Gaussians has data for each of them; its compression "
-                               "may be one that is not read");
+    return has_data ? 0 : fail(g, "no accessor of a primitive with Gaussians has data for each of them; it may be "
+                               "compressed in a way that is not read");
 }
 
-/* EXT_splat_opacity, of version 1 beside an .spz. The .spz is complete without version 2. */
+/* Finds the opacities of EXT_splat_opacity version 1. Version 2 is not read: the .spz is complete without it. */
 static int read_opacities(gltf *g, const cJSON *extensions, splats *s)
 {
     static const char name[] = "EXT_splat_opacity";
-    const cJSON *inner = member(member(extensions, "KHR_gaussian_splatting"), "extensions"), *found = member(inner, name);
-    found = found ? found : member(extensions, name);
+    const cJSON *inner = member(member(extensions, "KHR_gaussian_splatting"), "extensions");
+    const cJSON *found = member(inner, name) ? member(inner, name) : member(extensions, name);
     const cJSON *number = member(found, "opacityAccessor");
     s->is_clamped = member(found, "sourceOpacityAccessor") != NULL;
     return number ? read_accessor(g, number, name, 1, PLAIN(FLOAT), &s->attributes[OPACITY]) : 0;

@@ -17,8 +17,8 @@ static const char *const field_names[FIRST_REST] = {
    names. */
 static const char *const unused_names[] = {
     "t", "time", "beta", "gamma", "shape", "f_", "rot_", "rotation_", "scale_", "scaling_", "opacity_", "filter_",
-    "motion_", "omega_", "trbf_", "velocity_", "t_", "time_", "beta_", "sb_", "sh_", "shs_", "features_", "anchor_",
-    "offset_"
+    "motion_", "omega_", "trbf_", "velocity_", "delta_", "lifespan", "t_", "time_", "beta_", "sb_", "sh_", "shs_",
+    "features_", "anchor_", "offset_"
 };
 
 typedef struct column {

@@ -12,7 +12,7 @@ enum {
 };
 
 const fxs_ply_type fxs_ply_types[FXS_PLY_TYPES] = {
-    {"char", "int8", 1, 127}, {"uchar", "uint8", 1, 255}, {"short", "int16", 2, 32767}, {"ushort", "uint16", 2, 65535},
+    {"char", "int8", 1, 127}, {"uchar", "uint8", 1, 255}, {"short", "int16", 2, 255}, {"ushort", "uint16", 2, 65535},
     {"int", "int32", 4, 255}, {"uint", "uint32", 4, 255}, {"float", "float32", 4, 1}, {"double", "float64", 8, 1},
     {"half", "float16", 2, 1}
 };

@@ -63,8 +63,8 @@ int fxs_ply_find(const fxs_ply_header *header, const fxs_ply_element *element, c
 int fxs_ply_find_rest(const fxs_ply_header *header, const fxs_ply_element *element, int rest[FXS_PLY_MAX_REST],
                       const char *path, fxs_message *message);
 
-/* Finds a colour of three properties, under one of the names that point clouds have for it. Returns the value of full
-   brightness, 1 of a real type, or 0 where no such colour exists. */
+/* Finds a colour of three properties, under one of the names that point clouds have for it. Returns its value of full
+   brightness, which is 1 for a real type, or 0 where no such colour exists. */
 double fxs_ply_find_colour(const fxs_ply_header *header, const fxs_ply_element *element, int colour[3]);
 
 /* ---- Values ---- */

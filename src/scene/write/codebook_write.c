@@ -89,8 +89,8 @@ static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double
         book[at] = (float)high;
 }
 
-/* Moves each value of the codebook to the mean of the data nearest to it. Data below it have its own weight: read back,
-   they are as large as it is. */
+/* Moves each value of the codebook to the mean of the data nearest to it. Data below the value get the value's weight,
+   because they are that large when they are read back. */
 static void improve_book(float book[FXS_BOOK], const bin *bins, double power)
 {
     struct { double sum, weight, own; } sums[FXS_BOOK];
