@@ -56,6 +56,14 @@ seeds_of_scene() {
     } >ascii.ply
     sed 's/ascii/binary_big_endian/' ascii.ply >big.ply
     {
+        printf '%s\n' ply 'format binary_little_endian 1.0' 'element vertex 2'
+        printf 'property ushort %s\n' x y z opacity scale_0 scale_1 rot_0 rot_1 rot_2 rot_3
+        printf 'property uchar %s\n' red green blue
+        printf '%s\n' 'property float filter_3D' 'property float t' 'property int motion_1' 'property int motion_2' \
+            end_header
+        head -c 78 /dev/zero
+    } >other.ply
+    {
         printf '%s\n' ply 'format binary_little_endian 1.0' 'element chunk 1'
         for attribute in '' scale_; do
             printf 'property float %s\n' min_${attribute}x min_${attribute}y min_${attribute}z \
@@ -133,6 +141,15 @@ seeds_of_gltf() {
         )$coefficient"'_1_COEF_2":0}'"$tail"',"nodes":[{"children":[1]},{"mesh":0,"scale":[1,2,3],'"$(
         )"'"rotation":[0,0,1,0],"translation":[1,2,3]}],"accessors":['"$(
         )$attribute"'"VEC3"},'"$attribute"'"VEC4"},'"$attribute"'"SCALAR"}]}' >plain
+    sparse='"sparse":{"count":2,"values":{"bufferView":1},'"$(
+        )"'"indices":{"bufferView":1,"byteOffset":72,"componentType":5121}}'
+    gltf "$head"'"extensions":{"KHR_gaussian_splatting":{}},"attributes":{"POSITION":0,"_ROTATION":1,"_SCALE":0,'"$(
+        )"'"_OPACITY":2,"_SH_DEGREE_0_COEF_0":3}'"${tail%]}"',{"buffer":0,"byteLength":120}],"nodes":[{"mesh":0}],'"$(
+        )"'"accessors":['"$attribute"'"VEC3",'"$sparse"'},'"$attribute"'"VEC4"},'"$attribute"'"SCALAR"},'"$(
+        )"'{"componentType":5126,"count":3,"type":"VEC3",'"$sparse"'}]}' >sparse
+    gltf "$head"'"extensions":{"KHR_gaussian_splatting":{"extensions":{"EXT_splat_opacity":{"opacityAccessor":0},'"$(
+        )"'"KHR_gaussian_splatting_compression_spz_2":{"bufferView":0}}}}'"$tail"',"nodes":[{"mesh":0}],'"$(
+        )"'"accessors":[{"componentType":5126,"count":3,"type":"SCALAR"}]}' >opacity
     gltf "$head"'"extensions":{"KHR_spz_gaussian_splats_compression":{"bufferView":0}}'"$tail"',"nodes":[{"mesh":0,'"$(
         )"'"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]}]}' >compressed
 }

@@ -699,6 +699,24 @@ static void make_spz(spz_bytes *s)
     memset(s->arrays[4], 127, sizeof s->arrays[4]);
 }
 
+static int is_near(double a, double b)
+{
+    return fabs(a - b) < 1e-5;
+}
+
+/* Replaces the first `old` of the JSON. */
+static void replace(const char *old, const char *by)
+{
+    static char changed[MAX_TEXT];
+    const char *at = strstr(json, old);
+    if (!CHECK(at != NULL)) {
+        printf("  no %s in %s\n", old, json);
+        return;
+    }
+    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - json), json, by, at + strlen(old));
+    strcpy(json, changed);
+}
+
 /* In the bufferView's axes as they are, but for the node's matrix and the frame of all glTF. */
 static void compressed(void)
 {
@@ -716,7 +734,7 @@ static void compressed(void)
                bin_size - 5);
         write_json("{\"mesh\":0,\"scale\":[2,2,2]}", forms[i], "");
         expect_read(read_glb(), COUNT);
-        CHECK(info.count == COUNT && info.antialiased);
+        CHECK(info.count == COUNT && info.antialiased && !info.log_scales && !info.clamped_opacity);
         for (int k = 0; k < COUNT; k++) {
             CHECK(out[k].position[0] == (float)-(9 * k + 16) / 8 && out[k].position[1] == (float)-(9 * k + 19) / 8 &&
                   out[k].position[2] == (float)(9 * k + 22) / 8);
@@ -725,6 +743,163 @@ static void compressed(void)
         bin[5 + 8]++;
         check_fails("bytes of attributes, there are");
     }
+}
+
+/* EXT_splat_opacity, inside KHR_gaussian_splatting or next to it. */
+static void opacities_beside_spz(void)
+{
+    static const char *const forms[] = {
+        "\"KHR_gaussian_splatting\":{\"extensions\":{\"KHR_gaussian_splatting_compression_spz_2\":{\"bufferView\":1},"
+        "\"EXT_splat_opacity\":{\"opacityAccessor\":0}}}",
+        "\"KHR_gaussian_splatting\":{\"extensions\":{\"KHR_gaussian_splatting_compression_spz_2\":{\"bufferView\":1}}},"
+        "\"EXT_splat_opacity\":{\"opacityAccessor\":0}"
+    };
+    static const double values[COUNT] = {0.5, 1.5, -1, NAN, 0.125};
+    static spz_bytes s;
+    make_spz(&s);
+    memset(s.arrays[1], 255, sizeof s.arrays[1]);
+    for (int i = 0; i < 2; i++) {
+        clear();
+        add("OPACITY", 1, FLOAT, 0, 0, values);
+        const size_t start = bin_size;
+        bin_size += spz_plain(&s, bin + start);
+        append(views, ",{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}", start, bin_size - start);
+        write_json("{\"mesh\":0}", forms[i], "");
+        expect_read(read_glb(), COUNT);
+        CHECK(info.clamped_opacity && is_near(out[0].opacity, 0) && out[1].opacity == 20 && out[2].opacity == 20 &&
+              out[3].opacity == 20 && is_near(out[4].opacity, log(0.125 / 0.875)));
+        replace("\"count\":5", "\"count\":4");
+        check_fails("differ in count");
+    }
+    write_json("{\"mesh\":0}", forms[0], "");
+    replace("opacityAccessor", "sourceOpacityAccessor");
+    expect_read(read_glb(), COUNT);
+    CHECK(info.clamped_opacity && out[0].opacity == 20);
+}
+
+/* Opacities beyond 0 and 1 are clamped, and it is said; NaN stays. */
+static void opacities_out_of_range(void)
+{
+    add_all(0);
+    write_json("{\"mesh\":0}", extension, "");
+    expect_read(read_glb(), COUNT);
+    CHECK(!info.clamped_opacity);
+    clear();
+    static const double values[COUNT] = {1.5, NAN, INFINITY, -0.5, 1};
+    add("POSITION", 3, FLOAT, 0, 0, position);
+    add("ROTATION", 4, FLOAT, 0, 4, rotation);
+    add("SCALE", 3, FLOAT, 0, 0, scale);
+    add("OPACITY", 1, FLOAT, 0, 0, values);
+    add_sh(0);
+    write_json("{\"mesh\":0}", extension, "");
+    expect_read(read_glb(), COUNT);
+    CHECK(info.clamped_opacity && out[0].opacity == 20 && isnan(out[1].opacity) && out[2].opacity == 20 &&
+          out[3].opacity == -20 && out[4].opacity == 20);
+}
+
+/* ---- Accessors without all of their data ---- */
+
+/* Replaces two positions; the others stay, or are 0 where the accessor has no base. */
+static void make_sparse(int type, const uint32_t indices[2], int has_base)
+{
+    char text[256];
+    add_all(0);
+    const size_t start = bin_size;
+    for (int i = 0; i < 2; i++, bin_size += (size_t)(type == UBYTE ? 1 : type == USHORT ? 2 : 4))
+        spz_put(bin + bin_size, indices[i], 4);
+    append(views, ",{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu}", start, bin_size - start);
+    append(views, ",{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":24}", bin_size);
+    for (int c = 0; c < 6; c++)
+        put_component(FLOAT, 0, 10 + c);
+    write_json("{\"mesh\":0}", extension, "");
+    snprintf(text, sizeof text, "%s\"sparse\":{\"count\":2,\"indices\":{\"bufferView\":%d,\"componentType\":%d},"
+             "\"values\":{\"bufferView\":%d}},", has_base ? "\"bufferView\":0,\"byteOffset\":4," : "",
+             accessor_count, type, accessor_count + 1);
+    replace("\"bufferView\":0,\"byteOffset\":4,", text);
+}
+
+static void sparse(void)
+{
+    static const uint32_t indices[2] = {1, 3};
+    for (int type = UBYTE; type <= 5125; type += 2)
+        for (int has_base = 0; has_base < 2; has_base++) {
+            make_sparse(type, indices, has_base);
+            expect_read(read_glb(), COUNT);
+            for (int i = 0; i < COUNT; i++)
+                for (int c = 0; c < 3; c++) {
+                    const double own = has_base ? position[3 * i + c] : 0;
+                    const double want = i == 1 ? 10 + c : i == 3 ? 13 + c : own;
+                    CHECK(out[i].position[c] == (float)(c < 2 ? -want : want));
+                }
+        }
+}
+
+static void faulty_sparse(void)
+{
+    static const uint32_t good[2] = {1, 3}, wrong[][2] = {{3, 1}, {2, 2}, {1, 5}, {5, 6}, {4, 0xffffffff}};
+    static const char *const cases[][3] = {
+        {"\"sparse\":{\"count\":2", "\"sparse\":{\"count\":6", "no valid count or componentType in sparse"},
+        {"\"sparse\":{\"count\":2", "\"sparse\":{\"count\":0", "no valid count or componentType in sparse"},
+        {"\"sparse\":{\"count\":2", "\"sparse\":{\"count\":3", "accessor 0: not within its bufferView"},
+        {"\"componentType\":5125", "\"componentType\":5124", "no valid count or componentType in sparse"},
+        {"\"componentType\":5125", "\"componentType\":5126", "no valid count or componentType in sparse"},
+        {"\"indices\":{\"bufferView\":5", "\"indices\":{\"bufferView\":9", "accessor 0: no valid bufferView"},
+        {"\"values\":{\"bufferView\":6", "\"values\":{\"byteOffset\":4,\"bufferView\":6",
+         "accessor 0: not within its bufferView"},
+        {"\"values\":{\"bufferView\":6", "\"values\":{\"bufferView\":1", "accessor 0: a byteStride in sparse"},
+        {"\"values\"", "\"valuez\"", "accessor 0: no valid bufferView"}
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        make_sparse(5125, wrong[i], 1);
+        check_fails("indices of a sparse accessor that do not ascend, or are beyond its elements");
+    }
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        make_sparse(5125, good, 1);
+        replace(cases[i][0], cases[i][1]);
+        check_fails(cases[i][2]);
+    }
+}
+
+/* An accessor without a bufferView is all 0; a scene of nothing else is refused, whatever its count. */
+static void zeros(void)
+{
+    add_all(1);
+    write_json("{\"mesh\":0}", extension, "");
+    replace("\"bufferView\":0,\"byteOffset\":4,", "");
+    replace("\"bufferView\":5,\"byteOffset\":4,", "");
+    expect_read(read_glb(), COUNT);
+    for (int i = 0; i < COUNT; i++)
+        CHECK(out[i].position[0] == 0 && out[i].position[2] == 0 && is_near(out[i].sh[0], 0) && out[i].sh[3] != 0);
+    add_all(0);
+    write_json("{\"mesh\":0}", extension, "");
+    for (int i = 0; i < accessor_count; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "{\"bufferView\":%d,\"byteOffset\":4,", i);
+        replace(text, "{");
+        replace("\"count\":5", "\"count\":2147483647");
+    }
+    check_fails("no accessor of a primitive with Gaussians has data for each of them");
+}
+
+/* KHR_mesh_quantization lets positions be integers. */
+static void quantized_positions(void)
+{
+    double whole[3 * COUNT];
+    add_all(0);
+    clear();
+    for (int i = 0; i < 3 * COUNT; i++)
+        whole[i] = 100 * i - 700;
+    add("POSITION", 3, SHORT, 0, 2, whole);
+    add("ROTATION", 4, FLOAT, 0, 4, rotation);
+    add("SCALE", 3, FLOAT, 0, 0, scale);
+    add("OPACITY", 1, FLOAT, 0, 0, opacity);
+    add_sh(0);
+    write_json("{\"mesh\":0}", extension, "");
+    check_fails("accessor 0: not of a type that POSITION may have");
+    replace("\"scenes\"", "\"extensionsUsed\":[\"KHR_gaussian_splatting\",\"KHR_mesh_quantization\"],\"scenes\"");
+    expect_read(read_glb(), COUNT);
+    for (int i = 0; i < COUNT; i++)
+        CHECK(out[i].position[0] == (float)-whole[3 * i] && out[i].position[2] == (float)whole[3 * i + 2]);
 }
 
 static void faulty_text(void)
@@ -763,7 +938,7 @@ static void faulty_text(void)
         {"\"count\":5", "\"count\":6", "accessor 0: not within its bufferView"},
         {"\"count\":5", "\"count\":2147483648", "accessor 0: no valid count"},
         {"\"count\":5", "\"count\":-5", "accessor 0: no valid count"},
-        {"\"count\":5", "\"sparse\":{},\"count\":5", "sparse accessors are not read"},
+        {"\"count\":5", "\"sparse\":{},\"count\":5", "accessor 0: no valid count or componentType in sparse"},
         {"\"bufferView\":0", "\"bufferView\":99", "accessor 0: no valid bufferView"},
         {"\"bufferView\":0,\"byteOffset\":4", "\"bufferView\":0,\"byteOffset\":5",
          "accessor 0: not within its bufferView"},
@@ -783,16 +958,9 @@ static void faulty_text(void)
         {"\"buffers\":", "\"bufferz\":", "bufferView 0: no valid buffer"}
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static char changed[MAX_TEXT];
         add_all(1);
         write_json("{\"mesh\":0}", extension, "");
-        char *at = strstr(json, cases[i][0]);
-        if (!CHECK(at != NULL)) {
-            printf("  no %s in %s\n", cases[i][0], json);
-            continue;
-        }
-        snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - json), json, cases[i][1], at + strlen(cases[i][0]));
-        strcpy(json, changed);
+        replace(cases[i][0], cases[i][1]);
         check_fails(cases[i][2]);
     }
 }
@@ -931,6 +1099,12 @@ int main(void)
     RUN(separate_buffers);
     RUN(faulty_buffers);
     RUN(compressed);
+    RUN(opacities_beside_spz);
+    RUN(opacities_out_of_range);
+    RUN(sparse);
+    RUN(faulty_sparse);
+    RUN(zeros);
+    RUN(quantized_positions);
     RUN(faulty_text);
     RUN(many_of_all);
     RUN(deep_nodes);

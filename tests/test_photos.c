@@ -841,6 +841,36 @@ static void nerfstudio(void)
     remove_file("one/transforms.json");
 }
 
+/* Colours of any type and name that point clouds have become 8 bits. */
+static void colours_of_points(void)
+{
+    static const struct { const char *type, *prefix, *values; uint8_t colour[3]; } cases[] = {
+        {"uchar", "", "4 5 255", {4, 5, 255}}, {"float", "", "0 0.2 1", {0, 51, 255}},
+        {"double", "", ".5 .7 .0039215", {128, 179, 1}}, {"float", "", "7 128 254.6", {7, 128, 255}},
+        {"ushort", "", "257 65535 0", {1, 255, 0}}, {"uchar", "diffuse_", "9 8 7", {9, 8, 7}},
+        {"float", "diffuse_", "1 1 0", {255, 255, 0}}, {"float", "", "nan -1 1", {0, 0, 255}},
+        {"uchar", "other_", "9 8 7", {128, 128, 128}}
+    };
+    const fxs_photos_options options = {0};
+    check_lens(4);
+    say_frames(OPENCV_TOP "\"ply_file_path\":\"p.ply\",", "./images/a.ppm", 1);
+    put_text("one/transforms.json");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static const char *const names[] = {"red", "green", "blue"};
+        say("ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n");
+        for (int c = 0; c < 3; c++)
+            say("property %s %s%s\n", cases[i].type, cases[i].prefix, names[c]);
+        say("end_header\n0 0 0 0 0 0\n1 2 3 %s\n", cases[i].values);
+        put_text("one/p.ply");
+        if (!CHECK(!read_photos("one/transforms.json", &options) && photos.point_count == 2))
+            continue;
+        for (int c = 0; c < 3; c++)
+            if (!CHECK(photos.points[1].colour[c] == cases[i].colour[c]))
+                printf("  %s %s: %d\n", cases[i].type, cases[i].values, photos.points[1].colour[c]);
+    }
+    remove_file("one/transforms.json");
+}
+
 #define FISHEYE_TOP "\"w\":160,\"h\":120,\"fl_x\":100,\"fl_y\":100,\"cx\":80,\"cy\":60,\"k1\":0.05," \
                     "\"k2\":-0.01,\"k3\":0.002,\"k4\":-0.001,"
 
@@ -1130,6 +1160,7 @@ static void tests(void)
     RUN(blender);
     RUN(names_of_windows);
     RUN(nerfstudio);
+    RUN(colours_of_points);
     RUN(nerfstudio_fisheye);
     RUN(nerfstudio_cameras);
     RUN(nerfstudio_parts);

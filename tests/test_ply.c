@@ -92,7 +92,7 @@ static const char *const core[] = {
 enum { CORE = sizeof core / sizeof *core };
 
 static char rest_text[72][24];
-static const char *properties[CORE + 72];
+static const char *properties[CORE + 72 + 4];
 
 /* The core properties and `rest` of f_rest; returns their number. */
 static int fill_properties(int rest)
@@ -183,6 +183,8 @@ static void every_type(void)
     for (size_t type = 0; type < sizeof types / sizeof *types; type++)
         for (int encoding = ASCII; encoding <= BIG; encoding++) {
             int count = fill_properties(9);
+            if (encoding != ASCII && (!strcmp(types[type], "ushort") || !strcmp(types[type], "uint16")))
+                continue;                /* halves */
             for (int i = 0; i < CORE; i++) {
                 snprintf(text[i], sizeof text[i], "%s %s", types[type], strchr(core[i], ' ') + 1);
                 properties[i] = text[i];
@@ -192,7 +194,8 @@ static void every_type(void)
         }
 }
 
-/* Of each sign and exponent, ends and specials; of half and of ushort, which is the same where all fields have it. */
+/* Of each sign and exponent, ends and specials; of half and of ushort, which is the same in a binary file. An infinite
+   logit is read as 20. */
 static void halves(void)
 {
     static const struct { uint16_t bits; double value; } cases[] = {
@@ -221,12 +224,166 @@ static void halves(void)
                 if (!CHECK(read_file(gaussians, CASES + 1) == 0 && info.count == CASES))
                     continue;
                 for (int row = 0; row < CASES; row++) {
-                    float want = (float)cases[row].value, got[2] = {gaussians[row].opacity, gaussians[row].position[1]};
+                    float want = cases[row].value == INFINITY ? 20 : (float)cases[row].value;
+                    const float got[2] = {gaussians[row].opacity, gaussians[row].position[1]};
                     CHECK(isnan(want) ? isnan(got[0]) : want == got[0]);
-                    want = wide ? (float)row : want;
+                    want = wide ? (float)row : (float)cases[row].value;
                     CHECK(isnan(want) ? isnan(got[1]) : want == got[1]);
                 }
             }
+}
+
+/* One property of ushort among floats is a half too; 0x3555 is 0.333. */
+static void one_half(void)
+{
+    fxs_gaussian g;
+    for (int property = 0; property < CORE; property++)
+        for (int encoding = LITTLE; encoding <= BIG; encoding++) {
+            const int count = fill_properties(0);
+            char text[32];
+            snprintf(text, sizeof text, "ushort %s", strchr(core[property], ' ') + 1);
+            properties[property] = text;
+            size = 0;
+            put("ply\nformat %s 1.0\n", encodings[encoding]);
+            put_element("vertex", 1, properties, count);
+            put("end_header\n");
+            for (int i = 0; i < count; i++)
+                put_number(encoding, i == property ? "ushort" : "float", i == property ? 0x3555 : 1);
+            put_file(size);
+            if (!CHECK(read_file(&g, 1) == 0))
+                continue;
+            float sum = 0;
+            for (int i = 0; i < 14; i++)
+                sum += ((float *)&g)[i];
+            CHECK(is_near((double)sum, property == 3 ? 14 : 13 + 1365 / 4096.0, 1e-6));   /* 3: the normal */
+        }
+}
+
+/* Infinities of a logit in every encoding: opaque, and transparent; NaN stays. */
+static void infinite_opacities(void)
+{
+    static const char *const types[] = {"float", "double", "half"};
+    static const double values[] = {INFINITY, -INFINITY, NAN};
+    fxs_gaussian gaussians[3];
+    for (int type = 0; type < 3; type++)
+        for (int encoding = ASCII; encoding <= BIG; encoding++) {
+            const int count = fill_properties(0);
+            char text[32];
+            snprintf(text, sizeof text, "%s opacity", types[type]);
+            properties[7] = text;
+            size = 0;
+            put("ply\nformat %s 1.0\n", encodings[encoding]);
+            put_element("vertex", 3, properties, count);
+            put("end_header\n");
+            for (int row = 0; row < 3; row++) {
+                static const int halves[] = {0x7c00, 0xfc00, 0x7e00};
+                for (int i = 0; i < count; i++)
+                    if (i == 7 && type == 2 && encoding != ASCII)
+                        put_number(encoding, "ushort", halves[row]);
+                    else
+                        put_number(encoding, i == 7 ? types[type] : "float", i == 7 ? values[row] : 1);
+                put(encoding == ASCII ? "\n" : "");
+            }
+            put_file(size);
+            CHECK(read_file(gaussians, 3) == 0);
+            CHECK(gaussians[0].opacity == 20 && gaussians[1].opacity == -INFINITY && isnan(gaussians[2].opacity));
+        }
+}
+
+/* ---- Properties under other names ---- */
+
+/* Puts a file of one Gaussian; every property is 1 but these, each "type name", which follow. */
+static void put_with(const char *const *more, const double *values, int count, int encoding)
+{
+    size = 0;
+    put("ply\nformat %s 1.0\nelement vertex 1\n", encodings[encoding]);
+    for (int i = 0; i < CORE; i++)
+        if (strncmp(core[i] + 6, "f_dc", 4) != 0)
+            put("property %s\n", core[i]);
+    for (int i = 0; i < count; i++)
+        put("property %s\n", more[i]);
+    put("end_header\n");
+    for (int i = 0; i < CORE - 3; i++)
+        put_number(encoding, "float", 1);
+    for (int i = 0; i < count; i++) {
+        char type[16];
+        sscanf(more[i], "%15s", type);
+        put_number(encoding, type, values[i]);
+    }
+    put("\n");
+    put_file(size);
+}
+
+/* Colours in place of f_dc are 0 to full brightness. */
+static void colours(void)
+{
+    static const struct { const char *names[3]; double values[3]; double full; } cases[] = {
+        {{"uchar red", "uchar green", "uchar blue"}, {0, 128, 255}, 255},
+        {{"uint8 red", "uint8 green", "uint8 blue"}, {1, 2, 254}, 255},
+        {{"ushort red", "ushort green", "ushort blue"}, {0, 13107, 65535}, 65535},
+        {{"float red", "float green", "float blue"}, {0, 0.25, 1}, 1},
+        {{"double diffuse_red", "double diffuse_green", "double diffuse_blue"}, {0.125, 0.25, 1}, 1},
+        {{"uchar r", "uchar g", "uchar b"}, {7, 128, 255}, 255}
+    };
+    fxs_gaussian g;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int encoding = ASCII; encoding <= BIG; encoding++) {
+            put_with(cases[i].names, cases[i].values, 3, encoding);
+            if (!CHECK(read_file(&g, 1) == 0))
+                continue;
+            CHECK(!info.unused[0] && g.opacity == 1 && g.rotation[3] == 1);
+            for (int c = 0; c < 3; c++)
+                CHECK(is_near((double)g.dc[c], (cases[i].values[c] / cases[i].full - 0.5) / 0.28209479, 1e-6));
+        }
+    static const char *const two[] = {"uchar red", "uchar green"};
+    put_with(two, cases[0].values, 2, LITTLE);
+    check_fails("element vertex has no property f_dc_0");
+}
+
+/* sigma' = sqrt(sigma^2 + f^2), and the opacity times the ratio of the products of sigma and sigma'. */
+static void filters(void)
+{
+    static const char *const names[] = {"float f_dc_0", "float f_dc_1", "float f_dc_2", "float filter_3D"};
+    static const double filter[] = {0, 0.01, 3, 1e30};
+    fxs_gaussian g;
+    for (int i = 0; i < 4; i++)
+        for (int encoding = ASCII; encoding <= BIG; encoding++) {
+            const double values[] = {1, 1, 1, filter[i]}, f = (double)(float)filter[i];
+            put_with(names, values, 4, encoding);
+            if (!CHECK(read_file(&g, 1) == 0))
+                continue;
+            const double sigma = exp(1), grown = sqrt(sigma * sigma + f * f), part = pow(sigma / grown, 3);
+            for (int k = 0; k < 3; k++)
+                CHECK(is_near((double)g.scale[k], log(grown), 1e-6));
+            CHECK(fabs(opacity_of(&g) - part / (1 + exp(-1))) < 1e-6 && (f > 0 || g.opacity == 1));
+            CHECK(!info.unused[0] && g.dc[2] == 1 && g.position[1] == 1);
+        }
+}
+
+/* Properties that other programs draw by are named; the others are left out in silence. */
+static void unused_properties(void)
+{
+    static const struct { const char *properties[4]; const char *named; } cases[] = {
+        {{"float ny", "float nz", "uchar red", "uchar alpha"}, ""},
+        {{"float confidence", "int label", "float s", "float tx"}, ""},
+        {{"float t", "float scale_t", "float rot_r_0", "float rot_r_1"}, "t, scale_t, rot_r_*"},
+        {{"float motion_0", "float motion_1", "float trbf_center", "float motion_2"}, "motion_*, trbf_center"},
+        {{"float beta", "float f_new_0", "float filter_2D", "float f_dc_3"}, "beta, f_new_0, filter_2D, f_dc_3"},
+        {{"float f_a_very_long_name_of_a_property_1", "float f_a_very_long_name_of_a_property_b",
+          "float f_a_very_long_name_of_a_property_c", "float f_a_very_long_name_of_a_property_d"},
+         "f_a_very_long_name_of_a_property_1, f_a_very_long_name_of_a_property_b, "
+         "f_a_very_long_name_of_a_property_c, ..."}
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int rest = 0; rest <= 72; rest += 72) {
+            fxs_gaussian gaussians[ROWS];
+            const int count = fill_properties(rest);
+            memcpy(properties + count, cases[i].properties, sizeof cases[i].properties);
+            make_file(LITTLE, count + 4, 0);
+            put_file(size);
+            if (!CHECK(read_file(gaussians, ROWS) == 0 && !strcmp(info.unused, cases[i].named)))
+                printf("  %s, not %s\n", info.unused, cases[i].named);
+        }
 }
 
 /* Files of 2D Gaussians have two scales. */
@@ -251,7 +408,7 @@ static void flat_gaussians(void)
 static void negative_and_large_integers(void)
 {
     static const struct { const char *type; double value; } cases[] = {
-        {"char", -128}, {"uchar", 255}, {"short", -32768}, {"ushort", 65535}, {"int", -2147483648.0},
+        {"char", -128}, {"uchar", 255}, {"short", -32768}, {"int", -2147483648.0},
         {"uint", 4294967295.0}, {"double", -1e300}
     };
     fxs_gaussian g;
@@ -670,6 +827,11 @@ int main(void)
     RUN(shuffled_properties);
     RUN(every_type);
     RUN(halves);
+    RUN(one_half);
+    RUN(infinite_opacities);
+    RUN(colours);
+    RUN(filters);
+    RUN(unused_properties);
     RUN(flat_gaussians);
     RUN(negative_and_large_integers);
     RUN(other_elements_and_lists);

@@ -308,9 +308,11 @@ static void make_undrawable(void)
     made[2].sh[2] = INFINITY;
     made[3].rotation[0] = 0;
     memset(made[4].rotation, 0, sizeof made[4].rotation);
-    made[5].opacity = INFINITY;
+    made[5].opacity = -INFINITY;
     made[6].position[0] = -INFINITY;
+    made[7].opacity = INFINITY;
     CHECK(write_made(3));
+    made[7].opacity = 20;                /* as it is read: opaque */
 }
 
 static void undrawable(void)
@@ -319,13 +321,13 @@ static void undrawable(void)
     check_left(any);
     filter.drawable = 1;
     check_left(is_drawable);
-    CHECK(report.dropped.not_finite == 5 && report.dropped.rotation == 2);
+    CHECK(report.dropped.not_finite == 4 && report.dropped.rotation == 2 && report.dropped.transparent == 1);
     filter.sh_degree = 0;   /* the infinite SH is left out */
     CHECK(open_filtered() == 0 && info.count == COUNT - 6);
     fxs_scene_file_close(file);
 }
 
-/* Of 1 to 99, one has moved out; opacities of NaN and infinity are not faint but not finite. */
+/* Of 1 to 99, one has moved out; an opacity of NaN is not faint but not finite, one of minus infinity is faint. */
 static void undrawable_in_a_box(void)
 {
     make_undrawable();
@@ -334,8 +336,8 @@ static void undrawable_in_a_box(void)
     filter.high[0] = 99;
     filter.opacity = 0.5;
     CHECK(open_filtered() == 0);
-    CHECK(report.outside == COUNT - 99 + 1 && report.dropped.not_finite == 2 && info.count == report.kept);
-    CHECK(report.kept + report.outside + report.faint + 2 == COUNT);
+    CHECK(report.outside == COUNT - 99 + 1 && report.dropped.not_finite == 1 && info.count == report.kept);
+    CHECK(report.dropped.transparent == 0 && report.kept + report.outside + report.faint + 1 == COUNT);
     fxs_scene_file_close(file);
 }
 

@@ -421,6 +421,49 @@ static void books(void)
     CHECK(fxs_book_learn(book, values, 1, 0) == 0 && book[fxs_book_find(book, 3)] == 3);
 }
 
+/* Every `of`-th scale belongs to a flat Gaussian, the others to a captured scene. */
+static void book_of_flat(float flat, int of, double spread)
+{
+    float values[6000], book[FXS_BOOK];
+    state = 7;
+    for (int i = 0; i < 6000; i++)
+        values[i] = (float)(i % of ? random_between(-4.5 - spread, -4.5 + spread) : flat + random_between(-0.2, 0.2));
+    CHECK(fxs_book_learn(book, values, 6000, 1.25) == 0);
+    for (int i = 0; i < FXS_BOOK - 1; i++)
+        CHECK(book[i] <= book[i + 1]);
+    for (int i = 0; i < 6000; i++)
+        if (!CHECK(fabsf(book[fxs_book_find(book, values[i])] - values[i]) < (i % of ? 0.2f : 0.4f)))
+            printf("  %g is %g, one of %d flat\n", (double)values[i], (double)book[fxs_book_find(book, values[i])], of);
+}
+
+/* A thin axis that becomes a thick one is seen, however little its own size weighs. */
+static void books_of_flat(void)
+{
+    static const int of[] = {6000, 100, 3, 2};
+    static const float flat[] = {-20, -14, -9, 2};
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++) {
+            book_of_flat(flat[k], of[i], 2);
+            book_of_flat(flat[k], of[i], 0);
+        }
+}
+
+/* 2D Gaussians stay flat in a .sog, all of them or a few. */
+static void flat_in_sog(void)
+{
+    for (int of = 1; of <= 100; of += 99) {
+        make(0);
+        for (int i = 0; i < COUNT; i += of)
+            wanted[i].scale[2] = i % 2 ? -20 : -14;
+        const fxs_scene_write_options o = options_of(0, 0);
+        if (write_all(".sog", &o, NULL, NULL) == FXS_ERR_UNSUPPORTED)
+            SKIP(message.text);
+        CHECK(read_file(got, COUNT) == 0);
+        for (int i = 0; i < COUNT; i += of)
+            CHECK(fabsf(nearest(&wanted[i])->scale[2] - wanted[i].scale[2]) < 0.4f);
+    }
+}
+
 static int stop_at_once(void *argument, double done)
 {
     (void)argument;
@@ -468,6 +511,8 @@ int main(void)
     RUN(too_many);
     RUN(stopped);
     RUN(books);
+    RUN(books_of_flat);
+    RUN(flat_in_sog);
     RUN(palettes);
     remove(written);
     return check_report();

@@ -113,9 +113,9 @@ static void print_scene_json(const loaded_scene *s, const scene_levels *levels)
            "\"levels\": %d, \"antialiased\": %s, ", info->format, r->read, r->packed, info->sh_degree,
            info->levels, info->antialiased ? "true" : "false");
     if (!is_packed(s))
-        printf("\"left_out\": {\"not_finite\": %" PRIu64 ", \"zero_quaternion\": %" PRIu64 ", \"share\": %.3g}, "
-               "\"brought_in\": %" PRIu64 ", ", r->dropped.not_finite, r->dropped.rotation,
-               fxs_dropped_share(&r->dropped), r->brought_in);
+        printf("\"left_out\": {\"not_finite\": %" PRIu64 ", \"zero_quaternion\": %" PRIu64 ", \"transparent\": %" PRIu64
+               ", \"share\": %.3g}, \"brought_in\": %" PRIu64 ", ", r->dropped.not_finite, r->dropped.rotation,
+               r->dropped.transparent, fxs_dropped_share(&r->dropped), r->brought_in);
     printf("\"bounds\": ");
     print_box_json(r->low, r->high);
     printf(", \"seen\": ");

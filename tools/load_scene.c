@@ -39,7 +39,8 @@ static void note_dropped(const char *path, const fxs_pack_dropped *d, uint64_t p
         snprintf(weight, sizeof weight, ", %.3g %% of the scene by opacity and area", 100 * share);
     if (dropped)
         note("%s: left out %" PRIu64 " of %" PRIu64 " Gaussians (%" PRIu64 " not finite, %" PRIu64
-             " with a zero quaternion)%s", path, dropped, dropped + packed, d->not_finite, d->rotation, weight);
+             " with a zero quaternion)%s", path, dropped, dropped + d->transparent + packed, d->not_finite, d->rotation,
+             weight);
 }
 
 void note_packed(const char *path, const fxs_pack_report *report)
@@ -120,6 +121,10 @@ static void look_at(const char *path, const load_options *o, const fxs_scene_fil
              info->stored_sh_degree, info->sh_degree);
     if (info->linear_light)
         note("%s: its colours of linear light are turned into sRGB, in which Gaussians are blended", path);
+    if (info->clamped_opacity)
+        note("%s: opacities above 1 are drawn as 1", path);
+    if (info->unused[0])
+        note("%s: not used, though the picture may depend on them: %s", path, info->unused);
     if (info->log_scales)
         note("%s: scales below 0: all are read as logarithms, as splat-transform wrote them until June 2026", path);
     note_coarse(path, info);

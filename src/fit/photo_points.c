@@ -122,18 +122,19 @@ typedef struct ply {
     fxs_ply_header header;
 } ply;
 
-/* Reads x, y, z, and the colour as integers where there is one. */
-static int find_columns(const ply *p, const fxs_ply_element *vertex, int columns[6], fxs_message *message)
+/* Finds x, y, z, and the colour; *full is its full brightness, 0 where it is absent. */
+static int find_columns(const ply *p, const fxs_ply_element *vertex, int columns[6], double *full, fxs_message *message)
 {
-    static const char *const names[6] = {"x", "y", "z", "red", "green", "blue"};
+    static const char *const names[3] = {"x", "y", "z"};
     const char *path = p->source.path;
     if (!vertex || vertex != p->header.element_table || vertex->has_lists)
         return fxs_fail(message, "%s: its first element is not \"vertex\", without lists", path);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 3; i++) {
         columns[i] = fxs_ply_find(&p->header, vertex, names[i]);
-        if (columns[i] < 0 && i < 3)
+        if (columns[i] < 0)
             return fxs_fail(message, "%s: element vertex has no property %s", path, names[i]);
     }
+    *full = fxs_ply_find_colour(&p->header, vertex, columns + 3);
     return 0;
 }
 
@@ -151,20 +152,40 @@ static int read_vertex(ply *p, const fxs_ply_element *vertex, const int columns[
     return fxs_ply_end_row(&p->bytes, encoding);
 }
 
+/* Reads all vertices into *points; where that is null, only finds their brightest colour. */
+static int read_vertices(fxs_photo_points *points, ply *p, const fxs_ply_element *vertex, const int columns[6],
+                         double full, double *brightest, fxs_message *message)
+{
+    const uint64_t start = fxs_bytes_tell(&p->bytes);
+    *brightest = 0;
+    for (uint64_t i = 0; i < vertex->count; i++) {
+        double values[6] = {0, 0, 0, 0, 0, 0}, colour[3] = {GREY, GREY, GREY};
+        if (read_vertex(p, vertex, columns, values))
+            return fxs_bytes_fail_row(&p->bytes, vertex->name, i, vertex->count, message);
+        for (int c = 0; c < 3 && full > 0; c++) {
+            *brightest = fmax(*brightest, values[3 + c]);
+            colour[c] = floor(255 * values[3 + c] / full + 0.5);
+        }
+        if (points)
+            FXS_TRY(add_point(points, p->source.path, values, colour, message));
+    }
+    return points ? 0 : fxs_bytes_seek(&p->bytes, start);
+}
+
+/* Real colours are 0 to 1, in some files 0 to 255. */
 static int read_ply(fxs_photo_points *points, ply *p, fxs_message *message)
 {
     int columns[6];
+    double full = 0, brightest;
     FXS_TRY(fxs_ply_read_header(&p->header, &p->bytes, message));
     const fxs_ply_element *vertex = fxs_ply_find_element(&p->header, "vertex");
-    FXS_TRY(find_columns(p, vertex, columns, message));
+    FXS_TRY(find_columns(p, vertex, columns, &full, message));
     FXS_TRY(fxs_ply_check_size(&p->header, &p->bytes, message));
-    for (uint64_t i = 0; i < vertex->count; i++) {
-        double values[6] = {0, 0, 0, GREY, GREY, GREY};
-        if (read_vertex(p, vertex, columns, values))
-            return fxs_bytes_fail_row(&p->bytes, vertex->name, i, vertex->count, message);
-        FXS_TRY(add_point(points, p->source.path, values, values + 3, message));
+    if (full == 1) {
+        FXS_TRY(read_vertices(NULL, p, vertex, columns, full, &brightest, message));
+        full = brightest > 2 ? 255 : 1;
     }
-    return 0;
+    return read_vertices(points, p, vertex, columns, full, &brightest, message);
 }
 
 int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message *message)

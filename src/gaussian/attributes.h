@@ -12,6 +12,9 @@
 /* ln of the standard deviation across a 2D Gaussian, which has none. */
 #define FXS_FLAT_SCALE (-20)
 
+/* The logit of an opacity that is 1 in any code. */
+#define FXS_OPAQUE 20
+
 /* ln of a standard deviation, at least FXS_FLAT_SCALE, also for 0. A negative one has the covariance of its magnitude.
    */
 static inline float fxs_log_scale(double scale)
@@ -26,16 +29,16 @@ static inline double fxs_opacity_of_logit(double logit)
     return 1 / (1 + fxs_exp(-logit));
 }
 
-/* ln(opacity / (1 - opacity)), +-20 where the opacity is not between 0 and 1. */
+/* ln(opacity / (1 - opacity)), +-FXS_OPAQUE where the opacity is not between 0 and 1; NaN of NaN. */
 static inline float fxs_logit_of_opacity(double opacity)
 {
-    return !(opacity > 0) ? -20 : !(opacity < 1) ? 20 : (float)fxs_log(opacity / (1 - opacity));
+    return opacity <= 0 ? -FXS_OPAQUE : opacity >= 1 ? FXS_OPAQUE : (float)fxs_log(opacity / (1 - opacity));
 }
 
 /* The same for the opacity code / 255. */
 static inline float fxs_logit_of_code(int code)
 {
-    return code <= 0 ? -20 : code >= 255 ? 20 : (float)fxs_log(code / (255.0 - code));
+    return code <= 0 ? -FXS_OPAQUE : code >= 255 ? FXS_OPAQUE : (float)fxs_log(code / (255.0 - code));
 }
 
 /* The coefficient of SH degree 0 for a colour, 0 to 1. */

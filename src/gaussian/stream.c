@@ -4,6 +4,8 @@
 
 #include <fixsplat/message.h>
 
+#include "attributes.h"
+
 fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options *options, fxs_message *message)
 {
     fxs_scene_file *file = fxs_allocate_zeroed(options ? options->allocator : NULL, 1, sizeof *file);
@@ -30,7 +32,8 @@ int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader 
     info->levels = 1;
     info->stored_sh_degree = 0;
     info->colour = info->sh = (fxs_grid){0, 0};
-    info->linear_light = info->log_scales = 0;
+    info->linear_light = info->log_scales = info->clamped_opacity = 0;
+    info->unused[0] = 0;
     info->start = (fxs_start){.tangent = 0};
     info->coarse = 0;
     FXS_TRY(reader->open(file->data, source, info, message));
@@ -43,9 +46,19 @@ int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader 
     return fxs_limit_gaussians(source, info->count, message);
 }
 
+long fxs_stream_read(const fxs_reader *reader, void *data, fxs_gaussian *gaussians, size_t capacity,
+                     fxs_message *message)
+{
+    const long count = reader->read(data, gaussians, capacity, message);
+    for (long i = 0; i < count; i++)
+        if (gaussians[i].opacity == INFINITY)
+            gaussians[i].opacity = FXS_OPAQUE;
+    return count;
+}
+
 long fxs_scene_file_read(fxs_scene_file *file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
-    return file->reader->read(file->data, gaussians, capacity, message);
+    return fxs_stream_read(file->reader, file->data, gaussians, capacity, message);
 }
 
 int fxs_scene_file_rewind(fxs_scene_file *file, fxs_message *message)

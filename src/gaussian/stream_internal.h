@@ -43,6 +43,11 @@ fxs_scene_file *fxs_stream_create(const char *path, const fxs_scene_file_options
 int fxs_stream_begin(fxs_scene_file *file, const char *format, const fxs_reader *reader, fxs_scene_file_info *info,
                      fxs_message *message);
 
+/* Reads the next Gaussians of a reader, as fxs_scene_file_read does. An infinite logit becomes FXS_OPAQUE; minus
+   infinity stays, and fxs_drawable leaves the Gaussian out. */
+long fxs_stream_read(const fxs_reader *reader, void *data, fxs_gaussian *gaussians, size_t capacity,
+                     fxs_message *message);
+
 /* Exchanges the reader and the reader's data of an open stream for others, which may read from the old ones. The
    stream's origin is fixed from then on. */
 void fxs_stream_swap(fxs_scene_file *file, const fxs_reader **reader, void **data);

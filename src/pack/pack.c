@@ -218,13 +218,15 @@ int fxs_drawable(const fxs_gaussian *g, int sh_degree, fxs_pack_dropped *dropped
 {
     const float *s = g->scale, *q = g->rotation;
     const int finite = all_finite(g->position, 3) && s[0] < INFINITY && s[1] < INFINITY && s[2] < INFINITY &&
-                       all_finite(q, 4) && isfinite(g->opacity) && all_finite(g->dc, 3) &&
+                       all_finite(q, 4) && g->opacity < INFINITY && all_finite(g->dc, 3) &&
                        all_finite(g->sh, 3 * FXS_SH_COUNT(sh_degree));
     const int turned = q[0] != 0 || q[1] != 0 || q[2] != 0 || q[3] != 0;
-    if (finite && turned)
+    const int transparent = g->opacity == -INFINITY;
+    if (finite && turned && !transparent)
         return 1;
     dropped->not_finite += !finite;
-    dropped->rotation += (uint64_t)finite;
+    dropped->rotation += (uint64_t)(finite && !turned);
+    dropped->transparent += (uint64_t)(finite && turned);
     dropped->weight += fxs_weight(g);
     return 0;
 }
@@ -321,11 +323,12 @@ static int read_positions(packer *p)
         }
         dropped->not_finite += f->dropped.not_finite;
         dropped->rotation += f->dropped.rotation;
+        dropped->transparent += f->dropped.transparent;
         dropped->weight += f->dropped.weight;
         dropped->kept += f->faint + f->others;
         report->brought_in += f->brought_in;
     }
-    report->packed = report->read - dropped->not_finite - dropped->rotation;
+    report->packed = report->read - dropped->not_finite - dropped->rotation - dropped->transparent;
     return 0;
 }
 

@@ -368,11 +368,11 @@ ply mixed.ply 'nan 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0' "$good" '0 0 0 1 inf .2 2 -
     '0 0 0 1 .5 .2 nan -1 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 -1.5 -2 0 0 0 0' "$other" \
     '0 0 0 1 .5 .2 -inf -1 -1.5 -2 1 0 0 0' '0 0 0 1 .5 .2 2 -1 inf -2 1 0 0 0' 'inf 0 0 1 .5 .2 2 -1 -1.5 -2 1 0 0 0'
 run render mixed.ply $near -o mixed.raw
-check "bad Gaussians are left out and counted" equal "$status $(cat logs/err)" "0 fixsplat: mixed.ply: left out 7 of 9 \
-Gaussians (6 not finite, 1 with a zero quaternion), 70.8 % of the scene by opacity and area"
+check "bad Gaussians are left out and counted" equal "$status $(cat logs/err)" "0 fixsplat: mixed.ply: left out 6 of 9 \
+Gaussians (5 not finite, 1 with a zero quaternion), 70.8 % of the scene by opacity and area"
 run info mixed.ply --json
 check "info --json: what is left out" grep -q \
-    '"left_out": {"not_finite": 6, "zero_quaternion": 1, "share": 0.708}, "brought_in": 0' logs/out
+    '"left_out": {"not_finite": 5, "zero_quaternion": 1, "transparent": 1, "share": 0.708}, "brought_in": 0' logs/out
 ply outer.ply "$good" '0 0 .1 1 .5 .2 2 -1 -inf -2 1 0 0 0' '3e9 0 0 1 .5 .2 2 25 25 -9 1 0 0 0'
 run render outer.ply $near -o outer.raw
 check "thin, large and far Gaussians are drawn" equal "$status $(cat logs/err)" \
@@ -405,8 +405,20 @@ fails "a scene of no Gaussians" 1 "zero.ply: " render zero.ply --hash
 ply clear.ply "$good" "$other" '0 0 0 1 .5 .2 -inf -1 -1.5 -2 1 0 0 0'
 run render clear.ply $near -o clear.raw
 check "an opacity of sigmoid(-inf) is 0" equal "$($helper hash clear.raw)" "$hash"
-check "an infinite opacity is counted, of no weight" equal "$(cat logs/err)" "fixsplat: clear.ply: left out 1 of 3 \
-Gaussians (1 not finite, 0 with a zero quaternion)"
+check "an opacity of sigmoid(-inf) is left out in silence" equal "$(cat logs/err)" ""
+ply opaque.ply "$good" '0 0 0 1 .5 .2 inf -1 -1.5 -2 1 0 0 0'
+ply full.ply "$good" '0 0 0 1 .5 .2 20 -1 -1.5 -2 1 0 0 0'
+run render opaque.ply $near --hash
+check "an opacity of sigmoid(inf) is 1" equal "$status $(cat logs/out logs/err)" "0 $(hash_of full.ply $near)"
+{
+    ply_header 1 | sed '$d'
+    printf 'property float %s\n' nx label t motion_0 motion_1
+    echo end_header
+    echo "$good 0 3 .5 1 2"
+} >moving.ply
+run render moving.ply $near -o moving.raw
+check "properties that are not used are named" equal "$status $(cat logs/err)" \
+    "0 fixsplat: moving.ply: not used, though the picture may depend on them: t, motion_*"
 ply one.ply "$good"
 check "a scene of one Gaussian is framed" differ "$(hash_of one.ply $small)" "$(hash_of one.ply $small $away)"
 { ply_header 900 && yes "$good" | head -n 899 && echo "x $good"; } >x-row.ply
@@ -708,8 +720,8 @@ for out in ply splat spz fxs; do
     . logs/counts
     check "convert: left.$out is left whole" equal "$(cat left.$out)" precious
     run convert mixed.ply drawn.$out
-    check "convert to .$out: bad Gaussians are left out and counted" says "mixed.ply: left out 7 of 9 \
-Gaussians (6 not finite, 1 with a zero quaternion), 70.8 % of the scene by opacity and area"
+    check "convert to .$out: bad Gaussians are left out and counted" says "mixed.ply: left out 6 of 9 \
+Gaussians (5 not finite, 1 with a zero quaternion), 70.8 % of the scene by opacity and area"
     check "convert to .$out: the others are there" gaussians drawn.$out 2 0
 done
 "$fixsplat" convert knot.ply part.ply --crop -9,-9,-9,0,9,9 --prune 0.3 --sh-degree 2 2>logs/err
@@ -1139,10 +1151,29 @@ fi
 tile=$scenes/boatyard-tile3/boatyard-tile3.glb
 run render "$tile" $small --hash
 if [ $status = 0 ]; then
-    check "a .glb of a draft: its logarithms are said" equal "$(cat logs/err)" "fixsplat: $tile: scales below 0: all are read \
-as logarithms, as splat-transform wrote them until June 2026"
+    check "a .glb with an .spz says nothing" equal "$(cat logs/err)" ""
 else
-    skip "a .glb of a draft" "$(cat logs/err)"
+    skip "a .glb with an .spz" "$(cat logs/err)"
+fi
+# One Gaussian: its position and SH, rotation, scales of -1, opacity of 1.5
+accessor='"componentType":5126,"count":1,"type"'
+cat >draft.gltf <<END
+{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"mode":0,
+"extensions":{"KHR_gaussian_splatting":{"kernel":"ellipse"}},"attributes":{"POSITION":0,
+"KHR_gaussian_splatting:ROTATION":1,"KHR_gaussian_splatting:SCALE":2,"KHR_gaussian_splatting:OPACITY":3,
+"KHR_gaussian_splatting:SH_DEGREE_0_COEF_0":0}}]}],"buffers":[{"byteLength":44,"uri":
+"data:;base64,AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAACAPwAAgL8AAIC/AACAvwAAwD8="}],
+"bufferViews":[{"buffer":0,"byteLength":44}],"accessors":[{"bufferView":0,$accessor:"VEC3"},
+{"bufferView":0,"byteOffset":12,$accessor:"VEC4"},{"bufferView":0,"byteOffset":28,$accessor:"VEC3"},
+{"bufferView":0,"byteOffset":40,$accessor:"SCALAR"}]}
+END
+run info draft.gltf
+if [ $status = 0 ]; then
+    check "a glTF of a draft: its logarithms are said, and opacities above 1" equal "$(cat logs/err)" \
+        "fixsplat: draft.gltf: opacities above 1 are drawn as 1
+fixsplat: draft.gltf: scales below 0: all are read as logarithms, as splat-transform wrote them until June 2026"
+else
+    skip "a glTF of a draft" "$(cat logs/err)"
 fi
 
 # ---- Memory ----------------------------------------------------------------------------------------------------------

@@ -161,7 +161,7 @@ def _filter(crop: Any, sphere: Any, prune: float, drop_floaters: bool, sh_degree
 
 
 def _conversion(kept: Struct, written: int, dropped: int, *rest: Any) -> Conversion:
-    left_out = kept.dropped.not_finite + kept.dropped.rotation + dropped
+    left_out = kept.dropped.not_finite + kept.dropped.rotation + kept.dropped.transparent + dropped
     return Conversion(kept.read, written, kept.outside, kept.faint, kept.floaters, left_out, *rest)
 
 

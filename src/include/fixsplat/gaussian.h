@@ -24,7 +24,7 @@ typedef struct fxs_gaussian {
     float position[3];   /* scene units, from the origin of the stream: fxs_scene_file_info */
     float scale[3];      /* natural logarithm of the standard deviation, scene units */
     float rotation[4];   /* quaternion w, x, y, z, not normalised: as it is in the file */
-    float opacity;       /* logit: the opacity is 1 / (1 + exp(-opacity)) */
+    float opacity;       /* logit: the opacity is 1 / (1 + exp(-opacity)); infinite where that is exactly 0 or 1 */
     float dc[3];         /* SH degree 0, r g b; the colour is 0.5 + 0.28209479177387814 dc + higher degrees */
     float sh[45];        /* SH degrees 1 to 3, coefficient-major: sh[3 * k + channel]; 0 above the file's degree */
 } fxs_gaussian;
@@ -35,6 +35,8 @@ typedef struct fxs_scene_file fxs_scene_file;
 typedef struct fxs_grid {
     double low, step;
 } fxs_grid;
+
+#define FXS_UNUSED_TEXT 128
 
 typedef struct fxs_scene_file_info {
     const char *format;   /* a name of formats.h, or "gaussians" for Gaussians of the program; static */
@@ -49,6 +51,8 @@ typedef struct fxs_scene_file_info {
     int linear_light;     /* 1: a glTF has colours of linear light, which are turned into sRGB Gaussian by Gaussian:
                              where different colours blend, that is not the picture of linear light */
     int log_scales;       /* 1: a glTF has logarithms for scales, as in a draft, and is read so */
+    int clamped_opacity;  /* 1: a glTF has opacities above 1, which are read as 1 */
+    char unused[FXS_UNUSED_TEXT];   /* properties of a .ply by which other programs draw, and which are not read */
     fxs_start start;      /* of an .fxs: what is up, and its start view, which fxs_pack keeps */
     double origin[3];     /* scene units: add it to a position. 0, unless the scene is far out and has coordinates that
                              are finer than floats there: doubles of a .ply, a far node of a glTF, a far placement */

@@ -22,6 +22,7 @@ extern "C" {
 typedef struct fxs_pack_dropped {
     uint64_t not_finite;      /* a value is NaN or infinite; only ln(sigma) may be minus infinity */
     uint64_t rotation;        /* the quaternion is zero */
+    uint64_t transparent;     /* the opacity is minus infinity, exactly 0 after its sigmoid: no fault of the file */
     double weight, kept;      /* sums of fxs_weight over the Gaussians left out, and over the others */
 } fxs_pack_dropped;
 

@@ -18,8 +18,8 @@ extern "C" {
 
 /* Opens a scene file, or a folder with the meta.json or lod-meta.json of a .sog or the tileset.json of 3D Tiles. The
    format is found by the content. `options` may be null. Returns 0 and a handle that fxs_scene_file_close frees, or an
-   error and a message, with *file null. 2D Gaussians are read as 3D Gaussians whose third scale is e^-20; of a
-   glTF whose colours are linear light, see fxs_scene_file_info.
+   error and a message, with *file null. 2D Gaussians are read as 3D Gaussians with a third scale of e^-20, and the
+   filter_3D of a Mip-Splatting .ply is applied; fxs_scene_file_info says what else was changed or not used.
 
    The header is checked completely, and the size of a binary body against it. Only headers are read, so *info is known
    before anything large is allocated. But a .ply is read up to its vertices where it has lists or text before them, and

@@ -133,7 +133,7 @@ static void change(const part *p, fxs_gaussian *g, int sh_degree)
 static long read_file(merge_reader *r, uint32_t file, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
 {
     return file ? fxs_scene_file_read(r->files[file], gaussians, capacity, message)
-                : r->reader->read(r->data, gaussians, capacity, message);
+                : fxs_stream_read(r->reader, r->data, gaussians, capacity, message);
 }
 
 /* Goes to the first Gaussian of a part. */

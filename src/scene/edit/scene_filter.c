@@ -93,7 +93,7 @@ static long filter_read(void *handle, fxs_gaussian *gaussians, size_t capacity, 
     size_t kept = 0;
     while (kept < capacity) {
         fxs_gaussian *next = gaussians + kept;
-        long n = r->reader->read(r->data, next, capacity - kept, message);
+        long n = fxs_stream_read(r->reader, r->data, next, capacity - kept, message);
         if (n < 0)
             return n;
         if (n == 0)

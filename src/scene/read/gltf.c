@@ -63,9 +63,11 @@ typedef struct buffer_view {
 enum { BYTE, UBYTE, SHORT, USHORT, FLOAT = 6 };   /* componentType - 5120 */
 
 typedef struct accessor {
-    range bytes;
+    range bytes;                 /* buffer NULL: all elements are 0 */
+    range indices, values;       /* of a sparse accessor: elements that replace others */
+    uint32_t replaced, at;       /* their number, and the one to be read next */
     uint32_t count, stride, size;
-    uint8_t type, is_normalized, components;
+    uint8_t type, is_normalized, components, index_size;
 } accessor;
 
 enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
@@ -79,7 +81,7 @@ typedef struct splats {
     int attribute_count;
     uint32_t count;
     int sh_degree, stored_sh_degree, antialiased;
-    int scales_known, has_log_scales, is_linear;
+    int scales_known, has_log_scales, is_linear, is_clamped;
     double middle[3];            /* of its positions where they are far from 0 beside their extent; else 0 */
 } splats;
 
@@ -104,6 +106,7 @@ typedef struct gltf {
     uint8_t *visited;            /* nodes */
     uint64_t bin_offset, bin_size;
     buffer buffers[MAX_BUFFERS];
+    int is_quantized;            /* POSITION may have integers, by KHR_mesh_quantization */
     splats *splats;
     part *parts;
     int splats_count, parts_count;
@@ -328,32 +331,104 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 #define PLAIN(type) (1u << 2 * (type))
 #define NORMALIZED(type) (2u << 2 * (type))
 
-static int read_layout(gltf *g, int index, const cJSON *item, accessor *a)
+/* Finds `count` elements of `size` bytes in the bufferView of an item of accessor `index`. */
+static int find_elements(const gltf *g, int index, const cJSON *item, uint32_t count, uint32_t size, range *bytes,
+                         uint32_t *stride)
 {
     int view_index = index_of(g, member(item, "bufferView"), VIEWS);
     buffer_view v;
     if (view_index < 0)
         return fail_item(g, "accessor", index, "no valid bufferView");
     FXS_TRY(use_buffer_view(g, view_index, &v));
-    int64_t offset = whole(member(item, "byteOffset"), 0), count = whole(member(item, "count"), -1);
-    int64_t stride = v.stride ? v.stride : a->size;
-    if (count < 1 || count > MAX_COUNT || stride < a->size || stride > MAX_STRIDE)
+    int64_t offset = whole(member(item, "byteOffset"), 0), step = v.stride ? v.stride : size;
+    if (step < size || step > MAX_STRIDE)
         return fail_item(g, "accessor", index, "no valid count or byteStride");
-    uint64_t needed = (uint64_t)(count - 1) * (uint64_t)stride + a->size;
+    uint64_t needed = (count - 1) * (uint64_t)step + size;
     if (offset < 0 || needed > v.bytes.size || (uint64_t)offset > v.bytes.size - needed)
         return fail_item(g, "accessor", index, "not within its bufferView");
-    a->bytes = (range){v.bytes.buffer, v.bytes.offset + (uint64_t)offset, needed};
-    a->count = (uint32_t)count;
-    a->stride = (uint32_t)stride;
+    *bytes = (range){v.bytes.buffer, v.bytes.offset + (uint64_t)offset, needed};
+    *stride = (uint32_t)step;
     return 0;
 }
 
-static int read_accessor(gltf *g, const cJSON *attributes, const char *name, int components, unsigned types,
-                         accessor *a)
+/* Finds the elements of a sparse accessor that replace others; they are tightly packed. */
+static int read_sparse(const gltf *g, int index, const cJSON *sparse, accessor *a)
+{
+    static const uint8_t sizes[] = {1, 0, 2, 0, 4};            /* UBYTE, USHORT, UINT */
+    const cJSON *indices = member(sparse, "indices");
+    const int64_t count = whole(member(sparse, "count"), -1);
+    const int64_t type = whole(member(indices, "componentType"), -1) - 5120 - UBYTE;
+    uint32_t strides[2];
+    if (count < 1 || count > a->count || type < 0 || type > 4 || !sizes[type])
+        return fail_item(g, "accessor", index, "no valid count or componentType in sparse");
+    a->replaced = (uint32_t)count;
+    a->index_size = sizes[type];
+    FXS_TRY(find_elements(g, index, indices, a->replaced, a->index_size, &a->indices, &strides[0]));
+    FXS_TRY(find_elements(g, index, member(sparse, "values"), a->replaced, a->size, &a->values, &strides[1]));
+    return strides[0] == a->index_size && strides[1] == a->size ? 0
+           : fail_item(g, "accessor", index, "a byteStride in sparse");
+}
+
+static int read_layout(const gltf *g, int index, const cJSON *item, accessor *a)
+{
+    const int64_t count = whole(member(item, "count"), -1);
+    const cJSON *sparse = member(item, "sparse");
+    if (count < 1 || count > MAX_COUNT)
+        return fail_item(g, "accessor", index, "no valid count or byteStride");
+    a->count = (uint32_t)count;
+    a->stride = a->size;
+    if (member(item, "bufferView"))
+        FXS_TRY(find_elements(g, index, item, a->count, a->size, &a->bytes, &a->stride));
+    return sparse ? read_sparse(g, index, sparse, a) : 0;
+}
+
+static int fail_indices(const gltf *g)
+{
+    return fail(g, "indices of a sparse accessor that do not ascend, or are beyond its elements");
+}
+
+/* Puts the elements of a sparse accessor that replace `first` to `end` - 1 into g->bytes. */
+static int replace_elements(gltf *g, accessor *a, uint32_t first, uint32_t end)
+{
+    uint8_t indices[4 * BATCH], values[BATCH * 16];
+    const uint32_t left = a->replaced - a->at, count = left < end - first ? left : end - first;
+    int64_t last = (int64_t)first - 1;
+    if (!count)
+        return 0;
+    FXS_TRY(read_bytes(g, &a->indices, (uint64_t)a->at * a->index_size, indices, count * a->index_size));
+    FXS_TRY(read_bytes(g, &a->values, (uint64_t)a->at * a->size, values, count * a->size));
+    for (uint32_t i = 0; i < count; i++) {
+        const uint8_t *at = indices + i * a->index_size;
+        const uint32_t index = a->index_size == 1 ? *at : a->index_size == 2 ? fxs_load_u16(at) : fxs_load_u32(at);
+        if (index <= last || index >= a->count)
+            return fail_indices(g);
+        if (index >= end)
+            break;
+        memcpy(g->bytes + (index - first) * a->stride, values + i * a->size, a->size);
+        last = index;
+        a->at++;
+    }
+    return end < a->count || a->at == a->replaced ? 0 : fail_indices(g);
+}
+
+/* Reads up to BATCH elements, a->stride bytes apart, into g->bytes. Elements are read in their order; a->at is 0 before
+   the first. */
+static int read_elements(gltf *g, accessor *a, uint32_t first, uint32_t count)
+{
+    const size_t size = (count - 1) * a->stride + a->size;
+    if (a->bytes.buffer)
+        FXS_TRY(read_bytes(g, &a->bytes, (uint64_t)first * a->stride, g->bytes, size));
+    else
+        memset(g->bytes, 0, size);
+    return replace_elements(g, a, first, first + count);
+}
+
+/* Reads the accessor with the index in `number`, of the attribute `name`. */
+static int read_accessor(gltf *g, const cJSON *number, const char *name, int components, unsigned types, accessor *a)
 {
     static const char *const shapes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
     static const uint8_t sizes[] = {1, 1, 2, 2, 0, 4, 4};
-    int index = index_of(g, find_attribute(attributes, name), ACCESSORS);
+    int index = index_of(g, number, ACCESSORS);
     if (index < 0)
         return fxs_fail(g->message, "%s: a primitive with Gaussians has no accessor for %s", g->source->path, name);
     const cJSON *item = g->lists[ACCESSORS].items[index];
@@ -363,8 +438,6 @@ static int read_accessor(gltf *g, const cJSON *attributes, const char *name, int
     if (type < 0 || type > FLOAT || !(types >> (2 * type + is_normalized) & 1) || !shape ||
         strcmp(shape, shapes[components]) != 0)
         return fxs_fail(g->message, "%s: accessor %d: not of a type that %s may have", g->source->path, index, name);
-    if (member(item, "sparse"))
-        return fail_item(g, "accessor", index, "sparse accessors are not read");
     a->type = (uint8_t)type;
     a->is_normalized = (uint8_t)is_normalized;
     a->components = (uint8_t)components;
@@ -384,16 +457,10 @@ static double component(const accessor *a, const uint8_t *bytes)
     }
 }
 
-static float logit(double opacity)
-{
-    opacity = opacity < 0 ? 0 : opacity > 1 ? 1 : opacity;
-    return (float)fmin(fmax(fxs_log(opacity / (1 - opacity)), -20), 20);
-}
-
 /* COLOR_0, where OPACITY has four components. */
 static void store_colour(fxs_gaussian *gaussian, const double *rgba)
 {
-    gaussian->opacity = logit(rgba[3]);
+    gaussian->opacity = fxs_logit_of_opacity(rgba[3]);
     for (int i = 0; i < 3; i++)
         gaussian->dc[i] = fxs_dc_of_colour(rgba[i]);
 }
@@ -403,7 +470,7 @@ static void store(const splats *s, fxs_gaussian *gaussian, int attribute, const 
     if (attribute == OPACITY && s->attributes[OPACITY].components == 4)
         store_colour(gaussian, v);
     else if (attribute == OPACITY)
-        gaussian->opacity = logit(v[0]);
+        gaussian->opacity = fxs_logit_of_opacity(v[0]);
     if (attribute == ROTATION)
         for (int i = 0; i < 4; i++)
             gaussian->rotation[i] = (float)v[(i + 3) % 4];   /* x y z w in the file */
@@ -415,14 +482,14 @@ static void store(const splats *s, fxs_gaussian *gaussian, int attribute, const 
         out[i] = attribute == SCALE && !s->has_log_scales ? fxs_log_scale(v[i]) : (float)v[i];
 }
 
-static int read_attributes(gltf *g, const splats *s, fxs_gaussian *gaussians, size_t count)
+static int read_attributes(gltf *g, splats *s, fxs_gaussian *gaussians, size_t count)
 {
     double values[4];
     memset(gaussians, 0, count * sizeof *gaussians);
     for (int i = 0; i < s->attribute_count; i++) {
-        const accessor *a = &s->attributes[i];
+        accessor *a = &s->attributes[i];
         uint32_t step = a->size / a->components;
-        FXS_TRY(read_bytes(g, &a->bytes, (uint64_t)g->next * a->stride, g->bytes, (count - 1) * a->stride + a->size));
+        FXS_TRY(read_elements(g, a, g->next, (uint32_t)count));
         for (size_t k = 0; k < count; k++) {
             for (uint32_t c = 0; c < a->components; c++)
                 values[c] = component(a, g->bytes + k * a->stride + c * step);
@@ -455,15 +522,35 @@ static void turn_to_srgb(fxs_gaussian *gaussian, int sh_degree)
     }
 }
 
-/* Counts the Gaussians with a scale below 0. */
-static int count_below(gltf *g, const accessor *a, uint64_t *below)
+/* A finite opacity of EXT_splat_opacity that is not negative replaces the one in the .spz. */
+static int replace_opacities(gltf *g, splats *s, fxs_gaussian *gaussians, size_t count)
 {
+    accessor *a = &s->attributes[OPACITY];
+    if (!a->count || !count)
+        return 0;
+    FXS_TRY(read_elements(g, a, g->next, (uint32_t)count));
+    for (size_t k = 0; k < count; k++) {
+        const float opacity = fxs_load_float(g->bytes + k * a->stride);
+        if (opacity >= 0 && opacity < INFINITY)
+            gaussians[k].opacity = fxs_logit_of_opacity((double)opacity);
+    }
+    return 0;
+}
+
+/* Counts the elements of an accessor of floats with a number below `low` or above `high`. */
+static int count_outside(gltf *g, accessor *a, float low, float high, uint64_t *outside)
+{
+    a->at = 0;
     for (uint32_t at = 0; at < a->count; at += BATCH) {
         const uint32_t count = a->count - at < BATCH ? a->count - at : BATCH;
-        FXS_TRY(read_bytes(g, &a->bytes, (uint64_t)at * a->stride, g->bytes, (count - 1) * a->stride + a->size));
+        FXS_TRY(read_elements(g, a, at, count));
         for (uint32_t k = 0; k < count; k++) {
-            const uint8_t *scale = g->bytes + k * a->stride;
-            *below += fxs_load_float(scale) < 0 || fxs_load_float(scale + 4) < 0 || fxs_load_float(scale + 8) < 0;
+            int is_outside = 0;
+            for (uint32_t c = 0; c < a->components; c++) {
+                const float value = fxs_load_float(g->bytes + k * a->stride + 4 * c);
+                is_outside |= value < low || value > high;
+            }
+            *outside += (uint64_t)is_outside;
         }
     }
     return 0;
@@ -481,7 +568,8 @@ static int read_sh(gltf *g, const cJSON *attributes, splats *s)
         s->sh_degree = degree;
         for (int k = 0; k <= 2 * degree; k++) {
             snprintf(name, sizeof name, "KHR_gaussian_splatting:SH_DEGREE_%d_COEF_%d", degree, k);
-            FXS_TRY(read_accessor(g, attributes, name, 3, PLAIN(FLOAT), &s->attributes[SH + degree * degree + k]));
+            FXS_TRY(read_accessor(g, find_attribute(attributes, name), name, 3, PLAIN(FLOAT),
+                                  &s->attributes[SH + degree * degree + k]));
         }
     }
     s->attribute_count = SH + (s->sh_degree + 1) * (s->sh_degree + 1);
@@ -499,10 +587,15 @@ static int read_colours(gltf *g, const cJSON *attributes, splats *s)
     if (member(attributes, "COLOR_0") && !find_attribute(attributes, opacity) &&
         !find_attribute(attributes, "KHR_gaussian_splatting:SH_DEGREE_0_COEF_0")) {
         s->attribute_count = SH;
-        return read_accessor(g, attributes, "COLOR_0", 4, types, &s->attributes[OPACITY]);
+        return read_accessor(g, member(attributes, "COLOR_0"), "COLOR_0", 4, types, &s->attributes[OPACITY]);
     }
-    FXS_TRY(read_accessor(g, attributes, opacity, 1, types, &s->attributes[OPACITY]));
+    FXS_TRY(read_accessor(g, find_attribute(attributes, opacity), opacity, 1, types, &s->attributes[OPACITY]));
     return read_sh(g, attributes, s);
+}
+
+static int fail_counts(const gltf *g)
+{
+    return fail(g, "the accessors of a primitive with Gaussians differ in count");
 }
 
 static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
@@ -514,14 +607,31 @@ static int read_accessors(gltf *g, const cJSON *attributes, splats *s)
                                             NORMALIZED(USHORT) | PLAIN(BYTE) | NORMALIZED(BYTE) | PLAIN(SHORT) |
                                             NORMALIZED(SHORT)}
     };
+    int has_data = 0;
     for (int i = 0; i < OPACITY; i++)
-        FXS_TRY(read_accessor(g, attributes, core[i].name, core[i].components, core[i].types, &s->attributes[i]));
+        FXS_TRY(read_accessor(g, find_attribute(attributes, core[i].name), core[i].name, core[i].components,
+                              core[i].types | (i == POSITION && g->is_quantized ? core[SCALE].types : 0),
+                              &s->attributes[i]));
     FXS_TRY(read_colours(g, attributes, s));
     s->count = s->attributes[POSITION].count;
-    for (int i = 0; i < s->attribute_count; i++)
+    for (int i = 0; i < s->attribute_count; i++) {
         if (s->attributes[i].count != s->count)
-            return fail(g, "the accessors of a primitive with Gaussians differ in count");
-    return 0;
+            return fail_counts(g);
+        has_data |= s->attributes[i].bytes.buffer || s->attributes[i].replaced == s->count;
+    }
+    return has_data ? 0 : fail(g, "no accessor of a primitive with Gaussians has data for each of them; it may be "
+                               "compressed in a way that is not read");
+}
+
+/* Finds the opacities of EXT_splat_opacity version 1. Version 2 is not read: the .spz is complete without it. */
+static int read_opacities(gltf *g, const cJSON *extensions, splats *s)
+{
+    static const char name[] = "EXT_splat_opacity";
+    const cJSON *inner = member(member(extensions, "KHR_gaussian_splatting"), "extensions");
+    const cJSON *found = member(inner, name) ? member(inner, name) : member(extensions, name);
+    const cJSON *number = member(found, "opacityAccessor");
+    s->is_clamped = member(found, "sourceOpacityAccessor") != NULL;
+    return number ? read_accessor(g, number, name, 1, PLAIN(FLOAT), &s->attributes[OPACITY]) : 0;
 }
 
 /* Names in drafts of the compression by .spz, in or beside the extension. */
@@ -547,6 +657,14 @@ static int fail_parts(const gltf *g)
 static int same_range(const range *a, const range *b)
 {
     return a->buffer == b->buffer && a->offset == b->offset && a->size == b->size;
+}
+
+/* 1 where two primitives of .spz have the same Gaussians. */
+static int is_same(const splats *a, const splats *b)
+{
+    const accessor *own = &a->attributes[OPACITY], *other = &b->attributes[OPACITY];
+    return a->is_linear == b->is_linear && same_range(&a->spz, &b->spz) && same_range(&own->bytes, &other->bytes) &&
+           same_range(&own->values, &other->values) && own->count == other->count;
 }
 
 /* Checks that the Gaussians are meant to be drawn as this renderer does, but for linear light. */
@@ -613,9 +731,9 @@ static int read_primitive(gltf *g, const cJSON *primitive)
     if (view_index < 0)
         return fail(g, "an .spz without a valid bufferView");
     FXS_TRY(use_buffer_view(g, view_index, &v));
+    FXS_TRY(read_opacities(g, extensions, added));
     added->spz = v.bytes;
-    for (added->first = 0; g->splats[added->first].is_linear != is_linear ||
-                           !same_range(&g->splats[added->first].spz, &added->spz);)
+    for (added->first = 0; !is_same(&g->splats[added->first], added);)
         added->first++;
     return 0;
 }
@@ -720,7 +838,7 @@ static int open_spz(gltf *g, int index)
     s->sh_degree = info.sh_degree;
     s->stored_sh_degree = info.stored_sh_degree;
     s->antialiased = info.antialiased;
-    return 0;
+    return !s->attributes[OPACITY].count || s->attributes[OPACITY].count == s->count ? 0 : fail_counts(g);
 }
 
 /* `drop` of fxs_import: frees the last decompressed .spz except the one being read, so that the first ones stay. */
@@ -753,6 +871,8 @@ static int enter(gltf *g, int index)
         g->spz = s->opened;
         fxs_spz_rewind(g->spz);
     }
+    for (int i = 0; i < ATTRIBUTES; i++)
+        s->attributes[i].at = 0;
     g->part = index;
     return 0;
 }
@@ -765,16 +885,33 @@ static int find_log_scales(gltf *g)
     uint64_t below = 0, count = 0;
     for (int i = 0; i < g->parts_count; i++) {
         splats *s = &g->splats[g->parts[i].splats];
-        const accessor *a = &s->attributes[SCALE];
+        accessor *a = &s->attributes[SCALE];
         if (s->spz.buffer || a->type != FLOAT || s->scales_known++)
             continue;
         count += a->count;
-        FXS_TRY(count_below(g, a, &below));
+        FXS_TRY(count_outside(g, a, 0, INFINITY, &below));
     }
     for (int i = 0; i < g->splats_count; i++) {
         splats *s = &g->splats[i];
         const int type = s->attributes[SCALE].type;
-        s->has_log_scales = type == BYTE || type == SHORT || (type == FLOAT && below > 0 && below >= (count + 3) / 4);
+        s->has_log_scales = !s->spz.buffer && (type == BYTE || type == SHORT ||
+                                               (type == FLOAT && below > 0 && below >= (count + 3) / 4));
+    }
+    return 0;
+}
+
+/* Finds opacities above 1, to say that they are clamped; not those just above it by rounding. */
+static int find_clamped(gltf *g)
+{
+    uint64_t above;
+    for (int i = 0; i < g->splats_count; i++) {
+        splats *s = &g->splats[i];
+        accessor *a = &s->attributes[OPACITY];
+        if (s->first != i || a->components != 1 || a->type != FLOAT)
+            continue;
+        above = 0;
+        FXS_TRY(count_outside(g, a, -INFINITY, 1.0001f, &above));
+        s->is_clamped |= above > 0;
     }
     return 0;
 }
@@ -810,7 +947,8 @@ static void choose_origin(const gltf *g, fxs_scene_file_info *info)
 static int describe(gltf *g, fxs_scene_file_info *info)
 {
     info->count = 0;
-    info->sh_degree = info->stored_sh_degree = info->antialiased = info->linear_light = info->log_scales = 0;
+    info->sh_degree = info->stored_sh_degree = info->antialiased = 0;
+    info->linear_light = info->log_scales = info->clamped_opacity = 0;
     for (int i = 0; i < g->parts_count; i++) {
         FXS_TRY(enter(g, i));
         const splats *s = &g->splats[g->parts[i].splats];
@@ -825,8 +963,11 @@ static int describe(gltf *g, fxs_scene_file_info *info)
         return fxs_fail(g->message, "%s: more than %d Gaussians", g->source->path, MAX_COUNT);
     FXS_TRY(fxs_limit_gaussians(g->source, info->count, g->message));
     FXS_TRY(find_log_scales(g));
-    for (int i = 0; i < g->parts_count; i++)
+    FXS_TRY(find_clamped(g));
+    for (int i = 0; i < g->parts_count; i++) {
         info->log_scales |= g->splats[g->parts[i].splats].has_log_scales;
+        info->clamped_opacity |= g->splats[g->parts[i].splats].is_clamped;
+    }
     info->coarse = 0;
     choose_origin(g, info);
     return enter(g, 0);
@@ -874,6 +1015,9 @@ static int read_root(gltf *g, const cJSON *root)
     g->views = allocate(g, (size_t)g->lists[VIEWS].count, sizeof *g->views);
     if (!g->meshes || !g->visited || !g->views)
         return FXS_ERR_MEMORY;
+    const cJSON *used;
+    cJSON_ArrayForEach(used, member(root, "extensionsUsed"))
+        g->is_quantized |= cJSON_IsString(used) && !strcmp(used->valuestring, "KHR_mesh_quantization");
     FXS_TRY(open_buffers(g));
     for (int i = 0; i < g->lists[VIEWS].count; i++)
         g->views[i] = parse_buffer_view(g, g->lists[VIEWS].items[i]);
@@ -938,13 +1082,14 @@ static long gltf_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fx
     size_t done = 0;
     g->message = message;
     while (done < capacity && g->part < g->parts_count) {
-        const splats *s = &g->splats[g->parts[g->part].splats];
+        splats *s = &g->splats[g->parts[g->part].splats];
         size_t left = s->count - g->next, count = capacity - done;
         count = count < left ? count : left;
         count = count < BATCH ? count : BATCH;
-        if (s->spz.buffer)
+        if (s->spz.buffer) {
             FXS_TRY((int)fxs_spz_read(g->spz, gaussians + done, count, message));
-        else if (count > 0)
+            FXS_TRY(replace_opacities(g, s, gaussians + done, count));
+        } else if (count > 0)
             FXS_TRY(read_attributes(g, s, gaussians + done, count));
         for (size_t i = 0; i < count; i++) {
             if (s->is_linear)

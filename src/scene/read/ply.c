@@ -7,12 +7,20 @@
 #include "src/gaussian/origin_internal.h"
 #include "src/scene/formats_internal.h"
 
-/* A field is an index into the floats of fxs_gaussian. */
-enum { SCALE_2 = 5, FIRST_REST = 14, SH_FLOATS = 45, NO_FIELD = -1 };
+/* A field is an index into the floats of fxs_gaussian, or FILTER. */
+enum { SCALE_2 = 5, DC = 11, FIRST_REST = 14, SH_FLOATS = 45, FILTER = FIRST_REST + SH_FLOATS, FIELDS, NO_FIELD = -1 };
 
 static const char *const field_names[FIRST_REST] = {
     "x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "opacity",
     "f_dc_0", "f_dc_1", "f_dc_2"
+};
+
+/* Properties that change the picture in other programs and are not read. A name that ends in _ is the beginning of
+   names. */
+static const char *const unused_names[] = {
+    "t", "time", "beta", "gamma", "shape", "f_", "rot_", "rotation_", "scale_", "scaling_", "opacity_", "filter_",
+    "motion_", "omega_", "trbf_", "velocity_", "delta_", "lifespan", "t_", "time_", "beta_", "sb_", "sh_", "shs_",
+    "features_", "anchor_", "offset_"
 };
 
 typedef struct column {
@@ -31,13 +39,16 @@ typedef struct ply_reader {
     const fxs_ply_element *vertex;
     int sh_degree, stored_sh_degree;
     int is_flat;                         /* no scale_2: 2D Gaussians */
+    int is_filtered;                     /* by filter_3D of Mip-Splatting */
+    double full;                         /* full brightness of the colour that stands for f_dc; 0: f_dc */
+    float fields[FIELDS];                /* a row that has FILTER */
     int columns, all_float;
     int runs;                            /* of the columns, where all are floats */
     uint64_t vertex_offset;              /* of the first vertex, bytes into the file */
     uint64_t vertices_read;
     int8_t field_table[FXS_PLY_MAX_PROPERTIES];
-    column column_table[FIRST_REST + SH_FLOATS];
-    run run_table[FIRST_REST + SH_FLOATS];
+    column column_table[FIELDS];
+    run run_table[FIELDS];
     fxs_byte_reader bytes;
 } ply_reader;
 
@@ -129,16 +140,72 @@ static int skip_element(ply_reader *reader, const fxs_ply_element *rows, fxs_mes
 
 /* Header */
 
-/* Some programs write halves as unsigned 16-bit integers. They are recognised where integers make no sense: where no
-   field but the position has another type. In a text file they are numbers of any kind. */
+/* Some programs write halves as unsigned 16-bit integers, which no number of a Gaussian but a colour can be. In a text
+   file they are numbers of any kind. */
 static void find_halves(ply_reader *reader)
 {
-    for (int i = reader->vertex->first; i < reader->vertex->end; i++)
-        if (reader->field_table[i] > 2 && reader->header.property_table[i].type != FXS_PLY_USHORT)
-            return;
-    for (int i = reader->vertex->first; i < reader->vertex->end; i++)
-        if (reader->field_table[i] != NO_FIELD && reader->header.property_table[i].type == FXS_PLY_USHORT)
+    for (int i = reader->vertex->first; i < reader->vertex->end; i++) {
+        const int field = reader->field_table[i], is_colour = reader->full > 0 && field >= DC && field < FIRST_REST;
+        if (field != NO_FIELD && !is_colour && reader->header.property_table[i].type == FXS_PLY_USHORT)
             reader->header.property_table[i].type = FXS_PLY_HALF;
+    }
+}
+
+/* Maps a colour in place of f_dc. Returns 0 where no colour exists. */
+static int map_colour(ply_reader *reader)
+{
+    int colour[3];
+    reader->full = fxs_ply_find_colour(&reader->header, reader->vertex, colour);
+    for (int c = 0; c < 3 && reader->full > 0; c++)
+        reader->field_table[colour[c]] = (int8_t)(DC + c);
+    return reader->full > 0;
+}
+
+static int is_unused(const ply_reader *reader, int index)
+{
+    const char *name = reader->header.property_table[index].name;
+    int is = 0;
+    for (size_t k = 0; k < sizeof unused_names / sizeof *unused_names && !is; k++) {
+        const size_t length = strlen(unused_names[k]);
+        is = unused_names[k][length - 1] == '_' ? !strncmp(name, unused_names[k], length)
+                                                : !strcmp(name, unused_names[k]);
+    }
+    return is && reader->field_table[index] == NO_FIELD && strncmp(name, "f_rest_", 7) != 0;
+}
+
+/* The length of a name without the digits at its end. */
+static int stem_of(const char *name)
+{
+    int length = (int)strlen(name);
+    while (length > 1 && name[length - 1] >= '0' && name[length - 1] <= '9')
+        length--;
+    return length;
+}
+
+/* Lists the properties that is_unused finds; of numbered ones, the first stands for all, as in motion_*. */
+static void list_unused(const ply_reader *reader, char text[FXS_UNUSED_TEXT])
+{
+    const fxs_ply_property *table = reader->header.property_table;
+    size_t size = 0;
+    for (int i = reader->vertex->first; i < reader->vertex->end; i++) {
+        const int stem = stem_of(table[i].name);
+        int is_first = is_unused(reader, i), alike = 0;
+        for (int k = reader->vertex->first; k < reader->vertex->end && is_first; k++)
+            if (k != i && stem_of(table[k].name) == stem && !memcmp(table[k].name, table[i].name, (size_t)stem) &&
+                is_unused(reader, k)) {
+                is_first = k > i;
+                alike = 1;
+            }
+        if (!is_first)
+            continue;
+        const int length = snprintf(text + size, FXS_UNUSED_TEXT - size, "%s%.*s%s", size ? ", " : "",
+                                    alike ? stem : FXS_PLY_MAX_NAME, table[i].name, alike ? "*" : "");
+        if (size + (size_t)length + 6 > FXS_UNUSED_TEXT) {
+            strcpy(text + size, ", ...");
+            return;
+        }
+        size += (size_t)length;
+    }
 }
 
 /* A file without any property of Gaussians beside the position is of another kind. */
@@ -167,6 +234,8 @@ static int map_fields(ply_reader *reader, fxs_message *message)
             reader->is_flat = 1;
             continue;
         }
+        if (index < 0 && i == DC && map_colour(reader))
+            break;
         if (index < 0)
             return fail_field(reader, field_names[i], message);
         reader->field_table[index] = (int8_t)i;
@@ -178,6 +247,10 @@ static int map_fields(ply_reader *reader, fxs_message *message)
     reader->stored_sh_degree = degree;
     for (int i = 0; i < 3 * reader->sh_degree * (reader->sh_degree + 2); i++)
         reader->field_table[rest[i]] = (int8_t)(FIRST_REST + i);
+    const int filter = fxs_ply_find(header, reader->vertex, "filter_3D");
+    reader->is_filtered = filter >= 0;
+    if (reader->is_filtered)
+        reader->field_table[filter] = FILTER;
     find_halves(reader);
     return 0;
 }
@@ -275,6 +348,7 @@ static int open_reader(ply_reader *reader, fxs_scene_file_info *info, fxs_messag
     info->sh_degree = reader->sh_degree;
     info->stored_sh_degree = reader->stored_sh_degree;
     info->antialiased = reader->header.antialiased;
+    list_unused(reader, info->unused);
     return is_fine(reader) ? choose_origin(reader, info, message) : 0;
 }
 
@@ -283,6 +357,33 @@ static int ply_open(void *handle, const fxs_scene_source *source, fxs_scene_file
     ply_reader *reader = handle;
     reader->bytes.source = source;
     return open_reader(reader, info, message);
+}
+
+/* Mip-Splatting's smoothing filter in 3D (Yu et al. 2024): variances grow by its square, and the opacity falls as the
+   volume grows. */
+static void apply_filter(fxs_gaussian *g, double filter, int scales)
+{
+    double shrunk = 0;
+    for (int k = 0; k < scales && filter != 0; k++) {
+        const double grown = fxs_log(fxs_exp(2.0 * g->scale[k]) + filter * filter) / 2;
+        shrunk += g->scale[k] - grown;
+        g->scale[k] = (float)grown;
+    }
+    if (filter != 0)
+        g->opacity = fxs_logit_of_opacity(fxs_opacity_of_logit(g->opacity) * fxs_exp(shrunk));
+}
+
+/* Completes a Gaussian from its row. */
+static void complete(const ply_reader *reader, fxs_gaussian *g)
+{
+    if (reader->is_filtered) {
+        memcpy(g, reader->fields, sizeof *g);
+        apply_filter(g, reader->fields[FILTER], reader->is_flat ? 2 : 3);
+    }
+    for (int c = 0; c < 3 && reader->full > 0; c++)
+        g->dc[c] = fxs_dc_of_colour(g->dc[c] / reader->full);
+    if (reader->is_flat)
+        g->scale[2] = FXS_FLAT_SCALE;
 }
 
 static long ply_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs_message *message)
@@ -295,10 +396,9 @@ static long ply_read(void *handle, fxs_gaussian *gaussians, size_t capacity, fxs
     if (reader->columns < FIRST_REST + SH_FLOATS)
         memset(gaussians, 0, (size_t)count * sizeof *gaussians);
     for (long i = 0; i < count; i++) {
-        if (read(reader, vertex, (float *)&gaussians[i]) != 0)
+        if (read(reader, vertex, reader->is_filtered ? reader->fields : (float *)&gaussians[i]) != 0)
             return fail_row(reader, vertex, reader->vertices_read, message);
-        if (reader->is_flat)
-            gaussians[i].scale[2] = FXS_FLAT_SCALE;
+        complete(reader, &gaussians[i]);
         reader->vertices_read++;
     }
     return count;

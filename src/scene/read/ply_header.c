@@ -12,9 +12,9 @@ enum {
 };
 
 const fxs_ply_type fxs_ply_types[FXS_PLY_TYPES] = {
-    {"char", "int8", 1}, {"uchar", "uint8", 1}, {"short", "int16", 2}, {"ushort", "uint16", 2},
-    {"int", "int32", 4}, {"uint", "uint32", 4}, {"float", "float32", 4}, {"double", "float64", 8},
-    {"half", "float16", 2}
+    {"char", "int8", 1, 127}, {"uchar", "uint8", 1, 255}, {"short", "int16", 2, 255}, {"ushort", "uint16", 2, 65535},
+    {"int", "int32", 4, 255}, {"uint", "uint32", 4, 255}, {"float", "float32", 4, 1}, {"double", "float64", 8, 1},
+    {"half", "float16", 2, 1}
 };
 
 typedef struct parser {
@@ -208,6 +208,20 @@ int fxs_ply_find(const fxs_ply_header *header, const fxs_ply_element *element, c
         if (!header->property_table[i].is_list && is(header->property_table[i].name, name))
             return i;
     return -1;
+}
+
+double fxs_ply_find_colour(const fxs_ply_header *header, const fxs_ply_element *element, int colour[3])
+{
+    static const char *const names[][3] = {
+        {"red", "green", "blue"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}, {"r", "g", "b"}
+    };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        for (int c = 0; c < 3; c++)
+            colour[c] = fxs_ply_find(header, element, names[i][c]);
+        if (colour[0] >= 0 && colour[1] >= 0 && colour[2] >= 0)
+            return fxs_ply_types[header->property_table[colour[0]].type].full;
+    }
+    return 0;
 }
 
 int fxs_ply_find_rest(const fxs_ply_header *header, const fxs_ply_element *element, int rest[FXS_PLY_MAX_REST],

@@ -18,6 +18,7 @@ enum {
 typedef struct fxs_ply_type {
     const char *name, *alias;
     uint8_t size;
+    double full;               /* full brightness of a colour */
 } fxs_ply_type;
 
 extern const fxs_ply_type fxs_ply_types[FXS_PLY_TYPES];
@@ -61,6 +62,10 @@ int fxs_ply_find(const fxs_ply_header *header, const fxs_ply_element *element, c
    coefficient k of a channel in rest[3 * k + channel], or an error and a message that starts with `path`. */
 int fxs_ply_find_rest(const fxs_ply_header *header, const fxs_ply_element *element, int rest[FXS_PLY_MAX_REST],
                       const char *path, fxs_message *message);
+
+/* Finds a colour of three properties, under one of the names that point clouds have for it. Returns its value of full
+   brightness, which is 1 for a real type, or 0 where no such colour exists. */
+double fxs_ply_find_colour(const fxs_ply_header *header, const fxs_ply_element *element, int colour[3]);
 
 /* ---- Values ---- */
 

@@ -430,6 +430,7 @@ static int describe_content(tileset *t, fxs_scene_file_info *info)
     info->linear_light |= own.linear_light;
     info->log_scales |= own.log_scales;
     info->coarse = fmax(info->coarse, own.coarse);
+    info->clamped_opacity |= own.clamped_opacity;
     if (own.count == 0 || t->open > MOST_OPEN)
         close_content(t, &t->contents[t->at]);
     if (info->count > INT32_MAX)

@@ -6,8 +6,8 @@
 
 #define FXS_BOOK 256
 
-/* Finds 256 ascending values near to these, by Lloyd's quantiser, with weights e^(power value). Returns 0, or -1: out of
-   memory. */
+/* Finds 256 ascending values near to these, by Lloyd's quantiser, with weights e^(power value). However small its weight,
+   each of these has one of the 256 within about a 32nd of their range. Returns 0, or -1: out of memory. */
 int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count, double power);
 
 /* The index of the nearest value of a codebook. */

@@ -8,23 +8,33 @@
 
 /* ---- Numbers ----------------------------------------------------------------------------------------------------- */
 
-enum { BINS = 65536, GROUP = 64, GROUPS = BINS / GROUP, BOOK_ROUNDS = 30 };
+enum {
+    BINS = 65536, GROUP = 64, GROUPS = BINS / GROUP,
+    CELLS = 32,                    /* parts of the range; one with values gets at least one value of the codebook */
+    BOOK_ROUNDS = 30
+};
 
 typedef struct bin {
-    double sum, weight;            /* sum: of the values, weighted */
+    double sum, count;             /* of the values */
+    double mean, weight;           /* weight: exp(power * mean), for each value */
 } bin;
 
-/* Weighs the values in bins from the least to the largest. Returns how many bins are not empty. */
+/* Sorts the values into bins from the least to the largest. Returns how many bins are not empty. */
 static int fill_bins(bin *bins, const float *values, size_t count, double power, double low, double high)
 {
     const double scale = high > low ? (BINS - 1) / (high - low) : 0;
     int used = 0;
     for (size_t i = 0; i < count; i++) {
         bin *b = &bins[(int)((values[i] - low) * scale + 0.5)];
-        const double weight = fxs_exp(power * values[i]);
-        used += !(b->weight > 0);
-        b->weight += weight;
-        b->sum += weight * values[i];
+        b->count++;
+        b->sum += values[i];
+    }
+    for (bin *b = bins; b < bins + BINS; b++) {
+        if (!(b->count > 0))
+            continue;
+        used++;
+        b->mean = b->sum / b->count;
+        b->weight = fxs_exp(power * b->mean);
     }
     return used;
 }
@@ -34,48 +44,69 @@ static void copy_bins(float book[FXS_BOOK], const bin *bins)
 {
     int at = 0;
     for (int i = 0; i < BINS; i++)
-        if (bins[i].weight > 0)
-            book[at++] = (float)(bins[i].sum / bins[i].weight);
+        if (bins[i].count > 0)
+            book[at++] = (float)bins[i].mean;
     for (; at < FXS_BOOK; at++)
         book[at] = book[at - 1];
 }
 
-/* Places values with a density of the cube root of the data's, the best for many values (Panter and Dite 1951). */
-static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double high)
+/* The density of the codebook in each group: the cube root of the weights, the best for many values (Panter and Dite
+   1951). A cell with values gets the density of one value of the codebook at least, whatever its weight. */
+static double find_densities(double densities[GROUPS], const bin *bins)
 {
-    double roots[GROUPS], total = 0, passed = 0;
-    int at = 0;
+    enum { CELL = GROUPS / CELLS };
+    double cells[CELLS] = {0}, total = 0, raised = 0;
     for (int g = 0; g < GROUPS; g++) {
         double weight = 0;
-        for (int i = 0; i < GROUP; i++)
-            weight += bins[g * GROUP + i].weight;
-        roots[g] = weight > 0 ? fxs_exp(fxs_log(weight) / 3) : 0;
-        total += roots[g];
+        for (const bin *b = bins + g * GROUP; b < bins + (g + 1) * GROUP; b++)
+            weight += b->count * b->weight;
+        densities[g] = weight > 0 ? fxs_exp(fxs_log(weight) / 3) : 0;
+        cells[g / CELL] += densities[g];
+        total += densities[g];
     }
+    const double least = total / (FXS_BOOK - CELLS);
     for (int g = 0; g < GROUPS; g++) {
-        for (; at < FXS_BOOK && (at + 0.5) / FXS_BOOK * total <= passed + roots[g]; at++) {
-            const double within = ((at + 0.5) / FXS_BOOK * total - passed) / roots[g];
+        const double cell = cells[g / CELL];
+        densities[g] *= cell > 0 && cell < least ? least / cell : 1;
+        raised += densities[g];
+    }
+    return raised;
+}
+
+static void begin_book(float book[FXS_BOOK], const bin *bins, double low, double high)
+{
+    double densities[GROUPS], passed = 0;
+    const double total = find_densities(densities, bins);
+    int at = 0;
+    for (int g = 0; g < GROUPS; g++) {
+        for (; at < FXS_BOOK && (at + 0.5) / FXS_BOOK * total <= passed + densities[g]; at++) {
+            const double within = ((at + 0.5) / FXS_BOOK * total - passed) / densities[g];
             book[at] = (float)(low + (high - low) * (g + within) / GROUPS);
         }
-        passed += roots[g];
+        passed += densities[g];
     }
     for (; at < FXS_BOOK; at++)
         book[at] = (float)high;
 }
 
-/* Moves each value to the mean of the data nearest to it. */
-static void improve_book(float book[FXS_BOOK], const bin *bins)
+/* Moves each value of the codebook to the mean of the data nearest to it. Data below the value get the value's weight,
+   because they are that large when they are read back. */
+static void improve_book(float book[FXS_BOOK], const bin *bins, double power)
 {
-    bin sums[FXS_BOOK] = {{0, 0}};
+    struct { double sum, weight, own; } sums[FXS_BOOK];
     int at = 0;
-    for (int i = 0; i < BINS; i++) {
-        if (!(bins[i].weight > 0))
+    for (int k = 0; k < FXS_BOOK; k++) {
+        sums[k].sum = sums[k].weight = 0;
+        sums[k].own = fxs_exp(power * book[k]);
+    }
+    for (const bin *b = bins; b < bins + BINS; b++) {
+        if (!(b->count > 0))
             continue;
-        const double mean = bins[i].sum / bins[i].weight;
-        while (at < FXS_BOOK - 1 && mean > ((double)book[at] + book[at + 1]) / 2)
+        while (at < FXS_BOOK - 1 && b->mean > ((double)book[at] + book[at + 1]) / 2)
             at++;
-        sums[at].sum += bins[i].sum;
-        sums[at].weight += bins[i].weight;
+        const double weight = b->weight > sums[at].own ? b->weight : sums[at].own;
+        sums[at].sum += weight * b->sum;
+        sums[at].weight += weight * b->count;
     }
     for (int k = 0; k < FXS_BOOK; k++)
         book[k] = sums[k].weight > 0 ? (float)(sums[k].sum / sums[k].weight) : book[k];
@@ -95,7 +126,7 @@ int fxs_book_learn(float book[FXS_BOOK], const float *values, size_t count, doub
     if (used > FXS_BOOK) {
         begin_book(book, bins, low, high);
         for (int round = 0; round < BOOK_ROUNDS; round++)
-            improve_book(book, bins);
+            improve_book(book, bins, power);
     } else if (used) {
         copy_bins(book, bins);
     }
