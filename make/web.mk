@@ -12,7 +12,7 @@ WASM_FLAGS := --target=wasm32-wasi -std=gnu99 $(INCLUDES) -fwrapv -ffp-contract=
 WASM_LINK := --target=wasm32-wasi -nostartfiles -Wl,--no-entry,--strip-all,--stack-first,-z,stack-size=524288
 WEB_C := $(addprefix port/web/web_,text.c heap.c files.c) src/base/message.c src/base/allocator.c
 WEB_CORE := $(wildcard src/core/*.c) kernels/kernels.c port/web/web_core.c port/web/web_paged.c src/base/crc32.c src/base/scene_start.c src/scene/fxs_file.c \
-            $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c) src/scene/world.c $(WEB_C)
+            $(addprefix src/camera/,camera.c first_view.c ground.c sample.c start_view.c within.c) src/scene/world.c $(WEB_C)
 sources_of_core := $(WEB_CORE)
 WEB_GLES := $(wildcard kernels/gl/*.c kernels/gles/*.c) port/web/webgl.c
 sources_of_simd := $(WEB_CORE) $(wildcard kernels/simd/wasm/*.c) $(WEB_GLES) kernels/compute/plan.c port/web/webgpu.c

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include <fixsplat/kernels.h>
+#include <fixsplat/pack.h>
 #include <fixsplat/pool.h>
 #include <fixsplat/renderer.h>
 #include "check.h"
@@ -31,6 +32,8 @@ typedef struct turned {
 } turned;
 
 static fxs_message why;
+
+/* ---- Procedural scenes ------------------------------------------------------------------------------------------- */
 
 static int make(turned *t, const char *name)
 {
@@ -118,13 +121,14 @@ static void upright_with_something_to_see(void)
 
 static void the_same_everywhere(void)
 {
-    static const fxs_first_choice wanted = {{0, 0, 1}, {-0.82, 0, 0.57}, 1};
+    fxs_first_choice wanted = {{0, 0, 1}, {-0.82, 0, 0.57}, 1, {0, 0, 0}, {0, 0, 0}}, first[4];
     turned t;
-    fxs_first_choice first[4];
     fxs_pool *pool = fxs_pool_create(3);
     if (!CHECK(pool != NULL) || !CHECK(!make(&t, "site")))
         return;
     turn(&t, turns[1]);
+    memcpy(wanted.low, t.low, sizeof t.low);
+    memcpy(wanted.high, t.high, sizeof t.high);
     for (int i = 0; i < 4; i++) {
         const fxs_config config = {.run = fxs_pool_run, .pool = pool, .threads = 3};
         fxs_context context;
@@ -139,6 +143,267 @@ static void the_same_everywhere(void)
                first->from[0], first->from[1], first->from[2], first->part);
     fxs_pool_destroy(pool);
     fxs_packed_scene_free(&t.packed);
+}
+
+/* ---- Scenes of some kinds ---------------------------------------------------------------------------------------- */
+
+static fxs_gaussian laid[COUNT];
+static size_t laid_count;
+static uint64_t state;
+
+/* splitmix64 (Steele, Lea, Flood 2014) */
+static double uniform(double low, double high)
+{
+    uint64_t z = state += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return low + (high - low) * (double)((z ^ z >> 31) >> 11) * 0x1p-53;
+}
+
+/* A direction from the sphere. */
+static void find_direction(double d[3])
+{
+    const double angle = uniform(0, 6.283185307179586), height = uniform(-1, 1), out = sqrt(1 - height * height);
+    d[1] = height;
+    d[0] = out * cos(angle);
+    d[2] = out * sin(angle);
+}
+
+/* A flat Gaussian across a normal, of a checkered colour. */
+static void put(const double p[3], const double normal[3], double size)
+{
+    const double length = sqrt(along(normal, normal)), n[3] = {normal[0] / length, normal[1] / length,
+                                                               normal[2] / length};
+    const int black = ((int)floor(4 * p[0]) + (int)floor(4 * p[1]) + (int)floor(4 * p[2])) & 1;
+    fxs_gaussian *g = &laid[laid_count++];
+    memset(g, 0, sizeof *g);
+    for (int k = 0; k < 3; k++) {
+        g->position[k] = (float)p[k];
+        g->scale[k] = (float)(log(size * uniform(0.7, 1.4)) - 2 * (k == 2));
+        g->dc[k] = (float)(black ? uniform(-1, 0) : uniform(0, 1));
+    }
+    g->rotation[0] = (float)(1 + fabs(n[2]));
+    g->rotation[1] = (float)(n[2] < 0 ? n[1] : -n[1]);
+    g->rotation[2] = (float)(n[2] < 0 ? -n[0] : n[0]);
+    g->opacity = 2;
+}
+
+/* A parallelogram at o, from there along u and v. */
+static void lay_panel(const double o[3], const double u[3], const double v[3], int count)
+{
+    const double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    const double size = 0.8 * sqrt(sqrt(along(n, n)) / count);
+    for (int i = 0; i < count; i++) {
+        const double a = uniform(0, 1), b = uniform(0, 1);
+        const double p[3] = {o[0] + a * u[0] + b * v[0], o[1] + a * u[1] + b * v[1], o[2] + a * u[2] + b * v[2]};
+        put(p, n, size);
+    }
+}
+
+/* An ellipsoid. */
+static void lay_ball(const double middle[3], const double radii[3], int count)
+{
+    const double size = 2.8 * sqrt((radii[0] * radii[1] + radii[1] * radii[2] + radii[2] * radii[0]) / 3 / count);
+    for (int i = 0; i < count; i++) {
+        double d[3], p[3], n[3];
+        find_direction(d);
+        for (int k = 0; k < 3; k++) {
+            p[k] = middle[k] + radii[k] * d[k];
+            n[k] = d[k] / radii[k];
+        }
+        put(p, n, size);
+    }
+}
+
+/* The sides of a box that stands on the ground. */
+static void lay_box(const double low[3], const double high[3], int count)
+{
+    const double x[3] = {high[0] - low[0], 0, 0}, y[3] = {0, high[1] - low[1], 0}, z[3] = {0, 0, high[2] - low[2]};
+    const double right[3] = {high[0], low[1], low[2]}, back[3] = {low[0], low[1], high[2]};
+    lay_panel(low, x, z, count / 5);
+    lay_panel(low, x, y, count / 5);
+    lay_panel(back, x, y, count / 5);
+    lay_panel(low, z, y, count / 5);
+    lay_panel(right, z, y, count / 5);
+}
+
+/* From the middle outwards, larger the farther; the last are as far as `reach`. */
+static void lay_ground(double reach, int count)
+{
+    static const double normal[3] = {0, 1, 0};
+    for (int i = 0; i < count; i++) {
+        const double r = 0.5 * exp(uniform(0, log(2 * reach))), angle = uniform(0, 6.283185307179586);
+        const double p[3] = {r * cos(angle), 0, r * sin(angle)};
+        put(p, normal, 0.07 * r);
+    }
+}
+
+static void lay_ring(double radius, int trees, int count)
+{
+    for (int i = 0; i < trees; i++) {
+        const double angle = 6.283185307179586 * i / trees, p[3] = {radius * cos(angle), -3, radius * sin(angle)};
+        lay_ball(p, (double[3]){2, 3, 2}, count / trees);
+    }
+}
+
+/* Above the ground, in all distances up to the farthest. */
+static void lay_sky(double nearest, double farthest, int count)
+{
+    for (int i = 0; i < count; i++) {
+        const double r = i % 2 ? farthest : nearest * exp(uniform(0, log(farthest / nearest)));
+        double d[3], p[3];
+        find_direction(d);
+        for (int k = 0; k < 3; k++)
+            p[k] = r * (k == 1 ? -fabs(d[k]) : d[k]);
+        put(p, d, 0.06 * r);
+    }
+}
+
+static void lay_room(void)
+{
+    static const double low[3] = {-2.5, -2.6, -2}, high[3] = {2.5, 0, 2}, x[3] = {5, 0, 0}, z[3] = {0, 0, 4};
+    lay_box(low, high, 12000);
+    lay_panel((double[3]){-2.5, 0, -2}, x, z, 4000);
+    lay_box((double[3]){-0.8, -0.75, -0.5}, (double[3]){0.8, -0.6, 0.5}, 4000);
+    lay_box((double[3]){-2.4, -0.8, -1}, (double[3]){-1.6, 0, 1}, 4000);
+    lay_ball((double[3]){1.8, -0.9, 1}, (double[3]){0.25, 0.9, 0.25}, 2000);
+}
+
+/* What a capture has behind the walls, where no camera looked. */
+static void lay_mess(void)
+{
+    lay_room();
+    for (int i = 0; i < 3000; i++) {
+        double d[3], p[3];
+        find_direction(d);
+        for (int k = 0; k < 3; k++)
+            p[k] = uniform(3.6, 7) * d[k] - 1.3 * (k == 1);
+        put(p, d, 0.15);
+    }
+}
+
+static void lay_outdoors(double sky)
+{
+    lay_ground(60, 8000);
+    lay_box((double[3]){-0.6, -1, -0.6}, (double[3]){0.6, 0, 0.6}, 3000);
+    lay_ball((double[3]){0, -2, 0}, (double[3]){0.5, 1, 0.5}, 4000);
+    lay_ring(12, 10, 5000);
+    lay_sky(80, sky, 4000);
+}
+
+static void lay_sky_near(void)
+{
+    lay_outdoors(35000);
+}
+
+static void lay_sky_far(void)
+{
+    lay_outdoors(255000);
+}
+
+static void lay_figure(void)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        lay_ball((double[3]){0.18 * side, -1.05, 0}, (double[3]){0.15, 1.05, 0.15}, 3000);
+        lay_ball((double[3]){0.3 * side, -2.8, 0}, (double[3]){0.07, 0.7, 0.07}, 1500);
+    }
+    lay_ball((double[3]){0, -2.9, 0}, (double[3]){0.3, 0.9, 0.2}, 6000);
+    lay_ball((double[3]){0, -4.1, 0}, (double[3]){0.25, 0.3, 0.25}, 2500);
+}
+
+static void lay_surroundings(void)
+{
+    lay_ground(40, 6000);
+    lay_ring(14, 24, 18000);
+    lay_sky(35, 400, 4000);
+}
+
+static void lay_wall(void)
+{
+    lay_panel((double[3]){-4, -2.5, 6}, (double[3]){8, 0, 0}, (double[3]){0, 4, 0}, 12000);
+    lay_panel((double[3]){-4, 1.5, 3}, (double[3]){8, 0, 0}, (double[3]){0, 0, 3}, 3000);
+    for (int i = -1; i < 2; i++)
+        lay_ball((double[3]){2 * i, 0.2, 4.5}, (double[3]){0.5, 0.5, 0.5}, 2000);
+}
+
+/* Where the camera is to stand: in a box or outside it; and what it is to look at. */
+static const struct kind {
+    const char *name;
+    void (*lay)(void);
+    double low[3], high[3];
+    int within, turns;               /* so many of the turns above are tried */
+    double target[3];
+} kinds[] = {
+    {"room", lay_room, {-2.4, -2.5, -1.9}, {2.4, -0.3, 1.9}, 1, 2, {0, 0, 0}},
+    {"room with a mess behind its walls", lay_mess, {-2.4, -2.5, -1.9}, {2.4, -0.3, 1.9}, 1, 2, {0, 0, 0}},
+    {"sky at 35000", lay_sky_near, {-20, -15, -20}, {20, -0.3, 20}, 1, 2, {0, -1.5, 0}},
+    {"sky at 255000", lay_sky_far, {-20, -15, -20}, {20, -0.3, 20}, 1, 2, {0, -1.5, 0}},
+    {"figure", lay_figure, {-1, -5, -1}, {1, 0.5, 1}, 0, 1, {0, -2.2, 0}},
+    {"surroundings", lay_surroundings, {-12, -10, -12}, {12, -0.3, 12}, 1, 2, {0, 0, 0}},
+    {"wall", lay_wall, {-6, -5, -12}, {6, 3, 4}, 1, 1, {0, 0, 6}},
+};
+
+static long read_laid(void *unused, uint64_t first, fxs_gaussian *out, size_t capacity)
+{
+    (void)unused;
+    memcpy(out, laid + first, capacity * sizeof *out);
+    return (long)capacity;
+}
+
+static int make_kind(turned *t, const struct kind *kind)
+{
+    fxs_gaussian_source source = {0, 0, 0, read_laid, NULL};
+    fxs_scene_file *file;
+    fxs_scene_file_info info;
+    laid_count = 0;
+    state = 1;
+    kind->lay();
+    source.count = laid_count;
+    if (fxs_scene_file_open_gaussians(kind->name, &source, NULL, &file, &info, &why))
+        return -1;
+    const int error = fxs_pack(file, &info, &t->packed, &t->report, NULL, &why);
+    fxs_scene_file_close(file);
+    return error || fxs_scene_open(&t->scene, t->packed.data, t->packed.bytes);
+}
+
+/* The view in the axes of the scene before it was turned. */
+static void check_kind(const turned *t, const struct kind *kind, const double r[9])
+{
+    fxs_file_view view;
+    double up[3], eye[3], ahead[3], to[3];
+    int within = 1;
+    if (!CHECK(!fxs_first_view(&t->object, 1, t->low, t->high, 50, WIDTH, HEIGHT, &view, up, &why)))
+        return;
+    for (int i = 0; i < 3; i++) {
+        eye[i] = ahead[i] = 0;
+        for (int k = 0; k < 3; k++) {
+            eye[i] += r[3 * k + i] * view.position[k];
+            ahead[i] += r[3 * k + i] * view.rotation[6 + k];
+        }
+        within &= eye[i] > kind->low[i] && eye[i] < kind->high[i];
+        to[i] = kind->target[i] - eye[i];
+    }
+    int good = CHECK(along(up, t->up) > 0.98);
+    good = CHECK(within == kind->within) && good;
+    good = CHECK(kind->target[1] == 0 || along(to, ahead) > 0.85 * sqrt(along(to, to))) && good;
+    if (!good)
+        printf("  %s, up %g %g %g: from %g %g %g to %g %g %g\n", kind->name, up[0], up[1], up[2], eye[0], eye[1],
+               eye[2], ahead[0], ahead[1], ahead[2]);
+}
+
+/* From within where a capture was made so, and never from beneath. */
+static void from_where_cameras_were(void)
+{
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        turned t;
+        if (!CHECK(!make_kind(&t, &kinds[i])))
+            continue;
+        for (int k = 0; k < kinds[i].turns; k++) {
+            turn(&t, turns[k]);
+            check_kind(&t, &kinds[i], turns[k]);
+        }
+        fxs_packed_scene_free(&t.packed);
+    }
 }
 
 /* What is said to be up is, wherever the ground lies; where nothing is said, up is found. */
@@ -192,6 +457,7 @@ static void nothing_to_see(void)
 int main(void)
 {
     RUN(upright_with_something_to_see);
+    RUN(from_where_cameras_were);
     RUN(the_same_everywhere);
     RUN(upright_as_told);
     RUN(nothing_to_see);

@@ -35,7 +35,7 @@ static int first_view(const fxs_object *objects, uint32_t count, const double lo
     if (error)
         return error;
     memcpy(up, chosen.up, sizeof chosen.up);
-    return fxs_first_view_make(&chosen, low, high, fov, width, height, view, message);
+    return fxs_first_view_make(&chosen, fov, width, height, view, message);
 }
 
 int fxs_first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3], double fov,

@@ -326,10 +326,12 @@ export class Scene {
   readonly high: number[]
   /** The size of the packed scene in bytes. */
   readonly bytes: number
-  /** Where the scene is seen from at first: the direction that is up in it, the direction from the middle of its box to
-      the camera, and the part (0.2 to 1) of the distance from which all of the box is seen. `known`: the .fxs says what
-      is up, as those of `fixsplat fit` do; else it was found in small pictures. */
-  readonly first: { up: number[]; from: number[]; part: number; known: boolean }
+  /** Where the scene is seen from at first: the direction that is up in it, a box `low` to `high`, the direction from
+      the middle of the box to the camera, and the part (0.5 to 1) of the distance from which all of the box is seen. The
+      box is that of the scene, or of its core where surroundings reach far beyond. For a view from within the scene,
+      `part` is 0: the camera is in the middle of the box, and looks against `from`. `known`: the .fxs says what is up,
+      as those of `fixsplat fit` do; else it was found in small pictures. */
+  readonly first: { up: number[]; from: number[]; part: number; low: number[]; high: number[]; known: boolean }
   /** The start view that the .fxs keeps, for a picture of 2 x 2 pixels, or null. `render` takes it without a camera. */
   readonly start: Pinhole | null
   /** The number of threads that draw the scene at the moment. Pictures do not wait for threads that have not started

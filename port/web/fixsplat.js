@@ -594,19 +594,20 @@ function takePinhole(core, camera, width, height) {
   core.check(core.c.camera(w, h, width, height, orthographic ? 1 : 0))
 }
 
-/** Where the placed objects are seen from at first, as eight numbers: chosen anew only where they lie otherwise. */
+/** Where the placed objects are seen from at first, as 14 numbers: chosen anew only where they lie otherwise. */
 function chosen(core, objects) {
   const key = JSON.stringify(objects.map(({ scene, ...how }) => [scene.inside[1], how]))
   if (core.chosen?.key !== key) {
     core.check(core.c.choose())
-    core.chosen = { key, first: core.get(0, 8) }
+    core.chosen = { key, first: core.get(0, 14) }
   }
   return core.chosen.first
 }
 
 export function firstView(objects) {
   const first = chosen(placeAll(objects), objects)
-  return { up: first.slice(0, 3), from: first.slice(3, 6), part: first[6], known: first[7] === 1 }
+  const [up, from, low, high] = [0, 3, 7, 10].map((at) => first.slice(at, at + 3))
+  return { up, from, part: first[6], low, high, known: first[13] === 1 }
 }
 
 function takeCamera(core, objects, camera, width, height) {
@@ -615,7 +616,7 @@ function takeCamera(core, objects, camera, width, height) {
   if (!camera.eye && !camera.up) {
     const alone = objects.length === 1 && Object.keys(objects[0]).length === 1 && camera.fov === undefined
     if (alone && core.check(core.c.see_start(objects[0].scene.inside[1], near, width, height))) return undefined
-    core.put(...chosen(core, objects).slice(0, 7), fov, near)
+    core.put(...chosen(core, objects).slice(0, 13), fov, near)
     return core.check(core.c.see_first(width, height))
   }
   const up = all('up', 3, camera.up ?? [0, -1, 0])

@@ -213,8 +213,8 @@ static int find_up(double up[3])
     return 0;
 }
 
-/* Chooses where the objects are seen from at first. Out: up, the direction from the middle to the camera, the part of
-   the distance (first_view.h); whether a file said what is up. */
+/* Chooses where the objects are seen from at first. Out: the numbers of a first choice (first_view.h); whether a file
+   said what is up. */
 EXPORT(choose) int fxs_web_choose(void)
 {
     double up[3];
@@ -238,13 +238,14 @@ EXPORT(choose) int fxs_web_choose(void)
     return 0;
 }
 
-/* In: what choose gave, field of view, near or 0. */
+/* In: a first choice, field of view, near or 0. */
 EXPORT(see_first) int fxs_web_see_first(int width, int height)
 {
     fxs_first_choice first;
+    const double *behind = numbers + sizeof first / sizeof *numbers;
     memcpy(&first, numbers, sizeof first);
-    const int error = fxs_first_view_make(&first, low, high, numbers[7], width, height, &view, &message);
-    return error ? error : take_camera(numbers[8] != 0 ? numbers[8] : view.near);
+    const int error = fxs_first_view_make(&first, behind[0], width, height, &view, &message);
+    return error ? error : take_camera(behind[1] != 0 ? behind[1] : view.near);
 }
 
 /* Out: the start view of a scene for a picture of 2 x 2 pixels: fy, position, rotation (world to camera, rows). Returns

@@ -9,14 +9,20 @@
 #include <fixsplat/message.h>
 #include "camera_internal.h"
 #include "ground.h"
+#include "within.h"
 #include "src/base/try_internal.h"
 
 enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };            /* of a small picture */
 enum { BORDER = 4 * WIDTH + 6 * (HEIGHT - 2) };
-enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8 };
+enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8, BOXES = 3 };
 
 #define FOV 50                       /* degrees */
 #define LARGEST (PIXELS / 16)        /* pixels that one Gaussian may take without harm */
+#define UNBOUNDED 2                  /* size of the scene over that of its core */
+#define OPEN 0.65                    /* part of the level views that is covered, from a place with something to see */
+#define CLOSED 0.88                  /* the same in a room */
+#define WITHIN 0.74                  /* Gaussians seen from within over those seen from outside */
+#define WITHIN_STANDING 1.1          /* the same for a scene with the proportions of a standing figure */
 
 /* A small picture, and how many of its pixels each Gaussian of the sample takes. */
 typedef struct look {
@@ -36,11 +42,16 @@ typedef struct sight {
     int64_t cut;                     /* pixels of the border that are covered, weighted: BORDER where all are */
 } sight;
 
+typedef struct box {
+    double low[3], high[3];
+} box;
+
 /* Where a camera stands. */
 typedef struct stand {
     int yaw;                         /* in twelfths of a turn */
     double out, rise;                /* how far it is from the middle, level and up, in proportion */
     double part;                     /* as in fxs_first_choice; 0: in the middle, looking the other way */
+    const box *about;
 } stand;
 
 typedef struct chooser {
@@ -48,9 +59,15 @@ typedef struct chooser {
     const fxs_config *config;        /* of all */
     uint32_t threads;
     fxs_sample sample;
-    const double *low, *high;
+    fxs_core core;
+    box boxes[BOXES];                /* the scene; if it is unbounded, also its core, and the middle of the core */
+    int box_count;
+    box places[FXS_WITHIN_MOST];     /* boxes with a place within the scene in their middle */
+    int place_count;
+    int standing;                    /* 1 or 2: the scene is a thing standing along y or z */
+    int is_within;                   /* 1: the scene shows most from within */
     int outlined;                    /* 0: surroundings that thin out */
-    double up[3], close;             /* four fifths of the way from the middle of the box to its nearest side */
+    double up[3], close;             /* nearer pixels are in the way */
     size_t frame_bytes;
     unsigned char *frames;           /* working memory of a frame for each thread */
     look *looks;                     /* for each thread */
@@ -64,17 +81,18 @@ static int is_covered(const look *l, int pixel)
     return l->coverage[pixel] > 127;
 }
 
-static void count_seen(look *l, double close, sight *s)
+static void count_seen(look *l, double close, double far, sight *s)
 {
     memset(l->pixels, 0, sizeof l->pixels);
     for (int i = 0; i < PIXELS; i++) {
         s->covered += l->coverage[i];
-        s->close += l->depth[i] != FXS_NOTHING && ldexp(l->depth[i], -16) < close;
+        const double depth = l->depth[i] != FXS_NOTHING ? ldexp(l->depth[i], -16) : close;
+        s->close += depth < close;
         if (l->id[i].object == FXS_NOTHING || l->coverage[i] < 48)
             continue;
         const uint16_t pixels = ++l->pixels[l->id[i].object + l->id[i].gaussian];    /* an object's id is its first */
         s->seen += pixels == 1;
-        s->largest = pixels > s->largest ? pixels : s->largest;
+        s->largest = pixels > s->largest && depth < far ? pixels : s->largest;
     }
 }
 
@@ -104,6 +122,12 @@ static void count_cut(const look *l, sight *s)
             s->cut += is_covered(l, y * WIDTH + x) * (y == HEIGHT - 1 ? 1 : 3);
 }
 
+/* How far the core goes on from a camera. */
+static double end_of_core(const chooser *c, const fxs_file_view *view)
+{
+    return fxs_distance(view->position, c->core.middle) + fxs_distance(c->core.low, c->core.high) / 2;
+}
+
 /* A view that the renderer cannot take shows nothing. */
 static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *view, sight *s)
 {
@@ -121,7 +145,7 @@ static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *vie
     const int error = fxs_render(&c->context, &r, c->frames + thread * c->frame_bytes, c->frame_bytes, NULL);
     if (error)
         return error == FXS_ERR_CAMERA ? 0 : error;
-    count_seen(l, c->close, s);
+    count_seen(l, c->close, end_of_core(c, view), s);
     count_detail(l, s);
     count_cut(l, s);
     return 0;
@@ -129,12 +153,12 @@ static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *vie
 
 /* ---- Views ------------------------------------------------------------------------------------------------------- */
 
-int fxs_first_view_make(const fxs_first_choice *first, const double low[3], const double high[3], double fov, int width,
-                        int height, fxs_file_view *view, fxs_message *message)
+int fxs_first_view_make(const fxs_first_choice *first, double fov, int width, int height, fxs_file_view *view,
+                        fxs_message *message)
 {
-    FXS_TRY(fxs_view_frame_from(view, low, high, first->from, first->up, fov, width, height, message));
+    FXS_TRY(fxs_view_frame_from(view, first->low, first->high, first->from, first->up, fov, width, height, message));
     for (int i = 0; i < 3; i++) {
-        const double middle = (low[i] + high[i]) / 2;
+        const double middle = (first->low[i] + first->high[i]) / 2;
         view->position[i] = middle + first->part * (view->position[i] - middle);
     }
     return 0;
@@ -156,6 +180,8 @@ static int first_of(fxs_first_choice *first, const stand *s, const double up[3],
     for (int i = 0; i < 3; i++)
         first->from[i] = s->out * (turns[s->yaw][0] * back[i] + turns[s->yaw][1] * side[i]) + s->rise * axis[i];
     first->part = s->part;
+    memcpy(first->low, s->about->low, sizeof first->low);
+    memcpy(first->high, s->about->high, sizeof first->high);
     return 0;
 }
 
@@ -163,7 +189,7 @@ static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
 {
     fxs_first_choice first;
     FXS_TRY(first_of(&first, s, c->up, c->message));
-    return fxs_first_view_make(&first, c->low, c->high, FOV, WIDTH, HEIGHT, view, c->message);
+    return fxs_first_view_make(&first, FOV, WIDTH, HEIGHT, view, c->message);
 }
 
 /* Views that are looked at by several threads: each takes every so many-th. */
@@ -208,7 +234,7 @@ static int look_down(chooser *c, double *seen, double *detail)
     for (int far = 0; far < 2; far++) {
         int64_t all_seen = 0, all_detail = 0;
         for (int i = 0; i < AROUND; i++)
-            stands[i] = (stand){2 * i, 0.77, 0.64, far ? 1 : 0.5};
+            stands[i] = (stand){2 * i, 0.77, 0.64, far ? 1 : 0.5, &c->boxes[c->box_count - 1]};
         FXS_TRY(look_from(c, stands, AROUND, sights));
         for (int i = 0; i < AROUND; i++) {
             all_seen += sights[i].seen;
@@ -229,20 +255,20 @@ static int is_direction(const double up[3])
 static int find_up(chooser *c, const double known[3])
 {
     fxs_ground ground;
-    double seen[2], detail[2];
-    FXS_TRY(fxs_ground_find(&ground, &c->sample, c->message));
+    double seen[2] = {1, 1}, detail[2] = {1, 1};
+    FXS_TRY(fxs_ground_find(&ground, &c->sample, c->standing, c->message));
     c->outlined = !(ground.spread > 2.6);
-    if (is_direction(known)) {
-        memcpy(c->up, known, sizeof c->up);
+    if (is_direction(known))
         return 0;
-    }
     for (int i = 0; i < 3; i++)
         c->up[i] = -ground.axis[i];
-    FXS_TRY(look_down(c, &seen[1], &detail[1]));
+    if (!c->is_within)
+        FXS_TRY(look_down(c, &seen[1], &detail[1]));
     memcpy(c->up, ground.axis, sizeof c->up);
-    FXS_TRY(look_down(c, &seen[0], &detail[0]));
+    if (!c->is_within)
+        FXS_TRY(look_down(c, &seen[0], &detail[0]));
     const double upright = (seen[0] - seen[1]) / (seen[0] + seen[1]) +
-                           0.25 * (detail[0] - detail[1]) / (detail[0] + detail[1]) + 0.8 * ground.sided + 0.065;
+                           0.25 * (detail[0] - detail[1]) / (detail[0] + detail[1]) + 0.8 * ground.sided + 0.12;
     for (int i = 0; i < 3 && upright < 0; i++)
         c->up[i] = -c->up[i];
     return 0;
@@ -253,11 +279,10 @@ static int find_up(chooser *c, const double known[3])
 /* How high fxs_view_frame_box looks from, and from lower and higher: level, and up. */
 static const double heights[3][2] = {{0.95, 0.31}, {0.99, 0.14}, {0.82, 0.57}};
 
-/* The best of the stands that were tried. */
+/* The best of the stands that were tried, and of those of each yaw. */
 typedef struct choice {
-    stand best;
-    double score;
-    double sides[YAWS];              /* the best score of each yaw */
+    stand best, sides[YAWS];
+    double score, scores[YAWS];
 } choice;
 
 /* Half, where the border cuts through what is shown; but what covers the border, or surroundings that cover the picture,
@@ -272,7 +297,9 @@ static double uncut(const chooser *c, const sight *s)
 static double score_of(const chooser *c, const stand *at, const sight *s)
 {
     const int64_t largest = s->largest > LARGEST ? s->largest : LARGEST;
-    const double shown = (double)s->seen * uncut(c, s) * LARGEST / (double)largest;
+    double shown = (double)s->seen * (at->part > 0 ? uncut(c, s) : 1) * LARGEST / (double)largest;
+    if (at->about != c->boxes && at->part > 0)
+        shown *= (at->part < 0.7 ? 0.9 : 1) * (at->rise > heights[0][1] ? 0.88 : 1);
     return at->rise != heights[0][1] ? shown : at->yaw == 0 && at->part == 1 ? 1.155 * shown : 1.1 * shown;
 }
 
@@ -282,7 +309,11 @@ static int try_stands(chooser *c, const stand *stands, uint32_t count, double fa
     FXS_TRY(look_from(c, stands, count, sights));
     for (uint32_t i = 0; i < count; i++) {
         const double score = factor * score_of(c, &stands[i], &sights[i]);
-        made->sides[stands[i].yaw] = fmax(made->sides[stands[i].yaw], score);
+        const int yaw = stands[i].yaw;
+        if (score > made->scores[yaw]) {
+            made->scores[yaw] = score;
+            made->sides[yaw] = stands[i];
+        }
         if (score > made->score) {
             made->score = score;
             made->best = stands[i];
@@ -291,12 +322,20 @@ static int try_stands(chooser *c, const stand *stands, uint32_t count, double fa
     return 0;
 }
 
-static int try_sides(chooser *c, choice *made)
+static int try_sides(chooser *c, const box *about, choice *made)
 {
     stand stands[STANDS];
     for (int i = 0; i < STANDS; i++)
-        stands[i] = (stand){i / 2, heights[0][0], heights[0][1], i % 2 ? 0.5 : 1};
+        stands[i] = (stand){i / 2, heights[0][0], heights[0][1], i % 2 ? 0.5 : 1, about};
     return try_stands(c, stands, STANDS, 1, made);
+}
+
+static int try_place(chooser *c, int place, choice *made)
+{
+    stand stands[YAWS];
+    for (int yaw = 0; yaw < YAWS; yaw++)
+        stands[yaw] = (stand){yaw, heights[1][0], heights[1][1], 0, &c->places[place]};
+    return try_stands(c, stands, YAWS, !c->is_within ? 1 : c->box_count == 1 ? 1.5 : 3, made);
 }
 
 /* From the best side that was not yet tried so. */
@@ -307,43 +346,123 @@ static int try_heights(chooser *c, choice *made)
     uint32_t count = 0;
     int yaw = 0;
     for (int i = 1; i < YAWS; i++)
-        yaw = made->sides[i] > made->sides[yaw] ? i : yaw;
-    for (int height = 0; height < 3; height++)
+        yaw = made->scores[i] > made->scores[yaw] ? i : yaw;
+    const stand *side = &made->sides[yaw];
+    for (int height = 0; height < 3 && side->part > 0; height++)
         for (int part = height ? 0 : 2; part < 4; part++)
-            stands[count++] = (stand){yaw, heights[height][0], heights[height][1], parts[part]};
+            stands[count++] = (stand){yaw, heights[height][0], heights[height][1], parts[part], side->about};
     FXS_TRY(try_stands(c, stands, count, 1, made));
-    made->sides[yaw] = 0;
+    made->scores[yaw] = 0;
     return 0;
 }
 
-/* Where the scene lies all around the middle of its box and away from it, as a room does: from within. */
-static int try_within(chooser *c, choice *made)
+/* ---- From within ------------------------------------------------------------------------------------------------- */
+
+/* Over some stands: the largest number of Gaussians seen, less where one is large; the mean parts of the picture that
+   are covered, and that are close. */
+static int look_about(chooser *c, const stand *stands, uint32_t count, double *most, double *covered, double *close)
 {
-    stand stands[STANDS];
-    sight sights[AROUND];
-    int64_t covered = 0, close = 0;
-    for (int i = 0; i < AROUND; i++)
-        stands[i] = (stand){2 * i, 1, 0, 0};
-    FXS_TRY(look_from(c, stands, AROUND, sights));
-    for (int i = 0; i < AROUND; i++) {
-        covered += sights[i].covered;
-        close += sights[i].close;
+    sight sights[STANDS];
+    *most = *covered = *close = 0;
+    FXS_TRY(look_from(c, stands, count, sights));
+    for (uint32_t i = 0; i < count; i++) {
+        const int64_t largest = sights[i].largest > LARGEST ? sights[i].largest : LARGEST;
+        *most = fmax(*most, (double)sights[i].seen * LARGEST / (double)largest);
+        *covered += (double)sights[i].covered / (255 * PIXELS) / count;
+        *close += (double)sights[i].close / PIXELS / count;
     }
-    if (covered < (int64_t)AROUND * PIXELS * 255 * 17 / 20 || close > AROUND * PIXELS / 4)
-        return 0;
-    for (int yaw = 0; yaw < YAWS; yaw++)
-        stands[yaw] = (stand){yaw, heights[1][0], heights[1][1], 0.2};
-    return try_stands(c, stands, YAWS, 1.5, made);
+    return 0;
+}
+
+/* Whether a place lies in the middle of the core, which then is empty. */
+static int is_amid(const chooser *c, const double place[3])
+{
+    return fxs_distance(place, c->core.middle) < c->core.reach / 2;
+}
+
+/* Finds the places that have something to see about them. *seen: Gaussians seen from the best. *weighed: the same, but
+   more in a room and in an empty middle, and less elsewhere in an unbounded scene, where a sky covers every view. */
+static int find_places(chooser *c, double *seen, double *weighed)
+{
+    fxs_within within[FXS_WITHIN_MOST];
+    const int count = fxs_within_find(within, &c->sample, &c->core, c->up);
+    const int is_bounded = c->box_count == 1;
+    c->place_count = 0;
+    *seen = *weighed = 0;
+    for (int p = 0; p < count; p++) {
+        stand stands[AROUND];
+        box *b = &c->places[c->place_count];
+        double most, covered, close;
+        for (int i = 0; i < 3; i++) {
+            b->low[i] = within[p].place[i] - within[p].clear / 2;
+            b->high[i] = within[p].place[i] + within[p].clear / 2;
+        }
+        for (int i = 0; i < AROUND; i++)
+            stands[i] = (stand){2 * i, heights[1][0], heights[1][1], 0, b};
+        FXS_TRY(look_about(c, stands, AROUND, &most, &covered, &close));
+        if (covered < OPEN || close > 0.25)
+            continue;
+        const int surrounded = covered > CLOSED && (is_bounded || is_amid(c, within[p].place));
+        *seen = fmax(*seen, most);
+        *weighed = fmax(*weighed, most * (is_bounded ? surrounded ? 1.5 : 1 : surrounded ? 3 : 0.67));
+        c->place_count++;
+    }
+    return 0;
+}
+
+static double size_of(const box *b)
+{
+    return (b->high[0] - b->low[0]) + (b->high[1] - b->low[1]) + (b->high[2] - b->low[2]);
+}
+
+static void find_boxes(chooser *c)
+{
+    const fxs_core *core = &c->core;
+    box *b = c->boxes;
+    c->close = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        c->close = fmin(c->close, 0.15 * (core->high[i] - core->low[i]));
+        b[1].low[i] = core->low[i];
+        b[1].high[i] = core->high[i];
+        b[2].low[i] = fmax(core->low[i], core->middle[i] - 2.5 * core->reach);
+        b[2].high[i] = fmin(core->high[i], core->middle[i] + 2.5 * core->reach);
+    }
+    c->box_count = size_of(&b[0]) > UNBOUNDED * size_of(&b[1]) ? BOXES : 1;
+}
+
+/* Finds boxes and places to look from, which way is up, and whether the scene shows most from within. */
+static int find_stands(chooser *c, const double known[3])
+{
+    stand stands[2 * AROUND];
+    double outside, inside, weighed, covered, close;
+    FXS_TRY(fxs_core_find(&c->core, &c->sample, c->message));
+    find_boxes(c);
+    for (int i = 0; i < 2 * AROUND; i++) {        /* an unbounded scene may be upside down: from beneath too */
+        const double rise = i & 2 && c->box_count > 1 ? -heights[0][1] : heights[0][1];
+        stands[i] = (stand){i / 2 * 2, heights[0][0], rise, i % 2 ? 0.5 : 1, &c->boxes[c->box_count - 1]};
+    }
+    FXS_TRY(look_about(c, stands, 2 * AROUND, &outside, &covered, &close));
+    FXS_TRY(find_places(c, &inside, &weighed));
+    c->standing = inside > WITHIN_STANDING * outside ? 0 : fxs_core_stands(&c->core);
+    c->is_within = weighed > WITHIN * outside && !c->standing;
+    const double assumed[3] = {c->up[0], c->up[1], c->up[2]};
+    FXS_TRY(find_up(c, known));
+    if (memcmp(assumed, c->up, sizeof assumed))
+        FXS_TRY(find_places(c, &inside, &weighed));
+    c->place_count = c->standing ? 0 : c->place_count;
+    return 0;
 }
 
 static int choose(chooser *c, const double up[3], fxs_first_choice *first)
 {
-    choice made = {.best = {0, heights[0][0], heights[0][1], 1}};
+    choice made = {.best = {0, heights[0][0], heights[0][1], 1, &c->boxes[0]}};
     memcpy(c->up, is_direction(up) ? up : (double[3]){0, -1, 0}, sizeof c->up);
     if (c->sample.point_count > 0) {
-        FXS_TRY(find_up(c, up));
-        FXS_TRY(try_sides(c, &made));
-        FXS_TRY(try_within(c, &made));
+        FXS_TRY(find_stands(c, up));
+        for (int i = 0; i < c->box_count; i++)
+            FXS_TRY(try_sides(c, &c->boxes[i], &made));
+        for (int i = 0; i < c->place_count; i++)
+            FXS_TRY(try_place(c, i, &made));
         for (int i = 0; i < SIDES_TRIED; i++)
             FXS_TRY(try_heights(c, &made));
     }
@@ -360,9 +479,6 @@ static int set_up(chooser *c)
         c->sample.objects[i].id = first;
         first += c->sample.scenes[i].count;
     }
-    c->close = INFINITY;
-    for (int i = 0; i < 3; i++)
-        c->close = fmin(c->close, 0.4 * (c->high[i] - c->low[i]));
     c->frame_bytes = (bytes + 63) / 64 * 64;
     c->looks = fxs_allocate(NULL, c->threads, sizeof *c->looks);
     c->frames = fxs_allocate(NULL, c->threads * c->frame_bytes + 63, 1);
@@ -373,8 +489,9 @@ int fxs_first_view_choose(fxs_first_choice *first, const fxs_context *context, c
                           uint32_t count, const double low[3], const double high[3], const double up[3],
                           fxs_message *message)
 {
-    chooser c = {.context = *context, .config = &context->config, .threads = 1, .low = low, .high = high,
-                 .message = message};
+    chooser c = {.context = *context, .config = &context->config, .threads = 1, .message = message};
+    memcpy(c.boxes[0].low, low, sizeof c.boxes[0].low);
+    memcpy(c.boxes[0].high, high, sizeof c.boxes[0].high);
     c.context.config = (fxs_config){.threads = 1};
     if (c.config->run && c.config->threads)
         c.threads = c.config->threads < THREADS_MOST ? c.config->threads : THREADS_MOST;

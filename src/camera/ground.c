@@ -1,13 +1,13 @@
 #include "ground.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <fixsplat/allocator.h>
 
-enum { LAYERS = 64 };
+enum { LAYERS = 64, GROWTH_POINTS = 8192 };
 #define ALIGNED 0.94                 /* the cosine of 20 degrees: 6 % of all directions are so near to an axis */
+#define GROWN 2                      /* size of Gaussians at the end of z over that at its beginning, behind a front */
 #define TURNED 0.86                  /* of 30 degrees, as far as the ground may lean */
 
 /* The sample with a weight for each Gaussian. */
@@ -23,16 +23,11 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static int ascending(const void *a, const void *b)
+/* Sorts the values. Returns the smallest but for one part in `parts`. */
+static double quantile(double *values, uint32_t count, uint32_t parts)
 {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, uint32_t count)
-{
-    qsort(values, count, sizeof *values, ascending);
-    return values[count / 2];
+    fxs_sort_values(values, count);
+    return values[count / parts];
 }
 
 /* The vector from the middle to a Gaussian. */
@@ -49,13 +44,13 @@ static void weigh(weighed *s)
     for (int axis = 0; axis < 3; axis++) {
         for (uint32_t i = 0; i < s->count; i++)
             w[i] = s->points[i].place[axis];
-        s->middle[axis] = median(w, s->count);
+        s->middle[axis] = quantile(w, s->count, 2);
     }
     for (uint32_t i = 0; i < s->count; i++) {
         find_away(s, i, away);
         w[i] = sqrt(dot(away, away));
     }
-    s->reach = median(w, s->count);
+    s->reach = quantile(w, s->count, 2);
     s->spread = w[s->count - 1 - s->count / 50] / s->reach;
     for (uint32_t i = 0; i < s->count; i++) {
         find_away(s, i, away);
@@ -133,9 +128,32 @@ static double sides_of(const weighed *s, const double axis[3], double share)
     return sided > 0 ? fmax(sided - 0.2, 0) : fmin(sided + 0.2, 0);
 }
 
+/* The size of Gaussians at the end of an axis over that at its beginning: medians of an eighth of the points each. */
+static double growth_of(const weighed *s, const double axis[3], double *values)
+{
+    const uint32_t step = s->count / GROWTH_POINTS + 1;
+    double ends[2], size[2];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < s->count; i += step)
+        values[n++] = dot(s->points[i].place, axis);
+    ends[0] = quantile(values, n, 8);
+    ends[1] = values[n - 1 - n / 8];
+    for (int end = 0; end < 2; end++) {
+        n = 0;
+        for (uint32_t i = 0; i < s->count; i += step) {
+            const double along = dot(s->points[i].place, axis);
+            if (end ? along >= ends[1] : along <= ends[0])
+                values[n++] = s->points[i].size;
+        }
+        size[end] = quantile(values, n, 2);
+    }
+    return size[1] / size[0];
+}
+
 /* Of y and z the one that more flat Gaussians lie across, or nearly so, and y where that is in doubt. It is turned to
-   them only where they are many, so that a scene that stands straight stays so. */
-static void choose_axis(const weighed *s, fxs_ground *ground)
+   them only where they are many, so that a scene that stands straight stays so. A wall that was captured from the
+   front lies across z too: then things stand on its side towards -z, or Gaussians grow along z. */
+static void choose_axis(const weighed *s, int standing, double *values, fxs_ground *ground)
 {
     static const double axes[2][3] = {{0, -1, 0}, {0, 0, 1}};
     double found[2][3], share[2], most[2];
@@ -152,20 +170,24 @@ static void choose_axis(const weighed *s, fxs_ground *ground)
             share[i] = most[i];
         }
     }
-    const int z = most[1] > 1.2 * most[0] && most[1] > 0.1;
+    const double sided = sides_of(s, found[1], share[1]), grown = growth_of(s, found[1], values);
+    const double sided_y = sides_of(s, found[0], share[0]);
+    const int across = most[1] > (sided_y > 0 ? 2 : 1.2) * most[0] && most[1] > 0.1 &&
+                       (sided > 0 || (sided == 0 && grown < GROWN));
+    const int z = standing ? standing == 2 : across;
     memcpy(ground->axis, found[z], sizeof ground->axis);
-    ground->sided = sides_of(s, found[z], share[z]);
+    ground->sided = z ? sided : sided_y;
 }
 
-int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, fxs_message *message)
+int fxs_ground_find(fxs_ground *ground, const fxs_sample *sample, int standing, fxs_message *message)
 {
     weighed s = {.points = sample->points, .count = sample->point_count};
-    s.weights = fxs_allocate(NULL, s.count, sizeof *s.weights);
+    s.weights = fxs_allocate(NULL, 2 * (size_t)s.count, sizeof *s.weights);
     if (!s.weights)
-        return fxs_fail_memory(message, NULL, s.count * sizeof *s.weights);
+        return fxs_fail_memory(message, NULL, 2 * s.count * sizeof *s.weights);
     weigh(&s);
     ground->spread = s.spread;
-    choose_axis(&s, ground);
+    choose_axis(&s, standing, s.weights + s.count, ground);
     fxs_release(NULL, s.weights);
     return 0;
 }

@@ -1,6 +1,7 @@
 #include "sample.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <fixsplat/allocator.h>
@@ -302,10 +303,11 @@ int fxs_sample_take(fxs_sample *s, const fxs_object *objects, uint32_t count, fx
     const size_t header_bytes = (size_t)chunks * sizeof(fxs_chunk);
     const size_t bytes = header_bytes + (size_t)chunks * fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0) + 63;
     *s = (fxs_sample){fxs_allocate(NULL, count, sizeof *s->objects), 0,
-                      fxs_allocate(NULL, FXS_SAMPLE_POINTS, sizeof *s->points), 0,
+                      fxs_allocate(NULL, FXS_SAMPLE_POINTS, sizeof *s->points), 0, 0,
                       fxs_allocate(NULL, count, sizeof *s->scenes), fxs_allocate(NULL, bytes, 1)};
     if (!s->objects || !s->points || !s->scenes || !s->bytes)
         error = fxs_fail_memory(message, NULL, bytes);
+    s->step = (double)t.step;
     t.headers = s->bytes + (64 - (uintptr_t)s->bytes % 64) % 64;
     t.rows = t.headers + header_bytes;
     for (uint32_t i = 0; i < count && !error; i++)
@@ -322,4 +324,15 @@ void fxs_sample_free(fxs_sample *s)
     fxs_release(NULL, s->points);
     fxs_release(NULL, s->scenes);
     fxs_release(NULL, s->bytes);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+void fxs_sort_values(double *values, uint32_t count)
+{
+    qsort(values, count, sizeof *values, ascending);
 }

@@ -24,6 +24,7 @@ typedef struct fxs_sample {
     uint32_t count;                  /* of those with a Gaussian that is drawn */
     fxs_sample_point *points;
     uint32_t point_count;
+    double step;                     /* Gaussians of the objects for each point */
     fxs_scene *scenes;               /* of each object; they point into `bytes` */
     unsigned char *bytes;            /* of all chunks */
 } fxs_sample;
@@ -32,5 +33,8 @@ typedef struct fxs_sample {
    to free. Integers and exact doubles alone: the same on every machine. */
 int fxs_sample_take(fxs_sample *sample, const fxs_object *objects, uint32_t count, fxs_message *message);
 void fxs_sample_free(fxs_sample *sample);
+
+/* Sorts in ascending order. */
+void fxs_sort_values(double *values, uint32_t count);
 
 #endif

@@ -79,6 +79,8 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
     fxs_object_init(&object, scene);
     FXS_TRY(fxs_first_view_choose(&c, o->context, &object, 1, low, high, NULL, message));
     FXS_TRY(fxs_level_back(back, up, c.up, message));
+    memcpy(c.low, low, sizeof c.low);
+    memcpy(c.high, high, sizeof c.high);
     const double side[3] = {up[1] * back[2] - up[2] * back[1], up[2] * back[0] - up[0] * back[2],
                             up[0] * back[1] - up[1] * back[0]};
     for (uint32_t i = 0; i < count; i++) {
@@ -88,7 +90,7 @@ static int look_around(fxs_file_view views[FXS_REFINE_VIEWS], const fxs_scene *s
         c.part = parts[i % PARTS];
         for (int k = 0; k < 3; k++)
             c.from[k] = out * (cosine * back[k] + sine * side[k]) + rise * up[k];
-        FXS_TRY(fxs_first_view_make(&c, low, high, FOV, longer, shorter, &views[i], message));
+        FXS_TRY(fxs_first_view_make(&c, FOV, longer, shorter, &views[i], message));
         for (int k = 0; k < 3; k++) {
             eye[k] = views[i].position[k];
             target[k] = (low[k] + high[k]) / 2 + (1 - c.part) * (high[k] - low[k]) / 2 * random_between(i, (uint32_t)k);

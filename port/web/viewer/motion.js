@@ -132,12 +132,17 @@ function frontOf(up) {
   )
 }
 
-/** The nearest that all corners of a scene's box are seen from, and a tenth more: from a little above, or from where
-    `first` says, and at that part of the distance. */
-export function seeAll({ low, high }, sceneUp, fov, aspect, first) {
+/** The nearest that all corners of a scene's box are seen from, and a tenth more: from a little above, or as `first`
+    says, which may be within the scene. */
+export function seeAll(scene, sceneUp, fov, aspect, first) {
+  const { low, high } = first ?? scene
   const up = unit(sceneUp)
   const from = unit(first?.from ?? frontOf(up))
   const look = mix(low, high, 0.5)
+  if (first?.part === 0) {
+    const ahead = add(look, from, -Math.max(Math.hypot(...add(high, low, -1)) / 2, 1e-3))
+    return { eye: look, look: ahead, up, fov, flat: false, shift: [0, 0] }
+  }
   const { forward, right, down } = axes({ eye: add(look, from), look, up })
   const needs = corners.map((corner) => {
     const c = add(

@@ -71,10 +71,10 @@ FXS_API int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs
    (map.h). Returns 0, or FXS_ERR_FILE and a message where it did. */
 FXS_API int fxs_opened_check(const fxs_opened *opened, fxs_message *message);
 
-/* Chooses the first view of objects that come without cameras: renders small pictures from many sides and takes the one
-   that shows most of them, upright. Returns in `up`, of length 1, which way is up. low..high: the box of what is seen
-   of the objects (of one scene the inner bounds of its report). The direction is the same on every machine, whatever
-   `fov` (vertical, degrees) and the size of the view are. It takes some 0.1 s. Errors: those of fxs_view_look_at,
+/* Chooses the first view of objects that come without cameras: renders small pictures from many sides and from within,
+   and takes the one that shows most of them, upright. Returns in `up`, of length 1, which way is up. low..high: the box
+   of what is seen of the objects (of one scene the inner bounds of its report). The direction is the same on every machine, whatever
+   `fov` (vertical, degrees) and the size of the view are. It takes some 0.2 s. Errors: those of fxs_view_look_at,
    FXS_ERR_SIZE, FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
 FXS_API int fxs_first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
                            double fov, int32_t width, int32_t height, fxs_file_view *view, double up[3],
