@@ -122,7 +122,7 @@ $(WEB_NONE:%.c=$(B)/web/libs/%.o): $(B)/web/libs/%.o: port/web/libs/%.c $(B)/com
 $(WEB_LIBS): $(wildcard port/web/libs/*.h)
 $(IMPORTS:%=$(WEB)/%.wasm): $(WEB_LIBS)
 $(B)/commands/web: COMMAND = $(WASM_CC) $(WASM_FLAGS) $(WEB_LIBS_FLAGS) $(WEB_VERSIONS) $(WASM_LINK) $(wasm_link_of_threads) $(WASM_OPT) \
-    $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(strip $(call wasm_flags_of,$(module),$(file)))))
+    $(sort $(foreach module,$(MODULES),$(foreach file,$(sources_of_$(module)),$(call wasm_flags_of,$(module),$(file)))))
 
 $(WEB)/package.json: port/web/package.json src/include/fixsplat/fixsplat.h
 	@mkdir -p $(@D)

@@ -352,7 +352,7 @@ static long read_laid(void *unused, uint64_t first, fxs_gaussian *out, size_t ca
 
 static int make_kind(turned *t, const struct kind *kind)
 {
-    fxs_gaussian_source source = {0, 0, 0, read_laid, NULL};
+    fxs_gaussian_source source = {0, 0, 0, read_laid, NULL, {0}};
     fxs_scene_file *file;
     fxs_scene_file_info info;
     laid_count = 0;

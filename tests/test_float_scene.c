@@ -184,7 +184,7 @@ static void what_is_left_out(void)
 static double psnr_of_nudge(const char *name)
 {
     const fxs_procedural_scene *made = fxs_procedural_find(name);
-    const fxs_gaussian_source source = {COUNT, made->sh_degree, 0, read_gaussians, gaussians};
+    const fxs_gaussian_source source = {COUNT, made->sh_degree, 0, read_gaussians, gaussians, {0}};
     const double low[3] = {-2, -2, -2}, high[3] = {2, 2, 2}, up[3] = {0, -1, 0};
     fxs_file_view view;
     fxs_scene_file *file;

@@ -81,9 +81,8 @@ static uint32_t rotation_word(uint32_t scale_word, uint32_t scale_step_q24)
 static uint32_t scale_word(const recipe *r)
 {
     uint32_t word = 0;
-    int longest = below(3);
-    for (int i = 0; i < 3; i++) {
-        double code = r->needle ? (i == longest ? 0 : 1023) : 1023 * sqrt(uniform(0, 1));
+    for (int i = 0; i < 3; i++) {        /* the longest axis first, as packing has it */
+        double code = r->needle ? (i == 0 ? 0 : 1023) : 1023 * sqrt(uniform(0, 1));
         word |= (uint32_t)code << 10 * i;
     }
     return word;

@@ -52,7 +52,7 @@ int fxs_core_find(fxs_core *core, const fxs_sample *s, fxs_message *message)
     fxs_sort_values(v, n);
     const double small = v[n / 2];
     for (int k = 0; k < 3; k++) {
-        n = measure(s, small, PLACE_X + k, NULL, v);
+        n = measure(s, small, (enum measure)(PLACE_X + k), NULL, v);
         core->middle[k] = v[n / 2];
         core->low[k] = v[n / 50];
         core->high[k] = v[n - 1 - n / 50];
