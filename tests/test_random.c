@@ -7,11 +7,11 @@
 #include "random_scene.h"
 
 #define CASES 300
-#define EXPECTED 0x4271a9e7e1545376u
-#define EXPECTED_COMPACT 0x2f591171f5e73047u
-#define EXPECTED_SMALL 0x9d092ef7761c9857u
-#define EXPECTED_NEAR 0xfd82acde1bc259edu
-#define EXPECTED_WORLDS 0xd27adb238419a359u
+#define EXPECTED 0x886c6c9857655ca4u
+#define EXPECTED_COMPACT 0x1492678cc78a8c0fu
+#define EXPECTED_SMALL 0x61487fa6c90949e2u
+#define EXPECTED_NEAR 0x8f926f82d304f0e8u
+#define EXPECTED_WORLDS 0x3cf522b353870463u
 
 /* near: with a random near plane; else with the default. */
 static uint64_t hash_case(enum fxs_profile profile, int which, int near)

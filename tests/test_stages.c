@@ -1091,7 +1091,7 @@ static void check_beside(fxs_camera *camera, beside *b, const double box)
 static void test_chunks_beside_the_picture(void)
 {
     memset(&beside_tally, 0, sizeof beside_tally);
-    for (int i = 0; i < 300; i++) {
+    for (int i = 0; i < 330; i++) {
         fxs_camera camera = make_camera(1 + below(20), 1 + below(20), 0);
         beside b = {{0, 0}, exp2(uniform(-2, 20)), 0};
         double most = 0;
