@@ -11,7 +11,7 @@ static uint32_t gaussians_in(const fxs_scene *scene, uint32_t chunk)
 {
     uint32_t count = 0;
     for (uint32_t g = 0; g < FXS_CHUNK; g++)
-        count += fxs_codes_of(scene, fxs_rows(scene, chunk), g).rotation != 0;
+        count += !fxs_slot_is_empty(scene, fxs_rows(scene, chunk), g);
     return count;
 }
 

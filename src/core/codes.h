@@ -105,4 +105,11 @@ static inline fxs_codes fxs_codes_of(const fxs_scene *scene, const unsigned char
                        fxs_word_at(rows + FXS_ROW_COLOUR, g)};
 }
 
+/* True if slot g of a chunk with these rows holds no Gaussian. */
+static inline int fxs_slot_is_empty(const fxs_scene *scene, const unsigned char *rows, uint32_t g)
+{
+    const fxs_codes codes = fxs_codes_of(scene, rows, g);
+    return !codes.rotation && !(codes.colour >> 24);
+}
+
 #endif

@@ -371,7 +371,7 @@ static void put_record(const void *argument, uint32_t i, unsigned char record[FX
     for (int k = 0; k < FXS_FIT_SH; k++)
         codes[k] = (uint32_t)found[k];
     const uint32_t rotation = fxs_tilt_word(codes[7], codes[8], codes[9], (int32_t)codes[6], p->grid.rotation_bits);
-    const fxs_codes all = {{codes[0], codes[1], codes[2]}, {codes[3], codes[4], codes[5]},
+    const fxs_row_codes all = {{codes[0], codes[1], codes[2]}, {codes[3], codes[4], codes[5]},
                            rotation ? rotation : codes[10] ? 0 : FXS_NOT_EMPTY, {codes[11], codes[12], codes[13]},
                            codes[10]};
     unsigned char *sh = fxs_put_codes(&encoder, &all, record);

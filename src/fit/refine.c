@@ -18,6 +18,7 @@
 #include "src/base/exponential.h"
 #include "src/core/chunk.h"
 #include "src/gaussian/origin_internal.h"
+#include "src/core/codes.h"
 #include "src/pack/decode.h"
 #include "src/pack/move.h"
 #include "src/pack/tree.h"

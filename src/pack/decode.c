@@ -67,12 +67,6 @@ static void take_palette(const fxs_scene *s, const fxs_chunk *chunk, const unsig
     }
 }
 
-int fxs_slot_is_empty(const fxs_scene *s, const unsigned char *rows, uint32_t g)
-{
-    const fxs_codes codes = fxs_codes_of(s, rows, g);
-    return !codes.rotation && !(codes.colour >> 24);
-}
-
 void fxs_decode(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g, fxs_gaussian *out)
 {
     const fxs_codes codes = fxs_codes_of(s, rows, g);

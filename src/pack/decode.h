@@ -5,9 +5,6 @@
 #include <fixsplat/gaussian.h>
 #include <fixsplat/packed.h>
 
-/* Whether no Gaussian is in slot g of a chunk with these rows. */
-int fxs_slot_is_empty(const fxs_scene *scene, const unsigned char *rows, uint32_t g);
-
 /* The Gaussian of slot g of a chunk with this header, in this processor's byte order, and these rows. Of the scene only
    the profile, the degree and the palette are read. */
 void fxs_decode(const fxs_scene *scene, const fxs_chunk *chunk, const unsigned char *rows, uint32_t g,

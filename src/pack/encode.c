@@ -143,7 +143,7 @@ static unsigned char *put(unsigned char *to, uint32_t value, int bytes)
     return to;
 }
 
-unsigned char *fxs_put_codes(const fxs_encoder *e, const fxs_codes *codes, unsigned char *record)
+unsigned char *fxs_put_codes(const fxs_encoder *e, const fxs_row_codes *codes, unsigned char *record)
 {
     const uint32_t *p = codes->position, *s = codes->scale, *c = codes->colour, rotation = codes->rotation;
     if (e->profile == FXS_PROFILE_SMALL) {

@@ -97,14 +97,14 @@ typedef struct fxs_encoder {
 enum { FXS_RECORD_BYTES = 63 };      /* the most bytes of the codes of a Gaussian */
 
 /* The codes of a Gaussian, as they are in the rows. */
-typedef struct fxs_codes {
+typedef struct fxs_row_codes {
     uint32_t position[3], scale[3];
     uint32_t rotation;                   /* the word; in small its upper 23 bits */
     uint32_t colour[3], opacity;
-} fxs_codes;
+} fxs_row_codes;
 
 /* Writes these codes one after the other, in the order of the rows of a chunk. Returns the place of the SH codes. */
-unsigned char *fxs_put_codes(const fxs_encoder *encoder, const fxs_codes *codes, unsigned char *record);
+unsigned char *fxs_put_codes(const fxs_encoder *encoder, const fxs_row_codes *codes, unsigned char *record);
 
 /* Writes the codes of a Gaussian one after the other, in the order of the rows of its chunk, and notes the losses. In a
    profile with a palette, fxs_palette_code_chunk writes the SH codes. */

@@ -113,7 +113,7 @@ static inline int32_t spread(int32_t code, int32_t bits, int32_t wide)
 
 /* The three positions, 16 bits, and the three colours, 8 bits; in small 11, and 7, 7, 6. Codes for which low + code
    step is nearest, with the code extended. */
-static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, fxs_codes *codes,
+static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, fxs_row_codes *codes,
                                fxs_loss *loss)
 {
     enum { LANES = 8 };
@@ -362,7 +362,7 @@ static inline void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, co
 static void NAMED(fxs_pack_encode_, ISA)(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                          double opacity, unsigned char record[FXS_RECORD_BYTES], fxs_loss *loss)
 {
-    fxs_codes codes;
+    fxs_row_codes codes;
     float scale[3] = {g->scale[0], g->scale[1], g->scale[2]};
     double rows[3][3], axis[3][3], error;
     fxs_rotation_matrix(rows, g->rotation[0], g->rotation[1], g->rotation[2], g->rotation[3]);

@@ -16,6 +16,7 @@
 #include "src/base/exponential.h"
 #include "src/base/try_internal.h"
 #include "decode.h"
+#include "src/core/codes.h"
 #include "encode.h"
 #include "coarsen.h"
 #include "order.h"

@@ -6,6 +6,7 @@
 
 #include "src/base/crc32.h"
 #include "src/gaussian/origin_internal.h"
+#include "src/core/codes.h"
 #include "src/pack/decode.h"
 #include "src/pack/move.h"
 #include "src/scene/formats_internal.h"
