@@ -8,6 +8,7 @@
 #include "src/core/chunk.h"
 #include "src/gaussian/attributes.h"
 #include "src/pack/coarsen.h"
+#include "src/core/codes.h"
 #include "src/pack/decode.h"
 #include "src/pack/encode.h"
 #include "scene_bytes.h"
