@@ -13,7 +13,6 @@ enum {
     GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP, MOST = FXS_PALETTE_MOST,
     NEVER = 1 << 30,               /* a cost that no entry has */
     SAMPLE = 16384,                /* Gaussians that a palette is learned from, about */
-    WEIGHT = 256,                  /* of a Gaussian that counts as the mean of the sample */
     LLOYD_ROUNDS = 5, JOINT_ROUNDS = 2,
     JOBS = 16
 };
@@ -77,10 +76,8 @@ typedef struct learner {
     fxs_sh_vector *vectors;        /* of the sample; then what the stages so far leave of them */
     uint32_t count;
     uint8_t (*indices)[STAGES];    /* of each vector */
-    double *shares;                /* of each vector, see share_of */
-    uint16_t *weights;             /* of each vector: WEIGHT times how much it counts */
-    int64_t (*sums)[WIDTH];        /* of the weighted vectors of each entry */
-    int64_t *total;                /* of their weights */
+    int32_t (*sums)[WIDTH];        /* of the vectors of each entry, 2^14 at most */
+    int32_t *total;                /* their number */
     const fxs_pack_options *options;
     uint32_t rounds, stage;
     int32_t most;                  /* of the sample's means, units */
@@ -124,20 +121,18 @@ static void find_entry(void *argument, uint32_t job)
     }
 }
 
-/* Adds vector i, times its weight and the sign of an index, to the sum of the entry. */
-static void add_to(learner *l, uint32_t index, uint32_t i)
+/* Adds a vector, times `sign`, to the sum of an entry. */
+static void add_to(learner *l, uint32_t entry, const fxs_sh_vector vector, int sign)
 {
-    const int32_t weight = l->weights[i], factor = index & FXS_PALETTE_NEGATIVE ? -weight : weight;
-    const uint32_t entry = index % ENTRIES;
     for (int d = 0; d < WIDTH; d++)
-        l->sums[entry][d] += factor * l->vectors[i][d];
-    l->total[entry] += weight;
+        l->sums[entry][d] += sign * vector[d];
+    l->total[entry]++;
 }
 
 /* sum / total, rounded to the nearest */
-static int32_t mean_of(int64_t sum, int64_t total)
+static int32_t mean_of(int32_t sum, int32_t total)
 {
-    return (int32_t)((sum < 0 ? sum - total / 2 : sum + total / 2) / total);
+    return (sum < 0 ? sum - total / 2 : sum + total / 2) / total;
 }
 
 /* Each of `count` vectors becomes `keep` times itself, 0 or 1, plus the mean of the vectors that were added to it. A
@@ -159,8 +154,10 @@ static int learn_vectors(learner *l, fxs_sh_vector *vectors, uint32_t count, voi
             return -1;
         prepare_stage(l->palette, l->stage);
         run(l, find_all);
-        for (uint32_t i = 0; i < l->count; i++)
-            add_to(l, l->indices[i][l->stage], i);
+        for (uint32_t i = 0; i < l->count; i++) {
+            const uint32_t index = l->indices[i][l->stage];
+            add_to(l, index % ENTRIES, l->vectors[i], index & FXS_PALETTE_NEGATIVE ? -1 : 1);
+        }
         move(l, vectors, count, 0);
     }
     prepare_stage(l->palette, l->stage);
@@ -226,7 +223,7 @@ static void learn_jointly(learner *l)
     for (uint32_t s = 0; s < p->stages; s++) {
         for (uint32_t i = 0; i < l->count; i++) {
             const uint32_t index = l->indices[i][s];
-            add_to(l, index, i);
+            add_to(l, index % ENTRIES, l->vectors[i], index & FXS_PALETTE_NEGATIVE ? -1 : 1);
             subtract_entry(l->vectors[i], p, s, index ^ FXS_PALETTE_NEGATIVE);
         }
         move(l, p->vectors[s], p->entries, 1);
@@ -292,26 +289,6 @@ static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, 
         p->unit_exponent--;
 }
 
-/* How much the SH of a Gaussian show: opacity times the root of its area. 2^(area / 16) by a polynomial: within 0.3 %. */
-static double share_of(const fxs_sh_item *item)
-{
-    const int32_t octave = (item->area - (item->area & 15)) / 16;
-    const double t = (item->area & 15) / 16.0;
-    return fxs_scaled(item->opacity * (1 + t * (0.6565 + 0.3435 * t)), octave);
-}
-
-/* Weights by share_of, relative to the mean, from 1/16 to 16. */
-static void set_weights(learner *l)
-{
-    double sum = 0;
-    for (uint32_t i = 0; i < l->count; i++)
-        sum += l->shares[i];
-    for (uint32_t i = 0; i < l->count; i++) {
-        const double weight = sum > 0 ? l->shares[i] * l->count / sum * WEIGHT : WEIGHT;
-        l->weights[i] = (uint16_t)(weight < WEIGHT * 16 ? weight > WEIGHT / 16 ? weight : WEIGHT / 16 : WEIGHT * 16);
-    }
-}
-
 /* Every step-th Gaussian, less the mean of its chunk. */
 static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
@@ -332,10 +309,8 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
         for (uint32_t i = (first + step - 1) / step * step; i < end; i += step, l->count++) {
             vector_of(l->vectors[l->count], &chunk[i - first], l->palette->unit_exponent);
             subtract(l->vectors[l->count], mean);
-            l->shares[l->count] = share_of(&chunk[i - first]);
         }
     }
-    set_weights(l);
 }
 
 /* What the first stages leave of a part of the sample. */
@@ -384,19 +359,15 @@ static int learn_with(learn_fn *work, fxs_palette *palette, const fxs_sh_item *i
     learner l = {.palette = palette, .stages = fxs_pack_stages_choose(~0u), .options = options};
     l.vectors = fxs_allocate(allocator, sampled, sizeof *l.vectors);
     l.indices = fxs_allocate_zeroed(allocator, sampled, sizeof *l.indices);
-    l.shares = fxs_allocate(allocator, sampled, sizeof *l.shares);
-    l.weights = fxs_allocate(allocator, sampled, sizeof *l.weights);
     l.sums = fxs_allocate_zeroed(allocator, palette->entries, sizeof *l.sums);
     l.total = fxs_allocate_zeroed(allocator, palette->entries, sizeof *l.total);
     int result = 0;
-    if (!l.vectors || !l.indices || !l.shares || !l.weights || !l.sums || !l.total)
+    if (!l.vectors || !l.indices || !l.sums || !l.total)
         result = fxs_fail_memory(message, NULL, 0);
     else
         result = work(&l, items, count, step) ? fxs_fail_as(FXS_ERR_STOPPED, message, "import stopped") : 0;
     fxs_release(allocator, l.vectors);
     fxs_release(allocator, l.indices);
-    fxs_release(allocator, l.shares);
-    fxs_release(allocator, l.weights);
     fxs_release(allocator, l.sums);
     fxs_release(allocator, l.total);
     return result;
