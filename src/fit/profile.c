@@ -179,7 +179,8 @@ static void code_header(const coding *c, size_t chunk)
     fxs_ranges_clear(&ranges);
     for (size_t i = chunk * FXS_CHUNK; i < (chunk + 1) * FXS_CHUNK && i < p->count; i++) {
         fxs_gaussian g;
-        order_axes(c->model, i);
+        if (p->palette)              /* the engine takes over the whole model again */
+            order_axes(c->model, i);
         take(c->model, c->model->masters, i, &g);
         const double opacity = opacity_at(g.opacity);
         fxs_hold_scales(&g);
@@ -333,6 +334,8 @@ int fxs_fit_profile_begin(fxs_fit_profile *p, fxs_fit_model *m, int sh_degree, c
     int error = order(m, sh_degree, options);
     if (!error)
         error = fxs_fit_profile_allocate(p, m, options->profile, sh_degree);
+    for (size_t i = 0; i < m->count && !error; i++)
+        order_axes(m, i);
     if (error)
         return fxs_fail_memory(message, "a fit", m->count * FXS_FIT_PARAMETERS * sizeof(float));
     error = fxs_fit_profile_code(p, m, options, message);

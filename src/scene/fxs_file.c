@@ -121,7 +121,7 @@ uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers)
     uint32_t count = 0;
     for (uint32_t i = 0; i < scene->chunk_count; i++)
         for (uint32_t g = 0; g < FXS_CHUNK && count < scene->count; g++)
-            if (fxs_codes_of(scene, fxs_rows(scene, i), g).rotation)
+            if (!fxs_slot_is_empty(scene, fxs_rows(scene, i), g))
                 numbers[count++] = i * FXS_CHUNK + g;
     return count;
 }

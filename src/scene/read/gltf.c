@@ -929,7 +929,8 @@ static void choose_origin(const gltf *g, fxs_scene_file_info *info)
     fxs_import *import = g->source->import;
     double place[3];
     uint32_t most = 0;
-    for (const part *p = g->parts; p < g->parts + g->parts_count && !import->moves; p++) {
+    for (int i = 0; i < g->parts_count && !import->moves; i++) {
+        const part *p = &g->parts[i];
         const uint32_t count = g->splats[p->splats].count;
         if (count <= most)
             continue;
@@ -938,8 +939,8 @@ static void choose_origin(const gltf *g, fxs_scene_file_info *info)
         fxs_origin_near(import->origin, place);
     }
     import->moves |= most > 0;
-    for (const part *p = g->parts; p < g->parts + g->parts_count; p++) {
-        place_of(g, p, place);
+    for (int i = 0; i < g->parts_count; i++) {
+        place_of(g, &g->parts[i], place);
         info->coarse = fmax(info->coarse, fxs_spacing_at(place, import->origin));
     }
 }
