@@ -165,11 +165,11 @@ both_at_most() {
 check "builds" builds "$B/web/test_kernels.wasm"
 check "test_kernels in WebAssembly" kernels_are_exact
 check "products" products_are_found
-# Some 4.3 KB of core, 2.6 of simd and 1.9 of threads are the cut through levels of detail, and 1.4 of each scenes that
-# come in parts; 4.7 of simd and threads are WebGPU's plans of frames; 5 of import are the reader of .rad. 0.4 of each are
-# what a file says is up. 0.2 of import keep the names in a scene within its folder, and look at how a file begins. 2.6 of
-# core, simd and threads are coordinates far from 0, the start of a view and rotations by their first axis; 5.5 to 7.4 of
-# import are sparse accessors, names of arrays, limits of what is read and what profiles lose.
+# Some 4.3 KB of core, 2.6 of simd and 1.9 of threads are the cut through levels of detail, and 1.4 of each scenes
+# that come in parts; 4.7 of simd and threads are WebGPU's plans of frames; 5 of import are the reader of .rad. 0.4 of
+# each are what a file says is up. 0.2 of import keep the names in a scene within its folder, and look at how a file
+# begins. 2.6 of core, simd and threads are coordinates far from 0, the start of a view and rotations by their first
+# axis; 5.5 to 7.4 of import are sparse accessors, names of arrays, limits of what is read and what profiles lose.
 for size in core.wasm:55800 simd.wasm:88300 threads.wasm:88600 import.wasm:92300 import_threads.wasm:92500 \
     import_sog.wasm:90500 import_core.wasm:117900 fixsplat.js:40000; do
     check "size of ${size%:*}" at_most "${size#*:}" "$package/${size%:*}"
