@@ -596,7 +596,7 @@ export async function openPaged(url, name, coreOf, { paging, progress, silence, 
   const { bytes, total, answer } = await remote.begin(HEADER)
   if (!bytes) return { answer }
   const view = new DataView(bytes.buffer)
-  if (view.getUint32(0, true) !== 0x31535846 || view.getUint32(4, true) !== 4) return {}
+  if (view.getUint32(0, true) !== 0x31535846 || view.getUint32(4, true) !== 6) return {}
   const store = await Store.open(url, remote.version, options)
   const core = await coreOf()
   const open = async () => {

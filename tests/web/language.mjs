@@ -9,10 +9,10 @@ const folder = resolve(process.argv[2])
 const from = (name) => import(pathToFileURL(resolve(folder, name)))
 // Of another page, or lines about a file or a call for who has written that.
 const OTHERS = /^(fit|single|page|worker|engine|settings|track|language.*)\.js$/
-// Names of keys and classes, what words.js finds words for, and lines for who writes a program.
+// Names of keys and classes, what words.js finds words for, and lines for who writes a program or a settings file.
 const NO_WORDS = [/^(Space|Escape|ui bar|there are|A film of|frames: at most|no canvas for a worker)$/,
   /^(The headset:|the headset's picture:)$/,
-  /^(no WebAssembly|no files|no scene|this folder has more than)$/, /expected (?!a list)/]
+  /^(no WebAssembly|no files|no scene|this folder has more than)$/, /expected (?!a list)/, /: left out$/]
 
 /** Texts and names of elements in HTML. */
 const wordsOfHtml = (html) => [
