@@ -43,7 +43,7 @@ static const struct {
 } floors[FORMS] = {
     {"default", {{{56, 0.998}, {52, 0.996}}, {{54, 0.998}, {50, 0.996}}, {{55.9, 0.998}, {52, 0.996}}}, 64.1},
     {"compact", {{{53, 0.99}, {48, 0}}, {{50, 0.99}, {46, 0}}, {{52.9, 0.99}, {48, 0}}}, 40},
-    {"small", {{{43, 0.97}, {38, 0}}, {{40, 0.97}, {36, 0}}, {{40.9, 0.97}, {38, 0}}}, 20},
+    {"small", {{{43, 0.97}, {38, 0}}, {{40, 0.97}, {36, 0}}, {{40.8, 0.97}, {38, 0}}}, 20},
     {".spz 4", {{{0, 0}, {0, 0}}}, 64},
 };
 
@@ -500,14 +500,13 @@ static size_t variant;
 
 static void quality_of_made_scene(void)
 {
-    const int is_few = variants[variant].count > 0 && variants[variant].count <= 50000;
-    const aspect upright = {{0, -1, 0}, 0, 0.28, variants[variant].tilt, is_few ? FEW : made[which].kind};
     char path[] = "/tmp/fixsplat-quality-XXXXXX", name[80];
     const fxs_procedural_scene *scene = fxs_procedural_find(made[which].name);
     int fd = mkstemp(path);
     if (!CHECK(fd >= 0 && scene))
         return;
     const uint64_t count = variants[variant].count ? variants[variant].count : scene->count;
+    const aspect upright = {{0, -1, 0}, 0, 0.28, variants[variant].tilt, count <= 50000 ? FEW : made[which].kind};
     snprintf(name, sizeof name, "%s%s%s", scene->name, variants[variant].size, upright.tilt != 0 ? ", tilted" : "");
     close(fd);
     if (CHECK(!write_made(path, scene, count, upright.tilt)))
