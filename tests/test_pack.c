@@ -201,7 +201,7 @@ static void check_packed(size_t count, int sh_degree)
     worst_rotation = worst_step = 0;
     for (uint32_t i = 0; i < scene.count; i++)
         compare_gaussian(&scene, i, source_of(&scene, i, count));
-    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.28))
+    if (!CHECK(worst_step < 0.51) || !CHECK(worst_rotation < 0.36))   /* of a roll of 8 bits */
         printf("  differences: %.3f steps, %.3f degrees\n", worst_step, worst_rotation);
     CHECK(fabs(report.largest.rotation - worst_rotation) < 1e-3);
     for (uint32_t i = scene.count; i < scene.chunk_count * FXS_CHUNK; i++)
@@ -243,7 +243,7 @@ static void test_largest_errors(void)
     CHECK(report.largest.dc > 0 && report.largest.dc < 1.01 * most.dc);
     CHECK(report.largest.sh > 0 && report.largest.sh < 1.01 * most.sh);
     CHECK(report.largest.opacity > 0 && report.largest.opacity < 2.01 / 510);
-    CHECK(report.largest.rotation > 0 && report.largest.rotation < 0.28);
+    CHECK(report.largest.rotation > 0 && report.largest.rotation < 0.36);
     fxs_packed_scene_free(&packed);
 }
 
@@ -544,8 +544,10 @@ static void test_axes_are_held(void)
         memcpy(gaussians->scale, cases[i][0], sizeof gaussians->scale);
         const fxs_scene scene = pack(1, 0);
         CHECK(report.packed == 1 && report.dropped.not_finite == 0);
+        int order[3];
+        find_order(order, cases[i][1]);
         for (uint32_t k = 0; k < 3; k++)
-            CHECK(fabs(packed_scale(&scene, k) - (double)cases[i][1][k]) < 0.02);
+            CHECK(fabs(packed_scale(&scene, k) - (double)cases[i][1][order[k]]) < 0.02);
         CHECK(report.largest.scale < 0.02);
         fxs_packed_scene_free(&packed);
     }
