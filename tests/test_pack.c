@@ -238,12 +238,17 @@ static void test_largest_errors(void)
         }
         most.scale = fmax(most.scale, ldexp(chunk->scale_step_q24, -25) * 2046 * log(2));
     }
+    for (uint32_t i = 0; i < scene.count; i++) {     /* half a step of the roll, and what the first axis is off */
+        const uint32_t step = chunk_of(&scene, i)->scale_step_q24;
+        most.rotation = fmax(most.rotation,
+                             0.1 + ldexp(90, 2 * axis_bits_of_word(0, word_at(&scene, i, FXS_ROW_SCALE), step) - 32));
+    }
     CHECK(report.largest.position > 0 && report.largest.position < 1.01 * most.position);
     CHECK(report.largest.scale > 0 && report.largest.scale < 1.01 * most.scale);
     CHECK(report.largest.dc > 0 && report.largest.dc < 1.01 * most.dc);
     CHECK(report.largest.sh > 0 && report.largest.sh < 1.01 * most.sh);
     CHECK(report.largest.opacity > 0 && report.largest.opacity < 2.01 / 510);
-    CHECK(report.largest.rotation > 0 && report.largest.rotation < 0.36);
+    CHECK(report.largest.rotation > 0 && report.largest.rotation < most.rotation);
     fxs_packed_scene_free(&packed);
 }
 
