@@ -56,9 +56,9 @@ static inline void small_codes(uint32_t codes[FIELDS], const unsigned char *rows
     memcpy(&c, rows + 2048 + 4 * at, 4);
     const uint32_t all[FIELDS] = {
         widen(a & 2047, 11, 16), widen(a >> 11 & 2047, 11, 16), widen(b & 2047, 11, 16),
-        widen(c & 127, 7, 10), widen(c >> 7 & 127, 7, 10), widen(c >> 14 & 63, 6, 10),
+        widen(c & 127, 7, 10), widen(c >> 7 & 127, 7, 10), 2 * widen(c >> 14 & 63, 6, 9),
         (c >> 20) << 20 | d << 12 | (a >> 22 & 3) << 10 | (b >> 31) << 9,
-        widen(b >> 11 & 127, 7, 8), widen(b >> 18 & 127, 7, 8), widen(b >> 25 & 63, 6, 8), a >> 24
+        widen(b >> 11 & 127, 7, 9), widen(b >> 18 & 127, 7, 9), widen(b >> 25 & 63, 6, 9), a >> 24
     };
     memcpy(codes, all, sizeof all);
 }
@@ -73,8 +73,8 @@ static inline void other_codes(uint32_t codes[FIELDS], const unsigned char *rows
         codes[i] = half;
     }
     for (int i = 0; i < 3; i++) {
-        codes[3 + i] = words[1] >> 10 * i & 1023;
-        codes[7 + i] = words[2] >> 8 * i & 255;
+        codes[3 + i] = i < 2 ? words[1] >> 10 * i & 1023 : (words[1] >> 20 & 511) * 2;
+        codes[7 + i] = (words[2] >> 8 * i & 255) * 2 + (words[1] >> (29 + i) & 1);
     }
     codes[6] = words[0];
     codes[10] = words[2] >> 24;

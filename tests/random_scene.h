@@ -40,7 +40,7 @@ static void fill_chunk(const packed_scene *s, uint32_t c)
         uint32_t step_q32 = (uint32_t)next();
         chunk->step_q32[i] = step_q32 >> between(8, 20);
         chunk->colour_q16[i] = between(-20000, 60000);
-        chunk->colour_step_q20[i] = (uint32_t)between(0, 8000);
+        chunk->colour_step_q20[i] = (uint32_t)between(0, 4000);
         chunk->sh_step_q19[i] = (uint16_t)between(0, 2000);
     }
     chunk->scale_q16 = between(-393216, 65536);

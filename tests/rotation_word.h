@@ -19,7 +19,7 @@ static inline int axis_bits(int is_small, const uint32_t scale[3], uint32_t scal
 
 static inline int axis_bits_of_word(int is_small, uint32_t scale_word, uint32_t scale_step_q24)
 {
-    const uint32_t scale[3] = {scale_word & 1023, scale_word >> 10 & 1023, scale_word >> 20 & 1023};
+    const uint32_t scale[3] = {scale_word & 1023, scale_word >> 10 & 1023, (scale_word >> 20 & 511) * 2};
     return axis_bits(is_small, scale, scale_step_q24);
 }
 

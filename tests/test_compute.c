@@ -151,7 +151,7 @@ static void fill_wild(const packed_scene *s)
                 chunk->origin_q32[i] = (int64_t)next() >> (63 - places) >> 3;
                 chunk->step_q32[i] = (uint32_t)next() >> between(0, 31);
                 chunk->colour_q16[i] = between(-(64 << 16), 64 << 16);
-                chunk->colour_step_q20[i] = (uint32_t)between(0, 1 << 18);
+                chunk->colour_step_q20[i] = (uint32_t)between(0, 1 << 17);
                 chunk->sh_step_q19[i] = (uint16_t)between(0, 32767);
             }
             chunk->step_shift = (uint16_t)between(0, 12);

@@ -171,8 +171,6 @@ static void fill_rows(unsigned char *rows, int degree)
     fill_codes(rows + FXS_ROW_COLOUR, 4 * FXS_CHUNK, below(6));
     for (uint32_t row = 0; row < 3 * (uint32_t)FXS_SH_COUNT(degree); row++)
         fill_codes(rows + FXS_ROW_SH + FXS_CHUNK * row, FXS_CHUNK, below(6));
-    for (uint32_t i = 0; i < FXS_CHUNK; i++)     /* bits 31..30 of a scale word are 0 */
-        rows[FXS_ROW_SCALE + 4 * i + 3] &= 0x3f;
     for (uint32_t i = below(64); i < FXS_CHUNK; i += below(64) + 1)
         rows[FXS_ROW_COLOUR + 4 * i + 3] = (unsigned char)(one_in(2));
 }
@@ -204,7 +202,7 @@ static void wild_header(fxs_chunk *c)
         int64_t span = (int64_t)c->step_q32[i] * 65535 << c->step_shift;
         c->origin_q32[i] = one_in(8) ? -far : one_in(8) ? far - span : any_size(far - span);
         c->colour_q16[i] = (int32_t)any_size(64 << 16);
-        c->colour_step_q20[i] = (uint32_t)between(0, ((64 << 16) - c->colour_q16[i]) * (int64_t)16 / 255);
+        c->colour_step_q20[i] = (uint32_t)between(0, ((64 << 16) - c->colour_q16[i]) * (int64_t)16 / 511);
         c->sh_step_q19[i] = (uint16_t)(one_in(4) ? 32767 : below(32768));
     }
 }
@@ -894,7 +892,6 @@ static packed_scene bench_scene(enum fxs_profile profile)
         for (uint32_t k = 0; k < FXS_CHUNK && profile != FXS_PROFILE_SMALL; k++) {
             uint32_t word = (uint32_t)next() & 0x1fffffff;
             memcpy(rows + FXS_ROW_ROTATION + 4 * k, &word, sizeof word);
-            rows[FXS_ROW_SCALE + 4 * k + 3] &= 0x3f;
         }
     }
     return p;

@@ -7,11 +7,11 @@
 #include "random_scene.h"
 
 #define CASES 300
-#define EXPECTED 0x886c6c9857655ca4u
-#define EXPECTED_COMPACT 0x1492678cc78a8c0fu
-#define EXPECTED_SMALL 0x61487fa6c90949e2u
-#define EXPECTED_NEAR 0x8f926f82d304f0e8u
-#define EXPECTED_WORLDS 0x3cf522b353870463u
+#define EXPECTED 0x48a05448584659ebu
+#define EXPECTED_COMPACT 0x140bdce390a7a5cbu
+#define EXPECTED_SMALL 0x0291571e5e98d100u
+#define EXPECTED_NEAR 0xc079978b5e3b85d8u
+#define EXPECTED_WORLDS 0x9041eca0ed934fa8u
 
 /* near: with a random near plane; else with the default. */
 static uint64_t hash_case(enum fxs_profile profile, int which, int near)

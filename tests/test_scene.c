@@ -174,8 +174,8 @@ static void check_chunk_ranges(fxs_chunk *c)
         GIVES(0, c->colour_q16[i], 64 << 16);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], (64 << 16) + 1);
         GIVES(FXS_ERR_SCENE, c->colour_q16[i], INT32_MIN);
-        GIVES(0, c->colour_step_q20[i], 263172);            /* 64 / 255 */
-        GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], 263173);
+        GIVES(0, c->colour_step_q20[i], 131328);            /* 64 / 511 */
+        GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], 131329);
         GIVES(FXS_ERR_SCENE, c->colour_step_q20[i], UINT32_MAX);
         GIVES(0, c->sh_step_q19[i], 32767);
         GIVES(FXS_ERR_SCENE, c->sh_step_q19[i], 32768);
@@ -284,8 +284,10 @@ static void extreme_codes(unsigned char *rows)
     for (int i = 0; i < FXS_CHUNK; i++)
         words[i] = (bits() & 1 ? UINT32_MAX : 0) ^ (bits() & 1 ? UINT32_MAX >> (1 + bits() % 31) : 0);
     for (int i = FXS_CHUNK; i < 2 * FXS_CHUNK; i++)
-        for (int shift = 0; shift < 30; shift += 10)
-            words[i] = bits() & 1 ? words[i] | 1023u << shift : words[i] & ~(1023u << shift);
+        for (int shift = 0; shift < 30; shift += 10) {
+            const uint32_t code = (shift < 20 ? 1023u : 511u) << shift;
+            words[i] = bits() & 1 ? words[i] | code : words[i] & ~code;
+        }
 }
 
 /* Rows of a random rotation, its axes turned by quarters now and then. */

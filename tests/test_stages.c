@@ -83,7 +83,7 @@ static uint32_t scale_word(const recipe *r)
     uint32_t word = 0;
     for (int i = 0; i < 3; i++) {        /* the longest axis first, as packing has it */
         double code = r->needle ? (i == 0 ? 0 : 1023) : 1023 * sqrt(uniform(0, 1));
-        word |= (uint32_t)code << 10 * i;
+        word |= i < 2 ? (uint32_t)code << 10 * i : (uint32_t)code / 2 << 20;
     }
     return word;
 }
@@ -94,7 +94,7 @@ static void fill_header(fxs_chunk *chunk, const recipe *r)
         chunk->origin_q32[i] = (int64_t)ldexp(-r->reach, 32);
         chunk->step_q32[i] = (uint32_t)ldexp(2 * r->reach / 65535, 32);
         chunk->colour_q16[i] = (int32_t)ldexp(uniform(-0.3, 0.1), 16);
-        chunk->colour_step_q20[i] = (uint32_t)ldexp(uniform(0.5, 1.5) / 255, 20);
+        chunk->colour_step_q20[i] = (uint32_t)ldexp(uniform(0.5, 1.5) / 511, 20);
         chunk->sh_step_q19[i] = (uint16_t)ldexp(uniform(0, 0.5) / 127, 19);
     }
     chunk->scale_q16 = (int32_t)ldexp(r->sigma_high, 16);

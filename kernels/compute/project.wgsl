@@ -418,7 +418,7 @@ fn screen_axes(row: vec3<i32>, axes: Axes, sizes_q15: vec3<i32>) -> vec3<i32>
 fn project_shape(out: ptr<function, Placed>, centre: ptr<function, Projected>, scale_word: u32,
                  rotation_word: u32) -> bool
 {
-    let code = (vec3<u32>(scale_word) >> vec3<u32>(0u, 10u, 20u)) & vec3<u32>(1023u);
+    let code = (vec3<u32>(scale_word) >> vec3<u32>(0u, 10u, 19u)) & vec3<u32>(1023u, 1023u, 1022u);
     let falls_q16 = vec3<i32>((code * code * record[16] + 128u) >> vec3<u32>(8u));
     let least_q16 = min(min(falls_q16.x, falls_q16.y), falls_q16.z);
     var size_exponent: i32;

@@ -1063,115 +1063,115 @@ bool project_shape(inout Placed out_5, inout Projected centre_6, uint scale_word
     Covariance s_3 = Covariance(0u, 0u, 0, uvec2(0u), uvec2(0u), 0);
     int offset_q11_2 = 0;
     uint r2_q11_ = 0u;
-    uvec3 code_4 = ((uvec3(scale_word) >> uvec3(0u, 10u, 20u)) & uvec3(1023u));
-    uint _e16 = record[16];
-    ivec3 falls_q16_1 = ivec3(((((code_4 * code_4) * _e16) + uvec3(128u)) >> uvec3(8u)));
+    uvec3 code_4 = ((uvec3(scale_word) >> uvec3(0u, 10u, 19u)) & uvec3(1023u, 1023u, 1022u));
+    uint _e18 = record[16];
+    ivec3 falls_q16_1 = ivec3(((((code_4 * code_4) * _e18) + uvec3(128u)) >> uvec3(8u)));
     int least_q16_ = min(min(falls_q16_1.x, falls_q16_1.y), falls_q16_1.z);
-    int _e32 = number_at(15u);
-    uint _e34 = screen_size(centre_6, (_e32 - least_q16_), size_exponent);
-    int _e35 = size_exponent;
-    if (!((_e35 > 16))) {
-        bool _e42 = centre_6.out_of_range;
-        local_18 = _e42;
+    int _e34 = number_at(15u);
+    uint _e36 = screen_size(centre_6, (_e34 - least_q16_), size_exponent);
+    int _e37 = size_exponent;
+    if (!((_e37 > 16))) {
+        bool _e44 = centre_6.out_of_range;
+        local_18 = _e44;
     } else {
         local_18 = true;
     }
     bool is_veil = local_18;
     if (is_veil) {
-        int _e45 = size_exponent;
-        int _e48 = _group_0_binding_1_cs.veil_exponent;
-        if ((_e45 < _e48)) {
+        int _e47 = size_exponent;
+        int _e50 = _group_0_binding_1_cs.veil_exponent;
+        if ((_e47 < _e50)) {
             return false;
         }
     } else {
-        int _e51 = size_exponent;
-        bool _e52 = off_picture(centre_6, _e51);
-        if (_e52) {
+        int _e53 = size_exponent;
+        bool _e54 = off_picture(centre_6, _e53);
+        if (_e54) {
             return false;
         }
     }
-    int _e54 = size_exponent;
-    int exponent_6 = max(_e54, 0);
-    uint _e58 = axis_bits(falls_q16_1);
-    bool _e59 = read_axes(axes_2, rotation_word, _e58);
-    if (!(_e59)) {
+    int _e56 = size_exponent;
+    int exponent_6 = max(_e56, 0);
+    uint _e60 = axis_bits(falls_q16_1);
+    bool _e61 = read_axes(axes_2, rotation_word, _e60);
+    if (!(_e61)) {
         return false;
     }
-    int _e65 = centre_6.slope_q23_.x;
-    ivec3 _e66 = jacobian_row(0u, _e65);
-    int _e70 = centre_6.slope_q23_.y;
-    ivec3 _e71 = jacobian_row(1u, _e70);
-    int _e74 = size_exponent;
-    int shift_5 = ((1 + exponent_6) - _e74);
-    int _e78 = axis_size_q15_((falls_q16_1.x - least_q16_), _e34, shift_5);
-    int _e81 = axis_size_q15_((falls_q16_1.y - least_q16_), _e34, shift_5);
-    int _e84 = axis_size_q15_((falls_q16_1.z - least_q16_), _e34, shift_5);
-    ivec3 sizes_q15_1 = ivec3(_e78, _e81, _e84);
-    Axes _e86 = axes_2;
-    ivec3 _e87 = screen_axes(_e66, _e86, sizes_q15_1);
+    int _e67 = centre_6.slope_q23_.x;
+    ivec3 _e68 = jacobian_row(0u, _e67);
+    int _e72 = centre_6.slope_q23_.y;
+    ivec3 _e73 = jacobian_row(1u, _e72);
+    int _e76 = size_exponent;
+    int shift_5 = ((1 + exponent_6) - _e76);
+    int _e80 = axis_size_q15_((falls_q16_1.x - least_q16_), _e36, shift_5);
+    int _e83 = axis_size_q15_((falls_q16_1.y - least_q16_), _e36, shift_5);
+    int _e86 = axis_size_q15_((falls_q16_1.z - least_q16_), _e36, shift_5);
+    ivec3 sizes_q15_1 = ivec3(_e80, _e83, _e86);
     Axes _e88 = axes_2;
-    ivec3 _e89 = screen_axes(_e71, _e88, sizes_q15_1);
+    ivec3 _e89 = screen_axes(_e68, _e88, sizes_q15_1);
+    Axes _e90 = axes_2;
+    ivec3 _e91 = screen_axes(_e73, _e90, sizes_q15_1);
     if (is_veil) {
-        uint _e92 = veil_dilation_q30_(exponent_6);
-        least = _e92;
+        uint _e94 = veil_dilation_q30_(exponent_6);
+        least = _e94;
     }
-    uint _e93 = least;
-    Covariance _e94 = covariance_of(_e87, _e89, exponent_6, _e93);
-    s_3 = _e94;
-    int _e98 = out_5.splat.offset_q11_;
-    offset_q11_2 = _e98;
-    int _e102 = _group_0_binding_1_cs.antialiased;
-    if ((_e102 != 0)) {
-        uint _e107 = s_3.det_undilated_q60_.x;
-        uint _e110 = s_3.det_undilated_q60_.y;
-        if (((_e107 | _e110) == 0u)) {
+    uint _e95 = least;
+    Covariance _e96 = covariance_of(_e89, _e91, exponent_6, _e95);
+    s_3 = _e96;
+    int _e100 = out_5.splat.offset_q11_;
+    offset_q11_2 = _e100;
+    int _e104 = _group_0_binding_1_cs.antialiased;
+    if ((_e104 != 0)) {
+        uint _e109 = s_3.det_undilated_q60_.x;
+        uint _e112 = s_3.det_undilated_q60_.y;
+        if (((_e109 | _e112) == 0u)) {
             return false;
         }
-        uvec2 _e116 = s_3.det_q60_;
-        int _e117 = log2_q16_(_e116);
-        uvec2 _e119 = s_3.det_undilated_q60_;
-        int _e120 = log2_q16_(_e119);
-        int log2_ = (_e117 - _e120);
-        int _e122 = offset_q11_2;
-        uvec2 _e124 = mul_signed(log2_, 45426);
-        uvec2 _e128 = add_wide(_e124, uvec2(1048576u, 0u));
-        uvec2 _e130 = shift_signed(_e128, 21u);
-        int _e131 = low_of(_e130);
-        offset_q11_2 = (_e122 + _e131);
+        uvec2 _e118 = s_3.det_q60_;
+        int _e119 = log2_q16_(_e118);
+        uvec2 _e121 = s_3.det_undilated_q60_;
+        int _e122 = log2_q16_(_e121);
+        int log2_ = (_e119 - _e122);
+        int _e124 = offset_q11_2;
+        uvec2 _e126 = mul_signed(log2_, 45426);
+        uvec2 _e130 = add_wide(_e126, uvec2(1048576u, 0u));
+        uvec2 _e132 = shift_signed(_e130, 21u);
+        int _e133 = low_of(_e132);
+        offset_q11_2 = (_e124 + _e133);
     }
-    int _e133 = offset_q11_2;
-    if ((_e133 > FXS_FAINT_Q11_)) {
+    int _e135 = offset_q11_2;
+    if ((_e135 > FXS_FAINT_Q11_)) {
         return false;
     }
-    int _e139 = offset_q11_2;
-    out_5.splat.offset_q11_ = _e139;
-    int _e140 = offset_q11_2;
-    int _e142 = fxs_limit_q11_(_e140, FXS_CUT_Q11_);
-    int _e143 = offset_q11_2;
-    r2_q11_ = uint((_e142 - _e143));
-    int _e149 = _group_0_binding_0_cs.cutoff;
-    if ((_e149 == 1)) {
-        int _e153 = offset_q11_2;
-        r2_q11_ = uint((FXS_FAINT_Q11_ - _e153));
+    int _e141 = offset_q11_2;
+    out_5.splat.offset_q11_ = _e141;
+    int _e142 = offset_q11_2;
+    int _e144 = fxs_limit_q11_(_e142, FXS_CUT_Q11_);
+    int _e145 = offset_q11_2;
+    r2_q11_ = uint((_e144 - _e145));
+    int _e151 = _group_0_binding_0_cs.cutoff;
+    if ((_e151 == 1)) {
+        int _e155 = offset_q11_2;
+        r2_q11_ = uint((FXS_FAINT_Q11_ - _e155));
     }
-    uint _e156 = r2_q11_;
-    uint _e161 = sqrt_of(((_e156 + 1u) << 13u));
-    uint r_q12_5 = (_e161 + 1u);
+    uint _e158 = r2_q11_;
+    uint _e163 = sqrt_of(((_e158 + 1u) << 13u));
+    uint r_q12_5 = (_e163 + 1u);
     if (is_veil) {
-        bool _e164 = veil(out_5, s_3, centre_6, r_q12_5);
-        return _e164;
+        bool _e166 = veil(out_5, s_3, centre_6, r_q12_5);
+        return _e166;
     }
-    uint _e166 = s_3.c_q30_;
-    Root _e167 = root_of_q30_(_e166);
-    whiten(out_5, s_3, _e167, centre_6, r_q12_5);
-    int _e170 = _group_0_binding_0_cs.cutoff;
-    if ((_e170 == 1)) {
-        bool _e173 = square(out_5, s_3);
-        return _e173;
+    uint _e168 = s_3.c_q30_;
+    Root _e169 = root_of_q30_(_e168);
+    whiten(out_5, s_3, _e169, centre_6, r_q12_5);
+    int _e172 = _group_0_binding_0_cs.cutoff;
+    if ((_e172 == 1)) {
+        bool _e175 = square(out_5, s_3);
+        return _e175;
     }
-    uint _e174 = sqrt_q8_(_e167, exponent_6);
-    bool _e175 = clip(out_5, _e174, r_q12_5);
-    return _e175;
+    uint _e176 = sqrt_q8_(_e169, exponent_6);
+    bool _e177 = clip(out_5, _e176, r_q12_5);
+    return _e177;
 }
 uint depth_key(int z) {
     int _e2 = zeros_of(uint(z));
@@ -1217,7 +1217,7 @@ uint spread_11_(uint code_2) {
     return ((code_2 << 5u) | (code_2 >> 6u));
 }
 uint spread_scale(uint x_14, uint y, uint z_1) {
-    return ((((x_14 << 3u) | (x_14 >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u)) | (((z_1 << 4u) | (z_1 >> 2u)) << 20u));
+    return ((((x_14 << 3u) | (x_14 >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u)) | (((z_1 << 3u) | (z_1 >> 3u)) << 20u));
 }
 Codes small_codes(uint rows, uint g) {
     uint a_24 = _group_1_binding_0_cs[(rows + g)];
@@ -1231,7 +1231,7 @@ Codes small_codes(uint rows, uint g) {
     uint _e43 = spread_11_(((a_24 >> 11u) & 2047u));
     uint _e46 = spread_11_((b_32 & 2047u));
     uint _e75 = spread_scale((c_5 & 127u), ((c_5 >> 7u) & 127u), ((c_5 >> 14u) & 63u));
-    return Codes(uvec3(_e38, _e43, _e46), ((((c_5 & 4293918720u) | (_e23 << 12u)) | (((a_24 >> 22u) & 3u) << 10u)) | ((b_32 >> 31u) << 9u)), _e75, (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_24 & 4278190080u)));
+    return Codes(uvec3(_e38, _e43, _e46), ((((c_5 & 4293918720u) | (_e23 << 12u)) | (((a_24 >> 22u) & 3u) << 10u)) | ((b_32 >> 31u) << 9u)), (((_e75 | (((red >> 5u) & 1u) << 29u)) | (((green >> 5u) & 1u) << 30u)) | (((blue >> 3u) & 1u) << 31u)), (((((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u)) | (((blue << 2u) | (blue >> 4u)) << 16u)) | (a_24 & 4278190080u)));
 }
 Codes codes_of(uint rows_1, uint g_1) {
     uint _e4 = _group_0_binding_1_cs.profile;
@@ -1534,33 +1534,34 @@ ivec3 palette_q16_(Basis b_23, uint rows_3, uint g_3) {
 }
 ivec3 shade(uint rows_4, uint g_4, Codes codes) {
     ivec3 sum_q16_ = ivec3(0);
-    uvec3 code_6 = ((uvec3(codes.colour) >> uvec3(0u, 8u, 16u)) & uvec3(255u));
-    uint _e15 = record[41];
-    uint _e18 = record[42];
-    uint _e21 = record[43];
-    uvec3 step_ = (uvec3(_e15, _e18, _e21) * code_6);
-    int _e25 = number_at(38u);
-    int _e27 = number_at(39u);
-    int _e29 = number_at(40u);
-    sum_q16_ = (ivec3(_e25, _e27, _e29) + ivec3(((step_ + uvec3(8u)) >> uvec3(4u))));
-    int _e42 = _group_0_binding_1_cs.degree;
-    if ((_e42 > 0)) {
-        ivec3 _e46 = direction_q15_(codes.position);
-        int _e49 = _group_0_binding_1_cs.degree;
-        Basis _e50 = basis_of(_e46, _e49);
-        uint _e53 = _group_0_binding_1_cs.palette_entries;
-        if ((_e53 != 0u)) {
-            ivec3 _e56 = sum_q16_;
-            ivec3 _e57 = palette_q16_(_e50, rows_4, g_4);
-            sum_q16_ = (_e56 + _e57);
+    uvec3 upper = ((uvec3(codes.colour) >> uvec3(0u, 8u, 16u)) & uvec3(255u));
+    uvec3 code_6 = ((upper << uvec3(1u)) | ((uvec3(codes.scale) >> uvec3(29u, 30u, 31u)) & uvec3(1u)));
+    uint _e29 = record[41];
+    uint _e32 = record[42];
+    uint _e35 = record[43];
+    uvec3 step_ = (uvec3(_e29, _e32, _e35) * code_6);
+    int _e39 = number_at(38u);
+    int _e41 = number_at(39u);
+    int _e43 = number_at(40u);
+    sum_q16_ = (ivec3(_e39, _e41, _e43) + ivec3(((step_ + uvec3(8u)) >> uvec3(4u))));
+    int _e56 = _group_0_binding_1_cs.degree;
+    if ((_e56 > 0)) {
+        ivec3 _e60 = direction_q15_(codes.position);
+        int _e63 = _group_0_binding_1_cs.degree;
+        Basis _e64 = basis_of(_e60, _e63);
+        uint _e67 = _group_0_binding_1_cs.palette_entries;
+        if ((_e67 != 0u)) {
+            ivec3 _e70 = sum_q16_;
+            ivec3 _e71 = palette_q16_(_e64, rows_4, g_4);
+            sum_q16_ = (_e70 + _e71);
         } else {
-            ivec3 _e59 = sum_q16_;
-            ivec3 _e60 = bands_q16_(_e50, rows_4, g_4);
-            sum_q16_ = (_e59 + _e60);
+            ivec3 _e73 = sum_q16_;
+            ivec3 _e74 = bands_q16_(_e64, rows_4, g_4);
+            sum_q16_ = (_e73 + _e74);
         }
     }
-    ivec3 _e62 = sum_q16_;
-    return min(max(((_e62 + ivec3(4)) >> uvec3(3u)), ivec3(0)), ivec3(32767));
+    ivec3 _e76 = sum_q16_;
+    return min(max(((_e76 + ivec3(4)) >> uvec3(3u)), ivec3(0)), ivec3(32767));
 }
 Span columns_between(int left_q8_, int right_q8_) {
     bool local_19 = false;

@@ -22,7 +22,7 @@ fn spread_11(code: u32) -> u32
 
 fn spread_scale(x: u32, y: u32, z: u32) -> u32
 {
-    return ((x << 3u) | (x >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u) | (((z << 4u) | (z >> 2u)) << 20u);
+    return ((x << 3u) | (x >> 4u)) | (((y << 3u) | (y >> 4u)) << 10u) | (((z << 3u) | (z >> 3u)) << 20u);
 }
 
 fn small_codes(rows: u32, g: u32) -> Codes
@@ -36,7 +36,8 @@ fn small_codes(rows: u32, g: u32) -> Codes
     let blue = (b >> 25u) & 63u;
     return Codes(vec3<u32>(spread_11(a & 2047u), spread_11((a >> 11u) & 2047u), spread_11(b & 2047u)),
                  (c & 0xfff00000u) | (d << 12u) | (((a >> 22u) & 3u) << 10u) | ((b >> 31u) << 9u),
-                 spread_scale(c & 127u, (c >> 7u) & 127u, (c >> 14u) & 63u),
+                 spread_scale(c & 127u, (c >> 7u) & 127u, (c >> 14u) & 63u) |
+                 (((red >> 5u) & 1u) << 29u) | (((green >> 5u) & 1u) << 30u) | (((blue >> 3u) & 1u) << 31u),
                  ((red << 1u) | (red >> 6u)) | (((green << 1u) | (green >> 6u)) << 8u) |
                  (((blue << 2u) | (blue >> 4u)) << 16u) | (a & 0xff000000u));
 }
@@ -243,7 +244,8 @@ fn palette_q16(b: Basis, rows: u32, g: u32) -> vec3<i32>
 
 fn shade(rows: u32, g: u32, codes: Codes) -> vec3<i32>
 {
-    let code = (vec3<u32>(codes.colour) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u);
+    let upper = (vec3<u32>(codes.colour) >> vec3<u32>(0u, 8u, 16u)) & vec3<u32>(255u);
+    let code = (upper << vec3<u32>(1u)) | ((vec3<u32>(codes.scale) >> vec3<u32>(29u, 30u, 31u)) & vec3<u32>(1u));
     let step = vec3<u32>(record[41], record[42], record[43]) * code;
     var sum_q16 = vec3<i32>(number_at(38u), number_at(39u), number_at(40u)) +
                   vec3<i32>((step + 8u) >> vec3<u32>(4u));

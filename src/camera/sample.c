@@ -34,7 +34,7 @@ static int32_t axis_bits_of(enum fxs_profile profile, uint32_t scale_word, uint3
 {
     int32_t fall_q16[3];
     for (int i = 0; i < 3; i++)
-        fall_q16[i] = fxs_fall_q16(scale_word >> 10 * i & 1023, scale_step_q24);
+        fall_q16[i] = fxs_fall_q16(fxs_scale_code(scale_word, i), scale_step_q24);
     return fxs_axis_bits(profile, fall_q16);
 }
 
@@ -43,7 +43,7 @@ static loose loosen(enum fxs_profile profile, const fxs_chunk *chunk, const fxs_
     loose l = {.rotation = codes->rotation, .opacity = opacity_of(codes->colour >> 24, chunk->opacity_law),
                .axis_bits = axis_bits_of(profile, codes->scale, chunk->scale_step_q24)};
     for (int i = 0; i < 3; i++) {
-        const uint32_t scale = codes->scale >> (10 * i) & 1023, colour = codes->colour >> (8 * i) & 255;
+        const uint32_t scale = fxs_scale_code(codes->scale, i), colour = fxs_colour_code(codes, i);
         l.position_q32[i] = chunk->origin_q32[i] +
                             ((int64_t)((uint64_t)codes->position[i] * chunk->step_q32[i]) << chunk->step_shift);
         l.scale_q16[i] = chunk->scale_q16 - (int32_t)((uint64_t)scale * scale * chunk->scale_step_q24 >> 8);
@@ -87,7 +87,7 @@ static fxs_sample_point point_of(const fxs_object *o, const loose *l)
     for (int i = 0; i < 3; i++)
         p.place[i] = p.place[i] * scale + ldexp((double)o->translation_q32[i], -32);
     p.size = exp2_of((s[a] + s[b]) / 2) * scale;
-    p.flatness = 1 - exp2_of(s[thin] - s[middle]);
+    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* codes make balls a little flat */
     p.opacity = l->opacity / 255.0 * ldexp((double)o->opacity_q16, -16);
     return p;
 }
@@ -154,11 +154,12 @@ static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_
             high = l[g].scale_q16[i] > high ? l[g].scale_q16[i] : high;
         }
     chunk->scale_q16 = high + larger_q16;
-    chunk->scale_step_q24 = (uint16_t)(step_for((uint64_t)(high - low) << 8, 1023 * 1023) + 1);
+    chunk->scale_step_q24 = (uint16_t)(step_for((uint64_t)(high - low) << 8, 1022 * 1022) + 1);
     for (uint32_t g = 0; g < count; g++) {
-        uint32_t word = 0;
+        uint32_t word = 0, code[3];
         for (int i = 0; i < 3; i++)
-            word |= fxs_sqrt(((uint32_t)(high - l[g].scale_q16[i]) << 8) / chunk->scale_step_q24) << (10 * i);
+            code[i] = fxs_sqrt(((uint32_t)(high - l[g].scale_q16[i]) << 8) / chunk->scale_step_q24);
+        word = code[0] | code[1] << 10 | code[2] >> 1 << 20;
         put_word(rows + FXS_ROW_SCALE, g, word);
         put_word(rows + FXS_ROW_ROTATION, g,
                  recoded(l[g].rotation, l[g].axis_bits,
@@ -166,11 +167,14 @@ static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_
     }
 }
 
+/* Behind pack_scales, in whose words the lowest bits lie. */
 static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsigned char *rows)
 {
-    uint32_t words[FXS_CHUNK];
-    for (uint32_t g = 0; g < count; g++)
+    uint32_t words[FXS_CHUNK], scales[FXS_CHUNK];
+    for (uint32_t g = 0; g < count; g++) {
         words[g] = l[g].opacity << 24;
+        scales[g] = fxs_word_at(rows + FXS_ROW_SCALE, g);
+    }
     for (int i = 0; i < 3; i++) {
         int32_t low = INT32_MAX, high = INT32_MIN;
         for (uint32_t g = 0; g < count; g++) {
@@ -178,12 +182,17 @@ static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsig
             high = l[g].colour_q16[i] > high ? l[g].colour_q16[i] : high;
         }
         chunk->colour_q16[i] = low;
-        chunk->colour_step_q20[i] = (uint32_t)step_for((uint64_t)(high - low) << 4, 255) + 1;
-        for (uint32_t g = 0; g < count; g++)
-            words[g] |= ((uint32_t)(l[g].colour_q16[i] - low) << 4) / chunk->colour_step_q20[i] << (8 * i);
+        chunk->colour_step_q20[i] = (uint32_t)step_for((uint64_t)(high - low) << 4, FXS_COLOUR_MOST) + 1;
+        for (uint32_t g = 0; g < count; g++) {
+            const uint32_t code = ((uint32_t)(l[g].colour_q16[i] - low) << 4) / chunk->colour_step_q20[i];
+            words[g] |= code >> 1 << (8 * i);
+            scales[g] |= (code & 1) << (29 + i);
+        }
     }
-    for (uint32_t g = 0; g < count; g++)
+    for (uint32_t g = 0; g < count; g++) {
         put_word(rows + FXS_ROW_COLOUR, g, words[g]);
+        put_word(rows + FXS_ROW_SCALE, g, scales[g]);
+    }
 }
 
 /* The rest of a last chunk stays 0: opacity 0. */

@@ -13,7 +13,7 @@ typedef struct fxs_sample_point {
     double place[3];
     double normal[3];                /* of length 1: the thinnest axis, in either direction */
     double size;                     /* root of the product of the two largest sigmas */
-    double flatness;                 /* 1 - thinnest / middle sigma */
+    double flatness;                 /* 31/32 - thinnest / middle sigma, or 0 */
     double opacity;                  /* 0 to 1 */
 } fxs_sample_point;
 

@@ -31,16 +31,22 @@ static inline uint16_t fxs_spread_11(uint32_t code)
     return (uint16_t)(code << 5 | code >> 6);
 }
 
-/* Codes of 7, 7 and 6 bits to three of 10. */
+/* Codes of 7, 7 and 6 bits to those of 10, 10 and 9. */
 static inline uint32_t fxs_spread_scale(uint32_t x, uint32_t y, uint32_t z)
 {
-    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << 4 | z >> 2) << 20;
+    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << 3 | z >> 3) << 20;
 }
 
-/* Codes of 7, 7 and 6 bits to three of 8. */
+/* Codes of 7, 7 and 6 bits to the upper 8 bits of three of 9. */
 static inline uint32_t fxs_spread_colour(uint32_t r, uint32_t g, uint32_t b)
 {
     return (r << 1 | r >> 6) | (g << 1 | g >> 6) << 8 | (b << 2 | b >> 4) << 16;
+}
+
+/* And to their lowest bits, where the word of scales has them. */
+static inline uint32_t fxs_spread_colour_low(uint32_t r, uint32_t g, uint32_t b)
+{
+    return (r >> 5 & 1) << 29 | (g >> 5 & 1) << 30 | (b >> 3 & 1) << 31;
 }
 
 static inline fxs_codes fxs_small_codes(const unsigned char *rows, uint32_t g)
@@ -49,9 +55,16 @@ static inline fxs_codes fxs_small_codes(const unsigned char *rows, uint32_t g)
     const uint32_t c = fxs_word_at(rows + FXS_SMALL_C, g), d = rows[FXS_SMALL_D + g];
     fxs_codes codes = {{fxs_spread_11(a & 2047), fxs_spread_11(a >> 11 & 2047), fxs_spread_11(b & 2047)}, 0, 0, 0};
     codes.rotation = (c & 0xfff00000u) | d << 12 | (a >> 22 & 3) << 10 | (b >> 31) << 9;
-    codes.scale = fxs_spread_scale(c & 127, c >> 7 & 127, c >> 14 & 63);
-    codes.colour = fxs_spread_colour(b >> 11 & 127, b >> 18 & 127, b >> 25 & 63) | (a & 0xff000000u);
+    const uint32_t red = b >> 11 & 127, green = b >> 18 & 127, blue = b >> 25 & 63;
+    codes.scale = fxs_spread_scale(c & 127, c >> 7 & 127, c >> 14 & 63) | fxs_spread_colour_low(red, green, blue);
+    codes.colour = fxs_spread_colour(red, green, blue) | (a & 0xff000000u);
     return codes;
+}
+
+/* The code of a base colour, 0 to FXS_COLOUR_MOST. */
+static inline uint32_t fxs_colour_code(const fxs_codes *codes, int channel)
+{
+    return (codes->colour >> 8 * channel & 255) << 1 | (codes->scale >> (29 + channel) & 1);
 }
 
 /* The SH record of a Gaussian of compact or small. */

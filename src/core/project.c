@@ -319,7 +319,7 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
     int32_t fall_q16[3], k_q15[3], j_q15[2][3], t_q15[2][3], least = INT32_MAX;
     axes a;
     for (int i = 0; i < 3; i++) {
-        fall_q16[i] = fxs_fall_q16(codes->scale >> 10 * i & 1023, cv->scale_step_q24);
+        fall_q16[i] = fxs_fall_q16(fxs_scale_code(codes->scale, i), cv->scale_step_q24);
         least = fall_q16[i] < least ? fall_q16[i] : least;
     }
     int size_exponent;

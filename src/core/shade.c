@@ -141,7 +141,7 @@ static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *s
     const fxs_codes codes = fxs_codes_of(scene, rows, g);
     int32_t sum_q16[3];
     for (int c = 0; c < 3; c++) {
-        uint32_t step = chunk->colour_step_q20[c] * (codes.colour >> 8 * c & 255);   /* at most 2^27 */
+        uint32_t step = chunk->colour_step_q20[c] * fxs_colour_code(&codes, c);   /* at most 2^27 */
         sum_q16[c] = chunk->colour_q16[c] + (int32_t)((step + 8) >> 4);
     }
     if (view->sh_degree > 0)

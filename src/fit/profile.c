@@ -121,7 +121,7 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
         to->inverse[i] = inverse_of(own_step(step, p->grid.position_bits, 16));
         to->colour[i] = (float)((c->colour_q16[i] * 0x1p-16 - 0.5) / base);
         to->colour_step[i] = (float)colour_step;
-        to->colour_inverse[i] = inverse_of(own_step(colour_step, p->grid.colour_bits[i], 8));
+        to->colour_inverse[i] = inverse_of(own_step(colour_step, p->grid.colour_bits[i], 9));
         to->sh_step[i] = (float)sh_step;
         to->sh_inverse[i] = inverse_of(sh_step);
     }
@@ -269,9 +269,9 @@ int fxs_fit_profile_code(fxs_fit_profile *p, fxs_fit_model *m, const fxs_pack_op
 static void set_grid(fxs_fit_profile *p)
 {
     const int small = p->profile == FXS_PROFILE_SMALL;
-    p->grid = (fxs_fit_grid){small ? 11 : 16, {small ? 7 : 10, small ? 7 : 10, small ? 6 : 10},
+    p->grid = (fxs_fit_grid){small ? 11 : 16, {small ? 7 : 10, small ? 7 : 10, small ? 6 : 9},
                              FXS_ROTATION_BITS(p->profile), FXS_AXIS_BITS_LEAST(p->profile), FXS_AXIS_BITS_MOST(p->profile),
-                             {small ? 7 : 8, small ? 7 : 8, small ? 6 : 8},
+                             {small ? 7 : 9, small ? 7 : 9, small ? 6 : 9},
                              p->profile == FXS_PROFILE_DEFAULT ? p->sh_degree : 0, p->steps};
 }
 

@@ -25,14 +25,21 @@ static inline real quantise_evenly(real x, float low, float step, float inverse_
     return low + spread_code(*code, width, wide) * step;
 }
 
-/* log2(sigma) = high - code^2 step; from and to ln(sigma) */
-static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, whole *code)
+/* A scale code of axis i from its own bits. */
+static inline real spread_scale(whole code, int width, int i)
+{
+    return i < 2 ? spread_code(code, width, 10) : spread_code(code, width, 9) * 2.0f;
+}
+
+/* log2(sigma) = high - code^2 step, of axis i; from and to ln(sigma) */
+static inline real quantise_scale(const fxs_fit_chunk *c, real x, int width, int i, whole *code)
 {
     const int most_code = (1 << width) - 1;
+    const float largest = i < 2 ? 1023.0f : 1022.0f;
     const real octaves = x * 1.44269504f, from_high = most(c->scale - octaves, all(0)) * c->scale_inverse;
-    const whole near = code_of(root(from_high) * ((float)most_code / 1023.0f) - 0.5f, most_code);
+    const whole near = code_of(root(from_high) * ((float)most_code / largest) - 0.5f, most_code);
     const whole far = code_of(whole_to_real(near) + 1.0f, most_code);
-    const real a = spread_code(near, width, 10), b = spread_code(far, width, 10);
+    const real a = spread_scale(near, width, i), b = spread_scale(far, width, i);
     const real of_near = c->scale - a * a * c->scale_step, of_far = c->scale - b * b * c->scale_step;
     const mask is_far = below(absolute(of_far - octaves), absolute(of_near - octaves));
     *code = bits_of(choose(is_far, real_of(far), real_of(near)));
@@ -82,7 +89,7 @@ static inline whole axis_bits(const fxs_fit_grid *g, const fxs_fit_chunk *c, con
     const int step = (int)(c->scale_step * 16777216.0f);
     whole fall[3];
     for (int i = 0; i < 3; i++) {
-        const whole code = shifted_left(codes[i], 10 - g->scale_bits[i]) | (codes[i] >> (2 * g->scale_bits[i] - 10));
+        const whole code = real_to_whole(spread_scale(codes[i], g->scale_bits[i], i));
         fall[i] = (code * code * step + 128) >> 8;
     }
     const whole gap = smaller(magnitude(fall[1] - fall[0]), magnitude(fall[2] - fall[0]));
@@ -209,9 +216,9 @@ static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c,
                         colour = (FXS_FIT_COLOUR + i) * stride;
         store(to + at, quantise_evenly(load(from + at), c->low[i], c->step[i], c->inverse[i], g->position_bits, 16,
                                        &codes[FXS_FIT_POSITION + i]));
-        store(to + scale, quantise_scale(c, load(from + scale), g->scale_bits[i], &codes[FXS_FIT_SCALE + i]));
+        store(to + scale, quantise_scale(c, load(from + scale), g->scale_bits[i], i, &codes[FXS_FIT_SCALE + i]));
         store(to + colour, quantise_evenly(load(from + colour), c->colour[i], c->colour_step[i], c->colour_inverse[i],
-                                           g->colour_bits[i], 8, &codes[FXS_FIT_COLOUR + i]));
+                                           g->colour_bits[i], 9, &codes[FXS_FIT_COLOUR + i]));
     }
     for (int i = 0; i < 4; i++)
         q[i] = load(from + (FXS_FIT_ROTATION + i) * stride);

@@ -24,7 +24,7 @@ static void take_rotation(const fxs_scene *s, const fxs_chunk *chunk, const fxs_
     int32_t fall_q16[3];
     double cosine, sine;
     for (int i = 0; i < 3; i++)
-        fall_q16[i] = fxs_fall_q16(codes->scale >> 10 * i & 1023, chunk->scale_step_q24);
+        fall_q16[i] = fxs_fall_q16(fxs_scale_code(codes->scale, i), chunk->scale_step_q24);
     const fxs_tilt a = fxs_tilt_of_word(codes->rotation, fxs_axis_bits(s->profile, fall_q16));
     const double rest = 2 - a.x * a.x - a.y * a.y, half = sqrt(0.5), w = sqrt(rest > 0 ? rest : 0) * half;
     fxs_tilt_roll(a.roll, &cosine, &sine);
@@ -72,7 +72,7 @@ void fxs_decode(const fxs_scene *s, const fxs_chunk *chunk, const unsigned char 
     const fxs_codes codes = fxs_codes_of(s, rows, g);
     memset(out, 0, sizeof *out);
     for (int i = 0; i < 3; i++) {
-        const uint32_t scale = codes.scale >> 10 * i & 1023, colour = codes.colour >> 8 * i & 255;
+        const uint32_t scale = fxs_scale_code(codes.scale, i), colour = fxs_colour_code(&codes, i);
         const int64_t steps = (int64_t)codes.position[i] * chunk->step_q32[i] << chunk->step_shift;
         out->position[i] = (float)((double)(chunk->origin_q32[i] + steps) * 0x1p-32);
         out->scale[i] = (float)(LN_2 * (chunk->scale_q16 * 0x1p-16 -

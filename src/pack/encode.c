@@ -75,11 +75,11 @@ static void find_colour_codes(fxs_chunk *chunk, int channel, const fxs_range *r,
     double low = grid->step > 0 ? floor((r->low - grid->low) / grid->step + 0.5) * grid->step + grid->low : 0;
     if (grid->step > 0 && r->high < low + 255.5 * grid->step) {
         chunk->colour_q16[channel] = (int32_t)cut_to(floor(ldexp(low, 16) + 0.5), INT32_MIN, INT32_MAX);
-        chunk->colour_step_q20[channel] = (uint32_t)cut_to(floor(ldexp(grid->step, 20) + 0.5), 0, UINT32_MAX);
+        chunk->colour_step_q20[channel] = (uint32_t)cut_to(floor(ldexp(grid->step, 19) + 0.5), 0, UINT32_MAX);
         return;
     }
     chunk->colour_q16[channel] = (int32_t)cut_to(floor(ldexp(r->low, 16)), INT32_MIN, INT32_MAX);
-    chunk->colour_step_q20[channel] = step_for(r->high - ldexp(chunk->colour_q16[channel], -16), 255, 20);
+    chunk->colour_step_q20[channel] = step_for(r->high - ldexp(chunk->colour_q16[channel], -16), FXS_COLOUR_MOST, 20);
 }
 
 /* At most 32767. */
@@ -110,7 +110,7 @@ void fxs_encode_header(fxs_chunk *chunk, const fxs_chunk_ranges *r, const fxs_sc
     memset(chunk, 0, sizeof *chunk);
     fxs_encode_places(chunk, r->position);
     chunk->scale_q16 = (int32_t)cut_to(ceil(ldexp(r->scale.high, 16)), INT32_MIN, INT32_MAX);
-    chunk->scale_step_q24 = (uint16_t)step_for(ldexp(chunk->scale_q16, -16) - r->scale.low, 1023 * 1023, 24);
+    chunk->scale_step_q24 = (uint16_t)step_for(ldexp(chunk->scale_q16, -16) - r->scale.low, 1022 * 1022, 24);
     for (uint32_t law = 1; law < FXS_OPACITY_LAWS; law++)
         if (r->opacity_harm[law] < r->opacity_harm[chunk->opacity_law])
             chunk->opacity_law = (uint16_t)law;
@@ -155,8 +155,8 @@ unsigned char *fxs_put_codes(const fxs_encoder *e, const fxs_row_codes *codes, u
     for (int i = 0; i < 3; i++)
         record = put(record, p[i], 2);
     record = put(record, rotation, 4);
-    record = put(record, s[0] | s[1] << 10 | s[2] << 20, 4);
-    return put(record, c[0] | c[1] << 8 | c[2] << 16 | codes->opacity << 24, 4);
+    record = put(record, s[0] | s[1] << 10 | s[2] << 20 | (c[0] & 1) << 29 | (c[1] & 1) << 30 | c[2] << 31, 4);
+    return put(record, c[0] >> 1 | c[1] >> 1 << 8 | c[2] >> 1 << 16 | codes->opacity << 24, 4);
 }
 
 void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, double opacity,

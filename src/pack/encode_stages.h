@@ -111,14 +111,14 @@ static inline int32_t spread(int32_t code, int32_t bits, int32_t wide)
     return code << (wide - bits) | code >> (2 * bits - wide);
 }
 
-/* The three positions, 16 bits, and the three colours, 8 bits; in small 11, and 7, 7, 6. Codes for which low + code
+/* The three positions, 16 bits, and the three colours, 9 bits; in small 11, and 7, 7, 6. Codes for which low + code
    step is nearest, with the code extended. */
 static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, fxs_row_codes *codes,
                                fxs_loss *loss)
 {
     enum { LANES = 8 };
-    static const int32_t wides[LANES] = {16, 16, 16, 8, 8, 8, 8, 8};
-    static const int32_t widths[2][LANES] = {{16, 16, 16, 8, 8, 8, 8, 8}, {11, 11, 11, 7, 7, 6, 8, 8}};
+    static const int32_t wides[LANES] = {16, 16, 16, 9, 9, 9, 9, 9};
+    static const int32_t widths[2][LANES] = {{16, 16, 16, 9, 9, 9, 9, 9}, {11, 11, 11, 7, 7, 6, 9, 9}};
     const int32_t *bits = widths[e->profile == FXS_PROFILE_SMALL];
     double x[LANES] = {0}, low[LANES] = {0}, step[LANES] = {0}, errors[LANES];
     int32_t found[LANES];
@@ -147,12 +147,18 @@ static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, con
     note_three(loss, FXS_LOSS_DC, errors + 3);
 }
 
-/* The nearest codes with log2(sigma) = high - code^2 step: 10 bits, in small 7, 7 and 6. */
+/* A scale code of axis i from its own bits. */
+static inline int32_t spread_scale(int32_t code, int32_t bits, int i)
+{
+    return i < 2 ? spread(code, bits, 10) : 2 * spread(code, bits, 9);
+}
+
+/* The nearest codes with log2(sigma) = high - code^2 step: 10, 10 and 9 bits, in small 7, 7 and 6. */
 static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, const float scale[3], uint32_t codes[3],
                                  fxs_loss *loss)
 {
     enum { LANES = 4 };
-    static const int32_t widths[2][LANES] = {{10, 10, 10, 10}, {7, 7, 6, 6}};
+    static const int32_t widths[2][LANES] = {{10, 10, 9, 9}, {7, 7, 6, 6}};
     const int32_t *bits = widths[e->profile == FXS_PROFILE_SMALL];
     const double high = chunk->scale_q16 * 0x1p-16, step = chunk->scale_step_q24 * 0x1p-24;
     double x[LANES], errors[LANES];
@@ -161,9 +167,9 @@ static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, c
         x[i] = scale[i < 3 ? i : 2] * FXS_LOG2_E;
     for (int i = 0; i < LANES; i++) {
         const int32_t most = (1 << bits[i]) - 1;
-        const int32_t root = cut_within(sqrt((high - x[i]) / step) * (most / 1023.0), 0, most);
+        const int32_t root = cut_within(sqrt((high - x[i]) / step) * (most / (i < 2 ? 1023.0 : 1022.0)), 0, most);
         const int32_t code = step > 0 && x[i] < high ? root : 0, next = code < most && step > 0 ? code + 1 : code;
-        const int32_t wide = spread(code, bits[i], 10), next_wide = spread(next, bits[i], 10);
+        const int32_t wide = spread_scale(code, bits[i], i), next_wide = spread_scale(next, bits[i], i);
         const double above = high - wide * wide * step - x[i], below = high - next_wide * next_wide * step - x[i];
         errors[i] = fabs(below) < fabs(above) ? below : above;
         found[i] = fabs(below) < fabs(above) ? next : code;
@@ -290,10 +296,10 @@ static inline uint32_t encode_rotation(const fxs_encoder *e, const fxs_chunk *ch
                                        const uint32_t scale[3], fxs_loss *loss)
 {
     const int small = e->profile == FXS_PROFILE_SMALL;
-    const int32_t own[3] = {small ? 7 : 10, small ? 7 : 10, small ? 6 : 10};
+    const int32_t own[3] = {small ? 7 : 10, small ? 7 : 10, small ? 6 : 9};
     int32_t fall_q16[3];
     for (int i = 0; i < 3; i++)
-        fall_q16[i] = fxs_fall_q16((uint32_t)spread((int32_t)scale[i], own[i], 10), chunk->scale_step_q24);
+        fall_q16[i] = fxs_fall_q16((uint32_t)spread_scale((int32_t)scale[i], own[i], i), chunk->scale_step_q24);
     const int32_t bits = fxs_axis_bits(e->profile, fall_q16);
     const uint32_t word = encode_axes(axis, bits, FXS_ROTATION_BITS(e->profile));
     note_angle(loss, half_angle_cosine(axis, word, bits));

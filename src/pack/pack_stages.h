@@ -118,6 +118,30 @@ static inline uint32_t extend(candidate to[BEAM], const candidate from[BEAM], ui
     return BEAM;
 }
 
+/* Each stage in turn takes the entry that is nearest to what all others leave (iterated conditional modes, Besag 1986). */
+static inline void settle(candidate *sum, const fxs_palette *p)
+{
+    enum { KEYS = BEAM * TRIED * GROUP };
+    for (uint32_t stage = 0; stage < p->stages; stage++) {
+        int32_t costs[KEYS], dots[TRIED * GROUP];
+        uint32_t groups[TRIED];
+        fxs_pack_place found;
+        candidate others = *sum;
+        others.cost = 0;
+        subtract_entry(others.left, p, stage, sum->indices[stage] ^ FXS_PALETTE_NEGATIVE);
+        try_groups(costs, dots, groups, &others, p, stage);
+        for (uint32_t i = TRIED * GROUP; i < KEYS; i++)
+            costs[i] = INT32_MAX;
+        find_leasts(costs, KEYS, &found, 1);
+        if (found.cost >= dot(sum->left, sum->left) - dot(others.left, others.left))
+            continue;
+        const uint32_t j = groups[found.place / GROUP] * GROUP + found.place % GROUP;
+        others.indices[stage] = (uint8_t)(j | (dots[found.place] < 0 ? FXS_PALETTE_NEGATIVE : 0));
+        subtract_entry(others.left, p, stage, others.indices[stage]);
+        *sum = others;
+    }
+}
+
 static void NAMED(fxs_pack_find_, ISA)(const fxs_palette *p, fxs_sh_vector vector, uint8_t indices[STAGES])
 {
     candidate sums[2][BEAM] = {{{{0}, 0, {0}}}};
@@ -125,8 +149,10 @@ static void NAMED(fxs_pack_find_, ISA)(const fxs_palette *p, fxs_sh_vector vecto
     memcpy(sums[0][0].left, vector, sizeof sums[0][0].left);
     for (uint32_t stage = 0; stage < p->stages; stage++)
         count = extend(sums[(stage + 1) & 1], sums[stage & 1], count, p, stage);
-    memcpy(indices, sums[p->stages & 1][0].indices, STAGES);
-    memcpy(vector, sums[p->stages & 1][0].left, sizeof(fxs_sh_vector));
+    candidate *best = &sums[p->stages & 1][0];
+    settle(best, p);
+    memcpy(indices, best->indices, STAGES);
+    memcpy(vector, best->left, sizeof(fxs_sh_vector));
 }
 
 static uint32_t NAMED(fxs_pack_nearest_, ISA)(const fxs_sh_vector *vectors, const int32_t *squares, uint32_t count,

@@ -12,7 +12,7 @@ static inline vi spread_11(vi code)
 /* fxs_spread_scale */
 static inline vi spread_scale(vi x, vi y, vi z)
 {
-    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << 4 | z >> 2) << 20;
+    return (x << 3 | x >> 4) | (y << 3 | y >> 4) << 10 | (z << 3 | z >> 3) << 20;
 }
 
 static inline void load_positions(vi code[3], const fxs_scene *scene, const unsigned char *rows, uint32_t i)
@@ -46,10 +46,18 @@ static inline vi load_rotations(const fxs_scene *scene, const unsigned char *row
     return (c & (int32_t)0xfff00000) | d << 12 | (a >> 22 & 3) << 10 | (vi)((vu)b >> 31) << 9;
 }
 
-static inline vi load_colours(const fxs_scene *scene, const unsigned char *rows, uint32_t i)
+/* fxs_colour_code of each channel */
+static inline void load_colours(vi code[3], const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
-    if (scene->profile != FXS_PROFILE_SMALL)
-        return load(rows + FXS_ROW_COLOUR + 4 * i);
-    vi b = load(rows + FXS_SMALL_B + 4 * i), red = b >> 11 & 127, green = b >> 18 & 127, blue = b >> 25 & 63;
-    return (red << 1 | red >> 6) | (green << 1 | green >> 6) << 8 | (blue << 2 | blue >> 4) << 16;
+    if (scene->profile == FXS_PROFILE_SMALL) {
+        const vi b = load(rows + FXS_SMALL_B + 4 * i), red = b >> 11 & 127, green = b >> 18 & 127, blue = b >> 25 & 63;
+        code[0] = red << 2 | red >> 5;
+        code[1] = green << 2 | green >> 5;
+        code[2] = blue << 3 | blue >> 3;
+        return;
+    }
+    const vi upper = load(rows + FXS_ROW_COLOUR + 4 * i), low = load(rows + FXS_ROW_SCALE + 4 * i);
+    code[0] = (upper << 1 & 510) | (low >> 29 & 1);
+    code[1] = (upper >> 7 & 510) | (low >> 30 & 1);
+    code[2] = (upper >> 15 & 510) | (low >> 31 & 1);
 }

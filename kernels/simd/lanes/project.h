@@ -72,7 +72,7 @@ static inline vi fall_of(const fxs_chunk_view *cv, vi code)
 static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, const centre *c, vi scale_word,
                              vi *exponent)
 {
-    vi code = least(least(scale_word & 1023, scale_word >> 10 & 1023), scale_word >> 20 & 1023);
+    vi code = least(least(scale_word & 1023, scale_word >> 10 & 1023), scale_word >> 19 & 1022);
     vi minus_log2_q16 = fall_of(cv, code) - cv->scale_q16;
     vu size_q15 = (vu)exp2_q15((minus_log2_q16 & 65535) >> 1);
     vu over_z_q30 = narrow(mul_wide_u(size_q15, (vu)c->inverse_q30), 15);
@@ -210,7 +210,7 @@ static inline mask screen_axes(vi t_q15[2][3], const fxs_view *view, const fxs_c
     jacobian(j_q15[0], view, 0, load(&s->rows[SLOPE_X][at]));
     jacobian(j_q15[1], view, 1, load(&s->rows[SLOPE_Y][at]));
     for (int i = 0; i < 3; i++)
-        fall_q16[i] = fall_of(cv, scale_word >> 10 * i & 1023);
+        fall_q16[i] = fall_of(cv, i < 2 ? scale_word >> 10 * i & 1023 : scale_word >> 19 & 1022);
     const mask valid = read_axes(&a, load(&s->rows[ROTATION][at]), axis_bits(profile, fall_q16));
     vi shortest = least(least(fall_q16[0], fall_q16[1]), fall_q16[2]);
     for (int i = 0; i < 3; i++)

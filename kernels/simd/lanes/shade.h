@@ -186,9 +186,10 @@ static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t 
     const uint32_t first = n->first;
     vi sum_q16[3][PARTS], b_q15[PARTS][16];
     for (uint32_t part = 0; part < PARTS; part++) {
-        const vi colour = load_colours(scene, rows, first + part * LANES);
+        vi code[3];
+        load_colours(code, scene, rows, first + part * LANES);
         for (int c = 0; c < 3; c++) {
-            const vi step = (colour >> 8 * c & 255) * (int32_t)header->colour_step_q20[c];
+            const vi step = code[c] * (int32_t)header->colour_step_q20[c];
             sum_q16[c][part] = header->colour_q16[c] + round_shift(step, 4);
         }
         if (view->sh_degree > 0)

@@ -19,16 +19,17 @@
  *   default
  *       uint16_t x[256], y[256], z[256]    position codes
  *       uint32_t rotation[256]             the rotation word: X and Y of the first axis, then the roll about it
- *       uint32_t scale[256]                three codes of 10 bits: the first axis in bits 9..0, the second, the third;
- *                                          bits 31..30 are 0
- *       uint32_t colour[256]               r in bits 7..0, g, b, opacity in bits 31..24
+ *       uint32_t scale[256]                the first axis in bits 9..0, the second in 19..10, half the code of the third
+ *                                          in 28..20; the lowest bits of r, g, b in 29, 30, 31
+ *       uint32_t colour[256]               the 8 upper bits of r in bits 7..0, g, b, opacity in bits 31..24
  *       int8_t   sh[3 * K][256]            K = 0, 3, 8, 15 for degree 0..3; row 3 * k + channel
  *
  *   compact: as default, but for
  *       uint8_t  sh[256][8, 13 or 21]      degree 1, 2, 3: signed index in each of three palettes, gain, then 3 K codes
  *                                          of 3 bits, two's complement, red first, from the low bits of each byte up
  *
- *   small: codes of fewer bits, spread to those of default by repeating their high bits below
+ *   small: codes of fewer bits, spread to those of default (and half the third axis's code to 9 bits) by repeating their
+ *   high bits below
  *       uint32_t a[256]                    x in bits 10..0, y in 21..11, opacity in 31..24
  *       uint32_t b[256]                    z in bits 10..0, r in 17..11, g in 24..18, b in 30..25
  *       uint32_t c[256]                    scale codes of the first axis in bits 6..0, the second in 13..7, the third in
@@ -79,6 +80,8 @@ typedef struct fxs_packed_header {   /* 192 bytes */
     int64_t start_q32[3];            /* the camera's centre, */
     int32_t start_rotation_q30[4];   /* and the unit quaternion w, x, y, z of its rotation, world to camera */
 } fxs_packed_header;
+
+#define FXS_COLOUR_MOST 511        /* the largest code of a base colour */
 
 /* Law 0: the opacity of code c is c / 255. Laws 1 to 3: 1/255 + (4^(1 - law) - 1/255) ((c - 1) / 254)^2, so that chunks
    of fog have fine steps; but for code 0, which is 0. */
@@ -205,7 +208,7 @@ static inline int fxs_chunk_valid(const fxs_chunk *chunk)
     int valid = fxs_within(scale, 32 << 16) && fxs_within(scale - scale_reach, 32 << 16);
     for (int i = 0; i < 3; i++) {
         int64_t reach = (int64_t)chunk->step_q32[i] * 65535 << chunk->step_shift;
-        int64_t colour = chunk->colour_q16[i], colour_reach = (int64_t)chunk->colour_step_q20[i] * 255 >> 4;
+        int64_t colour = chunk->colour_q16[i], colour_reach = (int64_t)chunk->colour_step_q20[i] * FXS_COLOUR_MOST >> 4;
         valid = valid && fxs_within(chunk->origin_q32[i], (int64_t)1 << 60) &&
                 fxs_within(chunk->origin_q32[i] + reach, (int64_t)1 << 60) && fxs_within(colour, 64 << 16) &&
                 fxs_within(colour + colour_reach, 64 << 16) && chunk->sh_step_q19[i] <= 32767;
@@ -254,7 +257,13 @@ static inline uint32_t fxs_chunks_of(uint64_t slots)
 #define FXS_AXIS_BITS_LEAST(profile) ((profile) == FXS_PROFILE_SMALL ? 8 : 11)
 #define FXS_AXIS_BITS_MOST(profile) ((profile) == FXS_PROFILE_SMALL ? 10 : 14)
 
-/* How far log2(sigma) lies below the chunk's scale, of a scale code of 10 bits; below 2^22. */
+/* The scale code of axis i, 0 to 1023, from the word of scales; of the third an even number. */
+static inline uint32_t fxs_scale_code(uint32_t word, int i)
+{
+    return i < 2 ? word >> 10 * i & 1023 : word >> 19 & 1022;
+}
+
+/* How far log2(sigma) lies below the chunk's scale, of a scale code; below 2^22. */
 static inline int32_t fxs_fall_q16(uint32_t code, uint32_t scale_step_q24)
 {
     return (int32_t)((code * code * scale_step_q24 + 128) >> 8);
