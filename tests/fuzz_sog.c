@@ -1,6 +1,6 @@
 /* libFuzzer target: bytes as the files of a folder, each after its size of two bytes, for a .sog as a zip, as files and
-   streamed, for a tileset and an .lcc. An environment is there where it has bytes. What opens is read whole, rewound, and read
-   again with the same result. */
+   streamed, for a tileset, an .lcc and gsplat's folder, of which the images are parts 0 to 5. An environment is there
+   where it has bytes. What opens is read whole, rewound, and read again with the same result. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,7 +38,12 @@ static int read_bytes(void *file, uint64_t offset, void *out, size_t size)
 
 static int open_beside(void *argument, const char *name, fxs_scene_input *input)
 {
+    static const char *const images[] = {"means_l.png", "means_u.png", "scales.png", "quats.png", "opacities.png",
+                                         "sh0.png", "shN.npz"};
     (void)argument;
+    for (size_t i = 0; i < sizeof images / sizeof *images; i++)
+        if (strcmp(name, images[i]) == 0)
+            name = files[3 + i].name;
     for (int i = 0; i < FILES; i++)
         if (strcmp(files[i].name, name) == 0 && (files[i].size > 0 || strncmp(name, "environment.", 12) != 0)) {
             *input = (fxs_scene_input){files[i].size, read_bytes, open_beside, NULL, &files[i]};

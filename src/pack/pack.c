@@ -573,7 +573,6 @@ static int find_palette(packer *p)
 {
     fxs_packed_header *h = p->header;
     fxs_pack_options options = p->options;
-    begin(p, tree_share(p));
     options.progress = report_progress;
     options.argument = p;
     begin(p, 0.0625);
