@@ -91,8 +91,7 @@ FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count,
     return low;
 }
 
-/* ---- Changes by an object
-   ------------------------------------------------------------------------------------------ */
+/* ---- Changes by an object ---------------------------------------------------------------------------------------- */
 
 /* Multiplies a depth key by the scale. Saturates at both ends of the range of keys. */
 static uint32_t scale_depth(uint32_t key, fxs_scale scale)

@@ -177,8 +177,8 @@ static uint32_t sqrt_q8(root r, int exponent)
     return scale_down(fxs_mulhi(r.m, r.inverse_q30), 22 - r.half - exponent);
 }
 
-/* Whitened rows: v = dy / sqrt(C), u = (dx - (B / C) dy) / sqrt(A - B^2 / C). With D = det: vy = 1 / sqrt(C), ux =
-   sqrt(C / D), uy = -B / sqrt(C D); all at most 1 / sqrt(0.3) = 1.83. */
+/* Whitened rows: v = dy / sqrt(C), u = (dx - (B / C) dy) / sqrt(A - B^2 / C). With D = det:
+   vy = 1 / sqrt(C), ux = sqrt(C / D), uy = -B / sqrt(C D); all at most 1 / sqrt(0.3) = 1.83. */
 static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, root c, const projected *centre,
                    uint32_t r_q12)
 {
@@ -244,8 +244,7 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, co
            x - radius_q14 < (int64_t)view->tiles_x << 18 && y - radius_q14 < (int64_t)view->tiles_y << 18;
 }
 
-/* ---- Veils: Gaussians too large for a bounding box, or too far off the axis. Every tile lists them.
-   ---------------- */
+/* ---- Veils: Gaussians too large for a bounding box, or too far off the axis. Listed in every tile. --------------- */
 
 /* Dilation of a veil: no sigma below 1/120 of the picture's diagonal, so that u and v stay within +-128 on the
    picture. */
@@ -370,8 +369,8 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
                                              : clip(splat, bounds, view, sqrt_q8(c, exponent), r_q12);
 }
 
-/* Depth as a 32-bit key in the same order: 6 bits of exponent, 26 of mantissa. z is 1 to 2^30 - 1 units of 2^(shift -
-   32), shift 0 to 33. */
+/* Depth as a 32-bit key in the same order: 6 bits of exponent, 26 of mantissa. z is 1 to 2^30 - 1 units of
+   2^(shift - 32), shift 0 to 33. */
 static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
     const uint32_t z = (uint32_t)centre->camera[2];

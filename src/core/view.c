@@ -101,8 +101,8 @@ static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
     view->hidden_high_q23[i] = none ? (int32_t)-most : cut_slope(high, most);
 }
 
-/* Field of view plus 30 % (Kerbl et al. 2023, code; for any principal point as in gsplat), as slopes x/z: -c / f - 0.3
-   size / (2 f) and (size - c) / f + 0.3 size / (2 f). Cut to +-60. */
+/* Field of view plus 30 % (Kerbl et al. 2023, code; for any principal point as in gsplat), as slopes x/z:
+   -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size / (2 f). Cut to +-60. */
 static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
     const int64_t most = (int64_t)60 << 23;
