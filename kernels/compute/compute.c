@@ -230,7 +230,6 @@ static void put(fxs_compute *c, uint64_t at, const void *from, uint64_t bytes)
         c->more.BufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)at, (GLsizeiptr)bytes, from);
 }
 
-/* Makes the buffer of a part of a scene, or of its heads. */
 static int make_part(fxs_compute *c, fxs_compute_scene *copy, uint32_t *name, int64_t part, fxs_message *why)
 {
     fxs_piece pieces[3];

@@ -6,7 +6,6 @@
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 
-// Writes a number of workgroups, in rows.
 fn put_arguments(at: u32, groups: u32)
 {
     arguments[4u * at] = min(groups, ROW_OF_GROUPS);
@@ -48,8 +47,7 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
         let high = min(rank_of(memory[span + 1u]), frame.chunk_room);
         memory[span + 2u] = low;
         memory[span + 3u] = high;
-        put_arguments(i, max(2u * (max(high, low) - low), select(0u, 1u, i == frame.spans)));   // fill needs at least
-                                                                                                // one group
+        put_arguments(i, max(2u * (max(high, low) - low), select(0u, 1u, i == frame.spans)));   // fill: at least one
     }
     if (thread == THREADS - 1u) {
         atomicStore(&counts[VISIBLE_CHUNKS], at);

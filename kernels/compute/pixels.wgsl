@@ -98,7 +98,7 @@ fn take(i: u32, row: u32) -> Taken
     let shade = shades[i];
     let v = bitcast<i32>(shape.y + row * shade.x);
     let v_q13 = fxs_coordinate_q13(v);
-    // fxs_row_level_q11; a value that it would saturate is over the limit
+    // fxs_row_level_q11, here and below without saturation: saturated values are over the limit
     let level_q11 = fxs_mul_q15(v_q13, v_q13) + i32(shade.y & 0xffffu);
     return Taken(shape.x + row * shape.w, shape.z, (u32(level_q11) << 15u) + 16384u, i32(shade.w),
                  vec3<i32>(vec3<u32>(shade.y >> 16u, shade.z & 0xffffu, shade.z >> 16u)));
@@ -108,8 +108,7 @@ fn take(i: u32, row: u32) -> Taken
 fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
 {
     let u_q13 = fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux));
-    let level = i32((u32(u_q13 * u_q13) + t.level_q26) >> 15u);    // fxs_level_q11; a value that it would saturate is
-                                                                   // over the limit
+    let level = i32((u32(u_q13 * u_q13) + t.level_q26) >> 15u);    // fxs_level_q11 without saturation
     let counts = level <= t.limit_q11 && (*p).transmittance >= FXS_CLOSED_Q15;
     let weight = select(0, fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance), counts);
     (*p).transmittance -= weight;
@@ -163,7 +162,6 @@ struct Patch {
     count: u32,
 }
 
-// First pixel of a patch, from its tile and number.
 fn corner_of(tile: u32, number: u32) -> vec2<u32>
 {
     let halves = frame.tile_bits - 3u;             // bits in a number for the patch's place in the tile, per axis
@@ -235,7 +233,6 @@ fn close_pixel(place: Place, second: bool)
     atomicAnd(&open_pixels[place.row / 4u], ~bit_of(place, second));
 }
 
-// Stores a splat in the round.
 fn put_splat(here: Patch, thread: u32, f: Fetched)
 {
     let limit = fxs_limit_q11(i32(f.b.y & 0xffffu), frame.cut_q11);

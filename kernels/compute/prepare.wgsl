@@ -11,7 +11,6 @@
 var<workgroup> visible_here: atomic<u32>;
 var<workgroup> record: array<u32, 64>;           // the chunk's record; see put_record in locate.wgsl
 
-// Multiplies a depth key by the scale.
 fn scale_depth(key: u32) -> u32
 {
     let product = mul_high((0x4000000u | (key & 0x3ffffffu)) << 5u, object.scale_mantissa);
@@ -123,7 +122,6 @@ fn put_splat(slot: u32, s: ptr<function, Splat>, colour_q13: vec3<i32>)
                                        u32((*s).rows.x) | (u32((*s).rows.y) << 16u));
 }
 
-// Returns the Gaussian's box.
 fn project_gaussian(chunk: u32, slot: u32) -> wide
 {
     let g = slot % CHUNK;

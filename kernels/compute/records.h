@@ -15,8 +15,7 @@ enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
 enum {
     FXS_COMPUTE_UNIFORMS,          /* the frame, then the objects, FXS_COMPUTE_STRIDE bytes each */
     FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS, FXS_COMPUTE_ENTRIES,
-    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,          /* arguments of indirect dispatches; the same for sort and
-                                                          blend */
+    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,          /* for indirect dispatches; LATER: sort and blend */
     FXS_COMPUTE_DOWNLOAD,          /* data to read back: status and picture */
     FXS_COMPUTE_BUFFERS
 };

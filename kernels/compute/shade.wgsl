@@ -178,7 +178,6 @@ fn entry_sum(b: Basis, stage: u32, code: u32) -> vec3<i32>
            vec3<i32>(entry_dot(b, at), entry_dot(b, at + 4u), entry_dot(b, at + 8u));
 }
 
-// 32 bits of the scene.
 fn bits_at(byte: u32, bit: u32) -> u32
 {
     let at = byte + bit / 8u;

@@ -87,7 +87,6 @@ fn take_block(group: vec3<u32>, thread: u32) -> Block
     return workgroupUniformLoad(&own_block);
 }
 
-// Turns the sizes of bins into starts.
 fn place_bins(thread: u32, some: u32)
 {
     let bin = 2u * thread;

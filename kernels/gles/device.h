@@ -30,8 +30,7 @@ enum {
 enum {
     FXS_GLES_LISTS, FXS_GLES_RECORDS, FXS_GLES_MASKS,   /* tiles: places of lists, their splats, their masks */
     FXS_GLES_CHUNKS,               /* tiles: input for the masks */
-    FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* from the caller, or copies; BUFFER: a GL depth
-                                                                buffer */
+    FXS_GLES_OCCLUDER, FXS_GLES_BUFFER, FXS_GLES_BACKDROP,   /* the caller's, or copies; BUFFER: GL depths */
     FXS_GLES_CARRIED,              /* T and sums up to now */
     FXS_GLES_IDS, FXS_GLES_TRACES, /* tiles: ids of records; depths, weights and ids up to now */
     FXS_GLES_UNITS,                /* equals FXS_GL_UNITS */
@@ -118,7 +117,6 @@ void fxs_gles_stop_timer(fxs_gles *gles);
 int fxs_gles_read(fxs_gles *gles, const fxs_tile_run *run, int target, int32_t x, int32_t y, int32_t width,
                   int32_t height);
 
-/* True if depths and ids are drawn too. */
 static inline int fxs_gles_is_traced(const fxs_gles *gles)
 {
     return gles->target && gles->target->depths_and_ids;

@@ -201,7 +201,6 @@ static int make_traced(fxs_gles *g)
     return error ? error : fxs_gl_check(&g->gl);
 }
 
-/* Calls make_traced once. */
 static int prepare_traced(fxs_gles *g)
 {
     if (!g->traced) {

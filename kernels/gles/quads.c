@@ -23,8 +23,7 @@ static void fill_part(void *argument, uint32_t part)
         const uint32_t slot = FXS_KEY_SLOT(run->keys[run->visible - 1 - i]);
         const fxs_splat *s = &run->splats[slot];
         const fxs_bounds *b = &run->bounds[slot];
-        const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;      /* veil: u and v at the first pixel instead of
-                                                                        the centre */
+        const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;      /* if so, u and v replace the centre */
         const uint32_t words[INSTANCE / 4] = {
             veil ? s->u0_q24 : (uint32_t)b->cx_q14, veil ? s->v0_q24 : (uint32_t)b->cy_q14,
             (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, (uint32_t)s->vy_q24,

@@ -2,8 +2,7 @@
 // also depth and id.
 uniform highp usampler2D lists;      // per tile: first record, end, first chunk; (1, 0): not drawn now
 uniform highp usampler2D masks;      // per chunk; see masks.frag
-uniform highp isampler2D carried;    // T, r, g, b: state of a tile after the last part of its list; FETCHED: all
-                                     // states
+uniform highp isampler2D carried;    // T, r, g, b: of a tile after part of its list; FETCHED: of all pixels
 uniform ivec4 place;                 // pixel of fragment (0, 0); step per row; 1: continue from `carried`
 // First tile of `lists` (FETCHED: first pixel of `carried`); log2 of the width of `records`; cut-off.
 uniform ivec4 source;

@@ -54,8 +54,7 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
         f->block_chunks *= 2;
     f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
 
-    for (uint32_t eye = 0; eye < f->eye_count; eye++)          /* first, so they survive the second layout after the
-                                                                  cut */
+    for (uint32_t eye = 0; eye < f->eye_count; eye++)          /* first: the layout after the cut keeps them */
         f->eye[eye].objects = cut(&m, f->object_count * sizeof *f->eye->objects);
     f->cut_memory = cut(&m, f->cut_room ? fxs_cut_bytes(f->cut_room) : 0);
     f->block_slots = cut(&m, (f->blocks + 1) * sizeof *f->block_slots);

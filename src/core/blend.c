@@ -28,7 +28,6 @@ void fxs_tile_clear(fxs_tile *tile)
         tile->transmittance_q15[i] = FXS_CLEAR_Q15;
 }
 
-/* A tile and the splat being blended into it. */
 typedef struct blending {
     fxs_tile *tile;
     fxs_trace *trace;              /* null for blend */

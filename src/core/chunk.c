@@ -134,12 +134,10 @@ FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const 
         z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;
     if (z_q16 >> 16 <= cv->near)
         return 0;
-    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* not culled at the edges: its tiles reach further; this mode is
-                                                    for measurements only */
+    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* its tiles reach further; for measurements only */
         return 1;
     int64_t reach = reach_across(cv, view);
-    for (int i = 0; i < 2; i++)                  /* x + reach < edge_low z: left of the picture; likewise the other
-                                                    edges */
+    for (int i = 0; i < 2; i++)                  /* x + reach < edge_low z: left of the picture; and so on */
         if (farthest(cv, view, i, 1, view->edge_low_q23[i]) + reach < 0 ||
             farthest(cv, view, i, -1, -(int64_t)view->edge_high_q23[i]) + reach < 0)
             return 0;

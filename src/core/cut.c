@@ -265,7 +265,6 @@ static void find_missing(search *s)
             want(s, s->cut->objects[s->visits[i].object].scene, s->visits[i].chunk);
 }
 
-/* Lists the drawn chunks in ascending order. */
 static void list_drawn(search *s)
 {
     fxs_cut *cut = s->cut;

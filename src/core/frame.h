@@ -96,8 +96,7 @@ typedef struct fxs_frame {
     int32_t first_column, end_column;      /* tile columns; all, except for slices */
     uint32_t count;                        /* splats that touch the band */
     uint32_t *indices;                     /* by slot: number of the Gaussian, counted in the chunks of all objects */
-    fxs_key *keys, *spare;                 /* lists of macro tiles; scratch space to sort them, and for lists of
-                                              tiles */
+    fxs_key *keys, *spare;                 /* lists of macro tiles; scratch space for sorting and tile lists */
     uint32_t key_capacity;                 /* keys in each of the two */
 
     /* Slices only: state of their columns. */
@@ -174,7 +173,6 @@ static inline uint32_t fxs_frame_chunk(const fxs_frame *f, uint32_t place)
     return f->drawn ? f->drawn[place].chunk : place;
 }
 
-/* Index of the object that a chunk belongs to. */
 static inline uint32_t fxs_frame_object(const fxs_frame *f, uint32_t chunk)
 {
     return fxs_object_of(f->eye->objects, f->object_count, chunk);

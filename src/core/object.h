@@ -6,7 +6,7 @@
 #include "view.h"
 
 typedef struct fxs_object_view {
-    fxs_view view;                 /* the camera in the object's space */
+    fxs_view view;
     fxs_scene scene;
     uint32_t first_chunk, end_chunk;   /* range in the numbering of all objects' chunks */
     uint32_t id;

@@ -24,7 +24,6 @@ int fxs_band_next(fxs_frame *f);
    `slot`. */
 void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t place, uint32_t slot, uint32_t count);
 
-/* True if splats of a chunk may touch the band. */
 int fxs_band_has_chunk(const fxs_frame *f, uint32_t place);
 
 /* Compacts `count` splats from `slot` on to those that touch the band. Returns how many remain. */

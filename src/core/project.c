@@ -6,7 +6,6 @@
 
 #define TENTH_Q60 (((uint64_t)1 << 60) / 10)
 
-/* A Gaussian after its centre is projected. */
 typedef struct projected {
     int32_t camera[3];             /* x, y, z in units of the chunk's view */
     int zeros;                     /* leading zeros of the projection depth, z; orthographic: plane_zeros */

@@ -59,7 +59,6 @@ size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-/* Copies and checks the header, and finds the parts. */
 static int read_header(fxs_packed_header *h, fxs_scene_parts *parts, const void *header)
 {
     layout l;
@@ -92,7 +91,6 @@ int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header)
     return parts && header ? read_header(&h, parts, header) : FXS_ERR_ARGUMENT;
 }
 
-/* Opens the tree at `start`. */
 static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsigned char *start)
 {
     fxs_tree_header h;

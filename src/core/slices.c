@@ -46,7 +46,6 @@ static void drop_farthest(const fxs_frame *f, slice *s)
             fxs_frame_move(f, s->count++, slot);
 }
 
-/* True if a chunk may have splats in the slice. */
 static int may_have(const fxs_frame *f, const slice *s, uint32_t chunk)
 {
     const fxs_extent *e = &f->extents[chunk];
@@ -140,7 +139,6 @@ static int hand_over(fxs_frame *f)
     return 0;
 }
 
-/* Draws the columns, slice by slice. */
 static int draw_columns(fxs_frame *f)
 {
     slice s = {.room = f->slice_room, .more = 1};

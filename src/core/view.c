@@ -236,8 +236,8 @@ void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height)
     memset(camera, 0, sizeof *camera);
     camera->width = width;
     camera->height = height;
-    camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = (int32_t)((uint32_t)width * 2048);   /* unsigned: width may
-                                                                                               be any number here */
+    camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = (int32_t)((uint32_t)width * 2048);   /* width is not checked
+                                                                                               yet */
     camera->cy_q12 = (int32_t)((uint32_t)height * 2048);
     camera->rotation_q30[0] = camera->rotation_q30[4] = camera->rotation_q30[8] = 1 << 30;
 }

@@ -253,7 +253,7 @@ ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which
 ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t number,
                               const int16_t *depths_q15)
 {
-    pixels p = *at;                /* keep in registers */
+    pixels p = *at;                /* local copy, in registers */
     mask_h open = open_of(p.transmittance_q15);
     kept own;
     if (k)

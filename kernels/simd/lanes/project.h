@@ -145,7 +145,6 @@ static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chu
 
 /* ---- Second pass ----------------------------------------------------------------------------------------------- */
 
-/* Row i of the Jacobian. */
 static inline void jacobian(vi j_q15[3], const fxs_view *view, int i, vi slope_q23)
 {
     vi slope = clamp(slope_q23, all(view->slope_low_q23[i]), all(view->slope_high_q23[i]));
@@ -343,7 +342,6 @@ static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view,
            greater(all(view->height), first) & greater(last + 1, first) & ~hidden;
 }
 
-/* Survivors `at` to at + LANES - 1. */
 static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, const fxs_chunk_view *cv,
                          enum fxs_profile profile, const survivors *s, uint32_t at)
 {

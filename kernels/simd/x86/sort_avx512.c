@@ -28,7 +28,6 @@ static inline void sort_lanes(__m512i x[8])
         put_in_order(&x[steps[i][0]], &x[steps[i][1]]);
 }
 
-/* Transposes 8x8 keys, so that lanes become vectors. */
 static inline void transpose_keys(__m512i x[8])
 {
     __m512i y[8];
@@ -55,7 +54,6 @@ static inline __m512i merge_within(__m512i x)
     return _mm512_mask_max_epu64(_mm512_min_epu64(x, other), 0xaa, x, other);
 }
 
-/* Merges two sorted runs of `half` vectors. */
 static inline __attribute__((always_inline)) void merge_runs(__m512i *x, int half)
 {
     const __m512i backwards = _mm512_setr_epi64(7, 6, 5, 4, 3, 2, 1, 0);
