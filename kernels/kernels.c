@@ -1,9 +1,8 @@
-/* Which processor has which versions of the stages, and the choice among them at run time. */
+/* Declares the versions of the stages per processor, and chooses among them at run time. */
 #include <fixsplat/kernels.h>
 #include "kernels/simd/lanes/stages.h"
 
-/* Every instruction set by the processors that may have it: SET(flag, name, the versions that there are for it). Where
-   a processor has several, a later one is better. */
+/* Instruction sets per processor: SET(flag, name, its versions). Later ones are faster. */
 #define X86(SET, X) \
     SET(SSE41, sse41, FXS_VECTOR_STAGES(X, sse41) FXS_RESOLVE_STAGE(X, sse41)) \
     SET(AVX2, avx2, FXS_VECTOR_STAGES(X, avx2) FXS_RESOLVE_STAGE(X, avx2)) \
@@ -36,14 +35,14 @@ unsigned fxs_cpu_detect(void)
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_NEON;           /* every AArch64 processor has it */
+    return FXS_CPU_NEON;           /* every AArch64 processor has NEON */
 }
 #elif defined(__ARM_FEATURE_MVE)
 #define PROCESSOR HELIUM
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_MVE;            /* whoever builds for it has it */
+    return FXS_CPU_MVE;            /* the build requires Helium */
 }
 #elif __ARM_ARCH_PROFILE == 'M'
 #define PROCESSOR CORTEX_M
@@ -57,7 +56,7 @@ unsigned fxs_cpu_detect(void)
 
 unsigned fxs_cpu_detect(void)
 {
-    return FXS_CPU_SIMD128;        /* a module with it is refused where it is missing */
+    return FXS_CPU_SIMD128;        /* a host without simd128 rejects the module */
 }
 #else
 #define PROCESSOR OTHER
@@ -93,6 +92,6 @@ PROCESSOR(DECLARE_SET, DECLARE)
 void fxs_kernels_choose(fxs_kernels *kernels, unsigned cpu)
 {
     cpu &= fxs_cpu_detect();
-    (void)kernels, (void)cpu;      /* where there are no versions */
+    (void)kernels, (void)cpu;      /* unused on processors without versions */
     PROCESSOR(USE_SET, USE)
 }

@@ -1,4 +1,4 @@
-// bin: which tiles of a row a splat touches, src/core/bin.c.
+// bin, as in src/core/bin.c: finds the tiles that a splat touches.
 
 fn columns_between(left_q8: i32, right_q8: i32) -> Span
 {
@@ -68,7 +68,7 @@ fn ellipse_span(s: ptr<function, Splat>, b: ptr<function, Bounds>, r: i32, row: 
     return columns_between(c_q8 + max(left - margin, -reach), c_q8 - max(-right - margin, -reach));
 }
 
-// Of tiles of 16 pixels, as all are then.
+// The square cut-off always has tiles of 16 pixels.
 fn square_span(centre_q14: i32, radius: u32, tiles: i32) -> Span
 {
     let pixel = centre_q14 >> 14u;
@@ -77,7 +77,7 @@ fn square_span(centre_q14: i32, radius: u32, tiles: i32) -> Span
     return Span(clamp(first, 0, tiles), clamp(last, -1, tiles - 1));
 }
 
-// The tile rows that a splat may be listed in,
+// Tile rows that may list a splat.
 fn rows_of(s: ptr<function, Splat>, b: ptr<function, Bounds>) -> Span
 {
     if (frame.cutoff == 1) {
@@ -86,7 +86,7 @@ fn rows_of(s: ptr<function, Splat>, b: ptr<function, Bounds>) -> Span
     return Span((*s).rows.x >> frame.tile_bits, (*s).rows.y >> frame.tile_bits);
 }
 
-// and its tiles in one of them.
+// Tiles of one such row that list it.
 fn span_of(s: ptr<function, Splat>, b: ptr<function, Bounds>, r_q12: i32, row: i32) -> Span
 {
     if (frame.cutoff == 1) {

@@ -1,7 +1,7 @@
 // Needs pixel records order pixels
 // blend and resolve.
 
-// Blends what is marked of a round, two at a time, as what one waits for is time for the other.
+// Blends the marked splats of a round, two at a time to hide latency.
 fn blend_round(p: ptr<function, Pixel>, q: ptr<function, Pixel>, place: Place, round: u32)
 {
     var bits = atomicLoad(&touching[round % 2u]);
@@ -40,7 +40,7 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         }
         place_splat(here, thread, fetched, round);
         fetched = next;
-        next = fetch_splat(entry);                 // while two rounds are blended
+        next = fetch_splat(entry);                 // loads during two rounds
         entry = fetch_entry(here, first + 3u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {
             break;
@@ -67,7 +67,7 @@ fn blend_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     }
 }
 
-// The pixels of empty lists, a workgroup for 8x8 of them: what trace_tiles gives where there is no splat, too.
+// Pixels of empty lists; a workgroup has 8x8 pixels. Also writes what trace_tiles writes without splats.
 @compute @workgroup_size(64)
 fn clear_pixels(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

@@ -1,5 +1,5 @@
-/* The compute back end of OpenGL ES 3.1: scenes on the device, and frames from the objects to the caller's targets, as
- * plan.c has them. The stages are the .wgsl files beside this one; shaders.h has them in GLSL ES 3.10. */
+/* Compute back end for OpenGL ES 3.1: uploads scenes and renders frames to the caller's targets, following plan.c. The
+ * stages are the .wgsl files in this folder; shaders.h has them in GLSL ES 3.10. */
 #include "gl31.h"
 #include "shaders.h"
 #include "src/core/memory.h"
@@ -33,13 +33,13 @@ int fxs_compute_check(const fxs_compute *c, fxs_message *why)
     return said(fxs_gl_check(&c->gl), why);
 }
 
-/* The same for a call that failed, whether it left an error or not: never 0. */
+/* The same for a call that failed, with or without a GL error; never 0. */
 static int failure(const fxs_compute *c, fxs_message *why)
 {
     return said(fxs_gl_failure(&c->gl), why);
 }
 
-/* The same for what the device seems to lack, as it does too where its context was lost. */
+/* The same for a missing feature. A lost context also looks like a missing feature, so its error comes first. */
 int fxs_compute_lacks(const fxs_compute *c, const char *text, const char *what, fxs_message *why)
 {
     const int error = fxs_compute_check(c, why);
@@ -82,7 +82,7 @@ void fxs_compute_limit(fxs_compute *c, uint64_t bytes)
     c->limit = bytes;
 }
 
-/* Returns null, or the name of a function that there is not. */
+/* Returns null, or the name of a missing function. */
 static const char *load_more(fxs_compute_gl *table, fxs_gl_load_fn *load, void *argument)
 {
     FXS_COMPUTE_FUNCTIONS(FXS_GL_LOAD)
@@ -111,7 +111,7 @@ static int check_version(fxs_compute *c, fxs_message *why)
     return 0;
 }
 
-/* Every device has these, but for the storage blocks of some. */
+/* Every device meets these limits, except that some have fewer storage blocks. */
 static int check_limits(fxs_compute *c, fxs_message *why)
 {
     static const struct limit {
@@ -167,7 +167,7 @@ int fxs_compute_init(fxs_compute *c, fxs_gl_load_fn *load, fxs_gl_use_fn *use_fn
     error = error ? error : load_functions(c, load, argument, why);
     if (error)
         return error;
-    fxs_compute_check(c, why);     /* not ours */
+    fxs_compute_check(c, why);     /* clears errors from before this call */
     error = check_version(c, why);
     error = error ? error : check_limits(c, why);
     if (error)
@@ -185,7 +185,7 @@ void fxs_compute_free(fxs_compute *c)
 {
     fxs_message why;
     if (use(c, &why))
-        return;                    /* its objects went with the context */
+        return;                    /* a lost context has already freed its objects */
     fxs_compute_end_drawing(c);
     fxs_gl_delete_programs(&c->gl, FXS_COMPUTE_PROGRAMS, c->programs);
     c->gl.DeleteBuffers(FXS_COMPUTE_BUFFERS, c->buffers);
@@ -194,7 +194,7 @@ void fxs_compute_free(fxs_compute *c)
     fxs_compute_check(c, &why);
 }
 
-/* Makes a buffer at least so large; what was in it is lost then. Returns 0 or an error. */
+/* Grows a buffer to at least `bytes`; growing loses its contents. Returns 0 or an error. */
 static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs_message *why)
 {
     if (bytes <= c->bytes[buffer])
@@ -211,7 +211,7 @@ static int reserve(fxs_compute *c, int buffer, uint64_t bytes, GLenum usage, fxs
     return error;
 }
 
-/* After an error: the next frame begins with little memory. */
+/* After an error: frees the buffers, so that the next frame starts with little memory. */
 static void give_back(fxs_compute *c)
 {
     fxs_message why;
@@ -230,7 +230,6 @@ static void put(fxs_compute *c, uint64_t at, const void *from, uint64_t bytes)
         c->more.BufferSubData(GL_COPY_WRITE_BUFFER, (GLintptr)at, (GLsizeiptr)bytes, from);
 }
 
-/* A buffer of a part of a scene, or of its heads. */
 static int make_part(fxs_compute *c, fxs_compute_scene *copy, uint32_t *name, int64_t part, fxs_message *why)
 {
     fxs_piece pieces[3];
@@ -275,7 +274,7 @@ int fxs_compute_upload(fxs_compute *c, fxs_compute_scene *copy, const fxs_scene 
     int error = use(c, why);
     if (error)
         return error;
-    fxs_compute_check(c, why);     /* not ours */
+    fxs_compute_check(c, why);     /* clears errors from before this call */
     fxs_compute_drop(c, copy);
     copy->here = *scene;
     c->gl.GetIntegerv(GL_COPY_WRITE_BUFFER_BINDING, &bound);
@@ -352,7 +351,7 @@ static int put_places(const fxs_compute *c, fxs_message *why)
     return unmap(c, why);
 }
 
-/* An image of four bytes a pixel that is read. */
+/* Uploads an input image with four bytes per pixel. */
 static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, fxs_message *why)
 {
     const fxs_view *view = &c->plan.view;
@@ -372,7 +371,7 @@ static int put_plane(const fxs_compute *c, const fxs_image *image, uint32_t at, 
 typedef struct walk {
     const fxs_compute *c;
     const fxs_compute_scene *const *copies;
-    uint32_t program;              /* that is in use */
+    uint32_t program;              /* program in use */
 } walk;
 
 static void take_step(void *argument, const fxs_step *step)
@@ -414,7 +413,8 @@ static void read_time(fxs_compute *c)
     c->nanoseconds += disjoint ? 0 : nanoseconds;
 }
 
-/* All stages, and the copy of what is read back. Another's context may have a timer that runs. */
+/* Runs all stages and copies the results for reading back. Not always timed: in another's context a timer may be
+   running. */
 static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copies, int timed, fxs_message *why)
 {
     const fxs_gl *gl = &c->gl;
@@ -438,7 +438,7 @@ static int run_stages(const fxs_compute *c, const fxs_compute_scene *const *copi
 
 /* ---- Reading back ------------------------------------------------------------------------------------------------ */
 
-/* A plane of words to an image of as many bytes a pixel: a word's low ones, or two words. */
+/* Copies a plane of words to an image with `bytes` bytes per pixel: the low bytes of a word, or two words. */
 static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, const uint32_t *picture, uint64_t at)
 {
     const size_t width = (size_t)view->width;
@@ -455,7 +455,7 @@ static void copy_plane(const fxs_view *view, const fxs_image *to, int bytes, con
     }
 }
 
-/* The status; and where all fitted, the pixels. Returns as fxs_plan_look. */
+/* Reads the status and, if everything fitted, the pixels. Returns as fxs_plan_look does. */
 static int read_back(fxs_compute *c, int pixels, fxs_message *why)
 {
     const fxs_targets *t = c->plan.request->targets;
@@ -485,7 +485,7 @@ static int read_back(fxs_compute *c, int pixels, fxs_message *why)
     return error ? error : result;
 }
 
-/* `target` null: into the request's. */
+/* target null: renders to the request's targets. */
 static int render(fxs_compute *c, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
                   fxs_message *why)
 {
@@ -540,7 +540,7 @@ int fxs_compute_begin(fxs_compute *c, const fxs_request *request, const fxs_comp
         return error;
     for (uint32_t i = 0; i < request->count; i++)
         c->plan.part_chunks[i] = copies[i]->part_chunks;
-    fxs_compute_check(c, why);     /* not ours */
+    fxs_compute_check(c, why);     /* clears errors from before this call */
     return 0;
 }
 

@@ -1,12 +1,11 @@
 // Needs numbers records sums
-// The places that can be seen, one behind the other, and of each span how many: by one workgroup.
+// Gathers the visible places without gaps, and counts them per span. One workgroup.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(1) @binding(0) var<storage, read_write> arguments: array<u32>;  // of indirect dispatches: four words each
+@group(1) @binding(0) var<storage, read_write> arguments: array<u32>;  // indirect dispatches, four words each
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 
-// Groups for so many of them, in rows.
 fn put_arguments(at: u32, groups: u32)
 {
     arguments[4u * at] = min(groups, ROW_OF_GROUPS);
@@ -14,7 +13,7 @@ fn put_arguments(at: u32, groups: u32)
     arguments[4u * at + 2u] = 1u;
 }
 
-// How many places before this one are seen.
+// Number of visible places before this one.
 fn rank_of(place: u32) -> u32
 {
     let below = atomicLoad(&counts[frame.seen + place / 32u]) & ((1u << (place % 32u)) - 1u);
@@ -42,7 +41,7 @@ fn gather_chunks(@builtin(local_invocation_index) thread: u32)
     }
     storageBarrier();
     workgroupBarrier();
-    for (var i = thread; i <= frame.spans; i += THREADS) {       // behind the spans: the frame
+    for (var i = thread; i <= frame.spans; i += THREADS) {       // entry after the last span: the whole frame
         let span = frame.spans_at + SPAN * i;
         let low = rank_of(memory[span]);
         let high = min(rank_of(memory[span + 1u]), frame.chunk_room);

@@ -1,4 +1,4 @@
-/* The compute back end of OpenGL ES 3.1: the functions that it calls, and its objects in the device. */
+/* Compute back end for OpenGL ES 3.1: the functions that it calls, and its objects on the device. */
 #ifndef FXS_COMPUTE_GL31_H
 #define FXS_COMPUTE_GL31_H
 
@@ -8,7 +8,7 @@
 #include "kernels/gl/gl.h"
 #include "plan.h"
 
-/* F(type's name, function's name) of each function that is called beside those of kernels/gl. */
+/* F(type's name, function's name) for each function that is not in kernels/gl. */
 #define FXS_COMPUTE_FUNCTIONS(F) \
     F(BINDBUFFERBASE, BindBufferBase) F(BINDBUFFERRANGE, BindBufferRange) F(BUFFERSUBDATA, BufferSubData) \
     F(COPYBUFFERSUBDATA, CopyBufferSubData) F(DISPATCHCOMPUTE, DispatchCompute) \
@@ -22,33 +22,33 @@ enum { FXS_COMPUTE_DRAWING = 3 };         /* programs of framebuffer.c */
 
 struct fxs_compute {
     fxs_gl gl;
-    fxs_compute_gl more;           /* functions */
+    fxs_compute_gl more;           /* functions not in kernels/gl */
     fxs_gl_use_fn *use;
     void *use_argument;
     char renderer[128];
     GLuint programs[FXS_COMPUTE_PROGRAMS], buffers[FXS_COMPUTE_BUFFERS], query;
     uint64_t bytes[FXS_COMPUTE_BUFFERS], scene_bytes;
-    uint64_t limit;                /* of these together; 0: none */
+    uint64_t limit;                /* maximum of all bytes together; 0: unlimited */
     int timer;
     fxs_plan_rooms rooms;
-    fxs_plan plan;                 /* of the frame that is under way, or the last one */
+    fxs_plan plan;                 /* of the current or last frame */
     uint64_t nanoseconds;
-    GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* of framebuffer.c, made when first asked for */
-    int32_t word_rows, most_rows;  /* of the texture of words */
+    GLuint drawing[FXS_COMPUTE_DRAWING], vertex_array, words;  /* of framebuffer.c, made on first use */
+    int32_t word_rows, most_rows;  /* of the texture `words` */
     int shift;                     /* log2 of its width; 0: fragment shaders read storage buffers */
 };
 
-/* Whether so many more bytes of the device may be taken: 0 or FXS_ERR_MEMORY. */
+/* Returns 0 if the limit allows `bytes` more on the device, otherwise FXS_ERR_MEMORY. */
 int fxs_compute_allow(const fxs_compute *compute, uint64_t bytes, fxs_message *why);
 
-/* Takes the errors that are pending. Returns 0 where there were none. */
+/* Clears pending GL errors. Returns 0 if there were none. */
 int fxs_compute_check(const fxs_compute *compute, fxs_message *why);
 
-/* The error of what the device lacks: FXS_ERR_UNSUPPORTED, or that of a context that was lost. */
+/* Error for a missing feature: FXS_ERR_UNSUPPORTED, or the error of a lost context. */
 int fxs_compute_lacks(const fxs_compute *compute, const char *text, const char *what, fxs_message *why);
 
-/* The two halves of a frame: what can be wrong with a request; and the rest, into the request's targets, or into a
-   target of the caller. */
+/* The two halves of a frame. fxs_compute_begin checks the request; fxs_compute_finish renders to the request's targets,
+   or to the caller's framebuffer. */
 int fxs_compute_begin(fxs_compute *compute, const fxs_request *request, const fxs_compute_scene *const *copies,
                       void *memory, fxs_message *why);
 int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *copies, const fxs_gles_target *target,
@@ -56,13 +56,13 @@ int fxs_compute_finish(fxs_compute *compute, const fxs_compute_scene *const *cop
 
 /* ---- framebuffer.c ----------------------------------------------------------------------------------------------- */
 
-/* Fills in the planes of the picture that are read, from the target's textures. */
+/* Fills the picture's input planes from the target's textures. */
 int fxs_compute_take_mesh(const fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
 
 /* Draws the picture into the target. */
 int fxs_compute_show(fxs_compute *compute, const fxs_gles_target *target, fxs_message *why);
 
-/* Deletes what draws needed. */
+/* Deletes the objects for drawing. */
 void fxs_compute_end_drawing(fxs_compute *compute);
 
 #endif

@@ -1,10 +1,10 @@
 // Needs records
-// The slots that trace found become ids, a thread a pixel.
+// Converts the slots found by trace to ids, one thread per pixel.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 
-// The span of a place: the last that does not begin behind it.
+// The span of a place: the last one that starts at or before it.
 fn span_of(place: u32) -> u32
 {
     var low = 0u;

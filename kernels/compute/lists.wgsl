@@ -1,5 +1,5 @@
 // Needs numbers records sums
-// Where each tile's list begins, a workgroup a tile row.
+// Places the tiles' lists, one workgroup per tile row.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> arguments: array<u32>;
@@ -7,13 +7,13 @@
 
 var<workgroup> first_page: u32;
 
-// 0: of empty lists; the last: of 4096 entries and more
+// 0: empty lists; last class: 4096 entries and more
 fn class_of(length: u32) -> u32
 {
     return select(min(34u - countLeadingZeros(length), CLASSES - 1u), 0u, length == 0u);
 }
 
-// What is to be sorted of a list.
+// Adds the blocks of a list to the work of sort.
 fn put_blocks(tile: u32, length: u32)
 {
     let blocks = select(0u, (length - 1u) / BLOCK + 1u, length > 1u);

@@ -1,5 +1,5 @@
 // Needs numbers records crop
-// Where each chunk lies for the camera, if anything of it can be seen: src/core/chunk.c, a thread a chunk.
+// Transforms each chunk's box to camera space and culls it, as in src/core/chunk.c. One thread per chunk.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
@@ -26,7 +26,7 @@ fn step_shift_of(at: u32) -> u32
     return scene[at + 18u] >> 16u;
 }
 
-// How far codes reach from the origin; below 2^60 where step_shift is at most 12.
+// Range of the codes from the origin. Below 2^60 if step_shift is at most 12.
 fn reach_of(at: u32, i: u32) -> wide
 {
     return shift_left(mul_wide(scene[at + 6u + i], 65535u), step_shift_of(at));
@@ -91,7 +91,7 @@ fn locate(at: u32) -> Located
     return l;
 }
 
-// An upper bound on how far, in units of the chunk's view, its Gaussians reach across the view.
+// Upper bound, in units of the chunk's view, of how far its Gaussians reach across the view.
 fn reach_across(l: ptr<function, Located>) -> wide
 {
     let log2_q16 = (*l).scale_q16 + (32 - (*l).shift + object.jacobian_exponent) * 65536;
@@ -107,7 +107,7 @@ fn reach_across(l: ptr<function, Located>) -> wide
     return add_wide(shift_right(mul_word(size, 7u), 1u), wide(4u, 0u));
 }
 
-// The largest value of sign * (axis i) - slope * depth in the chunk's box.
+// Maximum of sign * (axis i) - slope * depth in the chunk's box.
 fn farthest(l: ptr<function, Located>, i: u32, sign: i32, slope_q23: i32) -> wide
 {
     let shift = 32 - 23 - (*l).plane_zeros;
@@ -139,7 +139,7 @@ fn lies_beyond(l: ptr<function, Located>, i: u32, sign: i32, slope_q23: i32, rea
     return is_negative(add_wide(farthest(l, i, sign, slope_q23), reach));
 }
 
-// fxs_chunk_view_init, but for the check of the header.
+// The visibility test of fxs_chunk_view_of.
 fn can_be_seen(l: ptr<function, Located>) -> bool
 {
     var z_q16 = (*l).base_q16[2];
@@ -184,7 +184,7 @@ fn put_wide(at: u32, x: wide)
     memory[at + 1u] = x.y;
 }
 
-// The record that project reads.
+// Writes the record that project reads.
 fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
 {
     let plane_side = select(0x7fffffff, 1 << u32(38 - min((*l).plane_zeros, 38)), (*l).plane_zeros > 7);
@@ -214,11 +214,11 @@ fn put_record(to: u32, at: u32, l: ptr<function, Located>, share_q8: u32)
     }
 }
 
-// Whether the chunk at a place can be seen; then its record is there.
+// True if the chunk at a place may be visible; then also writes its record.
 fn look_at(place: u32) -> bool
 {
     var chunk = place;
-    var drawn = 256u;             // its share, and above that what its sigmas grow by
+    var drawn = 256u;             // low half: share; high half: growth of the sigmas
     if (frame.drawn != 0u) {
         chunk = memory[frame.drawn + 2u * place];
         drawn = memory[frame.drawn + 2u * place + 1u];
@@ -237,7 +237,7 @@ fn look_at(place: u32) -> bool
     return true;
 }
 
-// Sets the bits of places that can be seen. Spans may share a word.
+// Sets the bits of the visible places. Spans may share a word.
 @compute @workgroup_size(128)
 fn locate_chunks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

@@ -1,4 +1,4 @@
-// Integers of 64 bits as two words, low then high, as WGSL has none; and the functions of fixsplat/fixed.h.
+// 64-bit integers as two words, low then high, because WGSL has none; and the functions of fixsplat/fixed.h.
 
 alias wide = vec2<u32>;
 
@@ -23,7 +23,7 @@ fn is_negative(a: wide) -> bool
     return bitcast<i32>(a.y) < 0;
 }
 
-// Not 0 - a: NVIDIA's compiler of GLSL (driver 580) loses the sign of such a word where it is shifted next.
+// Not 0 - a: NVIDIA's GLSL compiler (driver 580) loses the sign of such a word when it is shifted next.
 fn negate(a: wide) -> wide
 {
     return add_wide(~a, wide(1u, 0u));
@@ -43,7 +43,7 @@ fn less(a: wide, b: wide) -> bool
     return select(bitcast<i32>(a.y) < bitcast<i32>(b.y), a.x < b.x, a.y == b.y);
 }
 
-// By halves of 16 bits. tools/compute_shaders.mjs puts umulExtended in the place of the body.
+// By halves of 16 bits. tools/compute_shaders.mjs replaces the body with umulExtended.
 fn mul_wide(a: u32, b: u32) -> wide
 {
     let al = a & 0xffffu;
@@ -73,14 +73,14 @@ fn mul_signed(a: i32, b: i32) -> wide
     return wide(product.x, product.y - select(0u, bitcast<u32>(a), b < 0));
 }
 
-// The low 64 bits of the product.
+// Low 64 bits of the product.
 fn mul_word(a: wide, b: u32) -> wide
 {
     let product = mul_wide(a.x, b);
     return wide(product.x, product.y + a.y * b);
 }
 
-// n in 0..63, of this and the next two
+// n is 0 to 63, here and in the next two functions
 fn shift_left(a: wide, n: u32) -> wide
 {
     if (n == 0u) {
@@ -103,7 +103,7 @@ fn shift_right(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), a.y >> n);
 }
 
-// Towards minus infinity.
+// Rounds towards minus infinity.
 fn shift_signed(a: wide, n: u32) -> wide
 {
     let high = bitcast<i32>(a.y);
@@ -116,14 +116,14 @@ fn shift_signed(a: wide, n: u32) -> wide
     return wide((a.x >> n) | (a.y << (32u - n)), bitcast<u32>(high >> n));
 }
 
-// Towards plus infinity, n above 0: -(-a >> n), without a sign that a compiler could lose (see negate).
+// Rounds towards plus infinity; n > 0. Equals -(-a >> n), without a sign that a compiler could lose (see negate).
 fn shift_up(a: wide, n: u32) -> wide
 {
     let most = shift_right(wide(0xffffffffu, 0xffffffffu), 64u - n);
     return shift_signed(add_wide(a, most), n);
 }
 
-// x 2^-n, rounded to nearest, halves up; n in 1..62
+// x 2^-n, rounded to nearest, halves up; n is 1 to 62
 fn round_shift(x: wide, n: i32) -> wide
 {
     return shift_signed(add_wide(shift_signed(x, u32(n - 1)), wide(1u, 0u)), 1u);
@@ -134,7 +134,7 @@ fn low_of(a: wide) -> i32
     return bitcast<i32>(a.x);
 }
 
-// x above 0
+// x > 0
 fn zeros_of(x: u32) -> i32
 {
     return i32(countLeadingZeros(x));
@@ -145,7 +145,7 @@ fn zeros_of_wide(x: wide) -> i32
     return select(32 + zeros_of(x.x), zeros_of(x.y), x.y != 0u);
 }
 
-// x / 2^n, towards 0
+// x / 2^n, rounded towards 0
 fn divide_by(x: i32, n: u32) -> i32
 {
     return select(x >> n, -(-x >> n), x < 0);
@@ -181,7 +181,7 @@ fn sqrt_of(x: u32) -> u32
     return mul_high(m, rsqrt(m)) >> (14u + shift / 2u);
 }
 
-// 2^-f, Q15; f_q15 in 0..32767
+// 2^-f, Q15; f_q15 is 0 to 32767
 fn exp2_q15(f_q15: i32) -> i32
 {
     var p = (256 * f_q15 + 16384) >> 15u;
@@ -191,7 +191,7 @@ fn exp2_q15(f_q15: i32) -> i32
     return 32768 + p;
 }
 
-// log2(x), Q16; x above 0
+// log2(x), Q16; x > 0
 fn log2_q16(x: wide) -> i32
 {
     let n = zeros_of_wide(x);

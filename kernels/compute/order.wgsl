@@ -1,6 +1,7 @@
-// Tiles in the order of their lists' classes, the longest first. One is NOTHING behind the last.
+// Tiles in the order of the classes of their lists, longest first. NOTHING after the last tile.
 
-// How many of these classes, the last one first, end by `number`; *start becomes the end of the last of those.
+// Counts the classes, starting with the last one, that end at or before `number`. *start becomes the end of the last
+// such class.
 fn classes_before(number: u32, sizes: vec4<u32>, start: ptr<function, u32>, all: ptr<function, u32>) -> u32
 {
     let w = *all + sizes.w;
@@ -21,7 +22,7 @@ fn class_sizes(first: u32) -> vec4<u32>
     return vec4<u32>(counts[at], counts[at + 1u], counts[at + 2u], counts[at + 3u]);
 }
 
-// All sizes are fetched at once, as a loop would wait for each.
+// Loads all sizes at once; a loop would wait for each load.
 fn tile_at(number: u32) -> u32
 {
     let a = class_sizes(12u);

@@ -1,6 +1,6 @@
-// What blend and trace have in common: a workgroup of 32 threads has 8x8 pixels, two a thread. It takes 32 splats of
-// the list at a time: each thread tests one against the rows, then all take those that can touch an open pixel. Of a
-// list of the longest class, which others would wait for, a workgroup has one row of the pixels.
+// Shared by blend and trace. A workgroup of 32 threads has 8x8 pixels, two per thread. It takes 32 splats of the list
+// per round: each thread tests one splat against the rows, then all threads blend the splats that can touch an open
+// pixel. For a list of the longest class a workgroup has only one row of the pixels, for load balance.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read> counts: array<u32>;
@@ -11,22 +11,23 @@
 const SIDE: u32 = 8u;
 const SOME: u32 = 32u;
 
-// The splats of a round, at the patch: u and v at its first pixel, ux, uy; vy, offset and red, green and blue, limit. The
-// less memory of a workgroup, the more of them a GPU has at a time, so rows are not kept.
+// Splats of a round, relative to the patch. shapes: u and v at the patch's first pixel, ux, uy. shades: vy, offset and
+// red, green and blue, limit. Levels of rows are not kept: with less workgroup memory, a GPU runs more workgroups at a
+// time.
 var<workgroup> shapes: array<vec4<u32>, 32>;
 var<workgroup> shades: array<vec4<u32>, 32>;
-var<workgroup> touching: array<atomic<u32>, 2>;    // of this round and of the next: the splats that can touch a pixel
-var<workgroup> open_round: u32;                    // the last one before which a pixel was open
-var<workgroup> open_pixels: array<atomic<u32>, 2>; // 8 bits a row
+var<workgroup> touching: array<atomic<u32>, 2>;    // this round and the next: splats that can touch a pixel
+var<workgroup> open_round: u32;                    // last round that started with an open pixel
+var<workgroup> open_pixels: array<atomic<u32>, 2>; // 8 bits per row
 
 struct Pixel {
     transmittance: i32,
     sum: vec3<i32>,
 }
 
-// A splat on its way to a round.
+// A splat loaded for a later round.
 struct Fetched {
-    entry: u32,                    // with CUT_OFF: there is none
+    entry: u32,                    // with CUT_OFF: no entry
     a: vec4<u32>,
     b: vec4<u32>,
 }
@@ -50,8 +51,8 @@ fn fetch_splat(entry: u32) -> Fetched
     return f;
 }
 
-// Whether a splat can touch an open pixel of a patch. u grows along a row, so |u| is least at the first or the last open
-// pixel, or 0 between them.
+// True if a splat can touch an open pixel of a patch. u grows along a row, so |u| is smallest at the first or last open
+// pixel, or 0 in between.
 fn touch(f: Fetched, here: Patch) -> bool
 {
     let offset_q11 = i32(f.b.y & 0xffffu);
@@ -82,11 +83,11 @@ fn open_of(row: u32) -> u32
     return (atomicLoad(&open_pixels[row / 4u]) >> (8u * (row % 4u))) & 0xffu;
 }
 
-// A splat of the round at a row.
+// A splat of the round on a row.
 struct Taken {
     u: u32,
     ux: u32,
-    level_q26: u32,                // u^2 short of a level, and 1/2 to round it
+    level_q26: u32,                // the level without u^2, plus 1/2 for rounding
     limit_q11: i32,
     colour: vec3<i32>,
 }
@@ -97,21 +98,21 @@ fn take(i: u32, row: u32) -> Taken
     let shade = shades[i];
     let v = bitcast<i32>(shape.y + row * shade.x);
     let v_q13 = fxs_coordinate_q13(v);
-    // fxs_row_level_q11: what that cuts is over the limit
+    // fxs_row_level_q11, here and below without saturation: saturated values are over the limit
     let level_q11 = fxs_mul_q15(v_q13, v_q13) + i32(shade.y & 0xffffu);
     return Taken(shape.x + row * shape.w, shape.z, (u32(level_q11) << 15u) + 16384u, i32(shade.w),
                  vec3<i32>(vec3<u32>(shade.y >> 16u, shade.z & 0xffffu, shade.z >> 16u)));
 }
 
-// Blends it at a column. Returns its weight.
+// Blends a splat at a column. Returns its weight.
 fn blend_splat(p: ptr<function, Pixel>, t: Taken, column: u32) -> i32
 {
     let u_q13 = fxs_coordinate_q13(bitcast<i32>(t.u + column * t.ux));
-    let level = i32((u32(u_q13 * u_q13) + t.level_q26) >> 15u);    // fxs_level_q11: what that cuts is over the limit
+    let level = i32((u32(u_q13 * u_q13) + t.level_q26) >> 15u);    // fxs_level_q11 without saturation
     let counts = level <= t.limit_q11 && (*p).transmittance >= FXS_CLOSED_Q15;
     let weight = select(0, fxs_weight_q15(fxs_alpha_q15(level), (*p).transmittance), counts);
     (*p).transmittance -= weight;
-    // Sums only grow: cut to 32767 once, by resolve.
+    // Sums only grow, so saturating once at 32767, in put_colour, is enough.
     (*p).sum += vec3<i32>(fxs_mul_q15(weight, t.colour.x), fxs_mul_q15(weight, t.colour.y),
                           fxs_mul_q15(weight, t.colour.z));
     return weight;
@@ -151,20 +152,19 @@ fn put_colour(p: ptr<function, Pixel>, at: u32)
     memory[frame.colour + at] = word;
 }
 
-// 8x8 pixels of a tile, or a row of them. The same for all threads of a workgroup.
+// 8x8 pixels of a tile, or a row of them. Uniform in a workgroup.
 struct Patch {
-    tile: u32,                     // NOTHING: there is none
+    tile: u32,                     // NOTHING: no patch
     x: u32,
     y: u32,
-    rows: vec2<u32>,               // the first and the last, from y on
+    rows: vec2<u32>,               // first and last row, relative to y
     list: u32,
     count: u32,
 }
 
-// The first pixel of a patch, by its tile and its number.
 fn corner_of(tile: u32, number: u32) -> vec2<u32>
 {
-    let halves = frame.tile_bits - 3u;             // bits of a number: which patch of the tile, across and down
+    let halves = frame.tile_bits - 3u;             // bits in a number for the patch's place in the tile, per axis
     let across = u32(frame.tiles.x);
     return (vec2<u32>(tile % across, tile / across) << vec2<u32>(frame.tile_bits)) +
            vec2<u32>(number & halves, (number >> 1u) & halves) * SIDE;
@@ -188,11 +188,11 @@ fn patch_of(group: vec3<u32>) -> Patch
     return Patch(tile, corner.x, corner.y, rows, counts[frame.next + tile] - count, count);
 }
 
-// The pixels of a thread: two in a row, APART.
+// The two pixels of a thread, APART columns from each other.
 struct Place {
     column: u32,                   // in the patch
     row: u32,
-    at: u32,                       // in a plane of the picture
+    at: u32,                       // index in a plane of the picture
     inside: vec2<bool>,
 }
 
@@ -233,7 +233,6 @@ fn close_pixel(place: Place, second: bool)
     atomicAnd(&open_pixels[place.row / 4u], ~bit_of(place, second));
 }
 
-// Puts a splat into the round.
 fn put_splat(here: Patch, thread: u32, f: Fetched)
 {
     let limit = fxs_limit_q11(i32(f.b.y & 0xffffu), frame.cut_q11);
@@ -241,7 +240,7 @@ fn put_splat(here: Patch, thread: u32, f: Fetched)
     shades[thread] = vec4<u32>(f.b.xyz, u32(limit));
 }
 
-// And marks it where it touches an open pixel.
+// Stores a splat, and marks it if it touches an open pixel.
 fn place_splat(here: Patch, thread: u32, f: Fetched, round: u32)
 {
     if ((f.entry & CUT_OFF) != 0u) {

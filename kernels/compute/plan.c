@@ -1,4 +1,5 @@
-/* The plan of a frame. */
+/* Plan of a frame, without API calls: lays out its memory, lists its dispatches, and grows the capacities that were too
+ * small. See plan.h. */
 #include "plan.h"
 #include "src/core/memory.h"
 #include "src/core/parts.h"
@@ -6,7 +7,7 @@
 enum { TABLE_WORDS = FXS_OPACITY_LAWS * 256 / 2, HEADER_BYTES = 128, SPLAT_BYTES = 32, ENTRY_BYTES = 4, TRIES = 6,
        MERGES = 19 };
 
-/* A stretch of an object's chunks that are drawn, whose rows lie in one part of its scene. */
+/* A range of an object's drawn chunks with rows in one part of its scene. */
 typedef struct span {
     uint32_t object, first_place, end_place, part;
 } span;
@@ -61,7 +62,7 @@ uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message
     return room < UINT32_MAX ? (uint32_t)room : UINT32_MAX;
 }
 
-/* Chunks `first` to before `end` of what lies in two pieces, the leaves' and the nodes'. */
+/* Chunks `first` to before `end` of data in two pieces, leaves and nodes. */
 static uint64_t two_pieces(const fxs_scene *scene, uint64_t at, uint32_t first, uint32_t end, uint64_t size,
                            const unsigned char *leaves, const unsigned char *nodes, fxs_piece *pieces)
 {
@@ -92,7 +93,6 @@ uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t p
 
 /* ---- The request ------------------------------------------------------------------------------------------------- */
 
-/* Counts the chunks of the objects. */
 static int count_objects(fxs_plan *p)
 {
     const fxs_request *r = p->request;
@@ -121,7 +121,7 @@ static uint64_t parts_bytes(uint32_t count)
     return (count * (uint64_t)sizeof(uint32_t) + 63) / 64 * 64;
 }
 
-/* The objects' views, their parts' chunks, and a cut. */
+/* Memory for the objects' views, their part_chunks, and a cut. */
 size_t fxs_plan_memory(const fxs_request *request)
 {
     fxs_plan p = {.request = request};
@@ -194,7 +194,7 @@ static uint32_t chunk_of(const fxs_plan *p, uint32_t place)
     return p->drawn ? p->drawn[place].chunk : place;
 }
 
-/* Goes on to the next span; *s is all 0 at first. Returns 0 where there is none. */
+/* Advances to the next span; *s starts as all 0. Returns 0 after the last one. */
 static int next_span(const fxs_plan *p, span *s)
 {
     uint32_t place = s->end_place;
@@ -298,7 +298,7 @@ static uint32_t larger(uint64_t a, uint64_t b)
     return x < UINT32_MAX ? (uint32_t)x : UINT32_MAX;
 }
 
-/* How much a frame is likely to need, at first. */
+/* Sets the likely needs of a frame as its first capacities. */
 static void guess_rooms(const fxs_plan *p, fxs_plan_rooms *r)
 {
     const uint64_t slots = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians, all = r->most / (2 * ENTRY_BYTES);
@@ -322,16 +322,16 @@ static uint32_t plane_at(uint64_t *used, const fxs_image *image, uint64_t words)
     return image->pixels ? words_at(used, words) : FXS_NOTHING;
 }
 
-/* Lists are of tiles of 16x16 pixels. Where there are more Gaussians than pixels, these are small, and tiles of 8x8 have
-   shorter lists of not many more entries. The square of Kerbl et al. is in whole tiles of 16x16. */
+/* Tiles have 16x16 pixels. With more Gaussians than pixels, the Gaussians are small, and tiles of 8x8 have shorter
+   lists with few more entries. The square of Kerbl et al. needs tiles of 16x16. */
 static uint32_t tile_bits(const fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels)
 {
     const uint64_t drawn = p->drawn ? (uint64_t)p->places * FXS_CHUNK : p->gaussians;
     return drawn > pixels && p->view.cutoff != FXS_CUTOFF_SQUARE && !r->whole_tiles ? 3 : 4;
 }
 
-/* What a stage alone needs, one over the other: the tiles that splats are listed in, the room to sort, and the picture,
-   but for its planes that are read. */
+/* Lays out memory that only one stage needs at a time, overlapping: boxes and large splats, scratch space to sort, and
+   the picture's written planes. */
 static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels, uint64_t *words)
 {
     const fxs_targets *t = p->request->targets;
@@ -353,7 +353,7 @@ static void lay_out_stages(fxs_plan *p, const fxs_plan_rooms *r, uint64_t pixels
     *words = picture > *words ? picture : *words;
 }
 
-/* Where all lies in the memory and the counts, and how large the buffers are. */
+/* Lays out the memory and the counts, and sets the sizes of the buffers. */
 static void lay_out(fxs_plan *p, const fxs_plan_rooms *r)
 {
     const fxs_targets *t = p->request->targets;
@@ -441,7 +441,7 @@ size_t fxs_plan_places_bytes(const fxs_plan *p)
     return 4 * (size_t)(p->frame.ranks - p->frame.spans_at);
 }
 
-/* The spans' places, and the chunks of the cut. */
+/* Writes the spans' places and the chunks of the cut. */
 void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 {
     const fxs_compute_frame *f = &p->frame;
@@ -464,7 +464,7 @@ void fxs_plan_places(const fxs_plan *p, uint32_t *to)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* The bindings of each program: FXS_PLAN_HEADS, FXS_PLAN_ROWS, buffers. */
+/* Bindings of each program: buffers, FXS_PLAN_HEADS or FXS_PLAN_ROWS. */
 static const int32_t buffers_of[FXS_COMPUTE_PROGRAMS][4] = {
 #define NONE FXS_PLAN_NONE
 #define OF(program, a, b, c, d) [FXS_COMPUTE_##program] = {a, b, c, d},
@@ -490,7 +490,7 @@ static fxs_step step_of(uint32_t program)
     return step;
 }
 
-/* So many workgroups, in rows. */
+/* A dispatch of `groups` workgroups, in rows. */
 static fxs_step direct(uint32_t program, uint64_t groups)
 {
     fxs_step step = step_of(program);
@@ -512,7 +512,7 @@ static uint64_t groups_of(uint64_t threads)
     return (threads + FXS_COMPUTE_THREADS - 1) / FXS_COMPUTE_THREADS;
 }
 
-/* A step for each span that can be seen; the first waits. */
+/* One step per span with a visible object; only the first waits. */
 static void of_spans(const fxs_plan *p, uint32_t program, fxs_step_fn *step, void *argument)
 {
     span s = {0, 0, 0, 0};
@@ -564,7 +564,7 @@ void fxs_plan_steps(const fxs_plan *p, fxs_step_fn *step, void *argument)
 
 /* ---- Lists longer than their room -------------------------------------------------------------------------------- */
 
-/* How often runs are merged where this is the longest list. */
+/* Merge passes for a longest list of this length. */
 static uint32_t merges_of(uint32_t longest)
 {
     uint32_t merges = 0;
@@ -581,7 +581,7 @@ static int needs_more(const fxs_plan *p)
            merges_of(p->status[FXS_COMPUTE_LONGEST]) > p->merges;
 }
 
-/* Room for what the frame needed, and an eighth more of what may change with the view. */
+/* Capacity for the frame's needs, plus 1/8 for needs that change with the view. */
 static void make_more(const fxs_plan *p, fxs_plan_rooms *r)
 {
     const uint64_t larges = p->status[FXS_COMPUTE_LARGES], pages = p->status[FXS_COMPUTE_PAGES];

@@ -1,100 +1,101 @@
-/* What a frame of the compute back ends is: its buffers, what is put into them, the dispatches of its stages, and what
- * is done again where lists were longer than their room. Here is no API: compute.c carries it out by OpenGL ES, and
- * port/web/webgpu.js by WebGPU.
+/* Plan of a frame of the compute back ends: its buffers, their contents, the dispatches of its stages, and the retry if
+ * a list exceeded its capacity. The plan calls no API: compute.c executes it with OpenGL ES, port/web/webgpu.js with
+ * WebGPU.
  *
- *     fxs_plan_begin(&plan, request, memory, why)         fill in plan.part_chunks
+ *     fxs_plan_begin(&plan, request, memory, why)         then fill in plan.part_chunks
  *     do {
- *         fxs_plan_lay_out(&plan, &rooms, why)            buffers of plan.bytes[] at least; table, uniforms, places
- *         fxs_plan_steps(&plan, step, argument)           each step is carried out
+ *         fxs_plan_lay_out(&plan, &rooms, why)            allocate plan.bytes[] at least; write table, uniforms, places
+ *         fxs_plan_steps(&plan, step, argument)           execute each step
  *     } while ((result = fxs_plan_look(&plan, &rooms, status, why)) > 0)
  *
- * Functions return 0 or an FXS_ERR_* with a message, unless they say otherwise. */
+ * Functions return 0 or an FXS_ERR_* with a message, unless stated otherwise. */
 #ifndef FXS_PLAN_H
 #define FXS_PLAN_H
 
 #include "records.h"
 #include "src/core/cut.h"
 
-/* A device's room for a frame's lists, which grows where a frame needs more. */
+/* A device's capacities for a frame's lists. They grow when a frame needs more. */
 typedef struct fxs_plan_rooms {
-    uint64_t most;                 /* bytes of a storage buffer */
-    uint32_t chunks, larges, pages, merges;    /* of the next frame, at least */
-    uint32_t whole_tiles;          /* 1: the lists of tiles of 8x8 once took more than a buffer holds */
+    uint64_t most;                 /* largest storage buffer in bytes */
+    uint32_t chunks, larges, pages, merges;    /* minimum for the next frame */
+    uint32_t whole_tiles;          /* 1: lists of 8x8 tiles once exceeded a buffer */
 } fxs_plan_rooms;
 
 typedef struct fxs_plan {
     const fxs_request *request;
-    fxs_view view;                 /* of the world */
+    fxs_view view;                 /* in world space */
     fxs_object_view *objects;
-    uint32_t *part_chunks;         /* of each object: chunks of a part of its scene; for the back end to fill in */
+    uint32_t *part_chunks;         /* per object: chunks in a part of its scene; filled in by the back end */
     const fxs_drawn *drawn;        /* null: all leaves are drawn */
     uint64_t gaussians;
     uint32_t places, cut_room, merges, tries;
     uint64_t bytes[FXS_COMPUTE_BUFFERS];
-    uint64_t read_at, read_words;  /* of the memory that are read back: the picture's planes that are written */
+    uint64_t read_at, read_words;  /* range of the memory to read back: the picture's written planes */
     fxs_compute_frame frame;
     uint32_t status[FXS_COMPUTE_STATUS];
 } fxs_plan;
 
-/* Buffers of a scene, beside those of a frame. */
+/* Buffers of a scene; FXS_COMPUTE_* are the buffers of a frame. */
 enum { FXS_PLAN_NONE = -1, FXS_PLAN_HEADS = -2, FXS_PLAN_ROWS = -3 };
 
-/* A dispatch. All words are of 32 bits, as port/web/webgpu.js reads them so. */
+/* A dispatch. All fields have 32 bits, because port/web/webgpu.js reads them as such. */
 typedef struct fxs_step {
     uint32_t program;
-    uint32_t waits;                /* whether it reads what steps before it wrote */
-    uint32_t groups[2];            /* along x and y; 0: see arguments */
-    int32_t arguments;             /* the buffer with the number of groups; FXS_PLAN_NONE: groups has them */
-    uint32_t arguments_at;         /* and where in it, bytes */
-    int32_t buffers[4];            /* of the bindings 0 to 3 of group 1 */
-    uint32_t uniform;              /* where the object lies in the uniforms, bytes; 0: the program reads none */
-    uint32_t object, part;         /* whose heads or rows are meant */
+    uint32_t waits;                /* 1: it reads data written by earlier steps */
+    uint32_t groups[2];            /* along x and y; 0: indirect */
+    int32_t arguments;             /* buffer with the numbers of groups; FXS_PLAN_NONE: in `groups` */
+    uint32_t arguments_at;         /* offset in it, in bytes */
+    int32_t buffers[4];            /* bindings 0 to 3 of group 1 */
+    uint32_t uniform;              /* offset of the object in the uniforms, in bytes; 0: not needed */
+    uint32_t object, part;         /* for FXS_PLAN_HEADS and FXS_PLAN_ROWS */
 } fxs_step;
 typedef void fxs_step_fn(void *argument, const fxs_step *step);
 
-/* Memory of the host that a frame of this request takes; 0 where it is out of range. */
+/* Host memory for a frame of this request, in bytes; 0 if the request is out of range. */
 size_t fxs_plan_memory(const fxs_request *request);
 
-/* Checks a request and finds what of its scenes is drawn. After that, the scenes and the objects are not read any more.
-   The request, crop boxes and `memory` must stay. */
+/* Checks a request and finds the drawn chunks of its scenes. Scenes and objects are not read afterwards. The request,
+   the crop boxes and `memory` must stay valid. */
 int fxs_plan_begin(fxs_plan *plan, const fxs_request *request, void *memory, fxs_message *why);
 
 /* Fills in plan->frame and plan->bytes. */
 int fxs_plan_lay_out(fxs_plan *plan, fxs_plan_rooms *rooms, fxs_message *why);
 
-/* Writes the uniforms, plan->bytes[FXS_COMPUTE_UNIFORMS] bytes of them. */
+/* Writes the uniforms, plan->bytes[FXS_COMPUTE_UNIFORMS] bytes. */
 void fxs_plan_uniforms(const fxs_plan *plan, void *to);
 
-/* The bytes of the places, and writes these, which lie in the memory from word plan->frame.spans_at on. The memory
-   begins with fxs_offset_of_code_q11. */
+/* Size in bytes of the places; writes them. They go to word plan->frame.spans_at of the memory. The memory starts with
+   fxs_offset_of_code_q11. */
 size_t fxs_plan_places_bytes(const fxs_plan *plan);
 void fxs_plan_places(const fxs_plan *plan, uint32_t *to);
 
-/* Calls for each dispatch, in their order. */
+/* Calls step for each dispatch, in order. */
 void fxs_plan_steps(const fxs_plan *plan, fxs_step_fn *step, void *argument);
 
-/* Looks at the first FXS_COMPUTE_STATUS words of the counts. Returns 0 where the frame is complete, 1 where it is to be
-   laid out and done again, as a list was longer than its room, or an error. */
+/* Reads the first FXS_COMPUTE_STATUS words of the counts. Returns 0 if the frame is complete, 1 if a list exceeded its
+   capacity and the frame must be laid out and run again, or an error. */
 int fxs_plan_look(fxs_plan *plan, fxs_plan_rooms *rooms, const uint32_t *status, fxs_message *why);
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-/* Some bytes of a scene, and where they lie in a buffer. */
+/* Bytes of a scene and their offset in a buffer. */
 typedef struct fxs_piece {
     const void *from;
     uint64_t bytes, at;
 } fxs_piece;
 
-/* The chunks whose rows have room in a buffer: a scene has as many parts as it takes of these. 0: the scene cannot be
-   on the device, and there is a message. */
+/* Number of chunks with rows that fit in a buffer; a scene is split into parts of this size. Returns 0, with a message,
+   if the scene does not fit on the device. */
 uint32_t fxs_plan_part_chunks(const fxs_scene *scene, uint64_t most, fxs_message *why);
 
-/* The pieces of a part, or of the heads (part FXS_PLAN_HEADS); some may have 0 bytes. Returns their bytes together. */
+/* The pieces of a part, or of the heads (part FXS_PLAN_HEADS); a piece may have 0 bytes. Returns the sum of their
+   bytes. */
 uint64_t fxs_plan_pieces(const fxs_scene *scene, uint32_t part_chunks, int64_t part, fxs_piece pieces[3]);
 
 /* ---- Messages ---------------------------------------------------------------------------------------------------- */
 
-/* Writes a text and what it is about. Returns the error. */
+/* Writes a text and its subject to *why. Returns `error`. */
 int fxs_plan_say(fxs_message *why, int error, const char *text, const char *what);
 
 #endif

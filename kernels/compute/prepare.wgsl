@@ -1,17 +1,16 @@
 // Needs pixel numbers records crop project shade bin
-// The chunks that can be seen: project, shade and bin, two workgroups a chunk.
+// project, shade and bin for the visible chunks, two workgroups per chunk.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> object: Object;
 @group(1) @binding(0) var<storage, read> scene: array<u32>;            // palette, then rows
 @group(1) @binding(1) var<storage, read_write> memory: array<u32>;
 @group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> splats: array<vec4<u32>>;   // two each
+@group(1) @binding(3) var<storage, read_write> splats: array<vec4<u32>>;   // two per splat
 
 var<workgroup> visible_here: atomic<u32>;
-var<workgroup> record: array<u32, 64>;           // of the chunk: see put_record in locate.wgsl
+var<workgroup> record: array<u32, 64>;           // the chunk's record; see put_record in locate.wgsl
 
-// A depth key times the scale.
 fn scale_depth(key: u32) -> u32
 {
     let product = mul_high((0x4000000u | (key & 0x3ffffffu)) << 5u, object.scale_mantissa);
@@ -26,7 +25,7 @@ fn scale_depth(key: u32) -> u32
     return (u32(exponent) << 26u) | (((product << u32(zeros)) >> 5u) & 0x3ffffffu);
 }
 
-// fxs_object_change, of crop boxes
+// The crop boxes of fxs_object_change.
 fn is_kept(position: vec3<u32>) -> bool
 {
     var centre: array<wide, 3>;
@@ -47,7 +46,7 @@ fn offset_of(opacity: u32, share_q8: u32) -> i32
     return i32(offset_q11) + object.offset_q11;
 }
 
-// Adds 1 to the counts where a splat's tiles begin on a tile row, takes it where they have ended.
+// Adds 1 to the count of the first tile of a span, and subtracts 1 after its last tile; start_lists sums these.
 fn count_tiles(row: i32, s: Span)
 {
     if (s.first > s.last) {
@@ -60,7 +59,7 @@ fn count_tiles(row: i32, s: Span)
     }
 }
 
-// LARGE_ROWS tile rows of a splat that fits in no box, for fill_large.
+// Records LARGE_ROWS tile rows of a splat that is too large for a box, for fill_large.
 fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
 {
     let place = atomicAdd(&counts[LARGES], 1u);
@@ -77,8 +76,8 @@ fn put_large(slot: u32, b: ptr<function, Bounds>, first_row: i32)
     }
 }
 
-// Counts the tiles of a splat. Returns its box: bit 6 r + c of 42 for each tile of a row and column, and above the
-// first tile; 0 where it is large, or listed nowhere.
+// Counts the tiles of a splat. Returns its box: bit 6 r + c of 42 for the tile in row r and column c, then the first
+// tile's number in the bits above. Returns 0 if the splat is large or no tile lists it.
 fn list_splat(slot: u32, out: ptr<function, Placed>) -> wide
 {
     var s = (*out).splat;
@@ -123,7 +122,6 @@ fn put_splat(slot: u32, s: ptr<function, Splat>, colour_q13: vec3<i32>)
                                        u32((*s).rows.x) | (u32((*s).rows.y) << 16u));
 }
 
-// Returns the Gaussian's box.
 fn project_gaussian(chunk: u32, slot: u32) -> wide
 {
     let g = slot % CHUNK;
@@ -150,7 +148,7 @@ fn project_gaussian(chunk: u32, slot: u32) -> wide
         key = scale_depth(key);
     }
     let colour = min((shade(rows, g, codes) * object.tint_q13.xyz + 4096) >> vec3<u32>(13u), vec3<i32>(32767));
-    var splat = out.splat;         // a pointer to a member is not valid in every SPIR-V
+    var splat = out.splat;         // some SPIR-V versions reject a pointer to a member
     put_splat(slot, &splat, colour);
     memory[frame.depths + slot] = key;
     atomicAdd(&visible_here, 1u);

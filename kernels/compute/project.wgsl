@@ -1,4 +1,4 @@
-// project: src/core/project.c, a thread a Gaussian.
+// project, as in src/core/project.c. One thread per Gaussian.
 
 struct Projected {
     camera: vec3<i32>,
@@ -49,7 +49,7 @@ fn wide_at(at: u32) -> wide
     return wide(record[at], record[at + 1u]);
 }
 
-// (base + m code) >> 16 of an axis, below 2^30: the products in two parts, of m's upper and lower 16 bits.
+// (base + m code) >> 16 on an axis, below 2^30. Each product is split by the upper and lower 16 bits of m.
 fn camera_of(i: u32, code: vec3<u32>) -> i32
 {
     let base_q16 = wide_at(2u * i);
@@ -80,7 +80,7 @@ fn project_axis(x: i32, side: i32, zeros: i32, inverse_q30: u32, f_q12: i32, c_q
     return Axis(slope, low_of(position), off_axis || !less(magnitude(position), wide(u32(CENTRE_LIMIT_Q14), 0u)));
 }
 
-// Whether it is beyond the near plane.
+// False if the centre is behind the near plane.
 fn project_centre(centre: ptr<function, Projected>, code: vec3<u32>) -> bool
 {
     let z = camera_of(2u, code);
@@ -115,7 +115,7 @@ fn jacobian_row(i: u32, slope_q23: i32) -> vec3<i32>
     return object.row_q15[i].xyz - ((slope_q15 * forward + vec3<i32>(16384)) >> vec3<u32>(15u));
 }
 
-// The first axis of a Gaussian, two directions at right angles to it, and the roll about it; see src/core/project.c.
+// First axis of a Gaussian, two directions perpendicular to it, and the roll around it; see src/core/project.c.
 struct Axes {
     axis_q15: vec3<i32>,
     side_x_q15: vec3<i32>,
@@ -132,7 +132,7 @@ fn axis_bits(falls_q16: vec3<i32>) -> u32
     return u32(min(select(11, 8, small) + ((5 * gap) >> 16u), select(14, 10, small)));
 }
 
-// Whether X and Y are no longer than 1.
+// False if (X, Y) is longer than 1.
 fn read_axes(axes: ptr<function, Axes>, word: u32, bits: u32) -> bool
 {
     let x = bitcast<i32>(word) >> 16u;
@@ -171,7 +171,7 @@ fn screen_size(centre: ptr<function, Projected>, size_q16: i32, exponent: ptr<fu
     return mantissa << u32(zeros);
 }
 
-// Whether a Gaussian of this size cannot touch the picture; below 2^32, as exponent is at most 16.
+// True if a Gaussian of this size cannot touch the picture. The radius is below 2^32, because exponent <= 16.
 fn off_picture(centre: ptr<function, Projected>, exponent: i32) -> bool
 {
     let radius_q14 = 57344u * ((1u << u32(max(exponent, 0))) + 1u);
@@ -227,7 +227,7 @@ fn root_of_q30(x: u32) -> Root
     return Root(m, rsqrt(m), 1 - zeros / 2);
 }
 
-// x 2^-shift rounded to nearest; shift above 0, x below 2^32 - 1
+// x 2^-shift, rounded to nearest; shift > 0, x < 2^32 - 1
 fn scale_down(x: u32, shift: i32) -> u32
 {
     if (shift > 32) {
@@ -274,7 +274,7 @@ fn whiten(out: ptr<function, Placed>, s: ptr<function, Covariance>, c: Root, cen
     (*out).splat.vy_q24 = vy;
 }
 
-// Whether the ellipse touches the picture, and more of it than is hidden.
+// False if the ellipse misses the picture or lies in the hidden part.
 fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
 {
     var half_height = i32(product_shifted(sigma_q8, r_q12, 12u));
@@ -296,7 +296,7 @@ fn clip(out: ptr<function, Placed>, sigma_q8: u32, r_q12: u32) -> bool
     return true;
 }
 
-// The square of Kerbl et al. 2023: whether it touches the picture.
+// The square of Kerbl et al. 2023. False if it misses the picture.
 fn square(out: ptr<function, Placed>, s: ptr<function, Covariance>) -> bool
 {
     let e = (*s).exponent;
@@ -357,7 +357,7 @@ fn from_middle_q26(centre: ptr<function, Projected>, i: u32, exponent: i32) -> i
     return cut_to_16_q26(add_wide(wide_of(moved), wide_of(shift_and_cut(shift_left(middle_q12, 14u), exponent))));
 }
 
-// Whether a pixel is within r of the centre.
+// False if no pixel is within r of the centre.
 fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<function, Projected>, r_q12: u32) -> bool
 {
     let e = (*s).exponent;
@@ -373,7 +373,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
     let x_q26 = from_middle_q26(centre, 0u, e);
     let y_q26 = from_middle_q26(centre, 1u, e);
     let u_q44 = add_wide(mul_signed(x_q26, ux_q18), mul_signed(y_q26, uy_q18));
-    let u_q24 = shift_up(u_q44, 20u);                  // these two: times -1
+    let u_q24 = shift_up(u_q44, 20u);                  // this and the next: negated
     let v_q24 = shift_up(mul_signed(y_q26, vy_q18), 20u);
     let ux = low_of(round_shift(wide_of(ux_q18), shift));
     let uy = low_of(round_shift(wide_of(uy_q18), shift));
@@ -393,7 +393,7 @@ fn veil(out: ptr<function, Placed>, s: ptr<function, Covariance>, centre: ptr<fu
 
 // ----------------------------------------------------------------------------------------------------------------
 
-// A Gaussian's axis of 2^-below of the largest one's size, Q15.
+// Length of an axis, 2^-below times the longest one, Q15.
 fn axis_size_q15(below_q16: i32, size_q32: u32, shift: i32) -> i32
 {
     let ratio_q15 = u32(exp2_q15((below_q16 & 65535) >> 1u));

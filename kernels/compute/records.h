@@ -1,10 +1,10 @@
-/* What host and shaders of the compute back ends share: the programs, the buffers, and the structs of records.wgsl. */
+/* Shared by host and shaders of the compute back ends: programs, buffers, and the structs of records.wgsl. */
 #ifndef FXS_COMPUTE_RECORDS_H
 #define FXS_COMPUTE_RECORDS_H
 
 #include <fixsplat/stage.h>
 
-/* Programs, in the order of a frame: F(entry point) */
+/* Programs in the order of a frame: F(entry point) */
 #define FXS_COMPUTE_PROGRAMS_OF(F) \
     F(clear_counts) F(locate_chunks) F(gather_chunks) F(project_chunk) F(start_lists) F(fill_lists) F(fill_large) \
     F(sort_blocks) F(merge_runs) F(blend_tiles) F(trace_tiles) \
@@ -12,16 +12,15 @@
 #define FXS_COMPUTE_NUMBER(entry) FXS_COMPUTE_##entry,
 enum { FXS_COMPUTE_PROGRAMS_OF(FXS_COMPUTE_NUMBER) FXS_COMPUTE_PROGRAMS };
 
-/* Buffers. */
 enum {
     FXS_COMPUTE_UNIFORMS,          /* the frame, then the objects, FXS_COMPUTE_STRIDE bytes each */
     FXS_COMPUTE_MEMORY, FXS_COMPUTE_COUNTS, FXS_COMPUTE_SPLATS, FXS_COMPUTE_ENTRIES,
-    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,          /* of indirect dispatches; of those of blend and sort */
-    FXS_COMPUTE_DOWNLOAD,          /* what is read back: status and picture */
+    FXS_COMPUTE_ARGUMENTS, FXS_COMPUTE_LATER,          /* for indirect dispatches; LATER: sort and blend */
+    FXS_COMPUTE_DOWNLOAD,          /* data to read back: status and picture */
     FXS_COMPUTE_BUFFERS
 };
 
-enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16 };   /* bytes; words of the counts that are read back */
+enum { FXS_COMPUTE_STRIDE = 1024, FXS_COMPUTE_STATUS = 16 };   /* bytes; words of the counts to read back */
 
 /* Constants of records.wgsl. */
 enum {

@@ -1,4 +1,4 @@
-// shade: src/core/shade.c, a thread a Gaussian; and its codes, src/core/codes.h.
+// shade, as in src/core/shade.c, one thread per Gaussian; and its codes, as in src/core/codes.h.
 
 const COMPACT: u32 = 1u;
 const SMALL: u32 = 2u;
@@ -77,7 +77,7 @@ fn direction_q15(position: vec3<u32>) -> vec3<i32>
                      unit_q15(d.z, zeros, inverse_q30));
 }
 
-// The basis functions, by four as bytes of SH lie; 0 above the degree that is evaluated, and the last.
+// SH basis, in groups of four like the bytes of SH; 0 above the evaluated degree and in the last component.
 struct Basis {
     a: vec4<i32>,
     b: vec4<i32>,
@@ -117,7 +117,7 @@ fn basis_of(d: vec3<i32>, degree: i32) -> Basis
     return b;
 }
 
-// Coefficient k of the three channels, whose rows are CHUNK bytes apart.
+// Coefficient k of three channels. Rows of channels are CHUNK bytes apart.
 fn sh_of(at: u32, k: u32) -> vec3<i32>
 {
     let word = (at + 3u * k * CHUNK) / 4u;
@@ -153,7 +153,7 @@ fn dot_of(b: vec4<i32>, word: u32) -> i32
     return b.x * bytes.x + b.y * bytes.y + b.z * bytes.z + b.w * bytes.w;
 }
 
-// 16 numbers of 8 bits: of a channel of the chunk's mean, or of an entry of the palette.
+// 16 numbers of 8 bits: a channel of the chunk's mean, or of a palette entry.
 fn dot_16(b: Basis, a: u32, c: u32, d: u32, e: u32) -> i32
 {
     return dot_of(b.a, a) + dot_of(b.b, c) + dot_of(b.c, d) + dot_of(b.d, e);
@@ -178,7 +178,6 @@ fn entry_sum(b: Basis, stage: u32, code: u32) -> vec3<i32>
            vec3<i32>(entry_dot(b, at), entry_dot(b, at + 4u), entry_dot(b, at + 8u));
 }
 
-// 32 bits of the scene.
 fn bits_at(byte: u32, bit: u32) -> u32
 {
     let at = byte + bit / 8u;
@@ -190,7 +189,7 @@ fn bits_at(byte: u32, bit: u32) -> u32
     return low | (scene[at / 4u + 1u] << (32u - shift));
 }
 
-// Of four codes of 3 bits, two's complement, 2 c + 1 times the basis.
+// Sum of basis * (2 c + 1) for four codes c of 3 bits, two's complement.
 fn odd_dot(b: vec4<i32>, bits: u32) -> i32
 {
     let code = vec4<i32>(((vec4<u32>(bits) >> vec4<u32>(0u, 3u, 6u, 9u)) & vec4<u32>(7u)) ^ vec4<u32>(4u));

@@ -1,30 +1,31 @@
 // Needs records sums order
-// sort: each tile's list near to far. Blocks of a list are sorted in the memory of a workgroup: the depths of 16 keys,
-// sorted, bound as many ranges, each of which is 16 bins of equal width; keys go to the bins, then each counts those of
-// its bin that are less. The less memory of a workgroup, the more of them a GPU has at a time. Runs of a list, blocks
-// at first, are then merged, two at a time: a workgroup finds where its keys come from in both, and merges those.
+// sort: sorts each tile's list, near to far. A block of a list is sorted in workgroup memory. The depths of 16 of its
+// keys, sorted, bound 16 ranges. Each range has 16 bins of equal width. Keys go to the bins, and each key counts the
+// smaller ones in its bin. The memory is kept small, because a GPU then runs more workgroups at a time. Then runs of a
+// list, at first blocks, are merged two at a time: a workgroup finds the part of both runs that makes up its keys, and
+// merges these.
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(1) @binding(0) var<storage, read_write> counts: array<u32>;
 @group(1) @binding(1) var<storage, read_write> entries: array<u32>;
-@group(1) @binding(2) var<storage, read_write> memory: array<u32>;  // depths; and where as many entries are again
+@group(1) @binding(2) var<storage, read_write> memory: array<u32>;  // depths, and scratch space for as many entries
 
 const SAMPLES: u32 = 16u;
-const RANGE: u32 = 16u;            // bins
+const RANGE: u32 = 16u;            // bins per range
 const BINS: u32 = 256u;
 
 var<workgroup> keys: array<vec2<u32>, 512>;      // entry and depth, bin after bin
-var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then starts; the last: the end of all
+var<workgroup> bins: array<atomic<u32>, 257>;    // sizes, then starts; last: end of all bins
 var<workgroup> samples: array<u32, 16>;
 var<workgroup> ranks: array<atomic<u32>, 16>;
-var<workgroup> bounds: array<vec2<u32>, 16>;     // of the ranges: the least depth, and the shift that bins are wide
+var<workgroup> bounds: array<vec2<u32>, 16>;     // of ranges: smallest depth, log2 of the width of a bin
 
 fn key_of(entry: u32) -> vec2<u32>
 {
     return vec2<u32>(entry, memory[frame.depths + (entry & ~CUT_OFF)]);
 }
 
-// The key of an entry that lies in the spare room or in the entries.
+// Key of an entry, from the scratch space or from the entries.
 fn key_at(in_spare: bool, at: u32) -> vec2<u32>
 {
     if (in_spare) {
@@ -42,31 +43,32 @@ fn put_entry(in_spare: bool, at: u32, entry: u32)
     }
 }
 
-// By depth, then by slot.
+// By depth, then slot.
 fn is_below(a: vec2<u32>, b: vec2<u32>) -> bool
 {
     return select(a.y < b.y, a.x < b.x, a.y == b.y);
 }
 
-// What was done to a block is kept with it, above its number in the list: how often it was sorted or merged.
+// How often a block was sorted or merged is stored above its number in the list, in this unit.
 const DONE: u32 = 0x100000u;
 
 struct Block {
     list: u32,
-    count: u32,                    // of the list; 0: there is no block of this number
-    first: u32,                    // of the block in the list
+    count: u32,                    // length of the list; 0: no such block
+    first: u32,                    // offset of the block in the list
     done: u32,
 }
 
 var<workgroup> own_block: Block;
 
-// Each merge moves a list of at least two entries between these and the spare room. The last one ends in the entries.
+// Each merge moves a list of at least two entries between the entries and the scratch space. The last merge ends in the
+// entries.
 fn merges_of(count: u32) -> u32
 {
     return max(32u - countLeadingZeros(count - 1u), 9u) - 9u;
 }
 
-// A workgroup's block. Blocks of long lists have the first numbers.
+// The block of a workgroup. Blocks of long lists have the first numbers.
 fn take_block(group: vec3<u32>, thread: u32) -> Block
 {
     let number = group.y * ROW_OF_GROUPS + group.x;
@@ -85,7 +87,6 @@ fn take_block(group: vec3<u32>, thread: u32) -> Block
     return workgroupUniformLoad(&own_block);
 }
 
-// From the sizes of bins to their starts.
 fn place_bins(thread: u32, some: u32)
 {
     let bin = 2u * thread;
@@ -99,7 +100,7 @@ fn place_bins(thread: u32, some: u32)
     workgroupBarrier();
 }
 
-// Bounds the ranges by the depths of some keys. Eight threads rank a sample.
+// Bounds the ranges by the depths of sample keys. Eight threads rank each sample.
 fn bound_ranges(thread: u32, at: u32, some: u32)
 {
     let sample = thread % SAMPLES;
@@ -127,7 +128,7 @@ fn bound_ranges(thread: u32, at: u32, some: u32)
     workgroupBarrier();
 }
 
-// The range is the last that does not begin above the depth, or the first.
+// The range is the last that starts at or below the depth, or the first range.
 fn bin_of(depth: u32) -> u32
 {
     var range = 0u;
@@ -148,9 +149,9 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
     let some = min(block.count - block.first, BLOCK);
     let at = block.list + block.first;
     let to_spare = merges_of(block.count) % 2u == 1u;
-    var own: array<vec2<u32>, 4>;  // keys of this thread,
+    var own: array<vec2<u32>, 4>;  // keys of this thread
     var bin_of_own: array<u32, 4>;
-    var place: array<u32, 4>;      // in its bin, of those that came before
+    var place: array<u32, 4>;      // number of earlier keys in the same bin
     for (var i = thread; i < BINS; i += THREADS) {
         atomicStore(&bins[i], 0u);
     }
@@ -190,8 +191,8 @@ fn sort_blocks(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
 var<workgroup> below_split: array<atomic<u32>, 2>;
 var<workgroup> splits: array<u32, 2>;
 
-// Of two runs of `a` and `b` keys from `first` and `second` on, how many of the first one are among the least d of both:
-// 64 threads test as many places at a time. Half of the threads ask for one d, half for another.
+// For two runs of `a` and `b` keys, at `first` and `second`: how many of the d smallest keys come from the first run.
+// 64 threads test 64 places at a time. Half of the threads solve one d, half another.
 fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d: u32, run: u32) -> u32
 {
     let side = thread / 64u;
@@ -214,7 +215,7 @@ fn split(thread: u32, in_spare: bool, first: u32, a: u32, second: u32, b: u32, d
     return low;
 }
 
-// How many of `count` keys of a round from `first` on are below one.
+// Number of keys below `key` among `count` keys of a round from `first` on.
 fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
 {
     var below = 0u;
@@ -227,7 +228,7 @@ fn count_below(first: u32, count: u32, key: vec2<u32>) -> u32
     return below;
 }
 
-// BLOCK entries of two runs of a list, merged.
+// Merges BLOCK entries from two runs of a list.
 @compute @workgroup_size(128)
 fn merge_runs(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32)
 {

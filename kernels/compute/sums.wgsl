@@ -1,17 +1,17 @@
-// Sums over the threads of a workgroup: of groups of 16 first, as a barrier takes longer than some reads.
+// Prefix sums over the threads of a workgroup. Groups of 16 first, because a barrier takes longer than a few reads.
 
 const GROUP: u32 = 16u;
 
 var<workgroup> sums: array<u32, 128>;
 var<workgroup> group_sums: array<u32, 8>;
 
-// a + b; where they are cut, at most 2^32 - 1.
+// a + b; with `cut` saturated at 2^32 - 1.
 fn plus(a: u32, b: u32, cut: bool) -> u32
 {
     return select(a + b, 0xffffffffu, cut && a + b < a);
 }
 
-// The sum over the threads before this one. A barrier is to be between two of them.
+// Sum over the threads before this one. Two calls need a barrier in between.
 fn sum_before(thread: u32, own: u32, cut: bool) -> u32
 {
     sums[thread] = own;
@@ -34,7 +34,7 @@ fn sum_before(thread: u32, own: u32, cut: bool) -> u32
     return sum;
 }
 
-// The sum over all threads, after sum_before.
+// Sum over all threads; call after sum_before.
 fn sum_of_all(cut: bool) -> u32
 {
     var sum = 0u;

@@ -1,19 +1,19 @@
 // Needs pixel numbers records order pixels
-// trace: blend and resolve with depths, ids and an occluder, src/core/trace.c.
+// trace: blend and resolve with depths, ids and an occluder, as in src/core/trace.c.
 
-var<workgroup> own: array<vec2<u32>, 32>;  // the entries of a round, and their depths
+var<workgroup> own: array<vec2<u32>, 32>;  // entries of a round and their depths
 
 const HALF_Q15: i32 = 16384;
 
 struct Traced {
-    limit: u32,                    // key: what is farther is hidden
-    weight: i32,                   // the largest,
-    largest: u32,                  // and its slot
+    limit: u32,                    // key; farther splats are hidden
+    weight: i32,                   // the largest weight
+    largest: u32,                  // its slot
     median: u32,                   // key
-    sum: wide,                     // of depths
+    sum: wide,                     // sum of depths
 }
 
-// fxs_depth_key, and the next three in stage.h
+// fxs_depth_key; the next three are also in stage.h
 fn key_of(depth: u32) -> u32
 {
     let zeros = zeros_of(depth | 1u);
@@ -49,7 +49,8 @@ fn depth_sum(weight: i32, key: u32) -> wide
     return shift_left(wide(u32(weight + fxs_mul_q15(weight, code_q15)), 0u), u32(shift));
 }
 
-// (sum + weight / 2) / weight, both with 8 bits below a unit: by digits of 16 bits, as the weight has 15.
+// (sum + weight / 2) / weight, both with 8 bits below a unit. Long division in digits of 16 bits, because the weight
+// has 15.
 fn mean_depth(sum: wide, transmittance: i32) -> u32
 {
     let weight = u32(FXS_CLEAR_Q15 - transmittance);
@@ -100,7 +101,7 @@ fn depth_of(entry: u32) -> u32
     return memory[frame.depths + (entry & ~CUT_OFF)];
 }
 
-// What of a list's splat a pixel notes.
+// Blends a splat of the list into a pixel and updates the pixel's outputs.
 fn trace_splat(p: ptr<function, Pixel>, t: ptr<function, Traced>, taken: Taken, column: u32, entry: vec2<u32>)
 {
     if (entry.y <= (*t).limit) {
@@ -151,7 +152,7 @@ fn trace_tiles(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocatio
         }
         place_splat(here, thread, fetched, round);
         own[thread] = vec2<u32>(fetched.entry, depth);
-        fetched = fetch_splat(entry);              // while this round is blended
+        fetched = fetch_splat(entry);              // loads during this round
         depth = depth_of(entry);
         entry = fetch_entry(here, first + 2u * SOME + thread);
         if (workgroupUniformLoad(&open_round) != round) {

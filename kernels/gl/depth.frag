@@ -1,5 +1,5 @@
-// The distance of a depth in a depth buffer, as in the occluder of fxs_targets; `inverse`: 1 / the distance that 0 and 1
-// stand for. What is at the farther one hides nothing.
+// Converts a depth buffer's value to a distance as in the occluder of fxs_targets. `inverse`: 1 / distance at depth 0
+// and at depth 1. A value at the far end hides nothing.
 uint distance_of(float depth, vec2 inverse, int bits)
 {
     float of_depth = mix(inverse.x, inverse.y, depth), z = float(1 << bits) / of_depth;

@@ -1,4 +1,4 @@
-/* Functions, extensions, programs and errors of OpenGL ES; the caller's target. */
+/* Functions, extensions, programs and errors of OpenGL ES, and checks of the caller's target. */
 #include "gl.h"
 #include "src/core/memory.h"
 
@@ -24,7 +24,7 @@ int fxs_gl_check(const fxs_gl *gl)
 {
     int error = 0;
     GLenum one;
-    /* A context that is lost may say so for ever. */
+    /* a lost context may report errors endlessly */
     for (int i = 0; i < 16 && (one = gl->GetError()) != GL_NO_ERROR; i++)
         error = error ? error : one == GL_OUT_OF_MEMORY ? FXS_ERR_MEMORY : FXS_ERR_DEVICE;
     return error;

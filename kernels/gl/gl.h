@@ -1,4 +1,4 @@
-/* What the back ends of OpenGL ES share: the functions of OpenGL ES 3.0 that they call, as a table of pointers;
+/* Shared by the back ends for OpenGL ES: a table of pointers to the functions of OpenGL ES 3.0 that they call;
  * programs, errors, and the state of a context. */
 #ifndef FXS_GL_H
 #define FXS_GL_H
@@ -7,7 +7,7 @@
 
 #include <fixsplat/gl_target.h>
 
-/* F(type's name, function's name) of each */
+/* F(type's name, function's name) for each function */
 #define FXS_GL_FUNCTIONS(F) \
     F(ACTIVETEXTURE, ActiveTexture) F(ATTACHSHADER, AttachShader) F(BEGINQUERY, BeginQuery) \
     F(BINDATTRIBLOCATION, BindAttribLocation) F(BINDBUFFER, BindBuffer) F(BINDFRAMEBUFFER, BindFramebuffer) \
@@ -42,40 +42,40 @@ typedef struct fxs_gl {
     FXS_GL_FUNCTIONS(FXS_GL_MEMBER)
 } fxs_gl;
 
-/* Fills in a function of `table` by `load` and `argument`, or returns its name where there is none. */
+/* Loads a function of `table` with `load` and `argument`; returns its name if it is missing. */
 #define FXS_GL_LOAD(type, name) \
     table->name = (PFNGL##type##PROC)load(argument, "gl" #name); \
     if (!table->name) \
         return "gl" #name;
 
-/* Fills in the table. Returns null, or the name of a function that there is not. */
+/* Loads the table. Returns null, or the name of a missing function. */
 const char *fxs_gl_load(fxs_gl *table, fxs_gl_load_fn *load, void *argument);
 
 int fxs_gl_has_extension(const fxs_gl *gl, const char *name);
 
-/* Takes the errors that are pending. Returns 0 where there were none, else FXS_ERR_DEVICE, or FXS_ERR_MEMORY where the
-   first says so. */
+/* Clears pending GL errors. Returns 0 if none was pending, FXS_ERR_MEMORY if the first is GL_OUT_OF_MEMORY, otherwise
+   FXS_ERR_DEVICE. */
 int fxs_gl_check(const fxs_gl *gl);
 
-/* The same for a call that failed, whether it left an error or not: never 0. */
+/* The same for a call that failed, with or without a GL error; never 0. */
 int fxs_gl_failure(const fxs_gl *gl);
 
-/* Compiles a shader of a program, and links a program. Return 1, or 0 with the device's words in `log`. */
+/* Compile a shader of a program, and link a program. Return 1, or 0 with the device's message in `log`. */
 int fxs_gl_compile(const fxs_gl *gl, GLuint program, GLenum kind, const char *const *parts, GLsizei count, char *log,
                    GLsizei size);
 int fxs_gl_link(const fxs_gl *gl, GLuint program, char *log, GLsizei size);
 
-/* Deletes programs, with the one that is in use: alone of all objects, it would outlive its deletion. */
+/* Deletes programs. Unbinds the current one first, because GL keeps a program in use alive. */
 void fxs_gl_delete_programs(const fxs_gl *gl, int count, const GLuint *programs);
 
-/* Whether a target's fields are in range: 0, FXS_ERR_TARGET or FXS_ERR_UNSUPPORTED. */
+/* Checks the ranges of a target's fields. Returns 0, FXS_ERR_TARGET or FXS_ERR_UNSUPPORTED. */
 int fxs_gl_check_target(const fxs_gles_target *target);
 
 /* ---- state.c ----------------------------------------------------------------------------------------------------- */
 
-enum { FXS_GL_UNITS = 10 };        /* of textures */
+enum { FXS_GL_UNITS = 10 };        /* texture units */
 
-/* What is saved and restored. */
+/* Saved and restored state. */
 typedef struct fxs_gl_state {
     GLint program, vertex_array, unpack_buffer, array_buffer, renderbuffer, draw_framebuffer, read_framebuffer;
     GLint active_texture, textures[FXS_GL_UNITS], samplers[FXS_GL_UNITS], viewport[4], scissor[4], unpack[3];
@@ -86,10 +86,10 @@ typedef struct fxs_gl_state {
 void fxs_gl_save(const fxs_gl *gl, fxs_gl_state *state);
 void fxs_gl_restore(const fxs_gl *gl, const fxs_gl_state *state);
 
-/* Sets what every draw wants: switches, masks, unpacking, and textures at their units, without samplers. */
+/* Sets the state for draws: switches, masks, unpacking, and textures at their units, without samplers. */
 void fxs_gl_set(const fxs_gl *gl, GLuint vertex_array, int count, const GLuint *textures);
 
-/* Premultiplied colours over what is there. */
+/* Sets blending for premultiplied colours over the framebuffer. */
 void fxs_gl_blend_over(const fxs_gl *gl);
 
 #endif

@@ -1,28 +1,28 @@
-/* The exact picture without lists. One draw has all splats near to far, each as a triangle or two; the fragment shader
-   reads the state of its pixel from the framebuffer, where a tile-based GPU has it at hand, and writes the next state.
-   Then one draw over the whole picture resolves the states. */
+/* The exact picture without lists. One draw has all splats near to far, each as one or two triangles. The fragment
+ * shader reads its pixel's state from the framebuffer, which is cheap on a tile-based GPU, and writes the next state. A
+ * second draw over the whole picture resolves the states. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/parts.h"
 #include "device.h"
 
-#define TEXELS 3u                  /* of a record */
+#define TEXELS 3u                  /* per record */
 #define RECORD (TEXELS * 16)       /* bytes */
-#define PARTS 64u                  /* jobs that count, and then fill */
-#define AHEAD 16                   /* splats */
-#define GUARD 3                    /* windows: as wide and high as that, triangles need no clipping */
-/* Pixels from which half a splat is drawn as a rectangle: it has a quarter fewer of them than the triangle, which has
-   one edge less. */
+#define PARTS 64u                  /* jobs that count, then fill */
+#define AHEAD 16                   /* prefetch distance, in splats */
+#define GUARD 3                    /* viewport side in windows: within it triangles need no clipping */
+/* From this radius in pixels on, a splat is drawn as a rectangle: a quarter fewer pixels than the triangle, one edge
+   more. */
 #define LARGE 12
 
-enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes; 1 more: the second half */
+enum { TRIANGLE = 0, RECTANGLE = 2, VEIL = 4 };  /* shapes; + 1: second half */
 
-/* Splats first to end - 1 of the run, of which each makes records: none, 1 or 2. */
+/* Splats first to end - 1 of the run. Each makes 0, 1 or 2 records. */
 typedef struct batch {
     const fxs_tile_run *run;
     const fxs_gles_window *window;
     uint32_t first, end;
-    uint32_t counts[PARTS];        /* records; then, where they start */
+    uint32_t counts[PARTS];        /* records per part; then their start */
     uint32_t *records;
 } batch;
 
@@ -33,10 +33,10 @@ static uint32_t part_start(const batch *b, uint32_t part)
 
 /* ---- Records ----------------------------------------------------------------------------------------------------- */
 
-/* What a splat is drawn as in a window; its records are `count`. */
+/* Shape of a splat in a window; it takes `count` records. */
 typedef struct drawn {
     uint32_t count, shape;
-    fxs_span columns, rows;        /* of tiles, that it may touch: with the square cut-off, those of the square */
+    fxs_span columns, rows;        /* tiles that it may touch; square cut-off: tiles of the square */
 } drawn;
 
 static int overlaps(int64_t first_q8, int64_t last_q8, int32_t start, int32_t length)
@@ -49,7 +49,7 @@ static int is_veil(const fxs_bounds *b)
     return b->half_width_q8 == FXS_EVERYWHERE_Q8;
 }
 
-/* Columns are the rows of a picture that lies on its side. */
+/* Finds columns as the rows of the transposed picture. */
 static fxs_span columns_of(const fxs_view *view, const fxs_splat *s, const fxs_bounds *b)
 {
     fxs_view turned = *view;
@@ -84,7 +84,7 @@ static drawn drawn_of(const batch *b, uint32_t slot)
     return d;
 }
 
-/* As fetch.vert reads it. */
+/* Layout as in fetch.vert. */
 static void put_record(uint32_t *record, const fxs_splat *s, const fxs_bounds *b, const drawn *d, uint32_t half,
                        uint32_t depth)
 {
@@ -128,8 +128,8 @@ static void fill_part(void *argument, uint32_t part)
     }
 }
 
-/* Takes as many splats as make at most `capacity` records, from the first on, and says where each part of them starts.
-   Returns how many records they make. */
+/* Takes splats from b->first on that make at most `capacity` records, and sets the start of each part. Returns the
+   number of records. */
 static uint32_t take_splats(batch *b, uint32_t capacity)
 {
     uint32_t parts = 0, count = 0;
@@ -154,7 +154,7 @@ static uint32_t take_splats(batch *b, uint32_t capacity)
 
 static int upload(fxs_gles *g, batch *b, uint32_t count)
 {
-    const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;   /* whole ones */
+    const uint32_t width = 1u << g->shift, rows = (count * TEXELS + width - 1) >> g->shift;   /* whole rows */
     b->records = fxs_gles_map(g, GL_PIXEL_UNPACK_BUFFER, (int)(g->turn++ % FXS_GLES_UPLOADS),
                               (GLsizeiptr)rows * (GLsizeiptr)width * 16);
     if (!b->records)
@@ -167,7 +167,7 @@ static int upload(fxs_gles *g, batch *b, uint32_t count)
     return 0;
 }
 
-/* The states of a window's pixels: T = 1, no colour. */
+/* Clears the states of a window's pixels: T = 1, no colour. */
 static int begin_states(fxs_gles *g, const fxs_gles_window *w)
 {
     static const GLint clear[4] = {FXS_CLEAR_Q15, 0, 0, 0};
@@ -190,8 +190,8 @@ static int begin_states(fxs_gles *g, const fxs_gles_window *w)
     return 0;
 }
 
-/* How many windows wide and high the viewport is. What lies in it is not clipped, which would be slow; no pixel but the
-   window's is drawn. */
+/* Side of the viewport in windows. Triangles within the viewport are not clipped, which would be slow; the scissor
+   limits drawing to the window. */
 static int32_t guard_of(const fxs_gles *g, const fxs_gles_window *w)
 {
     return GUARD * w->width <= g->viewport[0] && GUARD * w->height <= g->viewport[1] ? GUARD : 1;

@@ -1,5 +1,5 @@
-// The blend step of one splat at one pixel, whose state is read from the place that it is written to. (There are no
-// uniforms without LIMITED: Mesa on a processor fetches each of them for each pixel.)
+// Blends one splat into one pixel. Reads the pixel's state from the framebuffer and writes it back. (Only LIMITED has
+// uniforms, because Mesa on a CPU fetches each uniform for each pixel.)
 flat in ivec4 line;
 flat in ivec4 look;
 #ifdef LIMITED

@@ -1,4 +1,5 @@
-/* The back end's objects: functions, programs, textures and buffers; reading back; the caller's target. */
+/* Objects of the back end: functions, programs, textures and buffers; reading back; rendering to the caller's
+ * target. */
 #include <fixsplat/gles.h>
 
 #include "src/core/memory.h"
@@ -8,7 +9,7 @@
 #define TIME_ELAPSED 0x88BF        /* EXT_disjoint_timer_query */
 #define DISJOINT 0x8FBB
 
-/* Writes a text and what it is about. */
+/* Writes a text and its subject to `message`. */
 static int say(char *message, const char *text, const char *what)
 {
     const char *parts[] = {text, what};
@@ -42,7 +43,7 @@ uint64_t fxs_gles_nanoseconds(const fxs_gles *g)
 
 /* ---- Functions and limits ---------------------------------------------------------------------------------------- */
 
-/* "OpenGL ES 3.2 ...", or of desktop OpenGL "4.5 ...". */
+/* Accepts "OpenGL ES 3.2 ..."; on desktop OpenGL "4.5 ...". */
 static int check_version(fxs_gles *g, char *message)
 {
     static const char es[] = "OpenGL ES ";
@@ -57,7 +58,7 @@ static int check_version(fxs_gles *g, char *message)
         return say(message, "the context is too old, OpenGL ES 3.0 is needed: ", version);
     if (!is_es && !fxs_gl_has_extension(&g->gl, "GL_ARB_ES3_compatibility"))
         return say(message, "no GL_ARB_ES3_compatibility in OpenGL ", version);
-    g->points = is_es;             /* elsewhere their size is a matter of state */
+    g->points = is_es;             /* on desktop GL, state sets the size of points */
     g->timer = is_es && fxs_gl_has_extension(&g->gl, "GL_EXT_disjoint_timer_query");
     g->blended_format = !is_es || fxs_gl_has_extension(&g->gl, "GL_EXT_color_buffer_half_float") ||
                         fxs_gl_has_extension(&g->gl, "GL_EXT_color_buffer_float") ? GL_RGBA16F : GL_RGB10_A2;
@@ -86,7 +87,7 @@ static int check_limits(fxs_gles *g, char *message)
 static const char version[] = "#version 300 es\n", fetching[] = "#extension GL_EXT_shader_framebuffer_fetch : enable\n";
 static const char prelude[] = "precision highp int;\nprecision highp float;\n#define FXS_FN\n";
 
-/* Mesa on a processor has products of 16 bits for factors that it knows to be so small; a GPU would only mask. */
+/* Mesa on a CPU uses 16-bit products for factors known to fit. A GPU would only spend a mask on this. */
 static const char *factor_of(const fxs_gles *g)
 {
     return strncmp(g->renderer, "llvmpipe", 8) ? "#define FACTOR(x) (x)\n" : "#define FACTOR(x) ((x) & 32767)\n";
@@ -155,7 +156,7 @@ static int make_programs(fxs_gles *g, char *message)
     return error;
 }
 
-/* Where they cannot be, no_fetch says why. (GL_ARM_shader_framebuffer_fetch reads colours as floats: not these.) */
+/* On failure, no_fetch has the reason. (GL_ARM_shader_framebuffer_fetch does not serve: it reads colours as floats.) */
 static void make_fetch_programs(fxs_gles *g)
 {
     if (!fxs_gl_has_extension(&g->gl, "GL_EXT_shader_framebuffer_fetch")) {
@@ -172,7 +173,8 @@ static void make_fetch_programs(fxs_gles *g)
         make_program(g, FXS_GLES_RESOLVED_NORMALISED, "#define FETCHED\n", screen_vert, tiles_frag, g->no_fetch);
 }
 
-/* Programs and render targets for depths and ids. Returns 0, FXS_ERR_UNSUPPORTED, FXS_ERR_DEVICE or FXS_ERR_MEMORY. */
+/* Makes programs and render targets for depths and ids. Returns 0, FXS_ERR_UNSUPPORTED, FXS_ERR_DEVICE or
+   FXS_ERR_MEMORY. */
 static int make_traced(fxs_gles *g)
 {
     static const GLenum both[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
@@ -199,7 +201,6 @@ static int make_traced(fxs_gles *g)
     return error ? error : fxs_gl_check(&g->gl);
 }
 
-/* The same, once. */
 static int prepare_traced(fxs_gles *g)
 {
     if (!g->traced) {
@@ -281,7 +282,7 @@ void fxs_gles_free(fxs_gles *g)
 {
     const fxs_gl *gl = &g->gl;
     if (fxs_gles_use(g))
-        return;                    /* its objects went with the context */
+        return;                    /* a lost context has already freed its objects */
     for (int i = 0; i < FXS_GLES_PROGRAMS; i++)
         fxs_gl_delete_programs(gl, 1, &g->programs[i].name);
     gl->DeleteTextures(FXS_GLES_TEXTURES, g->textures);
@@ -360,7 +361,7 @@ static void store(unsigned char *to, const unsigned char *rgba, enum fxs_format 
         memcpy(to, rgba, 4);
 }
 
-/* A row of pixels; `wide`: of four words each. */
+/* Copies a row of pixels. wide: four words per pixel. */
 static void copy_row(unsigned char *to, const unsigned char *from, int32_t count, int wide, enum fxs_format format)
 {
     if (!wide && format != FXS_FORMAT_RGB565) {
@@ -377,8 +378,8 @@ static void copy_row(unsigned char *to, const unsigned char *from, int32_t count
     }
 }
 
-/* The pixels of the run's tiles, whose first row of tiles may be a part of one; what lies right of the last tile comes
-   with the next run. */
+/* Copies the pixels of the run's tiles. The first row of tiles may start within the picture; pixels right of the last
+   tile are drawn again by the next run. */
 static void copy_tiles(const fxs_tile_run *run, const unsigned char *from, int32_t x, int32_t y, int32_t width,
                        int32_t height, int wide)
 {
@@ -416,7 +417,7 @@ int fxs_gles_read(fxs_gles *g, const fxs_tile_run *run, int framebuffer, int32_t
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, g->framebuffers[framebuffer]);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_FORMAT, &has_format);
     gl->GetIntegerv(GL_IMPLEMENTATION_COLOR_READ_TYPE, &has_type);
-    /* Of integers, every device reads words; most read bytes too. */
+    /* every device can read integers as words, most also as bytes */
     const int wide = format == GL_RGBA_INTEGER && (has_format != GL_RGBA_INTEGER || has_type != GL_UNSIGNED_BYTE);
     const GLsizeiptr bytes = (GLsizeiptr)(wide ? 16 : 4) * width * height;
     bind(g, GL_PIXEL_PACK_BUFFER, FXS_GLES_DOWNLOAD, bytes, GL_STREAM_READ);

@@ -1,16 +1,18 @@
-// Which blocks of 4x4 pixels each splat of a tile's list may touch. A chunk is up to 32 records of a list; it has four
-// texels, for the tile's quarters, with a word for each of the quarter's blocks and in it a bit for each record.
-uniform highp usampler2D chunks;     // first record, above it how many less one (bits 24 on); column, row of the tile
-uniform ivec4 source;                // log2 of the width of `records`, `chunks` and of this target; cut-off
+// Finds the blocks of 4x4 pixels that each splat of a tile's list may touch. A chunk is up to 32 records of a list. It
+// has four texels, one per quarter of the tile, with a word per block of the quarter and a bit per record.
+uniform highp usampler2D chunks;     // first record and, from bit 24 on, count - 1; column and row of the tile
+uniform ivec4 source;                // log2 of the width of `records`, `chunks` and this target; cut-off
 out uvec4 result;
 
-// In whitened coordinates, of a block in which they are `least` to `most`: how near 0. Beyond 4 no splat reaches.
+// Smallest magnitude of whitened coordinates in blocks where they range from least to most. No splat reaches beyond
+// 4.
 ivec4 nearest(ivec4 least, ivec4 most)
 {
     return min(max(max(least >> 11, -(most >> 11)), 0), 32768);
 }
 
-// u and v are linear, ux and vy not negative. Modulo 2^32: in a block that is touched all are within +-128.
+// u and v are linear; ux and vy are not negative. Modulo 2^32, which is enough, because in a touched block all are
+// within +-128.
 uvec4 touched(record r, ivec2 pixel, int cut)
 {
     ivec2 uv = whitened(r, pixel);

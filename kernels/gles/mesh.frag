@@ -1,17 +1,17 @@
-// The occluder at a pixel, as a depth key.
+// Occluder at a pixel, as a depth key.
 uniform highp usampler2D occluder;   // depths, as in fxs_targets
-uniform highp sampler2D depth_buffer;        // in place of that
-// Texel of these two, and of backdrop, for pixel (0, 0); rows go by; depth_bits, and which there are.
+uniform highp sampler2D depth_buffer;        // used instead of `occluder`
+// Texel of pixel (0, 0) in these two and in `backdrop`; step per row; depth_bits plus flags for the textures in use.
 uniform ivec4 mesh;
 const int OCCLUDER = 256, BUFFER = 512, BACKDROP = 1024;
-uniform vec2 planes;                 // 1 / distance of what has depth 0, 1 in depth_buffer
+uniform vec2 planes;                 // 1 / distance at depth 0 and at depth 1 in depth_buffer
 
 ivec2 mesh_texel(ivec2 pixel)
 {
     return ivec2(mesh.x + pixel.x, mesh.y + mesh.z * pixel.y);
 }
 
-// As fxs_depth_key.
+// fxs_depth_key
 uint depth_key(uint depth, int bits)
 {
     if (depth == 0u || depth == 0xffffffffu)

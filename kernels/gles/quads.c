@@ -1,19 +1,19 @@
-/* The inexact picture: an instance of a quad for each splat, the farthest first, blended over the background by the
-   hardware: C = C' (1 - alpha) + colour alpha. */
+/* The inexact picture: one instance of a quad per splat, farthest first, blended over the background by the hardware: C
+ * = C' (1 - alpha) + colour alpha. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "device.h"
 
 #define INSTANCE 32                /* bytes */
 #define PARTS 64u                  /* jobs that fill the instances */
-#define AHEAD 16                   /* instances */
+#define AHEAD 16                   /* prefetch distance, in instances */
 
 typedef struct filling {
     const fxs_tile_run *run;
     uint32_t *instances;
 } filling;
 
-/* A part of the instances: the farthest splat is the first. */
+/* Fills a part of the instances; instance 0 is the farthest splat. */
 static void fill_part(void *argument, uint32_t part)
 {
     const filling *f = argument;
@@ -23,7 +23,7 @@ static void fill_part(void *argument, uint32_t part)
         const uint32_t slot = FXS_KEY_SLOT(run->keys[run->visible - 1 - i]);
         const fxs_splat *s = &run->splats[slot];
         const fxs_bounds *b = &run->bounds[slot];
-        const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;      /* u and v of the first pixel, for the centre */
+        const int veil = b->half_width_q8 == FXS_EVERYWHERE_Q8;      /* if so, u and v replace the centre */
         const uint32_t words[INSTANCE / 4] = {
             veil ? s->u0_q24 : (uint32_t)b->cx_q14, veil ? s->v0_q24 : (uint32_t)b->cy_q14,
             (uint32_t)s->ux_q24, (uint32_t)s->uy_q24, (uint32_t)s->vy_q24,
@@ -66,7 +66,7 @@ static void draw(const fxs_gles *g, const fxs_tile_run *run)
     gl->DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)run->visible);
 }
 
-/* Turns the blended picture into bytes, on the back end's target or the caller's, whose rows may go up. */
+/* Converts the blended picture to bytes, on the back end's target or the caller's, flipped if its rows go up. */
 static void blit(const fxs_gles *g, int32_t width, int32_t height)
 {
     const fxs_gl *gl = &g->gl;

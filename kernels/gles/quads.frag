@@ -1,4 +1,4 @@
-// The colour that one splat adds to one pixel, for the hardware to blend.
+// Colour that one splat adds to one pixel; the hardware blends it.
 uniform ivec4 size;
 in vec2 uv;
 flat in vec4 colour;

@@ -1,8 +1,8 @@
-// A splat's quad, in whitened coordinates: X = cx + (u - v uy / vy) / ux, Y = cy + v / vy. That of a veil is the
-// picture: u = u0 + X ux + Y uy, v = v0 + Y vy.
-in ivec4 shape;                      // cx, cy (Q14), of a veil u0, v0 (Q24); ux, uy (Q24)
+// Quad of a splat in whitened coordinates: X = cx + (u - v uy / vy) / ux, Y = cy + v / vy. A veil covers the picture: u
+// = u0 + X ux + Y uy, v = v0 + Y vy.
+in ivec4 shape;                      // cx, cy (Q14), for a veil u0, v0 (Q24); ux, uy (Q24)
 in uvec4 look;                       // vy (Q24); offset (Q11) and r; g and b (Q13); 1 for a veil
-uniform ivec4 size;                  // pixels: width, height; cut-off (Q11)
+uniform ivec4 size;                  // width and height in pixels; cut-off (Q11)
 out vec2 uv;
 flat out vec4 colour;
 

@@ -1,4 +1,4 @@
-// The splats of lists, two texels each: u0, ux, uy, v0; vy, offset and r, g and b, depth key.
+// Splats of lists, two texels each: u0, ux, uy, v0; vy, offset and r, g and b, depth key.
 uniform highp usampler2D records;
 
 struct record {
@@ -10,7 +10,7 @@ ivec2 texel(int i, int shift)
     return ivec2(i & ((1 << shift) - 1), i >> shift);
 }
 
-// `shift`: log2 of the texture's width
+// shift: log2 of the texture's width
 record record_at(int i, int shift)
 {
     return record(texelFetch(records, texel(2 * i, shift), 0), texelFetch(records, texel(2 * i + 1, shift), 0));
@@ -26,7 +26,7 @@ int high(uint word)
     return int(word >> 16);
 }
 
-// u and v, whitened, at a pixel (Q24).
+// Whitened u and v at a pixel (Q24).
 ivec2 whitened(record r, ivec2 pixel)
 {
     return ivec2(r.a.x + uint(pixel.x) * r.a.y + uint(pixel.y) * r.a.z, r.a.w + uint(pixel.y) * r.b.x);

@@ -1,9 +1,8 @@
-/* The exact picture by lists. The lists of as many tiles as the textures hold are uploaded and drawn, then the next
-   ones. A list that is too long for one draw is drawn in parts, with the tile's state kept in a texture in between. A
-   splat has a record for each list that it is in, which takes a fetch less than a number of a record, and one pass over
-   the lists. An earlier draw finds which blocks of 4x4 pixels each splat of a tile may touch, so that a pixel passes
-   over the other splats. Tiles are drawn by the length of their lists, the longest first: in the picture's order an
-   H200 takes up to 3.5 times as long. */
+/* The exact picture with lists. As many tiles' lists as fit in the textures are uploaded and drawn, then the next ones.
+ * A list that is too long for one draw is drawn in parts, and a texture keeps the tile's state in between. A splat has
+ * one record per list, which saves an indirection per fetch and a pass over the lists. A first draw finds the blocks of
+ * 4x4 pixels that each splat may touch, so that a pixel skips the other splats. Tiles are drawn in order of their
+ * lists' length, longest first: in picture order an H200 takes up to 3.5 times as long. */
 #include <fixsplat/fixed.h>
 #include "src/core/memory.h"
 #include "src/core/parts.h"
@@ -11,19 +10,19 @@
 
 #define RECORD 32                  /* bytes */
 #define LIST 16
-#define ORDER 3                    /* the word of a list that is not its own: a tile, by number in the window */
+#define ORDER 3                    /* word of a list that holds a tile's number in the window, for the drawing order */
 #define CHUNK 8
 #define ID 8
 #define CHUNK_RECORDS 32u
-#define CHUNK_SHIFT 24             /* of how many it has, less one, above its first record */
-#define AHEAD 16                   /* entries */
+#define CHUNK_SHIFT 24             /* bit of the count - 1 in a chunk, above its first record */
+#define AHEAD 16                   /* prefetch distance, in entries */
 
-/* How many records and chunks of them there are, or have room. */
+/* Number of records and of chunks, in use or in all. */
 typedef struct amount {
     uint32_t records, chunks;
 } amount;
 
-/* One upload, in the mapped buffer: lists of the window's tiles, chunks of the lists, records, their ids if wanted. */
+/* One upload, in the mapped buffer: lists of the window's tiles, chunks of the lists, records, and ids if wanted. */
 typedef struct batch {
     fxs_gles *gles;
     const fxs_tile_run *run;
@@ -31,8 +30,8 @@ typedef struct batch {
     uint32_t *lists, *chunks, *records, *ids;
     amount used, room;
     int32_t first, end;            /* tiles, by number in the window */
-    int32_t ordered;               /* of them, to be drawn: from the first list of the first row on */
-    amount starts[FXS_MAX_SIZE / FXS_TILE];     /* of each row of tiles, from that of `first` on */
+    int32_t ordered;               /* number of tiles to draw; their order starts in the first list of the first row */
+    amount starts[FXS_MAX_SIZE / FXS_TILE];     /* start of each row of tiles, from the row of `first` on */
 } batch;
 
 static uint32_t least(uint32_t a, uint32_t b)
@@ -48,7 +47,7 @@ static void make_texture(const fxs_gles *g, int unit, GLint format, GLenum layou
     g->gl.TexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, layout, GL_UNSIGNED_INT, 0);
 }
 
-/* A tile's list, in its order. The only place that knows how src/ lists. */
+/* A tile's list. Only list_of knows the layout of src/ lists. */
 typedef struct list {
     const uint32_t *entries;
     uint32_t count;
@@ -65,7 +64,7 @@ static uint32_t chunks_of(uint32_t records)
     return (records + CHUNK_RECORDS - 1) / CHUNK_RECORDS;
 }
 
-/* Rows of a texture as wide as all, of which the greatest height is the width. */
+/* Rows that `texels` texels take; at most as many as the width. */
 static int32_t rows_of(const fxs_gles *g, uint64_t texels)
 {
     const uint64_t wanted = (texels + (1u << g->shift) - 1) >> g->shift, most = UINT64_C(1) << g->shift;
@@ -89,7 +88,7 @@ int fxs_gles_make_masks(fxs_gles *g, uint64_t chunks)
     return 0;
 }
 
-/* The texture of ids has one for each of the records that there are room for, in half the rows. */
+/* The texture of ids has one texel per record, so half the rows of the texture of records. */
 static void make_ids(fxs_gles *g)
 {
     const int32_t rows = (g->record_rows + 1) / 2;
@@ -99,7 +98,7 @@ static void make_ids(fxs_gles *g)
     make_texture(g, FXS_GLES_IDS, GL_RG32UI, GL_RG_INTEGER, 1 << g->shift, rows);
 }
 
-/* Textures large enough for a run, where that can be. */
+/* Grows the textures to the size of a run, up to the device's limits. */
 static int make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window *w)
 {
     uint64_t records = 0, chunks = 0;
@@ -119,7 +118,7 @@ static int make_room(fxs_gles *g, const fxs_tile_run *run, const fxs_gles_window
     return fxs_gles_make_masks(g, chunks);
 }
 
-/* Buffers take turns, so that none is waited for. (Making their storage anew for each batch takes 20 ms for 50 MB.) */
+/* A ring of buffers, so that no upload waits for the device. (New storage per batch takes 20 ms for 50 MB.) */
 static int begin_batch(batch *b, int32_t first)
 {
     fxs_gles *g = b->gles;
@@ -139,7 +138,7 @@ static int begin_batch(batch *b, int32_t first)
     return 0;
 }
 
-/* Of chunks, whole rows go up. */
+/* Uploads the batch; chunks in whole rows. */
 static int end_batch(batch *b)
 {
     fxs_gles *g = b->gles;
@@ -161,7 +160,7 @@ static int end_batch(batch *b)
 
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
-/* A splat as the shaders read it. */
+/* Layout as in records.frag. */
 static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
 {
     const uint32_t words[RECORD / 4] = {
@@ -171,7 +170,7 @@ static void put_record(uint32_t *record, const fxs_splat *s, uint32_t depth)
     memcpy(record, words, sizeof words);
 }
 
-/* One whose ellipse does not touch the tile becomes a record so faint that no pixel takes it. */
+/* An entry that is cut off becomes a record too faint for any pixel. */
 static void put_records(const batch *b, uint32_t at, list l)
 {
     static const fxs_splat nothing = {.offset_q11 = FXS_LEVEL_MAX_Q11};
@@ -198,7 +197,7 @@ static void put_ids(const batch *b, uint32_t at, list l)
     }
 }
 
-/* A tile's list, by number in the window: its place, the places of its chunks, its records. */
+/* Writes a tile's list, its chunks and its records. tile: number in the window. */
 static void put_list(const batch *b, int32_t tile, amount at, list l)
 {
     const fxs_gles_window *w = b->window;
@@ -216,7 +215,7 @@ static void put_list(const batch *b, int32_t tile, amount at, list l)
         put_ids(b, at.records, l);
 }
 
-/* Where a list ends before it starts, the tile is not drawn. */
+/* A list that ends before it starts marks a tile that is not drawn. */
 static void put_none(const batch *b, int32_t tile)
 {
     static const uint32_t words[ORDER] = {1};
@@ -229,7 +228,7 @@ static void add(amount *to, uint32_t records)
     to->chunks += chunks_of(records);
 }
 
-/* A window's tile in the picture; outside the run where it is not first_tile to last_tile. */
+/* Number in the picture of a window's tile; it may be outside the run. */
 static uint32_t tile_of(const batch *b, int32_t tile)
 {
     const fxs_gles_window *w = b->window;
@@ -242,7 +241,7 @@ static int in_run(const batch *b, uint32_t tile)
     return tile >= b->run->first_tile && tile <= b->run->last_tile;
 }
 
-/* Fills a row of tiles, the job-th of the batch. */
+/* Fills row `job` of the batch's rows of tiles. */
 static void put_row(void *argument, uint32_t job)
 {
     const batch *b = argument;
@@ -261,7 +260,7 @@ static void put_row(void *argument, uint32_t job)
     }
 }
 
-/* The lists of a batch by their length, the longest in 0: in how many chunks they are. */
+/* Grades of lists by their number of chunks; grade 0 is the longest. */
 enum { GRADES = FXS_GLES_LOOP / CHUNK_RECORDS + 1 };
 
 static uint32_t grade_of(const batch *b, uint32_t tile)
@@ -269,7 +268,7 @@ static uint32_t grade_of(const batch *b, uint32_t tile)
     return GRADES - 1 - chunks_of(list_of(b->run, tile).count);
 }
 
-/* Puts the tiles of the run in their order; those of a grade as they lie in the picture. */
+/* Writes the drawing order of the run's tiles; within a grade, in picture order. */
 static void put_order(batch *b)
 {
     const int32_t first = b->first / b->window->columns * b->window->columns;
@@ -288,7 +287,7 @@ static void put_order(batch *b)
             order[LIST / 4 * (size_t)next[grade_of(b, tile_of(b, tile))]++] = (uint32_t)tile;
 }
 
-/* Entries that a tile's list may have to be drawn at once. */
+/* Longest list that is drawn at once, in entries. */
 static uint32_t longest(const fxs_gles *g)
 {
     return least((uint32_t)g->record_rows << (g->shift - 1), FXS_GLES_LOOP);
@@ -296,7 +295,7 @@ static uint32_t longest(const fxs_gles *g)
 
 /* ---- Draws ------------------------------------------------------------------------------------------------------- */
 
-/* The rows of tiles of a batch. */
+/* Surface for the batch's rows of tiles. */
 static fxs_gles_surface surface_of(const batch *b)
 {
     const fxs_gles_window *w = b->window;
@@ -318,8 +317,8 @@ static void draw_masks(const batch *b)
     g->gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* Tiles as points where they can be; a tile's state, and all where they cannot, as one triangle. The viewport reaches a
-   tile beyond all sides, as a point counts by its centre. */
+/* Draws tiles as points if possible. A tile's state, and any tiles without points, are one triangle. The viewport
+   extends one tile beyond all sides, because points are clipped by their centre. */
 static void draw(const batch *b, const fxs_gles_surface *s, int carried)
 {
     const fxs_gles *g = b->gles;
@@ -339,7 +338,7 @@ static void draw(const batch *b, const fxs_gles_surface *s, int carried)
     g->gl.DrawArrays(GL_POINTS, b->first / columns * columns, b->ordered);
 }
 
-/* A part of a list goes on from the textures that are not drawn to. */
+/* Reads from the state textures that are not drawn to. */
 static void take_turn(const fxs_gles *g, int turn)
 {
     g->gl.ActiveTexture(GL_TEXTURE0 + FXS_GLES_CARRIED);
@@ -348,7 +347,7 @@ static void take_turn(const fxs_gles *g, int turn)
     g->gl.BindTexture(GL_TEXTURE_2D, g->textures[turn ? FXS_GLES_TRACES : FXS_GLES_NEXT_TRACES]);
 }
 
-/* Tile b->end, whose list is too long for a draw. */
+/* Draws tile b->end, whose list is too long for one draw, in parts. */
 static int draw_parts(batch *b)
 {
     const fxs_tile_run *run = b->run;
@@ -385,7 +384,7 @@ static int draw_parts(batch *b)
     return error;
 }
 
-/* Takes as many tiles as fit, from the first on: the end of the batch. */
+/* Sets the end of the batch: as many tiles as fit, from the first on. */
 static void take_tiles(batch *b)
 {
     const int32_t columns = b->window->columns, tiles = columns * b->window->rows, row = b->first / columns;

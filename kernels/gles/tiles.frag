@@ -1,20 +1,20 @@
-// blend and resolve of one pixel, after src/include/fixsplat/pixel.h; FETCHED: resolve alone; TRACED: with its depth and
-// id too.
-uniform highp usampler2D lists;      // of each tile: first record, the one after the last, chunk; (1, 0): not drawn now
-uniform highp usampler2D masks;      // of each chunk: masks.frag
-uniform highp isampler2D carried;    // T, r, g, b: of a tile whose list is in parts, after the last; FETCHED: of all
-uniform ivec4 place;                 // pixel of the fragment (0, 0); rows go by; 1: goes on from `carried`
-// First tile of `lists`, FETCHED: first pixel of `carried`; log2 of the width of `records`; cut-off.
+// blend and resolve for one pixel, with the arithmetic of src/include/fixsplat/pixel.h. FETCHED: only resolve. TRACED:
+// also depth and id.
+uniform highp usampler2D lists;      // per tile: first record, end, first chunk; (1, 0): not drawn now
+uniform highp usampler2D masks;      // per chunk; see masks.frag
+uniform highp isampler2D carried;    // T, r, g, b: of a tile after part of its list; FETCHED: of all pixels
+uniform ivec4 place;                 // pixel of fragment (0, 0); step per row; 1: continue from `carried`
+// First tile of `lists` (FETCHED: first pixel of `carried`); log2 of the width of `records`; cut-off.
 uniform ivec4 source;
-uniform ivec4 background;            // r, g, b; 1: alpha is the coverage
+uniform ivec4 background;            // r, g, b; 1: alpha is coverage
 uniform highp sampler2D backdrop;
 
 #if defined TRACED
-uniform highp usampler2D ids;        // of the records: object, Gaussian
-uniform highp usampler2D traces;     // depth key of the median, largest weight, its id: with `carried`
+uniform highp usampler2D ids;        // per record: object, Gaussian
+uniform highp usampler2D traces;     // with `carried`: depth key of the median, largest weight, its id
 const int HALF_Q15 = 16384;          // FXS_HALF_Q15
-// Of the records of this draw: the last that found T at 1/2 or above and took some; the largest weight so far, and the
-// first with that weight. -1: none.
+// Records of this draw: the last that got weight while T >= 1/2; the largest weight up to now, and the first record
+// with it. -1: none.
 int median, weight_q15, largest;
 #if defined STATE
 layout(location = 1) out uvec4 trace_result;
@@ -31,7 +31,7 @@ layout(location = 0) out uvec4 result;
 layout(location = 0) out vec4 result;
 #endif
 
-// `cut` is source.w: Mesa on a processor fetches a uniform anew for each round of a loop.
+// cut is source.w as a parameter, because Mesa on a CPU fetches a uniform again in each iteration of a loop.
 void blend(record r, int i, ivec2 pixel, int cut, inout ivec4 state)
 {
     ivec2 uv = whitened(r, pixel);
@@ -50,7 +50,7 @@ void blend(record r, int i, ivec2 pixel, int cut, inout ivec4 state)
                   min(state.w + fxs_product_q15(weight, high(r.b.z)), 32767));
 }
 
-// The records of a chunk that may touch the block which the pixel is in.
+// Mask of a chunk's records that may touch the pixel's block.
 uint mask_of(uint chunk, ivec2 pixel, int shift)
 {
     int quarter = (pixel.y >> 3 & 1) * 2 + (pixel.x >> 3 & 1);
@@ -59,13 +59,13 @@ uint mask_of(uint chunk, ivec2 pixel, int shift)
     return (pixel.x & 4) == 0 ? row.x : row.y;
 }
 
-// Of a word that is not 0: its lowest bit.
+// Index of the lowest set bit; word != 0.
 int lowest(uint word)
 {
     return (floatBitsToInt(float(word & (~word + 1u))) >> 23) - 127;
 }
 
-// Of a list, whose depths ascend: the first record that is hidden, or its end.
+// First hidden record of a list with ascending depths, or its end.
 uint first_hidden(uvec2 list, uint limit)
 {
     while (list.x < list.y) {
@@ -104,7 +104,7 @@ uvec4 trace_of(uvec4 before)
     return before;
 }
 
-// As fxs_depth_of_key.
+// fxs_depth_of_key
 uint depth_of_key(uint key, int bits)
 {
     int shift = int(key >> 26) - 58 + bits;
@@ -129,7 +129,7 @@ ivec4 state_of(ivec2 pixel)
     for (; list.x < list.y && state.x >= FXS_CLOSED_Q15; list += uvec3(32, 0, 1)) {
         uint mask = mask_of(list.z, pixel, shift);
         if (list.y - list.x < 32u)
-            mask &= (1u << (list.y - list.x)) - 1u;      // where an occluder cuts the list
+            mask &= (1u << (list.y - list.x)) - 1u;      // the occluder may cut the list within a chunk
         for (; mask != 0u && state.x >= FXS_CLOSED_Q15; mask &= mask - 1u) {
             int i = int(list.x) + lowest(mask);
             blend(record_at(i, shift), i, pixel, cut, state);
@@ -163,7 +163,7 @@ void main()
 #elif defined INTEGER
     result = resolve(state, background_at(mesh_texel(pixel)));
 #else
-    // the same byte, rounded down or to the nearest
+    // gives the same byte, whether rounded down or to nearest
     result = (vec4(resolve(state, background_at(mesh_texel(pixel)))) + 0.25) / 255.0;
 #endif
 }

@@ -1,7 +1,8 @@
-// Tiles as points of their size, in the order of `lists`; or one triangle over the whole viewport.
-uniform highp usampler2D lists;      // the fourth word of the i-th: the i-th tile to be drawn
-uniform ivec4 place;                 // rows go by (z)
-uniform ivec4 size;                  // the viewport, a tile beyond the picture on all sides; columns, or 0: a triangle
+// Tiles as points of a tile's size, in the order in `lists`; or one triangle over the whole viewport.
+uniform highp usampler2D lists;      // fourth word of entry i: the i-th tile to draw
+uniform ivec4 place;                 // z: step per row
+uniform ivec4 size;                  // size of the viewport, one tile beyond the picture on all sides; columns, or 0:
+                                     // one triangle
 
 ivec2 cell(int tile)
 {

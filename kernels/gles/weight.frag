@@ -1,10 +1,11 @@
-// Products of pixel.h whose factors are 0 to 32767. FACTOR tells that to compilers, as some multiply 16 bits faster.
+// The products of pixel.h with factors 0 to 32767. FACTOR tells compilers this range, because some multiply 16 bits
+// faster.
 FXS_FN int fxs_product_q15(int a, int b)
 {
     return (FACTOR(a) * FACTOR(b) + 16384) >> 15;
 }
 
-// fxs_alpha_q15, its sums turned so that no factor is negative: -((a b + 16383) >> 15) = (-a b + 16384) >> 15.
+// fxs_alpha_q15, with sums rearranged so that no factor is negative: -((a b + 16383) >> 15) = (-a b + 16384) >> 15.
 FXS_FN int fxs_exp_q15(int level_q11)
 {
     int x = FACTOR(level_q11);
@@ -17,7 +18,7 @@ FXS_FN int fxs_exp_q15(int level_q11)
     return min(FACTOR(p), FXS_ALPHA_MAX_Q15);
 }
 
-// u or v without its sign, not cut: beyond 32767, which is 4, no splat reaches. (fxs_coordinate_q13 cuts it there.)
+// Magnitude of u or v, not saturated. No splat reaches beyond 4, which is 32768; fxs_coordinate_q13 saturates there.
 FXS_FN int fxs_distance_q13(int coordinate_q24)
 {
     return abs(coordinate_q24 >> 11);

@@ -1,4 +1,4 @@
-/* The commands of an ILI9341: once to wake it, then three for each strip. */
+/* Commands of an ILI9341: a sequence to wake it, then three per strip. */
 #include "ili9341.h"
 
 enum {
@@ -8,7 +8,7 @@ enum {
 };
 enum { MIRROR_X = 0x40, TRANSPOSE = 0x20, BGR = 0x08 };        /* MEMORY_ACCESS */
 enum { SHORT_SIDE = 240, LONG_SIDE = 320 };
-#define WAKE_MILLISECONDS 120      /* after RESET before SLEEP_OUT, and after that */
+#define WAKE_MILLISECONDS 120      /* after RESET and after SLEEP_OUT */
 
 static void send(const fxs_ili9341 *panel, uint8_t command, const uint8_t *data, size_t count)
 {
@@ -33,7 +33,7 @@ int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height)
         {VCOM_1, 2, {0x3e, 0x28}},         /* 4.25 V and -1.5 V */
         {VCOM_2, 1, {0x86}},
         {FRAME_RATE, 2, {0x00, 0x18}},     /* 79 Hz */
-        {PIXEL_FORMAT, 1, {0x55}},         /* 16 bits */
+        {PIXEL_FORMAT, 1, {0x55}},         /* 16 bits per pixel */
     };
     const int upright = width <= SHORT_SIDE && height <= LONG_SIDE;
     const uint8_t access = (uint8_t)(BGR | (upright ? MIRROR_X : TRANSPOSE));
@@ -50,7 +50,7 @@ int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height)
     return 0;
 }
 
-/* The first and the last column or page of what is written next. */
+/* Sends the first and last column or page of the next write. */
 static void send_range(const fxs_ili9341 *panel, uint8_t command, int32_t first, int32_t last)
 {
     const uint8_t range[4] = {(uint8_t)(first >> 8), (uint8_t)first, (uint8_t)(last >> 8), (uint8_t)last};

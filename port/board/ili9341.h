@@ -1,12 +1,12 @@
-/* Shows strips on a panel of 240x320 pixels with the controller ILI9341 ("ILI9341, a-Si TFT LCD Single Chip Driver",
- * ILITEK, V1.11), by SPI with a D/C line or any other bus of bytes.
+/* Sends strips to a 240x320 panel with the controller ILI9341 ("ILI9341, a-Si TFT LCD Single Chip Driver", ILITEK,
+ * V1.11), over SPI with a D/C line or any other bus of bytes.
  *
  *     static fxs_ili9341 panel = {.bus = {send_command, send_data, wait}};
  *     static fxs_strip strip = {.pixels = rows, .stride = 320 * 2, .rows = 16, .format = FXS_FORMAT_RGB565_SWAPPED,
  *                               .rows_done = fxs_ili9341_rows, .argument = &panel};
  *     fxs_ili9341_init(&panel, 320, 240);
  *
- * and the rest as in strip.h. */
+ * For the rest see strip.h. */
 #ifndef FXS_ILI9341_H
 #define FXS_ILI9341_H
 
@@ -16,11 +16,12 @@
 extern "C" {
 #endif
 
-/* The board's part. Bytes go out in the order of the calls, the highest bit first. */
+/* Functions that the board provides. Bytes are sent in the order of the calls, highest bit first. */
 typedef struct fxs_ili9341_bus {
     void (*command)(void *argument, uint8_t command);                   /* one byte with D/C low */
-    /* Bytes with D/C high: 4 or fewer, to be sent before it returns, or pixels of the strip. Where the panel has a
-       second buffer, DMA may still send these on return; the next call of `command` or `data` waits for its end. */
+    /* Sends bytes with D/C high. Up to 4 bytes are parameters and must be sent before it returns. More bytes are pixels
+       of the strip. If the panel has a second buffer, DMA may continue to send pixels after the return; the next call
+       of `command` or `data` must wait for its end. */
     void (*data)(void *argument, const uint8_t *bytes, size_t count);
     void (*wait)(void *argument, uint32_t milliseconds);
     void *argument;
@@ -28,16 +29,16 @@ typedef struct fxs_ili9341_bus {
 
 typedef struct fxs_ili9341 {
     fxs_ili9341_bus bus;
-    void *other;                   /* a second buffer as large as the strip's, which it takes turns with; or null */
-    int32_t width, height;         /* of the picture: set by fxs_ili9341_init */
+    void *other;                   /* second buffer of the strip's size, for double buffering; null: none */
+    int32_t width, height;         /* of the picture; set by fxs_ili9341_init */
 } fxs_ili9341;
 
-/* Resets the controller, wakes the panel and turns it on, for pictures at its upper left corner: upright up to 240x320,
-   else on its side up to 320x240. Takes 240 ms. Returns 0 or FXS_ERR_SIZE. */
+/* Resets the controller, wakes the panel and turns it on. Pictures start at its upper left corner: upright up to
+   240x320, otherwise on its side up to 320x240. Takes 240 ms. Returns 0 or FXS_ERR_SIZE. */
 int fxs_ili9341_init(fxs_ili9341 *panel, int32_t width, int32_t height);
 
-/* For fxs_strip.rows_done, with the panel as argument: sends the strip to its place. Returns 0, or FXS_ERR_TARGET where
-   the strip's format is not RGB565_SWAPPED or the rows are not on the panel. */
+/* For fxs_strip.rows_done, with the panel as argument: sends the strip to its place. Returns 0, or FXS_ERR_TARGET if
+   the strip's format is not RGB565_SWAPPED or the rows are outside the panel. */
 int fxs_ili9341_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Renders a picture in strips. */
+/* Renders a picture in strips: blends tile by tile to the strip's pixels, and calls rows_done for each full strip. */
 #include <fixsplat/strip.h>
 
 #include <fixsplat/stage.h>

@@ -1,5 +1,5 @@
-/* Turns a scene in front of a camera that frames it, in integers alone. The firmware of the boards shows it, and the
- * tests compare its pictures with those on the host. */
+/* Turns a scene in front of a camera that frames it, in integers only. Used by the boards' firmware and by the tests,
+ * which compare its pictures with the host's. */
 #ifndef FXS_TURNTABLE_H
 #define FXS_TURNTABLE_H
 
@@ -18,12 +18,12 @@ typedef struct fxs_turntable {
     int64_t middle_q32[3];         /* middle of the visible part of the scene */
 } fxs_turntable;
 
-/* Opens the packed scene of `bytes` bytes at `data`, which stays in place, and frames it for a picture of this size.
-   Errors are those of fxs_scene_open, FXS_ERR_SIZE, and FXS_ERR_SCENE where the box of the visible part is not valid.
-   *t must not move in memory, as it points into itself. */
+/* Opens the packed scene of `bytes` bytes at `data` and frames it for a picture of this size. `data` must stay in
+ * place. Returns 0, an error of fxs_scene_open, FXS_ERR_SIZE, or FXS_ERR_SCENE if the box of the visible part is not
+ * valid. *t must not move in memory, because it points into itself. */
 int fxs_turntable_open(fxs_turntable *t, const void *data, size_t bytes, int32_t width, int32_t height);
 
-/* Turns the object to step / FXS_TURNTABLE_STEPS of a turn about the y axis; step 0 leaves the scene unturned. */
+/* Turns the object by step / FXS_TURNTABLE_STEPS of a turn around the y axis. Step 0 is the scene's own orientation. */
 void fxs_turntable_turn(fxs_turntable *t, uint32_t step);
 
 #ifdef __cplusplus

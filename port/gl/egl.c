@@ -1,3 +1,5 @@
+/* Opens a context of OpenGL ES 3 through EGL without a window: on the first EGL device that works, then on Mesa's
+ * surfaceless platform, then on the default display. libEGL and libGLESv2 are loaded at run time. */
 #include <fixsplat/egl.h>
 
 #include <EGL/egl.h>
@@ -18,7 +20,7 @@ typedef struct fxs_egl {
     EGLContext context;
 } fxs_egl;
 
-/* dlsym returns a pointer to data, which POSIX allows to be a pointer to a function. */
+/* dlsym returns a data pointer; POSIX allows to use it as a function pointer. */
 static function *symbol(void *library, const char *name)
 {
     function *found = 0;
@@ -34,7 +36,7 @@ void (*fxs_egl_load(void *argument, const char *name))(void)
     return found ? found : e->get_address(name);
 }
 
-/* Finds a function of EGL: those of version 1.4 in the library, those of extensions by eglGetProcAddress. */
+/* Finds a function of EGL: functions of version 1.4 in the library, extensions with eglGetProcAddress. */
 static function *egl_function(const fxs_egl *e, const char *name)
 {
     function *found = symbol(e->egl_library, name);
@@ -42,7 +44,7 @@ static function *egl_function(const fxs_egl *e, const char *name)
 }
 #define CALL(type, name) ((PFN##type##PROC)egl_function(e, #name))
 
-/* The context is first released: EGL ignores a call for the context that it believes to be current, but Mesa's other
+/* Releases the context first. EGL ignores a call for the context that it believes to be current, but Mesa's other
    libraries (OSMesa, GLX) may have replaced it without EGL's knowledge. */
 int fxs_egl_use(void *egl)
 {
@@ -62,7 +64,7 @@ static int make_surface(fxs_egl *e, EGLConfig config)
     return e->surface && fxs_egl_use(e) == 0;
 }
 
-/* Makes a context of OpenGL ES 3 on a display current. */
+/* Makes a context of OpenGL ES 3 on a display, and makes it current. */
 static int make_context(fxs_egl *e, EGLDisplay display)
 {
     static const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_ES3_BIT,
@@ -90,7 +92,7 @@ static int make_context(fxs_egl *e, EGLDisplay display)
     return 0;
 }
 
-/* Devices of drivers are listed first, Mesa's software device last. */
+/* EGL lists devices of drivers first and Mesa's software device last. */
 static int try_devices(fxs_egl *e)
 {
     PFNEGLQUERYDEVICESEXTPROC query_devices = CALL(EGLQUERYDEVICESEXT, eglQueryDevicesEXT);
@@ -144,6 +146,6 @@ void fxs_egl_close(void *egl)
             CALL(EGLDESTROYSURFACE, eglDestroySurface)(e->display, e->surface);
         CALL(EGLDESTROYCONTEXT, eglDestroyContext)(e->display, e->context);
     }
-    /* The libraries stay loaded, as drivers may crash when they are unloaded. */
+    /* The libraries stay loaded, because unloading can crash drivers. */
     free(e);
 }

@@ -1,3 +1,5 @@
+/* Opens a core context of OpenGL 3.3 in OSMesa, Mesa's software renderer without a window. libOSMesa is loaded at run
+ * time. */
 #include <fixsplat/osmesa.h>
 
 #include <GL/osmesa.h>
@@ -14,7 +16,7 @@ typedef struct fxs_osmesa {
     unsigned char pixel[4];        /* the context's own framebuffer */
 } fxs_osmesa;
 
-/* dlsym returns a pointer to data, which POSIX allows to be a pointer to a function. */
+/* dlsym returns a data pointer; POSIX allows to use it as a function pointer. */
 static function *symbol(const fxs_osmesa *o, const char *name)
 {
     function *found = 0;
@@ -71,6 +73,6 @@ void fxs_osmesa_close(void *osmesa)
     fxs_osmesa *o = osmesa;
     if (o && o->context)
         ((void (*)(OSMesaContext))symbol(o, "OSMesaDestroyContext"))(o->context);
-    /* The library stays loaded, as drivers may crash when they are unloaded. */
+    /* The library stays loaded, because unloading can crash drivers. */
     free(o);
 }

@@ -1,27 +1,26 @@
-/* How a frame's memory is divided, and the frame into bands. Where the memory holds a splat for every Gaussian, there
- * is one band, of all tile rows. Else a plan comes first: Gaussians are projected only to count the splats of each tile
- * row. So it is known, before a pixel is written, how many tile rows fit in the memory at a time, and how much memory
- * the fullest one takes. */
+/* Divides a frame's memory, and divides the frame into bands of tile rows. If the memory holds a splat for every
+ * Gaussian, one band covers all tile rows. Otherwise a plan comes first: Gaussians are projected only to count the
+ * splats of each tile row. The counts tell, before a pixel is written, how many tile rows fit at a time and how much
+ * memory the fullest row needs. */
 #include "memory.h"
 #include "parts.h"
 
-#define JOBS 8u                    /* blocks of a plan for each thread, at most; one thread has one */
-#define KEYS 2u                    /* of lists for each slot, as many as they usually take */
+#define JOBS 8u                    /* most blocks of a plan per thread; with one thread, one block in all */
+#define KEYS 2u                    /* list keys per slot: the usual need */
 #define EYE_BYTES (sizeof(fxs_splat) + sizeof(fxs_bounds) + sizeof(fxs_box) + sizeof(uint32_t))
-#define SLOT_BYTES sizeof(uint32_t)            /* and EYE_BYTES for each eye */
-#define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and room to sort it */
-#define SLICE_LEAST 128u           /* splats of a slice */
+#define SLOT_BYTES sizeof(uint32_t)            /* plus EYE_BYTES for each eye */
+#define LIST_BYTES (2 * sizeof(fxs_key))       /* a key, and space to sort it */
+#define SLICE_LEAST 128u           /* minimum splats of a slice */
 #define SLICE_MACRO_BYTES (FXS_MACRO * sizeof(fxs_tile) + (sizeof(fxs_trace) + 63) / 64 * 64)
 
 /* ---- Memory ---------------------------------------------------------------------------------------------------- */
 
-/* A block of memory being cut up, or, where it is null, only measured. */
+/* A block of memory to cut up. With `rest` null, it is only measured. */
 typedef struct arena {
     unsigned char *rest;
     uint64_t used;
 } arena;
 
-/* Cuts `bytes` off the front, rounded up to 64. */
 static void *cut(arena *m, uint64_t bytes)
 {
     void *part = m->rest;
@@ -37,8 +36,8 @@ static uint64_t to_multiple_of_16(uint64_t x)
     return (x + 15) / 16 * 16;
 }
 
-/* Divides the work into jobs, and cuts off the arrays that stay for the whole frame. In a band every block needs room
-   for a chunk beyond the splats that it keeps; so a frame in bands has fewer and larger blocks. */
+/* Divides the work into jobs and cuts off the arrays that live for the whole frame. In a band, each block needs slots
+   for one chunk beyond the splats that it keeps, so a frame in bands has fewer and larger blocks. */
 static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
 {
     arena m = {f->memory, 0};
@@ -55,7 +54,7 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
         f->block_chunks *= 2;
     f->blocks = (chunks + f->block_chunks - 1) / f->block_chunks;
 
-    for (uint32_t eye = 0; eye < f->eye_count; eye++)          /* these first: they stay when the cut is known */
+    for (uint32_t eye = 0; eye < f->eye_count; eye++)          /* first: the layout after the cut keeps them */
         f->eye[eye].objects = cut(&m, f->object_count * sizeof *f->eye->objects);
     f->cut_memory = cut(&m, f->cut_room ? fxs_cut_bytes(f->cut_room) : 0);
     f->block_slots = cut(&m, (f->blocks + 1) * sizeof *f->block_slots);
@@ -74,8 +73,8 @@ static void lay_out_frame(fxs_frame *f, enum fxs_frame_mode mode)
     f->fixed_bytes = m.used;
 }
 
-/* Cuts off the arrays of a band with so many slots. The lists take the rest of the memory, up to KEYS keys for each
-   slot and 16 for each tile. Returns the bytes of the whole frame, which may be more than a size_t holds. */
+/* Cuts off the arrays of a band with `slots` slots. The lists take the rest of the memory, up to KEYS keys per slot
+   plus 16 per tile. Returns the bytes of the whole frame, which can exceed a size_t. */
 static uint64_t lay_out_band(fxs_frame *f, uint64_t slots)
 {
     arena m = {f->memory ? f->memory + f->fixed_bytes : 0, f->fixed_bytes};
@@ -111,8 +110,8 @@ static uint64_t bytes_for(const fxs_frame *f, uint64_t slots, uint64_t keys_a_sl
              to_multiple_of_16(slots) * (SLOT_BYTES + f->eye_count * EYE_BYTES + keys_a_slot * LIST_BYTES);
 }
 
-/* The least memory for every Gaussian, and for a plan, of a frame that is laid out for it. With one key a slot a macro
-   tile always fits, as its list is never longer. */
+/* Minimum memory for a whole frame, and for a plan; each for the current layout. One key per slot is enough for any
+   macro tile, because no list is longer than the number of slots. */
 static uint64_t bytes_for_all(const fxs_frame *f)
 {
     return bytes_for(f, (uint64_t)f->chunk_count * FXS_CHUNK, 1);
@@ -128,20 +127,20 @@ static uint64_t smaller(uint64_t a, uint64_t b)
     return a < b ? a : b;
 }
 
-/* And for slices: of one macro tile, with room for a chunk and for some splats beside. */
+/* Minimum memory for slices: one macro tile, a chunk and SLICE_LEAST splats. */
 static uint64_t bytes_for_slices(const fxs_frame *f)
 {
     return bytes_for(f, FXS_CHUNK + SLICE_LEAST, 1) + SLICE_MACRO_BYTES;
 }
 
-/* How many macro tiles' columns a slice has: a quarter of the memory beyond the least goes to their pixels. */
+/* Macro tile columns of a slice. A quarter of the memory above the minimum holds their pixels. */
 static uint32_t slice_macros(const fxs_frame *f)
 {
     const uint64_t more = (f->memory_bytes - bytes_for_slices(f)) / 4 / SLICE_MACRO_BYTES;
     return (uint32_t)smaller(1 + more, fxs_macros(f->eye->view.tiles_x));
 }
 
-/* The least memory of a frame that is laid out for a plan. */
+/* Minimum memory of a frame that is laid out for a plan. */
 static uint64_t least_bytes(const fxs_frame *f)
 {
     const uint64_t plan = bytes_for_plan(f), slices = bytes_for_slices(f);
@@ -189,7 +188,7 @@ void fxs_band_count(fxs_frame *f, uint32_t block, uint32_t place, uint32_t first
     f->extents[place] = e;
 }
 
-/* The splats that start, or end, on a row become the splats that start, or end, on any row above it. */
+/* Prefix sums: counts per tile row become counts of splats that start, or end, above the row. */
 static void sum_rows(fxs_frame *f, uint32_t block)
 {
     fxs_row_counts *counts = row_counts_of(f, block);
@@ -199,7 +198,7 @@ static void sum_rows(fxs_frame *f, uint32_t block)
     }
 }
 
-/* Slots for the splats of a block that touch tile rows first_row to end_row - 1, and for projecting one chunk more. */
+/* Slots for the splats of a block that touch tile rows first_row to end_row - 1, plus one chunk for projection. */
 static uint32_t block_slots(const fxs_frame *f, uint32_t block, int32_t first_row, int32_t end_row)
 {
     uint32_t most = (fxs_block_start(f, block + 1) - fxs_block_start(f, block)) * FXS_CHUNK;
@@ -217,7 +216,7 @@ static uint64_t band_bytes(const fxs_frame *f, int32_t first_row, int32_t end_ro
     return bytes_for(f, slots, keys_a_slot);
 }
 
-/* So that the plan's blocks have slots, and nothing is counted yet. */
+/* Gives each block one chunk of slots, and clears its row counts. */
 static void begin_plan(fxs_frame *f)
 {
     lay_out_band(f, (uint64_t)f->blocks * FXS_CHUNK);
@@ -227,7 +226,7 @@ static void begin_plan(fxs_frame *f)
     }
 }
 
-/* Returns the bytes that the fullest tile row takes. */
+/* Returns the bytes that the fullest tile row needs. */
 static uint64_t end_plan(fxs_frame *f)
 {
     uint64_t most = 0;
@@ -242,7 +241,7 @@ static uint64_t end_plan(fxs_frame *f)
     return smaller(most, f->bytes_for_all);
 }
 
-/* Whether tiles that are blended slice by slice can be drawn: their colours alone are kept meanwhile. */
+/* True if the frame can be drawn in slices. Slices keep only colours, so depths, ids and occluders rule them out. */
 static int can_slice(const fxs_frame *f)
 {
     return (f->draw_tile ? f->draw_tile == fxs_draw_tile : f->context->config.draw_blended) &&
@@ -277,7 +276,7 @@ int fxs_bands_init(fxs_frame *f)
     return f->memory_bytes < least ? FXS_ERR_MEMORY : 0;
 }
 
-/* Slots for a slice of a tile row, as many as fit, and pixels for its columns. */
+/* Fills the memory with slots for a slice of a tile row, after the pixels of its columns. */
 static void lay_out_slices(fxs_frame *f)
 {
     f->slice_macros = slice_macros(f);
@@ -287,7 +286,7 @@ static void lay_out_slices(fxs_frame *f)
     lay_out_band(f, f->slice_room + FXS_CHUNK);
 }
 
-/* The tile rows from first_row on that fit in the memory, and slots for their splats. */
+/* Takes as many tile rows from first_row on as fit in the memory, and lays out slots for their splats. */
 static void lay_out_rows(fxs_frame *f)
 {
     uint32_t slots = 0;
@@ -321,7 +320,7 @@ int fxs_band_next(fxs_frame *f)
     return 1;
 }
 
-/* Whether all splats of a chunk are kept, as none can be outside of the band. */
+/* True if the band keeps all splats of a chunk. */
 static int is_whole(const fxs_frame *f, uint32_t place)
 {
     return f->mode < FXS_FRAME_BAND ||

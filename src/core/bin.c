@@ -1,6 +1,6 @@
-/* bin: which tiles a splat touches. On a tile row the ellipse u^2 + v^2 = r^2 spans x = cx + shear v +- breadth
- * sqrt(r^2 - v^2), v between the row's first and last pixel row; the widest points are at v = +- r shear / sqrt(A). A
- * margin of 1/8 pixel and 1/256 of the size makes up for rounding, so a list never misses a pixel that passes the
+/* bin: finds the tiles that a splat touches. On a tile row the ellipse u^2 + v^2 = r^2 spans x = cx + shear v +-
+ * breadth sqrt(r^2 - v^2), v between the row's first and last pixel row; the widest points are at v = +- r shear /
+ * sqrt(A). A margin of 1/8 pixel and 1/256 of the size covers rounding, so a list never misses a pixel that passes the
  * test in pixel.h. */
 #include <fixsplat/fixed.h>
 #include "memory.h"
@@ -10,7 +10,7 @@
 #ifdef FXS_SMALL_STACK
 #define SOME 8u
 #else
-#define SOME 64u                   /* slots that are noted at once */
+#define SOME 64u                   /* slots per call of the kernel `note` */
 #endif
 
 typedef fxs_span span;
@@ -18,11 +18,11 @@ typedef fxs_span span;
 typedef struct ellipse {
     const fxs_splat *splat;
     const fxs_bounds *bounds;
-    span columns, rows;            /* of its bounding box */
-    int32_t r_q12;                 /* add_radius */
+    span columns, rows;            /* of the bounding box */
+    int32_t r_q12;                 /* set by add_radius */
 } ellipse;
 
-/* The tile columns of the pixels between two points. */
+/* Tile columns of the pixels between two points. */
 static span columns_between(const fxs_view *view, int32_t left_q8, int32_t right_q8)
 {
     int32_t first = (left_q8 + 255) >> 8, last = right_q8 >> 8;
@@ -38,14 +38,13 @@ static ellipse ellipse_of(const fxs_view *view, const fxs_splat *splat, const fx
                      {splat->first_row / FXS_TILE, splat->last_row / FXS_TILE}, 0};
 }
 
-/* What ellipse_span needs: apart, as many a splat has no tile row cut. */
+/* Sets r, which only ellipse_span needs. A separate step, because many splats need no ellipse_span. */
 static void add_radius(ellipse *e, const fxs_view *view)
 {
     int32_t offset_q11 = e->splat->offset_q11, limit_q11 = fxs_limit_q11(offset_q11, view->cut_q11);
     e->r_q12 = (int32_t)fxs_sqrt((uint32_t)(limit_q11 - offset_q11 + 1) << 13) + 1;
 }
 
-/* v at a pixel row. */
 static int64_t v_at_row(const ellipse *e, int32_t row)
 {
     return (((int64_t)row << 14) - e->bounds->cy_q14) * e->splat->vy_q24 >> 26;
@@ -56,7 +55,7 @@ static int32_t cut_to(int32_t r, int64_t v)
     return v < -r ? -r : v > r ? r : (int32_t)v;
 }
 
-/* Half the width at v, about x = cx + shear v. */
+/* Half the width at v, around x = cx + shear v. */
 static int32_t half_width_q8(const ellipse *e, int32_t v_q12)
 {
     uint32_t square_q24 = (uint32_t)(e->r_q12 * e->r_q12 - v_q12 * v_q12);
@@ -68,8 +67,8 @@ static int32_t larger(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/* The tiles of a tile row that the ellipse touches. Of a veil, all: it has no centre to know v by, and 2^-8 of its
-   reach is 16384 pixels. */
+/* Tile columns of a tile row that the ellipse touches. A veil touches all: its centre is not in `bounds`, so v is
+   unknown, and its margin of 2^-8 of the reach is 16384 pixels. */
 static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
 {
     int64_t top_q12 = v_at_row(e, row * FXS_TILE), bottom_q12 = v_at_row(e, row * FXS_TILE + FXS_TILE - 1);
@@ -81,7 +80,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     int32_t half_bottom_q8 = half_width_q8(e, bottom);
     int32_t left_q8 = -larger(half_top_q8 - x_top_q8, half_bottom_q8 - x_bottom_q8);
     int32_t right_q8 = larger(half_top_q8 + x_top_q8, half_bottom_q8 + x_bottom_q8);
-    /* v sqrt(A) against +- r shear: is a widest point on this tile row? */
+    /* a widest point lies on this tile row if v sqrt(A) = +- r shear for a v between top and bottom */
     int32_t reach_q8 = (int32_t)e->bounds->half_width_q8;
     int64_t tangent = (int64_t)e->bounds->shear_q8 * e->r_q12 / 4096 * e->r_q12;
     int64_t low = (int64_t)top * reach_q8, high = (int64_t)bottom * reach_q8;
@@ -95,7 +94,7 @@ static span ellipse_span(const ellipse *e, const fxs_view *view, int32_t row)
     return columns_between(view, cx_q8 + left_q8, cx_q8 + right_q8);
 }
 
-/* Tile rows or columns of the square: floor((c - radius) / 16) to floor((c + radius + 15) / 16), exclusive. */
+/* Tile rows or columns of the square: floor((c - radius) / 16) to floor((c + radius + 15) / 16), end exclusive. */
 static span square_span(int32_t centre_q14, uint32_t radius, int32_t tiles)
 {
     int64_t first = (centre_q14 - ((int64_t)radius << 14)) >> 18;
@@ -124,13 +123,13 @@ static span span_of(const ellipse *e, const fxs_view *view, int32_t row)
                                              : ellipse_span(e, view, row);
 }
 
-/* Bits of the six tiles of a row in a box go to the three macro tiles. */
+/* Moves the bits of six tiles in a row to the masks of their three macro tiles. */
 static uint64_t spread_row(uint32_t tiles, int32_t row)
 {
     return (uint64_t)((tiles & 3) | (tiles & 12) << 2 | (tiles & 48) << 4) << (row / 2 * 12 + row % 2 * 2);
 }
 
-/* The tiles of a span, from column `from` on; at most 31. */
+/* Mask of a span's tiles, bit 0 for column `from`; at most 31 tiles. */
 static uint32_t tiles_of(span s, int32_t from)
 {
     return s.first > s.last ? 0 : (2u << (s.last - from)) - (1u << (s.first - from));
@@ -149,7 +148,7 @@ static fxs_box box_of(const fxs_view *view, ellipse *e)
         return FXS_LARGE;
     if (e->rows.first == e->rows.last && e->columns.last - e->columns.first < FXS_NARROW &&
         e->splat->first_row > 0 && e->splat->last_row < view->height - 1) {
-        /* All of it on one tile row, and narrow: it touches every column of its box, or nearly so. */
+        /* Narrow and within one tile row: it touches every column of its box, or nearly so. */
         mask = spread_row(tiles_of(e->columns, column), e->rows.first - row);
     } else {
         add_radius(e, view);
@@ -178,8 +177,8 @@ void fxs_spans_c(const fxs_view *view, const fxs_splat *splat, const fxs_bounds 
 
 /* ---- Lists ----------------------------------------------------------------------------------------------------- */
 
-/* Lists splats in macro tiles: writes keys, or without keys counts them and takes notes, where there is room. What it
-   changes is in registers meanwhile. */
+/* Lists splats in macro tiles. With `keys`, writes keys. Without, counts keys, and takes notes while they fit. The
+   counters are copied to locals so that they stay in registers. */
 static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, const uint32_t *listed, uint32_t count)
 {
     const uint32_t first = l->first_macro, more = l->last_macro - first, room = l->room, *depths = l->depths;
@@ -195,7 +194,7 @@ static inline void put(fxs_lister *l, fxs_key *keys, const uint32_t *macros, con
         else if (taken < room)
             notes[taken++] = FXS_KEY(macro, listed[i]);
         else
-            taken = UINT32_MAX;    /* more than there is room for */
+            taken = UINT32_MAX;    /* notes full */
     }
     l->taken = taken;
 }
@@ -217,14 +216,14 @@ uint32_t fxs_note_c(const fxs_view *view, const fxs_box *boxes, uint32_t first, 
     return noted;
 }
 
-/* The tiles of a span in columns 2 c and 2 c + 1. */
+/* Mask of a span's tiles in columns 2 c and 2 c + 1. */
 static uint32_t pair_of(span s, int32_t c)
 {
     const int32_t left = 2 * c, right = left + 1;
     return (uint32_t)(s.first <= left && left <= s.last) | (uint32_t)(s.first <= right && right <= s.last) << 1;
 }
 
-/* A splat whose tiles do not fit in a box. */
+/* Lists a splat that is too large for a box (FXS_LARGE). */
 static void list_large(fxs_lister *l, fxs_key *keys, uint32_t slot, uint32_t across)
 {
     const fxs_view *view = l->view;
@@ -305,7 +304,7 @@ static int touches(const fxs_view *view, const fxs_splat *splat, const fxs_bound
 uint32_t fxs_list_c(const fxs_key *keys, uint32_t count, uint32_t tile, uint32_t *entries)
 {
     uint32_t listed = 0;
-    for (uint32_t i = 0; i < count; i++) {         /* without a branch, as it is hard to foresee */
+    for (uint32_t i = 0; i < count; i++) {         /* no branch: it would be hard to predict */
         entries[listed] = FXS_LISTED_SLOT(keys[i]);
         listed += (uint32_t)keys[i] >> tile & 1;
     }

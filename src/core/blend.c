@@ -1,9 +1,9 @@
-/* blend: the splats of a tile's list, near to far, over its 256 pixels; trace: the same, with auxiliary outputs. The
- * math of one pixel is in pixel.h; here are the loops and the early stop. */
+/* blend: blends the splats of a tile's list, near to far, over its 256 pixels. trace: the same with auxiliary outputs.
+ * pixel.h has the arithmetic of one pixel; this file has the loops and the early out. */
 #include "memory.h"
 #include "parts.h"
 
-/* A splat at a tile: coordinates at the tile's first pixel, and the rows it can touch. */
+/* A splat in a tile: u and v at the tile's first pixel, and the rows that the splat can touch. */
 typedef struct at_tile {
     int32_t u_q24, v_q24, first_row, last_row, limit_q11;
 } at_tile;
@@ -28,12 +28,11 @@ void fxs_tile_clear(fxs_tile *tile)
         tile->transmittance_q15[i] = FXS_CLEAR_Q15;
 }
 
-/* The tile, and the splat that is blended into it. */
 typedef struct blending {
     fxs_tile *tile;
-    fxs_trace *trace;              /* or null */
-    int number;                     /* of the splat's entry */
-    int depth_q15;                 /* its code */
+    fxs_trace *trace;              /* null for blend */
+    int number;                     /* index of the splat's entry */
+    int depth_q15;                 /* depth code of the splat */
     uint64_t evaluated, blended;
 } blending;
 
@@ -55,7 +54,7 @@ static int is_hidden(const blending *b, int i)
     return b->trace && b->trace->which & FXS_TRACE_END && b->number >= b->trace->end[i];
 }
 
-/* One splat over one row. Returns how many pixels it closed. */
+/* Blends one splat over one row. Returns how many pixels it closed. */
 static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile *p)
 {
     fxs_tile *tile = b->tile;
@@ -83,7 +82,7 @@ static int blend_row(blending *b, int row, const fxs_splat *splat, const at_tile
     return closed;
 }
 
-/* depths_q15: read for FXS_TRACE_MEAN only. */
+/* depths_q15 is read only with FXS_TRACE_MEAN. */
 static void blend_list(blending *b, const fxs_view *view, int32_t x, int32_t y, const fxs_splat *splats,
                        const uint32_t *entries, const int16_t *depths_q15, uint32_t first, uint32_t end)
 {

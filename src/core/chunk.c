@@ -1,5 +1,4 @@
-/* The part of project that is done once for a chunk: where it lies for this camera, and whether any of it can be
-   seen. */
+/* The part of project that runs once per chunk: transforms the chunk's box to camera space and culls it. */
 #include "chunk.h"
 
 #include <fixsplat/fixed.h>
@@ -23,14 +22,14 @@ FXS_STAGE int fxs_node_read(fxs_node *node, const fxs_scene *scene, uint32_t i)
     return fxs_node_valid(node, scene->chunk_count, i) ? 0 : FXS_ERR_SCENE;
 }
 
-/* 2^-l_q16, Q30, of l at least 0 */
+/* 2^-l_q16, Q30; l >= 0 */
 static uint32_t falling_q30(uint32_t l_q16)
 {
     const uint32_t whole = l_q16 >> 16;
     return whole > 30 ? 0 : ((uint32_t)fxs_exp2_q15((int32_t)((l_q16 & 65535) >> 1)) << 15) >> whole;
 }
 
-/* -log2(x_q30), Q16, of x above 0 and at most 1 */
+/* -log2(x_q30), Q16; 0 < x <= 1 */
 static uint32_t octaves_below_q16(uint32_t x_q30)
 {
     const int32_t below_q16 = (30 << 16) - fxs_log2_q16(x_q30);
@@ -69,7 +68,7 @@ static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *ch
     cv->scale_q16 = chunk->scale_q16 + view->grow_q16;
     cv->scale_step_q24 = chunk->scale_step_q24;
     cv->opacity_law = chunk->opacity_law;
-    cv->shift = bits > 29 ? bits - 29 : 0;       /* so |offset| + reach < 2^29 an axis */
+    cv->shift = bits > 29 ? bits - 29 : 0;       /* |offset| + reach < 2^29 per axis */
     cv->plane_zeros = fxs_clamp(cv->shift - view->plane_exponent, -22, 38);
     cv->plane_side = cv->plane_zeros > 7 ? 1 << (38 - cv->plane_zeros) : INT32_MAX;
     const int64_t near = view->near_q32 >> cv->shift;
@@ -86,9 +85,9 @@ static void locate(fxs_chunk_view *cv, const fxs_view *view, const fxs_chunk *ch
     }
 }
 
-/* An upper bound on how far, in units of cv, the chunk's Gaussians reach across the view: on the picture half a width
-   is at most 3.34 sqrt((f / z sigma |J|)^2 + 0.3), |J| = 2^jacobian_exponent at most; without the dilation, times z /
-   f, that is 3.34 sigma |J|. */
+/* Upper bound, in units of cv, of how far the chunk's Gaussians reach across the view. On the picture, half a width is
+   at most 3.34 sqrt((f / z sigma |J|)^2 + 0.3), |J| <= 2^jacobian_exponent. Without the dilation and times z / f, this
+   is 3.34 sigma |J|. */
 static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
 {
     int32_t log2_q16 = cv->scale_q16 + (32 - cv->shift + view->jacobian_exponent) * 65536;
@@ -98,8 +97,8 @@ static int64_t reach_across(const fxs_chunk_view *cv, const fxs_view *view)
     return whole < 0 ? 4 : ((int64_t)fxs_exp2_q15((-log2_q16 & 65535) >> 1) << whole >> 15) * 7 / 2 + 4;
 }
 
-/* The largest value of sign * (axis i) - slope * depth in the chunk's box, slope in Q23. The depth is z, or that of the
-   plane of an orthographic view, 2^(32 - plane_zeros) units. */
+/* Maximum of sign * (axis i) - slope * depth in the chunk's box, slope in Q23. The depth is z; for an orthographic view
+   it is the depth of the plane, 2^(32 - plane_zeros) units. */
 static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, int sign, int64_t slope_q23)
 {
     const int shift = 32 - 23 - cv->plane_zeros;
@@ -116,7 +115,7 @@ static int64_t farthest(const fxs_chunk_view *cv, const fxs_view *view, int i, i
     return sum;
 }
 
-/* All of it lies in the hidden part: right of its left edge, and so on. */
+/* True if the whole chunk lies in the hidden part, inside all four edges. */
 static int is_hidden(const fxs_chunk_view *cv, const fxs_view *view, int64_t reach)
 {
     int hidden = 1;
@@ -135,7 +134,7 @@ FXS_STAGE int fxs_chunk_view_of(fxs_chunk_view *cv, const fxs_view *view, const 
         z_q16 += cv->m_q16[2][j] > 0 ? (int64_t)cv->m_q16[2][j] * 65535 : 0;
     if (z_q16 >> 16 <= cv->near)
         return 0;
-    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* its tiles reach further; it is there to be measured */
+    if (view->cutoff == FXS_CUTOFF_SQUARE)       /* its tiles reach further; for measurements only */
         return 1;
     int64_t reach = reach_across(cv, view);
     for (int i = 0; i < 2; i++)                  /* x + reach < edge_low z: left of the picture; and so on */

@@ -1,9 +1,10 @@
-/* fxs_count_pairs: a frame whose tiles are blended by a version of blend that counts. */
+/* fxs_count_pairs: renders a frame with a version of blend that counts pairs of splat and pixel, and writes no
+ * target. */
 #include "parts.h"
 
 typedef struct counting {
-    fxs_frame frame;               /* first, as count_tile is given it */
-    fxs_targets targets;           /* none */
+    fxs_frame frame;               /* first, because count_tile casts to it */
+    fxs_targets targets;           /* none set */
     uint64_t evaluated, blended;
 } counting;
 

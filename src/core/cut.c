@@ -1,46 +1,46 @@
-/* The cut through the trees of a frame's objects: which chunks are drawn, coarse ones in place of all that lie below
- * them in the tree. Each tree begins with its root. The node whose children remove the most error for each Gaussian
- * that they add is opened next, until the first one that the budget has no room for. So the cut is a function of the
- * scenes, the camera and the options alone, and with a larger budget every part is drawn as finely or finer.
+/* The cut through the trees of a frame's objects: decides which chunks are drawn. A coarse chunk replaces all chunks
+ * below it in the tree. The search starts with the root of each tree. Each step opens the node with the largest gain:
+ * error removed per Gaussian added. The search ends at the first node that exceeds the budget. So the cut depends only
+ * on scenes, camera and options, and a larger budget draws every part as finely or finer.
  *
- * No part of a picture changes at once when a node opens: those that were opened last are drawn with their children.
- * The optical depth passes from it to them: a share s of an opacity is 1 - (1 - opacity)^s. A 64th of the budget is for
- * such nodes. The rest is spent without a look at them: the number of nodes that fade would else decide how many are
- * opened, and so again how many fade. */
+ * To avoid popping, the nodes that were opened last fade: they are drawn together with their children, and optical
+ * depth passes from node to children. A share s of an opacity is 1 - (1 - opacity)^s. A 64th of the budget is reserved
+ * for fading nodes. The search spends the rest without regard to fading: otherwise the number of fading nodes would
+ * decide how many nodes are opened, and this in turn how many fade. */
 #include "cut.h"
 
 #include <fixsplat/fixed.h>
 #include "memory.h"
 #include "sight.h"
 
-#define FADING 64u                 /* the share of the budget for nodes that fade, inverse */
-#define VISITS 4u                  /* for each chunk that may be drawn, and MORE_VISITS */
+#define FADING 64u                 /* share of the budget reserved for fading nodes, inverse */
+#define VISITS 4u                  /* visits per chunk of the budget, plus MORE_VISITS */
 #define MORE_VISITS 64u
 
-/* A chunk that the camera sees and the cut has come to. */
+/* A visible chunk that the search has reached. */
 typedef struct visit {
-    uint32_t chunk, object;        /* the chunk in the object's scene */
-    uint32_t parent;               /* its visit; FXS_NOTHING of a root */
-    fxs_sight sight;               /* key and room: at most the parent's */
-    uint32_t share_q8;             /* of what is drawn of it and of all below it, as its parent fades into it */
+    uint32_t chunk, object;        /* chunk: number in the object's scene */
+    uint32_t parent;               /* index of the parent's visit; FXS_NOTHING for a root */
+    fxs_sight sight;               /* key and room are at most the parent's */
+    uint32_t share_q8;             /* of this chunk and all below it, while the parent fades into it */
     uint8_t opened;
-    uint8_t short_of;              /* something that is to be drawn in its place is not there */
-    uint8_t needed;                /* it is to be drawn, */
-    uint8_t absent;                /* and its rows are not there */
-    uint8_t hidden;                /* a chunk above takes its place */
+    uint8_t short_of;              /* a child that has to be drawn is not loaded */
+    uint8_t needed;                /* has to be drawn */
+    uint8_t absent;                /* needed, but its rows are not loaded */
+    uint8_t hidden;                /* absent, or replaced by an ancestor */
 } visit;
 
 typedef struct search {
     fxs_cut *cut;
     visit *visits;
-    uint32_t *heap;                /* of the visits that may be opened, the largest key first */
-    uint32_t *opened;              /* visits, in the order of their keys */
+    uint32_t *heap;                /* openable visits, largest key first */
+    uint32_t *opened;              /* visits in the order they were opened */
     uint32_t visit_count, heap_count, opened_count;
-    uint32_t drawn, most_drawn;    /* chunks, but for those that fade by the budget */
+    uint32_t drawn, most_drawn;    /* chunks, without the ones that fade by the budget */
     uint32_t visit_room;
     fxs_fading fading;
-    uint32_t viewed;               /* the object whose chunk was looked at last; FXS_NOTHING before the first */
-    fxs_view views[2];             /* as each eye sees it */
+    uint32_t viewed;               /* object of the last visited chunk; FXS_NOTHING before the first */
+    fxs_view views[2];             /* that object's view of each eye */
     int full, error;
 } search;
 
@@ -74,7 +74,7 @@ uint32_t fxs_cut_room(const fxs_object *objects, uint32_t count, const fxs_optio
 
 /* ---- Heap -------------------------------------------------------------------------------------------------------- */
 
-/* Whether visit a is opened before b: by the key, then by the number of the chunk. */
+/* Order of opening: larger key first, then lower object, then lower chunk. */
 static int is_before(const search *s, uint32_t a, uint32_t b)
 {
     const visit *v = &s->visits[a], *w = &s->visits[b];
@@ -107,7 +107,7 @@ static uint32_t pop(search *s)
 
 /* ---- The cut ----------------------------------------------------------------------------------------------------- */
 
-/* The views that chunks of an object are seen by. */
+/* Sets s->views for the chunks of an object. */
 static void set_views(search *s, uint32_t object)
 {
     const fxs_cut *cut = s->cut;
@@ -119,7 +119,7 @@ static void set_views(search *s, uint32_t object)
     s->viewed = object;
 }
 
-/* Adds a chunk where an eye sees it. */
+/* Adds a chunk if an eye sees it. */
 static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t parent)
 {
     const fxs_cut *cut = s->cut;
@@ -143,7 +143,7 @@ static void visit_chunk(search *s, uint32_t object, uint32_t chunk, uint32_t par
     s->drawn++;
 }
 
-/* Adds the children of a node, which takes its own place among what is drawn, or none. */
+/* Opens a node: adds its children, and removes the node from the count of drawn chunks. */
 static void open_node(search *s, uint32_t number)
 {
     const visit *v = &s->visits[number];
@@ -157,7 +157,7 @@ static void open_node(search *s, uint32_t number)
         visit_chunk(s, object, node.children[i], number);
 }
 
-/* Opens the node with the largest key; or none, where there is no room. Returns whether it did. */
+/* Opens the node with the largest key. Returns 0 if no node is left or the budget is spent. */
 static int open_next(search *s)
 {
     const uint32_t visits = s->visit_count, opened = s->opened_count;
@@ -174,8 +174,8 @@ static int open_next(search *s)
     return 0;
 }
 
-/* How many nodes fade, the last ones that were opened: fewer where there is room left, as all are open, so that nothing
-   changes at once there either. */
+/* Sets how many of the last opened nodes fade. If budget is left over, all nodes are open, and fewer or none fade, so
+   that nothing pops there either. */
 static void find_fade(search *s, uint32_t room)
 {
     const uint32_t left = s->drawn < s->most_drawn ? s->most_drawn - s->drawn : 0, opened = s->opened_count;
@@ -188,7 +188,7 @@ static void find_fade(search *s, uint32_t room)
     s->fading.width_q8 = fxs_min(s->fading.width_q8, FXS_FADE_MOST_Q8);
 }
 
-/* Moves the entry at a place down to where it belongs in a heap with the largest chunk first. */
+/* Moves an entry down in a heap that has the largest chunk first. */
 static void sink(fxs_drawn *heap, uint32_t at, uint32_t count)
 {
     const fxs_drawn entry = heap[at];
@@ -232,7 +232,7 @@ static visit *parent_of(const search *s, const visit *v)
     return v->parent == FXS_NOTHING ? 0 : &s->visits[v->parent];
 }
 
-/* From the roots down: the share of what is drawn of a chunk and of all below it. */
+/* From the roots down: each chunk's share, including all chunks below it. */
 static void find_shares(search *s)
 {
     for (uint32_t i = 0; i < s->opened_count; i++)
@@ -243,14 +243,14 @@ static void find_shares(search *s)
     }
 }
 
-/* What is drawn of a chunk itself. */
+/* Share of the chunk itself, without its children. */
 static uint32_t own_share_q8(const search *s, const visit *v)
 {
     return v->opened && !v->short_of ? v->share_q8 * (256 - fxs_faded_q8(&v->sight, s->fading)) >> 8 : v->share_q8;
 }
 
-/* From the leaves up: what is to be drawn and is not there is drawn by the nearest chunk above it that is. Then all
-   that is to be drawn is wanted, what is needed most first. */
+/* From the leaves up: replaces each missing chunk by its nearest loaded ancestor. Then requests all needed chunks, the
+   most important first. */
 static void find_missing(search *s)
 {
     for (uint32_t i = s->visit_count; i-- > 0;) {
@@ -265,7 +265,6 @@ static void find_missing(search *s)
             want(s, s->cut->objects[s->visits[i].object].scene, s->visits[i].chunk);
 }
 
-/* Lists what is drawn in the order of the chunks. */
 static void list_drawn(search *s)
 {
     fxs_cut *cut = s->cut;
@@ -281,15 +280,15 @@ static void list_drawn(search *s)
     sort_by_chunk(cut->drawn, cut->count);
 }
 
-/* Chunks of an object without a tree. */
+/* Number of chunks of an object without a tree; 0 for an object with one. */
 static uint32_t whole_chunks(const fxs_cut *cut, uint32_t object)
 {
     const fxs_scene *scene = cut->objects[object].scene;
     return scene->nodes ? 0 : scene->chunk_count;
 }
 
-/* What is drawn of objects without a tree: everything that is there. Merged from the back, as the chunks of trees lie
-   in front. */
+/* Adds all loaded chunks of objects without a tree. Merges from the back, because the chunks of trees fill the
+   front. */
 static void add_whole(fxs_cut *cut)
 {
     uint32_t from = cut->count, to = from;
@@ -307,7 +306,7 @@ static void add_whole(fxs_cut *cut)
     }
 }
 
-/* The roots, and how much of the budget objects without a tree take. */
+/* Visits the roots. Objects without a tree take their part of the budget. */
 static void begin(search *s)
 {
     const fxs_cut *cut = s->cut;

@@ -1,8 +1,8 @@
-/* sort, blend and resolve by the kernels: a job for each macro tile whose list there is. */
+/* Draws macro tiles with the kernels sort, blend and resolve. Each macro tile with a list is one job. */
 #include "memory.h"
 #include "parts.h"
 
-#define TIMED 4                    /* one macro tile of so many is timed, as a look at the clock takes a while */
+#define TIMED 4                    /* time one macro tile in 4, because reading the clock is slow */
 
 void fxs_draw_tile(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
@@ -43,7 +43,7 @@ static void draw_macro(void *argument, uint32_t job)
             if (length)
                 fxs_lap(f, &laps, FXS_RESOLVED);
         }
-    if (!length)                   /* fewer looks at the clock, which take a while */
+    if (!length)                   /* one reading for an empty list: the clock is slow */
         fxs_lap(f, &laps, FXS_RESOLVED);
 }
 

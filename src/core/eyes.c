@@ -1,5 +1,5 @@
-/* project for two eyes. A Gaussian that either eye sees has the same slot in the splats of both, so that colours and
- * the order by depth can be found once. */
+/* project for two eyes. A Gaussian that either eye sees has the same slot for both eyes, so colours and the order by
+ * depth are found once. */
 #include "parts.h"
 
 static uint32_t union_count(const uint32_t *a, uint32_t a_count, const uint32_t *b, uint32_t b_count)
@@ -14,10 +14,10 @@ static uint32_t union_count(const uint32_t *a, uint32_t a_count, const uint32_t 
     return count;
 }
 
-/* Where the centre is of a splat that the eye does not see: left of all that project lets pass. */
+/* Centre of a splat that the eye does not see: left of every centre that project accepts. */
 #define UNSEEN_Q14 (-FXS_CENTRE_LIMIT_Q14)
 
-/* Moves the last of *count splats to slot `to`; where the eye does not see it, makes one that is listed nowhere. */
+/* Moves the last of *count splats to slot `to`. If the eye does not see it, writes a splat that no list has. */
 static void spread(fxs_splat *splats, fxs_bounds *bounds, uint32_t to, int seen, uint32_t *count)
 {
     if (seen) {

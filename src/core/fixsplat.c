@@ -1,4 +1,5 @@
-/* The table of the C stages, and functions of fixsplat.h that render nothing: words, defaults, a context. */
+/* The table of the C kernels, and the functions of fixsplat.h that do not render: error texts, names, defaults,
+ * setup. */
 #include "memory.h"
 #include <fixsplat/stage.h>
 

@@ -1,18 +1,18 @@
-/* A frame, from fxs_render to its pixels, by six stages in this order:
+/* A frame, from fxs_render to its pixels, in six stages:
  *
- *   project   project.c   Gaussians become splats, 2D Gaussians in the picture, with their depths
- *   shade     shade.c     the splats' colours, from spherical harmonics
- *   bin       bin.c       the tiles that each splat touches; then lists of splats, one for each macro tile of 2x2 tiles
- *   sort      sort.c      each list by depth, near to far
- *   blend     blend.c     the splats of a tile's list, over its pixels
- *   resolve   resolve.c   the tile's pixels in the caller's format
+ *   project   project.c   Gaussians become splats: 2D Gaussians in the picture, with depths
+ *   shade     shade.c     colours of the splats, from spherical harmonics
+ *   bin       bin.c       tiles that each splat touches; then a list of splats per macro tile of 2x2 tiles
+ *   sort      sort.c      sorts each list by depth, near to far
+ *   blend     blend.c     blends the splats of a tile's list over its pixels
+ *   resolve   resolve.c   converts the tile's pixels to the caller's format
  *
- * The stages are functions of a table, fxs_kernels, so that a faster version may take the place of any. prepare.c calls
- * the first three, lists.c makes the lists, draw.c calls the last three. Where there is a back end, runs.c hands it the
- * lists in place of draw.c.
+ * The stages are functions in a table, fxs_kernels, so faster versions can replace any of them. prepare.c calls the
+ * first three stages, lists.c makes the lists, draw.c calls the last three. With a back end, runs.c passes it the lists
+ * and draw.c is not used.
  *
- * All splats are in the memory at once, if it is large enough. Else bands.c divides the frame into bands of tile rows,
- * and slices.c draws a tile row whose splats alone are too many. */
+ * If the memory is large enough, it holds all splats at once. Otherwise bands.c divides the frame into bands of tile
+ * rows, and slices.c draws tile rows that are too full to fit. */
 #include "memory.h"
 #include "parts.h"
 
@@ -48,7 +48,7 @@ int fxs_frame_render(fxs_frame *f)
     return error;
 }
 
-/* Draws macro tiles, as many at a time as there is room for their lists. */
+/* Draws the band, as many macro tiles at a time as the memory has space for their lists. */
 int fxs_frame_draw(fxs_frame *f)
 {
     int error = 0;

@@ -1,5 +1,4 @@
-/* A frame while it is rendered: what it has, and the functions that take it from its memory to its pixels. The
- * functions of each step are in parts.h. */
+/* State of a frame while it renders. parts.h declares the functions of each step. */
 #ifndef FXS_FRAME_H
 #define FXS_FRAME_H
 
@@ -7,12 +6,12 @@
 
 #define FXS_SORT_BUCKETS 2048
 
-/* Which splats are at work. */
+/* Which splats the stages work on. */
 enum fxs_frame_mode {
-    FXS_FRAME_WHOLE,               /* all: the memory holds a splat for every Gaussian */
-    FXS_FRAME_PLAN,                /* it does not: splats are projected only to count those of each tile row */
-    FXS_FRAME_BAND,                /* then those of a band, as many tile rows as the memory has room for */
-    FXS_FRAME_SLICES               /* the band is a tile row whose splats do not fit: the nearest ones, then the next */
+    FXS_FRAME_WHOLE,               /* all splats: the memory has a slot for every Gaussian */
+    FXS_FRAME_PLAN,                /* projection only, to count the splats of each tile row */
+    FXS_FRAME_BAND,                /* splats of a band, as many tile rows as fit in the memory */
+    FXS_FRAME_SLICES               /* part of a tile row that is too full: nearest splats first, then the next */
 };
 
 /* A tile's list, near to far. */
@@ -21,32 +20,32 @@ typedef struct fxs_list {
     uint32_t count;
 } fxs_list;
 
-/* A stopwatch: when the last lap ended, and the sums of a macro tile's laps; null where it is not timed. */
+/* Stopwatch of a macro tile: start of the current lap, and the sums per lap. times is null if it is not timed. */
 typedef struct fxs_laps {
     uint64_t start, *times;
 } fxs_laps;
 
-/* What becomes of a tile, once its list is there. */
+/* Receives a tile once its list is ready. */
 struct fxs_frame;
 typedef void fxs_tile_fn(struct fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps);
 
-/* Splats of a block whose first, or last, tile row is above a given one. */
+/* Counts of a block's splats with the first (started) or last (ended) tile row above a given row. */
 typedef struct fxs_row_counts {
     uint32_t started, ended;
 } fxs_row_counts;
 
-/* The tiles that the splats of a chunk touch, and the range of their depth keys. */
+/* Tiles that a chunk's splats touch, and the range of their depth keys. */
 typedef struct fxs_extent {
     fxs_span rows, columns;
     uint32_t nearest, farthest;
 } fxs_extent;
 
-/* A picture of the frame: the camera, its splats and where they are drawn. Two eyes share the other memory. */
+/* One eye of the frame: camera, splats and targets. Two eyes share the rest of the frame. */
 typedef struct fxs_eye {
-    fxs_view view;                         /* of the world */
+    fxs_view view;                         /* in world space */
     fxs_camera camera;
-    fxs_object_view *objects;              /* as this camera sees them */
-    fxs_splat *splats;                     /* by slot: those of a block lie together, in the order of the objects */
+    fxs_object_view *objects;              /* objects as this camera sees them */
+    fxs_splat *splats;                     /* by slot; each block has consecutive slots, in the order of the objects */
     fxs_bounds *bounds;
     fxs_box *boxes;
     uint32_t *depths;                      /* depth keys */
@@ -54,60 +53,61 @@ typedef struct fxs_eye {
 } fxs_eye;
 
 typedef struct fxs_frame {
-    /* The arguments (setup.c). */
+    /* Arguments (setup.c). */
     const fxs_context *context;
     const fxs_options *options;
     const fxs_object *objects;
     uint32_t object_count;
-    uint32_t chunk_count;                  /* that are drawn: all, or those of the cut */
-    uint32_t cut_room;                     /* at most so many are in the cut; 0: there is none */
+    uint32_t chunk_count;                  /* drawn chunks: all, or those in the cut */
+    uint32_t cut_room;                     /* capacity of the cut; 0: no cut */
     unsigned char *memory;
     uint64_t memory_bytes;
     fxs_tile_fn *draw_tile;                /* of draw.c, pick.c, count.c or slices.c; null: a back end draws */
-    uint32_t only_tile;                    /* a pick draws one; else FXS_NOTHING */
-    uint32_t eye_count;                    /* eyes that are prepared together, in the same slots */
-    fxs_eye *eye;                          /* the one that is drawn, */
-    const uint32_t *depths;                /* and the depths by which its lists are sorted */
+    uint32_t only_tile;                    /* fxs_pick: the tile to draw; otherwise FXS_NOTHING */
+    uint32_t eye_count;                    /* eyes prepared together, in the same slots */
+    fxs_eye *eye;                          /* the eye being drawn */
+    const uint32_t *depths;                /* depth keys that its lists are sorted by */
 
-    /* The work and its jobs (bands.c). Blocks of chunks are the jobs of project, shade and bin; parts of the blocks
-       those that make lists; macro tiles those of sort, blend and resolve. */
+    /* Work and jobs (bands.c). A block of chunks is a job of project, shade and bin. A part of the blocks is a job that
+       makes lists. A macro tile is a job of sort, blend and resolve. */
     enum fxs_frame_mode mode;
-    uint32_t blocks, block_chunks;         /* chunks of a block */
-    uint32_t parts;                        /* one a thread */
-    uint32_t tiles, macros;                /* of the picture */
+    uint32_t blocks, block_chunks;         /* block_chunks: chunks per block */
+    uint32_t parts;                        /* one per thread */
+    uint32_t tiles, macros;                /* in the picture */
 
-    /* What is cut from the memory once, fixed_bytes long. */
-    uint64_t fixed_bytes, bytes_for_all;   /* bytes_for_all: of a frame at once */
-    uint32_t *block_slots;                 /* first slot of each block, and the end of the last one's */
-    uint32_t *block_counts;                /* its splats, or FXS_BLOCK_FAILED */
-    uint64_t *block_times;                 /* nanoseconds of project, shade and bin */
-    void *cut_memory;                      /* of fxs_cut_bytes */
-    const fxs_drawn *drawn;                /* the chunks of the cut; null where all are drawn */
-    fxs_row_counts *row_counts;            /* of a plan: tiles_y + 1 for each block */
-    fxs_extent *extents;                   /* of a plan: of each chunk that is drawn */
-    uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* of each part, for a back end without lists */
-    uint32_t *tile_counts, *tile_ends;     /* length of each tile's list, and for back ends where it ends */
-    uint32_t *lengths;                     /* of each macro tile's list */
-    uint32_t *next;                        /* of each part, by macro tile: how many keys, then where the next goes */
-    uint64_t *macro_times;                 /* nanoseconds of sort, bin, blend and resolve */
+    /* Arrays that live for the whole frame; fixed_bytes in all. */
+    uint64_t fixed_bytes, bytes_for_all;   /* bytes_for_all: minimum for FXS_FRAME_WHOLE */
+    uint32_t *block_slots;                 /* first slot of each block, then the end of the last block */
+    uint32_t *block_counts;                /* splats of each block, or FXS_BLOCK_FAILED */
+    uint64_t *block_times;                 /* nanoseconds in project, shade and bin, per block */
+    void *cut_memory;                      /* fxs_cut_bytes(cut_room) bytes */
+    const fxs_drawn *drawn;                /* chunks of the cut; null: all are drawn */
+    fxs_row_counts *row_counts;            /* plan: tiles_y + 1 per block */
+    fxs_extent *extents;                   /* plan: one per drawn chunk */
+    uint32_t (*histograms)[FXS_SORT_BUCKETS];   /* one per part, for a back end without lists */
+    uint32_t *tile_counts, *tile_ends;     /* length of each tile's list; its end, for back ends */
+    uint32_t *lengths;                     /* length of each macro tile's list */
+    uint32_t *next;                        /* per part: a counter per macro tile (number of keys, then the place of
+                                              the next key), and FXS_NEXT_MORE numbers */
+    uint64_t *macro_times;                 /* nanoseconds in sort, bin, blend and resolve, per macro tile */
 
-    /* The band, and what is cut from the rest of the memory for it, beside the eyes' splats. */
-    int32_t first_row, end_row;            /* of tiles */
-    int32_t first_column, end_column;      /* all, but for slices */
-    uint32_t count;                        /* splats that touch it */
-    uint32_t *indices;                     /* by slot: the Gaussian's place in the chunks of all objects */
-    fxs_key *keys, *spare;                 /* the lists, and as much room, to sort them and for the lists of tiles */
-    uint32_t key_capacity;                 /* of each */
+    /* The band, and its arrays, in the rest of the memory with the eyes' splats. */
+    int32_t first_row, end_row;            /* tile rows */
+    int32_t first_column, end_column;      /* tile columns; all, except for slices */
+    uint32_t count;                        /* splats that touch the band */
+    uint32_t *indices;                     /* by slot: number of the Gaussian, counted in the chunks of all objects */
+    fxs_key *keys, *spare;                 /* lists of macro tiles; scratch space for sorting and tile lists */
+    uint32_t key_capacity;                 /* keys in each of the two */
 
-    /* Slices alone: what is kept of their columns. */
-    uint32_t slice_room, slice_macros;     /* splats; macro tiles, 0 without slices */
-    fxs_tile *pixels;                      /* of the tiles */
-    fxs_trace *nothing;                    /* one for each macro tile: names none of its arrays */
+    /* Slices only: state of their columns. */
+    uint32_t slice_room, slice_macros;     /* capacity in splats; macro tile columns, 0 without slices */
+    fxs_tile *pixels;                      /* one per tile */
+    fxs_trace *nothing;                    /* one per macro tile; requests no output */
 
-    /* What is drawn at the moment. */
-    uint32_t first_macro, last_macro;      /* whose lists there are */
-    uint32_t first_tile, last_tile;        /* of a back end's run */
-    int stopped;                           /* the caller's stop said yes: jobs that begin later do nothing */
+    /* Work in progress. */
+    uint32_t first_macro, last_macro;      /* macro tiles with lists */
+    uint32_t first_tile, last_tile;        /* tiles of a back end's run */
+    int stopped;                           /* options.stop returned true: later jobs return at once */
 
     fxs_stats stats;
     fxs_eye eyes[2];
@@ -119,23 +119,23 @@ typedef struct fxs_frame {
 int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *request, void *memory,
                    size_t memory_bytes);
 
-/* Cuts up the memory, places the objects and chooses their chunks; where the memory does not hold every Gaussian, finds
-   out how many splats each tile row has. Returns 0, FXS_ERR_MEMORY where they do not fit either (stats.memory.least has
-   what would do), FXS_ERR_OBJECT, FXS_ERR_SCENE or FXS_ERR_STOPPED. */
+/* Lays out the memory, places the objects and chooses their chunks. If the memory has no slot for every Gaussian,
+   counts the splats of each tile row. Returns 0, FXS_ERR_OBJECT, FXS_ERR_SCENE, FXS_ERR_STOPPED, or FXS_ERR_MEMORY if a
+   tile row does not fit; stats.memory.least then has the minimum. */
 int fxs_frame_begin(fxs_frame *f);
 
-/* Bytes of a request's frame of this size, whatever its cameras; 0 where an argument is out of range. *memory may be
-   null. */
+/* Bytes of a frame of this size for a request; ignores its cameras. Returns 0 if an argument is out of range. *memory
+   may be null. */
 size_t fxs_measure(const fxs_context *context, const fxs_request *request, int32_t width, int32_t height,
                    fxs_frame_memory *memory);
 
 /* ---- frame.c ----------------------------------------------------------------------------------------------------- */
 
-/* Lists the splats of f->eye, by f->depths, and draws the band into its targets. Returns 0, FXS_ERR_STOPPED or a
+/* Lists the splats of f->eye, sorted by f->depths, and draws the band to its targets. Returns 0, FXS_ERR_STOPPED or a
    back end's error. */
 int fxs_frame_draw(fxs_frame *f);
 
-/* The whole frame of f->eye, from its memory to its pixels. Errors: those of fxs_frame_begin and fxs_frame_draw. */
+/* Renders the whole frame of f->eye. Errors as in fxs_frame_begin and fxs_frame_draw. */
 int fxs_frame_render(fxs_frame *f);
 
 /* ---- Everywhere -------------------------------------------------------------------------------------------------- */
@@ -145,7 +145,7 @@ static inline void fxs_frame_run(const fxs_frame *f, void (*job)(void *, uint32_
     fxs_run(&f->context->config, job, (void *)f, jobs);
 }
 
-/* Asked by each job, until one is told to stop. */
+/* Called by each job. Asks the caller's stop until it has returned true once. */
 static inline int fxs_frame_stopped(fxs_frame *f)
 {
     const fxs_options *o = f->options;
@@ -160,26 +160,24 @@ static inline uint64_t fxs_now(const fxs_frame *f)
     return config->clock ? config->clock(config->clock_argument) : 0;
 }
 
-/* Where a block's places in the list of drawn chunks begin; they end where those of the next one begin. */
+/* First place of a block in the list of drawn chunks. The block ends where the next one starts. */
 static inline uint32_t fxs_block_start(const fxs_frame *f, uint32_t block)
 {
     uint64_t chunk = (uint64_t)block * f->block_chunks;
     return chunk < f->chunk_count ? (uint32_t)chunk : f->chunk_count;
 }
 
-/* The chunk, of all objects, at a place in the list of drawn ones. */
+/* Chunk number, counted over all objects, at a place in the list of drawn chunks. */
 static inline uint32_t fxs_frame_chunk(const fxs_frame *f, uint32_t place)
 {
     return f->drawn ? f->drawn[place].chunk : place;
 }
 
-/* The object that a chunk of all objects is of. */
 static inline uint32_t fxs_frame_object(const fxs_frame *f, uint32_t chunk)
 {
     return fxs_object_of(f->eye->objects, f->object_count, chunk);
 }
 
-/* Moves the splat of a slot to slot `to`. */
 static inline void fxs_frame_move(const fxs_frame *f, uint32_t to, uint32_t slot)
 {
     const fxs_eye *eye = f->eye;
@@ -189,13 +187,12 @@ static inline void fxs_frame_move(const fxs_frame *f, uint32_t to, uint32_t slot
     f->indices[to] = f->indices[slot];
 }
 
-/* Tiles of the picture above a tile row. */
+/* Number of tiles above a tile row. */
 static inline uint32_t fxs_tiles_above(const fxs_frame *f, int32_t row)
 {
     return (uint32_t)(row * f->eye->view.tiles_x);
 }
 
-/* The first pixel of a tile. */
 static inline void fxs_tile_origin(const fxs_frame *f, uint32_t tile, int32_t *x, int32_t *y)
 {
     *x = (int32_t)tile % f->eye->view.tiles_x * FXS_TILE;

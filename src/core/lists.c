@@ -1,11 +1,11 @@
-/* The lists of a frame's macro tiles, of 2x2 tiles: the keys of the splats that touch one of them. First it is counted
- * how long each list is, so that as many as fit in the memory can be laid one behind the other; then they are filled,
- * and sorted one by one. Several jobs count and fill, each for a part of the blocks. */
+/* Lists of macro tiles (2x2 tiles): keys of the splats that touch at least one tile. The first pass counts the keys of
+ * each list. Then as many lists as fit in the memory are placed one after another, filled, and sorted one by one.
+ * Several jobs count and fill, each for a part of the blocks. */
 #include "memory.h"
 #include "parts.h"
 
-/* Behind a part's numbers of macro tiles in fxs_frame.next: how many notes it has; the slot that they end before; where
-   they begin in `spare`; how many have room. */
+/* Layout of fxs_frame.next for one part, after its counters per macro tile: number of notes, slot where the notes end,
+   offset of the notes in `spare`, their capacity. */
 enum { NOTED, FROM, NOTES, ROOM };
 
 static uint32_t *next_of(const fxs_frame *f, uint32_t part)
@@ -18,7 +18,7 @@ static uint32_t *notes_of(const fxs_frame *f, uint32_t part)
     return next_of(f, part) + f->macros;
 }
 
-/* Notes lie in `spare`, where lists are sorted later. */
+/* Notes are stored in `spare`, which sorting uses later. */
 fxs_lister fxs_lister_of(const fxs_frame *f, uint32_t part)
 {
     const fxs_eye *eye = f->eye;
@@ -52,10 +52,10 @@ static void fill_part(void *argument, uint32_t part)
         if (from < last)
             fxs_bin_fill(&l, from, last - from, f->keys);
     }
-    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting overwrites them */
+    notes_of(f, part)[NOTED] = notes_of(f, part)[FROM] = 0;    /* sorting overwrites the notes */
 }
 
-/* Each part has room for notes in proportion to its splats. */
+/* Shares the space for notes in proportion to the splats of each part. */
 static void share_notes(fxs_frame *f)
 {
     uint32_t before = 0, block = 0;
@@ -102,7 +102,7 @@ int fxs_lists_rows_fit(const fxs_frame *f)
     return 1;
 }
 
-/* In a list the keys of part after part follow each other, so it is almost in the order of the slots. */
+/* A list has the keys of part 0, then part 1, and so on, so it is almost in the order of the slots. */
 void fxs_lists_fill(fxs_frame *f, uint32_t end)
 {
     const uint32_t across = fxs_macros(f->eye->view.tiles_x), row_end = (f->first_macro / across + 1) * across;
@@ -124,7 +124,7 @@ void fxs_lists_fill(fxs_frame *f, uint32_t end)
     f->stats.nanoseconds[FXS_BIN] += fxs_now(f) - start;
 }
 
-/* Where the list of a macro tile begins, in `keys` and in `spare`. */
+/* First key of a macro tile's list, in `keys` and in `spare`. */
 static size_t start_of_list(const fxs_frame *f, uint32_t macro)
 {
     return next_of(f, f->parts - 1)[macro] - f->lengths[macro];

@@ -1,4 +1,4 @@
-/* The one place where the C library is named: a compiler may emit calls to these anyway. */
+/* The only include of the C library. Compilers may emit calls to its memory functions in any case. */
 #ifndef FXS_MEMORY_H
 #define FXS_MEMORY_H
 

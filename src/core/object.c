@@ -1,6 +1,5 @@
-/* An object of a frame is rendered by the camera as it stands in the object's space, so that the stages need not know
- * of objects: they are given a view and a scene. What they do not know is done here, splat by splat: depths become
- * those of the world, and crop boxes and tint are applied. */
+/* An object is rendered with the camera transformed to the object's space. So the stages take a view and a scene, and
+ * need no notion of objects. This file applies the rest splat by splat: depths in world units, crop boxes and tint. */
 #include "object.h"
 
 #include "codes.h"
@@ -50,7 +49,7 @@ int fxs_object_check(const fxs_object *object)
     return error;
 }
 
-/* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16); 0 for 1. Cut to what leaves nothing to be drawn. */
+/* -2 ln(opacity) = 32 ln 2 - 2 ln 2 log2(opacity_q16); 0 for opacity 1. Cut at FXS_FAINT_Q11 + 1, too faint to draw. */
 static int32_t offset_of_q11(uint32_t opacity_q16)
 {
     if (opacity_q16 == ONE_Q16 || !opacity_q16)
@@ -92,9 +91,9 @@ FXS_STAGE uint32_t fxs_object_of(const fxs_object_view *objects, uint32_t count,
     return low;
 }
 
-/* ---- What an object changes -------------------------------------------------------------------------------------- */
+/* ---- Changes by an object ---------------------------------------------------------------------------------------- */
 
-/* A depth key times the scale. What leaves the range of keys has the least or the largest. */
+/* Multiplies a depth key by the scale. Saturates at both ends of the range of keys. */
 static uint32_t scale_depth(uint32_t key, fxs_scale scale)
 {
     const uint32_t product = fxs_mulhi((1u << 26 | (key & 0x3ffffff)) << 5, scale.mantissa);
@@ -103,7 +102,7 @@ static uint32_t scale_depth(uint32_t key, fxs_scale scale)
            : (uint32_t)exponent << 26 | ((product << zeros) >> 5 & 0x3ffffff);
 }
 
-/* Whether low to high lies in a box, all of it or any of it. */
+/* True if the box low..high lies in a crop box: wholly, or with `any` in part. */
 static int lies_in(const int64_t low_q32[3], const int64_t high_q32[3], const fxs_crop *crop, int any)
 {
     for (int i = 0; i < 3; i++) {
@@ -114,7 +113,7 @@ static int lies_in(const int64_t low_q32[3], const int64_t high_q32[3], const fx
     return 1;
 }
 
-/* Whether some of low to high may be drawn; of a point, whether it is. */
+/* True if a part of the box low..high may be drawn. For a point (low == high) the answer is exact. */
 static int within_crops(const fxs_object_view *object, const int64_t low_q32[3], const int64_t high_q32[3])
 {
     int kept = !object->keep_count;
@@ -153,7 +152,7 @@ FXS_STAGE void fxs_object_tint(const fxs_object_view *object, fxs_splat *splat)
         splat->colour_q13[c] = (int16_t)fxs_min((splat->colour_q13[c] * object->tint_q13[c] + 4096) >> 13, 32767);
 }
 
-#ifndef __CUDACC__                 /* the device has no table of kernels */
+#ifndef __CUDACC__                 /* device code has no table of kernels */
 int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *kernels, uint32_t chunk,
                            uint32_t share_q8, uint32_t grow_q8, fxs_splat *splats, fxs_bounds *bounds,
                            uint32_t *indices, uint32_t *depths)
@@ -164,7 +163,7 @@ int32_t fxs_object_project(const fxs_object_view *object, const fxs_kernels *ker
     int32_t kept = 0;
     if (!object->visible)
         return 0;
-    if (object->plain && share_q8 == 256 && !grow_q8)      /* before anything is on the stack */
+    if (object->plain && share_q8 == 256 && !grow_q8)      /* the usual case, before the locals take stack */
         return kernels->project(view, &object->scene, chunk, splats, bounds, indices, depths);
     if (share_q8 != 256 || grow_q8) {
         changed = *view;

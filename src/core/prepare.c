@@ -1,5 +1,5 @@
-/* The first three stages, project, shade and bin: on a chunk, on a block of chunks, on all blocks. Blocks are jobs for
- * any thread, and each has slots of its own, so splats come out in the order of the chunks. */
+/* Stages project, shade and bin, for a chunk, a block of chunks, and all blocks. Blocks are independent jobs. Each
+ * block has its own slots, so splats come out in the order of the chunks. */
 #include "chunk.h"
 #include <fixsplat/fixed.h>
 #include "memory.h"
@@ -26,8 +26,8 @@ int32_t fxs_prepare_project(fxs_frame *f, uint32_t number, uint32_t place, uint3
     return count < 0 ? count : (int32_t)fxs_band_keep(f, place, slot, (uint32_t)count);
 }
 
-/* The colour of a chunk's level. Nodes are numbered by how many leaves they have, the most first: that is about
-   leaves / (number + 1), and its log2 the level. */
+/* Colour of a chunk's level, for options.show_levels. Nodes are numbered by their count of leaves, largest first, so
+   this count is about leaves / (number + 1), and the level is its log2. */
 static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
 {
     static const int32_t colours_q2[7][3] = {{4, 4, 4}, {1, 4, 1}, {1, 4, 4}, {1, 2, 4}, {4, 1, 4}, {4, 1, 1},
@@ -38,7 +38,7 @@ static const int32_t *colour_of_level_q2(const fxs_scene *scene, uint32_t chunk)
     return colours_q2[1 + (uint32_t)(31 - fxs_clz32(leaves | 1)) % 6];
 }
 
-/* The brightness is (r + 2 g + b) / 4. */
+/* brightness = (r + 2 g + b) / 4 */
 static void show_level(const fxs_object_view *object, uint32_t chunk, fxs_splat *splats, uint32_t count)
 {
     const int32_t *colour_q2 = colour_of_level_q2(&object->scene, chunk);
@@ -50,7 +50,7 @@ static void show_level(const fxs_object_view *object, uint32_t chunk, fxs_splat 
     }
 }
 
-/* Both eyes have the colours of the first one. */
+/* Shades the first eye and copies its colours to the second. */
 int fxs_prepare_shade(fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t slot, uint32_t count)
 {
     const fxs_object_view *object = &f->eye->objects[number];
@@ -72,7 +72,7 @@ void fxs_prepare_bin(fxs_frame *f, uint32_t slot, uint32_t count)
     }
 }
 
-/* Begins to fetch a chunk's rows from byte `from` to before `end`, of as many as there are. */
+/* Prefetches a chunk's rows from byte `from` to before `end`, or to their end. */
 static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint32_t from, uint32_t end)
 {
     const fxs_object_view *object = &f->eye->objects[number];
@@ -82,8 +82,8 @@ static void fetch_rows(const fxs_frame *f, uint32_t number, uint32_t chunk, uint
     (void)rows;
 }
 
-/* project, then shade, then bin, on up to FXS_BLOCK chunks, as many as the cache holds the splats of. Those of the band
-   go to the slots from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
+/* project, shade and bin for up to FXS_BLOCK chunks; the splats of FXS_BLOCK chunks fit in the cache. Splats in the
+   band go to slots from `slot` on, before end_slot. Returns their number or FXS_ERR_SCENE. */
 static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32_t slot, uint32_t end_slot,
                               uint64_t *times)
 {
@@ -117,7 +117,7 @@ static int32_t prepare_chunks(fxs_frame *f, uint32_t first, uint32_t end, uint32
     return (int32_t)(starts[end - first] - slot);
 }
 
-/* Counts the splats of a block by tile row; one chunk's slots are enough for that. Returns their number or
+/* Plan: counts the splats of a block by tile row, reusing the slots of one chunk. Returns their number or
    FXS_ERR_SCENE. */
 static int32_t plan_chunks(fxs_frame *f, uint32_t block, uint32_t first, uint32_t end, uint32_t slot)
 {
@@ -174,6 +174,6 @@ int fxs_prepare_band(fxs_frame *f)
     f->count = 0;
     for (uint32_t block = 0; block < f->blocks; block++)
         f->count += f->block_counts[block];
-    f->stats.visible += f->mode == FXS_FRAME_WHOLE ? f->count : 0;     /* else a plan counted them */
+    f->stats.visible += f->mode == FXS_FRAME_WHOLE ? f->count : 0;     /* otherwise the plan has counted them */
     return 0;
 }

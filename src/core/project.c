@@ -6,14 +6,13 @@
 
 #define TENTH_Q60 (((uint64_t)1 << 60) / 10)
 
-/* What is known of a Gaussian once its centre is projected. */
 typedef struct projected {
     int32_t camera[3];             /* x, y, z in units of the chunk's view */
-    int zeros;                     /* of the depth that it is projected by, z; or plane_zeros */
+    int zeros;                     /* leading zeros of the projection depth, z; orthographic: plane_zeros */
     uint32_t inverse_q30;          /* 2^62 / (depth << zeros) */
     int32_t slope_q23[2];          /* x/depth, y/depth, cut to +-64 */
-    int32_t position_q14[2];       /* pixels, 0 at the centre of the first pixel; not where it is out of range */
-    int out_of_range;              /* too far off the axis or the picture */
+    int32_t position_q14[2];       /* pixels, 0 = centre of the first pixel; invalid if out_of_range */
+    int out_of_range;              /* too far from the axis or the picture */
 } projected;
 
 /* Sigma' / 4^E, Q30: [[a, b], [b, c]], and its determinant with and without the dilation, Q60. */
@@ -24,7 +23,7 @@ typedef struct covariance {
     int exponent;                  /* E */
 } covariance;
 
-/* Returns 0 behind the near plane. */
+/* Returns 0 if the centre is behind the near plane. */
 static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_view *cv, const uint16_t code[3])
 {
     for (int i = 0; i < 3; i++)
@@ -36,7 +35,7 @@ static int project_centre(projected *out, const fxs_view *view, const fxs_chunk_
     out->zeros = view->orthographic ? cv->plane_zeros : fxs_clz32((uint32_t)z);
     out->inverse_q30 = view->orthographic ? 1u << 30 : fxs_reciprocal((uint32_t)z << out->zeros);
     out->out_of_range = 0;
-    /* 64 z, or more than |x| and |y|, which are below 2^30 */
+    /* 64 z, saturated just below 2^31; |x| and |y| are below 2^30 */
     const int32_t side = view->orthographic ? cv->plane_side : 64 * (z >> 25 ? (1 << 25) - 1 : z);
     const int32_t f_q12[2] = {(int32_t)view->fx_q12, (int32_t)view->fy_q12};
     const int64_t c_q12[2] = {view->cx_q12, view->cy_q12};
@@ -65,18 +64,18 @@ static void jacobian(int32_t j_q15[2][3], const fxs_view *view, const projected 
     }
 }
 
-/* The first axis of a Gaussian, two directions at right angles to it, and the roll about it. */
+/* First axis of a Gaussian, two directions perpendicular to it, and the roll around it. */
 typedef struct axes {
     int32_t axis_q15[3], side_q15[2][3];
-    int32_t cos_q15, sin_q15;      /* of the roll: the second axis is cos side[0] + sin side[1] */
+    int32_t cos_q15, sin_q15;      /* of the roll: second axis = cos side[0] + sin side[1] */
 } axes;
 
-/* A rotation word holds three numbers: X and Y, of n bits each, and the roll U. Each is read as the 16 bits from its
-   first on, two's complement, over 2^15, so the bits of the next number are its fraction. (X, Y) is the axis by Lambert's equal-area projection of the
-   half of the sphere around +z: with s = sqrt(2 - X^2 - Y^2), the axis is (X s, Y s, 1 - X^2 - Y^2), and the turn from
-   +z to it takes x and y to the sides (1 - X^2, -X Y, -X s) and (-X Y, 1 - Y^2, -Y s). The roll is about pi/2 U:
-   cos = 1 - U^2 (1.225 - 0.225 U^2), sin = U (1.56607 - U^2 (0.62924 - 0.06305 U^2)), off 1 by at most 0.00013.
-   Returns 0 where (X, Y) is longer than 1. */
+/* A rotation word holds X and Y, n bits each, and the roll U. Each is read as a two's complement 16-bit number over
+   2^15 that starts at its first bit; the low bits come from the next number and act as a fraction. (X, Y) is the axis
+   in Lambert's equal-area projection of the hemisphere around +z. With s = sqrt(2 - X^2 - Y^2), the axis is (X s, Y s,
+   1 - X^2 - Y^2). The rotation from +z to the axis takes x and y to the sides (1 - X^2, -X Y, -X s) and (-X Y, 1 - Y^2,
+   -Y s). The roll is about pi/2 U: cos = 1 - U^2 (1.225 - 0.225 U^2), sin = U (1.56607 - U^2 (0.62924 - 0.06305 U^2));
+   cos^2 + sin^2 is off 1 by at most 0.00013. Returns 0 if (X, Y) is longer than 1. */
 static int read_axes(axes *out, uint32_t word, int32_t bits)
 {
     const int32_t x_q15 = (int32_t)word >> 16, y_q15 = (int32_t)(word << bits) >> 16;
@@ -111,10 +110,10 @@ static uint32_t screen_size(const fxs_view *view, const fxs_chunk_view *cv, cons
     return mantissa << zeros;
 }
 
-/* The Gaussian's size cannot bring it onto the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
+/* True if the Gaussian's size cannot reach the picture: sigma < 2^exponent, radius <= 3.34 sqrt(sigma^2 + 0.3). */
 static int off_picture(const fxs_view *view, const projected *centre, int exponent)
 {
-    /* below 2^32 - 2^30, as exponent is at most 16; so are a picture's sides */
+    /* below 2^32 - 2^30, because exponent <= 16; the picture's sides are too */
     const uint32_t radius_q14 = (14u << 12) * ((1u << (exponent > 0 ? exponent : 0)) + 1);
     const int32_t x_q14 = centre->position_q14[0], y_q14 = centre->position_q14[1];
     return (uint32_t)(x_q14 < 0 ? -x_q14 : 0) > radius_q14 || (uint32_t)(y_q14 < 0 ? -y_q14 : 0) > radius_q14 ||
@@ -127,8 +126,8 @@ static int32_t dot_q15(const int32_t a_q15[3], const int32_t b_q15[3])
     return (a_q15[0] * b_q15[0] + a_q15[1] * b_q15[1] + a_q15[2] * b_q15[2] + 16384) >> 15;
 }
 
-/* det(T T^T) = |t0 x t1|^2 and det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09 for undilated A, C: sums of positive
-   terms, nothing cancels. Entries of T are at most 1, so every product of two is at most 2^30. */
+/* det(T T^T) = |t0 x t1|^2 and det(Sigma') = det(T T^T) + 0.3 (A + C) + 0.09 for undilated A, C. All terms are
+   positive, so nothing cancels. Entries of T are at most 1, so a product of two is at most 2^30. */
 static void covariance_of(covariance *out, int32_t t_q15[2][3], int exponent, uint32_t least_dilation_q30)
 {
     const int32_t *p = t_q15[0], *q = t_q15[1];
@@ -165,7 +164,7 @@ static root root_of_q30(uint32_t x)
     return (root){m, fxs_rsqrt(m), 1 - zeros / 2};
 }
 
-/* x * 2^-shift rounded to nearest, 0 where nothing is left; shift above 0, x below 2^32 - 1. */
+/* x * 2^-shift, rounded to nearest; large shifts give 0. shift > 0, x < 2^32 - 1. */
 static uint32_t scale_down(uint32_t x, int shift)
 {
     return (fxs_shift_down(x, shift - 1) + 1) >> 1;
@@ -206,8 +205,8 @@ static void whiten(fxs_splat *splat, fxs_bounds *bounds, const covariance *s, ro
     splat->v0_q24 = (uint32_t)(-v_q38 >> 14) + (1 << 10);
 }
 
-/* Rows and columns that the ellipse of radius r can touch, sigma_q8 high, with a margin of 1/8 pixel and 1/256 of the
-   size. Returns 0 where it misses the picture, or all of it is hidden. */
+/* Sets the rows that the ellipse of radius r can touch. sigma_q8 is its vertical sigma; the margin is 1/8 pixel and
+   1/256 of the size. Returns 0 if the ellipse misses the picture or lies in the hidden part. */
 static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint32_t sigma_q8, uint32_t r_q12)
 {
     int32_t half_height_q8 = (int32_t)((uint64_t)sigma_q8 * r_q12 >> 12);        /* below 2^27, as exponent <= 16 */
@@ -227,7 +226,7 @@ static int clip(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, uint
 }
 
 /* The square of Kerbl et al. 2023 (code): radius = ceil(3 sqrt(lambda)), lambda = mid + sqrt(max(0.1, mid^2 - det)).
-   Returns 0 where the square misses the picture. */
+   Returns 0 if the square misses the picture. */
 static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s)
 {
     uint64_t mid_q30 = ((uint64_t)s->a_q30 + s->c_q30) / 2;
@@ -244,9 +243,10 @@ static int square(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, co
            x - radius_q14 < (int64_t)view->tiles_x << 18 && y - radius_q14 < (int64_t)view->tiles_y << 18;
 }
 
-/* ---- Veils: what is too large for a bounding box, or too far off. They are listed in every tile. ---------------- */
+/* ---- Veils: Gaussians too large for a bounding box, or too far off the axis. Listed in every tile. --------------- */
 
-/* Of a veil, so that u and v stay within +-128 on all of the picture: no sigma below 1/120 of its diagonal. */
+/* Dilation of a veil: no sigma below 1/120 of the picture's diagonal, so that u and v stay within +-128 on the
+   picture. */
 static uint32_t veil_dilation_q30(const fxs_view *view, int exponent)
 {
     const uint64_t x = (uint64_t)view->tiles_x * FXS_TILE, y = (uint64_t)view->tiles_y * FXS_TILE;
@@ -260,14 +260,14 @@ static int64_t cut_to_16_q26(int64_t x)
     return x < -most ? -most : x > most ? most : x;
 }
 
-/* x * 2^-shift, cut; shift above -32. */
+/* x * 2^-shift, saturated; shift > -32 */
 static int64_t shift_and_cut(int64_t x, int shift)
 {
     return shift < 0 ? cut_to_16_q26(cut_to_16_q26(x) * ((int64_t)1 << -shift))
                      : cut_to_16_q26(x >> (shift < 62 ? shift : 62));
 }
 
-/* From the middle of the tiles to the centre, in 2^exponent pixels, Q26, cut to +-16. */
+/* Vector from the middle of the tiles to the centre, in units of 2^exponent pixels, Q26, cut to +-16. */
 static int64_t from_middle_q26(const projected *centre, int i, int64_t f_q12, int64_t c_q12, int32_t tiles,
                                int exponent)
 {
@@ -282,7 +282,7 @@ static int64_t magnitude_of(int64_t x)
     return x < 0 ? -x : x;
 }
 
-/* As whiten does, from the middle of the tiles. Returns 0 where no pixel is within r of the centre. */
+/* whiten for a veil, relative to the middle of the tiles. Returns 0 if no pixel is within r of the centre. */
 static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const covariance *s,
                 const projected *centre, uint32_t r_q12)
 {
@@ -291,7 +291,7 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
     const root c = root_of_q30(s->c_q30), d = root_of_q60(s->det_q60);
     const int64_t inverse_q29 = (int64_t)((uint64_t)c.inverse_q30 * d.inverse_q30 >> 31);
     const int64_t ratio_q30 = (int64_t)((uint64_t)fxs_mulhi(c.m, c.inverse_q30) * d.inverse_q30 >> 30);
-    const int64_t ux_q18 = fxs_round_shift(ratio_q30 * 4, 14 - c.half + d.half);   /* a 2^exponent pixels */
+    const int64_t ux_q18 = fxs_round_shift(ratio_q30 * 4, 14 - c.half + d.half);   /* per 2^exponent pixels */
     const int64_t uy_q18 = -fxs_round_shift(s->b_q30 * inverse_q29, 41 + c.half + d.half);
     const int64_t vy_q18 = fxs_round_shift(c.inverse_q30, 12 + c.half);
     const int64_t x_q26 = from_middle_q26(centre, 0, view->fx_q12, view->cx_q12, view->tiles_x, s->exponent);
@@ -312,7 +312,7 @@ static int veil(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, cons
 
 /* ---------------------------------------------------------------------------------------------------------------- */
 
-/* Size, shape and opacity, once the centre is known. Returns 0 for a Gaussian that touches no pixel. */
+/* Size, shape and opacity, after project_centre. Returns 0 for a Gaussian that touches no pixel. */
 static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *view, const fxs_chunk_view *cv,
                          const projected *centre, enum fxs_profile profile, const fxs_codes *codes)
 {
@@ -368,8 +368,8 @@ static int project_shape(fxs_splat *splat, fxs_bounds *bounds, const fxs_view *v
                                              : clip(splat, bounds, view, sqrt_q8(c, exponent), r_q12);
 }
 
-/* Depth in an order-keeping 32 bits: exponent in 6, mantissa in 26. z is 1 to 2^30 - 1 units of 2^(shift - 32), shift 0
-   to 33. */
+/* Depth as a 32-bit key in the same order: 6 bits of exponent, 26 of mantissa. z is 1 to 2^30 - 1 units of
+   2^(shift - 32), shift 0 to 33. */
 static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
 {
     const uint32_t z = (uint32_t)centre->camera[2];
@@ -377,7 +377,7 @@ static uint32_t depth_key(const fxs_chunk_view *cv, const projected *centre)
     return (uint32_t)(cv->shift - zeros - 1 + FXS_DEPTH_BIAS) << 26 | ((z << zeros) >> 5 & 0x3ffffff);
 }
 
-/* Returns 0 for a Gaussian that touches no pixel. offset_q11: of its opacity. */
+/* Returns 0 for a Gaussian that touches no pixel. offset_q11 is the offset of its opacity. */
 static int project_one(fxs_splat *splat, fxs_bounds *bounds, uint32_t *depth, const fxs_view *view,
                        const fxs_chunk_view *cv, enum fxs_profile profile, const fxs_codes *codes, uint32_t offset_q11)
 {

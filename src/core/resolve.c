@@ -1,4 +1,4 @@
-/* resolve: sums and transmittance of a tile, over the background, as pixels. */
+/* resolve: converts a tile's sums and transmittance, over the background, to pixels. */
 #include "memory.h"
 #include "parts.h"
 
@@ -24,7 +24,6 @@ static void store_wide(unsigned char *pixel, const int sum_q13[3], int transmitt
     memcpy(pixel, rgba, sizeof rgba);
 }
 
-/* One pixel over a background. */
 static void resolve_pixel(unsigned char *pixel, enum fxs_format format, const int sum_q13[3], int transmittance_q15,
                           const int background_q13[3])
 {
@@ -38,7 +37,6 @@ static void resolve_pixel(unsigned char *pixel, enum fxs_format format, const in
     store(pixel, format, rgb, transmittance_q15);
 }
 
-/* Pixel i of a tile. */
 static void resolve_tile_pixel(unsigned char *pixel, enum fxs_format format, const fxs_tile *tile, int i,
                                const int background_q13[3])
 {

@@ -1,8 +1,8 @@
-/* Has a back end draw in place of the kernels' blend and resolve. It is given runs of tiles with their lists, as many
- * as fit in the memory; or, if it takes no lists, all splats of the band near to far. */
+/* Passes tile lists to config.draw instead of calling the kernels blend and resolve. The back end gets runs of tiles,
+ * as many as fit in the memory. A back end without lists gets all splats of the band, near to far. */
 #include "parts.h"
 
-/* The keys of a part's splats, behind those of the blocks before it. */
+/* Writes the keys of a part's splats, after the keys of earlier parts. */
 static void gather_part(void *argument, uint32_t part)
 {
     fxs_frame *f = argument;
@@ -16,7 +16,7 @@ static void gather_part(void *argument, uint32_t part)
         }
 }
 
-/* The keys of all splats of the band, near to far. */
+/* Returns the keys of all splats of the band, near to far. */
 static const fxs_key *sort_all(fxs_frame *f)
 {
     const uint64_t start = fxs_now(f);
@@ -26,7 +26,7 @@ static const fxs_key *sort_all(fxs_frame *f)
     return sorted;
 }
 
-/* Sorts the list of a macro tile, and counts how long the lists of its tiles are. */
+/* Sorts the list of a macro tile, and counts the lengths of its tiles' lists. */
 static void order_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
@@ -39,8 +39,8 @@ static void order_macro(void *argument, uint32_t job)
                 f->tile_counts[tile] += (uint32_t)list[k] >> i & 1;
 }
 
-/* Makes the lists of the tiles of a macro tile that are in the run. Nothing is written beyond their ends, where other
-   jobs write. */
+/* Makes the lists of a macro tile's tiles that are in the run. Writes nothing beyond their ends, where other jobs
+   write. */
 static void list_macro(void *argument, uint32_t job)
 {
     fxs_frame *f = argument;
@@ -60,7 +60,7 @@ static void list_macro(void *argument, uint32_t job)
     }
 }
 
-/* Has the back end draw a run of tiles: by their lists, or by the keys of all splats, or from their blended pixels. */
+/* Passes a run of tiles to the back end: lists, or the keys of all splats, or blended pixels. */
 static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blended)
 {
     const fxs_config *config = &f->context->config;
@@ -76,7 +76,7 @@ static int draw_run(fxs_frame *f, const fxs_key *visible, const fxs_tile *blende
     return error;
 }
 
-/* Draws tiles first to last, as many at a time as have room for their lists in `spare`: one always has. */
+/* Draws tiles first to last, as many at a time as have space for their lists in `spare`; one always has. */
 static int draw_tiles(fxs_frame *f, uint32_t first, uint32_t last)
 {
     int error = 0;
@@ -138,8 +138,8 @@ int fxs_runs_by_rows(const fxs_frame *f)
     return !f->draw_tile && f->context->config.draw_blended && f->end_row - f->first_row > 1 && !fxs_lists_rows_fit(f);
 }
 
-/* It wants tiles row by row. Lists that hold a part of a row of macro tiles have tiles of both its tile rows; so each
-   tile row has lists of its own then. */
+/* draw_blended takes tiles row by row, but lists for part of a row of macro tiles hold tiles of two tile rows. So each
+   tile row gets its own lists. */
 int fxs_runs_draw_rows(fxs_frame *f)
 {
     const int32_t first = f->first_row, end = f->end_row;

@@ -1,9 +1,9 @@
-/* fxs_scene_open: checks a packed scene in the caller's memory, and finds its parts; fxs_scene_bytes: its size.
-   fxs_scene_find_parts and fxs_scene_open_parts: the same of a scene that is not in memory as a whole. */
+/* fxs_scene_open checks a packed scene in the caller's memory and finds its parts; fxs_scene_bytes returns its size.
+ * fxs_scene_find_parts and fxs_scene_open_parts do the same for a scene that is only partly in memory. */
 #include "chunk.h"
 #include "memory.h"
 
-/* Where the parts of a packed scene begin, and its bytes. */
+/* Offsets of a packed scene's parts, and its size in bytes. */
 typedef struct layout {
     uint64_t palette, rows, bytes;
 } layout;
@@ -17,7 +17,7 @@ static layout lay_out(uint64_t chunks, uint64_t chunk_bytes, uint64_t palette_by
     return l;
 }
 
-/* Returns 0 where a number is out of range. */
+/* Returns 0 if an argument is out of range. */
 static int layout_of(layout *out, uint32_t count, int sh_degree, enum fxs_profile profile, uint32_t palette_entries)
 {
     if (count > FXS_MAX_COUNT || sh_degree < 0 || sh_degree > 3 || (uint32_t)profile > FXS_PROFILE_SMALL)
@@ -36,7 +36,7 @@ size_t fxs_scene_bytes(uint32_t count, int sh_degree, enum fxs_profile profile, 
     return layout_of(&l, count, sh_degree, profile, palette_entries) && l.bytes <= SIZE_MAX ? (size_t)l.bytes : 0;
 }
 
-/* Where the parts of a tree begin, counted from its header, and its bytes. */
+/* Offsets of a tree's parts from its header, and its size in bytes. */
 typedef struct tree_layout {
     uint64_t chunks, rows, bytes;
 } tree_layout;
@@ -59,7 +59,6 @@ size_t fxs_tree_bytes(uint32_t chunks, int sh_degree, enum fxs_profile profile)
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
-/* Copies and checks the header, and finds the parts. */
 static int read_header(fxs_packed_header *h, fxs_scene_parts *parts, const void *header)
 {
     layout l;
@@ -92,7 +91,6 @@ int fxs_scene_find_parts(fxs_scene_parts *parts, const void *header)
     return parts && header ? read_header(&h, parts, header) : FXS_ERR_ARGUMENT;
 }
 
-/* The tree of a scene, at `start`. */
 static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsigned char *start)
 {
     fxs_tree_header h;
@@ -105,8 +103,8 @@ static int open_tree(fxs_scene *scene, const fxs_scene_parts *parts, const unsig
     return 0;
 }
 
-/* Opens a scene of `bytes` bytes at `head`; with 0 one of which only the heads are there. The header is read once:
-   another program may change it at any time, and what follows must not be longer than what was found to be there. */
+/* Opens a scene of `bytes` bytes at `head`. `bytes` 0: only the heads are in memory. The header is read only once,
+   because another program may change it at any time, and later reads must stay within the checked size. */
 static int open_heads(fxs_scene *scene, const unsigned char *head, const unsigned char *tree, size_t bytes)
 {
     fxs_packed_header h;

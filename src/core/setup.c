@@ -1,8 +1,8 @@
-/* The arguments of a frame: checked, its objects placed, its memory measured. */
+/* Sets up a frame: checks its arguments, places its objects, measures its memory. */
 #include "memory.h"
 #include "parts.h"
 
-/* Counts the chunks of the objects, and checks what needs no camera. */
+/* Counts the objects' chunks, and runs the checks that need no camera. */
 static int take_objects(fxs_frame *f, const fxs_request *request)
 {
     const fxs_object *objects = request->objects;
@@ -62,7 +62,6 @@ int fxs_frame_init(fxs_frame *f, const fxs_context *context, const fxs_request *
     return (uintptr_t)memory % 64 ? FXS_ERR_MEMORY : 0;
 }
 
-/* Each object as each eye sees it. */
 static int place_objects(fxs_frame *f)
 {
     uint32_t first_chunk = 0;
@@ -81,7 +80,7 @@ static int place_objects(fxs_frame *f)
     return 0;
 }
 
-/* The memory is cut up again once it is known how many chunks are drawn. */
+/* Finds the cut, then lays out the memory again for the number of drawn chunks. */
 static int choose_chunks(fxs_frame *f)
 {
     fxs_cut cut = {.objects = f->objects, .object_count = f->object_count, .options = f->options,

@@ -6,7 +6,7 @@
 /* A constant of the basis, Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
 
-/* Unit vector from the camera to a Gaussian: components to 15 bits, then times 1 / length. */
+/* Unit vector from the camera to a Gaussian: shifts components to 15 bits, then multiplies by 1 / length. */
 static void direction(int32_t d_q15[3], const int64_t offset_q32[3])
 {
     uint64_t most = 1;
@@ -27,7 +27,7 @@ static void direction(int32_t d_q15[3], const int64_t offset_q32[3])
     }
 }
 
-/* The basis functions of degree 1 to `degree`, Q15; each at most 0.75. */
+/* SH basis functions of degree 1 to `degree`, Q15; each at most 0.75. */
 static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
 {
     const int32_t x = d_q15[0], y = d_q15[1], z = d_q15[2];
@@ -54,7 +54,8 @@ static void basis(int32_t b[15], const int32_t d_q15[3], int degree)
     b[14] = -2 * fxs_mul_q15(fxs_mul_q15(Q15(590044), x), (xx - 3 * yy) / 2);
 }
 
-/* Adds degree d, Q16: step * sum basis * code. `sh`: the first code; those of the three channels follow each other. */
+/* Adds SH degree d, Q16: step * sum basis * code. `sh` points to the first code; the three channels' codes follow each
+   other. */
 static inline void add_band(int32_t sum_q16[3], const int8_t *sh, const int32_t b_q15[15], int d, int step_q19)
 {
     int32_t band_q15[3] = {0, 0, 0};
@@ -99,7 +100,7 @@ static fxs_sh_sums sum_of(const fxs_scene *scene, const fxs_chunk *chunk, const 
     return s;
 }
 
-/* The basis towards a Gaussian; 0 above the view's degree. */
+/* SH basis in the direction of a Gaussian; 0 above the view's degree. */
 static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *chunk, const uint16_t position[3])
 {
     int64_t offset_q32[3];
@@ -114,7 +115,7 @@ static void basis_at(int32_t b_q15[15], const fxs_view *view, const fxs_chunk *c
     basis(b_q15, d_q15, view->sh_degree);
 }
 
-/* What is above degree 0. */
+/* Adds SH degrees 1 and up. */
 static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                         const unsigned char *rows, uint32_t g, const uint16_t position[3])
 {
@@ -134,7 +135,7 @@ static void directional(int32_t sum_q16[3], const fxs_view *view, const fxs_scen
         add_band(sum_q16, sh, b_q15, 3, chunk->sh_step_q19[2]);
 }
 
-/* The colour of Gaussian g of a chunk; `rows` are the chunk's. */
+/* Colour of Gaussian g of a chunk, from the chunk's rows. */
 static void shade_one(fxs_splat *splat, const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                       const unsigned char *rows, uint32_t g)
 {

@@ -1,23 +1,23 @@
-/* A chunk of a scene with a tree as a camera sees it.
+/* How a camera sees a chunk of a scene with a tree: visibility, and the key that orders the nodes of the cut.
  *
- * The key of a node says what opening it removes, in log2:
+ * The key of a node is the gain of opening it, in log2:
  *
  *     key = gain + 2 log2(f / d) + 4 min(0, log2(sigma f / d) - log2(1/2))
  *
- * gain and sigma are the node's (packed.h), d is the distance of its box, f the focal length in pixels. The first two
- * terms are squared error times pixels. The third is what the pixels blur: the error of a merge has no mass and no
- * mean, so that little of it is left where it is smaller than a pixel. */
+ * gain and sigma are the node's (packed.h), d is the distance to its box, f the focal length in pixels. The first two
+ * terms are squared error times pixels. The third term accounts for blur by the pixels: the error of a merge has zero
+ * sum and zero mean, so little of it remains when it is smaller than a pixel. */
 #include "sight.h"
 
 #include <fixsplat/fixed.h>
 #include "memory.h"
 
-#define BLUR 4                     /* powers of the size below BLURRED that the error falls with, */
-#define BLURRED_Q8 (-256)          /* log2 of half a pixel */
+#define BLUR 4                     /* the error falls with this power of the size */
+#define BLURRED_Q8 (-256)          /* below this size: log2 of half a pixel */
 #define UNLIMITED_Q8 (1 << 24)
 #define DILATION_Q8 (-701)         /* log2 of 0.15 pixels^2 */
 
-/* log2 of the distance from the camera to the chunk's box, softened by an eighth of the box, in units. */
+/* log2 of the distance in units from the camera to the chunk's box, softened by 1/8 of the box. */
 static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
 {
     uint64_t parts[6], most = 1, square = 0;
@@ -36,14 +36,14 @@ static int32_t log2_distance_q8(const fxs_view *view, const fxs_chunk *chunk)
     return (fxs_log2_q16(square | 1) >> 9) + (shift - 32) * 256;
 }
 
-/* log2 of the pixels of a unit where the chunk is nearest. */
+/* log2 of the pixels per unit at the chunk's nearest point. */
 static int32_t log2_pixels_q8(const fxs_view *view, const fxs_chunk *chunk)
 {
     const int64_t focal_q12 = view->fx_q12 > view->fy_q12 ? view->fx_q12 : view->fy_q12;
     return (fxs_log2_q16((uint64_t)focal_q12) >> 8) - 12 * 256 - log2_distance_q8(view, chunk);
 }
 
-/* 2^x, Q16, of x from -16 to 20. */
+/* 2^x, Q16; x is clamped to -16..20. */
 static uint64_t exp2_q16(int32_t x_q8)
 {
     const int32_t x = fxs_clamp(x_q8, -16 * 256, 20 * 256), below_q15 = ((256 - (x & 255)) & 255) << 7;
@@ -52,10 +52,10 @@ static uint64_t exp2_q16(int32_t x_q8)
     return whole < 0 ? mantissa_q16 >> -whole : mantissa_q16 << whole;
 }
 
-/* The dilation adds 0.3 pixels^2 to the area of every Gaussian, so from afar what small ones take of the light grows,
-   and that of a few coarse ones in their place less: (area + 0.15 swell) / (area + 0.15) of the node's own makes up for
-   it, in log2; half of the dilation, as small ones hide a part of each other. Not where the opacity is compensated for
-   the dilation. */
+/* The dilation adds 0.3 pixels^2 to the area of every Gaussian. So from afar small Gaussians cover more, and the few
+   coarse ones that replace them cover less. A node's mass grows to compensate: (area + 0.15 swell) / (area + 0.15), in
+   log2. Half the dilation is used, because small Gaussians hide parts of each other. 0 for an antialiased scene, where
+   opacity already compensates for the dilation. */
 static int32_t swell_of(const fxs_view *view, const fxs_node *node, int32_t pixels_q8)
 {
     const int32_t dilation_q8 = DILATION_Q8 - 2 * pixels_q8 - node->area_q8;

@@ -1,34 +1,34 @@
-/* A chunk of a scene with a tree as a camera sees it, and how a node fades into its children: what the cut goes by
- * (cut.c), on the processor and on a device. */
+/* How a camera sees a chunk of a scene with a tree, and how a node fades into its children. The cut (cut.c) uses this
+ * on the CPU and on a device. */
 #ifndef FXS_SIGHT_H
 #define FXS_SIGHT_H
 
 #include "chunk.h"
 #include "cut.h"
 
-#define FXS_SWELL_SEEN_Q8 1024     /* log2 by which the mass of a node grows that is seen from afar, at most, */
-#define FXS_SWELL_OF_SIGMA 4       /* and what share of it its sigmas take, inverse */
-#define FXS_FADE_MOST_Q8 128       /* keys over which nodes fade, at most; and sizes beyond the detail that is wanted */
+#define FXS_SWELL_SEEN_Q8 1024     /* largest growth of a distant node's mass (log2, Q8) */
+#define FXS_SWELL_OF_SIGMA 4       /* share of that growth in the sigmas, inverse */
+#define FXS_FADE_MOST_Q8 128       /* widest range of keys that fade; also of sizes above the wanted detail */
 
 typedef struct fxs_sight {
-    int32_t key_q8;                /* what opening the node removes; of a leaf 0 */
-    int32_t room_q8;               /* log2 of the node's size beyond the detail that is wanted; of a leaf 0 */
-    int32_t swell_q8;              /* log2 by which its mass grows: 0 to FXS_SWELL_SEEN_Q8; of a leaf 0 */
+    int32_t key_q8;                /* gain of opening the node; 0 for a leaf */
+    int32_t room_q8;               /* log2 of the node's size over the wanted detail; 0 for a leaf */
+    int32_t swell_q8;              /* log2 growth of its mass: 0 to FXS_SWELL_SEEN_Q8; 0 for a leaf */
 } fxs_sight;
 
-/* The last key is that of the first node that there was no room for, or of the last one where all are opened. Nodes fade
-   whose keys are above it by less than the width. */
+/* last_key_q8: key of the first node beyond the budget, or of the last node if all are opened. Nodes fade if their key
+   is above last_key_q8 by less than width_q8. */
 typedef struct fxs_fading {
     int32_t last_key_q8, width_q8;
 } fxs_fading;
 
-/* The chunk as the nearest of one or two eyes sees it, whose views are in the space of its object. Growth does not
-   count: so a node is seen wherever one below it is, and as what grows is smaller than a pixel, little is missed.
-   Returns 1, or 0 where no eye sees it, or FXS_ERR_SCENE. */
+/* Sees a chunk from the nearest of one or two eyes. The views are in the object's space. Visibility ignores growth, so
+   a node is visible whenever a descendant is; the error is below a pixel. Returns 1, 0 if no eye sees the chunk, or
+   FXS_ERR_SCENE. */
 FXS_STAGE int fxs_see(fxs_sight *out, const fxs_view *views, uint32_t eyes, const fxs_scene *scene, uint32_t chunk,
                       uint32_t detail_q8);
 
-/* Neither the key nor the room of a chunk is above its parent's. */
+/* Limits a chunk's key and room to its parent's. */
 static inline void fxs_see_below(fxs_sight *sight, const fxs_sight *parent)
 {
     sight->key_q8 = fxs_min(sight->key_q8, parent->key_q8);
@@ -40,8 +40,8 @@ static inline int fxs_is_openable(const fxs_sight *sight)
     return sight->room_q8 > 0;
 }
 
-/* Chunks that an opened node takes from those to be drawn, but for those that fade by the budget: itself, unless it
-   fades by the detail. */
+/* Change of the count of drawn chunks when a node opens: 1 if the node is no longer drawn, 0 if it fades by the detail.
+   The count leaves out nodes that fade by the budget. */
 static inline uint32_t fxs_drawn_no_more(const fxs_sight *sight)
 {
     return sight->room_q8 >= FXS_FADE_MOST_Q8;
@@ -55,8 +55,8 @@ static inline uint32_t fxs_faded_q8(const fxs_sight *sight, fxs_fading fading)
     return (uint32_t)(fading.width_q8 ? fxs_min(by_room_q8, above_q8 * 256 / fading.width_q8) : by_room_q8);
 }
 
-/* What is drawn of a chunk. Of the swell of a node's mass, optical depths take one half and areas the other, so sigmas
-   a quarter: what is opaque takes no more. */
+/* Entry for a drawn chunk. The growth of a node's mass goes half to its optical depth and half to its area, so a
+   quarter to each sigma. If it is opaque, more optical depth changes little. */
 FXS_STAGE fxs_drawn fxs_drawn_of(uint32_t chunk, uint32_t share_q8, int32_t swell_q8);
 
 #endif

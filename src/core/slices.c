@@ -1,16 +1,17 @@
-/* Draws a tile row whose splats do not fit in the memory, in slices. Some columns of the row are drawn at a time. Of
- * the splats that touch them, as many of the nearest as there is room for are projected and blended; then the next
- * nearest, over the same pixels; and so on, until none is left. So any view can be drawn in the least memory. It takes
- * time, as the chunks of the row are projected again for every slice. */
+/* Draws a tile row whose splats do not fit in the memory, in slices. It draws some columns of the row at a time. The
+ * nearest splats of these columns, as many as fit, are projected and blended; then the next nearest are blended over
+ * the same pixels, until none is left. So any view can be drawn in the minimum of memory. This is slow, because the
+ * row's chunks are projected again for every slice. */
 #include "memory.h"
 #include "parts.h"
 
-/* A slice: the splats from one key to another. A key is a depth and a place in the scene, so no two are alike. */
+/* A slice: the splats with keys from `first` to `last`. A key is a depth and a Gaussian's number, so keys are
+   unique. */
 typedef struct slice {
     fxs_key first, last;
-    uint32_t count, room;          /* splats; how many at most are kept, so that one more chunk can be projected */
-    uint64_t taken;                /* splats of all slices so far */
-    int more;                      /* there are splats beyond `last` */
+    uint32_t count, room;          /* splats kept, and their maximum, which leaves slots to project one more chunk */
+    uint64_t taken;                /* splats in all slices up to now */
+    int more;                      /* splats remain beyond `last` */
 } slice;
 
 static fxs_key key_of(const fxs_frame *f, uint32_t slot)
@@ -18,7 +19,7 @@ static fxs_key key_of(const fxs_frame *f, uint32_t slot)
     return FXS_KEY(f->eye->depths[slot], f->indices[slot]);
 }
 
-/* `count` splats were projected behind the slice's: keeps the ones that are in its range and touch the columns. */
+/* From `count` splats projected after the slice's own, keeps those in its key range that touch the columns. */
 static void keep(const fxs_frame *f, slice *s, uint32_t count)
 {
     for (uint32_t slot = s->count, end = s->count + count; slot < end; slot++) {
@@ -29,8 +30,8 @@ static void keep(const fxs_frame *f, slice *s, uint32_t count)
     }
 }
 
-/* Keeps the nearest splats, three quarters of what there is room for, in the order of the scene; `last` is where they
-   end. */
+/* Keeps the nearest splats, 3/4 of the capacity, in the order of the scene, and moves `last` to the farthest of
+   them. */
 static void drop_farthest(const fxs_frame *f, slice *s)
 {
     const uint32_t left = s->room / 4 * 3, count = s->count;
@@ -45,7 +46,6 @@ static void drop_farthest(const fxs_frame *f, slice *s)
             fxs_frame_move(f, s->count++, slot);
 }
 
-/* Whether a chunk may have splats of the slice. */
 static int may_have(const fxs_frame *f, const slice *s, uint32_t chunk)
 {
     const fxs_extent *e = &f->extents[chunk];
@@ -75,7 +75,7 @@ static int take(fxs_frame *f, slice *s)
     return 0;
 }
 
-/* shade and bin, on slots that are in the order of the chunks. Returns 0 or FXS_ERR_SCENE. */
+/* shade and bin, for slots in the order of the chunks. Returns 0 or FXS_ERR_SCENE. */
 static int finish(fxs_frame *f, uint32_t count)
 {
     for (uint32_t slot = 0, end; slot < count; slot = end) {
@@ -93,8 +93,8 @@ static int finish(fxs_frame *f, uint32_t count)
     return 0;
 }
 
-/* Goes on to the next slice of the columns: its f->count splats are ready for lists then. Returns 0, FXS_ERR_STOPPED,
-   or FXS_ERR_SCENE, which is also the error where the scene changes meanwhile and so has no end of splats. */
+/* Advances to the next slice of the columns: f->count splats, ready to be listed. Returns 0, FXS_ERR_STOPPED or
+   FXS_ERR_SCENE. FXS_ERR_SCENE also stops a scene that changes meanwhile and yields splats without end. */
 static int next_slice(fxs_frame *f, slice *s)
 {
     int error = take(f, s);
@@ -106,12 +106,12 @@ static int next_slice(fxs_frame *f, slice *s)
 
 /* ---- Drawing ----------------------------------------------------------------------------------------------------- */
 
-/* Blends a slice's list into the pixels that a tile has so far. That is what `trace` does, which goes on where `blend`
-   begins anew; of its auxiliary outputs none is asked for. */
+/* Blends a slice's list over a tile's pixels. Uses `trace` without outputs, because `blend` always starts from an empty
+   tile. */
 static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps *laps)
 {
     const int32_t column = (int32_t)tile % f->eye->view.tiles_x - f->first_column;
-    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels write to it all the same */
+    fxs_trace *nothing = &f->nothing[column / FXS_MACRO];      /* kernels may still write to its arrays */
     int32_t x, y;
     nothing->which = 0;
     fxs_tile_origin(f, tile, &x, &y);
@@ -123,7 +123,7 @@ static void blend_on(fxs_frame *f, uint32_t tile, const fxs_list *list, fxs_laps
     fxs_lap(f, laps, FXS_BLENDED);
 }
 
-/* The tiles of the columns are blended: draws their pixels, or has the back end do so. Returns 0 or its error. */
+/* Writes the blended tiles of the columns, or passes them to the back end. Returns 0 or its error. */
 static int hand_over(fxs_frame *f)
 {
     const uint32_t above = fxs_tiles_above(f, f->first_row);
@@ -139,7 +139,6 @@ static int hand_over(fxs_frame *f)
     return 0;
 }
 
-/* Draws the columns, slice after slice. */
 static int draw_columns(fxs_frame *f)
 {
     slice s = {.room = f->slice_room, .more = 1};

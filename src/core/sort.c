@@ -1,25 +1,25 @@
-/* sort: by depth, equal depths by slot; least significant digit first. A list is sorted by one job. All that is
- * visible, for a back end without lists, is sorted by several: each has a part of the keys, and a digit's places go to
- * the jobs in order, so the result does not depend on their number. */
+/* sort: radix sort by depth, then slot, least significant digit first. One job sorts a macro tile's list. Several jobs
+ * sort all splats of a band for a back end without lists: each has a part of the keys, and the parts take the places of
+ * a digit in order, so the result does not depend on the number of jobs. */
 #include <fixsplat/fixed.h>
 #include "memory.h"
 #include "parts.h"
 
-#define FEW 24u                    /* keys, which are sorted by insertion alone */
-#define MANY 1500u                 /* keys, for which digits are longer */
-#ifdef FXS_SMALL_STACK             /* a build for boards: short digits, no calls within calls */
+#define FEW 24u                    /* up to this many keys: insertion sort only */
+#define MANY 1500u                 /* from this many keys on: longer digits */
+#ifdef FXS_SMALL_STACK             /* boards: short digits, no recursion */
 #define LIST_DIGIT 7
 #define HUGE UINT32_MAX
 #else
-#define LIST_DIGIT DIGIT           /* bits of a digit of a list, at most */
-#define HUGE 32768u                /* keys that are more than a cache holds */
+#define LIST_DIGIT DIGIT           /* largest digit of a list, bits */
+#define HUGE 32768u                /* keys: more than a cache holds */
 #endif
-#define MOVES 4u                   /* a key, by insertion, at most */
-#define DIGIT 11                   /* bits: FXS_SORT_BUCKETS */
+#define MOVES 4u                   /* largest number of moves per key by insertion */
+#define DIGIT 11                   /* bits of FXS_SORT_BUCKETS */
 
 typedef struct digit {
     int shift;
-    uint32_t buckets;              /* a power of two */
+    uint32_t buckets;              /* power of two */
 } digit;
 
 typedef struct sorter {
@@ -64,7 +64,7 @@ static void move_part(void *argument, uint32_t part)
     move_keys(s->from + first, end - first, s->digit, s->histograms[part], s->to);
 }
 
-/* Sizes become starts. Returns 1 where one bucket holds every key, so that there is nothing to move. */
+/* Turns sizes into starts. Returns 1 if one bucket holds every key, so that no key has to move. */
 static int find_starts(const sorter *s)
 {
     uint32_t start = 0;
@@ -99,7 +99,8 @@ fxs_key *fxs_sort(const fxs_config *config, fxs_key *keys, fxs_key *spare, uint3
 
 /* ---- A list ------------------------------------------------------------------------------------------------------ */
 
-/* Keys that are almost in order, with `left` moves at most. Returns 0, in some order, where they do not do. */
+/* Insertion sort for keys that are almost in order. Returns 0, with the keys in some order, after more than `left`
+   moves. */
 static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
 {
     for (uint32_t i = 1; i < count; i++) {
@@ -115,7 +116,7 @@ static int insert_each(fxs_key *keys, uint32_t count, uint64_t left)
     return 1;
 }
 
-/* By two digits, the lower of them from bit `shift` of the depth less `least` on. */
+/* Radix sort by two digits, starting at bit `shift` of (depth - least). */
 static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int shift, int bits)
 {
     uint32_t next[2][1 << LIST_DIGIT];
@@ -140,7 +141,7 @@ static void sort_by_two(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
-/* By the top digit of `range` bits, then each bucket by itself, which fits in a cache. */
+/* Sorts by the top digit of `range` bits, then each bucket on its own, because a bucket fits in a cache. */
 static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t least, int range)
 {
     uint32_t next[257] = {0};
@@ -158,8 +159,8 @@ static void sort_by_top(fxs_key *keys, fxs_key *spare, uint32_t count, uint32_t 
     }
 }
 
-/* The top digits of the range of depths put nearly all of them in order; insertion does the rest. Where it has too much
-   to do, as many lie within a small part of the range, the digits below are sorted first. */
+/* Sorts by the top digits of the range of depths, which leaves nearly all keys in order, then by insertion. If that
+   takes too many moves, because many depths lie close together, sorts by all digits first. */
 void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
 {
     uint32_t least = UINT32_MAX, most = 0;
@@ -180,5 +181,5 @@ void fxs_sort_c(fxs_key *keys, fxs_key *spare, uint32_t count)
         return;
     for (int shift = 0; shift < range; shift += 2 * fxs_min(8, LIST_DIGIT))
         sort_by_two(keys, spare, count, least, shift, fxs_min(8, LIST_DIGIT));
-    insert_each(keys, count, UINT64_MAX);      /* those of one depth by their slots, near which they lie */
+    insert_each(keys, count, UINT64_MAX);      /* equal depths by slot; such keys are already close */
 }

@@ -1,9 +1,9 @@
-/* Two eyes: each has the geometry and tile lists of its own camera; the colours are found once for both, and, where
- * both measure depth alike, the order. */
+/* Renders two eyes. Each eye has the geometry and tile lists of its own camera. Colours are found once for both eyes;
+ * so is the order, if both views measure depth alike. */
 #include <fixsplat/fixed.h>
 #include "parts.h"
 
-/* Whether two views measure depth alike: their z axes are parallel, and neither is ahead, within 2^-14. */
+/* True if two views measure depth alike: parallel z axes, and no view ahead of the other, within 2^-14. */
 static int same_depth(const fxs_view *a, const fxs_view *b)
 {
     const int32_t *z_q30 = a->rotation_q30 + 6;
@@ -23,7 +23,7 @@ static int same_depth(const fxs_view *a, const fxs_view *b)
     return -limit_q30 <= ahead && ahead <= limit_q30;
 }
 
-/* Colours are seen from between the eyes: `left` then has what is seen from there. */
+/* Moves the left eye's viewpoint for colours to the middle between the eyes. */
 static void share_eye(fxs_object_view *left, const fxs_object_view *right, uint32_t objects)
 {
     for (uint32_t object = 0; object < objects; object++)
@@ -33,13 +33,13 @@ static void share_eye(fxs_object_view *left, const fxs_object_view *right, uint3
         }
 }
 
-/* Whether the right eye's lists have an order of their own. An occluder cuts them at a depth. */
+/* True if the right eye's lists need their own order, also with an occluder, which cuts lists at a depth. */
 static int has_own_order(const fxs_view *left, const fxs_view *right, const fxs_targets *of_right)
 {
     return !same_depth(left, right) || of_right->occluder.pixels;
 }
 
-#ifndef __CUDACC__                 /* which has its own way through a frame */
+#ifndef __CUDACC__                 /* the CUDA back end renders two eyes in its own way */
 
 static int render_shared(fxs_frame *f)
 {
@@ -59,7 +59,7 @@ static int render_shared(fxs_frame *f)
     return fxs_frame_draw(f);
 }
 
-/* Begins with both, so that nothing is written where an object is too far from the second. */
+/* Sets up both eyes first, so that an object too far from the second eye is an error before any output. */
 static int render_exact(fxs_frame *f)
 {
     int error = fxs_frame_begin(f);
@@ -74,7 +74,7 @@ int fxs_stereo_render(fxs_frame *f, const fxs_request *request)
     const fxs_camera *a = &request->cameras[0], *b = &request->cameras[1];
     if (a->width != b->width || a->height != b->height || a->projection != b->projection)
         return FXS_ERR_SIZE;
-    if ((uint64_t)f->chunk_count * FXS_CHUNK > FXS_MAX_SLOTS)   /* there are no bands */
+    if ((uint64_t)f->chunk_count * FXS_CHUNK > FXS_MAX_SLOTS)   /* stereo has no bands */
         return FXS_ERR_OBJECT;
     if (fxs_targets_collide(&request->targets[0], &request->targets[1], a->width, a->height))
         return FXS_ERR_TARGET;

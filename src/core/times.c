@@ -1,4 +1,4 @@
-/* Where the time of a frame goes. */
+/* Measures the time of a frame's stages. */
 #include "parts.h"
 
 void fxs_lap(const fxs_frame *f, fxs_laps *laps, int which)

@@ -1,26 +1,26 @@
-/* trace: blend with auxiliary outputs (depths and ids), or with an occluder. A tile's list is blended part by part, by
- * the kernel `trace`, which keeps numbers of 16 bits for each pixel. So all depths of a part are in one octave, where a
- * code of 15 bits holds them; between parts the numbers become sums of depths and slots. */
+/* trace: blend with auxiliary outputs (depths and ids) or an occluder. The kernel `trace` blends a tile's list in parts
+ * and keeps 16-bit numbers per pixel. All depths of a part lie in one octave, so 15-bit codes hold them. Between parts,
+ * the numbers are added to sums of depths or converted to slots. */
 #include "memory.h"
 #include "parts.h"
 
-#define STRETCH 32767u             /* entries of a list that 16 bits tell apart; at most */
-#define PART 512u                  /* entries, at most */
-#define AHEAD 16                   /* entries */
+#define STRETCH 32767u             /* largest stretch of a list: entry numbers fit in 16 bits */
+#define PART 512u                  /* largest part, in entries */
+#define AHEAD 16                   /* prefetch distance, in entries */
 
 typedef struct tracer {
     const fxs_frame *f;
     const fxs_targets *targets;
-    int bits;                      /* of the depths of the targets and the occluder */
-    const uint32_t *list;          /* a stretch of the tile's list, */
-    uint32_t count;                /* and its length */
-    uint32_t first, end;           /* a part of that */
+    int bits;                      /* fraction bits of depths in the targets and the occluder */
+    const uint32_t *list;          /* a stretch of the tile's list */
+    uint32_t count;                /* its length */
+    uint32_t first, end;           /* a part of the stretch */
     fxs_trace trace;
     int16_t before_q15[FXS_TILE_PIXELS];   /* T before the part */
     int16_t codes_q15[PART];       /* depth / 2^octave - 1 */
     uint32_t keys[PART];
-    uint32_t limits[FXS_TILE_PIXELS];      /* depth keys: what is farther is hidden */
-    uint64_t sums[FXS_TILE_PIXELS];        /* fxs_depth_sum */
+    uint32_t limits[FXS_TILE_PIXELS];      /* depth keys: farther splats are hidden */
+    uint64_t sums[FXS_TILE_PIXELS];        /* of fxs_depth_sum */
     uint32_t median[FXS_TILE_PIXELS], largest[FXS_TILE_PIXELS];   /* slots */
 } tracer;
 
@@ -31,7 +31,7 @@ static uint32_t slot_of(uint32_t entry)
 
 /* ---- A part of the list ------------------------------------------------------------------------------------------ */
 
-/* Finds the next part. Where no depths are compared or summed, it is the rest of the stretch. */
+/* Finds the next part. If no depths are compared or summed, it is the rest of the stretch. */
 static void begin_part(tracer *t)
 {
     const uint32_t *depths = t->f->eye->depths;
@@ -51,7 +51,7 @@ static void begin_part(tracer *t)
     t->end = t->first + n;
 }
 
-/* The first of the part's entries that is farther than a limit. */
+/* Index of the part's first entry that is farther than a limit. */
 static int16_t end_of(const tracer *t, uint32_t limit)
 {
     uint32_t low = 0, high = t->end - t->first;
@@ -85,14 +85,14 @@ static void add_depths(tracer *t, const fxs_tile *tile)
     }
 }
 
-/* Numbers of entries become slots. */
+/* Converts entry numbers to slots; -1 leaves a slot unchanged. */
 static void note_slots(const tracer *t, const int16_t numbers[FXS_TILE_PIXELS], uint32_t slots[FXS_TILE_PIXELS])
 {
     for (int i = 0; i < FXS_TILE_PIXELS; i++)
         slots[i] = numbers[i] < 0 ? slots[i] : slot_of(t->list[numbers[i]]);
 }
 
-/* Returns whether a pixel takes more. */
+/* Returns whether any pixel is still open. */
 static int end_part(tracer *t, const fxs_tile *tile)
 {
     int open = 0;
@@ -104,7 +104,7 @@ static int end_part(tracer *t, const fxs_tile *tile)
     return open;
 }
 
-/* Blends a stretch. Returns whether a pixel takes more. */
+/* Blends a stretch. Returns whether any pixel is still open. */
 static int trace_stretch(tracer *t, int32_t x, int32_t y, fxs_tile *tile)
 {
     const fxs_eye *eye = t->f->eye;
@@ -145,7 +145,7 @@ fxs_id fxs_id_of(const fxs_object_view *objects, uint32_t count, uint32_t index,
     return (fxs_id){(*object)->id, index - (*object)->first_chunk * FXS_CHUNK};
 }
 
-/* The id of a slot, or of FXS_NOTHING. */
+/* Id of a slot. FXS_NOTHING gives FXS_NOTHING. */
 static fxs_id id_of(const fxs_frame *f, uint32_t slot, const fxs_object_view **object)
 {
     return slot == FXS_NOTHING ? (fxs_id){FXS_NOTHING, FXS_NOTHING}

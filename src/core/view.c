@@ -1,5 +1,5 @@
-/* The camera made ready for the stages, once for a frame and once for each of its objects: everything of the projection
- * that does not depend on the Gaussian. */
+/* Prepares the camera for the stages, once per frame and once per object: all parts of the projection that do not
+ * depend on the Gaussian. */
 #include "view.h"
 
 #include <fixsplat/fixed.h>
@@ -42,7 +42,7 @@ static int is_window(const fxs_camera *camera)
     return camera->whole_width || camera->whole_height;
 }
 
-/* A window lies in its picture. */
+/* A window must lie inside its whole picture. */
 static int check_window(const fxs_camera *camera)
 {
     const int32_t whole[2] = {camera->whole_width, camera->whole_height}, own[2] = {camera->width, camera->height};
@@ -83,14 +83,14 @@ static int32_t cut_slope(int64_t slope_q23, int64_t most)
     return (int32_t)(slope_q23 < -most ? -most : slope_q23 > most ? most : slope_q23);
 }
 
-/* The picture's edges, a tile and the reach of the dilation (3.34 sqrt(0.3) < 2) out. */
+/* Slopes of the picture's edges, moved out by a tile and the reach of the dilation (3.34 sqrt(0.3) < 2). */
 static void edge_slopes(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
     *low_q23 = cut_slope(-((c_q12 + (18 << 12)) * (1 << 23)) / f_q12, (int64_t)64 << 23);
     *high_q23 = cut_slope((((size + 18) << 12) - c_q12) * (1 << 23) / f_q12, (int64_t)64 << 23);
 }
 
-/* The edges of the hidden part, twice the reach of the dilation in; the wrong way round where nothing is hidden. */
+/* Slopes of the hidden part's edges, moved in by twice the reach of the dilation. low > high if nothing is hidden. */
 static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
 {
     const int64_t most = (int64_t)64 << 23;
@@ -101,7 +101,7 @@ static void hidden_slopes(fxs_view *view, int i, int64_t f_q12, int64_t c_q12)
     view->hidden_high_q23[i] = none ? (int32_t)-most : cut_slope(high, most);
 }
 
-/* The field of view plus 30 % (Kerbl et al. 2023, code; for any principal point as in gsplat), as slopes x/z:
+/* Field of view plus 30 % (Kerbl et al. 2023, code; for any principal point as in gsplat), as slopes x/z:
    -c / f - 0.3 size / (2 f) and (size - c) / f + 0.3 size / (2 f). Cut to +-60. */
 static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *low_q23, int32_t *high_q23)
 {
@@ -113,8 +113,8 @@ static void slope_limits(int64_t size, int64_t f_q12, int64_t c_q12, int32_t *lo
     *high_q23 = cut_slope(high, most);
 }
 
-/* The least exponent with which 3.5 (2^exponent + 1) pixels reach the picture from a centre 64 times as far off the
-   axis as away, or 65536 pixels from the first pixel; at least 7, and a 16th of the picture. */
+/* Smallest exponent for which 3.5 (2^exponent + 1) pixels reach the picture from a centre with slope 64, and from 65536
+   pixels off the first pixel. At least 7, and at least 1/16 of the picture. */
 static int32_t veil_exponent(const fxs_view *view, const int64_t size[2], const int64_t c_q12[2])
 {
     const int64_t f_q12[2] = {view->fx_q12, view->fy_q12};
@@ -164,7 +164,7 @@ static void jacobian_rows(fxs_view *view)
         }
 }
 
-/* The picture that the camera's is a window of, or its own: width and height, and its principal point. */
+/* Size and principal point of the whole picture that the camera is a window of; without a window, its own. */
 static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[2])
 {
     const int window = is_window(camera);
@@ -174,8 +174,8 @@ static void find_whole(const fxs_camera *camera, int64_t size[2], int64_t c_q12[
     c_q12[1] = camera->cy_q12 + (window ? (int64_t)camera->whole_y << 12 : 0);
 }
 
-/* What follows from the focal lengths, the position and the rotation. Only the edges are a window's own: they leave out
-   what cannot touch it. */
+/* Derives all values that depend on focal lengths, position and rotation. For a window only the edges are its own, to
+   cull Gaussians outside it; the rest comes from the whole picture. */
 static void derive(fxs_view *view, const fxs_camera *camera)
 {
     const int32_t size[2] = {view->width, view->height};
@@ -186,13 +186,13 @@ static void derive(fxs_view *view, const fxs_camera *camera)
         slope_limits(whole[i], f_q12[i], whole_c_q12[i], &view->slope_low_q23[i], &view->slope_high_q23[i]);
         edge_slopes(size[i], f_q12[i], c_q12[i], &view->edge_low_q23[i], &view->edge_high_q23[i]);
         hidden_slopes(view, i, f_q12[i], c_q12[i]);
-        if (view->orthographic)                  /* the Jacobian does not depend on where the centre is */
+        if (view->orthographic)                  /* the Jacobian does not depend on the centre */
             view->slope_low_q23[i] = view->slope_high_q23[i] = 0;
     }
     view->veil_exponent = veil_exponent(view, whole, whole_c_q12);
     view->jacobian_exponent = jacobian_exponent(view);
     jacobian_rows(view);
-    for (int i = 0; i < 3; i++)                  /* parallel rays come from 2^28 units behind the picture */
+    for (int i = 0; i < 3; i++)                  /* orthographic: view rays start 2^28 units behind the picture */
         view->eye_q32[i] = view->position_q32[i] - (view->orthographic ? view->rotation_q30[6 + i] * ONE_Q30 : 0);
 }
 
@@ -207,15 +207,16 @@ FXS_STAGE void fxs_view_of_whole(fxs_view *view, const fxs_camera *camera)
     }
 }
 
-/* Two widths, or heights, of a picture; or a 16th of what it reaches from the principal point, where that is more. */
+/* Twice a picture's width or height; or 1/16 of its reach from the principal point, if that is larger. */
 static uint64_t plane_focal_q12(int64_t size, int64_t c_q12)
 {
     const int64_t after_q12 = (size << 12) - c_q12, reach_q12 = after_q12 > c_q12 ? after_q12 : c_q12;
     return (uint64_t)(reach_q12 >> 4 > size << 13 ? reach_q12 >> 4 : size << 13);
 }
 
-/* Of an orthographic camera fx and fy are pixels a unit: f / z with z = 2^plane_exponent units, chosen so that f is
-   half of plane_focal to all of it on one axis, and not less on the other: slopes on the picture are at most 32. */
+/* Orthographic cameras have fx and fy in pixels per unit: f / z with z = 2^plane_exponent units. The plane is chosen so
+   that f is 1/2 to 1 times plane_focal on one axis and at least 1/2 of it on the other. So slopes on the picture are at
+   most 32. */
 static void choose_plane(fxs_view *view, const fxs_camera *camera, fxs_scale s)
 {
     const uint64_t x_q12 = (uint64_t)camera->fx_q12 * s.mantissa, y_q12 = (uint64_t)camera->fy_q12 * s.mantissa;
@@ -235,7 +236,8 @@ void fxs_camera_init(fxs_camera *camera, int32_t width, int32_t height)
     memset(camera, 0, sizeof *camera);
     camera->width = width;
     camera->height = height;
-    camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = (int32_t)((uint32_t)width * 2048);   /* of any width */
+    camera->fx_q12 = camera->fy_q12 = camera->cx_q12 = (int32_t)((uint32_t)width * 2048);   /* width is not checked
+                                                                                               yet */
     camera->cy_q12 = (int32_t)((uint32_t)height * 2048);
     camera->rotation_q30[0] = camera->rotation_q30[4] = camera->rotation_q30[8] = 1 << 30;
 }
@@ -274,7 +276,7 @@ int fxs_view_init(fxs_view *view, const fxs_camera *camera, const fxs_options *o
 
 /* ---- In the space of an object ----------------------------------------------------------------------------------- */
 
-/* x 2^32 / divisor, rounded down, of x at least 0; cut to 2^62. divisor in 2^16..2^48. */
+/* x 2^32 / divisor, rounded down, saturated at 2^62. divisor is 2^16 to 2^48. */
 static int64_t divide_q32(uint64_t x, uint64_t divisor)
 {
     uint64_t quotient = x / divisor, rest = x % divisor;
@@ -291,14 +293,14 @@ static int64_t divide_q32(uint64_t x, uint64_t divisor)
 FXS_STAGE int64_t fxs_turned_back(const int32_t m_q30[9], const int64_t v[3], int i)
 {
     int64_t high = 0, low = 0;
-    for (int k = 0; k < 3; k++) {                /* in two parts: 2^61 times 2^30 */
+    for (int k = 0; k < 3; k++) {                /* in two halves: 2^61 times 2^30 overflows */
         high += m_q30[3 * k + i] * (v[k] >> 31);
         low += m_q30[3 * k + i] * (v[k] & INT32_MAX);
     }
     return high * 2 + fxs_round_shift(low, 30);
 }
 
-/* R^T (P - T) / s. Returns 0 where that is too far out. */
+/* R^T (P - T) / s. Returns 0 if the result is too far out. */
 static int position_in_object(int64_t out_q32[3], const int64_t position_q32[3], const fxs_object *object)
 {
     int64_t apart_q32[3];
@@ -314,7 +316,7 @@ static int position_in_object(int64_t out_q32[3], const int64_t position_q32[3],
     return 1;
 }
 
-/* W R: as near to a rotation as W and R are. */
+/* W R; as close to a rotation as W and R are. */
 static void turn(int32_t out_q30[9], const int32_t w_q30[9], const int32_t r_q30[9])
 {
     for (int i = 0; i < 3; i++)

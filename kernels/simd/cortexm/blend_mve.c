@@ -1,8 +1,8 @@
-/* blend and trace in Helium. As in kernels/simd/lanes/blend.h, entries are taken in groups of 8: first it is found
- * which of them reach which patches of the tile, in vectors whose lanes are splats; then each patch is blended with
- * those that reach it, in vectors whose lanes are pixels. Here a patch is 4 columns of 2 rows, and its pixel (c, r) is
- * in lane 2 c + r, as that is how instructions narrow. A number that all pixels of a patch share is in a general
- * register. While a tile is blended, its arrays hold patch after patch. */
+/* blend and trace in Helium. As in kernels/simd/lanes/blend.h, entries are taken in groups, here of 8. First, with one
+ * splat per lane, it finds which entries reach which patches of the tile. Then, with one pixel per lane, it blends each
+ * patch with the entries that reach it. A patch has 4 columns and 2 rows; its pixel (c, r) is in lane 2 c + r, the
+ * order of the narrowing instructions. A number shared by all pixels of a patch is in a general register. During
+ * blending, the tile's arrays hold one patch after another. */
 #include "lanes_mve.h"
 #include "src/core/parts.h"
 #include "kernels/simd/lanes/stages.h"
@@ -10,37 +10,37 @@
 #define GROUP 8
 #define COLUMNS 4
 #define ROWS 2
-#define PATCHES (FXS_TILE_PIXELS / GROUP)      /* in the order of their rows, four to two rows */
+#define PATCHES (FXS_TILE_PIXELS / GROUP)      /* row by row, four per two rows */
 #define ACROSS (FXS_TILE / COLUMNS)
-#define FIRSTS 0x5555u             /* the lower of the two bits that a predicate has for each lane */
+#define FIRSTS 0x5555u             /* lower of the two predicate bits of each lane */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-/* What is known of a group's splats at a tile. Of what has 16 bits, those above do not count. */
+/* Numbers of a group's splats in a tile. For 16-bit numbers, the upper half of the word is undefined. */
 enum word {
-    U, UX, UY,                     /* Q24; u: at the tile's first pixel, less 2^10 */
+    U, UX, UY,                     /* Q24; u: at the tile's first pixel, minus 2^10 */
     LIMIT, RED, GREEN, BLUE,       /* 16 bits */
-    LEVELS,                        /* v^2 + offset of two rows, the upper one below: a word for each two */
+    LEVELS,                        /* v^2 + offset of two rows per word, upper row in the lower half */
     WORDS = LEVELS + FXS_TILE / ROWS
 };
 
 typedef struct group {
     uint32_t words[WORDS][GROUP];  /* by entry */
-    uint16_t reached[PATCHES];     /* two bits an entry: it may have a pixel within its limit there */
+    uint16_t reached[PATCHES];     /* two bits per entry: it may have a pixel within its limit in the patch */
 } group;
 
-/* Numbers of entries 2 i and 2 i + 1 in lane i. Where they are of 16 bits, entry i is in lane i of one vector. */
+/* Numbers of entries 2 i and 2 i + 1 in lane i. Packed to 16 bits, entry i is in lane i of one vector. */
 typedef struct pair {
     vu even, odd;
 } pair;
 
-/* What is needed of them only until it is found which patches they reach. u and v are 2^10 less than in fxs_splat, as
-   what packs them rounds. */
+/* Numbers needed only to find the patches that the splats reach. u and v are 2^10 less than in fxs_splat, because
+   packing rounds. */
 typedef struct outline {
     pair middle_q24, four_q24, two_q24;        /* u in the middle of a patch, 4 ux, 2 uy */
     pair v_q24, vy_q24;                        /* v: on the tile's first row */
-    vh half_q13;                   /* how far u goes from there, within a patch */
-    vh offset_q11, limit_q11;      /* limit: -1 where there is no entry, or it touches nothing */
-    vh least_q11[FXS_TILE / ROWS]; /* the least level on two rows, less the limit */
+    vh half_q13;                   /* range of u around the middle, within a patch */
+    vh offset_q11, limit_q11;      /* limit: -1 for an entry that does not exist or is cut off */
+    vh least_q11[FXS_TILE / ROWS]; /* smallest level of two rows, minus the limit */
 } outline;
 
 static inline vh add_cut(vh a, vh b)
@@ -48,7 +48,7 @@ static inline vh add_cut(vh a, vh b)
     return (vh)vqaddq_s16((int16x8_t)a, (int16x8_t)b);
 }
 
-/* Rounded and cut to 16 bits. (vqshrnb would round down, but the GNU assembler 2.40 makes this of it.) */
+/* Rounds and saturates to 16 bits. (vqshrnb would round down, but the GNU assembler 2.40 turns it into this.) */
 static inline vh pack_q13(pair q24)
 {
     const int16x8_t even = vqrshrnbq_n_s32((int16x8_t)q24.even, (int32x4_t)q24.even, 11);
@@ -89,7 +89,7 @@ static inline void store_by_entry(uint32_t to[GROUP], pair x)
 
 /* ---- Which patches a group reaches ------------------------------------------------------------------------------- */
 
-/* Entries, past the end the first again; *which: two bits for each that touches something. */
+/* Next entries; past the end, repeats the first. *which: two bits for each entry that exists and is not cut off. */
 static inline pair take_entries(const uint32_t *entries, uint32_t left, int square, uint32_t *which)
 {
     uint32_t few[GROUP];
@@ -103,7 +103,7 @@ static inline pair take_entries(const uint32_t *entries, uint32_t left, int squa
     return (pair){(vu)at.val[0], (vu)at.val[1]};
 }
 
-/* Word i of the splats at 8 words times `at`; FXS_ENTRY_CUT_OFF has fallen off. */
+/* Word i of the splats; `at` is in units of 8 words. FXS_ENTRY_CUT_OFF has been shifted out. */
 static inline pair word_of(const fxs_splat *splats, pair at, int i)
 {
     const uint32_t *word = (const uint32_t *)(const void *)splats + i;
@@ -111,7 +111,7 @@ static inline pair word_of(const fxs_splat *splats, pair at, int i)
                   (vu)vldrwq_gather_shifted_offset_u32(word, (uint32x4_t)at.odd)};
 }
 
-/* u. ux is not below 0. */
+/* Sets out u. ux >= 0. */
 static inline void place_across(group *g, outline *o, const fxs_splat *splats, pair at, uint32_t x, uint32_t y)
 {
     const pair ux = word_of(splats, at, 2), uy = word_of(splats, at, 3);
@@ -127,7 +127,7 @@ static inline void place_across(group *g, outline *o, const fxs_splat *splats, p
     o->middle_q24 = add(u, (pair){(vu)((vi)far.even >> 1), (vu)((vi)far.odd >> 1)});
 }
 
-/* v, the limit and the colours. */
+/* Sets out v, the limit and the colours. */
 static inline void place(group *g, outline *o, const fxs_view *view, const fxs_splat *splats, pair at, uint32_t which,
                          uint32_t y)
 {
@@ -160,7 +160,8 @@ static inline void set_out_levels(group *g, outline *o)
     }
 }
 
-/* The patches of two rows. A coordinate that is cut is nearer to 0, so none is missed. */
+/* Finds the entries that reach the patches of two rows. A saturated coordinate is nearer to 0, so no entry is
+   missed. */
 static inline void set_out_rows(uint16_t reached[ACROSS], const outline *o, pair u_q24, vh least_q11)
 {
     for (uint32_t i = 0; i < ACROSS; i++) {
@@ -189,7 +190,7 @@ static __attribute__((noinline)) void set_out(group *g, const fxs_view *view, co
 
 /* ---- Blending a patch -------------------------------------------------------------------------------------------- */
 
-/* The level of the pixels of patch (x, y), in pixels of the tile; splat: an entry's first word. */
+/* Levels of the pixels of patch (x, y), in pixels of the tile. splat: an entry's first word. */
 static inline vh level_of(const uint32_t *splat, uint32_t x, uint32_t y)
 {
     const uint32_t ux = splat[UX * GROUP], uy = splat[UY * GROUP], u = splat[0] + x * ux + y * uy;
@@ -198,7 +199,6 @@ static inline vh level_of(const uint32_t *splat, uint32_t x, uint32_t y)
     return add_cut(mul_h(u_q13, u_q13), (vh)all((int32_t)splat[(LEVELS + y / ROWS) * GROUP]));
 }
 
-/* The pixels of a patch. */
 typedef struct pixels {
     vh t, red, green, blue;
 } pixels;
@@ -207,9 +207,9 @@ typedef struct pixels {
 #define LOAD(to, word) "ldr %[" to "], [%[splat], %[" word "]]\n\t"
 #define OFFSET(word) "i"((word) * GROUP * 4)
 
-/* Takes an entry where `counted`: weight = T min(0.99, exp(-level / 2)), as
-   fxs_alpha_q15 has it; T' = T - weight, and so on. In one piece, as GCC 12 keeps pixels in memory else, and makes
-   three instructions of each predicate that is used. */
+/* Blends an entry into the pixels of `counted`: weight = T min(0.99, exp(-level / 2)) as in fxs_alpha_q15, T' = T -
+   weight, and so on. One block of assembly, because GCC 12 would keep pixels in memory and use three instructions per
+   predicate. */
 ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred16_t counted)
 {
     vh alpha;
@@ -221,9 +221,9 @@ ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
             "vqrdmulh.s16 %q[alpha], %q[alpha], %q[alpha]\n\t"
-            MOVE("327") "vqadd.s16 %q[alpha], %q[alpha], %[k]\n\t"         /* cut at 32440 */
+            MOVE("327") "vqadd.s16 %q[alpha], %q[alpha], %[k]\n\t"         /* cap at 32440 */
             "vsub.i16 %q[alpha], %q[alpha], %[k]\n\t"
-            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[t]\n\t"                 /* the weight */
+            "vqrdmulh.s16 %q[alpha], %q[alpha], %q[t]\n\t"                 /* weight */
             LOAD("k", "reds") LOAD("green", "greens") LOAD("blue", "blues")
             "vpstttt\n\t"
             "vsubt.i16 %q[t], %q[t], %q[alpha]\n\t"
@@ -237,7 +237,8 @@ ALWAYS_INLINE void take(pixels *p, vh level_q11, const uint32_t *splat, mve_pred
             : "memory");
 }
 
-/* Keeps track of the patch whose first pixel is `at` in the arrays of `trace`; t: before the entry. */
+/* Adds an entry to the auxiliary outputs of the patch that starts at `at` in the arrays of `trace`. t: T before the
+   entry. */
 static inline void trace_entry(fxs_trace *trace, int at, int number, int depth_q15, vh weight_q15, vh t)
 {
     if (trace->which & FXS_TRACE_MEAN) {
@@ -255,15 +256,15 @@ static inline void trace_entry(fxs_trace *trace, int at, int number, int depth_q
     }
 }
 
-/* Where the pixels take no more from entry `number` on, the level is above every limit. */
+/* Raises the level above every limit in the pixels that take no entry from `number` on. */
 static inline vh hide(vh level, const fxs_trace *trace, int at, int number)
 {
     const mve_pred16_t seen = vcmpgtq_n_s16((int16x8_t)load_h(trace->end + at), (int16_t)number);
     return (vh)vpselq_s16((int16x8_t)level, vdupq_n_s16(FXS_LEVEL_MAX_Q11), seen);
 }
 
-/* Blends a group, from entry `number` on, into a patch that some reach. trace, depths_q15: null without a trace.
-   Returns whether it is still open. */
+/* Blends a group, from entry `number` on, into a patch that at least one entry reaches. trace, depths_q15: null for
+   blend. Returns whether a pixel is still open. */
 ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, uint32_t patch, int number,
                               const int16_t *depths_q15)
 {
@@ -295,14 +296,14 @@ ALWAYS_INLINE int blend_patch(fxs_tile *tile, fxs_trace *trace, const group *g, 
     return vcmpgeq_n_s16((int16x8_t)p.t, FXS_CLOSED_Q15) != 0;
 }
 
-/* Two bits for each of 16 patches by whether a number of theirs is not 0: the lower one counts. */
+/* Mask with two bits for each of 16 patches; the lower bit is set if the patch's number is not 0. */
 static inline uint32_t bits_of(const uint16_t numbers[16])
 {
     const uint32_t low = vcmpneq_n_u16(vldrhq_u16(numbers), 0), high = vcmpneq_n_u16(vldrhq_u16(numbers + 8), 0);
     return (low | high << 16) & (FIRSTS | FIRSTS << 16);
 }
 
-/* Such bits of those patches that are open, from `first` on. */
+/* Bits, as from bits_of, of the open patches from `first` on. */
 static uint32_t open_patches(const fxs_tile *tile, uint32_t first)
 {
     uint16_t open[16];
@@ -311,7 +312,6 @@ static uint32_t open_patches(const fxs_tile *tile, uint32_t first)
     return bits_of(open);
 }
 
-/* Blends a list into a tile by patches. */
 ALWAYS_INLINE void blend_list(fxs_tile *tile, fxs_trace *trace, const fxs_view *view, int32_t x, int32_t y,
                               const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15,
                               uint32_t first, uint32_t end)
@@ -331,7 +331,7 @@ ALWAYS_INLINE void blend_list(fxs_tile *tile, fxs_trace *trace, const fxs_view *
 
 /* ---- Tiles ------------------------------------------------------------------------------------------------------- */
 
-/* An array of a tile: 4 patches are as long as their two rows. */
+/* Reorders an array of a tile from patches to rows; 4 patches are as long as their two rows. */
 static void rows_of_patches(int16_t array[FXS_TILE_PIXELS])
 {
     for (int i = 0; i < FXS_TILE_PIXELS; i += ROWS * FXS_TILE) {

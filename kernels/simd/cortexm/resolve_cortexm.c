@@ -1,11 +1,11 @@
-/* resolve on Cortex-M without vectors: to RGB565, the format of displays; the other formats are left to C. A pixel that
- * nothing touched has the background, whose bits are found once. */
+/* resolve for Cortex-M without vectors, to RGB565, the format of displays; the C version handles other formats. A pixel
+ * without splats is the background, converted once. */
 #include "src/core/memory.h"
 #include <fixsplat/packed.h>
 #include <fixsplat/pixel.h>
 #include "kernels/simd/lanes/stages.h"
 
-/* (most c + 127) / 255: n / 255 is (n + 1 + (n >> 8)) >> 8 for n below 65535. */
+/* (most c + 127) / 255. n / 255 is (n + 1 + (n >> 8)) >> 8 for n < 65535. */
 static inline int of_255(int c, int most)
 {
     const int n = most * c + 127;

@@ -1,18 +1,17 @@
-/* blend, and trace, which is blend with auxiliary outputs. A tile is cut into patches of 2 * LANES pixels: 8 columns,
- * and ROWS rows. The entries of a list are taken in groups of as many. First it is found which splats of a group reach
- * which patches: in vectors whose lanes are splats. Then each patch is blended with the splats that reach it: in
- * vectors whose lanes are pixels. */
+/* blend and trace (blend with auxiliary outputs). A tile is cut into patches of 2 * LANES pixels: 8 columns, ROWS rows.
+ * List entries are taken in groups of 2 * LANES. First, with one splat per lane, it finds which splats of a group reach
+ * which patches. Then, with one pixel per lane, it blends each patch with the splats that reach it. */
 #include "src/core/memory.h"
 #include "stages.h"
 
 #define GROUP (2 * LANES)
 #define ROWS (LANES / 4)
-#define PATCHES (FXS_TILE_PIXELS / GROUP)      /* in the order of their rows, two to a row */
-#define AHEAD 64                   /* entries: a splat is fetched that much before it is set out */
+#define PATCHES (FXS_TILE_PIXELS / GROUP)      /* row by row, two per row */
+#define AHEAD 64                   /* prefetch distance of splats, in entries */
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
-#if LANES == 4                     /* a patch is half a row; longer lanes have these of their own */
-/* x times 0 to 3 */
+#if LANES == 4                     /* a patch is half a row; ISAs with more lanes define these functions themselves */
+/* x * (0, 1, 2, 3) */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     (void)y;
@@ -40,35 +39,35 @@ static inline vh columns_of(vh rows)
 }
 #endif
 
-/* The pixels of a patch, column by column: so the levels of its rows, which stand together in memory, are spread over a
-   vector by loading them. */
+/* Pixels of a patch, column by column. In this order one load spreads the levels of the rows, which lie together in
+   memory, over a vector. */
 typedef struct pixels {
     vh transmittance_q15, red_q13, green_q13, blue_q13;
 } pixels;
 
-/* The auxiliary outputs of a patch: its part of each array of fxs_trace. */
+/* Auxiliary outputs of a patch: its part of each array of fxs_trace. */
 typedef struct kept {
     vh depth_q15, median, weight_q15, largest, end;
 } kept;
 
-/* The splats of a group at a tile, as vectors whose lanes are splats: two for each number, of 32 bits. pack_q13 makes
-   one vector of 16 bits of such two, and takes 4 lanes of the first and 4 of the second by turns; so that splats come
-   out in the order of their entries, the two hold them in another: entry 8 i + 4 j + k is in lane 4 i + k of vector j.
-   (place_of: LANES j + 4 i + k.) A number of 16 bits stands in both halves of its word: that way it is spread over a
-   vector faster. */
+/* Splats of a group in a tile, one per lane: two vectors of 32-bit numbers each. pack_q13 packs two such vectors to one
+   of 16-bit numbers, taking 4 lanes of each in turn. So that packed splats come out in the order of their entries,
+   entry 8 i + 4 j + k is in lane 4 i + k of vector j (place_of: LANES j + 4 i + k). 16-bit values are stored twice per
+   32-bit word, so that one broadcast fills a vector. */
 typedef struct group {
-    vu u_q24[PATCHES][2];          /* at a patch's first pixel */
-    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the other half, less that of the pattern's */
+    vu u_q24[PATCHES][2];          /* at the patch's first pixel */
+    vu ux_q24[2], uy_q24[2], right_q24[2];     /* right: u of the patch's other half, minus u of the pattern's half */
     vu limit_q11[2], red_q13[2], green_q13[2], blue_q13[2];
-    vu pattern_q24[GROUP];         /* by place: u at half a patch's pixels, of 8 the first 4, less that at the first */
-    vh levels_q11[FXS_TILE];       /* v^2 + offset of the rows, where spread_levels finds them */
-    uint32_t reached[PATCHES];     /* which entries may have a pixel within their limit there */
+    vu pattern_q24[GROUP];         /* by place: u in half of a patch (with LANES 4, its left half), minus u at the
+                                      first pixel */
+    vh levels_q11[FXS_TILE];       /* v^2 + offset of the rows, in the order that spread_levels reads */
+    uint32_t reached[PATCHES];     /* mask of entries that may have a pixel within their limit in the patch */
 } group;
 
-/* Numbers of these splats that are needed only until it is found which patches they reach. */
+/* Numbers needed only to find the patches that the splats reach. */
 typedef struct outline {
     vu u_q24[2], v_q24[2], vy_q24[2];          /* u, v: at the first pixel of a row */
-    vu u_low_q24[2], u_high_q24[2];            /* how far u goes within a patch */
+    vu u_low_q24[2], u_high_q24[2];            /* range of u within a patch, relative to its first pixel */
     vh offset_q11, limit_q11;
 } outline;
 
@@ -94,8 +93,8 @@ static inline vu twice(vi x)
 
 /* ---- Which patches a group reaches ------------------------------------------------------------------------------- */
 
-/* at[place] becomes the slot of each of the next entries; past the end of the list, that of the first again. Returns a
-   bit for each entry that is there and is not cut off. */
+/* Sets at[place] to the slots of the next entries; past the end of the list, repeats the first. Returns a bit for each
+   entry that exists and is not cut off. */
 static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, uint32_t left, int square)
 {
     uint32_t few[GROUP], which = ~0u >> (32 - (left < GROUP ? left : GROUP));
@@ -111,7 +110,7 @@ static inline uint32_t take_entries(int32_t at[GROUP], const uint32_t *entries, 
     return which;
 }
 
-/* Fills in vector j of each number, at the tile of pixel (x, y). Returns the offsets. */
+/* Fills in vector j of each number, for the tile at pixel (x, y). Returns the offsets. */
 static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, const fxs_splat *splats,
                              const int32_t at[LANES], int32_t x, int32_t y)
 {
@@ -135,7 +134,7 @@ static inline vu load_places(group *g, outline *o, int j, const fxs_view *view, 
     return offset_q11;
 }
 
-/* The least size of a coordinate between two that it has: that of one of them, or 0. */
+/* Smallest magnitude of a coordinate between low and high: at an end, or 0. */
 static inline vh nearest(vh low, vh high)
 {
     return most_h(most_h(low, ~high), all_h(0));
@@ -146,7 +145,7 @@ static inline vh level_at(const outline *o, vh v_q13)
     return add_level(mul_h(v_q13, v_q13), o->offset_q11);
 }
 
-/* Which entries may have a pixel within the limit in a patch whose rows have this level at least. */
+/* Mask of entries that may have a pixel within the limit in a patch, given the smallest level of its rows. */
 static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
 {
     const vh low = pack_q13(u_q24[0] + o->u_low_q24[0], u_q24[1] + o->u_low_q24[1]);
@@ -155,7 +154,7 @@ static inline uint32_t reach(const outline *o, const vu u_q24[2], vh level_q11)
     return bits_h(within(add_level(mul_h(u_q13, u_q13), level_q11), o->limit_q11));
 }
 
-/* The two patches of the next rows, and the levels of these. v is largest or least in the first row or the last. */
+/* Sets out the next two patches and the levels of their rows. The extremes of v are in the first and last row. */
 static inline void set_out_rows(group *g, outline *o, int patch)
 {
     vh v_q13[ROWS];
@@ -198,7 +197,7 @@ static inline void set_out(group *g, const fxs_view *view, const fxs_splat *spla
 
 /* ---- Blending a patch -------------------------------------------------------------------------------------------- */
 
-/* exp(-level / 2), cut at 0.99: fxs_alpha_q15 */
+/* exp(-level / 2), capped at 0.99: fxs_alpha_q15 */
 static inline vh alpha_of(vh level)
 {
     vh p = mul_add_h(all_h(-4236), level, all_h(16016));
@@ -210,7 +209,7 @@ static inline vh alpha_of(vh level)
     return least_h(p, all_h(FXS_ALPHA_MAX_Q15));
 }
 
-/* Adds an entry to the auxiliary outputs of a patch; t: before the entry. */
+/* Adds an entry to the auxiliary outputs of a patch. t_q15: T before the entry. */
 static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15, vh weight_q15, vh t_q15)
 {
     const vh number = all_h(entry);
@@ -227,7 +226,7 @@ static inline void trace_entry(kept *k, unsigned which, int entry, int depth_q15
     }
 }
 
-/* Blends an entry into a patch. open: which pixels are; k, here and below: its auxiliary outputs, null for blend. */
+/* Blends an entry into a patch. open: mask of open pixels. k, here and below: auxiliary outputs, null for blend. */
 ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which, const group *g, int patch,
                                uint32_t entry, int number, int depth_q15)
 {
@@ -249,12 +248,12 @@ ALWAYS_INLINE void blend_entry(pixels *at, mask_h *open, kept *k, unsigned which
     at->blue_q13 = mul_add_cut_h(weight, (vh)spread(g->blue_q13, place), at->blue_q13);
 }
 
-/* Blends a group, whose first entry is `number`, into a patch that some of it reach. Returns whether a pixel of the
-   patch is still open. */
+/* Blends a group, with first entry `number`, into a patch that at least one entry reaches. Returns whether a pixel of
+   the patch is still open. */
 ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *g, int patch, uint32_t number,
                               const int16_t *depths_q15)
 {
-    pixels p = *at;                /* in registers */
+    pixels p = *at;                /* local copy, in registers */
     mask_h open = open_of(p.transmittance_q15);
     kept own;
     if (k)
@@ -274,7 +273,7 @@ ALWAYS_INLINE int blend_patch(pixels *at, kept *k, unsigned which, const group *
     return any_h(open);
 }
 
-/* Blends a list from entry `first` to before `end`; depths_q15: null for blend. */
+/* Blends a list from entry `first` to before `end`. depths_q15: null for blend. */
 ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *view, int32_t x, int32_t y,
                               const fxs_splat *splats, const uint32_t *entries, const int16_t *depths_q15,
                               unsigned which, uint32_t first, uint32_t end)
@@ -298,7 +297,7 @@ ALWAYS_INLINE void blend_list(pixels patches[PATCHES], kept *k, const fxs_view *
 
 /* ---- Tiles ------------------------------------------------------------------------------------------------------- */
 
-/* Where a patch is in the arrays of a tile. */
+/* Index of a patch's first pixel in the arrays of a tile. */
 static inline int start_of(int patch)
 {
     return patch / 2 * ROWS * FXS_TILE + patch % 2 * 8;

@@ -1,4 +1,4 @@
-/* The codes of LANES Gaussians of a packed scene at a time: src/core/codes.h with the same numbers. */
+/* Reads the codes of LANES Gaussians of a packed scene at a time, with the numbers of src/core/codes.h. */
 #include "src/core/codes.h"
 #include "lanes.h"
 #include "stages.h"

@@ -1,14 +1,14 @@
-/* project, LANES Gaussians at a time: src/core/project.c with the same numbers in the same order, in two passes over a
- * chunk. The first finds the centres and drops what is behind the camera or off the picture; the second shapes what is
- * left, without gaps. Two things are left to the C version: chunks with a veil, which are rare, and the square cut-off,
- * which is there for comparison only. */
+/* project for LANES Gaussians at a time, with the numbers of src/core/project.c in the same order. Two passes over a
+ * chunk: the first finds the centres and drops Gaussians behind the camera or outside the picture; the second finds the
+ * shape of the survivors, stored without gaps. The C version handles chunks with a veil, which are rare, and the square
+ * cut-off, which exists only for comparison. */
 #include "lane_codes.h"
 
-#ifndef AT_ONCE                    /* Gaussians to a pass: less than a chunk where the stack is small */
+#ifndef AT_ONCE                    /* Gaussians per pass; less than a chunk where the stack is small */
 #define AT_ONCE FXS_CHUNK
 #endif
 
-/* What the second pass needs of a Gaussian. */
+/* Numbers that the second pass needs per Gaussian. */
 enum row { INDEX, DEPTH, SLOPE_X, SLOPE_Y, POSITION_X, POSITION_Y, SIZE, EXPONENT, SCALE, ROTATION, OPACITY, ROWS };
 
 typedef struct survivors {
@@ -17,7 +17,7 @@ typedef struct survivors {
 } survivors;
 
 typedef struct centre {
-    vi camera[3];                  /* x and y of an orthographic view are cut to +-plane_side: slopes to +-64 */
+    vi camera[3];                  /* orthographic: x and y are cut to +-plane_side, slopes to +-64 */
     vi zeros_of_z, zeros, inverse_q30, slope_q23[2], position_q14[2];
 } centre;
 
@@ -29,7 +29,7 @@ static inline vi camera_axis(const fxs_chunk_view *cv, int i, const vi code[3])
     return (vi)narrow(offset_wide(x, cv->base_q16[i]), 16);
 }
 
-/* The depth that it is projected by. Returns what is not off the axis. */
+/* Sets the depth used for projection. Returns the lanes that are not off axis. */
 static inline mask project_depth(centre *c, const fxs_view *view, const fxs_chunk_view *cv)
 {
     vi *x = &c->camera[0], *y = &c->camera[1], z = c->camera[2];
@@ -47,8 +47,9 @@ static inline mask project_depth(centre *c, const fxs_view *view, const fxs_chun
     return greater(z, *x >> 6) & greater(z, -*x >> 6) & greater(z, *y >> 6) & greater(z, -*y >> 6);
 }
 
-/* Slope and position on one axis. Returns what is not too far off the picture. The position is taken 2^30 - 1 up, which
-   makes -2^30 < position < 2^30 the same as 0 <= that < 2^31 - 1, and all that is above bit 30 has to be 0. */
+/* Sets slope and position on one axis. Returns the lanes that are not too far off the picture. The position is raised
+   by 2^30 - 1, so that -2^30 < position < 2^30 becomes 0 <= raised < 2^31 - 1, with all bits above bit 30 equal to
+   0. */
 static inline mask project_axis(centre *c, int i, int64_t f_q12, int64_t c_q12)
 {
     const int64_t up = FXS_CENTRE_LIMIT_Q14 - 1;
@@ -67,7 +68,7 @@ static inline vi fall_of(const fxs_chunk_view *cv, vi code)
     return (vi)(((vu)(code * code * (int32_t)cv->scale_step_q24) + 128) >> 8);
 }
 
-/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest code is the largest
+/* f sigma_max / z 2^jacobian_exponent = mantissa * 2^exponent, mantissa in [0.5, 1). The smallest code has the largest
    sigma. */
 static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, const centre *c, vi scale_word,
                              vi *exponent)
@@ -83,7 +84,8 @@ static inline vu screen_size(const fxs_view *view, const fxs_chunk_view *cv, con
     return shift_left(mantissa, zeros);
 }
 
-/* radius = 3.5 (2^exponent + 1), cut to what a centre can be off: on the picture, and not whole in its hidden part. */
+/* Lanes on the picture and not wholly in its hidden part. radius = 3.5 (2^exponent + 1), cut to the limit of
+   centres. */
 static inline mask on_picture(const fxs_view *view, const centre *c, vi exponent)
 {
     vi size = (vi)shift_left((vu)all(1), clamp(exponent, all(0), all(15)));
@@ -102,7 +104,7 @@ static inline vi depth_key(const fxs_chunk_view *cv, const centre *c)
     return (vi)(exponent << 26 | (shift_left((vu)c->camera[2], c->zeros_of_z) >> 5 & 0x3ffffff));
 }
 
-/* The centres of the Gaussians i to i + LANES - 1. Returns 0 where one is a veil. */
+/* Finds the centres of Gaussians i to i + LANES - 1. Returns 0 if one is a veil. */
 static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chunk_view *cv,
                                 const fxs_scene *scene, const unsigned char *rows, uint32_t i)
 {
@@ -143,7 +145,6 @@ static inline int find_centres(survivors *s, const fxs_view *view, const fxs_chu
 
 /* ---- Second pass ----------------------------------------------------------------------------------------------- */
 
-/* Rows of the Jacobian. */
 static inline void jacobian(vi j_q15[3], const fxs_view *view, int i, vi slope_q23)
 {
     vi slope = clamp(slope_q23, all(view->slope_low_q23[i]), all(view->slope_high_q23[i]));
@@ -165,7 +166,7 @@ static inline vi axis_bits(enum fxs_profile profile, const vi fall_q16[3])
     return least(FXS_AXIS_BITS_LEAST(profile) + (5 * gap >> 16), all(FXS_AXIS_BITS_MOST(profile)));
 }
 
-/* Returns where X and Y are no longer than 1. */
+/* Returns the lanes where (X, Y) is at most 1 long. */
 static inline mask read_axes(axes *out, vi word, vi bits)
 {
     const vu y_word = shift_left((vu)word, bits), roll_word = shift_left(y_word, bits);
@@ -200,7 +201,7 @@ static inline vi axis_length(vi below_q16, vu size_q32, vi reduce)
     return (vi)((shift_right(narrow(mul_wide_u(ratio_q15, size_q32), 31), reduce + (below_q16 >> 16)) + 1) >> 1);
 }
 
-/* T = J W R S, where X and Y of the rotation are no longer than 1. */
+/* T = J W R S. Returns the lanes where (X, Y) of the rotation is at most 1 long. */
 static inline mask screen_axes(vi t_q15[2][3], const fxs_view *view, const fxs_chunk_view *cv, enum fxs_profile profile,
                                const survivors *s, uint32_t at)
 {
@@ -245,7 +246,7 @@ static inline void covariance_of(covariance *out, vi t_q15[2][3], vi exponent)
     out->exponent = exponent;
 }
 
-/* As in src/core/project.c: x = m 2^-32 4^half. */
+/* As `root` in src/core/project.c: x = m 2^-32 4^half. */
 typedef struct mantissa {
     vu m, inverse_q30;
     vi half;
@@ -272,7 +273,7 @@ static inline vi reach_q8(const mantissa *x, vi exponent, vu r_q12)
     return (vi)narrow(mul_wide_u(root_q8, r_q12), 12);
 }
 
-/* Adds what the dilation took from the opacity: ln(det / det undilated). */
+/* Reduces the opacity by the effect of the dilation: adds ln(det / det undilated) to the offset. */
 static inline mask compensate(vi *offset_q11, const covariance *s)
 {
     vu high = high_half(s->det_undilated_q60), low = low_half(s->det_undilated_q60);
@@ -281,19 +282,19 @@ static inline mask compensate(vi *offset_q11, const covariance *s)
     return ~equal((vi)(high | low), all(0));
 }
 
-/* 2^-l_q16, Q30, of l at least 0 */
+/* 2^-l_q16, Q30; l >= 0 */
 static inline vu falling_q30(vi l_q16)
 {
     return shift_right((vu)exp2_q15((l_q16 & 65535) >> 1) << 15, l_q16 >> 16);
 }
 
-/* -log2(x_q30), Q16, of x above 0 and at most 1 */
+/* -log2(x_q30), Q16; 0 < x <= 1 */
 static inline vi octaves_below_q16(vu x_q30)
 {
     return most((30 << 16) - log2_of_32_q16(x_q30), all(0));
 }
 
-/* fxs_share_of_q11; of a share of nothing the offset is far above FXS_FAINT_Q11, as it is of the smallest share. */
+/* fxs_share_of_q11. A share of 0 is treated as the smallest share; both give an offset far above FXS_FAINT_Q11. */
 static inline vi share_of_q11(vi offset_q11, uint32_t share_q8)
 {
     const vu opacity_q30 = falling_q30((vi)(((vu)offset_q11 * 94548 + 2048) >> 12));
@@ -303,7 +304,7 @@ static inline vi share_of_q11(vi offset_q11, uint32_t share_q8)
     return least((vi)narrow(offset_wide(offset_q32, 1 << 20), 21), all(FXS_FAINT_Q11 + 1));
 }
 
-/* The words of fxs_splat, and of fxs_bounds. */
+/* Offsets of words in fxs_splat and in fxs_bounds. */
 enum { U0, V0, UX, UY, VY, OFFSET, COLOUR, CLIP, CX = 0, CY, BREADTH, SHEAR, HALF_WIDTH, RADIUS, WORDS = 8 };
 
 static inline void whiten(vi splat[WORDS], vi bounds[WORDS], const covariance *s, const mantissa *c)
@@ -341,7 +342,6 @@ static inline mask clip(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view,
            greater(all(view->height), first) & greater(last + 1, first) & ~hidden;
 }
 
-/* The survivors `at` to at + LANES - 1. */
 static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view, const fxs_chunk_view *cv,
                          enum fxs_profile profile, const survivors *s, uint32_t at)
 {
@@ -369,7 +369,7 @@ static inline mask shape(vi splat[WORDS], vi bounds[WORDS], const fxs_view *view
     return alive & clip(splat, bounds, view, reach_q8(&c, cov.exponent, r_q12));
 }
 
-/* Appends the structures of the lanes in `which`. Every lane is written, and overwritten by the next if not wanted. */
+/* Appends the structures of the lanes in `which`. Writes every lane; an unwanted one is overwritten by the next. */
 static inline void append(fxs_splat *splats, fxs_bounds *bounds, const vi splat[WORDS], const vi bound[WORDS],
                           unsigned which)
 {
@@ -386,14 +386,13 @@ static inline void append(fxs_splat *splats, fxs_bounds *bounds, const vi splat[
     }
 }
 
-/* What a chunk's visible Gaussians are written to. */
+/* Outputs for a chunk's visible Gaussians. */
 typedef struct outputs {
     fxs_splat *splats;
     fxs_bounds *bounds;
     uint32_t *indices, *depths, count;
 } outputs;
 
-/* The second pass. */
 static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs_chunk_view *cv,
                                    enum fxs_profile profile, survivors *s, uint32_t chunk)
 {
@@ -414,7 +413,8 @@ static inline void shape_survivors(outputs *out, const fxs_view *view, const fxs
 
 #define LEFT_TO_C (FXS_CHUNK + 1)
 
-/* Returns how many are visible, an FXS_ERR_*, or LEFT_TO_C: from outside, where this one's stack is free again. */
+/* Returns the number of visible Gaussians, an FXS_ERR_*, or LEFT_TO_C. Not inlined, so that its stack is free before
+   the C version runs. */
 static __attribute__((noinline)) int32_t project_chunk(const fxs_view *view, const fxs_scene *scene, uint32_t chunk,
                                                        outputs out)
 {

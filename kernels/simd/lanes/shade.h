@@ -1,9 +1,10 @@
-/* shade, on PARTS vectors of Gaussians at a time: src/core/shade.c with the same numbers in the same order. Neighbours
- * in a chunk are shaded together, whether visible or not; the colours of those that are visible go to their splats. */
+/* shade for PARTS vectors of Gaussians at a time, with the numbers of src/core/shade.c in the same order. Neighbours in
+ * a chunk are shaded together, visible or not. The colours of the visible ones are then copied to their splats. */
 #include "lane_codes.h"
 
 #define GROUP (PARTS * LANES)
-#define SOME (LANES > 4 ? 4u : 1u) /* groups whose directions are found in a row: long chains, which then overlap */
+#define SOME (LANES > 4 ? 4u : 1u) /* groups that find their directions together: the chains of operations are long,
+                                      and overlap */
 
 /* A constant of the basis, Q15. */
 #define Q15(x_millionths) ((int32_t)(((int64_t)(x_millionths) * 32768 + 500000) / 1000000))
@@ -20,7 +21,7 @@ static inline void direction(vi d_q15[3], const wide offset_q32[3])
     vi d[3];
     for (int i = 0; i < 3; i++)
         largest = or_magnitude(largest, offset_q32[i]);
-    vi shift = most(49 - clz_wide(largest), all(0));   /* of 0 too */
+    vi shift = most(49 - clz_wide(largest), all(0));   /* 0 included */
     for (int i = 0; i < 3; i++)
         d[i] = narrow_by(offset_q32[i], shift);
     vu square = (vu)d[0] * (vu)d[0] + (vu)d[1] * (vu)d[1] + (vu)d[2] * (vu)d[2];
@@ -30,7 +31,7 @@ static inline void direction(vi d_q15[3], const wide offset_q32[3])
         d_q15[i] = clamp(scale_down_wide(mul_wide(d[i], inverse_q30), 31 - (zeros >> 1)), all(-32767), all(32767));
 }
 
-/* x / 2^shift, towards 0. */
+/* x / 2^shift, rounded towards 0. */
 static inline vi divide(vi x, int shift)
 {
     const int32_t rest = (1 << shift) - 1;
@@ -69,14 +70,14 @@ static inline void basis(vi b[15], const vi d_q15[3], int degree)
     b[14] = -2 * mul_q15(scale_q15(Q15(590044), x), divide(xx - 3 * yy, 1));
 }
 
-/* Neighbours that are shaded together. */
+/* Neighbours to shade together. */
 typedef struct neighbours {
-    uint32_t start, end;           /* of those that are visible, among the visible ones of the chunk */
-    uint32_t first, wanted;        /* the first neighbour; a bit for each that is visible */
-    vi d_q15[PARTS][3];            /* directions, where those of several groups are found together */
+    uint32_t start, end;           /* range of their visible Gaussians in the chunk's list of visible ones */
+    uint32_t first, wanted;        /* first neighbour; mask of visible neighbours */
+    vi d_q15[PARTS][3];            /* directions, if several groups find them together */
 } neighbours;
 
-/* Towards the neighbours first to first + LANES - 1. */
+/* Directions to the neighbours first to first + LANES - 1. */
 static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_scene *scene, const fxs_chunk *chunk,
                                   const unsigned char *rows, uint32_t first)
 {
@@ -88,7 +89,7 @@ static inline void find_direction(vi d_q15[3], const fxs_view *view, const fxs_s
     direction(d_q15, offset);
 }
 
-/* Not inlined, as colours below. */
+/* Not inlined, for the same reason as `colours` below. */
 static __attribute__((noinline)) void find_directions(neighbours *some, uint32_t count, const fxs_view *view,
                                                       const fxs_scene *scene, const fxs_chunk *chunk,
                                                       const unsigned char *rows)
@@ -98,7 +99,7 @@ static __attribute__((noinline)) void find_directions(neighbours *some, uint32_t
             find_direction(n->d_q15[part], view, scene, chunk, rows, n->first + part * LANES);
 }
 
-/* The basis towards a part of the neighbours. */
+/* SH basis for a part of the neighbours. */
 static inline void basis_at(vi b_q15[16], const neighbours *n, uint32_t part, const fxs_view *view,
                             const fxs_scene *scene, const fxs_chunk *chunk, const unsigned char *rows)
 {
@@ -114,7 +115,7 @@ static inline void add_band(vi sum_q16[PARTS], const vi band_q15[PARTS], int32_t
         sum_q16[part] += round_shift(round_shift(band_q15[part], 10) * step_q19, 8);
 }
 
-/* Adds what is above degree 0; `codes` are those of the first Gaussian. */
+/* Adds SH degrees 1 and up. `codes` points to the codes of the first Gaussian. */
 static inline void add_bands(vi sum_q16[3][PARTS], const int8_t *codes, vi b_q15[PARTS][16],
                              const uint16_t step_q19[3], int degree)
 {
@@ -150,7 +151,7 @@ static inline fxs_sh_sums sum_of(const fxs_scene *scene, const unsigned char *re
     return s;
 }
 
-/* Adds what a palette says to the lanes that are wanted, one at a time: their entries lie far apart. */
+/* Adds the palette's part to the wanted lanes, one at a time, because their entries lie far apart. */
 static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, const fxs_chunk *header,
                                const unsigned char *rows, uint32_t first, vi b_q15[PARTS][16], int degree,
                                uint32_t wanted)
@@ -178,7 +179,8 @@ static inline void add_palette(vi sum_q16[3][PARTS], const fxs_scene *scene, con
             sum_q16[c][part] += load(more_q16[c] + part * LANES);
 }
 
-/* Those of a bit in `wanted` at least. Not inlined: its constants would be saved and loaded around each call of C. */
+/* Finds colours, at least for the bits in `wanted`. Not inlined: otherwise its constants would be saved and reloaded
+   around each call of the C version. */
 static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t blue[GROUP], const neighbours *n,
                                               const fxs_view *view, const fxs_scene *scene, const fxs_chunk *header,
                                               const unsigned char *rows)
@@ -208,7 +210,7 @@ static __attribute__((noinline)) void colours(int32_t red_green[GROUP], int32_t 
     }
 }
 
-/* Neighbours of the visible Gaussian i. Returns the next one that is none of them. */
+/* Collects the neighbours of visible Gaussian i. Returns the first visible Gaussian after them. */
 static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, uint32_t i, uint32_t count)
 {
     const uint32_t first = indices[i] & ~(GROUP - 1u);
@@ -222,7 +224,7 @@ static inline uint32_t take_neighbours(neighbours *n, const uint32_t *indices, u
     return end;
 }
 
-/* Gives the visible ones their colours. */
+/* Sets the colours of the visible neighbours. */
 static inline void shade_neighbours(const neighbours *n, const fxs_view *view, const fxs_scene *scene,
                                     const fxs_chunk *header, const unsigned char *rows, const uint32_t *indices,
                                     fxs_splat *splats)

@@ -1,5 +1,5 @@
-/* How the versions of the stages are declared: FXS_BLEND(avx2) is the head of fxs_blend_avx2, to stand before a body or
-   a semicolon. Each gives the same results as the C version, of which src/include/fixsplat/stage.h has the head. */
+/* Declares the versions of the stages. FXS_BLEND(avx2) is the head of fxs_blend_avx2; a body or a semicolon follows it.
+   Each version gives the same results as the C version, declared in src/include/fixsplat/stage.h. */
 #ifndef FXS_STAGES_H
 #define FXS_STAGES_H
 
@@ -29,8 +29,8 @@
 #define FXS_RESOLVE(isa) void FXS_STAGE_OF(resolve, isa)(const fxs_options *options, enum fxs_format format, \
     const fxs_tile *tile, int32_t columns, int32_t rows, unsigned char *pixels, ptrdiff_t stride)
 
-/* Tables of these: X(head, stage that it belongs to, its name in fxs_kernels, isa). The first is of the functions that
-   the headers of this folder have for every instruction set with vectors. */
+/* Tables of versions: X(head, its stage, its name in fxs_kernels, isa). FXS_VECTOR_STAGES lists the functions that the
+   headers in this folder implement for every vector instruction set. */
 #define FXS_VECTOR_STAGES(X, isa) \
     X(FXS_PROJECT, FXS_PROJECT, project, isa) X(FXS_SHADE, FXS_SHADE, shade, isa) \
     X(FXS_BIN, FXS_BIN, bin, isa) X(FXS_SPANS, FXS_BIN, spans, isa) X(FXS_NOTE, FXS_BIN, note, isa) \

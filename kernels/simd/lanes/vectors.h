@@ -1,10 +1,9 @@
-/* Vectors of LANES numbers, as GCC and clang have them: + - * & | ~ and shifts by a constant need no name. Other
- * operations that the stages need are in the header of each instruction set (kernels/simd/x86/lanes_avx2.h and so on),
- * which defines first
+/* Vectors of LANES numbers, with the vector extensions of GCC and clang: + - * & | ~ and shifts by a constant are plain
+ * operators. The header of each instruction set (kernels/simd/x86/lanes_avx2.h and so on) has the other operations. It
+ * defines first
  *
  *   ISA      its name
- *   LANES    numbers of 32 bits in a vector: 4, 8 or 16
- */
+ *   LANES    32-bit numbers per vector: 4, 8 or 16 */
 #ifndef FXS_VECTORS_H
 #define FXS_VECTORS_H
 
@@ -18,7 +17,7 @@ typedef uint8_t anywhere __attribute__((vector_size(4 * LANES), aligned(1), may_
 
 static const int32_t lane_numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-/* Bytes of four lanes, those of a mask first. */
+/* Byte order that moves the lanes of a mask to the front. */
 #define BYTES(lane) (0x03020100 + 0x04040404 * (lane))
 #define ORDER(a, b, c, d) {BYTES(a), BYTES(b), BYTES(c), BYTES(d)}
 static const int32_t compress_order[16][4] __attribute__((aligned(16))) = {

@@ -31,7 +31,7 @@ static inline __m512i every_fourth(const int32_t *from, int stride, const int32_
     return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
 }
 
-/* a[0], b[0], a[1], b[1], ... */
+/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void store_pairs(void *to, vi a, vi b)
 {
     const __m512i low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
@@ -40,7 +40,7 @@ static inline void store_pairs(void *to, vi a, vi b)
     _mm512_storeu_si512((__m512i *)to + 1, _mm512_permutex2var_epi32((__m512i)a, high, (__m512i)b));
 }
 
-/* a[0], b[0], a[1], b[1], ... */
+/* Memory order: a[0], b[0], a[1], b[1], ... */
 static inline void load_pairs(const void *from, vi *a, vi *b)
 {
     const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
@@ -49,7 +49,7 @@ static inline void load_pairs(const void *from, vi *a, vi *b)
     *b = (vi)_mm512_permutex2var_epi32(low, _mm512_add_epi32(even, _mm512_set1_epi32(1)), high);
 }
 
-/* Stores the lanes of `which`, in order, without gaps; the rest of a vector behind them is overwritten. */
+/* Stores the lanes of `which`, in order, without gaps. Always writes a whole vector. */
 static inline void store_compressed(void *to, vi x, mask which)
 {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(which, (__m512i)x));
@@ -104,12 +104,12 @@ static inline vw magnitude_64(vw x)
 
 #include "avx.h"
 
-/* What 8 rows have in lanes first to first + 3, a constant. */
+/* Transposes lanes first to first + 3 of 8 vectors; `first` is a constant. */
 static inline void transpose(octet out[4], const vi rows[8], int first)
 {
     const __m512i two = first < 8 ? _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11)
                                   : _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-    __m512i fours[2][4];           /* of each 128 bits, four words of one lane */
+    __m512i fours[2][4];           /* four words of one lane in each 128 bits */
     for (int i = 0; i < 2; i++) {
         const __m512i *four = (const __m512i *)(const void *)rows + 4 * i;
         const __m512i a = _mm512_unpacklo_epi32(four[0], four[1]), b = _mm512_unpacklo_epi32(four[2], four[3]);
@@ -129,7 +129,7 @@ static inline void transpose(octet out[4], const vi rows[8], int first)
 
 typedef __mmask32 mask_h;
 
-/* The pixels that take more. */
+/* Pixels that are still open. */
 static inline mask_h open_of(vh transmittance_q15)
 {
     return _mm512_cmpgt_epi16_mask((__m512i)transmittance_q15, _mm512_set1_epi16(FXS_CLOSED_Q15 - 1));
@@ -145,7 +145,7 @@ static inline int any_h(mask_h which)
     return which != 0;
 }
 
-/* x, or 0 */
+/* which ? x : 0 */
 static inline vh where(mask_h which, vh x)
 {
     return (vh)_mm512_maskz_mov_epi16(which, (__m512i)x);
@@ -156,26 +156,26 @@ static inline mask_h greater_h(vh a, vh b)
     return _mm512_cmpgt_epi16_mask((__m512i)a, (__m512i)b);
 }
 
-/* a, or b */
+/* which ? a : b */
 static inline vh choose_h(mask_h which, vh a, vh b)
 {
     return (vh)_mm512_mask_mov_epi16((__m512i)b, which, (__m512i)a);
 }
 
-/* A bit a lane. */
+/* One bit per lane. */
 static inline uint32_t bits_h(mask_h which)
 {
     return which;
 }
 
-/* x times the column and y times the row, of columns 0, 2, 4 and 6. */
+/* x * column + y * row, for columns 0, 2, 4 and 6. */
 static inline vu pattern_of(uint32_t x, uint32_t y)
 {
     return x * (vu)_mm512_setr_epi32(0, 0, 0, 0, 2, 2, 2, 2, 4, 4, 4, 4, 6, 6, 6, 6) +
            y * (vu)_mm512_setr_epi32(0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3);
 }
 
-/* Brings four rows of an entry together. */
+/* Interleaves four rows, so that an entry's levels are adjacent. */
 static inline void order_levels(vh levels_q11[FXS_TILE])
 {
     for (int row = 0; row < FXS_TILE; row += 4) {
@@ -189,14 +189,14 @@ static inline void order_levels(vh levels_q11[FXS_TILE])
     }
 }
 
-/* Of ordered levels from a patch's rows on: an entry's, column by column. */
+/* Levels of an entry, column by column, from ordered levels of a patch's rows. */
 static inline vh spread_levels(const vh *levels_q11, uint32_t entry)
 {
     const int64_t *fours = (const int64_t *)(levels_q11 + (entry >> 1 & 3)) + (entry >> 3) * 2 + (entry & 1);
     return (vh)_mm512_set1_epi64(*fours);
 }
 
-/* Columns of four pixels become rows of eight; and the other way round. */
+/* Columns of four pixels to rows of eight; columns_of is the inverse. */
 static inline vh rows_of(vh columns)
 {
     const __m512i from = _mm512_setr_epi64(0x000c000800040000, 0x001c001800140010, 0x000d000900050001,

@@ -1,12 +1,13 @@
-/* sort: keys go to buckets by the top digit of their range. As many buckets at a time as fit in 8 vectors are sorted in
- * registers: first each lane by itself; then lanes become vectors, which are merged two by two. */
+/* sort: distributes the keys to buckets by the top digit of their range. Then it sorts as many buckets as fit in 8
+ * vectors in registers: it sorts each lane across the vectors, transposes lanes to vectors, and merges the vectors
+ * pairwise. */
 #include "lanes_avx512.h"
 #include "kernels/simd/lanes/stages.h"
 #include "src/core/memory.h"
 
-#define KEYS 8u                    /* in a vector */
+#define KEYS 8u                    /* per vector */
 #define FEW (8 * KEYS)
-#define MOST_BITS 11               /* of a digit */
+#define MOST_BITS 11               /* largest digit */
 
 static inline void put_in_order(__m512i *low, __m512i *high)
 {
@@ -15,7 +16,7 @@ static inline void put_in_order(__m512i *low, __m512i *high)
     *low = first;
 }
 
-/* Each lane of 8 vectors by itself: Batcher's network. */
+/* Sorts each lane of 8 vectors, with Batcher's network. */
 static inline void sort_lanes(__m512i x[8])
 {
     static const unsigned char steps[19][2] = {
@@ -27,7 +28,6 @@ static inline void sort_lanes(__m512i x[8])
         put_in_order(&x[steps[i][0]], &x[steps[i][1]]);
 }
 
-/* Lanes become vectors. */
 static inline void transpose_keys(__m512i x[8])
 {
     __m512i y[8];
@@ -43,7 +43,7 @@ static inline void transpose_keys(__m512i x[8])
         x[i] = y[i];
 }
 
-/* Sorts a vector of which one part rises and the other falls. */
+/* Sorts a bitonic vector: one part rises, the other falls. */
 static inline __m512i merge_within(__m512i x)
 {
     __m512i other = _mm512_shuffle_i64x2(x, x, 0x4e);
@@ -54,7 +54,6 @@ static inline __m512i merge_within(__m512i x)
     return _mm512_mask_max_epu64(_mm512_min_epu64(x, other), 0xaa, x, other);
 }
 
-/* Two sorted runs of `half` vectors become one. */
 static inline __attribute__((always_inline)) void merge_runs(__m512i *x, int half)
 {
     const __m512i backwards = _mm512_setr_epi64(7, 6, 5, 4, 3, 2, 1, 0);
@@ -71,7 +70,7 @@ static inline __attribute__((always_inline)) void merge_runs(__m512i *x, int hal
         x[i] = merge_within(x[i]);
 }
 
-/* From 1 to FEW keys, which go to `to`. */
+/* Sorts 1 to FEW keys into `to`. */
 static void sort_few(const fxs_key *keys, fxs_key *to, uint32_t count)
 {
     const __m512i none = _mm512_set1_epi64(-1);
@@ -90,8 +89,8 @@ static void sort_few(const fxs_key *keys, fxs_key *to, uint32_t count)
         _mm512_mask_storeu_epi64(to + i * KEYS, (__mmask8)(there >> i * KEYS), x[i]);
 }
 
-/* The least key and the largest, of more than FEW; the last vector overlaps. Begins to fetch `spare`, which is written
-   to next. */
+/* Smallest and largest of more than FEW keys; the last vector may overlap. Also prefetches `spare`, which is written
+   next. */
 static inline void range_of(const fxs_key *keys, const fxs_key *spare, uint32_t count, fxs_key *least, fxs_key *most)
 {
     __m512i low = _mm512_loadu_si512(keys + count - KEYS), high = low;
@@ -105,7 +104,7 @@ static inline void range_of(const fxs_key *keys, const fxs_key *spare, uint32_t 
     *most = _mm512_reduce_max_epu64(high);
 }
 
-/* Moves keys to their buckets in `spare`; ends: where each bucket ends then. */
+/* Moves keys to their buckets in `spare`. ends: end of each bucket. */
 static inline void move_to_buckets(const fxs_key *keys, fxs_key *spare, uint32_t count, fxs_key least, int shift,
                                    uint32_t buckets, uint32_t *ends)
 {
@@ -121,7 +120,7 @@ static inline void move_to_buckets(const fxs_key *keys, fxs_key *spare, uint32_t
         spare[ends[(keys[i] - least) >> shift]++] = keys[i];
 }
 
-/* Where a bucket does not fit, it is sorted like a list: of a range that is smaller by the bits of a digit but one. */
+/* A bucket with more than FEW keys is sorted recursively; its range is at least `bits` bits smaller. */
 FXS_SORT(avx512)
 {
     uint32_t ends[1 << MOST_BITS], start = 0, end;

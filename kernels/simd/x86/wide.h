@@ -1,9 +1,9 @@
-/* Numbers of 64 bits, and other operations that all vectors of x86 share. They are made of operations that differ,
- * which are to be included first. */
+/* 64-bit numbers and other operations shared by all x86 vectors. They are made of operations that differ by instruction
+ * set; include these first. */
 #ifndef FXS_X86_WIDE_H
 #define FXS_X86_WIDE_H
 
-/* 64-bit numbers: those of the even lanes, and those of the odd ones. */
+/* 64-bit numbers of the even lanes and of the odd lanes. */
 typedef struct wide {
     vw even, odd;
 } wide;
@@ -39,13 +39,13 @@ static inline wide shift_left_wide(wide x, int shift)
     return (wide){x.even << shift, x.odd << shift};
 }
 
-/* a | the magnitude of b */
+/* a | abs(b) */
 static inline wide or_magnitude(wide a, wide b)
 {
     return (wide){a.even | magnitude_64(b.even), a.odd | magnitude_64(b.odd)};
 }
 
-/* Bits shift to shift + 31 of each number; shift a constant in 1..31. */
+/* Bits shift to shift + 31 of each number; shift is a constant, 1 to 31. */
 static inline vu narrow(wide x, const int shift)
 {
     return interleave(x.even >> shift, x.odd << (32 - shift));
@@ -61,20 +61,20 @@ static inline vu high_half(wide x)
     return interleave(x.even >> 32, x.odd);
 }
 
-/* x * 2^-shift, rounded to nearest; 0 where nothing is left. shift above 0. */
+/* x * 2^-shift, rounded to nearest; large shifts give 0. shift > 0. */
 static inline vu scale_down(vu x, vi shift)
 {
     return (shift_right(x, shift - 1) + 1) >> 1;
 }
 
-/* x * 2^-shift, rounded down, where that fits 32 bits; shift in 0..63 by lane. */
+/* x * 2^-shift, rounded down; must fit in 32 bits. shift is per lane, 0 to 63. */
 static inline vi narrow_by(wide x, vi shift)
 {
     vw odd = (vw)shift >> 32, even = ((vw)shift << 32) >> 32;
     return (vi)low_half((wide){shift_right_64(x.even, even), shift_right_64(x.odd, odd)});
 }
 
-/* The same, rounded to nearest; shift above 0. */
+/* The same, rounded to nearest; shift > 0. */
 static inline vi scale_down_wide(wide x, vi shift)
 {
     return (narrow_by(x, shift - 1) + 1) >> 1;
@@ -95,15 +95,15 @@ static inline vu top_half(wide x, vi shift)
     return shift_left(high, shift) | shift_right(low, 32 - shift) | shift_left(low, shift - 32);
 }
 
-/* x * 2^-shift, rounded to nearest, halves up; shift a constant. */
+/* x * 2^-shift, rounded to nearest, halves up; shift is a constant. */
 static inline vi round_shift(vi x, const int shift)
 {
     const int32_t half = 1 << (shift - 1);
     return (x + half) >> shift;
 }
 
-/* Newton's steps as in src/include/fixsplat/fixed.h, on the low halves of 64-bit numbers: the results need no narrowing
-   in between. */
+/* Newton's steps as in src/include/fixsplat/fixed.h, on the low halves of 64-bit numbers, so that no step has to
+   narrow. */
 static inline vw reciprocal_step(vw m, vw y_q30)
 {
     return mul_low(y_q30, 0x80000000u - (mul_low(m, y_q30) >> 32)) >> 30;
@@ -126,19 +126,19 @@ static inline vw rsqrt_low(vw m)
     return rsqrt_step(m, rsqrt_step(m, rsqrt_step(m, y_q30)));
 }
 
-/* Below 2^31. */
+/* Result is below 2^31. */
 static inline vu reciprocal(vu m)
 {
     return interleave(reciprocal_low((vw)m), reciprocal_low((vw)m >> 32) << 32);
 }
 
-/* Below 2^31. */
+/* Result is below 2^31. */
 static inline vu rsqrt(vu m)
 {
     return interleave(rsqrt_low((vw)m), rsqrt_low((vw)m >> 32) << 32);
 }
 
-/* The four words at from + stride * at[lane], of each lane. Quicker than gathers, and constant offsets fold. */
+/* The four words at from + stride * at[lane], for each lane. Faster than gathers, and constant offsets fold. */
 static inline __attribute__((always_inline)) void load_fours(vi words[4], const int32_t *from, int stride,
                                                              const int32_t at[LANES])
 {
@@ -152,10 +152,10 @@ static inline __attribute__((always_inline)) void load_fours(vi words[4], const 
     words[3] = (vi)MM(unpackhi_epi64)(xy, zw);
 }
 
-/* ---- PARTS vectors, and one function's numbers of 16 bits for all of their Gaussians ---------------------------- */
+/* ---- PARTS vectors, and 16-bit factors for all their Gaussians --------------------------------------------------- */
 
 #define PARTS 1
-typedef vi factor;                 /* with 0 above the 16 bits */
+typedef vi factor;                 /* 16 bits; upper half 0 */
 
 static inline factor factor_of(vi first, vi last)
 {
@@ -163,7 +163,7 @@ static inline factor factor_of(vi first, vi last)
     return first & 65535;
 }
 
-/* sum += codes x; a code a Gaussian */
+/* sum += codes * x, one code per Gaussian */
 static inline void add_products(vi sum[PARTS], const int8_t *codes, factor x)
 {
     sum[0] += (vi)MM(madd_epi16)((V)load_i8(codes), (V)x);

@@ -1,4 +1,4 @@
-/* The functions and memory that a board gives to the firmware. */
+/* Functions and memory that a board provides to the firmware. */
 #ifndef FXS_BOARD_H
 #define FXS_BOARD_H
 
@@ -7,15 +7,15 @@
 
 #define BOARD_UNUSED 0x5a5a5a5au               /* marks unused words of the stack */
 
-/* Nanoseconds: an fxs_clock_fn. */
+/* Time in nanoseconds; an fxs_clock_fn. */
 uint64_t board_clock(void *unused);
 
-/* The size of the stack; marks the stack below the caller as unused; the most bytes used since. */
+/* Size of the stack in bytes; marks the stack below the caller as unused; largest use since then, in bytes. */
 uint32_t board_stack_bytes(void);
 void board_stack_mark(void);
 uint32_t board_stack_used(void);
 
-/* Set by the linker script: free RAM, and the scene in flash. */
+/* From the linker script: free RAM, and the scene in flash. */
 extern unsigned char board_memory[], board_memory_end[];
 extern const unsigned char board_scene[], board_scene_end[];
 

@@ -1,4 +1,4 @@
-/* Semihosting: the number of an operation in r0, its argument in r1, and an instruction that stops the processor. */
+/* Semihosting calls: the operation's number in r0, its argument in r1, and an instruction that stops the processor. */
 #include "console.h"
 
 #include <string.h>
@@ -10,7 +10,7 @@ enum { SYS_OPEN = 0x01, SYS_WRITE0 = 0x04, SYS_WRITE = 0x05, SYS_GET_CMDLINE = 0
 #if __ARM_ARCH_PROFILE == 'M'
 #define STOP "bkpt 0xab"
 #else
-#define STOP "svc 0x123456"        /* in ARM state; console.c is built for it there */
+#define STOP "svc 0x123456"        /* ARM state; console.c is built for it there */
 #endif
 
 static int semihosting(int operation, const void *argument)

@@ -1,5 +1,6 @@
-/* Renders a turning scene from flash in strips, and prints its time and memory and the hash of each picture, which is
- * the same on every machine. With the word display=1, strips go to a panel too, whose bus is a file (recorder.c). */
+/* Renders a turning scene from flash in strips. Prints time, memory and the hash of each picture; the hash is the same
+ * on every machine. With display=1 on the command line, strips also go to a panel with a file as its bus
+ * (recorder.c). */
 #include "board.h"
 #include "console.h"
 #include "recorder.h"
@@ -14,8 +15,8 @@
 #define ROWS_MOST 32
 
 typedef struct shown {
-    uint64_t hash;                 /* FNV-1a, of the pixels so far */
-    fxs_ili9341 panel;             /* of no width: there is none */
+    uint64_t hash;                 /* FNV-1a of the pixels up to now */
+    fxs_ili9341 panel;             /* width 0: no panel */
 } shown;
 
 static int add_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)

@@ -1,4 +1,4 @@
-/* A packed scene in flash, as its file is: read in place. */
+/* The file of a packed scene, in flash; read in place. */
     .section .scene, "a"
     .balign 64
     .global board_scene, board_scene_end

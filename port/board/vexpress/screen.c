@@ -1,5 +1,5 @@
 /* Shows a turning scene on the screen of the Versatile Express. Each strip is copied to the hidden picture, as it would
- * be sent to a display; a complete picture replaces the one shown. */
+ * be sent to a display. A complete picture then replaces the visible one. */
 #include <string.h>
 
 #include <fixsplat/strip.h>
@@ -10,7 +10,7 @@
 #define WIDTH 640
 #define HEIGHT 480
 
-/* The colour LCD controller PL111 (ARM DDI 0293, 3.2): 16 bits a pixel, red in the highest. */
+/* Colour LCD controller PL111 (ARM DDI 0293, 3.2): 16 bits per pixel, red in the highest bits. */
 #define LCD ((volatile uint32_t *)0x10020000)
 enum { TIMING0, TIMING1, TIMING2, TIMING3, UPPER_BASE, LOWER_BASE, CONTROL };
 #define CONTROL_ON (1 | 6 << 1 | 1 << 5 | 1 << 8 | 1 << 11)    /* on, 5:6:5, TFT, blue lowest, power */
@@ -24,7 +24,7 @@ void board_fault(void)
     console_exit(3);
 }
 
-/* `argument`: the screen. */
+/* argument: the screen to copy to. */
 static int copy_rows(void *argument, fxs_strip *strip, int32_t first, int32_t rows)
 {
     memcpy((uint16_t *)argument + first * WIDTH, strip->pixels, (size_t)rows * WIDTH * sizeof(uint16_t));
@@ -49,7 +49,7 @@ int main(void)
     static const fxs_config config = {.draw = fxs_strip_draw, .draw_argument = &strip, .draw_blended = 1};
     static fxs_request request;
     console_command(line, sizeof line);
-    const uint32_t frames = console_option(line, "frames", 0);     /* 0: no end */
+    const uint32_t frames = console_option(line, "frames", 0);     /* 0: endless */
     fxs_init(&context, &config);
     fxs_request_init(&request, &table.object, 1);
     request.options = (fxs_options){.sh_degree = 3, .background = {0x11, 0x13, 0x1b}};

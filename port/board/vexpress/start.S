@@ -1,4 +1,4 @@
-/* Cortex-A9 of the Versatile Express: what comes before main, in ARM state, with caches and MMU off. */
+/* Cortex-A9 of the Versatile Express: start-up code, in ARM state, with caches and MMU off. */
     .arm
     .section .start, "ax"
     .global board_start
