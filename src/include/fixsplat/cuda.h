@@ -71,9 +71,10 @@ FXS_API int fxs_cuda_create(fxs_cuda **out, int device, uint64_t max_memory, uin
 /* Waits for unfinished work and frees everything; `cuda` may be null. */
 FXS_API void fxs_cuda_destroy(fxs_cuda *cuda);
 
-/* Copies a packed scene to the device until it is forgotten; the part that does not fit goes to pinned host memory. The
-   scene is identified by the address of its fxs_scene; a scene that is already there is not copied again.
-   fxs_cuda_render uploads missing scenes itself. Errors: FXS_ERR_ARGUMENT, FXS_ERR_MEMORY, FXS_ERR_DEVICE. */
+/* Copies a packed scene to the device until it is forgotten. If not all of its rows fit, they are also copied to pinned
+   host memory, and the device reads the missing rows from there. The scene is identified by the address of its
+   fxs_scene; a scene that is already there is not copied again. fxs_cuda_render uploads missing scenes itself. Errors:
+   FXS_ERR_ARGUMENT, FXS_ERR_MEMORY, FXS_ERR_DEVICE. */
 FXS_API int fxs_cuda_upload(fxs_cuda *cuda, const fxs_scene *scene, fxs_message *why);
 
 /* Drops a scene's copy. Call it before the fxs_scene, or the bytes that it points to, change or are freed. With the
