@@ -47,7 +47,7 @@ FXS_API int fxs_fit_block_choose(const fxs_photos *whole, uint32_t number, uint3
 /* fxs_fit_block_choose for a set of files: reads all cameras and points, but only the photographs that the block gets.
    `coarse` may be null; else it must stay until the block is freed. With a coarse fit:
    - The centres of its Gaussians replace the points, and the block gets Gaussians instead of points.
-   - All blocks together extend beyond the box of all cameras by two widths of this box.
+   - All blocks together extend beyond the box of all cameras by twice its longest side, in every direction.
    - `number` may be 0: the coarse fit's Gaussians outside of all blocks. low and high are then the bounds of all blocks
      together, and the block has no photograph.
    If the cameras state an angle and no size, as Blender's, the choice assumes square photographs. Errors: as

@@ -44,9 +44,9 @@ extern "C" {
    pass.
 
    `path` must name a regular file or a folder as above. Files that it refers to must lie in the folder of the opened
-   file or below it: a path with ".." or a symbolic link out of that folder is refused. A \ in a file name separates
-   folders, unless a file with that exact name exists. Several tiles may share one content, but a tileset must not
-   contain itself. */
+   file or below it: a path that leaves that folder, by ".." or a symbolic link, is refused. A \ in a file name
+   separates folders, unless a file with that exact name exists. Several tiles may share one content, but a tileset must
+   not contain itself. */
 FXS_API int fxs_scene_file_open(const char *path, const fxs_scene_file_options *options, fxs_scene_file **file,
                                 fxs_scene_file_info *info, fxs_message *message);
 
