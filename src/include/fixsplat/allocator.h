@@ -1,7 +1,7 @@
 /* Memory for reading and packing scenes, from the caller's functions or from the C library.
  *
- * An allocator that is null stands for malloc and free. fxs_pack calls its functions from any thread of the pool, one
- * call at a time.
+ * A null allocator stands for malloc and free. fxs_pack calls the functions from any thread of the pool, one call at a
+ * time.
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_ALLOCATOR_H
@@ -21,17 +21,17 @@ typedef struct fxs_allocator {
     void *argument;                                    /* first argument of both */
 } fxs_allocator;
 
-/* Allocates count * size bytes. Returns null where memory ran out or the product exceeds SIZE_MAX. */
+/* Allocates count * size bytes. Returns null if memory ran out or the product exceeds SIZE_MAX. */
 FXS_API void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size);
 
-/* Allocates count * size bytes of 0. */
+/* Allocates count * size bytes, all 0. */
 FXS_API void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size);
 
 /* Moves the `old_count` items of a block to a new block for `count` items and releases the old one. `block` may be null
-   where old_count is 0. Returns null where memory ran out; the old block is then unchanged. */
+   if old_count is 0. Returns null if memory ran out; the old block is then unchanged. */
 FXS_API void *fxs_enlarge(const fxs_allocator *allocator, void *block, size_t old_count, size_t count, size_t size);
 
-/* Frees a block, which may be null. */
+/* Frees a block; null is allowed. */
 FXS_API void fxs_release(const fxs_allocator *allocator, void *block);
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
-/* A back end: one way to render frames, on the processor or on a GPU, which a program chooses by name. backends.h lists
- * the library's back ends; a back end of another program fills in the same table.
+/* A back end: one way to render frames, on the processor or on a GPU, which a program selects by name. backends.h lists
+ * the library's back ends; other programs may fill in the same table for their own.
  *
- * Not stable: may change with every version, but for fxs_backend_can and fxs_backend_options. */
+ * Not stable: may change with every version, except fxs_backend_can and fxs_backend_options. */
 #ifndef FXS_BACKEND_H
 #define FXS_BACKEND_H
 
@@ -11,23 +11,24 @@
 extern "C" {
 #endif
 
-/* The abilities of a back end beyond colour. Requests beyond them end with FXS_ERR_UNSUPPORTED; the processor has all
-   but FXS_CAN_DEVICES. */
+/* Features of a back end beyond colour. Requests beyond them end with FXS_ERR_UNSUPPORTED; the processor has all
+   features except FXS_CAN_DEVICES. */
 enum fxs_backend_can {
     FXS_CAN_EXACT = 1,             /* renders the same bytes as the processor */
     FXS_CAN_TRACE = 2,             /* depth and id targets */
     FXS_CAN_COMPOSE = 4,           /* occluder, backdrop, coverage target, RGBA16 */
-    FXS_CAN_SHARE_EYES = 8,        /* two eyes with one order and one set of colours; else each eye is a frame */
-    FXS_CAN_DEVICES = 16,          /* several devices, each of which may render on a thread of its own */
-    FXS_CAN_PART = 32              /* scenes of which a part is in memory (fxs_scene.places) */
+    FXS_CAN_SHARE_EYES = 8,        /* two eyes that share the depth order and the colours; without it, each eye is a
+                                      frame */
+    FXS_CAN_DEVICES = 16,          /* several devices; each may render on its own thread */
+    FXS_CAN_PART = 32              /* scenes with only a part in memory (fxs_scene.places) */
 };
 
 /* All fields 0: the defaults. */
 typedef struct fxs_backend_options {
     int device;                    /* number of a device that the back end lists */
-    uint64_t max_memory;           /* the most bytes of working memory or of the device's; 0: no limit */
-    uint32_t threads;              /* threads on the processor, 1 to 64; 0: one for each processor */
-    unsigned without_cpu;          /* instruction sets that must not be used: FXS_CPU_* of kernels.h */
+    uint64_t max_memory;           /* most bytes of working memory or device memory; 0: no limit */
+    uint32_t threads;              /* threads on the processor, 1 to 64; 0: one per processor */
+    unsigned without_cpu;          /* instruction sets to avoid: FXS_CPU_* of kernels.h */
 } fxs_backend_options;
 
 /* The functions return 0 or an FXS_ERR_*. After an error, *why has a message; `why` must not be null. */
@@ -36,34 +37,34 @@ typedef struct fxs_backend {
     const char *does;              /* a short description */
     unsigned can;                  /* FXS_CAN_* */
 
-    /* Writes the name of a device, from 0 on, cut to `size` bytes with the final 0. Returns 0, or an error where there
-       is no such device or no driver, or the library was built without this back end. */
+    /* Writes the name of a device, from 0 on, cut to `size` bytes with the final 0. Returns 0, or an error if the
+       device or the driver does not exist, or the library was built without this back end. */
     int (*device)(int device, char *name, size_t size, fxs_message *why);
 
     /* Opens a device, on the calling thread. *self is null after an error. Errors: FXS_ERR_ARGUMENT, FXS_ERR_DEVICE,
        FXS_ERR_MEMORY, FXS_ERR_UNSUPPORTED. */
     int (*open)(void **self, const fxs_backend_options *options, fxs_message *why);
 
-    /* Renders into the targets, which are in the processor's memory, and waits until they are written. A device may
-       keep copies of the objects' scenes; it finds them again by the address of the fxs_scene. `stats` may be null; for
-       two eyes, it counts both. One thread at a time may call this; with OpenGL, only the thread that called `open`.
-       Errors are those of fxs_render. */
+    /* Renders into the targets, which are in host memory, and waits until they are written. A device may keep copies
+       of the objects' scenes, identified by the address of the fxs_scene. `stats` may be null; for two eyes, it
+       covers both. One thread at a time may call this; with OpenGL, only the thread that called `open`. Errors as
+       fxs_render. */
     int (*render)(void *self, const fxs_request *request, fxs_stats *stats, fxs_message *why);
 
-    /* Drops the device's copy of a scene whose bytes have changed or will be freed. */
+    /* Drops the device's copy of a scene; to be called when its bytes have changed or will be freed. */
     void (*forget)(void *self, const fxs_scene *scene);
 
-    /* The name of the kernel that is used for a stage: "avx2", "cuda". */
+    /* The version of the kernel for a stage: "avx2", "cuda". */
     const char *(*version)(const void *self, enum fxs_stage stage);
 
-    /* The device's own time for the last frame; 0 where it has no clock or the time is not known. */
+    /* Device time of the last frame; 0 without a clock or if unknown. */
     uint64_t (*nanoseconds)(const void *self);
 
     /* Waits for unfinished work and frees the back end; null is allowed. */
     void (*close)(void *self);
 
     /* Finds the Gaussian that the first eye shows at pixel (x, y), as fxs_pick does, with the targets that fxs_pick
-       reads. This pointer is null where the back end cannot pick; the processor can. */
+       reads. The pointer is null if the back end cannot pick; the processor's can. */
     int (*pick)(void *self, const fxs_request *request, int32_t x, int32_t y, fxs_pick_result *result,
                 fxs_message *why);
 } fxs_backend;

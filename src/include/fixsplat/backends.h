@@ -21,12 +21,12 @@
 extern "C" {
 #endif
 
-/* The back end of that number, from 0 on, the processor first; null beyond the last. The list is the same in every
-   build: `device` and `open` of a back end that the build lacks say why it is missing. */
+/* A back end by number, from 0 on, the processor first; null beyond the last. The list is the same in every build: for
+   a back end that the build lacks, `device` and `open` report the reason. */
 FXS_API const fxs_backend *fxs_backend_at(int index);
 
-/* The back end of that name: cpu, auto (also the processor), gles, gles-fetch, gles-quads, gles-compute, osmesa, cuda;
-   else null. */
+/* A back end by name: cpu, auto (also the processor), gles, gles-fetch, gles-quads, gles-compute, osmesa, cuda; null
+   for other names. */
 FXS_API const fxs_backend *fxs_backend_find(const char *name);
 
 FXS_API extern const fxs_backend fxs_backend_cpu, fxs_backend_gles, fxs_backend_gles_fetch, fxs_backend_gles_quads,

@@ -15,73 +15,74 @@ extern "C" {
 
 /* Makes a camera of `width` x `height` pixels at `eye` that looks towards `target`, both in scene units. `up` is any
    vector that points up in the picture, and `fov` the vertical field of view in degrees, 1 to 170. The near plane is
-   the renderer's default. Returns 0, or FXS_ERR_ARGUMENT and a message where no such camera exists. */
+   the renderer's default. Returns 0, or FXS_ERR_ARGUMENT and a message if no such camera exists. */
 FXS_API int fxs_view_look_at(fxs_file_view *view, const double eye[3], const double target[3], const double up[3],
                              double fov, int width, int height, fxs_message *message);
 
-/* A near plane for a scene in the box low..high: a hundredth of half the box's diagonal, at most 0.2 units; 0.2
-   for a box without size. */
+/* A near plane for a scene in the box low..high: a hundredth of half the box's diagonal, at most 0.2 units; 0.2 for an
+   empty box. */
 FXS_API double fxs_near_of_box(const double low[3], const double high[3]);
 
 /* Makes a camera that shows the whole box low..high (such as the inner bounds of fxs_pack_report) as large as possible,
-   from the front and slightly above. Its near plane is fxs_near_of_box. Errors are those of fxs_view_look_at, and
+   from the front and slightly above. The near plane is fxs_near_of_box. Errors: as fxs_view_look_at, and
    FXS_ERR_ARGUMENT for a box that is not finite. */
 FXS_API int fxs_view_frame_box(fxs_file_view *view, const double low[3], const double high[3], const double up[3],
                                double fov, int width, int height, fxs_message *message);
 
-/* Finds what is up in a scene by `count` views, each `stride` bytes behind the one before it: the mean of what points up
-   in their pictures, without what the directions sideways in them have of it, as cameras look up and down but are seldom
-   rolled. Its length is 1. Returns 1, or 0 where the directions cancel each other: their mean is 0.1 or shorter. */
+/* Estimates a scene's up direction from `count` views, each `stride` bytes after the one before. It is the mean of the
+   cameras' up vectors, corrected by least squares to be perpendicular to their right vectors, since cameras pitch but
+   rarely roll. Its length is 1. Returns 1, or 0 if the up vectors cancel each other: the length of their mean is 0.1 or
+   less. */
 FXS_API int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3]);
 
-/* The same by one view that is not rolled, as a start view is: of the scene's axes and their opposites that point
-   sideways by less than a thousandth the one that is nearest to pointing up in the picture, as the view was made for it;
-   where there is none, what points up in the picture. */
+/* Estimates a scene's up direction from one view that is not rolled, such as a start view. Candidates are the scene's
+   axes and their opposites that point sideways by less than a thousandth. The result is the candidate nearest to the
+   picture's up vector; without candidates, the up vector itself. */
 FXS_API void fxs_view_up(const fxs_file_view *view, double up[3]);
 
-/* Rolls a view until `up` points up in the picture; position and direction stay. Returns 1, or 0 and the view as it was
-   where it looks along `up`. */
+/* Rolls a view until `up` points up in the picture; position and direction stay. Returns 1; returns 0 and leaves the
+   view unchanged if it looks along `up`. */
 FXS_API int fxs_view_level(fxs_file_view *view, const double up[3]);
 
-/* Keeps a view in the header of a packed scene at `data` as the one to begin with: its position, rotation and vertical
-   field of view. fxs_file_write or fxs_file_seal come after it. Returns 0, or FXS_ERR_CAMERA and a message for a view
-   that is orthographic, out of the renderer's range, or beyond a field of view of 170 degrees. */
+/* Stores a start view in the header of a packed scene at `data`: position, rotation and vertical field of view. Call
+   fxs_file_write or fxs_file_seal afterwards. Returns 0, or FXS_ERR_CAMERA and a message for a view that is
+   orthographic, out of the renderer's range, or wider than 170 degrees. */
 FXS_API int fxs_view_to_start(void *data, const fxs_file_view *view, fxs_message *message);
 
-/* Makes a camera of `width` x `height` pixels of the start view of an open packed scene at `data`. Its near plane is
-   the renderer's default. Returns 1, or 0 where the scene has none and for a size that no picture has. */
+/* Makes a camera of `width` x `height` pixels from the start view of an open packed scene at `data`. The near plane is
+   the renderer's default. Returns 1, or 0 if the scene has no start view or the size is out of range. */
 FXS_API int fxs_view_of_start(fxs_file_view *view, const void *data, int width, int height);
 
-/* Changes the size of the picture: multiplies fx, fy and the distance of the principal point from the centre of the
-   picture by new width / old width. */
+/* Changes the size of the picture: multiplies fx, fy and the distance of the principal point from the picture's centre
+   by new width / old width. */
 FXS_API void fxs_view_resize(fxs_file_view *view, int width, int height);
 
 /* Sets the field of view by the tangents of its sides, as headsets state them: left, right, up, down, with left < right
-   and down < up; left and down are negative if the picture contains the axis. Pixels may become other than square.
-   Returns 0, or FXS_ERR_ARGUMENT and a message where the tangents are out of order or beyond +-64. */
+   and down < up; left and down are negative if the picture contains the axis. Pixels may become non-square. Returns 0,
+   or FXS_ERR_ARGUMENT and a message if the tangents are out of order or beyond +-64. */
 FXS_API int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_message *message);
 
 /* Turns the camera about an axis through `middle` by an angle in radians, as if the scene turned the opposite way. */
 FXS_API void fxs_view_orbit(fxs_file_view *view, const double middle[3], const double axis[3], double angle);
 
-/* Finds the camera at `at` = 0 to count - 1 on a smooth path through `count` keys, 1 or more; key i lies at `at` = i.
-   Positions, rotations (as quaternions, the shorter way round), the logarithms of focal lengths and near planes, and
-   principal points follow Catmull-Rom splines. Size, name and projection are those of the last key before `at`. */
+/* Interpolates the camera at `at` = 0 to count - 1 on a smooth path through `count` keys, 1 or more; key i lies at `at`
+   = i. Positions, rotations (as quaternions, the shorter way round), the logarithms of focal lengths and near planes,
+   and principal points follow Catmull-Rom splines. Size, name and projection come from the last key before `at`. */
 FXS_API void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view);
 
-/* Rounds a camera to the renderer's integers. Returns 0, or FXS_ERR_CAMERA and a message where a number is out of the
+/* Rounds a camera to the renderer's integers. Returns 0, or FXS_ERR_CAMERA and a message if a number is out of the
    renderer's range. */
 FXS_API int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_message *message);
 
 /* Makes a camera of `width` x `height` pixels from the two matrices of an OpenGL program, each 16 numbers by columns
    (as glUniformMatrix4fv takes them, not transposed), for column vectors: eye = view_matrix * world, clip = projection
    * eye. Eye space has OpenGL's axes: x right, y up, the camera looks along -z. In clip space, y points up and depths
-   go from -1 (near) to 1 (far). World space is the scene's, in its units. The view matrix must not scale, shear or
-   mirror (its rotation is orthonormal within 1e-3). The projection is one of glFrustum or glOrtho, centred or not. Its
-   near plane, above 0, becomes the camera's near plane; its far plane is ignored, and may be at infinity in
-   perspective. Mirrored pictures, skew and depths from far to near are refused. A projection with depths of 0 to 1 is
-   not noticed: it looks like one with a near plane at half the distance. Errors are those of fxs_camera_from_view, and
-   FXS_ERR_SIZE where width or height is outside 1..FXS_MAX_SIZE. */
+   go from -1 (near) to 1 (far). World space is the scene's, in its units.
+   The view matrix must not scale, shear or mirror (its rotation is orthonormal within 1e-3). The projection must come
+   from glFrustum or glOrtho, centred or not. Its near plane, above 0, becomes the camera's near plane; its far plane is
+   ignored, and may be at infinity in perspective. Mirrored pictures, skew and reversed depths are refused. A projection
+   with depths of 0 to 1 cannot be detected: it looks like one with a near plane at half the distance. Errors: as
+   fxs_camera_from_view, and FXS_ERR_SIZE if width or height is outside 1..FXS_MAX_SIZE. */
 FXS_API int fxs_camera_from_matrices(fxs_camera *camera, const double view_matrix[16], const double projection[16],
                                      int width, int height, fxs_message *message);
 

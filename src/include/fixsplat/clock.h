@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-/* Nanoseconds of a clock that never goes backwards. */
+/* Nanoseconds of a monotonic clock. */
 FXS_API uint64_t fxs_clock(void *unused);
 
 #ifdef __cplusplus

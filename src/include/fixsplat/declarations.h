@@ -1,5 +1,7 @@
-/* The declarations of the public headers as text, for languages that call C by declarations (cffi of Python, FFI of
- * LuaJIT). Not stable: may change with every version. */
+/* The declarations of the public headers as text, for languages that call C through declarations (cffi of Python, FFI
+ * of LuaJIT).
+ *
+ * Not stable: may change with every version. */
 #ifndef FXS_DECLARATIONS_H
 #define FXS_DECLARATIONS_H
 
@@ -9,8 +11,8 @@
 extern "C" {
 #endif
 
-/* All structs, functions and constants of this library as preprocessed C: one static text, made from the headers that
-   the library was built with (tools/declarations.sh). */
+/* All structs, functions and constants of this library as preprocessed C: one static text, generated from the headers
+   of the library's build (tools/declarations.sh). */
 FXS_API const char *fxs_declarations(void);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
 /* An OpenGL ES 3.0 context without a display, for kernels/gles: EGL on a device (EGL_EXT_platform_device), Mesa without
  * a surface (EGL_MESA_platform_surfaceless), or the default display. libEGL and libGLESv2 are loaded at run time.
+ *
  * Not stable: may change with every version. */
 #ifndef FXS_EGL_H
 #define FXS_EGL_H
@@ -10,7 +11,8 @@
 extern "C" {
 #endif
 
-/* Makes a context in the first of these ways that works, current on this thread. Returns 0, or -1 and a message. */
+/* Creates a context with the first of these that works and makes it current on this thread. Returns 0, or -1 and a
+   message. */
 FXS_API int fxs_egl_open(void **egl, fxs_message *message);
 
 /* Finds a function of OpenGL ES by its name: an fxs_gl_load_fn, whose argument is the context of fxs_egl_open. */

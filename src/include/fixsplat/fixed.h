@@ -5,14 +5,14 @@
 
 #include <stdint.h>
 
-/* Asks for a cache line that will be read soon. */
+/* Prefetches a cache line. */
 #if defined(__GNUC__)
 #define FXS_PREFETCH(address) __builtin_prefetch(address)
 #else
 #define FXS_PREFETCH(address) ((void)0)
 #endif
 
-/* A flag that several jobs read and write, and nothing else hangs on. */
+/* A flag that several jobs read and write; it orders no other memory access. */
 #if defined(__GNUC__)
 #define FXS_SHARED_READ(x) __atomic_load_n(&(x), __ATOMIC_RELAXED)
 #define FXS_SHARED_WRITE(x, to) __atomic_store_n(&(x), to, __ATOMIC_RELAXED)
@@ -68,10 +68,10 @@ static inline fxs_scale fxs_scale_of(int64_t scale_q32)
     return scale;
 }
 
-/* High half of a product. */
+/* High half of the product. */
 static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 {
-#if defined(__CUDA_ARCH__)         /* nvcc adds 0 to the half of a product that it can see */
+#if defined(__CUDA_ARCH__)         /* otherwise nvcc adds 0 to the half of a product */
     uint32_t high;
     asm("{ .reg .b32 low; .reg .b64 whole; mul.wide.u32 whole, %1, %2; mov.b64 {low, %0}, whole; }"
         : "=r"(high) : "r"(a), "r"(b));
@@ -81,10 +81,10 @@ static inline uint32_t fxs_mulhi(uint32_t a, uint32_t b)
 #endif
 }
 
-/* a * b + c, whole. */
+/* a * b + c, in full. */
 static inline int64_t fxs_mul_add(int32_t a, int32_t b, int64_t c)
 {
-#if defined(__CUDA_ARCH__)         /* nvcc makes 64 bits of both factors where one has been unsigned */
+#if defined(__CUDA_ARCH__)         /* otherwise nvcc widens both factors to 64 bits if one was unsigned */
     int64_t sum;
     asm("mad.wide.s32 %0, %1, %2, %3;" : "=l"(sum) : "r"(a), "r"(b), "l"(c));
     return sum;
@@ -93,10 +93,10 @@ static inline int64_t fxs_mul_add(int32_t a, int32_t b, int64_t c)
 #endif
 }
 
-/* x * 2^-shift, rounded down, 0 where nothing is left; shift 0 or more. */
+/* x * 2^-shift, rounded down; 0 if nothing is left; shift 0 or more. */
 static inline uint32_t fxs_shift_down(uint32_t x, int shift)
 {
-#if defined(__CUDA_ARCH__)         /* whose shifts take any number */
+#if defined(__CUDA_ARCH__)         /* the device's shifts accept any number */
     uint32_t left;
     asm("shr.u32 %0, %1, %2;" : "=r"(left) : "r"(x), "r"(shift));
     return left;

@@ -1,7 +1,7 @@
 /* .fxs files: packed scenes (packed.h) with their checksums filled in.
  *
- * The renderer reads such a file directly from a read-only mapping. The functions need no other library, and several
- * threads may share a scene, as only fxs_file_seal writes to it.
+ * The renderer reads such a file directly from a read-only mapping. The functions need no other library. Several
+ * threads may share a scene; only fxs_file_seal writes to it.
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_FXS_FILE_H
@@ -16,8 +16,8 @@ extern "C" {
 #endif
 
 /* Writes the packed scene of `bytes` bytes at `data` (aligned to 64) to a file, as output.h says: after an error, an
-   earlier file of that name is unchanged. Returns 0, or an error and a message: the error of fxs_scene_open where the
-   data are no packed scene, FXS_ERR_FILE, FXS_ERR_MEMORY. */
+   existing file of that name is unchanged. Returns 0, or an error and a message: the error of fxs_scene_open if the
+   data are not a packed scene, FXS_ERR_FILE, FXS_ERR_MEMORY. */
 FXS_API int fxs_file_write(const char *path, const void *data, size_t bytes, fxs_message *message);
 
 /* Fills in the checksums of a packed scene in memory, `bytes` bytes at `data` (aligned to 64), which then equals the
@@ -26,13 +26,13 @@ FXS_API int fxs_file_seal(void *data, size_t bytes);
 
 /* Checks the size and the header's checksum of a file of `bytes` bytes that was mapped or read to `data` (aligned to
    64). With `all` it also checks the palette and every chunk, which reads the whole file. `path` is for the message.
-   Returns 0, or an error and a message: FXS_ERR_FILE where the file is damaged, FXS_ERR_VERSION where it has another
+   Returns 0, or an error and a message: FXS_ERR_FILE if the file is damaged, FXS_ERR_VERSION if it has another
    version. */
 FXS_API int fxs_file_check(const char *path, const void *data, size_t bytes, int all, fxs_message *message);
 
-/* Writes the numbers of the Gaussians of an open scene to `numbers`, which has room for scene->count of them: the
-   numbers of fxs_id, in the order in which a stream of the scene gives the Gaussians. They are 0, 1, 2 ... but for
-   scenes with holes (packed.h). Returns how many it wrote, fewer only where the scene is damaged. */
+/* Writes the numbers of the Gaussians of an open scene, as in fxs_id, to `numbers`, which has room for scene->count of
+   them, in the order of a stream of the scene. They are 0, 1, 2 ... except in scenes with holes (packed.h). Returns how
+   many it wrote; fewer only if the scene is damaged. */
 FXS_API uint32_t fxs_scene_numbers(const fxs_scene *scene, uint32_t *numbers);
 
 #ifdef __cplusplus

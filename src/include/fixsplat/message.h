@@ -1,4 +1,5 @@
 /* Reports an error of a function outside the core: a code, and one line of text for the user (fxs_message).
+ *
  * Stable from version 1.0 on. */
 #ifndef FXS_MESSAGE_H
 #define FXS_MESSAGE_H
@@ -23,11 +24,11 @@ extern "C" {
    `return fxs_fail(...)`. Control characters, which may come from a file, become question marks. */
 FXS_API int fxs_fail(fxs_message *message, const char *format, ...) FXS_PRINTF(2, 3);
 
-/* The same, but returns `error`. */
+/* fxs_fail that returns `error`. */
 FXS_API int fxs_fail_as(int error, fxs_message *message, const char *format, ...) FXS_PRINTF(3, 4);
 
-/* Writes "PATH: out of memory", or only "out of memory" where `path` is null. Sets bytes_needed to `bytes`, the memory
-   that would be enough, or 0 where that is not known. Returns FXS_ERR_MEMORY. */
+/* Writes "PATH: out of memory", or only "out of memory" if `path` is null. Sets bytes_needed to `bytes`, the memory
+   that would be enough, or 0 if unknown. Returns FXS_ERR_MEMORY. */
 FXS_API int fxs_fail_memory(fxs_message *message, const char *path, uint64_t bytes);
 
 /* Writes "PATH: " and the text of strerror for the errno `number`. Returns FXS_ERR_MEMORY for ENOMEM, else

@@ -1,5 +1,6 @@
-/* An OpenGL 3.3 context of Mesa's off-screen library, for kernels/gles: drawn by the processor, without a display.
+/* An OpenGL 3.3 context of Mesa's off-screen library, for kernels/gles: rendered on the processor, without a display.
  * libOSMesa is loaded at run time; Mesa dropped it in version 25.1.
+ *
  * Not stable: may change with every version. */
 #ifndef FXS_OSMESA_H
 #define FXS_OSMESA_H

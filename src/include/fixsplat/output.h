@@ -1,8 +1,8 @@
-/* How the library writes files. Until a file is complete and on the disk, it has a temporary name in the same folder. A
- * process that is killed leaves it there, and the next that writes the same file removes it. An existing file keeps its
- * permissions. For a symbolic link, its target is written, even where that does not exist yet. A FIFO, a device or
- * standard output ("-", or another name such as /dev/stdout) gets the bytes as they come, so bytes written before an
- * error stay there. Several threads may write at the same time, each a file of its own.
+/* How the library writes files. A file has a temporary name in the same folder until it is complete and on disk. If the
+ * process is killed, the temporary file stays; the next process that writes the same file removes it. An existing file
+ * keeps its permissions. For a symbolic link, its target is written, even if the target does not exist yet. A FIFO, a
+ * device or standard output ("-", or another name such as /dev/stdout) gets the bytes immediately, so bytes written
+ * before an error stay there. Several threads may write at the same time, each its own file.
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_OUTPUT_H
@@ -14,14 +14,14 @@
 extern "C" {
 #endif
 
-/* A program may call this once, when it begins: SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGXCPU and SIGXFSZ then remove the
-   temporary files of this process before they end it as usual. A signal that is already ignored or handled stays so.
-   The library never calls this: without it, or at any other signal, the temporary files stay behind. Windows deletes
-   them however a process ends, and there this does nothing. */
+/* Optional, to be called once at the start of a program: SIGHUP, SIGINT, SIGPIPE, SIGTERM, SIGXCPU and SIGXFSZ then
+   remove this process's temporary files before they end it as usual. Signals that are already ignored or handled stay
+   so. The library never calls this; without it, or at any other signal, the temporary files stay. Does nothing on
+   Windows, which deletes the files however a process ends. */
 FXS_API void fxs_output_remove_at_signals(void);
 
-/* The name of the file that an output to `path` writes: the end of its symbolic links, whether that file exists or not.
-   The caller frees it with free(). Null, with errno set, where there are too many links or memory ran out. */
+/* The name of the file that an output to `path` writes: the end of its symbolic links, whether or not that file exists.
+   The caller frees it with free(). Null, with errno set, if the path has too many links or memory ran out. */
 FXS_API char *fxs_output_target(const char *path);
 
 #ifdef __cplusplus

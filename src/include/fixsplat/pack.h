@@ -1,7 +1,7 @@
-/* Packs the Gaussians of a scene file as a packed scene (packed.h).
+/* Packs the Gaussians of a scene file into a packed scene (packed.h).
  *
- * A program with Gaussians of its own opens them with fxs_scene_file_open_gaussians. Several threads may pack scenes at
- * the same time, each from a file of its own.
+ * To pack Gaussians in memory, open them with fxs_scene_file_open_gaussians. Several threads may pack scenes at the
+ * same time, each from its own file.
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_PACK_H
@@ -18,21 +18,22 @@
 extern "C" {
 #endif
 
-/* Numbers of Gaussians that cannot be drawn and are left out, by reason, and the weights of these and of the others. */
+/* Gaussians that cannot be drawn and are dropped: their number by reason, and the weights of dropped and kept ones. */
 typedef struct fxs_pack_dropped {
     uint64_t not_finite;      /* a value is NaN or infinite; only ln(sigma) may be minus infinity */
     uint64_t rotation;        /* the quaternion is zero */
-    uint64_t transparent;     /* the opacity is minus infinity, exactly 0 after its sigmoid: no fault of the file */
-    double weight, kept;      /* sums of fxs_weight over the Gaussians left out, and over the others */
+    uint64_t transparent;     /* the opacity is minus infinity, exactly 0 after the sigmoid: not a fault of the file */
+    double weight, kept;      /* sums of fxs_weight over the dropped Gaussians and over the others */
 } fxs_pack_dropped;
 
-/* Differences between the Gaussians that were read and those of the packed scene. */
+/* Differences between the Gaussians of the file and those in the packed scene. */
 typedef struct fxs_pack_error {
     double position;          /* scene units */
     double scale;             /* ln(sigma) */
     double rotation;          /* degrees */
     double opacity;           /* 0..1 */
-    double dc, sh;            /* coefficients; for sh with a palette, known to half a 127th of a Gaussian's largest */
+    double dc, sh;            /* coefficients; sh with a palette is only known to half a 127th of a Gaussian's
+                                 largest */
 } fxs_pack_error;
 
 typedef struct fxs_pack_report {
@@ -47,59 +48,61 @@ typedef struct fxs_pack_report {
 typedef struct fxs_packed_scene {
     void *data;               /* aligned to 64, for fxs_scene_open */
     size_t bytes;
-    void *allocation;         /* the block that fxs_packed_scene_free gives to the allocator */
+    void *allocation;         /* the block that fxs_packed_scene_free releases */
     const fxs_allocator *allocator;
 } fxs_packed_scene;
 
-/* All fields 0: profile default, one thread, no progress, malloc, no tree. */
+/* All fields 0: default profile, one thread, no progress, malloc, no tree. */
 typedef struct fxs_pack_options {
     enum fxs_profile profile;
-    fxs_run_fn *run;          /* null: all work is done on the calling thread */
+    fxs_run_fn *run;          /* null: single-threaded, on the calling thread */
     void *pool;               /* first argument of run */
     uint32_t threads;         /* threads that `run` uses, 1 to 64; 0: 1. The packed scene does not depend on it */
     fxs_progress_fn *progress;   /* may be null; called on the thread that called fxs_pack */
     void *argument;           /* first argument of progress */
-    const fxs_allocator *allocator;   /* for all memory but the file reader's; null: malloc. Must outlive the scene */
-    int tree;                 /* 1: with a tree of levels of detail over the chunks, where there are two or more. It
-                                 makes the packed scene about twice as large, and takes 2 MB more for each thread, 6 MB
-                                 and 120 bytes a chunk while it is built */
+    const fxs_allocator *allocator;   /* for all memory except the file reader's; null: malloc. Must outlive the
+                                         scene */
+    int tree;                 /* 1: adds a tree of levels of detail over the chunks, if the scene has two chunks or
+                                 more. The packed scene becomes about twice as large. Building it takes 2 MB more for
+                                 each thread, 6 MB, and 120 bytes a chunk */
 } fxs_pack_options;
 
-/* The bytes of a file's packed scene, without a tree, if no Gaussian is left out and its chunks are full. They are
-   known before the Gaussians are read. Few Gaussians far beyond the others take some chunks more, at most 8 for one. 0:
-   the file has too many Gaussians. */
+/* Bytes of a file's packed scene, without a tree, if no Gaussian is dropped and the chunks are full. Known before the
+   Gaussians are read. Isolated Gaussians far beyond the others need extra chunks, at most 8 each. 0: the file has too
+   many Gaussians. */
 FXS_API size_t fxs_pack_bytes(const fxs_scene_file_info *info, enum fxs_profile profile);
 
-/* Reads an open scene file from its start three times, or more often where SH are packed by a palette: once more for
-   each 2^24 Gaussians beyond the first. Packs it. `info` was filled in when the file was opened, or updated by a
-   filter. `options` may be null. One job reads the file, on any of the pool's threads, while the others compute. Before
-   the packed scene is allocated, this takes 20 bytes a Gaussian; beside the packed scene, 5 bytes a Gaussian and 3 MB.
-   Where SH are packed by a palette, it takes 64 bytes more a Gaussian and 6 MB, but these for 2^24 Gaussians at most:
-   1.1 GB.
+/* Packs an open scene file. It reads the file from its start three times; with an SH palette, once more for each 2^24
+   Gaussians beyond the first. `info` was filled in when the file was opened, or updated by a filter. `options` may be
+   null. One job reads the file, on any thread of the pool, while the others compute. Memory: 20 bytes a Gaussian before
+   the packed scene is allocated; in addition to the packed scene, 5 bytes a Gaussian and 3 MB. With an SH palette 64
+   bytes more a Gaussian and 6 MB, but for at most 2^24 Gaussians: 1.1 GB.
 
-   Every finite Gaussian is packed so that it can be drawn. An axis thinner than e^-9 of the Gaussian's largest becomes
-   that thick, which no camera can tell apart, and ln(sigma) is clamped to +-20. A centre beyond +-2^27 units is moved
-   to that distance, towards the origin, and the axes shrink in proportion: from near the origin it looks the same.
+   Every finite Gaussian is packed in a form that can be drawn. An axis thinner than e^-9 of the Gaussian's largest is
+   widened to that, which no camera can distinguish, and ln(sigma) is clamped to +-20. A centre beyond +-2^27 units is
+   moved to that distance, towards the origin, and the axes shrink in proportion: from near the origin it looks the
+   same.
 
    Returns 0 and a scene that fxs_packed_scene_free frees, or an error and a message, with a scene that is all 0.
-   Errors: those of fxs_scene_file_read; FXS_ERR_FILE where the file has no drawable Gaussian, more Gaussians than
-   FXS_MAX_COUNT, or different ones from one reading to the next; FXS_ERR_STOPPED by `progress`; FXS_ERR_ARGUMENT
-   (the profile, the SH degree); FXS_ERR_MEMORY. */
+   Errors: as fxs_scene_file_read; FXS_ERR_FILE if the file has no drawable Gaussian, more than FXS_MAX_COUNT, or
+   different Gaussians from one pass to the next; FXS_ERR_STOPPED by `progress`; FXS_ERR_ARGUMENT (the profile, the SH
+   degree); FXS_ERR_MEMORY. */
 FXS_API int fxs_pack(fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene,
                      fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message);
 
-/* The weight of a Gaussian: opacity times area, the product of its two largest sigmas, each clamped to e^-20..e^20; NaN
-   and infinity are e^-20. */
+/* The weight of a Gaussian: opacity times area, where the area is the product of its two largest sigmas, each clamped
+   to e^-20..e^20; NaN and infinity are e^-20. */
 FXS_API double fxs_weight(const fxs_gaussian *gaussian);
 
-/* Returns 1 where fxs_pack packs a Gaussian, with SH up to this degree. Else returns 0, counts the reason in *dropped
-   and adds to its `weight`. The caller adds the weights of the accepted Gaussians to `kept`. */
+/* Returns 1 if fxs_pack keeps a Gaussian, with SH up to the given degree. Otherwise returns 0, counts the reason in
+   *dropped and adds the Gaussian's weight to dropped->weight. The caller adds the weights of accepted Gaussians to
+   dropped->kept. */
 FXS_API int fxs_drawable(const fxs_gaussian *gaussian, int sh_degree, fxs_pack_dropped *dropped);
 
-/* The Gaussians' share of the weight that was left out, 0 to 1. */
+/* The dropped share of the total weight, 0 to 1. */
 FXS_API double fxs_dropped_share(const fxs_pack_dropped *dropped);
 
-/* Frees a scene of fxs_pack and sets it to 0. A scene that is all 0 is allowed. */
+/* Frees a scene from fxs_pack and sets it to 0. A scene that is all 0 is allowed. */
 FXS_API void fxs_packed_scene_free(fxs_packed_scene *scene);
 
 #ifdef __cplusplus

@@ -1,20 +1,20 @@
-/* Renders a packed scene with levels of detail (packed.h, version 4) of which a pool of memory holds a part: headers,
- * palette and tree are read at once, rows as frames want them. The bytes come from a file, from a server or from
- * functions of the caller.
+/* Streams a packed scene with levels of detail (packed.h, version 4): a pool in memory holds a part of its rows.
+ * Headers, palette and tree are read when it is opened, rows as frames want them. The bytes come from a file, a server
+ * or callbacks.
  *
  *     fxs_pager_open_file("city.fxs", NULL, &pager, &message);
  *     fxs_object_init(&object, fxs_pager_scene(pager));
  *     options.want = fxs_pager_want, options.want_argument = pager;
  *     for each frame: fxs_render(...); fxs_pager_turn(pager, &state, &message);
  *
- * A thread of the pager reads what frames wanted, what is needed most first, and checks each chunk's checksum. A frame
- * never waits for it: what is not there yet is drawn by the nearest coarser chunk that is. What has come is drawn from
- * the next turn on; where the pool is full, it takes the place of what was drawn longest ago. The coarsest chunks stay.
- * When the camera stands still and the pool has room for what it sees, a frame has fxs_stats.missing 0 after a while,
- * and then the very bytes of a frame of the whole scene.
+ * A reader thread loads the chunks that frames wanted, most important first, and verifies each chunk's checksum. Frames
+ * never wait for it: a missing chunk is drawn by its nearest coarser chunk in the pool. Loaded chunks are used from the
+ * next turn on; a full pool evicts the least recently drawn chunks. The coarsest chunks stay. If the camera stands
+ * still and the pool has room for the view, fxs_stats.missing falls to 0, and the frame then has the same bytes as a
+ * frame of the whole scene.
  *
- * Frames with the pager's scene, fxs_pager_want and fxs_pager_turn are for one thread at a time. A back end that copies
- * scenes to a device cannot draw it.
+ * Only one thread at a time may render the pager's scene and call fxs_pager_want and fxs_pager_turn. Back ends that
+ * copy scenes to a device cannot draw it.
  *
  * Functions return 0, or an FXS_ERR_* and a message. New in version 1.0. */
 #ifndef FXS_PAGER_H
@@ -29,89 +29,91 @@
 extern "C" {
 #endif
 
-/* Where the bytes come from. The pager calls `read` and `close`, one call at a time; `read` first on the thread that
-   opens it, then on its own. */
+/* The source of the bytes. The pager calls `read` and `close`, one call at a time. The first calls of `read` come on
+   the thread that opens the pager, later ones on the pager's thread. */
 typedef struct fxs_pager_source {
     uint64_t size;                 /* of the whole scene, bytes */
-    /* Copies the `size` bytes at `offset`, which lie within the scene, to `out`, in whatever time that takes. Returns
-       0, or an FXS_ERR_* and a message. */
+    /* Copies the `size` bytes at `offset`, which lie within the scene, to `out`; may block. Returns 0, or an FXS_ERR_*
+       and a message. */
     int (*read)(void *argument, uint64_t offset, void *out, size_t size, fxs_message *message);
-    /* Called on another thread when the pager is closed: a read that is under way is to end soon, with an error, and so
-       is every later one. May be null; then fxs_pager_close waits for it. */
+    /* Called from another thread when the pager is closed: a read in progress, and every later one, should end soon
+       with an error. May be null; then fxs_pager_close waits for the read. */
     void (*cancel)(void *argument);
-    void (*close)(void *argument); /* called once, when nothing more is read; may be null */
+    void (*close)(void *argument); /* called once, after the last read; may be null */
     void *argument;                /* first argument of the functions */
-    size_t gap;                    /* bytes between two wanted chunks that are rather read in vain than left out: some
-                                      262144 where each read has to be asked of a server, 0 for a file */
+    size_t gap;                    /* largest gap between two wanted chunks, in bytes, that is read along to save a
+                                      request: about 262144 for a server, 0 for a file */
 } fxs_pager_source;
 
-/* All 0 is a default. */
+/* All 0: the defaults. */
 typedef struct fxs_pager_options {
-    size_t pool_bytes;             /* for rows; 0: 256 MiB. 16 chunks at least, never more than the scene has */
-    /* Called on the pager's thread when something has come that a turn would take; must return soon. May be null. */
+    size_t pool_bytes;             /* size of the pool of rows; 0: 256 MiB. At least 16 chunks; capped at the scene's
+                                      size */
+    /* Called on the pager's thread when a turn would take newly loaded chunks; must return soon. May be null. */
     void (*arrived)(void *argument);
     void *arrived_argument;
 } fxs_pager_options;
 
 typedef struct fxs_pager fxs_pager;
 
-/* Opens a scene; `name` is for messages. The source is closed also after an error. *pager is null then. Errors:
-   FXS_ERR_FILE where the bytes are damaged or no scene with levels of detail, FXS_ERR_VERSION, FXS_ERR_MEMORY,
-   FXS_ERR_ARGUMENT, and those of `read`. */
+/* Opens a scene; `name` is for messages. The source is closed also after an error, and *pager is then null. Errors:
+   FXS_ERR_FILE if the bytes are damaged or not a scene with levels of detail, FXS_ERR_VERSION, FXS_ERR_MEMORY,
+   FXS_ERR_ARGUMENT, and the errors of `read`. */
 FXS_API int fxs_pager_open(const char *name, const fxs_pager_source *source, const fxs_pager_options *options,
                            fxs_pager **pager, fxs_message *message);
 
-/* The same for a file, or what an address that begins with http:// or https:// names: fxs_pager_file or
+/* fxs_pager_open for a file, or for an address that begins with http:// or https://: uses fxs_pager_file or
    fxs_pager_url. */
 FXS_API int fxs_pager_open_file(const char *path, const fxs_pager_options *options, fxs_pager **pager,
                                 fxs_message *message);
 
-/* A source that reads a file. A file that is written to while it is open is an error from then on. */
+/* A source that reads a file. If the file is modified while it is open, all later reads fail. */
 FXS_API int fxs_pager_file(const char *path, fxs_pager_source *source, fxs_message *message);
 
-/* Whether a path is such an address. */
+/* 1 if a path is an address that begins with http:// or https://. */
 FXS_API int fxs_pager_is_url(const char *path);
 
-/* A source that asks a server for ranges of bytes (RFC 9110, section 14) by libcurl, which is loaded when it is first
-   used. A server that ignores ranges, changes the file meanwhile or answers anything else is an error. Errors:
+/* A source that requests byte ranges from a server (RFC 9110, section 14) with libcurl, which is loaded at its first
+   use. A server that ignores ranges, changes the file during the session or sends another answer is an error. Errors:
    FXS_ERR_FILE; FXS_ERR_UNSUPPORTED without libcurl. */
 FXS_API int fxs_pager_url(const char *url, fxs_pager_source *source, fxs_message *message);
 
-/* The scene, for fxs_object_init; it stays where it is, and changes in fxs_pager_turn alone. */
+/* The scene, for fxs_object_init. Its address stays the same; its content changes only in fxs_pager_turn. */
 FXS_API const fxs_scene *fxs_pager_scene(const fxs_pager *pager);
 
-/* The first bytes of the scene, those before its rows: its header, for fxs_view_of_start and the like. */
+/* The bytes of the scene before its rows, including its header, for fxs_view_of_start and similar functions. */
 FXS_API const void *fxs_pager_head(const fxs_pager *pager);
 
-/* Chunks that its pool holds at most; 0 of a null pager. */
+/* Capacity of the pool, chunks; 0 for a null pager. */
 FXS_API uint32_t fxs_pager_room(const fxs_pager *pager);
 
-/* An fxs_want_fn: options.want of its frames, with the pager as want_argument. */
+/* An fxs_want_fn for options.want, with the pager as want_argument. */
 FXS_API void fxs_pager_want(void *pager, const fxs_scene *scene, uint32_t chunk, int there);
 
 typedef struct fxs_pager_state {
-    uint32_t chunks;               /* of the scene, with those of its tree */
-    uint32_t room;                 /* of these, how many the pool holds at most, */
-    uint32_t there;                /* and holds now */
-    uint32_t arrived;              /* since the last turn */
-    uint32_t coming;               /* wanted, and still to be read */
-    uint32_t no_room;              /* wanted, but the pool is full of what the same frames drew */
-    uint32_t lost;                 /* that could not be read in three attempts, or are damaged */
+    uint32_t chunks;               /* chunks of the scene, including its tree */
+    uint32_t room;                 /* capacity of the pool, chunks */
+    uint32_t there;                /* chunks in the pool */
+    uint32_t arrived;              /* chunks loaded since the last turn */
+    uint32_t coming;               /* wanted chunks that are still to be read */
+    uint32_t no_room;              /* wanted chunks without room: the pool is full of chunks that the same frames
+                                      drew */
+    uint32_t lost;                 /* chunks that failed to load three times, or are damaged */
     uint64_t bytes_read;
-    size_t memory;                 /* of the pager, bytes */
+    size_t memory;                 /* memory of the pager, bytes */
 } fxs_pager_state;
 
-/* To be called between frames: takes what has come, makes room, and has the pager's thread go on with what the frames
-   since the last turn wanted; where there was none, with what it was at. *state may be null. Returns 0; or where chunks
-   are lost, or the source fails again and again, the last error and its message. Frames may go on without what is
-   missing: the source is asked anew, after a pause, and once it is back also for what was lost. */
+/* Call it between frames: takes the loaded chunks into the scene, evicts others, and queues the chunks that frames
+   wanted since the last turn; without frames since then, the queue stays. *state may be null. Returns 0. If chunks are
+   lost, or the source fails repeatedly, returns the last error and its message; frames can go on with coarser chunks. A
+   failing source is retried after a pause; once it works again, lost chunks are requested again too. */
 FXS_API int fxs_pager_turn(fxs_pager *pager, fxs_pager_state *state, fxs_message *message);
 
-/* Waits until nothing more can be read before the next turn, or the source fails again and again; at most so many
-   nanoseconds. Returns whether that is so. */
+/* Waits until nothing more can be read before the next turn, or the source fails repeatedly, for at most `nanoseconds`.
+   Returns 1 if so, 0 at the timeout. */
 FXS_API int fxs_pager_wait(fxs_pager *pager, uint64_t nanoseconds);
 
-/* Closes the source and frees the pager, which may be null. */
+/* Closes the source and frees the pager; null is allowed. */
 FXS_API void fxs_pager_close(fxs_pager *pager);
 
 #ifdef __cplusplus

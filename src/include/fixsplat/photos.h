@@ -1,44 +1,43 @@
 /* Reads photographs with their cameras, for a fit:
  *
  * - COLMAP: a folder with images and sparse/0 or sparse (.bin or .txt); or the folder or a file of the model, with
- *   images there or up to two folders above. The points are in points3D.bin or .txt beside it.
- * - nerfstudio: a transforms.json, or a folder with one; the paths "file_path" and "ply_file_path" (the points) are
- *   relative to it. "applied_transform" was applied to both already. Where there is a "train_filenames", only its
- *   photographs are fitted; those of "test_filenames", or else of "val_filenames", are held out, and never fitted.
- * - Blender: transforms_train.json, or a folder with one; transforms_test.json beside it, or else transforms_val.json,
- *   has the held-out photographs.
- * - Inria: a cameras.json, or a folder with one; images are beside it or in images, the points in input.ply beside it.
+ *   images in it or up to two folders above. The points are in points3D.bin or .txt next to it.
+ * - nerfstudio: a transforms.json, or a folder with one. The paths "file_path" and "ply_file_path" (the points) are
+ *   relative to it. "applied_transform" was already applied to both. With "train_filenames", only those photographs are
+ *   fitted; "test_filenames", or else "val_filenames", are held out and never fitted.
+ * - Blender: transforms_train.json, or a folder with one; transforms_test.json next to it, or else transforms_val.json,
+ *   lists the held-out photographs.
+ * - Inria: a cameras.json, or a folder with one; images next to it or in images, the points in input.ply next to it.
+ * - Metashape's .xml, RealityCapture's .csv: images next to it or in images, the points in points.ply next to it.
+ * - Bundler: a .out, with list.txt or NAME.list.txt next to it, images next to it or in images; it contains the points.
  *
- * - Metashape's .xml, RealityCapture's .csv: images are beside it or in images, the points in points.ply beside it.
- * - Bundler: a .out, with list.txt or NAME.list.txt beside it, images beside it or in images, and points in it.
- *
- * From a folder, the first of these is read: sparse/0, sparse, images.bin or .txt, transforms.json,
+ * In a folder, the first of these is read: sparse/0, sparse, images.bin or .txt, transforms.json,
  * transforms_train.json, cameras.json, cameras.xml, cameras.csv, bundle.out. Image names may lack their ending (.png,
  * .jpg, .jpeg, or these in capitals).
  *
- * The result is the same on every machine, for any number of threads (image_file.h explains why, for pixels):
+ * The result is the same on every machine, for any number of threads (image_file.h says how for pixels):
  *
- * - A photograph may have another size than its camera, but the same proportions to a pixel; where the file
+ * - Size: a photograph may have another size than its camera, but needs the same proportions to a pixel. If the file
  *   states no size, the photograph's is used.
- * - A photograph is used as it is stored where its camera has these proportions, and square ones always. Where only the
- *   photograph as its EXIF turns it by a quarter has them, it is turned. EXIF that is damaged or out of its range counts
- *   as none.
- * - Distortion of a lens is removed (every model of COLMAP 4 but EQUIRECTANGULAR; k1 to k6, p1, p2, sx1 and sy1 of
- *   transforms.json): each pixel of a pinhole picture is interpolated between the four pixels around the place where
- *   the lens put it. Principal point and size stay; the focal lengths are scaled so that the picture has no gaps: by
- *   1/2 to 2, or for a fisheye as far as it takes that the picture ends at most 60 degrees from its axis at every side.
+ * - Orientation: a photograph is used as stored if its camera has these proportions; square photographs always are. If
+ *   only the quarter turn of its EXIF gives these proportions, it is turned. EXIF that is damaged or out of range is
+ *   ignored.
+ * - Lens distortion is removed (every model of COLMAP 4 except EQUIRECTANGULAR; k1 to k6, p1, p2, sx1 and sy1 of
+ *   transforms.json): each pixel of a pinhole picture is interpolated between the four pixels around its distorted
+ *   place. Principal point and size stay. The focal lengths are scaled so that the picture has no gaps: by 1/2 to 2, or
+ *   for a fisheye by any factor that ends the picture at most 60 degrees from its axis at every side.
  * - A photograph with alpha becomes colour * alpha + background * (1 - alpha), in the 8-bit values of the file.
- * - Masks say which pixels are ignored (fxs_fit_photo). They are in a folder masks beside the folder images, or beside
- *   the .json file: for images/a.jpg that is masks/a.jpg.png, as COLMAP has it, or masks/a.png. "mask_path" in a
- *   transforms.json comes before them. A mask has the size of its photograph. Where it is white (the mean of red,
- *   green and blue, times alpha, is 128 or more), the photograph counts. All of a photograph without a mask counts. A
- *   pixel of the pinhole picture counts if the pixels do between which it is interpolated, and one of a reduced picture
- *   if all do of which it is the mean.
- * - Larger pictures are reduced by area averaging. The background and the average are rounded once together, half up.
+ * - Masks mark ignored pixels (fxs_fit_photo). They are in a folder masks next to the folder images, or next to the
+ *   .json file: for images/a.jpg that is masks/a.jpg.png, as in COLMAP, or masks/a.png. "mask_path" in a
+ *   transforms.json has priority. A mask has the size of its photograph. White pixels are used (the mean of red, green
+ *   and blue, times alpha, is 128 or more). A photograph without a mask is used completely. A pixel of the pinhole
+ *   picture is used if all pixels that it is interpolated from are; a pixel of a reduced picture, if all pixels that it
+ *   averages are.
+ * - Larger pictures are reduced by area averaging. Background and average are rounded once, together, half up.
  *
- * A set without points gets 100,000 grey points at random places: in the cube from -1.3 to 1.3 where transforms.json
+ * A set without points gets 100,000 grey points at random positions: in the cube from -1.3 to 1.3 if transforms.json
  * states no size (Blender's synthetic scenes), else in a cube around the cameras, three times as wide as their box
- * (Kerbl et al. 2023), or 3 units wide where all cameras are in one place.
+ * (Kerbl et al. 2023), or 3 units wide if all cameras are in one place.
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_FIT_PHOTOS_H
@@ -50,24 +49,24 @@
 extern "C" {
 #endif
 
-/* Is told why photographs were left out: one line with their names and the fault, valid during the call. */
+/* Reports why photographs were left out: one line with their names and the fault, valid during the call. */
 typedef void fxs_left_out_fn(void *argument, const char *why);
 
-/* All fields 0: no photograph is held out; each keeps its size, but is at most 1600 pixels wide or high. */
+/* All fields 0: no photograph is held out; photographs wider or higher than 1600 pixels are reduced to 1600. */
 typedef struct fxs_photos_options {
-    int resolution;                /* the largest width or height, in pixels; 0: 1600 */
-    uint32_t hold_out;             /* 0: no photograph is held out; n: every n-th by name, from the first on. Where
-                                      the files say which are to test with, any n holds out those instead */
+    int resolution;                /* largest width or height, pixels; 0: 1600 */
+    uint32_t hold_out;             /* 0: no photograph is held out; n: every n-th by name, from the first on. If the
+                                      files name test photographs, any n holds out those instead */
     uint8_t background[3];         /* behind photographs with alpha */
-    const char *masks;             /* null: masks are found as said above; else they are in this folder; "": none */
-    int invert_masks;              /* 1: masks are white where a photograph is ignored */
-    int ignore_transparent;        /* 1: pixels of photographs with an alpha below 128 are ignored, and the others are
-                                      opaque */
-    int held_out_alone;            /* 1: where photographs are held out, only those are read, and no points: `fit` is
+    const char *masks;             /* folder of masks; null: found as described above; "": no masks */
+    int invert_masks;              /* 1: white means ignored */
+    int ignore_transparent;        /* 1: pixels of photographs with an alpha below 128 are ignored, and the others
+                                      become opaque */
+    int held_out_alone;            /* 1: if photographs are held out, only those are read, and no points: `fit` is
                                       empty */
     int skip_bad;                  /* 1: photographs that cannot be read are left out and counted */
-    fxs_left_out_fn *left_out;     /* called for each of these on the thread of progress, by name, and before that for
-                                      each folder of photographs with some that have no camera; may be null */
+    fxs_left_out_fn *left_out;     /* called for each of these, by name, and before that for each folder that has
+                                      photographs without a camera; on the thread of `progress`; may be null */
     uint64_t seed;                 /* for random points */
     fxs_run_fn *run;               /* null: one thread */
     void *pool;                    /* first argument of run */
@@ -76,36 +75,40 @@ typedef struct fxs_photos_options {
 } fxs_photos_options;
 
 typedef struct fxs_photos {
-    fxs_fit_photo *fit, *held_out; /* sorted by the bytes of their names; `fit` has at least one, but
-                                      for held_out_alone */
+    fxs_fit_photo *fit, *held_out; /* sorted by the bytes of their names; `fit` has at least one, except with
+                                      held_out_alone */
     size_t fit_count, held_out_count;
     fxs_fit_point *points;
     size_t point_count;
     int points_are_random;         /* 1: the set had no points */
     size_t skipped;                /* photographs left out by skip_bad */
-    size_t with_mask, without_mask;    /* photographs with a mask, and those without one in a set that has masks */
+    size_t with_mask, without_mask;    /* photographs with and without a mask, in a set that has masks */
 } fxs_photos;
 
-/* Reads a set of photographs. Each thread holds one photograph, and its mask, of its file's size; the reduced
-   photographs take 3 bytes a pixel, and their masks 1.
+/* Reads a set of photographs. Each thread holds one photograph, and its mask, in its file's size. The reduced
+   photographs take 3 bytes a pixel, their masks 1.
 
    Returns 0 and photographs that fxs_photos_free frees, or an error and a message, with *photos all 0. Errors:
-   FXS_ERR_FILE where a file is missing or damaged (of several photographs, the message names the first by name; with
-   skip_bad the others are used, if any is left), a photograph has other proportions than its camera, a camera cannot be
-   drawn, is not perspective or has a lens that cannot be undone, a mask has another size than its photograph, or no
-   white and not only black, the folder `masks` of the options has none, no photograph is left to fit, or no pixel of
-   any, a point is not finite or beyond 2^27 units, all points lie behind all cameras, or all cameras are more than 2^16
-   units from the origin and 16 times nearer to each other, which single precision does not hold; FXS_ERR_STOPPED by
-   `progress`; FXS_ERR_CAMERA where a camera is out of the renderer's range; FXS_ERR_ARGUMENT (the resolution);
-   FXS_ERR_UNSUPPORTED where the files need cJSON, expat or a library of image_file.h that fixsplat was built without;
-   FXS_ERR_MEMORY. All-black photographs are accepted. */
+   - FXS_ERR_FILE: a file is missing or damaged (of several photographs, the message names the first by name; with
+     skip_bad the others are used, if any is left); a photograph has other proportions than its camera; a camera is
+     invalid, is not perspective or has a lens that cannot be undone; a mask has another size than its photograph, or
+     has no white but is not all black; the options' folder `masks` contains no mask; no photograph, or no pixel of any,
+     is left to fit; a point is not finite or beyond 2^27 units; all points lie behind all cameras; or all cameras are
+     more than 2^16 units from the origin and 16 times closer to each other than to it, beyond single precision.
+   - FXS_ERR_STOPPED: by `progress`.
+   - FXS_ERR_CAMERA: a camera is out of the renderer's range.
+   - FXS_ERR_ARGUMENT: the resolution.
+   - FXS_ERR_UNSUPPORTED: fixsplat was built without cJSON, expat or a library of image_file.h that the files need.
+   - FXS_ERR_MEMORY.
+
+   All-black photographs are accepted. */
 FXS_API int fxs_photos_read(const char *path, const fxs_photos_options *options, fxs_photos *photos,
                             fxs_message *message);
 FXS_API void fxs_photos_free(fxs_photos *photos);
 
-/* Makes the points of a set without points, for photographs that a program has in memory: 100,000 grey ones in the cube
-   around the cameras. Returns 0 and points that the caller frees, or an error and a message, with *points null:
-   FXS_ERR_ARGUMENT (no photographs), FXS_ERR_FILE where the cube reaches beyond 2^27 units, FXS_ERR_MEMORY. */
+/* Makes the points of a set without points, for photographs that a program has in memory: 100,000 grey points in the
+   cube around the cameras. Returns 0 and points that the caller frees, or an error and a message, with *points null:
+   FXS_ERR_ARGUMENT (no photographs), FXS_ERR_FILE if the cube reaches beyond 2^27 units, FXS_ERR_MEMORY. */
 FXS_API int fxs_photos_random_points(const fxs_fit_photo *photos, size_t photo_count, uint64_t seed,
                                      fxs_fit_point **points, size_t *point_count, fxs_message *message);
 

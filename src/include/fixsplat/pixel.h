@@ -1,10 +1,10 @@
-/* What one Gaussian does to one pixel. Compiled as C99, CUDA C and GLSL ES 3.00, so: one integer type of 32 bits, no
- * division, no pointers, every intermediate under 2^31. FXS_FN stands before its functions: `static inline`, where it
- * is not defined before (GLSL: as nothing).
+/* The contribution of one Gaussian to one pixel. Compiled as C99, CUDA C and GLSL ES 3.00, so: one integer type of 32
+ * bits, no division, no pointers, every intermediate under 2^31. FXS_FN precedes its functions: `static inline` by
+ * default (in GLSL empty).
  *
  * A splat comes in whitened coordinates (u, v): distance^2 = u^2 + v^2, v constant on a row. Its opacity is folded in
- * as offset = -2 ln(opacity), so that level = distance^2 + offset = -2 ln(alpha), and one limit on the level, min(9 +
- * offset, 2 ln 255), is the Mahalanobis cut-off and the 1/255 cut-off together. */
+ * as offset = -2 ln(opacity), so that level = distance^2 + offset = -2 ln(alpha). One limit on the level, min(9 +
+ * offset, 2 ln 255), combines the Mahalanobis cut-off and the 1/255 cut-off. */
 #ifndef FXS_PIXEL_H
 #define FXS_PIXEL_H
 
@@ -17,7 +17,7 @@
 #define FXS_LEVEL_MAX_Q11 32767
 #define FXS_ALPHA_MAX_Q15 32440    /* 0.99 */
 #define FXS_CLEAR_Q15 32767        /* transmittance of an untouched pixel */
-#define FXS_CLOSED_Q15 33          /* 0.001: below this transmittance a pixel takes no more Gaussians */
+#define FXS_CLOSED_Q15 33          /* 0.001: a pixel with less transmittance takes no more Gaussians */
 
 /* a b, rounded: pmulhrsw, vqrdmulh, i16x8.q15mulr_sat. |a|, |b| <= 32768, not both -32768. */
 FXS_FN int fxs_mul_q15(int a, int b)
@@ -30,14 +30,14 @@ FXS_FN int fxs_min(int a, int b)
     return a < b ? a : b;
 }
 
-/* u or v, cut to +-4 (the cut-off is at 3.34 at most). */
+/* u or v, clamped to +-4 (the cut-off is at most 3.34). */
 FXS_FN int fxs_coordinate_q13(int coordinate_q24)
 {
     int c = coordinate_q24 >> 11;
     return c < -32767 ? -32767 : fxs_min(c, 32767);
 }
 
-/* v^2 + offset: the part of the level that a row shares. offset in 0..22697. */
+/* v^2 + offset: the part of the level that is constant on a row. offset in 0..22697. */
 FXS_FN int fxs_row_level_q11(int v_q13, int offset_q11)
 {
     return fxs_min(fxs_mul_q15(v_q13, v_q13) + offset_q11, FXS_LEVEL_MAX_Q11);
@@ -49,13 +49,13 @@ FXS_FN int fxs_level_q11(int u_q13, int row_level_q11)
     return fxs_min(fxs_mul_q15(u_q13, u_q13) + row_level_q11, FXS_LEVEL_MAX_Q11);
 }
 
-/* The largest level that still counts. cut = 9, or 16 where only the 1/255 cut-off is wanted. */
+/* The largest level that still counts. cut = 9, or 16 for the 1/255 cut-off alone. */
 FXS_FN int fxs_limit_q11(int offset_q11, int cut_q11)
 {
     return fxs_min(offset_q11 + cut_q11, FXS_FAINT_Q11);
 }
 
-/* a b + c, where that stays in 32 bits before it is rounded. */
+/* a b + c, if the sum fits in 32 bits before rounding. */
 FXS_FN int fxs_mul_add_q15(int a, int b, int c)
 {
     return (a * b + (c * 32768 + 16384)) >> 15;
@@ -74,14 +74,14 @@ FXS_FN int fxs_alpha_q15(int level_q11)
     return fxs_min(p, FXS_ALPHA_MAX_Q15);
 }
 
-/* The blend step: weight = alpha T; T' = T - weight; C' = C + weight colour. What leaves T goes to the weights, whole.
-   A pixel with T < FXS_CLOSED_Q15 is closed: it takes no more. T stays in 0..32767. */
+/* The blend step: weight = alpha T; T' = T - weight; C' = C + weight colour. The weights add up to exactly the loss of
+   T. A pixel with T < FXS_CLOSED_Q15 is closed: it takes no more. T stays in 0..32767. */
 FXS_FN int fxs_weight_q15(int alpha_q15, int transmittance_q15)
 {
     return fxs_mul_q15(alpha_q15, transmittance_q15);
 }
 
-/* colour in 0..32767 (0 to 4), so the sum, cut to the same range, never wraps. */
+/* colour in 0..32767 (0 to 4); the sum saturates at 32767, so it never wraps. */
 FXS_FN int fxs_accumulate_q13(int sum_q13, int weight_q15, int colour_q13)
 {
     return fxs_min(sum_q13 + fxs_mul_q15(weight_q15, colour_q13), 32767);

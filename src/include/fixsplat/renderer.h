@@ -1,8 +1,9 @@
-/* The front door: opens a scene file of any format and renders it by any back end. docs/library.md has a program.
+/* The high-level interface: opens a scene file of any format and renders it with any back end. docs/library.md has an
+ * example program.
  *
- * Functions return 0, or an FXS_ERR_* and a message; `message` must not be null. Another null pointer is
- * FXS_ERR_ARGUMENT, unless its function takes it. An open scene is only read, so several threads may render it. One
- * thread at a time uses a renderer; a renderer that draws by OpenGL is only used by the thread that made it.
+ * Functions return 0, or an FXS_ERR_* and a message; `message` must not be null. Any other null pointer is
+ * FXS_ERR_ARGUMENT, unless the function's comment allows it. An open scene is read-only, so several threads may render
+ * it. One thread at a time may use a renderer; a renderer that draws with OpenGL belongs to the thread that created it.
  *
  * Stable from version 1.0 on. */
 #ifndef FXS_RENDERER_H
@@ -21,104 +22,107 @@ extern "C" {
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-/* An open scene. The library allocates it, and later versions may add fields at its end. */
+/* An open scene. The library allocates it; later versions may add fields at its end. */
 typedef struct fxs_opened {
     const fxs_scene *scene;            /* for fxs_object_init */
     const fxs_scene_file_info *info;   /* the file's format, count and SH degree */
-    const fxs_pack_report *report;     /* counts and bounds; losses too, unless the file is an .fxs */
-    const void *data;                  /* the packed scene, `bytes` long: of an .fxs file its own bytes. Where it was */
-    size_t bytes;                      /* packed here, its checksums are 0 until fxs_file_write or fxs_file_seal. Of one
-                                          that is read in part, its header (packed.h) */
-    fxs_pager *pager;                  /* of one that is read in part; else null */
+    const fxs_pack_report *report;     /* counts and bounds; packing losses too, unless the file is an .fxs */
+    /* The packed scene, `bytes` long. For an .fxs file: the file's bytes. For other formats: packed by fxs_open; its
+       checksums are 0 until fxs_file_write or fxs_file_seal. With a pager: only the header (packed.h). */
+    const void *data;
+    size_t bytes;
+    fxs_pager *pager;                  /* null, unless the scene was opened with a pager */
 } fxs_opened;
 
-/* All fields 0: the finest level, profile default, a thread for each processor, no progress, memory from malloc. A file
-   that is packed reports two passes: file.progress as it is opened (some formats), then `progress` as it is packed. */
+/* All fields 0: finest level, default profile, one thread per processor, no progress, memory from malloc. Opening a
+   file that must be packed reports two passes: file.progress while it is opened (some formats), then `progress` while
+   it is packed. */
 typedef struct fxs_open_options {
     fxs_scene_file_options file;       /* how the file is read */
-    enum fxs_profile profile;          /* how it is packed, unless it is an .fxs */
-    uint32_t threads;                  /* 1 to 64; 0: one for each processor */
-    int check_all;                     /* 1: every chunk of an .fxs is checked, which reads all of it; 0: its header */
-    fxs_progress_fn *progress;         /* of packing; may be null */
+    enum fxs_profile profile;          /* profile for packing; not for an .fxs */
+    uint32_t threads;                  /* 1 to 64; 0: one per processor */
+    int check_all;                     /* 1: checks every chunk of an .fxs, which reads the whole file; 0: only the
+                                          header */
+    fxs_progress_fn *progress;         /* progress of packing; may be null */
     void *progress_argument;
     /* Called before the file is packed, for example to filter or decimate it; it updates *info. Returns 0, or an error
        and a message, which fxs_open then returns. May be null. */
     int (*prepare)(void *argument, fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *message);
     void *prepare_argument;
-    int tree;                          /* 1: packed with levels of detail, as fxs_pack_options has it */
-    const fxs_pager_options *pager;    /* not null: the file, an .fxs with levels of detail, is read in part (pager.h):
-                                          frames want by fxs_pager_want, and fxs_pager_turn comes between them */
+    int tree;                          /* 1: packs with levels of detail, as in fxs_pack_options */
+    const fxs_pager_options *pager;    /* not null: streams an .fxs with levels of detail through a pager (pager.h): set
+                                          options.want to fxs_pager_want and call fxs_pager_turn between frames */
 } fxs_open_options;
 
 /* Opens a scene file, or a folder with one, as fxs_scene_file_open does. An .fxs file is mapped and rendered from the
-   mapping, and a damaged chunk is drawn as it is, safely (check_all refuses it). Where others may cut the file short,
-   call fxs_map_guard (map.h) once before. Any other file is packed. `options` may be null; an .fxs file heeds of them
-   max_gaussians, check_all, the allocator and the pager. With a pager the path may be an address of a server.
-   fxs_close frees *opened, which is null after an error.
-   Errors: those of fxs_scene_file_open, fxs_pack and fxs_file_check; FXS_ERR_ARGUMENT for more than 64 threads. */
+   mapping; a damaged chunk is drawn safely with its damage, unless check_all refuses it. If other programs may truncate
+   the file, call fxs_map_guard (map.h) once before. Files of other formats are packed. `options` may be null; for an
+   .fxs only max_gaussians, check_all, the allocator and the pager apply. With a pager, the path may be an http(s)
+   address. fxs_close frees *opened, which is null after an error.
+   Errors: as fxs_scene_file_open, fxs_pack and fxs_file_check; FXS_ERR_ARGUMENT for more than 64 threads. */
 FXS_API int fxs_open(const char *path, const fxs_open_options *options, fxs_opened **opened, fxs_message *message);
 
-/* The same for a file of `bytes` bytes in memory. An .fxs file must stay there unchanged until fxs_close; where it is
-   not aligned to 64, it is copied instead. Messages begin with `name`. */
+/* fxs_open for a file of `bytes` bytes in memory. An .fxs file must stay there unchanged until fxs_close, except that
+   data not aligned to 64 are copied. Messages begin with `name`. */
 FXS_API int fxs_open_memory(const char *name, const void *data, size_t bytes, const fxs_open_options *options,
                             fxs_opened **opened, fxs_message *message);
 
-/* The same for an open stream of Gaussians (gaussian.h), which are packed. The stream is closed, also on an error. */
+/* fxs_open for an open stream of Gaussians (gaussian.h), which is packed. The stream is closed, also after an error. */
 FXS_API int fxs_open_gaussians(const char *name, fxs_scene_file *file, const fxs_scene_file_info *info,
                                const fxs_open_options *options, fxs_opened **opened, fxs_message *message);
 
-/* Checks, after a frame, that the scene's file is unchanged: another program may write to a mapped file or cut it short
-   (map.h). Returns 0, or FXS_ERR_FILE and a message where it did. */
+/* Checks, after a frame, that the scene's file is unchanged, since another program may write to a mapped file or
+   truncate it (map.h). Returns 0, or FXS_ERR_FILE and a message if it changed. */
 FXS_API int fxs_opened_check(const fxs_opened *opened, fxs_message *message);
 
-/* Chooses the first view of objects that come without cameras: renders small pictures from many sides and from within,
-   and takes the one that shows most of them, upright. Returns in `up`, of length 1, which way is up. low..high: the box
-   of what is seen of the objects (of one scene the inner bounds of its report). The direction is the same on every machine, whatever
-   `fov` (vertical, degrees) and the size of the view are. It takes some 0.2 s. Errors: those of fxs_view_look_at,
-   FXS_ERR_SIZE, FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
+/* Chooses a first view of objects without cameras: renders small pictures from many sides and from inside, and takes
+   the view that shows most of the objects, upright. `up` receives the up direction, of length 1. low..high: the box of
+   the objects' visible part (for one scene the inner bounds of its report). The direction is the same on every machine,
+   for any `fov` (vertical, degrees) and picture size. Takes about 0.2 s. Errors: as fxs_view_look_at, FXS_ERR_SIZE,
+   FXS_ERR_SCENE, FXS_ERR_OBJECT, FXS_ERR_MEMORY. */
 FXS_API int fxs_first_view(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
                            double fov, int32_t width, int32_t height, fxs_file_view *view, double up[3],
                            fxs_message *message);
 
-/* The same where it is known what is up: `up` of any length; all 0: it is found. */
+/* fxs_first_view with a known up direction: `up` has any length; all 0: it is found. */
 FXS_API int fxs_first_view_upright(const fxs_object *objects, uint32_t count, const double low[3], const double high[3],
                                    const double up[3], double fov, int32_t width, int32_t height, fxs_file_view *view,
                                    fxs_message *message);
 
-/* Makes a camera of the start view of an .fxs (camera.h) where it has one, else of that view for the scene alone, with
-   a field of view of 50 degrees, by what the file says is up; one that is read in part is framed whole instead. Errors:
-   those of fxs_first_view, FXS_ERR_CAMERA. */
+/* Makes a camera for the start view of an .fxs (camera.h), if it has one. Otherwise uses fxs_first_view_upright on the
+   scene alone, with a field of view of 50 degrees and the file's up direction; a scene with a pager is framed as a
+   whole instead. Errors: as fxs_first_view, FXS_ERR_CAMERA. */
 FXS_API int fxs_opened_camera(const fxs_opened *opened, int32_t width, int32_t height, fxs_camera *camera,
                               fxs_message *message);
 
-/* Frees the scene; null is allowed. Renderers must forget it first (fxs_renderer_forget). */
+/* Frees the scene; null is allowed. Call fxs_renderer_forget on its renderers first. */
 FXS_API void fxs_close(fxs_opened *opened);
 
 /* ---- Renderers --------------------------------------------------------------------------------------------------- */
 
 typedef struct fxs_renderer fxs_renderer;
 
-/* Makes a renderer with the back end of that name (backends.h); null means "auto". `options` may be null.
-   fxs_renderer_destroy frees *renderer, which is null after an error. Errors: FXS_ERR_ARGUMENT (the name, or a number
-   of the options), FXS_ERR_DEVICE, FXS_ERR_UNSUPPORTED, FXS_ERR_MEMORY. */
+/* Creates a renderer with the named back end (backends.h); null means "auto". `options` may be null.
+   fxs_renderer_destroy frees *renderer, which is null after an error. Errors: FXS_ERR_ARGUMENT (the name, or an
+   option), FXS_ERR_DEVICE, FXS_ERR_UNSUPPORTED, FXS_ERR_MEMORY. */
 FXS_API int fxs_renderer_create(const char *backend, const fxs_backend_options *options, fxs_renderer **renderer,
                                 fxs_message *message);
 
-/* Renders a request into its targets, which are in the processor's memory, and returns when they are written. `stats`
-   may be null. Errors are those of fxs_render. */
+/* Renders a request into its targets, which are in host memory, and returns when they are written. `stats` may be null.
+   Errors as fxs_render. */
 FXS_API int fxs_renderer_render(fxs_renderer *renderer, const fxs_request *request, fxs_stats *stats,
                                 fxs_message *message);
 
-/* Finds the Gaussian that the first eye of a request shows at pixel (x, y), as fxs_pick does. Returns 1, 0 where there
-   is none, or an error and a message. Where the back end cannot pick, the processor does it. */
+/* Finds the Gaussian that the first eye of a request shows at pixel (x, y), as fxs_pick does. Returns 1, 0 if no
+   Gaussian contributes, or an error and a message. If the back end cannot pick, the processor does. */
 FXS_API int fxs_renderer_pick(fxs_renderer *renderer, const fxs_request *request, int32_t x, int32_t y,
                               fxs_pick_result *result, fxs_message *message);
 
-/* Drops the device's copy of a scene; a null renderer has none. To be called before the scene is closed or its bytes
+/* Drops the device's copy of a scene; does nothing for a null renderer. Call it before the scene is closed or its bytes
    change. */
 FXS_API void fxs_renderer_forget(fxs_renderer *renderer, const fxs_scene *scene);
 
-/* The renderer's back end (null: of none); its field `can` says what it supports. */
+/* The renderer's back end (null for a null renderer); its field `can` lists the supported features. */
 FXS_API const fxs_backend *fxs_renderer_backend(const fxs_renderer *renderer);
 
 /* Frees the renderer; null is allowed. */

@@ -1,6 +1,6 @@
-/* A picture in strips, for a display that takes a few rows at a time: whoever has no room for a picture gives room for
- * 16 rows of it or more. Tiles are blended by the kernels of the context, row after row of the picture, and each strip
- * is handed over when it is complete. The bytes are those that fxs_render writes.
+/* Renders a picture in strips, for a display that takes a few rows at a time, in a program without memory for a whole
+ * picture: a buffer of 16 rows is enough. The context's kernels blend the tiles row by row, and each strip is handed
+ * over when it is complete. The bytes are the same as fxs_render's.
  *
  *     static fxs_strip strip = {.pixels = rows, .stride = 320 * 2, .rows = 16, .format = FXS_FORMAT_RGB565,
  *                               .rows_done = send_to_display, .argument = &display};
@@ -20,25 +20,25 @@
 extern "C" {
 #endif
 
-/* Rows `first` to first + rows - 1 of the picture lie in strip->pixels. They stay until this returns: a display that
-   takes them by itself meanwhile (DMA) wants another strip->pixels for the next ones, set here. Returns 0, or an
-   FXS_ERR_* that ends the frame and is returned by fxs_render. */
+/* Called with rows `first` to first + rows - 1 of the picture in strip->pixels. They stay unchanged until the function
+   returns. For a display that reads them asynchronously (DMA), set strip->pixels to another buffer here for the next
+   rows. Returns 0, or an FXS_ERR_* that ends the frame and that fxs_render returns. */
 struct fxs_strip;
 typedef int fxs_rows_done_fn(void *argument, struct fxs_strip *strip, int32_t first, int32_t rows);
 
 typedef struct fxs_strip {
-    void *pixels;                  /* `rows` rows of as many pixels as the picture is wide */
-    ptrdiff_t stride;              /* bytes from row to row, at least those of a row */
-    int32_t rows;                  /* a multiple of 16, 16 at least; the last strip of a picture may have fewer */
+    void *pixels;                  /* `rows` rows of the picture's width */
+    ptrdiff_t stride;              /* bytes from row to row, at least a row's size */
+    int32_t rows;                  /* a multiple of 16, at least 16; the last strip of a picture may have fewer */
     enum fxs_format format;
-    const fxs_kernels *kernels;    /* that blend and resolve; not null */
+    const fxs_kernels *kernels;    /* blend and resolve the tiles; not null */
     fxs_rows_done_fn *rows_done;   /* not null */
-    void *argument;                /* its first one */
-    int16_t tile[4 * 256];         /* the strip's own: what is blended */
+    void *argument;                /* first argument of rows_done */
+    int16_t tile[4 * 256];         /* internal: the tile being blended */
 } fxs_strip;
 
-/* An fxs_draw_fn, for fxs_config.draw; `argument` is an fxs_strip. FXS_ERR_TARGET where the strip is not as it says
-   above. The targets of the request are not written. */
+/* An fxs_draw_fn, for fxs_config.draw; `argument` is an fxs_strip. Returns FXS_ERR_TARGET if the strip's fields are
+   invalid. The request's targets are not written. */
 struct fxs_tile_run;
 FXS_API int fxs_strip_draw(void *argument, const struct fxs_tile_run *run);
 
