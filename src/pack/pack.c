@@ -28,7 +28,7 @@
 #include "tree.h"
 
 #define BATCH 4096                   /* Gaussians per read */
-#define HELD (1u << 16)              /* most chunks whose Gaussians wait for SH codes at once */
+#define HELD (1u << 16)              /* most chunks waiting for SH codes at once */
 #define FINISHED 512                 /* chunks finished between two progress reports */
 #define PARTS 16                     /* jobs per batch, fixed: sums do not depend on the threads */
 #define AHEAD 8                      /* prefetch distance, Gaussians */
@@ -712,7 +712,7 @@ static void sum_losses(packer *p)
                                       sh > 0 ? sqrt(sum[FXS_LOSS_SH] / sh) : 0};
 }
 
-/* Codes the Gaussians of some chunks. `share`: of the import. */
+/* Codes the Gaussians of some chunks. `share`: share of the import. */
 static int write_chunks(packer *p, uint32_t first, uint32_t end, double share)
 {
     p->first_chunk = first;

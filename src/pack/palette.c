@@ -76,7 +76,7 @@ static void prepare_stage(fxs_palette *p, uint32_t stage)
 typedef struct learner {
     fxs_palette *palette;
     const fxs_pack_stages *stages;
-    fxs_sh_vector *vectors;        /* the sample; then the residuals after the stages so far */
+    fxs_sh_vector *vectors;        /* the sample; later its residuals after the stages before */
     uint32_t count;
     uint8_t (*indices)[STAGES];    /* per vector */
     int32_t (*sums)[WIDTH];        /* per entry: sum of its vectors, at most 2^14 of them */

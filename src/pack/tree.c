@@ -77,7 +77,7 @@ struct fxs_tree {
     float (*boxes)[6];                 /* low, high of each leaf; only while planning */
     float *costs;                      /* cost of the leaves right of each cut */
     uint32_t *subtrees, subtree_count; /* places of the nodes that are jobs */
-    uint32_t built;                    /* jobs done so far */
+    uint32_t built;                    /* jobs done */
     uint32_t large;                    /* nodes with more leaves merge their first child first: see first_side */
     uint32_t limit;                    /* largest job, leaves */
     held **done;                       /* by place: a built node whose parent is not merged yet; else null */
@@ -330,7 +330,7 @@ static void widen_held(held *h, const held *by)
     h->scale = h->scale > by->scale ? h->scale : by->scale;
 }
 
-/* Sums of a part may be so large that a merged position exceeds +-2^28 units or is NaN. Such a position becomes the
+/* Sums of a part may be too large: a merged position may exceed +-2^28 units or be NaN. Such a position becomes the
    low corner of a child's range. */
 static void hold_places(held *h, const held *child)
 {
@@ -483,7 +483,7 @@ static int is_subtree(const tree *t, uint32_t place)
     return is_own(t, n) && n->leaves <= t->limit && (!above || !is_own(t, above) || above->leaves > t->limit);
 }
 
-/* Sorts jobs by node number, so large ones come first. */
+/* Sorts jobs by node number: large ones first. */
 static int find_subtrees(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;

@@ -17,9 +17,9 @@ int fxs_tree_build(const fxs_scene *scene, void *data, const fxs_palette *palett
 
 /* ---- Steps, for parts of a scene that are built separately ----
 
-      A part has a run of the leaves, and builds the nodes whose leaves all lie in the run. Their shape follows from the boxes
-      of all leaves, their contents from the leaves of the run. The nodes above are merged from the parts' topmost nodes and
-      leaves. */
+   A part has a run of the leaves, and builds the nodes whose leaves all lie in the run. Their shape follows from the
+   boxes of all leaves, their contents from the leaves of the run. The nodes above are merged from the parts' topmost
+   nodes and leaves. */
 
 typedef struct fxs_tree fxs_tree;
 
