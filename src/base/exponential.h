@@ -1,5 +1,5 @@
-/* e^x and ln x from + - * / only, within 2 units in the last place. Unlike the functions of C libraries, they give the same
- * bits on every machine. */
+/* e^x and ln x from + - * / only, within 2 units in the last place. Unlike the functions of C libraries, they give
+ * the same bits on every machine. */
 #ifndef FXS_EXPONENTIAL_H
 #define FXS_EXPONENTIAL_H
 

@@ -1,3 +1,4 @@
+/* Streams of Gaussians: call the functions of a reader (struct fxs_reader), and validate its results. */
 #include "stream_internal.h"
 
 #include <string.h>
