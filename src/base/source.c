@@ -160,7 +160,6 @@ static uint64_t key_of(const fxs_scene_source *source)
     return key + !key;
 }
 
-/* The slot of a key, or a free one for it. */
 static uint64_t *slot_of(uint64_t *files, size_t room, uint64_t key)
 {
     size_t at = (size_t)key & (room - 1);

@@ -32,7 +32,6 @@ static double quantile(double *values, uint32_t count, uint32_t parts)
     return values[count / parts];
 }
 
-/* The vector from the middle to a Gaussian. */
 static void find_away(const weighed *s, uint32_t i, double away[3])
 {
     for (int k = 0; k < 3; k++)

@@ -9,10 +9,10 @@
 /* The SH basis of degree 0: 1 / (2 sqrt(pi)). */
 #define FXS_SH_0 0.28209479177387814
 
-/* ln(sigma) across a 2D Gaussian, for files without one. */
+/* ln(sigma) of the missing third axis of a 2D Gaussian. */
 #define FXS_FLAT_SCALE (-20)
 
-/* A logit that every opacity code rounds to 1. */
+/* A logit that rounds to opacity 1 in every code. */
 #define FXS_OPAQUE 20
 
 /* ln(sigma), at least FXS_FLAT_SCALE, also for 0. Negative scales count by magnitude, because the covariance is the

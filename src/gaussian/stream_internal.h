@@ -20,7 +20,7 @@ typedef struct fxs_reader {
     int (*is)(const fxs_head *head, fxs_message *message);
     size_t size;          /* bytes of the reader's state */
     /* Opens the source, which outlives the state. `data` is the state, all 0. Returns 0 and fills in *info, or an
-       error and a message. May leave these fields of *info: the format, one level, a stored SH degree equal to the
+       error and a message. Need not set: the format; the number of levels if 1; the stored SH degree if equal to the
        SH degree. `close` is called in either case. */
     int (*open)(void *data, const fxs_scene_source *source, fxs_scene_file_info *info, fxs_message *message);
     long (*read)(void *data, fxs_gaussian *gaussians, size_t capacity, fxs_message *message);

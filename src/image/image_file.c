@@ -343,7 +343,6 @@ static int fail_read(const char *path, const char *fault, fxs_message *message)
     return fxs_fail_as(error, message, "%s: %s", path, fault);
 }
 
-/* Fails for a file that is not a picture. */
 static int fail_kind(const char *path, FILE *file, fxs_message *message)
 {
     char head[512];

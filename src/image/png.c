@@ -43,7 +43,7 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
     if (deflateInit2(&stream, 1, Z_DEFLATED, MAX_WBITS, 9, Z_RLE) != Z_OK)
         return 0;
     stream.next_in = (Bytef *)(uintptr_t)rows;
-    stream.avail_in = (uInt)size;              /* at most 2^30 pixels' bytes plus one per row */
+    stream.avail_in = (uInt)size;              /* at most 2^30 bytes plus one per row */
     stream.next_out = out;
     stream.avail_out = (uInt)room;
     const int ended = deflate(&stream, Z_FINISH);

@@ -139,7 +139,6 @@ static void gather(const fxs_merger *m, group *to, const uint16_t *of, uint32_t 
     gather_rows(to, rows);
 }
 
-/* Computes the errors of up to LANES pairs. */
 static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
 {
     group one, other, both;

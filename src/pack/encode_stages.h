@@ -96,7 +96,6 @@ static void NAMED(fxs_pack_take_ranges_, ISA)(fxs_chunk_ranges *r, const fxs_gau
 
 /* ---- Codes ----------------------------------------------------------------------------------------------------- */
 
-/* Records the errors of three numbers. */
 static inline void note_three(fxs_loss *loss, int which, const double errors[3])
 {
     if (!FXS_MEASURES_LOSS)

@@ -185,7 +185,6 @@ static int pass(packer *p, part_fn *work, double share)
     return (int)b->count;
 }
 
-/* The first Gaussian of a batch that belongs to job `part`. */
 static long first_of(const batch *b, uint32_t part)
 {
     return b->count * (long)part / PARTS;
@@ -273,7 +272,6 @@ static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, do
     }
 }
 
-/* Hash of a Gaussian and its index in the file. */
 static uint64_t hash_of(const fxs_gaussian *g, uint64_t index)
 {
     uint64_t hash = (index + 1) * 0x9e3779b97f4a7c15u;
@@ -447,7 +445,6 @@ static int find_boxes(packer *p)
     return ranges && p->boxes ? 0 : fail_memory(p, p->report->packed);
 }
 
-/* Finds the chunks of the part and plans the tree over all chunks. */
 static int plan_part(packer *p)
 {
     const uint32_t chunks = p->end;
@@ -651,7 +648,6 @@ static void encode_part(packer *p, batch *b, uint32_t part)
     p->findings[part].changed |= changed;
 }
 
-/* Codes the SH in the records of a chunk. */
 static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, fxs_loss *loss)
 {
     const uint32_t first = chunk * FXS_CHUNK, left = p->header->count - first;

@@ -175,7 +175,7 @@ enum { NUMBERS = 48 };                   /* numbers of a residual, padded */
 
 /* floor(x / (2 gain) + 4) in 0..7, exact. half_inverse is 1 / (2 gain), |x| at most 16 gain. Numbers have up to 15
    bits and a gain has 4 bits and an exponent. So a quotient that is not an integer is at least 2^-13.2 below the
-   next. Floats err by at most 2^-20, and the added 2^-14 puts every quotient on the right side. */
+   next integer. Floats err by at most 2^-20, and the added 2^-14 puts every quotient on the right side. */
 static inline int32_t eighth_of(float x, float half_inverse)
 {
     const float eighths = x * half_inverse + (4 + 0x1p-14f), above = eighths > 0 ? eighths : 0;
@@ -253,7 +253,7 @@ static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent,
 
 /* How much Gaussian `from` contributes where `to` contributes, relative to `to` itself, Q8, 0 to 1024. For round
    Gaussians of areas a and b (sigma^2) at distance d, the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))). The
-   exponential is approximated by (1 - t / 8)^4. `square` is d^2, less than 8 (a + b). */
+   exponential is approximated by (1 - d^2 / (8 (a + b)))^4. `square` is d^2, less than 8 (a + b). */
 static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area,
                                  double square)
 {
@@ -272,7 +272,6 @@ static inline double area_of(const fxs_sh_item *item)
     return fxs_scaled(eighths[item->area & 7], (item->area - (item->area & 7)) / 8);
 }
 
-/* State of coding a chunk. */
 typedef struct coder {
     const fxs_palette *palette;
     const fxs_sh_item *items;

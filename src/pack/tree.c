@@ -330,8 +330,8 @@ static void widen_held(held *h, const held *by)
     h->scale = h->scale > by->scale ? h->scale : by->scale;
 }
 
-/* Sums of a part may be too large: a merged position may exceed +-2^28 units or be NaN. Such a position becomes the
-   low corner of a child's range. */
+/* Numbers read from a part are untrusted: a merged position may exceed +-2^28 units or be NaN. Such a position
+   becomes the low corner of a child's range. */
 static void hold_places(held *h, const held *child)
 {
     for (uint32_t i = 0; i < h->count; i++)
