@@ -2,7 +2,7 @@
 #include <immintrin.h>
 #include "src/pack/merger.h"
 
-/* Eight fields of eight rows. */
+/* Transposes eight fields of eight rows. */
 static inline void transpose(lanes *to, const float *const rows[LANES], int first)
 {
     __m256 pairs[8], fours[8];

@@ -8,14 +8,14 @@ static inline __m256i load(const void *from)
     return _mm256_loadu_si256(from);
 }
 
-/* Four sums of products each of the low halves of two vectors and of the high ones. */
+/* Partial dot products: four sums from the low halves, four from the high halves. */
 static inline __m256i find_products(const __m256i own[3], const fxs_sh_vector other)
 {
     const __m256i a = _mm256_madd_epi16(own[0], load(other)), b = _mm256_madd_epi16(own[1], load(other + 16));
     return _mm256_add_epi32(_mm256_add_epi32(a, b), _mm256_madd_epi16(own[2], load(other + 32)));
 }
 
-/* Of four vectors: the sums of the products of the low halves, then of the high ones. */
+/* For four vectors: sums over the low halves, then over the high halves. */
 static inline __m256i find_four(const __m256i own[3], const fxs_sh_vector *others)
 {
     const __m256i two = _mm256_hadd_epi32(find_products(own, others[0]), find_products(own, others[1]));
@@ -30,7 +30,7 @@ static inline void find_dots(int32_t dots[FXS_PALETTE_GROUP], const fxs_sh_vecto
     _mm256_storeu_si256((void *)dots, _mm256_add_epi32(low, _mm256_permute2x128_si256(first, second, 0x31)));
 }
 
-/* The costs stay in vectors: a number that was written alone cannot be read at once with its neighbours. */
+/* Costs stay in registers: a vector load right after a scalar store would stall (no store forwarding). */
 static inline void find_leasts(const int32_t *costs, uint32_t count, fxs_pack_place *found, uint32_t wanted)
 {
     __m256i all[6], numbers = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);

@@ -17,7 +17,7 @@ void *fxs_allocate(const fxs_allocator *allocator, size_t count, size_t size)
     return allocator ? allocator->allocate(allocator->argument, bytes) : malloc(bytes);
 }
 
-/* calloc gets large blocks from the system as zeros. */
+/* calloc, because large blocks come zeroed from the system for free. */
 void *fxs_allocate_zeroed(const fxs_allocator *allocator, size_t count, size_t size)
 {
     if (!allocator && !overflows(count, size))

@@ -16,7 +16,7 @@ void fxs_crc32_fill(fxs_crc32_table *table)
             after[k][b] = after[k - 1][b] >> 8 ^ after[0][after[k - 1][b] & 255];
 }
 
-/* Eight bytes at a time: the checksum is the sum of the checksums of each byte followed by zeros. */
+/* Eight bytes at once (slicing by 8): the checksum is the XOR of the checksums of each byte followed by zeros. */
 static uint32_t next_eight(const fxs_crc32_table *table, uint32_t crc, const unsigned char *bytes)
 {
     uint32_t next = 0;

@@ -1,4 +1,4 @@
-/* CRC-32, the same checksum as zlib and ISO 3309. */
+/* CRC-32 as in zlib and ISO 3309. */
 #ifndef FXS_CRC32_H
 #define FXS_CRC32_H
 
@@ -6,12 +6,12 @@
 #include <stdint.h>
 
 typedef struct fxs_crc32_table {
-    uint32_t after[8][256];        /* [k][b]: the checksum of byte b followed by k zeros */
+    uint32_t after[8][256];        /* [k][b]: checksum of byte b followed by k zeros */
 } fxs_crc32_table;
 
 void fxs_crc32_fill(fxs_crc32_table *table);
 
-/* The checksum of earlier bytes, whose checksum is `crc` (0 where there are none), followed by `count` bytes. */
+/* Extends the checksum `crc` of earlier bytes (0: none) by `count` bytes. */
 uint32_t fxs_crc32(const fxs_crc32_table *table, uint32_t crc, const void *bytes, size_t count);
 
 #endif

@@ -1,4 +1,4 @@
-/* Messages: functions that take printf's arguments themselves, and texts of files for a terminal. */
+/* Messages: variants with a va_list, errors of libraries, and texts made safe for a terminal. */
 #ifndef FXS_FAIL_LIST_H
 #define FXS_FAIL_LIST_H
 
@@ -6,14 +6,14 @@
 
 #include <fixsplat/message.h>
 
-/* As fxs_fail_as. */
+/* As fxs_fail_as, with a va_list. */
 int fxs_fail_list(int error, fxs_message *message, const char *format, va_list arguments) FXS_PRINTF(3, 0);
 
-/* As fxs_fail, of a library's call that failed, before which errno was 0: where an allocation of the library found no
-   memory, which errno tells, the error is that. */
+/* As fxs_fail, for a failed call of a library. The caller sets errno to 0 before the call. If errno then reports
+   that memory ran out, the error is FXS_ERR_MEMORY. */
 int fxs_fail_library(fxs_message *message, const char *path, const char *format, ...) FXS_PRINTF(3, 4);
 
-/* Puts ? in the place of characters that steer a terminal or change the direction of the text. */
+/* Replaces control characters and characters that change the text direction by ?. */
 void fxs_text_make_safe(char *text);
 
 #endif

@@ -1,9 +1,10 @@
+/* Recognises files of other kinds by their first bytes, so that messages can name them. */
 #include "foreign.h"
 
 #include <string.h>
 #include <strings.h>
 
-/* Four bytes at least, so that numbers of a file without a name of its kind are hardly taken for one. */
+/* Signatures. Most have at least four bytes, so that random data hardly ever matches. */
 static const struct {
     size_t at, size;
     const char *bytes, *words;
@@ -38,19 +39,20 @@ static const struct {
     {0, 8, "PXR-USDC", "a .usdc of OpenUSD"},
 };
 
-/* Beginnings of lines of an .obj. */
+/* Line beginnings of an .obj. */
 static const char *const lines[] = {"mtllib ", "usemtl ", "o ", "g ", "v ", "vn ", "vt "};
 
-/* Beginnings of pages, in letters of either case. */
+/* Beginnings of HTML pages. */
 static const char *const pages[] = {"<!doctype html", "<html", "<head"};
 
-/* Whether a line of a text begins so; in capitals too. */
+/* Whether a line begins with `words`, in any case. */
 static int begins(const char *line, const char *end, const char *words)
 {
     return (size_t)(end - line) >= strlen(words) && !strncasecmp(line, words, strlen(words));
 }
 
-/* By the first line that is not empty or a comment. As few letters may begin numbers too, all must be a text. */
+/* Tests the first line that is not empty or a comment. The keywords are short, so the beginning must also be plain
+   text. */
 static int is_obj(const char *text, const char *end)
 {
     enum { LOOKED_AT = 256 };
@@ -73,7 +75,7 @@ const char *fxs_foreign(const void *bytes, size_t size)
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (kinds[i].at + kinds[i].size <= size && !memcmp(text + kinds[i].at, kinds[i].bytes, kinds[i].size))
             return kinds[i].words;
-    while (text < end && *text && strchr(" \t\r\n\xef\xbb\xbf", *text))   /* also the mark of UTF-8 */
+    while (text < end && *text && strchr(" \t\r\n\xef\xbb\xbf", *text))   /* blanks and the UTF-8 mark */
         text++;
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++)
         if (begins(text, end, pages[i]))

@@ -21,7 +21,7 @@ void fxs_zlib_allocator(z_stream *stream, const fxs_allocator *allocator)
     stream->opaque = (void *)(uintptr_t)allocator;
 }
 
-/* In pieces that zlib can count. Returns zlib's last status. */
+/* Inflates in pieces that fit zlib's counters. Returns zlib's last status. */
 static int inflate_all(z_stream *stream, const Bytef *data, size_t size, Bytef *out, size_t wanted)
 {
     const size_t piece = 1u << 30;

@@ -1,10 +1,10 @@
-/* Inflates data in memory, by zlib. */
+/* Inflates data in memory with zlib. */
 #ifndef FXS_INFLATE_INTERNAL_H
 #define FXS_INFLATE_INTERNAL_H
 
 #include "source_internal.h"
 
-#define FXS_MAX_EXPANSION 1032u        /* the most bytes that a byte of deflate stands for */
+#define FXS_MAX_EXPANSION 1032u        /* maximum expansion of deflate, bytes per byte */
 
 /* Inflates a raw deflate stream, without header, to exactly `wanted` bytes. Returns 0, or an error and a message. */
 int fxs_inflate(const fxs_scene_source *source, const void *data, size_t size, void *out, size_t wanted,
@@ -14,7 +14,7 @@ int fxs_inflate(const fxs_scene_source *source, const void *data, size_t size, v
 #define ZLIB_CONST
 #include <zlib.h>
 
-/* Lets a stream take its memory from the allocator, which must outlive it. */
+/* Makes a zlib stream allocate from `allocator`, which must outlive it. */
 void fxs_zlib_allocator(z_stream *stream, const fxs_allocator *allocator);
 #endif
 

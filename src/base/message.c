@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Bytes of a character that a terminal obeys, or that ends a line or turns the text behind it around: controls (C0,
-   C1), U+2028, U+2029, U+202A to U+202E, U+2066 to U+2069; else 0. */
+/* Length in bytes of a character that controls a terminal, ends a line or changes the text direction; else 0. These
+   are C0, C1, U+2028, U+2029, U+202A to U+202E, U+2066 to U+2069. */
 static size_t unsafe_bytes(const unsigned char *c)
 {
     if (*c < ' ' || *c == 127)
@@ -17,7 +17,7 @@ static size_t unsafe_bytes(const unsigned char *c)
     return (c[1] == 0x80 && c[2] >= 0xa8 && c[2] <= 0xae) || (c[1] == 0x81 && c[2] >= 0xa6 && c[2] <= 0xa9) ? 3 : 0;
 }
 
-/* Bytes that follow a lead byte of UTF-8. */
+/* Number of bytes that follow a lead byte of UTF-8. */
 static int bytes_behind(unsigned char lead)
 {
     return lead < 0xc2 || lead > 0xf4 ? 0 : lead < 0xe0 ? 1 : lead < 0xf0 ? 2 : 3;
@@ -30,7 +30,7 @@ void fxs_text_make_safe(char *text)
     for (const unsigned char *from = to; *from;) {
         const size_t unsafe = unsafe_bytes(from);
         const int continues = behind && (*from & 0xc0) == 0x80;
-        const int is_stray = !continues && *from >= 0x80 && *from < 0xa0;   /* C1 of terminals of 8 bits */
+        const int is_stray = !continues && *from >= 0x80 && *from < 0xa0;   /* C1 control of 8-bit terminals */
         behind = continues ? behind - 1 : unsafe ? 0 : bytes_behind(*from);
         *to++ = unsafe || is_stray ? '?' : *from;
         from += unsafe ? unsafe : 1;

@@ -1,4 +1,4 @@
-/* What is the same of outputs on every system. */
+/* The parts of outputs that are the same on every system. */
 #include "output_internal.h"
 
 #include <errno.h>

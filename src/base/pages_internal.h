@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
-/* Asks the system to give a block, of which all is going to be written, memory in large pages, where it has them: a
-   page that is touched first costs it a microsecond. Does nothing for null. */
+/* Asks the system to back a block with large pages. Saves page faults, about a microsecond per page, if all of the
+   block will be written. Does nothing for null. */
 void fxs_use_large_pages(void *block, size_t bytes);
 
 #endif

@@ -1,3 +1,5 @@
+/* Converts a scene's up direction and start view between doubles and the fields of the packed header. Up is stored
+ * as two 15-bit codes by the octahedral map. */
 #include <fixsplat/start.h>
 
 #include <math.h>
@@ -5,10 +7,10 @@
 
 #include <fixsplat/packed.h>
 
-/* The tangent of half the field of view of 170 degrees is 11.5, of 1 degree 0.0087. */
+/* The tangent of half the field of view: 11.5 for 170 degrees, 0.0087 for 1 degree. */
 #define TANGENT_MOST 12.0
 #define FARTHEST 0x1p28
-#define UP_ONE 16383               /* of the codes of up, which have 15 bits and a sign in them */
+#define UP_ONE 16383               /* code of 1; codes of up have 15 bits with sign */
 #define UP_BITS 0x7FFFu
 
 /* ---- Up ---------------------------------------------------------------------------------------------------------- */
@@ -18,8 +20,8 @@ static double sign_of(double x)
     return x < 0 ? -1 : 1;
 }
 
-/* Between the lower half of the octahedron |x| + |y| + |z| = 1, seen from above, and the corners around its upper half:
-   it is its own opposite. */
+/* Folds the lower half of the octahedron |x| + |y| + |z| = 1, seen from above, into the corners around its upper
+   half. Inverts itself. */
 static void fold(double *x, double *y)
 {
     const double old = *x;
@@ -40,7 +42,7 @@ static uint32_t code_of_up(const double up[3])
     return FXS_PACKED_UP | (u & UP_BITS) << 1 | (v & UP_BITS) << 16;
 }
 
-/* A code in the 15 bits from `bit` on: -1 to 1; less where it is no code. */
+/* The 15-bit code from `bit` on, as -1 to 1; below -1 if invalid. */
 static double part_of_code(uint32_t flags, int bit)
 {
     const int32_t code = (int32_t)(flags >> bit & UP_BITS);
@@ -62,7 +64,7 @@ static void up_of_code(double up[3], uint32_t flags)
     up[2] = z / length;
 }
 
-/* ---- All --------------------------------------------------------------------------------------------------------- */
+/* ---- View -------------------------------------------------------------------------------------------------------- */
 
 static int is_view(const fxs_start *s)
 {

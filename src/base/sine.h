@@ -1,10 +1,10 @@
-/* The sine by + - * alone. Unlike the function of C libraries, it gives the same bits on every machine. */
+/* sin from + - * only. Unlike the function of C libraries, it gives the same bits on every machine. */
 #ifndef FXS_SINE_H
 #define FXS_SINE_H
 
 #include <stdint.h>
 
-/* floor(x) for |x| < 2^62, which is a library call on plain x86-64. */
+/* floor(x) for |x| < 2^62, without the library call of plain x86-64. */
 static inline double fxs_floor(double x)
 {
     const double towards_zero = (double)(int64_t)x;

@@ -18,14 +18,14 @@ static void close_file(void *argument)
     fclose(argument);
 }
 
-/* `first`: null, or the file in whose folder the new file must lie. */
+/* `first`: null, or a file; the new file must lie in its folder. */
 static int open_file(fxs_scene_source *source, const char *first, fxs_message *message)
 {
     fxs_file_facts facts;
     FILE *file;
     FXS_TRY(first ? fxs_file_open_within(first, source->path, &file, &facts, message)
                   : fxs_file_open(source->path, &file, &facts, message));
-    setvbuf(file, NULL, _IONBF, 0);   /* a reader that reads little at a time has a buffer of its own */
+    setvbuf(file, NULL, _IONBF, 0);   /* readers with small reads have their own buffer */
     source->input = (fxs_scene_input){facts.size, read_file, NULL, close_file, file};
     source->device = facts.device;
     source->inode = facts.inode;
@@ -46,7 +46,7 @@ fxs_scene_input fxs_memory_input(const void *data, size_t size)
     return (fxs_scene_input){size, read_memory, NULL, NULL, (void *)data};
 }
 
-/* ---- Names of files beside -------------------------------------------------------------------------------------- */
+/* ---- Names of companion files ---------------------------------------------------------------------------------- */
 
 static int hex_digit(int c)
 {
@@ -55,7 +55,7 @@ static int hex_digit(int c)
     return at ? (int)(at - digits) % 16 : -1;
 }
 
-/* Takes a character of a URI: a byte, or the one that %XX stands for. */
+/* Takes the next character of a URI, with %XX decoded. */
 static int take_letter(const char **text)
 {
     const char *at = *text;
@@ -64,7 +64,7 @@ static int take_letter(const char **text)
     return low < 0 ? (unsigned char)*at : high << 4 | low;
 }
 
-/* 1 for a drive or the scheme of an address at the beginning of a name: a letter, then a colon before other marks. */
+/* 1 if a name begins with a drive or a URL scheme: a letter, then letters, digits, +, - or ., then a colon. */
 static int begins_elsewhere(const char *name)
 {
     static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-.";
@@ -85,7 +85,7 @@ static int is_separator(int letter)
 int fxs_name_stays(const char *name)
 {
     const char *at = name;
-    size_t length = 0, dots = 0;   /* of a part of the name */
+    size_t length = 0, dots = 0;   /* of a path component */
     int letter = take_letter(&at);
     if (is_separator(letter) || begins_elsewhere(name))
         return 0;
@@ -131,7 +131,7 @@ void fxs_decode_percent(char *text)
 
 /* ---- Opening --------------------------------------------------------------------------------------------------- */
 
-/* Sets the path to a folder, the first `folder` characters of a path, and a name. */
+/* Sets the path to the first `folder` characters of `path`, then `name`. */
 static int set_path(fxs_scene_source *source, const char *path, size_t folder, const char *name, fxs_message *message)
 {
     size_t length = strlen(name);
@@ -143,7 +143,7 @@ static int set_path(fxs_scene_source *source, const char *path, size_t folder, c
     return 0;
 }
 
-/* ---- Which files there are ---- */
+/* ---- Set of files ---- */
 
 static uint64_t hash(uint64_t so_far, const void *bytes, size_t size)   /* FNV-1a (Fowler, Noll, Vo) */
 {
@@ -160,7 +160,6 @@ static uint64_t key_of(const fxs_scene_source *source)
     return key + !key;
 }
 
-/* The slot of a key, or a free one for it. */
 static uint64_t *slot_of(uint64_t *files, size_t room, uint64_t key)
 {
     size_t at = (size_t)key & (room - 1);
@@ -169,7 +168,7 @@ static uint64_t *slot_of(uint64_t *files, size_t room, uint64_t key)
     return &files[at];
 }
 
-/* Doubles the hash table, so that half of it is always free. */
+/* Doubles the hash table, so that at least half of it is free. */
 static int grow(fxs_import *import, const fxs_allocator *allocator)
 {
     const size_t room = import->room ? 2 * import->room : 64;
@@ -218,7 +217,8 @@ int fxs_scene_source_open_input(fxs_scene_source *source, const char *name, cons
     return set_path(source, name, 0, name, message);
 }
 
-/* Where no file has that name, each \ of it is a /. Names for functions have none, as they may be part of a URL. */
+/* Replaces \ by / unless a file has exactly this name. Callback sources never get a \, because a name may become
+   part of a URL. */
 static int settle_name(fxs_scene_source *opened, const fxs_scene_source *source, const char *name,
                        fxs_message *message)
 {

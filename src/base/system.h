@@ -1,5 +1,5 @@
-/* What the library and the command ask of the operating system beside files and outputs. The functions are in
-   port/posix and port/win32. Paths are in UTF-8, with / between folders. */
+/* Operating system functions other than files and outputs. Implemented in port/posix and port/win32. Paths are UTF-8
+   with / between folders. */
 #ifndef FXS_SYSTEM_H
 #define FXS_SYSTEM_H
 
@@ -13,23 +13,23 @@
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* Memory at a multiple of 64 bytes, which the caller gives back; null: there is none. */
+/* Allocates memory aligned to 64 bytes, for fxs_aligned_free. Returns null if out of memory. */
 void *fxs_aligned_allocate(size_t bytes);
 
-/* Null is allowed. */
+/* Accepts null. */
 void fxs_aligned_free(void *block);
 
-/* A text that is written to `file`. */
+/* A text in memory that is written through `file`. */
 typedef struct fxs_printed {
     FILE *file;
-    char *text;                /* once it is ended: for free(), of `size` bytes, and a 0 behind them */
+    char *text;                /* set by fxs_print_end: `size` bytes and a 0, for free() */
     size_t size;
 } fxs_printed;
 
-/* Returns 0, or -1 where there is no memory. `printed` must not move until it is ended. */
+/* Returns 0, or -1 if out of memory. `printed` must not move until fxs_print_end. */
 int fxs_print_begin(fxs_printed *printed);
 
-/* Closes the file. Returns 0, or -1 where something could not be written; the text is null then. */
+/* Closes the file. Returns 0, or -1 and a null text if a write failed. */
 int fxs_print_end(fxs_printed *printed);
 
 /* ---- Names of files ---------------------------------------------------------------------------------------------- */
@@ -38,25 +38,25 @@ enum fxs_file_kind { FXS_FILE_NONE, FXS_FILE_REGULAR, FXS_FILE_FOLDER, FXS_FILE_
 
 typedef struct fxs_file_facts {
     uint64_t size, device, inode;
-    uint64_t modified;         /* when it was, in nanoseconds modulo 2^64: to tell one time from another */
+    uint64_t modified;         /* time of modification in nanoseconds modulo 2^64, only for comparison */
 } fxs_file_facts;
 
-/* The kind of a file, after its symbolic links are followed. */
+/* The kind of a file. Follows symbolic links. */
 enum fxs_file_kind fxs_file_kind(const char *path);
 
-/* The same, and what is known of the file or folder. */
+/* As fxs_file_kind; also fills in the facts of a file or folder. */
 enum fxs_file_kind fxs_file_look(const char *path, fxs_file_facts *facts);
 
-/* The same of the name itself: a symbolic link is FXS_FILE_OTHER. */
+/* As fxs_file_look, but does not follow symbolic links: a link is FXS_FILE_OTHER. */
 enum fxs_file_kind fxs_file_look_at_name(const char *path, fxs_file_facts *facts);
 
-/* Of an open file. */
+/* As fxs_file_look, for an open file. */
 enum fxs_file_kind fxs_stream_look(FILE *file, fxs_file_facts *facts);
 
-/* 1 where the name exists, even as a symbolic link to a missing file, else 0. */
+/* 1 if the name exists, even as a symbolic link to a missing file, else 0. */
 int fxs_file_is_named(const char *path);
 
-/* 1 where the path does not depend on the folder that the program is in. */
+/* 1 if the path is absolute. */
 static inline int fxs_path_is_whole(const char *path)
 {
 #ifdef _WIN32
@@ -66,8 +66,8 @@ static inline int fxs_path_is_whole(const char *path)
     return *path == '/';
 }
 
-/* A path that the system gives becomes as paths are here: \ of Windows, which no name has, becomes /. One without it may
-   be a constant. */
+/* Converts a path from the system to this program's form: on Windows, \ becomes /. A path without \ is not written
+   to, so it may be a constant. */
 static inline void fxs_path_take(char *path)
 {
 #ifdef _WIN32
@@ -79,66 +79,66 @@ static inline void fxs_path_take(char *path)
 #endif
 }
 
-/* A path with a name from a data file: where nothing has that very name, each \ of it is a /. */
+/* For a path with a name from a data file: if no file has exactly this name, replaces each \ by /. */
 static inline void fxs_path_settle(char *path)
 {
     for (char *c = fxs_file_is_named(path) ? NULL : strchr(path, '\\'); c; c = strchr(c, '\\'))
         *c = '/';
 }
 
-/* 1 where a path ends so behind at least one character; capitals are small letters. */
+/* 1 if a path ends with `ending`, in any case, after at least one other character. */
 static inline int fxs_ends_in(const char *path, const char *ending)
 {
     const size_t length = strlen(path), size = strlen(ending);
     return length > size && !strncasecmp(path + length - size, ending, size);
 }
 
-/* What makes a path none of the system, as "is the name of a device in Windows", or null. */
+/* Why the system does not allow a path, as "is the name of a device in Windows"; null: it does. */
 const char *fxs_path_fault(const char *path);
 
-/* The following return 0, or -1 and errno. */
+/* These return 0, or -1 and errno. */
 int fxs_file_remove(const char *path);
 int fxs_file_rename(const char *from, const char *to);
 int fxs_folder_remove(const char *path);
 
-/* Whether a file, or files in a folder, can be written. */
+/* Returns 0 if a file, or files in a folder, can be written, else -1. */
 int fxs_file_may_be_written(const char *path);
 
-/* A symbolic link to a file, or to a folder where fxs_links_folders; or, where not everybody may make those, another
-   name of the file, or a copy. */
+/* Makes a symbolic link to a file, or to a folder if fxs_links_folders returns 1. On systems where that needs
+   privileges: a hard link or a copy. Returns 0, or -1 and errno. */
 int fxs_file_link(const char *target, const char *name);
 int fxs_links_folders(void);
 
-/* Removes what fxs_file_link made; nothing else. */
+/* Removes a link made by fxs_file_link; leaves other files alone. */
 void fxs_file_unlink(const char *name);
 
-/* Locks a file, which is made where it is not there, until this process ends, however it ends. Returns 0, also on a
-   file system without locks; 1 where another process has it; or -1 and errno. */
+/* Locks a file until this process ends. Creates the file if missing. Returns 0, also on a file system without locks;
+   1 if another process holds the lock; or -1 and errno. */
 int fxs_file_lock(const char *path);
 
-/* The path from the root, without symbolic links, for free(). Null, and errno. */
+/* The absolute path without symbolic links, for free(). Null and errno on failure. */
 char *fxs_path_whole(const char *path);
 
-/* Makes a folder, unless it is there. Returns 0, or an error and a message. */
+/* Makes a folder unless it exists. Returns 0, or an error and a message. */
 int fxs_folder_make(const char *path, fxs_message *message);
 
-/* Calls a function with the name of each file in a folder, in no order; of a folder that cannot be read, with none.
-   Returns 0, or -1 and errno where it cannot. */
+/* Calls `each` with the name of every entry of a folder, in no particular order. Returns 0, or -1 and errno if the
+   folder cannot be read. */
 int fxs_folder_each(const char *path, void (*each)(void *argument, const char *name), void *argument);
 
 /* ---- Places ------------------------------------------------------------------------------------------------------ */
 
-/* The path of a file that the programs keep for their user: in $XDG_STATE_HOME/fixsplat or ~/.local/state/fixsplat, of
-   Windows in %APPDATA%\fixsplat. Where it is to be written, the folders above it are made. Returns 0, or -1 where there
-   is no folder for it. */
+/* The path of a file with user data: in $XDG_STATE_HOME/fixsplat or ~/.local/state/fixsplat; on Windows in
+   %APPDATA%\fixsplat. is_written: 1 creates the folders. Returns 0, or -1 if the user has no such folder. */
 int fxs_state_path(const char *name, int is_written, char *path, size_t room);
 
-/* The path of a font of the system that is made for screens. Returns 0, or -1 and a message. */
+/* The path of a sans-serif font of the system. Returns 0, or -1 and a message. */
 int fxs_font_find(char *path, size_t room, fxs_message *message);
 
 /* ---- Commands for people to type --------------------------------------------------------------------------------- */
 
-/* What a shell takes a word in, the same within such a word, what is doubled before both, and the name of Python. */
+/* For printing shell commands: the quote around a word, an escaped quote inside it, the character that must be
+   doubled before either, and the name of Python. */
 #ifdef _WIN32
 #define FXS_SHELL_QUOTE '"'
 #define FXS_SHELL_QUOTED_QUOTE "\\\""
@@ -153,115 +153,115 @@ int fxs_font_find(char *path, size_t room, fxs_message *message);
 
 /* ---- Streams ----------------------------------------------------------------------------------------------------- */
 
-/* fopen: of its modes r, w and a, with b where no line is to end in another way than in the file. Null, and errno. */
+/* As fopen with mode r, w or a; add b to write line ends unchanged. Null and errno on failure. */
 FILE *fxs_stream_open(const char *path, const char *mode);
 
-/* tmpfile: to be written and read, and gone when it is closed. Null, and errno. */
+/* As tmpfile: open for reading and writing, deleted on close. Null and errno on failure. */
 FILE *fxs_stream_temporary(void);
 
-/* Takes out of a file all that is in it. Returns 0, or -1 and errno, of which EINVAL: it is of a kind that has no
-   length. */
+/* Truncates a file to 0 bytes. Returns 0, or -1 and errno; EINVAL: this kind of file has no length. */
 int fxs_stream_empty(FILE *file);
 
-/* Why not all that was written to a stream has arrived: an errno, never 0. Before the call that failed, errno was 0. */
+/* The errno of a failed write, never 0. The caller sets errno to 0 before the call that may fail. */
 int fxs_stream_fault(FILE *file);
 
 int fxs_is_terminal(FILE *file);
 
-/* Whether the terminal was made for this program alone and ends with it, as by a double click in Windows: what is printed
-   last is read by nobody. */
+/* 1 if the terminal window closes when this program ends, as after a double click in Windows; the last output would
+   be lost. */
 int fxs_terminal_ends_with_this(void);
 
-/* Makes the line of a terminal an empty one. */
+/* Text that clears the current line of a terminal. */
 extern const char fxs_erase_line[];
 
-/* Whether a terminal takes the codes of ECMA-48, which tell it of colours. On Windows it is told to take them. */
+/* 1 if a terminal accepts ECMA-48 sequences (colours). Enables them on Windows. */
 int fxs_terminal_takes_codes(FILE *file);
 
 /* ---- Descriptors ------------------------------------------------------------------------------------------------- */
 
-/* Of files that are read at any place by any thread, as libmicrohttpd takes them. Programs that are run from here do
-   not have them. Those that return a descriptor return -1, and errno, where there is none. */
+/* Descriptors allow positional reads from any thread; libmicrohttpd takes them. Child processes do not inherit them.
+   Functions that return a descriptor return -1 and errno on failure. */
 
-/* 1 where a file that is open can be replaced by another, else 0. */
+/* 1 if an open file can be replaced by another, else 0. */
 #ifdef _WIN32
 enum { FXS_OPEN_MAY_BE_REPLACED = 0 };
 #else
 enum { FXS_OPEN_MAY_BE_REPLACED = 1 };
 #endif
 
-/* Of a file to be read. It is no symbolic link, and waits for nobody who writes to a FIFO. */
+/* Opens a file for reading. Fails for a symbolic link, and does not block on a FIFO. */
 int fxs_descriptor_open(const char *path);
 
-/* Another of the same file, also after the first is closed. */
+/* A second descriptor of the same file, independent of the first. */
 int fxs_descriptor_again(int descriptor);
 int fxs_descriptor_of(FILE *file);
 
 enum fxs_file_kind fxs_descriptor_look(int descriptor, fxs_file_facts *facts);
 
-/* Reads that many bytes from the beginning. Returns 0, or -1 where not all could be read. */
+/* Reads `size` bytes from the start of the file. Returns 0, or -1 if it has fewer. */
 int fxs_descriptor_read(int descriptor, void *out, size_t size);
 
 void fxs_descriptor_close(int descriptor);
 
 /* ---- Programs ---------------------------------------------------------------------------------------------------- */
 
-/* Called first of all by main: a standard file that is closed becomes one that every use of fails, bytes go through
-   the standard files unchanged, and the arguments are in UTF-8, their paths with /. */
+/* Must be the first call in main. Replaces closed standard files by ones on which every operation fails, makes
+   standard files binary, and converts the arguments to UTF-8, with / in paths. */
 void fxs_program_begin(int *argc, char ***argv);
 
-/* The path of this program, cut to fit; empty where it is not known. */
+/* The path of this program, truncated to fit; empty if unknown. */
 void fxs_program_path(char *path, size_t room);
 
-/* 1 where the user's path has a program of this name, or the system finds the library, else 0. */
+/* 1 if the user's PATH has the program, or the system finds the library, else 0. */
 int fxs_program_is_here(const char *name);
 int fxs_library_is_here(const char *name);
 
-/* Of this program and those that it runs. */
+/* Sets an environment variable of this process and its children. */
 void fxs_program_set(const char *variable, const char *value);
 
-/* A function that gets what a program prints, piece by piece. */
+/* Receives a program's output in pieces. */
 typedef void fxs_program_said_fn(void *argument, const char *data, size_t size);
 
-enum { FXS_PROGRAM_MISSING = 127,      /* as a shell says that there is no such program */
+enum { FXS_PROGRAM_MISSING = 127,      /* the exit status of shells for a missing program */
        FXS_PROGRAM_SIGNAL = 256 };
 
-/* Runs a program of the user's path, the first of the arguments, which end with null; its input is empty, and what it
-   prints on standard error goes to `log`. However this process ends meanwhile, the program and those that it started
-   are ended too. Returns its exit status, FXS_PROGRAM_SIGNAL and the signal's number where one ended it,
-   FXS_PROGRAM_MISSING, or -1 and errno where it could not be run. */
+/* Runs a program from PATH: `arguments` begins with its name and ends with null. Its standard input is empty;
+   standard output goes to `said`, standard error to `log`. If this process ends meanwhile, even by SIGKILL, the
+   program and its children are killed. Returns its exit status, FXS_PROGRAM_SIGNAL + the signal that killed it,
+   FXS_PROGRAM_MISSING, or -1 and errno. */
 int fxs_program_run(const char *const *arguments, FILE *log, fxs_program_said_fn *said, void *argument);
 
-/* Runs a program in place of this one. Returns where that fails, with errno. */
+/* Replaces this process by a program (exec). Returns only on failure, with errno. */
 void fxs_program_become(const char *path, char **argv);
 
-/* Opens an address in the browser of a desktop, where there is one, and does not wait for it. Returns 0, or -1 and
-   errno where it cannot. */
+/* Opens an address in the desktop's browser without waiting for it. Does nothing without a desktop. Returns 0, or -1
+   and errno. */
 int fxs_browse(const char *address);
 
-/* ---- Being asked to end ------------------------------------------------------------------------------------------ */
+/* ---- Shutdown
+   --------------------------------------------------------------------------------------------------------- */
 
-/* From here on the first request to end this process (Ctrl-C; SIGHUP, SIGINT, SIGTERM) is only noted. The next one does
-   what it would have done, and what is ignored stays so. */
+/* From now on, the first request to end this process (SIGHUP, SIGINT, SIGTERM; Ctrl-C) only sets a flag. The next
+   one has its usual effect. Ignored signals stay ignored. */
 void fxs_end_listen(void);
 
-/* Not 0 where there was one. */
+/* Nonzero after a request. */
 int fxs_end_asked(void);
 
-/* Requests end the process again. */
+/* Restores the usual effect of requests. */
 void fxs_end_listen_no_more(void);
 
-/* Ends this process as the request would have done; only after one. */
+/* Ends this process in the way that was requested. Call only after a request. */
 void fxs_end_as_asked(void);
 
-/* In the place of the others, for a program that waits for a request: from here on each waits for fxs_end_wait, of this
-   thread and of those that it starts. What is ignored stays so. Nor is it ended by writing what nobody reads. */
+/* Server mode: SIGHUP, SIGINT and SIGTERM are blocked in this thread and in threads that it starts, and delivered by
+   fxs_end_wait. Ignored signals stay ignored. SIGPIPE is ignored. Use instead of fxs_end_listen. */
 void fxs_end_hold(void);
 
-/* Waits for so many milliseconds, or for a request after fxs_end_hold. Returns 1 where there is one, else 0. */
+/* After fxs_end_hold: waits for a request, for at most `milliseconds`. Returns 1 after a request, else 0. */
 int fxs_end_wait(unsigned milliseconds);
 
-/* Calls a function whose threads get no signals. */
+/* Calls a function with all signals blocked, so that threads it starts receive none. */
 void fxs_without_signals(void (*call)(void *argument), void *argument);
 
 #endif

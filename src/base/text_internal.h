@@ -1,4 +1,4 @@
-/* Loads whole files into memory and parses JSON. */
+/* Loads whole files into memory, and parses JSON. */
 #ifndef FXS_TEXT_INTERNAL_H
 #define FXS_TEXT_INTERNAL_H
 
@@ -8,7 +8,7 @@
 #include "try_internal.h"
 
 #define FXS_TEXT_MAX ((size_t)1 << 30)
-#define FXS_UTF8_MARK "\xef\xbb\xbf"   /* a text may begin with it */
+#define FXS_UTF8_MARK "\xef\xbb\xbf"   /* a text may begin with this mark */
 
 /* The bytes of a file, followed by a zero byte. */
 typedef struct fxs_text {
@@ -17,10 +17,10 @@ typedef struct fxs_text {
     size_t size;        /* without the zero byte */
 } fxs_text;
 
-/* Loads a regular file; the caller frees text->data. Returns 0, or an error and a message. */
+/* Loads a regular file. The caller frees text->data. Returns 0, or an error and a message. */
 int fxs_text_load(const char *path, fxs_text *text, fxs_message *message);
 
-/* The text behind the mark of UTF-8 that it may begin with. */
+/* The text after an optional UTF-8 mark. */
 char *fxs_text_begin(const fxs_text *text);
 
 /* ---- With cJSON (FXS_WITH_CJSON) ---- */
@@ -29,18 +29,18 @@ struct cJSON;
 
 struct fxs_scene_source;
 
-/* Parses JSON within the memory limit of the source (NULL: no limit). Returns 0, or an error and a message.
-   cJSON_Delete frees *root, which is null after an error. */
+/* Parses JSON within the memory limit of `source` (NULL: no limit). Returns 0, or an error and a message. Free *root
+   with cJSON_Delete; it is null after an error. */
 int fxs_json_parse(const fxs_text *json, const struct fxs_scene_source *source, struct cJSON **root,
                    fxs_message *message);
 
-/* 1 where the array has exactly `count` numbers, else 0. */
+/* Reads an array of exactly `count` numbers. Returns 1, else 0. */
 int fxs_json_numbers(const struct cJSON *array, double *out, int count);
 
-/* 1 where the item is a whole number from 0 to `most`, which a double can hold; null is no number. */
+/* Reads a whole number, 0 to `most`, that a double represents exactly. Returns 1, else 0, also for a null item. */
 int fxs_json_whole(const struct cJSON *item, size_t most, size_t *out);
 
-/* The string of that name, or NULL. */
+/* The string of this name, or NULL. */
 const char *fxs_json_string(const struct cJSON *object, const char *name);
 
 #endif

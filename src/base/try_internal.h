@@ -1,4 +1,4 @@
-/* Returns from the calling function with the error of a call, where it has one (a negative FXS_ERR_*). */
+/* Returns the error of a call, if negative (FXS_ERR_*), from the calling function. */
 #ifndef FXS_TRY_INTERNAL_H
 #define FXS_TRY_INTERNAL_H
 

@@ -9,17 +9,17 @@
 
 #include "fail_list.h"
 
-enum { MAX_INFLATION = 1032 };   /* the most bytes that a byte of deflate stands for */
+enum { MAX_INFLATION = 1032 };   /* maximum expansion of deflate, bytes per byte */
 
 struct fxs_zip {
     const fxs_scene_source *source;
-    uint64_t offset;           /* of the next byte that libzip reads */
-    zip_error_t error;         /* of the last call by libzip */
+    uint64_t offset;           /* libzip's read position */
+    zip_error_t error;         /* of libzip's last call */
     zip_t *archive;
-    char *folder;              /* in which the names are, with its separator; NULL: in none */
+    char *folder;              /* prefix of the names, with its separator; NULL: none */
 };
 
-/* ---- The source, as libzip calls it ---------------------------------------------------------------------------- */
+/* ---- Source callbacks for libzip ------------------------------------------------------------------------------- */
 
 static zip_int64_t read_source(fxs_zip *zip, void *out, zip_uint64_t size)
 {
@@ -116,7 +116,7 @@ static int check_entry(const fxs_zip *zip, const char *name, const zip_stat_t *e
     return 0;
 }
 
-/* The length of the folder before a name at the end of an entry's; 0: the entry is another. */
+/* Length of the folder if an entry is `name` in a folder, else 0. */
 static size_t folder_before(const char *entry, const char *name)
 {
     const size_t length = strlen(entry), size = strlen(name);
@@ -147,7 +147,7 @@ int fxs_zip_enter(fxs_zip *zip, const char *name, fxs_message *message)
     return 0;
 }
 
-/* Finds an entry by its name in the folder. Returns 0, or -1. */
+/* Finds an entry by name within zip->folder. Returns 0, or -1. */
 static int find_entry(const fxs_zip *zip, const char *name, zip_stat_t *entry)
 {
     const size_t folder = zip->folder ? strlen(zip->folder) : 0;
@@ -161,7 +161,7 @@ static int find_entry(const fxs_zip *zip, const char *name, zip_stat_t *entry)
     return -1;
 }
 
-/* The read past the last byte is what makes libzip compare the checksum. */
+/* The extra read at the end makes libzip verify the checksum. */
 static int read_entry(zip_file_t *file, char *data, size_t size)
 {
     return zip_fread(file, data, size) == (zip_int64_t)size && zip_fread(file, data + size, 1) == 0;

@@ -1,4 +1,4 @@
-/* Reads and writes entries of a zip archive, by libzip. */
+/* Reads and writes zip archives with libzip. */
 #ifndef FXS_ZIP_INTERNAL_H
 #define FXS_ZIP_INTERNAL_H
 
@@ -7,20 +7,19 @@
 
 typedef struct fxs_zip fxs_zip;
 
-/* Returns 0 and an archive that fxs_zip_close frees, or an error and a message: FXS_ERR_FILE where the source, which
-   must outlive the archive, is not a zip, FXS_ERR_UNSUPPORTED where fixsplat was built without libzip. *zip is then
-   null. */
+/* Opens an archive; `source` must outlive it. Free it with fxs_zip_close. Returns 0, or an error, a message and a
+   null *zip: FXS_ERR_FILE if the source is not a zip, FXS_ERR_UNSUPPORTED if fixsplat was built without libzip. */
 int fxs_zip_open(const fxs_scene_source *source, fxs_zip **zip, fxs_message *message);
 
-/* Where there is no entry of that name but one in a folder, names for fxs_zip_load are in that folder: of several, in
-   the one with the shortest path. Returns 0, or an error and a message. */
+/* If the archive has no entry `name` at its top but has one in a folder, later names are relative to that folder; of
+   several folders, the one with the shortest path. Returns 0, or an error and a message. */
 int fxs_zip_enter(fxs_zip *zip, const char *name, fxs_message *message);
 
-/* Loads the entry of that name, stored or deflated, for fxs_text_let_go; text->path is the archive's. Returns 0, or an
-   error and a message. */
+/* Loads an entry, stored or deflated; free it with fxs_text_let_go. text->path is the archive's path. Returns 0, or
+   an error and a message. */
 int fxs_zip_load(fxs_zip *zip, const char *name, fxs_text *text, fxs_message *message);
 
-/* NULL is allowed. */
+/* Accepts NULL. */
 void fxs_zip_close(fxs_zip *zip);
 
 typedef struct fxs_zip_entry {
@@ -29,8 +28,8 @@ typedef struct fxs_zip_entry {
     size_t size;
 } fxs_zip_entry;
 
-/* Writes an archive of these entries, uncompressed and dated 1980, so that its bytes depend only on the entries. It is
-   made in memory first. Returns 0 on success; errors stay in the output. */
+/* Writes an archive of uncompressed entries, dated 1980, so that its bytes depend only on the entries. Builds it in
+   memory first. Returns 0; errors stay in the output. */
 int fxs_zip_write(fxs_output *output, const fxs_zip_entry *entries, uint32_t count, fxs_message *message);
 
 #endif

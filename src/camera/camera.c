@@ -1,3 +1,5 @@
+/* Makes and changes views: look-at, framing a box, orbit, resize, and conversion to fixed-point cameras and from
+ * matrices of OpenGL. The rows of a view's rotation are its axes right, down and forward, in world coordinates. */
 #include <fixsplat/camera.h>
 
 #include <math.h>
@@ -24,7 +26,7 @@ static void cross(double out[3], const double a[3], const double b[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* Makes the length 1. Returns 0 where the vector has no direction. */
+/* Scales to length 1. Returns 0 if the vector has no direction. */
 static int normalise(double v[3])
 {
     double length = sqrt(dot(v, v));
@@ -72,7 +74,7 @@ int fxs_view_level(fxs_file_view *view, const double up[3])
     return 1;
 }
 
-/* Of all u the least of mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2: (R + LEVEL_SHARE) u = LEVEL_SHARE mean up. */
+/* Minimises mean (right . u)^2 + LEVEL_SHARE |u - mean up|^2: (R + LEVEL_SHARE) u = LEVEL_SHARE mean up. */
 int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double up[3])
 {
     const char *at = (const char *)views;
@@ -84,7 +86,7 @@ int fxs_views_up(const fxs_file_view *views, size_t count, size_t stride, double
         for (int k = 0; k < 3; k++)
             mean[k] -= rotation[3 + k] / (double)count;
     }
-    for (int k = 0; k < 3; k++)       /* times the determinant, which is above 0 */
+    for (int k = 0; k < 3; k++)       /* times the determinant, which is positive */
         cross(inverse[k], a[(k + 1) % 3], a[(k + 2) % 3]);
     for (int k = 0; k < 3; k++)
         up[k] = dot(inverse[k], mean);
@@ -120,8 +122,7 @@ double fxs_near_of_box(const double low[3], const double high[3])
     return near > 0 ? fmax(fmin(near, 0.2), NEAR_LEAST) : 0.2;
 }
 
-/* The distance from the middle of a box at which the camera sees all its corners within 95 % of the picture and beyond
-   `near`. */
+/* The distance from the middle of a box at which all its corners are within 95 % of the picture and beyond `near`. */
 static double distance_for(const fxs_file_view *view, const double half[3], double near)
 {
     const double tangent[2] = {0.95 * view->width / 2 / view->fx, 0.95 * view->height / 2 / view->fy};
@@ -186,7 +187,7 @@ void fxs_view_resize(fxs_file_view *view, int width, int height)
     const double scale = (double)width / view->width;
     view->fx *= scale;
     view->fy *= scale;
-    /* cx - old width / 2 becomes scale (cx - old width / 2): nothing in the middle moves, to the last bit */
+    /* cx - old width / 2 becomes scale (cx - old width / 2), so a centred principal point stays exactly centred */
     view->cx = width / 2.0 + scale * (view->cx - view->width / 2.0);
     view->cy = height / 2.0 + scale * (view->cy - view->height / 2.0);
     view->width = width;
@@ -207,7 +208,7 @@ int fxs_view_set_tangents(fxs_file_view *view, const double tangents[4], fxs_mes
     return 0;
 }
 
-/* Rotates by Rodrigues' formula; the axis has length 1. */
+/* Rodrigues' rotation formula; the axis has length 1. */
 static void turn(double out[3], const double v[3], const double axis[3], double angle)
 {
     double across[3], c = cos(angle), s = sin(angle), along = dot(axis, v) * (1 - c);
@@ -243,8 +244,8 @@ static int rotation_valid(const double r[9])
     return determinant > 0;
 }
 
-/* The nearest rotation, by Newton's iteration for the polar decomposition: R <- R (3 I - R^T R) / 2. Each step squares
-   the error, so three steps reduce 1e-3 to the last bit. */
+/* The nearest rotation, by Newton's iteration for the polar decomposition: R <- R (3 I - R^T R) / 2. Each step
+   squares the error, so three steps reduce 1e-3 to rounding. */
 static void orthonormalise(double r[9])
 {
     for (int step = 0; step < 3; step++) {
@@ -268,9 +269,8 @@ int fxs_to_rotation(double r[9])
     return valid;
 }
 
-/* For a rotation r[3 i + j], in rows, by the quaternion q = (w, v), the matrix 4 q q^T has 1 + trace, 1 + r00 - r11 -
-   r22, ... on its diagonal, and sums and differences of r elsewhere. Its row with the largest diagonal is parallel to
-   q. */
+/* With q = (w, v), the matrix 4 q q^T has 1 + trace, 1 + r00 - r11 - r22, ... on its diagonal, and sums and
+   differences of r elsewhere. Each row is parallel to q; the row with the largest diagonal is the most accurate. */
 void fxs_quaternion_of(const double r[9], double q[4])
 {
     const double trace = r[0] + r[4] + r[8];
@@ -324,9 +324,9 @@ int fxs_camera_from_view(fxs_camera *camera, const fxs_file_view *view, fxs_mess
     return 0;
 }
 
-/* ---- Matrices of OpenGL ------------------------------------------------------------------------------------------ */
+/* ---- OpenGL matrices --------------------------------------------------------------------------------------------- */
 
-/* Equal within a millionth: the matrix may come from single precision. */
+/* Equal within a millionth, because the matrix may come from single precision. */
 static int is_near(double x, double wanted)
 {
     return fabs(x - wanted) <= 1e-6 * fmax(1, fabs(wanted));
@@ -368,7 +368,7 @@ static int take_near(fxs_file_view *view, double c, double d, fxs_message *messa
 /* In the picture, x = width (x_clip / w + 1) / 2 and y = height (1 - y_clip / w) / 2. */
 static int take_projection(fxs_file_view *view, const double m[16], fxs_message *message)
 {
-    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* in both kinds of projection */
+    static const int zeros[] = {1, 2, 3, 4, 6, 7};     /* in both projections */
     const int flat = is_near(m[11], 0) && is_near(m[15], 1);
     int good = flat || (is_near(m[11], -1) && is_near(m[15], 0));
     for (int i = 0; i < 16; i++)

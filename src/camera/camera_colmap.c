@@ -1,4 +1,4 @@
-/* COLMAP sparse models, as its page "Output Format" and the list in its src/colmap/sensor/models.h describe them. */
+/* Reads COLMAP sparse models. Formats: COLMAP's page "Output Format" and its src/colmap/sensor/models.h. */
 #include "camera_internal.h"
 #include "colmap_internal.h"
 
@@ -10,8 +10,8 @@
 #define MAX_CAMERAS 1000000
 #define MAX_PARAMS 16
 
-/* The index is COLMAP's model id. Focal lengths and the principal point come first, then the coefficients of the lens,
-   by the letters of fxs_lens_coefficient. */
+/* Indexed by COLMAP's model id. Parameters: focal lengths, principal point, then lens coefficients, by the letters
+   of fxs_lens_coefficient. */
 static const struct {
     const char *name;
     int focals;
@@ -91,7 +91,7 @@ static int compare_ids(const void *a, const void *b)
     return (p->id > q->id) - (p->id < q->id);
 }
 
-/* The rows of the rotation of a quaternion w, x, y, z of any length; 0 where that is 0 or not finite. */
+/* The rows of the rotation of a quaternion w, x, y, z of any length. Returns 0 if the length is 0 or not finite. */
 static int quaternion_rows(const double q[4], double r[9])
 {
     double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -110,7 +110,7 @@ static int quaternion_rows(const double q[4], double r[9])
     return 1;
 }
 
-/* pose: a quaternion w, x, y, z and a translation, world to camera. */
+/* pose: quaternion w, x, y, z and translation, world to camera. */
 static int add_image(fxs_view_list *list, const camera_list *cameras, const char *name, const double pose[7],
                      double camera_id)
 {
@@ -200,7 +200,7 @@ static int read_cameras_txt(camera_list *list, const fxs_text *text)
     return 0;
 }
 
-/* Two lines an image: numbers, and the name up to the line's end; then its 2D points, of which there may be none. */
+/* Two lines per image: numbers and a name that ends with the line; then its 2D points, possibly none. */
 static int read_images_txt(fxs_view_list *list, const camera_list *cameras, const fxs_text *text)
 {
     char *rest = fxs_text_begin(text), *line;

@@ -1,4 +1,4 @@
-/* The "internal/external camera parameters" of RealityCapture and RealityScan: a line of text for each photograph. */
+/* The "internal/external camera parameters" of RealityCapture and RealityScan: a text line per photograph. */
 #include "camera_internal.h"
 #include "colmap_internal.h"
 
@@ -13,17 +13,17 @@ enum { COLUMNS_MOST = 64, SIZE = 800 };
 static const char *const headings[VALUES] = {"#name", "x", "y", "alt", "heading", "pitch", "roll", "f", "px", "py",
                                              "k1", "k2", "k3", "k4", "t1", "t2"};
 
-#define FILM 36.0                  /* mm: f is for a picture whose longer side is so long */
+#define FILM 36.0                  /* mm: f refers to a longer side of this length */
 #define RADIANS 0.017453292519943295
 
-/* The columns of the lines below. */
+/* The columns of the file. */
 typedef struct table {
-    int columns[COLUMNS_MOST];     /* which value each has; -1: none */
+    int columns[COLUMNS_MOST];     /* value index of each column; -1: ignored */
     int count;
-    char separator;                /* a comma; or a semicolon, and numbers may have a comma for their point */
+    char separator;                /* comma; or semicolon, with decimal commas allowed */
 } table;
 
-/* Cuts the next field off a line; NULL behind the last. A field in quotes may have separators. */
+/* Cuts the next field off a line; NULL after the last. A quoted field may contain separators. */
 static char *next_field(char **rest, char separator)
 {
     const char separators[2] = {separator, 0};
@@ -41,7 +41,7 @@ static char *next_field(char **rest, char separator)
     return field + strspn(field, " \t");
 }
 
-/* The separator is the one behind the first name. */
+/* Reads the column names. The separator is the one after the first name. */
 static int read_headings(const fxs_view_list *list, char *line, table *t)
 {
     int seen[VALUES] = {0};
@@ -63,7 +63,7 @@ static int read_headings(const fxs_view_list *list, char *line, table *t)
     return 0;
 }
 
-/* Sine and cosine of any angle in degrees, by the tangent t of half of it: 2 t / (1 + t^2), (1 - t^2) / (1 + t^2). */
+/* Sine and cosine of any angle in degrees from the tangent t of its half: 2 t / (1 + t^2), (1 - t^2) / (1 + t^2). */
 static void turn(double degrees, double *sine, double *cosine)
 {
     const double within = fmod(degrees, 360), sign = within < 0 ? -1 : 1;
@@ -73,8 +73,8 @@ static void turn(double degrees, double *sine, double *cosine)
     *cosine = (a > 90 ? -1 : 1) * (1 - square) / (1 + square);
 }
 
-/* Camera to world, with x to the right, y up and z backwards: Rz(-heading) Rx(pitch) Ry(roll), where the world's x is
-   east, y north and z up. */
+/* Camera to world, with x right, y up and z backwards: Rz(-heading) Rx(pitch) Ry(roll). World: x east, y north, z
+   up. */
 static void set_pose(fxs_file_view *view, const double v[VALUES])
 {
     double sh, ch, sp, cp, sr, cr;
@@ -92,7 +92,7 @@ static void set_pose(fxs_file_view *view, const double v[VALUES])
     }
 }
 
-/* The principal point is stated from the middle, in sides of the picture; the coefficients are OpenCV's. */
+/* The file gives the principal point from the middle, relative to the longer side. The coefficients are OpenCV's. */
 static int add_view(fxs_view_list *list, const char *name, const double v[VALUES])
 {
     fxs_listed_view *listed;

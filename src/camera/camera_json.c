@@ -9,14 +9,14 @@
 
 #include <cjson/cJSON.h>
 
-/* The number of that name; INFINITY where the value is not a number. */
+/* A number by name: `absent` if missing, INFINITY if not a number. */
 static double number(const cJSON *object, const char *name, double absent)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
     return !item ? absent : cJSON_IsNumber(item) ? item->valuedouble : INFINITY;
 }
 
-/* 1 where the array has `size` rows of `size` numbers, else 0. */
+/* Reads `size` rows of `size` numbers. Returns 1, else 0. */
 static int matrix(const cJSON *array, double *out, int size)
 {
     const cJSON *row;
@@ -30,7 +30,8 @@ static int matrix(const cJSON *array, double *out, int size)
     return 1;
 }
 
-/* The columns of "rotation" are the camera's axes: camera to world. Inria's files have no cx, cy and orthographic. */
+/* "rotation" is camera to world: its columns are the camera's axes. Inria's own files have no cx, cy and
+   orthographic. */
 static int read_inria_view(fxs_view_list *list, const cJSON *item)
 {
     double width = number(item, "width", 0), height = number(item, "height", 0), r[9];
@@ -56,8 +57,8 @@ static int read_inria_view(fxs_view_list *list, const cJSON *item)
 static const char *const lens_names[] = {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "sx1", "sy1"};
 enum { LENS_NAMES = sizeof lens_names / sizeof *lens_names };
 
-/* Each camera_model that is read: the coefficients of lens_names by the letters of fxs_lens_coefficient, - for one that
-   it does not have. The fourth of a perspective camera is that of r^8, but of FULL_OPENCV. */
+/* Each known camera_model: the coefficient for each of lens_names, as a letter of fxs_lens_coefficient; -: not used.
+   k4 of a perspective camera is that of r^8, except in FULL_OPENCV. */
 static const struct lens_model {
     const char *name;
     enum fxs_lens_kind kind;
@@ -71,7 +72,7 @@ static const struct lens_model {
 };
 enum { LENS_MODELS = sizeof lens_models / sizeof *lens_models, OPENCV = 0, FULL_OPENCV = 1, OPENCV_FISHEYE = 6 };
 
-/* Numbers of the file; NAN where absent. */
+/* NAN: absent in the file. */
 typedef struct intrinsics {
     double w, h, fl_x, fl_y, cx, cy, camera_angle_x, camera_angle_y;
     double lens[LENS_NAMES];
@@ -124,7 +125,7 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     FXS_TRY(fxs_view_list_mask(list, listed, fxs_json_string(frame, "mask_path")));
     fxs_file_view *view = &listed->view;
     if (isnan(width) && isnan(height)) {
-        width = height = 800;   /* Blender's synthetic scenes state no size */
+        width = height = 800;   /* Blender's synthetic scenes give no size */
         listed->sizeless = isnan(first(own.fl_x, file->fl_x)) ? FXS_SIZE_OF_WIDTH : FXS_SIZE_STATED;
     }
     FXS_TRY(read_lens(list, model, &own, file, &listed->lens));
@@ -150,8 +151,8 @@ static int read_frame(fxs_view_list *list, const cJSON *frame, const intrinsics 
     return fxs_view_list_finish(list, width, height);
 }
 
-/* NULL: a name that is not known. Without a name, k5 and k6 tell FULL_OPENCV, and instant-ngp's "is_fisheye" tells
-   OPENCV_FISHEYE. */
+/* Returns NULL for an unknown name. Without a name: FULL_OPENCV if k5 or k6 exists, OPENCV_FISHEYE for instant-ngp's
+   "is_fisheye", else OPENCV. */
 static const struct lens_model *find_model(const cJSON *root, const char *name)
 {
     const int full = cJSON_HasObjectItem(root, "k5") || cJSON_HasObjectItem(root, "k6");
@@ -164,11 +165,11 @@ static const struct lens_model *find_model(const cJSON *root, const char *name)
     return NULL;
 }
 
-/* ---- Which photographs ------------------------------------------------------------------------------------------- */
+/* ---- Split into fitting and testing ------------------------------------------------------------------------------ */
 
 enum { TRAIN, TEST, VAL, PARTS };
 
-/* The names of a list of the file, sorted, each once, and which of them a frame has. */
+/* A list of names from the file, sorted without duplicates; met[i]: a frame has name i. */
 typedef struct name_list {
     const char **names;
     unsigned char *met;
@@ -209,7 +210,7 @@ static int read_names(const fxs_view_list *list, const cJSON *root, const char *
     return 0;
 }
 
-/* Whether the list has the name, which is then met. */
+/* Whether the list has a name; marks it as met. */
 static int meets(name_list *names, const char *name)
 {
     const char *const *found = bsearch(&name, names->names, names->count, sizeof name, compare_names);
@@ -218,7 +219,7 @@ static int meets(name_list *names, const char *name)
     return found != NULL;
 }
 
-/* Those of test_filenames are to test with, or where there are none those of val_filenames. */
+/* Test views are those in test_filenames, or in val_filenames if the former is empty. */
 static int choose_parts(fxs_view_list *list, name_list parts[PARTS])
 {
     for (size_t i = 0; i < list->count; i++) {

@@ -1,5 +1,4 @@
-/* Reads the cameras that Agisoft Metashape exports as .xml. The formulas are in the appendix "Camera models" of its
-   user manual. */
+/* Reads the cameras that Agisoft Metashape exports as .xml. Formulas: appendix "Camera models" of its user manual. */
 #include "camera_internal.h"
 
 #ifdef FXS_WITH_EXPAT
@@ -17,16 +16,16 @@
 
 enum { DEPTH_MOST = 64, NAME_ROOM = 24, TEXT_MOST = 2048, ID_ROOM = 24, ITEMS_MOST = 1000000 };
 
-/* The numbers of a calibration; f is 0 where there is none. */
+/* Calibration parameters; f = 0: none. */
 enum { F, CX, CY, B1, B2, K1, K2, K3, K4, P1, P2, P3, P4, NUMBERS };
 static const char *const number_names[NUMBERS] = {"f", "cx", "cy", "b1", "b2", "k1", "k2", "k3", "k4", "p1", "p2",
                                                    "p3", "p4"};
 
-/* The id comes first, for find_item. */
+/* The id must be the first field, for find_item. */
 typedef struct sensor {
     char id[ID_ROOM], type[ID_ROOM];
     double width, height, numbers[NUMBERS];
-    int calibrated, adjusted;      /* one that was adjusted is taken before an initial one */
+    int calibrated, adjusted;      /* an adjusted calibration replaces an initial one */
 } sensor;
 
 /* x in the world = scale * rotation * x in the chunk + translation. */
@@ -36,7 +35,7 @@ typedef struct placement {
     int given;
 } placement;
 
-#define ON_EARTH 65536.0           /* units: a translation of more is too far for single precision */
+#define ON_EARTH 65536.0           /* units: larger translations are geographic, too far for single precision */
 
 typedef struct photographed {
     char *label;
@@ -58,9 +57,9 @@ typedef struct reader {
     int depth;
     char text[TEXT_MOST];          /* of the innermost element */
     size_t length;
-    int calibration;               /* 1: inside one that counts */
+    int calibration;               /* 1: inside a calibration that is used */
     placement chunk;
-    double origin[3];              /* is subtracted from every position */
+    double origin[3];              /* subtracted from all positions */
     items sensors, components, cameras;
 } reader;
 
@@ -76,7 +75,7 @@ static void fault(reader *r, const char *what, const char *of)
                      (unsigned long)XML_GetCurrentLineNumber(r->parser), what, of));
 }
 
-/* Appends an item that is all 0; NULL after an error. */
+/* Appends an item with all fields 0; NULL after an error. */
 static void *add_item(reader *r, items *i, size_t size)
 {
     if (i->count == i->room) {
@@ -95,7 +94,7 @@ static void *add_item(reader *r, items *i, size_t size)
 
 /* ---- Elements ---------------------------------------------------------------------------------------------------- */
 
-/* Whether the innermost element is so called and its parent so. */
+/* Whether the innermost element and its parent have these names. */
 static int is(const reader *r, const char *name, const char *parent)
 {
     return r->depth > 1 && r->depth <= DEPTH_MOST && !strcmp(r->path[r->depth - 1], name) &&
@@ -110,7 +109,7 @@ static const char *attribute(const char **attributes, const char *name)
     return "";
 }
 
-/* Returns 0 where the value is too long for an id. */
+/* Returns 0 if the value is too long for an id. */
 static int take_id(reader *r, char id[ID_ROOM], const char **attributes, const char *name)
 {
     const char *value = attribute(attributes, name);
@@ -200,12 +199,12 @@ static void add_text(void *argument, const char *text, int length)
     r->length += taken;
 }
 
-/* The text is `count` numbers and nothing else. */
+/* Reads a text of exactly `count` numbers. */
 static void take_numbers(reader *r, double *out, int count)
 {
     char *rest = r->text;
     if (r->length == TEXT_MOST - 1)
-        r->text[0] = 0;            /* it was cut */
+        r->text[0] = 0;            /* truncated */
     for (char *c = r->text; *c; c++)
         *c = *c == '\n' ? ' ' : *c;
     if (!fxs_colmap_numbers(&rest, out, count) || *fxs_colmap_word(&rest))
@@ -220,7 +219,7 @@ static void take_calibration(reader *r)
             take_numbers(r, &s->numbers[i], 1);
 }
 
-/* The transform of a component, or of the chunk. */
+/* Reads the transform of a component or of the chunk. */
 static void take_placement(reader *r)
 {
     const char *owner = r->depth > 2 ? r->path[r->depth - 3] : "";
@@ -261,7 +260,7 @@ static void end(void *argument, const char *name)
     r->length = 0;
 }
 
-/* What the file declares could grow without end. */
+/* Refused, because declared entities could expand without limit. */
 static void begin_declarations(void *argument, const char *name, const char *system, const char *public, int internal)
 {
     (void)system, (void)public, (void)internal;
@@ -286,20 +285,20 @@ static const void *find_item(const items *i, const char *id, size_t size)
     return i->count ? bsearch(id, i->data, i->count, size, compare_ids) : NULL;
 }
 
-/* The component's, else the chunk's; NULL where there is none. */
+/* The component's placement, else the chunk's; NULL if none. */
 static const placement *find_placement(const reader *r, const char *id)
 {
     const placement *of = find_item(&r->components, id, sizeof *of);
     return of && of->given ? of : r->chunk.given ? &r->chunk : NULL;
 }
 
-/* A camera that was not aligned has no pose, and is no view. */
+/* A camera that was not aligned has no pose and is skipped. */
 static int is_view(const photographed *c)
 {
     return c->has_pose && !c->disabled;
 }
 
-/* The origin is the translation of the first placement on the Earth, in whole units, of which doubles are exact. */
+/* The origin is the first geographic translation, rounded to whole units, so that doubles subtract it exactly. */
 static void find_origin(reader *r)
 {
     const photographed *cameras = r->cameras.data;
@@ -312,7 +311,7 @@ static void find_origin(reader *r)
     }
 }
 
-/* The pose has the camera's axes x, y (down) and z (forward) and its centre as columns. */
+/* pose: columns are the camera's axes x, y (down), z (forward), and its centre. */
 static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16], const placement *p,
                  const double origin[3])
 {
@@ -332,7 +331,7 @@ static int place(fxs_view_list *list, fxs_file_view *view, const double pose[16]
     return 0;
 }
 
-/* u = w / 2 + cx + x' f + x' B1 + y' B2, v = h / 2 + cy + y' f, where x' has P1 (r^2 + 2 x^2) + 2 P2 x y. */
+/* u = w / 2 + cx + x' f + x' B1 + y' B2, v = h / 2 + cy + y' f, where x' includes P1 (r^2 + 2 x^2) + 2 P2 x y. */
 static int set_intrinsics(fxs_view_list *list, fxs_listed_view *listed, const sensor *s)
 {
     const double *n = s->numbers;

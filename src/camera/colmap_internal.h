@@ -1,4 +1,4 @@
-/* Reads the values of COLMAP's files: little-endian numbers, and words in lines. */
+/* Reads values of COLMAP's files: little-endian numbers, and words of text lines. */
 #ifndef FXS_COLMAP_INTERNAL_H
 #define FXS_COLMAP_INTERNAL_H
 
@@ -9,7 +9,7 @@
 typedef struct fxs_colmap_cursor {
     const unsigned char *at;
     size_t left;
-    int short_of;   /* 1: a value past the end was read, as 0 */
+    int short_of;   /* 1: a read went past the end and gave 0 */
 } fxs_colmap_cursor;
 
 static inline fxs_colmap_cursor fxs_colmap_begin(const fxs_text *text)
@@ -20,22 +20,22 @@ static inline fxs_colmap_cursor fxs_colmap_begin(const fxs_text *text)
 uint64_t fxs_colmap_take(fxs_colmap_cursor *in, size_t bytes);
 void fxs_colmap_take_doubles(fxs_colmap_cursor *in, double *out, int count);
 
-/* Skips `count` records, or all of the rest where there are fewer. */
+/* Skips `count` records, or to the end. */
 void fxs_colmap_skip(fxs_colmap_cursor *in, uint64_t count, size_t bytes);
 
-/* Cuts the next line off and returns it without leading blanks; NULL at the end. */
+/* Returns the next line without leading blanks; NULL at the end. Changes the text. */
 char *fxs_colmap_line(char **rest);
 
-/* The next line that is not a comment or empty. */
+/* As fxs_colmap_line, without comments and empty lines. */
 char *fxs_colmap_entry(char **rest);
 
-/* Cuts the next word off the line; empty at its end. */
+/* Returns the next word of the line; empty at the end. Changes the text. */
 char *fxs_colmap_word(char **line);
 
-/* The rest of a line without blanks around it. */
+/* The rest of a line, trimmed. */
 char *fxs_colmap_rest(char *line);
 
-/* Reads `count` finite numbers. Returns 0 where the next words are not. */
+/* Reads `count` finite numbers. Returns 0 if a word is not one. */
 int fxs_colmap_numbers(char **line, double *out, int count);
 
 #endif

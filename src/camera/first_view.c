@@ -1,3 +1,7 @@
+/* Chooses a view by rendering a small sample of the scene from many stands and scoring the pictures. A score counts
+ * the Gaussians that a picture shows; it is lower if one Gaussian fills the picture or if the border cuts through
+ * the subject. Steps: find the core and free places inside the scene, decide which way is up and whether to look
+ * from within, try 12 yaws at two distances around each box, then other heights and distances on the best sides. */
 #include "first_view.h"
 
 #include <math.h>
@@ -12,19 +16,19 @@
 #include "within.h"
 #include "src/base/try_internal.h"
 
-enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };            /* of a small picture */
+enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT };            /* small picture */
 enum { BORDER = 4 * WIDTH + 6 * (HEIGHT - 2) };
 enum { YAWS = 12, AROUND = 6, STANDS = 2 * YAWS, SIDES_TRIED = 3, THREADS_MOST = 8, BOXES = 3 };
 
 #define FOV 50                       /* degrees */
-#define LARGEST (PIXELS / 16)        /* pixels that one Gaussian may take without harm */
-#define UNBOUNDED 2                  /* size of the scene over that of its core */
-#define OPEN 0.65                    /* part of the level views that is covered, from a place with something to see */
-#define CLOSED 0.88                  /* the same in a room */
-#define WITHIN 0.74                  /* Gaussians seen from within over those seen from outside */
-#define WITHIN_STANDING 1.1          /* the same for a scene with the proportions of a standing figure */
+#define LARGEST (PIXELS / 16)        /* a Gaussian with more pixels lowers the score */
+#define UNBOUNDED 2                  /* least size of an unbounded scene / size of its core */
+#define OPEN 0.65                    /* least mean coverage of level views from a useful place */
+#define CLOSED 0.88                  /* the same for a room */
+#define WITHIN 0.74                  /* Gaussians seen from within / from outside */
+#define WITHIN_STANDING 1.1          /* the same for a scene shaped like a standing figure */
 
-/* A small picture, and how many of its pixels each Gaussian of the sample takes. */
+/* A small picture, and the pixels of each Gaussian in it. */
 typedef struct look {
     unsigned char colour[PIXELS][4], coverage[PIXELS];
     uint32_t depth[PIXELS];
@@ -32,45 +36,45 @@ typedef struct look {
     uint16_t pixels[FXS_SAMPLE_MOST + 1];
 } look;
 
-/* What a small picture shows. */
+/* Measurements of a small picture. */
 typedef struct sight {
-    int64_t seen;                    /* Gaussians that contribute most to a pixel */
-    int64_t largest;                 /* pixels of the one that has most */
-    int64_t detail;                  /* sum of the differences of neighbouring pixels */
-    int64_t covered;                 /* sum of coverage: 255 a pixel */
-    int64_t close;                   /* pixels of what lies in the way out of the box */
-    int64_t cut;                     /* pixels of the border that are covered, weighted: BORDER where all are */
+    int64_t seen;                    /* Gaussians that contribute most to some pixel */
+    int64_t largest;                 /* pixels of the largest Gaussian */
+    int64_t detail;                  /* sum of differences between neighbouring pixels */
+    int64_t covered;                 /* sum of coverage, 255 per pixel */
+    int64_t close;                   /* pixels nearer than chooser.close, blocking the view */
+    int64_t cut;                     /* covered border pixels, weighted; BORDER: all of them */
 } sight;
 
 typedef struct box {
     double low[3], high[3];
 } box;
 
-/* Where a camera stands. */
+/* Position of a camera. */
 typedef struct stand {
     int yaw;                         /* in twelfths of a turn */
-    double out, rise;                /* how far it is from the middle, level and up, in proportion */
-    double part;                     /* as in fxs_first_choice; 0: in the middle, looking the other way */
+    double out, rise;                /* direction from the middle: level part, upward part */
+    double part;                     /* as in fxs_first_choice; 0: in the middle, looking outwards */
     const box *about;
 } stand;
 
 typedef struct chooser {
-    fxs_context context;             /* of one thread */
-    const fxs_config *config;        /* of all */
+    fxs_context context;             /* for one thread */
+    const fxs_config *config;        /* the caller's, with all threads */
     uint32_t threads;
     fxs_sample sample;
     fxs_core core;
-    box boxes[BOXES];                /* the scene; if it is unbounded, also its core, and the middle of the core */
+    box boxes[BOXES];                /* the scene; if unbounded, also its core and the middle of its core */
     int box_count;
-    box places[FXS_WITHIN_MOST];     /* boxes with a place within the scene in their middle */
+    box places[FXS_WITHIN_MOST];     /* boxes around places within the scene */
     int place_count;
-    int standing;                    /* 1 or 2: the scene is a thing standing along y or z */
-    int is_within;                   /* 1: the scene shows most from within */
-    int outlined;                    /* 0: surroundings that thin out */
-    double up[3], close;             /* nearer pixels are in the way */
+    int standing;                    /* 1 or 2: the scene is a subject standing along y or z */
+    int is_within;                   /* 1: the best views are from within */
+    int outlined;                    /* 0: surroundings that thin out with distance */
+    double up[3], close;             /* close: nearer pixels block the view */
     size_t frame_bytes;
-    unsigned char *frames;           /* working memory of a frame for each thread */
-    look *looks;                     /* for each thread */
+    unsigned char *frames;           /* working memory of a frame, per thread */
+    look *looks;                     /* one per thread */
     fxs_message *message;
 } chooser;
 
@@ -90,13 +94,14 @@ static void count_seen(look *l, double close, double far, sight *s)
         s->close += depth < close;
         if (l->id[i].object == FXS_NOTHING || l->coverage[i] < 48)
             continue;
-        const uint16_t pixels = ++l->pixels[l->id[i].object + l->id[i].gaussian];    /* an object's id is its first */
+        const uint16_t pixels = ++l->pixels[l->id[i].object + l->id[i].gaussian];    /* an object's id is the index
+                                                                                        of its first Gaussian */
         s->seen += pixels == 1;
         s->largest = pixels > s->largest && depth < far ? pixels : s->largest;
     }
 }
 
-/* Of the luminance: at most 40, so that a few bright spots do not outweigh the rest. */
+/* Difference in luminance, at most 40, so that a few bright spots do not dominate. */
 static int difference(const unsigned char *a, const unsigned char *b)
 {
     const int d = abs(2 * (a[0] - b[0]) + 5 * (a[1] - b[1]) + a[2] - b[2]) / 8;
@@ -114,7 +119,7 @@ static void count_detail(const look *l, sight *s)
         }
 }
 
-/* Below, where a ground may go on, the border counts a third. */
+/* The bottom border counts a third, because a ground may continue there. */
 static void count_cut(const look *l, sight *s)
 {
     for (int y = 0; y < HEIGHT; y++)
@@ -122,13 +127,13 @@ static void count_cut(const look *l, sight *s)
             s->cut += is_covered(l, y * WIDTH + x) * (y == HEIGHT - 1 ? 1 : 3);
 }
 
-/* How far the core goes on from a camera. */
+/* Distance to the far end of the core. */
 static double end_of_core(const chooser *c, const fxs_file_view *view)
 {
     return fxs_distance(view->position, c->core.middle) + fxs_distance(c->core.low, c->core.high) / 2;
 }
 
-/* A view that the renderer cannot take shows nothing. */
+/* Renders and measures a view. A view that the renderer refuses counts as empty. */
 static int take_look(const chooser *c, uint32_t thread, const fxs_file_view *view, sight *s)
 {
     look *l = &c->looks[thread];
@@ -192,7 +197,7 @@ static int view_of(const chooser *c, const stand *s, fxs_file_view *view)
     return fxs_first_view_make(&first, FOV, WIDTH, HEIGHT, view, c->message);
 }
 
-/* Views that are looked at by several threads: each takes every so many-th. */
+/* Views shared by several threads: thread t takes views t, t + threads, ... */
 typedef struct looking {
     const chooser *c;
     fxs_file_view views[STANDS];
@@ -225,7 +230,7 @@ static int look_from(chooser *c, const stand *stands, uint32_t count, sight *sig
 
 /* ---- Which way is up --------------------------------------------------------------------------------------------- */
 
-/* What is seen, and in what detail, from high on the side of c->up: from far or from near, where it is more. */
+/* Gaussians seen and detail from above, on the side of c->up: the larger of the sums from far and from near. */
 static int look_down(chooser *c, double *seen, double *detail)
 {
     stand stands[AROUND];
@@ -251,7 +256,8 @@ static int is_direction(const double up[3])
     return up && (up[0] != 0 || up[1] != 0 || up[2] != 0);
 }
 
-/* Captures show most from above, and things lie on the ground; in doubt up is -y or z, as in most files. */
+/* Decides which direction is up. Captures show most from above, and subjects stand on the ground. In doubt, up is -y
+   or z, as in most files. */
 static int find_up(chooser *c, const double known[3])
 {
     fxs_ground ground;
@@ -276,17 +282,17 @@ static int find_up(chooser *c, const double known[3])
 
 /* ---- The choice -------------------------------------------------------------------------------------------------- */
 
-/* How high fxs_view_frame_box looks from, and from lower and higher: level, and up. */
+/* Directions to the camera, level and up: that of fxs_view_frame_box, a lower one, a higher one. */
 static const double heights[3][2] = {{0.95, 0.31}, {0.99, 0.14}, {0.82, 0.57}};
 
-/* The best of the stands that were tried, and of those of each yaw. */
+/* The best stand so far, and the best for each yaw. */
 typedef struct choice {
     stand best, sides[YAWS];
     double score, scores[YAWS];
 } choice;
 
-/* Half, where the border cuts through what is shown; but what covers the border, or surroundings that cover the picture,
-   have no outline. */
+/* Factor 0.5 if the border cuts through the subject, up to 1 if it does not. A border that is all covered, or
+   surroundings that fill the picture, have no outline to cut. */
 static double uncut(const chooser *c, const sight *s)
 {
     const double cut = (double)s->cut / BORDER, covered = (double)s->covered / (255 * PIXELS);
@@ -338,10 +344,10 @@ static int try_place(chooser *c, int place, choice *made)
     return try_stands(c, stands, YAWS, !c->is_within ? 1 : c->box_count == 1 ? 1.5 : 3, made);
 }
 
-/* From the best side that was not yet tried so. */
+/* Tries other heights and distances on the best side that was not refined yet. */
 static int try_heights(chooser *c, choice *made)
 {
-    static const double parts[] = {1, 0.5, 0.85, 0.7};             /* the first two were tried level */
+    static const double parts[] = {1, 0.5, 0.85, 0.7};             /* the first two were already tried level */
     stand stands[STANDS];
     uint32_t count = 0;
     int yaw = 0;
@@ -358,8 +364,8 @@ static int try_heights(chooser *c, choice *made)
 
 /* ---- From within ------------------------------------------------------------------------------------------------- */
 
-/* Over some stands: the largest number of Gaussians seen, less where one is large; the mean parts of the picture that
-   are covered, and that are close. */
+/* Over some stands: the largest number of Gaussians seen, reduced if one is large; the mean covered and close parts
+   of the picture. */
 static int look_about(chooser *c, const stand *stands, uint32_t count, double *most, double *covered, double *close)
 {
     sight sights[STANDS];
@@ -374,14 +380,15 @@ static int look_about(chooser *c, const stand *stands, uint32_t count, double *m
     return 0;
 }
 
-/* Whether a place lies in the middle of the core, which then is empty. */
+/* Whether a place lies in the middle of the core, so that the core is hollow. */
 static int is_amid(const chooser *c, const double place[3])
 {
     return fxs_distance(place, c->core.middle) < c->core.reach / 2;
 }
 
-/* Finds the places that have something to see about them. *seen: Gaussians seen from the best. *weighed: the same, but
-   more in a room and in an empty middle, and less elsewhere in an unbounded scene, where a sky covers every view. */
+/* Finds places with something to see around them. *seen: most Gaussians seen from any. *weighed: the same with
+   factors: higher in a room or a hollow core, lower elsewhere in an unbounded scene, because its sky covers every
+   view. */
 static int find_places(chooser *c, double *seen, double *weighed)
 {
     fxs_within within[FXS_WITHIN_MOST];
@@ -430,14 +437,14 @@ static void find_boxes(chooser *c)
     c->box_count = size_of(&b[0]) > UNBOUNDED * size_of(&b[1]) ? BOXES : 1;
 }
 
-/* Finds boxes and places to look from, which way is up, and whether the scene shows most from within. */
+/* Finds the boxes and places to look from, the up direction, and whether to look from within. */
 static int find_stands(chooser *c, const double known[3])
 {
     stand stands[2 * AROUND];
     double outside, inside, weighed, covered, close;
     FXS_TRY(fxs_core_find(&c->core, &c->sample, c->message));
     find_boxes(c);
-    for (int i = 0; i < 2 * AROUND; i++) {        /* an unbounded scene may be upside down: from beneath too */
+    for (int i = 0; i < 2 * AROUND; i++) {        /* an unbounded scene may be upside down, so also from below */
         const double rise = i & 2 && c->box_count > 1 ? -heights[0][1] : heights[0][1];
         stands[i] = (stand){i / 2 * 2, heights[0][0], rise, i % 2 ? 0.5 : 1, &c->boxes[c->box_count - 1]};
     }

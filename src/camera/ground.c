@@ -1,3 +1,5 @@
+/* Finds the ground from flat Gaussians: their thinnest axes gather around the up direction. Tests -y and z, refines
+ * each to the mean normal in a cone, and decides by the share of flat Gaussians across each axis. */
 #include "ground.h"
 
 #include <math.h>
@@ -6,16 +8,16 @@
 #include <fixsplat/allocator.h>
 
 enum { LAYERS = 64, GROWTH_POINTS = 8192 };
-#define ALIGNED 0.94                 /* the cosine of 20 degrees: 6 % of all directions are so near to an axis */
-#define GROWN 2                      /* size of Gaussians at the end of z over that at its beginning, behind a front */
-#define TURNED 0.86                  /* of 30 degrees, as far as the ground may lean */
+#define ALIGNED 0.94                 /* cosine of 20 degrees; 6 % of random directions are this close to an axis */
+#define GROWN 2                      /* least size at the end of z / at its beginning, behind a front */
+#define TURNED 0.86                  /* cosine of 30 degrees, the largest tilt of the ground */
 
-/* The sample with a weight for each Gaussian. */
+/* The sample with weights. */
 typedef struct weighed {
     const fxs_sample_point *points;
     uint32_t count;
-    double *weights, middle[3];      /* the median place */
-    double reach, spread;            /* the distance from it within which half of the Gaussians lie; as in fxs_ground */
+    double *weights, middle[3];      /* middle: medians of the places */
+    double reach, spread;            /* reach: median distance from the middle; spread: as in fxs_ground */
 } weighed;
 
 static double dot(const double a[3], const double b[3])
@@ -23,21 +25,20 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Sorts the values. Returns the smallest but for one part in `parts`. */
+/* Sorts the values. Returns the value of rank count / parts. */
 static double quantile(double *values, uint32_t count, uint32_t parts)
 {
     fxs_sort_values(values, count);
     return values[count / parts];
 }
 
-/* The vector from the middle to a Gaussian. */
 static void find_away(const weighed *s, uint32_t i, double away[3])
 {
     for (int k = 0; k < 3; k++)
         away[k] = s->points[i].place[k] - s->middle[k];
 }
 
-/* A Gaussian weighs its opacity times its area; what is far weighs less, by the square of the angle that it spans. */
+/* Weights: opacity * size^2 / (reach^2 + distance^2)^2, with the size capped at reach / 10. */
 static void weigh(weighed *s)
 {
     double *w = s->weights, away[3];
@@ -59,13 +60,13 @@ static void weigh(weighed *s)
     }
 }
 
-/* The weight of a Gaussian where it lies across the axis, by how flat it is. */
+/* The weight of a Gaussian that lies across the axis, times its flatness; else 0. */
 static double weight_across(const weighed *s, uint32_t i, const double axis[3])
 {
     return fabs(dot(s->points[i].normal, axis)) > ALIGNED ? s->weights[i] * s->points[i].flatness : 0;
 }
 
-/* The part of the flat Gaussians that lies across an axis. */
+/* The share of the flat Gaussians' weight that lies across an axis. */
 static double share_of(const weighed *s, const double axis[3])
 {
     double all = 0, across = 0;
@@ -76,7 +77,7 @@ static double share_of(const weighed *s, const double axis[3])
     return all > 0 ? across / all : 0;
 }
 
-/* Turns the axis to the mean of the normals in a cone about it, again and again, while the cone gets narrower. */
+/* Moves the axis repeatedly to the mean normal within a cone around it, while the cone narrows. */
 static void refine(const weighed *s, double axis[3])
 {
     static const double cones[] = {0.8, 0.8, 0.9, 0.9, 0.95, 0.95, 0.95};    /* cosines */
@@ -94,7 +95,8 @@ static void refine(const weighed *s, double axis[3])
     }
 }
 
-/* The parts of the weight above and below the two neighbouring layers that hold most of what lies across the axis. */
+/* Finds the two neighbouring layers with the largest weight across the axis. Returns the shares of all weight above
+   and below. */
 static void weigh_sides(const weighed *s, const double axis[3], double thickness, double *above, double *below)
 {
     double across[LAYERS] = {0}, all[LAYERS] = {0}, total = 0, away[3];
@@ -116,8 +118,8 @@ static void weigh_sides(const weighed *s, const double axis[3], double thickness
     }
 }
 
-/* Layers are a sixteenth of the reach thick, or thinner where all the scene lies in one. Of few Gaussians, or where no
-   more lie across the axis than across any, the sides say little; and a small difference says nothing. */
+/* Layers are reach / 16 thick, thinner if the whole scene falls into one. The result is damped for few Gaussians and
+   for a share near the random 6 %; small differences become 0. */
 static double sides_of(const weighed *s, const double axis[3], double share)
 {
     double above = 0, below = 0, thickness = s->reach / 16;
@@ -128,7 +130,7 @@ static double sides_of(const weighed *s, const double axis[3], double share)
     return sided > 0 ? fmax(sided - 0.2, 0) : fmin(sided + 0.2, 0);
 }
 
-/* The size of Gaussians at the end of an axis over that at its beginning: medians of an eighth of the points each. */
+/* Size of Gaussians at the end of an axis / at its beginning: medians over an eighth of the points each. */
 static double growth_of(const weighed *s, const double axis[3], double *values)
 {
     const uint32_t step = s->count / GROWTH_POINTS + 1;
@@ -150,9 +152,9 @@ static double growth_of(const weighed *s, const double axis[3], double *values)
     return size[1] / size[0];
 }
 
-/* Of y and z the one that more flat Gaussians lie across, or nearly so, and y where that is in doubt. It is turned to
-   them only where they are many, so that a scene that stands straight stays so. A wall that was captured from the
-   front lies across z too: then things stand on its side towards -z, or Gaussians grow along z. */
+/* Picks the axis, y or z, with more flat Gaussians across it; y in doubt. Uses the refined axis only if clearly more
+   Gaussians lie across it, so that an upright scene stays exactly upright. A wall captured from the front also lies
+   across z; then subjects are on its -z side, or Gaussians grow along z. */
 static void choose_axis(const weighed *s, int standing, double *values, fxs_ground *ground)
 {
     static const double axes[2][3] = {{0, -1, 0}, {0, 0, 1}};

@@ -1,3 +1,4 @@
+/* The lens models of lens.h, and the largest pinhole view that a photograph fills. */
 #include "lens.h"
 
 #include <math.h>
@@ -5,7 +6,7 @@
 
 enum { STEPS = 24, SAMPLES = 64, RINGS = 16 };
 
-#define WIDEST 1.7320508075688772   /* the tangent of 60 degrees */
+#define WIDEST 1.7320508075688772   /* tangent of 60 degrees */
 #define WIDEST_FOV 3.14
 
 double *fxs_lens_coefficient(fxs_lens *lens, char letter)
@@ -37,7 +38,7 @@ int fxs_lens_is_pinhole(const fxs_lens *lens)
     return lens->kind != FXS_LENS_FISHEYE && lens->kind != FXS_LENS_FISHEYE_AFTER && lens->skew == 0;
 }
 
-/* By + - * / alone: Lambert's fraction for an eighth of the angle, doubled three times. */
+/* Lambert's continued fraction for angle / 8, doubled three times. */
 double fxs_tangent(double angle)
 {
     const double z = angle / 8, square = z * z;
@@ -50,7 +51,8 @@ double fxs_tangent(double angle)
     return t;
 }
 
-/* atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), four times, then the series: below 0.1, where ten terms are enough. */
+/* atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), applied four times; then the series. The argument is below 0.1, where
+   ten terms suffice. */
 static double arc_tangent(double x)
 {
     double sum = 0;
@@ -84,7 +86,7 @@ static void bend_fisheye(const fxs_lens *lens, double x, double y, double bent[2
     bent[1] += p[0] * (square + 2 * v * v) + 2 * p[1] * u * v + square * (s[2] + square * s[3]);
 }
 
-/* What x and y are multiplied by, at a distance from the principal point. */
+/* The factor of x and y at a squared distance from the principal point. */
 static double bend_by(const fxs_lens *lens, double square)
 {
     const double radius = sqrt(square), *k = lens->k;
@@ -109,8 +111,8 @@ void fxs_lens_bend(const fxs_lens *lens, double x, double y, double bent[2])
     bent[0] += lens->skew * bent[1];
 }
 
-/* 1 where the lens puts the line from the principal point to a border pixel of the pinhole picture inside the
-   photograph, without folding it. */
+/* 1 if the lens maps the line from the principal point to a border pixel of the pinhole picture into the photograph,
+   with growing radius (no folding). */
 static int filled_along(const fxs_lens *lens, const fxs_file_view *photograph, double x, double y)
 {
     double bent[2], last = 0;
@@ -140,7 +142,7 @@ static int filled(const fxs_lens *lens, const fxs_file_view *photograph, double 
     return 1;
 }
 
-/* The scale at which the picture reaches 60 degrees from the axis, at the side that reaches farthest. */
+/* The scale at which the farthest side of the picture is 60 degrees off the axis. */
 static double scale_of_widest(const fxs_file_view *p)
 {
     const double x = fmax(p->cx, p->width - p->cx) / p->fx, y = fmax(p->cy, p->height - p->cy) / p->fy;

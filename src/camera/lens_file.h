@@ -1,4 +1,4 @@
-/* Camera files, with what they say of lenses. */
+/* Camera files with their lenses. */
 #ifndef FXS_LENS_FILE_H
 #define FXS_LENS_FILE_H
 
@@ -8,8 +8,9 @@
 extern "C" {
 #endif
 
-/* As fxs_camera_file_read, with the lens of each view in an array beside, which the caller frees as well. Where `width`
-   is not 0, the views get that size: by fxs_view_resize, or where the file states no size as that of the photograph. */
+/* As fxs_camera_file_read, and also returns the lens of each view in an array that the caller frees. width above 0:
+   views get this size by fxs_view_resize, or, if the file states no size, it is taken as the size of the
+   photographs. */
 long fxs_lens_file_read(const char *path, int width, int height, fxs_file_view **views, fxs_lens **lenses,
                         fxs_message *message);
 

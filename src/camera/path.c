@@ -1,17 +1,19 @@
+/* Interpolates views along a path: positions and intrinsics by Catmull-Rom splines, rotations by the same spline of
+ * quaternions. */
 #include <math.h>
 
 #include "src/base/exponential.h"
 #include <fixsplat/camera.h>
 #include "camera_internal.h"
 
-/* The weights of a spline between values `first` and first + 1: value first - 1 + k has weight[k]. */
+/* Spline weights between values `first` and first + 1: value first - 1 + k has weight[k]. */
 typedef struct spline {
     long first, count;
     double weight[4];
 } spline;
 
-/* Catmull-Rom: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2. The values before the first
-   and after the last continue the line: 2 v0 - v1. */
+/* Catmull-Rom: (-t + 2 t^2 - t^3, 2 - 5 t^2 + 3 t^3, t + 4 t^2 - 3 t^3, -t^2 + t^3) / 2. Before the first and after
+   the last value the line continues: 2 v0 - v1. */
 static spline spline_at(long count, double at)
 {
     const long first = at >= (double)(count - 1) ? count - 2 : (long)at;
@@ -29,7 +31,7 @@ static spline spline_at(long count, double at)
     return s;
 }
 
-/* The weighted sums of the `values` numbers that `get` gives for each key. */
+/* Weighted sums of `values` numbers per key, which `get` returns. */
 static void blend(const spline *s, const fxs_file_view *keys, int values, void (*get)(const fxs_file_view *, double *),
                   double *out)
 {
@@ -74,7 +76,7 @@ static void matrix_of(const double q[4], double r[9])
     }
 }
 
-/* q and -q are the same rotation: for each key, the one nearer to the key before it is used. */
+/* q and -q are the same rotation: uses the sign closer to the previous key. */
 static void turn_between(const spline *s, const fxs_file_view *keys, double rotation[9])
 {
     double sum[4] = {0, 0, 0, 0}, before[4] = {0, 0, 0, 0}, q[4];
@@ -92,9 +94,9 @@ static void turn_between(const spline *s, const fxs_file_view *keys, double rota
     matrix_of(sum, rotation);
 }
 
-/* ---- The way ----------------------------------------------------------------------------------------------------- */
+/* ---- Path -------------------------------------------------------------------------------------------------------- */
 
-/* At a key, the result is that key to the last bit. */
+/* At a key, returns exactly that key. */
 void fxs_view_between(const fxs_file_view *keys, long count, double at, fxs_file_view *view)
 {
     double lens[5];

@@ -1,3 +1,5 @@
+/* Samples objects: decodes every step-th Gaussian into a point, and packs every each-th point again, in profile
+ * default with SH degree 0, so that the renderer can draw the sample. Fixed-point and exact doubles only. */
 #include "sample.h"
 
 #include <math.h>
@@ -9,19 +11,20 @@
 #include "src/base/tilt.h"
 #include "src/core/codes.h"
 
-/* A Gaussian between two packed scenes, in the numbers that codes stand for. */
+/* A decoded Gaussian, in the fixed-point units of the codes. */
 typedef struct loose {
     int64_t position_q32[3];
     int32_t scale_q16[3];            /* log2(sigma) */
     int32_t colour_q16[3];
-    uint32_t rotation;               /* its word, */
-    int32_t axis_bits;               /* by which it is read */
-    uint32_t opacity;                /* of 255 */
+    uint32_t rotation;               /* rotation word */
+    int32_t axis_bits;               /* bits of its x and y */
+    uint32_t opacity;                /* 0 to 255 */
 } loose;
 
-/* ---- Out of the codes -------------------------------------------------------------------------------------------- */
+/* ---- Decoding ---------------------------------------------------------------------------------------------------- */
 
-/* Law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2, of 255; what is drawn stays 1 or more. */
+/* Opacity of 255. Law 0: c. Laws 1 to 3: 1 + (255 * 4^(1 - law) - 1) ((c - 1) / 254)^2. Visible codes give at least
+   1. */
 static uint32_t opacity_of(uint32_t code, uint32_t law)
 {
     static const uint32_t reach_q4[FXS_OPACITY_LAWS] = {0, 254 * 16, 1004, 239};   /* 255 * 4^(1 - law) - 1 */
@@ -55,7 +58,7 @@ static loose loosen(enum fxs_profile profile, const fxs_chunk *chunk, const fxs_
 /* 2^(x / 65536) */
 static double exp2_of(int32_t x_q16)
 {
-    const int32_t whole = -(-x_q16 >> 16);                        /* ceil; the rest is 0 to 65535 */
+    const int32_t whole = -(-x_q16 >> 16);                        /* ceil; the remainder is 0 to 65535 */
     return ldexp(fxs_exp2_q15((int32_t)((int64_t)whole * 65536 - x_q16) >> 1), whole - 15);
 }
 
@@ -87,14 +90,14 @@ static fxs_sample_point point_of(const fxs_object *o, const loose *l)
     for (int i = 0; i < 3; i++)
         p.place[i] = p.place[i] * scale + ldexp((double)o->translation_q32[i], -32);
     p.size = exp2_of((s[a] + s[b]) / 2) * scale;
-    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* codes make balls a little flat */
+    p.flatness = fmax(1 - exp2_of(s[thin] - s[middle]) - 1 / 32.0, 0);   /* coding makes balls slightly flat */
     p.opacity = l->opacity / 255.0 * ldexp((double)o->opacity_q16, -16);
     return p;
 }
 
-/* ---- Into codes -------------------------------------------------------------------------------------------------- */
+/* ---- Encoding ---------------------------------------------------------------------------------------------------- */
 
-/* The smallest step with which `codes` + 1 codes cover the range. */
+/* The smallest step with which codes 0..codes cover the range. */
 static uint64_t step_for(uint64_t reach, uint32_t codes)
 {
     return (reach + codes - 1) / codes;
@@ -136,7 +139,7 @@ static void pack_positions(fxs_chunk *chunk, const loose *l, uint32_t count, uns
     }
 }
 
-/* The word of these axes with `to` bits for each coordinate of the first, where it had `from`. */
+/* Converts a rotation word from `from` to `to` bits for x and y each. */
 static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
 {
     const uint32_t half = 1u << (31 - to), roll = ((word << 2 * from) + (1u << (2 * to - 1))) >> 2 * to;
@@ -144,7 +147,7 @@ static uint32_t recoded(uint32_t word, int32_t from, int32_t to)
     return (word - y + half) >> (32 - to) << (32 - to) | y;
 }
 
-/* All log2(sigma) grow by larger_q16; a code is sqrt((scale - x) / step). */
+/* Adds larger_q16 to all log2(sigma). Code: sqrt((scale - x) / step). */
 static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_t larger_q16, unsigned char *rows)
 {
     int32_t low = INT32_MAX, high = INT32_MIN;
@@ -167,7 +170,7 @@ static void pack_scales(fxs_chunk *chunk, const loose *l, uint32_t count, int32_
     }
 }
 
-/* Behind pack_scales, in whose words the lowest bits lie. */
+/* Must follow pack_scales: the lowest colour bits go into its scale words. */
 static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsigned char *rows)
 {
     uint32_t words[FXS_CHUNK], scales[FXS_CHUNK];
@@ -195,7 +198,7 @@ static void pack_colours(fxs_chunk *chunk, const loose *l, uint32_t count, unsig
     }
 }
 
-/* The rest of a last chunk stays 0: opacity 0. */
+/* Unused slots of the last chunk stay 0: opacity 0. */
 static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *l, uint32_t count, int32_t larger_q16)
 {
     fxs_chunk chunk = {{0}, {0}, 0, {0}, {0}, 0, {0}, 0, 0, 0, {0}};
@@ -209,12 +212,12 @@ static void pack_chunk(unsigned char *header, unsigned char *rows, const loose *
 
 /* ---- The sample -------------------------------------------------------------------------------------------------- */
 
-/* Where the sample grows. */
+/* State of taking a sample. */
 typedef struct taking {
     fxs_sample *sample;
-    unsigned char *headers, *rows;   /* of the next chunk */
-    uint64_t step, next;             /* the next point, counted from the object's first Gaussian */
-    uint32_t each;                   /* of so many points one is drawn */
+    unsigned char *headers, *rows;   /* next chunk to write */
+    uint64_t step, next;             /* next: index of the next point from the object's first Gaussian */
+    uint32_t each;                   /* one of `each` points is drawn */
     int32_t larger_q16;
 } taking;
 
@@ -223,7 +226,7 @@ static uint64_t drawn(const fxs_object *o)
     return o->visible ? o->scene->count : 0;
 }
 
-/* As crop boxes say. */
+/* Applies the object's crop boxes. */
 static int is_kept(const fxs_object *o, const int64_t p[3])
 {
     int keeps = 0, kept = 0;
@@ -251,7 +254,7 @@ static void end_chunk(taking *t, fxs_scene *scene, const loose *l, uint32_t coun
     scene->count += count;
 }
 
-/* Appends the object, where it has a Gaussian in the sample. */
+/* Appends the object if the sample has a Gaussian of it. */
 static int take_object(taking *t, const fxs_object *o)
 {
     fxs_sample *s = t->sample;
@@ -288,7 +291,7 @@ static int take_object(taking *t, const fxs_object *o)
     return 0;
 }
 
-/* log2(x) / 3, but for a straight line between powers of two: the sample keeps the share of space that is filled. */
+/* log2(x) / 3, linear between powers of two. Enlarging by it keeps the filled share of space. */
 static int32_t larger_of(uint64_t x)
 {
     const int whole = 63 - fxs_clz64(x);
@@ -308,7 +311,7 @@ int fxs_sample_take(fxs_sample *s, const fxs_object *objects, uint32_t count, fx
     t.larger_q16 = larger_of(t.step * t.each);
     for (uint32_t i = 0; i < count; i++)
         chunks += (drawn(&objects[i]) / (t.step * t.each) + FXS_CHUNK) / FXS_CHUNK;
-    chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;      /* each has a Gaussian or more */
+    chunks = chunks < FXS_SAMPLE_MOST + 1 ? chunks : FXS_SAMPLE_MOST + 1;      /* each has at least one Gaussian */
     const size_t header_bytes = (size_t)chunks * sizeof(fxs_chunk);
     const size_t bytes = header_bytes + (size_t)chunks * fxs_chunk_bytes(FXS_PROFILE_DEFAULT, 0) + 63;
     *s = (fxs_sample){fxs_allocate(NULL, count, sizeof *s->objects), 0,

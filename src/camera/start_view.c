@@ -1,4 +1,4 @@
-/* The start view that a packed scene keeps in its header. */
+/* Reads and writes the start view in the header of a packed scene. */
 #include <math.h>
 #include <string.h>
 

@@ -1,15 +1,18 @@
+/* Finds the core of a scene, the region of its small Gaussians, and free places in it. A place is rated on a grid in
+ * the lower half of the core: the surroundings are binned by direction, and the merit is (covered bins)^2 * harmonic
+ * mean distance. */
 #include "within.h"
 
 #include <math.h>
 
 #include <fixsplat/allocator.h>
 
-enum { FACE = 6, BINS = 6 * FACE * FACE };    /* directions: squares of a cube's faces */
+enum { FACE = 6, BINS = 6 * FACE * FACE };    /* bins of directions: squares on the faces of a cube */
 enum { GRID = 7, PLACES = GRID * GRID * GRID };
-enum { CORE_POINTS = 8192, POINTS = 2048 };   /* of the sample: to find the core, and what lies about a place */
+enum { CORE_POINTS = 8192, POINTS = 2048 };   /* points used to find the core, and to rate a place */
 
-#define TALL 1.8                     /* height over width */
-#define FLAT 0.25                    /* lesser width over larger: below it, a strip seen from above */
+#define TALL 1.8                     /* least height / width of a standing subject */
+#define FLAT 0.25                    /* least ratio of its widths; below, it is a strip seen from above */
 
 double fxs_distance(const double a[3], const double b[3])
 {
@@ -28,7 +31,7 @@ static uint32_t stride_of(const fxs_sample *s, uint32_t most)
 
 enum measure { PLACE_X, PLACE_Y, PLACE_Z, DISTANCE };
 
-/* Collects a measure of the points that are at most so large, in ascending order. Returns how many. */
+/* Collects a measure of the points of at most this size, sorted ascending. Returns their number. */
 static uint32_t measure(const fxs_sample *s, double size, enum measure what, const double middle[3], double *values)
 {
     uint32_t n = 0;
@@ -78,7 +81,7 @@ int fxs_core_stands(const fxs_core *core)
 
 /* ---- Places ------------------------------------------------------------------------------------------------------ */
 
-/* The square of a direction that is not 0. */
+/* The bin of a nonzero direction. */
 static int bin_of(const double d[3])
 {
     const double x = fabs(d[0]), y = fabs(d[1]), z = fabs(d[2]);
@@ -88,7 +91,7 @@ static int bin_of(const double d[3])
     return ((axis * 2 + (d[axis] > 0)) * FACE + i) * FACE + j;
 }
 
-/* A square is covered where Gaussians span half of its solid angle. */
+/* Rates a place. A bin is covered if Gaussians span half of its solid angle. */
 static void look_about(fxs_within *w, const fxs_sample *s)
 {
     const double pi = 3.141592653589793, most = 4 * pi / BINS;
@@ -115,7 +118,7 @@ static void look_about(fxs_within *w, const fxs_sample *s)
     w->merit = (double)covered * covered * w->clear;
 }
 
-/* Not above the middle of the core. */
+/* Whether a place is not above the middle of the core. */
 static int is_low(const double place[3], const fxs_core *core, const double up[3])
 {
     double height = 0, size = 0;
@@ -126,7 +129,7 @@ static int is_low(const double place[3], const fxs_core *core, const double up[3
     return height < size / (2 * GRID);
 }
 
-/* The best of those that are apart from the ones that were found before; null: no more. */
+/* The best place that is apart from those found before; null: none. */
 static const fxs_within *best_of(const fxs_within *all, int tried, const fxs_within *found, int count, double reach)
 {
     const fxs_within *best = NULL;

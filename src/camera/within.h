@@ -1,4 +1,4 @@
-/* Places within a scene that a capture may have been made from. */
+/* Finds places within a scene from which it may have been captured. */
 #ifndef FXS_WITHIN_H
 #define FXS_WITHIN_H
 
@@ -6,18 +6,18 @@
 
 #define FXS_WITHIN_MOST 3            /* places */
 
-/* Where most of the small Gaussians lie: a capture has them where its cameras were near. */
+/* The region of most small Gaussians. Captures have small Gaussians near their cameras. */
 typedef struct fxs_core {
     double middle[3];
-    double reach;                    /* the distance from the middle within which half of them lie */
-    double low[3], high[3];          /* the box of all but 2 % of them at each end of an axis */
+    double reach;                    /* median distance from the middle */
+    double low[3], high[3];          /* box without 2 % at each end of each axis */
 } fxs_core;
 
-/* A place with free space about it. */
+/* A place with free space around it. */
 typedef struct fxs_within {
     double place[3];
-    double clear;                    /* harmonic mean distance of the surroundings, over directions */
-    double merit;                    /* grows with the share of directions that show something, and with `clear` */
+    double clear;                    /* harmonic mean distance of the surroundings over directions */
+    double merit;                    /* grows with the share of covered directions and with `clear` */
 } fxs_within;
 
 double fxs_distance(const double a[3], const double b[3]);
@@ -25,10 +25,10 @@ double fxs_distance(const double a[3], const double b[3]);
 /* Returns 0, or FXS_ERR_MEMORY and a message. */
 int fxs_core_find(fxs_core *core, const fxs_sample *s, fxs_message *message);
 
-/* 1 or 2 where the core is much higher along y or z than it is wide, as a figure that stands; else 0. */
+/* 1 or 2 if the core is much taller along y or z than wide, like a standing figure; else 0. */
 int fxs_core_stands(const fxs_core *core);
 
-/* Finds up to FXS_WITHIN_MOST places in the lower half of the core's box, the best first. Returns how many. */
+/* Finds up to FXS_WITHIN_MOST places in the lower half of the core, best first. Returns their number. */
 int fxs_within_find(fxs_within found[FXS_WITHIN_MOST], const fxs_sample *sample, const fxs_core *core,
                     const double up[3]);
 

@@ -1,4 +1,4 @@
-/* Converts attributes between the numbers of file formats and those of fxs_gaussian. */
+/* Converts attributes between file formats and fxs_gaussian. */
 #ifndef FXS_ATTRIBUTES_H
 #define FXS_ATTRIBUTES_H
 
@@ -9,14 +9,14 @@
 /* The SH basis of degree 0: 1 / (2 sqrt(pi)). */
 #define FXS_SH_0 0.28209479177387814
 
-/* ln of the standard deviation across a 2D Gaussian, which has none. */
+/* ln(sigma) of the missing third axis of a 2D Gaussian. */
 #define FXS_FLAT_SCALE (-20)
 
-/* The logit of an opacity that is 1 in any code. */
+/* A logit that rounds to opacity 1 in every code. */
 #define FXS_OPAQUE 20
 
-/* ln of a standard deviation, at least FXS_FLAT_SCALE, also for 0. A negative one has the covariance of its magnitude.
-   */
+/* ln(sigma), at least FXS_FLAT_SCALE, also for 0. Negative scales count by magnitude, because the covariance is the
+   same. */
 static inline float fxs_log_scale(double scale)
 {
     const double size = fabs(scale);
@@ -29,31 +29,31 @@ static inline double fxs_opacity_of_logit(double logit)
     return 1 / (1 + fxs_exp(-logit));
 }
 
-/* ln(opacity / (1 - opacity)), +-FXS_OPAQUE where the opacity is not between 0 and 1; NaN of NaN. */
+/* ln(opacity / (1 - opacity)); +-FXS_OPAQUE outside 0..1; NaN for NaN. */
 static inline float fxs_logit_of_opacity(double opacity)
 {
     return opacity <= 0 ? -FXS_OPAQUE : opacity >= 1 ? FXS_OPAQUE : (float)fxs_log(opacity / (1 - opacity));
 }
 
-/* The same for the opacity code / 255. */
+/* fxs_logit_of_opacity(code / 255). */
 static inline float fxs_logit_of_code(int code)
 {
     return code <= 0 ? -FXS_OPAQUE : code >= 255 ? FXS_OPAQUE : (float)fxs_log(code / (255.0 - code));
 }
 
-/* The coefficient of SH degree 0 for a colour, 0 to 1. */
+/* The SH coefficient of degree 0 for a colour, 0 to 1. */
 static inline float fxs_dc_of_colour(double colour)
 {
     return (float)((colour - 0.5) / FXS_SH_0);
 }
 
-/* The colour of a coefficient of SH degree 0. */
+/* The colour for an SH coefficient of degree 0. */
 static inline double fxs_colour_of_dc(double dc)
 {
     return 0.5 + FXS_SH_0 * dc;
 }
 
-/* The rotation matrix of a quaternion of any length but 0. */
+/* The rotation matrix of a quaternion of any length except 0. */
 static inline void fxs_rotation_matrix(double rows[3][3], double w, double x, double y, double z)
 {
     const double s = 2 / (w * w + x * x + y * y + z * z);

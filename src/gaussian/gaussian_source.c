@@ -1,4 +1,4 @@
-/* Reads Gaussians of the program like those of a file, and trusts them no more than a file. */
+/* A reader for Gaussians from the program's callback. They are checked as strictly as those of a file. */
 #include <math.h>
 #include <string.h>
 
@@ -8,7 +8,7 @@
 typedef struct gaussians_reader {
     fxs_gaussian_source from;
     const char *name;
-    uint64_t next;                       /* number of the Gaussian to be read next */
+    uint64_t next;                       /* index of the next Gaussian to read */
 } gaussians_reader;
 
 static int gaussians_open(void *handle, const fxs_scene_source *source, fxs_scene_file_info *info,

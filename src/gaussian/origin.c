@@ -1,11 +1,12 @@
+/* Chooses origins: on each axis the median of a sample, rounded to GRID; 0 where floats are precise enough without. */
 #include "origin_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define FAR 4096.0                  /* floats are 2^-11 units apart there */
-#define GRID 10.0                   /* of origins, so that they are short to write */
+#define FAR 4096.0                  /* from here on, floats are at least 2^-11 units apart */
+#define GRID 10.0                   /* origins are multiples, so that they are short in text */
 
 int fxs_is_far(const double place[3])
 {

@@ -1,3 +1,5 @@
+/* Affine maps of Gaussians. Covariances are mapped through their factors (axes times scales, made orthogonal by
+ * one-sided Jacobi), SH by the rotation part of the polar decomposition. */
 #include "transform_internal.h"
 
 #include <string.h>
@@ -9,7 +11,7 @@ typedef double matrix[3][3];
 
 /* ---- Rotation of spherical harmonics --------------------------------------------------------------------------- */
 
-/* The SH basis of degrees 1 to 3 in direction d; signs as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting. */
+/* The SH basis of degrees 1 to 3 in direction d. Signs as in Kerbl et al. 2023 (code) and KHR_gaussian_splatting. */
 static void sh_basis(double b[15], const double d[3])
 {
     const double x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
@@ -30,13 +32,13 @@ static void sh_basis(double b[15], const double d[3])
     b[14] = -0.5900435899266435 * x * (xx - 3 * yy);
 }
 
-/* sh[j][k] = integral over the sphere of Y_j(d) Y_k(R^T d): 4 Gauss-Legendre nodes in z times 8 azimuths are exact up
-   to degree 7, and the integrand has at most 6. */
+/* sh[j][k] = integral over the sphere of Y_j(d) Y_k(R^T d). 4 Gauss-Legendre nodes in z times 8 azimuths are exact
+   up to degree 7; the integrand has at most 6. */
 static void rotate_sh(double sh[15][15], matrix r)
 {
     static const double node[2] = {0.3399810435848563, 0.8611363115940526};
     static const double weight[2] = {0.6521451548625461, 0.3478548451374538};
-    /* of 0, pi/4, ... 7 pi/4, as doubles */
+    /* cos of 0, pi/4, ... 7 pi/4, as doubles */
     static const double cosine[8] = {1, 0x1.6a09e667f3bcdp-1, 0x1.1a62633145c07p-54, -0x1.6a09e667f3bccp-1,
                                      -1, -0x1.6a09e667f3bcep-1, -0x1.a79394c9e8a0ap-53, 0x1.6a09e667f3bcbp-1};
     static const double sine[8] = {0, 0x1.6a09e667f3bccp-1, 1, 0x1.6a09e667f3bcdp-1,
@@ -94,7 +96,7 @@ static void polar_rotation(matrix x, matrix m)
     }
 }
 
-/* The quaternion of a rotation, computed from its largest component. */
+/* The quaternion of a rotation, from its largest component. */
 static void quaternion_of(float q[4], matrix m)
 {
     double trace = m[0][0] + m[1][1] + m[2][2], most = trace;
@@ -124,7 +126,7 @@ static double dot(matrix m, int i, int j)
     return m[0][i] * m[0][j] + m[1][i] * m[1][j] + m[2][i] * m[2][j];
 }
 
-/* Rotates columns i and j in their plane until they are orthogonal; returns 0 where they already were. */
+/* Rotates columns i and j in their plane until orthogonal. Returns 0 if they already are. */
 static int orthogonalise(matrix m, int i, int j)
 {
     double a = dot(m, i, i), b = dot(m, j, j), c = dot(m, i, j);
@@ -160,7 +162,8 @@ int fxs_transform_init(fxs_transform *transform, double rows[3][4])
     return 0;
 }
 
-/* Makes the columns of m orthogonal by rotations from the right (one-sided Jacobi): they become axes times scales. */
+/* Makes the columns of m orthogonal by rotations from the right (one-sided Jacobi). The columns are then axes times
+   scales. */
 void fxs_set_axes(fxs_gaussian *g, matrix m)
 {
     for (int sweep = 0; sweep < 16; sweep++)
@@ -191,8 +194,7 @@ void fxs_set_covariance(fxs_gaussian *g, const double c[6], double more)
     fxs_set_axes(g, l);
 }
 
-/* With M the linear part of the map, and R and S the Gaussian's rotation and scales, the new axes are those of M R S.
-   */
+/* With M the linear part of the map and R S the Gaussian's axes times scales, the new axes are those of M R S. */
 static void apply_linear(const fxs_transform *t, fxs_gaussian *g)
 {
     matrix r, m;

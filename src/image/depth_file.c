@@ -1,3 +1,4 @@
+/* Encoders of depth (.png, .pfm) and id (.png, .raw) targets. A file is encoded in memory, then written at once. */
 #include "depth_file.h"
 
 #include <math.h>
@@ -30,7 +31,6 @@ static int fail_file(int error, const char *path, const char *why, fxs_message *
     return error;
 }
 
-/* Writes all of a file. */
 static int write_file(const char *path, const void *bytes, size_t size, fxs_message *message)
 {
     const fxs_encoded file = {bytes, size, NULL, 0};
@@ -49,7 +49,7 @@ double fxs_depths_farthest(const fxs_depths *d)
     return ldexp(farthest, -d->depth_bits);
 }
 
-/* 1 to 65535 for depths up to the range; 0: no depth */
+/* 1 to 65535 for depths, saturating at the range; 0: no depth */
 static unsigned grey(uint32_t depth, uint64_t range)
 {
     const uint64_t value = ((uint64_t)depth * 65535 + range / 2) / range;
@@ -128,7 +128,7 @@ static uint32_t scramble(uint32_t x)
     return x ^ x >> 16;
 }
 
-/* A hue, 0 to 1535, mixed with white by 0 to 255, then with black. */
+/* A hue, 0 to 1535, mixed with white by 0 to 255, then scaled by value / 255. */
 static void colour_of(uint8_t rgb[3], uint32_t hue, uint32_t white, uint32_t value)
 {
     for (uint32_t c = 0; c < 3; c++) {
@@ -145,7 +145,7 @@ static void paint(uint8_t rgba[4], const fxs_id *id, int by_object)
     rgba[3] = 255;
     if (id->gaussian == FXS_NOTHING)
         return;
-    if (by_object)                           /* hues differ by the golden section of the circle */
+    if (by_object)                           /* golden section: hues of consecutive ids are far apart */
         colour_of(rgba, (uint32_t)((uint64_t)(id->object * 0x9e3779b9u) * 1536 >> 32), 40, 120 + mixed % 136);
     else
         colour_of(rgba, mixed % 1536, mixed >> 12 & 127, 128 + (mixed >> 20 & 127));

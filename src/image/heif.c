@@ -1,3 +1,6 @@
+/* Reads HEIF with libheif, as planes of Y, Cb and Cr, and converts colours here in integers, so the bytes are the
+ * same on every machine. Before libheif parses a file, its bytes are searched for streams of excessive size and for
+ * pictures that refer to each other too often, because libheif does not limit these. */
 #ifdef FXS_WITH_HEIF
 
 #include "heif_library.h"
@@ -13,11 +16,11 @@ typedef struct reading {
     struct heif_context *context;
     struct heif_image_handle *handle;
     struct heif_image *image;
-    uint8_t *bytes;                /* of the file */
+    uint8_t *bytes;                /* the whole file */
     size_t size;
 } reading;
 
-/* Samples of more than 8 bits have two bytes, in the order of the machine; the upper 8 bits are taken. */
+/* Samples above 8 bits are 16-bit words in native byte order; the upper 8 bits are used. */
 typedef struct plane {
     const uint8_t *samples;
     int width, height, stride, bits;
@@ -35,8 +38,8 @@ static int sample(const plane *p, int x, int y)
 
 /* ---- Colours ----------------------------------------------------------------------------------------------------- */
 
-/* R = y Y + red Cr, G = y Y - green[0] Cb - green[1] Cr, B = y Y + blue Cb, all times 2^16, with Y above `black`, Cb
-   and Cr from -128 on. */
+/* R = y Y + red Cr, G = y Y - green[0] Cb - green[1] Cr, B = y Y + blue Cb. Factors are Q16; `black` is subtracted
+   from Y; Cb and Cr begin at -128. */
 typedef struct colours {
     int black, y, red, green[2], blue;
 } colours;
@@ -46,8 +49,8 @@ static int fixed(double x)
     return (int)(x * 65536 + 0.5);
 }
 
-/* R = Y + 2 (1 - kr) Cr, B = Y + 2 (1 - kb) Cb, Y = kr R + (1 - kr - kb) G + kb B (ITU-T H.273), of all 256 levels or
-   of 219 from 16 on, and 224 of chroma. */
+/* ITU-T H.273: R = Y + 2 (1 - kr) Cr, B = Y + 2 (1 - kb) Cb, Y = kr R + (1 - kr - kb) G + kb B. Full range: 256
+   levels. Limited range: 219 levels of Y from 16, 224 of chroma. */
 static void set_colours(colours *c, double kr, double kb, int is_full)
 {
     const double kg = 1 - kr - kb, chroma = is_full ? 1 : 255.0 / 224;
@@ -59,7 +62,7 @@ static void set_colours(colours *c, double kr, double kb, int is_full)
     c->green[1] = fixed(chroma * 2 * kr * (1 - kr) / kg);
 }
 
-/* What the file states, else what its stream does, else BT.601 in all levels, as libheif has it. */
+/* Colour matrix from the file, else from its stream, else BT.601 in full range, as in libheif. */
 static const char *find_colours(const reading *r, colours *c)
 {
     struct heif_color_profile_nclx *stated = NULL;
@@ -109,7 +112,7 @@ static int halved(int at, int size)
     return at / 2 < size ? at / 2 : size - 1;
 }
 
-/* `planes`: Y, Cb, Cr, alpha; the chroma of a pixel is the one that lies on it, not interpolated. */
+/* `planes`: Y, Cb, Cr, alpha. Chroma is taken from the nearest sample, not interpolated. */
 static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
 {
     const int width = planes[0].width, height = planes[0].height;
@@ -128,8 +131,8 @@ static void convert(const plane planes[4], const colours *c, uint8_t *rgba)
         }
 }
 
-/* libheif converts colours in floats, so it is asked for the planes of what cameras write, 4:2:0, which the standard of
-   HEVC gives to the bit. */
+/* libheif converts colours in floats. So it is asked for YCbCr 4:2:0, as cameras write it, which HEVC specifies
+   bit-exactly. */
 static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int *height)
 {
     static const enum heif_channel channels[4] = {heif_channel_Y, heif_channel_Cb, heif_channel_Cr, heif_channel_Alpha};
@@ -158,10 +161,10 @@ static const char *take_pixels(const reading *r, uint8_t **rgba, int *width, int
 
 /* ---- Sizes ------------------------------------------------------------------------------------------------------- */
 
-/* Bits of a NAL unit (ITU-T H.265, 7.3.1.1), of whose bytes 0 0 3 the last one does not count; 0 behind its end. */
+/* Bit reader of a NAL unit (ITU-T H.265, 7.3.1.1). Skips the 3 of bytes 0 0 3. Returns 0 past the end. */
 typedef struct bits {
     const uint8_t *bytes;
-    size_t size, at;               /* at: bits */
+    size_t size, at;               /* at: in bits */
 } bits;
 
 static uint32_t take(bits *b, int count)
@@ -178,7 +181,7 @@ static uint32_t take(bits *b, int count)
     return value;
 }
 
-/* ue(v) of 9.2 */
+/* ue(v) of section 9.2 */
 static uint32_t take_code(bits *b)
 {
     int zeros = 0;
@@ -187,12 +190,12 @@ static uint32_t take_code(bits *b)
     return (1u << zeros) - 1 + take(b, zeros);
 }
 
-/* The pixels that a sequence parameter set states (7.3.2.2). */
+/* The number of pixels in a sequence parameter set (7.3.2.2). */
 static uint64_t stated_pixels(const uint8_t *unit, size_t size)
 {
     bits b = {unit, size, 16 + 4};
     uint32_t has[7];
-    const int layers = (int)take(&b, 3);   /* beside the whole */
+    const int layers = (int)take(&b, 3);   /* sub-layers */
     take(&b, 1);
     for (int i = 0; i < 3; i++)    /* profile and level */
         take(&b, 32);
@@ -211,9 +214,9 @@ static uint64_t stated_pixels(const uint8_t *unit, size_t size)
     return width * take_code(&b);
 }
 
-/* By the size that its stream states the decoder makes room, whatever the file says. So each sequence parameter set,
-   behind its length of at least two bytes, is held to twice what a picture may have, as they state whole blocks. That
-   other bytes look like one of such a size happens once in some 10^9 photographs. */
+/* The decoder allocates by the size in its stream, whatever the file says. So every sequence parameter set, which
+   follows a length of at least two bytes, is limited to twice the pixels of a picture, because sizes are whole
+   blocks. Other bytes look like such a parameter set in one of about 10^9 photographs. */
 static const char *find_large_stream(const uint8_t *bytes, size_t size)
 {
     for (size_t at = 2; at + 2 < size; at++) {
@@ -227,10 +230,11 @@ static const char *find_large_stream(const uint8_t *bytes, size_t size)
     return NULL;
 }
 
-/* ---- Pictures of pictures ---------------------------------------------------------------------------------------- */
+/* ---- References between pictures
+   ---------------------------------------------------------------------------------- */
 
-/* A picture may be made of others (a grid of tiles: dimg), and have one that is its alpha (auxl), each by its number.
-   libheif follows them in circles until the stack ends, and decodes a tile for each time that it is named. */
+/* A picture may consist of others (dimg: a grid of tiles) and have another as its alpha (auxl), by item number.
+   libheif follows cycles until the stack overflows, and decodes a tile once per reference. */
 enum { ITEMS = 65536, DEEPEST = 3, MOST_TILES = 1 << 15 };
 
 static uint32_t number_at(const uint8_t *bytes, size_t count)
@@ -241,9 +245,9 @@ static uint32_t number_at(const uint8_t *bytes, size_t count)
     return number;
 }
 
-/* Adds to `to`, of each picture that is named by another, how often that is decoded. A child of iref: size, type, number,
-   count, numbers, of `wide` bytes each. Returns 0 where a number is too large, or where *left is less than the children
-   and their numbers: it is lowered by them. */
+/* Adds to `to`, per picture, the number of times it is decoded by the pictures that refer to it. Layout of a child
+   of iref: size, type, number, count, numbers of `wide` bytes each. Lowers *left by the children and numbers read.
+   Returns 0 if a number is too large or *left is used up. */
 static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, const uint32_t *from, uint32_t *to,
                      size_t *left)
 {
@@ -268,8 +272,8 @@ static int add_named(const uint8_t *bytes, size_t size, size_t at, size_t wide, 
     return 1;
 }
 
-/* Of every iref, with a size of 4 bytes or of 8. They may lie in each other: what they have in all is held to what one
-   has, children of 12 bytes or more and as many numbers as may be decoded. */
+/* Processes every iref, with a size of 4 or 8 bytes. They may be nested, so all together are limited to the contents
+   of a single one: children of at least 12 bytes, and as many numbers as pictures may be decoded. */
 static int add_all(const uint8_t *bytes, size_t size, const uint32_t *from, uint32_t *to)
 {
     size_t left = size / 8 + 2 * MOST_TILES;
@@ -319,7 +323,7 @@ static const char *said(struct heif_error error)
                                                               : words;
 }
 
-/* Four bytes say where in the rest the TIFF file begins. */
+/* The first four bytes are the offset of the TIFF file in the rest. */
 static void take_exif(const reading *r, fxs_exif_bytes *exif)
 {
     heif_item_id id;

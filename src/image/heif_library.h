@@ -1,10 +1,10 @@
-/* libheif, which brings a dozen libraries: it is loaded when it is first needed (port/posix/heif_library.c). */
+/* libheif, loaded on first use because it depends on a dozen libraries (port/posix/heif_library.c). */
 #ifndef FXS_HEIF_LIBRARY_H
 #define FXS_HEIF_LIBRARY_H
 
 #include <libheif/heif.h>
 
-/* Each function that is used, as the types of libheif.h have it: `use` of its name. */
+/* Applies `use` to each function used, with its type from libheif.h. */
 #define FXS_HEIF_FUNCTIONS(use) \
     use(heif_init) \
     use(heif_context_alloc) \
@@ -38,7 +38,7 @@ typedef struct fxs_heif_library {
 #undef FXS_HEIF_FIELD
 } fxs_heif_library;
 
-/* NULL where it is not installed. */
+/* NULL: not installed. */
 const fxs_heif_library *fxs_heif_library_open(void);
 
 #endif

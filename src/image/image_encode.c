@@ -8,7 +8,7 @@
 
 #ifdef FXS_WITH_STB
 #if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc warns at the end of the file */
+#pragma GCC diagnostic ignored "-Wunused-function"   /* gcc reports unused functions at the end of the file */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wsign-conversion"
@@ -55,7 +55,7 @@ int fxs_image_file_known(const char *path)
 
 /* ---- Formats ----------------------------------------------------------------------------------------------------- */
 
-/* The encoders return 0 or an error, without a message. */
+/* Encoders return 0 or an error, without a message. */
 
 uint8_t *fxs_encoded_room(fxs_encoded *encoded, size_t bytes)
 {
@@ -89,9 +89,8 @@ static int encode_ppm(const uint8_t *rgba, int width, int height, fxs_encoded *p
     return 0;
 }
 
-/* BT.709, 8 bits of limited range, with 16 bits below the point:
-   Y = 16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B), Cb = 128 + 224/255 (B - Y') / 1.8556, Cr = 128 + 224/255 (R - Y')
-   / 1.5748, where Y' is the sum in brackets */
+/* BT.709, 8 bits, limited range; factors are Q16. Y = 16 + 219/255 (0.2126 R + 0.7152 G + 0.0722 B), Cb = 128 +
+   224/255 (B - Y') / 1.8556, Cr = 128 + 224/255 (R - Y') / 1.5748; Y' is the sum in brackets. */
 static int encode_y4m(const uint8_t *rgba, int width, int height, fxs_encoded *y4m)
 {
     static const char head[6] = "FRAME\n";
@@ -152,8 +151,8 @@ static int encode_jpg(const uint8_t *rgba, int width, int height, int quality, f
 #endif
 
 #ifdef FXS_WITH_WEBP
-/* 1 where a lossless picture decodes to these pixels. Without enough memory, libwebp 1.2.4 may return a stream that
-   ended early as success. Its decoder crashes without memory, so memory is tried first. */
+/* 1 if a lossless picture decodes to these pixels. If memory runs out, libwebp 1.2.4 may return a truncated stream
+   as success. Its decoder crashes without memory, so an allocation is tried first. */
 static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, int height)
 {
     const size_t bytes = 4 * (size_t)width * (size_t)height;
@@ -166,7 +165,7 @@ static int holds(const WebPMemoryWriter *webp, const uint8_t *rgba, int width, i
     return same;
 }
 
-/* Lossless: the least effort (0 of 9), and colours are kept where alpha is 0. */
+/* Lossless: least effort (0 of 9); colours of transparent pixels are kept. */
 static int encode_webp(const uint8_t *rgba, int width, int height, int quality, fxs_encoded *webp)
 {
     WebPConfig config;
@@ -186,7 +185,8 @@ static int encode_webp(const uint8_t *rgba, int width, int height, int quality, 
     picture.custom_ptr = &writer;
     const int written = WebPPictureImportRGBA(&picture, rgba, 4 * width) && WebPEncode(&config, &picture) &&
                         (quality || holds(&writer, rgba, width, height));
-    uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;   /* the writer's memory is for WebPFree */
+    uint8_t *bytes = written ? fxs_encoded_room(webp, writer.size) : NULL;   /* copied, because the writer's memory
+                                                                                needs WebPFree */
     if (bytes) {
         webp->bytes = memcpy(bytes, writer.mem, writer.size);
         webp->size = writer.size;

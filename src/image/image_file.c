@@ -1,3 +1,5 @@
+/* Decodes .png, .jpg, .webp, HEIF and .ppm, chosen by the first bytes. A picture is read completely or refused.
+ * Limits on pixels per byte of the file and on scans keep small files from taking much memory or time. */
 #include <fixsplat/image_file.h>
 
 #include <ctype.h>
@@ -27,13 +29,14 @@
 
 #define MAX_SIZE 16384
 #define MAX_READ_PIXELS (1 << 26)
-#define FREE_PIXELS (1 << 20)     /* of any file; of more: */
-#define MAX_BYTE_PIXELS 512       /* of a byte. The first scan of a .jpg has at least a bit for each 8 x 8 of them; a .png
-                                     of one colour has 258 of RGBA or 344 of RGB, and may have 8256 of black and white */
+#define FREE_PIXELS (1 << 20)     /* allowed in any file */
+#define MAX_BYTE_PIXELS 512       /* limit beyond FREE_PIXELS, pixels per byte. The first scan of a .jpg has at least
+                                     a bit per 8 x 8 pixels. A .png of one colour has 258 (RGBA) or 344 (RGB), in
+                                     black and white up to 8256 */
 #define MAX_WEBP_BYTES (1 << 28)
-#define MAX_JPEG_SCANS 100        /* each may be a few bytes long, and takes time for all of the picture */
+#define MAX_JPEG_SCANS 100        /* a scan can be a few bytes but takes time for the whole picture */
 
-/* Faults of a picture that are not the file's. */
+/* Faults of this build, not of the file. */
 static const char no_png[] = "a .png; this program was built without libpng, which .png needs";
 static const char no_jpeg[] = "a .jpg; this program was built without libjpeg-turbo, which .jpg needs";
 static const char no_webp[] = "a .webp; this program was built without libwebp, which .webp needs";
@@ -58,10 +61,10 @@ const char *fxs_image_refusal(int width, int height, uint64_t bytes)
                : NULL;
 }
 
-/* The readers return NULL or the fault. */
+/* Readers return NULL or the fault. */
 
 #if defined(FXS_WITH_PNG) || defined(FXS_WITH_JPEG)
-/* A picture that a library decodes: the fault that ended it, and the place to go on from then. */
+/* State of a library that decodes: its fault, and the place for longjmp. */
 typedef struct decoding {
     const char *fault;
     jmp_buf refused;
@@ -73,7 +76,7 @@ static void refuse(decoding *picture, const char *fault)
     longjmp(picture->refused, 1);
 }
 
-/* Makes room for the pixels, where a file of so many bytes may have so many. */
+/* Allocates the pixels, if a file of `bytes` bytes may have that number. */
 static void make_room(decoding *picture, uint8_t **rgba, int width, int height, uint64_t bytes)
 {
     const char *fault = fxs_image_refusal(width, height, bytes);
@@ -86,7 +89,7 @@ static void make_room(decoding *picture, uint8_t **rgba, int width, int height, 
 #endif
 
 #ifdef FXS_WITH_PNG
-/* For warnings too, after which libpng would go on without the damaged part. */
+/* Also for warnings, after which libpng would skip the damaged part. */
 static void refuse_png(png_structp png, const char *fault)
 {
     static __thread char words[200];
@@ -114,8 +117,8 @@ typedef struct png_reading {
     png_infop info;
 } png_reading;
 
-/* Without gamma and colour profile. Chunks that pixels do not need are passed over, of any size, and take no memory; an
-   index beyond the palette finds black in the 256 colours that libpng has in any case. */
+/* Ignores gamma and colour profiles. Chunks that pixels do not need are skipped without allocation, at any size. An
+   index beyond the palette reads black, because libpng always allocates 256 colours. */
 static void decode_png(png_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
     decoding *picture = &reading->picture;
@@ -172,8 +175,8 @@ static void refuse_by_code(j_common_ptr jpeg)
     refuse(jpeg->client_data, code == JERR_OUT_OF_MEMORY ? fxs_no_memory : code == JWRN_JPEG_EOF ? cut_short : words);
 }
 
-/* libjpeg warns of damaged data and makes up their pixels: here a picture is whole or refused. Bytes between segments,
-   which some cameras leave, do no harm. */
+/* libjpeg warns of damaged data and invents pixels; here damage is a fault. Extra bytes between segments, from some
+   cameras, are harmless. */
 static void refuse_damage(j_common_ptr jpeg, int level)
 {
     if (level < 0 && jpeg->err->msg_code != JWRN_EXTRANEOUS_DATA)
@@ -186,7 +189,7 @@ static void limit_scans(j_common_ptr jpeg)
         refuse(jpeg->client_data, "more scans than a picture needs");
 }
 
-/* Cyan, magenta, yellow and black, without their profile: a colour is (1 - ink) (1 - black). Adobe stores 1 - ink. */
+/* Converts CMYK without its profile: colour = (1 - ink) (1 - black). Adobe stores 1 - ink. */
 static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
 {
     const int flip = is_inverted ? 0 : 255;
@@ -197,7 +200,7 @@ static void to_rgba(uint8_t *pixels, size_t count, int is_inverted)
     }
 }
 
-/* By the inverse cosine transform in integers and smooth chroma: libjpeg-turbo has both alike for every processor. */
+/* Uses the integer inverse DCT and smooth chroma, which libjpeg-turbo computes identically on every processor. */
 static void decode_jpeg(jpeg_reading *reading, FILE *file, uint64_t bytes, uint8_t **rgba, fxs_exif_bytes *exif)
 {
     j_decompress_ptr jpeg = &reading->jpeg;
@@ -248,7 +251,7 @@ static const char *read_jpeg(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
 }
 #endif
 
-/* libwebp has one answer, in C and by every instruction set. */
+/* libwebp gives the same result in C and with every instruction set. */
 static const char *read_webp(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height)
 {
 #ifdef FXS_WITH_WEBP
@@ -291,7 +294,8 @@ static const char *read_heif(FILE *file, uint64_t bytes, uint8_t **rgba, int *wi
 #endif
 }
 
-/* A number of a .ppm's header, after blanks and comments and with the blank that follows; -1 where there is none. */
+/* A number of a .ppm header: skips blanks and comments before it, and takes the blank after it. Returns -1 if there
+   is no number. */
 static int header_number(FILE *file)
 {
     int c = getc(file), comment = 0, value = 0;
@@ -322,7 +326,7 @@ static const char *read_ppm(FILE *file, uint64_t bytes, uint8_t **rgba, int *wid
     *rgba = malloc(4 * pixels);
     if (!*rgba)
         return fxs_no_memory;
-    uint8_t *rgb = *rgba + pixels;   /* spread from the end of the room to the front */
+    uint8_t *rgb = *rgba + pixels;   /* moved from the end of the block to its final place */
     if (fread(rgb, 3, pixels, file) != pixels)
         return cut_short;
     for (size_t i = 0; i < pixels; i++) {
@@ -339,7 +343,6 @@ static int fail_read(const char *path, const char *fault, fxs_message *message)
     return fxs_fail_as(error, message, "%s: %s", path, fault);
 }
 
-/* Of a file that is no picture. */
 static int fail_kind(const char *path, FILE *file, fxs_message *message)
 {
     char head[512];
@@ -348,7 +351,7 @@ static int fail_kind(const char *path, FILE *file, fxs_message *message)
     return fxs_fail(message, "%s: %s%s%s", path, no_picture, kind ? ", but " : "", kind ? kind : "");
 }
 
-/* HEIF is a box of its kind of file; the four bytes before are its size. */
+/* A HEIF begins with a ftyp box; the four bytes before are the box's size. */
 static const char *read_any(FILE *file, uint64_t bytes, uint8_t **rgba, int *width, int *height, fxs_exif_bytes *exif)
 {
     char head[12] = "";

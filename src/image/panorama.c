@@ -1,3 +1,5 @@
+/* A pixel of the panorama is a direction, by fixed-point sine and cosine. It is sampled bilinearly from every face
+ * that shows it; faces overlap by a margin and are blended by the distance from their edge. */
 #include "panorama.h"
 
 #include <string.h>
@@ -5,13 +7,13 @@
 #define ONE_Q30 ((int64_t)1 << 30)
 #define HALF_PI_Q30 1686629713
 
-/* The size of a face in pixels: `side` across 90 degrees, and the margin on each of its four sides. */
+/* Size of a face in pixels: `side` spans 90 degrees; `margin` is added on all four sides. */
 typedef struct face {
     int side, margin, size;
 } face;
 
 /* The side is even, so the focal length and the middle are integers. It is half the panorama's width: a pixel of the
-   panorama then spans 1 to 2 pixels of the face, which a bilinear sample covers. */
+   panorama spans 1 to 2 pixels of a face, which a bilinear sample covers. */
 static face face_of(int width)
 {
     const int side = (width / 2 + 3) / 4 * 4, margin = side / 16 + 2;
@@ -23,7 +25,7 @@ int fxs_panorama_face_size(int width)
     return face_of(width).size;
 }
 
-/* The axes right, down and forward of each face, in axes of the view: 1 is x, -3 is backwards along z. */
+/* The axes right, down and forward of each face, as axes of the view: 1 is x, -3 is -z. */
 static const signed char axes[FXS_PANORAMA_FACES][3] = {
     {1, 2, 3}, {-3, 2, 1}, {-1, 2, -3}, {3, 2, -1}, {1, 3, -2}, {1, -3, 2}
 };
@@ -50,7 +52,7 @@ static int64_t times_q30(int64_t a, int64_t b)
     return (a * b) >> 30;
 }
 
-/* sin of 0 to a quarter turn, by its series to x^13; the error is below 2^-28 */
+/* sin of 0 to a quarter turn, by its series to x^13; error below 2^-28 */
 static int64_t sin_of_quarter_q30(int64_t part_q30)
 {
     static const int divisors[] = {156, 110, 72, 42, 20, 6};
@@ -100,11 +102,10 @@ static int64_t component(const int64_t d[3], int axis)
     return axis < 0 ? -d[-axis - 1] : d[axis - 1];
 }
 
-/* The pixel in direction d: each face that shows it is weighted by its distance from the edge, so no seam is visible.
-   */
+/* The pixel in direction d. Each face is weighted by the distance from its edge, so no seam is visible. */
 static void sample(uint8_t *rgba, const int64_t d_q30[3], const face *f, uint8_t *const faces[FXS_PANORAMA_FACES])
 {
-    const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;   /* outermost sample */
+    const int64_t reach_q16 = 65536 + 131072 * (int64_t)(f->margin - 1) / f->side;   /* outermost sample, Q16 tangent */
     const int64_t middle_q8 = (int64_t)f->size * 128 - 128, focal_q8 = (int64_t)f->side * 128;
     samples s;
     memset(&s, 0, sizeof s);

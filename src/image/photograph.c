@@ -1,3 +1,4 @@
+/* EXIF of photographs, with libexif: orientation, exposure, and a name of camera and lens. */
 #include "photograph_internal.h"
 
 #include <stdlib.h>
@@ -50,7 +51,7 @@ void fxs_exif_keep(fxs_exif_bytes *exif, const void *bytes, size_t size)
 
 #ifdef FXS_WITH_EXIF
 
-/* As the file has it: libexif would else put right what is not as the standard wants it. NULL: out of memory. */
+/* Without libexif's corrections of non-standard data. NULL: out of memory. */
 static ExifData *load(const fxs_exif_bytes *bytes)
 {
     ExifData *data = exif_data_new();
@@ -62,7 +63,7 @@ static ExifData *load(const fxs_exif_bytes *bytes)
     return data;
 }
 
-/* The first number of an entry; 0 where there is none. */
+/* The first number of an entry; 0 if missing. */
 static double number_of(ExifData *data, ExifIfd ifd, ExifTag tag)
 {
     const ExifEntry *entry = exif_content_get_entry(data->ifd[ifd], tag);
@@ -79,7 +80,7 @@ static double number_of(ExifData *data, ExifIfd ifd, ExifTag tag)
     return r.denominator ? (double)r.numerator / (double)r.denominator : 0;
 }
 
-/* A maker or a model, without what does not belong into a line. */
+/* A maker or model, printable ASCII only. */
 static void say_text(ExifData *data, ExifTag tag, char text[40])
 {
     const ExifEntry *entry = exif_content_get_entry(data->ifd[EXIF_IFD_0], tag);
@@ -105,7 +106,7 @@ void fxs_exif_parse(const fxs_exif_bytes *bytes, fxs_exif *exif)
     const double sensitivity = number_of(data, EXIF_IFD_EXIF, EXIF_TAG_ISO_SPEED_RATINGS);
     if (!bytes->is_upright && orientation >= 1 && orientation <= 8)
         exif->orientation = (int)orientation;
-    /* a sensitivity of 65535 stands for one that has no room */
+    /* a sensitivity of 65535 means that the true value does not fit the field */
     if (seconds > 1e-6 && seconds < 1e5 && aperture > 0.1 && aperture < 1e3 && sensitivity > 0 && sensitivity < 65535)
         exif->exposure = seconds * sensitivity / (aperture * aperture);
     say_text(data, EXIF_TAG_MAKE, maker);

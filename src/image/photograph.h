@@ -1,4 +1,4 @@
-/* Photographs as cameras and phones write them: the picture, and what EXIF says of how it was taken. */
+/* Photographs from cameras and phones: pictures with EXIF. */
 #ifndef FXS_PHOTOGRAPH_H
 #define FXS_PHOTOGRAPH_H
 
@@ -9,24 +9,25 @@
 
 enum fxs_photograph_kind { FXS_PHOTOGRAPH_NONE, FXS_PHOTOGRAPH, FXS_PHOTOGRAPH_HEIF };
 
-/* By the ending of a name: .png, .jpg, .jpeg, .ppm and .webp; of HEIF .heic, .heif and .hif; also in capitals. */
+/* By the ending of a name, in any case. FXS_PHOTOGRAPH: .png, .jpg, .jpeg, .ppm, .webp. FXS_PHOTOGRAPH_HEIF: .heic,
+   .heif, .hif. */
 enum fxs_photograph_kind fxs_photograph_kind_of(const char *name);
 
-/* What a file does not say, or says out of its range, is not known. */
+/* Values that a file lacks or gives out of range are unknown. */
 typedef struct fxs_exif {
-    int orientation;               /* 1 to 8: how the stored picture is to be turned (EXIF, tag 274); not known: 1 */
-    double exposure;               /* time * sensitivity / f-number^2, of seconds and ISO; not known: 0 */
-    char lens[120];                /* maker, model and focal lengths, the same for photographs of one camera and zoom;
-                                      not known: empty */
+    int orientation;               /* 1 to 8: rotation and mirroring to apply (EXIF tag 274); unknown: 1 */
+    double exposure;               /* time * sensitivity / f-number^2, in seconds and ISO; unknown: 0 */
+    char lens[120];                /* maker, model, focal lengths: equal for photographs of one camera and zoom;
+                                      unknown: empty */
 } fxs_exif;
 
-/* Like fxs_image_file_read. *exif is of a .jpg or HEIF by libexif, else, or where that is not linked, not known. A HEIF
-   states in its own way how it is turned, which is done, and so its orientation is 1. */
+/* As fxs_image_file_read, with EXIF. EXIF is known for .jpg and HEIF in builds with libexif. A HEIF is already
+   turned by its own metadata, so its orientation is 1. */
 int fxs_photograph_read(const char *path, uint8_t **rgba, int *width, int *height, fxs_exif *exif,
                         fxs_message *message);
 
-/* Reads a photograph and writes it as a .jpg of quality 98 with its EXIF, but for an orientation, as its pixels are
-   turned already. Returns 0, or an error of reading or writing, and FXS_ERR_FILE for one with transparent pixels. */
+/* Reads a photograph and writes it as .jpg of quality 98 with its EXIF. The pixels are already turned, so the EXIF
+   orientation is reset. Returns 0, or an error of reading or writing; FXS_ERR_FILE for transparent pixels. */
 int fxs_photograph_to_jpg(const char *from, const char *to, fxs_message *message);
 
 #endif

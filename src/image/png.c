@@ -10,10 +10,10 @@
 
 /* ---- Compression ------------------------------------------------------------------------------------------------- */
 
-/* Measured on five views of a captured scene at 1200x900, with rows filtered as below: libdeflate's level 1 takes 17 ms
-   and 930 KB (level 2: 25 ms, 909 KB), zlib's Z_RLE 29 ms and 971 KB, its level 1 32 ms and 1024 KB, its default, 6,
-   150 ms and 800 KB. zlib's Huffman codes alone take nine tenths of the time of Z_RLE and a tenth more bytes: most time
-   goes to writing 1.7 million symbols. */
+/* Measured on five views of a captured scene at 1200x900, with rows filtered as below: libdeflate's level 1 takes 17
+   ms and 930 KB (level 2: 25 ms, 909 KB), zlib's Z_RLE 29 ms and 971 KB, its level 1 32 ms and 1024 KB, its default
+   level 6 150 ms and 800 KB. Huffman codes alone (zlib) save only a tenth of Z_RLE's time and take a tenth more
+   bytes, because most time goes into writing 1.7 million symbols. */
 #ifdef FXS_WITH_DEFLATE
 enum { LEVEL = 1 };
 
@@ -22,7 +22,7 @@ static size_t bound_of(size_t size)
     return libdeflate_zlib_compress_bound(NULL, size);
 }
 
-/* Returns the number of bytes in `out`, or 0 where memory ran out. */
+/* Returns the number of bytes in `out`, or 0 if out of memory. */
 static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size_t size)
 {
     struct libdeflate_compressor *compressor = libdeflate_alloc_compressor(LEVEL);
@@ -43,7 +43,7 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
     if (deflateInit2(&stream, 1, Z_DEFLATED, MAX_WBITS, 9, Z_RLE) != Z_OK)
         return 0;
     stream.next_in = (Bytef *)(uintptr_t)rows;
-    stream.avail_in = (uInt)size;              /* at most 2^30 and a byte a row */
+    stream.avail_in = (uInt)size;              /* at most 2^30 bytes plus one per row */
     stream.next_out = out;
     stream.avail_out = (uInt)room;
     const int ended = deflate(&stream, Z_FINISH);
@@ -55,15 +55,15 @@ static size_t compress_rows(uint8_t *out, size_t room, const uint8_t *rows, size
 
 /* ---- Rows -------------------------------------------------------------------------------------------------------- */
 
-/* The first row follows a filter byte of 0 unchanged; the others follow a 2, as differences from the row above. */
+/* The first row has filter 0 (none); the others have filter 2, the difference from the row above. */
 
-/* Subtracts four bytes at once: the upper bit of each holds the borrow and is corrected afterwards. */
+/* Subtracts four bytes at once: the upper bit of each catches the borrow and is corrected afterwards. */
 static inline uint32_t minus_bytes(uint32_t a, uint32_t b)
 {
     return ((a | 0x80808080u) - (b & 0x7f7f7f7fu)) ^ ((a ^ ~b) & 0x80808080u);
 }
 
-/* The first `used` bytes of each pixel; four are written, and the next pixel overwrites the rest. */
+/* Filters the first `used` bytes of each pixel. Writes four; the next pixel overwrites the rest. */
 static inline void filter_colours(uint8_t *out, const uint8_t *rgba, size_t width, size_t height, size_t used)
 {
     for (size_t y = 0; y < height; y++) {
@@ -108,7 +108,7 @@ static void filter(uint8_t *out, int kind, const uint8_t *pixels, int width, int
 
 /* ---- The file ---------------------------------------------------------------------------------------------------- */
 
-enum { AROUND_DATA = 8 + 25 + 12 + 12 };       /* signature, IHDR, the ends of IDAT, IEND */
+enum { AROUND_DATA = 8 + 25 + 12 + 12 };       /* signature, IHDR, frame of IDAT, IEND */
 
 static uint8_t *put_32(uint8_t *out, uint32_t value)
 {
@@ -117,7 +117,7 @@ static uint8_t *put_32(uint8_t *out, uint32_t value)
     return out;
 }
 
-/* Writes the length of a chunk before its data, which are at out + 8, and its checksum after them. */
+/* Writes a chunk's length before its data, which are at out + 8, and its checksum after them. */
 static uint8_t *put_chunk(uint8_t *out, const char *type, size_t length)
 {
     put_32(out, (uint32_t)length);

@@ -1,3 +1,5 @@
+/* Merging of a set of Gaussians: fills a merger, runs the fastest stage coarsen, and converts the results back to
+ * Gaussians. The stage itself is in coarsen_stages.h; this file also instantiates it for C. */
 #include "coarsen.h"
 
 #include <math.h>
@@ -54,7 +56,7 @@ void fxs_coarse_axes(fxs_gaussian *gaussian, const float covariance[6])
     fxs_set_covariance(gaussian, c, 1e-37);
 }
 
-/* What became of Gaussian i of the set. */
+/* Writes Gaussian i of the set. Unmerged Gaussians stay unchanged. */
 static void write_coarse(const fxs_merger *m, uint32_t i, fxs_coarse *out)
 {
     *out = *m->from[i];

@@ -1,14 +1,15 @@
-/* Two Gaussians become the one with their moments, weighted by opacity times area. The pair with the least error goes
-   first, and what became of it goes on as a candidate. The error of a pair is the integral, over a plane that the
-   Gaussians are projected to, of the squared difference between the fields of the two and of the one, with colours
-   multiplied by opacity; the mean of the planes across the three axes. For Gaussians G of peak 1 with covariances A and
-   B at distance d it has a closed form: <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d / 2). Colours
-   count from the mean of those nearby, as what is behind and beside a Gaussian is mostly like it.
+/* A merge replaces two Gaussians by one with the same moments, weighted by opacity times area. Each step merges the
+   pair with the smallest error; the result becomes a candidate again. The error of a pair is the integral over a
+   projection plane of the squared difference between the fields before and after, with colours multiplied by
+   opacity, averaged over the three planes of the axes. It has a closed form: for Gaussians of peak 1 with
+   covariances A and B at distance d, <Ga, Gb> = 2 pi sqrt(|A| |B| / |A + B|) exp(-d^T (A + B)^-1 d / 2). Colours are
+   relative to the mean of the neighbours, because the background of a Gaussian usually has a similar colour.
 
-   Every operation is one of floats that IEEE 754 defines, and no sum depends on how many are computed at once, so the
-   result is the same on every processor. Loops over LANES are written for vectors.
+   Floats are used only in operations that IEEE 754 defines exactly, and no sum depends on the vector width, so the
+   result is the same on every processor. Loops over LANES are written for vectorisation.
 
-   This is the stage coarsen of pack_stage.h for an instruction set, ISA. gather_rows transposes LANES rows. */
+   This file implements the stage coarsen of pack_stage.h for instruction set ISA. The includer defines gather_rows,
+   which transposes LANES rows. */
 #include "merger.h"
 
 #include <math.h>
@@ -26,7 +27,8 @@ static inline float smaller(float x, float y)
     return x < y ? x : y;
 }
 
-/* e^-x for x >= 0, within 1e-6 of 1 and 1 % of its value up to 8: 1 / (e^(x / 8))^8 by the series up to (x / 8)^5. */
+/* e^-x for x >= 0, as 1 / (e^(x / 8))^8 with the series up to (x / 8)^5. Absolute error 1e-6; relative error 1 % up
+   to x = 8. */
 static inline float falling(float x)
 {
     const float y = x * 0.125f;
@@ -40,9 +42,9 @@ static inline float minor(float u, float v, float uv)
     return larger(u * v - uv * uv, 1e-6f * u * v);
 }
 
-/* ---- Two become one ---------------------------------------------------------------------------------------------- */
+/* ---- Merging two ------------------------------------------------------------------------------------------------- */
 
-/* The roots of the determinants in each plane. */
+/* Roots of the determinants in each plane. */
 static inline void find_roots(group *of, int count)
 {
     for (int p = 0; p < PLANES; p++)
@@ -70,7 +72,8 @@ static inline void find_products(lanes product, const group *a, const group *b, 
     }
 }
 
-/* Of the mass of both, what does not hide the other's. products: <Ga, Gb> / pi in each plane. */
+/* Mass of the pair, minus OVERLAP of the part that the two hide of each other. products: <Ga, Gb> / pi in each
+   plane. */
 static inline void find_masses(lanes mass, const group *a, const group *b, lanes products[PLANES], int count)
 {
     for (int i = 0; i < count; i++) {
@@ -82,8 +85,8 @@ static inline void find_masses(lanes mass, const group *a, const group *b, lanes
     }
 }
 
-/* What a and b become, and the share of a. Where opacity would exceed its most by a factor r, variances grow by
-   the root of r instead. */
+/* The merged Gaussian, and the share of a. If opacity would exceed its cap by a factor r, it is capped and variances
+   grow by sqrt(r). */
 static inline void join(group *out, lanes share, const group *a, const group *b, lanes products[PLANES], int count)
 {
     lanes mass;
@@ -121,8 +124,8 @@ static inline void join(group *out, lanes share, const group *a, const group *b,
 
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
-/* What was merged is compared as it is, but its error against what it stands for grows with every merger. Without this
-   factor some would swallow all around them. */
+/* Weight of a pair's error. Errors are measured against merged Gaussians, not the originals, so they must grow with
+   each merge. Otherwise some Gaussians would absorb all their neighbours. */
 static float grown(const pair *p)
 {
     return (float)(1 + p->a_age + p->b_age);
@@ -136,7 +139,6 @@ static void gather(const fxs_merger *m, group *to, const uint16_t *of, uint32_t 
     gather_rows(to, rows);
 }
 
-/* The errors of up to LANES pairs. */
 static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
 {
     group one, other, both;
@@ -177,7 +179,7 @@ static void find_errors(const fxs_merger *m, pair *pairs, uint32_t count)
         pairs[i].error = sums[i] * grown(&pairs[i]);
 }
 
-/* ---- The nearest ------------------------------------------------------------------------------------------------- */
+/* ---- Candidates -------------------------------------------------------------------------------------------------- */
 
 static uint32_t spread_bits(uint32_t x)
 {
@@ -187,7 +189,7 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x9249249;
 }
 
-/* Sorts by keys of 30 bits, ten bits a pass; equal ones stay in their order. */
+/* Stable radix sort by keys of 30 bits, 10 bits per pass. */
 static void sort_by_keys(uint16_t order[MOST], const uint32_t keys[MOST], uint32_t count)
 {
     uint16_t other[MOST], *from = order, *to = other;
@@ -208,7 +210,7 @@ static void sort_by_keys(uint16_t order[MOST], const uint32_t keys[MOST], uint32
     memcpy(order, other, count * sizeof *order);
 }
 
-/* Orders the Gaussians along a Morton curve of 10 bits an axis, in a cube that is twice as wide as theirs and begins
+/* Orders the Gaussians along a Morton curve of 10 bits an axis. The cube is twice as wide as their extent and begins
    `shift` of its width before it, 0 to 1/2. */
 static void find_order(fxs_merger *m, float shift)
 {
@@ -244,7 +246,7 @@ typedef struct candidates {
     uint32_t count;
 } candidates;
 
-/* Another is a candidate where it is nearer than one of them. `again`: it may be one of them. */
+/* Inserts a candidate if it is nearer than the farthest in the list. `again`: it may be in the list already. */
 static inline void take(candidates *c, uint16_t other, float distance, int again)
 {
     uint32_t at = c->count < NEAREST ? c->count : NEAREST - 1;
@@ -262,7 +264,7 @@ static inline void take(candidates *c, uint16_t other, float distance, int again
     c->which[at] = other;
 }
 
-/* Squared distances of WINDOW that follow one another on the curve from that at a place. */
+/* Squared distances from the Gaussian at place `from` of the curve to WINDOW consecutive ones. */
 static inline void find_distances(float distances[WINDOW], const fxs_merger *m, uint32_t first, uint32_t from)
 {
     for (uint32_t k = 0; k < WINDOW; k++) {
@@ -272,7 +274,7 @@ static inline void find_distances(float distances[WINDOW], const fxs_merger *m, 
     }
 }
 
-/* Of those that lie near each other on the curve: first those before a Gaussian, then those after it. */
+/* Adds candidates from both sides of the curve: first those before a Gaussian, then those after. */
 static void look_along(fxs_merger *m, int again)
 {
     for (uint32_t i = 0; i < m->count; i++) {
@@ -294,7 +296,8 @@ static void look_along(fxs_merger *m, int again)
     }
 }
 
-/* Finds the candidates of each Gaussian, by distance. A curve has seams; what they part is together on the other. */
+/* Finds the candidates of each Gaussian by distance. Neighbours that one curve separates are close on the other,
+   shifted curve. */
 static void find_nearest(fxs_merger *m)
 {
     memset(m->nearest_count, 0, sizeof m->nearest_count);
@@ -347,7 +350,7 @@ static int is_candidate(const fxs_merger *m, uint32_t of, uint32_t which)
     return 0;
 }
 
-/* Of two that are candidates of each other, one pair. */
+/* Pairs every Gaussian with its candidates, mutual candidates once, and builds the heap. */
 static void find_pairs(fxs_merger *m)
 {
     m->pair_count = 0;
@@ -366,7 +369,7 @@ static void find_pairs(fxs_merger *m)
         sift_down(m->heap, m->heap_count, i);
 }
 
-/* The candidates of both, each once; the first NEAREST of them are those of a from now on. */
+/* Joins the candidates of a and b without duplicates, and pushes their pairs with a. The first NEAREST become a's. */
 static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
 {
     uint16_t both[2 * NEAREST];
@@ -393,7 +396,7 @@ static void join_candidates(fxs_merger *m, uint32_t a, uint32_t b)
         push(m, key_of(m, m->pair_count));
 }
 
-/* The mean colour of a Gaussian and of those nearest to it, weighted by opacity times area. */
+/* LOCAL: mean colour of a Gaussian and its candidates, weighted by opacity times area. */
 static void find_surroundings(fxs_merger *m, uint32_t of)
 {
     float sum = LEAST, colours[3] = {0};
@@ -450,7 +453,7 @@ static void merge(fxs_merger *m, uint32_t a, uint32_t b, double error, fxs_merge
     join_candidates(m, a, b);
 }
 
-/* The pair of least error. Where none is left, the first two Gaussians. */
+/* Returns the pair with the smallest error; if the heap is empty, the first two Gaussians left. */
 static pair take_best(fxs_merger *m)
 {
     while (m->heap_count > 0) {

@@ -1,3 +1,6 @@
+/* Chunk headers and records. A header gets the smallest fixed-point steps that cover the ranges of its Gaussians.
+ * The codes of a Gaussian come from the stage encode (encode_stages.h), and fxs_encode_rows transposes the records
+ * into rows. */
 #include "encode.h"
 
 #include <math.h>
@@ -6,7 +9,7 @@
 #include "pack_stage.h"
 
 #define SCALE_LIMIT 20.0f           /* the largest |ln(sigma)| */
-#define THINNEST 9.0f               /* the largest ln of the largest axis over the thinnest */
+#define THINNEST 9.0f               /* largest ln(largest axis / thinnest axis) */
 
 int fxs_floor_within(double x, int low, int high)
 {
@@ -15,14 +18,14 @@ int fxs_floor_within(double x, int low, int high)
     return cut - (cut > held);
 }
 
-/* ---- What a packed scene can hold ------------------------------------------------------------------------------ */
+/* ---- Limits of a packed scene ---------------------------------------------------------------------------------- */
 
 float fxs_held_scale(float scale)
 {
     return scale > -SCALE_LIMIT ? scale < SCALE_LIMIT ? scale : SCALE_LIMIT : -SCALE_LIMIT;
 }
 
-/* Without this, one needle would widen a chunk's range, and so the steps of the chunk's scales. */
+/* Otherwise one needle would widen a chunk's range, and with it the scale steps of the whole chunk. */
 void fxs_hold_scales(fxs_gaussian *g)
 {
     const float *s = g->scale, most = s[0] > s[1] ? s[0] : s[1], least = (s[2] > most ? s[2] : most) - THINNEST;
@@ -52,8 +55,7 @@ void fxs_ranges_clear(fxs_chunk_ranges *ranges)
     *ranges = (fxs_chunk_ranges){{none, none, none}, none, {none, none, none}, {0, 0, 0}, {0, 0, 0, 0}};
 }
 
-/* x clamped to low..high and rounded towards 0; NaN gives low. A file that changes between two passes may have any
-   number here. */
+/* x clamped to low..high and rounded towards 0; NaN: low. If the file changes between passes, x can be any number. */
 static int64_t cut_to(double x, double low, double high)
 {
     return (int64_t)(x > low ? x < high ? x : high : low);
@@ -64,7 +66,7 @@ void fxs_ranges_take(fxs_chunk_ranges *ranges, const fxs_gaussian *g, double opa
     fxs_pack_stages_choose(~0u)->take_ranges(ranges, g, opacity, sh_degree);
 }
 
-/* The smallest step, in units of 2^-q, with which `codes` + 1 codes cover the whole range. */
+/* The smallest step, in units of 2^-q, with which codes 0..codes cover the range. */
 static uint32_t step_for(double reach, int codes, int q)
 {
     return (uint32_t)cut_to(ceil(ldexp(reach, q) / codes), 0, UINT32_MAX);
@@ -82,7 +84,7 @@ static void find_colour_codes(fxs_chunk *chunk, int channel, const fxs_range *r,
     chunk->colour_step_q20[channel] = step_for(r->high - ldexp(chunk->colour_q16[channel], -16), FXS_COLOUR_MOST, 20);
 }
 
-/* At most 32767. */
+/* Q19, at most 32767. */
 static uint32_t sh_step(float most, const fxs_grid *grid)
 {
     double own = ldexp(grid->step, 19);
@@ -165,7 +167,7 @@ void fxs_encode(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian
     fxs_pack_stages_choose(~0u)->encode(e, chunk, g, opacity, record, loss);
 }
 
-/* Bytes `first` to first + width - 1 of each record, side by side. */
+/* Copies bytes first..first + width - 1 of each record, side by side. */
 static unsigned char *put_row(unsigned char *to, const unsigned char *records, uint32_t bytes, uint32_t first,
                               uint32_t width)
 {

@@ -23,8 +23,8 @@ static const double opacity_reaches[FXS_OPACITY_LAWS] = {4 - 1 / 255.0, 1 - 1 / 
                                                          0.0625 - 1 / 255.0};
 static const double opacity_scales[FXS_OPACITY_LAWS] = {0, 254.4995088403905, 512.0318092708492, 1049.4574808843379};
 
-/* The nearest codes by each law of an opacity of 1/255 or more, and their opacities less it: 1/255 + (4^(1 - law) -
-   1/255) ((code - 1) / 254)^2, or code / 255. */
+/* The nearest code of each law for an opacity of at least 1/255, and its error. Law 0: code / 255; else 1/255 +
+   (4^(1 - law) - 1/255) ((code - 1) / 254)^2. */
 static inline void encode_by_laws(double opacity, int32_t codes[FXS_OPACITY_LAWS], double errors[FXS_OPACITY_LAWS])
 {
     const double root = sqrt(opacity - 1 / 255.0);
@@ -42,7 +42,7 @@ static inline void encode_by_laws(double opacity, int32_t codes[FXS_OPACITY_LAWS
     errors[0] = codes[0] / 255.0 - opacity;
 }
 
-/* An opacity that never reaches 1/255 is not drawn. */
+/* Opacities below 1/255 are not drawn; only law 0 has codes for them. */
 static inline int32_t encode_opacity(double opacity, uint32_t law, double *error)
 {
     int32_t codes[FXS_OPACITY_LAWS] = {0};
@@ -57,7 +57,8 @@ static inline int32_t encode_opacity(double opacity, uint32_t law, double *error
     return codes[law];
 }
 
-/* Fainter Gaussians overlap in greater numbers, so the harm of an error is its square over the opacity. */
+/* Adds the harm of coding this opacity by each law: squared error / opacity, because fainter Gaussians overlap in
+   greater numbers. */
 static inline void weigh_opacity(fxs_chunk_ranges *r, double opacity)
 {
     int32_t codes[FXS_OPACITY_LAWS];
@@ -95,7 +96,6 @@ static void NAMED(fxs_pack_take_ranges_, ISA)(fxs_chunk_ranges *r, const fxs_gau
 
 /* ---- Codes ----------------------------------------------------------------------------------------------------- */
 
-/* Notes the errors of three numbers. */
 static inline void note_three(fxs_loss *loss, int which, const double errors[3])
 {
     if (!FXS_MEASURES_LOSS)
@@ -105,14 +105,14 @@ static inline void note_three(fxs_loss *loss, int which, const double errors[3])
     loss->squares[which] += errors[0] * errors[0] + errors[1] * errors[1] + errors[2] * errors[2];
 }
 
-/* Extends a code to `wide` bits as the renderer does, by repeating its high bits below. */
+/* Extends a code from `bits` to `wide` bits by repeating its high bits, as the renderer does. */
 static inline int32_t spread(int32_t code, int32_t bits, int32_t wide)
 {
     return code << (wide - bits) | code >> (2 * bits - wide);
 }
 
-/* The three positions, 16 bits, and the three colours, 9 bits; in small 11, and 7, 7, 6. Codes for which low + code
-   step is nearest, with the code extended. */
+/* Codes position (16 bits) and base colour (9 bits); in profile small 11, and 7, 7, 6. Picks the code with low +
+   code step nearest, where the code is extended to full width. */
 static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g, fxs_row_codes *codes,
                                fxs_loss *loss)
 {
@@ -147,13 +147,13 @@ static inline void encode_even(const fxs_encoder *e, const fxs_chunk *chunk, con
     note_three(loss, FXS_LOSS_DC, errors + 3);
 }
 
-/* A scale code of axis i from its own bits. */
+/* Extends a scale code of axis i from `bits` to the width in the formula. */
 static inline int32_t spread_scale(int32_t code, int32_t bits, int i)
 {
     return i < 2 ? spread(code, bits, 10) : 2 * spread(code, bits, 9);
 }
 
-/* The nearest codes with log2(sigma) = high - code^2 step: 10, 10 and 9 bits, in small 7, 7 and 6. */
+/* Nearest codes for log2(sigma) = high - code^2 step: 10, 10 and 9 bits; in profile small 7, 7 and 6. */
 static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, const float scale[3], uint32_t codes[3],
                                  fxs_loss *loss)
 {
@@ -179,8 +179,8 @@ static inline void encode_scales(const fxs_encoder *e, const fxs_chunk *chunk, c
     note_three(loss, FXS_LOSS_SCALE, errors);
 }
 
-/* Notes the angle 2 acos(|dot|), degrees. acos(x)^2 is at most 2.5 (1 - x), and about 2 (1 - x) near x = 1, so few
-   angles must be computed to find the largest. */
+/* Records the angle 2 acos(|dot|) in degrees. acos(x)^2 is at most 2.5 (1 - x), and about 2 (1 - x) near x = 1, so
+   acos is called only for candidates of the largest angle. */
 static inline void note_angle(fxs_loss *loss, double dot)
 {
     double *largest = &loss->largest[FXS_LOSS_ROTATION];
@@ -192,7 +192,7 @@ static inline void note_angle(fxs_loss *loss, double dot)
         *largest = larger_of(*largest, 2 * acos(dot) * DEGREES);
 }
 
-/* The roll, -1 to 1, whose second axis is cosine side[0] + sine side[1], up to a factor. */
+/* The roll, -1 to 1, for which the second axis is parallel to cosine side[0] + sine side[1]. */
 static inline double roll_of(double cosine, double sine)
 {
     const double sign = cosine < 0 ? -1 : 1, length = sqrt(cosine * cosine + sine * sine);
@@ -206,7 +206,7 @@ static inline double roll_of(double cosine, double sine)
     return roll;
 }
 
-/* The nearest of 2^bits numbers to x, -1 to 1, less what the bits below add: a code in two's complement. */
+/* The nearest code, two's complement of `bits` bits, to x in -1..1. `below`: part of a step that lower bits add. */
 static inline int32_t code_around(double x, int32_t bits, double below)
 {
     const int32_t half = 1 << (bits - 1);
@@ -214,7 +214,7 @@ static inline int32_t code_around(double x, int32_t bits, double below)
     return code - half;
 }
 
-/* The bits below a number's own, as a part of its step. */
+/* The value of a code's bits as a part of a step of the number above. */
 static inline double part_of(int32_t code, int32_t bits, double below)
 {
     const int32_t number = 1 << bits;
@@ -227,8 +227,8 @@ static inline int is_too_long(uint32_t word, int32_t bits)
     return x_q15 * x_q15 + y_q15 * y_q15 > 1 << 30;
 }
 
-/* The rotation word of axes with these directions: the roll by the sides of the first axis as the word says it, so the
-   second round begins with the result of the first. `all`: bits of the word. */
+/* The rotation word of three axes; `all`: its bits. The roll is relative to the first axis as coded, so a second
+   round starts from the result of the first. */
 static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
 {
     const double sign = axis[0][2] < 0 ? -1 : 1, length = sqrt(1 + fabs(axis[0][2]));
@@ -260,11 +260,11 @@ static inline uint32_t encode_axes(double axis[3][3], int32_t bits, int32_t all)
     return word;
 }
 
-/* Puts the axes of a Gaussian in the order of their lengths, the longest first. */
+/* Sorts the axes by length, longest first. */
 static inline void order_axes(float scale[3], double axis[3][3])
 {
     for (int i = 0; i < 3; i++) {
-        const int k = i == 2 ? 0 : i;             /* 0 and 1, 1 and 2, 0 and 1 again */
+        const int k = i == 2 ? 0 : i;             /* swaps 0-1, 1-2, 0-1 */
         if (!(scale[k] < scale[k + 1]))
             continue;
         const float length = scale[k];
@@ -278,7 +278,7 @@ static inline void order_axes(float scale[3], double axis[3][3])
     }
 }
 
-/* cos of half the angle between the axes and those of the word, where an axis may point either way. */
+/* cos of half the angle between the axes and those of the word; an axis may point either way. */
 static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t bits)
 {
     const fxs_tilt a = fxs_tilt_of_word(word, bits);
@@ -291,7 +291,7 @@ static inline double half_angle_cosine(double axis[3][3], uint32_t word, int32_t
     return sqrt(1 + trace) / 2;
 }
 
-/* `scale`: the codes of the axes' lengths. */
+/* Codes the rotation. `scale`: codes of the axes' lengths, which determine the bits per axis. */
 static inline uint32_t encode_rotation(const fxs_encoder *e, const fxs_chunk *chunk, double axis[3][3],
                                        const uint32_t scale[3], fxs_loss *loss)
 {
@@ -320,7 +320,7 @@ static inline void fill_by_degree(double numbers[BANDS], const double of[3])
         numbers[i] = of[2];
 }
 
-/* Notes the sizes of the errors of 48 numbers, which it changes. */
+/* Records the absolute errors of 48 numbers. Changes the array. */
 static inline void note_bands(fxs_loss *loss, double errors[BANDS])
 {
     double most[BANDS / 2];
@@ -341,7 +341,7 @@ static inline void note_bands(fxs_loss *loss, double errors[BANDS])
     loss->squares[FXS_LOSS_SH] += errors[0] + errors[1] + errors[2];
 }
 
-/* Codes SH of profile default: 48 numbers, of which those above the degree are 0. */
+/* Codes SH for profile default: 48 numbers, 0 above the degree. */
 static inline void encode_bands(const fxs_encoder *e, const fxs_chunk *chunk, const fxs_gaussian *g,
                                 unsigned char *record, fxs_loss *loss)
 {

@@ -1,3 +1,6 @@
+/* Weights a sample of Gaussians by opacity and size, and takes quantiles of the weight along each axis. If the box
+ * is not much larger than the core, the scene is an object with an outline, and the box gets a margin. Otherwise the
+ * scene is surroundings, and the box covers at least the middle 90 % of the centres. */
 #include "framing.h"
 
 #include <math.h>
@@ -5,10 +8,10 @@
 #include "order.h"
 #include "src/gaussian/attributes.h"
 
-#define EDGE 0.002                   /* share of the weight left out at each end of an axis */
-#define CORE 0.05                    /* the same for the core of the scene */
-#define SPREAD 1.5                   /* box over core, in radius, from which on the scene has no outline */
-#define FAR_OUT 8                    /* an outlier lies so many times as far as half of the weight */
+#define EDGE 0.002                   /* share of the weight cut off at each end of an axis */
+#define CORE 0.05                    /* the same for the core */
+#define SPREAD 1.5                   /* largest radius of box / core of a scene with an outline */
+#define FAR_OUT 8                    /* outliers are farther than this * the median distance */
 
 fxs_seen fxs_seen_of(const fxs_gaussian *g)
 {
@@ -16,11 +19,11 @@ fxs_seen fxs_seen_of(const fxs_gaussian *g)
     const double largest = fmax(fmax(a, b), c), second = fmax(fmin(a, b), fmin(fmax(a, b), c));
     const double opacity = fxs_opacity_of_logit(g->opacity);
     return (fxs_seen){{g->position[0], g->position[1], g->position[2]}, (float)fxs_exp((largest + second) / 2),
-                      opacity * 255 < 0.5 ? 0 : (float)opacity};   /* an opacity of 0 in 8 bits is never drawn */
+                      opacity * 255 < 0.5 ? 0 : (float)opacity};   /* 8-bit opacity 0 is never drawn */
 }
 
-/* Sorts places, which are in the order of their indexes, by x and then by index: by digits of 8 bits. `spare` has room
-   for as many. */
+/* Radix sort by x, 8 bits per pass. Stable: places of equal x stay in the order of their indexes. `spare`: room for
+   `count`. */
 static void sort_places(fxs_seen_place *places, fxs_seen_place *spare, uint32_t count)
 {
     for (int shift = 0; shift < 32; shift += 8) {
@@ -37,7 +40,7 @@ static void sort_places(fxs_seen_place *places, fxs_seen_place *spare, uint32_t 
 
 static fxs_seen_place place(float x, uint32_t index)
 {
-    return (fxs_seen_place){x + 0.0f, index};     /* + 0: -0 becomes 0 */
+    return (fxs_seen_place){x + 0.0f, index};     /* -0 becomes 0 */
 }
 
 static void sort_axis(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count, int axis)
@@ -47,7 +50,7 @@ static void sort_axis(fxs_seen_place *places, fxs_seen_place *spare, const fxs_s
     sort_places(places, spare, count);
 }
 
-/* The place at which the weights, in ascending order of places, reach `share`; share above 0. */
+/* The place where the sum of weights, in ascending order of places, reaches `share`, above 0. */
 static double quantile(const fxs_seen_place *places, const fxs_seen *seen, uint32_t count, double share)
 {
     double total = 0, sum = 0;
@@ -73,7 +76,7 @@ static double box_of(const fxs_seen_place *places, const fxs_seen *seen, uint32_
     return sqrt(square);
 }
 
-/* Sorts `places` by distance from the middle. Returns the distance within which half of the weight lies. */
+/* Sorts `places` by distance from the middle. Returns the weighted median distance. */
 static double middle_distance(fxs_seen_place *places, fxs_seen_place *spare, const fxs_seen *seen, uint32_t count,
                               const double middle[3])
 {
@@ -89,8 +92,8 @@ static double middle_distance(fxs_seen_place *places, fxs_seen_place *spare, con
     return quantile(places, seen, count, 0.5);
 }
 
-/* Weights Gaussians also by size, by the root of the area: the plain parts of an object have few large Gaussians, but
-   one large floater must not outweigh a thousand small ones. Outliers have no weight. */
+/* Multiplies weights by size (root of the area), because the plain parts of an object have few, large Gaussians. The
+   size is capped, so that one large floater does not outweigh a thousand small Gaussians. Outliers get weight 0. */
 static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -99,7 +102,7 @@ static void weigh(fxs_seen *seen, const fxs_seen_place *distances, uint32_t coun
     }
 }
 
-/* In surroundings that thin out with distance, the weight is the square of the angle that a Gaussian spans. */
+/* For surroundings: divides weights by (1 + r^2)^2, r = distance / median distance. */
 static void weigh_surroundings(fxs_seen *seen, const fxs_seen_place *distances, uint32_t count, double distance)
 {
     for (uint32_t i = 0; i < count; i++) {

@@ -1,4 +1,4 @@
-/* The box of the visible part of a scene, for a camera that frames it. */
+/* Finds the box of the visible part of a scene, for a camera that frames it. */
 #ifndef FXS_FRAMING_H
 #define FXS_FRAMING_H
 
@@ -6,16 +6,16 @@
 
 #include <fixsplat/gaussian.h>
 
-#define FXS_SEEN_MOST 16384          /* the most Gaussians of a sample */
+#define FXS_SEEN_MOST 16384          /* capacity of a sample, Gaussians */
 
 /* A Gaussian of the sample. */
 typedef struct fxs_seen {
     float position[3];
-    float size;                      /* the root of the product of its two largest sigmas, scene units */
-    float weight;                    /* its opacity; 0: not drawn */
+    float size;                      /* root of the product of the two largest sigmas, scene units */
+    float weight;                    /* opacity; 0: not drawn */
 } fxs_seen;
 
-/* A Gaussian's place along a line. */
+/* Coordinate of a Gaussian along a line. */
 typedef struct fxs_seen_place {
     float x;
     uint32_t index;
@@ -23,8 +23,8 @@ typedef struct fxs_seen_place {
 
 fxs_seen fxs_seen_of(const fxs_gaussian *gaussian);
 
-/* Changes low..high, the box of the middle 90 % of the centres, to the box of the visible part. `places` has room for 5
-   `count` places. `seen` is changed. Where no Gaussian is visible, the box stays. */
+/* Changes low..high from the box of the middle 90 % of the centres to the box of the visible part. `places`: room
+   for 5 * count. Overwrites the weights of `seen`. If no Gaussian is visible, the box stays. */
 void fxs_seen_bounds(fxs_seen *seen, uint32_t count, fxs_seen_place *places, double low[3], double high[3]);
 
 #endif

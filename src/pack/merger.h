@@ -1,4 +1,4 @@
-/* What a merger of a set of Gaussians holds. */
+/* Working memory of a merger: a set of Gaussians, their candidate pairs, and a heap of the pairs' errors. */
 #ifndef FXS_MERGER_H
 #define FXS_MERGER_H
 
@@ -9,42 +9,43 @@
 
 enum {
     MOST = FXS_MERGE_MOST,
-    LANES = 8,                         /* pairs whose errors are found at once */
-    NEAREST = 5,                       /* candidates of a Gaussian, */
-    JOINED = 8,                        /* and with how many what was merged is compared */
+    LANES = 8,                         /* pairs per call of find_errors */
+    NEAREST = 5,                       /* candidates per Gaussian */
+    JOINED = 8,                        /* candidates of a merged Gaussian */
     PLANES = 3,
     SH = 45,                           /* coefficients */
-    COMPARED = 12,                     /* those that count in errors: degree 1, and zeros */
-    CURVES = 2,                        /* along which candidates are looked for, */
-    WINDOW = 8,                        /* so far on each side */
-    PAIRS = MOST * NEAREST + MOST * JOINED   /* all that are ever compared */
+    COMPARED = 12,                     /* SH coefficients that count in errors: 9 of degree 1, 3 zeros */
+    CURVES = 2,                        /* Morton curves along which candidates are searched */
+    WINDOW = 8,                        /* neighbours on each side of a curve */
+    PAIRS = MOST * NEAREST + MOST * JOINED   /* capacity: pairs of the whole run */
 };
 
-/* What is known of a Gaussian: its covariance, the roots of the determinants in each plane of that with THINNEST, and
-   its colour of degree 0, that of what surrounds it, and the squared length of its SH that are compared. */
+/* Fields of a Gaussian: position, covariance, opacity (fxs_coarse_drawn), area; per plane, the root of the
+   determinant of the covariance with THINNEST added; the colour of degree 0; LOCAL, the mean colour of its
+   surroundings; SQUARE, the squared length of its compared SH. */
 enum { X, Y, Z, XX, YY, ZZ, XY, XZ, YZ, OPACITY, AREA, ROOT, COLOUR = ROOT + PLANES, LOCAL = COLOUR + 3,
        SQUARE = LOCAL + 3, FIELDS, ROW = (FIELDS + LANES - 1) / LANES * LANES };
 
-#define OPACITY_MOST (0.99f - FXS_FAINTEST)    /* of what was merged, or that of the more opaque of two */
-#define OVERLAP 0.3f                   /* share of what two hide of each other that does not count */
-#define ALPHA_WEIGHT 0.06f             /* of the squared error of alpha by itself, against that of a colour */
-#define THINNEST 1e-3f                 /* share of the trace that is added to variances where errors are computed */
+#define OPACITY_MOST (0.99f - FXS_FAINTEST)    /* cap of a merged opacity, unless either is more opaque */
+#define OVERLAP 0.3f                   /* share of a pair's mutual occlusion that is taken off the merged mass */
+#define ALPHA_WEIGHT 0.06f             /* weight of the squared error of alpha; a colour's has 1 */
+#define THINNEST 1e-3f                 /* share of the trace, added to variances in errors */
 #define LEAST 1e-30f
 #define PI 3.14159265f
 
-/* The axes of each plane, and its part of a covariance. */
+/* The axes of each plane, and the fields of its covariance. */
 static const uint8_t first_axis[PLANES] = {X, X, Y}, second_axis[PLANES] = {Y, Z, Z};
 static const uint8_t first_square[PLANES] = {XX, XX, YY}, second_square[PLANES] = {YY, ZZ, ZZ},
                      mixed[PLANES] = {XY, XZ, YZ};
 
 typedef float lanes[LANES];
 
-/* LANES Gaussians. */
+/* LANES Gaussians, field by field. */
 typedef struct group {
     lanes f[ROW];
 } group;
 
-/* Two that may be merged. It no longer counts where either has changed since. */
+/* Candidates for a merge. The pair is stale if an age differs from the Gaussian's. */
 typedef struct pair {
     float error;
     uint16_t a, b;                     /* a < b */
@@ -56,17 +57,17 @@ struct fxs_merger {
     const fxs_coarse *from[MOST];
     float fields[MOST][ROW];
     float sh[MOST][SH];                /* times the basis of degree 0 */
-    float compared[MOST][COMPARED];    /* the first of them */
-    uint32_t sh_count;                 /* of them that may be other than 0 */
-    uint16_t order[MOST];              /* along a curve, */
-    float places[3][WINDOW + MOST + WINDOW];   /* and where they are */
-    float distances[MOST][NEAREST];    /* of the candidates, squared */
-    uint16_t into[MOST];               /* itself, or what it was merged into */
-    uint16_t age[MOST];                /* how often it was merged */
-    uint16_t nearest[MOST][NEAREST];   /* candidates */
+    float compared[MOST][COMPARED];    /* the first COMPARED of sh */
+    uint32_t sh_count;                 /* coefficients of the degree; the others are 0 */
+    uint16_t order[MOST];              /* along a curve */
+    float places[3][WINDOW + MOST + WINDOW];   /* positions in that order; padding: infinity */
+    float distances[MOST][NEAREST];    /* squared distances of the candidates */
+    uint16_t into[MOST];               /* itself, or the Gaussian it was merged into */
+    uint16_t age[MOST];                /* number of merges */
+    uint16_t nearest[MOST][NEAREST];   /* candidates, nearest first */
     uint8_t nearest_count[MOST];
     pair pairs[PAIRS];
-    uint64_t heap[PAIRS];              /* the bits of the error, then the number of the pair: the least first */
+    uint64_t heap[PAIRS];              /* min-heap; key: bits of the error, then pair number */
     uint32_t pair_count, heap_count;
 };
 

@@ -1,10 +1,10 @@
-/* Builds a k-d tree from the top down. A stretch of Gaussians is cut across one of four coordinates, x, y, z or the
-   distance from the middle of the scene, where the cost of both boxes is least. The cost of a box is the sum of squared
-   errors, in pixels, of positions coded over it, for a viewer around the middle. Cuts by distance separate the
-   Gaussians that lie far out on all sides: sky, surroundings, outliers.
+/* Builds a k-d tree from the top down. Each run of Gaussians is cut across x, y, z, or the distance from the middle
+   of the scene, at the place where the cost of both boxes is smallest. The cost of a box is the sum of squared
+   position errors, in pixels, for a viewer around the middle. Cuts by distance separate Gaussians that lie far out
+   on all sides: sky, surroundings, outliers.
 
-   The order is the same on every processor: weights are integers, and each sum, difference, product or quotient of
-   floats is rounded to a float by itself, which gives the same even where it was computed in more bits. */
+   The order is the same on every processor: weights are integers, and every float operation is rounded to a float by
+   itself, which gives the same result on processors that compute with more bits. */
 #include "order.h"
 
 #include <math.h>
@@ -13,21 +13,21 @@
 #include <fixsplat/packed.h>
 
 enum {
-    BINS = 32,                       /* bins of a histogram; cuts are tried between them */
+    BINS = 32,                       /* bins of a histogram; cuts are tried at their borders */
     AXES = 3, DISTANCE = AXES, COORDINATES,
-    WHOLE_LEVELS = 4,                /* levels whose histograms count all Gaussians, so no outlier is missed */
-    SAMPLED = 4096,                  /* about as many are counted of a longer stretch in lower levels */
-    FREE_LEVELS = 40,                /* levels from the root; below, stretches are halved, to bound the depth */
+    WHOLE_LEVELS = 4,                /* levels with histograms over all Gaussians, to catch every outlier */
+    SAMPLED = 4096,                  /* lower levels count about this many Gaussians of a longer run */
+    FREE_LEVELS = 40,                /* below this level runs are halved, to bound the depth */
     DEPTH = FREE_LEVELS + 24,
-    SAMPLE = 16384,                  /* the most Gaussians from which the middle is found */
-    JOBS = 128,                      /* the most stretches that are worked on at once */
-    PIECES = 8,                      /* the most chunks that a leaf is cut into */
-    MANY = 1024 * FXS_CHUNK          /* in a scene with fewer Gaussians, one chunk more must be worth more */
+    SAMPLE = 16384,                  /* most Gaussians for finding the middle */
+    JOBS = 128,                      /* most runs processed at once */
+    PIECES = 8,                      /* most chunks cut from one leaf */
+    MANY = 1024 * FXS_CHUNK          /* scenes with fewer Gaussians cut leaves less: see coarse_cost */
 };
 
-#define AMONG_ITS_LIKE (1u << 31)     /* in an index, while the others are not ordered */
-#define LEAST_WIDTH 1e-30f           /* narrower stretches are not cut by a histogram */
-#define NARROW 0.25f                 /* nor are axes narrower than this share of the widest */
+#define AMONG_ITS_LIKE (1u << 31)     /* flag in an index: to be ordered separately */
+#define LEAST_WIDTH 1e-30f           /* narrower runs are not cut by a histogram */
+#define NARROW 0.25f                 /* axes below this share of the widest are not cut */
 #define WEIGHT_ONE 1073741824.0f     /* 2^30 */
 
 typedef struct stretch {
@@ -38,20 +38,20 @@ typedef struct stretch {
 typedef struct order {
     fxs_order_entry *entries;
     float middle[3];
-    float near_square;               /* square of the distance from the middle within which half of the Gaussians lie */
-    float coarse;                    /* a leaf that costs more is cut into pieces */
+    float near_square;               /* squared median distance from the middle */
+    float coarse;                    /* cost above which a leaf is cut into pieces */
     stretch stretches[JOBS], halves[JOBS][2];
-    uint32_t stretch_count, large;   /* stretches longer than `large` are cut before jobs share them */
+    uint32_t stretch_count, large;   /* runs longer than `large` are cut before jobs share them */
 } order;
 
-/* The highest positions are negated, so that one loop of minima, without branches, widens all sides. */
+/* Upper bounds are negated, so that one branch-free loop of minima widens all sides. */
 typedef struct box {
-    float sides[8];                  /* lowest x, y, z; 3: of no use; -highest x, y, z; 7: of no use */
+    float sides[8];                  /* low x, y, z, unused, -high x, y, z, unused */
     uint64_t weight;
     uint32_t count;
 } box;
 
-/* A cut of a stretch: `first` Gaussians are before it. */
+/* A cut of a run: `first` Gaussians lie before it. */
 typedef struct cut {
     int coordinate;
     uint32_t first;
@@ -85,7 +85,7 @@ static float distance_square(const order *o, const float position[3])
                          difference(position[2], o->middle[2]));
 }
 
-/* A distance on a logarithmic scale, like the bits of a float, except near the middle. */
+/* The distance on a logarithmic scale, except near the middle: taken from the bits of the float. */
 static float octaves(const order *o, float square)
 {
     return (float)(int32_t)(fxs_ordered_bits(sum_of(square, o->near_square / 16)) >> 8);
@@ -96,7 +96,7 @@ static float coordinate_of(const order *o, const fxs_order_entry *e, int coordin
     return coordinate == DISTANCE ? distance_square(o, e->position) : e->position[coordinate];
 }
 
-/* The key of an entry; no two are equal. */
+/* Sort key of an entry; unique. */
 static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
 {
     return (uint64_t)fxs_ordered_bits(coordinate_of(o, e, coordinate)) << 32 | e->index;
@@ -104,7 +104,7 @@ static uint64_t key_of(const order *o, const fxs_order_entry *e, int coordinate)
 
 /* ---- Selection --------------------------------------------------------------------------------------------------- */
 
-/* Sorts keys `gap` apart from one another. */
+/* One pass of Shell sort: insertion sort of keys `gap` apart. */
 static void sort_apart(uint64_t *keys, uint32_t count, uint32_t gap)
 {
     for (uint32_t i = gap; i < count; i++) {
@@ -116,7 +116,7 @@ static void sort_apart(uint64_t *keys, uint32_t count, uint32_t gap)
     }
 }
 
-/* Sorts up to FXS_CHUNK keys, by the gaps of Ciura (2001). */
+/* Shell sort of up to FXS_CHUNK keys with the gaps of Ciura (2001). */
 static void sort_keys(uint64_t *keys, uint32_t count)
 {
     static const uint8_t gaps[] = {57, 23, 10, 4, 1};
@@ -124,8 +124,8 @@ static void sort_keys(uint64_t *keys, uint32_t count)
         sort_apart(keys, count, gaps[i]);
 }
 
-/* A pivot from a sample, slightly beyond the k-th of `count` keys on the side with more keys, so that these are done
-   with at once. */
+/* A pivot from a sample of the keys, slightly beyond the k-th on the side with more keys, so that one pass removes
+   most of that side. */
 static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t count, uint32_t k, int coordinate)
 {
     enum { MOST = 64, LEAST = 5, MARGIN = 3 };
@@ -141,7 +141,7 @@ static uint64_t pivot_for(const order *o, const fxs_order_entry *e, uint32_t cou
     return keys[rank];
 }
 
-/* Moves the entries with lower keys than the pivot to the front. Returns their number. */
+/* Moves entries below the pivot to the front. Returns their number. */
 static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coordinate, uint64_t pivot)
 {
     uint32_t below = 0;
@@ -154,12 +154,12 @@ static uint32_t part(const order *o, fxs_order_entry *e, uint32_t count, int coo
     return below;
 }
 
-/* Moves the k Gaussians with the lowest keys to the front; 0 < k < r.count. Where some rounds are not enough, the
-   pivots of later rounds halve the range of keys, 2^64 at first. */
+/* Quickselect: moves the k Gaussians with the lowest keys to the front, 0 < k < r.count. After 16 rounds, pivots
+   bisect the range of keys (2^64 at first), which bounds the number of rounds. */
 static void select_first(const order *o, stretch r, int coordinate, uint32_t k)
 {
     fxs_order_entry *e = o->entries + r.first;
-    uint32_t from = 0, to = r.count;             /* the k-th key is in from..to */
+    uint32_t from = 0, to = r.count;             /* the k-th key lies in from..to */
     uint64_t low = 0, high = UINT64_MAX;
     for (int round = 0; from < k && k < to; round++) {
         const uint64_t pivot = round < 16 ? pivot_for(o, e + from, to - from, k - from, coordinate)
@@ -185,7 +185,7 @@ static void clear(box *b)
     b->count = 0;
 }
 
-/* The sides of a box around one position. */
+/* The box of one position. */
 static void sides_of(float sides[8], const fxs_order_entry *e)
 {
     memcpy(sides, e, 4 * sizeof *sides);
@@ -196,7 +196,7 @@ static void sides_of(float sides[8], const fxs_order_entry *e)
 static void widen(box *b, const float sides[8])
 {
 #if defined(__GNUC__)
-#pragma GCC unroll 1                 /* else the loop is unrolled before it can become two vectors */
+#pragma GCC unroll 1                 /* else the compiler unrolls the loop instead of vectorising it */
 #endif
     for (int i = 0; i < 8; i++)
         b->sides[i] = sides[i] < b->sides[i] ? sides[i] : b->sides[i];
@@ -219,7 +219,7 @@ static float cost_of(const box *b)
     return product(length_square(side_of(b, 0), side_of(b, 1), side_of(b, 2)), (float)b->weight);
 }
 
-/* The weight of a Gaussian: 2^30 in the nearer half, beyond it proportional to the inverse square of the distance. */
+/* 2^30 for the nearer half of the Gaussians; beyond, proportional to 1 / distance^2. */
 static uint64_t weight_of(const order *o, float distance)
 {
     const float share = distance > o->near_square ? o->near_square / distance : 1;
@@ -228,7 +228,7 @@ static uint64_t weight_of(const order *o, float distance)
 
 typedef struct histogram {
     uint32_t step;                   /* every step-th Gaussian is counted */
-    float low[COORDINATES], width[COORDINATES];   /* width 0: no cut across it */
+    float low[COORDINATES], width[COORDINATES];   /* width 0: no cut across this coordinate */
     box bins[COORDINATES][BINS];
 } histogram;
 
@@ -294,14 +294,14 @@ static void fill_bins(histogram *h, const order *o, const fxs_order_entry *e, ui
     }
 }
 
-/* The nearest multiple of FXS_CHUNK that leaves Gaussians on both sides. */
+/* The nearest multiple of FXS_CHUNK with Gaussians on both sides. */
 static uint32_t whole_chunks(uint32_t before, uint32_t count)
 {
     const uint32_t most = (count - 1) / FXS_CHUNK, chunks = (before + FXS_CHUNK / 2) / FXS_CHUNK;
     return (chunks < 1 ? 1 : chunks > most ? most : chunks) * FXS_CHUNK;
 }
 
-/* The first and the last bin are not empty. */
+/* Tries all cuts across a coordinate. The first and the last bin are never empty. */
 static void try_cuts(const histogram *h, int coordinate, uint32_t count, cut *best, float *least)
 {
     const box *bins = h->bins[coordinate];
@@ -359,7 +359,7 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x1249;
 }
 
-/* A Morton code of 5 bits an axis. */
+/* Morton code of 5 bits an axis. */
 static uint32_t morton(const box *b, float scale, const float position[3])
 {
     uint32_t code = 0;
@@ -368,8 +368,7 @@ static uint32_t morton(const box *b, float scale, const float position[3])
     return code;
 }
 
-/* Sorts the keys of a leaf: first by the high 8 bits of the Morton codes, by counting, so that few keys must move in
-   the end. */
+/* Sorts the keys of a leaf: a counting sort by the high 8 bits of the Morton codes, then an insertion sort. */
 static void sort_codes(uint64_t *keys, uint32_t count)
 {
     enum { SHIFT = 32 + 15 - 8 };
@@ -413,7 +412,7 @@ static box box_of(const order *o, const fxs_order_entry *e)
     return b;
 }
 
-/* The cut of a leaf across a coordinate, anywhere, where both boxes cost least. */
+/* Finds the cheapest cut of a leaf across a coordinate, at any Gaussian. */
 static void try_pieces(const order *o, stretch r, int coordinate, cut *best, float *least)
 {
     const fxs_order_entry *e = o->entries + r.first;
@@ -461,8 +460,8 @@ static void cut_leaf(const order *o, stretch r, stretch *left, stretch *right)
     *right = (stretch){r.first + best.first, r.count - best.first, r.level + 1};
 }
 
-/* Where few Gaussians lie far beyond the others, one leaf has all of them: over it, steps of positions would be many
-   pixels. Cuts the piece that costs most, as long as it costs too much. */
+/* If a few Gaussians lie far beyond the others, one leaf holds all of them, and its position steps would be many
+   pixels. Cuts the most expensive piece until every piece is below o->coarse. */
 static void order_leaf(const order *o, stretch r)
 {
     stretch pieces[PIECES] = {r};
@@ -515,7 +514,7 @@ static void cut_job(void *argument, uint32_t i)
         cut_stretch(o, o->stretches[i], o->halves[i]);
 }
 
-/* Cuts every large stretch once, all at the same time. Returns whether there was one. */
+/* Cuts every large run once, in parallel. Returns 1 if it cut any. */
 static int cut_stretches(order *o, const fxs_pack_options *options)
 {
     const uint32_t before = o->stretch_count;
@@ -547,7 +546,7 @@ float fxs_value_of_rank(const float *values, size_t count, size_t rank)
     return fxs_ordered_float(bits);
 }
 
-/* The middle: medians of an evenly spaced sample. */
+/* Median of an evenly spaced sample. */
 static float median_coordinate(const order *o, uint32_t count, float *sample, int coordinate)
 {
     const uint32_t step = (count - 1) / SAMPLE + 1;
@@ -565,7 +564,7 @@ static void find_middle(order *o, uint32_t count, float *sample)
     o->near_square = o->near_square > LEAST_WIDTH ? o->near_square : LEAST_WIDTH;
 }
 
-/* Sets the indexes of the entries. Returns how many are not left out. */
+/* Sets the indexes of the entries and moves dropped ones to the end. Returns the number of the others. */
 static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t kept = 0;
@@ -582,7 +581,7 @@ static uint32_t number_entries(fxs_order_entry *entries, uint32_t count)
     return kept;
 }
 
-/* Moves the entries that are ordered by themselves to the end of `count`. Returns how many chunks the others need. */
+/* Moves entries that are ordered separately to the end of `count`. Returns the number of chunks for the others. */
 static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
 {
     uint32_t others = 0;
@@ -597,8 +596,8 @@ static uint32_t part_by_likeness(fxs_order_entry *entries, uint32_t count)
     return fxs_chunks_of(others);
 }
 
-/* The cost of 256 Gaussians in a box whose diagonal is `reach` times their distances; infinite where leaves stay whole.
-   In a scene of few chunks, one chunk more must be worth more. */
+/* The largest cost of a leaf: that of 256 Gaussians in a box with a diagonal of `reach` times their distance.
+   Infinite for reach 0. Larger in small scenes, where an extra chunk costs relatively more bytes. */
 static float coarse_cost(const order *o, uint32_t count, float reach)
 {
     const float few = count < MANY ? (float)MANY / (float)count : 1;

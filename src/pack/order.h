@@ -1,4 +1,4 @@
-/* Orders the Gaussians of a scene in chunks of 256 that look small from around the middle. */
+/* Orders the Gaussians of a scene into chunks of 256 with small boxes, as seen from around the middle. */
 #ifndef FXS_ORDER_H
 #define FXS_ORDER_H
 
@@ -7,26 +7,26 @@
 #include <fixsplat/pack.h>
 
 #define FXS_NO_SLOT UINT32_MAX
-#define FXS_BEGINS_CHUNK (1u << 31)   /* in an index; a scene has at most 2^30 Gaussians */
+#define FXS_BEGINS_CHUNK (1u << 31)   /* flag in an index; a scene has at most 2^30 Gaussians */
 
 typedef struct fxs_order_entry {
-    float position[3];                          /* x is NaN for a Gaussian left out */
-    uint32_t index;                             /* in the file; before, 1: to be ordered by themselves */
+    float position[3];                          /* x is NaN for a dropped Gaussian */
+    uint32_t index;                             /* output: index in the file. Input: 1 = order separately, else 0 */
 } fxs_order_entry;
 
-/* Sorts entries whose positions are given in file order, and sets their indexes. Entries that are left out come last,
-   before them those ordered by themselves, except that their first ones fill the last chunk of the others. Each stretch
-   of FXS_CHUNK is a leaf of a tree, and each subtree a stretch of leaves; only the last leaf is shorter. Where `reach`
-   is not 0, a leaf whose box is longer than about so many times the distance of its Gaussians from the middle is cut
-   into several chunks, and FXS_BEGINS_CHUNK is set in the index of the first entry of each but the first one. Needs 100
-   KB while it runs. options->run is not null. Returns 0 or FXS_ERR_MEMORY. */
+/* Sorts entries, which are given in file order, and sets their indexes. Result: normal entries, then those with
+   index 1, then dropped ones. Entries with index 1 fill up the last chunk of the normal ones. Each FXS_CHUNK entries
+   are a leaf of a k-d tree, and each subtree is a run of leaves; only the last leaf is shorter. If `reach` is not 0,
+   a leaf with a box longer than about `reach` times the distance of its Gaussians from the middle is cut into
+   several chunks. FXS_BEGINS_CHUNK marks the first entry of each of these chunks except the first. Allocates 100 KB.
+   options->run must not be null. Returns 0 or FXS_ERR_MEMORY. */
 int fxs_order(fxs_order_entry *entries, uint32_t count, float reach, const fxs_pack_options *options);
 
-/* Sets the indexes of at most FXS_CHUNK entries to their order along a Morton curve in their cube, then by index, so
-   that neighbours in the list are near in space. Positions stay where they are. */
+/* Sets the indexes of at most FXS_CHUNK entries to their order along a Morton curve in their bounding cube, then by
+   index, so that neighbours in the list are close in space. Positions are not moved. */
 void fxs_order_chunk(fxs_order_entry *entries, uint32_t count);
 
-/* A number that sorts like a float that is not NaN, -0 before 0; and the float of such a number. */
+/* Maps floats to integers of the same order (not NaN; -0 before 0), and back. */
 static inline uint32_t fxs_ordered_bits(float x)
 {
     uint32_t bits;
@@ -42,7 +42,7 @@ static inline float fxs_ordered_float(uint32_t bits)
     return x;
 }
 
-/* The value that would be at place `rank` < count if these were sorted. */
+/* The value that sorting would put at place `rank`, rank < count. */
 float fxs_value_of_rank(const float *values, size_t count, size_t rank);
 
 #endif

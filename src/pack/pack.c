@@ -1,3 +1,9 @@
+/* Packs a scene file in passes over the file, so that its Gaussians need not fit in memory:
+ * 1. read_positions: drops Gaussians that cannot be drawn, keeps centres. Then find_slots orders them into chunks.
+ * 2. find_headers: ranges of the attributes per chunk, and the sample from which an SH palette is learned.
+ * 3. write_codes: codes of each Gaussian; repeated for every HELD chunks where SH have a palette.
+ * After the last pass, the tree of levels of detail is built from the codes. While one job reads a batch, PARTS jobs
+ * work on the batch before. */
 #include <fixsplat/pack.h>
 
 #include <float.h>
@@ -21,14 +27,14 @@
 #include "part.h"
 #include "tree.h"
 
-#define BATCH 4096                   /* Gaussians read at once */
-#define HELD (1u << 16)              /* chunks whose Gaussians wait for their SH codes at the same time */
-#define FINISHED 512                 /* chunks that are finished between two calls of progress */
-#define PARTS 16                     /* parts of a batch, for any number of threads, so that sums are the same */
-#define AHEAD 8                      /* what a Gaussian needs of its chunk is fetched so many Gaussians before */
+#define BATCH 4096                   /* Gaussians per read */
+#define HELD (1u << 16)              /* most chunks waiting for SH codes at once */
+#define FINISHED 512                 /* chunks finished between two progress reports */
+#define PARTS 16                     /* jobs per batch, fixed: sums do not depend on the threads */
+#define AHEAD 8                      /* prefetch distance, Gaussians */
 #define POSITION_LIMIT 134000000.0   /* just under 2^27 units */
 #define FAINT_LOGIT (-2.708f)        /* opacity 1/16 */
-#define FOG 0.1                      /* share of the weight; captured scenes without fog have at most 0.03 */
+#define FOG 0.1                      /* share of the weight; captured scenes without fog: at most 0.03 */
 
 #if defined(__GNUC__)
 #define PREFETCH(address) __builtin_prefetch(address)
@@ -41,23 +47,23 @@
 typedef struct batch {
     fxs_gaussian gaussians[BATCH];
     uint64_t first;                  /* index in the file */
-    long count;                      /* 0: the end; negative: an error, with a message */
+    long count;                      /* 0: end of file; negative: an error with a message */
 } batch;
 
-/* The findings of the jobs of one part, in all batches. */
+/* Sums of one job over all batches. */
 typedef struct findings {
     fxs_pack_dropped dropped;
     uint64_t brought_in;
     double faint, others;            /* weights */
     fxs_loss loss;
     float low[3], high[3];
-    uint64_t source;                 /* a sum of hashes of the Gaussians */
+    uint64_t source;                 /* sum of hash_of over all Gaussians */
     int changed;                     /* 1: a centre differs from an earlier pass */
 } findings;
 
 typedef struct packer packer;
 
-/* What is done otherwise where a part is packed. By pointers, so that a program that never packs one has none of it. */
+/* Steps that differ for one part of a scene. Called by pointer, so that programs without parts do not link them. */
 typedef struct part_steps {
     int (*plan)(packer *p);
     int (*allocate)(packer *p, fxs_packed_scene *part);
@@ -73,34 +79,34 @@ struct packer {
     fxs_pack_options options;
     fxs_message *message;
     const fxs_pack_stages *stages;
-    findings *findings;              /* of each of PARTS parts */
-    batch *batches;                  /* two: jobs work on one while the other is filled */
+    findings *findings;              /* PARTS of them */
+    batch *batches;                  /* two: one is filled while jobs work on the other */
     int ready;                       /* index of the batch that jobs work on */
     part_fn *work;
-    double done, share;              /* of the whole import: what is done, and what the present pass adds */
+    double done, share;              /* share of the import: before this pass; in it */
     fxs_order_entry *entries;
-    fxs_seen *seen;                  /* of every seen_step-th Gaussian of the file */
+    fxs_seen *seen;                  /* every seen_step-th Gaussian of the file */
     uint64_t seen_step;
-    uint32_t *slots;                 /* slot of Gaussian i of the file, or FXS_NO_SLOT */
-    uint64_t slot_count;             /* up to the last Gaussian */
-    const part_steps *by_part;       /* null: the whole scene is packed */
+    uint32_t *slots;                 /* slot of each Gaussian of the file, or FXS_NO_SLOT */
+    uint64_t slot_count;             /* index of the last used slot + 1 */
+    const part_steps *by_part;       /* null: packs the whole scene */
     uint32_t part, parts;
-    uint32_t first, end;             /* the chunks that are packed: of the part, or all */
-    float (*boxes)[6];               /* of all chunks, and the tree over them, where a part is packed */
+    uint32_t first, end;             /* chunks to pack */
+    float (*boxes)[6];               /* only for parts: boxes of all chunks, and the tree */
     fxs_tree *tree;
-    fxs_chunk_ranges *ranges;        /* of each chunk that is packed */
+    fxs_chunk_ranges *ranges;        /* of chunks first..end - 1 */
     fxs_encoder encoder;
-    const fxs_coded *coded;          /* null, or the existing codes of the Gaussians */
-    fxs_palette *palette;            /* null where no palette is learned */
-    fxs_sh_item *sample;             /* of the chunks that the palette is learned from */
-    fxs_sh_item *items;              /* of the chunks from `first_chunk` to `end_chunk`, where there is a palette */
-    uint32_t held;                   /* the most of these */
+    const fxs_coded *coded;          /* null, or existing codes to copy */
+    fxs_palette *palette;            /* null: no palette is learned */
+    fxs_sh_item *sample;             /* from the chunks that the palette is learned from */
+    fxs_sh_item *items;              /* of chunks first_chunk..end_chunk - 1; null: `sample` has all */
+    uint32_t held;                   /* capacity of items, chunks */
     uint32_t first_chunk, end_chunk;
-    uint32_t finished;               /* the next chunk for finish_part: see finish */
-    fxs_packed_header *header;       /* of the packed scene; headers become little-endian last */
-    fxs_chunk *chunks;               /* of those that are packed; and their rows */
+    uint32_t finished;               /* finish_part begins at this chunk */
+    fxs_packed_header *header;       /* packed header; becomes little-endian last */
+    fxs_chunk *chunks;               /* of first..end - 1, as `rows` */
     unsigned char *palette_bytes, *rows;
-    size_t bytes;                    /* of a part */
+    size_t bytes;
 };
 
 static int fail_memory(const packer *p, uint64_t count)
@@ -129,20 +135,20 @@ static void read_or_work(void *argument, uint32_t job)
         p->work(p, b, job - 1);
 }
 
-/* The tree takes longer than all before it, but for palettes. */
+/* Without a palette, the tree takes longer than all steps before it. */
 static double tree_share(const packer *p)
 {
     return p->options.tree ? 0.5 : 0;
 }
 
-/* What follows, up to the next call, is this share of the import. */
+/* Begins a step that takes this share of the import. */
 static void begin(packer *p, double share)
 {
     p->done += p->share;
     p->share = share;
 }
 
-/* `done`, 0 to 1, is of what was begun. */
+/* `done`: 0 to 1 of the current step. */
 static int report_progress(void *argument, double done)
 {
     const packer *p = argument;
@@ -154,7 +160,7 @@ static int fail_stopped(const packer *p)
     return fxs_fail_as(FXS_ERR_STOPPED, p->message, "import stopped");
 }
 
-/* A third of what comes before the tree; where SH are coded by a palette, these take the other half. */
+/* Without a palette, the three passes take equal shares of the time before the tree. With one, SH coding takes half. */
 static double pass_share(const packer *p)
 {
     return (1 - tree_share(p)) * (fxs_palette_stages(p->encoder.profile, p->encoder.sh_degree) ? 0.25 : 1.0 / 3);
@@ -179,13 +185,12 @@ static int pass(packer *p, part_fn *work, double share)
     return (int)b->count;
 }
 
-/* The first of a part's Gaussians in a batch. */
 static long first_of(const batch *b, uint32_t part)
 {
     return b->count * (long)part / PARTS;
 }
 
-/* Without branches on each: almost all are. */
+/* Without an early out: almost all values are finite. */
 static int all_finite(const float *values, int count)
 {
     int finite = 1;
@@ -194,7 +199,7 @@ static int all_finite(const float *values, int count)
     return finite;
 }
 
-/* NaN and infinity count as thin: a sigma that is not known must not outweigh all others. */
+/* NaN and infinity become the smallest scale, so that an invalid sigma does not outweigh all others. */
 static float known_scale(float scale)
 {
     return fxs_held_scale(scale < INFINITY ? scale : -INFINITY);
@@ -242,7 +247,7 @@ static int is_far(const fxs_gaussian *g)
            fabsf(g->position[2]) > (float)POSITION_LIMIT;
 }
 
-/* Changes a drawable Gaussian to the one that is packed. One part does so for each in every pass. */
+/* Clamps the position and the scales. Every pass must do so. */
 static const fxs_gaussian *fit(fxs_gaussian *g)
 {
     fxs_bring_in(g, POSITION_LIMIT);
@@ -267,7 +272,6 @@ static void take_position(packer *p, fxs_order_entry *entry, fxs_gaussian *g, do
     }
 }
 
-/* Of a Gaussian and its place in the file; the sum over all tells one scene from another. */
 static uint64_t hash_of(const fxs_gaussian *g, uint64_t index)
 {
     uint64_t hash = (index + 1) * 0x9e3779b97f4a7c15u;
@@ -334,7 +338,7 @@ static int read_positions(packer *p)
 
 /* ---- Order ----------------------------------------------------------------------------------------------------- */
 
-/* Bounds of the middle 90 % of the centres, of an evenly spaced sample. */
+/* Bounds of the middle 90 % of the centres, from an evenly spaced sample. */
 static int find_inner_bounds(packer *p)
 {
     enum { MIDDLE = 65536 };
@@ -354,7 +358,7 @@ static int find_inner_bounds(packer *p)
     return 0;
 }
 
-/* Replaces the box of the middle 90 % by the box of the visible part. */
+/* Replaces the box of the middle 90 % by that of the visible part. */
 static int find_seen_bounds(packer *p)
 {
     const uint32_t count = (uint32_t)((p->info->count - 1) / p->seen_step + 1);
@@ -368,8 +372,8 @@ static int find_seen_bounds(packer *p)
     return 0;
 }
 
-/* Where fog has much of the weight, its Gaussians get chunks of their own, for fine steps of opacity. In other scenes,
-   near Gaussians are more alike than faint ones. */
+/* If faint Gaussians (fog) have at least FOG of the weight, they get chunks of their own, with finer steps of
+   opacity. In other scenes, a chunk of close neighbours codes better. */
 static void part_fog(packer *p)
 {
     double faint = 0;
@@ -379,8 +383,8 @@ static void part_fog(packer *p)
         p->entries[i].index = 0;
 }
 
-/* How long the box of a chunk may be, in distances of its Gaussians from the middle of the scene. A step of a position
-   is then 1/2048 of the distance, which is half a pixel of a wide picture, and in small 1/512. */
+/* Largest box of a chunk, relative to its distance from the middle of the scene. A position step is then at most
+   1/2048 of the distance (half a pixel of a wide picture); in profile small, 1/512. */
 static float longest_box(enum fxs_profile profile)
 {
     return profile == FXS_PROFILE_SMALL ? 4 : 32;
@@ -417,7 +421,7 @@ static int find_slots(packer *p)
     return 0;
 }
 
-/* The boxes of all chunks, as their headers will have them. */
+/* Boxes of all chunks, as their headers will give them. */
 static int find_boxes(packer *p)
 {
     fxs_range *ranges = fxs_allocate(p->options.allocator, 3 * (size_t)p->end, sizeof *ranges);
@@ -441,7 +445,6 @@ static int find_boxes(packer *p)
     return ranges && p->boxes ? 0 : fail_memory(p, p->report->packed);
 }
 
-/* Which chunks the part has, and which nodes the tree over all. */
 static int plan_part(packer *p)
 {
     const uint32_t chunks = p->end;
@@ -476,7 +479,7 @@ static int is_packed(const packer *p, uint32_t chunk)
     return chunk >= p->first && chunk < p->end;
 }
 
-/* Whether the second pass reads what is in a slot. */
+/* Whether the second pass needs the Gaussian of a slot. */
 static int is_read(const packer *p, uint32_t slot)
 {
     return is_packed(p, slot / FXS_CHUNK) ||
@@ -491,7 +494,7 @@ static void take_sample(packer *p, uint32_t slot, const fxs_gaussian *g, double 
         fxs_sh_item_set(&p->sample[at + slot % FXS_CHUNK], g, opacity, p->encoder.sh_degree);
 }
 
-/* 1 / (1 + e^x) of each x. Many at once, as each exponential is one long chain that waits for nothing else. */
+/* 1 / (1 + e^x) of each x. In batches, because exponentials of different x overlap in the pipeline. */
 static void find_opacities(const packer *p, double *x, uint32_t count)
 {
     p->stages->exponentials(x, count);
@@ -499,7 +502,7 @@ static void find_opacities(const packer *p, double *x, uint32_t count)
         x[i] = 1 / (1 + x[i]);
 }
 
-/* A chunk belongs to the same part in every batch. */
+/* A job takes the chunks with chunk % PARTS == part, so jobs share no ranges. */
 static void take_ranges(packer *p, batch *b, uint32_t part)
 {
     const uint32_t *slots = p->slots + b->first;
@@ -568,7 +571,7 @@ static int allocate_palette(packer *p)
     return 0;
 }
 
-/* Where the sample is the whole scene, its items are coded; else they are read again, `held` chunks at a time. */
+/* If the sample is the whole scene, its items are coded. Otherwise items are read again, `held` chunks at a time. */
 static int find_palette(packer *p)
 {
     fxs_packed_header *h = p->header;
@@ -595,7 +598,7 @@ static unsigned char *row_of(const packer *p, uint32_t slot)
     return p->rows + (size_t)(slot - p->first * FXS_CHUNK) * (p->header->chunk_bytes / FXS_CHUNK);
 }
 
-/* What encode_part needs for the Gaussian in a slot. */
+/* Prefetches the data that encode_part needs for a slot. */
 static void fetch(const packer *p, uint32_t slot)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, chunk = slot / FXS_CHUNK;
@@ -609,12 +612,12 @@ static void fetch(const packer *p, uint32_t slot)
         PREFETCH(&p->ranges[chunk - p->first]);
 }
 
-/* Neighbours in the file are not neighbours in a chunk, so writing to rows would fetch a cache line for each byte. The
-   codes of a Gaussian are therefore kept together until all are known. */
+/* Neighbours in the file lie in different chunks, so writing to rows would touch a cache line per byte. The codes of
+   a Gaussian are stored together first (a record); finish_part turns records into rows. */
 static void encode_part(packer *p, batch *b, uint32_t part)
 {
     const uint32_t bytes = p->header->chunk_bytes / FXS_CHUNK, *slots = p->slots + b->first;
-    fxs_loss loss = p->findings[part].loss;               /* a copy: parts share cache lines */
+    fxs_loss loss = p->findings[part].loss;               /* copied: jobs share cache lines */
     double opacities[BATCH / PARTS + 1];
     int changed = 0;
     const long first = first_of(b, part), end = first_of(b, part + 1);
@@ -644,7 +647,6 @@ static void encode_part(packer *p, batch *b, uint32_t part)
     p->findings[part].changed |= changed;
 }
 
-/* Codes the SH in the records of a chunk. */
 static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, fxs_loss *loss)
 {
     const uint32_t first = chunk * FXS_CHUNK, left = p->header->count - first;
@@ -657,7 +659,7 @@ static void code_chunk(const packer *p, uint32_t chunk, unsigned char *records, 
     loss->squares[FXS_LOSS_SH] = sh.squares;
 }
 
-/* Turns records into rows, for the next FINISHED chunks. */
+/* Turns the records of the next FINISHED chunks into rows. */
 static void finish_part(void *argument, uint32_t part)
 {
     const packer *p = argument;
@@ -705,7 +707,7 @@ static void sum_losses(packer *p)
                                       sh > 0 ? sqrt(sum[FXS_LOSS_SH] / sh) : 0};
 }
 
-/* Codes the Gaussians of some chunks, in this share of the import. */
+/* Codes the Gaussians of some chunks. `share`: share of the import. */
 static int write_chunks(packer *p, uint32_t first, uint32_t end, double share)
 {
     p->first_chunk = first;
@@ -769,7 +771,7 @@ static void begin_tree(unsigned char *to, uint32_t nodes)
     memcpy(to, &header, sizeof header);
 }
 
-/* The scene's header, but for the bytes of the palette. `tree`: of it, or 0. */
+/* The scene's header, without the step of the palette. `tree`: bytes of the tree, or 0. */
 static fxs_packed_header header_of(const packer *p, size_t tree)
 {
     const uint32_t count = (uint32_t)p->slot_count, chunks = fxs_chunks_of(count);
@@ -788,7 +790,7 @@ static fxs_packed_header header_of(const packer *p, size_t tree)
     return h;
 }
 
-/* Memory of so many bytes, SIZE_MAX: too many, for what is packed. */
+/* Allocates the packed scene. SIZE_MAX bytes: always fails. */
 static int allocate_packed(packer *p, fxs_packed_scene *scene, size_t bytes)
 {
     scene->bytes = bytes;
@@ -823,7 +825,7 @@ static int allocate_scene(packer *p, fxs_packed_scene *scene)
 
 /* ---- Parts ------------------------------------------------------------------------------------------------------- */
 
-/* What tells one scene, as it was read, from another. */
+/* Identifies the scene as it was read: hash of its Gaussians and of their grids. */
 static void write_source(const packer *p, uint32_t source[2])
 {
     const fxs_grid grids[2] = {p->info->colour, p->info->sh};
@@ -945,7 +947,7 @@ static int pack(packer *p, fxs_packed_scene *scene)
     if (p->by_part)
         return p->by_part->finish(p, scene->data);
     turn_headers(p);
-    fxs_scene whole;                 /* checked, as the last pass may have read other numbers */
+    fxs_scene whole;                 /* checked, because the last pass may have read other numbers */
     if (fxs_scene_open(&whole, scene->data, scene->bytes))
         return fail_changed(p);
     return FXS_BUILDS_TREES && whole.nodes ? build_tree(p, &whole, scene->data) : 0;
@@ -964,7 +966,7 @@ int fxs_pack_coded(fxs_scene_file *file, const fxs_scene_file_info *info, const 
     return fxs_pack_held(file, info, coded, HELD, scene, report, options, message);
 }
 
-/* Adds the origin of the stream, about which all was packed. */
+/* Adds the stream's origin; all steps before compute relative to it. */
 static void move_to_origin(fxs_packed_scene *scene, const fxs_scene_file_info *info, fxs_pack_report *report)
 {
     fxs_packed_move(scene->data, info->origin);
@@ -976,7 +978,7 @@ static void move_to_origin(fxs_packed_scene *scene, const fxs_scene_file_info *i
     }
 }
 
-/* As `how` says, beside the arguments. */
+/* `how` has the fields that are not arguments. */
 static int pack_as(const packer *how, fxs_scene_file *file, const fxs_scene_file_info *info, fxs_packed_scene *scene,
                    fxs_pack_report *report, const fxs_pack_options *options, fxs_message *message)
 {

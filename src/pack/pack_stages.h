@@ -1,6 +1,6 @@
-/* The stages of pack_stage.h for an instruction set. ISA is its name. find_dots finds the products of a vector with
-   GROUP vectors. find_leasts finds some of the least of 8, 16 or 48 costs, the first of equal ones first; where all
-   others are taken, it finds place 0. It may change the costs. */
+/* The stages of pack_stage.h for instruction set ISA. The includer defines two functions. find_dots: dot products of
+   a vector with GROUP vectors. find_leasts: some of the smallest of 8, 16 or 48 costs, the first of equal ones
+   first; place 0 if all others are taken. It may change the costs. */
 #include "pack_stage.h"
 
 #include <math.h>
@@ -22,14 +22,14 @@ FXS_COARSEN(ISA);
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
     GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP,
-    BEAM = 2,                      /* sums kept from stage to stage */
-    TRIED = 3,                     /* groups of entries that are looked into */
-    WINDOW = 48                    /* Gaussians before one whose errors it makes good, at most */
+    BEAM = 2,                      /* sums kept from stage to stage (beam search) */
+    TRIED = 3,                     /* groups tried entry by entry */
+    WINDOW = 48                    /* largest number of earlier Gaussians that diffuse errors to one */
 };
 
 /* ---- Exponentials ---------------------------------------------------------------------------------------------- */
 
-/* Of 8 numbers within +-700, where powers of two are normal numbers. */
+/* 8 exponentials, each |x| <= 700, so that powers of two are normal numbers. */
 static inline void find_exponentials(double x[8])
 {
     for (int i = 0; i < 8; i++) {
@@ -55,17 +55,17 @@ static void NAMED(fxs_pack_exponentials_, ISA)(double *x, uint32_t count)
         x[i] = fxs_exp(x[i]);
 }
 
-/* ---- Finding --------------------------------------------------------------------------------------------------- */
+/* ---- Search ---------------------------------------------------------------------------------------------------- */
 
-/* A sum of signed entries of the first stages. */
+/* A sum of one signed entry from each stage so far. */
 typedef struct candidate {
     fxs_sh_vector left;            /* x - sum */
     int32_t cost;                  /* |left|^2 - |x|^2 */
     uint8_t indices[STAGES];
 } candidate;
 
-/* cost + |left -+ vector|^2 - |left|^2 = cost + |vector|^2 -+ 2 left vector, of GROUP vectors, and the better sign of
-   each. Their products with `left` go to dots. */
+/* Costs of the better sign for GROUP vectors: cost + |left -+ vector|^2 - |left|^2 = cost + |vector|^2 -+ 2 left
+   vector. dots: the products left vector. */
 static inline void find_costs(int32_t costs[GROUP], int32_t dots[GROUP], int32_t cost, const fxs_sh_vector left,
                               const fxs_sh_vector *vectors, const int32_t *squares)
 {
@@ -74,7 +74,7 @@ static inline void find_costs(int32_t costs[GROUP], int32_t dots[GROUP], int32_t
         costs[j] = cost + squares[j] - 2 * absolute(dots[j]);
 }
 
-/* What the entries of the groups that are nearest to what is left of a sum would make of its cost. */
+/* Costs of adding each entry of the TRIED groups nearest to from->left. */
 static inline void try_groups(int32_t costs[TRIED * GROUP], int32_t dots[TRIED * GROUP], uint32_t groups[TRIED],
                               const candidate *from, const fxs_palette *p, uint32_t stage)
 {
@@ -92,7 +92,7 @@ static inline void try_groups(int32_t costs[TRIED * GROUP], int32_t dots[TRIED *
     }
 }
 
-/* The best sums of one stage more. Returns their number. */
+/* Extends the sums by the best entries of one more stage. Returns their number. */
 static inline uint32_t extend(candidate to[BEAM], const candidate from[BEAM], uint32_t count, const fxs_palette *p,
                               uint32_t stage)
 {
@@ -171,19 +171,19 @@ static uint32_t NAMED(fxs_pack_nearest_, ISA)(const fxs_sh_vector *vectors, cons
 
 /* ---- Residuals ------------------------------------------------------------------------------------------------- */
 
-enum { NUMBERS = 48 };                   /* of a residual, padded */
+enum { NUMBERS = 48 };                   /* numbers of a residual, padded */
 
-/* x / (2 gain) + 4, in 0..7, for |x| up to 16 gain and `half_inverse` 1 / (2 gain). Numbers of up to 15 bits and a gain
-   of 4 bits and an exponent: no quotient but an integer is within 2^-13.2 below one, and floats are wrong by 2^-20 at
-   most, so once 2^-14 is added, it is on the right side of it. */
+/* floor(x / (2 gain) + 4) in 0..7, exact. half_inverse is 1 / (2 gain), |x| at most 16 gain. Numbers have up to 15
+   bits and a gain has 4 bits and an exponent. So a quotient that is not an integer is at least 2^-13.2 below the
+   next integer. Floats err by at most 2^-20, and the added 2^-14 puts every quotient on the right side. */
 static inline int32_t eighth_of(float x, float half_inverse)
 {
     const float eighths = x * half_inverse + (4 + 0x1p-14f), above = eighths > 0 ? eighths : 0;
     return (int32_t)(above < 7 ? above : 7);
 }
 
-/* The sum of squared errors of NUMBERS numbers by the odd numbers in -7..7 whose products with the gain are nearest. It
-   is exact in any order: errors have up to 16 bits. */
+/* Sum of squared errors when each of NUMBERS numbers becomes the nearest odd multiple, -7..7, of the gain. Exact in
+   any order: errors have up to 16 bits. */
 static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
 {
     const float half_inverse = 0.5f / gain;
@@ -199,8 +199,9 @@ static inline double sum_of_errors(const float numbers[NUMBERS], float gain)
     return squares[0] + squares[1] + squares[2] + (squares[3] + squares[4] + squares[5]);
 }
 
-/* The gain with the least sum of squared errors of `count` numbers, before zeros, down to an octave and a half below
-   the gain that clips none. In units of the numbers; *code: as it is stored. */
+/* Searches the gain with the smallest squared error of `count` numbers, padded with zeros. Starts at the smallest
+   gain that clips none and tries an octave and a half below it. Returns the gain in units of the numbers; *code: the
+   stored form. */
 static inline float find_gain(const float numbers[NUMBERS], int count, int unit_exponent, int *code)
 {
     const float unit = (float)fxs_scaled(1, unit_exponent);
@@ -223,8 +224,8 @@ static inline float find_gain(const float numbers[NUMBERS], int count, int unit_
     return best;
 }
 
-/* Writes the residual of a Gaussian's SH into its record of profile compact: the gain and codes of 3 bits. `rest` is
-   the residual, and becomes the error of these codes. */
+/* Writes an SH residual into a record of profile compact: the gain and codes of 3 bits. `rest` becomes the error of
+   these codes. */
 static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent, unsigned char *record)
 {
     float numbers[NUMBERS] = {0};
@@ -250,16 +251,17 @@ static inline void encode_rest(fxs_sh_vector rest, int count, int unit_exponent,
 
 /* ---- Coding ---------------------------------------------------------------------------------------------------- */
 
-/* How much of what Gaussian `from` adds to the picture falls where `to` adds, over what `to` adds there itself: for
-   round Gaussians of areas a and b (sigma^2) at distance d the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))); the
-   exponential here is (1 - t / 8)^4. `square` is d^2, less than 8 (a + b). Times 256, 0 to 1024. */
+/* How much Gaussian `from` contributes where `to` contributes, relative to `to` itself, Q8, 0 to 1024. For round
+   Gaussians of areas a and b (sigma^2) at distance d, the overlap is 2 a / (a + b) exp(-d^2 / (2 (a + b))). The
+   exponential is approximated by (1 - d^2 / (8 (a + b)))^4. `square` is d^2, less than 8 (a + b). */
 static inline int16_t overlap_q8(const fxs_sh_item *from, double from_area, const fxs_sh_item *to, double to_area,
                                  double square)
 {
     const double both = from_area + to_area;
     const double t = 1 - square / (8 * both), tail = (t * t) * (t * t);
     const double overlap = 2 * from_area / both * tail * from->opacity / to->opacity;
-    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* 4/3 times 3 is 4, in however many bits */
+    return (int16_t)(256 * (overlap < 4 ? overlap : 4) + 0x1p-20);   /* rounding: 4/3 times 3 must give 4 in any
+                                                                        precision */
 }
 
 /* 2^(area / 8) */
@@ -270,16 +272,16 @@ static inline double area_of(const fxs_sh_item *item)
     return fxs_scaled(eighths[item->area & 7], (item->area - (item->area & 7)) / 8);
 }
 
-/* What is coded of a chunk. */
 typedef struct coder {
     const fxs_palette *palette;
     const fxs_sh_item *items;
     fxs_sh_vector vectors[FXS_CHUNK];
     double places[3][FXS_CHUNK], areas[FXS_CHUNK];
-    fxs_sh_vector errors[FXS_CHUNK];   /* true less coded, units */
+    fxs_sh_vector errors[FXS_CHUNK];   /* original - coded, units */
 } coder;
 
-/* Half the errors that fall where Gaussian i does, but no more than the vector is long. */
+/* Adds half the errors of earlier Gaussians that overlap Gaussian i. The sum is shortened to at most the vector's
+   length. */
 static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
 {
     const uint32_t first = i > WINDOW ? i - WINDOW : 0;
@@ -306,8 +308,7 @@ static inline void add_errors(const coder *c, uint32_t i, fxs_sh_vector vector)
         vector[d] = hold(vector[d] + shift[d] * part_q8 / 256);
 }
 
-/* What `coded`, in units, differs from what was read. Each channel has its own sum, so that additions do not wait for
-   each other. */
+/* Records the error of `coded`, in units. Each channel has its own sum, so that additions overlap in the pipeline. */
 static inline void note(fxs_sh_loss *loss, const fxs_palette *p, const fxs_sh_item *item, const fxs_sh_vector coded)
 {
     const double unit = ldexp(1, -p->unit_exponent), step = (double)item->step;
@@ -355,7 +356,7 @@ static inline void code_one(coder *c, uint32_t i, const fxs_sh_vector mean, unsi
 static void NAMED(fxs_pack_code_chunk_, ISA)(const fxs_palette *p, const fxs_sh_item *items, uint32_t count,
                                              int8_t mean[48], unsigned char *records, size_t stride, fxs_sh_loss *loss)
 {
-    coder c;                         /* not cleared: it is large */
+    coder c;                         /* not initialised, because it is large */
     fxs_sh_vector middle;
     c.palette = p;
     c.items = items;

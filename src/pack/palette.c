@@ -1,3 +1,7 @@
+/* Learning: each stage is k-means with signed entries, in two levels. First the middles of groups of GROUP entries
+ * are learned, then the entries of each group, so that a search compares with few vectors. After all stages, joint
+ * rounds move the entries of all stages for the sums that are actually chosen. Last, entries are quantised to 8 bits
+ * with one step. Vectors are int16 in units of 2^-unit_exponent. */
 #include "palette.h"
 
 #include <float.h>
@@ -11,16 +15,15 @@
 enum {
     ENTRIES = FXS_PALETTE_ENTRIES, WIDTH = FXS_PALETTE_STRIDE, STAGES = FXS_PALETTE_STAGES,
     GROUPS = FXS_PALETTE_GROUPS, GROUP = FXS_PALETTE_GROUP, MOST = FXS_PALETTE_MOST,
-    NEVER = 1 << 30,               /* a cost that no entry has */
-    SAMPLE = 16384,                /* Gaussians that a palette is learned from, about */
+    NEVER = 1 << 30,               /* larger than any cost */
+    SAMPLE = 16384,                /* approximate number of Gaussians to learn from */
     LLOYD_ROUNDS = 5, JOINT_ROUNDS = 2,
     JOBS = 16
 };
 
-/* The largest number of entries with which the packed scene has at most 40 bytes a Gaussian, or 20 in the profile
-   small. Where the last chunk leaves too little room, the palette still gets a tenth of a byte for each Gaussian. In
-   scenes of less than 10,000 Gaussians it gets at least 0.4 bytes, because there the picture matters more than the
-   bytes. */
+/* The largest number of entries that keeps the packed scene within 40 bytes a Gaussian (profile small: 20). The
+   palette gets at least 0.1 bytes a Gaussian, for scenes with a part-filled last chunk. Scenes below 10,000
+   Gaussians: at least 0.4 bytes, because there quality matters more than bytes. */
 uint32_t fxs_palette_entries_for(uint64_t count, uint64_t chunks, enum fxs_profile profile, int sh_degree)
 {
     const uint32_t stages = fxs_palette_stages(profile, sh_degree), stage_bytes = stages * FXS_PALETTE_STRIDE;
@@ -59,7 +62,7 @@ static void copy_held(fxs_sh_vector to, const fxs_sh_vector from, int sign)
         to[d] = hold(sign * from[d]);
 }
 
-/* The squares of a stage, from its vectors. There are no entries and no groups beyond the last. */
+/* Squared lengths of a stage's vectors. Entries and groups beyond the last get the cost NEVER. */
 static void prepare_stage(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t j = 0; j < ENTRIES; j++)
@@ -73,14 +76,14 @@ static void prepare_stage(fxs_palette *p, uint32_t stage)
 typedef struct learner {
     fxs_palette *palette;
     const fxs_pack_stages *stages;
-    fxs_sh_vector *vectors;        /* of the sample; then what the stages so far leave of them */
+    fxs_sh_vector *vectors;        /* the sample; later its residuals after the stages before */
     uint32_t count;
-    uint8_t (*indices)[STAGES];    /* of each vector */
-    int32_t (*sums)[WIDTH];        /* of the vectors of each entry, 2^14 at most */
-    int32_t *total;                /* their number */
+    uint8_t (*indices)[STAGES];    /* per vector */
+    int32_t (*sums)[WIDTH];        /* per entry: sum of its vectors, at most 2^14 of them */
+    int32_t *total;                /* per entry: number of its vectors */
     const fxs_pack_options *options;
     uint32_t rounds, stage;
-    int32_t most;                  /* of the sample's means, units */
+    int32_t most;                  /* largest mean of a sampled chunk, units */
 } learner;
 
 static int stopped(learner *l)
@@ -108,7 +111,7 @@ static void find_group(void *argument, uint32_t job)
                                                               groups_of(p), l->vectors[i]);
 }
 
-/* The nearest in the group of the entry that it had. */
+/* Finds the nearest entry within the group of the current index. */
 static void find_entry(void *argument, uint32_t job)
 {
     const learner *l = argument;
@@ -121,7 +124,6 @@ static void find_entry(void *argument, uint32_t job)
     }
 }
 
-/* Adds a vector, times `sign`, to the sum of an entry. */
 static void add_to(learner *l, uint32_t entry, const fxs_sh_vector vector, int sign)
 {
     for (int d = 0; d < WIDTH; d++)
@@ -129,14 +131,13 @@ static void add_to(learner *l, uint32_t entry, const fxs_sh_vector vector, int s
     l->total[entry]++;
 }
 
-/* sum / total, rounded to the nearest */
+/* sum / total, rounded to nearest */
 static int32_t mean_of(int32_t sum, int32_t total)
 {
     return (sum < 0 ? sum - total / 2 : sum + total / 2) / total;
 }
 
-/* Each of `count` vectors becomes `keep` times itself, 0 or 1, plus the mean of the vectors that were added to it. A
-   vector to which nothing was added stays. */
+/* vector = keep * vector + mean of the vectors added to it; keep is 0 or 1. Vectors with none added stay. */
 static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
 {
     for (uint32_t j = 0; j < count; j++)
@@ -146,7 +147,7 @@ static void move(learner *l, fxs_sh_vector *vectors, uint32_t count, int keep)
     memset(l->total, 0, l->palette->entries * sizeof *l->total);
 }
 
-/* Rounds of k-means: `vectors` are the groups' middles or the entries of the stage. */
+/* LLOYD_ROUNDS rounds of k-means. `vectors`: the stage's groups or its entries. */
 static int learn_vectors(learner *l, fxs_sh_vector *vectors, uint32_t count, void (*find_all)(void *, uint32_t))
 {
     for (uint32_t round = 0; round < LLOYD_ROUNDS; round++) {
@@ -165,7 +166,7 @@ static int learn_vectors(learner *l, fxs_sh_vector *vectors, uint32_t count, voi
     return 0;
 }
 
-/* The entries of a group begin as vectors spread evenly over those of the group, which l->indices say. */
+/* Start values of a group's entries: vectors spread evenly over those that l->indices assigns to the group. */
 static void begin_entries(learner *l)
 {
     fxs_palette *p = l->palette;
@@ -181,8 +182,8 @@ static void begin_entries(learner *l)
     }
 }
 
-/* k-means on what the stages before left: of the groups, which begin as vectors spread evenly over the sample, then in
-   each. Then the vectors are what this stage leaves. */
+/* k-means on the residuals of the stages before: first groups, which start as vectors spread evenly over the sample,
+   then the entries of each. Subtracts the chosen entries from the vectors. */
 static int learn_stage(learner *l, uint32_t stage)
 {
     fxs_palette *p = l->palette;
@@ -199,7 +200,7 @@ static int learn_stage(learner *l, uint32_t stage)
     return 0;
 }
 
-/* Vectors become whole again. */
+/* Adds the chosen entries to the residuals again. */
 static void add_sums(learner *l)
 {
     for (uint32_t i = 0; i < l->count; i++)
@@ -214,8 +215,8 @@ static void find_sums(void *argument, uint32_t job)
         l->stages->find(l->palette, l->vectors[i], l->indices[i]);
 }
 
-/* All stages at once: the best sums are found for whole vectors, then each stage's entries move by the mean of what all
-   leave. */
+/* One round for all stages: finds the best sum for each whole vector, then moves each stage's entries by the mean
+   residual. */
 static void learn_jointly(learner *l)
 {
     fxs_palette *p = l->palette;
@@ -234,7 +235,7 @@ static void learn_jointly(learner *l)
         prepare_stage(p, s);
 }
 
-/* To 8 bits, with one step for all and for the means of the chunks. */
+/* Quantises entries to 8 bits. The step also covers the means of the chunks. */
 static void quantise(fxs_palette *p, int32_t most)
 {
     for (uint32_t s = 0; s < p->stages; s++)
@@ -261,7 +262,7 @@ uint32_t fxs_palette_sample(uint32_t count)
     return (step > FXS_CHUNK ? (count - 1) / step + 1 : fxs_chunks_of(count)) * FXS_CHUNK;
 }
 
-/* Where steps are longer than a chunk, every sampled Gaussian has a chunk of its own. */
+/* If the step is longer than a chunk, every sampled Gaussian has its own chunk in the sample. */
 uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
 {
     const uint32_t step = step_for(count), first = chunk * FXS_CHUNK, number = (first + step - 1) / step;
@@ -270,7 +271,8 @@ uint32_t fxs_palette_sample_at(uint32_t count, uint32_t chunk)
     return number * step - first < FXS_CHUNK && number * step < count ? number * FXS_CHUNK : FXS_NOT_SAMPLED;
 }
 
-/* The unit is such that MOST units are 12 times the root mean square of the coefficients, or the largest of them. */
+/* The finest unit (2^-19 to 2^-8) in which MOST units reach 12 times the root mean square of the coefficients, or
+   their maximum if that is less. */
 static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     double squares = 0, numbers = 0, most = 0;
@@ -289,7 +291,7 @@ static void find_unit(fxs_palette *p, const fxs_sh_item *items, uint32_t count, 
         p->unit_exponent--;
 }
 
-/* Every step-th Gaussian, less the mean of its chunk. */
+/* Every step-th Gaussian, minus the mean of its chunk. */
 static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     l->count = 0;
@@ -313,7 +315,7 @@ static void take_sample(learner *l, const fxs_sh_item *items, uint32_t count, ui
     }
 }
 
-/* What the first stages leave of a part of the sample. */
+/* Squared error after the first two stages, on a sample; -1: stopped. */
 static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step, int centred)
 {
     double sum = 0;
@@ -327,7 +329,8 @@ static double try_sample(learner *l, const fxs_sh_item *items, uint32_t count, u
     return sum;
 }
 
-/* Where the coefficients follow from few things (the normal of a mirror), the means of chunks would only blur that. */
+/* Subtracts the chunks' means only if that lowers the error. Where few quantities determine the coefficients (the
+   normal of a mirror), means only blur the relation. */
 static int learn(learner *l, const fxs_sh_item *items, uint32_t count, uint32_t step)
 {
     const double plain = try_sample(l, items, count, 4 * step, 0);
@@ -416,7 +419,7 @@ int fxs_palette_restore(fxs_palette *p, uint32_t entries)
     return 1;
 }
 
-/* The middle of a group's entries takes the place of the one that it was learned by. */
+/* Group vectors are not stored in a scene: they become the middles of the groups' entries. */
 static void find_middles(fxs_palette *p, uint32_t stage)
 {
     for (uint32_t g = 0; g < groups_of(p); g++) {
@@ -442,7 +445,7 @@ static int has_means(const fxs_scene *scene)
     return 0;
 }
 
-/* Of the units that give the packed step, the finest in which no number is above MOST. */
+/* Picks the finest unit in which the entries stay within MOST. */
 void fxs_palette_of_scene(fxs_palette *p, const fxs_scene *scene)
 {
     const int8_t *from = scene->palette;
@@ -485,7 +488,7 @@ void fxs_palette_code_chunk(const fxs_palette *p, const fxs_sh_item *items, uint
     fxs_pack_stages_choose(~0u)->code_chunk(p, items, count, mean, records, stride, loss);
 }
 
-/* The residual of profile compact, of 3 bits each: (2 code + 1) gain. */
+/* Residual in profile compact, 3 bits: (2 code + 1) gain, code -4..3. */
 static double residual_of(const unsigned char *record, uint32_t coefficient)
 {
     uint32_t code = 0;

@@ -1,3 +1,4 @@
+/* Computes the layout of a part from its two headers, and validates them against each other: see part.h. */
 #include "part.h"
 
 #include <string.h>

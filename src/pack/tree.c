@@ -1,11 +1,11 @@
-/* The leaves are a run of chunks, which is cut in two, and each part again, where the boxes of both parts cost least.
-   The chunk of a node is merged from those of its two children, depth first, so that few are held at a time. Nodes are
-   numbered by how many leaves they have, the most first, then by their first leaf: what is drawn from afar lies
-   together, and every node comes before its children.
+/* Shape: a run of chunks is cut in two where the boxes of both sides cost least, and each side again. A node's chunk
+   is merged from its two children, depth first, so that few chunks are in memory at once. Node numbers: descending
+   number of leaves, then first leaf. So nodes for distant views lie together, and every node comes before its
+   children.
 
-   The nodes whose leaves all lie in one run of the chunks follow from the boxes of all chunks and from that run alone,
-   so parts of a scene build theirs apart. What is above them needs their sums and the Gaussians of the topmost ones, in
-   floats, as they were merged. */
+   Parts of a scene build the nodes inside their own run: the shape needs only the boxes of all chunks, the contents
+   only the run. The nodes above need from each part the sums and the merged Gaussians, as floats, of its topmost
+   nodes. */
 #include "tree.h"
 
 #include <float.h>
@@ -22,32 +22,33 @@
 #include "order.h"
 
 enum {
-    FREE_LEVELS = 40,                  /* levels from the root; below, runs are halved, to bound the depth */
-    PARTS = 32                         /* a subtree of one of so many parts of the leaves, or less, is one job */
+    FREE_LEVELS = 40,                  /* below this level runs are halved, to bound the depth */
+    PARTS = 32                         /* leaves / PARTS, at least 4, is the largest job */
 };
 
 #define NONE UINT32_MAX
-#define UNMEASURED 0.2                 /* how much a gain counts beside one that is measured */
-#define SEEN 0.55                      /* of a Gaussian's area (coarsen.h) in the mean: 0.5 of a disc, 0.58 of a ball */
+#define UNMEASURED 0.2                 /* weight of an unmeasured gain relative to a measured one */
+#define SEEN 0.55                      /* mean visible share of a Gaussian's area (coarsen.h): 0.5 for a disc, 0.58
+                                          for a ball */
 
 typedef struct node {
     uint32_t first, leaves;            /* a run of leaves */
-    uint32_t children[2];              /* places of nodes; a leaf's number plus the number of nodes */
+    uint32_t children[2];              /* places of nodes; for a leaf: its number + number of nodes */
     uint32_t parent, number;
-    uint32_t part, at;                 /* the part that built it, or FXS_TREE_ABOVE; the place of its chunk there */
+    uint32_t part, at;                 /* the part that built it, or FXS_TREE_ABOVE; place of its chunk there */
     fxs_node_sums sums;
 } node;
 
-/* Coarse Gaussians of a node, or those of a leaf. */
+/* Gaussians of a node or a leaf, as floats. */
 typedef struct held {
     fxs_coarse gaussians[FXS_CHUNK];
     uint32_t count;
-    double opacity;                    /* the sum of that of all leaves below that are drawn */
-    fxs_range reach[3];                /* of the centres of all that lies below, by the chunks' headers, */
-    float scale;                       /* and log2 of their largest sigma */
+    double opacity;                    /* sum of drawn opacities of all leaves below */
+    fxs_range reach[3];                /* range of the centres of all chunks below */
+    float scale;                       /* log2 of the largest sigma of all chunks below */
 } held;
 
-/* What one job works with. */
+/* Memory of one job. */
 typedef struct worker {
     held *slots;
     held merged;
@@ -56,30 +57,30 @@ typedef struct worker {
     unsigned char records[FXS_CHUNK * FXS_RECORD_BYTES];
 } worker;
 
-/* A group of nodes that are bought together: see pool_gains. */
+/* Nodes that are opened together: see pool_gains. */
 typedef struct group {
     double sum, nodes;
-    uint32_t heap;                     /* the groups below it, a leftist heap by gain; NONE: none */
-    uint32_t left, right, rank;        /* its place in that of the group above */
-    uint32_t into;                     /* the group that it became part of, or NONE */
+    uint32_t heap;                     /* root of a leftist heap of the groups below, by gain; or NONE */
+    uint32_t left, right, rank;        /* links in the heap of the group above */
+    uint32_t into;                     /* the group it was merged into, or NONE */
 } group;
 
 typedef struct fxs_tree tree;
 struct fxs_tree {
-    fxs_tree_run run;                  /* what is built now */
-    const fxs_tree_source *source;     /* of what was built apart; null: all leaves are in the run */
+    fxs_tree_run run;                  /* the current run */
+    const fxs_tree_source *source;     /* reads parts; null: all leaves are in the run */
     fxs_pack_options options;
     fxs_encoder encoder;
-    uint32_t count;                    /* of nodes; leaves are one more */
-    node *nodes;                       /* in the order in which runs are cut: a node before its children */
-    uint32_t *places;                  /* of the nodes, by number */
-    float (*boxes)[6];                 /* of the leaves: low, high */
-    float *costs;                      /* of what is right of a cut */
+    uint32_t count;                    /* number of nodes; leaves: one more */
+    node *nodes;                       /* a node comes before its children */
+    uint32_t *places;                  /* place of each node, by number */
+    float (*boxes)[6];                 /* low, high of each leaf; only while planning */
+    float *costs;                      /* cost of the leaves right of each cut */
     uint32_t *subtrees, subtree_count; /* places of the nodes that are jobs */
-    uint32_t built;                    /* how many of them are */
-    uint32_t large;                    /* a node with more leaves has its first child first, whatever the jobs */
-    uint32_t limit;                    /* leaves of a job, at most */
-    held **done;                       /* of each node whose parent is not yet merged; null before and after */
+    uint32_t built;                    /* jobs done */
+    uint32_t large;                    /* nodes with more leaves merge their first child first: see first_side */
+    uint32_t limit;                    /* largest job, leaves */
+    held **done;                       /* by place: a built node whose parent is not merged yet; else null */
     worker *workers;
     uint32_t worker_count;
 };
@@ -113,14 +114,14 @@ static void widen(float box[6], const float by[6])
     }
 }
 
-/* The squared diagonal times the number of leaves. */
+/* squared diagonal * number of leaves */
 static float cost_of(const float box[6], uint32_t leaves)
 {
     const float x = box[3] - box[0], y = box[4] - box[1], z = box[5] - box[2];
     return (x * x + y * y + z * z) * (float)leaves;
 }
 
-/* How many leaves of a run are left of its best cut. */
+/* Returns the number of leaves left of the cheapest cut. */
 static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
 {
     uint32_t best = leaves / 2;
@@ -144,8 +145,7 @@ static uint32_t find_cut(tree *t, uint32_t first, uint32_t leaves, int level)
     return best;
 }
 
-/* Cuts the run of a node and of those below it. `next` is the next place of a node. Levels are at most FREE_LEVELS and
-   log2 of the leaves. */
+/* Cuts a node's run, and those below. `next`: the next free place. The depth is at most FREE_LEVELS + log2(leaves). */
 static void cut_run(tree *t, uint32_t place, int level, uint32_t *next)
 {
     node *n = &t->nodes[place];
@@ -169,7 +169,7 @@ static int compare_keys(const void *a, const void *b)
     return x[0] != y[0] ? (x[0] > y[0]) - (x[0] < y[0]) : (x[1] > y[1]) - (x[1] < y[1]);
 }
 
-/* By the number of leaves, the most first, then by the first leaf. */
+/* Sorts by descending number of leaves, then by first leaf. */
 static int number_nodes(tree *t)
 {
     uint64_t (*keys)[2] = fxs_allocate(t->options.allocator, t->count, sizeof *keys);
@@ -207,13 +207,13 @@ static int is_within(const node *n, uint32_t first, uint32_t end)
     return n->first >= first && n->first + n->leaves <= end;
 }
 
-/* Whether a node is within a run, and what is above it is not. */
+/* Whether a node lies within a run and its parent does not. */
 static int is_topmost(const tree *t, const node *n, uint32_t first, uint32_t end)
 {
     return is_within(n, first, end) && (n->parent == NONE || !is_within(&t->nodes[n->parent], first, end));
 }
 
-/* Whether a node is built now: it lies in the run, or what there is above the parts. */
+/* Whether the current run builds this node: it lies in the run, or above all parts. */
 static int is_own(const tree *t, const node *n)
 {
     return t->source ? n->part == FXS_TREE_ABOVE : is_within(n, t->run.first, t->run.end);
@@ -254,14 +254,14 @@ static void read_coded(const tree *t, const unsigned char *header, const unsigne
         }
 }
 
-/* Of the run. */
+/* Reads a leaf of the run. */
 static void read_leaf(const tree *t, uint32_t leaf, held *to)
 {
     const size_t at = leaf - t->run.first;
     read_coded(t, t->run.chunks + at * sizeof(fxs_chunk), t->run.rows + at * t->run.scene->chunk_bytes, to);
 }
 
-/* Along a Morton curve, as the leaves are. */
+/* Sorts along a Morton curve, as in leaves. */
 static void copy_sorted(held *to, const held *from)
 {
     fxs_order_entry order[FXS_CHUNK];
@@ -289,7 +289,8 @@ static void write_chunk(const tree *t, worker *w, held *h, size_t at)
         fxs_hold_scales(&h->gaussians[i].gaussian);
         fxs_ranges_take(&ranges, &h->gaussians[i].gaussian, (double)h->gaussians[i].opacity, t->encoder.sh_degree);
     }
-    for (int i = 0; i < 3; i++)        /* so that a node is seen wherever one below it is */
+    for (int i = 0; i < 3; i++)        /* A node's box and sigma cover its descendants', so it is visible whenever
+                                          one of them is. */
         widen_range(&ranges.position[i], &h->reach[i]);
     ranges.scale.high = h->scale > ranges.scale.high ? h->scale : ranges.scale.high;
     fxs_encode_header(&chunk, &ranges, &any);
@@ -329,8 +330,8 @@ static void widen_held(held *h, const held *by)
     h->scale = h->scale > by->scale ? h->scale : by->scale;
 }
 
-/* Numbers of a part may be so large that what was merged has no place within +-2^28 units, or none at all; then it is
-   at the low corner of what a child reaches. */
+/* Numbers read from a part are untrusted: a merged position may exceed +-2^28 units or be NaN. Such a position
+   becomes the low corner of a child's range. */
 static void hold_places(held *h, const held *child)
 {
     for (uint32_t i = 0; i < h->count; i++)
@@ -340,7 +341,7 @@ static void hold_places(held *h, const held *child)
         }
 }
 
-/* Merges two children's Gaussians; those of the node take the place of the first child's. */
+/* Merges the Gaussians of two children into `first`. */
 static void merge_children(tree *t, worker *w, uint32_t place, held *first, const held *second)
 {
     node *n = &t->nodes[place];
@@ -366,16 +367,16 @@ static uint32_t leaves_of(const tree *t, uint32_t child)
     return child < t->count ? t->nodes[child].leaves : 1;
 }
 
-/* Which child's Gaussians come first where both are merged: the one with more leaves, but of a large node the first
-   one that is a node. */
+/* Which child is built into the lower slot: the one with more leaves; in a node with more than t->large leaves, the
+   first child that is a node. */
 static int first_side(const tree *t, const node *n)
 {
     const uint32_t *children = n->children;
     return n->leaves > t->large ? children[0] >= t->count : leaves_of(t, children[1]) > leaves_of(t, children[0]);
 }
 
-/* Fills slot `at` of a worker. The child with more leaves goes first, so that each slot in use has at most half the
-   leaves of the one before. */
+/* Builds the subtree of a child into slot `at`. The child with more leaves goes first, so each further slot holds at
+   most half the leaves of the slot before it. */
 static void build(tree *t, worker *w, uint32_t child, uint32_t at)
 {
     if (child >= t->count) {
@@ -406,7 +407,7 @@ static int note_built(const tree *t, uint32_t leaves)
     return t->options.progress ? t->options.progress(t->options.argument, leaves / all) : 0;
 }
 
-/* Returns 1 where it was stopped. */
+/* Returns 1 if progress stopped it. */
 static int build_subtrees(tree *t)
 {
     for (uint32_t leaves = 0; t->built < t->subtree_count; t->built += t->worker_count) {
@@ -420,7 +421,7 @@ static int build_subtrees(tree *t)
     return note_built(t, t->run.end - t->run.first + 1);
 }
 
-/* What a child has, in memory that becomes the caller's: from a job, from the run, or from a part. */
+/* Returns the Gaussians of a child, from a job, the run or a part. The caller frees them. */
 static int take_child(tree *t, uint32_t child, held **to, fxs_message *message)
 {
     const node *n = child < t->count ? &t->nodes[child] : NULL;
@@ -449,7 +450,7 @@ static int take_child(tree *t, uint32_t child, held **to, fxs_message *message)
     return 0;
 }
 
-/* The node at a place, of its children. */
+/* Merges a node from its children. */
 static int build_node(tree *t, uint32_t place, fxs_message *message)
 {
     const node *n = &t->nodes[place];
@@ -465,7 +466,7 @@ static int build_node(tree *t, uint32_t place, fxs_message *message)
     return error;
 }
 
-/* The nodes above the jobs, each after its children. */
+/* Builds the nodes above the jobs, children first. */
 static int build_top(tree *t, fxs_message *message)
 {
     int error = 0;
@@ -482,7 +483,7 @@ static int is_subtree(const tree *t, uint32_t place)
     return is_own(t, n) && n->leaves <= t->limit && (!above || !is_own(t, above) || above->leaves > t->limit);
 }
 
-/* By number, so that the large ones come first. Their number is at most that of the leaves. */
+/* Sorts jobs by node number: large ones first. */
 static int find_subtrees(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -503,7 +504,7 @@ static int find_subtrees(tree *t)
     return error;
 }
 
-/* A slot of a worker has at most half the leaves of the one before. */
+/* A worker needs slots for log2 of the largest job: each holds at most half the leaves of the one before. */
 static int make_workers(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -528,7 +529,7 @@ static double gain_of(const group *g)
     return g->sum / g->nodes;
 }
 
-/* Of two leftist heaps (Crane 1972). */
+/* Melds two leftist heaps (Crane 1972). */
 static uint32_t meld(group *g, uint32_t a, uint32_t b)
 {
     if (a == NONE || b == NONE)
@@ -545,8 +546,8 @@ static uint32_t meld(group *g, uint32_t a, uint32_t b)
     return top;
 }
 
-/* A node whose error is less than that below it is not worth opening by itself, but both together may be. So it becomes
-   one with the group below it that has the largest mean, as long as that is larger than its own. */
+/* A node can remove less error than its children; then opening it pays only together with them. So a node absorbs
+   the group below with the largest mean gain, as long as that exceeds its own mean. */
 static void pool_gains(const tree *t, group *g)
 {
     for (uint32_t i = t->count; i-- > 0;) {
@@ -570,7 +571,7 @@ static void pool_gains(const tree *t, group *g)
         }
 }
 
-/* round(scale log2(x)) within +-most; 0 is the least */
+/* round(scale log2(x)) within +-most; x <= 0: -most */
 static int32_t log2_of(double x, int scale, int most)
 {
     return x > 0 ? fxs_floor_within(scale * FXS_LOG2_E * fxs_log(x) + 0.5, -most, most) : -most;
@@ -581,7 +582,6 @@ static uint32_t number_of(const tree *t, uint32_t child)
     return child < t->count ? t->count + 1 + t->nodes[child].number : child - t->count;
 }
 
-/* Node i of a scene, in its place among the others. */
 static fxs_node node_at(const unsigned char *nodes, uint32_t i)
 {
     fxs_node n;
@@ -644,7 +644,7 @@ int fxs_tree_plan(fxs_tree **planned, float (*boxes)[6], uint32_t leaves, const 
     return error ? fxs_fail_memory(message, NULL, 0) : 0;
 }
 
-/* What one run needed. */
+/* Frees the memory of one run. */
 static void end_run(tree *t)
 {
     const fxs_allocator *allocator = t->options.allocator;
@@ -683,7 +683,7 @@ void fxs_tree_count_within(const fxs_tree *t, uint32_t first, uint32_t end, uint
     }
 }
 
-/* Sums and topmost nodes, for those who merge the run with others. */
+/* Writes the sums and topmost nodes, from which parts are merged. */
 static void write_run(const tree *t)
 {
     const fxs_tree_run *r = &t->run;
@@ -796,10 +796,10 @@ uint32_t fxs_tree_find(const fxs_tree *t, uint32_t number, uint32_t *at)
 /* ---- Editing ----------------------------------------------------------------------------------------------------- */
 
 struct fxs_tree_editor {
-    tree tree;                         /* its nodes lie at their numbers */
+    tree tree;                         /* place = number for all nodes */
     worker worker;
     held held[2];
-    unsigned char *nodes;              /* of the scene */
+    unsigned char *nodes;              /* node records of the scene */
     fxs_palette palette;
 };
 
@@ -866,7 +866,7 @@ void fxs_tree_edit_merge(fxs_tree_editor *e, uint32_t number)
     merge_children(&e->tree, &e->worker, number, &e->held[0], &e->held[1]);
 }
 
-/* What was fitted to pictures of the leaves has their opacity as they are seen. */
+/* Gaussians fitted to pictures already have the opacity of the leaves, so they need no swell. */
 static void clear_swell(const fxs_tree_editor *e, uint32_t number)
 {
     fxs_node n = node_at(e->nodes, number);
@@ -893,8 +893,8 @@ void fxs_tree_edit_node(fxs_tree_editor *e, uint32_t number, const fxs_gaussian 
     write_chunk(&e->tree, &e->worker, to, number);
 }
 
-/* Of the gains of a tree as it is, in the unit of errors that were measured, a part is added to these: what no view
-   shows is not worth nothing. */
+/* errors + UNMEASURED * the present gains, scaled to the unit of the measured errors. So a node that no view shows
+   still has a gain. */
 static void blend_errors(fxs_tree_editor *e, const double *errors)
 {
     const tree *t = &e->tree;
