@@ -282,9 +282,9 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
     store_large(f, e->bounds, index, large ? rows : none);
 }
 
-/* One block per visible chunk: projects, shades and bins its splats. Two eyes: colours are computed for the left eye,
-   or for the only eye that sees the splat, always with the left view. The right eye's splats get the left eye's depths
-   unless `own_depths` is set or the left eye does not see them. */
+/* One block per visible chunk: projects, shades and bins its splats. Two eyes: each splat is shaded once, with the left
+   eye's view. The right eye's splats get the left eye's depths, unless `own_depths` is set or the left eye does not see
+   them. */
 template <bool Many, uint32_t Eyes>
 __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ eyes_views<Eyes> views,
                                                               const __grid_constant__ fxs_scene only_scene,
