@@ -10,7 +10,7 @@
  * Levels are integers in float registers: twice the level of pixel.h, plus the bit that its rounding drops. With c =
  * coordinate_q13 2^-7,
  *
- * fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
+ *     fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
  *
  * if that is below 2^24; otherwise the result is at least 2^24. A limit is at most 2^23 + 45395. Coordinates are not
  * clamped to +-4: beyond that the level exceeds every limit anyway.

@@ -118,7 +118,7 @@ __device__ key_range range_of_list(K *shared, const G *g, VisitAll visit_all)
     return range_of(shared, least, most, g);
 }
 
-/* log2 of the keys per bin, so that K::bins cover `low` to `high`. */
+/* log2 of a bin's width, so that K::bins cover `low` to `high`. */
 template <class K>
 __device__ inline int bin_shift(uint64_t low, uint64_t high)
 {
