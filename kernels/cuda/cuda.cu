@@ -522,8 +522,8 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
     return 0;
 }
 
-/* Finds the drawn chunks on the host and writes them to the staging area. `f` and `from` point to one frame, or to the
-   left one of two eyes. */
+/* Finds the drawn chunks on the host and writes them to the staging area. `f` and `from`: a frame, or the left of two
+   eyes. */
 int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *why)
 {
     fxs_cut cut = {};
@@ -549,7 +549,7 @@ int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *
     return 0;
 }
 
-/* Stages the views with which the device finds a cut. */
+/* Stages the views for finding a cut on the device. */
 void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
 {
     const uint32_t eyes = cut_eyes(f);

@@ -17,7 +17,7 @@ const uint32_t KEYS = (uint32_t)(KEY_MOST_Q8 - KEY_LEAST_Q8) + 1;
 const uint32_t CUT_THREADS = 256, STOP_THREADS = 512, KEYS_OF_THREAD = 8;
 const uint32_t LIST_CHUNKS = 1024;         /* chunks per block of list_drawn_chunks */
 const uint32_t SORT_MOST = 4096;           /* candidates that are sorted in shared memory; more are sorted in place */
-const uint32_t DEPTH_MOST = 96;            /* deepest tree whose cut is found on the device */
+const uint32_t DEPTH_MOST = 96;            /* deepest tree that is cut on the device */
 const int16_t UNSEEN = -1;
 
 /* A node seen by the camera: fxs_sight with room_q8 clamped to 16 bits. */
@@ -47,7 +47,7 @@ struct cut_status {
     uint32_t blocks_done[2];       /* blocks of rank_nodes and of find_stop that have finished */
     uint32_t stops;                /* 1: the budget may end before all nodes are opened, */
     uint32_t stop_first, stop_last;        /* at a key from stop_first to stop_last */
-    cut_sums before, all;          /* before stop_first; of all nodes (valid if all are opened) */
+    cut_sums before, all;          /* sums before stop_first; sums of all nodes (valid if all are opened) */
     uint32_t candidates;           /* nodes with these keys */
     uint64_t stop;                 /* the first node that is not opened, as order_of; UINT64_MAX: none */
     fxs_fading fading;
@@ -224,8 +224,8 @@ __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
            (uint64_t)c->status->roots + s.children > VISITS * (uint64_t)c->room + MORE_VISITS;
 }
 
-/* By one block: finds the keys at which the budget may end, from the first at which it may be exceeded to the first at
-   which it is. These differ, as nodes that take a chunk away can lower the sum within a key. */
+/* By one block: finds the keys that may contain the end of the budget, from the first that may exceed it to the first
+   that does. These differ, as nodes that take a chunk away can lower the sum within a key. */
 __device__ void find_keys(const cut_buffers *c)
 {
     __shared__ uint32_t may_stop, does_stop;
@@ -272,8 +272,8 @@ __device__ void find_keys(const cut_buffers *c)
     }
 }
 
-/* One thread per chunk of all objects: clamps a node's key and room to those of its ancestors, and counts openable
-   nodes by key. An ancestor may already be clamped by another thread; the minimum is the same. */
+/* One thread per chunk of all objects: clamps a node's key and room to its ancestors', and counts openable nodes by
+   key. An ancestor may already be clamped by another thread; the minimum is the same. */
 __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant__ frame_buffers f,
                                                            const __grid_constant__ cut_buffers c)
 {
@@ -421,7 +421,7 @@ __device__ void find_end(const cut_buffers *c)
     }
 }
 
-/* One thread per chunk of all objects: collects the nodes with keys at which the budget may end. */
+/* One thread per chunk of all objects: collects the nodes with keys from stop_first to stop_last. */
 __global__ void __launch_bounds__(STOP_THREADS) find_stop(const __grid_constant__ frame_buffers f,
                                                           const __grid_constant__ cut_buffers c)
 {

@@ -1,4 +1,4 @@
-/* Pools: scenes whose rows do not all fit on the device.
+/* Pools, for scenes that do not fit on the device.
  *
  * All rows are in pinned host memory that the device can read; the pool has places for some chunks. A drawn chunk
  * that is not in the pool evicts a chunk that this frame does not draw; if none is found, its rows are read from

@@ -58,8 +58,8 @@ struct frame_needs {
     uint32_t damaged;              /* 1: a chunk's header is out of range */
 };
 
-/* Depth range of a list whose tile several blocks of blend_dense share. The minimum is stored as ~minimum, so zeroed
-   memory and atomicMax serve for both. */
+/* Depth range of a list that several blocks of blend_dense share. The minimum is stored as ~minimum, so zeroed memory
+   and atomicMax serve for both. */
 struct shared_range {
     uint32_t not_least, most;
 };

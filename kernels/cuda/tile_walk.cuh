@@ -32,7 +32,7 @@ __device__ inline uint32_t whole(float x)
     return (uint32_t)__float_as_int(__fadd_rd(fminf(fmaxf(x, 0), 31), 8388608.0f)) % 32;
 }
 
-/* Largest |u| at which the level is within `left`, plus a margin above the rounding error of u. */
+/* Largest |u| with a level within `left`, plus a margin above the rounding error of u. */
 __device__ inline float reach_of(float left)
 {
     return approximate_root(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;

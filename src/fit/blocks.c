@@ -310,7 +310,7 @@ static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3
 }
 
 /* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so it keeps the
-   coarse fit's Gaussians. If all cameras are in one place, there are no bounds. */
+   coarse fit's Gaussians. With all cameras in one place, the bounds are infinite. */
 static void bound(fxs_fit_block *b, const fxs_photos *whole)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;

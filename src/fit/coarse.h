@@ -1,4 +1,4 @@
-/* A coarse fit of a complete set of photographs, from which the fits of its blocks continue. */
+/* A coarse fit of a complete set of photographs. The fits of its blocks continue from it. */
 #ifndef FXS_FIT_COARSE_H
 #define FXS_FIT_COARSE_H
 

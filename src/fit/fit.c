@@ -141,8 +141,8 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     return 0;
 }
 
-/* Creates Gaussians at the points, then at those of the sky. If there are more than max_gaussians, takes that many,
-   evenly spaced in this order. */
+/* Creates Gaussians at the points, then at the sky's points. Of more than max_gaussians, takes that many, evenly spaced
+   in this order. */
 static int begin_with(fxs_fit *f, const fxs_fit_point *points, size_t count, const fxs_fit_sky *sky)
 {
     const size_t all = count + sky->count, most = all < f->options.max_gaussians ? all : f->options.max_gaussians;
@@ -437,7 +437,7 @@ static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *messa
     return error;
 }
 
-/* Chooses the photographs of the next step and reduces them by the plan's divisor. The plan is that of the last
+/* Chooses the photographs of the next step and reduces them by the plan's divisor. The plan is made for the last
    photograph. */
 static void choose_batch(fxs_fit *f, fxs_fit_photograph *batch, fxs_fit_plan *plan)
 {

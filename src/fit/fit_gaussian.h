@@ -1,4 +1,4 @@
-/* project and update: from the parameters of LANES Gaussians to splats, and from the gradients of splats to those of
+/* project and update: converts parameters of LANES Gaussians to splats, and gradients of splats to gradients of
  * parameters. Derivatives: Kerbl et al. 2023, appendix A; Zwicker et al. 2002 for the Jacobian. */
 #ifndef FXS_FIT_GAUSSIAN_H
 #define FXS_FIT_GAUSSIAN_H
@@ -215,7 +215,7 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
 /* Adds the gradient by the antialiasing factor of the opacity, sqrt(sharp / det), with n = T_0 x T_1, sharp = |n|^2,
  * det = sharp + e (A + C) + e^2, e the dilation and A, C the squared lengths of T_0, T_1. dL/dln(o) = -sum of h, and
  *
- * d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) -
+ *     d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) -
  * T)
  *
  * For visible splats sharp / det is above 2^-16, so nothing overflows. */
@@ -284,8 +284,8 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
                          camera->rotation[6 + k] * by_camera[2];
 }
 
-/* All gradients except those of SH, which are l->basis times `g`. by_centre: dL/dcentre, in pixels. by_position:
-   dL/dposition at constant colour. */
+/* All gradients except SH, which are l->basis times `g`. by_centre: dL/dcentre, in pixels. by_position: dL/dposition at
+   constant colour. */
 static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                         const real sums[FXS_FIT_SUMS], look *l, real g[3],
                                         real gradient[FXS_FIT_SH], real by_centre[2], real by_position[3])

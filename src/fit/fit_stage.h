@@ -120,9 +120,9 @@ typedef struct fxs_fit_adam {
     fxs_fit_far far;               /* by_scale weights the scale in this unit */
 } fxs_fit_adam;
 
-/* The exposure of a photograph (exposure.h). `at`: log2 of its gain and of the extra gains of red and blue, then
-   zeros; or an affine map of colours. Adam's moments: mean, one second moment for all numbers, and those of a
-   gradient of 1. */
+/* The exposure of a photograph (exposure.h). `at`: log2 of its gain and of the extra gains of red and blue, then zeros;
+   or an affine map of colours. `mean`, `square`: Adam's moments, one second moment for all numbers. of_one: the moments
+   of a gradient of 1. */
 enum { FXS_FIT_GAIN = 12 };
 typedef struct fxs_fit_gain {
     float at[FXS_FIT_GAIN], mean[FXS_FIT_GAIN], square, of_one[2];
@@ -135,8 +135,9 @@ typedef struct fxs_fit_gains {
     int is_affine;
 } fxs_fit_gains;
 
-/* A correction of the pose of a photograph's camera (pose.h). `at`: a turn, then a shift. Adam's moments: mean, a
-   second moment for each three, and those of a gradient of 1. `depth`: typical depth of the photograph's content. */
+/* A correction of the pose of a photograph's camera (pose.h). `at`: a turn, then a shift. `mean`, `square`: Adam's
+   moments, one second moment for each three numbers. of_one: the moments of a gradient of 1. `depth`: typical depth of
+   the photograph's content. */
 enum { FXS_FIT_POSE = 6 };
 typedef struct fxs_fit_pose {
     float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[2], of_one[2], depth;

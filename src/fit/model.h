@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* Makes a model with room for `count` Gaussians, all 0. Returns 0, or FXS_ERR_MEMORY and an empty model. */
+/* Makes a model of `count` Gaussians with all numbers 0. Returns 0, or FXS_ERR_MEMORY and an empty model. */
 int fxs_fit_model_room(fxs_fit_model *model, size_t count);
 
 /* Sets the number of Gaussians. The caller fills the planes up to `count`; the rest is set here. A model with masters

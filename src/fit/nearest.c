@@ -140,7 +140,7 @@ static float mean_of(const float nearest[3])
     return found ? sum / (float)found : 1;
 }
 
-/* Number of nodes of the complete tree in which leaves have at most LEAF points. */
+/* Number of nodes of a complete tree with at most LEAF points per leaf. */
 static size_t nodes_of(size_t count)
 {
     size_t nodes = 1;

@@ -231,8 +231,8 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 
 /* ---- Names that differ from their files -------------------------------------------------------------------------- */
 
-/* Looks for the name in the folder of images, also with common endings. For an absolute path, which is often one of
-   another machine, tries its last part too. Returns 0 if no file exists. */
+/* Looks for the name in the folder of images, also with common endings. An absolute path often comes from another
+   machine, so its last part is tried too. Returns 0 if no file exists. */
 static int find_image(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH])
 {
     static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
@@ -264,8 +264,8 @@ static void set_slashes(char *name)
         *c = '/';
 }
 
-/* Changes a photograph's name to that of an existing file. If the exact name does not exist, tries / for \, the ending
-   in the other case, and for Windows paths the part without drive. */
+/* Changes a photograph's name to the name of an existing file. If the exact name does not exist, tries / for \, the
+   ending in the other case, and for Windows paths the part without drive. */
 static void settle_name(const fxs_photo_list *list, fxs_listed_view *view)
 {
     char path[FXS_PHOTO_PATH], own[8] = "";

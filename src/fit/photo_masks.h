@@ -37,8 +37,8 @@ int fxs_photo_mask_find(const fxs_photo_list *list, const fxs_photos_options *op
 
 /* Reads which pixels of a photograph count. *counts: one byte per pixel, 0 or 1, to be freed with free(); null: all
    count. `image`: the photograph's path, for messages. With ignores_transparent, counted pixels become opaque. Returns
-   0, or an error and a message: FXS_ERR_FILE if the mask cannot be read, has another size, or is neither black nor has
-   white. */
+   0, or an error and a message: FXS_ERR_FILE if the mask cannot be read, has another size, or has no white but is not
+   all black. */
 int fxs_photo_mask_read(const fxs_photo_masking *masking, const char *image, uint8_t *rgba, int width, int height,
                         uint8_t **counts, fxs_message *message);
 

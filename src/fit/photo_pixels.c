@@ -1,6 +1,6 @@
-/* Prepares photographs (photo_pixels.h). One pass over the output rows: a row is composed over the background,
- * resampled bilinearly through the lens if there is distortion, and added to weighted sums of the smaller picture
- * (box filter). All colours are integers. */
+/* Prepares photographs (photo_pixels.h), in one pass over the rows at full size: a row is composed over the
+ * background, resampled bilinearly through the lens if there is distortion, and added to weighted sums of the
+ * smaller picture (box filter). All colours are integers. */
 #include "photo_pixels.h"
 
 #include <math.h>
@@ -111,8 +111,8 @@ static void plain_row(const picture *p, int y, uint16_t *row)
             row[c] = (uint16_t)on_background(p, rgba, c);
 }
 
-/* The first of the two pixels whose centres surround a coordinate; *part: the fraction, 0 to 255. Clamps to the
-   outermost centres. */
+/* The first of the two pixels on either side of a coordinate, by their centres; *part: the fraction, 0 to 255. Clamps
+   to the outermost centres. */
 static int between(double at, int size, uint32_t *part)
 {
     const double most = (double)(size - 1) * (1 << POSITION_BITS);

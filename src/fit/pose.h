@@ -46,10 +46,10 @@ static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose
 }
 
 /* A step of Adam. `sums`: sums over Gaussians, divided by the number of pixels and channels. `rate`: radians for
-   rotations; shifts use rate * depth, which moves the picture about as far. Rotations and shifts have one second moment
-   each, that of the squared length of the gradient, so that directions with little effect on the picture move little.
-   Moments are corrected by those of a constant gradient of 1, as photographs have different numbers of steps. A
-   gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes nothing. */
+   rotations; shifts use rate * depth, which moves the picture about as far. Rotation and shift each have one second
+   moment, averaging the squared length of the gradient, so that directions with little effect on the picture move
+   little. Moments are divided by the moments of a constant gradient of 1, as photographs have different numbers of
+   steps. A gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes nothing. */
 static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE],
                              float rate)
 {

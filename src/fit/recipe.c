@@ -135,7 +135,7 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
 }
 
 /* At step 1, as Gaussians smaller than a pixel would start too faint to be fitted; then every 100 steps; before the
-   last tenth, in which the ranges of scales are fixed; and at the end. */
+   last tenth, which finds the ranges of scales; and at the end. */
 static int is_smoothed(const fxs_fit_options *options, uint32_t step)
 {
     const uint32_t steps = options->steps;

@@ -16,7 +16,7 @@ enum {
 /* The photographs' votes on a direction. */
 typedef struct tally {
     uint32_t seen, is_free;        /* numbers of photographs */
-    uint64_t colour[3];            /* sums over the photographs in which it is free */
+    uint64_t colour[3];            /* sums over the photographs that count it as free */
 } tally;
 
 /* Cells of a picture with points in them or next to them. */

@@ -1,5 +1,4 @@
-/* Initial points of a sky: far away, in directions that photographs see but in which the reconstruction has no
-   points. */
+/* Initial points of a sky: far away, in directions that photographs see and the reconstruction has no points for. */
 #ifndef FXS_FIT_SKY_H
 #define FXS_FIT_SKY_H
 

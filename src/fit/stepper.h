@@ -24,12 +24,12 @@ typedef struct fxs_fit_photograph {
 } fxs_fit_photograph;
 
 /* The parameters of `count` Gaussians, two moments of Adam, and sums for densification. `stride` is at least `count`
-   rounded up to FXS_FIT_GROUP. Beyond `count`, all numbers are 0, except the w of quaternions. */
+   rounded up to FXS_FIT_GROUP. Beyond `count`, scales and opacities are -FXS_FIT_FARTHEST, the w of quaternions is 1,
+   and all other numbers are 0. */
 typedef struct fxs_fit_model {
     size_t count, stride;
     float *parameters, *means, *squares;        /* FXS_FIT_PARAMETERS planes each */
-    float *by_centre, *views;      /* sums of |dL/dcentre| (fit_stage.h: update), and numbers of steps in which it was
-                                      visible */
+    float *by_centre, *views;      /* sums of |dL/dcentre| (fit_stage.h: update), and numbers of views that saw it */
     float *masters;                /* null, or exact parameters for Adam, which `grid` quantises to `parameters` */
     const fxs_fit_grid *grid;
     fxs_fit_gains *gains;          /* exposures of the photographs, changed by steps; null: none */
@@ -73,8 +73,8 @@ int fxs_fit_stepper_step(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_
 int fxs_fit_find_errors(fxs_fit_stepper *step, fxs_fit_model *model, const fxs_fit_photograph *photograph,
                         const fxs_fit_step_options *options, float *errors);
 
-/* Sets the parameters of Adam's step. The gradient is that of the sum over the batch's pixels and channels, but epsilon
-   and the weights of means over Gaussians are for the mean over pixels; so these are scaled. */
+/* Sets the parameters of Adam's step. The gradient is summed over the batch's pixels and channels, but epsilon and the
+   weights of means over Gaussians are for the mean over pixels; so these are scaled. */
 void fxs_fit_set_adam(fxs_fit_adam *adam, const fxs_fit_step_options *options, const fxs_fit_photograph *photographs,
                       uint32_t batch, size_t gaussians);
 

@@ -1,6 +1,6 @@
 /* The model on a device: memory, and changes to the set of Gaussians (densification, relocation, order). Results
- * equal those of src/fit/model.c, densify.c and relocate.c bit by bit; the code for a single Gaussian is shared
- * (included) source. */
+ * equal src/fit/model.c, densify.c and relocate.c bit by bit; the code for a single Gaussian is shared (included)
+ * source. */
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
 
@@ -116,8 +116,8 @@ void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, 
         }
 }
 
-/* Widens all planes, one set at a time, so that at most one of the three large sets is allocated twice. On error,
-   restores the old stride. */
+/* Widens all planes, one set at a time, so that at most one large set is allocated twice. On error, restores the old
+   stride. */
 cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
 {
     float **const all[] = {&m->by_centre, &m->views, &m->parameters, &m->means, &m->squares};
@@ -320,8 +320,8 @@ cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources
     return error;
 }
 
-/* Replaces the model by the Gaussians sources[0..count), for which there must be room. The first `kept` keep Adam's
-   moments, the others get 0. Clears the sums for densification. */
+/* Replaces the model by the Gaussians sources[0..count); the stride must suffice. The first `kept` keep Adam's moments,
+   the others get 0. Clears the sums for densification. */
 cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, uint32_t kept, float *spare,
                     cudaStream_t stream)
 {
@@ -364,7 +364,7 @@ __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *key
     indices[i] = i;
 }
 
-/* Sets the fates of the Gaussians `from` to `end` - 1 in the sorted order, for which there is no room. */
+/* Sets the fates of the Gaussians `from` to `end` - 1 in the sorted order, which exceed the limit. */
 __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *indices, uint32_t from, uint32_t end,
                           uint8_t *fates)
 {

@@ -176,7 +176,7 @@ __device__ inline float *number_at(float *planes, const device_model &m, int pla
     return planes + (size_t)plane * m.stride + i;
 }
 
-/* Adam's step for one parameter. The moments are written past the cache, as they are not read again soon. */
+/* Adam's step for one parameter. The moments are written past the cache, as nothing reads them again soon. */
 __device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, real number, real mean, real square,
                                 const device_model &m, float *to, uint32_t i)
 {
