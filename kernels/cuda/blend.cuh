@@ -56,7 +56,7 @@ struct alignas(16) queued_splat {
 
 /* The same splat's data for the auxiliary outputs. */
 struct queued_trace {
-    uint32_t key, index;                   /* depth key; index in all objects */
+    uint32_t key, index;                   /* depth key; index among the drawn Gaussians */
 };
 
 /* Sums of weight times colour, Q15. Each is at most 2^15, so two fit in a word. */
@@ -249,7 +249,6 @@ __device__ inline uint32_t key_of(const traced_pixel *, const uint32_t *depths, 
     return depths[entry];
 }
 
-/* A position in a queue. */
 struct queue_place {
     const queued_splat *splat;
     const queued_row *rows;                /* from the lane's row on */
@@ -356,7 +355,6 @@ struct region_blender {
     }
 };
 
-/* A frame's targets. */
 struct target {
     fxs_targets images;                    /* each aligned to its pixel size */
     int background_q13[3], depth_bits;
@@ -532,7 +530,6 @@ __device__ void blend_list(Pixel (&p)[2], group_shared<Pixel> *own, const uint16
     });
 }
 
-/* By all threads of a block: fills in the table of alpha. */
 __device__ inline void make_table(uint16_t *alpha_q15)
 {
     for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += blockDim.x)

@@ -32,7 +32,6 @@ struct slot {
     block pixels;                  /* staging for targets in pinned host memory, copied there at the end of the frame */
 };
 
-/* Sizes of a slot's blocks in bytes. */
 struct slot_sizes {
     uint64_t objects, splats, tiles, larges, entries, cut, pixels;
 };
@@ -64,7 +63,7 @@ struct frame {
 struct fxs_cuda {                  /* in pinned host memory, so that kernels can write `needs` */
     int device, timed;
     int eyes_share;                /* frames 2 i and 2 i + 1 are two eyes that share colours and order */
-    float milliseconds;            /* result of fxs_cuda_milliseconds */
+    float milliseconds;
     int dense;                     /* 1: blend_dense fits the device and blends the long lists */
     uint32_t processors, slot_count;
     uint32_t groups, traced_groups;         /* groups per block of blend_tiles */
@@ -562,7 +561,6 @@ void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
         }
 }
 
-/* Stages frame i, or the two eyes i and i + 1. */
 int stage_frames(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
 {
     frame *f = &cuda->frames[i];
@@ -633,7 +631,6 @@ void launch(const fxs_cuda *cuda, void (*kernel)(Parameters...), uint32_t blocks
     cudaLaunchKernelEx(&how, kernel, parameters...);
 }
 
-/* Launches the kernels that find the cut of one frame or of two eyes. */
 template <uint32_t Eyes>
 void start_cut(const fxs_cuda *cuda, const frame *of, const slot *s, frame_buffers *f)
 {
@@ -684,7 +681,6 @@ void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const
     cudaEventRecord(s->dense_done, s->side);
 }
 
-/* Launches sort, blend and resolve. */
 void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
 {
     const bool traced = fxs_targets_traced(&t.images), dense = cuda->dense && !traced;
@@ -792,7 +788,6 @@ int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, uint32_t *dep
     return check(why, error ? error : launched, cudaEventRecord(s->done, s->on));
 }
 
-/* Launches the kernels of frame i in its slot. */
 int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const slot *s = slot_of_frame(cuda, i);

@@ -215,8 +215,8 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
 /* Adds the gradient by the antialiasing factor of the opacity, sqrt(sharp / det), with n = T_0 x T_1, sharp = |n|^2,
  * det = sharp + e (A + C) + e^2, e the dilation and A, C the squared lengths of T_0, T_1. dL/dln(o) = -sum of h, and
  *
- *     d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) -
- * T)
+ *     d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
+ *                                 = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T)
  *
  * For visible splats sharp / det is above 2^-16, so nothing overflows. */
 static inline void add_share_gradient(const shape *s, const real sums[], real by_t[2][3])

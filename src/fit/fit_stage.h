@@ -48,9 +48,9 @@ typedef struct fxs_fit_camera {
     int32_t is_antialiased;        /* 1: opacities compensate the dilation (Yu et al. 2024) */
 } fxs_fit_camera;
 
-/* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0] and y = Y - centre[1]: u = ux x + uy y, v =
-   vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level) if level <= limit, else 0. In a block of 4x4 pixels,
-   u is the sum of u at its first pixel and (ux i + uy j), i and j in 0..3; v likewise. */
+/* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0] and y = Y - centre[1]:
+   u = ux x + uy y, v = vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level) if level <= limit, else 0.
+   In a block of 4x4 pixels, u is the sum of u at its first pixel and (ux i + uy j), i and j in 0..3; v likewise. */
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */

@@ -51,7 +51,6 @@ struct device {
                                                               the others' have arrived */
 };
 
-/* The arguments of a step. */
 struct step_order {
     fxs_fit_photograph photographs[FXS_FIT_BATCH];
     uint32_t count;
@@ -307,7 +306,6 @@ pose_batch poses_of(const device *d, const step_order *s)
     return batch;
 }
 
-/* Computes the posed cameras of a step on each device. */
 int pose_all(engine *e, const step_order *s, fxs_message *why)
 {
     int error = 0;

@@ -407,7 +407,6 @@ __global__ void set_children(fxs_fit_model m, const uint8_t *kinds, uint32_t kep
         set_child(&m, i, kinds[i - kept] == IS_FIRST_CHILD ? 1.0f : -1.0f);
 }
 
-/* Device memory of a densification. */
 struct densify_memory {
     fate_counts *counts;
     uint64_t *sums;
@@ -536,7 +535,6 @@ int model_reset_opacity(device_model *m, float opacity, cudaStream_t stream, fxs
 
 /* ---- Relocation -------------------------------------------------------------------------------------------------- */
 
-/* Device memory of a relocation. */
 struct relocate_memory {
     uint64_t *sums, *dead;         /* prefix sums: of chances; of the number of dead Gaussians */
     uint32_t *times, *sources;     /* times: number of draws of each Gaussian, or DEAD; sources: result of each draw */

@@ -56,8 +56,8 @@ struct step_seen {
 struct step_status {
     uint32_t done;                 /* completed steps */
     uint32_t is_full;              /* 1: a step exceeded `capacity`; it and all later steps change nothing */
-    uint32_t updates_sh;           /* 1: the last update was of a step with room. SH are updated on a side stream, by
-                                      when the next step may be full */
+    uint32_t updates_sh;           /* 1: the last update was of a step with room. SH are updated on a side stream; the
+                                      next step may be full by then */
     uint32_t entries_most;         /* largest number of entries of a step */
     uint32_t large_count[2], huge_count[2];    /* lengths of large and huge, indexed by `turn` */
     uint32_t long_lists;           /* the first long_lists tiles in `order` have long lists */
@@ -89,7 +89,8 @@ struct step_buffers {
     float *derivatives;            /* 9 planes: derivatives of SSIM by mean, square and product, per channel */
     float *dissimilar;             /* 3 planes: 1 - SSIM; written for a report only */
     float *gradient;               /* 3 planes: dL/dcolour of `picture` */
-    float *rows;                   /* for a report: 3 * height sums of |a - b|, then as many of 1 - SSIM */
+    float *rows;                   /* for a report, per channel: `height` sums of |a - b|, then `height` sums of 1 -
+                                      SSIM */
     float *factors;                /* FXS_FIT_GAIN numbers: the photograph's exposure; null: no exposures */
     float *gain_rows;              /* exposures: row sums for each number of gain_gradient */
     uint8_t *photograph;           /* red, green, blue at the camera's size, then the mask, if any */
