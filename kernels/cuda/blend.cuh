@@ -1,17 +1,22 @@
-/* sort, blend and resolve. A list is sorted by a warp or a block; then each of 4 warps blends it over 8x8 pixels, two a
- * lane, or each of 8 over 8x4, until all are closed. A warp tests 32 splats at a time against its rows, one a lane; the
- * splats that can touch a pixel are queued in shared memory, then all lanes take them one by one. Lists of
- * 2^LONG_MAGNITUDE entries or more are left to blend_dense (dense.cuh); where that is not used, groups of 4 warps sort
- * and blend as many of their keys at a time as there is room for, as long as there are open pixels.
+/* sort, blend and resolve.
  *
- * Levels are integers in float registers, twice the level of pixel.h plus the bit that its rounding drops: with c =
+ * A list shorter than 2^LONG_MAGNITUDE is sorted by a warp or a block (sort_lists). Then (blend_sorted) each of 4
+ * warps blends it over 8x8 pixels, two per lane, or each of 8 warps over 8x4, until all pixels are closed. A warp
+ * tests 32 splats at a time against its region, one per lane, and queues those that can touch a pixel in shared
+ * memory; then all lanes blend the queued splats one by one. Longer lists go to blend_dense (dense.cuh) or, where
+ * that is not used, to blend_tiles: groups of 4 warps sort and blend one batch of keys after another while pixels
+ * are open.
+ *
+ * Levels are integers in float registers: twice the level of pixel.h, plus the bit that its rounding drops. With c =
  * coordinate_q13 2^-7,
- *     fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
- * where that is below 2^24, and no less than 2^24 elsewhere; a limit is at most 2^23 + 45395. Coordinates are not cut
- * to +-4: beyond that the level is over every limit either way.
  *
- * Where a frame has auxiliary outputs (depths, ids) or an occluder, its pixels are traced_pixels, and every list is
- * blended here. */
+ *     fma(c, c, 2^23 + 2 row_level + 1), rounded down, = 2^23 + floor(2 (coordinate_q13^2 2^-15 + 1/2 + row_level))
+ *
+ * if that is below 2^24; otherwise the result is at least 2^24. A limit is at most 2^23 + 45395. Coordinates are not
+ * clamped to +-4: beyond that the level exceeds every limit anyway.
+ *
+ * If a frame has auxiliary outputs (depths, ids) or an occluder, its pixels are traced_pixels, and blend_tiles takes
+ * the long lists. */
 #ifndef FXS_CUDA_BLEND_CUH
 #define FXS_CUDA_BLEND_CUH
 
@@ -21,54 +26,54 @@
 namespace {
 
 const uint32_t LONG_MAGNITUDE = 11, SHORT_MAGNITUDE = 8;
-const uint32_t SPLIT_MAGNITUDE = 13;                   /* of lists that blend_tiles puts into bins first */
-const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;    /* of a multiprocessor */
-const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;   /* of a block of blend_sorted */
+const uint32_t SPLIT_MAGNITUDE = 13;                   /* lists that blend_tiles puts into bins first */
+const uint32_t SORT_THREADS = 128, SORT_BLOCKS = 7;    /* blocks per multiprocessor */
+const uint32_t GROUP_THREADS = 128, WARPS_MOST = 24;   /* WARPS_MOST: per block of blend_sorted */
 typedef group<GROUP_THREADS> tile_group;
 typedef group_keys<1024> tile_keys;
-const int REGION = 8;                      /* pixels of a warp across */
+const int REGION = 8;                      /* width of a warp's region in pixels */
 template <int Each>
-constexpr uint32_t LANES = REGION / Each;  /* of a row; each has 1 or 2 pixels of it, LANES apart */
+constexpr uint32_t LANES = REGION / Each;  /* lanes per row; each has 1 or 2 pixels, LANES apart */
 template <int Each>
-constexpr int ROWS = WARP / LANES<Each>;   /* 4 or 8 */
-const uint32_t STEPS = 4;                  /* splats between looks at whether pixels are open */
-const uint32_t QUEUE = WARP + STEPS;       /* splats, at most */
-const int LEVEL_ONE = 0x4b000000;          /* 2^23 as a float, in bits */
+constexpr int ROWS = WARP / LANES<Each>;   /* rows of a region: 4 or 8 */
+const uint32_t STEPS = 4;                  /* splats between checks for open pixels */
+const uint32_t QUEUE = WARP + STEPS;       /* capacity in splats */
+const int LEVEL_ONE = 0x4b000000;          /* the bits of 2^23 as a float */
 
-/* A splat on a row of a region. */
+/* A splat on one row of a region. */
 struct queued_row {
-    uint32_t u_q24;                        /* at its first pixel */
+    uint32_t u_q24;                        /* at the row's first pixel */
     float level;                           /* 2^23 + 2 row_level + 1 */
 };
 
-/* A splat at a region. Its 80 bytes put 8 lanes' 16 bytes in different banks. */
+/* A splat in a region. At 80 bytes, 8 lanes' 16-byte accesses are in different banks. */
 struct alignas(16) queued_splat {
     queued_row rows[ROWS<2>];
     uint32_t ux_q24;
-    int limit;                             /* of the level's bits */
-    uint32_t red_green, blue;              /* Q14, two in a word */
+    int limit;                             /* of the level, as float bits */
+    uint32_t red_green, blue;              /* Q14, two per word */
 };
 
-/* The same splat, for the auxiliary outputs of a traced_pixel. */
+/* The same splat's data for the auxiliary outputs. */
 struct queued_trace {
-    uint32_t key, index;                   /* of its depth; in all objects */
+    uint32_t key, index;                   /* depth key; index among the drawn Gaussians */
 };
 
-/* Sums of weight times colour, each at most 2^15, as no product is more than its weight: two in a word. */
+/* Sums of weight times colour, Q15. Each is at most 2^15, so two fit in a word. */
 struct pixel {
     int transmittance;
     uint32_t red_green, blue;
 };
 
 struct traced_pixel : pixel {
-    uint32_t limit;                        /* depth key: what is farther is hidden */
-    bool hidden;                           /* all that follows is */
-    int weight;                            /* the largest */
-    uint32_t largest, median;              /* its index; a depth key */
-    uint64_t depths;                       /* fxs_depth_sum */
+    uint32_t limit;                        /* occluder's depth key; farther splats are hidden */
+    bool hidden;                           /* all further splats are hidden */
+    int weight;                            /* largest weight so far */
+    uint32_t largest, median;              /* index of the splat with that weight; median depth key */
+    uint64_t depths;                       /* sum of fxs_depth_sum */
 };
 
-/* How many groups a block has at most: with more, pixels do not fit in registers. */
+/* Most groups per block; with more, pixels would not fit in registers. */
 template <class Pixel>
 constexpr uint32_t groups_most = 6;
 template <>
@@ -106,8 +111,8 @@ struct group_shared : trace_queues<Pixel, GROUP_THREADS / WARP> {
 
 template <class Pixel>
 struct blend_shared {
-    uint16_t alpha_q15[FXS_FAINT_Q11 + 1]; /* fxs_alpha_q15 */
-    group_shared<Pixel> groups[1];         /* as many as the block has */
+    uint16_t alpha_q15[FXS_FAINT_Q11 + 1]; /* fxs_alpha_q15 per level */
+    group_shared<Pixel> groups[1];         /* `groups` of them, see blend_bytes */
 };
 
 template <class Pixel>
@@ -116,7 +121,7 @@ size_t blend_bytes(uint32_t groups)
     return sizeof(blend_shared<Pixel>) - sizeof(group_shared<Pixel>) + groups * sizeof(group_shared<Pixel>);
 }
 
-/* coordinate_q13 2^-7, not cut: added to the mantissa of 1.5 2^16, whose unit is 2^-7. */
+/* coordinate_q13 2^-7, not clamped. The integer is added to the bits of 1.5 2^16, whose unit is 2^-7. */
 __device__ inline float coordinate_q6(uint32_t coordinate_q24)
 {
     return __int_as_float(((int32_t)coordinate_q24 >> 11) + 0x47c00000) - 98304.0f;
@@ -135,14 +140,15 @@ __device__ inline int limit_bits(const fxs_splat *s, int cut_q11)
     return LEVEL_ONE + 2 * fxs_limit_q11(s->offset_q11, cut_q11) + 1;
 }
 
-/* `column`: from the row's first pixel. */
+/* Level at a column, counted from the row's first pixel. */
 __device__ inline int level_bits(queued_row row, uint32_t column, uint32_t ux_q24)
 {
     const float u = coordinate_q6(multiply_add(column, ux_q24, row.u_q24));
     return __float_as_int(__fmaf_rd(u, u, row.level));
 }
 
-/* Adds fxs_mul_q15(weight, colour) to each sum, with colours of one bit more: the upper half of a product plus 2^15. */
+/* Adds fxs_mul_q15(weight, colour) to each sum. Colours have one more bit, so the result is the upper half of the
+   product plus 2^15. */
 __device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32_t green_q14, uint32_t blue_q14)
 {
     const uint32_t red = (uint32_t)weight * red_q14 + 32768, green = (uint32_t)weight * green_q14 + 32768;
@@ -150,7 +156,7 @@ __device__ inline void add_colour(pixel *p, int weight, uint32_t red_q14, uint32
     p->blue += ((uint32_t)weight * blue_q14 + 32768) >> 16;
 }
 
-/* Blends a splat whose level may be up to `limit`. Returns its weight. */
+/* Blends a splat if its level is at most `limit`. Returns its weight. */
 __device__ inline int blend_pixel(pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                   const queued_splat *s, int limit)
 {
@@ -167,7 +173,7 @@ __device__ inline void blend_queued(pixel *p, const uint16_t *alpha_q15, queued_
     blend_pixel(p, alpha_q15, row, column, s, s->limit);
 }
 
-/* The same with the auxiliary outputs, whose numbers are those of src/core/trace.c. */
+/* The same with auxiliary outputs, equal to those of src/core/trace.c. */
 __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, queued_row row, uint32_t column,
                                     const queued_splat *s, const queued_trace *trace, int depth_bits)
 {
@@ -183,9 +189,9 @@ __device__ inline void blend_queued(traced_pixel *p, const uint16_t *alpha_q15, 
     p->weight = weight > p->weight ? weight : p->weight;
 }
 
-/* Puts a splat at `Rows` rows of a region at (x, y), but for its colour. Returns whether it can touch a pixel there. u
-   grows along a row, so the least |u| is at an end, or 0 between them; `across`: from the first pixel to the last, and
-   more than what rounding each by 2^-7 can add. */
+/* Fills in *q except for the colour, for `Rows` rows of the region at (x, y). Returns whether the splat can touch a
+   pixel there. u increases along a row, so the least |u| is at an end, or 0 in between. `across`: increase of u from
+   the first pixel to the last, plus a margin for rounding each to 2^-7. */
 template <int Rows>
 __device__ inline bool splat_at(queued_splat *q, const fxs_splat *s, int cut_q11, int32_t x, int32_t y)
 {
@@ -223,7 +229,7 @@ __device__ inline bool is_open(const Pixel (&p)[Each])
     return takes_more(&p[0]) || takes_more(&p[Each - 1]);
 }
 
-/* What follows a splat is as far, or farther. */
+/* Splats are in depth order: if the next one is hidden, all later ones are. */
 __device__ inline void see_next(pixel *, const queued_trace *)
 {
 }
@@ -243,10 +249,9 @@ __device__ inline uint32_t key_of(const traced_pixel *, const uint32_t *depths, 
     return depths[entry];
 }
 
-/* A splat of a queue. */
 struct queue_place {
     const queued_splat *splat;
-    const queued_row *rows;                /* from the lane's on */
+    const queued_row *rows;                /* from the lane's row on */
     const queued_trace *trace;
 
     __device__ queue_place after(uint32_t count) const
@@ -255,16 +260,16 @@ struct queue_place {
     }
 };
 
-/* A warp that blends sorted entries over its region, at (x, y), with `Each` pixels a lane. */
+/* A warp that blends sorted entries over its region at (x, y), with `Each` pixels per lane. */
 template <class Pixel, int Each>
 struct region_blender {
     queued_splat *queue;
-    queued_trace *traces;                  /* null where pixels have no auxiliary outputs */
+    queued_trace *traces;                  /* null: no auxiliary outputs */
     const uint16_t *alpha_q15;
     const frame_buffers *f;
     int cut_q11, depth_bits;
     int32_t x, y;
-    const queued_row *own_rows;            /* of the first splat, from the lane's on */
+    const queued_row *own_rows;            /* of the first queued splat, from the lane's row on */
     uint32_t column;                       /* of the lane's first pixel */
 
     __device__ region_blender(queued_splat *queue, queued_trace *traces, const uint16_t *alpha_q15,
@@ -275,8 +280,8 @@ struct region_blender {
     {
     }
 
-    /* Tests one splat a lane, and queues those that can touch the region behind `queued` others. Returns how many there
-       are now. */
+    /* Tests one splat per lane, and appends those that can touch the region to the `queued` ones. Returns the new
+       number. */
     __device__ uint32_t queue_splats(const Pixel *p, uint32_t entry, bool listed, uint32_t queued) const
     {
         queued_splat q;
@@ -304,7 +309,7 @@ struct region_blender {
             blend_queued(&p[i], alpha_q15, row, column + i * LANES<Each>, place.splat, place.trace, depth_bits);
     }
 
-    /* Moves what is queued from a place on, fewer than STEPS splats, to the start. Returns how many. */
+    /* Moves the queue from index `first` on, fewer than STEPS splats, to the start. Returns their number. */
     __device__ uint32_t keep_rest(uint32_t first, uint32_t queued) const
     {
         const uint32_t words = sizeof(queued_splat) / sizeof(uint4), lane = lane_index(), rest = queued - first;
@@ -319,7 +324,7 @@ struct region_blender {
         return rest;
     }
 
-    /* STEPS splats at a time, as long as the queue has as many and pixels are open; the rest at last. */
+    /* Blends the queue STEPS splats at a time, checking for open pixels in between; the rest at the end. */
     __device__ void blend(Pixel (&p)[Each], const uint32_t *entries, uint32_t count) const
     {
         const queue_place start = {queue, own_rows, traces};
@@ -334,7 +339,7 @@ struct region_blender {
                 for (Pixel &own : p)
                     see_next(&own, at.trace);
                 if (!__any_sync(ALL_LANES, is_open(p)))
-                    break;                 /* what is left weighs nothing */
+                    break;                 /* early out: the remaining splats have no weight */
 #pragma unroll
                 for (uint32_t i = 0; i < STEPS; i++)
                     step(p, at.after(i));
@@ -350,20 +355,19 @@ struct region_blender {
     }
 };
 
-/* The targets of a frame. */
 struct target {
-    fxs_targets images;                    /* each aligned to its pixels */
+    fxs_targets images;                    /* each aligned to its pixel size */
     int background_q13[3], depth_bits;
-    int plain;                             /* the colour is for store_bytes */
+    int plain;                             /* 1: store_bytes writes the colour */
 };
 
-/* Sums only grow, so they are cut once. */
+/* Clamps the final sum; sums only increase, so one clamp at the end is enough. */
 __device__ inline int sum_of_colour(const pixel *p, int c)
 {
     return fxs_min((int)((c < 2 ? p->red_green >> 16 * c : p->blue) & 0xffff), 32767);
 }
 
-/* Writes a pixel's colour as RGBA8 or RGBA8_COVERAGE over one background. */
+/* Writes a pixel's colour as RGBA8 or RGBA8_COVERAGE over a constant background. */
 __device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, int32_t y)
 {
     uint32_t word = t->images.format == FXS_FORMAT_RGBA8 ? 255u << 24
@@ -373,7 +377,7 @@ __device__ inline void store_bytes(const target *t, const pixel *p, int32_t x, i
     *(uint32_t *)fxs_image_at(&t->images.colour, x, y, 4) = word;
 }
 
-/* Writes a pixel's colour in any format. It is not inlined, so that it takes no registers from the loops. */
+/* Writes a pixel's colour in any format. Not inlined, to save registers in the loops. */
 __device__ __noinline__ void store_colour(const target *t, pixel p, int32_t x, int32_t y)
 {
     union {
@@ -413,7 +417,7 @@ __device__ inline void store_pixel(const target *t, const frame_buffers *, const
         *fxs_image_at(coverage, x, y, 1) = (unsigned char)fxs_coverage_8bit(p->transmittance);
 }
 
-/* The id of a Gaussian, from its index in what is drawn. */
+/* object->id and number of a Gaussian, from its index among the drawn ones. */
 __device__ inline uint2 id_of(const frame_buffers *f, uint32_t index)
 {
     if (index == FXS_NOTHING)
@@ -455,9 +459,8 @@ __device__ inline void clear_pixel(traced_pixel *p, const target *t, int32_t x, 
     p->depths = 0;
 }
 
-/* The order in which tiles are taken, long lists first. Each tile has `each` turns, a power of 2 or none. A lane of a
-   warp has the tiles whose lists are of magnitude 31 - lane, with the turns from start to end; tiles: those of the
-   lanes before. */
+/* The order of tiles: long lists first. Each tile has `each` turns, a power of 2 or 0. Lane i of a warp has the tiles
+   with lists of magnitude 31 - i: their turns are start to end; tiles: number of tiles of the lanes before. */
 struct turns {
     uint32_t start, end, each, all, tiles;
 };
@@ -469,8 +472,8 @@ __device__ inline turns turns_of(const frame_buffers *f, uint32_t each)
 }
 
 struct turn_of_tile {
-    uint32_t tile, place;                  /* among all, those with long lists first */
-    uint32_t number, turns;                /* which of its turns this is */
+    uint32_t tile, place;                  /* index in the order of tiles */
+    uint32_t number, turns;                /* index among the tile's turns; their number */
 };
 
 __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns *order, uint32_t tiles, uint32_t turn)
@@ -482,13 +485,13 @@ __device__ inline turn_of_tile tile_of_turn(const frame_buffers *f, const turns 
             __shfl_sync(ALL_LANES, order->tiles, lane) + before, i & (each - 1), each};
 }
 
-/* Puts a list into bins. Returns it, and in *ends where each bin ends; null where there is no room. */
+/* Puts a list into bins by depth. Returns the new list and the bins' ends, or null if memory is short. */
 template <class Pixel>
 __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_shared<Pixel> *own,
                                                    const frame_buffers *f, const uint64_t *list, uint32_t count,
                                                    const tile_group *g)
 {
-    const uint32_t words = tile_keys::bins / 2;        /* of ends */
+    const uint32_t words = tile_keys::bins / 2;        /* 64-bit words of the ends */
     if (g->thread == 0)
         own->room = take_entries(f, words + (uint64_t)count);
     g->sync();
@@ -506,7 +509,7 @@ __device__ __noinline__ const uint64_t *split_long(const uint32_t **ends, group_
     return sorted;
 }
 
-/* Sorts and blends a tile's list, over the region at (x, y) of each warp. */
+/* Sorts and blends a tile's list; each warp has the region at (x, y). */
 template <class Pixel>
 __device__ void blend_list(Pixel (&p)[2], group_shared<Pixel> *own, const uint16_t *alpha_q15, const frame_buffers *f,
                            const fxs_view *view, int depth_bits, const tile_group *g, uint32_t tile, int32_t x,
@@ -527,7 +530,6 @@ __device__ void blend_list(Pixel (&p)[2], group_shared<Pixel> *own, const uint16
     });
 }
 
-/* Fills in the table of alpha, by all threads of a block. */
 __device__ inline void make_table(uint16_t *alpha_q15)
 {
     for (uint32_t level = threadIdx.x; level <= FXS_FAINT_Q11; level += blockDim.x)
@@ -535,10 +537,10 @@ __device__ inline void make_table(uint16_t *alpha_q15)
     __syncthreads();
 }
 
-/* A warp's pixels of a tile, `Each` a lane. */
+/* A warp's region of a tile, `Each` pixels per lane. */
 template <int Each>
 struct region {
-    int32_t x, y;                          /* the first */
+    int32_t x, y;                          /* its first pixel */
 
     __device__ region(const fxs_view *view, uint32_t tile, uint32_t part)
         : x((int32_t)(tile % (uint32_t)view->tiles_x * FXS_TILE + part % 2 * REGION)),
@@ -546,7 +548,7 @@ struct region {
     {
     }
 
-    /* Those of a lane. */
+    /* The lane's row; column: of its i-th pixel. */
     __device__ int32_t row() const
     {
         return y + (int32_t)(lane_index() / LANES<Each>);
@@ -578,7 +580,7 @@ struct region {
     }
 };
 
-/* Where a group sorts lists of below 2^Magnitude entries, by 2^Bits bins at most. */
+/* Sorts lists below 2^Magnitude entries in up to 2^Bits bins. */
 template <uint32_t T, uint32_t Magnitude, int Bits>
 struct list_sorter {
     typedef group<T> group_type;
@@ -586,14 +588,14 @@ struct list_sorter {
     uint32_t bins[bins_of<group_keys<1u << Magnitude, Bits>, T>];
     uint32_t turn;
 
-    /* Takes the lists of the turns as they come, by a counter, and puts their entries, sorted, where each began. */
+    /* Takes lists by a shared counter, and replaces each list's entries by the sorted ones. */
     __device__ void run(const frame_buffers *f, uint32_t tiles, turns order, uint32_t *counter, group<T> g)
     {
         uint32_t next = g.thread == 0 ? atomicAdd(counter, 1u) : 0;
         for (;;) {
             if (g.thread == 0) {
                 turn = next;
-                next = atomicAdd(counter, 1u);         /* fetched meanwhile */
+                next = atomicAdd(counter, 1u);         /* prefetch */
             }
             g.sync();
             if (turn >= order.all)
@@ -613,8 +615,7 @@ union sort_shared {
     list_sorter<WARP, SHORT_MAGNITUDE, 8> warps[SORT_THREADS / WARP];
 };
 
-/* Blocks sort the lists that are neither short nor long, then their warps the short ones. The host is told what the
-   frame needed. */
+/* First blocks sort the medium lists, then their warps the short ones. Also copies the frame's needs to the host. */
 __global__ void __launch_bounds__(SORT_THREADS, SORT_BLOCKS) sort_lists(const __grid_constant__ frame_buffers f,
                                                                         uint32_t tiles)
 {
@@ -640,8 +641,8 @@ struct warp_shared : trace_queues<Pixel, 1> {
 template <class Pixel>
 struct sorted_shared {
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
-    turns order[WARP];                     /* of each lane: in registers they would be in the way of pixels */
-    warp_shared<Pixel> warps[1];           /* as many as the block has */
+    turns order[WARP];                     /* per lane; kept here to save registers */
+    warp_shared<Pixel> warps[1];           /* as many as the block has warps, see sorted_bytes */
 };
 
 template <class Pixel>
@@ -650,8 +651,8 @@ size_t sorted_bytes(uint32_t warps)
     return sizeof(sorted_shared<Pixel>) - sizeof(warp_shared<Pixel>) + warps * sizeof(warp_shared<Pixel>);
 }
 
-/* Into how many regions the tiles are cut whose lists are of magnitude 31 - lane: a warp takes one. Of a frame by
-   itself, those with more than half of the entries that a warp has of all lists have smaller ones: none is late. */
+/* Number of regions, one warp each, of tiles with lists of magnitude 31 - lane. In a single frame, tiles with lists
+   longer than half a warp's average load get 8 smaller regions instead of 4. */
 __device__ inline uint32_t regions_of_tiles(const frame_buffers *f, bool alone)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), warps = gridDim.x * (blockDim.x / WARP);
@@ -662,7 +663,6 @@ __device__ inline uint32_t regions_of_tiles(const frame_buffers *f, bool alone)
     return magnitude >= LONG_MAGNITUDE ? 0 : late ? 8 : 4;
 }
 
-/* Blends a sorted list over a region of its tile. */
 template <int Each, class Pixel>
 __device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_view *view, const frame_buffers *f,
                                     const target *t, const turn_of_tile &turn)
@@ -678,8 +678,7 @@ __device__ inline void blend_region(sorted_shared<Pixel> *shared, const fxs_view
     r.store(p, view, f, t);
 }
 
-/* Warps take the regions of the tiles whose lists are sorted as they come; alone: no other frame is rendered beside
-   it. */
+/* Warps take the regions of tiles with sorted lists by a shared counter. alone: no other frame is in flight. */
 template <class Pixel>
 __global__ void __launch_bounds__(WARPS_MOST * WARP, 1)
 blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
@@ -699,7 +698,7 @@ blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ fram
         const uint32_t i = __shfl_sync(ALL_LANES, next, 0);
         if (i >= shared->order[0].all)
             return;
-        next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;    /* fetched meanwhile */
+        next = lane_index() == 0 ? atomicAdd(&f.status->next_turn, 1u) : 0;    /* prefetch */
         const turns order = shared->order[lane_index()];
         const turn_of_tile turn = tile_of_turn(&f, &order, tiles, i);
         if (turn.turns == 4)
@@ -709,7 +708,7 @@ blend_sorted(const __grid_constant__ fxs_view view, const __grid_constant__ fram
     }
 }
 
-/* The groups of all blocks take the tiles with long lists as they come. */
+/* Groups take the tiles with long lists by a shared counter. */
 template <class Pixel>
 __global__ void __launch_bounds__(groups_most<Pixel> * GROUP_THREADS, 1)
 blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f,
@@ -727,7 +726,7 @@ blend_tiles(const __grid_constant__ fxs_view view, const __grid_constant__ frame
     for (;;) {
         if (g.thread == 0) {
             own->turn = next;
-            next = atomicAdd(&f.status->next_long, 1u);    /* fetched meanwhile */
+            next = atomicAdd(&f.status->next_long, 1u);    /* prefetch */
         }
         g.sync();
         if (own->turn >= order.all)

@@ -1,4 +1,11 @@
-/* The CUDA back end (cuda.h): its memory, and the kernels of a frame in order, for several frames at a time. */
+/* The CUDA back end (cuda.h): allocates its memory and launches a frame's kernels in order. Several frames may be in
+ * flight at once.
+ *
+ * Each frame runs in a slot: two streams, events and device buffers. Kernel order: find the cut (scenes with a tree
+ * and a budget or detail), project, start_lists, fill_lists, sort_lists, blend. Long lists are blended on the slot's
+ * second stream while the first one sorts the rest. Two eyes that share colours and order are projected together,
+ * then drawn in two slots. A frame whose tile lists overflowed is rendered again by fxs_cuda_finish, with larger
+ * buffers. */
 #include <fixsplat/cuda.h>
 
 #include "blend.cuh"
@@ -12,73 +19,74 @@ namespace {
 const uint32_t SLOTS = 16;
 const uint64_t ENTRIES_MAX = 0xffffffffu;  /* tile_list counts in 32 bits */
 
-/* The streams, events and memory of a frame that is under way. */
+/* Streams, events and memory of one frame in flight. */
 struct slot {
-    cudaStream_t stream, side;     /* side: of long lists, whose kernels come before waiting ones of others */
-    cudaStream_t on;               /* its own stream; the caller's for a frame by itself */
+    cudaStream_t stream, side;     /* side: high priority, for long lists; its kernels start before other streams'
+                                      waiting ones */
+    cudaStream_t on;               /* `stream`, or the caller's stream for a single frame */
     cudaEvent_t done, listed, dense_done, stages[FXS_CUDA_STAGES + 1];
-    block objects;                 /* fxs_object_view[], then the crop boxes that they point to, the views and the list
-                                      of the cut */
-    block splats, tiles, larges, entries;   /* cut up by slot_buffers */
-    block cut;                     /* by slot_cut */
-    block pixels;                  /* of targets in host memory, until they are copied there */
+    block objects;                 /* fxs_object_view[], then their crop boxes, then the cut's views and its list of
+                                      drawn chunks */
+    block splats, tiles, larges, entries;   /* divided up by slot_buffers */
+    block cut;                     /* divided up by slot_cut */
+    block pixels;                  /* staging for targets in pinned host memory, copied there at the end of the frame */
 };
 
-/* Bytes of a slot's blocks. */
 struct slot_sizes {
     uint64_t objects, splats, tiles, larges, entries, cut, pixels;
 };
 
-enum { PLANES = 7 };               /* the images of targets */
+enum { PLANES = 7 };
 
-/* A frame by itself, or an eye of two that share colours and order: what is found for both is the left one's. */
+/* ALONE: a mono frame. LEFT, RIGHT: two eyes that share colours and order; LEFT holds all shared results. */
 enum frame_kind { ALONE, LEFT, RIGHT };
 
 struct frame {
     frame_kind kind;
-    fxs_view view;                 /* of the world; plain: of the object */
-    fxs_scene scene;               /* plain: with the device's pointers */
+    fxs_view view;                 /* world to camera; plain frame: object to camera */
+    fxs_scene scene;               /* plain frame: the only scene, with device pointers */
     fxs_targets targets;
-    bool hosted[PLANES];           /* written there by a copy from the slot */
+    bool hosted[PLANES];           /* rendered to slot.pixels, then copied to pinned host memory */
     uint32_t object_count, crop_count, chunks, gaussians, tiles;
-    uint32_t cut_room;             /* 0: all leaves are drawn */
-    uint32_t cut_chunks, whole_chunks;     /* of all objects with their trees; of those without one */
-    bool cut_here;                 /* by the host: a tree is not as it should be */
-    uint64_t staged;               /* where its objects wait for the copy to the slot */
-    bool plain;                    /* one object, which changes nothing of its Gaussians */
-    bool pooled;                   /* of one of its scenes not all rows are on the device */
-    bool own_order;                /* of a right eye: its lists are not in the order of the left one's depths */
+    uint32_t cut_room;             /* capacity of the cut in chunks; 0: no cut, all leaves are drawn */
+    uint32_t cut_chunks, whole_chunks;     /* cut_chunks: chunks and nodes of all objects; whole_chunks: chunks of
+                                              objects without a tree */
+    bool cut_here;                 /* the cut is found on the host, as a scene's tree is invalid */
+    uint64_t staged;               /* offset of its objects in fxs_cuda.staged */
+    bool plain;                    /* one object, not scaled, cropped or tinted; no cut, no pool */
+    bool pooled;                   /* a scene is only partly on the device (pool.cuh) */
+    bool own_order;                /* right eye only: its lists are sorted by its own depths, not by the left eye's */
 };
 
 }
 
-struct fxs_cuda {                  /* in pinned host memory, for the sake of `needs` */
+struct fxs_cuda {                  /* in pinned host memory, so that kernels can write `needs` */
     int device, timed;
     int eyes_share;                /* frames 2 i and 2 i + 1 are two eyes that share colours and order */
-    float milliseconds;            /* fxs_cuda_milliseconds */
-    int dense;                     /* blend_dense is used */
+    float milliseconds;
+    int dense;                     /* 1: blend_dense fits the device and blends the long lists */
     uint32_t processors, slot_count;
-    uint32_t groups, traced_groups;         /* of a block of blend_tiles */
-    uint32_t warps, traced_warps;           /* of one of blend_sorted */
+    uint32_t groups, traced_groups;         /* groups per block of blend_tiles */
+    uint32_t warps, traced_warps;           /* warps per block of blend_sorted */
     budget memory;
     scene_table scenes;
-    host_block staged;             /* the objects of the frames under way */
-    host_block cut;                /* memory to find a cut in, on the host */
+    host_block staged;             /* objects of the frames in flight */
+    host_block cut;                /* scratch memory for finding a cut on the host */
     block pixels;
     slot slots[SLOTS];
     cudaEvent_t ready, began;
-    bool began_marked;             /* by the first frame under way */
-    bool early;                    /* kernels may be launched before the last one has ended */
-    uint64_t capacity, large_capacity;      /* of a slot's entries and large splats, from its next frame on */
-    uint64_t entries_most, split_most;      /* as if there were room for no more; 0: for all. For tests */
+    bool began_marked;             /* by the first frame in flight */
+    bool early;                    /* programmatic dependent launch: a kernel may start before the previous one ends */
+    uint64_t capacity, large_capacity;      /* entries and large splats per slot, from the next frame on */
+    uint64_t entries_most, split_most;      /* test hook: artificial capacities; 0: none */
 
-    fxs_options options;           /* of the frames under way */
+    fxs_options options;
     frame frames[FXS_CUDA_BATCH];
     frame_buffers buffers[FXS_CUDA_BATCH];
     frame_needs needs[FXS_CUDA_BATCH];
     uint32_t frame_count;
-    uint32_t frame_number;         /* of the last one that was started */
-    fxs_cuda_frame device_frames[FXS_CUDA_BATCH];   /* of fxs_cuda_render_host */
+    uint32_t frame_number;         /* number of the last frame started */
+    fxs_cuda_frame device_frames[FXS_CUDA_BATCH];   /* copies that fxs_cuda_render_host renders from */
 };
 
 namespace {
@@ -88,27 +96,27 @@ uint64_t larger_of(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-/* Frames that are projected at once, each in a slot of its own. */
+/* Frames that are projected together, each in its own slot. */
 uint32_t frames_at_once(const fxs_cuda *cuda)
 {
     return cuda->eyes_share ? 2 : 1;
 }
 
-/* The slots that so many frames take. Frames, or pairs, of scenes with a pool come one after the other, as each may
-   take places from the one before. */
+/* The number of slots that this many frames use. With a pooled scene, frames (or pairs) run one after the other, as
+   each may evict rows that the previous one reads. */
 uint32_t slots_of(const fxs_cuda *cuda, uint32_t frames)
 {
     const uint32_t least = frames_at_once(cuda), slots = cuda->scenes.pools ? least : cuda->slot_count / least * least;
     return frames < slots ? frames : slots;
 }
 
-/* Whether a frame's cut is found for it. */
+/* True if this frame runs the search for a cut; a right eye uses the left one's. */
 bool has_cut(const frame *of)
 {
     return of->cut_room && of->kind != RIGHT;
 }
 
-/* The eyes that a frame's cut is found for. */
+/* Eyes that this frame's cut is for: 0 to 2. */
 uint32_t cut_eyes(const frame *of)
 {
     return !has_cut(of) ? 0 : of->kind == LEFT ? 2 : 1;
@@ -130,7 +138,7 @@ void planes_of(fxs_targets *t, plane planes[PLANES])
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* Gives the planes of a frame that are copied to the host places in `memory`. Returns their bytes. */
+/* Places the frame's hosted planes in `memory`. Returns their size in bytes. */
 uint64_t place_hosted(fxs_targets *targets, const frame *of, void *memory)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -145,7 +153,7 @@ uint64_t place_hosted(fxs_targets *targets, const frame *of, void *memory)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Where in a slot's objects the views of the cut are, and behind them the list of drawn chunks. */
+/* Offset of the cut's views in slot.objects; the list of drawn chunks follows them. */
 uint64_t cut_views_at(const frame *of)
 {
     return of->object_count * sizeof(fxs_object_view) + of->crop_count * sizeof(fxs_crop);
@@ -156,7 +164,8 @@ uint64_t drawn_at(const frame *of)
     return cut_views_at(of) + cut_eyes(of) * of->object_count * sizeof(fxs_view);
 }
 
-/* Cuts up a slot's memory for a frame; *sizes is what it takes of the first three blocks. Blocks may be null. */
+/* Divides a slot's memory up for a frame. Sets the bytes that it needs of objects, splats and tiles in *sizes. The
+   blocks may be null, to get the sizes only. */
 frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
 {
     frame_buffers f;
@@ -187,7 +196,7 @@ frame_buffers slot_buffers(const slot *s, const frame *of, slot_sizes *sizes)
     return f;
 }
 
-/* Cuts up a slot's memory for the cut of a frame; *cleared and *bytes: of what is cleared, and of all. */
+/* Divides slot.cut up for a frame's cut. *bytes: total size; *cleared: size of the first part, which must be zeroed. */
 cut_buffers slot_cut(const slot *s, const frame *of, const fxs_options *options, uint64_t *cleared, uint64_t *bytes)
 {
     const uint64_t blocks = of->cut_chunks / LIST_CHUNKS + 1;
@@ -231,7 +240,7 @@ void free_slot(fxs_cuda *cuda, slot *s)
         reserve(&cuda->memory, b, 0, nullptr);
 }
 
-/* Gives the memory of frames back, where none is under way. */
+/* Frees the memory of all slots; no frame may be in flight. */
 void free_slots(fxs_cuda *cuda)
 {
     for (uint32_t i = 0; i < cuda->slot_count; i++)
@@ -244,15 +253,15 @@ uint64_t missing(const block *b, uint64_t bytes)
     return bytes > b->bytes ? bytes - b->bytes : 0;
 }
 
-/* Records of large splats that there is room for at first: with the square cut-off all splats are large. */
+/* Initial capacity for large_splat records. With the square cut-off every splat is large. */
 uint64_t likely_larges(const frame *f)
 {
     const uint64_t drawn = (uint64_t)f->chunks * FXS_CHUNK, most = drawn < f->gaussians ? drawn : f->gaussians;
     return (f->view.cutoff == FXS_CUTOFF_SQUARE ? most : 0) + f->gaussians / 16 + 4096;
 }
 
-/* Finds how much memory of each slot the frames take. Returns the device memory with that and the scenes that are
-   wanted. */
+/* Computes the memory that the frames need in each slot. Returns the total device memory: current, missing, and wanted
+   scenes. */
 uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
 {
     const slot none = {};
@@ -286,21 +295,22 @@ uint64_t size_slots(fxs_cuda *cuda, uint32_t count, slot_sizes sizes[SLOTS])
     return needed;
 }
 
-/* Device memory that may be taken: where scenes are wanted, no more than there is. */
+/* Upper limit of device memory: max_memory, and where scenes are wanted also the free memory. */
 uint64_t memory_most(const fxs_cuda *cuda)
 {
     const budget *memory = &cuda->memory;
     uint64_t most = memory->most ? memory->most : UINT64_MAX;
     size_t left = 0, all = 0;
     if (cuda->scenes.bytes_wanted && !check(nullptr, cudaMemGetInfo(&left, &all))) {
-        const uint64_t there = memory->bytes + left - left / 16;       /* a 16th: for modules, and as it is cut up */
+        const uint64_t there = memory->bytes + left - left / 16;       /* 1/16 kept for modules and fragmentation */
         most = most < there ? most : there;
     }
     return most;
 }
 
-/* The scenes and all memory of the frames. What earlier frames took is given back where it is in the way. Scenes that
-   do not fit have a pool: together they take three quarters of what is left beside the frames, and the limit stays. */
+/* Fetches the wanted scenes and allocates memory for the frames. If that exceeds the limit, first frees the slots'
+   memory. If it still does, scenes get pools: together they take three quarters of the memory left beside the frames,
+   and the measured limit becomes the budget's. */
 int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
 {
     slot_sizes sizes[SLOTS];
@@ -324,7 +334,7 @@ int make_room(fxs_cuda *cuda, uint32_t count, int error, fxs_message *why)
     }
     error = fetch_scenes(scenes, memory, rows_most, error, cuda->slots[0].stream, why);
     if (!error && scenes->pools)
-        size_slots(cuda, count, sizes);    /* all frames take one slot now */
+        size_slots(cuda, count, sizes);    /* with pools, all frames share one slot (two with shared eyes) */
     for (uint32_t i = 0; i < slots_of(cuda, count) && !error; i++)
         error = reserve_slot(cuda, &cuda->slots[i], &sizes[i], why);
     return error;
@@ -347,7 +357,7 @@ bool writes_any(fxs_targets targets)
     return false;
 }
 
-/* Whether the device's words for pixels can be used. */
+/* True if all images are aligned to their pixel size, so kernels can write whole pixels. */
 bool are_aligned(fxs_targets targets)
 {
     plane planes[PLANES];
@@ -364,8 +374,8 @@ bool is_in_host_memory(const void *pointer)
     return !check(nullptr, cudaPointerGetAttributes(&of, pointer)) && of.type == cudaMemoryTypeHost;
 }
 
-/* Finds the planes in host memory: they are copied there, as kernels write small parts of rows. Rows that lie one above
-   the other they write themselves. */
+/* Finds the written planes in pinned host memory. They are rendered on the device and copied, as kernels write rows in
+   small pieces. Kernels write images with a negative stride directly. */
 void find_hosted(frame *f)
 {
     plane planes[PLANES];
@@ -376,7 +386,7 @@ void find_hosted(frame *f)
                        is_in_host_memory(planes[k].image->pixels);
 }
 
-/* Counts the Gaussians and chunks of the objects. */
+/* Counts the Gaussians, chunks and crop boxes of the objects. */
 int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs_options *options)
 {
     uint64_t chunks = 0, gaussians = 0;
@@ -405,7 +415,7 @@ int count_objects(frame *f, const fxs_object *objects, uint32_t count, const fxs
     return error;
 }
 
-/* Checks a frame as fxs_render does, and copies all of it that is needed later, but for its objects. */
+/* Checks a frame like fxs_render, and copies everything except its objects. */
 int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options, fxs_message *why)
 {
     *f = {};
@@ -420,7 +430,7 @@ int take_frame(frame *f, const fxs_cuda_frame *from, const fxs_options *options,
     return error ? failed(why, error, fxs_strerror(error)) : 0;
 }
 
-/* Whether two frames may be the eyes of a viewer. */
+/* Checks that two frames can be the eyes of one viewer. */
 int check_eyes(const fxs_cuda_frame *left, const fxs_cuda_frame *right, fxs_message *why)
 {
     const fxs_camera *a = &left->camera, *b = &right->camera;
@@ -432,7 +442,7 @@ int check_eyes(const fxs_cuda_frame *left, const fxs_cuda_frame *right, fxs_mess
                ? failed(why, FXS_ERR_TARGET, fxs_strerror(FXS_ERR_TARGET)) : 0;
 }
 
-/* Checks what frames share, once each is checked by itself. */
+/* Checks each pair of eyes, if eyes are shared. Each frame has been checked by itself. */
 int check_pairs(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
 {
     int error = 0;
@@ -441,7 +451,7 @@ int check_pairs(const fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t cou
     return error;
 }
 
-/* Takes all frames; finds their scenes, and room for their objects, one's behind the other's. */
+/* Takes all frames, registers their scenes and reserves one staging area for all their objects. */
 int take_frames(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, fxs_message *why)
 {
     int error = 0;
@@ -474,13 +484,13 @@ bool is_plain(const fxs_object_view *object)
            tint_q13[2] == one_q13;
 }
 
-/* The objects of a frame, where they wait for the copy. */
+/* The frame's objects in the staging area. */
 fxs_object_view *staged_objects(const fxs_cuda *cuda, const frame *f)
 {
     return (fxs_object_view *)((unsigned char *)cuda->staged.data + f->staged);
 }
 
-/* The objects of frame i as the kernels see them. */
+/* Converts the objects of frame i to what kernels read, in the staging area. */
 int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
 {
     frame *f = &cuda->frames[i];
@@ -511,8 +521,8 @@ int stage_objects(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_me
     return 0;
 }
 
-/* Finds the chunks that are drawn, on the host, and puts them where they wait for the copy: of one frame, or of two
-   eyes, the first of `f` and of `from`. */
+/* Finds the drawn chunks on the host and writes them to the staging area. `f` and `from`: a frame, or the left of two
+   eyes. */
 int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *why)
 {
     fxs_cut cut = {};
@@ -538,7 +548,7 @@ int find_cut(fxs_cuda *cuda, frame *f, const fxs_cuda_frame *from, fxs_message *
     return 0;
 }
 
-/* The views by which the device finds a cut. */
+/* Stages the views for finding a cut on the device. */
 void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
 {
     const uint32_t eyes = cut_eyes(f);
@@ -551,7 +561,6 @@ void stage_cut_views(fxs_cuda *cuda, const frame *f, const fxs_cuda_frame *from)
         }
 }
 
-/* Frame i, or two eyes from frame i on, as the kernels see them. */
 int stage_frames(fxs_cuda *cuda, uint32_t i, const fxs_cuda_frame *from, fxs_message *why)
 {
     frame *f = &cuda->frames[i];
@@ -596,7 +605,7 @@ void mark(const fxs_cuda *cuda, const slot *s, int stage)
         cudaEventRecord(s->stages[stage], s->on);
 }
 
-/* Where a frame's first kernel begins. */
+/* Records the start of a frame's first kernel. */
 void mark_start(fxs_cuda *cuda, const slot *s)
 {
     if (cuda->timed && !cuda->began_marked)
@@ -622,7 +631,6 @@ void launch(const fxs_cuda *cuda, void (*kernel)(Parameters...), uint32_t blocks
     cudaLaunchKernelEx(&how, kernel, parameters...);
 }
 
-/* The kernels that find the cut of a frame or of two eyes. */
 template <uint32_t Eyes>
 void start_cut(const fxs_cuda *cuda, const frame *of, const slot *s, frame_buffers *f)
 {
@@ -651,7 +659,7 @@ void project(const fxs_cuda *cuda, const frame *of, const eyes_buffers<Eyes> &f,
     launch(cuda, project_chunk<Many, Eyes>, of->chunks, FXS_CHUNK, 0, stream, views, of->scene, f, own_depths);
 }
 
-/* blend and resolve, of sorted lists and of long ones. */
+/* Launches blend and resolve: sorted lists, then long lists if `groups` is not 0. */
 template <class Pixel>
 void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint32_t groups, const fxs_view &view,
                  const frame_buffers &f, const target &t)
@@ -663,7 +671,7 @@ void blend_lists(const fxs_cuda *cuda, cudaStream_t stream, uint32_t warps, uint
               t);
 }
 
-/* Those of long lists, beside the sort of the others. */
+/* Launches blend and resolve of long lists on the side stream, while the main one sorts the others. */
 void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
 {
     const uint32_t blocks = cuda->processors * DENSE_BLOCKS;
@@ -673,7 +681,6 @@ void blend_long(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const
     cudaEventRecord(s->dense_done, s->side);
 }
 
-/* sort, blend and resolve. */
 void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const frame_buffers &f, const target &t)
 {
     const bool traced = fxs_targets_traced(&t.images), dense = cuda->dense && !traced;
@@ -692,7 +699,7 @@ void blend(const fxs_cuda *cuda, const slot *s, const fxs_view &view, const fram
         cudaStreamWaitEvent(s->on, s->dense_done, 0);
 }
 
-/* Copies the planes that wait in the slot to the host. */
+/* Copies the staged planes to pinned host memory. */
 cudaError_t copy_hosted(const slot *s, const frame *of, fxs_targets from)
 {
     fxs_targets to = of->targets;
@@ -713,7 +720,7 @@ slot *slot_of_frame(fxs_cuda *cuda, uint32_t i)
     return &cuda->slots[i % slots_of(cuda, SLOTS)];
 }
 
-/* The buffers of frame i, which are cleared behind the work of a stream. */
+/* Sets up frame i's buffers and clears them on `stream`. */
 frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
 {
     const slot *s = slot_of_frame(cuda, i);
@@ -722,7 +729,8 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
     frame_buffers f = slot_buffers(s, of, &sizes);
     f.needs = &cuda->needs[i];
     f.number = cuda->frame_number;
-    if (fxs_targets_traced(&of->targets))                    /* depths are read to the end */
+    if (fxs_targets_traced(&of->targets))                    /* traced pixels read depths to the end, so entries must
+                                                                not overwrite them */
         f.split_capacity = (uint64_t)((uint64_t *)f.depths - f.boxes);
     if (cuda->entries_most) {
         f.capacity = cuda->entries_most;
@@ -733,7 +741,7 @@ frame_buffers begin_frame(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
     return f;
 }
 
-/* Copies the objects of frame i, where a kernel reads them. */
+/* Uploads the objects of frame i if a kernel reads them. */
 void copy_objects(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
 {
     const frame *of = &cuda->frames[i];
@@ -745,7 +753,7 @@ void copy_objects(fxs_cuda *cuda, uint32_t i, cudaStream_t stream)
                         of->cut_here ? sizes.objects : drawn_at(of), cudaMemcpyHostToDevice, stream);
 }
 
-/* project, of a frame or of two eyes. */
+/* Launches the cut, if any, and project for one frame or two eyes. */
 template <uint32_t Eyes>
 void project_frames(const fxs_cuda *cuda, const frame *of, const slot *s, eyes_buffers<Eyes> *f, uint32_t own_depths)
 {
@@ -757,7 +765,7 @@ void project_frames(const fxs_cuda *cuda, const frame *of, const slot *s, eyes_b
         project<true, Eyes>(cuda, of, *f, own_depths, s->on);
 }
 
-/* What comes after project, in a frame's slot. Lists are made with `depths`. */
+/* Launches all kernels after project. `depths` are the depths that the lists are sorted by. */
 int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, uint32_t *depths, fxs_message *why)
 {
     const slot *s = slot_of_frame(cuda, i);
@@ -780,12 +788,11 @@ int draw_frame(fxs_cuda *cuda, uint32_t i, const frame_buffers &f, uint32_t *dep
     return check(why, error ? error : launched, cudaEventRecord(s->done, s->on));
 }
 
-/* The kernels of frame i, in its slot. */
 int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const slot *s = slot_of_frame(cuda, i);
     eyes_buffers<1> f;
-    /* Not beside other frames, whose blocks have use for what the waiting ones take. */
+    /* Only for a single frame: blocks that start early and wait take resources from other frames' kernels. */
     cuda->early = cuda->frame_count == 1;
     f.of[0] = begin_frame(cuda, i, s->on);
     mark_start(cuda, s);
@@ -794,8 +801,8 @@ int start_frame(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     return draw_frame(cuda, i, f.of[0], f.of[0].depths, why);
 }
 
-/* The kernels of two eyes, frames i and i + 1: project in the stream of the left one's slot, then those of each that is
-   drawn in its own. The right eye reads what the left one's slot has of both, until it is done. */
+/* Launches the kernels of two eyes, frames i and i + 1: project in the left slot's stream, then each eye with drawn[]
+   set in its own. The right eye reads shared results in the left slot, so the left slot's next frame waits for it. */
 int start_eyes(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why)
 {
     const slot *left = slot_of_frame(cuda, i), *right = slot_of_frame(cuda, i + 1);
@@ -809,7 +816,8 @@ int start_eyes(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why
     mark_start(cuda, left);
     for (uint32_t eye = 0; eye < 2; eye++)
         copy_objects(cuda, i + eye, left->on);
-    /* Traced, it needs its own depths beside those that its lists are made with. */
+    /* A traced right eye outputs its own depths, but its lists are sorted by the left eye's, which must then survive
+       the left eye's blend. */
     uint32_t *depths = f.of[1].depths;
     if (traced && !own_order) {
         depths = f.of[0].depths;
@@ -825,7 +833,7 @@ int start_eyes(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why
     return error || !drawn[1] ? error : draw_frame(cuda, i + 1, f.of[1], depths, why);
 }
 
-/* Starts frame i, or two eyes from frame i on, of which those `drawn` are drawn. */
+/* Starts frame i, or two eyes from frame i on; drawn[k]: whether eye k is drawn. */
 int start_frames(fxs_cuda *cuda, uint32_t i, const bool drawn[2], fxs_message *why)
 {
     if (cuda->options.stop && cuda->options.stop(cuda->options.stop_argument))
@@ -844,7 +852,7 @@ int wait(fxs_cuda *cuda, fxs_message *why)
     return 0;
 }
 
-/* After `error` or the last frame: none is under way any more. Returns `error`. */
+/* Marks all frames as ended, after `error` (then waits for the streams) or after the last one. Returns `error`. */
 int end_frames(fxs_cuda *cuda, int error)
 {
     for (uint32_t i = 0; i < slots_of(cuda, cuda->frame_count) && error; i++)
@@ -860,7 +868,7 @@ bool frame_fitted(const fxs_cuda *cuda, uint32_t i)
     return needed->entries <= had->capacity && needed->larges <= had->large_capacity;
 }
 
-/* Renders frame i in as much memory as it needed, with some to spare where there is as much. */
+/* Renders frame i again with the memory it needed, plus 1/8 where the budget allows. */
 int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
 {
     const uint64_t capacity = cuda->capacity, large_capacity = cuda->large_capacity;
@@ -868,7 +876,8 @@ int render_again(fxs_cuda *cuda, uint32_t i, fxs_message *why)
     if (entries > ENTRIES_MAX)
         return failed(why, FXS_ERR_MEMORY, "a frame has more than 2^32 tile list entries",
                       entries * sizeof(uint64_t));
-    const bool one[2] = {i % 2 == 0, i % 2 == 1};      /* the other eye is drawn already, maybe over its backdrop */
+    const bool one[2] = {i % 2 == 0, i % 2 == 1};      /* the other eye is finished; its backdrop may have been
+                                                          overwritten by its own colour */
     int error = FXS_ERR_MEMORY;
     for (int spare = 1; spare >= 0 && error == FXS_ERR_MEMORY; spare--) {
         cuda->capacity = larger_of(capacity, entries + (spare ? entries / 8 : 0));
@@ -928,15 +937,15 @@ int allow_shared(Kernel *kernel, size_t bytes, size_t shared_most, fxs_message *
     return check(why, cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)bytes));
 }
 
-/* How many parts of a block fit, of `bytes` each beside `fixed`: 1 to `most`. */
+/* How many parts of `bytes` bytes fit in a block's shared memory beside `fixed` bytes: 1 to `most`. */
 uint32_t parts_of(size_t shared_most, size_t fixed, size_t bytes, uint32_t most)
 {
     const size_t parts = shared_most < fixed + bytes ? 1 : (shared_most - fixed) / bytes;
     return parts < most ? (uint32_t)parts : most;
 }
 
-/* Fits the blocks of the kernels that blend Pixels to the shared memory that one can have: *groups of blend_tiles,
-   *warps of blend_sorted. */
+/* Sizes the blend kernels for Pixel by the available shared memory: *groups per block of blend_tiles, *warps per block
+   of blend_sorted. */
 template <class Pixel>
 int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_message *why)
 {
@@ -946,7 +955,8 @@ int fit_blends(uint32_t *groups, uint32_t *warps, size_t shared_most, fxs_messag
     return error ? error : allow_shared(blend_sorted<Pixel>, sorted_bytes<Pixel>(*warps), shared_most, why);
 }
 
-/* 227 KiB on an H100 or H200, 163 on an A100, 99 on others, where blend_tiles takes all lists. */
+/* Shared memory per block: 227 KiB on H100 and H200, 163 on A100, 99 on others. With 99, blend_dense does not fit and
+   blend_tiles takes the long lists. */
 int fit_blocks(fxs_cuda *cuda, size_t shared_most, fxs_message *why)
 {
     int error = fit_blends<pixel>(&cuda->groups, &cuda->warps, shared_most, why);
@@ -988,7 +998,7 @@ fxs_cuda_memory memory_of(const fxs_cuda *cuda)
     return m;
 }
 
-/* From the start of the first frame to the end of the last one's blend. */
+/* Time from the start of the first frame to the end of the last one's blend. */
 float milliseconds_of(const fxs_cuda *cuda)
 {
     float most = 0;
@@ -1018,7 +1028,7 @@ void stats_of(const fxs_cuda *cuda, fxs_cuda_stats *stats)
 
 /* ---- Targets in host memory -------------------------------------------------------------------------------------- */
 
-/* Gives the targets of frames places in `memory`, rows close to each other. Returns the bytes of all. */
+/* Places all targets in `memory`, with dense rows. Returns their size in bytes. */
 uint64_t place_targets(fxs_cuda_frame *frames, uint32_t count, void *memory)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -1049,7 +1059,7 @@ int copy_image(const fxs_image *to, const fxs_image *from, size_t row, size_t he
     return error;
 }
 
-/* Copies what is read of the targets to the device, or what was written from there. */
+/* read: copies the input images to the device. Otherwise: copies the output images to the host. */
 int copy_targets(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count, bool read, fxs_message *why)
 {
     int error = 0;
@@ -1189,7 +1199,7 @@ int fxs_cuda_render(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t count
     if (error)
         return error;
     on_device scope(cuda->device);
-    cudaGetLastError();            /* not ours */
+    cudaGetLastError();            /* clears an error left by other code */
     cuda->options = *options;
     error = take_frames(cuda, frames, count, why);
     error = make_room(cuda, count, error, why);
@@ -1221,7 +1231,7 @@ int fxs_cuda_finish(fxs_cuda *cuda, fxs_cuda_stats *stats, fxs_message *why)
     if (!cuda || !cuda->frame_count)
         return failed(why, FXS_ERR_ARGUMENT, "no frame is under way");
     on_device scope(cuda->device);
-    cudaGetLastError();            /* not ours */
+    cudaGetLastError();            /* clears an error left by other code */
     int error = wait(cuda, why);
     for (uint32_t i = 0; i < cuda->frame_count && !error; i++)
         if (cuda->needs[i].damaged)
@@ -1241,7 +1251,7 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
     if (error)
         return error;
     on_device scope(cuda->device);
-    cudaGetLastError();            /* not ours */
+    cudaGetLastError();            /* clears an error left by other code */
     for (uint32_t i = 0; i < count && !error; i++) {
         frame checked;
         error = take_frame(&checked, &frames[i], options, why);
@@ -1257,7 +1267,8 @@ int fxs_cuda_render_host(fxs_cuda *cuda, const fxs_cuda_frame *frames, uint32_t 
         cuda->device_frames[i].targets = frames[i].targets;
     place_targets(cuda->device_frames, count, cuda->pixels.data);
     error = copy_targets(cuda, frames, count, true, why);
-    /* Not on the default stream, which other renderers would have to wait for; but behind the copies there. */
+    /* A stream of its own, so that other renderers are not blocked by the default one; it waits for the copies
+       there. */
     error = error ? error : check(why, cudaEventRecord(cuda->ready, nullptr));
     error = error ? error : check(why, cudaStreamWaitEvent(cuda->slots[0].stream, cuda->ready, 0));
     error = error ? error : fxs_cuda_render(cuda, cuda->device_frames, count, options, cuda->slots[0].stream, why);

@@ -1,9 +1,9 @@
-/* The cut of src/core/cut.c, found on the device.
+/* Finds the cut of src/core/cut.c on the device, with the same result.
  *
- * No child has a larger key than its parent, and its chunk comes later. So the order in which nodes are opened is that
- * of all nodes that may be opened, by key and then by chunk, and what is opened is the first part of it. Every node's
- * key is found at once, and counted: for each key how many nodes have it, and how many chunks come and go as they are
- * opened. The sums say at which key the budget ends. The few nodes with that key are sorted, and added one by one. */
+ * A child node's key is at most its parent's, and its chunk number is larger. So src/core/cut.c opens nodes in the
+ * order of (key descending, chunk ascending), and the opened nodes are a prefix of that order. The kernels compute
+ * every node's key in parallel and fill a histogram by key: nodes, and chunks added and removed by opening them.
+ * Prefix sums give the key at which the budget ends. The few nodes with that key are sorted and added one by one. */
 #ifndef FXS_CUDA_CUT_CUH
 #define FXS_CUDA_CUT_CUH
 
@@ -15,63 +15,65 @@ namespace {
 const int32_t KEY_MOST_Q8 = (1 << 17) - 1, KEY_LEAST_Q8 = -(1 << 18);
 const uint32_t KEYS = (uint32_t)(KEY_MOST_Q8 - KEY_LEAST_Q8) + 1;
 const uint32_t CUT_THREADS = 256, STOP_THREADS = 512, KEYS_OF_THREAD = 8;
-const uint32_t LIST_CHUNKS = 1024;         /* of a block of list_drawn */
-const uint32_t SORT_MOST = 4096;           /* are sorted in shared memory */
-const uint32_t DEPTH_MOST = 96;            /* of a tree whose cut is found here */
+const uint32_t LIST_CHUNKS = 1024;         /* chunks per block of list_drawn_chunks */
+const uint32_t SORT_MOST = 4096;           /* candidates that are sorted in shared memory; more are sorted in place */
+const uint32_t DEPTH_MOST = 96;            /* deepest tree that is cut on the device */
 const int16_t UNSEEN = -1;
 
-/* A node as the camera sees it: fxs_sight, with as much of the room as says all. */
+/* A node seen by the camera: fxs_sight with room_q8 clamped to 16 bits. */
 struct alignas(8) node_sight {
     int32_t key_q8;
-    int16_t room_q8;               /* 0 to FXS_FADE_MOST_Q8; UNSEEN */
+    int16_t room_q8;               /* 0 to FXS_FADE_MOST_Q8, or UNSEEN */
     uint16_t seen_children;        /* bits 0 and 1 */
 };
 
-/* The nodes with one key. */
+/* Histogram entry: the openable nodes with one key. */
 struct alignas(16) key_count {
-    uint32_t nodes, children;      /* that may be opened; of these, that are seen */
-    uint32_t no_more;              /* fxs_drawn_no_more */
-    uint32_t fewer;                /* of which as well no child is seen: one less is drawn */
+    uint32_t nodes, children;      /* nodes; their visible children */
+    uint32_t no_more;              /* nodes that are not drawn once opened (fxs_drawn_no_more) */
+    uint32_t fewer;                /* of those, nodes without a visible child: opening one reduces the drawn chunks
+                                      by 1 */
 };
 
-/* Sums of the above, in the order in which nodes are opened. */
+/* Sums of key_count in the order in which nodes are opened. */
 struct cut_sums {
     uint32_t nodes, children, no_more;
 };
 
 struct cut_status {
-    uint32_t roots;                /* that are seen */
-    uint32_t last_key, first_key;  /* places in `keys` of nodes that may be opened; the first, counted from the end */
-    uint32_t blocks_done[2];       /* of rank_nodes and of find_stop */
-    uint32_t stops;                /* 1: not all nodes are opened, as far as rank_nodes could tell, */
-    uint32_t stop_first, stop_last;        /* and the last one has one of these keys */
-    cut_sums before, all;          /* before these keys; of all nodes, where there is no stop_last but the end */
-    uint32_t candidates;           /* nodes that have them */
-    uint64_t stop;                 /* the first that is not opened: see order_of */
+    uint32_t roots;                /* visible roots */
+    uint32_t last_key, first_key;  /* largest and smallest index in `keys` with an openable node; first_key is stored as
+                                      KEYS - 1 - index */
+    uint32_t blocks_done[2];       /* blocks of rank_nodes and of find_stop that have finished */
+    uint32_t stops;                /* 1: the budget may end before all nodes are opened, */
+    uint32_t stop_first, stop_last;        /* at a key from stop_first to stop_last */
+    cut_sums before, all;          /* sums before stop_first; sums of all nodes (valid if all are opened) */
+    uint32_t candidates;           /* nodes with these keys */
+    uint64_t stop;                 /* the first node that is not opened, as order_of; UINT64_MAX: none */
     fxs_fading fading;
     uint32_t drawn;
 };
 
-/* The memory of a frame's cut on the device. */
+/* Device memory of a frame's cut. */
 struct cut_buffers {
-    cut_status *status;            /* these four are cleared */
-    uint32_t *block_counts;        /* chunks that are drawn, of LIST_CHUNKS each */
-    uint32_t *marks;               /* a bit for each chunk of all objects: it is drawn, */
-    key_count *keys;               /* for each key, the largest first */
-    uint16_t *shares_q8;           /* and what of it */
-    node_sight *sights;            /* by chunk of all objects */
+    cut_status *status;            /* the first four arrays are zeroed */
+    uint32_t *block_counts;        /* drawn chunks per LIST_CHUNKS chunks */
+    uint32_t *marks;               /* one bit per chunk of all objects: it is drawn */
+    key_count *keys;               /* one per key, largest key first */
+    uint16_t *shares_q8;           /* share of each drawn chunk */
+    node_sight *sights;            /* one per chunk of all objects */
     uint64_t *candidates;
     fxs_drawn *drawn;
-    const fxs_view *views;         /* as fxs_see takes them, of each object: one, or two of eyes that share */
-    uint32_t chunks;               /* of all objects, with their trees */
-    uint32_t whole_chunks;         /* of objects without a tree */
+    const fxs_view *views;         /* one view per object and eye, as for fxs_see */
+    uint32_t chunks;               /* chunks and nodes of all objects */
+    uint32_t whole_chunks;         /* chunks of objects without a tree */
     uint32_t room, detail_q8;
 };
 
 /* ---- Trees ------------------------------------------------------------------------------------------------------- */
 
-/* A thread a chunk: parents, from FXS_NOTHING on; wrong_tree where a header or a node is damaged, or two nodes share a
-   child. Else, as there are two children a node, each chunk but the root has a parent. */
+/* One thread per chunk: fills in parents (initially FXS_NOTHING). Sets wrong_tree if a header or node is damaged or two
+   nodes share a child. Otherwise every chunk except the root has a parent, as each node has two children. */
 __global__ void find_parents(const __grid_constant__ fxs_scene scene)
 {
     const uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x;
@@ -92,7 +94,7 @@ __global__ void find_parents(const __grid_constant__ fxs_scene scene)
             head_of(&scene)->wrong_tree = 1;
 }
 
-/* A thread a chunk: wrong_tree where it lies too deep. */
+/* One thread per chunk: sets wrong_tree if it is deeper than DEPTH_MOST. */
 __global__ void measure_depths(const __grid_constant__ fxs_scene scene)
 {
     uint32_t chunk = blockIdx.x * blockDim.x + threadIdx.x, depth = 0;
@@ -117,7 +119,7 @@ __device__ inline node_sight stored(const fxs_sight *sight, bool seen, uint32_t 
     return {sight->key_q8, (int16_t)room_q8, (uint16_t)seen_children};
 }
 
-/* Whole, as another thread may be writing it. */
+/* One 8-byte load, as another thread may be writing it. */
 __device__ inline node_sight load(const node_sight *from)
 {
     const unsigned long long bits = *(const volatile unsigned long long *)from;
@@ -133,19 +135,19 @@ __device__ inline void store(node_sight *to, node_sight s)
     *(volatile unsigned long long *)to = bits;
 }
 
-/* The place of a node's key in `keys`. */
+/* Index of a key in `keys`. */
 __device__ inline uint32_t place_of_key(int32_t key_q8)
 {
     return (uint32_t)(KEY_MOST_Q8 - key_q8);
 }
 
-/* Nodes are opened in this order. */
+/* Sort key of a node: nodes are opened in ascending order. */
 __device__ inline uint64_t order_of(int32_t key_q8, uint32_t chunk)
 {
     return (uint64_t)place_of_key(key_q8) << 32 | chunk;
 }
 
-/* A thread a chunk of all objects: how the camera, or the nearest of two eyes, sees it. */
+/* One thread per chunk of all objects: computes its fxs_sight, for two eyes from the nearer one. */
 template <uint32_t Eyes>
 __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant__ frame_buffers f,
                                                           const __grid_constant__ cut_buffers c)
@@ -165,7 +167,7 @@ __global__ void __launch_bounds__(CUT_THREADS) see_chunks(const __grid_constant_
         atomicAdd(&c.status->roots, 1);
 }
 
-/* Of the last block of a kernel that comes here. The others' writes are there. */
+/* True in the last block of a kernel that gets here. The other blocks' writes are visible then. */
 __device__ inline bool is_last_block(uint32_t *blocks_done)
 {
     __shared__ uint32_t place;
@@ -183,7 +185,7 @@ __device__ inline cut_sums operator+(cut_sums a, cut_sums b)
     return {a.nodes + b.nodes, a.children + b.children, a.no_more + b.no_more};
 }
 
-/* The sum over the threads of a block before this one; *all: over all of them. */
+/* Exclusive prefix sum over a block's threads; *all: the total. */
 __device__ cut_sums sums_before(cut_sums own, cut_sums *all)
 {
     __shared__ cut_sums warps[STOP_THREADS / WARP];
@@ -202,27 +204,28 @@ __device__ cut_sums sums_before(cut_sums own, cut_sums *all)
     return before;
 }
 
-/* Chunks that may be drawn, but for those that fade by the budget. */
+/* Limit of drawn chunks, without the reserve for nodes that fade by the budget. */
 __device__ inline uint32_t most_drawn(const cut_buffers *c)
 {
     return c->room - c->room / FADING;
 }
 
-/* Chunks to be drawn once the nodes of a sum are opened. */
+/* Drawn chunks once the nodes of a sum are opened. */
 __device__ inline int64_t drawn_after(const cut_buffers *c, cut_sums s)
 {
     return (int64_t)c->whole_chunks + c->status->roots + s.children - s.no_more;
 }
 
-/* Whether there is no room for what these nodes bring, when up to `fewer` of them come last that take one away. */
+/* True if these nodes exceed the budget or the visit limit. `fewer`: how many of them may be opened last and take one
+   chunk away. */
 __device__ inline bool is_over(const cut_buffers *c, cut_sums s, uint32_t fewer)
 {
     return drawn_after(c, s) + fewer > most_drawn(c) ||
            (uint64_t)c->status->roots + s.children > VISITS * (uint64_t)c->room + MORE_VISITS;
 }
 
-/* Finds at which keys the budget may end: by one block. As some nodes take a chunk away, the sums may fall again: from
-   the first key at which it may be, to the first at which it is. */
+/* By one block: finds the keys that may contain the end of the budget, from the first that may exceed it to the first
+   that does. These differ, as nodes that take a chunk away can lower the sum within a key. */
 __device__ void find_keys(const cut_buffers *c)
 {
     __shared__ uint32_t may_stop, does_stop;
@@ -269,8 +272,8 @@ __device__ void find_keys(const cut_buffers *c)
     }
 }
 
-/* A thread a chunk of all objects: key and room of a node are at most those of the nodes above it; those that may be
-   opened are counted. Whether another thread has been at the ones above makes no difference. */
+/* One thread per chunk of all objects: clamps a node's key and room to its ancestors', and counts openable nodes by
+   key. An ancestor may already be clamped by another thread; the minimum is the same. */
 __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant__ frame_buffers f,
                                                            const __grid_constant__ cut_buffers c)
 {
@@ -319,8 +322,8 @@ __global__ void __launch_bounds__(STOP_THREADS) rank_nodes(const __grid_constant
 
 /* ---- Where the budget ends --------------------------------------------------------------------------------------- */
 
-/* Sorts by one block: a bitonic network whose first step of each round compares from both ends, so that what is beyond
-   `count` is above all. */
+/* By one block: bitonic sort. The first step of each round compares mirrored pairs, so missing elements beyond `count`
+   act as +infinity. */
 __device__ void sort_candidates(uint64_t *values, uint32_t count)
 {
     for (uint32_t size = 2; size < 2 * count; size *= 2)
@@ -338,7 +341,7 @@ __device__ void sort_candidates(uint64_t *values, uint32_t count)
     __syncthreads();
 }
 
-/* Adds up candidates in their order to the first one that there is no room for. Returns its place, or `count`. */
+/* By one block: index of the first candidate that exceeds the budget, or `count`. */
 __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candidates, uint32_t count)
 {
     __shared__ uint32_t over;
@@ -363,8 +366,8 @@ __device__ uint32_t find_first_over(const cut_buffers *c, const uint64_t *candid
     return over;
 }
 
-/* How many nodes fade, as find_fade in src/core/cut.c: `opened` nodes were opened, `of_last` of them with the last key,
-   `last`. By one block. */
+/* By one block: the width of the fade, as find_fade in src/core/cut.c. `opened`: number of opened nodes; `of_last`:
+   those with the last key; `last`: index of that key; `all`: all nodes were opened. */
 __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_last, uint32_t last, bool all)
 {
     __shared__ uint32_t width;
@@ -374,8 +377,8 @@ __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_la
     if (threadIdx.x == 0)
         width = count ? FXS_FADE_MOST_Q8 : 0;
     __syncthreads();
-    /* The largest width of which no more than `count` nodes have a key that is less above the last one: thread i counts
-       those up to i - 1 above it. */
+    /* The largest width such that at most `count` nodes have a key less than that width above the last one. Thread i
+       counts the nodes up to i - 1 above it. */
     uint32_t key = 0;
     if (threadIdx.x > 0 && threadIdx.x < FXS_FADE_MOST_Q8 && threadIdx.x <= last)
         key = c->keys[last - threadIdx.x].nodes;
@@ -389,7 +392,7 @@ __device__ void find_width(const cut_buffers *c, uint32_t opened, uint32_t of_la
         c->status->fading.width_q8 = (int32_t)width;
 }
 
-/* Where the budget ends, among the candidates: by one block. */
+/* By one block: finds the first candidate that is not opened. */
 __device__ void find_end(const cut_buffers *c)
 {
     __shared__ uint64_t few[SORT_MOST];
@@ -418,7 +421,7 @@ __device__ void find_end(const cut_buffers *c)
     }
 }
 
-/* A thread a chunk of all objects: collects the nodes at whose keys the budget may end. */
+/* One thread per chunk of all objects: collects the nodes with keys from stop_first to stop_last. */
 __global__ void __launch_bounds__(STOP_THREADS) find_stop(const __grid_constant__ frame_buffers f,
                                                           const __grid_constant__ cut_buffers c)
 {
@@ -437,7 +440,7 @@ __global__ void __launch_bounds__(STOP_THREADS) find_stop(const __grid_constant_
         find_end(&c);
 }
 
-/* ---- What is drawn ----------------------------------------------------------------------------------------------- */
+/* ---- Drawn chunks ------------------------------------------------------------------------------------------------ */
 
 __device__ inline bool is_opened(const cut_buffers *c, node_sight s, uint32_t chunk)
 {
@@ -453,8 +456,8 @@ __device__ inline void add_drawn(const cut_buffers *c, uint32_t chunk, uint32_t 
     atomicAdd(&c->block_counts[chunk / LIST_CHUNKS], 1);
 }
 
-/* The share of what is drawn of a node and of all below it: of each node above it that fades what has passed, from the
-   top down. Above one that has passed all, all have. */
+/* Share passed down to a node: the product of its ancestors' faded_q8, from the top down. An ancestor with 256 ends the
+   walk: all above it have 256 too. */
 __device__ uint32_t share_below(const cut_buffers *c, const uint32_t *parents, const node_sight *sights, uint32_t own)
 {
     uint8_t faded[DEPTH_MOST + 1];
@@ -471,7 +474,7 @@ __device__ uint32_t share_below(const cut_buffers *c, const uint32_t *parents, c
     return share_q8;
 }
 
-/* Marks a node that the cut has come to, and its leaves. */
+/* Marks a node that the cut has reached, and its visible leaves. */
 __device__ void share_node(const cut_buffers *c, const fxs_object_view *o, uint32_t own)
 {
     const uint32_t *parents = parents_of(&o->scene), above = parents[own], first = o->first_chunk;
@@ -493,7 +496,7 @@ __device__ void share_node(const cut_buffers *c, const fxs_object_view *o, uint3
             add_drawn(c, first + node.children[i], share_q8 * faded_q8 >> 8);
 }
 
-/* A thread a chunk of all objects. */
+/* One thread per chunk of all objects: marks the drawn chunks and their shares. */
 __global__ void __launch_bounds__(CUT_THREADS) share_chunks(const __grid_constant__ frame_buffers f,
                                                             const __grid_constant__ cut_buffers c)
 {
@@ -508,7 +511,7 @@ __global__ void __launch_bounds__(CUT_THREADS) share_chunks(const __grid_constan
         share_node(&c, o, chunk - o->first_chunk);
 }
 
-/* A block LIST_CHUNKS chunks: lists those that are drawn, in their order. */
+/* One block per LIST_CHUNKS chunks: lists the drawn ones in order. */
 template <uint32_t Eyes>
 __global__ void __launch_bounds__(CUT_THREADS) list_drawn_chunks(const __grid_constant__ frame_buffers f,
                                                                  const __grid_constant__ cut_buffers c)

@@ -1,8 +1,10 @@
-/* blend_dense: blends long lists, whose splats are mostly small. A block has a tile, or a part of one that several
- * share (share.cuh). It puts the list into bins by depth. Then, bin after bin, it collects the splats that can touch an
- * open pixel. Once there are enough of them, they are sorted; each thread marks the pixels that its splat can touch;
- * and each pixel takes the splats that are marked for it, in order. A pixel is the work of a quad of lanes. Where few
- * are open, a warp finds for each what does not depend on the order, and a lane what does. */
+/* blend_dense: blends long lists, which mostly consist of small splats.
+ *
+ * A block has a tile, or one part of a tile that several blocks share (share.cuh). It puts the list into bins by
+ * depth. Bin after bin, it collects the splats that can touch an open pixel. Once enough are collected, it sorts
+ * them; each thread marks the pixels that its splat can touch (a bit matrix); then each pixel takes its marked
+ * splats in order. Four lanes (a quad) blend one pixel. If at most FEW pixels are open, a warp computes each pixel's
+ * alphas, a single lane the weights, which depend on the order, and the warp sums the colours. */
 #ifndef FXS_CUDA_DENSE_CUH
 #define FXS_CUDA_DENSE_CUH
 
@@ -10,46 +12,47 @@
 
 namespace {
 
-const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* of a tile: 32 pixels */
+const uint32_t ROW_PAIRS = FXS_TILE / 2;               /* pairs of rows: 32 pixels each */
 typedef group_keys<960> dense_keys;
-const uint32_t FULL = 512;                 /* collected: no more are looked for */
-const uint32_t REACH_MOST = 8192;          /* looked at at a time, where few are kept */
+const uint32_t FULL = 512;                 /* stop collecting above this count */
+const uint32_t REACH_MOST = 8192;          /* most keys examined at a time if few are kept */
 const uint32_t WORDS = dense_keys::room / WARP;
-const uint32_t QUAD = 4, FEW = 32;         /* lanes of a pixel, where more are open than that */
+const uint32_t QUAD = 4, FEW = 32;         /* QUAD: lanes per pixel; FEW: limit of open pixels for blend_few */
 const uint32_t STEPS_MOST = 15360;
 
 struct dense_shared {
     dense_keys keys;
     uint32_t entries[dense_keys::room];    /* sorted */
-    uint32_t ends[dense_keys::bins];       /* of the bins, in the list */
-    uint4 shapes[dense_keys::room];        /* dense_splat, of the keys sorted, near to far */
+    uint32_t ends[dense_keys::bins];       /* bin ends of the list */
+    uint4 shapes[dense_keys::room];        /* dense_splat of each sorted key, near to far */
     uint4 shades[dense_keys::room];
     union {
-        uint32_t masks[ROW_PAIRS][dense_keys::room];    /* of the pixels that each can touch */
-        uint16_t steps[STEPS_MOST];        /* of few open pixels, those of one as many places apart as there are */
+        uint32_t masks[ROW_PAIRS][dense_keys::room];    /* per splat: pixels that it can touch */
+        uint16_t steps[STEPS_MOST];        /* blend_few: step k of pixel i is at k all + i */
     };
     struct {
-        uint32_t n, count;                 /* its place in the tile; its steps */
+        uint32_t n, count;                 /* index in the tile; number of steps */
     } few[FEW];
     union {
         uint32_t bins[dense_keys::bins];
-        uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* of those splats, a bit each; + 1: in different banks */
+        uint32_t touching[WORDS][FXS_TILE_PIXELS + 1];   /* per pixel: splats that can touch it, one bit each; + 1
+                                                            against bank conflicts */
     };
     uint16_t alpha_q15[FXS_FAINT_Q11 + 1];
     uint64_t *room;
     uint32_t turn, collected;
     pixel pixels[FXS_TILE_PIXELS];
-    uint32_t open[ROW_PAIRS];              /* of those, a bit each */
+    uint32_t open[ROW_PAIRS];              /* one bit per pixel */
 };
 
 static_assert(!has_gaps<dense_keys, DENSE_THREADS>, "ends have gaps");
 static_assert(sizeof(dense_shared) <= 163 << 10, "more shared memory than a block of an A100 has");
 
-/* A splat as a pixel takes it, by two reads of 16 bytes: splats side by side lie in different banks. */
+/* A splat as two 16-byte words, so that neighbouring splats are in different banks. */
 struct dense_splat {
-    uint32_t u_q24, ux_q24, uy_q24, v_q24; /* u and v at the tile's first pixel: a shape */
+    uint32_t u_q24, ux_q24, uy_q24, v_q24; /* shape; u and v at the tile's first pixel */
     uint32_t vy_q24, offset_red, green_blue;
-    int limit;                             /* of the level's bits */
+    int limit;                             /* of the level, as float bits */
 
     __device__ dense_splat(const uint4 &shape, const uint4 &shade)
         : u_q24(shape.x), ux_q24(shape.y), uy_q24(shape.z), v_q24(shape.w), vy_q24(shade.x), offset_red(shade.y),
@@ -57,7 +60,7 @@ struct dense_splat {
     {
     }
 
-    /* alpha at a pixel of the tile, 0 where it does not count. */
+    /* alpha at a pixel of the tile; 0 beyond the limit. */
     __device__ int alpha_at(const uint16_t *alpha_q15, uint32_t x, uint32_t y) const
     {
         const queued_row row = {u_q24 + y * uy_q24, row_level(v_q24 + y * vy_q24, (int)(offset_red & 0xffff))};
@@ -71,10 +74,10 @@ struct dense_splat {
     }
 };
 
-/* Keys, or those at some places among them. */
+/* A list of keys, or of indices into keys. */
 struct dense_list {
     uint64_t *keys;
-    uint32_t *places;                      /* null: none */
+    uint32_t *places;                      /* indices; null: all keys in order */
     uint32_t count;
 
     __device__ dense_list from(uint32_t first, uint32_t some) const
@@ -94,13 +97,13 @@ struct dense_list {
         return __ldcg(&keys[place]);
     }
 
-    /* For sort.cuh: calls visit(key) for the same as visit. */
+    /* visit as a function of (key) only, for sort.cuh. */
     __device__ auto all(const dense_group *g) const
     {
         return [this, g](auto visit_key) { visit(g, [&](uint64_t key, uint32_t) { visit_key(key); }); };
     }
 
-    /* Calls visit(key, its place) for those that are not cut off. */
+    /* Calls visit(key, index) for each key that is not cut off. */
     template <class Visit>
     __device__ void visit(const dense_group *g, Visit visit) const
     {
@@ -122,7 +125,7 @@ struct dense_list {
     }
 };
 
-/* The rows with an open pixel, from the first to the last. */
+/* The first and last row with an open pixel. */
 __device__ span open_rows(const uint32_t open[ROW_PAIRS])
 {
     const uint32_t pair = open[lane_index() % ROW_PAIRS], row = 2 * (lane_index() % ROW_PAIRS);
@@ -130,7 +133,7 @@ __device__ span open_rows(const uint32_t open[ROW_PAIRS])
     return {rows ? __ffs((int)rows) - 1 : FXS_TILE, 31 - __clz((int)rows)};
 }
 
-/* Whether a splat can touch an open pixel; rows: those with one. */
+/* True if a splat can touch an open pixel within `rows`. */
 __device__ bool touches_open(const tile_splats *t, const fxs_splat *s, const uint32_t open[ROW_PAIRS], span rows)
 {
     const int32_t first = max((int32_t)s->first_row - t->y, rows.first);
@@ -142,7 +145,7 @@ __device__ bool touches_open(const tile_splats *t, const fxs_splat *s, const uin
     return touches;
 }
 
-/* Bit i of lane j becomes bit j of lane i. */
+/* Transposes a 32x32 bit matrix: bit i of lane j becomes bit j of lane i. */
 __device__ inline uint32_t transpose(uint32_t x)
 {
     uint32_t low = 0xffff;
@@ -155,7 +158,7 @@ __device__ inline uint32_t transpose(uint32_t x)
     return x;
 }
 
-/* Marks the pixels that each thread's splat, the one in place i, can touch, in pairs of rows with an open one. */
+/* Marks the pixels that splat i, one per thread, can touch, then transposes the marks. */
 __device__ void mark_pixels(dense_shared *shared, const tile_splats *t, const fxs_splat *s, uint32_t i, bool listed)
 {
     const span rows = open_rows(shared->open);
@@ -171,7 +174,7 @@ __device__ void mark_pixels(dense_shared *shared, const tile_splats *t, const fx
             shared->touching[i / WARP][pair * WARP + lane_index()] = transpose(shared->masks[pair][i]);
 }
 
-/* Keeps a splat for blending, in place i. */
+/* Stores a splat as dense_splat i. */
 __device__ void place_splat(dense_shared *shared, const tile_splats *t, const fxs_splat *s, uint32_t i)
 {
     const row_walk at(t, s, 0);
@@ -186,17 +189,17 @@ __device__ inline dense_splat splat_in(const dense_shared *shared, uint32_t i)
     return dense_splat(shared->shapes[i], shared->shades[i]);
 }
 
-/* T - fxs_weight_q15(alpha, T), with 1 - alpha: T (1 - alpha) + 1/2 rounded down, but for a half. In two steps, as each
-   splat of a pixel waits for the one before it. */
+/* T - fxs_weight_q15(alpha, T), as T (1 - alpha) + 1/2 rounded down, with an exact half rounded down too. Two dependent
+   operations: this is the critical path of a pixel. */
 __device__ inline int left_q15(int transmittance_q15, int rest_q15)
 {
     return (transmittance_q15 * rest_q15 + 16383) >> 15;
 }
 
-/* The marks of a pixel, four at a time, of one word. */
+/* Iterates over a pixel's marks, four at a time, from one word. */
 struct mark_walk {
     const dense_shared *shared;
-    uint32_t n, words, word, marks, next_word, next_marks;   /* words: with marks, those still to fetch */
+    uint32_t n, words, word, marks, next_word, next_marks;   /* words: bit set of the non-empty words still to fetch */
 
     /* By the four lanes of a quad. */
     __device__ mark_walk(const dense_shared *of, uint32_t pixel, uint32_t lane)
@@ -220,7 +223,7 @@ struct mark_walk {
         words &= words - 1;
     }
 
-    /* The place of a lane's splat, of the next four; WORDS * WARP where there is none. */
+    /* Index of this lane's splat among the next four; WORDS * WARP if none. */
     __device__ uint32_t next(uint32_t lane)
     {
         uint32_t own = 0;
@@ -236,13 +239,13 @@ struct mark_walk {
     }
 };
 
-/* Blends the splats that are marked at pixel n of the tile, by a quad of lanes, each of a warp for its own pixel: four
-   splats at a time, an alpha a lane, then their weights one after the other. Quads that are not active have none. */
+/* Blends the marked splats at pixel n of the tile. Each quad of the warp has its own pixel: four splats at a time, one
+   alpha per lane, then their weights in sequence. Inactive quads have no pixel. */
 __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
 {
     const uint32_t lane = lane_index() % QUAD;
     const pixel before = active ? shared->pixels[n] : pixel{};
-    pixel p = {before.transmittance, 0, 0};                /* each lane adds up its own */
+    pixel p = {before.transmittance, 0, 0};                /* colour sums are per lane until the end */
     mark_walk walk(shared, n, lane);
     while (__any_sync(ALL_LANES, active && walk.marks)) {
         const uint32_t place = walk.next(lane);
@@ -267,9 +270,9 @@ __device__ pixel blend_quad(const dense_shared *shared, uint32_t n, bool active)
     return {p.transmittance, before.red_green + p.red_green, before.blue + p.blue};
 }
 
-/* The open pixels of a tile, as the lanes of a warp see them. */
+/* The open pixels of a tile; lane i holds row pair i. */
 struct open_pixels {
-    uint32_t open, start, end, all;        /* of a pair of rows, a bit each; how many before it, and with it; of all */
+    uint32_t open, start, end, all;        /* one bit per pixel; open pixels before this pair and including it; total */
 
     __device__ explicit open_pixels(const dense_shared *shared)
     {
@@ -279,7 +282,7 @@ struct open_pixels {
         all = __shfl_sync(ALL_LANES, end, WARP - 1);
     }
 
-    /* The place in the tile of the i-th; of some pixel where there are not as many. */
+    /* Index in the tile of the i-th open pixel; any pixel if i >= all. */
     __device__ uint32_t place(uint32_t i) const
     {
         uint32_t pair = 0;
@@ -291,7 +294,7 @@ struct open_pixels {
     }
 };
 
-/* Keeps a pixel after a round. */
+/* Stores a pixel after a round and clears its open bit if it is closed. */
 __device__ inline void keep_pixel(dense_shared *shared, uint32_t n, const pixel &p)
 {
     shared->pixels[n] = p;
@@ -299,7 +302,7 @@ __device__ inline void keep_pixel(dense_shared *shared, uint32_t n, const pixel 
         atomicAnd(&shared->open[n / WARP], ~(1u << n % WARP));
 }
 
-/* Blends the open pixels, by a quad each. */
+/* Blends the open pixels, one quad each. */
 __device__ void blend_quads(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
 {
     for (uint32_t i = g->thread / QUAD; i - lane_index() / QUAD < pixels.all; i += DENSE_THREADS / QUAD) {
@@ -311,8 +314,8 @@ __device__ void blend_quads(dense_shared *shared, const open_pixels &pixels, con
     }
 }
 
-/* Calls visit(step, place of the splat) for what is marked at pixel n in `words` words from `first` on, by a warp, a
-   lane a word. Returns how many steps there are. */
+/* By a warp, one word per lane: calls visit(step, splat index) for the marks of pixel n in words `first` to first +
+   words - 1. Returns the number of steps. */
 template <class Visit>
 __device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t first, uint32_t words, Visit visit)
 {
@@ -324,8 +327,8 @@ __device__ uint32_t visit_steps(const dense_shared *shared, uint32_t n, uint32_t
     return __shfl_sync(ALL_LANES, end, WARP - 1);
 }
 
-/* Puts the weights of a pixel's steps in place of their 1 - alpha, by one lane: some at once, as long as it stays open.
-   Returns how many steps it takes. */
+/* By one lane: replaces a pixel's 1 - alpha by the weights, AT_ONCE at a time while it stays open. Returns the number
+   of steps until it closes. */
 __device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, int *transmittance)
 {
     enum { AT_ONCE = 16 };
@@ -350,8 +353,8 @@ __device__ uint32_t weigh_steps(uint16_t *steps, uint32_t each, uint32_t count, 
     return i;
 }
 
-/* Blends few open pixels, for as many words of marks at a time as there is room for: a warp finds 1 - alpha of a
-   pixel's splats, a lane their weights one after the other, and the warp adds up their colours. */
+/* Blends at most FEW open pixels, for as many words of marks at a time as fit in `steps`: a warp computes 1 - alpha of
+   a pixel's splats, one lane their weights in sequence, and the warp sums their colours. */
 __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const dense_group *g)
 {
     const uint32_t warp = g->thread / WARP, all = pixels.all, words = min(STEPS_MOST / (all * WARP), WARP);
@@ -390,8 +393,8 @@ __device__ void blend_few(dense_shared *shared, const open_pixels &pixels, const
     }
 }
 
-/* Blends shared->keys, `count` of them. Returns whether any pixel is open. Inlined it leaves too few registers to the
-   loops over lists; by itself it must be told that the memory is shared, and which barrier is the group's. */
+/* Blends `count` keys in shared->keys. Returns whether any pixel is still open. Not inlined, to leave registers to the
+   callers' loops; hence the compiler must be told that `shared` is shared memory and which barrier the group uses. */
 __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats tile, uint32_t count)
 {
     const tile_splats *t = &tile;
@@ -412,7 +415,7 @@ __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats t
         shared->collected = 0;
     g->sync();
     const open_pixels pixels(shared);
-    g->sync();                                 /* all have read what is open */
+    g->sync();                                 /* all threads have read `open` */
     if (pixels.all > FEW)
         blend_quads(shared, pixels, g);
     else if (pixels.all)
@@ -421,7 +424,7 @@ __device__ __noinline__ bool blend_collected(dense_shared *shared, tile_splats t
     return g->any(lane_index() < ROW_PAIRS && shared->open[lane_index()]);
 }
 
-/* Calls keep(key, its place, whether its splat can touch an open pixel) for the keys of a list, with all threads. */
+/* Calls keep(key, index, whether its splat can touch an open pixel) for all keys of a list, by all threads. */
 template <class Keep>
 __device__ void visit_open(const dense_shared *shared, const tile_splats *t, const dense_list &list,
                            const dense_group *g, Keep keep)
@@ -449,7 +452,7 @@ __device__ void visit_open(const dense_shared *shared, const tile_splats *t, con
     g->sync();
 }
 
-/* How many are collected, read by all threads before any adds to it. */
+/* Number of collected keys, read before any thread adds more. */
 __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
 {
     const uint32_t count = shared->collected;
@@ -457,7 +460,7 @@ __device__ uint32_t collected(const dense_shared *shared, const dense_group *g)
     return count;
 }
 
-/* Adds a list to shared->keys; there is room for all of it. Returns how many there are. */
+/* Appends a list's keys to shared->keys, as far as they fit. Returns the total, which may exceed the room. */
 __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile, dense_list list)
 {
     const tile_splats *t = &tile;
@@ -471,13 +474,14 @@ __device__ __noinline__ uint32_t collect(dense_shared *shared, tile_splats tile,
     return collected(shared, g);
 }
 
-/* Moves those of a list whose splats can touch an open pixel to its start; none are collected. Returns how many. */
+/* Moves the keys whose splats can touch an open pixel to the start of the list. Returns their number. Requires
+   collected = 0. */
 __device__ uint32_t drop_closed(dense_shared *shared, const tile_splats *t, const dense_list &list,
                                 const dense_group *g)
 {
     visit_open(shared, t, list, g, [&](uint64_t key, uint32_t place, bool kept) {
         const uint32_t to = take_number(&shared->collected, 0, kept);
-        g->sync();                         /* what is written over has been read */
+        g->sync();                         /* all threads have read the old entries */
         if (kept && list.places)
             list.places[to] = place;
         else if (kept)
@@ -490,7 +494,7 @@ __device__ uint32_t drop_closed(dense_shared *shared, const tile_splats *t, cons
     return left;
 }
 
-/* Adds up what each thread has; none are collected. */
+/* Sum over all threads. Requires collected = 0. */
 __device__ uint32_t sum_of(dense_shared *shared, uint32_t own, const dense_group *g)
 {
     own = __reduce_add_sync(ALL_LANES, own);
@@ -504,7 +508,8 @@ __device__ uint32_t sum_of(dense_shared *shared, uint32_t own, const dense_group
     return sum;
 }
 
-/* Blends a list in rounds; none are collected. Returns whether any pixel is open. */
+/* Blends a list without bins, in rounds of next_round. Returns whether any pixel is still open. Requires collected =
+   0. */
 __device__ bool blend_rounds(dense_shared *shared, const tile_splats *t, const dense_list &list, const dense_group *g)
 {
     const auto visit_all = list.all(g);
@@ -521,7 +526,7 @@ __device__ bool blend_rounds(dense_shared *shared, const tile_splats *t, const d
     return open;
 }
 
-/* Room for `count` entries, null where there is none left. */
+/* Takes `count` entries of scratch memory; null if too few are left. */
 __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uint32_t count, const dense_group *g)
 {
     if (g->thread == 0)
@@ -530,8 +535,8 @@ __device__ uint64_t *take_room(dense_shared *shared, const frame_buffers *f, uin
     return shared->room;
 }
 
-/* Puts the keys of a list or of a part into bins, or their places where 32 bits are moved; ends has where the bins end.
-   Returns how many there are. */
+/* Puts the keys of a list or part into bins, or their indices if Moved is 32 bits; `ends` gets the bin ends. Returns
+   the number moved. */
 template <class List, class Moved>
 __device__ uint32_t split_list(Moved *room, uint32_t *ends, dense_shared *shared, const List &list, key_range r,
                                const dense_group *g)
@@ -548,11 +553,11 @@ template <bool Finer>
 __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
                             const uint32_t *ends, const dense_group *g);
 
-/* Puts what is left of a bin into finer ones and blends it. Returns whether any pixel is open. */
+/* Splits a bin into finer bins and blends it. Returns whether any pixel is still open. */
 __device__ bool blend_finer(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
                             const dense_group *g)
 {
-    const uint32_t words = dense_keys::bins / 2;           /* of the ends */
+    const uint32_t words = dense_keys::bins / 2;           /* 64-bit words of the ends */
     uint64_t *room = take_room(shared, f, words + (list.places ? (list.count + 1) / 2 : list.count), g);
     if (!room)
         return blend_rounds(shared, t, list, g);
@@ -568,13 +573,12 @@ __device__ bool blend_finer(dense_shared *shared, const frame_buffers *f, const 
     return blend_split<true>(shared, f, t, finer, (const uint32_t *)room, g);
 }
 
-/* Blends a list in bins; `ends` has where they end. A bin that is too large is put into finer ones. Returns whether any
-   pixel is open. */
+/* Blends a list in bins with ends `ends`; a bin that does not fit is split. Returns whether any pixel is still open. */
 template <bool Finer>
 __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const tile_splats *t, const dense_list &list,
                             const uint32_t *ends, const dense_group *g)
 {
-    uint32_t have = 0, reach = 0;              /* collected; how far to look where few are kept */
+    uint32_t have = 0, reach = 0;              /* keys collected; keys to examine next if few are kept */
     for (uint32_t first = 0, end; first < list.count; first = end) {
         const uint32_t room = dense_keys::room - have;
         end = have > FULL ? first : bins_end<dense_keys>(ends, first, max(room, reach));
@@ -592,14 +596,14 @@ __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const 
                 have = all;
                 continue;
             }
-            if (g->thread == 0)                /* it was too far */
+            if (g->thread == 0)                /* too many were kept: undo and retry with less */
                 shared->collected = have;
             g->sync();
             reach = 0;
             end = first;
             continue;
         }
-        end = bin_end<dense_keys>(ends, first);    /* a bin too large */
+        end = bin_end<dense_keys>(ends, first);    /* the next bin alone exceeds the room */
         const dense_list left = list.from(first, drop_closed(shared, t, list.from(first, end - first), g));
         if (left.count <= dense_keys::room)
             have = collect(shared, *t, left);
@@ -609,7 +613,7 @@ __device__ bool blend_split(dense_shared *shared, const frame_buffers *f, const 
     return !have || blend_collected(shared, *t, have);
 }
 
-/* Puts a list, or the places of a part, into bins. Returns it; with no keys where there was no room. */
+/* Puts a tile's list (split_tile) or a part's indices (split_part) into bins; keys is null if memory is short. */
 __device__ dense_list split_tile(dense_shared *shared, const frame_buffers *f, const dense_list &all,
                                  const dense_group *g)
 {
@@ -631,7 +635,7 @@ __device__ dense_list split_part(dense_shared *shared, const frame_buffers *f, c
     return {part.keys, room, count};
 }
 
-/* Blends a tile's list over the open pixels: all of them, or those of a part. `parts` by parts_of_tiles. */
+/* Blends a tile's list over the open pixels of the tile, or of one part. `parts`: from parts_of_tiles. */
 __device__ void blend_dense_list(dense_shared *shared, const frame_buffers *f, const tile_splats *t,
                                  const turn_of_tile &turn, uint32_t parts, const dense_group *g)
 {

@@ -1,4 +1,4 @@
-/* The host's side of the CUDA back ends: errors of the runtime, and memory of the device. */
+/* Host side of the CUDA back ends: runtime errors and device memory. */
 #ifndef FXS_CUDA_DEVICE_CUH
 #define FXS_CUDA_DEVICE_CUH
 
@@ -11,17 +11,17 @@
 
 namespace {
 
-struct block {                     /* of device memory */
+struct block {                     /* device memory */
     void *data;
     uint64_t bytes;
 };
 
-struct host_block {                /* of pinned host memory */
+struct host_block {                /* pinned host memory */
     void *data;
     uint64_t bytes;
 };
 
-/* Device memory, allowed (0: any) and taken. */
+/* Device memory in bytes: the limit (0: none) and the amount allocated. */
 struct budget {
     uint64_t most, bytes;
 };
@@ -54,23 +54,22 @@ const char *words(cudaError_t error)
     return cudaGetErrorString(error);
 }
 
-/* The first of two errors of the runtime, as one of ours. */
+/* Converts the first of two runtime errors to an FXS_ERR_*. */
 int check(fxs_message *why, cudaError_t error, cudaError_t second = cudaSuccess)
 {
     error = error ? error : second;
     if (!error)
         return 0;
-    cudaGetLastError();            /* forgotten, for the sake of other users */
+    cudaGetLastError();            /* clears it, so that other code does not see it */
     return failed(why, error == cudaErrorMemoryAllocation ? FXS_ERR_MEMORY : FXS_ERR_DEVICE, words(error));
 }
 
-/* The first error of several. */
 cudaError_t first_of(cudaError_t a, cudaError_t b)
 {
     return a ? a : b;
 }
 
-/* As long as it lives, the renderer's device is the thread's. */
+/* Makes a device current for its scope. */
 struct on_device {
     int device, before = 0;
     explicit on_device(int device_) : device(device_)
@@ -92,8 +91,8 @@ int too_large(const budget *allowed, uint64_t needed, fxs_message *why)
                ? failed(why, FXS_ERR_MEMORY, "the device memory allowed is too small", needed) : 0;
 }
 
-/* Makes a block of at least `bytes` bytes, contents undefined; 0 gives it back. Frames that use the old one are waited
-   for, by cudaFree. */
+/* Grows a block to at least `bytes` bytes, contents undefined; 0 frees it. cudaFree waits for frames that use the old
+   block. */
 int reserve(budget *taken, block *b, uint64_t bytes, fxs_message *why)
 {
     if (bytes && bytes <= b->bytes)
@@ -114,7 +113,7 @@ int reserve(budget *taken, block *b, uint64_t bytes, fxs_message *why)
     return 0;
 }
 
-/* The same, and keeps what is there. */
+/* Grows a block of pinned host memory to at least `bytes` bytes and keeps its contents. */
 int reserve_host(host_block *b, uint64_t bytes, fxs_message *why)
 {
     void *data;
@@ -131,7 +130,7 @@ int reserve_host(host_block *b, uint64_t bytes, fxs_message *why)
     return 0;
 }
 
-/* The next `count` Ts of a block, 64 bytes aligned. */
+/* Takes the next `count` Ts from *memory, padded to 64 bytes. */
 template <class T>
 T *cut(unsigned char **memory, uint64_t count)
 {

@@ -1,8 +1,8 @@
-/* project, shade and bin: from packed scenes to a list of splats for each tile, in no order yet. A frame of one object
- * that is plain has its view and scene in the kernels' parameters; of many, objects are in device memory.
+/* project, shade and bin: from packed scenes to an unsorted list of splats per tile.
  *
- * Two eyes that share colours and order are projected at once, as src/core/eyes.c does: what either sees has one place
- * in the buffers of both. */
+ * A plain frame passes its view and scene as kernel parameters; otherwise objects are in device memory (template
+ * parameter Many). Two eyes that share colours and order are projected together, as in src/core/eyes.c: a chunk that
+ * either eye sees has the same index in both eyes' buffers. */
 #ifndef FXS_CUDA_LISTS_CUH
 #define FXS_CUDA_LISTS_CUH
 
@@ -19,7 +19,7 @@ const int LARGE_ROWS = 8;
 const int BOX_COLUMNS = 6, BOX_ROWS = 7, BOX_TILES = BOX_COLUMNS * BOX_ROWS;
 const uint32_t CHUNK_BYTES_MOST = FXS_ROW_SH + 3 * FXS_SH_COUNT(3) * FXS_CHUNK;
 
-/* fxs_chunk_view_init with sigmas that grow, and whether crop boxes leave anything of the chunk. */
+/* fxs_chunk_view_init with grown sigmas; returns 0 also if the crop boxes exclude the whole chunk. */
 __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view *object, uint32_t chunk,
                                       uint32_t grow_q8)
 {
@@ -35,8 +35,8 @@ __device__ inline int place_in_object(fxs_chunk_view *cv, const fxs_object_view 
     return error ? error : fxs_object_has_chunk(object, &header);
 }
 
-/* Of each eye that is projected: the view of the world, or of the only object, and the buffers. What both share is in
-   those of the first. */
+/* Per projected eye: the view (of the world, or of the only object), and the buffers. Shared results are in the first
+   eye's buffers. */
 template <uint32_t Eyes>
 struct eyes_views {
     fxs_view of[Eyes];
@@ -47,7 +47,7 @@ struct eyes_buffers {
     frame_buffers of[Eyes];
 };
 
-/* A thread a chunk: where it lies, if anything of it can be seen by an eye; or that its header is damaged. */
+/* One thread per chunk: writes the views of chunks that an eye can see, and sets `damaged` for an invalid header. */
 template <bool Many, uint32_t Eyes>
 __global__ void locate_chunks(const __grid_constant__ eyes_views<Eyes> views, const __grid_constant__ fxs_scene scene,
                               const __grid_constant__ eyes_buffers<Eyes> buffers, uint32_t chunks)
@@ -78,7 +78,7 @@ __global__ void locate_chunks(const __grid_constant__ eyes_views<Eyes> views, co
     const uint32_t place = take_number(&f.status->chunks, 0, visible);
     for (uint32_t eye = 0; eye < Eyes && visible; eye++) {
         if (Eyes > 1 && !seen[eye])
-            cv[eye].near = INT32_MAX;      /* the eye sees none of it */
+            cv[eye].near = INT32_MAX;      /* this eye does not see the chunk */
         buffers.of[eye].chunk_views[place] = cv[eye];
     }
     if (Many && visible) {
@@ -88,7 +88,8 @@ __global__ void locate_chunks(const __grid_constant__ eyes_views<Eyes> views, co
     }
 }
 
-/* A splat's tiles: bit BOX_COLUMNS r + c stands for tile `base` + r tiles_x + c. Below 2^20 tiles. */
+/* A splat's tiles: bit BOX_COLUMNS r + c is tile `base` + r tiles_x + c. `base` has 22 bits; frames have fewer than
+   2^20 tiles. */
 __device__ inline uint64_t box_of(uint32_t base, uint64_t mask)
 {
     return (uint64_t)base << BOX_TILES | mask;
@@ -99,20 +100,20 @@ __device__ inline uint64_t box_mask(uint64_t box)
     return box & (((uint64_t)1 << BOX_TILES) - 1);
 }
 
-/* A block's chunk, and its splats on their way to tiles. */
+/* Shared memory of a block: its chunk and splats. */
 struct block_splats {
     alignas(64) unsigned char rows[CHUNK_BYTES_MOST];
     alignas(16) fxs_chunk header;
     alignas(16) fxs_chunk_view view;
-    uint64_t arrived[2];                   /* barriers of the two parts that are fetched */
+    uint64_t arrived[2];                   /* mbarriers of the two parts that are fetched */
     fxs_splat splats[FXS_CHUNK];
     fxs_bounds bounds[FXS_CHUNK];
-    uint32_t row_ends[FXS_CHUNK];          /* tile rows of the splats up to this one */
+    uint32_t row_ends[FXS_CHUNK];          /* inclusive prefix sum of the splats' tile rows */
     uint8_t masks[FXS_CHUNK][BOX_ROWS];
     uint32_t warp_rows[FXS_CHUNK / WARP];
 };
 
-/* Starts to copy `bytes` bytes, a multiple of 16, as one of a part's copies. */
+/* Starts an asynchronous copy of `bytes` bytes, a multiple of 16, for one part. */
 __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, const void *from, uint32_t bytes)
 {
 #if __CUDA_ARCH__ >= 900
@@ -125,8 +126,8 @@ __device__ inline void fetch_bytes(block_splats *b, uint32_t part, void *to, con
 #endif
 }
 
-/* Starts to fetch a chunk in two parts: where it lies, its header and all but the SH, then these. One thread asks for
-   them where the device copies whole blocks by itself. */
+/* Starts to fetch a chunk in two parts: first its view, header and rows up to the SH, then the SH. From compute
+   capability 9.0 on, one thread issues bulk copies; before, all threads copy. */
 __device__ inline void fetch_chunk(block_splats *b, const fxs_chunk_view *view, const unsigned char *header,
                                    const unsigned char *rows, uint32_t bytes)
 {
@@ -156,7 +157,7 @@ __device__ inline void await_part(block_splats *b, uint32_t part)
 {
 #if __CUDA_ARCH__ >= 900
     if (part == 0)
-        __syncthreads();                   /* the barriers are there */
+        __syncthreads();                   /* the barriers are initialised */
     while (!cuda::ptx::mbarrier_try_wait_parity(&b->arrived[part], 0)) {
     }
 #else
@@ -168,7 +169,7 @@ __device__ inline void await_part(block_splats *b, uint32_t part)
 #endif
 }
 
-/* row_ends, from the tile rows of each thread's splat. Returns those of all. */
+/* Computes row_ends from the number of tile rows of each thread's splat. Returns the total. */
 __device__ uint32_t place_rows(block_splats *b, uint32_t rows)
 {
     const uint32_t sum = warp_sum(rows), warp = threadIdx.x / WARP;
@@ -185,7 +186,7 @@ __device__ uint32_t place_rows(block_splats *b, uint32_t rows)
     return all;
 }
 
-/* The splat that has tile row `item` of the block's. */
+/* The splat that tile row number `item` of the block belongs to. */
 __device__ uint32_t splat_of_row(const block_splats *b, uint32_t item)
 {
     uint32_t splat = 0;
@@ -200,15 +201,15 @@ __device__ bool is_large(const ellipse *e, const fxs_view *view)
            e->rows.last - e->rows.first >= BOX_ROWS;
 }
 
-/* Of an ellipse that is whole on a tile row, fxs_bin_c lists all columns. */
+/* True for a narrow splat on a single tile row that is not cut by the picture's edge: fxs_bin_c lists all its
+   columns. */
 __device__ bool is_whole(const ellipse *e, const fxs_view *view)
 {
     return view->cutoff != FXS_CUTOFF_SQUARE && e->rows.first == e->rows.last && e->splat->first_row > 0 &&
            e->splat->last_row < view->height - 1 && e->columns.last - e->columns.first < 4;
 }
 
-/* Adds 1 to the counts of lists where a splat's tiles begin on a tile row, and takes it where they have ended;
-   start_lists sums up. */
+/* Adds 1 at the first tile of a span and -1 after its last. start_lists sums these differences along each row. */
 __device__ void count_tiles(const frame_buffers *f, const fxs_view *view, int32_t row, span s)
 {
     const bool listed = s.first <= s.last;
@@ -222,7 +223,7 @@ __device__ uint32_t mask_of_span(span s, int32_t first_column)
     return s.first <= s.last ? (2u << (s.last - first_column)) - (1u << (s.first - first_column)) : 0;
 }
 
-/* A tile row of a splat a thread: fills in the masks and counts. */
+/* One tile row of a splat per thread: fills in the masks and counts. */
 __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t items)
 {
     for (uint32_t first = 0; first < items; first += FXS_CHUNK) {
@@ -230,7 +231,7 @@ __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_vi
         span s = {0, -1};
         int32_t row = 0;
         if (first + threadIdx.x - lane_index() >= items)
-            break;                         /* nothing for the whole warp */
+            break;                         /* no items for this warp */
         if (item < items) {
             const uint32_t i = splat_of_row(b, item);
             ellipse e = ellipse_of(view, &b->splats[i], &b->bounds[i]);
@@ -246,7 +247,7 @@ __device__ void count_rows(block_splats *b, const frame_buffers *f, const fxs_vi
     __syncthreads();
 }
 
-/* The records of a thread's large splat, if it has one. */
+/* Writes the records of a thread's large splat, if it has one. */
 __device__ void store_large(const frame_buffers *f, const fxs_bounds *bounds, uint32_t index, span rows)
 {
     const uint32_t records = (uint32_t)(rows.last - rows.first + LARGE_ROWS) / LARGE_ROWS, end = warp_sum(records);
@@ -259,8 +260,7 @@ __device__ void store_large(const frame_buffers *f, const fxs_bounds *bounds, ui
             f->larges[place] = {*bounds, index, first};
 }
 
-/* Lists the splats of a block, of each thread the one with ellipse `e` if `visible`: their boxes or records, and the
-   lengths of the lists. */
+/* Bins the splats of a block, one per thread if `visible`: writes boxes or large records, and counts list entries. */
 __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_view *view, uint32_t index,
                             const ellipse *e, bool visible)
 {
@@ -282,8 +282,9 @@ __device__ void list_splats(block_splats *b, const frame_buffers *f, const fxs_v
     store_large(f, e->bounds, index, large ? rows : none);
 }
 
-/* A block a chunk that can be seen: its splats and colours, and list_splats. Of two eyes the left one's view has the
-   colours; the right one's depths are the left one's of what that sees, unless it has its own. */
+/* One block per visible chunk: projects, shades and bins its splats. Two eyes: each splat is shaded once, with the left
+   eye's view. The right eye's splats get the left eye's depths, unless `own_depths` is set or the left eye does not see
+   them. */
 template <bool Many, uint32_t Eyes>
 __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_constant__ eyes_views<Eyes> views,
                                                               const __grid_constant__ fxs_scene only_scene,
@@ -295,7 +296,7 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     wait_for_last_kernel();
     const frame_buffers &f = buffers.of[0];
     const fxs_chunk_view *cv = &f.chunk_views[blockIdx.x];
-    const uint32_t place = cv->chunk;      /* read beside the number of chunks, though there may be none */
+    const uint32_t place = cv->chunk;      /* loaded before the check, so that both loads overlap */
     if (blockIdx.x >= f.status->chunks)
         return;
     const uint32_t number = Many ? f.chunk_objects[blockIdx.x] : 0;
@@ -312,8 +313,8 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
     await_part(&b, 0);
     fxs_splat splat;
     uint32_t depth = 0;
-    bool seen = false;                     /* by an eye so far */
-#pragma unroll 1                           /* twice as long, it spills more registers */
+    bool seen = false;                     /* by an earlier eye */
+#pragma unroll 1                           /* unrolling would spill more registers */
     for (uint32_t eye = 0; eye < Eyes; eye++) {
         const fxs_object_view *object = Many ? &buffers.of[eye].objects[number] : nullptr;
         const fxs_view *camera = Many ? &object->view : &views.of[eye], *view = &views.of[eye];
@@ -352,15 +353,16 @@ __global__ void __launch_bounds__(FXS_CHUNK, 4) project_chunk(const __grid_const
         buffers.of[Eyes - 1].status->chunks = f.status->chunks;
 }
 
-const uint32_t START_ROWS = 8;             /* tile rows of a block of start_lists, a warp each */
+const uint32_t START_ROWS = 8;             /* tile rows per block of start_lists, one per warp */
 
-/* What the rows of a block have together. */
+/* Shared memory of start_lists. */
 struct started {
-    uint32_t classes[WARP], class_entries[WARP], first[WARP];   /* as in frame_status; the first one's place */
-    uint64_t sums[START_ROWS];             /* of entries; then where the rows' begin */
+    uint32_t classes[WARP], class_entries[WARP], first[WARP];   /* counts as in frame_status; the block's first place
+                                                                   per class */
+    uint64_t sums[START_ROWS];             /* entries per row, then the start of each row's entries */
 };
 
-/* Calls visit(tile, the count of its list, inside) along a tile row, by a warp. */
+/* By a warp: calls visit(tile, list count, inside) along a tile row. */
 template <class Visit>
 __device__ inline void visit_row(const frame_buffers *f, uint32_t row, uint32_t tiles_x, Visit visit)
 {
@@ -368,12 +370,12 @@ __device__ inline void visit_row(const frame_buffers *f, uint32_t row, uint32_t 
     uint32_t next = lane_index() < tiles_x ? list_of(f, first + lane_index())->count : 0;
     for (uint32_t column = lane_index(); column - lane_index() < tiles_x; column += WARP) {
         const uint32_t x = next;
-        next = column + WARP < tiles_x ? list_of(f, first + column + WARP)->count : 0;   /* fetched meanwhile */
+        next = column + WARP < tiles_x ? list_of(f, first + column + WARP)->count : 0;   /* prefetch */
         visit(first + column, x, column < tiles_x);
     }
 }
 
-/* The lengths of the lists, where they start, and their places among those of their magnitude. */
+/* Computes each list's length and start, and sorts the tiles into classes by list_magnitude. */
 __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_constant__ frame_buffers f,
                                                                 uint32_t tiles_x, uint32_t tiles_y)
 {
@@ -393,7 +395,7 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
             if (!inside)
                 return;
             atomicAdd(&s.class_entries[magnitude], along);
-            *list_of(&f, tile) = {along, place};   /* in its class, of the block's */
+            *list_of(&f, tile) = {along, place};   /* place in its class, within the block */
             sum += along;
         });
     sum = __shfl_sync(ALL_LANES, warp_sum(sum), WARP - 1);
@@ -426,7 +428,8 @@ __global__ void __launch_bounds__(START_ROWS *WARP) start_lists(const __grid_con
         });
 }
 
-/* A warp some rows of a large splat: a tile row a lane, then their tiles shared out. */
+/* By a warp: the entries of one large_splat record. Each of LARGE_ROWS lanes finds the span of a tile row; then all
+   lanes share the tiles. */
 __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const large_splat *large)
 {
     ellipse e = ellipse_of(view, &f->splats[large->index], &large->bounds);
@@ -449,7 +452,7 @@ __device__ void fill_large(const fxs_view *view, const frame_buffers *f, const l
     });
 }
 
-/* The entries. The first LARGE_BLOCKS blocks are for large splats, then a block for each chunk that can be seen. */
+/* Writes the list entries: LARGE_BLOCKS blocks for large splats, then one block per visible chunk. */
 __global__ void __launch_bounds__(FXS_CHUNK) fill_lists(const __grid_constant__ fxs_view view,
                                                         const __grid_constant__ frame_buffers f)
 {

@@ -1,6 +1,5 @@
-/* What CUDA C++ has no words for: instructions of PTX, the shared memory of a block, the start of a kernel. Nothing else
- * in these files is beyond C++ with a header, so tests/gpu/emulated/ptx.h, which takes the place of this file, lets them
- * run on a processor. */
+/* PTX instructions, dynamic shared memory and kernel launches: everything without a C++ equivalent.
+ * tests/gpu/emulated/ptx.h replaces this file, so that the kernels can run on a CPU. */
 #ifndef FXS_CUDA_PTX_CUH
 #define FXS_CUDA_PTX_CUH
 
@@ -10,7 +9,7 @@
 
 namespace {
 
-/* Starts a kernel behind the work of a stream. */
+/* Launches a kernel on a stream. */
 template <class... Parameters>
 void start(void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, size_t shared, cudaStream_t stream,
            const Parameters &...parameters)
@@ -18,14 +17,14 @@ void start(void (*kernel)(Parameters...), uint32_t blocks, uint32_t threads, siz
     kernel<<<blocks, threads, shared, stream>>>(parameters...);
 }
 
-/* The shared memory that a block was started with. */
+/* The block's dynamic shared memory. */
 __device__ inline unsigned char *shared_memory()
 {
     extern __shared__ __align__(16) unsigned char memory[];
     return memory;
 }
 
-/* a b + c by one instruction, which the compiler would not choose. */
+/* a b + c as one mad, which nvcc would not emit. */
 __device__ inline uint32_t multiply_add(uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t sum;
@@ -33,7 +32,7 @@ __device__ inline uint32_t multiply_add(uint32_t a, uint32_t b, uint32_t c)
     return sum;
 }
 
-/* sqrt(x), to within 1 part in 2^22; x at least 1. */
+/* sqrt(x) for x >= 1, relative error at most 2^-22. */
 __device__ inline float approximate_root(float x)
 {
     float root;
@@ -41,9 +40,9 @@ __device__ inline float approximate_root(float x)
     return root;
 }
 
-/* alpha T + 1/2, Q30, or 0 where the level is over `limit` or T below `closed`. The table, of two bytes for each level,
-   is in shared memory. By instructions that nvcc would not choose: what is fetched does not wait for T, and takes the
-   register of its address. */
+/* alpha T + 1/2 in Q30; 0 where level > limit or T < Closed. alpha_q15: the table in shared memory, two bytes per
+   level. Inline PTX, as nvcc would not choose this order: the load does not wait for T and reuses its address
+   register. */
 template <int Closed>
 __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int limit, int transmittance)
 {
@@ -58,7 +57,7 @@ __device__ inline int weight_product(const uint16_t *alpha_q15, int level, int l
     return product;
 }
 
-/* x, in a register: nvcc would find it anew in each turn of a loop. */
+/* Keeps x in a register; nvcc would recompute it in every loop iteration. */
 __device__ inline uint32_t kept(uint32_t x)
 {
     asm volatile("" : "+r"(x));
@@ -73,13 +72,13 @@ __device__ inline T *kept_shared(T *x)
     return x;
 }
 
-/* Some threads of a block wait for each other, at a barrier of their own. */
+/* Barrier for `threads` threads of a block. */
 __device__ inline void wait_at(uint32_t barrier, uint32_t threads)
 {
     asm volatile("barrier.sync %0, %1;" ::"r"(barrier), "r"(threads) : "memory");
 }
 
-/* The same; whether `x` holds in any of them. */
+/* The same barrier; returns true if `x` holds in any of the threads. */
 __device__ inline bool any_at(uint32_t barrier, uint32_t threads, bool x)
 {
     uint32_t result;

@@ -1,4 +1,5 @@
-/* The host's side of the CUDA back end: the packed scenes that are on the device. */
+/* Host side of the CUDA back end: the table of packed scenes on the device. A scene that exceeds the memory left gets a
+   pool (pool.cuh). */
 #ifndef FXS_CUDA_SCENES_CUH
 #define FXS_CUDA_SCENES_CUH
 
@@ -10,18 +11,18 @@ namespace {
 
 struct scene_copy {
     const fxs_scene *key;
-    fxs_scene here, there;         /* as it was given; with the device's pointers */
-    block data;                    /* none: it is wanted */
-    bool wrong_tree;               /* its cut is found on the host */
-    bool pooled;                   /* not all of its rows are on the device, */
-    void *rows;                    /* which reads the others here, in pinned host memory */
+    fxs_scene here, there;         /* as given by the caller; with device pointers */
+    block data;                    /* null: wanted, not copied yet */
+    bool wrong_tree;               /* the tree is invalid, so its cuts are found on the host */
+    bool pooled;                   /* only part of the rows is on the device */
+    void *rows;                    /* pooled: all rows, in pinned host memory that the device reads */
 };
 
-/* The scene_copies, in the order of their keys. */
+/* scene_copies sorted by key. */
 struct scene_table {
     host_block memory;
     uint32_t count;
-    uint64_t bytes_wanted, least_wanted;   /* whole; without their rows */
+    uint64_t bytes_wanted, least_wanted;   /* bytes of the wanted scenes: complete; without rows */
     uint32_t pools;
 };
 
@@ -30,7 +31,7 @@ scene_copy *copies_of(const scene_table *t)
     return (scene_copy *)t->memory.data;
 }
 
-/* The place of a scene, or where it would be. */
+/* Index of a scene, or where it would be inserted. */
 uint32_t place_of(const scene_table *t, const fxs_scene *scene)
 {
     uint32_t low = 0, high = t->count;
@@ -44,14 +45,14 @@ uint32_t place_of(const scene_table *t, const fxs_scene *scene)
     return low;
 }
 
-/* A scene's copy; null where there is none. */
+/* A scene's copy, or null. */
 scene_copy *find_scene(const scene_table *t, const fxs_scene *scene)
 {
     const uint32_t place = place_of(t, scene);
     return place < t->count && copies_of(t)[place].key == scene ? &copies_of(t)[place] : nullptr;
 }
 
-/* Where the parts of a scene's copy are, in bytes from its start. */
+/* Byte offsets of the parts of a scene's copy. */
 struct copy_layout {
     uint64_t parents, chunks, nodes, places, owners, stamps, rows, bytes;
 };
@@ -61,7 +62,7 @@ uint64_t all_rows(const fxs_scene *scene)
     return (uint64_t)fxs_scene_chunks(scene) * scene->chunk_bytes;
 }
 
-/* Of a scene as a whole. */
+/* Layout of a complete scene. */
 copy_layout lay_out_whole(const fxs_scene *scene)
 {
     const unsigned char *end = scene->nodes ? scene->node_rows + (scene->chunk_count - 1) * (uint64_t)scene->chunk_bytes
@@ -76,7 +77,7 @@ copy_layout lay_out_whole(const fxs_scene *scene)
     return l;
 }
 
-/* With a pool: headers and palette, the tree, and so many places. */
+/* Layout of a pooled scene: headers and palette, the tree, and `places` places for rows. */
 copy_layout lay_out_pooled(const fxs_scene *scene, uint64_t places)
 {
     copy_layout l;
@@ -103,7 +104,7 @@ void drop_scene(scene_table *t, budget *taken, const fxs_scene *scene)
     t->count--;
 }
 
-/* Makes a place for a scene that is not there. One that has changed is dropped first. */
+/* Adds a scene to the table as wanted. If the fxs_scene has changed since it was added, its old copy is dropped. */
 int want_scene(scene_table *t, budget *taken, const fxs_scene *scene, fxs_message *why)
 {
     const scene_copy *found = find_scene(t, scene);
@@ -131,7 +132,7 @@ uint32_t wanted_scenes(const scene_table *t)
     return wanted;
 }
 
-/* The scenes with a pool become ones that are wanted again. */
+/* Drops the copies of pooled scenes and marks them as wanted. */
 int want_pools_again(scene_table *t, budget *taken, fxs_message *why)
 {
     int error = 0;
@@ -144,7 +145,7 @@ int want_pools_again(scene_table *t, budget *taken, fxs_message *why)
     return error;
 }
 
-/* Fills in the parents of a scene's chunks, and finds out whether the tree is one. */
+/* Computes the parents of a scene's chunks on the device, and checks that the nodes form a tree. */
 int check_tree(scene_copy *copy, cudaStream_t stream, fxs_message *why)
 {
     const uint32_t blocks = fxs_scene_chunks(&copy->there) / CUT_THREADS + 1;
@@ -158,7 +159,7 @@ int check_tree(scene_copy *copy, cudaStream_t stream, fxs_message *why)
     return error;
 }
 
-/* Copies a scene as a whole to `data`. */
+/* Copies a complete scene to `data`. */
 cudaError_t copy_whole(scene_copy *copy, unsigned char *data, cudaStream_t stream)
 {
     const copy_layout l = lay_out_whole(&copy->here);
@@ -174,8 +175,8 @@ cudaError_t copy_whole(scene_copy *copy, unsigned char *data, cudaStream_t strea
     return first_of(cleared, cudaMemcpyAsync(data + l.chunks, start, bytes, cudaMemcpyHostToDevice, stream));
 }
 
-/* Copies a scene's rows to where the device can read them. They are not pinned where they lie: for pages of a mapped
-   file that may take as long as the system likes. */
+/* Copies a scene's rows to pinned host memory. The caller's memory is not pinned itself: if it is a mapped file, that
+   may take arbitrarily long. */
 int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -192,7 +193,7 @@ int expose_rows(scene_copy *copy, const unsigned char **rows, fxs_message *why)
     return found;
 }
 
-/* Copies what is not rows of a scene to `data`, where the pool has so many places. */
+/* Copies everything except the rows of a scene to `data`, and sets up an empty pool with `places` places. */
 int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStream_t stream, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -223,7 +224,7 @@ int copy_pooled(scene_copy *copy, unsigned char *data, uint32_t places, cudaStre
     return check(why, first_of(copied, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* Brings a scene to the device, whose rows may take so many bytes: with a pool where they are more. */
+/* Copies a scene to the device; if its rows exceed `rows_most` bytes, with a pool of that size. */
 int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t stream, fxs_message *why)
 {
     const fxs_scene *from = &copy->here;
@@ -244,8 +245,7 @@ int copy_scene(scene_copy *copy, budget *taken, uint64_t rows_most, cudaStream_t
     return error ? error : check(why, cudaStreamSynchronize(stream));
 }
 
-/* Copies the scenes that are wanted, whose rows may take so many bytes each; after an error, they are wanted no
-   more. */
+/* Copies all wanted scenes, with at most `rows_most` bytes of rows each. After an error, drops the wanted scenes. */
 int fetch_scenes(scene_table *t, budget *taken, uint64_t rows_most, int error, cudaStream_t stream, fxs_message *why)
 {
     for (uint32_t i = 0; i < t->count && t->bytes_wanted; i++) {

@@ -1,5 +1,5 @@
-/* Tiles that several blocks of blend_dense share, so that none is late: each has a part, of columns. share_lists finds
- * which splats of a tile's list can touch which part: its blocks take segments of the lists. */
+/* Load balance of blend_dense: a tile with a long list is split into parts (groups of columns), each blended by its
+ * own block. share_lists finds the splats of a list that can touch each part; its blocks work on segments of lists. */
 #ifndef FXS_CUDA_SHARE_CUH
 #define FXS_CUDA_SHARE_CUH
 
@@ -8,22 +8,23 @@
 namespace {
 
 const uint32_t DENSE_THREADS = 1024;
-const uint32_t SHARE_THREADS = 512;                    /* so that most blocks have work while others wait for memory */
-const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 4;     /* of a multiprocessor */
-const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* entries, at least of a part, at most of a segment */
+const uint32_t SHARE_THREADS = 512;                    /* half of a full block: hides memory latency better */
+const uint32_t DENSE_BLOCKS = 1, SHARE_BLOCKS = 4;     /* blocks per multiprocessor */
+const uint32_t PART_MAGNITUDE = 11, SEGMENT_MAGNITUDE = 11;    /* log2 of the least entries of a part, and of the most
+                                                                  of a segment */
 typedef group<DENSE_THREADS> dense_group;
 typedef group<SHARE_THREADS> share_group;
 
-/* Into how many segments lists of a magnitude are cut: each has 2^SEGMENT_MAGNITUDE entries or fewer. */
+/* Number of segments of a list of this magnitude: each has at most 2^SEGMENT_MAGNITUDE entries. */
 __device__ inline uint32_t segments_of(uint32_t magnitude)
 {
     return magnitude < SEGMENT_MAGNITUDE ? 1 : 2u << (magnitude - SEGMENT_MAGNITUDE);
 }
 
-/* Into how many parts, of columns, tiles are cut whose lists are of magnitude 31 - lane: blend_dense takes a part a
-   block. So that none is late, a part has at most half of what a block has of all lists; down to a quarter where the
-   parts together have few entries more than the tile; but 2^PART_MAGNITUDE or more. Twice as many parts take room for
-   `more` entries or fewer: where there is too little, the largest parts are cut first. */
+/* Number of parts, a power of two, of tiles with lists of magnitude 31 - lane; 0 if not long. A tile is split further
+   while a part has more than half of a block's average load, or more than a quarter if the split adds few entries;
+   parts keep at least 2^PART_MAGNITUDE entries. Each doubling of the parts is estimated to need `more` scratch entries.
+   If memory is short, tiles with the largest parts are split first. */
 __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t blocks)
 {
     const uint32_t magnitude = WARP - 1 - lane_index(), tiles = f->status->classes[magnitude];
@@ -50,26 +51,26 @@ __device__ inline uint32_t parts_of_tiles(const frame_buffers *f, uint32_t block
     }
 }
 
-/* The turns of the segments of shared lists; `parts` by parts_of_tiles. */
+/* Turns of the segments of shared lists. `parts`: from parts_of_tiles. */
 __device__ inline turns segment_turns(const frame_buffers *f, uint32_t parts)
 {
     return turns_of(f, parts > 1 ? segments_of(WARP - 1 - lane_index()) : 0);
 }
 
-/* Where the n-th of `all` segments of a list of `count` entries begins. */
+/* Start of segment n of `all` in a list of `count` entries. */
 __device__ inline uint32_t segment_start(uint32_t count, uint32_t n, uint32_t all)
 {
     return (uint32_t)((uint64_t)count * n / all);
 }
 
-/* What the segments of a tile's list have for one of its parts. */
+/* The entries of a tile's list that one part needs, over all segments. */
 struct part_list {
-    uint64_t *keys;                        /* of the tile, `count` of them */
+    uint64_t *keys;                        /* the tile's list, `count` entries */
     uint32_t count, part;
     const list_segment *segments;
     uint32_t segment_count;
 
-    /* parts: by parts_of_tiles. */
+    /* `parts`: from parts_of_tiles. */
     __device__ part_list(const frame_buffers *f, const turn_of_tile &turn, uint32_t parts)
         : part(turn.number)
     {
@@ -93,7 +94,7 @@ struct part_list {
         return __ldcg(&segments[segment].ends[part]);
     }
 
-    /* How many keys it has in the segments that a thread takes; *missing: for one of them there was no room. */
+    /* Number of entries in this thread's segments; *missing: a segment had no memory for its places. */
     __device__ uint32_t count_own(bool *missing, const dense_group *g) const
     {
         uint32_t own = 0;
@@ -105,7 +106,8 @@ struct part_list {
         return own;
     }
 
-    /* Calls visit(key, its place): a segment is the work of a warp, or of several where there are more warps. */
+    /* Calls visit(key, index in the list). Each segment is visited by one warp, or by several if there are more
+       warps. */
     template <class Visit>
     __device__ void visit(const dense_group *g, Visit visit) const
     {
@@ -133,7 +135,7 @@ struct part_list {
     }
 };
 
-/* The range of the keys of a shared list. */
+/* The key range of a shared list. */
 __device__ inline key_range range_of_shared(const frame_buffers *f, const turn_of_tile &turn)
 {
     const shared_range *range = &f->status->shared[turn.place];
@@ -143,22 +145,23 @@ __device__ inline key_range range_of_shared(const frame_buffers *f, const turn_o
 /* A segment of a shared list. */
 struct segment_of_list {
     const uint64_t *keys;
-    uint32_t count;                        /* 2^SEGMENT_MAGNITUDE or fewer */
-    uint32_t columns;                      /* of a part */
+    uint32_t count;                        /* at most 2^SEGMENT_MAGNITUDE */
+    uint32_t columns;                      /* columns per part */
 };
 
 struct share_shared {
-    uint32_t parts[PARTS_MOST];            /* entries of each; then where they begin */
+    uint32_t parts[PARTS_MOST];            /* entries per part, then their starts */
     uint16_t *places;
 };
 
-/* Finds the entries of each part, and widens the range of the list. */
+/* Finds the segment's entries for each part, and widens the list's depth range. */
 __device__ void share_segment(list_segment *out, shared_range *range, share_shared *shared, const frame_buffers *f,
                               const tile_splats *t, const segment_of_list &s, const share_group *g)
 {
     enum { EACH = (1 << SEGMENT_MAGNITUDE) / SHARE_THREADS };
     const uint32_t lane = lane_index(), parts = FXS_TILE / s.columns, of_part = (1u << s.columns) - 1;
-    uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;     /* before: of the part of that lane */
+    uint32_t touched[EACH], before[EACH], not_least = 0, most = 0;     /* before: entries of this lane's part that
+                                                                          precede the warp's */
     if (g->thread < PARTS_MOST)
         shared->parts[g->thread] = 0;
 #pragma unroll
@@ -214,7 +217,7 @@ __device__ void share_segment(list_segment *out, shared_range *range, share_shar
     g->sync();
 }
 
-/* dense_blocks: those of blend_dense. */
+/* dense_blocks: number of blocks of blend_dense. */
 __global__ void __launch_bounds__(SHARE_THREADS, SHARE_BLOCKS)
 share_lists(const __grid_constant__ fxs_view view, const __grid_constant__ frame_buffers f, uint32_t dense_blocks)
 {

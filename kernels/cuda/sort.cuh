@@ -1,5 +1,5 @@
-/* sort, by a group of threads. A list is not sorted as a whole: the group sorts the nearest keys, as many as there is
- * room for, and the next ones only where they are still needed. */
+/* Sorting by a group of threads. A list is not sorted as a whole: the group sorts the nearest keys that fit in
+ * shared memory, and the next ones only if a pixel is still open. */
 #ifndef FXS_CUDA_SORT_CUH
 #define FXS_CUDA_SORT_CUH
 
@@ -9,20 +9,20 @@ namespace {
 
 const uint32_t GROUP_WARPS_MOST = 32;
 
-/* The memory in which a group sorts up to Room keys at a time, by 2^Bits bins. */
+/* Shared memory of a group that sorts up to Room keys at a time in 2^Bits bins. */
 template <uint32_t Room, int Bits = 11>
 struct group_keys {
     static constexpr uint32_t room = Room, bins = 1u << Bits;
     static constexpr int bits = Bits;
-    uint64_t keys[Room];                   /* in no order */
-    uint16_t places[Room];                 /* of the keys, bin after bin */
-    uint2 bounds[GROUP_WARPS_MOST];        /* of depths, least and most */
+    uint64_t keys[Room];                   /* unsorted */
+    uint16_t places[Room];                 /* indices into keys, bin by bin */
+    uint2 bounds[GROUP_WARPS_MOST];        /* least and most depth per warp */
     uint32_t sums[GROUP_WARPS_MOST];
-    uint32_t segments[WARP];               /* of the range of a sort */
+    uint32_t segments[WARP];               /* of the key range, see segmented */
     uint32_t count, bin;
 };
 
-/* Where many bins are a thread's, there is a gap behind them, so that the n-th ones of all threads lie in different
+/* If a thread has more than two bins, one unused bin follows them, so that the threads' n-th bins are in different
    banks. */
 template <class K, uint32_t T>
 constexpr bool has_gaps = K::bins / T > 2;
@@ -40,21 +40,21 @@ __device__ inline uint32_t slot_of(uint32_t bin)
 template <uint32_t T>
 struct group {
     static constexpr uint32_t threads = T;
-    uint32_t number, thread;               /* the group in its block, the thread in its group */
+    uint32_t number, thread;               /* group in the block; thread in the group */
 
     __device__ void sync() const
     {
         wait_at(number + 1, T);
     }
 
-    /* Whether `x` holds in any thread; synchronises too. */
+    /* True if `x` holds in any thread; also synchronises. */
     __device__ bool any(bool x) const
     {
         return any_at(number + 1, T, x);
     }
 };
 
-/* A warp. */
+/* A group of one warp. */
 template <>
 struct group<WARP> {
     static constexpr uint32_t threads = WARP;
@@ -66,7 +66,7 @@ struct group<WARP> {
     }
 };
 
-/* Calls visit(key) for every key of a list; several are fetched at once. */
+/* Calls visit(key) for every key of a list, with several loads in flight. */
 template <class G, class Visit>
 __device__ void visit_keys(const uint64_t *list, uint32_t count, const G *g, Visit visit)
 {
@@ -83,12 +83,12 @@ __device__ void visit_keys(const uint64_t *list, uint32_t count, const G *g, Vis
     }
 }
 
-/* Keys from low to high. */
+/* Inclusive. */
 struct key_range {
     uint64_t low, high;
 };
 
-/* The range of keys whose depths lie within those of all threads. */
+/* The key range of the depths that all threads' ranges span. */
 template <class K, class G>
 __device__ key_range range_of(K *shared, uint32_t least, uint32_t most, const G *g)
 {
@@ -118,7 +118,7 @@ __device__ key_range range_of_list(K *shared, const G *g, VisitAll visit_all)
     return range_of(shared, least, most, g);
 }
 
-/* A bin holds 2^that keys, so that K::bins reach from `low` to `high`. */
+/* log2 of a bin's width, so that K::bins cover `low` to `high`. */
 template <class K>
 __device__ inline int bin_shift(uint64_t low, uint64_t high)
 {
@@ -126,7 +126,7 @@ __device__ inline int bin_shift(uint64_t low, uint64_t high)
     return bits > K::bits ? bits - K::bits : 0;
 }
 
-/* How many keys are in the bins before this thread's, and in its own. */
+/* Number of keys in the bins before this thread's; *own: in its own. */
 template <class K, class G>
 __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, const G *g)
 {
@@ -142,7 +142,7 @@ __device__ uint32_t keys_before(K *shared, const uint32_t *bins, uint32_t *own, 
     return end - *own;
 }
 
-/* From the sizes of bins to their starts. */
+/* Replaces bin sizes by bin starts. */
 template <class K, class G>
 __device__ void place_bins(K *shared, uint32_t *bins, const G *g)
 {
@@ -163,8 +163,8 @@ __device__ void clear_bins(uint32_t *bins, const G *g)
         bins[i] = 0;
 }
 
-/* Finds the first bin with which the keys are more than K::room: shared->bin (K::bins: none), and how many are below
-   it: shared->count. */
+/* Finds the largest prefix of bins with at most K::room keys. shared->bin: the first bin after it, K::bins if none;
+   shared->count: its keys. */
 template <class K, class G>
 __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
 {
@@ -181,8 +181,8 @@ __device__ void find_bin(K *shared, const uint32_t *bins, const G *g)
     g->sync();
 }
 
-/* Puts the least keys from r->low on into shared->keys, at most K::room, and moves r->low. Returns how many. There must
-   be some left. */
+/* Moves the smallest keys from r->low on, at most K::room, to shared->keys, and advances r->low. Returns their number.
+   At least one key must be left. */
 template <class K, class G, class VisitAll>
 __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G *g, VisitAll visit_all)
 {
@@ -202,7 +202,7 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G 
         const uint64_t bin = shared->bin, width = (uint64_t)1 << shift;
         if (found) {
             last = bin < K::bins ? first + bin * width - 1 : last;
-        } else {                           /* too many in one bin */
+        } else {                           /* the first bin holds too many: refine it */
             first += bin * width;
             last = first + width - 1;
         }
@@ -220,15 +220,16 @@ __device__ uint32_t next_round(key_range *r, K *shared, uint32_t *bins, const G 
     return found;
 }
 
-/* Bins for a sort, of different widths, as depths lie in clusters: each 32nd of the range, a segment, has as many as it
-   has keys, of all. */
+/* Bins of different widths for clustered depths: the range is divided into 32 segments, and each gets bins in
+   proportion to its keys. */
 template <class K, class G>
 struct segmented {
-    const uint32_t *segments;              /* the first bin and, below, how many */
+    const uint32_t *segments;              /* per segment: first bin << 16 | number of bins */
     uint64_t low;
-    int shift;                             /* a segment holds 2^that keys, 27 or more as indices are below depths */
+    int shift;                             /* log2 of a segment's keys; at least 27, as indices are in the low 32
+                                              bits */
 
-    /* Counts the segments' keys. */
+    /* Counts each segment's keys and assigns its bins. */
     __device__ segmented(K *shared, key_range r, uint32_t count, const G *g) : segments(shared->segments), low(r.low)
     {
         shift = 64 - __clzll((long long)(r.high - r.low)) - 5;
@@ -252,8 +253,8 @@ struct segmented {
     }
 };
 
-/* Moves keys from r.low to r.high, or what stands for them, to `sorted`, bin after bin: those that visit_all(visit)
-   calls visit for, with a key and what is moved. Bins are ends then. */
+/* Counting sort by bin of the keys within r: visit_all(visit) calls visit(key, value), and the values are written to
+   `sorted` bin by bin. Afterwards `bins` holds the bins' ends. */
 template <class Moved, class K, class G, class VisitAll>
 __device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range r, const G *g, VisitAll visit_all)
 {
@@ -271,7 +272,7 @@ __device__ void move_to_bins(Moved *sorted, K *shared, uint32_t *bins, key_range
     g->sync();
 }
 
-/* How many ends are at most `most`, by a warp. */
+/* By a warp: number of bin ends <= `most`. */
 template <class K>
 __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
 {
@@ -283,7 +284,7 @@ __device__ uint32_t ends_within(const uint32_t *ends, uint32_t most)
     return count;
 }
 
-/* The end of the bins that are within `room` keys after `first`; `first` where there are none. */
+/* The last bin end within `room` keys after `first`; `first` if there is none. */
 template <class K>
 __device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room)
 {
@@ -291,15 +292,15 @@ __device__ uint32_t bins_end(const uint32_t *ends, uint32_t first, uint32_t room
     return bins ? max(ends[bins - 1], first) : first;
 }
 
-/* The end of the bin that begins at `first`. */
+/* The end of the bin that starts at `first`. */
 template <class K>
 __device__ uint32_t bin_end(const uint32_t *ends, uint32_t first)
 {
     return ends[ends_within<K>(ends, first)];
 }
 
-/* The low halves of shared->keys, `count` of them, near to far: they go to bins by depth, then each counts those of its
-   bin that are less. */
+/* Writes the low halves of shared->keys, near to far. Counting sort by depth, then within a bin each key counts the
+   smaller ones. */
 template <class K, class G>
 __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t count, const G *g)
 {
@@ -318,7 +319,7 @@ __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t
     place_bins(shared, bins, g);
     for (uint32_t i = g->thread; i < count; i += G::threads)
         shared->places[atomicAdd(&bins[slot_of<K, G>(s.bin_of(shared->keys[i]))], 1u)] = (uint16_t)i;
-    g->sync();                             /* bins are ends now */
+    g->sync();                             /* bins now holds ends */
     for (uint32_t i = g->thread; i < count; i += G::threads) {
         const uint64_t key = shared->keys[shared->places[i]];
         const uint32_t bin = s.bin_of(key);
@@ -331,7 +332,7 @@ __device__ void sort_keys(uint32_t *entries, K *shared, uint32_t *bins, uint32_t
     g->sync();
 }
 
-/* The same, with fewer bins for fewer keys. */
+/* The same, with a quarter of the bins for up to Room / 4 keys. */
 template <uint32_t Room, int Bits, class G>
 __device__ void sort_keys_by_count(uint32_t *entries, group_keys<Room, Bits> *shared, uint32_t *bins, uint32_t count,
                                    const G *g)
@@ -342,9 +343,8 @@ __device__ void sort_keys_by_count(uint32_t *entries, group_keys<Room, Bits> *sh
         sort_keys(entries, (group_keys<Room, Bits - 2> *)shared, bins, count, g);
 }
 
-/* Calls take(count) for the keys of a list, near to far, as many at a time as there is room for: they are in
-   shared->keys then, in no order. As long as it returns true, in all threads. ends: where the bins end that the list is
-   in; null: it is in none. */
+/* Calls take(count) for batches of a list's keys, near to far, until it returns false. The batch is in shared->keys,
+   unsorted. take must return the same value in all threads. ends: bin ends if the list is in bins, else null. */
 template <class K, class G, class Take>
 __device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint32_t count, const uint32_t *ends,
                           const G *g, Take take)
@@ -353,7 +353,7 @@ __device__ void take_keys(K *shared, uint32_t *bins, const uint64_t *list, uint3
     for (uint32_t first = 0, end = count; first < count && more; first = end, end = count) {
         if (ends)
             end = bins_end<K>(ends, first, K::room);
-        if (end == first)                  /* a bin too large */
+        if (end == first)                  /* the next bin exceeds K::room */
             end = bin_end<K>(ends, first);
         const uint32_t own = end - first;
         auto visit_all = [&](auto visit) { visit_keys(list + first, own, g, visit); };

@@ -1,4 +1,4 @@
-/* Which pixels of a tile a splat can touch. */
+/* Finds which pixels of a tile a splat can touch. Conservative: rounding errors are covered by margins. */
 #ifndef FXS_CUDA_TILE_WALK_CUH
 #define FXS_CUDA_TILE_WALK_CUH
 
@@ -6,10 +6,10 @@
 
 namespace {
 
-/* The splats of a frame as a tile has them; (x, y): its first pixel. */
+/* A frame's splats relative to a tile; (x, y): the tile's first pixel. */
 struct tile_splats {
     const fxs_splat *splats;
-    int cut_q11;                           /* of the view */
+    int cut_q11;
     int32_t x, y;
 
     __device__ tile_splats(const fxs_view *view, const frame_buffers *f, uint32_t tile)
@@ -18,7 +18,7 @@ struct tile_splats {
     {
     }
 
-    /* The splat of a key; of any where that is cut off. */
+    /* The splat of a key; for a cut-off key, any splat. */
     __device__ fxs_splat splat_of(uint64_t key) const
     {
         __builtin_assume(__isGlobal(splats));
@@ -26,19 +26,19 @@ struct tile_splats {
     }
 };
 
-/* x rounded down, 0 to 31. */
+/* x clamped to 0..31 and rounded down. */
 __device__ inline uint32_t whole(float x)
 {
     return (uint32_t)__float_as_int(__fadd_rd(fminf(fmaxf(x, 0), 31), 8388608.0f)) % 32;
 }
 
-/* How large |u| can be where a row leaves so much of the level, widened by more than the rounding of u. */
+/* Largest |u| with a level within `left`, plus a margin above the rounding error of u. */
 __device__ inline float reach_of(float left)
 {
     return approximate_root(fmaxf(left, 0) + 1) * 1.0001f + 0.05f;
 }
 
-/* The pixels of a row, a bit each, that a splat can touch. */
+/* The pixels of a row that a splat can touch, one bit each. */
 __device__ inline uint32_t pixels_of_row(uint32_t u_q24, float inverse, float left)
 {
     const float u = coordinate_q6(u_q24), reach = reach_of(left);
@@ -47,7 +47,7 @@ __device__ inline uint32_t pixels_of_row(uint32_t u_q24, float inverse, float le
     return left >= 0 && first < end ? (1u << end) - (1u << first) : 0;
 }
 
-/* A splat on its way down the rows of a tile. */
+/* A splat's u and v while walking down the rows of a tile. */
 struct row_walk {
     uint32_t u_q24, v_q24;                 /* at the row's first pixel */
     float inverse, limit;
@@ -61,7 +61,7 @@ struct row_walk {
         limit = __int_as_float(limit_bits(s, t->cut_q11));
     }
 
-    /* The pixels that it can touch of this row; goes on to the next one. */
+    /* Returns the pixels of this row that the splat can touch, and moves to the next row. */
     __device__ uint32_t next(const fxs_splat *s)
     {
         const uint32_t pixels = pixels_of_row(u_q24, inverse, limit - row_level(v_q24, s->offset_q11));
@@ -71,9 +71,9 @@ struct row_walk {
     }
 };
 
-/* The columns of a tile that a splat can touch, a bit each, and perhaps some beside: those of a box around it, of the
-   rows that it can touch. u and v grow evenly, so the box ends where u is least or most at its first or last row, plus
-   the reach at the row with the least |v|: 5 is more than what rounding can add to its level. */
+/* The columns of a tile that a splat can touch, one bit each; conservative. Takes the bounding box over the splat's
+   rows in the tile: u is linear, so its extremes are at the first or last row; the reach is that of the row with least
+   |v|. The margin of 5 exceeds the rounding error of the level. */
 __device__ inline uint32_t columns_of(const tile_splats *t, const fxs_splat *s)
 {
     const int32_t first_row = max((int32_t)s->first_row - t->y, 0);

@@ -1,4 +1,4 @@
-/* The stages of the fit (src/fit/fit_stages.h) in AVX2: 8 numbers at a time. */
+/* The stages of the fit (src/fit/fit_stages.h) in AVX2: 8 lanes. */
 #include <immintrin.h>
 #define ISA avx2
 #define LANES 8

@@ -1,4 +1,4 @@
-/* The stages of the fit (src/fit/fit_stages.h) in NEON of AArch64: 4 numbers at a time. */
+/* The stages of the fit (src/fit/fit_stages.h) in NEON (AArch64): 4 lanes. */
 #include <arm_neon.h>
 #define ISA neon
 #define LANES 4

@@ -1,4 +1,4 @@
-/* The stages of the fit (src/fit/fit_stages.h) in SSE4.1: 4 numbers at a time. */
+/* The stages of the fit (src/fit/fit_stages.h) in SSE4.1: 4 lanes. */
 #include <smmintrin.h>
 #define ISA sse41
 #define LANES 4

@@ -1,4 +1,4 @@
-/* update: a step of Adam (Kingma and Ba 2015) for LANES parameters, and the parts of the loss beside the picture. */
+/* update: a step of Adam (Kingma and Ba 2015) for LANES parameters, and the gradients of the regularisers. */
 #ifndef FXS_FIT_ADAM_H
 #define FXS_FIT_ADAM_H
 
@@ -22,7 +22,7 @@ static inline void adam_step(const fxs_fit_adam *adam, float rate, real g, real 
     *at = choose(below(absolute(next), all(FXS_FIT_FARTHEST_PLACE)), next, *at);
 }
 
-/* Adds the gradients of the mean opacity and the mean scale. */
+/* Add the gradients of mean opacity and of mean scale. */
 static inline real opacity_regularised(const fxs_fit_adam *adam, real gradient, real logit)
 {
     const real opacity = 1.0f / (1.0f + exp_of_minus(logit));

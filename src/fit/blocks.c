@@ -1,3 +1,6 @@
+/* Divides a large set into blocks that are fitted one after the other: chooses each block's bounds, photographs, and
+ * points or Gaussians of the coarse fit. Bounds come from repeated splits of the points' box along its widest axis.
+ * A photograph belongs to a block if it sees the block's points and stands near them, or sees at least 1/20 of them. */
 #include <fixsplat/blocks.h>
 
 #include <math.h>
@@ -10,7 +13,7 @@
 #include "photos_internal.h"
 #include "recipe.h"
 
-#define FAR 2.0                    /* blocks end so many widths of the box of all cameras outside of it */
+#define FAR 2.0                    /* all blocks end this many widths of the cameras' box outside of it */
 
 /* ---- The block's bounds ------------------------------------------------------------------------------------------ */
 
@@ -35,7 +38,7 @@ static void sort_axis(const fxs_fit_point *points, size_t count, int axis, float
     qsort(sorted, count, sizeof *sorted, compare_floats);
 }
 
-/* The axis on which the middle three quarters of the points are widest: a few far points do not matter. */
+/* The axis along which the middle three quarters of the points are widest; outliers have no effect. */
 static int widest_axis(const fxs_fit_point *points, size_t count, float *sorted)
 {
     double widest = -1;
@@ -60,8 +63,8 @@ static size_t keep_inside(fxs_fit_point *points, size_t count, const fxs_fit_blo
     return kept;
 }
 
-/* Keeps the block's points in `points` and returns their number; 0 where many are in one place of another block. The
-   bounds are those of all blocks together before. */
+/* Splits the bounds down to block `index`. Keeps the block's points in `points` and returns their number; 0 if many
+   points at one place fall into another block. On entry, b has the bounds of all blocks together. */
 static size_t find_bounds(fxs_fit_block *b, uint32_t index, uint32_t blocks, fxs_fit_point *points, size_t count,
                           float *sorted)
 {
@@ -84,7 +87,7 @@ static size_t find_bounds(fxs_fit_block *b, uint32_t index, uint32_t blocks, fxs
     return count;
 }
 
-/* ---- What sees it ------------------------------------------------------------------------------------------------ */
+/* ---- Photographs that see it ------------------------------------------------------------------------------------- */
 
 static int is_seen(const fxs_file_view *view, const float place[3])
 {
@@ -96,14 +99,15 @@ static int is_seen(const fxs_file_view *view, const float place[3])
     return depth > 0 && x >= 0 && x < view->width * depth && y >= 0 && y < view->height * depth;
 }
 
-/* The block's points. */
+/* A block's points. */
 typedef struct neighbourhood {
     const fxs_fit_point *points;
     size_t count;
-    double low[3], high[3];        /* the widened box of these points */
+    double low[3], high[3];        /* their box, widened */
 } neighbourhood;
 
-/* A few points far from the others would let every camera stand in the box. */
+/* Computes the box without the outermost 1/64 of the points on each side, so that outliers do not enlarge it; then
+   widens it by 0.2 of its longest side. */
 static void widen(neighbourhood *n, float *sorted)
 {
     const size_t outer = n->count / 64;
@@ -131,7 +135,7 @@ static int is_chosen(const neighbourhood *n, const fxs_file_view *view)
     return seen && (stands_in || 20 * seen >= n->count);
 }
 
-/* Marks those that the block gets; returns their number. */
+/* Marks the block's photographs and returns their number. */
 static size_t choose_photos(const neighbourhood *n, const fxs_fit_photo *photos, size_t count, uint8_t *chosen)
 {
     size_t kept = 0;
@@ -142,10 +146,10 @@ static size_t choose_photos(const neighbourhood *n, const fxs_fit_photo *photos,
 
 /* ---- The choice -------------------------------------------------------------------------------------------------- */
 
-/* What a block gets of a set: marks. */
+/* Marks for the parts of a set that a block gets. */
 typedef struct choice {
     uint8_t *fit, *held_out, *points;
-    fxs_fit_point *inner;          /* the points in the block */
+    fxs_fit_point *inner;          /* the points within the block's bounds */
     float *sorted;
 } choice;
 
@@ -182,7 +186,7 @@ static void choose_points(const neighbourhood *n, const fxs_photos *whole, choic
     }
 }
 
-/* Block 0 is what lies outside of all: nothing of the photographs. */
+/* Block 0 is everything outside of all blocks; it has no photographs. */
 static int choose(fxs_fit_block *b, const fxs_photos *whole, choice *c, fxs_message *message)
 {
     const unsigned number = b->number, blocks = b->blocks;
@@ -276,7 +280,7 @@ void fxs_fit_block_free(fxs_fit_block *b)
 
 /* ---- From files -------------------------------------------------------------------------------------------------- */
 
-/* The views of a list as photographs without pixels. */
+/* Makes photographs without pixels of the views of a list. */
 static int take_views(fxs_fit_photo **photos, size_t *count, const fxs_view_list *views)
 {
     *photos = calloc(views->count + 1, sizeof **photos);
@@ -305,8 +309,8 @@ static void take_cameras(const fxs_fit_photo *photos, size_t count, double low[3
         }
 }
 
-/* All blocks together: what lies beyond is seen from much the same side by all cameras, and remains of the coarse fit.
-   Cameras in one place have no such box. */
+/* Sets the bounds of all blocks together. All cameras see the space beyond from about the same side, so it keeps the
+   coarse fit's Gaussians. With all cameras in one place, the bounds are infinite. */
 static void bound(fxs_fit_block *b, const fxs_photos *whole)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, longest = 0;
@@ -320,7 +324,7 @@ static void bound(fxs_fit_block *b, const fxs_photos *whole)
     }
 }
 
-/* The Gaussians of the coarse fit that are marked, or of block 0 those outside of its bounds. */
+/* Takes the marked Gaussians of the coarse fit; for block 0, those outside of its bounds. */
 static int take_gaussians(fxs_fit_block *b, const fxs_photos *whole, const uint8_t *chosen)
 {
     b->gaussians = malloc((whole->point_count + 1) * sizeof *b->gaussians);
@@ -330,7 +334,7 @@ static int take_gaussians(fxs_fit_block *b, const fxs_photos *whole, const uint8
     return !b->gaussians;
 }
 
-/* As fxs_photo_view wants it. */
+/* Checks that fxs_photo_view can be used. */
 static int check_sizes(const fxs_view_list *views, fxs_message *message)
 {
     for (size_t i = 0; i < views->count; i++)
@@ -341,7 +345,7 @@ static int check_sizes(const fxs_view_list *views, fxs_message *message)
     return 0;
 }
 
-/* What the set has, but for its pixels. */
+/* Reads everything of the set except pixels. */
 static int read_whole(fxs_photos *whole, const fxs_photo_list *list, const fxs_photos_options *options,
                       const fxs_fit_coarse *coarse, fxs_message *message)
 {
@@ -370,7 +374,7 @@ static int read_chosen(fxs_fit_block *b, fxs_photo_list *list, const fxs_photos 
     return fxs_photos_pixels(list, options, p, message);
 }
 
-/* Which photographs the block gets, before they are read. */
+/* Chooses the block's photographs before they are read. */
 static int choose_of(const char *path, const fxs_photo_list *list, const fxs_photos *whole,
                      const fxs_photos_options *options, const fxs_fit_coarse *coarse, fxs_fit_block *b, choice *c,
                      fxs_message *message)

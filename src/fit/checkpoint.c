@@ -1,4 +1,4 @@
-/* Saves a fit as 32-bit little-endian words. One function, walk, both writes and reads them, so that the two agree. */
+/* Saves a fit as 32-bit little-endian words. A single function, walk, both writes and reads, so that the two agree. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,17 +11,17 @@
 #include "random.h"
 
 #define MAGIC 0x74696678u          /* "xfit" */
-#define END 0x646e6578u            /* "xend": the checksum of all words before it follows */
+#define END 0x646e6578u            /* "xend"; followed by the checksum of all words before it */
 
-/* Grows with every change of what a fit computes: an older file would not end as if it had never been stopped. */
-#define VERSION 13u                /* and more for its options: see version_of */
+/* Increases with every change to a fit's computation: a fit resumed from an older file would end differently. */
+#define VERSION 13u                /* options add to it: see version_of */
 
 typedef struct archive {
-    fxs_output *output;            /* null: the file is read */
+    fxs_output *output;            /* null: reading */
     FILE *input;
-    uint64_t size, fetched;        /* bytes of the input, and bytes read into the buffer so far */
+    uint64_t size, fetched;        /* input bytes; bytes fetched into the buffer so far */
     uint64_t checksum;             /* of the words so far */
-    const char *fault;             /* the first fault: later words are read as 0 and not written */
+    const char *fault;             /* first fault; from then on words read as 0 and nothing is written */
     int error;                     /* the code of that fault */
     size_t at, end;                /* position and end in the buffer, bytes */
     uint8_t buffer[1 << 16];
@@ -42,7 +42,7 @@ static void damaged(archive *a, const char *fault)
 
 /* ---- Words ------------------------------------------------------------------------------------------------------- */
 
-/* The output keeps the error until it is closed. */
+/* fxs_output_close reports an error. */
 static void flush(archive *a)
 {
     fxs_message message;
@@ -102,7 +102,7 @@ static void floats(archive *a, float *values, size_t count)
     }
 }
 
-/* Checks, before memory is allocated, that the file still has `count` items of `words` words. */
+/* Before an allocation: checks that the file still has `count` items of `words` words. */
 static int holds(archive *a, uint64_t count, uint64_t words)
 {
     const uint64_t passed = a->fetched - (a->end - a->at);
@@ -111,14 +111,14 @@ static int holds(archive *a, uint64_t count, uint64_t words)
     return !a->fault;
 }
 
-/* The version of a fit with these options: one of earlier options can be read by an earlier fixsplat. */
+/* The version for these options. A fit that uses only older options can be read by an older fixsplat. */
 static uint32_t version_of(const fxs_fit_options *o)
 {
     return VERSION + o->exposure + 3 * (uint32_t)o->refine_poses + 6 * (uint32_t)o->antialiased +
            12 * (uint32_t)(o->sky > 0);
 }
 
-/* Returns whether there is such a version. */
+/* Sets the options that a version encodes. Returns whether the version is valid. */
 static int take_version(fxs_fit_options *o, uint32_t version)
 {
     o->exposure = (enum fxs_fit_exposure)((version - VERSION) % 3);
@@ -128,7 +128,7 @@ static int take_version(fxs_fit_options *o, uint32_t version)
     return version == version_of(o);
 }
 
-/* ---- What it holds ----------------------------------------------------------------------------------------------- */
+/* ---- Contents ---------------------------------------------------------------------------------------------------- */
 
 static uint64_t fingerprint(const fxs_fit *f)
 {
@@ -153,7 +153,7 @@ static uint64_t fingerprint(const fxs_fit *f)
     return sum;
 }
 
-/* Keys of the cameras, which a fit that is resumed has from its photographs. */
+/* Keys of the cameras. A resumed fit gets its cameras from the photographs; a coarse fit has only the keys. */
 static void walk_cameras(archive *a, const fxs_fit *f, fxs_fit_coarse *coarse)
 {
     uint64_t count = f->count;
@@ -197,7 +197,7 @@ static void walk_options(archive *a, fxs_fit_options *o)
         o->sky = within(a, o->sky, 1, FXS_FIT_SKY_MOST);
 }
 
-/* Checks the ranges of parameters that later computations rely on. Fits stay well within them (FXS_FIT_FARTHEST). */
+/* Checks ranges that later computations rely on. Fits stay well within them (FXS_FIT_FARTHEST). */
 static void check_parameters(archive *a, const fxs_fit_model *m, const float *parameters)
 {
     for (size_t k = 0; k <= FXS_FIT_OPACITY; k++) {
@@ -228,7 +228,7 @@ static void walk_model(archive *a, fxs_fit_model *m)
     check_parameters(a, m, m->parameters);
 }
 
-/* The visitors of fxs_fit_profile_walk: for blocks of floats, and of bytes. */
+/* Visitors for fxs_fit_profile_walk: blocks of floats, and of bytes. */
 static int masters_block(void *argument, void *block, size_t bytes)
 {
     floats(argument, block, bytes / sizeof(float));
@@ -249,7 +249,7 @@ static int bytes_block(void *argument, void *block, size_t bytes)
     return 0;
 }
 
-/* The last tenth of the steps: see profile.h. */
+/* The state of the last tenth of the steps: see profile.h. */
 static void walk_profile(archive *a, fxs_fit *f)
 {
     const uint32_t begun = within(a, f->profile.chunks != NULL, 0, 1);
@@ -266,7 +266,7 @@ static void walk_profile(archive *a, fxs_fit *f)
         damaged(a, "a number out of its range");
 }
 
-/* Exposures of the photographs. Those of a coarse fit, which has none itself, are as many as its cameras. */
+/* Exposures of the photographs. A coarse fit has no photographs; it has as many exposures as cameras. */
 static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->gains.of / sizeof(float) };
@@ -290,7 +290,7 @@ static void walk_gains(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* Poses of their cameras likewise. */
+/* Poses of the photographs' cameras; their number as for exposures. */
 static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     enum { WORDS = sizeof *f->poses.of / sizeof(float) };
@@ -314,7 +314,7 @@ static void walk_poses(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
     }
 }
 
-/* Beyond which radius sizes are as they look, in a fit with a sky. */
+/* The unit of sizes of a fit with a sky (far.h). */
 static void walk_far(archive *a, fxs_fit *f)
 {
     fxs_fit_far *far = &f->far;
@@ -329,7 +329,7 @@ static void walk_far(archive *a, fxs_fit *f)
 }
 
 /* All data that a step changes and the next step needs, except data that follow from the options and the step's number.
-   A new field of a fit is added here. */
+   Add new fields of a fit here. */
 static void walk(archive *a, fxs_fit *f, const fxs_fit_coarse *coarse)
 {
     number(a, &f->step);
@@ -355,7 +355,7 @@ static void walk_end(archive *a)
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
-/* With an output, walk does not change the fit. */
+/* walk with an output does not change the fit. */
 static void write_all(archive *a, fxs_fit *f)
 {
     uint32_t magic = MAGIC, version = version_of(&f->options);
@@ -404,7 +404,7 @@ static int open_input(archive *a, const char *path, fxs_message *message)
     return 0;
 }
 
-/* Reads up to the end of the options. Returns 0, or an error and a message. */
+/* Reads the header and the options. Returns 0, or an error and a message. */
 static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs_message *message)
 {
     uint32_t magic, version;
@@ -418,7 +418,7 @@ static int read_head(archive *a, const char *path, fxs_fit_options *options, fxs
     return a->fault ? fxs_fail(message, "%s: damaged: %s", path, a->fault) : 0;
 }
 
-/* `coarse`: null, or that of which `f` is the fit. */
+/* `coarse`: null, or the coarse fit that `f` belongs to. */
 static int read_rest(archive *a, const char *path, fxs_fit *f, fxs_fit_coarse *coarse, fxs_message *message)
 {
     uint64_t photographs = 0;

@@ -1,3 +1,5 @@
+/* A coarse fit (coarse.h): reads it from a saved fit, finds its cameras by key, and starts the fits of blocks from
+ * its model, exposures and poses. */
 #include "coarse.h"
 
 #include <stdlib.h>
@@ -27,7 +29,7 @@ static int compare_cameras(const void *a, const void *b)
     return (x->number > y->number) - (x->number < y->number);
 }
 
-/* The first photograph of the coarse fit that was taken from there, or null. */
+/* The coarse fit's first photograph with this camera, or null. */
 static const fxs_fit_coarse_camera *find_camera(const fxs_fit_coarse *coarse, const fxs_fit_camera *camera)
 {
     const uint64_t key = fxs_fit_camera_key(camera);

@@ -1,4 +1,4 @@
-/* A coarse fit of a whole set, from which the fits of its blocks go on. */
+/* A coarse fit of a complete set of photographs. The fits of its blocks continue from it. */
 #ifndef FXS_FIT_COARSE_H
 #define FXS_FIT_COARSE_H
 
@@ -6,27 +6,27 @@
 #include "src/camera/camera_internal.h"
 #include "fit_internal.h"
 
-/* Of a photograph. */
+/* A photograph's camera. */
 typedef struct fxs_fit_coarse_camera {
     uint64_t key;
-    uint32_t number;               /* of its exposure and its pose */
+    uint32_t number;               /* index of its exposure and pose */
 } fxs_fit_coarse_camera;
 
 struct fxs_fit_coarse {
-    fxs_fit *fit;                  /* without photographs, engine and stepper */
-    fxs_fit_coarse_camera *cameras;    /* of its photographs, ascending by key and number */
+    fxs_fit *fit;                  /* has no photographs, engine or stepper */
+    fxs_fit_coarse_camera *cameras;    /* of the fit's photographs, sorted by key and number */
     size_t camera_count;
-    uint64_t number;               /* of the file */
+    uint64_t number;               /* identifies the file */
 };
 
-/* The same for a photograph of any size from one place in one direction. */
+/* A key of a camera's position and direction, independent of the picture's size. */
 uint64_t fxs_fit_camera_key(const fxs_fit_camera *camera);
 
-/* Reads a saved fit but for its photographs (checkpoint.c). Returns 0, or an error and a message; fxs_fit_coarse_free
-   frees what was read. */
+/* Reads a saved fit except its photographs (checkpoint.c). Returns 0, or an error and a message; fxs_fit_coarse_free
+   frees the parts that were read. */
 int fxs_fit_checkpoint_read(fxs_fit_coarse *coarse, const char *path, fxs_message *message);
 
-/* Whether the coarse fit had photographs from where these were taken; with skip_bad, some of them. Returns 0, or an
+/* Checks that the coarse fit had photographs from these views' cameras; with skip_bad, some suffice. Returns 0, or an
    error and a message. */
 int fxs_fit_coarse_check(const fxs_fit_coarse *coarse, const fxs_view_list *views, int skip_bad,
                          fxs_message *message);

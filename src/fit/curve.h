@@ -1,11 +1,11 @@
-/* The place of a Gaussian on a Morton curve. The processor and CUDA compile this same text. */
+/* The place of a Gaussian on a Morton curve. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_CURVE_H
 #define FXS_FIT_CURVE_H
 
 #include "planes.h"
 
-/* The order of sums over all Gaussians: number i is added to sum i % CURVE_SUMS, in ascending order, and then these
-   sums are added in order. */
+/* Order of sums over all Gaussians: number i is added to sum i % CURVE_SUMS, in ascending order; then these sums are
+   added in order. */
 enum { CURVE_SUMS = 1024 };
 
 typedef struct curve {
@@ -45,7 +45,7 @@ static inline uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x09249249;
 }
 
-/* Centres many spreads away from the middle share the outer cells: x / (1 + |x|). */
+/* Morton code. Coordinates are compressed by x / (1 + |x|), so distant centres share the outer cells. */
 static inline uint32_t code_of(const fxs_fit_model *m, const curve *of, size_t i)
 {
     uint32_t code = 0;

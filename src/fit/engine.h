@@ -1,7 +1,7 @@
-/* An engine makes the steps of a fit, on the processor (fit_engine.c) or on GPUs (kernels/fit/cuda).
+/* An engine makes the steps of a fit: on the CPU (fit_engine.c) or on GPUs (kernels/fit/cuda).
  *
- * It is made for one model, which must not move in memory. The model's `count` is always current, its planes only after
- * a fetch; on the processor they are always current. Functions return 0, or an error and a message. */
+ * It is created for one model, which must not move in memory. The model's `count` is always current; its planes are
+ * current after a fetch (on the CPU always). Functions return 0, or an error and a message. */
 #ifndef FXS_FIT_ENGINE_H
 #define FXS_FIT_ENGINE_H
 
@@ -10,20 +10,20 @@
 
 typedef struct fxs_fit_engine {
     const char *name;
-    /* Makes a step by the photographs of a batch. With a null `report`, it may return before the step is complete. */
+    /* Makes a step with the photographs of a batch. If `report` is null, it may return before the step is complete. */
     int (*step)(void *self, const fxs_fit_photograph *photographs, uint32_t count, const fxs_fit_step_options *options,
                 fxs_fit_report *report, fxs_message *message);
-    /* The same as the functions of model.h. */
+    /* As the functions of model.h. */
     int (*densify)(void *self, const fxs_fit_densify *densify, fxs_message *message);
     int (*relocate)(void *self, const fxs_fit_relocate *relocate, fxs_message *message);
     int (*order)(void *self, fxs_message *message);
     int (*reset_opacity)(void *self, float opacity, fxs_message *message);
-    /* Bring the model's planes up to date; the second function only the masters, of a model that has them. */
+    /* Update the model's planes on the host; fetch_masters only the masters of a model that has them. */
     int (*fetch)(void *self, fxs_message *message);
     int (*fetch_masters)(void *self, fxs_message *message);
-    /* Takes over the model's planes, which were changed or replaced. */
+    /* Takes over the model's planes after they were changed or replaced. */
     int (*give)(void *self, fxs_message *message);
-    /* Quantises the masters again by the model's grid, which was changed, and sets the parameters to the result. */
+    /* Quantises the masters again after the model's grid was changed, and sets the parameters to the result. */
     int (*quantise)(void *self, fxs_message *message);
     void (*free)(void *self);
 } fxs_fit_engine;

@@ -1,7 +1,7 @@
-/* The exposure of photographs. A colour I of the picture that is compared with a photograph becomes I M + m, with a 3x3
- * matrix M and a row m: 12 numbers, those of M row by row, then those of m. Where exposures are affine, a photograph
- * has these 12 themselves (the exposure of Inria's code, 2024). Else it has the three numbers e, r and b of a diagonal
- * M, 2^(e + r), 2^(e - (r + b)) and 2^(e + b), and m is 0. The processor and CUDA compile this same text. */
+/* The exposure of photographs. A colour I of the picture becomes I M + m before it is compared with a photograph; M
+ * is a 3x3 matrix, m a row: 12 numbers, M row by row, then m. Affine exposures store these 12 numbers (as in Inria's
+ * code, 2024). Otherwise a photograph has three numbers e, r, b: M is diagonal with 2^(e + r), 2^(e - (r + b)), 2^(e
+ * + b), and m is 0. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_EXPOSURE_H
 #define FXS_FIT_EXPOSURE_H
 
@@ -12,21 +12,20 @@ static inline int gain_numbers(int is_affine)
     return is_affine ? FXS_FIT_GAIN : 3;
 }
 
-/* Number k of an exposure that changes nothing. */
+/* Number k of the neutral exposure. */
 static inline float gain_neutral(int is_affine, int k)
 {
     return is_affine && k < 9 && k % 4 == 0 ? 1.0f : 0.0f;   /* M's diagonal */
 }
 
-/* In what unit Adam's step moves number k of an affine exposure: beside M's diagonal a quarter, as a photograph that is
-   brighter would else become greyer too; constants 1 / 32, as they have by far the largest gradients where pictures are
-   black, from SSIM. */
+/* The unit of Adam's step for number k of an affine exposure. M off the diagonal: 1/4, as a brighter photograph would
+   otherwise also become greyer. m: 1/32, as its gradients, from SSIM in black areas, are by far the largest. */
 static inline float gain_unit(int is_affine, int k)
 {
     return !is_affine || gain_neutral(1, k) > 0 ? 1.0f : k < 9 ? 0.25f : 0.03125f;
 }
 
-/* M and m. */
+/* Writes M and m. */
 static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float factors[FXS_FIT_GAIN])
 {
     const float e = gain->at[0], r = gain->at[1], b = gain->at[2];
@@ -39,22 +38,22 @@ static inline void gain_factors(const fxs_fit_gain *gain, int is_affine, float f
     factors[8] = exp_2_minus(-(e + b));
 }
 
-/* A channel of I M + m. */
+/* One channel of I M + m. */
 static inline float exposed(const float factors[FXS_FIT_GAIN], const float colour[3], int channel)
 {
     const float *m = factors + channel;
     return ((colour[0] * m[0] + colour[1] * m[3]) + colour[2] * m[6]) + m[9];
 }
 
-/* dL/dI of a channel, of those by I M + m. */
+/* Gradient by a channel of I, from the gradient by I M + m. */
 static inline float gradient_before(const float factors[FXS_FIT_GAIN], const float gradient[3], int channel)
 {
     const float *m = factors + 3 * channel;
     return (gradient[0] * m[0] + gradient[1] * m[1]) + gradient[2] * m[2];
 }
 
-/* The order of sums over rows and over photographs: number i is added to part i % GAIN_PARTS, in ascending order, and
-   then these parts are added in order. Numbers are `step` apart. */
+/* Order of sums over rows and over photographs: number i is added to part i % GAIN_PARTS, in ascending order; then the
+   parts are added in order. Numbers are `step` apart. */
 enum { GAIN_PARTS = 64, GAIN_STEP = sizeof(fxs_fit_gain) / sizeof(float) };
 
 static inline double gain_part(const float *numbers, size_t step, size_t count, size_t part)
@@ -73,7 +72,7 @@ static inline float gain_sum(const double parts[GAIN_PARTS], double divisor)
     return (float)(sum / divisor);
 }
 
-/* Of number k over all photographs. */
+/* The mean of number k over all photographs. */
 static inline float gain_mean(const fxs_fit_gains *gains, int k)
 {
     double parts[GAIN_PARTS];
@@ -82,16 +81,16 @@ static inline float gain_mean(const fxs_fit_gains *gains, int k)
     return gain_sum(parts, gains->count);
 }
 
-/* Which of the sums that gain_gradient takes it needs. */
+/* Whether gain_gradient uses sum k. */
 static inline int gain_needs(int is_affine, int k)
 {
     return is_affine || (k < 9 && k % 4 == 0);
 }
 
-/* The gradient by a photograph's numbers. `sums`: over pixels, of dL/da_c a_k at 3 k + c, with the channels a of I M +
-   m, and of dL/da_c at 9 + c, over the number of pixels and channels. Affine: by W and w, in their units, where a becomes
-   a + a W + w. Else dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db = ln 2 (blue - green), with
-   dL/da a. */
+/* The gradient by a photograph's numbers. `sums`: sums over pixels, divided by the number of pixels and channels: at 3
+   k + c of dL/da_c a_k, with a = I M + m, and at 9 + c of dL/da_c. Affine: the gradient by W and w, in their units,
+   where a step maps a to a + a W + w. Otherwise dL/de = ln 2 (red + green + blue), dL/dr = ln 2 (red - green), dL/db =
+   ln 2 (blue - green), with red, green, blue the sums of dL/da_c a_c. */
 static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], float gradient[FXS_FIT_GAIN])
 {
     const float red = sums[0], green = sums[4], blue = sums[8];
@@ -104,7 +103,7 @@ static inline void gain_gradient(int is_affine, const float sums[FXS_FIT_GAIN], 
     gradient[2] = 0.693147181f * (blue - green);
 }
 
-/* Number k after this step: affine, M + M W, and m + m W + w. */
+/* Number k after a step. Affine: M + M W, and m + m W + w. */
 static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const float step[FXS_FIT_GAIN], int k)
 {
     const float *of_row = gain->at + k / 3 * 3, *by = step + k % 3;
@@ -114,11 +113,11 @@ static inline float gain_after(const fxs_fit_gain *gain, int is_affine, const fl
     return k < 9 ? moved : moved + by[9];
 }
 
-/* A step of Adam. The second moment is of the gradient's squared length, so that a number whose gradient is small
-   beside the others' moves little; all are corrected by those of a gradient of 1. `decay` is the share of each number's
-   difference from a neutral one that is taken off (decoupled decay, Loshchilov and Hutter 2019), as a scene could else
-   become brighter from one side, and the photographs from there darker. A gradient that is not finite, or
-   beyond FXS_FIT_FARTHEST_GRADIENT, changes nothing. */
+/* A step of Adam. A single second moment averages the squared length of the gradient, so that numbers with small
+   gradients move little. Both moments are divided by the moments of a constant gradient of 1, as photographs have
+   different numbers of steps. `decay`: the part of each number's difference from neutral that is subtracted (decoupled
+   weight decay, Loshchilov and Hutter 2019); it prevents a scene from becoming brighter on one side and its photographs
+   darker. A gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes nothing. */
 static inline void gain_step(fxs_fit_gain *gain, int is_affine, const float sums[FXS_FIT_GAIN], float rate,
                              float decay)
 {

@@ -1,11 +1,11 @@
-/* What is far away has a size as it looks from the cameras. The processor and CUDA compile this same text. */
+/* Beyond a radius, sizes are measured as angles from the cameras. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_FAR_H
 #define FXS_FIT_FAR_H
 
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* The unit of sizes at LANES Gaussians: 1 up to the radius, beyond it in proportion to |p - middle|. */
+/* The unit of sizes for LANES Gaussians: 1 within the radius, beyond it |p - middle| / radius. */
 static inline real unit_at(const fxs_fit_far *far, const float *at, size_t stride)
 {
     real square = all(0);

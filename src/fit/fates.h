@@ -1,11 +1,11 @@
-/* Densification of one Gaussian. The processor and CUDA compile this same text. */
+/* Densification of one Gaussian. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_FATES_H
 #define FXS_FIT_FATES_H
 
 #include "far.h"
 #include "planes.h"
 
-#define SPLIT_SHARE 0.707106781f    /* of the longest sigma, in a child */
+#define SPLIT_SHARE 0.707106781f    /* factor of the longest sigma in a child */
 
 static inline float largest_scale(const fxs_fit_model *m, size_t i)
 {
@@ -13,10 +13,10 @@ static inline float largest_scale(const fxs_fit_model *m, size_t i)
     return exp_e(fmaxf(fmaxf(x, y), z));
 }
 
-/* A Gaussian becomes one of two children, on this side of its longest axis (1 or -1). A sigma s is s k after that,
-   with k = 1 - (1 - 1 / sqrt(2)) (s / longest)^2; the centre moves by s sqrt(1 - k^2) along each axis, so that the two
-   have the variance of the one along each; the opacity o is 1 - (1 - o)^(1 / sqrt(2)). The formulas are brush's (its
-   pull request 479). No number is drawn. */
+/* Turns a Gaussian into one of two children on its longest axis; side: 1 or -1. A sigma s becomes s k, with k = 1 - (1
+   - 1 / sqrt(2)) (s / longest)^2; the centre moves by s sqrt(1 - k^2) along each axis, so that both children together
+   keep the variance along each axis. The opacity o becomes 1 - (1 - o)^(1 / sqrt(2)). Formulas: brush, pull request
+   479. Deterministic: uses no random numbers. */
 static inline void set_child(fxs_fit_model *m, size_t i, float side)
 {
     float q[4], r[3][3], at[3], length = 0;
@@ -45,7 +45,7 @@ static inline void set_child(fxs_fit_model *m, size_t i, float side)
         logit_of(1.0f - exp_e(SPLIT_SHARE * ln(fmaxf(rest, 0x1p-24f))));
 }
 
-/* The fates of a Gaussian: it is removed, stays, is cloned or is split. */
+/* The fate of a Gaussian. */
 enum { GOES, STAYS, CLONED, SPLIT };
 
 static inline float mean_gradient(const fxs_fit_model *m, size_t i)
@@ -61,7 +61,7 @@ static inline int has_rotation(const fxs_fit_model *m, size_t i)
     return square > 1e-20f;
 }
 
-/* The largest scale, far away as it looks from the cameras. */
+/* The largest scale in the unit of d->far (an angle, beyond its radius). */
 static inline float looked_at_scale(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return largest_scale(m, i) / unit_at(&d->far, m->parameters + i, m->stride);
@@ -77,7 +77,7 @@ static inline uint8_t fate_of(const fxs_fit_model *m, const fxs_fit_densify *d, 
     return is_split ? SPLIT : is_wanted ? CLONED : STAYS;
 }
 
-/* The fate of a candidate for a clone or split when there is no room for more Gaussians. */
+/* The fate of a candidate for a clone or split if the limit of Gaussians is reached. */
 static inline uint8_t fate_without_room(const fxs_fit_model *m, const fxs_fit_densify *d, size_t i)
 {
     return looked_at_scale(m, d, i) > d->large ? GOES : STAYS;

@@ -1,4 +1,4 @@
-/* A fit: checks its arguments, and makes steps with the changes of the recipe after each. */
+/* A fit: checks arguments, creates the model, and makes steps, each followed by the recipe's changes. */
 #include "fit_internal.h"
 
 #include <float.h>
@@ -64,7 +64,7 @@ static int is_within(const double place[3])
     return fabs(place[0]) <= farthest && fabs(place[1]) <= farthest && fabs(place[2]) <= farthest;
 }
 
-/* 1 where a place is in front of a camera, in the picture or beside it. */
+/* True if a place is in front of a camera, inside the picture or not. */
 static int is_before(const fxs_file_view *view, const double place[3])
 {
     double depth = 0;
@@ -90,8 +90,8 @@ static int check_points(const fxs_fit_photo *photos, size_t photo_count, const f
     return are_seen ? 0 : fxs_fail_as(FXS_ERR_ARGUMENT, message, "all points are behind all cameras");
 }
 
-/* Checks for single precision, rounding to nearest and subnormal numbers. Otherwise a fit would differ from that of
-   other machines. */
+/* Checks for IEEE single precision, round to nearest and subnormal numbers; otherwise results would differ between
+   machines. */
 static int check_arithmetic(fxs_message *message)
 {
     volatile float one = 1, half_unit = 0x1p-24f, tiny = 0x1p-140f;
@@ -141,8 +141,8 @@ static int check_photographs(const fxs_fit_photo *photos, size_t count, fxs_mess
     return 0;
 }
 
-/* Begins with the points and then those of the sky; of more than max_gaussians, with that many, evenly spaced in this
-   order. */
+/* Creates Gaussians at the points, then at the sky's points. Of more than max_gaussians, takes that many, evenly spaced
+   in this order. */
 static int begin_with(fxs_fit *f, const fxs_fit_point *points, size_t count, const fxs_fit_sky *sky)
 {
     const size_t all = count + sky->count, most = all < f->options.max_gaussians ? all : f->options.max_gaussians;
@@ -174,7 +174,7 @@ static int begin_model(fxs_fit *f, const fxs_fit_photo *photos, const fxs_fit_po
     return error;
 }
 
-/* 1 over the mean inverse depth of the points in a picture, of 4096 of all at most; 0 where there are none. */
+/* The harmonic mean depth of the points in a picture (of at most 4096 points); 0 if none is in it. */
 static float depth_of(const fxs_fit_camera *c, const fxs_fit_point *points, size_t count)
 {
     const size_t some = count < 4096 ? count : 4096;
@@ -255,8 +255,8 @@ int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count
     return error;
 }
 
-/* Begins with the exposures that are known: log2 of a gain is 1 / 2.2 of that of the light. Affine ones have the gain
-   as a factor, over the mean of all factors. */
+/* If all photographs have a known exposure, starts from it: the log2 gain is log2(exposure) / 2.2, minus the mean.
+   Affine exposures start with the gain as a factor, divided by the mean factor. */
 static void begin_gains(fxs_fit *f, const fxs_fit_photo *photos)
 {
     fxs_fit_gain *const gains = f->gains.of;
@@ -352,7 +352,8 @@ size_t fxs_fit_sky_count(const fxs_fit *f)
 
 /* ---- A step ------------------------------------------------------------------------------------------------------ */
 
-/* A new permutation each time all photographs were used (Fisher and Yates), seeded by the number of its first. */
+/* A new permutation after each pass through all photographs (Fisher and Yates), seeded by the number of its first
+   one. */
 void fxs_fit_set_order(fxs_fit *f, uint64_t number)
 {
     const uint32_t count = (uint32_t)f->count;
@@ -366,7 +367,7 @@ void fxs_fit_set_order(fxs_fit *f, uint64_t number)
     }
 }
 
-/* The photograph with this number in the sequence of all. */
+/* The photograph with this number in the sequence of steps. */
 static const fxs_fit_photograph *choose_photograph(fxs_fit *f, uint64_t number)
 {
     if (number % f->count == 0)
@@ -388,15 +389,15 @@ static void reduce(fxs_fit_photograph *p, int divisor)
     c->tiles_y = (c->height + FXS_FIT_TILE - 1) / FXS_FIT_TILE;
 }
 
-/* The rate with which a pose can go about this far, however often its photograph is in a step; at most 0.002 radians,
-   some pixels. */
+/* The learning rate of poses: the movement `way` divided by the number of steps of each photograph, at most 0.002
+   radians (some pixels). */
 static float pose_rate(const fxs_fit *f, float way)
 {
     return least(way * (float)f->count / ((float)f->options.steps * (float)f->options.batch), 0.002f);
 }
 
-/* The first rate of exposures, with which one gets as far whose photograph is in few steps: 4 shared out among these,
-   from 0.05 to 0.2, in log2. */
+/* The first learning rate of exposures, log2 units: 4 divided by the number of steps of each photograph, clamped to
+   0.05..0.2; times `part`. */
 static float gain_rate(const fxs_fit *f, float part)
 {
     const float share = 4 * (float)f->count / ((float)f->options.steps * (float)f->options.batch);
@@ -436,7 +437,8 @@ static int change_model(fxs_fit *f, const fxs_fit_plan *plan, fxs_message *messa
     return error;
 }
 
-/* The photographs of the next step, reduced by the divisor of its plan. The plan is the one for the last of them. */
+/* Chooses the photographs of the next step and reduces them by the plan's divisor. The plan is made for the last
+   photograph. */
 static void choose_batch(fxs_fit *f, fxs_fit_photograph *batch, fxs_fit_plan *plan)
 {
     for (uint32_t v = 0; v < f->options.batch; v++) {
@@ -488,7 +490,7 @@ int fxs_fit_gaussians(fxs_fit *f, fxs_gaussian_source *gaussians, fxs_message *m
     return error;
 }
 
-/* What pose_camera does to a camera, in doubles. */
+/* pose_camera in double precision. */
 static void pose_view(fxs_file_view *view, const fxs_fit_pose *pose)
 {
     fxs_fit_camera own = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};

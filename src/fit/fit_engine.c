@@ -1,4 +1,4 @@
-/* The engine of the processor, which works on the model of the fit directly. */
+/* The CPU engine: works directly on the fit's model. */
 #include <stdlib.h>
 
 #include <fixsplat/message.h>
@@ -40,7 +40,7 @@ static int reset_opacity(void *self, float opacity, fxs_message *message)
     return 0;
 }
 
-/* Nothing to do: the model is already here. */
+/* Nothing to do: the model is already in host memory. */
 static int stay(void *self, fxs_message *message)
 {
     (void)self, (void)message;

@@ -1,4 +1,4 @@
-/* project and update: from the parameters of LANES Gaussians to splats, and from the gradients of splats to those of
+/* project and update: converts parameters of LANES Gaussians to splats, and gradients of splats to gradients of
  * parameters. Derivatives: Kerbl et al. 2023, appendix A; Zwicker et al. 2002 for the Jacobian. */
 #ifndef FXS_FIT_GAUSSIAN_H
 #define FXS_FIT_GAUSSIAN_H
@@ -6,16 +6,17 @@
 #include "fit_lanes.h"
 #include "fit_stage.h"
 
-/* Values of project that update needs again. The covariance in the picture is T T^t + 0.3, with T = M R S and M = J W:
-   the rows of M are f / z (W_i - slope W_2). */
+/* Intermediate values of project that update needs too. The covariance in the picture is T T^t + 0.3 I, with T = M R S
+   and M = J W; row i of M is f / z (W_i - slope_i W_2). */
 typedef struct shape {
-    real offset[3];                /* position - eye; of an orthographic camera, its direction */
+    real offset[3];                /* position - eye; for an orthographic camera, its direction */
     real in_camera[3], inverse_z;
     real slope[2], cut_slope[2];   /* x / z, y / z; the same, clamped for the Jacobian */
-    real m[2][3], rotation[3][3], length, unit[4];   /* length: the inverse of the quaternion's */
-    real scale[3], v[2][3], t[2][3];    /* V = M R */
+    real m[2][3], rotation[3][3], length, unit[4];   /* length: 1 / |quaternion|; unit: the unit quaternion */
+    real scale[3], v[2][3], t[2][3];    /* V = M R, T = M R S */
     real ux, uy, vy, a, b, c;
-    real share;                    /* determinant of the covariance, over the one without dilation */
+    real share;                    /* determinant of the covariance divided by that without dilation; 1 if not
+                                      antialiased */
 } shape;
 
 static inline real dot3(const real *a, const real *b)
@@ -152,10 +153,10 @@ static inline void add_basis_gradient(const real d[3], int degree, const real w[
 }
 
 typedef struct look {
-    real inverse_length, direction[3], basis[15], colour[3];   /* colour: before it is clamped at 0 */
+    real inverse_length, direction[3], basis[15], colour[3];   /* colour: before clamping at 0 */
 } look;
 
-/* offset: of the Gaussians, as in `shape`. */
+/* `offset`: shape.offset. */
 static inline void find_look(look *l, const real offset[3], int degree, const float *at, size_t stride)
 {
     l->inverse_length = 1.0f / root(dot3(offset, offset));
@@ -171,10 +172,10 @@ static inline void find_look(look *l, const real offset[3], int degree, const fl
             l->colour[c] += l->basis[k] * load(at + (FXS_FIT_SH + 3 * k + c) * (ptrdiff_t)stride);
 }
 
-/* ---- Back -------------------------------------------------------------------------------------------------------- */
+/* ---- Backward ---------------------------------------------------------------------------------------------------- */
 
-/* The gradient of LANES Gaussians from their sums over pixels. Lanes where nothing was drawn have sums of 0 and
-   gradients of 0. The gradient of SH is the basis times the gradient `g` of the colour before it is clamped. */
+/* Gradients of LANES Gaussians from their sums over pixels. A lane that nothing was drawn of has sums and gradients of
+   0. The gradient of SH is the basis times `g`, the gradient of the unclamped colour. */
 static inline void colour_gradient(const look *l, int degree, const float *at, size_t stride, const real sums[],
                                    real g[3], real along[3])
 {
@@ -195,8 +196,8 @@ static inline void colour_gradient(const look *l, int degree, const float *at, s
         along[i] = (by_direction[i] - l->direction[i] * radial) * l->inverse_length;
 }
 
-/* dL/dT = 2 G T, G = -Q (sum of h d d^t / 2) Q, Q = U^t U the inverse of Sigma, U d = (u, v): G = -U^t (sum of h (u, v)
-   (u, v)^t / 2) U; here with the splats' u and v, which are scaled by FXS_FIT_UNIT. */
+/* dL/dT = 2 G T with G = -Q (sum of h d d^t / 2) Q, Q = U^t U the inverse of Sigma, U d = (u, v). So G = -U^t (sum of h
+   (u, v) (u, v)^t / 2) U; the splats' u and v are scaled by FXS_FIT_UNIT. */
 static inline void covariance_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
     const real ux = s->ux * (1.0f / FXS_FIT_UNIT), uy = s->uy * (1.0f / FXS_FIT_UNIT),
@@ -211,11 +212,13 @@ static inline void covariance_gradient(const shape *s, const real sums[], real b
     }
 }
 
-/* Adds what the picture has by the share of the opacity, o sqrt(sharp / det), with n = T_0 x T_1, sharp = |n|^2, det =
-   sharp + e (A + C) + e^2, e the dilation and A, C the squared lengths of T_0, T_1. dL/dln(o) = -sum of h, and
-       d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
-                                   = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T)
-   In the picture sharp / det is above 2^-16, so nothing overflows. */
+/* Adds the gradient by the antialiasing factor of the opacity, sqrt(sharp / det), with n = T_0 x T_1, sharp = |n|^2,
+ * det = sharp + e (A + C) + e^2, e the dilation and A, C the squared lengths of T_0, T_1. dL/dln(o) = -sum of h, and
+ *
+ *     d ln sqrt(sharp / det) / dT = ((T T^t)^-1 - (T T^t + e)^-1) T
+ *                                 = e / det ((A + C + e) / sharp (T_1 x n, n x T_0) - T)
+ *
+ * For visible splats sharp / det is above 2^-16, so nothing overflows. */
 static inline void add_share_gradient(const shape *s, const real sums[], real by_t[2][3])
 {
     const real *p = s->t[0], *q = s->t[1];
@@ -281,8 +284,8 @@ static inline void shape_gradient(const shape *s, const fxs_fit_camera *camera, 
                          camera->rotation[6 + k] * by_camera[2];
 }
 
-/* All gradients but those of SH, which follow from l->basis and `g`. by_centre: dL/dcentre, in pixels. by_position:
-   dL/dposition where the colour stays the same. */
+/* All gradients except SH, which are l->basis times `g`. by_centre: dL/dcentre, in pixels. by_position: dL/dposition at
+   constant colour. */
 static inline void find_gradient_but_sh(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                         const real sums[FXS_FIT_SUMS], look *l, real g[3],
                                         real gradient[FXS_FIT_SH], real by_centre[2], real by_position[3])
@@ -319,9 +322,9 @@ static inline void find_gradient(const fxs_fit_camera *camera, int degree, const
             gradient[FXS_FIT_SH + 3 * k + c] = k < SH_COUNT(degree) ? l.basis[k] * g[c] : all(0);
 }
 
-/* What a Gaussian adds to the gradient by the camera's pose: dL/dposition, as the picture depends on position - eye
-   alone; and dL/dtheta where the Gaussian is turned by theta about the eye, which is like turning the camera the other
-   way: position - eye and the rotation q turn, SH stay. dq = (0, theta) q / 2. */
+/* A Gaussian's term of the gradient by the camera's pose. out[0..2]: dL/dposition, as the picture depends on position -
+   eye only. out[3..5]: dL/dtheta for a rotation of the Gaussian by theta about the eye, the inverse of rotating the
+   camera: position - eye and the quaternion q rotate, SH stay. dq = (0, theta) q / 2. */
 static inline void find_pose_gradient(const fxs_fit_camera *camera, int degree, const float *at, size_t stride,
                                       const real sums[FXS_FIT_SUMS], real out[FXS_FIT_POSE])
 {

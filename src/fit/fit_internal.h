@@ -10,20 +10,20 @@
 struct fxs_fit {
     fxs_fit_options options;
     fxs_fit_photograph *photographs;
-    uint32_t *order;               /* order of the photographs, one for each until all are used */
+    uint32_t *order;               /* permutation of the photographs for the current pass */
     size_t count;
     const fxs_fit_engine *engine;
     void *self;                    /* the engine's own data */
-    fxs_fit_stepper *stepper;      /* makes the steps on the processor where there is no device */
+    fxs_fit_stepper *stepper;      /* CPU engine only */
     fxs_fit_model model;
-    fxs_fit_gains gains;           /* exposures of the photographs, all 0 where the options ask for none */
-    fxs_fit_poses poses;           /* of their cameras, all 0 where they stay as they are given */
-    fxs_fit_cameras cameras;       /* of the photographs, of an antialiased fit; else none */
+    fxs_fit_gains gains;           /* exposures of the photographs; all 0 if not fitted */
+    fxs_fit_poses poses;           /* pose corrections of the cameras; all 0 if not fitted */
+    fxs_fit_cameras cameras;       /* cameras of the photographs; used by an antialiased fit */
     fxs_fit_profile profile;
     float extent;
-    fxs_fit_far far;               /* of a fit with a sky */
-    size_t sky_count;              /* Gaussians that the sky began with; 0 in a fit that is resumed */
-    uint32_t step;                 /* number of steps made so far */
+    fxs_fit_far far;               /* used by a fit with a sky */
+    size_t sky_count;              /* initial Gaussians of the sky; 0 in a resumed fit */
+    uint32_t step;                 /* steps made so far */
 };
 
 /* The camera of a view, with the Mahalanobis cut-off, not anti-aliased. */
@@ -33,24 +33,25 @@ void fxs_fit_set_camera(fxs_fit_camera *camera, const fxs_file_view *view);
 int fxs_fit_begin(fxs_fit **fit, const fxs_fit_photo *photos, size_t photo_count, const fxs_fit_options *options,
                   fxs_message *message);
 
-/* Hands the model, which was begun or read, and the exposures to the engine. Returns 0, or an error and a message. */
+/* Hands the model and the exposures to the engine, after they were created or read. Returns 0, or an error and a
+   message. */
 int fxs_fit_hand_over(fxs_fit *fit, fxs_message *message);
 
-/* The engine of the processor, whose `self` is the fit. */
+/* The CPU engine; its `self` is the fit. */
 extern const fxs_fit_engine fxs_fit_engine_cpu;
 
-/* Sets the engine that the options ask for (port/backend/fit_engines.c). Returns 0, or an error and a message. */
+/* Sets the engine for the options (port/backend/fit_engines.c). Returns 0, or an error and a message. */
 int fxs_fit_choose_engine(fxs_fit *fit, fxs_message *message);
 
-/* Called before each step. The last tenth of the steps quantises by the packed profile; a fit in that phase that gets
-   more steps leaves it. Returns 0 or an error. */
+/* Call before each step. The last tenth of the steps quantises by the packed profile; if a fit in that phase gets more
+   steps, it leaves the phase. Returns 0 or an error. */
 int fxs_fit_pass_profile(fxs_fit *fit, fxs_message *message);
 
-/* Leaves these Gaussians of a fit, all KEPT and one at least, and codes them anew where they are coded. Returns 0, or an
-   error and a message, after which the fit can only be freed. */
+/* Reduces a fit to these Gaussians (all KEPT, at least one), and recodes them if they are coded. Returns 0, or an error
+   and a message; after an error the fit can only be freed. */
 int fxs_fit_keep(fxs_fit *fit, const fxs_fit_origin *origins, size_t count, fxs_message *message);
 
-/* Sets `order` for the photograph with this number in the sequence of all, up to the next permutation. */
+/* Sets `order` to the permutation that contains this number in the endless sequence of photographs. */
 void fxs_fit_set_order(fxs_fit *fit, uint64_t number);
 
 #endif

@@ -1,7 +1,7 @@
-/* The operations on LANES numbers that fit_gaussian.h, tile.h, loss.h and others are written in. Without LANES, they
- * are plain C on one number. An instruction set first defines LANES, MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS,
- * as in kernels/fit/fit_avx2.c, with vectors of GCC and clang. Every operation is one of IEEE single precision, so all
- * instruction sets give the same bytes. */
+/* Operations on LANES numbers, used by fit_gaussian.h, tile.h, loss.h and others. Without LANES they are plain C on
+ * a single number. For an instruction set, define LANES, MASK, ROOT, BELOW, AT_MOST, ANY, CHOOSE and BITS first (as
+ * in kernels/fit/fit_avx2.c); they use the vector types of GCC and clang. Every operation is one of IEEE single
+ * precision, so all instruction sets give the same bytes. */
 #ifndef FXS_FIT_LANES_H
 #define FXS_FIT_LANES_H
 
@@ -39,7 +39,7 @@ static inline real choose(mask which, real a, real b)
     return which ? a : b;
 }
 
-/* The bits of a mask, one for each lane. */
+/* A mask's bits, one per lane. */
 static inline uint32_t bits_of_mask(mask which)
 {
     return which != 0;

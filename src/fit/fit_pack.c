@@ -1,4 +1,4 @@
-/* Gives out and packs the Gaussians of a fit. */
+/* Returns and packs the Gaussians of a fit, and runs its last phase (profile.h). */
 #include <fixsplat/message.h>
 #include "src/base/run.h"
 #include "src/base/try_internal.h"
@@ -12,13 +12,13 @@ static fxs_pack_options pack_options(const fxs_fit *f)
     return options;
 }
 
-/* The number of last steps, which quantise by the packed profile. */
+/* Number of steps of the last phase. */
 static uint32_t profile_steps(const fxs_fit *f)
 {
     return f->options.steps / 10;
 }
 
-/* Finds the codes anew for a model that the engine holds. */
+/* Recodes a model that the engine holds. */
 static int code_again(fxs_fit *f, const fxs_pack_options *options, fxs_message *message)
 {
     const int has_palette = f->profile.palette != NULL;
@@ -45,7 +45,7 @@ static int end(fxs_fit *f, fxs_message *message)
     return f->engine->give(f->self, message);
 }
 
-/* The code steps and the palette of the profile are found 16 times. */
+/* In the last phase, recodes (code steps and palette) 16 times at even intervals. */
 int fxs_fit_pass_profile(fxs_fit *f, fxs_message *message)
 {
     const uint32_t steps = profile_steps(f), first = f->options.steps - steps, every = (steps + 15) / 16;

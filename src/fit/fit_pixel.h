@@ -10,7 +10,7 @@ static inline mask takes_of(real level, real limit, real transmittance)
     return both(at_most(level, limit), at_most(all(FXS_FIT_CLOSED), transmittance));
 }
 
-/* The weight T alpha, 0 for pixels that the splat does not reach. */
+/* The weight T alpha; 0 outside of the mask. */
 static inline real weight_of(mask takes, real level, real transmittance)
 {
     return keep(takes, least(exp_2_minus(level), all(FXS_FIT_ALPHA_MOST)) * transmittance);
@@ -23,7 +23,8 @@ static inline real odds_of(real alpha)
 }
 #endif
 
-/* A pixel after some splats: its transmittance, and the product of dL/dcolour with the colour behind these splats. */
+/* State of a pixel in backward, after some splats: transmittance, and dL/dcolour times the colour behind these
+   splats. */
 typedef struct passed_pixel {
     real transmittance, behind;
 } passed_pixel;
@@ -39,7 +40,7 @@ static inline real pass_splat(mask takes, real level, real of_colour, passed_pix
     return keep(both(takes, below(exact, all(FXS_FIT_ALPHA_MOST))), p->behind * odds_of(alpha) - own);
 }
 
-/* The pixel's terms of the splat's sums. */
+/* Terms of the splat's sums at this pixel. */
 static inline void sums_of(real h, real weight, real u, real v, real red, real green, real blue,
                            real sums[FXS_FIT_SUMS])
 {

@@ -5,7 +5,7 @@
 #include "fit_gaussian.h"
 #include "span.h"
 
-/* Floats of fxs_fit_splat, up to `tiles`. */
+/* Indices of the floats of fxs_fit_splat, up to `tiles`. */
 enum { SPLAT_LIMIT = 6, SPLAT_COLOUR = 7, SPLAT_TILES = 14, SPLAT_NUMBERS };
 
 /* 3 sigma_max. The larger eigenvalue is m + sqrt(m^2 - det) = m + sqrt(((A - C) / 2)^2 + B^2), m = (A + C) / 2. */
@@ -15,7 +15,7 @@ static inline real square_of(const shape *s)
     return 3.0f * root(middle + root(half * half + s->b * s->b));
 }
 
-/* Returns the lanes that are in the picture; where there are none, nothing is written. Colours are 0 so far. */
+/* Returns the lanes that are in the picture; if none, writes nothing. Colours are set to 0. */
 static inline mask find_splat(const fxs_fit_camera *camera, const float *at, size_t stride,
                               real numbers[SPLAT_NUMBERS])
 {
@@ -54,7 +54,8 @@ static inline mask find_splat(const fxs_fit_camera *camera, const float *at, siz
     return seen;
 }
 
-/* The colours of splats. Where one is NaN or too large, they are 0, and the limit is one that no level is within. */
+/* Computes the splats' colours. If one is NaN or too large, all are 0 and the limit is -1, so that no pixel takes the
+   splat. */
 static inline void find_colours(const fxs_fit_camera *camera, int degree, const float *at, size_t stride, real *limit,
                                 real colour[3])
 {

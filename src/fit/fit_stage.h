@@ -18,10 +18,10 @@
 #define FXS_FIT_PIXELS 256
 #define FXS_FIT_BLOCKS 16          /* blocks of 4x4 pixels in a tile */
 #define FXS_FIT_AT(x, y) (((y) / 4 * 4 + (x) / 4) * 16 + (y) % 4 * 4 + (x) % 4)   /* index of a tile's pixel */
-#define FXS_FIT_GROUP 16           /* jobs have multiples of this number of Gaussians */
-#define FXS_FIT_PART 256           /* the most Gaussians that are updated at once */
+#define FXS_FIT_GROUP 16           /* jobs take multiples of this many Gaussians */
+#define FXS_FIT_PART 256           /* most Gaussians updated in one call */
 
-#define FXS_FIT_BATCH 8            /* the most photographs of a step */
+#define FXS_FIT_BATCH 8            /* most photographs per step */
 #define FXS_FIT_CHUNK 256          /* Gaussians with the same code steps: FXS_CHUNK */
 
 /* Planes of parameters, `stride` numbers each. */
@@ -43,34 +43,34 @@ typedef struct fxs_fit_camera {
     float near;
     int32_t width, height, tiles_x, tiles_y;
     int32_t is_square;             /* 1: the square cut-off of Kerbl et al. 2023, see radius2 of fxs_fit_splat */
-    int32_t is_parallel;           /* 1: orthographic, with pixels a unit in `focal` and slope_most 0. Of pictures alone
-                                      (float_scene.h) */
+    int32_t is_parallel;           /* 1: orthographic; `focal` is in pixels per unit and slope_most is 0. For drawing
+                                      only (float_scene.h) */
     int32_t is_antialiased;        /* 1: opacities compensate the dilation (Yu et al. 2024) */
 } fxs_fit_camera;
 
-/* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0], y = Y - centre[1]:
-   u = ux x + uy y, v = vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level), where level <= limit. In a
-   block of 4x4 pixels, u is the sum of u at its first pixel and (ux i + uy j), i and j in 0..3; v likewise. */
+/* A Gaussian in the picture. For a pixel's centre (X, Y), x = X - centre[0] and y = Y - centre[1]:
+   u = ux x + uy y, v = vy y, level = (u^2 + v^2) + offset, alpha = min(0.99, 2^-level) if level <= limit, else 0.
+   In a block of 4x4 pixels, u is the sum of u at its first pixel and (ux i + uy j), i and j in 0..3; v likewise. */
 typedef struct fxs_fit_splat {
     float centre[2], ux, uy, vy, offset, limit, colour[3];
     float depth;                   /* 0: not in the picture */
-    /* The ellipse for lists, slightly enlarged: the square of its radius in u and v, half of its height, and the y of
-       its rightmost point. radius2 below 0: the splat is in all tiles that a square of +-half_y touches, and all their
-       pixels test it. */
+    /* The ellipse for lists, slightly enlarged: radius2 is the square of its radius in u and v, half_y half its height,
+       tip the y of its rightmost point. radius2 < 0: the splat is in all tiles that a square of +-half_y touches, and
+       all their pixels test it. */
     float radius2, half_y, tip;
     float tiles;                   /* number of tiles that it touches */
-    uint32_t slot;                 /* of its sums over its first tile; those of the others follow, row by row */
+    uint32_t slot;                 /* slot of its sums over its first tile; the other tiles follow row by row */
 } fxs_fit_splat;
 
-/* A splat in a tile's list: its number, the slot of its sums over this tile, and the blocks of 4x4 pixels that it
-   changes, found by blend, a bit each, row by row. */
+/* An entry of a tile's list: the splat's number, the slot of its sums over this tile, and a bit set of the 4x4 blocks
+   that it changes (row by row, found by blend). */
 typedef struct fxs_fit_entry {
     uint32_t splat, slot, blocks;
 } fxs_fit_entry;
 
-/* Sums over the pixels of a tile, with h = -alpha dL/dalpha. Their order: of the 16 places of a block, p and p + 8 are
-   added, then p and p + 4, p + 2, p + 1. The sums of the blocks that the splat changes are added to 0 row by row, and
-   then the sums of its tiles likewise. */
+/* Sums over the pixels of a tile, with h = -alpha dL/dalpha. Order of addition: within a block of 16 pixels, p and p +
+   8, then p and p + 4, p + 2, p + 1. Then the blocks that the splat changes are added to 0 row by row, then its tiles
+   likewise. */
 enum { FXS_FIT_SUM, FXS_FIT_SUM_U, FXS_FIT_SUM_V, FXS_FIT_SUM_UU, FXS_FIT_SUM_UV, FXS_FIT_SUM_VV, FXS_FIT_RED,
        FXS_FIT_GREEN, FXS_FIT_BLUE, FXS_FIT_SUMS };
 
@@ -79,7 +79,7 @@ typedef struct fxs_fit_tile {
     float colour[3][FXS_FIT_PIXELS], transmittance[FXS_FIT_PIXELS];
 } fxs_fit_tile;
 
-/* For each pixel dL/dcolour, and its product with the whole colour, background included. */
+/* Per pixel: dL/dcolour, and its dot product with the complete colour (background included). */
 typedef struct fxs_fit_tile_gradient {
     float colour[3][FXS_FIT_PIXELS], whole[FXS_FIT_PIXELS];
 } fxs_fit_tile_gradient;
@@ -91,75 +91,78 @@ typedef struct fxs_fit_plane {
     ptrdiff_t stride;
 } fxs_fit_plane;
 
-/* The data of loss for a channel: between its passes the sums over the rows of windows, then the derivatives of SSIM
-   and their sums; and the results. */
+/* The data of loss for one channel. `rows` holds the sums over the rows of windows, later the row sums of the
+   derivatives. */
 enum { FXS_FIT_ROWS = 5, FXS_FIT_DERIVATIVES = 3 };
 typedef struct fxs_fit_loss {
     fxs_fit_plane picture, rows[FXS_FIT_ROWS], derivatives[FXS_FIT_DERIVATIVES], gradient;
-    float *absolute, *dissimilar;  /* for each row the sums of |a - b| and of 1 - SSIM */
+    float *absolute, *dissimilar;  /* per row: sums of |a - b| and of 1 - SSIM */
     const uint8_t *photograph;     /* bytes, `step` apart, `pitch` from row to row */
     ptrdiff_t step, pitch;
     int32_t width, height;
-    const uint8_t *mask;           /* null, or a byte a pixel, rows without gaps; 0: the pixel is ignored (loss.h) */
-    int has_exposure;              /* 1: white of the photograph is white that was cut (loss.h) */
+    const uint8_t *mask;           /* null, or one byte per pixel, rows without gaps; 0: the pixel is ignored
+                                      (loss.h) */
+    int has_exposure;              /* 1: white in the photograph counts as saturated (loss.h) */
 } fxs_fit_loss;
 
-/* Beyond a radius about a middle, sizes are measured in proportion to the distance from it (far.h): there a sky may be
-   large. */
+/* Beyond `radius` from `middle`, sizes are measured in proportion to the distance (far.h), so that a sky may have large
+   Gaussians. */
 typedef struct fxs_fit_far {
-    float middle[3], inverse;      /* scene units; 1 / radius, or 0: nowhere */
+    float middle[3], inverse;      /* scene units; 1 / radius, or 0: sizes are in scene units everywhere */
 } fxs_fit_far;
 
-/* The numbers of Adam for one step. */
+/* Parameters of one step of Adam. */
 typedef struct fxs_fit_adam {
-    float rate[FXS_FIT_PARAMETERS];        /* learning rates over the correction of the first moment */
+    float rate[FXS_FIT_PARAMETERS];        /* learning rates divided by the correction of the first moment */
     float correction;              /* 1 / (1 - 0.999^step) */
     float epsilon;                 /* in units of the gradient */
     float by_opacity, by_scale;    /* added to dL/dopacity and dL/dscale of every Gaussian */
-    fxs_fit_far far;               /* where by_scale is of the scale in its units */
+    fxs_fit_far far;               /* by_scale weights the scale in this unit */
 } fxs_fit_adam;
 
-/* The exposure of a photograph (exposure.h): log2 of its gain, and of what red and blue have beside it, then 0; or an
-   affine map of colours. Adam's moments, the second one of all numbers, and those of a gradient of 1. */
+/* The exposure of a photograph (exposure.h). `at`: log2 of its gain and of the extra gains of red and blue, then zeros;
+   or an affine map of colours. `mean`, `square`: Adam's moments, one second moment for all numbers. of_one: the moments
+   of a gradient of 1. */
 enum { FXS_FIT_GAIN = 12 };
 typedef struct fxs_fit_gain {
     float at[FXS_FIT_GAIN], mean[FXS_FIT_GAIN], square, of_one[2];
 } fxs_fit_gain;
 
-/* Of all photographs of a fit. */
+/* The exposures of a fit's photographs. */
 typedef struct fxs_fit_gains {
     fxs_fit_gain *of;
     uint32_t count;
     int is_affine;
 } fxs_fit_gains;
 
-/* What the fit adds to the pose of a photograph's camera (pose.h): a turn, then a shift; Adam's moments, the second one
-   of each three, and those of a gradient of 1; and the depth of what the photograph shows. */
+/* A correction of the pose of a photograph's camera (pose.h). `at`: a turn, then a shift. `mean`, `square`: Adam's
+   moments, one second moment for each three numbers. of_one: the moments of a gradient of 1. `depth`: typical depth of
+   the photograph's content. */
 enum { FXS_FIT_POSE = 6 };
 typedef struct fxs_fit_pose {
     float at[FXS_FIT_POSE], mean[FXS_FIT_POSE], square[2], of_one[2], depth;
 } fxs_fit_pose;
 
-/* Of all photographs of a fit. */
+/* The poses of a fit's photographs. */
 typedef struct fxs_fit_poses {
     fxs_fit_pose *of;
     uint32_t count;
 } fxs_fit_poses;
 
-/* The cameras of all photographs of a fit, of their full size and as they were given: how finely each place is seen. */
+/* The cameras of a fit's photographs at full size, without pose corrections: they bound the scales (smooth.h). */
 typedef struct fxs_fit_cameras {
     fxs_fit_camera *of;
     uint32_t count;
 } fxs_fit_cameras;
 
-/* How the FXS_FIT_CHUNK Gaussians of a chunk are quantised: the numbers of fxs_chunk in the units of the parameters. An
-   inverse is that of the step of the profile's own codes, or 0 for a step of 0. */
+/* How the FXS_FIT_CHUNK Gaussians of a chunk are quantised: the numbers of fxs_chunk in the units of the parameters.
+   *_inverse: 1 / step of the profile's own codes, or 0 if the step is 0. */
 typedef struct fxs_fit_chunk {
     float low[3], step[3], inverse[3];              /* positions */
     float scale, scale_step, scale_inverse;         /* log2(sigma) */
     float colour[3], colour_step[3], colour_inverse[3];
     float sh_step[3], sh_inverse[3];
-    float opacity_range, opacity_inverse;           /* 0: law 0 */
+    float opacity_range, opacity_inverse;           /* 0: opacity law 0 */
 } fxs_fit_chunk;
 
 typedef struct fxs_fit_grid {
@@ -168,66 +171,68 @@ typedef struct fxs_fit_grid {
     const fxs_fit_chunk *chunks;
 } fxs_fit_grid;
 
-/* The noise of positions in a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, xi normal, seeded by key; with
-   Sigma in the units of `far`, and so is the way that results. */
+/* Noise of positions in a step: Sigma xi sigmoid(-100 (opacity - 0.005)) amount, with xi normal and seeded by `key`.
+   Sigma and the displacement are in the units of `far`. */
 typedef struct fxs_fit_noise {
     float amount;
     uint32_t key[2];
     fxs_fit_far far;
 } fxs_fit_noise;
 
-/* The stages for an instruction set. `cover` is a part of bin, `loss_*` are the passes of loss. `noise`, `smooth`
-   and `quantise` follow update, where the recipe, the options or the profile need them; `pose` comes before it, where
-   poses are refined. */
+/* The stages for an instruction set. `cover` is a part of bin, `loss_*` are the passes of loss. `noise`, `smooth` and
+   `quantise` run after update if the recipe, the options or the profile need them; `pose` runs before it if poses are
+   refined. */
 typedef struct fxs_fit_stages {
     const char *name;
-    /* Splats of Gaussians first..first + count; both multiples of FXS_FIT_GROUP. */
+    /* Projects Gaussians first..first + count; both are multiples of FXS_FIT_GROUP. */
     void (*project)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                     size_t count, fxs_fit_splat *splats);
-    /* Writes the tiles of splats first..first + count, both multiples of FXS_FIT_GROUP, to their slots. */
+    /* Writes the tiles of splats first..first + count to their slots; both are multiples of FXS_FIT_GROUP. */
     void (*cover)(const fxs_fit_camera *camera, const fxs_fit_splat *splats, size_t first, size_t count,
                   uint32_t *tiles);
-    /* Blends a list to the pixels of the tile at (left, top), and sets the blocks of its entries. Returns how many
-       entries were needed. `light`: the transmittance of the first, 1 in a fit; with more, pixels close later. */
+    /* Blends a list into the pixels of the tile at (left, top), and sets the blocks of its entries. Returns the number
+       of entries up to the last one that changed a pixel. `light`: initial transmittance, 1 in a fit; larger values
+       close pixels later. */
     uint32_t (*blend)(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left, int32_t top,
                       float light, fxs_fit_tile *tile);
-    /* Writes the sums of the first `count` entries, as many as blend needed, to their slots. */
+    /* Writes the sums of the first `count` entries to their slots; `count`: the result of blend. */
     void (*backward)(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                      int32_t top, const fxs_fit_tile_gradient *gradient, float (*sums)[FXS_FIT_SUMS]);
-    /* Each works on a row: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of these
+    /* Each processes one row: sums along it of a, b, a^2, b^2, ab; SSIM and its derivatives; sums along it of these
        derivatives; the gradient. */
     void (*loss_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_derivatives)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_backward_rows)(const fxs_fit_loss *loss, int32_t row);
     void (*loss_gradient)(const fxs_fit_loss *loss, int32_t row);
-    /* Computes the gradients of Gaussians first..first + count, at most FXS_FIT_PART, from `sums` (FXS_FIT_SUMS planes
-       of FXS_FIT_PART numbers for each camera of the batch), adds those of the cameras to 0 in order, and makes a step
-       of Adam on the masters, which are the parameters where nothing is quantised; moments below 2^-100 become 0.
-       by_centre adds up the length of dL/dcentre, with centres in half sides of the picture and the loss a mean over
-       pixels and channels. A gradient that is not finite, or beyond FXS_FIT_FARTHEST_GRADIENT, makes that camera's
-       gradient of the Gaussian 0. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that would go beyond
+    /* Computes the gradients of Gaussians first..first + count, at most FXS_FIT_PART. `sums`: for each camera of the
+       batch, FXS_FIT_SUMS planes of FXS_FIT_PART numbers. Adds the cameras' gradients to 0 in order, then makes a step
+       of Adam on the masters (the parameters, if nothing is quantised); moments below 2^-100 become 0. by_centre
+       accumulates |dL/dcentre|, with centres in half sides of the picture and the loss a mean over pixels and channels.
+       If a camera's gradient of a Gaussian has a component that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT, all
+       of it is 0. Scales and opacities stay within FXS_FIT_FARTHEST; a parameter that would exceed
        FXS_FIT_FARTHEST_PLACE or become NaN stays unchanged. */
     void (*update)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree, const fxs_fit_adam *adam,
                    const float *parameters, float *masters, float *means, float *squares, size_t stride, size_t first,
                    size_t count, const float *sums, float *by_centre);
-    /* Moves Gaussians first..first + count by noise; none beyond FXS_FIT_FARTHEST_PLACE. */
+    /* Moves Gaussians first..first + count by noise; moves beyond FXS_FIT_FARTHEST_PLACE are skipped. */
     void (*noise)(const fxs_fit_noise *noise, float *parameters, size_t stride, size_t first, size_t count);
-    /* Makes the scales of Gaussians first..first + count as large as the finest photograph asks for (smooth.h), whose
-       pixels are the means of divisor x divisor of its camera's. */
+    /* Raises the scales of Gaussians first..first + count to the bound of the finest photograph (smooth.h); a
+       photograph's pixels are means of divisor x divisor pixels of its camera. */
     void (*smooth)(const fxs_fit_cameras *cameras, int divisor, float *parameters, size_t stride, size_t first,
                    size_t count);
-    /* Sets the parameters of Gaussians first..first + count to the masters as packing quantises them. */
+    /* Sets the parameters of Gaussians first..first + count to the masters, quantised as in packing. */
     void (*quantise)(const fxs_fit_grid *grid, const float *masters, float *parameters, size_t stride, size_t first,
                      size_t count);
-    /* Adds up what Gaussians first..first + count, FXS_FIT_PART from a multiple of it on or all that are left, add to
-       the gradient by a camera's pose: dL/dposition, then dL/dtheta (find_pose_gradient). `sums`: as in update, of the
-       camera. Of FXS_FIT_PART places, 0 where there is no Gaussian, p and p + 128 are added, then p and p + 64 and so
-       on. Numbers of a Gaussian that are not finite, or beyond FXS_FIT_FARTHEST_GRADIENT, make all of its own 0. */
+    /* Sums the gradient by a camera's pose over Gaussians first..first + count: dL/dposition, then dL/dtheta
+       (find_pose_gradient). `first` is a multiple of FXS_FIT_PART; `count` is FXS_FIT_PART or all that remain. `sums`:
+       as in update, for this camera. Order of addition: of FXS_FIT_PART numbers (0 for missing Gaussians), p and p +
+       128, then p and p + 64, and so on. A Gaussian with a number that is not finite or beyond
+       FXS_FIT_FARTHEST_GRADIENT counts as 0. */
     void (*pose)(const fxs_fit_camera *camera, int degree, const float *parameters, size_t stride, size_t first,
                  size_t count, const float *sums, float out[FXS_FIT_POSE]);
 } fxs_fit_stages;
 
-/* The fastest stages for the instruction sets in `cpu` (enum fxs_cpu) that this processor has. */
+/* The fastest stages for the instruction sets in `cpu` (enum fxs_cpu) that the processor supports. */
 const fxs_fit_stages *fxs_fit_stages_choose(unsigned cpu);
 extern const fxs_fit_stages fxs_fit_stages_c;
 
@@ -237,13 +242,13 @@ extern const fxs_fit_stages fxs_fit_stages_c;
 #define FXS_FIT_UNIT 0.849321800f  /* unit of u and v: sqrt(1 / (2 ln 2)) */
 #define FXS_FIT_CUT 6.49212768f    /* the level of Mahalanobis distance 3 */
 #define FXS_FIT_FAINT 7.99435344f  /* the level of an alpha of 1 / 255 */
-#define FXS_FIT_WIDER 1.01f        /* factor of the square of an ellipse's radius, for lists */
+#define FXS_FIT_WIDER 1.01f        /* enlarges the squared radius of ellipses for lists */
 #define FXS_FIT_DILATION 0.3f      /* pixels^2 */
 #define FXS_FIT_FARTHEST 40.0f     /* largest |ln scale| and |logit| */
 #define FXS_FIT_FARTHEST_PLACE 1e12f   /* largest coordinate */
 #define FXS_FIT_FARTHEST_GRADIENT 1e18f
-#define FXS_FIT_INVERSE_MOST 1e20f  /* largest inverse of a radius */
-#define FXS_FIT_TURN_MOST 0.5f     /* largest number of a camera's turn */
-#define FXS_FIT_GAIN_MOST 8.0f     /* largest number of a photograph's exposure before the mean is taken off */
+#define FXS_FIT_INVERSE_MOST 1e20f  /* largest 1 / radius */
+#define FXS_FIT_TURN_MOST 0.5f     /* largest |component| of a camera's turn */
+#define FXS_FIT_GAIN_MOST 8.0f     /* largest |component| of an exposure, before the mean is subtracted */
 
 #endif

@@ -1,4 +1,4 @@
-/* The stages of fit_stage.h for an instruction set of LANES numbers. ISA is its name. */
+/* The stages of fit_stage.h for one instruction set, named ISA, with LANES numbers per vector. */
 #include "adam.h"
 #include "loss.h"
 #include "noise.h"
@@ -57,7 +57,7 @@ static void cover_lanes(const fxs_fit_camera *camera, const fxs_fit_splat *splat
     for (int i = 0; i < LANES; i++)
         depths[i] = splats[i].depth;
     const mask seen = below(all(0), load(depths));
-    if (!any(seen))                /* then project wrote nothing else */
+    if (!any(seen))                /* project wrote only the depths */
         return;
     for (int i = 0; i < LANES; i++) {
         const float *from = splats[i].centre;
@@ -104,9 +104,9 @@ static inline float *at_of(const fxs_fit_plane *plane, int32_t row)
     return plane->first + row * plane->stride;
 }
 
-enum { STRIP = 256 };              /* columns that are worked on at once */
+enum { STRIP = 256 };              /* columns processed at a time */
 
-/* Numbers of a row of the photograph, 0 to 1, from `first` on; 0 beyond its ends. */
+/* A row of the photograph as 0 to 1, from column `first` on; 0 beyond its ends. */
 static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *out)
 {
     for (int32_t i = 0; i < count; i++) {
@@ -115,7 +115,7 @@ static void photograph_strip(const fxs_fit_loss *loss, int32_t row, int32_t firs
     }
 }
 
-/* Makes the numbers of ignored pixels 0. */
+/* Sets the numbers of ignored pixels to 0. */
 static void drop_ignored(const fxs_fit_loss *loss, int32_t row, int32_t first, int32_t count, float *numbers)
 {
     const uint8_t *counts = loss->mask + (ptrdiff_t)row * loss->width;
@@ -169,7 +169,7 @@ static void NAMED(fxs_fit_loss_rows_, ISA)(const fxs_fit_loss *loss, int32_t row
         loss_strip(loss, row, first);
 }
 
-/* Those of LANES pixels that lie in the picture, and are not ignored. */
+/* Which of LANES pixels are in the picture and not ignored. */
 static inline mask counting(const fxs_fit_loss *loss, int32_t row, int32_t x)
 {
     const mask inside = below(numbers_from(0) + (float)x, all((float)loss->width));
@@ -181,7 +181,7 @@ static inline mask counting(const fxs_fit_loss *loss, int32_t row, int32_t x)
     return both(inside, below(all(0), load(counts)));
 }
 
-/* Sums of every 16th number; then sums c and c + 8, c + 4, c + 2, c + 1 are added. */
+/* Sums every 16th number; then a butterfly adds sums c and c + 8, c + 4, c + 2, c + 1. */
 static inline void add_to(float sums[16], int32_t x, real value)
 {
     store(sums + x % 16, load(sums + x % 16) + value);
@@ -247,7 +247,7 @@ static void NAMED(fxs_fit_loss_gradient_, ISA)(const fxs_fit_loss *loss, int32_t
 
 typedef float part_planes[FXS_FIT_PARAMETERS][FXS_FIT_PART];
 
-/* The weights of mean opacity and mean scale. */
+/* Adds the gradients of mean opacity and mean scale. */
 static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride, float *gradients)
 {
     float *to = gradients + FXS_FIT_OPACITY * FXS_FIT_PART;
@@ -259,7 +259,7 @@ static inline void add_regularisers(const fxs_fit_adam *adam, const float *at, s
     }
 }
 
-/* The sums of LANES Gaussians over their tiles. Returns which have any. */
+/* Loads the sums of LANES Gaussians. Returns the lanes with any nonzero sum. */
 static inline mask load_sums(const float *of_sums, real sums[FXS_FIT_SUMS])
 {
     mask has_any = below(all(1), all(0));
@@ -288,7 +288,7 @@ static void add_part(const fxs_fit_camera *camera, int degree, int used, const f
     store(by_centre, load(by_centre) + keep(is_touched, centre_gradient(camera, centre)));
 }
 
-/* `ahead`: distance of the next plane, which is prefetched. */
+/* `ahead`: distance to the next plane, which is prefetched. */
 static inline void adam_plane(const fxs_fit_adam *adam, float rate, const float *gradient, size_t count, float *at,
                               float *means, float *squares, size_t ahead)
 {
@@ -310,7 +310,7 @@ static void keep_within(float *at, size_t count)
         store(at + i, least(most(load(at + i), all(-FXS_FIT_FARTHEST)), all(FXS_FIT_FARTHEST)));
 }
 
-/* SH of degrees that are not drawn yet have neither gradient nor moments. */
+/* SH beyond the current degree have no gradient and no moments. */
 static void NAMED(fxs_fit_update_, ISA)(const fxs_fit_camera *const *cameras, uint32_t batch, int degree,
                                         const fxs_fit_adam *adam, const float *parameters, float *masters,
                                         float *means, float *squares, size_t stride, size_t first, size_t count,
@@ -365,7 +365,7 @@ static void NAMED(fxs_fit_quantise_, ISA)(const fxs_fit_grid *grid, const float 
     }
 }
 
-/* Of LANES Gaussians. */
+/* The gradient by the pose, per Gaussian, of LANES Gaussians. */
 static void pose_lanes(const fxs_fit_camera *camera, int degree, const float *at, size_t stride, const float *of_sums,
                        float *out)
 {

@@ -1,4 +1,4 @@
-/* What is up in a scene that was fitted, and the view to begin with. */
+/* Sets the up direction and the start view of a fitted scene: the most level of the photographs' cameras. */
 #include <fixsplat/camera.h>
 #include <fixsplat/fit.h>
 #include <fixsplat/message.h>
@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The sine of how steeply a camera looks up or down. */
+/* The sine of a camera's elevation angle, without sign. */
 static double slope_of(const fxs_file_view *view, const double up[3])
 {
     const double *forward = view->rotation + 6;

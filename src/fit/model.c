@@ -1,3 +1,4 @@
+/* The model (model.h): planes of parameters, growth, the initial Gaussians, and the order along a Morton curve. */
 #include "model.h"
 
 #include <math.h>
@@ -40,7 +41,7 @@ static void clear_rest(const fxs_fit_model *m, float *planes, size_t count)
         memset(p + m->count, 0, (m->stride - m->count) * sizeof *p);
 }
 
-/* Beyond `count`, the Gaussians have no opacity and no size. */
+/* Gaussians beyond `count` have opacity and size of practically 0. */
 static void fill_rest(fxs_fit_model *m)
 {
     float *const blocks[] = {m->parameters, m->means, m->squares, m->by_centre, m->views};
@@ -135,9 +136,9 @@ void fxs_fit_model_give(const fxs_fit_model *m, size_t i, fxs_gaussian *out)
         memcpy((char *)out + k * sizeof(float), &m->parameters[k * m->stride + i], sizeof(float));
 }
 
-/* ---- Another model ----------------------------------------------------------------------------------------------- */
+/* ---- Rebuilding -------------------------------------------------------------------------------------------------- */
 
-/* Changes the stride of the planes. Only a larger stride needs new memory. */
+/* Changes the stride of planes; allocates only for a larger one. */
 static int set_stride(float **planes, size_t old, size_t stride)
 {
     if (stride == old)
@@ -157,7 +158,7 @@ static int set_stride(float **planes, size_t old, size_t stride)
     return 0;
 }
 
-/* Makes room for more Gaussians, one block after the other. */
+/* Makes room for more Gaussians, one set of planes at a time. */
 static int make_room(fxs_fit_model *m, size_t stride)
 {
     float **const blocks[3] = {&m->parameters, &m->means, &m->squares};
@@ -179,7 +180,7 @@ static void narrow(fxs_fit_model *m, size_t stride)
     m->stride = stride;
 }
 
-/* Rearranges plane by plane, each job through a spare plane of its own. */
+/* Rearranges one plane at a time; each job has its own spare plane. */
 enum { GATHER_JOBS = 4 };
 typedef struct gathering {
     const fxs_fit_model *model;
@@ -246,7 +247,7 @@ static int by_code(const void *a, const void *b)
     return (p->index > q->index) - (p->index < q->index);
 }
 
-/* Sums in the order of curve.h: of the coordinates, or with `middle` of their distances from it. */
+/* Sum of a plane in the order of curve.h; with `middle`, of the distances from it. */
 static double sum_plane(const fxs_fit_model *m, int k, const float *middle)
 {
     double sums[CURVE_SUMS] = {0};

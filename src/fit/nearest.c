@@ -1,3 +1,4 @@
+/* Nearest neighbours by a median-split tree with bounding boxes, searched in depth-first order, nearer child first. */
 #include "nearest.h"
 
 #include <math.h>
@@ -5,7 +6,7 @@
 
 #include "random.h"
 
-enum { LEAF = 8 };                 /* the most points of a leaf */
+enum { LEAF = 8 };                 /* most points in a leaf */
 
 typedef struct item {
     float at[3];
@@ -16,13 +17,13 @@ typedef struct box {
     float low[3], high[3];
 } box;
 
-/* Node n has the children 2 n + 1 and 2 n + 2, with the lower and the upper half of its items. */
+/* Node n has the children 2 n + 1 (lower half of its items) and 2 n + 2 (upper half). */
 typedef struct tree {
     item *items;
     box *boxes;
 } tree;
 
-/* Compares by a coordinate, then by number, so no two are equal. */
+/* Compares by a coordinate, then by number; so all items differ. */
 static int is_before(const item *a, const item *b, int axis)
 {
     return a->at[axis] != b->at[axis] ? a->at[axis] < b->at[axis] : a->point < b->point;
@@ -35,8 +36,8 @@ static void swap_items(item *a, item *b)
     *b = swap;
 }
 
-/* Moves the item of rank `middle` to its place, the smaller ones before it (Hoare's quickselect). Random pivots: no
-   order of a file makes it slow. */
+/* Moves the item of rank `middle` to its place and the smaller ones before it (Hoare's quickselect). Pivots are random,
+   so sorted input is not slow. */
 static void select_item(item *items, size_t count, size_t middle, int axis)
 {
     size_t first = 0, end = count;
@@ -86,7 +87,7 @@ static float square_of(float x, float y, float z)
     return (x * x + y * y) + z * z;
 }
 
-/* The squared distance to the box, at most that to any point in it: rounding keeps the order of numbers. */
+/* The squared distance to the box; never more than that to a point in it, as rounding is monotonic. */
 static float square_to(const box *b, const float p[3])
 {
     float away[3];
@@ -110,7 +111,7 @@ static void look_at_leaf(const item *items, size_t count, const item *self, floa
     }
 }
 
-/* Keeps the three least squared distances. */
+/* Updates the three smallest squared distances. */
 static void look(const tree *t, size_t node, size_t first, size_t count, const item *self, float nearest[3])
 {
     if (count <= LEAF) {
@@ -139,7 +140,7 @@ static float mean_of(const float nearest[3])
     return found ? sum / (float)found : 1;
 }
 
-/* The depth at which repeated halves have at most LEAF points. */
+/* Number of nodes of a complete tree with at most LEAF points per leaf. */
 static size_t nodes_of(size_t count)
 {
     size_t nodes = 1;

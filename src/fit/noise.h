@@ -1,5 +1,5 @@
-/* noise: the noise of positions of Kheradmand et al. 2024. Random numbers come from a counter, as in random.h, but have
- * 32 bits, so that lanes can compute them. */
+/* noise: random displacements of positions (Kheradmand et al. 2024). Random numbers come from a counter as in
+ * random.h, but have 32 bits, so that vector lanes can compute them. */
 #ifndef FXS_FIT_NOISE_H
 #define FXS_FIT_NOISE_H
 
@@ -20,7 +20,7 @@ static inline bits mix_32(bits x)
     return x ^ x >> 16;
 }
 
-/* Nearly normal, deviation 1: the sum of twelve uniform numbers of 16 bits, minus 6. */
+/* Approximately normal with deviation 1: the sum of twelve uniform 16-bit numbers, minus 6. */
 static inline real normal(const fxs_fit_noise *noise, bits index, uint32_t axis)
 {
     bits sum = index & 0u;
@@ -31,7 +31,7 @@ static inline real normal(const fxs_fit_noise *noise, bits index, uint32_t axis)
     return (whole_to_real((whole)sum) - 393216.0f) * 0x1p-16f;
 }
 
-/* `index`: number of the first Gaussian. */
+/* `index`: number of the first of the LANES Gaussians. */
 static inline void add_noise(const fxs_fit_noise *noise, float *at, size_t stride, uint32_t index)
 {
     real q[4], r[3][3], along[3];

@@ -1,3 +1,6 @@
+/* Finds the camera file of a set of photographs and the files beside it (images, masks, points), reads the cameras,
+ * and divides the photographs into those to fit and those held out. Names in camera files often differ from the
+ * files: settle_name tries other slashes, cases and endings. */
 #include "photo_list.h"
 
 #include <ctype.h>
@@ -20,7 +23,7 @@ static int exists(const char *path)
     return fxs_file_kind(path) != FXS_FILE_NONE;
 }
 
-/* Returns 0 where the path is too long. */
+/* Joins a folder and a name. Returns 0 if the path is too long. */
 static int join(char out[FXS_PHOTO_PATH], const char *folder, const char *name)
 {
     const int absolute = fxs_path_is_whole(name) || !*folder;
@@ -39,7 +42,7 @@ static const char *base_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Changes a path to the folder in which the file or folder lies. */
+/* Writes the folder that contains `path`. */
 static void parent_of(char out[FXS_PHOTO_PATH], const char *path)
 {
     size_t length = strlen(path);
@@ -77,7 +80,7 @@ static int colmap_name(const char *name)
     return 0;
 }
 
-/* Looks in the folder of the model and in the two above it. */
+/* Looks for the folder `images` in the model's folder and the two above it. */
 static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
 {
     char folder[FXS_PHOTO_PATH], above[FXS_PHOTO_PATH];
@@ -91,7 +94,7 @@ static int find_colmap_images(fxs_photo_list *list, fxs_message *message)
     return fxs_fail(message, "%s: no folder images beside these cameras or up to two above", list->cameras);
 }
 
-/* Finds the first of these names that exists beside the cameras. */
+/* Finds the first of these names in the folder of the camera file. */
 static void find_points(fxs_photo_list *list, const char *const *names, size_t count)
 {
     char folder[FXS_PHOTO_PATH];
@@ -102,7 +105,7 @@ static void find_points(fxs_photo_list *list, const char *const *names, size_t c
     *list->points = 0;
 }
 
-/* Whichever file of the model was named, its images file stands for it. */
+/* Any file of a COLMAP model may be named; sets the camera file to its images file. */
 static int find_colmap(fxs_photo_list *list, fxs_message *message)
 {
     static const char *const binary[] = {"points3D.bin"}, *const plain[] = {"points3D.txt"};
@@ -115,7 +118,8 @@ static int find_colmap(fxs_photo_list *list, fxs_message *message)
     return find_colmap_images(list, message);
 }
 
-/* Images are in the folder `images` beside the cameras, else beside them; the points are in a file of that name. */
+/* Images are in the folder `images` in the camera file's folder, or else in that folder itself; points are in the file
+   `points` there. */
 static void find_beside(fxs_photo_list *list, const char *folder, const char *points)
 {
     if (!join(list->images, folder, "images") || !is_folder(list->images))
@@ -123,7 +127,7 @@ static void find_beside(fxs_photo_list *list, const char *folder, const char *po
     find_points(list, &points, 1);
 }
 
-/* Paths are relative to the folder of the file. */
+/* For transforms.json: paths are relative to the camera file's folder. */
 static void find_of_transforms(fxs_photo_list *list, const char *folder)
 {
     strcpy(list->images, folder);
@@ -161,10 +165,10 @@ static int compare_images(const void *a, const void *b)
     return order ? order : memcmp(&v->view, &w->view, sizeof v->view);
 }
 
-#define FAR 65536.0                 /* scene units; single precision has steps of 1/128 there */
+#define FAR 65536.0                 /* scene units; steps of single precision are 1/128 there */
 #define FAR_OF_EXTENT 16
 
-/* A fit is in single precision: cameras in a geographic system are too far from its origin for that. */
+/* Fits use single precision. Returns an error for cameras too far from the origin (as in geographic coordinates). */
 static int check_place(const fxs_view_list *views)
 {
     double far = 0, extent = 0;
@@ -195,8 +199,8 @@ static int read_views(fxs_view_list *views, const char *path, fxs_message *messa
     return check_place(views);
 }
 
-/* Keeps the views that the file says are to be fitted. Of those that it says are to test with, or else of every n-th,
-   makes the held-out list; of 0 none. */
+/* Divides the views: to fit, held out, rest. n: 0 holds out none. Otherwise the views that the file marks for testing,
+   or if it marks none every n-th view to fit. */
 static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
 {
     fxs_view_list *fit = &list->fit, *held = &list->held_out, *rest = &list->rest;
@@ -225,10 +229,10 @@ static int hold_out(fxs_photo_list *list, uint32_t n, fxs_message *message)
                                list->cameras, count);
 }
 
-/* ---- Names that are written otherwise than their files ----------------------------------------------------------- */
+/* ---- Names that differ from their files -------------------------------------------------------------------------- */
 
-/* Looks for the name, also with the endings that it may lack, in the folder of images; and for the last part of a path
-   from the root there, as that is often a path of another machine. Returns 0 where there is no such file. */
+/* Looks for the name in the folder of images, also with common endings. An absolute path often comes from another
+   machine, so its last part is tried too. Returns 0 if no file exists. */
 static int find_image(const fxs_photo_list *list, const char *name, char path[FXS_PHOTO_PATH])
 {
     static const char *const endings[] = {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG", ".JPEG"};
@@ -246,7 +250,7 @@ static int find_image(const fxs_photo_list *list, const char *name, char path[FX
     return 0;
 }
 
-/* Writes the ending of a photograph's name in capitals, or in small letters. */
+/* Changes the ending of a photograph's name to upper or lower case. */
 static void set_ending(char *name, int in_capitals)
 {
     char *dot = strrchr(name, '.');
@@ -260,8 +264,8 @@ static void set_slashes(char *name)
         *c = '/';
 }
 
-/* Changes the name of a photograph to the name of its file. Where none has that very name, \ stands for /, and an ending
-   in capitals for one in small letters or the other way round; a path of Windows, for its last part. */
+/* Changes a photograph's name to the name of an existing file. If the exact name does not exist, tries / for \, the
+   ending in the other case, and for Windows paths the part without drive. */
 static void settle_name(const fxs_photo_list *list, fxs_listed_view *view)
 {
     char path[FXS_PHOTO_PATH], own[8] = "";
@@ -293,7 +297,7 @@ static void settle_names(const fxs_photo_list *list, fxs_view_list *views)
         qsort(views->views, views->count, sizeof *views->views, compare_images);
 }
 
-/* Beside the folder images, or in the folder of the file that names the photographs. */
+/* The folder `masks` next to the folder `images`, or else in the folder that image names are relative to. */
 static void find_masks(fxs_photo_list *list)
 {
     char folder[FXS_PHOTO_PATH];
@@ -356,7 +360,7 @@ int fxs_photo_list_image(const fxs_photo_list *list, const fxs_listed_view *view
     if (!join(path, list->images, view->image) || strlen(path) > FXS_PHOTO_PATH - 8)
         return fxs_fail(message, "%s: view %s: name too long", list->cameras, view->view.name);
     if (!find_image(list, view->image, path))
-        join(path, list->images, view->image);   /* opening this path fails with a message */
+        join(path, list->images, view->image);   /* the error message comes from opening this path */
     return 0;
 }
 
@@ -370,7 +374,7 @@ int fxs_photo_list_path(const fxs_photo_list *list, const char *name, char path[
 
 /* ---- Photographs without a camera -------------------------------------------------------------------------------- */
 
-enum { FOLDERS_MOST = 64, SHOWN_MOST = 300 };   /* characters */
+enum { FOLDERS_MOST = 64, SHOWN_MOST = 300 };   /* SHOWN_MOST: characters of the list in a message */
 
 typedef struct names {
     char **names;
@@ -378,11 +382,11 @@ typedef struct names {
     int incomplete;                /* memory ran out */
 } names;
 
-/* The names with a camera, as in the file of the cameras, and those found beside them in one folder. */
+/* The names with a camera (as in the camera file), and files without a camera in one folder. */
 typedef struct others {
     names known, found;
-    size_t folder;                 /* characters of a known name before the found one */
-    const char *of;                /* such a name */
+    size_t folder;                 /* length of the folder part of `of` */
+    const char *of;                /* a known name in that folder */
 } others;
 
 static int compare_names(const void *a, const void *b)
@@ -435,7 +439,7 @@ static void add_known(names *known, const fxs_view_list *views)
         add_name(known, "", 0, fxs_without_dots(views->views[i].image));
 }
 
-/* Where the file of the cameras has the name, also without its ending, there is a camera. */
+/* Records a file without a camera. A known name may lack the file's ending. */
 static void look_at(void *argument, const char *name)
 {
     others *o = argument;
@@ -471,7 +475,7 @@ static void say_found(const others *o, const char *path, fxs_left_out_fn *say, v
     say(argument, message.text);
 }
 
-/* Looks into the folder of a photograph to fit. */
+/* Searches the folder of one photograph. */
 static void look_beside(others *o, const fxs_photo_list *list, fxs_left_out_fn *say, void *argument)
 {
     char folder[FXS_PHOTO_PATH], path[FXS_PHOTO_PATH];
@@ -480,7 +484,7 @@ static void look_beside(others *o, const fxs_photo_list *list, fxs_left_out_fn *
         return;
     fxs_folder_each(*path ? path : ".", look_at, o);
     sort_names(&o->found);
-    path[strlen(path) - (strlen(path) > 1)] = 0;     /* without the slash at its end */
+    path[strlen(path) - (strlen(path) > 1)] = 0;     /* without the slash at the end */
     if (o->found.count)
         say_found(o, path, say, argument);
     free_names(&o->found);

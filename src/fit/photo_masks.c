@@ -1,3 +1,4 @@
+/* Finds and reads masks (photo_masks.h). */
 #include "photo_masks.h"
 
 #include <stdio.h>
@@ -10,7 +11,7 @@
 
 /* ---- Which files ------------------------------------------------------------------------------------------------- */
 
-/* FOLDER/NAME.png, of the first `length` characters of the name. */
+/* Whether FOLDER/NAME.png exists, with the first `length` characters of the name. */
 static int is_there(char path[FXS_PHOTO_PATH], const char *folder, const char *name, size_t length)
 {
     const int written = snprintf(path, FXS_PHOTO_PATH, "%s/%.*s.png", folder, (int)length, name);
@@ -46,7 +47,7 @@ int fxs_photo_masks_are_there(const fxs_photo_list *list, const fxs_photos_optio
     return *folder_of(list, options) || (!options->masks && (names_masks(&list->fit) || names_masks(&list->held_out)));
 }
 
-/* The name of a photograph in the folder of the photographs; its last part where it lies elsewhere. */
+/* A photograph's name relative to its folder; its last part if it is elsewhere. */
 static const char *name_in(const char *folder, const char *image)
 {
     const char *slash = strrchr(image, '/'), *last = slash ? slash + 1 : image;
@@ -96,7 +97,7 @@ int fxs_photo_masks_check(const fxs_photo_list *list, const fxs_photos_options *
 
 /* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
-/* Sets which pixels a mask lets count. */
+/* Sets counts[] from a mask's pixels. */
 static int take_mask(const char *path, const uint8_t *rgba, size_t pixels, int is_inverse, uint8_t *counts,
                      fxs_message *message)
 {

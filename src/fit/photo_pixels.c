@@ -1,3 +1,6 @@
+/* Prepares photographs (photo_pixels.h), in one pass over the rows at full size: a row is composed over the
+ * background, resampled bilinearly through the lens if there is distortion, and added to weighted sums of the
+ * smaller picture (box filter). All colours are integers. */
 #include "photo_pixels.h"
 
 #include <math.h>
@@ -8,19 +11,19 @@
 #include "src/base/try_internal.h"
 #include "src/image/photograph.h"
 
-/* Intermediate colours are 0 to 255 x 255; the division by 255 comes at the end. */
-#define POSITION_BITS 8            /* bits of a position between two pixels */
+/* Intermediate colours are 0 to 255 * 255; the division by 255 comes last. */
+#define POSITION_BITS 8            /* fractional bits of a position between two pixels */
 
 typedef struct picture {
     const uint8_t *rgba;
     int width, height;
     const uint8_t *background;
-    const uint8_t *counts;         /* a byte a pixel, 0 where it is ignored; null: all count */
+    const uint8_t *counts;         /* one byte per pixel, 0: ignored; null: all count */
 } picture;
 
 /* ---- The camera of the file's pixels ----------------------------------------------------------------------------- */
 
-/* The photograph may have another size than its camera, but the same proportions to a pixel. */
+/* True if the photograph has the camera's aspect ratio, at any size. */
 static int same_proportion(const fxs_file_view *view, int width, int height)
 {
     const double by_width = (double)view->width * height, by_height = (double)view->height * width;
@@ -54,16 +57,16 @@ static int fit_camera(const char *path, const fxs_listed_view *listed, const pic
 
 /* ---- EXIF -------------------------------------------------------------------------------------------------------- */
 
-/* Whether the camera's size is that of the picture after a quarter of a turn, and not before. Cameras without a size
-   are of the pixels as they are stored. */
+/* True if the camera's size matches the photograph after a quarter turn, but not before. Cameras without a size refer
+   to the stored pixels. */
 static int is_turned(const fxs_listed_view *listed, int width, int height, int orientation)
 {
     return orientation > 4 && !listed->sizeless && !same_proportion(&listed->view, width, height) &&
            same_proportion(&listed->view, height, width);
 }
 
-/* The first row and column of what is stored are, by orientation: 5 left and top, 6 right and top, 7 right and bottom,
-   8 left and bottom. Returns NULL where memory is out. */
+/* Rotates a photograph upright. EXIF orientation says where the stored first row and column belong: 5 left and top, 6
+   right and top, 7 right and bottom, 8 left and bottom. Returns null if memory runs out. */
 static uint8_t *turned(const uint8_t *rgba, int width, int height, int orientation)
 {
     uint8_t *out = malloc(4 * (size_t)width * (size_t)height), *to = out;
@@ -108,8 +111,8 @@ static void plain_row(const picture *p, int y, uint16_t *row)
             row[c] = (uint16_t)on_background(p, rgba, c);
 }
 
-/* The first of the two pixels between whose centres a coordinate lies, and its fraction, 0 to 255. Coordinates are
-   clamped to the outermost centres of the picture. */
+/* The first of the two pixels on either side of a coordinate, by their centres; *part: the fraction, 0 to 255. Clamps
+   to the outermost centres. */
 static int between(double at, int size, uint32_t *part)
 {
     const double most = (double)(size - 1) * (1 << POSITION_BITS);
@@ -119,7 +122,7 @@ static int between(double at, int size, uint32_t *part)
     return fixed >> POSITION_BITS;
 }
 
-/* Returns whether the pixels that are interpolated count. */
+/* Bilinear interpolation. Returns whether all pixels that contribute count. */
 static int sample(const picture *p, const double at[2], uint16_t out[3])
 {
     uint32_t part[2];
@@ -140,7 +143,7 @@ static int sample(const picture *p, const double at[2], uint16_t out[3])
     return counts[0] && counts[beside] && counts[under] && counts[under + beside];
 }
 
-/* A row of the pinhole picture, sampled through the lens; and which of its pixels count. */
+/* A row of the pinhole picture, sampled through the lens; `counts`: which of its pixels count. */
 static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
                      const fxs_file_view *pinhole, int y, uint16_t *row, uint8_t *counts)
 {
@@ -156,7 +159,8 @@ static void bent_row(const picture *p, const fxs_lens *lens, const fxs_file_view
 
 /* ---- Averages ---------------------------------------------------------------------------------------------------- */
 
-/* Sums of a row's pixels for each column of the smaller picture, weighted by the overlap: `width` for a whole pixel. */
+/* Sums a row's pixels for each column of the smaller picture, weighted by their overlap; a whole pixel has weight
+   `width`. */
 static void add_columns(const uint16_t *row, int size, int width, uint64_t *sums)
 {
     memset(sums, 0, 3 * (size_t)width * sizeof *sums);
@@ -177,7 +181,7 @@ static void add_columns(const uint16_t *row, int size, int width, uint64_t *sums
     }
 }
 
-/* Adds a row to the sums, weighted by its overlap with the row of the smaller picture. */
+/* Adds a row to the sums, weighted by its overlap with the smaller picture's row. */
 static void add_row(uint64_t *sums, const uint64_t *columns, size_t values, int covered)
 {
     for (size_t i = 0; i < values; i++)
@@ -193,7 +197,7 @@ static void finish_row(uint64_t *sums, size_t values, uint64_t area, uint8_t *ou
     memset(sums, 0, values * sizeof *sums);
 }
 
-/* Ignores the pixels of the smaller picture that a row's ignored pixels have a part in. */
+/* Ignores the pixels of the smaller picture that overlap a row's ignored pixels. */
 static void ignore_row(const picture *p, int y, const uint8_t *counts, int width, int height, uint8_t *mask)
 {
     const int first = (int)((int64_t)y * height / p->height);
@@ -205,9 +209,9 @@ static void ignore_row(const picture *p, int y, const uint8_t *counts, int width
 }
 
 typedef struct work {
-    uint16_t *row;                 /* in the size of the file */
+    uint16_t *row;                 /* at the photograph's width */
     uint8_t *counts;
-    uint64_t *columns, *sums;      /* in the size of the smaller picture */
+    uint64_t *columns, *sums;      /* at the smaller picture's width */
 } work;
 
 static int work_allocate(work *w, int width, int smaller)
@@ -227,8 +231,8 @@ static void work_free(work *w)
     free(w->sums);
 }
 
-/* Averages rows as add_columns does columns. `pinhole` is null where the lens has no distortion, `mask` where all
-   pixels count; else it is 1 everywhere at first. */
+/* Averages down in both directions. `pinhole`: null if the lens has no distortion. `mask`: null if all pixels count,
+   else 1 everywhere on entry. */
 static void average(const picture *p, const fxs_lens *lens, const fxs_file_view *photograph,
                     const fxs_file_view *pinhole, int width, int height, work *w, uint8_t *out, uint8_t *mask)
 {
@@ -257,7 +261,7 @@ static void average(const picture *p, const fxs_lens *lens, const fxs_file_view 
 
 /* ---- A photograph ------------------------------------------------------------------------------------------------ */
 
-/* The other side, rounded to whole pixels of the same proportions. */
+/* The size with a longer side of at most `resolution`, in the same proportions, rounded. */
 static void smaller_size(const picture *p, int resolution, int size[2])
 {
     const int longer = p->width > p->height ? p->width : p->height;

@@ -1,3 +1,4 @@
+/* Readers of initial points: COLMAP (binary and text), Bundler, .ply; and random points. */
 #include "photo_points.h"
 
 #include <math.h>
@@ -12,7 +13,7 @@
 #define MOST_POINTS FXS_GAUSSIANS_CEILING
 #define FARTHEST 134217728.0       /* 2^27 scene units, the renderer's limit */
 #define RANDOM_POINTS 100000
-#define RANDOM_STEP UINT64_MAX     /* not the number of any step */
+#define RANDOM_STEP UINT64_MAX     /* differs from all step numbers */
 #define GREY 128
 
 static int add_point(fxs_photo_points *p, const char *path, const double position[3], const double colour[3],
@@ -84,7 +85,7 @@ int fxs_photo_points_colmap(fxs_photo_points *p, const char *path, fxs_message *
 
 enum { LINES_OF_CAMERA = 5 };
 
-/* Three lines a point: a position, a colour, and where it is seen. */
+/* Three lines per point: position, colour, and the views that see it. */
 static int read_bundler(fxs_photo_points *p, const fxs_text *text, fxs_message *message)
 {
     char *rest = fxs_text_begin(text), *line = fxs_colmap_entry(&rest);
@@ -122,7 +123,7 @@ typedef struct ply {
     fxs_ply_header header;
 } ply;
 
-/* Finds x, y, z, and the colour; *full is its full brightness, 0 where it is absent. */
+/* Finds the columns of x, y, z and the colour. *full: the value of full brightness, 0 if there is no colour. */
 static int find_columns(const ply *p, const fxs_ply_element *vertex, int columns[6], double *full, fxs_message *message)
 {
     static const char *const names[3] = {"x", "y", "z"};
@@ -152,7 +153,7 @@ static int read_vertex(ply *p, const fxs_ply_element *vertex, const int columns[
     return fxs_ply_end_row(&p->bytes, encoding);
 }
 
-/* Reads all vertices into *points; where that is null, only finds their brightest colour. */
+/* Reads all vertices into *points; if `points` is null, only finds the brightest colour. */
 static int read_vertices(fxs_photo_points *points, ply *p, const fxs_ply_element *vertex, const int columns[6],
                          double full, double *brightest, fxs_message *message)
 {
@@ -172,7 +173,7 @@ static int read_vertices(fxs_photo_points *points, ply *p, const fxs_ply_element
     return points ? 0 : fxs_bytes_seek(&p->bytes, start);
 }
 
-/* Real colours are 0 to 1, in some files 0 to 255. */
+/* Float colours are 0 to 1, in some files 0 to 255. */
 static int read_ply(fxs_photo_points *points, ply *p, fxs_message *message)
 {
     int columns[6];

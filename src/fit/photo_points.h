@@ -1,16 +1,15 @@
-/* The initial points of a fit: from COLMAP's points3D.bin or .txt, from a model of Bundler, from a .ply, or
-   random. */
+/* Initial points of a fit: from COLMAP's points3D.bin or .txt, a Bundler model, a .ply, or random. */
 #ifndef FXS_FIT_PHOTO_POINTS_H
 #define FXS_FIT_PHOTO_POINTS_H
 
 #include <fixsplat/fit.h>
 
 typedef struct fxs_photo_points {
-    fxs_fit_point *points;         /* the caller frees them */
+    fxs_fit_point *points;         /* freed by the caller */
     size_t count, capacity;
 } fxs_photo_points;
 
-/* Each returns 0, or an error and a message, also for points that are not finite or not within 2^27 units. */
+/* Each returns 0, or an error and a message; an error also if a coordinate is not finite or beyond 2^27 units. */
 int fxs_photo_points_colmap(fxs_photo_points *points, const char *path, fxs_message *message);
 int fxs_photo_points_bundler(fxs_photo_points *points, const char *path, fxs_message *message);
 int fxs_photo_points_ply(fxs_photo_points *points, const char *path, fxs_message *message);

@@ -1,3 +1,5 @@
+/* Reads a set of photographs (photos.h): pixels in batches on the thread pool, then the points. Sets without points
+ * start with random ones in a cube around the cameras. */
 #include <fixsplat/photos.h>
 
 #include <math.h>
@@ -14,8 +16,8 @@
 
 enum { BATCH = 32, LONGER_SIDE = 1600 };
 
-#define BLENDER_HALF 1.3           /* half the cube in which Kerbl et al. 2023 begin synthetic scenes */
-#define OF_CAMERAS 3               /* width of the cube for other scenes, in widths of the cameras' box */
+#define BLENDER_HALF 1.3           /* half the side of the cube for synthetic scenes (Kerbl et al. 2023) */
+#define OF_CAMERAS 3               /* side of the cube for other scenes, relative to the cameras' box */
 
 /* ---- Pixels ------------------------------------------------------------------------------------------------------ */
 
@@ -54,7 +56,7 @@ static void read_job(void *argument, uint32_t i)
     made->error = read_one(r, &r->views->views[r->first + i], made);
 }
 
-/* Keeps the batch's photographs up to the first with an error, and frees the rest. */
+/* Keeps the batch's photographs up to the first error, and frees the rest. */
 static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t *kept, fxs_photos *all,
                 fxs_message *message)
 {
@@ -85,7 +87,7 @@ static int keep(const reading *r, uint32_t count, fxs_fit_photo *photos, size_t 
     return error;
 }
 
-/* Reads the photographs of one list; `done` of all `count` were read before. */
+/* Reads the photographs of a list. For the progress: `done` of `count` photographs were read before. */
 static int read_all(reading *r, const fxs_view_list *views, fxs_fit_photo **photos, size_t *kept, fxs_photos *all,
                     size_t done, size_t count, fxs_message *message)
 {
@@ -145,7 +147,7 @@ int fxs_photos_pixels(const fxs_photo_list *list, const fxs_photos_options *opti
 
 /* ---- Points ------------------------------------------------------------------------------------------------------ */
 
-/* The box around cameras. */
+/* The bounding box of cameras. */
 typedef struct box {
     double low[3], high[3];
 } box;

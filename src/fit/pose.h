@@ -1,13 +1,13 @@
-/* The poses of photographs. A camera with a pose is turned about itself by its first three numbers, a, and its place is
- * moved along the axes that it was given by the last three: with the rotation R of the quaternion (1, a / 2) over its
- * length, and W that was given, a point x is in the camera's frame R (W (x - eye) - shift). The processor and CUDA
- * compile this same text. */
+/* The poses of photographs: corrections of their cameras. The first three numbers, a, rotate the camera about
+ * itself; the last three shift it along its given axes. With R the rotation of the normalised quaternion (1, a / 2)
+ * and W the given rotation, a point x is at R (W (x - eye) - shift) in the camera's frame. Compiled for the CPU and
+ * for CUDA. */
 #ifndef FXS_FIT_POSE_H
 #define FXS_FIT_POSE_H
 
 #include "adam.h"
 
-/* Makes a camera as it was given the refined one: R W, and eye + W^t shift. A pose of 0 changes nothing. */
+/* Corrects a given camera: its rotation becomes R W, its eye eye + W^t shift. A pose of 0 changes nothing. */
 static inline void pose_camera(fxs_fit_camera *camera, const fxs_fit_pose *pose)
 {
     const float x = 0.5f * pose->at[0], y = 0.5f * pose->at[1], z = 0.5f * pose->at[2];
@@ -23,9 +23,9 @@ static inline void pose_camera(fxs_fit_camera *camera, const fxs_fit_pose *pose)
     }
 }
 
-/* Of the sums over Gaussians (find_pose_gradient): dL/dshift = -W dL/dposition. To turn the camera further, to
-   exp(omega) R W, is to turn the scene by (R W)^t omega about the eye, so dL/domega = R W dL/dtheta; and omega =
-   (da + a / 2 x da) / (1 + |a / 2|^2). */
+/* The gradient by a pose, from the sums over Gaussians (find_pose_gradient). dL/dshift = -W dL/dposition. Rotating the
+   camera further, to exp(omega) R W, equals rotating the scene by (R W)^t omega about the eye; so dL/domega = R W
+   dL/dtheta, and omega = (da + a / 2 x da) / (1 + |a / 2|^2). */
 static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose *pose, const float sums[FXS_FIT_POSE],
                                  float gradient[FXS_FIT_POSE])
 {
@@ -45,11 +45,11 @@ static inline void pose_gradient(const fxs_fit_camera *given, const fxs_fit_pose
     }
 }
 
-/* A step of Adam. `sums`: over the number of pixels and channels. The rate, in radians, is that of turns; of shifts it
-   is times the depth, which moves the picture about as far. The second moment is of the squared length of each three,
-   so that a direction in which the picture hardly changes is hardly taken; all are corrected by those of a gradient of
-   1, as each photograph has steps of its own. A gradient that is not finite, or beyond FXS_FIT_FARTHEST_GRADIENT,
-   changes nothing. */
+/* A step of Adam. `sums`: sums over Gaussians, divided by the number of pixels and channels. `rate`: radians for
+   rotations; shifts use rate * depth, which moves the picture about as far. Rotation and shift each have one second
+   moment, averaging the squared length of the gradient, so that directions with little effect on the picture move
+   little. Moments are divided by the moments of a constant gradient of 1, as photographs have different numbers of
+   steps. A gradient that is not finite or beyond FXS_FIT_FARTHEST_GRADIENT changes nothing. */
 static inline void pose_step(fxs_fit_pose *pose, const fxs_fit_camera *given, const float sums[FXS_FIT_POSE],
                              float rate)
 {

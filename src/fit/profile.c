@@ -1,3 +1,5 @@
+/* The phase that optimises the packed scene (profile.h): orders the Gaussians as packing does, computes chunk
+ * headers, code steps and the palette from the masters, and packs with these codes. */
 #include "profile.h"
 
 #include <math.h>
@@ -15,7 +17,7 @@
 
 enum { JOBS = 64 };
 #define FAINT_LOGIT (-2.708f)      /* opacity 1/16 */
-#define FOG 0.1                    /* share of the weight: the same as in pack.c */
+#define FOG 0.1                    /* least share of the total weight for a separate order; as in pack.c */
 
 static float *plane(float *planes, const fxs_fit_model *m, int which)
 {
@@ -37,14 +39,15 @@ static double opacity_at(float logit)
 
 /* ---- Order ------------------------------------------------------------------------------------------------------- */
 
-/* The weight: the product of the two largest sigmas times the opacity. */
+/* The product of the two largest sigmas and the opacity. */
 static double weight_of(const fxs_gaussian *g)
 {
     const float *s = g->scale, least_scale = fminf(fminf(s[0], s[1]), s[2]);
     return (double)exp_e(fmaxf(fminf(s[0] + s[1] + s[2] - least_scale, 40.0f), -40.0f)) * opacity_at(g->opacity);
 }
 
-/* Where fog has much of the weight, its Gaussians are ordered by themselves. Returns how many can be drawn. */
+/* If faint Gaussians (fog) have at least FOG of the weight, they are ordered separately. Returns the number of drawable
+   Gaussians. */
 static size_t set_entries(fxs_order_entry *entries, const fxs_fit_model *m, int sh_degree)
 {
     double faint = 0, all = 0;
@@ -93,7 +96,7 @@ static size_t chunks_of(const fxs_fit_profile *p)
     return fxs_chunks_of(p->count);
 }
 
-/* Of each stage of the palette. */
+/* Entries of each stage of the palette. */
 static uint32_t entries_of(const fxs_fit_profile *p)
 {
     return fxs_palette_entries_for(p->count, chunks_of(p), p->profile, p->sh_degree);
@@ -104,7 +107,7 @@ static float inverse_of(double step)
     return step > 0 ? (float)(1 / step) : 0;
 }
 
-/* The step of codes of `bits` bits that are extended to `wide` bits. */
+/* Step of `bits`-bit codes that are extended to `wide` bits. */
 static double own_step(double step, int bits, int wide)
 {
     return step * ((1 << wide) - 1) / ((1 << bits) - 1);
@@ -132,8 +135,8 @@ static void find_steps(const fxs_fit_profile *p, fxs_fit_chunk *to, const fxs_ch
     to->opacity_inverse = c->opacity_law ? (float)(1 / top) : 0;
 }
 
-/* Swaps axis k, 0 or 1, with the next: a quarter turn about the axis that stays, q (1 + k) or q (1 + i) over its
-   length. Adam's moments turn too, the second as if components were independent. */
+/* Swaps axis k (0 or 1) with the next one: a quarter turn about the remaining axis, q (1 + k) or q (1 + i), normalised.
+   Adam's moments rotate too; second moments as if components were independent. */
 static void swap_axes(const fxs_fit_model *m, size_t i, int k)
 {
     float *planes[] = {m->masters, m->means, m->squares};
@@ -153,7 +156,7 @@ static void swap_axes(const fxs_fit_model *m, size_t i, int k)
     }
 }
 
-/* Puts the axes of a Gaussian in the order of their lengths, the longest first, as packing does. */
+/* Orders a Gaussian's axes by length, longest first, as packing does. */
 static void order_axes(const fxs_fit_model *m, size_t i)
 {
     const float *s = m->masters + FXS_FIT_SCALE * m->stride + i;
@@ -164,7 +167,7 @@ static void order_axes(const fxs_fit_model *m, size_t i)
     }
 }
 
-/* The common data of the jobs that code the Gaussians. */
+/* Data shared by the jobs that code the Gaussians. */
 typedef struct coding {
     fxs_fit_profile *profile;
     const fxs_fit_model *model;
@@ -179,7 +182,7 @@ static void code_header(const coding *c, size_t chunk)
     fxs_ranges_clear(&ranges);
     for (size_t i = chunk * FXS_CHUNK; i < (chunk + 1) * FXS_CHUNK && i < p->count; i++) {
         fxs_gaussian g;
-        if (p->palette)              /* the engine takes over the whole model again */
+        if (p->palette)              /* with a palette, the engine receives the whole model again */
             order_axes(c->model, i);
         take(c->model, c->model->masters, i, &g);
         const double opacity = opacity_at(g.opacity);
@@ -224,7 +227,7 @@ static void sh_job(void *argument, uint32_t job)
     }
 }
 
-/* A copy of the items of the sampled chunks. */
+/* Copies the items of the sampled chunks. */
 static fxs_sh_item *sample_of(const coding *c, uint32_t count)
 {
     fxs_sh_item *sample = calloc(fxs_palette_sample(count), sizeof *sample);

@@ -1,4 +1,4 @@
-/* Quantises LANES Gaussians as packing does: finds their codes and the values of the codes (docs/format.md). */
+/* Quantises LANES Gaussians as packing does: computes their codes and the codes' values (docs/format.md). */
 #ifndef FXS_FIT_QUANTISE_H
 #define FXS_FIT_QUANTISE_H
 
@@ -25,7 +25,7 @@ static inline real quantise_evenly(real x, float low, float step, float inverse_
     return low + spread_code(*code, width, wide) * step;
 }
 
-/* A scale code of axis i from its own bits. */
+/* Extends a scale code of axis i from its own width to the common one. */
 static inline real spread_scale(whole code, int width, int i)
 {
     return i < 2 ? spread_code(code, width, 10) : spread_code(code, width, 9) * 2.0f;
@@ -56,7 +56,7 @@ static inline real opacity_of(const fxs_fit_chunk *c, whole code)
     return choose(below(all(0), number), (1.0f / 255.0f) + part * part * c->opacity_range, all(0));
 }
 
-/* From a logit to opacity, and from opacity to a logit: -80 for 0, at most 6.9, for 0.999. */
+/* Quantises opacity; input and output are logits. Opacity 0 gives -80; 0.999 and more give 6.9. */
 static inline real quantise_opacity(const fxs_fit_chunk *c, real logit, whole *code)
 {
     const real opacity = 1.0f / (1.0f + exp_e(least(-logit, all(80))));
@@ -108,8 +108,8 @@ static inline real upper_bits(real x)
     return nearest(x * 32768.0f - 0.499f) * (1.0f / 32768.0f);
 }
 
-/* What a code of a word adds to the number above it, as a part of that one's step: code / 2^bits, of `count` = 2^bits
-   codes in two's complement. */
+/* The fraction that a lower code of a word adds to the number above it: code / 2^bits, with code in two's complement
+   and `count` = 2^bits. */
 static inline real part_above(real code, real count)
 {
     return choose(below(code, all(0)), code + count, code) / count;
@@ -123,7 +123,7 @@ static inline void roll_of(real roll, real *cosine, real *sine)
     *sine = roll * (1.56607f - square * (0.62924f - 0.06305f * square));
 }
 
-/* The roll of the second axis, b, about the first, which X and Y say. */
+/* The roll of the second axis, b, about the first axis, which X and Y encode. */
 static inline real find_roll(const real b[3], real x, real y)
 {
     const real s = root(most(2.0f - x * x - y * y, all(0)));
@@ -140,8 +140,8 @@ static inline real find_roll(const real b[3], real x, real y)
     return roll;
 }
 
-/* The quaternion of the axes that X, Y and the roll say, of those that differ from it by the signs of axes the nearest
-   to `from`: so the gradient fits the master. */
+/* The quaternion encoded by X, Y and the roll. Flipping the signs of axes gives equivalent quaternions; returns the one
+   nearest to `from`, so that gradients apply to the master. */
 static inline void quaternion_near(const real from[4], real x, real y, real roll, real to[4])
 {
     real cosine, sine;
@@ -167,8 +167,8 @@ static inline void quaternion_near(const real from[4], real x, real y, real roll
     }
 }
 
-/* Codes a quaternion as encode_axes does. Codes: n, X, Y, the roll, the latter three in two's complement. `n`: the bits
-   of X and Y; `all_bits`: of the word. */
+/* Codes a quaternion as encode_axes does. Codes: n, X, Y, roll; the last three in two's complement. `n`: bits of X and
+   of Y; `all_bits`: bits of the word. */
 static inline void quantise_rotation(const real from[4], whole n, int all_bits, real to[4], whole codes[4])
 {
     const real w = from[0], i = from[1], j = from[2], k = from[3];
@@ -205,8 +205,8 @@ static inline void quantise_rotation(const real from[4], whole n, int all_bits, 
     codes[3] = real_to_whole(roll_code);
 }
 
-/* `from` and `to`: the Gaussians' first parameter; planes are `stride` apart. Codes: a number for each parameter up to
-   the colours; those of the rotation as in quantise_rotation. SH are not coded here. */
+/* `from` and `to`: the Gaussians' first parameter; planes are `stride` apart. `codes`: one number per parameter up to
+   the colours; for the rotation as in quantise_rotation. SH are not coded here. */
 static inline void quantise_shape(const fxs_fit_grid *g, const fxs_fit_chunk *c, const float *from, float *to,
                                   ptrdiff_t stride, whole codes[FXS_FIT_SH])
 {

@@ -74,17 +74,17 @@ static int is_white(const uint8_t background[3])
     return background[0] == 255 && background[1] == 255 && background[2] == 255;
 }
 
-/* In reference, opacities are reset after steps 3,000, 6,000 and so on, before step 15,000, and over white after step
-   500. */
+/* In the reference recipe, opacities are reset every 3,000 steps before step 15,000, and on a white background also
+   after step 500. */
 static int is_reset(const fxs_fit_options *options, uint32_t step)
 {
     return options->recipe == FXS_FIT_REFERENCE &&
            (is_every(step, 3000, 0, 15000) || (step == 500 && is_white(options->background)));
 }
 
-/* Of exposures 10^-(step / steps) of the first rate, and of poses 0.1 * 100^-(step / steps) over the steps from 501 on.
-   The 500 steps after the beginning and after each reset take a growing part of them: pictures are not of the scene
-   yet. A block has those of its coarse fit. */
+/* The factor for exposures falls as 10^-(step / steps). The movement of poses falls as 0.1 * 100^-(step / steps),
+   counted from step 501. Both rise linearly from 0 over the 500 steps after the beginning and after each reset, when
+   pictures do not yet match the scene. Blocks keep the exposures and poses of their coarse fit: both rates are 0. */
 static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, uint32_t steps, fxs_fit_plan *plan)
 {
     const float part = step < steps ? (float)step / (float)steps : 1.0f;
@@ -99,8 +99,8 @@ static void set_photograph_rates(const fxs_fit_options *options, uint32_t step, 
         plan->pose_way = position_rate(0.1f, step - 500, options->steps - 500) * ((float)since / 500.0f);
 }
 
-/* The recipe has 30,000 steps, and a shorter fit is its beginning. In a longer one, only the rate of positions is
-   stretched to the end. */
+/* The recipe has 30,000 steps. A shorter fit is its beginning; a longer one only stretches the learning rates that
+   fall. */
 static void plan_reference(const fxs_fit_options *options, float extent, uint32_t step, fxs_fit_plan *plan)
 {
     const uint32_t steps = options->steps > 30000 ? options->steps : 30000;
@@ -118,7 +118,7 @@ static uint32_t from_1_to(uint32_t most, uint32_t x)
     return x < 1 ? 1 : x < most ? x : most;
 }
 
-/* The course adapts to the number of steps; that of fast has fewer. */
+/* The schedule scales with the number of steps. */
 static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t step, int least_side, fxs_fit_plan *plan)
 {
     const uint32_t steps = options->steps, interval = from_1_to(100, steps / 80);
@@ -134,8 +134,8 @@ static void plan_mcmc(const fxs_fit_options *options, float extent, uint32_t ste
     plan->order = plan->relocate && step % (5 * interval) == 0;
 }
 
-/* At first, or Gaussians smaller than a pixel would be too faint to be fitted; every 100 steps; before the last tenth,
-   which finds the ranges of scales; and at the end. */
+/* At step 1, as Gaussians smaller than a pixel would start too faint to be fitted; then every 100 steps; before the
+   last tenth, which finds the ranges of scales; and at the end. */
 static int is_smoothed(const fxs_fit_options *options, uint32_t step)
 {
     const uint32_t steps = options->steps;

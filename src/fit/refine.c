@@ -1,12 +1,13 @@
-/* Level after level, from the leaves up. The cover of level L is the finest set of chunks that stands for all leaves
-   and has no chunk above level L, where a leaf has level 0 and a node one more than the higher of its children. So each
-   node is in the cover of its level, and in those of a few more where its parent is higher by more than 1. All nodes of
-   a cover take part in its steps, with the leaves that are in it as they are.
-
-   The error of a node in a view is measured in the picture of the cover of its level: the squared difference from the
-   picture of the leaves at each pixel, shared out by the weights of the Gaussians that are blended there. What opening
-   a node removes is its error less those of its children, times (d / f)^2, as in src/core/cut.c: the mean over the
-   views that it is in. */
+/* Refines the levels of detail of a packed scene, one level after the other, from the leaves up. Leaves have level
+ * 0; a node has one more than its higher child. The cover of level L is the finest set of chunks that covers all
+ * leaves and has no chunk above level L. So each node is in the cover of its level, and in a few more if its
+ * parent's level is higher by more than 1. The steps for a cover change all its nodes; its leaves are drawn but
+ * fixed.
+ *
+ * The error of a node in a view is measured in the picture of the cover of its level: the squared difference from
+ * the picture of the leaves, distributed at each pixel by the blending weights of the Gaussians. The gain of opening
+ * a node is its error minus its children's errors, times (d / f)^2 as in src/core/cut.c; the mean over the views
+ * that see it. */
 #include <fixsplat/refine.h>
 
 #include <math.h>
@@ -27,24 +28,25 @@
 #include "random.h"
 #include "refine_views.h"
 
-#define LOGIT_MOST 7.0f                /* beyond it an opacity has no gradient */
-#define LARGE 3                        /* covers of more than one in so many Gaussians are fitted to large pictures */
-#define LAST 0.1                       /* rates fall to so much of the first */
+#define LOGIT_MOST 7.0f                /* larger logits of opacity have practically no gradient */
+#define LARGE 3                        /* covers with more than 1/LARGE of the scene's Gaussians are fitted to large
+                                          pictures */
+#define LAST 0.1                       /* final learning rate relative to the first */
 
 typedef struct refiner {
     fxs_scene scene;
     fxs_node *nodes;
-    uint8_t *levels;                   /* of the chunks, leaves and then nodes */
-    uint32_t *parents;                 /* chunks; 0: none, as a leaf is no parent */
+    uint8_t *levels;                   /* of all chunks: leaves, then nodes */
+    uint32_t *parents;                 /* per chunk; 0: none, as chunk 0 is a leaf */
     uint32_t chunks, leaves;
     int highest;                       /* level of the root */
     const fxs_refine_options *options;
     fxs_refine_views views;
     fxs_fit_stepper *stepper;
     fxs_tree_editor *editor;
-    float *errors;                     /* of each node in each view, pixels colours^2; below 0: not in it */
-    fxs_fit_model model;               /* of the cover: first its nodes, then its leaves */
-    uint32_t *cover, *starts;          /* chunks of the cover, and where their Gaussians begin in the model */
+    float *errors;                     /* per node and view, pixels * colours^2; below 0: not visible */
+    fxs_fit_model model;               /* of the cover: its nodes, then its leaves */
+    uint32_t *cover, *starts;          /* chunks of the cover; their first Gaussians in the model */
     uint32_t cover_count, cover_nodes;
     uint32_t order[FXS_REFINE_VIEWS];
     fxs_message *message;
@@ -57,8 +59,8 @@ static int fail_memory(const refiner *r, size_t bytes)
     return fxs_fail_memory(r->message, "levels of detail", bytes);
 }
 
-/* Checks all nodes and their headers: those of leaves were checked when the scene was opened. Where no chunk is below
-   two nodes, it is a tree, as there are two children a node. */
+/* Reads and checks all nodes and their headers; leaves' headers were checked when the scene was opened. As each node
+   has two children, the graph is a tree if no chunk has two parents. */
 static int read_tree(refiner *r)
 {
     r->leaves = r->scene.chunk_count;
@@ -98,7 +100,7 @@ static int is_in_cover(const refiner *r, uint32_t chunk, int level)
     return r->levels[chunk] <= level && (chunk == r->leaves || r->levels[r->parents[chunk]] > level);
 }
 
-/* Nodes first. */
+/* Lists the cover of a level, nodes first. */
 static void find_cover(refiner *r, int level)
 {
     r->cover_count = 0;
@@ -131,7 +133,7 @@ static void take(const fxs_fit_model *m, size_t i, fxs_gaussian *g)
         g->rotation[k] = (float)(g->rotation[k] / sqrt(square));
 }
 
-/* The Gaussians of a chunk, in order, to the model from `at` on; or just their number, where `model` is null. */
+/* Copies a chunk's Gaussians in order to the model from `at` on, and returns their number. model null: only counts. */
 static uint32_t read_chunk(const refiner *r, uint32_t number, const fxs_fit_model *model, size_t at)
 {
     const unsigned char *rows = fxs_rows(&r->scene, number);
@@ -152,7 +154,7 @@ static uint32_t read_chunk(const refiner *r, uint32_t number, const fxs_fit_mode
     return count;
 }
 
-/* The model is of the cover as it is coded. */
+/* Sets the model to the cover as currently coded. */
 static int read_cover(refiner *r)
 {
     r->starts[0] = 0;
@@ -167,7 +169,7 @@ static int read_cover(refiner *r)
     return 0;
 }
 
-/* The nodes that are in a cover for the first time begin as what their children, which are refined, merge to. */
+/* Nodes that are in a cover for the first time start as the merge of their refined children. */
 static void merge_again(refiner *r, int level)
 {
     for (uint32_t i = 0; i < r->cover_nodes; i++)
@@ -207,7 +209,7 @@ static void set_rates(const refiner *r, uint32_t step, fxs_fit_step_options *to)
                                                      : 0.001f);
 }
 
-/* Each view once, then in another order (Fisher and Yates). */
+/* All views once, in a random permutation; then another permutation (Fisher and Yates). */
 static const fxs_fit_photograph *choose_view(refiner *r, int level, uint32_t number)
 {
     const uint32_t count = r->views.count, at = number % count;
@@ -247,7 +249,7 @@ static float *errors_of(const refiner *r, uint32_t node)
     return r->errors + (size_t)node * r->views.count;
 }
 
-/* Sums up what fxs_fit_find_errors found for a chunk's Gaussians in a view. */
+/* Sums the results of fxs_fit_find_errors over a chunk's Gaussians in a view. */
 static void note_errors(const refiner *r, uint32_t i, uint32_t view, const float *found)
 {
     double sum = 0, seen = 0;
@@ -275,7 +277,7 @@ static int measure_cover(refiner *r, int level)
     return error;
 }
 
-/* The squared distance of a camera from a chunk's box, softened by an eighth of the box. */
+/* Squared distance from a camera to a chunk's box, plus (box size / 8)^2. */
 static double square_distance(const refiner *r, uint32_t number, const float eye[3])
 {
     fxs_chunk chunk;
@@ -291,7 +293,7 @@ static double square_distance(const refiner *r, uint32_t number, const float eye
     return square;
 }
 
-/* The error of a chunk in a view: 0 of a leaf, and where it is not seen. */
+/* The error of a chunk in a view; 0 for leaves and where it is not visible. */
 static double error_in(const refiner *r, uint32_t chunk, uint32_t view)
 {
     return chunk < r->leaves ? 0 : fmax((double)errors_of(r, chunk - r->leaves)[view], 0);
@@ -357,7 +359,7 @@ static int refine_all(refiner *r, void *data)
     return error ? error : write_gains(r);
 }
 
-/* By the leaves. */
+/* Sets the origin from a sample of leaves. */
 static void find_origin(const fxs_scene *scene, double origin[3])
 {
     double places[FXS_ORIGIN_SAMPLE][3];
@@ -366,7 +368,8 @@ static void find_origin(const fxs_scene *scene, double origin[3])
     fxs_origin_of(origin, places, FXS_ORIGIN_SAMPLE);
 }
 
-/* Refines a scene far out near 0, as its steps are in floats; the views move with it. */
+/* Moves a scene that is far from the origin near 0 and refines it there, as steps use floats; the views move with
+   it. */
 static int refine_far(void *data, size_t bytes, const fxs_refine_options *options, const double origin[3],
                       fxs_message *message)
 {

@@ -1,12 +1,12 @@
-/* Relocation: moves and adds Gaussians with little change of the picture. Kheradmand et al. 2024, "3D Gaussian
- * Splatting as Markov Chain Monte Carlo". */
+/* Relocation: moves dead Gaussians to the places of others and adds new ones, with little change to the picture.
+ * Kheradmand et al. 2024, "3D Gaussian Splatting as Markov Chain Monte Carlo". */
 #include <stdlib.h>
 #include <string.h>
 
 #include "src/base/run.h"
 #include "sharing.h"
 
-/* The data of draws: cumulative sums of opacities (up to 2^24 each), and how often each Gaussian was drawn. */
+/* Data of draws: prefix sums of opacities (Q24), and the number of draws of each Gaussian. */
 typedef struct draws {
     uint64_t *sums;
     uint32_t *times, *sources;     /* sources: the Gaussian of each draw */

@@ -1,21 +1,21 @@
-/* Relocation of one Gaussian. The processor and CUDA compile this same text. */
+/* Relocation of one Gaussian. Compiled for the CPU and for CUDA. */
 #ifndef FXS_FIT_SHARING_H
 #define FXS_FIT_SHARING_H
 
 #include "planes.h"
 #include "random.h"
 
-enum { SHARING = 51 };             /* the most Gaussians at one place that are computed */
-#define DEAD UINT32_MAX            /* in the place of the number of draws */
+enum { SHARING = 51 };             /* most Gaussians at one place; larger counts are treated as this */
+#define DEAD UINT32_MAX            /* marks a dead Gaussian in the array of draw counts */
 
-/* The chance of being drawn: 0 for opacities up to `least`. */
+/* The chance to be drawn: opacity in Q24; 0 for opacities up to least_opacity. */
 static inline uint64_t chance_of(const fxs_fit_model *m, float least_opacity, size_t i)
 {
     const float opacity = opacity_at(m, i);
     return opacity > least_opacity ? (uint64_t)(opacity * 16777216.0f) : 0;
 }
 
-/* The first Gaussian whose sum of opacities is above `at`. */
+/* Index of the first sum above `at`. */
 static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
 {
     size_t first = 0, end = count - 1;
@@ -29,7 +29,7 @@ static inline uint32_t find(const uint64_t *sums, size_t count, uint64_t at)
     return (uint32_t)first;
 }
 
-/* The Gaussian of draw k, by the cumulative sums of chances. Streams 0 and 1 have random numbers of their own. */
+/* The Gaussian of draw k, from the prefix sums of chances. Streams 0 and 1 use different random numbers. */
 static inline uint32_t drawn(const fxs_fit_relocate *r, uint64_t stream, uint64_t k, const uint64_t *sums, size_t count)
 {
     return find(sums, count, fxs_fit_random(r->seed, r->step, 2 * k + stream) % sums[count - 1]);
@@ -40,7 +40,7 @@ static inline int is_dead(const fxs_fit_model *m, const fxs_fit_relocate *r, siz
     return !(opacity_at(m, i) > r->opacity);
 }
 
-/* x^(1 / n), x up to 1, above 0: Newton's method from above */
+/* x^(1 / n) for 0 < x <= 1, by Newton's method from above. */
 static inline double root_of(double x, int n)
 {
     double y = 1;
@@ -53,9 +53,9 @@ static inline double root_of(double x, int n)
     return y;
 }
 
-/* The opacity of each of N Gaussians at one place that are together as opaque as the one was: o' = 1 - (1 - o)^(1 / N).
-   The scale for about the same picture: s' = s o / sum of C(N, k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N (the
-   double sum over i and k of the paper, by columns). */
+/* Distributes opacity and scale over N = times + 1 Gaussians at one place (Kheradmand et al. 2024). Opacity: o' = 1 -
+   (1 - o)^(1 / N), so that together they are as opaque as before. Scale, for about the same picture: s' = s o / sum of
+   C(N, k) (-1)^(k - 1) o'^k / sqrt(k), k from 1 to N (the paper's double sum over i and k, by columns). */
 static inline void share(fxs_fit_model *m, size_t i, uint32_t times)
 {
     const int n = times + 1 < SHARING ? (int)times + 1 : SHARING;

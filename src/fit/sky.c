@@ -1,3 +1,5 @@
+/* Initial points of a sky (sky.h): each photograph votes on each direction of a spherical lattice. It counts a
+ * direction as free if no point of the reconstruction is projected near it. */
 #include "sky.h"
 
 #include <math.h>
@@ -6,24 +8,24 @@
 
 enum {
     CELLS = 48,                    /* along the longer side of a picture */
-    MOST = 1 << 17                 /* the most points that are looked at, evenly spaced in their order */
+    MOST = 1 << 17                 /* most points examined; of more, evenly spaced ones */
 };
-#define TIMES 1000.0               /* a camera at the edge of the extent sees the sphere turned by 1/1000 radian */
-#define FARTHEST 67108864.0        /* half of the renderer's limit */
+#define TIMES 1000.0               /* the sphere's radius in extents; parallax across the extent is 1/1000 radian */
+#define FARTHEST 67108864.0        /* largest radius: half of the renderer's limit */
 
-/* What the photographs say of a direction. */
+/* The photographs' votes on a direction. */
 typedef struct tally {
-    uint32_t seen, is_free;        /* photographs */
-    uint64_t colour[3];            /* sums over those in which it is free */
+    uint32_t seen, is_free;        /* numbers of photographs */
+    uint64_t colour[3];            /* sums over the photographs that count it as free */
 } tally;
 
-/* Places of a picture near points. */
+/* Cells of a picture with points in them or next to them. */
 typedef struct cells {
     uint8_t is_near[CELLS][CELLS];
     double size;                   /* pixels */
 } cells;
 
-/* The pixel, not rounded, and whether it lies in the picture or at most `beyond` outside. */
+/* Projects a place to pixels, not rounded. Returns whether it is in the picture or at most `beyond` pixels outside. */
 static int project(const fxs_file_view *view, const double place[3], double beyond, double at[2])
 {
     double seen[3] = {0, 0, 0};
@@ -60,11 +62,11 @@ static void find_cells(cells *c, const fxs_file_view *view, const fxs_fit_point 
     }
 }
 
-/* Of a place in the picture. */
+/* The cell of a pixel coordinate. */
 static int cell_of(const cells *c, double at)
 {
     const int cell = (int)(at / c->size);
-    return cell < CELLS ? cell : CELLS - 1;    /* the quotient may be rounded up */
+    return cell < CELLS ? cell : CELLS - 1;    /* the quotient may round up */
 }
 
 static void look(const fxs_fit_photo *photo, const cells *c, const fxs_fit_point *point, tally *t)
@@ -84,8 +86,8 @@ static void look(const fxs_fit_photo *photo, const cells *c, const fxs_fit_point
         t->colour[k] += photo->pixels[3 * pixel + (size_t)k];
 }
 
-/* A spherical Fibonacci lattice: heights evenly spaced, each point turned from the one before by the golden angle, pi (3
-   - sqrt(5)). */
+/* A spherical Fibonacci lattice: heights are evenly spaced, and each point is rotated from the previous one by the
+   golden angle, pi (3 - sqrt(5)). */
 static void spread(fxs_fit_point *points, uint32_t count, const double middle[3], double radius)
 {
     double x = 1, z = 0;
@@ -109,7 +111,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Within which 19 of 20 points lie; less than 0 where memory runs out. */
+/* The distance that contains 19 of 20 points; below 0 if memory runs out. */
 static double distance_of(const fxs_fit_point *points, size_t count, const double middle[3])
 {
     const size_t some = count < MOST ? count : MOST;
@@ -129,7 +131,7 @@ static double distance_of(const fxs_fit_point *points, size_t count, const doubl
     return distance;
 }
 
-/* Keeps the points of the sky. */
+/* Keeps the directions that are free in more than half of the photographs that see them. */
 static size_t choose(fxs_fit_point *points, const tally *tallies, uint32_t count)
 {
     size_t kept = 0;

@@ -1,16 +1,16 @@
-/* smooth: no Gaussian is finer than the finest photograph that sees it. No photograph tells how thin it would be, but
- * from nearer than all of them that would be seen. The 3D smoothing filter of Yu et al. 2024 ("Mip-Splatting"), as a
- * bound of each scale. */
+/* smooth: bounds each scale by the pixel size of the finest photograph that sees the Gaussian. Photographs do not
+ * determine finer scales, but closer views would show them. The 3D smoothing filter of Yu et al. 2024
+ * ("Mip-Splatting"), as a bound. */
 #ifndef FXS_FIT_SMOOTH_H
 #define FXS_FIT_SMOOTH_H
 
 #include "fit_gaussian.h"
 
 #define FXS_FIT_SMOOTH 0.447213595f    /* sqrt(0.2) pixels */
-#define FXS_FIT_BESIDE 0.15f       /* of the picture's size: a centre so far beyond an edge is seen too */
+#define FXS_FIT_BESIDE 0.15f       /* centres up to this part of the picture's size beyond an edge count as seen */
 
-/* The size of a camera's pixel at a place, or `least_so_far` where that is less or the place is not seen. A pixel x of
-   the place is (focal X + middle Z) / Z. */
+/* min(least_so_far, depth / focal) if the camera sees the place, else least_so_far: the size of a pixel there. The
+   pixel coordinate of the place is (focal X + middle Z) / Z. */
 static inline real finest_of(const fxs_fit_camera *c, const real place[3], real least_so_far)
 {
     const int32_t size[2] = {c->width, c->height};
@@ -30,8 +30,8 @@ static inline real finest_of(const fxs_fit_camera *c, const real place[3], real 
     return choose(both(seen, below(own, least_so_far)), own, least_so_far);
 }
 
-/* scale = max(scale, sqrt(0.2) divisor min of depth / focal over the cameras that see the centre). What none sees
-   stays. */
+/* scale = max(scale, sqrt(0.2) divisor min(depth / focal)), with the minimum over the cameras that see the centre.
+   Unseen Gaussians keep their scales. */
 static inline void smooth_scales(const fxs_fit_cameras *cameras, int divisor, float *at, size_t stride)
 {
     const real farthest = all(FXS_FIT_FARTHEST_PLACE);

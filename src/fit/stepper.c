@@ -1,4 +1,8 @@
-/* A step of the fit: project, bin, blend, loss, the backward pass, update. */
+/* A step of the fit on the CPU: project, bin, blend, loss, backward, update. Each stage runs as jobs on the thread
+ * pool; all sums have a fixed order, so results do not depend on the number of threads.
+ *
+ * bin sorts the visible splats by depth (radix sort, 3 digits of 11 bits) and appends them in that order to the
+ * tiles' lists. */
 #include "stepper.h"
 
 #include <math.h>
@@ -9,7 +13,7 @@
 #include "exposure.h"
 #include "pose.h"
 
-enum { JOB = 4096 };               /* Gaussians in a job */
+enum { JOB = 4096 };               /* Gaussians per job */
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE };
 
 typedef struct block {
@@ -30,21 +34,21 @@ struct fxs_fit_stepper {
     fxs_fit_model *model;
     const fxs_fit_camera *camera;
     const fxs_fit_step_options *options;
-    const uint8_t *photograph;     /* in the size of the camera's picture */
-    const uint8_t *errors_of;      /* the same, for fxs_fit_find_errors */
-    const uint8_t *mask;           /* of the photograph, in the same size, or null */
+    const uint8_t *photograph;     /* at the camera's size */
+    const uint8_t *errors_of;      /* likewise, for fxs_fit_find_errors */
+    const uint8_t *mask;           /* at the camera's size, or null */
     float *errors;
-    fxs_fit_camera posed[FXS_FIT_BATCH];   /* cameras of the batch with their poses */
+    fxs_fit_camera posed[FXS_FIT_BATCH];   /* the batch's cameras with pose corrections */
     const fxs_fit_camera *cameras[FXS_FIT_BATCH];
-    uint32_t batch, view;          /* number of views in the batch, and the current one */
-    float factors[FXS_FIT_GAIN];   /* of the current photograph's exposure, where there is one */
-    float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];   /* of each view: see gain_gradient */
+    uint32_t batch, view;          /* views in the batch; current view */
+    float factors[FXS_FIT_GAIN];   /* of the current photograph's exposure */
+    float by_gain[FXS_FIT_BATCH][FXS_FIT_GAIN];   /* per view: sums for gain_gradient */
     fxs_fit_adam adam;
     fxs_fit_loss loss[3];
-    int plane_count;               /* of each of these: the picture alone, or all */
+    int plane_count;               /* planes per channel: only the picture, or all */
     uint32_t tile_count, visible;
     size_t entry_count;
-    int digit;                     /* digit of the depths by which keys are sorted */
+    int digit;                     /* current digit of the sort by depth */
 };
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
@@ -111,7 +115,7 @@ static size_t job_count(const fxs_fit_stepper *s, uint32_t job)
     return left < JOB ? left : JOB;
 }
 
-/* The numbers of splats and entries of a job's Gaussians; later, of all jobs before it. */
+/* A job's numbers of splats and entries; later, the sums over all jobs before it. */
 typedef struct seen {
     uint32_t splats;
     size_t entries;
@@ -149,13 +153,13 @@ typedef struct key {
 
 enum { DIGITS = 3, DIGIT_BITS = 11, DIGIT_VALUES = 1 << DIGIT_BITS };
 
-/* The sort by depth counts and moves splats in as many ranges as there are threads. */
+/* Start of a range of splats. Each pass of the sort has as many ranges as threads. */
 static uint32_t range_start(const fxs_fit_stepper *s, uint32_t range)
 {
     return (uint32_t)((uint64_t)s->visible * range / s->threads);
 }
 
-/* Turns counts into sums over the jobs before each. */
+/* Replaces the jobs' counts by sums over the jobs before each. */
 static void add_jobs(fxs_fit_stepper *s)
 {
     seen *found = s->jobs.memory;
@@ -169,7 +173,7 @@ static void add_jobs(fxs_fit_stepper *s)
     }
 }
 
-/* Writes keys and tiles of visible splats. Depths are above 0, so their bits sort as integers. */
+/* Writes keys and tiles of visible splats. Depths are positive, so their bits sort as integers. */
 static void cover_job(void *argument, uint32_t job)
 {
     const fxs_fit_stepper *s = argument;
@@ -188,7 +192,7 @@ static void cover_job(void *argument, uint32_t job)
     s->stages->cover(s->camera, splats, (size_t)job * JOB, job_count(s, job), s->tiles.memory);
 }
 
-/* Moves the keys of a range by a digit. */
+/* The half of `keys` that holds the input of the current digit. */
 static const key *keys_from(const fxs_fit_stepper *s)
 {
     return (const key *)s->keys.memory + (size_t)(s->digit % 2) * s->model->stride;
@@ -219,8 +223,8 @@ static void move_digits_job(void *argument, uint32_t range)
         to[starts[digit_of(s, &keys[k])]++] = keys[k];
 }
 
-/* Turns the counts of each range into the places of its first keys: by value, then by range. The place of the first key
-   of each value is written to `starts`, where that is not null. */
+/* Replaces each range's counts by its first places: ordered by value, then by range. If `starts` is not null, writes
+   the first place of each value there. */
 static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
 {
     uint32_t *counts = s->histograms.memory, sum = 0;
@@ -237,7 +241,7 @@ static void add_ranges(fxs_fit_stepper *s, size_t values, uint32_t *starts)
         starts[values] = sum;
 }
 
-/* A stable radix sort, which leaves the keys in the second half. */
+/* Stable radix sort; the result is in the second half of `keys`. */
 static void sort_keys(fxs_fit_stepper *s)
 {
     for (s->digit = 0; s->digit < DIGITS; s->digit++) {
@@ -247,7 +251,7 @@ static void sort_keys(fxs_fit_stepper *s)
     }
 }
 
-/* Prefetches the splat that comes `AHEAD` keys later. */
+/* Prefetches the tiles of the key AHEAD places later. */
 enum { AHEAD = 8 };
 static void prefetch_tiles(const fxs_fit_stepper *s, const key *keys, uint32_t k)
 {
@@ -283,7 +287,7 @@ static void fill_entries_job(void *argument, uint32_t range)
     }
 }
 
-/* Makes room for the lists: `counts` has the first entry of each tile, then the number that each needed. */
+/* Makes room for the lists. `counts` holds each tile's first entry, then the number of entries that each needed. */
 static int make_room(fxs_fit_stepper *s)
 {
     const size_t values = s->tile_count > DIGIT_VALUES ? s->tile_count : DIGIT_VALUES, entries = s->entry_count + 1;
@@ -322,7 +326,7 @@ static int32_t least_of(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* Pictures that are not for a step are blended with so much light that a pixel closes at FXS_FIT_CLOSED / 16. */
+/* Initial transmittance. Pictures outside of a step use 16, so that pixels close only at FXS_FIT_CLOSED / 16. */
 static float light_of(const fxs_fit_stepper *s)
 {
     return s->photograph ? 1 : 16;
@@ -333,7 +337,7 @@ static int has_exposure(const fxs_fit_stepper *s)
     return s->photograph && s->model->gains;
 }
 
-/* The exposure of a tile's pixels in the picture. */
+/* Applies the exposure to a tile's pixels in the picture. */
 static void expose(const fxs_fit_stepper *s, int32_t left, int32_t top, int32_t columns, int32_t rows)
 {
     for (int32_t y = top; y < top + rows; y++)
@@ -383,8 +387,8 @@ static void blend_job(void *argument, uint32_t tile)
 
 enum { PLANES = 1 + FXS_FIT_ROWS + FXS_FIT_DERIVATIVES, ROWS_A_JOB = 16 };
 
-/* Makes the planes of pixels, whose margins are 0 and stay so; the gradient uses the memory of sums that it does not
-   need. */
+/* Allocates the planes of pixels; their margins are 0 and stay 0. The gradient reuses a plane of row sums that is free
+   then. */
 static int make_planes(fxs_fit_stepper *s)
 {
     const int32_t width = s->camera->width, height = s->camera->height;
@@ -476,7 +480,7 @@ void fxs_fit_add_loss(const float *rows, const fxs_fit_camera *camera, uint32_t 
 
 /* ---- backward ---------------------------------------------------------------------------------------------------- */
 
-/* dL/dI of a tile's pixels, of those by I M + m. */
+/* The gradient by a tile's colours before exposure, from that after it. */
 static void pass_exposure(const fxs_fit_stepper *s, fxs_fit_tile_gradient *g)
 {
     for (int i = 0; i < FXS_FIT_PIXELS; i++) {
@@ -508,7 +512,7 @@ static void take_gradient(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_
         pass_exposure(s, g);
 }
 
-/* Writes the sums of a tile's splats for this gradient of its pixels. */
+/* Writes the sums of a tile's splats for a gradient of its pixels. */
 static void pass_back(const fxs_fit_stepper *s, uint32_t tile, const fxs_fit_tile_gradient *g)
 {
     const uint32_t *starts = s->counts.memory, needed = starts[s->tile_count + 1 + tile];
@@ -531,7 +535,7 @@ static void backward_job(void *argument, uint32_t tile)
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-/* Adds the sums of each Gaussian over its tiles, in their order. */
+/* Sums each Gaussian over its tiles, in order. */
 static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (*out)[FXS_FIT_PART])
 {
     const fxs_fit_splat *splats = (const fxs_fit_splat *)s->splats.memory + first;
@@ -549,13 +553,13 @@ static void gather(const fxs_fit_stepper *s, size_t first, size_t count, float (
     }
 }
 
-/* The planes of sums of one view of the batch, for the whole model. */
+/* Planes of a view's sums, for the whole model. */
 static float *gathered_of(const fxs_fit_stepper *s, uint32_t view, int sum)
 {
     return (float *)s->gathered.memory + (view * FXS_FIT_SUMS + (size_t)sum) * s->model->stride;
 }
 
-/* The end of those of a job's Gaussians that the step changes, which may lie before its first. */
+/* End of the Gaussians of a job that the step changes; may be before the job's first. */
 static size_t changed_end(const fxs_fit_stepper *s, uint32_t job)
 {
     const size_t end = (size_t)job * JOB + job_count(s, job);
@@ -594,7 +598,7 @@ static size_t part_count(const fxs_fit_stepper *s)
     return (s->model->stride + FXS_FIT_PART - 1) / FXS_FIT_PART;
 }
 
-/* What the parts of the model add to a number of a view's pose. */
+/* A view's gradient by number k of its pose: one term per part of the model. */
 static float *by_pose_of(const fxs_fit_stepper *s, uint32_t view, int k)
 {
     return (float *)s->by_pose.memory + (view * FXS_FIT_POSE + (size_t)k) * part_count(s);
@@ -681,7 +685,7 @@ static float sum_numbers(const float *numbers, size_t step, size_t count, double
     return gain_sum(parts, divisor);
 }
 
-/* The sums of gain_gradient over a row, 16 parts that are added as those of loss. */
+/* Sums of a row for gain_gradient: 16 partial sums, added in the order of loss. */
 static void gain_rows_job(void *argument, uint32_t row)
 {
     const fxs_fit_stepper *s = argument;
@@ -712,8 +716,8 @@ static void sum_by_gain(fxs_fit_stepper *s)
         s->by_gain[s->view][k] = sum_numbers(rows + k * height, 1, height, values);
 }
 
-/* A step for each photograph of the batch, in order; then the means over all photographs become those of a neutral
-   exposure, so that the scene has none of their colour. */
+/* A step for each photograph of the batch, in order. Then subtracts the mean over all photographs, so that the mean
+   exposure is neutral and the scene does not take up a common tint. */
 static void update_gains(const fxs_fit_stepper *s, const fxs_fit_photograph *photographs)
 {
     const fxs_fit_gains *gains = s->model->gains;
@@ -786,7 +790,7 @@ int fxs_fit_draw(fxs_fit_stepper *s, const fxs_fit_model *model, const fxs_fit_c
 
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
-/* The squared difference of the colours of each pixel, which backward shares out by the weight of each splat in it. */
+/* The squared colour difference of each pixel; backward distributes it by the splats' weights. */
 static void take_error(const fxs_fit_stepper *s, uint32_t tile, fxs_fit_tile_gradient *g)
 {
     int32_t left, top;
@@ -843,7 +847,7 @@ int fxs_fit_find_errors(fxs_fit_stepper *s, fxs_fit_model *model, const fxs_fit_
 
 /* ---- Photographs ------------------------------------------------------------------------------------------------- */
 
-/* Reduces a photograph: each pixel is the mean of divisor x divisor pixels. */
+/* Averages a photograph down: each pixel is the mean of divisor x divisor pixels. */
 static void average_down(const fxs_fit_photograph *from, uint8_t *pixels)
 {
     const int divisor = from->divisor, all_of_them = divisor * divisor;
@@ -900,7 +904,7 @@ static int choose_view(fxs_fit_stepper *s, const fxs_fit_photograph *photograph,
     return 0;
 }
 
-/* Makes the stages for one photograph, up to the sums of its splats. */
+/* Runs the stages for one photograph, up to the sums of its splats. */
 static int pass(fxs_fit_stepper *s, fxs_fit_report *report)
 {
     if (draw(s, report) || !room(&s->sums, (s->entry_count + 1) * FXS_FIT_SUMS * sizeof(float)))

@@ -1,5 +1,5 @@
-/* blend and the backward pass: from the splats of a list to the pixels of a tile, and from the gradient of the
- * pixels to sums for the splats. */
+/* blend and backward for one tile: from a list of splats to pixels, and from the pixels' gradients to sums per
+ * splat. */
 #ifndef FXS_FIT_TILE_H
 #define FXS_FIT_TILE_H
 
@@ -7,8 +7,8 @@
 
 enum {
     PLACES = 16,                   /* pixels of a block */
-    BATCH = 16,                    /* entries that are worked on at once */
-    EARLY = 8                 /* entries by which splats and sums are prefetched */
+    BATCH = 16,                    /* entries processed at a time */
+    EARLY = 8                 /* prefetch distance in entries */
 };
 
 /* u and v of a splat at the first pixel of each block of the tile. */
@@ -45,7 +45,7 @@ static inline uint32_t find_blocks(const fxs_fit_splat *s, const corners *c)
     return blocks;
 }
 
-/* The increments of u and v from a block's first pixel to its places, from `place` on. */
+/* Offsets of u and v from a block's first pixel to LANES pixels, from `place` on. */
 static inline void find_places(const fxs_fit_splat *s, int place, real *u, real *v)
 {
     static const float along[PLACES] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
@@ -69,7 +69,7 @@ static inline int blend_pixels(const fxs_fit_splat *s, fxs_fit_tile *tile, int a
     return any(takes);
 }
 
-/* Blends a splat to these blocks. Returns the blocks that it changes. */
+/* Blends a splat into a set of blocks. Returns the blocks that it changes. */
 static inline uint32_t blend_splat(const fxs_fit_splat *from, const corners *c, uint32_t blocks, fxs_fit_tile *tile)
 {
     const fxs_fit_splat s = *from;
@@ -93,7 +93,7 @@ static inline int is_open(const fxs_fit_tile *tile)
     return 0;
 }
 
-/* Blends until all pixels are closed. Returns the number of entries up to the last that changed a pixel. */
+/* Blends a list until all pixels are closed. Returns the number of entries up to the last one that changed a pixel. */
 static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries, uint32_t count, int32_t left,
                              int32_t top, float light, fxs_fit_tile *tile)
 {
@@ -122,7 +122,7 @@ static inline uint32_t blend(const fxs_fit_splat *splats, fxs_fit_entry *entries
 
 /* ---- backward ---------------------------------------------------------------------------------------------------- */
 
-/* The fields of passed_pixel for the pixels of the tile. */
+/* passed_pixel for all pixels of the tile. */
 typedef struct passed {
     float transmittance[FXS_FIT_PIXELS], behind[FXS_FIT_PIXELS];
 } passed;
@@ -147,7 +147,7 @@ static inline void find_sums(const fxs_fit_splat *s, const fxs_fit_tile_gradient
     sums_of(h, weight, u, v, g0, g1, g2, sums);
 }
 
-/* Adds the 16 numbers of each row: p and p + 8, then p and p + 4, p + 2, p + 1. */
+/* Adds up the 16 numbers of each row: p and p + 8, then p and p + 4, p + 2, p + 1. */
 #if LANES == 1
 static inline void add_places(const float (*rows)[PLACES], float *sums)
 {
@@ -174,7 +174,7 @@ static inline real4 load_4(const float *from)
     return x;
 }
 
-/* The last two of these additions for four rows of four places. */
+/* The last two of these additions, for four rows of four numbers. */
 static inline real4 add_4(const real4 *f)
 {
     const real4 a = MIX(f[0], f[1], 0, 4, 1, 5), b = MIX(f[2], f[3], 0, 4, 1, 5);
@@ -195,7 +195,7 @@ static inline void add_places(const float (*rows)[PLACES], float *sums)
 #undef MIX
 #endif
 
-/* Adds the sums of a block to those of the blocks before it. */
+/* Adds a block's sums to `sums`. */
 static inline void backward_block(const fxs_fit_splat *s, const corners *c, int b, const real of_places[][2],
                                   const fxs_fit_tile_gradient *g, passed *p, float *sums)
 {
@@ -234,7 +234,7 @@ static inline void backward_splat(const fxs_fit_splat *from, uint32_t blocks, co
     memcpy(sums, all_sums, sizeof all_sums);
 }
 
-/* Works on the first `count` entries of a list, with the blocks that blend found, and writes the sums of each to its
+/* Processes the first `count` entries of a list with the blocks that blend found, and writes the sums of each to its
    slot. */
 static inline void backward(const fxs_fit_splat *splats, const fxs_fit_entry *entries, uint32_t count, int32_t left,
                         int32_t top, const fxs_fit_tile_gradient *g, float (*sums)[FXS_FIT_SUMS])

@@ -1,4 +1,4 @@
-/* project, shade and bin: the splats of a view, their colours, and the lists of its tiles. */
+/* project, shade and bin: a view's splats, their colours, and the tiles' lists. */
 #ifndef FXS_CUDA_FIT_BIN_CUH
 #define FXS_CUDA_FIT_BIN_CUH
 
@@ -14,11 +14,11 @@ namespace {
 
 const uint32_t BIN_THREADS = 256;
 
-/* Splats that touch more than FEW_TILES tiles are the work of a whole warp each, those of more than MANY_TILES of a
-   block: the first blocks of a kernel take them, so that none is late. */
+/* Load balance: a splat with more than FEW_TILES tiles gets a whole warp, one with more than MANY_TILES a block. The
+   first LARGE_BLOCKS blocks of a kernel take these. */
 const uint32_t FEW_TILES = 16, MANY_TILES = 256, LARGE_BLOCKS = 264;
 
-/* Notes the Gaussians of a warp that touch so many. */
+/* Lists the warp's large and huge Gaussians. */
 __device__ inline void note_large(const step_buffers &b, uint32_t gaussian, uint32_t tiles)
 {
     const bool is_huge = tiles > MANY_TILES, is_large = !is_huge && tiles > FEW_TILES;
@@ -30,7 +30,8 @@ __device__ inline void note_large(const step_buffers &b, uint32_t gaussian, uint
         b.large[large] = gaussian;
 }
 
-/* By blocks below LARGE_BLOCKS: calls by_block(Gaussian) for the block's, with all threads, by_warp for the warp's. */
+/* For blocks below LARGE_BLOCKS: calls by_block(Gaussian) with all threads for the block's huge Gaussians, and
+   by_warp(Gaussian) for each warp's large ones. */
 template <class ByBlock, class ByWarp>
 __device__ inline void visit_large(const step_buffers &b, ByBlock by_block, ByWarp by_warp)
 {
@@ -41,8 +42,8 @@ __device__ inline void visit_large(const step_buffers &b, ByBlock by_block, ByWa
         by_warp(b.large[i]);
 }
 
-/* The Gaussian of a block's thread, of blocks from LARGE_BLOCKS on. Neighbours are often alike in size, so they go to
-   different blocks, four by four. */
+/* The Gaussian of a thread, for blocks from LARGE_BLOCKS on. Neighbours are often alike in size, so groups of four go
+   to different blocks. */
 __device__ inline uint32_t spread_over_blocks(uint32_t thread)
 {
     return (thread / 4 * (gridDim.x - LARGE_BLOCKS) + (blockIdx.x - LARGE_BLOCKS)) * 4 + thread % 4;
@@ -53,7 +54,7 @@ inline uint32_t bin_grid(uint64_t threads)
     return (uint32_t)((threads + BIN_THREADS - 1) / BIN_THREADS);
 }
 
-/* Calls launch(degree) with a constant, so that the SH of a kernel stay in registers. */
+/* Calls launch(degree) with a compile-time constant, so that a kernel's SH stay in registers. */
 template <class Launch>
 void by_degree(int degree, Launch launch)
 {
@@ -71,7 +72,7 @@ void by_degree(int degree, Launch launch)
 
 /* ---- project and shade ------------------------------------------------------------------------------------------- */
 
-/* Writes a splat; of one that is not in the picture only the number that says so. */
+/* Writes a splat as four 16-byte words; the colours follow in shade_splats. */
 __device__ inline void put_splat(const real numbers[SPLAT_NUMBERS], fxs_fit_splat *splat)
 {
     float4 *to = (float4 *)splat;
@@ -81,7 +82,7 @@ __device__ inline void put_splat(const real numbers[SPLAT_NUMBERS], fxs_fit_spla
     to[3] = make_float4(numbers[12], numbers[13], numbers[14], 0);
 }
 
-/* All but the colours. `posed`: of the camera, where IsPosed. */
+/* Computes all of a splat except the colours. `posed`: the camera's pose, if IsPosed. */
 template <bool IsPosed>
 __global__ void __launch_bounds__(BIN_THREADS)
     project_splats(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
@@ -116,7 +117,7 @@ __global__ void __launch_bounds__(BIN_THREADS)
         b.splats[i].depth = 0;
 }
 
-/* The colours of the splats in the picture. */
+/* Computes the colours of the visible splats. */
 template <int Degree, bool IsPosed>
 __global__ void __launch_bounds__(BIN_THREADS)
     shade_splats(step_buffers b, device_model m, const __grid_constant__ fxs_fit_camera camera,
@@ -133,7 +134,7 @@ __global__ void __launch_bounds__(BIN_THREADS)
         find_colours(&camera, Degree, m.parameters + i, m.stride, &splat->limit, splat->colour);
 }
 
-/* `posed`: null, or the camera's pose, which is read on the device. */
+/* `posed`: null, or the camera's pose in device memory. */
 cudaError_t launch_project(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
                            const posed_camera *posed, cudaStream_t stream)
 {
@@ -142,7 +143,7 @@ cudaError_t launch_project(const step_buffers *b, const device_model *m, const f
     return cudaGetLastError();
 }
 
-/* Beside bin, which needs no colours. */
+/* On the side stream, at the same time as bin, which needs no colours. */
 cudaError_t launch_shade(const step_buffers *b, const device_model *m, const fxs_fit_camera *camera,
                          const posed_camera *posed, int degree, cudaStream_t stream, const side_stream *beside)
 {
@@ -157,7 +158,7 @@ cudaError_t launch_shade(const step_buffers *b, const device_model *m, const fxs
 
 /* ---- Slots ------------------------------------------------------------------------------------------------------- */
 
-/* A sum that stays at the largest number, so that a count that is too large does not look small. */
+/* Saturating sum, so that an overflowing count stays too large. */
 struct add_saturated {
     __host__ __device__ uint32_t operator()(uint32_t x, uint32_t y) const
     {
@@ -165,7 +166,7 @@ struct add_saturated {
     }
 };
 
-/* Whether there is room for the step's slots; notes how many they are. */
+/* Records the step's number of slots. Returns whether they fit. */
 __device__ inline bool has_room(const step_buffers &b, uint32_t total)
 {
     if (!blockIdx.x && !threadIdx.x) {
@@ -200,7 +201,7 @@ __device__ inline void put_slot(const step_buffers &b, uint32_t slot, uint32_t t
     b.splat_of[slot] = gaussian;
 }
 
-/* Slots of a warp's splats of few tiles: they are written one after the other. */
+/* Slots of a warp's small splats, staged so that writes are consecutive. */
 struct staged_slots {
     uint32_t tiles[BIN_THREADS / WARP][WARP * FEW_TILES];
     uint8_t lanes[BIN_THREADS / WARP][WARP * FEW_TILES];
@@ -219,7 +220,7 @@ __device__ inline void stage_small(const fxs_fit_camera *camera, const ellipses 
     }
 }
 
-/* By a warp: each thread's splat, where it has `tiles` of them, FEW_TILES at most. */
+/* By a warp: writes the slots of each thread's splat with `tiles` tiles, at most FEW_TILES. */
 __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *camera, const ellipses &e, uint32_t slot,
                                  uint32_t tiles, uint32_t gaussian, staged_slots *staged)
 {
@@ -241,8 +242,7 @@ __device__ inline void put_small(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
-/* By a warp, the n-th of `warps`: its threads find the columns of a row each, and then fill the warp's rows
-   together. */
+/* By warp n of `warps`: the threads find the columns of a row each, then fill the warp's rows together. */
 __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *camera, uint32_t gaussian, uint32_t n,
                                  uint32_t warps)
 {
@@ -266,7 +266,7 @@ __device__ inline void put_large(const step_buffers &b, const fxs_fit_camera *ca
     }
 }
 
-/* A warp for each splat of many tiles, a thread for each other Gaussian. */
+/* A block or warp per splat with many tiles; a thread per other Gaussian. */
 __global__ void __launch_bounds__(BIN_THREADS)
     put_slots(step_buffers b, uint32_t count, const __grid_constant__ fxs_fit_camera camera)
 {
@@ -289,9 +289,10 @@ __global__ void __launch_bounds__(BIN_THREADS)
 
 /* ---- Lists ------------------------------------------------------------------------------------------------------- */
 
-const uint32_t START_THREADS = 1024, START_TILES = 4;      /* of a block; of a thread, at a time */
-const uint32_t CLASSES = 64;       /* of lists by their lengths, two for each power of 2, long ones first */
-const uint32_t LONG_LIST = 256;    /* entries: a list of so many is a block's to sort, a shorter one a warp's */
+const uint32_t START_THREADS = 1024, START_TILES = 4;      /* threads per block; tiles per thread and round */
+const uint32_t CLASSES = 64;       /* of list lengths: two per power of 2, longest first */
+const uint32_t LONG_LIST = 256;    /* lists of at least this many entries are sorted by a block, shorter ones by a
+                                      warp */
 
 __device__ inline uint32_t class_of(uint32_t count)
 {
@@ -299,7 +300,7 @@ __device__ inline uint32_t class_of(uint32_t count)
     return CLASSES - 1 - (bits < 2 ? bits : 2 * bits - 2 + (count >> (bits - 2) & 1));
 }
 
-/* From the lengths of lists to where they begin and to their order, by one block. */
+/* By one block: turns list lengths into starts, and orders the tiles by class. */
 __global__ void __launch_bounds__(START_THREADS) start_lists(step_buffers b, uint32_t tile_count)
 {
     typedef cub::BlockScan<uint32_t, START_THREADS> scan;
@@ -346,7 +347,7 @@ __global__ void __launch_bounds__(START_THREADS) start_lists(step_buffers b, uin
     }
 }
 
-/* A thread for each slot. */
+/* One thread per slot. */
 __global__ void __launch_bounds__(BIN_THREADS) fill_lists(step_buffers b, uint32_t count)
 {
     if (is_stopped(b.status))
@@ -362,19 +363,20 @@ __global__ void __launch_bounds__(BIN_THREADS) fill_lists(step_buffers b, uint32
 
 const uint32_t SORT_THREADS = 256;
 
-/* Where T threads sort lists, by 2^Bits bins. */
+/* Sorts lists by T threads in 2^Bits bins. */
 template <uint32_t T, uint32_t Room, int Bits>
 struct list_sorter {
     typedef group_keys<Room, Bits> keys_type;
     keys_type keys;
     uint32_t bins[bins_of<keys_type, T>];
 
-    /* A list of more keys than there is room for goes to bins first. */
+    /* Lists longer than Room are put into bins first. */
     __device__ void sort(const step_buffers &b, uint32_t start, uint32_t count, group<T> g)
     {
         const uint64_t *list = b.keys + start;
         uint32_t *ends = nullptr, *slots = b.slots + start;
-        if (count > Room) {                /* its sums have 36 bytes an entry: for a key each, and 2^Bits ends */
+        if (count > Room) {                /* scratch: the list's `sums`, 36 bytes per entry, hold a key each and the
+                                              2^Bits ends */
             uint64_t *moved = (uint64_t *)(((uintptr_t)(b.sums + (size_t)start * FXS_FIT_SUMS) + 7) / 8 * 8);
             auto visit_all = [&](auto visit) { visit_keys(list, count, &g, visit); };
             const key_range r = range_of_list(&keys, &g, visit_all);
@@ -388,7 +390,7 @@ struct list_sorter {
         }
         uint32_t *to = slots;
         take_keys(&keys, bins, list, count, ends, &g, [&](uint32_t some) {
-            __builtin_assume(some > 0);    /* one at least */
+            __builtin_assume(some > 0);    /* tells the compiler */
             sort_keys_by_count(to, &keys, bins, some, &g);
             to += some;
             return true;
@@ -403,7 +405,7 @@ union sort_shared {
     list_sorter<WARP, LONG_LIST, 8> warps[SORT_THREADS / WARP];
 };
 
-/* A block for each long list, the longest first, then a warp for each of the others. */
+/* One block per long list, longest first; then one warp per shorter list. */
 __global__ void __launch_bounds__(SORT_THREADS) sort_lists(step_buffers b, uint32_t tile_count)
 {
     __shared__ sort_shared shared;
@@ -422,13 +424,13 @@ __global__ void __launch_bounds__(SORT_THREADS) sort_lists(step_buffers b, uint3
         shared.warps[warp].sort(b, start, count, {0, lane_index()});
 }
 
-/* Replaces the numbers in `bases` by the sums of the numbers before them. */
+/* Replaces `bases` by its exclusive prefix sums. */
 cudaError_t add_tiles(void *scratch, size_t *bytes, const step_buffers *b, uint32_t count, cudaStream_t stream)
 {
     return cub::DeviceScan::ExclusiveScan(scratch, *bytes, b->bases, b->bases, add_saturated(), 0u, count + 1, stream);
 }
 
-/* Bytes that the sums need. */
+/* Scratch bytes of add_tiles. */
 size_t bin_scratch(uint32_t gaussians)
 {
     size_t bytes = 0;

@@ -1,4 +1,10 @@
-/* The engine of the fit on GPUs: the kernels of a step in order, on each device, and the photographs that they need. */
+/* The fit's engine on GPUs (src/fit/engine.h): transfers photographs, launches a step's kernels on each device, and
+ * exchanges gradients between devices.
+ *
+ * Step: each photograph goes to one device, which projects, bins, blends, computes the loss and runs backward
+ * (pass); the sums per Gaussian are copied to all other devices; then every device makes the same update, so all
+ * models stay equal. Steps are asynchronous: up to PENDING of them run before the host waits. If a step's lists
+ * overflowed, it and all later ones have changed nothing, and finish repeats them with more memory. */
 #include "cuda_fit.h"
 
 #include "kernels/cuda/device.cuh"
@@ -14,37 +20,37 @@ namespace {
 enum { PROJECT, BIN, BLEND, LOSS, BACK, UPDATE, STAGES };
 
 const uint32_t VIEW_PLANES = FXS_FIT_SUMS + 1;    /* see launch_gather */
-const uint32_t PENDING = 64;       /* steps that are under way at most */
-const uint32_t PHOTOGRAPHS = 3;    /* of a device: the one at work, and those that follow */
+const uint32_t PENDING = 64;       /* most steps in flight */
+const uint32_t PHOTOGRAPHS = 3;    /* slots per device: one in use, others in transfer */
 
-/* A photograph on its way to a device, or there: its pixels, and its mask behind them. */
+/* A photograph on its way to a device: pinned host memory and device memory, each with pixels, then mask. */
 struct photograph_slot {
     host_block sent;
     block pixels;
     cudaEvent_t ready, is_free;
 };
 
-/* A device, with its memory. All devices have the same model, bit by bit. */
+/* A device and its memory. All devices hold the same model, bit for bit. */
 struct device {
     int number;
-    cudaStream_t stream, copies;   /* of the kernels; of the photographs */
-    side_stream beside;            /* of what needs SH, or changes them, while lists are made */
+    cudaStream_t stream, copies;   /* kernels; photograph transfers */
+    side_stream beside;            /* SH: shading and updates run here while lists are made */
     budget memory;
     device_model model;
     step_buffers buffers;
-    fxs_fit_gains gains;           /* on the device; count 0: photographs have no exposure */
-    fxs_fit_poses poses;           /* likewise */
-    fxs_fit_cameras cameras;       /* on the device; count 0: they do not bound scales */
-    posed_camera *posed;           /* of a batch's views; null where no photograph has a pose */
+    fxs_fit_gains gains;           /* in device memory; count 0: no exposures */
+    fxs_fit_poses poses;           /* in device memory; count 0: no poses */
+    fxs_fit_cameras cameras;       /* in device memory; count 0: scales are not bounded */
+    posed_camera *posed;           /* cameras of a batch's views; null: no poses */
     block splats, slots, pixels, sums_of_views, scratch, status, reduced, exposures, all_poses, pose_parts,
         all_cameras;
     photograph_slot photographs[PHOTOGRAPHS];
     uint32_t next_photograph;
-    float *views[FXS_FIT_BATCH];   /* sums of a batch's photographs (see launch_gather), its own and the others' */
-    cudaEvent_t stages[STAGES + 1], gathered, received;    /* the sums of its photographs are there; those of others */
+    float *views[FXS_FIT_BATCH];   /* per photograph of the batch: sums (launch_gather), own and received */
+    cudaEvent_t stages[STAGES + 1], gathered, received;    /* gathered: its photographs' sums are complete; received:
+                                                              the others' have arrived */
 };
 
-/* The arguments of a step. */
 struct step_order {
     fxs_fit_photograph photographs[FXS_FIT_BATCH];
     uint32_t count;
@@ -52,23 +58,22 @@ struct step_order {
     bool has_report;
 };
 
-struct engine {                    /* in page-locked host memory, for the sake of `statuses` */
+struct engine {                    /* in pinned host memory, for copies to `statuses` */
     fxs_fit_model *model;
     fxs_run_fn *run;               /* null: one thread */
-    void *pool;                    /* of run */
+    void *pool;                    /* argument of run */
     uint32_t device_count;
     device devices[FXS_FIT_BATCH];
-    step_order pending[PENDING];   /* since the host last looked */
+    step_order pending[PENDING];   /* started since the host last waited */
     uint32_t pending_count;
-    uint64_t entries_most;         /* of a step, so far */
-    step_status statuses[FXS_FIT_BATCH];    /* of each device */
-    host_block rows[FXS_FIT_BATCH];    /* of a report, of each photograph: see step_buffers */
+    uint64_t entries_most;         /* most entries of a step so far */
+    step_status statuses[FXS_FIT_BATCH];    /* per device */
+    host_block rows[FXS_FIT_BATCH];    /* per photograph, for a report: see step_buffers */
 };
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* Cuts up memory for the buffers whose numbers are one for each Gaussian. Returns their bytes, also where memory is
-   null. */
+/* Divides memory up for the buffers with one number per Gaussian. Returns the size in bytes; memory may be null. */
 uint64_t cut_gaussians(step_buffers *b, unsigned char *memory, uint64_t stride)
 {
     unsigned char *at = memory;
@@ -131,7 +136,7 @@ int reserve_slots(device *d, uint64_t capacity, fxs_message *why)
     return error;
 }
 
-/* For the model as it is. */
+/* Grows the buffers to the model's stride. */
 int reserve_gaussians(device *d, fxs_message *why)
 {
     step_buffers *b = &d->buffers;
@@ -142,7 +147,7 @@ int reserve_gaussians(device *d, fxs_message *why)
     return error ? error : reserve_scratch(d, why);
 }
 
-/* For a picture, of any size up to those before. */
+/* Grows the buffers to a picture's size. */
 int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
 {
     step_buffers *b = &d->buffers;
@@ -153,8 +158,8 @@ int reserve_pixels(device *d, const fxs_fit_camera *c, fxs_message *why)
     return error;
 }
 
-/* Numbers of a photograph's sums: see launch_gather; then one that is not 0 where there was no room, those of
-   launch_by_gain, and those of launch_by_pose. */
+/* Numbers per photograph: the planes of launch_gather, an overflow flag, the sums of launch_by_gain and of
+   launch_by_pose. */
 uint64_t view_numbers(const device *d)
 {
     return VIEW_PLANES * (uint64_t)d->model.stride + 64;
@@ -186,7 +191,7 @@ int reserve_views(device *d, uint32_t count, fxs_message *why)
 
 /* ---- Photographs ------------------------------------------------------------------------------------------------- */
 
-const size_t COPIED = 1 << 18;     /* bytes, by a thread at a time */
+const size_t COPIED = 1 << 18;     /* bytes per job */
 
 struct copying {
     uint8_t *to;
@@ -201,8 +206,8 @@ void copy_part(void *argument, uint32_t job)
     memcpy(c->to + first, c->from + first, left < COPIED ? left : COPIED);
 }
 
-/* Copies by all threads: a photograph that was not used for a while is in no cache, and a thread alone would take
-   longer for it than for all else of a step. */
+/* Copies with all threads. A photograph is usually in no cache, and a single thread would take longer than the rest of
+   a step. */
 void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
 {
     copying c = {(uint8_t *)to, from, bytes};
@@ -212,8 +217,8 @@ void copy_bytes(const engine *e, void *to, const uint8_t *from, size_t bytes)
         memcpy(to, from, bytes);
 }
 
-/* Starts the copy of a photograph, beside the kernels of the steps before; those of this step wait for it. It goes by
-   page-locked memory of the engine's own: the caller's may share pages with other things. */
+/* Starts a photograph's transfer, which overlaps the kernels of earlier steps; this step's kernels wait for it. Goes
+   through the engine's pinned memory: the caller's memory cannot be pinned safely, as its pages may hold other data. */
 int send_photograph(const engine *e, device *d, const fxs_fit_photograph *p, photograph_slot **out, fxs_message *why)
 {
     photograph_slot *slot = &d->photographs[d->next_photograph++ % PHOTOGRAPHS];
@@ -241,7 +246,7 @@ void mark(const device *d, const step_order *s, int stage)
         cudaEventRecord(d->stages[stage], d->stream);
 }
 
-/* Copies sums of the loss to the host, for a report. */
+/* Copies the loss's row sums to the host, for a report. */
 int fetch_rows(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
     const uint64_t bytes = 6 * (uint64_t)s->photographs[view].camera.height * sizeof(float);
@@ -301,7 +306,6 @@ pose_batch poses_of(const device *d, const step_order *s)
     return batch;
 }
 
-/* The cameras of a step, on each device. */
 int pose_all(engine *e, const step_order *s, fxs_message *why)
 {
     int error = 0;
@@ -316,7 +320,7 @@ int pose_all(engine *e, const step_order *s, fxs_message *why)
     return error;
 }
 
-/* The sums of a photograph's pose, of those of its splats. */
+/* Computes the sums for a photograph's pose. */
 int sum_by_pose(device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
     const uint64_t bytes = FXS_FIT_POSE * (uint64_t)part_count(&d->model) * sizeof(float);
@@ -327,7 +331,7 @@ int sum_by_pose(device *d, const step_order *s, uint32_t view, fxs_message *why)
                                                      by_pose_of(d, view), d->stream));
 }
 
-/* A photograph of a step, up to its splats' sums. */
+/* Forward and backward for one photograph of a step, up to the sums per splat. */
 int pass(engine *e, device *d, const step_order *s, uint32_t view, fxs_message *why)
 {
     step_buffers *b = &d->buffers;
@@ -367,7 +371,7 @@ struct flags {
     const float *of_views[FXS_FIT_BATCH];
 };
 
-/* Where another device had no room, this one stops too. */
+/* Stops this device if another one overflowed. */
 __global__ void hear_full(step_status *status, flags f, uint32_t views)
 {
     for (uint32_t v = 0; v < views; v++)
@@ -375,13 +379,13 @@ __global__ void hear_full(step_status *status, flags f, uint32_t views)
             status->is_full = 1;
 }
 
-/* The device that a photograph of a step is for. */
+/* The device that a photograph of a step is assigned to. */
 uint32_t device_of(const engine *e, const step_order *s, uint32_t view)
 {
     return view / (s->count / e->device_count);
 }
 
-/* Sums of the other devices' photographs. */
+/* Copies the sums of the other devices' photographs to device `to`. */
 int receive(engine *e, uint32_t to, const step_order *s, fxs_message *why)
 {
     device *d = &e->devices[to];
@@ -398,7 +402,7 @@ int receive(engine *e, uint32_t to, const step_order *s, fxs_message *why)
     return e->device_count > 1 ? check(why, cudaEventRecord(d->received, d->stream)) : 0;
 }
 
-/* The constants of a step of Adam, for gradients that are sums over all pixels of a batch. */
+/* Adam's constants, for gradients summed over all pixels of a batch. */
 fxs_fit_adam adam_of(const engine *e, const step_order *s)
 {
     fxs_fit_adam adam;
@@ -406,7 +410,7 @@ fxs_fit_adam adam_of(const engine *e, const step_order *s)
     return adam;
 }
 
-/* Waits for the other devices: they may still be copying the sums that an update overwrites. */
+/* Waits until the other devices have copied the sums that the update overwrites. */
 void wait_for_receivers(const engine *e, const device *d)
 {
     for (uint32_t i = 0; i < e->device_count; i++)
@@ -461,7 +465,7 @@ int update(engine *e, device *d, const step_order *s, fxs_message *why)
     return check(why, failure, cudaGetLastError());
 }
 
-/* A batch's photographs, one after the other, each on its device. */
+/* Runs the passes of a batch, each on its device. */
 int pass_all(engine *e, const step_order *s, fxs_message *why)
 {
     int error = 0;
@@ -483,7 +487,7 @@ int pass_all(engine *e, const step_order *s, fxs_message *why)
     return error;
 }
 
-/* What is seen is counted from the step of the report on. */
+/* Clears the counts, so that the report covers its own step only. */
 int clear_counts(engine *e, fxs_message *why)
 {
     int error = 0;
@@ -513,7 +517,7 @@ int start_step(engine *e, const step_order *s, fxs_message *why)
 
 /* ---- Waiting for steps ------------------------------------------------------------------------------------------- */
 
-/* Waits for what was started, and reads each device's status. */
+/* Waits for all devices and reads their statuses. */
 int wait(engine *e, fxs_message *why)
 {
     for (uint32_t i = 0; i < e->device_count; i++) {
@@ -529,7 +533,7 @@ int wait(engine *e, fxs_message *why)
     return 0;
 }
 
-/* Room for lists a quarter longer than the longest so far, where they are nearly that long. Loses what is there. */
+/* If the longest lists so far use more than 8/9 of the capacity, makes room for 5/4 of them. Discards the lists. */
 int widen_lists(engine *e, fxs_message *why)
 {
     int error = 0;
@@ -542,7 +546,7 @@ int widen_lists(engine *e, fxs_message *why)
     return error;
 }
 
-/* The longest lists so far are known, and the devices count from 0 on. is_full: one of them stopped. */
+/* Takes the maximum of entries and clears the statuses. *is_full: a device stopped. */
 int take_statuses(engine *e, bool *is_full, fxs_message *why)
 {
     int error = 0;
@@ -558,7 +562,7 @@ int take_statuses(engine *e, bool *is_full, fxs_message *why)
     return error;
 }
 
-/* Completes the steps that were started: those from one on whose lists had no room are made again, with more. */
+/* Completes the pending steps. From the first one that overflowed on, they are repeated with more memory. */
 int finish(engine *e, fxs_message *why)
 {
     uint32_t first = 0;
@@ -588,7 +592,7 @@ void fill_report(const engine *e, const step_order *s, fxs_fit_report *report)
         report->entries += e->statuses[i].seen.entries;
         report->visible += e->statuses[i].seen.visible;
     }
-    /* of the last of the first device's photographs */
+    /* times of the first device's last photograph */
     for (int i = 0; i < STAGES; i++) {
         float milliseconds = 0;
         if (cudaEventElapsedTime(&milliseconds, e->devices[0].stages[i], e->devices[0].stages[i + 1]))
@@ -618,7 +622,7 @@ int step(void *self, const fxs_fit_photograph *photographs, uint32_t count, cons
     return error;
 }
 
-/* After the steps before, calls change(device) for each; their models stay alike. */
+/* Completes the pending steps, then calls change(device) for each device; the models stay equal. */
 template <class Change>
 int change_model(engine *e, fxs_message *why, Change change)
 {
@@ -658,7 +662,7 @@ int reset_opacity(void *self, float opacity, fxs_message *why)
                         [&](device *d) { return model_reset_opacity(&d->model, opacity, d->stream, why); });
 }
 
-/* Takes over the exposures of the host's model, where it has some. */
+/* Uploads the host model's exposures, if any. */
 int upload_gains(device *d, const fxs_fit_gains *from, fxs_message *why)
 {
     const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
@@ -675,7 +679,7 @@ int upload_gains(device *d, const fxs_fit_gains *from, fxs_message *why)
                  cudaStreamSynchronize(d->stream));
 }
 
-/* The same of the poses of their cameras. */
+/* Uploads its poses, if any. */
 int upload_poses(device *d, const fxs_fit_poses *from, fxs_message *why)
 {
     const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
@@ -692,7 +696,7 @@ int upload_poses(device *d, const fxs_fit_poses *from, fxs_message *why)
                  cudaStreamSynchronize(d->stream));
 }
 
-/* And of the cameras by which scales are bounded. */
+/* Uploads the cameras that bound scales, if any. */
 int upload_cameras(device *d, const fxs_fit_cameras *from, fxs_message *why)
 {
     const uint64_t bytes = from ? from->count * sizeof *from->of : 0;
@@ -838,7 +842,7 @@ int open(device *d, int number, uint64_t max_memory, fxs_message *why)
     return error ? error : check(why, cudaMemsetAsync(d->status.data, 0, sizeof(step_status), d->stream));
 }
 
-/* So that sums go from one to the other directly, where they can. */
+/* Enables direct copies between devices where supported. */
 void connect(const engine *e)
 {
     for (uint32_t i = 0; i < e->device_count; i++)

@@ -1,4 +1,4 @@
-/* The exposures of photographs on a device: src/fit/exposure.h, in the order of src/fit/stepper.c. */
+/* Exposures of photographs on a device: src/fit/exposure.h, in the same order of operations as src/fit/stepper.c. */
 #ifndef FXS_CUDA_FIT_EXPOSURE_CUH
 #define FXS_CUDA_FIT_EXPOSURE_CUH
 
@@ -9,7 +9,7 @@ namespace {
 #include "src/fit/exposure.h"
 #undef static
 
-const uint32_t GAIN_THREADS = FXS_FIT_GAIN * GAIN_PARTS;    /* a thread has a part of the sum of a number */
+const uint32_t GAIN_THREADS = FXS_FIT_GAIN * GAIN_PARTS;    /* one thread per part of a sum */
 
 __global__ void find_factors(step_buffers b, const fxs_fit_gain *gain, int is_affine)
 {
@@ -17,14 +17,14 @@ __global__ void find_factors(step_buffers b, const fxs_fit_gain *gain, int is_af
         gain_factors(gain, is_affine, b.factors);
 }
 
-/* Of the photograph's exposure, before blend. */
+/* Computes the factors of a photograph's exposure, before blend. */
 cudaError_t launch_factors(const step_buffers *b, const fxs_fit_gains *gains, uint32_t number, cudaStream_t stream)
 {
     find_factors<<<1, 1, 0, stream>>>(*b, &gains->of[number], gains->is_affine);
     return cudaGetLastError();
 }
 
-/* Half a warp has a row of one of the sums. */
+/* Half a warp per row and sum. */
 __global__ void sum_gain_rows(step_buffers b, fxs_fit_camera camera, int is_affine)
 {
     if (is_stopped(b.status))
@@ -54,7 +54,7 @@ add_gain_rows(step_buffers b, fxs_fit_camera camera, float *out)
         out[k] = gain_sum(parts[k], 3.0 * camera.width * camera.height);
 }
 
-/* Writes the numbers that gain_step takes, of the pixels' gradients. */
+/* Computes the numbers that gain_step takes, from the gradients of the pixels. */
 cudaError_t launch_by_gain(const step_buffers *b, const fxs_fit_camera *camera, int is_affine, float out[FXS_FIT_GAIN],
                            cudaStream_t stream)
 {
@@ -64,7 +64,7 @@ cudaError_t launch_by_gain(const step_buffers *b, const fxs_fit_camera *camera, 
     return cudaGetLastError();
 }
 
-/* Of a batch's photographs, in order: their numbers, and what launch_by_gain wrote of each. */
+/* A batch's photographs in order: numbers, and sums from launch_by_gain. */
 struct gain_batch {
     uint32_t count, numbers[FXS_FIT_BATCH];
     const float *by_gain[FXS_FIT_BATCH];

@@ -1,5 +1,5 @@
-/* The loss between a picture and its photograph, the gradient of each pixel, and the report; photographs made
-   smaller. */
+/* The loss between a picture and its photograph (L1 and SSIM, src/fit/loss.h), the pixels' gradients, the report, and
+   averaging down of photographs. */
 #ifndef FXS_CUDA_FIT_LOSS_CUH
 #define FXS_CUDA_FIT_LOSS_CUH
 
@@ -10,19 +10,19 @@ namespace {
 #include "src/fit/loss.h"
 #undef static
 
-/* A block of threads has a square of the picture, and what windows reach beyond it. A thread has a run of outputs,
-   along its row or down its column, so that each number is fetched once for all of them. */
+/* A block of threads has a SQUARE x SQUARE tile of the picture, plus a margin of REACH for the windows. A thread
+   computes RUN adjacent outputs along a row or column, so that each input is loaded once for all of them. */
 const int SQUARE = 32, REACH = FXS_FIT_WINDOW / 2, PATCH = SQUARE + 2 * REACH, RUN = 4;
-const int PITCH = PATCH + 3, COLUMNS_PITCH = SQUARE + 1;    /* without conflicts of banks */
+const int PITCH = PATCH + 3, COLUMNS_PITCH = SQUARE + 1;    /* odd pitches avoid bank conflicts */
 const uint32_t LOSS_THREADS = SQUARE * SQUARE / RUN;
 
 typedef float patch[PATCH][PITCH];
 typedef float column_sums[PATCH][COLUMNS_PITCH];
 
-/* Where a thread's run of outputs is, down a column. */
+/* A thread's run of outputs, down a column. */
 struct loss_place {
-    int x, y;                      /* in the square: of the first */
-    int left, top;                 /* of the square */
+    int x, y;                      /* first output, in the square */
+    int left, top;                 /* first pixel of the square */
 };
 
 __device__ inline loss_place place_of_run()
@@ -31,31 +31,31 @@ __device__ inline loss_place place_of_run()
             (int)blockIdx.y * SQUARE};
 }
 
-/* The photograph of a step: red, green, blue; and its mask, a byte a pixel, where there is one. */
+/* A photograph on the device: red, green, blue; mask with one byte per pixel, or null. */
 struct loss_photograph {
     const uint8_t *pixels, *mask;
 };
 
-/* A byte of the photograph, 0 to 1. */
+/* A byte of the photograph as 0 to 1. */
 __device__ inline float level_of_byte(uint8_t byte)
 {
     return (float)byte / 255.0f;
 }
 
-/* Whether a pixel of the picture counts. Kernels for photographs without a mask have no look at one. */
+/* True if a pixel counts in the loss. Without a mask the check compiles away. */
 template <bool HAS_MASK>
 __device__ inline bool counts(const loss_photograph &photograph, size_t at)
 {
     return !HAS_MASK || photograph.mask[at];
 }
 
-/* What the photograph would have of a number of the picture. */
+/* The value that the photograph would record: saturated, if there are exposures. */
 __device__ inline float recorded_of(const step_buffers &b, float a, float level)
 {
     return b.factors ? recorded(a, level) : a;
 }
 
-/* Calls visit(row, column of the patch, its place in the picture, whether it is in it). */
+/* Calls visit(row, column in the patch, index in the picture, whether it is inside). */
 template <class Visit>
 __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p, Visit visit)
 {
@@ -66,7 +66,7 @@ __device__ inline void visit_patch(const fxs_fit_camera &c, const loss_place &p,
     }
 }
 
-/* The sums of RUN windows, which begin one after the other. */
+/* Sums of RUN windows with consecutive starts. */
 template <class Number>
 __device__ inline void window_sums(Number number, float out[RUN])
 {
@@ -79,7 +79,7 @@ __device__ inline void window_sums(Number number, float out[RUN])
         out[k] = window_sum(numbers + k + REACH, 1);
 }
 
-/* Along the rows of a patch: calls put(row, first column) for each run of outputs. */
+/* Calls put(row, first column) for each run of outputs along a patch's rows. */
 template <class Put>
 __device__ inline void visit_runs(Put put)
 {
@@ -146,7 +146,7 @@ find_derivatives(step_buffers b, loss_photograph photograph, fxs_fit_camera came
 
 /* ---- The gradient ------------------------------------------------------------------------------------------------ */
 
-/* The sums over the windows of the derivatives of a channel, of a thread's run. */
+/* Window sums of a channel's derivatives, for a thread's run. */
 __device__ inline void sum_derivatives(const step_buffers &b, const fxs_fit_camera &camera, const loss_place &p,
                                        size_t channel, patch *derivatives, column_sums *rows,
                                        float sums[FXS_FIT_DERIVATIVES][RUN])
@@ -197,7 +197,7 @@ find_gradient_of_pixels(step_buffers b, loss_photograph photograph, fxs_fit_came
 
 /* ---- The report -------------------------------------------------------------------------------------------------- */
 
-/* A row's sums of every 16th number, and of those c and c + 8, c + 4, c + 2, c + 1, by half a warp. */
+/* Sum of a row by half a warp: each thread sums every 16th number, then a butterfly adds c and c + 8, + 4, + 2, + 1. */
 template <class Number>
 __device__ inline float row_sum(int32_t width, Number number)
 {
@@ -255,7 +255,7 @@ cudaError_t launch_loss(const step_buffers *b, loss_photograph photograph, const
 
 /* ---- Averaging down ---------------------------------------------------------------------------------------------- */
 
-/* The mean of divisor x divisor pixels: average_down of src/fit/stepper.c */
+/* Mean of divisor x divisor pixels, as average_down in src/fit/stepper.c. */
 __global__ void average_down(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                              uint8_t *out)
 {
@@ -271,7 +271,7 @@ __global__ void average_down(const uint8_t *full, int32_t full_width, int diviso
     out[(size_t)y * 3 * (size_t)width + (size_t)x] = (uint8_t)(sum / (divisor * divisor));
 }
 
-/* 1 where all of divisor x divisor pixels count: reduce_mask of src/fit/stepper.c */
+/* 1 if all of divisor x divisor pixels count, as reduce_mask in src/fit/stepper.c. */
 __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor, int32_t width, int32_t height,
                             uint8_t *out)
 {
@@ -286,7 +286,7 @@ __global__ void reduce_mask(const uint8_t *full, int32_t full_width, int divisor
     out[(size_t)y * (size_t)width + (size_t)x] = is_counted;
 }
 
-/* Changes the photograph to one in b->photograph, of the camera's size, with its mask behind it. */
+/* Averages the photograph down to the camera's size, into b->photograph, followed by its mask. */
 cudaError_t launch_reduce(const step_buffers *b, loss_photograph *photograph, int32_t full_width, int divisor,
                           const fxs_fit_camera *camera, cudaStream_t stream)
 {

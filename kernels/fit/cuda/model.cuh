@@ -1,6 +1,6 @@
-/* The model on a device: its memory, and the changes to its set of Gaussians now and then (densification, relocation,
- * order). The result is bit by bit that of src/fit/model.c, densify.c and relocate.c on the processor; the parts of
- * these that deal with one Gaussian are the same text. */
+/* The model on a device: memory, and changes to the set of Gaussians (densification, relocation, order). Results
+ * equal src/fit/model.c, densify.c and relocate.c bit by bit; the code for a single Gaussian is shared (included)
+ * source. */
 #ifndef FXS_CUDA_FIT_MODEL_CUH
 #define FXS_CUDA_FIT_MODEL_CUH
 
@@ -20,9 +20,9 @@ namespace {
 #undef static
 
 const uint32_t MODEL_THREADS = 256;
-const uint32_t SPARE = 8;          /* planes that are gathered at once */
+const uint32_t SPARE = 8;          /* planes that are gathered at a time */
 
-/* The model as the texts of src/fit take it. */
+/* The model as the shared sources take it. */
 fxs_fit_model as_host(const device_model *m)
 {
     fxs_fit_model out = {};
@@ -48,7 +48,7 @@ __device__ uint32_t gaussian_of_thread()
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* Bytes of FXS_FIT_PARAMETERS planes. */
+/* Size of FXS_FIT_PARAMETERS planes in bytes. */
 uint64_t block_bytes(uint64_t stride)
 {
     return FXS_FIT_PARAMETERS * stride * sizeof(float);
@@ -59,7 +59,7 @@ uint64_t chunks_bytes(uint64_t stride)
     return stride / FXS_FIT_CHUNK * sizeof(fxs_fit_chunk);
 }
 
-/* Bytes of a model without masters. */
+/* Size of a model without masters in bytes. */
 uint64_t model_bytes(uint64_t stride)
 {
     return 3 * block_bytes(stride) + 2 * stride * sizeof(float);
@@ -86,7 +86,7 @@ void model_free(device_model *m, budget *taken)
     *m = device_model{};
 }
 
-/* Moves planes to larger memory. */
+/* Reallocates planes with a larger stride. */
 cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     float *made = nullptr;
@@ -104,8 +104,8 @@ cudaError_t widen(float **planes, uint64_t count, uint64_t old, uint64_t stride,
     return cudaSuccess;
 }
 
-/* Planes that were widened, as they were, in the memory that they have now: each moves to the front, in pieces that are
-   no longer than its way. */
+/* Undoes widen within the larger allocation: moves each plane back to the old stride. Copies in pieces no longer than
+   the distance, so source and destination do not overlap. */
 void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, uint64_t used, cudaStream_t stream)
 {
     for (uint64_t k = 1; k < count; k++)
@@ -116,8 +116,8 @@ void narrow_again(float *planes, uint64_t count, uint64_t old, uint64_t stride, 
         }
 }
 
-/* Moves all planes to larger memory, one set after the other, so that no more than one of the three large sets is there
-   twice. */
+/* Widens all planes, one set at a time, so that at most one large set is allocated twice. On error, restores the old
+   stride. */
 cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
 {
     float **const all[] = {&m->by_centre, &m->views, &m->parameters, &m->means, &m->squares};
@@ -132,7 +132,7 @@ cudaError_t widen_all(device_model *m, uint64_t stride, cudaStream_t stream)
     return cudaSuccess;
 }
 
-/* The stride for so many: with an eighth more where the model grows and that much is allowed. */
+/* Stride for `gaussians`; if the model grows and the budget allows, 1/8 more. */
 uint64_t stride_for(const device_model *m, const budget *taken, uint64_t gaussians)
 {
     const uint64_t least = (gaussians + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK * FXS_FIT_CHUNK;
@@ -141,8 +141,8 @@ uint64_t stride_for(const device_model *m, const budget *taken, uint64_t gaussia
     return m->stride && wide < UINT32_MAX && (!taken->most || needed <= taken->most) ? wide : least;
 }
 
-/* Room for so many, with what is there kept; for a model without masters. Waits for the stream. Errors: FXS_ERR_MEMORY,
-   with bytes_needed, and others; then the model is as it was. */
+/* Makes room for `gaussians` and keeps the contents. For a model without masters. Waits for the stream. Errors:
+   FXS_ERR_MEMORY, with bytes_needed, and FXS_ERR_DEVICE; the model is unchanged then. */
 int model_reserve(device_model *m, budget *taken, uint64_t gaussians, cudaStream_t stream, fxs_message *why)
 {
     if (gaussians <= m->stride)
@@ -161,9 +161,9 @@ int model_reserve(device_model *m, budget *taken, uint64_t gaussians, cudaStream
     return 0;
 }
 
-/* ---- From and to the host ---------------------------------------------------------------------------------------- */
+/* ---- Transfers --------------------------------------------------------------------------------------------------- */
 
-/* Pairs of planes, on the host and on the device, and how many each has. */
+/* `count` planes on the host and on the device. */
 struct plane_pair {
     float *host, *device;
     uint32_t count;
@@ -212,19 +212,19 @@ int reserve_masters(device_model *m, budget *taken, fxs_message *why)
     return 0;
 }
 
-/* The chunks of the host's grid. */
+/* Uploads the chunks of the host's grid. */
 cudaError_t upload_chunks(const device_model *m, const fxs_fit_model *from, cudaStream_t stream)
 {
     const size_t chunks = (from->count + FXS_FIT_CHUNK - 1) / FXS_FIT_CHUNK;
     return cudaMemcpyAsync(m->chunks, from->grid->chunks, chunks * sizeof *m->chunks, cudaMemcpyHostToDevice, stream);
 }
 
-/* The model becomes that of the host; where an error is returned, it may have no Gaussians. */
+/* Replaces the model by the host's. After an error it may be empty. */
 int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     if (!from->masters || from->count > m->stride)
         free_masters(m, taken);
-    m->count = 0;                  /* nothing is kept */
+    m->count = 0;                  /* do not copy old contents */
     int error = model_reserve(m, taken, from->count, stream, why);
     if (!error && from->masters)
         error = reserve_masters(m, taken, why);
@@ -236,7 +236,7 @@ int model_upload(device_model *m, const fxs_fit_model *from, budget *taken, cuda
     return error ? error : copy_model(from, m, true, stream, why);
 }
 
-/* The host's model becomes that of the device. */
+/* Replaces the host's model by the device's. */
 int model_download(const device_model *m, fxs_fit_model *to, cudaStream_t stream, fxs_message *why)
 {
     if (fxs_fit_model_resize(to, m->count))
@@ -244,16 +244,16 @@ int model_download(const device_model *m, fxs_fit_model *to, cudaStream_t stream
     return copy_model(to, m, false, stream, why);
 }
 
-/* Copies the masters to the host's model, which has as many Gaussians. */
+/* Copies the masters to a host model with the same number of Gaussians. */
 int download_masters(const device_model *m, const fxs_fit_model *to, cudaStream_t stream, fxs_message *why)
 {
     const plane_pair masters[] = {{to->masters, m->masters, FXS_FIT_PARAMETERS}};
     return copy_planes(to, m, masters, false, stream, why);
 }
 
-/* ---- What the changes share -------------------------------------------------------------------------------------- */
+/* ---- Helpers for changes ----------------------------------------------------------------------------------------- */
 
-/* Device memory for the time of a change. */
+/* Device memory for the duration of a change. */
 struct change_memory {
     budget *taken;
     block memory;
@@ -261,7 +261,7 @@ struct change_memory {
     ~change_memory() { reserve(taken, &memory, 0, nullptr); }
 };
 
-/* What CUB takes for a sum, or a sort, of so many. */
+/* Scratch bytes of a CUB sum or sort of `count` numbers. */
 uint64_t sum_bytes(uint32_t count)
 {
     size_t bytes = 0;
@@ -277,7 +277,7 @@ uint64_t sort_bytes(uint32_t count)
     return bytes;
 }
 
-/* keys[0] and values[0], to keys[1] and values[1]; of equal keys the first is first. */
+/* Stable sort of (keys[0], values[0]) to (keys[1], values[1]). */
 cudaError_t sort(void *scratch, size_t bytes, uint32_t *const keys[2], uint32_t *const values[2], uint32_t count,
                  cudaStream_t stream)
 {
@@ -285,7 +285,7 @@ cudaError_t sort(void *scratch, size_t bytes, uint32_t *const keys[2], uint32_t 
                                            (const uint32_t *)values[0], values[1], (int)count, 0, 32, stream);
 }
 
-/* numbers[i] becomes the sum up to and with it; *last is the last one. Waits. */
+/* In-place inclusive prefix sum; *last: the total. Waits for the stream. */
 int sum_up(uint64_t *numbers, uint32_t count, void *scratch, size_t bytes, uint64_t *last, cudaStream_t stream,
            fxs_message *why)
 {
@@ -295,7 +295,7 @@ int sum_up(uint64_t *numbers, uint32_t count, void *scratch, size_t bytes, uint6
     return check(why, error, cudaStreamSynchronize(stream));
 }
 
-/* Planes of the next model, one a row of blocks: those of `to` have `count` numbers, 0 from `kept` on. */
+/* out[k][i] = from[k][sources[i]] for i < kept, else 0. blockIdx.y is the plane k. */
 __global__ void gather_planes(const float *from, size_t stride, float *to, const uint32_t *sources, uint32_t count,
                               uint32_t kept)
 {
@@ -304,7 +304,7 @@ __global__ void gather_planes(const float *from, size_t stride, float *to, const
         to[(size_t)blockIdx.y * count + i] = i < kept ? from[blockIdx.y * stride + sources[i]] : 0;
 }
 
-/* Makes the planes of the next model in place, by way of `spare`, SPARE planes at a time. */
+/* Gathers planes in place through `spare`, SPARE planes at a time. */
 cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources, uint32_t count, uint32_t kept,
                            float *spare, cudaStream_t stream)
 {
@@ -320,8 +320,8 @@ cudaError_t rebuild_planes(float *planes, size_t stride, const uint32_t *sources
     return error;
 }
 
-/* The model becomes one of these Gaussians, for which there is room: the first `kept` ones with Adam's moments, and
-   none with sums of densification. */
+/* Replaces the model by the Gaussians sources[0..count); the stride must suffice. The first `kept` keep Adam's moments,
+   the others get 0. Clears the sums for densification. */
 cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, uint32_t kept, float *spare,
                     cudaStream_t stream)
 {
@@ -336,7 +336,7 @@ cudaError_t rebuild(device_model *m, const uint32_t *sources, uint32_t count, ui
 
 /* ---- Densification ----------------------------------------------------------------------------------------------- */
 
-/* How many Gaussians stay, and how many of these are to be cloned or split. */
+/* Numbers of Gaussians: staying; of those, to be cloned or split. */
 struct fate_counts {
     uint32_t staying, grown;
 };
@@ -354,8 +354,7 @@ __global__ void find_fates(fxs_fit_model m, fxs_fit_densify d, float least_logit
     }
 }
 
-/* Keys for a sort of the Gaussians that are to be cloned or split, by their gradients, the largest first; the others
-   come last. */
+/* Sort keys: Gaussians to be cloned or split by descending gradient, then all others. */
 __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *keys, uint32_t *indices)
 {
     const uint32_t i = gaussian_of_thread();
@@ -365,7 +364,7 @@ __global__ void rank_wanted(fxs_fit_model m, const uint8_t *fates, uint32_t *key
     indices[i] = i;
 }
 
-/* Changes the fates of the Gaussians in the places `from` to before `end`, for which there is no room. */
+/* Sets the fates of the Gaussians `from` to `end` - 1 in the sorted order, which exceed the limit. */
 __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *indices, uint32_t from, uint32_t end,
                           uint8_t *fates)
 {
@@ -374,10 +373,10 @@ __global__ void leave_out(fxs_fit_model m, fxs_fit_densify d, const uint32_t *in
         fates[indices[k]] = fate_without_room(&m, &d, indices[k]);
 }
 
-/* What a new Gaussian is. */
+/* Kinds of new Gaussians. */
 enum { IS_CLONE, IS_FIRST_CHILD, IS_SECOND_CHILD };
 
-/* How many Gaussians each one becomes: in the upper half 1 where it stays, in the lower one how many are new. */
+/* Per Gaussian: upper half: 1 if it stays; lower half: number of new Gaussians. */
 __global__ void count_next(const uint8_t *fates, uint32_t count, uint64_t *numbers)
 {
     const uint32_t i = gaussian_of_thread();
@@ -408,7 +407,6 @@ __global__ void set_children(fxs_fit_model m, const uint8_t *kinds, uint32_t kep
         set_child(&m, i, kinds[i - kept] == IS_FIRST_CHILD ? 1.0f : -1.0f);
 }
 
-/* Device memory of a densification. */
 struct densify_memory {
     fate_counts *counts;
     uint64_t *sums;
@@ -419,7 +417,7 @@ struct densify_memory {
     size_t scratch_bytes;
 };
 
-/* Cuts up memory for finding the fates. Returns the bytes, also where memory is null. */
+/* Divides memory up for find_next. Returns its size in bytes; memory may be null. */
 uint64_t cut_fates(densify_memory *d, void *memory, uint32_t count)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -435,7 +433,7 @@ uint64_t cut_fates(densify_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* The same for making the next model. */
+/* The same for make_next. */
 uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
 {
     unsigned char *at = (unsigned char *)memory;
@@ -445,8 +443,7 @@ uint64_t cut_next(densify_memory *d, void *memory, uint32_t next)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Of the Gaussians that are to be cloned or split, only as many are as there is room for: the ones with the largest
-   gradients, and of equal ones the first. */
+/* Limits growth to `room` Gaussians: those with the largest gradients; ties go to the lower index. */
 int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint32_t grown, uint32_t room,
           cudaStream_t stream, fxs_message *why)
 {
@@ -457,7 +454,7 @@ int limit(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d,
     return check(why, error, cudaGetLastError());
 }
 
-/* Finds the fates, after the limit, and their sums; *last: the sum of all. */
+/* Finds all fates within the limit and their prefix sums; *last: the total. */
 int find_next(const fxs_fit_model *m, const fxs_fit_densify *how, densify_memory *d, uint64_t *last,
               cudaStream_t stream, fxs_message *why)
 {
@@ -488,7 +485,7 @@ int make_next(device_model *m, const densify_memory *d, uint32_t kept, uint32_t 
     return check(why, first_of(error, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* As fxs_fit_model_densify. Where memory ends, the model is as it was. */
+/* As fxs_fit_model_densify. If memory is short, the model is unchanged. */
 int model_densify(device_model *m, const fxs_fit_densify *how, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory fates(taken), places(taken);
@@ -538,10 +535,9 @@ int model_reset_opacity(device_model *m, float opacity, cudaStream_t stream, fxs
 
 /* ---- Relocation -------------------------------------------------------------------------------------------------- */
 
-/* Device memory of a relocation. */
 struct relocate_memory {
-    uint64_t *sums, *dead;         /* of chances; of those that are dead: up to and with each */
-    uint32_t *times, *sources;     /* how often each was drawn, or DEAD; of each draw, what was drawn */
+    uint64_t *sums, *dead;         /* prefix sums: of chances; of the number of dead Gaussians */
+    uint32_t *times, *sources;     /* times: number of draws of each Gaussian, or DEAD; sources: result of each draw */
     void *scratch;
     size_t scratch_bytes;
 };
@@ -558,7 +554,7 @@ uint64_t cut_relocate(relocate_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* Finds the chance that each Gaussian is drawn, and where `dead` is not null, which ones are dead. */
+/* Computes each Gaussian's chance to be drawn and, unless `dead` is null, whether it is dead. */
 __global__ void find_chances(fxs_fit_model m, fxs_fit_relocate r, float least_opacity, uint64_t *chances,
                              uint64_t *dead)
 {
@@ -596,7 +592,7 @@ __global__ void share_places(fxs_fit_model m, const uint32_t *times)
     forget(&m, i);
 }
 
-/* Each dead Gaussian becomes the one that was drawn for it, which is not dead. A row of blocks has a plane. */
+/* Replaces each dead Gaussian by the live one drawn for it. blockIdx.y is the plane. */
 __global__ void move_planes(fxs_fit_model m, const uint64_t *dead, const uint32_t *times, const uint32_t *sources)
 {
     const uint32_t i = gaussian_of_thread();
@@ -607,7 +603,7 @@ __global__ void move_planes(fxs_fit_model m, const uint64_t *dead, const uint32_
     m.means[at + i] = m.squares[at + i] = 0;
 }
 
-/* Adds Gaussians behind the others. A row of blocks has a plane. */
+/* Appends Gaussians. blockIdx.y is the plane. */
 __global__ void add_planes(fxs_fit_model m, const uint32_t *sources, uint32_t added)
 {
     const uint32_t k = gaussian_of_thread();
@@ -618,7 +614,7 @@ __global__ void add_planes(fxs_fit_model m, const uint32_t *sources, uint32_t ad
     m.means[to] = m.squares[to] = 0;
 }
 
-/* Draws Gaussians, and makes each that was drawn share its opacity and scale with those that come to its place. */
+/* Draws Gaussians, and splits each drawn one's opacity and scale among it and its copies. */
 cudaError_t start_draws(const fxs_fit_model *m, const fxs_fit_relocate *how, uint64_t number, uint32_t draws,
                         const relocate_memory *d, cudaStream_t stream)
 {
@@ -646,7 +642,7 @@ int move_dead(const fxs_fit_model *m, const fxs_fit_relocate *how, const relocat
     return check(why, failure, cudaGetLastError());
 }
 
-/* Adds Gaussians, for which there is room. */
+/* Appends Gaussians up to `next`; there must be room. */
 int add(device_model *m, const fxs_fit_relocate *how, uint32_t next, const relocate_memory *d, cudaStream_t stream,
         fxs_message *why)
 {
@@ -665,7 +661,7 @@ int add(device_model *m, const fxs_fit_relocate *how, uint32_t next, const reloc
     return check(why, first_of(failure, cudaGetLastError()), cudaStreamSynchronize(stream));
 }
 
-/* As fxs_fit_model_relocate. Where memory ends, the model is as it was. */
+/* As fxs_fit_model_relocate. If memory is short, the model is unchanged. */
 int model_relocate(device_model *m, const fxs_fit_relocate *how, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory of(taken);
@@ -688,13 +684,13 @@ int model_relocate(device_model *m, const fxs_fit_relocate *how, budget *taken, 
 
 /* ---- Order ------------------------------------------------------------------------------------------------------- */
 
-/* The curve along which Gaussians are ordered, and the sums that it is found by. */
+/* The curve that orders the Gaussians, and sums for its middle and spread. */
 struct order_state {
     curve of;
     double sums[3];
 };
 
-/* Finds the middle, or the spread, of the Gaussians on an axis: a block for each. */
+/* One block per axis: sums for the middle, or with is_spread for the spread. */
 __global__ void __launch_bounds__(CURVE_SUMS) sum_planes(fxs_fit_model m, order_state *state, int is_spread)
 {
     __shared__ double sums[CURVE_SUMS];
@@ -745,7 +741,7 @@ uint64_t cut_order(order_memory *d, void *memory, uint32_t count)
     return (uint64_t)(at - (unsigned char *)memory);
 }
 
-/* As fxs_fit_model_order. Where memory ends, the model is as it was. */
+/* As fxs_fit_model_order. If memory is short, the model is unchanged. */
 int model_order(device_model *m, budget *taken, cudaStream_t stream, fxs_message *why)
 {
     change_memory of(taken);

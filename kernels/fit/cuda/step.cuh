@@ -1,4 +1,4 @@
-/* A step of the fit on a device: the text of src/fit compiled for the device, and the memory that the kernels share. */
+/* A step of the fit on a device: compiles the sources of src/fit for the device, and declares the device buffers. */
 #ifndef FXS_CUDA_FIT_STEP_CUH
 #define FXS_CUDA_FIT_STEP_CUH
 
@@ -12,16 +12,16 @@
 #include "kernels/cuda/warp.cuh"
 #include "src/fit/fit_stage.h"
 
-/* The text of src/fit for one lane: `real` is float, so the operations are the same, one by one. It is compiled without
-   contraction. */
+/* src/fit with one lane: `real` is float, so the operations are the same one by one. Compiled without contraction of
+   multiplications and additions. */
 namespace {
 #define static static __host__ __device__
 #include "src/fit/fit_lanes.h"
 #include "src/fit/fit_gaussian.h"
 
-/* alpha / (1 - alpha), alpha in 2^-8..0.99, rounded as a division is, without a look at numbers that are too large or
-   too small for this: Newton's step for 1 / (1 - alpha), and one of the quotient by its rest (Markstein 1990). test_fit
-   tries all of them. */
+/* alpha / (1 - alpha) for alpha in 2^-8..0.99, correctly rounded, without the range checks of a division: a Newton step
+   for 1 / (1 - alpha), then a correction of the quotient by its remainder (Markstein 1990). test_fit checks every
+   alpha. */
 #define FXS_FIT_ODDS
 static inline float odds_of(float alpha)
 {
@@ -46,69 +46,68 @@ static inline float odds_of(float alpha)
 #include "src/fit/smooth.h"
 #undef static
 
-/* Counts of what was in the pictures, since they were last cleared. */
+/* Counts since the last clear. */
 struct step_seen {
     uint64_t entries;
     uint32_t visible;
 };
 
-/* How the steps since the host last looked went. */
+/* Status of the steps since the host last read it. */
 struct step_status {
-    uint32_t done;                 /* steps that were completed */
-    uint32_t is_full;              /* 1: a step had more entries than there is room for; it and those after it change
-                                      nothing */
-    uint32_t updates_sh;           /* whether the last update was of a step that had room: the next step may be full
-                                      by the time that SH are updated */
-    uint32_t entries_most;         /* of a step */
-    uint32_t large_count[2], huge_count[2];    /* of step_buffers, by turns */
-    uint32_t long_lists;           /* the first so many in `order` are long */
+    uint32_t done;                 /* completed steps */
+    uint32_t is_full;              /* 1: a step exceeded `capacity`; it and all later steps change nothing */
+    uint32_t updates_sh;           /* 1: the last update was of a step with room. SH are updated on a side stream; the
+                                      next step may be full by then */
+    uint32_t entries_most;         /* largest number of entries of a step */
+    uint32_t large_count[2], huge_count[2];    /* lengths of large and huge, indexed by `turn` */
+    uint32_t long_lists;           /* the first long_lists tiles in `order` have long lists */
     step_seen seen;
 };
 
-/* Device memory of a step; of one view. Slots are numbers of pairs of a splat and a tile, Gaussian by Gaussian, each
-   one's tiles row by row. */
+/* Device memory of a step, for one view. A slot is a pair of splat and tile; slots are numbered by Gaussian, then by
+   its tiles row by row. */
 struct step_buffers {
     step_status *status;
-    fxs_fit_splat *splats;         /* by Gaussian; depth 0: not in the picture. slot: not set */
-    uint32_t *bases;               /* by Gaussian, and one more: its tiles; then the slots of those before it */
-    uint32_t *large, *huge;        /* Gaussians of more than FEW_TILES tiles, and of more than MANY_TILES, in any
-                                      order */
-    uint32_t turn;                 /* of their counters */
-    uint32_t *splat_of;            /* by slot: the Gaussian */
-    uint32_t *tiles;               /* by slot: the tile; in the memory of sums, like long lists in bins later on */
-    uint64_t *keys;                /* the lists, of the first tile, of the next...: depth above, slot below, in no
-                                      order */
-    uint32_t *slots, *gaussians;   /* by place in the lists, near to far: the slot, the Gaussian */
+    fxs_fit_splat *splats;         /* per Gaussian; depth 0: not in the picture. The member `slot` is not set */
+    uint32_t *bases;               /* per Gaussian, plus one: number of tiles; then its first slot */
+    uint32_t *large, *huge;        /* Gaussians with more than FEW_TILES, and with more than MANY_TILES tiles;
+                                      unordered */
+    uint32_t turn;                 /* index of their counters, 0 or 1 */
+    uint32_t *splat_of;            /* per slot: its Gaussian */
+    uint32_t *tiles;               /* per slot: its tile. Shares memory with `sums`, as do long lists in bins */
+    uint64_t *keys;                /* the lists, tile by tile: depth above, slot below; unsorted */
+    uint32_t *slots, *gaussians;   /* per list entry, sorted near to far: slot; Gaussian */
     uint32_t capacity;             /* slots */
-    uint32_t *starts;              /* by tile, and one more: how long its list is; then where it begins */
-    uint32_t *next;                /* by tile: where the next entry of its list goes */
-    uint32_t *order;               /* the tiles, those with long lists first: so none is late */
-    uint16_t *blocks;              /* by place in the lists: the blocks of 4x4 that take of it (fit_stage.h) */
-    uint32_t *needed;              /* by tile: entries up to the last one that a pixel took of */
-    float *sums;                   /* by slot: FXS_FIT_SUMS; 0 of entries beyond `needed` */
-    /* Planes of pixels, of picture_stride = width by height numbers, without margins: red, green, blue. */
-    float *picture;                /* 3: with background, as `factors` change it */
-    float *derivatives;            /* 9: of each channel, of SSIM by mean, square and product */
-    float *dissimilar;             /* 3: 1 - SSIM; written where a report is wanted */
-    float *gradient;               /* 3: dL/dcolour of `picture` */
-    float *rows;                   /* of a report: 3 times height sums of |a - b|, then as many of 1 - SSIM */
-    float *factors;                /* FXS_FIT_GAIN: of the photograph's exposure; null: photographs have none */
-    float *gain_rows;              /* with exposures: for each sum of gain_gradient, those of the rows */
-    uint8_t *photograph;           /* red, green, blue, of the camera's size; then its mask, if any */
-    void *scratch;                 /* for sums */
+    uint32_t *starts;              /* per tile, plus one: list length; then list start */
+    uint32_t *next;                /* per tile: where its next entry goes */
+    uint32_t *order;               /* tiles, longest lists first, for load balance */
+    uint16_t *blocks;              /* per list entry: the 4x4 blocks that blend it (fit_stage.h) */
+    uint32_t *needed;              /* per tile: entries up to the last one that a pixel blends */
+    float *sums;                   /* per slot: FXS_FIT_SUMS numbers; 0 for entries beyond `needed` */
+    /* Planes of picture_stride = width * height pixels, without margins: red, green, blue. */
+    float *picture;                /* 3 planes: with background and, if any, exposure */
+    float *derivatives;            /* 9 planes: derivatives of SSIM by mean, square and product, per channel */
+    float *dissimilar;             /* 3 planes: 1 - SSIM; written for a report only */
+    float *gradient;               /* 3 planes: dL/dcolour of `picture` */
+    float *rows;                   /* for a report, per channel: `height` sums of |a - b|, then `height` sums of 1 -
+                                      SSIM */
+    float *factors;                /* FXS_FIT_GAIN numbers: the photograph's exposure; null: no exposures */
+    float *gain_rows;              /* exposures: row sums for each number of gain_gradient */
+    uint8_t *photograph;           /* red, green, blue at the camera's size, then the mask, if any */
+    void *scratch;                 /* for CUB */
     size_t scratch_bytes;
 };
 
-/* The Gaussians on a device: planes as in fxs_fit_model, which say what they are. */
+/* The Gaussians on a device; planes as in fxs_fit_model. */
 struct device_model {
-    uint32_t count, stride;        /* `stride` is the room, a multiple of FXS_FIT_CHUNK; what is beyond `count` is not
-                                      read */
+    uint32_t count, stride;        /* stride: capacity, a multiple of FXS_FIT_CHUNK; numbers beyond `count` are not
+                                      used */
     float *parameters, *means, *squares, *by_centre, *views;
-    float *masters;                /* null: the parameters are */
-    fxs_fit_chunk *chunks;         /* of the grid, where there are masters */
+    float *masters;                /* null: `parameters` are the masters */
+    fxs_fit_chunk *chunks;         /* of the grid; null without masters */
 };
 
-/* What a pose changes of a camera. */
+/* The camera members that a pose changes. */
 struct posed_camera {
     float rotation[9], eye[3];
 };
@@ -121,12 +120,12 @@ __device__ inline fxs_fit_camera with_pose(const fxs_fit_camera &given, const po
     return camera;
 }
 
-/* A stream beside the one of a step: from its event `begin` on, until its event `end`. */
+/* A side stream: runs between the events `begin` (recorded on the step's stream) and `end`. */
 struct side_stream {
     cudaStream_t stream;
     cudaEvent_t begin, end;
 
-    /* Waits for what the step's stream has so far. */
+    /* Makes the side stream wait for the work on the step's stream so far. */
     cudaError_t start(cudaStream_t of_step) const
     {
         const cudaError_t failure = cudaEventRecord(begin, of_step);
@@ -134,7 +133,8 @@ struct side_stream {
     }
 };
 
-/* Starts a kernel that begins with is_stopped: it is launched while the one before it still runs. */
+/* Launches a kernel with programmatic dependent launch. It must begin with is_stopped, which waits for the previous
+   kernel. */
 template <class... Parameters>
 cudaError_t launch_early(void (*kernel)(Parameters...), dim3 blocks, uint32_t threads, size_t shared,
                          cudaStream_t stream, const Parameters &...parameters)
@@ -152,7 +152,7 @@ cudaError_t launch_early(void (*kernel)(Parameters...), dim3 blocks, uint32_t th
     return cudaLaunchKernelEx(&how, kernel, parameters...);
 }
 
-/* Kernels begin with this: whether a step before it, or this one, had no room. Waits for the kernel before it. */
+/* First call in a kernel: waits for the previous kernel; true if this or an earlier step exceeded its capacity. */
 __device__ inline bool is_stopped(const step_status *status)
 {
     wait_for_last_kernel();

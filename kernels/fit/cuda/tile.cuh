@@ -1,5 +1,5 @@
-/* blend, and backward, which takes gradients from the pixels back to the splats. A block of threads has a tile, half a
- * warp a block of 4x4 pixels, a thread a pixel. */
+/* blend and backward (gradients from the pixels back to the splats). One block of threads per tile, half a warp per
+ * block of 4x4 pixels, one thread per pixel. */
 #ifndef FXS_CUDA_FIT_TILE_CUH
 #define FXS_CUDA_FIT_TILE_CUH
 
@@ -7,26 +7,28 @@
 
 namespace {
 
-const uint32_t HALF = WARP / 2;    /* a half-warp has the 16 places of a block */
-const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;  /* of a list at a time */
-const uint32_t GROUP = HALF / 2;   /* splats of a block that a half-warp takes from pixels to sums at once */
-const uint32_t BACKWARD_PAIRS = 448;   /* a splat and a block that takes of it, at a time: no fewer than of 32 splats */
+const uint32_t HALF = WARP / 2;    /* threads of a half-warp: the 16 pixels of a block */
+const uint32_t BLEND_SPLATS = FXS_FIT_PIXELS, BACKWARD_SPLATS = 128;  /* list entries per batch */
+const uint32_t GROUP = HALF / 2;   /* splats that a half-warp sums at a time in backward */
+const uint32_t BACKWARD_PAIRS = 448;   /* most (splat, block) pairs per batch of backward: at least those of 32
+                                          splats */
 
-/* Splats of a list in the form in which pixels need them. */
+/* The splats of a batch, as pixels read them. */
 template <uint32_t Splats>
 struct tile_splats {
     float4 shape[Splats];          /* ux, uy, vy, offset */
     float4 colour[Splats];         /* limit, red, green, blue */
-    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* at the first pixels of blocks; v: of their row */
-    uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* for each block a bit for each splat */
+    float corner_u[FXS_FIT_BLOCKS][Splats], corner_v[4][Splats];    /* u and v at each block's first pixel; v per row of
+                                                                       blocks */
+    uint32_t words[FXS_FIT_BLOCKS][Splats / WARP];    /* per block: one bit per splat */
 };
 
-/* The place of a thread's pixel. */
+/* A thread's pixel. */
 struct tile_place {
-    uint32_t block, lane;          /* of the tile; of the half-warp: the place in the block */
-    float along, down;             /* from the block's first pixel */
-    int32_t left, top;             /* of the tile */
-    int32_t x, y;                  /* of the picture */
+    uint32_t block, lane;          /* block: in the tile; lane: in the half-warp, pixel of the block */
+    float along, down;             /* distance from the block's first pixel */
+    int32_t left, top;             /* first pixel of the tile */
+    int32_t x, y;                  /* in the picture */
     bool is_inside;
 };
 
@@ -45,13 +47,13 @@ __device__ inline tile_place place_of_thread(const fxs_fit_camera &c, uint32_t t
     return p;
 }
 
-/* The bits of both half-warps, as each of them has its own. */
+/* A ballot of the thread's half-warp, in bits 0 to 15. */
 __device__ inline uint32_t half_ballot(bool x)
 {
     return __ballot_sync(ALL_LANES, x) >> (threadIdx.x & HALF) & 0xffffu;
 }
 
-/* Writes a splat to the thread's place, by find_corners of src/fit/tile.h. */
+/* Stores the thread's splat, like find_corners in src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &s, const tile_place &p)
 {
@@ -69,7 +71,7 @@ __device__ inline void keep_splat(tile_splats<Splats> *to, const fxs_fit_splat &
     }
 }
 
-/* The blocks that the ellipse of the thread's splat may touch: find_blocks of src/fit/tile.h. */
+/* Bit set of the blocks that the splat's ellipse may touch, as find_blocks in src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline uint32_t find_blocks(const tile_splats<Splats> *kept, const fxs_fit_splat &s)
 {
@@ -85,7 +87,7 @@ __device__ inline uint32_t find_blocks(const tile_splats<Splats> *kept, const fx
     return s.radius2 < 0 ? (1u << FXS_FIT_BLOCKS) - 1 : blocks;
 }
 
-/* From each splat's bits for the blocks to each block's for the splats; by whole warps. */
+/* By whole warps: transposes each splat's bits per block to each block's bits per splat. */
 template <uint32_t Splats>
 __device__ inline void turn_bits(uint32_t blocks, tile_splats<Splats> *to)
 {
@@ -100,7 +102,8 @@ __device__ inline void turn_bits(uint32_t blocks, tile_splats<Splats> *to)
         to->words[lane][threadIdx.x / WARP] = own;
 }
 
-/* Calls put(place, splat) for each splat of a half-warp's block, two a lane and word. Returns how many there are. */
+/* Calls put(index in the list, splat) for each splat of the half-warp's block, two per lane and word. Returns their
+   number. */
 template <uint32_t Splats, class Put>
 __device__ inline uint32_t list_splats(const tile_splats<Splats> *of, const tile_place &p, Put put)
 {
@@ -118,13 +121,13 @@ __device__ inline uint32_t list_splats(const tile_splats<Splats> *of, const tile
     return count;
 }
 
-/* The larger of the counts of both half-warps. */
+/* The larger count of the two half-warps. */
 __device__ inline uint32_t most_of_halves(uint32_t count)
 {
     return max(count, __shfl_xor_sync(ALL_LANES, count, HALF));
 }
 
-/* Clears lists, so that beyond a list's end there always is the number of some splat. */
+/* Zeroes the lists, so that entries beyond a list's end are valid splat numbers. */
 template <uint32_t Splats>
 __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
 {
@@ -132,7 +135,7 @@ __device__ inline void clear_lists(uint8_t lists[FXS_FIT_BLOCKS][Splats])
         ((uint32_t *)lists)[i] = 0;
 }
 
-/* u, v and level of the thread's pixel, in the order of src/fit/tile.h. */
+/* u, v and level of the thread's pixel, in the order of operations of src/fit/tile.h. */
 template <uint32_t Splats>
 __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, const tile_place &p, float *u, float *v)
 {
@@ -146,7 +149,7 @@ __device__ inline float level_of(const tile_splats<Splats> *s, uint32_t splat, c
 
 struct blend_shared : tile_splats<BLEND_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BLEND_SPLATS];
-    uint32_t taken[BLEND_SPLATS];  /* the blocks that take of each */
+    uint32_t taken[BLEND_SPLATS];  /* blocks that blend each splat */
     uint32_t needed;
 };
 
@@ -154,7 +157,7 @@ struct blend_pixel {
     float transmittance, red, green, blue;
 };
 
-/* Blends a splat into the thread's pixel. Returns whether the pixel takes any of it. */
+/* Blends a splat into the thread's pixel. Returns whether it has any weight there. */
 __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                    blend_pixel *pixel)
 {
@@ -170,8 +173,8 @@ __device__ inline bool blend_splat(const blend_shared *s, uint32_t splat, const 
     return takes;
 }
 
-/* taken: a bit for each of a list's 32 splats that the thread's pixel took some of. Notes the ones that any pixel of
-   the block did. */
+/* taken: bit i is set if the thread's pixel blended splat i of 32. Records which splats any pixel of the block
+   blended. */
 __device__ inline void note_taken(blend_shared *s, const uint8_t *list, const tile_place &p, uint32_t taken)
 {
     for (uint32_t apart = HALF / 2; apart; apart /= 2)
@@ -244,7 +247,7 @@ blend_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera, float
     }
 }
 
-/* Asks for more shared memory than a kernel has unasked. */
+/* Allows a kernel to use more than the default amount of shared memory. */
 template <class Kernel>
 cudaError_t allow_shared(Kernel kernel, size_t bytes)
 {
@@ -266,21 +269,22 @@ cudaError_t launch_blend(const step_buffers *b, const fxs_fit_camera *camera, co
 struct backward_shared : tile_splats<BACKWARD_SPLATS> {
     alignas(4) uint8_t lists[FXS_FIT_BLOCKS][BACKWARD_SPLATS];
     uint32_t slots[BACKWARD_SPLATS];
-    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* of each; its first pair */
+    uint16_t blocks[BACKWARD_SPLATS], pairs[BACKWARD_SPLATS + 1];    /* blocks: per splat; pairs: first pair of each
+                                                                        splat */
     uint32_t warp_pairs[BACKWARD_SPLATS / WARP], splats;
-    float4 gradient[FXS_FIT_PIXELS];                  /* red, green, blue; by thread */
-    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* h and weight; + 2: neither the places of a splat nor the splats
-                                                         at a place share a bank */
+    float4 gradient[FXS_FIT_PIXELS];                  /* red, green, blue per pixel */
+    float2 staged[FXS_FIT_BLOCKS][GROUP][HALF + 2];   /* h and weight; + 2 avoids bank conflicts for both access
+                                                         patterns */
     float sums[BACKWARD_PAIRS][FXS_FIT_SUMS];
 };
 
-/* A pixel on the way back through its splats, and its gradient. */
+/* State of a pixel in backward, and its gradient. */
 struct backward_pixel {
     passed_pixel passed;
     float red, green, blue;
 };
 
-/* Takes the thread's pixel back by a splat. Returns h and the weight. */
+/* Passes the thread's pixel back through a splat. Returns h and the weight. */
 __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, const tile_place &p, bool is_left,
                                     backward_pixel *pixel)
 {
@@ -293,12 +297,12 @@ __device__ inline float2 pass_pixel(const backward_shared *s, uint32_t splat, co
     return make_float2(h, weight);
 }
 
-/* A lane's part of a block's pixels: every second place, for one splat. */
+/* A lane's half of a block's pixels (every second one), for one splat. */
 struct backward_lane {
-    const float2 *staged;          /* its splat's */
+    const float2 *staged;          /* of the lane's splat */
     const float4 *gradient;        /* of the block's pixels */
-    uint32_t parity;               /* of the places */
-    float along[2], down[4], v[4]; /* ux x, uy y, and v of its columns and rows */
+    uint32_t parity;               /* parity of the lane's pixels */
+    float along[2], down[4], v[4]; /* ux x and uy y per column and row; v per row */
     float corner_u;
 };
 
@@ -321,7 +325,7 @@ __device__ inline backward_lane begin_lane(const backward_shared *s, const tile_
     return l;
 }
 
-/* The terms of the splat's sums at the lane's n-th place. */
+/* Terms of the splat's sums at the lane's n-th pixel. */
 __device__ inline void find_sums(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
     const uint32_t place = 2 * (uint32_t)n + l.parity;
@@ -331,8 +335,8 @@ __device__ inline void find_sums(const backward_lane &l, int n, float sums[FXS_F
     sums_of(passed.x, passed.y, u, v, g.x, g.y, g.z, sums);
 }
 
-/* The sum of the lane's places n, n + Apart / 2, n + Apart, ..., in the order of src/fit/tile.h: that of both halves,
-   in which places are twice as far apart. So p and p + 8 meet first. */
+/* Sums over the lane's pixels n, n + Apart / 2, n + Apart, ... as a binary tree in the order of src/fit/tile.h: pixels
+   p and p + 8 are added first. */
 template <int Apart>
 __device__ inline void add_places(const backward_lane &l, int n, float sums[FXS_FIT_SUMS])
 {
@@ -347,7 +351,7 @@ __device__ inline void add_places(const backward_lane &l, int n, float sums[FXS_
     }
 }
 
-/* The sums of a group's splats over the half-warp's block, two lanes a splat. */
+/* Sums of GROUP splats over the half-warp's block, two lanes per splat. */
 __device__ inline void add_group(backward_shared *s, const tile_place &p, uint32_t first, uint32_t count)
 {
     const uint32_t item = first + p.lane / 2, splat = s->lists[p.block][item < count ? item : 0];
@@ -380,8 +384,8 @@ __device__ inline void backward_batch(backward_shared *s, const tile_place &p, b
     }
 }
 
-/* Of as many splats as BACKWARD_PAIRS are enough for, from the thread's on: their first pairs. By BACKWARD_SPLATS
-   threads; the others wait too. */
+/* Assigns pairs to as many of the batch's splats as BACKWARD_PAIRS allows; s->splats: their number. BACKWARD_SPLATS
+   threads work, all threads must call. */
 __device__ inline void place_pairs(backward_shared *s, uint32_t blocks)
 {
     const uint32_t warp = threadIdx.x / WARP, own = (uint32_t)__popc(blocks);
@@ -407,7 +411,7 @@ __device__ inline void place_pairs(backward_shared *s, uint32_t blocks)
     turn_bits(blocks, s);
 }
 
-/* The blocks' sums of each splat of the batch, row by row, to its slot. */
+/* Adds up each splat's sums over its blocks, in order, and writes them to its slot. */
 __device__ inline void add_blocks(const backward_shared *s, uint32_t count, float *sums)
 {
     for (uint32_t i = threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS) {
@@ -464,7 +468,7 @@ backward_tiles(step_buffers b, const __grid_constant__ fxs_fit_camera camera)
         add_blocks(s, here, b.sums);
         __syncthreads();
     }
-    /* what no pixel takes of */
+    /* entries that no pixel blends */
     for (uint32_t i = needed * FXS_FIT_SUMS + threadIdx.x; i < count * FXS_FIT_SUMS; i += FXS_FIT_PIXELS)
         b.sums[(size_t)b.slots[start + i / FXS_FIT_SUMS] * FXS_FIT_SUMS + i % FXS_FIT_SUMS] = 0;
 }

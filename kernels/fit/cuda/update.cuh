@@ -1,4 +1,5 @@
-/* update: each Gaussian's sums over its tiles become the gradients of its parameters, with which Adam takes a step. */
+/* update: sums each Gaussian's gradients over its tiles, converts them to gradients of its parameters, and takes a step
+   of Adam. */
 #ifndef FXS_CUDA_FIT_UPDATE_CUH
 #define FXS_CUDA_FIT_UPDATE_CUH
 
@@ -8,7 +9,7 @@
 
 namespace {
 
-/* The Gaussians of a block are a part of src/fit/fit_stage.h. */
+/* Number of parts (FXS_FIT_PART Gaussians each, src/fit/fit_stage.h). */
 inline uint32_t part_count(const device_model *m)
 {
     return (m->count + FXS_FIT_PART - 1) / FXS_FIT_PART;
@@ -16,12 +17,12 @@ inline uint32_t part_count(const device_model *m)
 
 /* ---- gather ------------------------------------------------------------------------------------------------------ */
 
-const uint32_t GATHERED = WARP;    /* Gaussians of a block of threads, which are each one's of a sum */
+const uint32_t GATHERED = WARP;    /* Gaussians per block of threads */
 const uint32_t GATHER_THREADS = GATHERED * FXS_FIT_SUMS;
 const uint32_t GATHER_WARPS = GATHER_THREADS / WARP;
-const uint32_t TILES_AT_ONCE = 64; /* of those with many tiles, for a warp */
+const uint32_t TILES_AT_ONCE = 64; /* per warp, for Gaussians with many tiles */
 
-/* A sum over FEW_TILES tiles at most. Behind the last one 0 is added, which changes no sum that begins with 0. */
+/* Sum over up to FEW_TILES tiles. Missing tiles add 0, which changes no sum that begins with 0. */
 __device__ inline float sum_few(const float *sums, uint32_t tiles)
 {
     float numbers[FEW_TILES], total = 0;
@@ -34,8 +35,8 @@ __device__ inline float sum_few(const float *sums, uint32_t tiles)
     return total;
 }
 
-/* Sums by the threads of a warp or of a block, the first FXS_FIT_SUMS of which have a sum each. The numbers of so many
-   tiles are fetched at once. */
+/* Sum over many tiles, by a warp or a block; the first FXS_FIT_SUMS threads hold one sum each. Loads Tiles tiles at a
+   time. */
 template <uint32_t Threads, uint32_t Tiles, class Sync>
 __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged[Tiles * FXS_FIT_SUMS], Sync sync)
 {
@@ -55,7 +56,7 @@ __device__ inline float sum_many(const float *sums, uint32_t tiles, float staged
     return total;
 }
 
-/* The sums of Gaussians over their tiles, in their order, to planes: by FXS_FIT_SUMS threads each, or those of
+/* Sums each Gaussian over its tiles, in order, and writes planes. FXS_FIT_SUMS threads per Gaussian; large ones by
    visit_large. */
 __global__ void __launch_bounds__(GATHER_THREADS, 7) gather_view(step_buffers b, device_model m, float *planes)
 {
@@ -101,8 +102,8 @@ __global__ void __launch_bounds__(GATHER_THREADS, 7) gather_view(step_buffers b,
         planes[(size_t)row * m.stride + gaussian] = shared.totals[row][column];
 }
 
-/* The sums of a view to FXS_FIT_SUMS planes, m->stride numbers each, and one more: 1 where a Gaussian is in the
-   picture, or 0. */
+/* Writes a view's sums to FXS_FIT_SUMS planes of m->stride numbers, then one plane that is 1 for Gaussians in the
+   picture, else 0. */
 cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *planes, cudaStream_t stream)
 {
     return launch_early(gather_view, LARGE_BLOCKS + (m->count + GATHERED - 1) / GATHERED, GATHER_THREADS, 0, stream, *b,
@@ -111,7 +112,7 @@ cudaError_t launch_gather(const step_buffers *b, const device_model *m, float *p
 
 /* ---- Gradients --------------------------------------------------------------------------------------------------- */
 
-/* The gradient of a Gaussian by one view. Its SH have the basis, which depends on the direction, times g. */
+/* Gradient of a Gaussian by one view. The gradient of SH is the basis (a function of the direction) times g. */
 struct view_gradient {
     real shape[FXS_FIT_SH], g[3];
     look l;
@@ -125,7 +126,7 @@ __device__ inline bool is_any(const float sums[FXS_FIT_SUMS])
     return found;
 }
 
-/* Finds the gradient of a Gaussian by a view; 0 where it is not finite, or too large. `at`: the Gaussian's first
+/* Computes a Gaussian's gradient by a view; 0 if any component is not finite or too large. `at`: its first
    parameter. */
 template <int Degree>
 __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const float *at, size_t stride,
@@ -148,7 +149,7 @@ __device__ inline void find_view_gradient(const fxs_fit_camera *camera, const fl
 
 /* ---- Adam -------------------------------------------------------------------------------------------------------- */
 
-/* The gradients of mean opacity and mean scale. */
+/* Adds the gradients of the regularisers (mean opacity and mean scale). */
 __device__ inline void add_regularisers(const fxs_fit_adam *adam, const float *at, size_t stride,
                                         real gradient[FXS_FIT_SH])
 {
@@ -169,14 +170,13 @@ __device__ inline real within_limits(real x)
     return least(most(x, -FXS_FIT_FARTHEST), FXS_FIT_FARTHEST);
 }
 
-/* A Gaussian's number in a plane. */
+/* Address of a Gaussian's number in a plane. */
 __device__ inline float *number_at(float *planes, const device_model &m, int plane, uint32_t i)
 {
     return planes + (size_t)plane * m.stride + i;
 }
 
-/* Adam's step for a parameter: writes it to `to`, and its moments, which are not read again soon and not kept in the
-   cache. */
+/* Adam's step for one parameter. The moments are written past the cache, as nothing reads them again soon. */
 __device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, real number, real mean, real square,
                                 const device_model &m, float *to, uint32_t i)
 {
@@ -186,8 +186,8 @@ __device__ inline void move_one(const fxs_fit_adam *adam, int k, real gradient, 
     *number_at(to, m, k, i) = has_limits(k) ? within_limits(number) : number;
 }
 
-/* The same for `Count` parameters from `first` on, whose gradients are gradient_of(k). All numbers are read before the
-   first is written, so that many reads are under way at once. */
+/* Adam's step for `Count` parameters from `first` on, with gradients gradient_of(k). All loads come before the first
+   store, so that many are in flight. */
 template <int Count, class Gradient>
 __device__ inline void move_some(const fxs_fit_adam *adam, int first, const device_model &m, float *to, uint32_t i,
                                  Gradient gradient_of)
@@ -206,28 +206,26 @@ __device__ inline void move_some(const fxs_fit_adam *adam, int first, const devi
 
 /* ---- update ------------------------------------------------------------------------------------------------------ */
 
-/* The planes of each view (see launch_gather). Once their sums are read, g and the direction take their place. */
+/* Planes of a view (launch_gather). Once the sums are read, g and the direction overwrite them. */
 enum { PLANE_G = 0, PLANE_DIRECTION = 3 };
 
 struct batch_views {
     uint32_t count;
     float *planes[FXS_FIT_BATCH];
     fxs_fit_camera cameras[FXS_FIT_BATCH];
-    const posed_camera *posed;     /* of each, where IsPosed */
+    const posed_camera *posed;     /* per view, if IsPosed */
 };
 
-const uint32_t SHAPE_THREADS = 128, SHAPE_BLOCKS = 4;      /* of a multiprocessor, for all that a thread has to be in
-                                                              registers */
+const uint32_t SHAPE_THREADS = 128, SHAPE_BLOCKS = 4;      /* per multiprocessor; limits registers per thread */
 
-/* A block's Gaussians, as they lie in the model: a thread each in a row for each number. They are copied there while
-   nothing waits for them, as a thread has no registers for so many. */
+/* Shared memory: a block's parameters and moments, staged because they exceed a thread's registers. */
 template <int Degree>
 struct shape_rows {
     float parameters[FXS_FIT_SH + 3 * SH_COUNT(Degree)][SHAPE_THREADS];
     float means[FXS_FIT_SH][SHAPE_THREADS], squares[FXS_FIT_SH][SHAPE_THREADS];
 };
 
-/* Starts to copy the block's part of some planes, by all threads. */
+/* Starts asynchronous copies of the block's part of `count` planes, by all threads. */
 __device__ inline void fetch_rows(float (*rows)[SHAPE_THREADS], const float *planes, uint32_t stride, uint32_t count)
 {
     for (uint32_t row = threadIdx.x / WARP; row < count; row += SHAPE_THREADS / WARP)
@@ -243,7 +241,7 @@ __device__ inline bool is_seen(const batch_views &views, const device_model &m, 
     return found;
 }
 
-/* Copies the block's rows; SH only where a view has some of its Gaussians. */
+/* Loads the block's rows; SH only if a view sees one of its Gaussians. */
 template <int Degree>
 __device__ inline void fetch_shapes(shape_rows<Degree> *rows, const batch_views &views, const device_model &m,
                                     uint32_t i)
@@ -259,7 +257,7 @@ __device__ inline void fetch_shapes(shape_rows<Degree> *rows, const batch_views 
     __syncthreads();
 }
 
-/* Adds the gradient by a view. */
+/* Adds the gradient by a view, and replaces its planes by g and direction. */
 template <int Degree, bool IsPosed>
 __device__ inline void add_view(const batch_views &views, uint32_t v, const device_model &m, size_t i,
                                 const shape_rows<Degree> &rows, real total[FXS_FIT_SH])
@@ -285,7 +283,7 @@ __device__ inline void add_view(const batch_views &views, uint32_t v, const devi
     }
 }
 
-/* All but SH above degree 0. */
+/* Updates all parameters except SH above degree 0. */
 template <int Degree, bool IsPosed>
 __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
     update_shapes(step_buffers b, device_model m, const __grid_constant__ batch_views views,
@@ -318,9 +316,9 @@ __global__ void __launch_bounds__(SHAPE_THREADS, SHAPE_BLOCKS)
                  m.masters ? m.masters : m.parameters, i);
 }
 
-const int SH_AT_ONCE = 2;          /* coefficients, of three colours each */
+const int SH_AT_ONCE = 2;          /* coefficients, three colours each */
 
-/* SH coefficients from First on. */
+/* Updates SH_AT_ONCE coefficients from First on. */
 template <int Degree, int First>
 __device__ inline void update_some_sh(const fxs_fit_adam *adam, const batch_views &views, const device_model &m,
                                       uint32_t i)
@@ -366,7 +364,7 @@ __global__ void __launch_bounds__(FXS_FIT_PART, 3)
 
 /* ---- Quantised parameters ---------------------------------------------------------------------------------------- */
 
-/* grid.chunks: the device's. */
+/* grid.chunks: in device memory. */
 __global__ void __launch_bounds__(FXS_FIT_PART) quantise_shapes(device_model m, fxs_fit_grid grid)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
@@ -381,7 +379,7 @@ __global__ void __launch_bounds__(FXS_FIT_PART) quantise_shapes(device_model m, 
         *number_at(m.parameters, m, k, i) = to[k];
 }
 
-/* The SH of a block's degree. */
+/* blockIdx.y + 1: degree. */
 __global__ void __launch_bounds__(FXS_FIT_PART) quantise_sh(device_model m, fxs_fit_grid grid)
 {
     const uint32_t i = blockIdx.x * FXS_FIT_PART + threadIdx.x;
@@ -402,7 +400,7 @@ fxs_fit_grid grid_on_device(const device_model *m, const fxs_fit_grid *grid)
     return there;
 }
 
-/* The parameters become what the grid makes of the masters: all but SH above degree 0, and these. */
+/* Sets the parameters to the masters rounded to the grid: shapes are all but SH above degree 0. */
 cudaError_t launch_quantise_shapes(const device_model *m, const fxs_fit_grid *grid, cudaStream_t stream)
 {
     quantise_shapes<<<part_count(m), FXS_FIT_PART, 0, stream>>>(*m, grid_on_device(m, grid));
@@ -419,8 +417,8 @@ cudaError_t launch_quantise_sh(const device_model *m, const fxs_fit_grid *grid, 
 
 /* ---- The whole update -------------------------------------------------------------------------------------------- */
 
-/* By the planes of `count` views, in their order. `posed`: null, or the poses of their cameras, on the device; grid: of
-   masters, or null. SH above degree 0 beside what follows. */
+/* Updates the model from the planes of `count` views, in order. `posed`: null, or the cameras' poses in device memory;
+   `grid`: of the masters, or null. SH above degree 0 are updated on the side stream. */
 cudaError_t launch_update(const step_buffers *b, const device_model *m, float *const *planes,
                           const fxs_fit_camera *cameras, const posed_camera *posed, uint32_t count, int degree,
                           const fxs_fit_adam *adam, const fxs_fit_grid *grid, cudaStream_t stream,
@@ -464,7 +462,7 @@ cudaError_t launch_noise(const step_buffers *b, const device_model *m, const fxs
     return cudaGetLastError();
 }
 
-/* `cameras`: on the device. */
+/* `cameras`: in device memory. */
 __global__ void __launch_bounds__(FXS_FIT_PART)
     smooth_model(step_buffers b, device_model m, fxs_fit_cameras cameras, int divisor)
 {
