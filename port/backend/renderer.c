@@ -9,7 +9,7 @@
 struct fxs_renderer {
     const fxs_backend *backend;
     void *self;                    /* the back end's own data */
-    fxs_backend_options picking;   /* of the processor's back end, if the other cannot pick */
+    fxs_backend_options picking;   /* options of the processor's back end, which picks if `backend` cannot */
     void *picker;                  /* null until the first pick */
 };
 
