@@ -103,7 +103,7 @@ typedef struct part {
     fxs_part_header head;
     fxs_part_layout layout;
     fxs_packed_header scene;             /* as in the file; determines the layout */
-    unsigned char *heads;                /* from the scene's header to the rows; freed by put_together */
+    unsigned char *heads;                /* from the scene's header to the rows; freed at the end of the merge */
 } part;
 
 typedef struct merger {

@@ -249,7 +249,7 @@ static int is_known(const double up[3])
     return up[0] != 0 || up[1] != 0 || up[2] != 0;
 }
 
-/* Adds what is unknown of the common start from an object's start. */
+/* Fills missing fields of the common start from an object's start. */
 static void add_start(fxs_start *all, const fxs_placement *p, const fxs_scene_file_info *own)
 {
     fxs_start start = own->start;

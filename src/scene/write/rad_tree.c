@@ -45,7 +45,7 @@ typedef struct builder {
     uint32_t nodes;
     uint32_t *parents;             /* parent of each node; NONE: the root */
     uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
-    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D, by which Spark chooses nodes */
+    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D, Spark's criterion for choosing nodes */
     uint32_t *reps;                /* for each Gaussian of the current level: its node */
     moments *moments;              /* and that node's moments */
     sums sums[FXS_LEVEL_SET];
@@ -170,7 +170,7 @@ static void add_mean(const builder *b, sums *s, uint32_t member)
         s->colours[3 + k] += share * sh[k];
 }
 
-/* Adds a member's covariance and that of its position relative to the mean. */
+/* Adds a member's covariance and the covariance of its position about the mean. */
 static void add_covariance(const builder *b, sums *s, uint32_t member)
 {
     const moments *m = &b->moments[member];

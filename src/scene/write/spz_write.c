@@ -150,7 +150,7 @@ static double scale_code(const fxs_gaussian *g, int axis)
     return (g->scale[axis] + 10.0) * 16;
 }
 
-/* Returns the most fractional bits with which a position fits, or -1. */
+/* Returns the most fractional bits for a position, or -1 if none fits. */
 static int bits_for(const float position[3])
 {
     const double most = fmax(fmax(fabs(position[0]), fabs(position[1])), fabs(position[2]));
