@@ -38,8 +38,9 @@ LIBS := $(foreach name,CJSON EXPAT ZIP PNG JPEG WEBP EXIF HEIF ZLIB DEFLATE ZSTD
 CLANG_14 := $(if $(findstring clang,$(CC_VERSION)),-g0)
 # -fwrapv: unused lanes may overflow, and so may the bits of a .jpg in stb_image_write; this makes overflow defined.
 # -O3: project takes 9 % less time, an import 10 %. -falign-functions: without it, project took up to 25 % longer,
-# depending on its alignment in the cache line, which any earlier change shifts. -fno-math-errno, -fno-trapping-math: src/pack/coarsen and the packing
-# stages do not read errno or traps, so their loops can be vectorised, with the same bytes.
+# depending on its alignment in the cache line, which any earlier change shifts. -fno-math-errno, -fno-trapping-math:
+# src/pack/coarsen and the packing stages do not read errno or traps, so their loops can be vectorised, with the same
+# bytes.
 isa = $(if $(filter src/image/image_encode,$(1)),-fwrapv) $(if $(filter kernels/%,$(1)),-fwrapv) $(if $(filter kernels/simd/x86/%,$(1)),-falign-functions=64) $(if $(filter kernels/% src/pack/%,$(1)),$(if $(filter -O2,$(CFLAGS)),-O3)) $(if $(findstring _sse41,$(1)),-msse4.1,$(if $(findstring _avx2,$(1)),-mavx2,$(if $(findstring _avx512,$(1)),\
       -mavx512f -mavx512bw -mavx512dq -mavx512vl -mavx512cd -mavx512vbmi $(CLANG_14)))) \
       $(if $(filter src/pack/coarsen src/pack/pack_c kernels/pack/%,$(1)),-O3 -fno-math-errno -fno-trapping-math) $(if $(filter src/fit/% kernels/fit/% kernels/pack/% src/camera/% src/pack/% src/scene/% src/gaussian/% src/image/photograph src/base/scene_start tests/gpu/test_fit% tests/test_fit_%,$(1)),$(SINGLES))

@@ -158,7 +158,6 @@ static int find_copies(compute_backend *b, const fxs_request *r, fxs_message *wh
     return 0;
 }
 
-/* Makes host memory large enough for the request. */
 static int make_room(compute_backend *b, const fxs_request *r, fxs_message *why)
 {
     const size_t bytes = fxs_compute_memory(r);

@@ -31,7 +31,6 @@ typedef int fxs_gl_load_fn;
 /* LISTS and FETCH give the same bytes; FASTER chooses one of them. QUADS is not exact. */
 enum way { LISTS, FETCH, QUADS, FASTER };
 
-/* A back end: its context and its way of drawing. */
 typedef struct kind {
     const char *name, *without;                /* without: the message of a build that cannot open it */
     enum way way;
@@ -164,7 +163,6 @@ static int open_context(gl_backend **out, const kind *k, int device, fxs_message
     return error;
 }
 
-/* Returns the way of drawing for the next frame. */
 static enum way way_of(const gl_backend *b)
 {
     if (b->kind->way != FASTER)

@@ -13,7 +13,6 @@ enum { TILE = 16, ROWS = 16 /* rows of a job */, OPAQUE = 256 };
 /* A smaller principal point could fall below INT32_MIN in a window. */
 #define FAR_Q12 (INT32_MIN + (FXS_MAX_SIZE << 12))
 
-/* Four 8-bit channels in 16-bit lanes. */
 #define LANES UINT64_C(0x0001000100010001)
 
 /* A rectangle of the picture, pixels; index 0 is x, 1 is y. */
@@ -83,7 +82,7 @@ static int32_t window_start(int32_t side, int32_t rate, int32_t length, int32_t 
     return (int32_t)(start < 0 ? 0 : start < most ? start : most);
 }
 
-/* Places the rings. Returns their number. The last ring covers the whole picture. */
+/* Returns the number of rings. The last ring covers the whole picture. */
 static uint32_t find_rings(fxs_ring rings[FXS_RINGS], const fxs_foveation *f, const fxs_camera *cameras, uint32_t eyes)
 {
     const int32_t width = cameras->width, height = cameras->height;

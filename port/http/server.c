@@ -139,7 +139,7 @@ static enum MHD_Result complete(struct MHD_Response *response)
     return done;
 }
 
-/* Adds the common headers, sends an answer and frees it. */
+/* Also frees the response. */
 static enum MHD_Result send_answer(struct MHD_Connection *connection, unsigned status, struct MHD_Response *response)
 {
     enum MHD_Result done = complete(response);
@@ -228,7 +228,7 @@ static enum MHD_Result send_gzipped(fxs_http_server *server, struct MHD_Connecti
     return MHD_queue_response(connection, MHD_HTTP_OK, response);
 }
 
-/* Sends a file. Takes ownership of the descriptor. */
+/* Takes ownership of the descriptor. */
 static enum MHD_Result send_file(fxs_http_server *server, struct MHD_Connection *connection, const char *name,
                                  int descriptor, const fxs_file_facts *facts)
 {
@@ -367,7 +367,6 @@ static MHD_socket listen_at(fxs_http_address *address, const fxs_http_options *o
     return MHD_INVALID_SOCKET;
 }
 
-/* Reads a small text file and appends a 0. */
 static int read_text(char **out, const char *path, fxs_message *message)
 {
     FILE *file = fxs_stream_open(path, "r");

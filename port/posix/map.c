@@ -63,7 +63,6 @@ static int fill_with_zeros(uintptr_t address)
     return 0;
 }
 
-/* Passes a signal that does not concern a mapping to the previous handler. */
 static void handle_as_before(int signal_number, siginfo_t *info, void *context)
 {
     if (before.sa_flags & SA_SIGINFO)

@@ -31,7 +31,6 @@ static int is_fxs(const void *bytes)
     return fxs_little_32(magic) == FXS_PACKED_MAGIC;
 }
 
-/* Returns 1, 0, or an error with a message. */
 static int is_fxs_file(const char *path, fxs_message *message)
 {
     unsigned char bytes[4] = {0};
@@ -59,7 +58,7 @@ static int create(const char *name, open_scene **made, fxs_opened **opened, fxs_
     return 0;
 }
 
-/* Fills in the fields for the caller. After an error, frees the scene. */
+/* After an error, frees the scene. */
 static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_opened **opened, fxs_message *message)
 {
     if (!error && (error = fxs_scene_open(&s->scene, data, bytes)) != 0)
@@ -73,7 +72,6 @@ static int finish(open_scene *s, int error, const void *data, size_t bytes, fxs_
 
 /* ---- Packed scenes ----------------------------------------------------------------------------------------------- */
 
-/* Fills in info and report from the header. */
 static void describe(open_scene *s, const void *data)
 {
     fxs_packed_header h;
@@ -120,7 +118,6 @@ static int map_file(open_scene *s, const fxs_open_options *o, fxs_opened **opene
                  : take_packed(s, s->mapping.data, s->mapping.bytes, o, opened, message);
 }
 
-/* Opens a file with a pager, which reads only parts of it. */
 static int page_file(open_scene *s, const fxs_open_options *o, fxs_opened **opened, fxs_message *message)
 {
     fxs_pager *pager;

@@ -84,7 +84,6 @@ static size_t folder_length(const char *path)
     return slash ? (size_t)(slash + 1 - path) : 0;
 }
 
-/* Returns the target of the symbolic link `name`, or null and errno. */
 static char *read_link(const char *name)
 {
     char text[PATH_MAX];
@@ -131,7 +130,6 @@ static void release(fxs_output *output)
     free(output->temporary);
 }
 
-/* Sets output->temporary to the name for writer i of output->target. */
 static void name_temporary(fxs_output *output, int i)
 {
     const size_t folder = folder_length(output->target);
@@ -236,7 +234,6 @@ static int open_descriptor(fxs_output *output)
     return output->target ? create_beside(output, exists ? &status : NULL) : -1;
 }
 
-/* Removes the temporary file, if any. */
 static void drop(fxs_output *output)
 {
     if (!output->temporary)

@@ -214,7 +214,7 @@ static void note_success(fxs_pager *p)
     p->failures = 0;
 }
 
-/* Records the result of a run. The caller holds the lock. */
+/* The caller holds the lock. */
 static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const uint8_t *good, int unread)
 {
     if (!unread)
@@ -233,7 +233,7 @@ static void hand_over(fxs_pager *p, const arrival *list, uint32_t count, const u
     }
 }
 
-/* Takes the next chunks of the queue and a free place for each. The caller holds the lock. */
+/* The caller holds the lock. */
 static uint32_t take_batch(fxs_pager *p, arrival *list)
 {
     uint32_t count = 0;
@@ -247,7 +247,6 @@ static uint32_t take_batch(fxs_pager *p, arrival *list)
     return count;
 }
 
-/* Calls options.arrived without the lock. */
 static void tell_arrived(fxs_pager *p)
 {
     if (!p->options.arrived || !p->arrived_count)
@@ -286,7 +285,6 @@ static void read_batch(fxs_pager *p, arrival *list, uint32_t count)
         p->batch_most /= 2;
 }
 
-/* Waits after a failed read. */
 static void hold_off(fxs_pager *p)
 {
     const uint64_t end = fxs_clock(0) + (uint64_t)PAUSE_MS * 1000000 * p->failures;

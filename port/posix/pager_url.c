@@ -89,7 +89,6 @@ typedef struct paged_url {
     int is_open;                       /* `file` holds the validators of the first answer */
     validators file;
 
-    /* The current request. */
     unsigned char *out;
     uint64_t first;                    /* offset in the file */
     size_t size, got, headers;         /* bytes */

@@ -8,7 +8,6 @@
 
 #include <fixsplat/message.h>
 
-/* Creates the folders of a file's path. */
 static void make_folders(char *path)
 {
     for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {

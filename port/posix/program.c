@@ -64,7 +64,7 @@ void fxs_program_become(const char *path, char **argv)
 
 /* ---- Others ------------------------------------------------------------------------------------------------------ */
 
-/* Starts a program in its own process group. */
+/* The program gets its own process group. */
 static int start(const char *const *arguments, int output, int log, pid_t *child)
 {
     posix_spawn_file_actions_t actions;

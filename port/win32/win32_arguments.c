@@ -82,7 +82,6 @@ static int matches(const wchar_t *name, const wchar_t *pattern)
     return !*pattern;
 }
 
-/* Returns the last component of a path. */
 static const wchar_t *name_of(const wchar_t *path)
 {
     const wchar_t *name = path;
@@ -123,7 +122,6 @@ static int compare(const void *a, const void *b)
     return order ? order : wcscmp(first, second);
 }
 
-/* Lists the files that match a path with a pattern, sorted. */
 static void find(search *s)
 {
     const wchar_t *pattern = name_of(s->path);

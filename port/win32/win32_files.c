@@ -239,7 +239,6 @@ int fxs_folder_make(const char *path, fxs_message *message)
     return error == EEXIST && fxs_file_kind(path) == FXS_FILE_FOLDER ? 0 : fxs_fail_errno(message, path, error);
 }
 
-/* Returns the pattern for all names in a folder, for free(), or null and errno. */
 static wchar_t *all_in(const char *folder)
 {
     wchar_t *wide = win32_path(folder);

@@ -38,7 +38,6 @@ static void release(fxs_output *output)
     free(output->temporary);
 }
 
-/* Sets output->temporary to the name for writer i of output->target. */
 static void name_temporary(fxs_output *output, int i)
 {
     const char *slash = strrchr(output->target, '/'), *name = slash ? slash + 1 : output->target;

@@ -66,7 +66,7 @@ void fxs_program_set(const char *variable, const char *value)
 
 /* ---- Others ------------------------------------------------------------------------------------------------------ */
 
-/* Quotes a word so that CommandLineToArgvW and the C library read it back. Returns the end. */
+/* Quotes a word for CommandLineToArgvW and the C library. Returns the end. */
 static wchar_t *add_word(wchar_t *to, const wchar_t *word)
 {
     *to++ = L'"';
@@ -84,7 +84,6 @@ static wchar_t *add_word(wchar_t *to, const wchar_t *word)
     return to;
 }
 
-/* Returns the command line, for free(). */
 static wchar_t *command_line(const char *const *arguments)
 {
     size_t room = 1;

@@ -41,7 +41,6 @@ static int bin_of(uint32_t depth)
     return (int)(log2((double)depth + 1) / 32 * BINS * (1 - 1e-9));
 }
 
-/* Returns the bin of the depth at rank `below`. */
 static int quantile(const uint32_t counts[BINS], uint64_t below)
 {
     int bin = 0;

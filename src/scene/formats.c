@@ -83,7 +83,6 @@ const fxs_scene_format *fxs_scene_format_at(int index)
 
 /* ---- By name ----------------------------------------------------------------------------------------------------- */
 
-/* Returns ending number `i` of a format and its length, or null. */
 static const char *ending_of(const fxs_scene_format *format, int i, size_t *length)
 {
     const char *at = format->endings;
@@ -171,7 +170,6 @@ const char *fxs_format_index_name(int number)
 
 /* ---- By content -------------------------------------------------------------------------------------------------- */
 
-/* Returns the first name in a JSON object, or null. */
 static const char *first_name(const char *bytes)
 {
     static const char blanks[] = " \t\r\n";

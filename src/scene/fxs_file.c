@@ -21,14 +21,13 @@ static uint32_t header_checksum(const fxs_crc32_table *table, const void *data)
     return fxs_crc32(table, 0, &blank, sizeof blank);
 }
 
-/* Returns the header of chunk i, a leaf or a node. */
 static const unsigned char *header_of(const fxs_scene *scene, uint32_t i)
 {
     return i < scene->chunk_count ? scene->chunks + (size_t)i * sizeof(fxs_chunk)
                                   : scene->node_chunks + (size_t)(i - scene->chunk_count) * sizeof(fxs_chunk);
 }
 
-/* Copies the header of a chunk, in the scene's byte order. */
+/* in the scene's byte order */
 static fxs_chunk chunk_of(const fxs_scene *scene, uint32_t i)
 {
     fxs_chunk chunk;
@@ -144,7 +143,6 @@ void fxs_file_seal_heads(const fxs_crc32_table *table, unsigned char *head, size
     }
 }
 
-/* Writes the headers of chunks first to end - 1. */
 static int write_chunks(fxs_output *output, const fxs_crc32_table *table, const fxs_scene *scene, uint32_t first,
                         uint32_t end, fxs_message *message)
 {

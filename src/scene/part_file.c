@@ -183,7 +183,6 @@ static int load_heads(merger *m, part *p)
     return 0;
 }
 
-/* Opens the files and orders them by number. */
 static int open_parts(merger *m, char *const *paths, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -214,7 +213,6 @@ static int open_parts(merger *m, char *const *paths, uint32_t count)
     return 0;
 }
 
-/* Checks that a part belongs to the same scene as the first one, packed with the same options. */
 static int check_alike(const merger *m, const part *p)
 {
     const part *first = &m->parts[0];
@@ -452,7 +450,6 @@ static int build_tree(merger *m)
 
 /* ---- Output ------------------------------------------------------------------------------------------------------ */
 
-/* Copies rows and compares them with the checksums in their headers. */
 static int copy_rows(merger *m, fxs_output *output, const part *p, uint64_t offset, const unsigned char *headers,
                      uint32_t count)
 {

@@ -45,7 +45,6 @@ static int begin(fxs_scene_file *file, fxs_scene_file_info *info, fxs_message *m
     return fxs_stream_begin(file, format->about.name, format->reader, info, message);
 }
 
-/* Opens `input`, or the file at `path` if `input` is null. */
 static int open_any(const char *path, const fxs_scene_input *input, const fxs_scene_file_options *options,
                     fxs_scene_file **file, fxs_scene_file_info *info, fxs_message *message)
 {

@@ -44,7 +44,6 @@ int fxs_scene_writer_open(const char *path, const fxs_scene_write_options *o, fx
     return error;
 }
 
-/* Adds the origin to a position and rounds to the nearest float. */
 static void add_origin(fxs_scene_writer *w, fxs_gaussian *g)
 {
     for (int i = 0; i < 3; i++) {

@@ -23,7 +23,6 @@ static int wrong(const reader *r, const char *what)
     return FXS_ERR_FILE;
 }
 
-/* Adds a scene file. Its path is relative to the folder of the JSON file and must not leave it. */
 static int take_file(const reader *r, const cJSON *item, fxs_placement *p)
 {
     const char *name = cJSON_GetStringValue(item), *slash = strrchr(r->path, '/');

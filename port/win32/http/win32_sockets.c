@@ -42,7 +42,6 @@ void fxs_http_socket_fault(fxs_http_fault *fault)
             snprintf(fault->words, sizeof fault->words, "%s", rows[i].words);
 }
 
-/* Returns the addresses of all adapters, for free(), or null. */
 static IP_ADAPTER_ADDRESSES *list_adapters(void)
 {
     const ULONG without = GAA_FLAG_SKIP_ANYCAST | GAA_FLAG_SKIP_MULTICAST | GAA_FLAG_SKIP_DNS_SERVER;

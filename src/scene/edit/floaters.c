@@ -97,7 +97,6 @@ static void cell_of(const fxs_floater *item, int part, int level, int64_t at[3])
     }
 }
 
-/* Returns the slot of a cell, or the free slot for it. */
 static cell *find(const grid *g, const int64_t at[3])
 {
     uint64_t hash = 0;
@@ -145,7 +144,6 @@ static int has_neighbours(const grid *g, const fxs_floater *item, int part)
 
 /* ---- All of them ------------------------------------------------------------------------------------------------- */
 
-/* Returns the median level. */
 static int least_level(const fxs_floaters *f)
 {
     uint32_t counts[LEVELS] = {0}, below = 0;

@@ -139,7 +139,6 @@ static long read_file(merge_reader *r, uint32_t file, fxs_gaussian *gaussians, s
                 : fxs_stream_read(r->reader, r->data, gaussians, capacity, message);
 }
 
-/* Starts reading a part. */
 static int enter(merge_reader *r, fxs_message *message)
 {
     const part *p = &r->parts[r->at];
@@ -292,7 +291,6 @@ static int list_parts(merge_reader *r, const fxs_world *world, const fxs_scene_f
 
 /* ---- Origins ----------------------------------------------------------------------------------------------------- */
 
-/* Converts a point from the axes of a part's file to the world. */
 static void place_of(const part *p, const double from[3], double place[3])
 {
     for (int i = 0; i < 3; i++)
@@ -382,7 +380,6 @@ static int choose_origin(merge_reader *r, const fxs_scene_file_info *infos, int 
     return 0;
 }
 
-/* Counts the Gaussians that remain after cropping. */
 static int count_kept(fxs_scene_file *file, const merge_reader *r, fxs_scene_file_info *info, fxs_message *message)
 {
     enum { BATCH = 256 };

@@ -21,7 +21,6 @@ enum {
 static const double colour_weight = 20;    /* weight of the colour loss relative to the shape loss */
 static const double thinnest = 0.1;        /* minimum sigma as a share of the largest sigma */
 
-/* Values of a Gaussian for the loss. */
 typedef struct shape {
     double covariance[6];          /* xx, yy, zz, xy, xz, yz; sigmas limited by `thinnest` */
     double log_determinant;
@@ -131,7 +130,6 @@ static void set_opacity(fxs_gaussian *g, double weight, double most)
     g->opacity = opacity > 2e-9 ? (float)fxs_log(opacity / (1 - opacity)) : -20;
 }
 
-/* Merges b into a. */
 static void merge(fxs_gaussian *a, const fxs_gaussian *b)
 {
     const double weight = fxs_weight(a) + fxs_weight(b), v = weight > 0 ? fxs_weight(a) / weight : 0.5, w = 1 - v;
@@ -162,7 +160,6 @@ static void run(void *pool, void (*job)(void *argument, uint32_t i), void *argum
         job(argument, i);
 }
 
-/* Orders the Gaussians so that neighbours share a chunk. */
 static int find_order(decimated *d, fxs_message *message)
 {
     const fxs_pack_options options = {.run = run, .threads = 1, .allocator = d->allocator};

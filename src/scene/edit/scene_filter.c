@@ -142,7 +142,6 @@ static int count(fxs_scene_file *file, const filter_reader *r, uint64_t total, f
     return 0;
 }
 
-/* Finds the floaters and counts again. */
 static int count_again(fxs_scene_file *file, filter_reader *r, uint64_t total, fxs_progress_fn *progress,
                        void *argument, fxs_message *message)
 {

@@ -14,7 +14,6 @@
 
 /* ---- Arithmetic: only operations that IEEE 754 rounds exactly ---------------------------------------------------- */
 
-/* A vector, or a colour r g b. */
 typedef struct vec {
     double x, y, z;
 } vec;
@@ -88,7 +87,6 @@ static double draw(uint64_t key, unsigned k) { return unit(mix(key + (k + 1) * U
 
 static uint64_t key_of(uint32_t seed, uint64_t what) { return mix(mix(seed + UINT64_C(0x51ED270B)) + what); }
 
-/* A Gaussian's place in its part of a scene. */
 typedef struct place {
     uint64_t index, count;   /* index in the part, and size of the part */
     uint64_t total, key;
@@ -207,7 +205,6 @@ static void lay_flat(splat *s, vec position, vec normal, vec along, double sigma
     s->opacity = opacity;
 }
 
-/* A round Gaussian of one colour. */
 static void lay_round(splat *s, vec position, double sigma, double opacity, vec colour)
 {
     lay_flat(s, position, v3(0, 0, 1), v3(1, 0, 0), sigma, opacity);
@@ -226,7 +223,6 @@ static void lay_surface(const place *p, vec (*surface)(double u, double v), doub
     lay_flat(s, surface(p->u, p->v), normalise(area), along, sigma, opacity);
 }
 
-/* A random orientation. */
 static void turn(splat *s, uint64_t key, unsigned k)
 {
     double z = 2 * draw(key, k) - 1, r = sqrt(1 - z * z), turn0 = draw(key, k + 1), turn1 = draw(key, k + 2);
@@ -473,7 +469,7 @@ static double sun_reach(vec p)
     return smoothstep(0, 1, reach);
 }
 
-/* Forest where above 0.05. */
+/* forest where above 0.05 */
 static double forest(double x, double z)
 {
     return plain_noise(x * 0.21, z * 0.21, 31) + 0.5 * plain_noise(x * 0.6, z * 0.6, 32);
@@ -517,7 +513,6 @@ static void lay_water(const place *p, double x, double z, double sigma, splat *s
     add_zonal(s, mirror(sun, normal), highlight, v3(0.22, 0.18, 0.10));
 }
 
-/* The ground at (x, z), of height h. */
 static void lay_ground(const place *p, double x, double z, double h, double sigma, splat *s)
 {
     double step = sigma > 0.01 ? sigma : 0.01, r = sqrt(x * x + z * z);
@@ -798,7 +793,6 @@ static vec tree_trunk(double u, double v)
               0.06 * sine(0.8 * u) - radius * sine(v));
 }
 
-/* A branch from the trunk's fork into blob k. */
 static void tree_branch(const place *p, splat *s)
 {
     vec from = v3(0.09, 0.25 - TREE_HEIGHT, -0.02), to = sub(tree_blob((unsigned)(p->index % TREE_BLOBS)), from);
@@ -1008,7 +1002,6 @@ static void fence_rail(place *p, splat *s)
               2 * RAILS * 2 * FENCE_REACH * 0.09, s);
 }
 
-/* A piece of a blade of grass that grows from `root` and bends over. */
 static void fence_grass(place *p, splat *s)
 {
     double up = draw(p->key, 0), height = 0.22 + 0.5 * draw(p->key, 1), bend = 0.8 * up * draw(p->key, 2);
@@ -1071,7 +1064,6 @@ static void add_room(splat *s, vec normal, vec metal)
         add_zonal(s, mirror(room[k].axis, normal), room[k].shape, tint(room[k].colour, metal));
 }
 
-/* Tilts the normal for hammer dents. */
 static vec hammered(vec normal, vec at, double depth)
 {
     double dx, dz, ex, ez;
@@ -1121,7 +1113,6 @@ static void mirrors_ball(place *p, splat *s)
     add_error(s, p->key, 0.04);
 }
 
-/* A ring behind the vase. */
 static vec ring_surface(double u, double v)
 {
     double out = 1.05 + 0.17 * (1 + 0.08 * cosine(3 * v + 8 * u)) * cosine(v);
@@ -1136,7 +1127,6 @@ static void mirrors_ring(place *p, splat *s)
     add_error(s, p->key, 0.05);
 }
 
-/* Lacquered wood with a chequered pattern. */
 static void mirrors_bench(place *p, splat *s)
 {
     double r = 3.2 * sqrt(p->u), x = r * cosine(p->v), z = r * sine(p->v);
@@ -1167,7 +1157,6 @@ static void mirrors(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out
 
 /* ---- discs: the knot on a paved square; all flags and the sky are discs without thickness ------------------------ */
 
-/* Flags in rings around the knot's stone. */
 static void discs_ground(place *p, splat *s)
 {
     double x, z, sigma;
@@ -1495,7 +1484,7 @@ static void site(uint64_t i, uint64_t count, uint32_t seed, fxs_gaussian *out)
 
 /* ---- Stress tests ------------------------------------------------------------------------------------------------ */
 
-/* The smallest lattice side with side^power >= count. */
+/* the smallest side with side^power >= count */
 static uint64_t lattice_side(uint64_t count, int power)
 {
     uint64_t side = 1;

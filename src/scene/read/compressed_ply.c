@@ -17,7 +17,6 @@ static const char *const bound_names[BOUNDS] = {
 
 static const char *const word_names[WORDS] = {"packed_position", "packed_rotation", "packed_scale", "packed_color"};
 
-/* An element of the file and the columns to read. */
 typedef struct rows {
     const fxs_ply_element *element;
     uint64_t start;                      /* offset of the first row in the file, bytes */
@@ -179,7 +178,6 @@ static double unpack(uint32_t word, int shift, int bits)
     return (word >> shift & mask) / (double)mask;
 }
 
-/* Interpolates between the bounds `low` and `low` + 3, t from 0 to 1. */
 static double between(const float *bounds, int low, double t)
 {
     return (double)bounds[low] * (1 - t) + (double)bounds[low + 3] * t;

@@ -32,7 +32,6 @@ enum {
     MAX_STRIDE = 252             /* bytes */
 };
 
-/* A JSON array, indexed. */
 typedef struct list {
     const cJSON **items;
     int count;
@@ -72,7 +71,6 @@ typedef struct accessor {
 
 enum { POSITION, ROTATION, SCALE, OPACITY, SH, ATTRIBUTES = SH + 16 };
 
-/* A primitive with Gaussians. */
 typedef struct splats {
     range spz;                   /* its .spz; buffer null: it has attributes instead */
     fxs_spz *opened;             /* set when its first part is read */
@@ -90,7 +88,6 @@ typedef struct mesh {
     int is_read, first, end;
 } mesh;
 
-/* A primitive as placed by a node. */
 typedef struct part {
     int splats;
     double rows[3][4];
@@ -158,7 +155,6 @@ static int64_t whole(const cJSON *item, int64_t absent)
     return value >= 0 && value < 9007199254740992.0 && value == (double)(int64_t)value ? (int64_t)value : -1;
 }
 
-/* Returns the index of an existing item of a list, or -1. */
 static int index_of(const gltf *g, const cJSON *item, int which)
 {
     int64_t index = whole(item, -1);
@@ -180,7 +176,6 @@ static int make_list(gltf *g, const cJSON *root, int which)
     return 0;
 }
 
-/* Returns the array with room for one more item, or null and a message. */
 static void *grow(const gltf *g, void *items, int count, size_t size)
 {
     if (count & (count - 1))     /* the size is the next power of two */
@@ -331,7 +326,6 @@ static const cJSON *find_attribute(const cJSON *attributes, const char *name)
 #define PLAIN(type) (1u << 2 * (type))
 #define NORMALIZED(type) (2u << 2 * (type))
 
-/* Finds `count` elements of `size` bytes in the bufferView of an item of accessor `index`. */
 static int find_elements(const gltf *g, int index, const cJSON *item, uint32_t count, uint32_t size, range *bytes,
                          uint32_t *stride)
 {
@@ -423,7 +417,6 @@ static int read_elements(gltf *g, accessor *a, uint32_t first, uint32_t count)
     return replace_elements(g, a, first, first + count);
 }
 
-/* Reads the accessor for attribute `name`; `number`: its index. */
 static int read_accessor(gltf *g, const cJSON *number, const char *name, int components, unsigned types, accessor *a)
 {
     static const char *const shapes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
@@ -537,7 +530,6 @@ static int replace_opacities(gltf *g, splats *s, fxs_gaussian *gaussians, size_t
     return 0;
 }
 
-/* Counts the elements of a float accessor that have a component below `low` or above `high`. */
 static int count_outside(gltf *g, accessor *a, float low, float high, uint64_t *outside)
 {
     a->at = 0;
@@ -659,7 +651,6 @@ static int same_range(const range *a, const range *b)
     return a->buffer == b->buffer && a->offset == b->offset && a->size == b->size;
 }
 
-/* Returns 1 if two .spz primitives have the same Gaussians. */
 static int is_same(const splats *a, const splats *b)
 {
     const accessor *own = &a->attributes[OPACITY], *other = &b->attributes[OPACITY];

@@ -54,7 +54,7 @@ static section parse_section(const ksplat_reader *reader, const uint8_t *header)
     return s;
 }
 
-/* Returns null, or the fault. */
+/* Returns null or the fault. */
 static const char *check_section(const ksplat_reader *reader, const section *s)
 {
     const uint64_t file_size = reader->source->input.size;
@@ -185,7 +185,6 @@ static int begin_bucket(ksplat_reader *reader, fxs_message *message)
     return 0;
 }
 
-/* Moves to the section and bucket of the next Gaussian. */
 static int advance(ksplat_reader *reader, fxs_message *message)
 {
     while (reader->section_read == reader->section.count)

@@ -77,7 +77,7 @@ static int read_bounds(const cJSON *root, const char *name, const char *environm
     return 1;
 }
 
-/* Returns null, or the fault. */
+/* Returns null or the fault. */
 static const char *read_meta(lcc_reader *r, const cJSON *root)
 {
     const cJSON *levels = member(root, "totalLevel");
@@ -261,7 +261,6 @@ static void decode_sh(const bounds *b, const uint8_t *row, float sh[45])
     }
 }
 
-/* sh_row: null without SH. */
 static void decode(const lcc_reader *r, const uint8_t *row, const uint8_t *sh_row, fxs_gaussian *g)
 {
     const int is_environment = r->at == r->environment;

@@ -66,7 +66,6 @@ static int skip_list(ply_reader *reader, const fxs_ply_property *list)
     return 0;
 }
 
-/* Reads a row of any encoding and any properties. Stores the Gaussian's values in `fields`. */
 static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fields)
 {
     const double *origin = reader->bytes.source->import->origin;
@@ -83,7 +82,6 @@ static int read_row(ply_reader *reader, const fxs_ply_element *rows, float *fiel
     return fxs_ply_end_row(&reader->bytes, reader->header.encoding);
 }
 
-/* Reads a binary row without lists. */
 static int read_fixed_row(ply_reader *reader, const fxs_ply_element *rows, float *fields)
 {
     const uint8_t *row = fxs_bytes_take(&reader->bytes, rows->row_size);
@@ -150,7 +148,6 @@ static void find_halves(ply_reader *reader)
     }
 }
 
-/* Maps a colour to f_dc. Returns 0 if the file has no colour. */
 static int map_colour(ply_reader *reader)
 {
     int colour[3];
@@ -172,7 +169,6 @@ static int is_unused(const ply_reader *reader, int index)
     return is && reader->field_table[index] == NO_FIELD && strncmp(name, "f_rest_", 7) != 0;
 }
 
-/* Returns the length of a name without its trailing digits. */
 static int stem_of(const char *name)
 {
     int length = (int)strlen(name);
@@ -373,7 +369,6 @@ static void apply_filter(fxs_gaussian *g, double filter, int scales)
         g->opacity = fxs_logit_of_opacity(fxs_opacity_of_logit(g->opacity) * fxs_exp(shrunk));
 }
 
-/* Completes a Gaussian from its row. */
 static void complete(const ply_reader *reader, fxs_gaussian *g)
 {
     if (reader->is_filtered) {

@@ -123,7 +123,7 @@ static int load_json(const fxs_scene_source *source, uint64_t offset, uint64_t e
     return result;
 }
 
-/* Returns null, or the fault. */
+/* Returns null or the fault. */
 static const char *read_meta(rad_reader *r, const cJSON *root)
 {
     const char *type = fxs_json_string(root, "type");
@@ -289,7 +289,6 @@ static const fxs_scene_source *file_of(const rad_reader *r, size_t i)
     return r->chunks[i].name ? &r->beside : r->source;
 }
 
-/* Reads the header of a chunk; `end`: the chunk's end in its file. */
 static int read_chunk(rad_reader *r, size_t i, const fxs_scene_source *source, uint64_t end, fxs_message *message)
 {
     uint8_t size[PAYLOAD_SIZE] = {0};
@@ -308,7 +307,6 @@ static int read_chunk(rad_reader *r, size_t i, const fxs_scene_source *source, u
     return result;
 }
 
-/* Opens a chunk and lists its columns without loading them. */
 static int open_chunk(rad_reader *r, size_t i, fxs_message *message)
 {
     const chunk *c = &r->chunks[i];
@@ -323,7 +321,6 @@ static int open_chunk(rad_reader *r, size_t i, fxs_message *message)
     return 0;
 }
 
-/* Converts differences to codes. */
 static void sum_up(const column *c, int numbers)
 {
     for (int d = 0; d < numbers; d++) {
@@ -345,7 +342,6 @@ static int inflate_column(rad_reader *r, int property, fxs_message *message)
     return result;
 }
 
-/* Loads a column of the opened chunk. */
 static int load_column(rad_reader *r, int property, fxs_message *message)
 {
     column *c = &r->columns[property];
@@ -525,7 +521,6 @@ static int visit(rad_reader *r, uint8_t *heights, size_t base, size_t row, size_
     return 0;
 }
 
-/* Visits nodes from the last to the first. */
 static int visit_all(rad_reader *r, uint8_t *heights, fxs_message *message)
 {
     size_t children = 0;
@@ -542,7 +537,6 @@ static int visit_all(rad_reader *r, uint8_t *heights, fxs_message *message)
     return 0;
 }
 
-/* Finds and counts the nodes to draw, and counts the levels. */
 static int find_drawn(rad_reader *r, fxs_scene_file_info *info, fxs_message *message)
 {
     uint8_t *heights = fxs_hold(r->source, r->count, message);

@@ -12,7 +12,6 @@ static int is_sog(const fxs_head *head, fxs_message *message)
     return !memcmp(head->bytes, "PK\3\4", 4) || (head->name && !fxs_read_gsplat.is(head, message));
 }
 
-/* Recognises both forms of .lcc2. */
 static int is_lcc2(const fxs_head *head, fxs_message *message)
 {
     (void)message;
@@ -193,7 +192,7 @@ static void take_model(sog_scene *s, const char *model)
         s->scale[2][code] = FXS_FLAT_SCALE;
 }
 
-/* Returns null, or the fault. */
+/* Returns null or the fault. */
 static const char *read_meta(sog_scene *s, const cJSON *root)
 {
     const cJSON *version = member(root, "version"), *means = member(root, "means"), *shn = member(root, "shN");
@@ -420,7 +419,6 @@ static int add_range(sog_reader *r, range added, fxs_message *message)
     return 0;
 }
 
-/* Returns the level that a member's name states, or -1. */
 static int level_of(const char *name)
 {
     int level = 0;
@@ -451,7 +449,6 @@ static int find_level(const cJSON *node, int level, const cJSON **found)
     return 0;
 }
 
-/* Adds the ranges of the node's leaves at a level. */
 static int add_leaves(sog_reader *r, const cJSON *node, int level, fxs_message *message)
 {
     const cJSON *found, *child;
@@ -561,7 +558,6 @@ static int read_index(sog_reader *r, cJSON *root, fxs_scene_file_info *info, fxs
 
 /* ---- .lcc2 ----------------------------------------------------------------------------------------------------- */
 
-/* Returns the file of a node, or TO_THE_LAST if it has none. */
 static size_t file_of_node(const cJSON *node, const char *name)
 {
     size_t file = TO_THE_LAST;
@@ -710,7 +706,6 @@ static int is_bundle(const fxs_scene_source *source, fxs_message *message)
     return first == 'P';
 }
 
-/* Loads a scene without decoding its images. */
 static int load_scene(const sog_reader *r, sog_scene *s, size_t file, fxs_message *message)
 {
     FXS_TRY(open_scene(r, s, file, message));

@@ -29,7 +29,6 @@ typedef struct matrix {
     double m[3][4];            /* rows; the implied last row is 0 0 0 1 */
 } matrix;
 
-/* A content file of a tile. */
 typedef struct content {
     char *name;                /* path from the folder of the first tileset */
     matrix up, tile;           /* up: from its axes to the tile's; tile: from there to the tileset's axes, z up */
@@ -55,7 +54,6 @@ typedef struct tileset {
     int is_entered;            /* 1: the content at `at` is open and rewound */
 } tileset;
 
-/* A tileset.json being listed. */
 typedef struct index_file {
     const char *path;
     size_t folder;             /* length of the folder part of the name */
@@ -114,7 +112,6 @@ static int invert(matrix *out, const matrix *of)
 
 /* ---- Listing of contents --------------------------------------------------------------------------------------- */
 
-/* Allocates room for another content. */
 static int grow(tileset *t)
 {
     if (t->count == MAX_CONTENTS)
@@ -285,7 +282,6 @@ static int check_identity(tileset *t, size_t index, const fxs_scene_source *sour
                               t->source->path, FXS_TEXT_MAX >> 20);
 }
 
-/* Appends the contents of a nested tileset to the list. */
 static int list_content(tileset *t, size_t index, const fxs_scene_source *source)
 {
     static const char *const others[] = {"b3dm", "i3dm", "pnts", "cmpt"};
@@ -372,7 +368,6 @@ static int open_reader(tileset *t, content *c, fxs_scene_file_info *info)
     return fxs_gltf_open(c->reader, &c->source, frame.m, info, t->message);
 }
 
-/* Opens the content t->at. */
 static int open_content(tileset *t, fxs_scene_file_info *info)
 {
     content *c = &t->contents[t->at];
@@ -382,7 +377,6 @@ static int open_content(tileset *t, fxs_scene_file_info *info)
     return result;
 }
 
-/* Moves to the next content with Gaussians. */
 static void leave_content(tileset *t)
 {
     if (t->open > MOST_OPEN)

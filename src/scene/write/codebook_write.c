@@ -39,7 +39,6 @@ static int fill_bins(bin *bins, const float *values, size_t count, double power,
     return used;
 }
 
-/* Copies the means of the bins, if the codebook has room for all of them. */
 static void copy_bins(float book[FXS_BOOK], const bin *bins)
 {
     int at = 0;
@@ -264,7 +263,6 @@ static uint32_t find_coarse(work *w, const fxs_sh_palette_vector *vectors, uint3
     return c.entries;
 }
 
-/* Sorts the members by coarse cluster. */
 static void sort_members(work *w, uint32_t coarse, uint32_t count)
 {
     uint32_t next[256];

@@ -25,7 +25,6 @@ typedef struct glb_writer {
 
 /* ---- The header -------------------------------------------------------------------------------------------------- */
 
-/* Adds the attribute names and their accessor numbers. */
 static void add_attributes(FILE *json, int sh_degree)
 {
     int accessor = 4;

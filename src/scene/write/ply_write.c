@@ -40,7 +40,6 @@ static int ply_open(void *writer, const char *path, const fxs_scene_write_option
     return 0;
 }
 
-/* Writes little-endian doubles at `row`. Returns the end. */
 static unsigned char *put_doubles(const ply_writer *w, const fxs_gaussian *g, unsigned char *row)
 {
     for (int i = 0; i < 3; i++) {

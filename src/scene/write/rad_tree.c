@@ -26,13 +26,11 @@ enum {
 #define LEAST_OPACITY 1e-6
 #define MOST_OPACITY 1000.0
 
-/* Moments of a node, in doubles. */
 typedef struct moments {
     double weight;                 /* opacity times area */
     double mean[3], covariance[6]; /* xx, yy, zz, xy, xz, yz */
 } moments;
 
-/* Sums over the members of a node. */
 typedef struct sums {
     moments all;
     double colours[COLOURS];
@@ -45,7 +43,7 @@ typedef struct builder {
     uint32_t nodes;
     uint32_t *parents;             /* parent of each node; NONE: the root */
     uint32_t *firsts, *children;   /* children of node i: children[firsts[i]] to children[firsts[i + 1] - 1] */
-    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D, Spark's criterion for choosing nodes */
+    float *weights, *sizes;        /* sizes: two sigmas of the longest axis times D; Spark chooses nodes by it */
     uint32_t *reps;                /* for each Gaussian of the current level: its node */
     moments *moments;              /* and that node's moments */
     sums sums[FXS_LEVEL_SET];
@@ -266,7 +264,6 @@ static int thin_out(builder *b)
     return made;
 }
 
-/* Lists the children of each node, in ascending order. */
 static void list_children(builder *b)
 {
     for (uint32_t i = 0; i < b->nodes; i++)
@@ -387,7 +384,6 @@ static int region_of(const builder *b, uint32_t node, const float low[3], const 
     return longest >= 3 * shortest ? octant >> axis & 1 : octant;
 }
 
-/* Adds a batch for each region of the remaining nodes. */
 static int split(const builder *b, queue *q, const uint32_t *nodes, size_t count, uint32_t *region)
 {
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};

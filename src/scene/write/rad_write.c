@@ -75,7 +75,6 @@ static int advance(rad_writer *w, double done)
     return !w->held.output.error;
 }
 
-/* Appends `size` bytes. Returns them, or null. */
 static uint8_t *grow(rad_writer *w, bytes *b, size_t size)
 {
     if (size > b->room - b->size) {
@@ -101,7 +100,6 @@ static int add(rad_writer *w, bytes *b, const void *data, size_t size)
     return to != NULL;
 }
 
-/* Pads with zeros to a multiple of 8. */
 static int pad(rad_writer *w, bytes *b)
 {
     static const uint8_t zeros[8];
@@ -306,7 +304,6 @@ static int column_count(const rad_writer *w)
     return COLUMNS - 3 + w->sh_degree;
 }
 
-/* Makes the columns of a chunk and their sizes. */
 static int make_payload(rad_writer *w, uint32_t first, uint32_t count, bytes *payload, size_t sizes[COLUMNS])
 {
     uint8_t *raw = malloc((size_t)count * 4 * 21);

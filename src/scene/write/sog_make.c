@@ -52,7 +52,6 @@ struct fxs_sog {
     void *argument;
 };
 
-/* Records that memory ran out. Returns 0. */
 static int no_memory(fxs_sog *w)
 {
     w->error = ENOMEM;
@@ -108,7 +107,6 @@ static int palette_progress(void *writer, double done)
     return !advance(writer, 0.1 + 0.7 * done);
 }
 
-/* Learns the codebook for the components of the palette. */
 static int find_sh_book(fxs_sog *w)
 {
     const uint32_t coefficients = w->from->coefficients;

@@ -19,7 +19,6 @@ static int splat_open(void *writer, const char *path, const fxs_scene_write_opti
     return fxs_output_open(&((splat_writer *)writer)->output, path, o->count, message);
 }
 
-/* Rounds to the nearest integer in 0 to 255. */
 static unsigned char code(double x)
 {
     return (unsigned char)fmin(fmax(floor(x + 0.5), 0), 255);

@@ -316,7 +316,6 @@ static void write_gzip(spz_writer *w, fxs_message *message)
 #endif
 
 #ifdef FXS_WITH_ZSTD
-/* Compresses an array into the rest of `out`. Returns the number of bytes written. */
 static size_t write_frame(spz_writer *w, ZSTD_CStream *stream, const uint8_t *bytes, size_t size,
                           ZSTD_outBuffer *out)
 {

@@ -100,7 +100,6 @@ static int make_levels(streamed_writer *w)
     return 1;
 }
 
-/* Extends a box by an ellipsoid of one sigma. */
 static void extend(float bounds[2][3], const fxs_held_gaussian *g)
 {
     double r[3][3];
@@ -151,7 +150,6 @@ static int list_parts(streamed_writer *w)
     return 1;
 }
 
-/* Returns the path of a file of a part, or of its folder if `name` is null, for free(). */
 static char *path_of(const streamed_writer *w, const part *p, const char *name)
 {
     const char *slash = strrchr(w->path, '/');
@@ -218,7 +216,6 @@ static int make_part(streamed_writer *w, const part *p, fxs_message *message)
     return error ? FXS_ERR_FILE : result;
 }
 
-/* Removes everything written, after an error. */
 static void remove_parts(const streamed_writer *w)
 {
     for (uint32_t i = 0; i < w->parts_made; i++)
@@ -259,7 +256,6 @@ static double energy_of(const streamed_writer *w, uint32_t leaf)
     return sum;
 }
 
-/* Prints the error of each level, as a share of the leaf's energy. */
 static void print_errors(FILE *json, const streamed_writer *w, uint32_t leaf)
 {
     const double energy = energy_of(w, leaf);
@@ -276,7 +272,6 @@ static void print_errors(FILE *json, const streamed_writer *w, uint32_t leaf)
     fputs("]", json);
 }
 
-/* Returns the index of the file that contains a leaf in a level. */
 static uint32_t file_of(const streamed_writer *w, uint32_t level, uint32_t leaf)
 {
     uint32_t i = 0;
