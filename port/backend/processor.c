@@ -1,3 +1,5 @@
+/* Renders and picks on the processor for all back ends that need it: owns the context, the thread pool, and working
+   memory that grows as frames need it. */
 #include "processor_internal.h"
 
 #include <inttypes.h>

@@ -1,3 +1,5 @@
+/* The functions of fxs_renderer call the chosen back end. A back end without pick gets the processor's, opened at the
+   first pick. */
 #include <fixsplat/renderer.h>
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* Files, folders, links, descriptors and terminals on POSIX systems. */
 #define _XOPEN_SOURCE 700   /* realpath */
 
 #include "src/base/files_internal.h"

@@ -1,3 +1,5 @@
+/* Writes output files: into a locked temporary file in the target's folder, which is synced and renamed to the target
+   when it is complete. A signal handler removes unfinished files. */
 #include "src/base/output_internal.h"
 
 #include <errno.h>

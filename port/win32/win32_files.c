@@ -1,3 +1,4 @@
+/* Files, folders, links, streams and descriptors on Windows. */
 #include "win32.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* Starts programs in a job object, opens a browser, and handles requests to end (console control events). */
 #include "win32.h"
 
 #include <errno.h>

@@ -1,3 +1,4 @@
+/* Draws panels, lines and bars into RGBA pictures, and paints depths and ids. */
 #include "overlay.h"
 
 #include <math.h>

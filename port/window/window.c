@@ -1,3 +1,4 @@
+/* An SDL2 window: translates SDL events, and copies pictures and panels to the window's surface. */
 #include "window.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* One thread that waits for a job; a mutex guards all its fields. */
 #include "worker.h"
 
 #include <pthread.h>

@@ -1,3 +1,4 @@
+/* Opens scene files and memory: finds the format by the content and starts its reader. */
 #include <fixsplat/scene_file.h>
 
 #include <stdio.h>

@@ -1,3 +1,4 @@
+/* Passes Gaussians to the writer of a format, chosen by its name or the path's ending. */
 #include <fixsplat/scene_write.h>
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Placements of scenes in a world: checks them, and converts them to objects, matrices and boxes. */
 #include <fixsplat/world.h>
 
 #include <math.h>

@@ -1,3 +1,5 @@
+/* Each scene has several parts (terrain, trees, objects). A part maps the index of a Gaussian to evenly spread numbers
+   (u, v) and hashes, and computes the Gaussian from them. */
 #include "procedural.h"
 
 #include <math.h>

@@ -428,8 +428,8 @@ static int level_of(const char *name)
     return *name ? level : -1;
 }
 
-/* Finds the item of a node for a level, or null. A leaf without that level uses the nearest one; of two equally near,
-   the finer. Returns 0, or -1 if the names of the levels are not numbers. */
+/* Finds the item of a node for a level, or null. A leaf without that level uses the nearest one; at equal
+   distance, the finer. Returns 0, or -1 if the names of the levels are not numbers. */
 static int find_level(const cJSON *node, int level, const cJSON **found)
 {
     const int is_leaf = !cJSON_GetArraySize(member(node, "children"));

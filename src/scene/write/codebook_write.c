@@ -1,3 +1,4 @@
+/* Learns codebooks of .sog: Lloyd's quantiser over a histogram for scalars, k-means in two steps for SH. */
 #include "codebook_internal.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Builds levels of detail: each set merges two sets of the previous level with fxs_merge. */
 #include "held_levels_internal.h"
 
 #include <stdlib.h>
